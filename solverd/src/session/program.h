@@ -1,0 +1,132 @@
+// What a session is told and what it answers: plain values, filled from and turned into messages by server/.
+// Units: mm, kPa, mN, seconds.
+#pragma once
+#include <Eigen/Core>
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "lattice/surface.h"
+
+namespace lappet {
+
+struct MaterialParameters {
+  std::string model = "neoHookean";  // or "corotated"
+  double youngs_modulus = 50.0;      // kPa
+  double poissons_ratio = 0.45;
+  double density = 1100.0;  // kg/m^3
+};
+
+struct SessionSettings {
+  double spacing = 1.0;  // mm
+  int fine_ratio = 4;
+  Vec3 origin = Vec3::Zero();      // lattice origin, mm
+  int quadrature = 1;              // 1 or 8 points per cell
+  std::string precision = "float";  // or "double"
+  double tolerance = 1e-3;         // residual / force scale
+  double gap_tolerance = 1e-3;     // suture and grip gaps, fraction of spacing
+  int max_newton = 100;            // per frame
+  double bed_stiffness = 10.0;     // kPa/mm
+  Vec3 gravity = Vec3::Zero();     // m/s^2
+  double time_budget = 0.0;        // seconds per frame, 0: none
+  std::size_t memory_budget = std::size_t{8} << 30;
+  int threads = 0;  // 0: all
+  std::int32_t sutures = 0;     // number of sutures in the whole procedure; frames refer to them by index
+  std::int32_t retractors = 0;  // likewise
+  MaterialParameters material;
+};
+
+struct EpochInput {
+  std::int32_t index = 0;
+  Surface surface;
+  std::vector<std::uint8_t> fixed;  // per triangle
+  std::vector<std::uint8_t> bed;    // per triangle
+  std::vector<std::int32_t> grip;   // per triangle: index of the retractor that grips it, or -1
+  std::vector<Vec3> landmarks;      // rest points
+  std::vector<std::int32_t> landmark_triangles;
+};
+
+struct EpochReport {
+  std::int64_t fine_voxels = 0;
+  std::int32_t cells = 0, grid_cells = 0, mesh_cells = 0, nodes = 0, fragments = 0, blocks = 0;
+  std::int32_t fixed_nodes = 0;
+  double bytes = 0.0;    // what the session holds now
+  double seconds = 0.0;  // to build it
+};
+
+struct Anchor {
+  Vec3 point;             // rest
+  std::int32_t triangle;  // of the epoch's surface
+};
+
+struct HookState {
+  Anchor anchor;
+  Vec3 target;
+  double stiffness;  // mN/mm
+};
+
+struct SutureState {
+  std::int32_t index;  // in the procedure
+  Anchor a, b;
+  double closure;    // 0: as it was when the suture was placed; 1: drawn together
+  double stiffness;  // mN/mm; the penalty the multiplier method starts from
+};
+
+struct RetractorState {
+  std::int32_t index;
+  Eigen::Matrix4d motion;  // relative to its start; column-vector convention
+};
+
+struct FrameInput {
+  double time = 0.0;
+  std::vector<HookState> hooks;
+  std::vector<SutureState> sutures;
+  std::vector<RetractorState> retractors;  // the active ones
+};
+
+// Everything a later frame depends on: give it back with set_state and the solve goes on bit for bit.
+struct SolverState {
+  bool is_double = false;
+  std::vector<double> nodes;                // 3 per node (float values when !is_double)
+  std::vector<double> suture_gaps;          // 3 per suture: separation when placed, NaN before
+  std::vector<double> suture_multipliers;   // 3 per suture, mN
+  std::vector<double> grip_multipliers;     // opaque
+};
+
+struct FrameOutput {
+  double time = 0.0;
+  bool converged = false;
+  std::string reason;  // empty when converged: otherwise one sentence
+  int newton_iterations = 0, pcg_iterations = 0, load_steps = 0;
+  double residual = 0.0;    // relative to the force scale
+  double force_scale = 0.0; // mN
+  double largest_gap = 0.0; // mm, over sutures and grips
+  double minimum_j = 0.0;
+  std::int32_t inverted_cells = 0;
+  double energy = 0.0;  // mN mm
+  double seconds_update = 0.0, seconds_linear = 0.0, seconds_setup = 0.0, seconds_total = 0.0;
+  double peak_bytes = 0.0;               // of the process
+  std::vector<float> points;             // 3 per surface vertex, mm
+  std::vector<float> strain;             // largest principal stretch - 1, per surface vertex
+  std::vector<float> stress;             // von Mises Cauchy, kPa
+  std::vector<float> tension;            // largest principal Cauchy stress, kPa
+  std::vector<double> landmarks;         // 3 per landmark, mm
+  std::vector<double> suture_gaps;       // per active suture: distance from its demanded separation, mm
+  std::vector<double> suture_forces;     // per active suture, mN
+  std::vector<double> hook_forces;       // 3 per hook, mN, on the tissue
+  std::vector<double> hook_points;       // 3 per hook: where the anchor is now, mm
+  std::vector<double> suture_points;     // 6 per active suture: both ends, mm
+  SolverState state;
+};
+
+struct Progress {
+  double time = 0.0;
+  int newton_iteration = 0;
+  double residual = 0.0, gap = 0.0;
+};
+using ProgressCallback = std::function<void(const Progress&)>;
+
+}  // namespace lappet
