@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from enum import IntEnum
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -43,3 +44,69 @@ class Epoch:
     start_time: float
     surface: Surface
     fragments: int
+
+
+@dataclass(frozen=True)
+class SolverSettings:
+    """How a session solves: the `settings` and `material` maps of `open` (PROTOCOL.md), flattened.
+
+    spacing: lattice edge, mm. fine_ratio: fine voxels per lattice edge. origin: a grid point, mm. quadrature: points per
+    cell (1, 4 or 8). precision: "float" or "double". tolerance: residual over force scale. gap_tolerance: largest suture
+    and grip gap as a fraction of the spacing. bed_stiffness: kPa/mm. gravity: m/s². time_budget: s per frame, 0 = none.
+    memory_budget: bytes. threads: 0 = all. sutures, retractors: their numbers in the whole procedure. model,
+    youngs_modulus (kPa), poissons_ratio, density (kg/m³): the material.
+    """
+
+    spacing: float = 1.0
+    fine_ratio: int = 4
+    origin: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    quadrature: int = 1
+    precision: Literal["float", "double"] = "float"
+    tolerance: float = 1e-3
+    gap_tolerance: float = 1e-3
+    max_newton: int = 100
+    bed_stiffness: float = 10.0
+    gravity: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    time_budget: float = 0.0
+    memory_budget: int = 8 << 30
+    threads: int = 0
+    sutures: int = 0
+    retractors: int = 0
+    model: str = "neoHookean"
+    youngs_modulus: float = 50.0
+    poissons_ratio: float = 0.45
+    density: float = 1100.0
+
+
+def _no(shape: tuple[int, ...], kind: type) -> NDArray[Any]:
+    return np.zeros(shape, kind)
+
+
+@dataclass(frozen=True, eq=False)
+class FrameConstraints:
+    """What acts on the tissue in one frame: the arrays of the message `solve` (PROTOCOL.md) under their own names.
+
+    time: time code. epoch: index of the epoch that the frame belongs to.
+
+    Hooks (H): hook_anchors (H, 3) float64 rest points in mm; hook_triangles (H,) int32, the triangle of the epoch's
+    surface under each; hook_targets (H, 3) float64 mm; hook_stiffness (H,) float64 mN/mm.
+    Sutures placed by now (A): suture_index (A,) int32 in the procedure; suture_anchors (A, 2, 3) float64 rest points;
+    suture_triangles (A, 2) int32; suture_closure (A,) float64, 0 = as placed, 1 = drawn together; suture_stiffness (A,)
+    float64 mN/mm.
+    Active retractors (R): retractor_index (R,) int32; retractor_motion (R, 4, 4) float64, column-vector convention (the
+    translation is the last column, mm), relative to the retractor's start.
+    """
+
+    time: float
+    epoch: int
+    hook_anchors: NDArray[np.float64] = field(default_factory=lambda: _no((0, 3), np.float64))
+    hook_triangles: NDArray[np.int32] = field(default_factory=lambda: _no((0,), np.int32))
+    hook_targets: NDArray[np.float64] = field(default_factory=lambda: _no((0, 3), np.float64))
+    hook_stiffness: NDArray[np.float64] = field(default_factory=lambda: _no((0,), np.float64))
+    suture_index: NDArray[np.int32] = field(default_factory=lambda: _no((0,), np.int32))
+    suture_anchors: NDArray[np.float64] = field(default_factory=lambda: _no((0, 2, 3), np.float64))
+    suture_triangles: NDArray[np.int32] = field(default_factory=lambda: _no((0, 2), np.int32))
+    suture_closure: NDArray[np.float64] = field(default_factory=lambda: _no((0,), np.float64))
+    suture_stiffness: NDArray[np.float64] = field(default_factory=lambda: _no((0,), np.float64))
+    retractor_index: NDArray[np.int32] = field(default_factory=lambda: _no((0,), np.int32))
+    retractor_motion: NDArray[np.float64] = field(default_factory=lambda: _no((0, 4, 4), np.float64))
