@@ -1,0 +1,68 @@
+"""`lappet.closest_point` against trimesh's own search and against cases with known answers."""
+
+from __future__ import annotations
+
+import time
+
+import numpy as np
+import pytest
+import trimesh
+
+from lappet.closest_point import ClosestPoint, closest_points
+
+
+def test_closest_points_agree_with_trimesh_on_a_bumpy_sphere() -> None:
+    mesh = trimesh.creation.icosphere(subdivisions=3, radius=10.0)
+    generator = np.random.default_rng(1)
+    vertices = np.asarray(mesh.vertices) * (1.0 + 0.1 * generator.random((len(mesh.vertices), 1)))
+    queries = generator.normal(0.0, 8.0, (60, 3))
+    triangle, point, distance = closest_points(queries, vertices, mesh.faces)
+    corners = vertices[mesh.faces]
+    for i, query in enumerate(queries):
+        candidates = trimesh.triangles.closest_point(corners, np.repeat(query[None], len(corners), axis=0))
+        expected = np.linalg.norm(candidates - query, axis=1)
+        assert distance[i] == pytest.approx(expected.min(), abs=1e-12)
+        assert expected[triangle[i]] == pytest.approx(expected.min(), abs=1e-12)
+        assert np.linalg.norm(point[i] - query) == pytest.approx(distance[i], abs=1e-12)
+
+
+def test_face_edge_and_corner_answers_are_exact() -> None:
+    square = np.array([[0, 0, 0], [4, 0, 0], [4, 4, 0], [0, 4, 0]], float)
+    triangles = [[0, 1, 2], [0, 2, 3]]
+    index, point, distance = closest_points([[3, 1, 2], [2, -3, 0], [6, 6, 1], [1, 3, -0.5]], square, triangles)
+    assert index.tolist() == [0, 0, 0, 1]
+    assert point.tolist() == [[3, 1, 0], [2, 0, 0], [4, 4, 0], [1, 3, 0]]
+    assert distance.tolist() == [2.0, 3.0, 3.0, 0.5]
+
+
+def test_degenerate_triangles_count_as_segments_and_points() -> None:
+    points = [[0, 0, 0], [2, 0, 0], [4, 0, 0], [9, 9, 9]]
+    index, point, distance = closest_points([[3, 1, 0], [9, 9, 8]], points, [[0, 1, 2], [3, 3, 3]])
+    assert index.tolist() == [0, 1]
+    assert point.tolist() == [[3, 0, 0], [9, 9, 9]]
+    assert distance.tolist() == [1.0, 1.0]
+
+
+def test_a_point_that_is_not_finite_has_no_closest_triangle() -> None:
+    index, _, distance = closest_points([[np.nan, 0, 0]], np.eye(3), [[0, 1, 2]])
+    assert index.tolist() == [-1]
+    assert np.isnan(distance).all()
+
+
+def test_a_surface_without_triangles_is_refused() -> None:
+    with pytest.raises(ValueError, match="at least one triangle"):
+        ClosestPoint(np.eye(3), np.zeros((0, 3), int))
+
+
+def test_a_hundred_points_on_a_hundred_thousand_triangles_take_well_under_a_second() -> None:
+    n = 224
+    x, y = np.meshgrid(np.linspace(0, 100, n), np.linspace(0, 100, n), indexing="ij")
+    vertices = np.stack([x, y, np.sin(x / 5)], axis=-1).reshape(-1, 3)
+    corner = (np.arange(n - 1)[:, None] * n + np.arange(n - 1)).ravel()
+    lower = np.stack([corner, corner + n, corner + n + 1], axis=1)
+    upper = np.stack([corner, corner + n + 1, corner + 1], axis=1)
+    queries = np.random.default_rng(2).random((100, 3)) * [100, 100, 2]
+    start = time.perf_counter()
+    _, _, distance = closest_points(queries, vertices, np.concatenate([lower, upper]))
+    assert time.perf_counter() - start < 2.0
+    assert (distance < 3.1).all()
