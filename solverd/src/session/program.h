@@ -9,22 +9,16 @@
 #include <string>
 #include <vector>
 
+#include "force/material.h"
 #include "lattice/surface.h"
 
 namespace lappet {
-
-struct MaterialParameters {
-  std::string model = "neoHookean";  // or "corotated"
-  double youngs_modulus = 50.0;      // kPa
-  double poissons_ratio = 0.45;
-  double density = 1100.0;  // kg/m^3
-};
 
 struct SessionSettings {
   double spacing = 1.0;  // mm
   int fine_ratio = 4;
   Vec3 origin = Vec3::Zero();      // lattice origin, mm
-  int quadrature = 1;              // 1 or 8 points per cell
+  int quadrature = 1;              // 1, 4 or 8 points per cell
   std::string precision = "float";  // or "double"
   double tolerance = 1e-3;         // residual / force scale
   double gap_tolerance = 1e-3;     // suture and grip gaps, fraction of spacing
