@@ -1,0 +1,335 @@
+#include "server/codec.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "server/version.h"
+
+namespace lappet {
+namespace {
+
+constexpr std::int64_t kMaxInt = std::numeric_limits<std::int32_t>::max();
+constexpr std::int64_t kMaxBytes = std::int64_t{1} << 50;
+
+[[noreturn]] void invalid(const std::string& sentence) { throw RefusedError(ErrorCode::kInvalidInput, sentence); }
+
+int integer_field(FieldReader& reader, std::string_view name, std::int64_t low, std::int64_t high = kMaxInt) {
+  return static_cast<int>(reader.integer(name, low, high));
+}
+
+Vec3 point_at(const std::vector<double>& elements, std::size_t index) {
+  return {elements[3 * index], elements[3 * index + 1], elements[3 * index + 2]};
+}
+
+std::vector<Vec3> to_points(const std::vector<double>& elements) {
+  std::vector<Vec3> points(elements.size() / 3);
+  for (std::size_t i = 0; i < points.size(); ++i) points[i] = point_at(elements, i);
+  return points;
+}
+
+// Refuses an index outside [low, count).
+void check_indices(const std::vector<std::int32_t>& indices, std::string_view array, std::int32_t low,
+                   std::int64_t count, std::string_view of) {
+  const auto bad = std::ranges::find_if(indices, [&](std::int32_t index) { return index < low || index >= count; });
+  if (bad != indices.end()) {
+    invalid("The array '" + std::string(array) + "' holds " + std::to_string(*bad) + " at element " +
+            std::to_string(bad - indices.begin()) + "; there are " + std::to_string(count) + " " + std::string(of) +
+            ".");
+  }
+}
+
+// Refuses an index that comes twice.
+void check_distinct(std::vector<std::int32_t> indices, std::string_view array) {
+  std::ranges::sort(indices);
+  const auto twice = std::ranges::adjacent_find(indices);
+  if (twice != indices.end()) {
+    invalid("The array '" + std::string(array) + "' holds " + std::to_string(*twice) + " twice.");
+  }
+}
+
+std::int32_t checked_count(std::size_t count, std::string_view of) {
+  if (count > static_cast<std::size_t>(kMaxInt)) {
+    invalid("There are " + std::to_string(count) + " " + std::string(of) + "; at most " + std::to_string(kMaxInt) +
+            " can be numbered.");
+  }
+  return static_cast<std::int32_t>(count);
+}
+
+std::int64_t length(std::size_t count) { return static_cast<std::int64_t>(count); }
+
+MessageWriter reply(std::string type, ReplyTo to) {
+  return {std::move(type), to.id, to.session == 0 ? std::nullopt : std::optional(to.session)};
+}
+
+template <class T>
+void add_rows(MessageWriter& writer, const std::string& name, const std::vector<T>& elements,
+              std::vector<std::uint64_t> row_shape) {
+  std::uint64_t row = 1;
+  for (const std::uint64_t extent : row_shape) row *= extent;
+  std::vector<std::uint64_t> shape = {elements.size() / row};
+  shape.insert(shape.end(), row_shape.begin(), row_shape.end());
+  writer.array(name, std::span<const T>(elements), std::move(shape));
+}
+
+}  // namespace
+
+Hello decode_hello(const Header& header, ArrayFrames frames) {
+  ArrayReader(header, frames).finish();
+  FieldReader reader(header.fields, header.type);
+  Hello hello{reader.text("token"), reader.text("client")};
+  reader.finish();
+  return hello;
+}
+
+SessionSettings decode_open(const Header& header, ArrayFrames frames) {
+  ArrayReader(header, frames).finish();
+  FieldReader open(header.fields, header.type);
+  SessionSettings settings;
+  FieldReader reader(open.map("settings"), "settings");
+  settings.spacing = reader.number("spacing");
+  settings.fine_ratio = integer_field(reader, "fine_ratio", 1);
+  const std::array<double, 3> origin = reader.vector3("origin");
+  settings.origin = Vec3(origin[0], origin[1], origin[2]);
+  settings.quadrature = integer_field(reader, "quadrature", 0);
+  settings.precision = reader.text("precision");
+  settings.tolerance = reader.number("tolerance");
+  settings.gap_tolerance = reader.number("gap_tolerance");
+  settings.max_newton = integer_field(reader, "max_newton", 0);
+  settings.bed_stiffness = reader.number("bed_stiffness");
+  const std::array<double, 3> gravity = reader.vector3("gravity");
+  settings.gravity = Vec3(gravity[0], gravity[1], gravity[2]);
+  settings.time_budget = reader.number("time_budget");
+  settings.memory_budget = static_cast<std::size_t>(reader.integer("memory_budget", 0, kMaxBytes));
+  settings.threads = integer_field(reader, "threads", 0, 4096);
+  settings.sutures = integer_field(reader, "sutures", 0);
+  settings.retractors = integer_field(reader, "retractors", 0);
+  reader.finish();
+  FieldReader material(open.map("material"), "material");
+  settings.material.model = material.text("model");
+  settings.material.youngs_modulus = material.number("youngs_modulus");
+  settings.material.poissons_ratio = material.number("poissons_ratio");
+  settings.material.density = material.number("density");
+  material.finish();
+  open.finish();
+  return settings;
+}
+
+EpochInput decode_epoch(const Header& header, ArrayFrames frames, std::int32_t retractors) {
+  FieldReader reader(header.fields, header.type);
+  ArrayReader arrays(header, frames);
+  EpochInput epoch;
+  epoch.index = integer_field(reader, "index", 0);
+  reader.finish();
+  epoch.surface.points = to_points(arrays.read_finite("points", {kAny, 3}));
+  const std::int32_t points = checked_count(epoch.surface.points.size(), "surface points");
+  const std::vector<std::int32_t> triangles = arrays.read<std::int32_t>("triangles", {kAny, 3});
+  check_indices(triangles, "triangles", 0, points, "surface points");
+  const std::int32_t count = checked_count(triangles.size() / 3, "triangles");
+  epoch.surface.triangles.resize(triangles.size() / 3);
+  for (std::size_t i = 0; i < epoch.surface.triangles.size(); ++i) {
+    epoch.surface.triangles[i] = {triangles[3 * i], triangles[3 * i + 1], triangles[3 * i + 2]};
+  }
+  epoch.fixed = arrays.read<std::uint8_t>("fixed", {count});
+  epoch.bed = arrays.read<std::uint8_t>("bed", {count});
+  epoch.grip = arrays.read<std::int32_t>("grip", {count});
+  check_indices(epoch.grip, "grip", -1, retractors, "retractors (-1: not gripped)");
+  epoch.landmarks = to_points(arrays.read_finite("landmarks", {kAny, 3}));
+  epoch.landmark_triangles = arrays.read<std::int32_t>("landmark_triangles", {length(epoch.landmarks.size())});
+  check_indices(epoch.landmark_triangles, "landmark_triangles", 0, count, "triangles");
+  arrays.finish();
+  return epoch;
+}
+
+SolverState decode_state(const Header& header, ArrayFrames frames, std::int32_t sutures) {
+  FieldReader reader(header.fields, header.type);
+  ArrayReader arrays(header, frames);
+  SolverState state;
+  const std::string precision = reader.text("precision");
+  reader.finish();
+  if (precision != "float" && precision != "double") {
+    invalid("The precision of the state is " + in_quotes(precision) + "; it must be 'float' or 'double'.");
+  }
+  state.is_double = precision == "double";
+  if (state.is_double) {
+    state.nodes = arrays.read<double>("nodes", {kAny, 3});
+  } else {
+    const std::vector<float> nodes = arrays.read<float>("nodes", {kAny, 3});
+    state.nodes.assign(nodes.begin(), nodes.end());
+  }
+  if (!std::ranges::all_of(state.nodes, [](double x) { return std::isfinite(x); })) {
+    invalid("The array 'nodes' of the state holds a value that is not finite.");
+  }
+  state.suture_gaps = arrays.read<double>("suture_gaps", {sutures, 3});  // NaN: not placed yet
+  state.suture_multipliers = arrays.read_finite("suture_multipliers", {sutures, 3});
+  state.grip_multipliers = arrays.read_finite("grip_multipliers", {kAny});
+  arrays.finish();
+  return state;
+}
+
+FrameInput decode_solve(const Header& header, ArrayFrames frames, const FrameLimits& limits) {
+  FieldReader reader(header.fields, header.type);
+  ArrayReader arrays(header, frames);
+  FrameInput frame;
+  frame.time = reader.number("time");
+  reader.finish();
+
+  const std::vector<double> hook_anchors = arrays.read_finite("hook_anchors", {kAny, 3});
+  const std::size_t hooks = hook_anchors.size() / 3;
+  const auto hook_triangles = arrays.read<std::int32_t>("hook_triangles", {length(hooks)});
+  check_indices(hook_triangles, "hook_triangles", 0, limits.triangles, "triangles");
+  const std::vector<double> hook_targets = arrays.read_finite("hook_targets", {length(hooks), 3});
+  const std::vector<double> hook_stiffness = arrays.read_finite("hook_stiffness", {length(hooks)});
+  for (std::size_t i = 0; i < hooks; ++i) {
+    frame.hooks.push_back(
+        {{point_at(hook_anchors, i), hook_triangles[i]}, point_at(hook_targets, i), hook_stiffness[i]});
+  }
+
+  const auto suture_index = arrays.read<std::int32_t>("suture_index", {kAny});
+  const std::size_t sutures = suture_index.size();
+  check_indices(suture_index, "suture_index", 0, limits.sutures, "sutures in the procedure");
+  check_distinct(suture_index, "suture_index");
+  const std::vector<double> suture_anchors = arrays.read_finite("suture_anchors", {length(sutures), 2, 3});
+  const auto suture_triangles = arrays.read<std::int32_t>("suture_triangles", {length(sutures), 2});
+  check_indices(suture_triangles, "suture_triangles", 0, limits.triangles, "triangles");
+  const std::vector<double> closure = arrays.read_finite("suture_closure", {length(sutures)});
+  const std::vector<double> suture_stiffness = arrays.read_finite("suture_stiffness", {length(sutures)});
+  for (std::size_t i = 0; i < sutures; ++i) {
+    if (closure[i] < 0.0 || closure[i] > 1.0) {
+      invalid("The closure of suture " + std::to_string(suture_index[i]) + " is " + std::to_string(closure[i]) +
+              "; it must lie between 0 (as placed) and 1 (drawn together).");
+    }
+    frame.sutures.push_back({suture_index[i],
+                             {point_at(suture_anchors, 2 * i), suture_triangles[2 * i]},
+                             {point_at(suture_anchors, 2 * i + 1), suture_triangles[2 * i + 1]},
+                             closure[i],
+                             suture_stiffness[i]});
+  }
+
+  const auto retractor_index = arrays.read<std::int32_t>("retractor_index", {kAny});
+  check_indices(retractor_index, "retractor_index", 0, limits.retractors, "retractors in the procedure");
+  check_distinct(retractor_index, "retractor_index");
+  const std::vector<double> motion = arrays.read_finite("retractor_motion", {length(retractor_index.size()), 4, 4});
+  for (std::size_t i = 0; i < retractor_index.size(); ++i) {
+    RetractorState retractor{retractor_index[i], Eigen::Matrix4d::Identity()};
+    for (int row = 0; row < 4; ++row) {
+      for (int column = 0; column < 4; ++column) {
+        retractor.motion(row, column) = motion[16 * i + static_cast<std::size_t>(4 * row + column)];
+      }
+    }
+    frame.retractors.push_back(retractor);
+  }
+  arrays.finish();
+  return frame;
+}
+
+void decode_bare(const Header& header, ArrayFrames frames) {
+  FieldReader(header.fields, header.type).finish();
+  ArrayReader(header, frames).finish();
+}
+
+std::vector<FrameBytes> encode_welcome(ReplyTo to, int threads, std::uint64_t max_message_bytes) {
+  return reply("welcome", to)
+      .field("version", std::string(kVersion))
+      .field("threads", std::int64_t{threads})
+      .field("max_message_bytes", max_message_bytes)
+      .finish();
+}
+
+std::vector<FrameBytes> encode_opened(ReplyTo to) { return reply("opened", to).finish(); }
+std::vector<FrameBytes> encode_accepted(ReplyTo to) { return reply("accepted", to).finish(); }
+std::vector<FrameBytes> encode_pong(ReplyTo to) { return reply("pong", to).finish(); }
+
+std::vector<FrameBytes> encode_lattice(ReplyTo to, const EpochReport& report) {
+  return reply("lattice", to)
+      .field("fine_voxels", report.fine_voxels)
+      .field("cells", std::int64_t{report.cells})
+      .field("grid_cells", std::int64_t{report.grid_cells})
+      .field("mesh_cells", std::int64_t{report.mesh_cells})
+      .field("nodes", std::int64_t{report.nodes})
+      .field("fragments", std::int64_t{report.fragments})
+      .field("blocks", std::int64_t{report.blocks})
+      .field("fixed_nodes", std::int64_t{report.fixed_nodes})
+      .field("bytes", report.bytes)
+      .field("seconds", report.seconds)
+      .finish();
+}
+
+std::vector<FrameBytes> encode_progress(ReplyTo to, const Progress& progress) {
+  return reply("progress", to)
+      .field("time", progress.time)
+      .field("newton", std::int64_t{progress.newton_iteration})
+      .field("residual", progress.residual)
+      .field("gap", progress.gap)
+      .finish();
+}
+
+std::vector<FrameBytes> encode_frame(ReplyTo to, const FrameOutput& frame) {
+  MessageWriter writer = reply("frame", to);
+  writer.field("time", frame.time)
+      .field("converged", frame.converged)
+      .field("reason", frame.reason)
+      .field("newton", std::int64_t{frame.newton_iterations})
+      .field("pcg", std::int64_t{frame.pcg_iterations})
+      .field("load_steps", std::int64_t{frame.load_steps})
+      .field("residual", frame.residual)
+      .field("force_scale", frame.force_scale)
+      .field("largest_gap", frame.largest_gap)
+      .field("minimum_j", frame.minimum_j)
+      .field("inverted_cells", std::int64_t{frame.inverted_cells})
+      .field("energy", frame.energy)
+      .field("seconds", Fields{{"update", frame.seconds_update},
+                               {"linear", frame.seconds_linear},
+                               {"setup", frame.seconds_setup},
+                               {"total", frame.seconds_total}})
+      .field("peak_bytes", frame.peak_bytes)
+      .field("precision", std::string(frame.state.is_double ? "double" : "float"));
+  add_rows(writer, "points", frame.points, {3});
+  add_rows(writer, "strain", frame.strain, {});
+  add_rows(writer, "stress", frame.stress, {});
+  add_rows(writer, "tension", frame.tension, {});
+  add_rows(writer, "landmarks", frame.landmarks, {3});
+  add_rows(writer, "suture_gaps", frame.suture_gaps, {});
+  add_rows(writer, "suture_forces", frame.suture_forces, {});
+  add_rows(writer, "suture_points", frame.suture_points, {2, 3});
+  add_rows(writer, "hook_forces", frame.hook_forces, {3});
+  add_rows(writer, "hook_points", frame.hook_points, {3});
+  if (frame.state.is_double) {
+    add_rows(writer, "nodes", frame.state.nodes, {3});
+  } else {
+    add_rows(writer, "nodes", std::vector<float>(frame.state.nodes.begin(), frame.state.nodes.end()), {3});
+  }
+  add_rows(writer, "state_suture_gaps", frame.state.suture_gaps, {3});
+  add_rows(writer, "suture_multipliers", frame.state.suture_multipliers, {3});
+  add_rows(writer, "grip_multipliers", frame.state.grip_multipliers, {});
+  return writer.finish();
+}
+
+std::vector<FrameBytes> encode_error(ReplyTo to, ErrorCode code, const std::string& sentence) {
+  return reply("error", to).field("code", std::string(error_name(code))).field("message", sentence).finish();
+}
+
+std::string_view error_name(ErrorCode code) {
+  switch (code) {
+    case ErrorCode::kMalformed:
+      return "malformed";
+    case ErrorCode::kOutOfOrder:
+      return "out_of_order";
+    case ErrorCode::kUnauthorized:
+      return "unauthorized";
+    case ErrorCode::kInvalidInput:
+      return "invalid_input";
+    case ErrorCode::kMemoryBudget:
+      return "memory_budget";
+    case ErrorCode::kTimeBudget:
+      return "time_budget";
+    case ErrorCode::kCancelled:
+      return "cancelled";
+    case ErrorCode::kInternal:
+      break;
+  }
+  return "internal";
+}
+
+}  // namespace lappet

@@ -1,0 +1,53 @@
+// Messages of the wire (PROTOCOL.md) to and from the values of session/program.h. Indices into the epoch and into the
+// procedure are checked here, so that no index out of range ever reaches the solver.
+#pragma once
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "lattice/refused.h"
+#include "server/message.h"
+#include "session/program.h"
+
+namespace lappet {
+
+// What the indices of a frame may refer to.
+struct FrameLimits {
+  std::int32_t triangles = 0;   // of the epoch's surface
+  std::int32_t sutures = 0;     // in the procedure
+  std::int32_t retractors = 0;  // in the procedure
+};
+
+struct Hello {
+  std::string token;
+  std::string client;
+};
+
+using ArrayFrames = std::span<const std::span<const std::byte>>;
+
+Hello decode_hello(const Header& header, ArrayFrames frames);
+SessionSettings decode_open(const Header& header, ArrayFrames frames);
+EpochInput decode_epoch(const Header& header, ArrayFrames frames, std::int32_t retractors);
+SolverState decode_state(const Header& header, ArrayFrames frames, std::int32_t sutures);
+FrameInput decode_solve(const Header& header, ArrayFrames frames, const FrameLimits& limits);
+// For messages without fields and arrays: refuses any.
+void decode_bare(const Header& header, ArrayFrames frames);
+
+// Where a reply belongs: the request's id and the session, 0 for none.
+struct ReplyTo {
+  std::uint64_t id = 0;
+  std::uint64_t session = 0;
+};
+
+std::vector<FrameBytes> encode_welcome(ReplyTo to, int threads, std::uint64_t max_message_bytes);
+std::vector<FrameBytes> encode_opened(ReplyTo to);
+std::vector<FrameBytes> encode_lattice(ReplyTo to, const EpochReport& report);
+std::vector<FrameBytes> encode_accepted(ReplyTo to);
+std::vector<FrameBytes> encode_pong(ReplyTo to);
+std::vector<FrameBytes> encode_progress(ReplyTo to, const Progress& progress);
+std::vector<FrameBytes> encode_frame(ReplyTo to, const FrameOutput& frame);
+std::vector<FrameBytes> encode_error(ReplyTo to, ErrorCode code, const std::string& sentence);
+
+std::string_view error_name(ErrorCode code);  // as in PROTOCOL.md
+
+}  // namespace lappet
