@@ -110,3 +110,43 @@ class FrameConstraints:
     suture_stiffness: NDArray[np.float64] = field(default_factory=lambda: _no((0,), np.float64))
     retractor_index: NDArray[np.int32] = field(default_factory=lambda: _no((0,), np.int32))
     retractor_motion: NDArray[np.float64] = field(default_factory=lambda: _no((0, 4, 4), np.float64))
+
+
+@dataclass(frozen=True, eq=False)
+class Landmarks:
+    """The landmarks that an epoch's tissue still holds.
+
+    index: (k,) int32 into `Program.landmarks`. points: (k, 3) float64 rest points, mm. triangles: (k,) int32, the
+    triangle of the epoch's surface under each.
+    """
+
+    index: NDArray[np.int32] = field(default_factory=lambda: _no((0,), np.int32))
+    points: NDArray[np.float64] = field(default_factory=lambda: _no((0, 3), np.float64))
+    triangles: NDArray[np.int32] = field(default_factory=lambda: _no((0,), np.int32))
+
+
+@dataclass(frozen=True, eq=False)
+class Program:
+    """A compiled procedure (`lappet.compile.compile_program`).
+
+    epochs: in order of time. frames: one per integer time code. active_hooks: per frame the (H,) indices into `hooks` of
+    the rows of its hook arrays. grips: per epoch (m,) int32, the retractor that grips each triangle, or -1; only
+    retractors that act in the epoch. landmarks_at: per epoch. fps: time codes per second.
+
+    Names of prims: hooks in the procedure's order; sutures and retractors in order of their start, so that what is added
+    to the end of the timeline renumbers nothing before it. landmarks: a label per landmark point. notes: sentences
+    about what the procedure holds and the solve leaves out.
+    """
+
+    epochs: tuple[Epoch, ...]
+    frames: tuple[FrameConstraints, ...]
+    settings: SolverSettings
+    fps: float = 24.0
+    hooks: tuple[str, ...] = ()
+    sutures: tuple[str, ...] = ()
+    retractors: tuple[str, ...] = ()
+    landmarks: tuple[str, ...] = ()
+    active_hooks: tuple[NDArray[np.int32], ...] = ()
+    grips: tuple[NDArray[np.int32], ...] = ()
+    landmarks_at: tuple[Landmarks, ...] = ()
+    notes: tuple[str, ...] = ()

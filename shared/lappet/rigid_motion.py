@@ -1,0 +1,92 @@
+"""Rigid motions between samples: the translation linear, the rotation along the shortest turn."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+RIGID_TOLERANCE = 1e-4
+
+
+class RigidMotion:
+    """The motion of a prim relative to its first sample.
+
+    samples: (time, 16 numbers or 4x4: a row-major matrix in USD's row-vector convention, mm), at least one; any order.
+    Raises ValueError with a sentence where there is no sample, a number is not finite, a matrix cannot be inverted, or
+    the motion between two samples is not rigid (it scales, shears or mirrors by more than 1e-4).
+    """
+
+    def __init__(self, samples: Sequence[tuple[float, Sequence[float]]]) -> None:
+        if not samples:
+            raise ValueError("it has no motion samples; author a transform.")
+        ordered = sorted(samples, key=lambda sample: sample[0])
+        # Column-vector convention from here on: p' = M p.
+        matrices = np.array([np.asarray(matrix, np.float64).reshape(4, 4).T for _, matrix in ordered])
+        self._times = np.array([time for time, _ in ordered], np.float64)
+        if not (np.isfinite(matrices).all() and np.isfinite(self._times).all()):
+            raise ValueError("its motion holds a number that is not finite.")
+        if abs(np.linalg.det(matrices[0, :3, :3])) < 1e-12:
+            raise ValueError(f"its transform at time {self._times[0]:g} cannot be inverted; give it a scale that is not 0.")
+        motions = matrices @ np.linalg.inv(matrices[0])
+        self._rotations = motions[:, :3, :3]
+        # The same motion about the first origin keeps the interpolated path near the prim, not about the world's origin.
+        self._pivot = matrices[0, :3, 3]
+        self._offsets = motions[:, :3, 3] + self._rotations @ self._pivot - self._pivot
+        for time, rotation in zip(self._times, self._rotations, strict=True):
+            strain = np.abs(rotation.T @ rotation - np.eye(3)).max()
+            if strain > RIGID_TOLERANCE or np.linalg.det(rotation) < 0.0:
+                raise ValueError(
+                    f"its motion at time {time:g} is not rigid (it scales, shears or mirrors by {strain:.3g}); "
+                    "animate translation and rotation only."
+                )
+
+    def at(self, time: float) -> NDArray[np.float64]:
+        """The motion (4, 4) from the first sample to `time`, column-vector convention, mm; held beyond the ends."""
+        times = self._times
+        after = int(np.searchsorted(times, time, side="right"))
+        low, high = max(after - 1, 0), min(after, len(times) - 1)
+        span = times[high] - times[low]
+        share = min(max((time - times[low]) / span, 0.0), 1.0) if span > 0.0 else 0.0
+        turn = _rotation(share * _rotation_vector(self._rotations[low].T @ self._rotations[high]))
+        rotation = self._rotations[low] @ turn
+        offset = (1.0 - share) * self._offsets[low] + share * self._offsets[high]
+        motion = np.eye(4)
+        motion[:3, :3] = rotation
+        motion[:3, 3] = offset + self._pivot - rotation @ self._pivot
+        return motion
+
+    def between(self, start: float, time: float) -> NDArray[np.float64]:
+        """The motion (4, 4) from `start` to `time`, column-vector convention, mm."""
+        return self.at(time) @ np.linalg.inv(self.at(start))
+
+
+def _rotation(vector: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The rotation matrix of a rotation vector (axis times angle), by Rodrigues' formula."""
+    angle = float(np.linalg.norm(vector))
+    if angle == 0.0:
+        return np.eye(3)
+    x, y, z = vector / angle
+    cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    return np.eye(3) + np.sin(angle) * cross + (1.0 - np.cos(angle)) * cross @ cross
+
+
+def _rotation_vector(rotation: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The rotation vector (angle at most pi) of a rotation matrix."""
+    sine = 0.5 * np.array([
+        rotation[2, 1] - rotation[1, 2],
+        rotation[0, 2] - rotation[2, 0],
+        rotation[1, 0] - rotation[0, 1],
+    ])
+    cosine = 0.5 * (np.trace(rotation) - 1.0)
+    length = float(np.linalg.norm(sine))
+    angle = float(np.arctan2(length, cosine))
+    if angle < 1e-9:
+        return sine
+    if length > 1e-6:
+        return sine * (angle / length)
+    # A half turn: the axis is the column of R + I with the largest diagonal entry.
+    symmetric = 0.5 * (rotation + np.eye(3))
+    axis = symmetric[:, int(np.argmax(np.diag(symmetric)))]
+    return axis * (angle / float(np.linalg.norm(axis)))
