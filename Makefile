@@ -1,0 +1,48 @@
+# The commands of the repository. `make help` lists them. Everything is installed and built by packaging/setup.sh.
+SHELL := /bin/bash
+.DEFAULT_GOAL := help
+.DELETE_ON_ERROR:
+.NOTPARALLEL:
+.PHONY: help setup daemon demo test lint format docs bench clean
+
+PYTHON := .venv/bin/python
+JOBS ?= $(shell nproc)
+# One Python worker per two threads of the daemons they start, at most 4.
+WORKERS ?= $(shell n=$$(nproc); echo $$(( n > 4 ? 4 : n )))
+
+help:  ## list the commands
+	@grep -hE '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/^([a-z]+):.*## */make \1\t/' | expand -t 16
+
+setup:  ## install what is missing, build the daemon
+	@bash packaging/setup.sh
+
+daemon:  ## build the daemon and its tests only (after setup)
+	@cmake --build build --parallel $${LAPPET_JOBS:-$$(nproc)}
+
+demo: setup  ## solve and render the bundled Z-plasty into build/demo
+	@.venv/bin/lappet demo -o build/demo
+
+test:  ## run every test: the daemon's (ctest), then Python's (pytest)
+	@bash packaging/setup.sh --tests
+	@status=0; \
+	ctest --test-dir build --output-on-failure --no-tests=error --parallel $(JOBS) || status=1; \
+	$(PYTHON) -m pytest -q -n $(WORKERS) --dist loadfile --durations=10 || status=1; \
+	exit $$status
+
+lint:  ## check style, types, import directions and the documents
+	@bash packaging/lint.sh
+
+format:  ## rewrite sources in the house style
+	@$(PYTHON) -m ruff check --fix --quiet . || true
+	@$(PYTHON) -m ruff format --quiet .
+	@find solverd -name '*.h' -o -name '*.cpp' | xargs -r .venv/bin/clang-format -i
+
+docs:  ## write docs/command_line.md from the program and check the links of every Markdown file
+	@$(PYTHON) packaging/documents.py --write
+
+bench: setup  ## solve the Z-plasty at 1 mm; print time and memory, write build/bench/z_plasty.json
+	@$(PYTHON) -m lappet.bench -o build/bench
+
+clean:  ## remove what was built, solved and rendered; .venv stays
+	@rm -rf build dist .pytest_cache .mypy_cache .ruff_cache .hypothesis
+	@find shared addon tests packaging examples -name __pycache__ -type d -prune -exec rm -rf {} +

@@ -1,0 +1,133 @@
+#!/usr/bin/env bash
+# Makes a checkout ready on Debian 12: system packages, a Python environment in .venv, the daemon in build/solverd.
+# Does only what is missing, so running it again is quick. Never asks a question.
+#
+#   bash packaging/setup.sh            everything
+#   bash packaging/setup.sh --tests    the daemon's tests too
+#
+# LAPPET_PYTHON names the Python 3.11 to make .venv with; LAPPET_JOBS how many compilers run at once.
+set -euo pipefail
+
+root="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)"
+cd "$root"
+venv="$root/.venv"
+build="$root/build"
+extras=(render examples test dev)
+
+say() { printf 'setup: %s\n' "$*"; }
+refuse() {
+    printf 'setup: %s\n' "$*" >&2
+    exit 1
+}
+
+targets=(lappet-solverd)
+for argument in "$@"; do
+    case "$argument" in
+        --tests) targets+=(solverd_tests) ;;
+        *) refuse "unknown argument '$argument'; the only one is --tests." ;;
+    esac
+done
+
+# ---- 1. system packages -------------------------------------------------------------------------------------------
+
+wanted_packages() { sed -e 's/#.*//' -e 's/[[:space:]]//g' -e '/^$/d' packaging/system_packages.txt; }
+
+missing_packages() {
+    # `dpkg-query` lists only what it knows: what is wanted but not listed as installed is missing.
+    comm -23 <(wanted_packages | sort -u) \
+        <(dpkg-query --show --showformat '${db:Status-Status} ${Package}\n' 2>/dev/null | sed -n 's/^installed //p' | sort -u)
+}
+
+install_system_packages() {
+    if ! command -v dpkg-query >/dev/null || ! command -v apt-get >/dev/null; then
+        say "this is not Debian, so the packages of packaging/system_packages.txt are taken to be there."
+        return
+    fi
+    local missing=()
+    mapfile -t missing < <(missing_packages)
+    [ "${#missing[@]}" -eq 0 ] && return
+    local as_root=()
+    if [ "$(id -u)" -ne 0 ]; then
+        if command -v sudo >/dev/null; then
+            as_root=(sudo)
+            [ -t 0 ] || as_root+=(--non-interactive)
+        else
+            refuse "${#missing[@]} Debian packages are missing and there is neither root nor sudo to install them." \
+                "Ask an administrator for: apt-get install --no-install-recommends ${missing[*]}"
+        fi
+    fi
+    say "installing ${#missing[@]} Debian packages: ${missing[*]}"
+    local apt=("${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -q -y -o DPkg::Lock::Timeout=300
+        -o Acquire::Retries=3)
+    "${apt[@]}" update || refuse "apt-get update failed; see its message above."
+    "${apt[@]}" install --no-install-recommends "${missing[@]}" || refuse "apt-get install failed; see its message above."
+}
+
+# ---- 2. Python ----------------------------------------------------------------------------------------------------
+
+is_python_311() {
+    "$1" -c 'import ensurepip, sys, venv; sys.exit(sys.version_info[:2] != (3, 11))' >/dev/null 2>&1
+}
+
+find_python() {
+    local candidate
+    for candidate in ${LAPPET_PYTHON:+"$LAPPET_PYTHON"} /usr/bin/python3 python3.11 python3; do
+        if is_python_311 "$candidate"; then
+            echo "$candidate"
+            return
+        fi
+    done
+    refuse "no Python 3.11 found (Blender's module needs exactly 3.11). Name one with LAPPET_PYTHON=/path/to/python3.11."
+}
+
+requirements_stamp() {
+    { cat pyproject.toml packaging/constraints.txt packaging/setup.sh; echo "$root"; "$venv/bin/python" --version; } |
+        sha256sum | cut -d' ' -f1
+}
+
+install_python() {
+    if ! "$venv/bin/python" -c 'import pip, sys; sys.exit(sys.version_info[:2] != (3, 11))' >/dev/null 2>&1; then
+        local python
+        python="$(find_python)"
+        say "making .venv with $python"
+        "$python" -m venv --clear "$venv"
+    fi
+    local stamp_file="$venv/lappet-requirements.sha256" stamp
+    stamp="$(requirements_stamp)"
+    if [ -x "$venv/bin/lappet" ] && [ "$(cat "$stamp_file" 2>/dev/null)" = "$stamp" ]; then
+        return
+    fi
+    say "installing the Python packages into .venv (the first time 600 MB, most of it Blender's module)"
+    local pip=("$venv/bin/python" -m pip --disable-pip-version-check --no-input)
+    "$venv/bin/python" packaging/requirements.py "${extras[@]}" >"$venv/lappet-requirements.txt"
+    "${pip[@]}" install --constraint packaging/constraints.txt --requirement "$venv/lappet-requirements.txt" |
+        { grep --line-buffered -v '^Requirement already satisfied' || true; }
+    # Editable, without the daemon: that one is built below, where a change of a source file rebuilds it.
+    "${pip[@]}" install --quiet --no-build-isolation --no-deps --force-reinstall --editable . \
+        --config-settings=wheel.cmake=false --config-settings=editable.mode=inplace
+    echo "$stamp" >"$stamp_file"
+}
+
+# ---- 3. the daemon ------------------------------------------------------------------------------------------------
+
+build_daemon() {
+    # A build folder that was copied or moved here belongs to another checkout: configure it anew.
+    if [ -f "$build/CMakeCache.txt" ] && ! grep -qxF "CMAKE_HOME_DIRECTORY:INTERNAL=$root" "$build/CMakeCache.txt"; then
+        rm -rf "$build/CMakeCache.txt" "$build/CMakeFiles"
+    fi
+    if [ ! -f "$build/build.ninja" ] || [ ! -f "$build/CMakeCache.txt" ]; then
+        say "configuring the daemon"
+        cmake -S "$root" -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DLAPPET_BUILD_TESTS=ON >"$build.log" 2>&1 || {
+            cat "$build.log" >&2
+            refuse "CMake could not configure the daemon; see its message above."
+        }
+        mkdir -p "$build" && mv "$build.log" "$build/configure.log"
+    fi
+    cmake --build "$build" --parallel "${LAPPET_JOBS:-$(nproc)}" --target "${targets[@]}" ||
+        refuse "the daemon did not compile; see the compiler's message above."
+}
+
+install_system_packages
+install_python
+build_daemon
+say "ready: .venv/bin/lappet and build/solverd/lappet-solverd"
