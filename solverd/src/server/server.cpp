@@ -1,0 +1,265 @@
+#include "server/server.h"
+
+#include <spdlog/spdlog.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <csignal>
+#include <thread>
+#include <utility>
+
+#include "server/codec.h"
+#include "server/loopback.h"
+
+namespace lappet {
+namespace {
+
+constexpr std::chrono::milliseconds kTick{250};
+constexpr int kMessagesPerTurn = 64;  // then replies get their turn
+constexpr std::chrono::milliseconds kLinger{500};
+constexpr std::uint64_t kBytesBeforeHello = kMaxHeaderBytes;
+constexpr std::array<std::string_view, 5> kWork = {"open", "epoch", "state", "solve", "close"};
+
+std::span<const std::byte> bytes_of(const zmq::message_t& frame) {
+  return {static_cast<const std::byte*>(frame.data()), frame.size()};
+}
+
+// Takes the same time wherever the texts differ.
+bool same_secret(std::string_view a, std::string_view b) {
+  unsigned difference = a.size() == b.size() ? 0U : 1U;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    difference |= static_cast<unsigned char>(a[i]) ^ static_cast<unsigned char>(b[i % b.size()]);
+  }
+  return difference == 0;
+}
+
+}  // namespace
+
+Server::Server(ServerOptions options, SolverFactory factory)
+    : options_(std::move(options)),
+      factory_(std::move(factory)),
+      router_(context_, zmq::socket_type::router),
+      replies_(context_, zmq::socket_type::pull),
+      replies_endpoint_("inproc://replies"),
+      heard_(Clock::now()) {
+  require_loopback(options_.address);
+  if (options_.token.empty()) {
+    throw RefusedError(
+        ErrorCode::kInvalidInput,
+        "The environment variable LAPPET_TOKEN is not set; set it to a secret that clients send in 'hello'.");
+  }
+  replies_.set(zmq::sockopt::rcvhwm, 0);
+  replies_.bind(replies_endpoint_);
+  router_.set(zmq::sockopt::linger, static_cast<int>(kLinger.count()));
+  router_.set(zmq::sockopt::maxmsgsize, static_cast<std::int64_t>(options_.max_message_bytes));
+  router_.set(zmq::sockopt::ipv6, options_.address.find('[') != std::string::npos);
+  try {
+    router_.bind(options_.address);
+  } catch (const zmq::error_t& error) {
+    throw RefusedError(ErrorCode::kInvalidInput,
+                       "The daemon cannot listen on '" + options_.address + "': " + error.what() + ".");
+  }
+  endpoint_ = router_.get(zmq::sockopt::last_endpoint);
+}
+
+Server::~Server() = default;
+
+std::string Server::run() {
+  std::vector<zmq::pollitem_t> items = {{router_.handle(), 0, ZMQ_POLLIN, 0}, {replies_.handle(), 0, ZMQ_POLLIN, 0}};
+  if (options_.input >= 0) items.push_back({nullptr, options_.input, ZMQ_POLLIN | ZMQ_POLLERR, 0});
+  heard_ = Clock::now();
+  while (end_reason_.empty()) {
+    try {
+      zmq::poll(items, kTick);
+    } catch (const zmq::error_t& error) {
+      if (error.num() == EINTR) continue;
+      throw;
+    }
+    forward_replies();
+    for (int i = 0; i < kMessagesPerTurn && end_reason_.empty(); ++i) {
+      std::optional<Incoming> message = receive();
+      if (!message) break;
+      handle(std::move(*message));
+    }
+    if (items.size() > 2 && items[2].revents != 0) read_input();
+    look_around();
+  }
+  return end_reason_;
+}
+
+bool Server::stop_workers(std::chrono::milliseconds patience) {
+  for (auto& [identity, client] : clients_) retire(std::move(client));
+  clients_.clear();
+  const auto end = Clock::now() + patience;
+  const auto busy = [this] { return std::ranges::any_of(retired_, [](const auto& w) { return !w->finished(); }); };
+  while (busy() && Clock::now() < end) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  return !busy();
+}
+
+std::optional<Server::Incoming> Server::receive() {
+  zmq::message_t part;
+  if (!router_.recv(part, zmq::recv_flags::dontwait)) return std::nullopt;
+  Incoming message{part.to_string(), {}, {}};
+  // What is too large for this client is read to its end and dropped.
+  const std::uint64_t limit = clients_.contains(message.identity) ? options_.max_message_bytes : kBytesBeforeHello;
+  std::uint64_t bytes = 0;
+  bool more = part.more();
+  while (more) {
+    zmq::message_t frame;
+    if (!router_.recv(frame, zmq::recv_flags::none)) break;
+    more = frame.more();
+    bytes += frame.size();
+    if (bytes > limit) {
+      message.fault = "The message has more than " + std::to_string(limit) + " bytes, the most this daemon takes" +
+                      (limit == kBytesBeforeHello ? " before 'hello'." : ".");
+    } else if (message.frames.size() > kMaxArrays) {
+      message.fault = "The message has more than " + std::to_string(kMaxArrays) + " array frames.";
+    } else {
+      message.frames.push_back(std::move(frame));
+    }
+  }
+  return message;
+}
+
+void Server::handle(Incoming message) {
+  std::uint64_t id = 0;
+  try {
+    if (message.frames.empty()) throw RefusedError(ErrorCode::kMalformed, "The message has no header frame.");
+    const std::span<const std::byte> header_frame = bytes_of(message.frames.front());
+    id = guess_id(header_frame);
+    if (!message.fault.empty()) throw RefusedError(ErrorCode::kMalformed, message.fault);
+    Header header = decode_header(header_frame, options_.max_message_bytes);
+    message.frames.erase(message.frames.begin());
+    dispatch(message.identity, std::move(header), std::move(message.frames));
+  } catch (const RefusedError& error) {
+    spdlog::info("message {}: {}: {}", id, error_name(error.code()), error.what());
+    send(message.identity, encode_error({id, 0}, error.code(), error.what()));
+  } catch (const zmq::error_t&) {
+    throw;
+  } catch (const std::bad_alloc&) {
+    send(message.identity, encode_error({id, 0}, ErrorCode::kMemoryBudget, "The machine's memory is spent."));
+  } catch (const std::exception& error) {
+    spdlog::error("message {}: {}", id, error.what());
+    send(message.identity,
+         encode_error({id, 0}, ErrorCode::kInternal, std::string("A fault of the daemon: ") + error.what()));
+  }
+}
+
+void Server::dispatch(const std::string& identity, Header header, std::vector<zmq::message_t> arrays) {
+  const bool work = std::ranges::find(kWork, header.type) != kWork.end();
+  if (header.type == "hello") {
+    std::vector<std::span<const std::byte>> frames;
+    for (const zmq::message_t& array : arrays) frames.push_back(bytes_of(array));
+    greet(identity, decode_hello(header, frames));
+    send(identity, encode_welcome({header.id, 0}, static_cast<int>(std::thread::hardware_concurrency()),
+                                  options_.max_message_bytes));
+    return;
+  }
+  if (!work && header.type != "ping" && header.type != "cancel" && header.type != "shutdown") {
+    throw RefusedError(ErrorCode::kMalformed, "The message type " + in_quotes(header.type) + " is not known.");
+  }
+  const auto found = clients_.find(identity);
+  if (found == clients_.end()) {
+    throw RefusedError(ErrorCode::kOutOfOrder, "'" + header.type + "' needs a greeted client; send 'hello' first.");
+  }
+  Client& client = found->second;
+  client.heard = heard_ = Clock::now();
+  if (work) {
+    Request request{std::move(header), std::move(arrays)};
+    if (request.header.type == "open") request.new_session = next_session_++;
+    client.worker->submit(std::move(request));
+    return;
+  }
+  if (!arrays.empty()) {
+    throw RefusedError(ErrorCode::kMalformed, "'" + header.type + "' has array frames; it takes none.");
+  }
+  decode_bare(header, {});
+  if (header.type == "ping") {
+    send(identity, encode_pong({header.id, 0}));
+    return;
+  }
+  if (header.type == "cancel") {
+    client.worker->cancel();
+  } else {
+    end_reason_ = "'" + client.name + "' shut it down";
+  }
+  send(identity, encode_accepted({header.id, 0}));
+}
+
+void Server::greet(const std::string& identity, const Hello& hello) {
+  if (!same_secret(hello.token, options_.token)) {
+    throw RefusedError(ErrorCode::kUnauthorized,
+                       "The token is wrong; start the daemon and the client with the same token.");
+  }
+  heard_ = Clock::now();
+  if (const auto found = clients_.find(identity); found != clients_.end()) {
+    found->second.heard = heard_;
+    return;
+  }
+  if (clients_.size() + retired_.size() >= options_.max_clients) {
+    throw RefusedError(ErrorCode::kOutOfOrder, "The daemon serves " + std::to_string(options_.max_clients) +
+                                                   " clients already; close one, or start another daemon.");
+  }
+  auto worker = std::make_unique<Worker>(context_, replies_endpoint_, identity, factory_, options_.max_message_bytes);
+  clients_.emplace(identity, Client{hello.client, std::move(worker), heard_});
+  spdlog::info("{} says hello", in_quotes(hello.client));
+}
+
+void Server::send(const std::string& identity, const std::vector<FrameBytes>& frames) {
+  if (!router_.send(zmq::buffer(identity), zmq::send_flags::sndmore | zmq::send_flags::dontwait)) return;
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    const bool last = i + 1 == frames.size();
+    router_.send(zmq::buffer(frames[i]), last ? zmq::send_flags::none : zmq::send_flags::sndmore);
+  }
+}
+
+void Server::forward_replies() {
+  while (true) {
+    zmq::message_t part;
+    if (!replies_.recv(part, zmq::recv_flags::dontwait)) return;
+    bool more = part.more();
+    // Replies to a client that is gone are dropped by the ROUTER.
+    router_.send(part, more ? zmq::send_flags::sndmore : zmq::send_flags::none);
+    while (more) {
+      zmq::message_t frame;
+      if (!replies_.recv(frame, zmq::recv_flags::none)) return;
+      more = frame.more();
+      router_.send(frame, more ? zmq::send_flags::sndmore : zmq::send_flags::none);
+    }
+  }
+}
+
+void Server::read_input() {
+  std::array<char, 256> ignored{};
+  const ssize_t count = ::read(options_.input, ignored.data(), ignored.size());
+  if (count == 0 || (count < 0 && errno != EINTR && errno != EAGAIN)) end_reason_ = "its standard input closed";
+}
+
+void Server::look_around() {
+  std::erase_if(retired_, [](const auto& worker) { return worker->finished(); });
+  const auto now = Clock::now();
+  for (auto client = clients_.begin(); client != clients_.end();) {
+    if (now - client->second.heard > options_.silence) {
+      spdlog::warn("{} was silent for too long and is dropped", in_quotes(client->second.name));
+      retire(std::move(client->second));
+      client = clients_.erase(client);
+    } else {
+      ++client;
+    }
+  }
+  if (!end_reason_.empty()) return;
+  if (now - heard_ > options_.silence) {
+    end_reason_ = "it heard nothing for " + std::to_string(options_.silence.count() / 1000) + " s";
+  } else if (options_.parent != 0 && ::kill(options_.parent, 0) != 0 && errno == ESRCH) {
+    end_reason_ = "its parent process " + std::to_string(options_.parent) + " ended";
+  }
+}
+
+void Server::retire(Client client) {
+  client.worker->stop();
+  retired_.push_back(std::move(client.worker));
+}
+
+}  // namespace lappet
