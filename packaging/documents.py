@@ -1,0 +1,105 @@
+"""Keep the documents true: `documents.py --write` or `documents.py --check`.
+
+`docs/command_line.md` is written from the command line itself. Every relative link and picture of every Markdown file
+of the repository must lead to a file, and every anchor to a heading. `--check` changes nothing and exits with 1 where
+the page is out of date or a link leads nowhere.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from urllib.parse import unquote
+
+import click
+
+ROOT = Path(__file__).resolve().parent.parent
+PAGE = "docs/command_line.md"
+SKIPPED = {"build", "dist", "node_modules"}
+LINK = re.compile(r"(?<!\\)!?\[[^\]]*\]\(\s*<?([^)\s>]+)>?(?:\s+\"[^\"]*\")?\s*\)")
+FENCE = re.compile(r"^(```|~~~).*?^\1\s*$", re.MULTILINE | re.DOTALL)
+HEADING = re.compile(r"^#{1,6}\s+(.+?)\s*#*\s*$", re.MULTILINE)
+INTRODUCTION = """# The command line
+
+Written by `make docs` from the program itself; `lappet COMMAND --help` prints the same.
+"""
+
+
+def command_help(command: click.Command, name: str, parent: click.Context | None = None) -> Iterator[tuple[str, str]]:
+    """Full name and help text of a command and, for a group, of every command below it."""
+    context = click.Context(command, info_name=name, parent=parent, max_content_width=100, terminal_width=100)
+    yield context.command_path, command.get_help(context)
+    if isinstance(command, click.Group):
+        for sub_name in command.list_commands(context):
+            sub_command = command.get_command(context, sub_name)
+            if sub_command is not None and not sub_command.hidden:
+                yield from command_help(sub_command, sub_name, context)
+
+
+def command_line_page(command: click.Command) -> str:
+    """The text of docs/command_line.md for a click command called `lappet`."""
+    sections = [f"## {name}\n\n```\n{text.rstrip()}\n```\n" for name, text in command_help(command, "lappet")]
+    return "\n".join([INTRODUCTION, *sections])
+
+
+def heading_anchor(heading: str) -> str:
+    """The anchor that GitHub-flavoured Markdown gives a heading."""
+    plain = re.sub(r"\[([^\]]*)\]\([^)]*\)", r"\1", heading).replace("`", "")
+    return re.sub(r"[^\w\- ]", "", plain.lower()).replace(" ", "-")
+
+
+def markdown_files(root: Path) -> list[Path]:
+    """Markdown files of the repository, without what is built, installed or hidden."""
+    found = []
+    for folder, inner, names in os.walk(root):
+        inner[:] = [name for name in inner if not name.startswith(".") and name not in SKIPPED]
+        found += [Path(folder) / name for name in names if name.endswith(".md")]
+    return sorted(found)
+
+
+def broken_links(root: Path) -> list[str]:
+    """One sentence for each relative link of a Markdown file under `root` that leads nowhere."""
+    sentences = []
+    for file in markdown_files(root):
+        text = FENCE.sub("", file.read_text(encoding="utf-8"))
+        for target in LINK.findall(text):
+            if re.match(r"[a-z][a-z0-9+.-]*:", target):
+                continue
+            path, _, anchor = unquote(target).partition("#")
+            destination = (file.parent / path).resolve() if path else file
+            where = f"{file.relative_to(root)}: the link {target}"
+            if not destination.exists():
+                sentences.append(f"{where} leads to no file.")
+            elif anchor and destination.suffix == ".md":
+                headings = HEADING.findall(FENCE.sub("", destination.read_text(encoding="utf-8")))
+                if anchor not in map(heading_anchor, headings):
+                    sentences.append(f"{where} leads to no heading of {destination.name}.")
+    return sentences
+
+
+def main(arguments: list[str]) -> int:
+    """Write or check; 1 where something is wrong, 2 for a wrong call."""
+    if arguments not in (["--write"], ["--check"]):
+        print(__doc__.splitlines()[0], file=sys.stderr)
+        return 2
+    from lappet.cli import main as lappet
+
+    page, text = ROOT / PAGE, command_line_page(lappet)
+    problems = []
+    if arguments == ["--write"]:
+        page.parent.mkdir(exist_ok=True)
+        page.write_text(text, encoding="utf-8")
+        print(f"wrote {PAGE}")
+    elif not page.is_file() or page.read_text(encoding="utf-8") != text:
+        problems.append(f"{PAGE} does not say what the command line says; run `make docs`.")
+    problems += broken_links(ROOT)
+    for problem in problems:
+        print(problem)
+    return 1 if problems else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
