@@ -1,0 +1,159 @@
+"""Undermining: frees the bed faces below the area inside a closed curve on the skin.
+
+The curve is swept through the whole thickness of the uncut tissue, along the skin's normals, as for a cut; the parts that this
+would part are inside where the curve winds around the skin beside their walls (winding number other than 0, seen along the
+curve's mean normal). A bed face is freed when it belongs to an inside part, so "below" follows the
+normals of a curved scalp and not one projection. Bed faces on the line are split along it.
+"""
+
+from __future__ import annotations
+
+import manifold3d
+import numpy as np
+from numpy.typing import NDArray
+
+from lappet.closest_point import ClosestPoint
+from lappet.incision import cutter
+from lappet.procedure import Undermine
+from lappet.program import FaceOrigin, Surface
+from lappet.rest_skin import RestSkin
+from lappet.ribbon import IncisionError, Ribbon, skin_ribbons
+from lappet.solid import Label, LabelledSolid
+from lappet.split_edges import split_edges
+
+_KERF = 0.02  # of the lattice spacing: the width of the line that parts inside from outside
+
+
+def undermine(
+    surface: Surface, rest: LabelledSolid, skin: RestSkin, event: Undermine, spacing: float, timeline: str
+) -> Surface:
+    """The surface with the bed faces inside the curve freed (bed False) and split along the curve.
+
+    surface: of the current epoch. rest, skin: the uncut tissue. spacing: mm. Raises IncisionError, naming the prim, for a
+    curve that cannot be followed, misses the tissue or has no bed below it.
+    """
+    prim = f"{timeline}/{event.name}"
+    kerf = _KERF * min(spacing, 1.0)
+    ribbons = skin_ribbons(skin, event.points, prim=prim, basis=event.basis, closed=True, kerf=kerf, spacing=spacing)
+    parts = _Parts(rest, ribbons, kerf, spacing)
+    if not parts.inside.any():
+        raise IncisionError(f"{prim}: the closed curve surrounds no tissue; draw it around the skin to undermine")
+    below = np.flatnonzero(surface.bed)
+    inside = np.zeros(len(surface.points), bool)
+    vertices = np.unique(surface.triangles[below])
+    inside[vertices] = parts.contain(surface.points[vertices])
+
+    t = surface.triangles[below]
+    edges = np.unique(np.sort(np.vstack([t[:, [0, 1]], t[:, [1, 2]], t[:, [2, 0]]]), axis=1), axis=0)
+    crossing = edges[inside[edges[:, 0]] != inside[edges[:, 1]]]
+    if len(crossing):
+        distance = parts.line.query(surface.points[crossing].reshape(-1, 3))[2].reshape(-1, 2)
+        at = distance[:, 0] / np.maximum(distance.sum(axis=1), 1e-300)
+        before = len(surface.points)
+        surface = split_edges(surface, crossing, np.clip(at, 0.1, 0.9))
+        # After the split no triangle has vertices on both sides; the new vertices lie on the line.
+        side = np.concatenate([inside, np.zeros(len(surface.points) - before, bool)])
+    else:
+        side = inside
+    freed = surface.bed & side[surface.triangles].any(axis=1)
+    if not freed.any():
+        raise IncisionError(
+            f"{prim}: there is no bed below the area that the curve surrounds; draw it over attached tissue, "
+            "or leave the event out"
+        )
+    return Surface(
+        points=surface.points,
+        triangles=surface.triangles,
+        uv=surface.uv,
+        origin=surface.origin,
+        fixed=surface.fixed,
+        bed=surface.bed & ~freed,
+        grips=surface.grips,
+    )
+
+
+class _Parts:
+    """The parts of the uncut tissue inside and outside of a closed curve."""
+
+    def __init__(self, rest: LabelledSolid, ribbons: list[Ribbon], kerf: float, spacing: float) -> None:
+        left, right, other = (manifold3d.Manifold.reserve_ids(3) + k for k in range(3))
+        walls = {i: Label(FaceOrigin.WOUND_WALL, grips=(name,)) for i, name in ((left, "left"), (right, "right"))}
+        walls[other] = Label(FaceOrigin.WOUND_WALL)
+        solids = [cutter(ribbon, kerf, spacing, (left, right, other)) for ribbon in ribbons]
+        solid = manifold3d.Manifold.batch_boolean([rest.solid, *solids], manifold3d.OpType.Subtract)
+        curve = np.vstack([ribbon.points for ribbon in ribbons])
+        normals = np.vstack([ribbon.normals for ribbon in ribbons])
+        axis = normals.mean(axis=0)
+        frame = _plane(axis)
+        corners, owner = [], []
+        inside = []
+        for k, part in enumerate(solid.decompose()):
+            surface = LabelledSolid(part, {**rest.labels, **walls}, ("left", "right")).surface()
+            wall = surface.grips["left"] | surface.grips["right"]
+            inside.append(_winds(surface, wall, curve @ frame.T, frame, kerf))
+            corners.append(surface.points[surface.triangles])
+            owner.append(np.full(len(surface.triangles), k))
+        self.inside = np.array(inside, bool)
+        self._owner = np.concatenate(owner)
+        soup = np.concatenate(corners)
+        self._closest = ClosestPoint(soup.reshape(-1, 3), np.arange(3 * len(soup)).reshape(-1, 3))
+        chosen = soup[self.inside[self._owner]].reshape(-1, 3)
+        margin = 0.01 * spacing
+        self._box = (chosen.min(axis=0) - margin, chosen.max(axis=0) + margin) if len(chosen) else None
+        self.line = _sheet(ribbons)
+
+    def contain(self, points: NDArray[np.float64]) -> NDArray[np.bool_]:
+        """Whether each point (k, 3) belongs to a part inside the curve."""
+        result = np.zeros(len(points), bool)
+        if self._box is not None:
+            near = np.flatnonzero(((points >= self._box[0]) & (points <= self._box[1])).all(axis=1))
+            result[near] = self.inside[self._owner[self._closest.query(points[near])[0]]]
+        return result
+
+
+def _winds(
+    surface: Surface, wall: NDArray[np.bool_], curve: NDArray[np.float64], frame: NDArray[np.float64], kerf: float
+) -> bool:
+    """Whether the curve (k, 2) winds around the points just behind most of a part's walls, by area."""
+    corners = surface.points[surface.triangles[wall]]
+    if len(corners) == 0:
+        return False
+    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    area = np.linalg.norm(normal, axis=1)
+    behind = corners.mean(axis=1) - kerf * normal / np.maximum(area, 1e-300)[:, None]
+    order = np.argsort(-area, kind="stable")[:64]
+    turns = _winding(behind[order] @ frame.T, curve)
+    return float(area[order][turns != 0].sum()) > 0.5 * float(area[order].sum())
+
+
+def _winding(points: NDArray[np.float64], polygon: NDArray[np.float64]) -> NDArray[np.int64]:
+    """The winding number of a closed polygon (k, 2) about each point (q, 2)."""
+    a = polygon[None] - points[:, None]
+    b = np.roll(a, -1, axis=1)
+    cross = a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
+    dot = np.einsum("qki,qki->qk", a, b)
+    return np.rint(np.arctan2(cross, dot).sum(axis=1) / (2.0 * np.pi)).astype(np.int64)
+
+
+def _plane(axis: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Two unit vectors (2, 3) across an axis."""
+    axis = axis / max(float(np.linalg.norm(axis)), 1e-300)
+    first = np.cross(axis, np.eye(3)[int(np.abs(axis).argmin())])
+    first /= np.linalg.norm(first)
+    return np.stack([first, np.cross(axis, first)])
+
+
+def _sheet(ribbons: list[Ribbon]) -> ClosestPoint:
+    """The curve swept along the normals, as triangles to measure distances to."""
+    soup = []
+    for ribbon in ribbons:
+        top = ribbon.points + ribbon.normals
+        low = ribbon.points - ribbon.depth[:, None] * ribbon.normals
+        if ribbon.closed:
+            top, low = np.vstack([top, top[:1]]), np.vstack([low, low[:1]])
+        soup += [
+            np.stack([top[:-1], low[:-1], low[1:]], axis=1),
+            np.stack([top[:-1], low[1:], top[1:]], axis=1),
+        ]
+    points = np.concatenate(soup).reshape(-1, 3)
+    return ClosestPoint(points, np.arange(len(points)).reshape(-1, 3))
