@@ -1,0 +1,141 @@
+"""The studio of the plate: seamless backdrop, three soft lights, camera, and the render settings."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import bpy
+import numpy as np
+from mathutils import Matrix
+from numpy.typing import NDArray
+
+from .framing import Region, Viewpoint
+from .skin_import import SCALE
+from .skin_read import FigureError
+
+LENS, SENSOR = 90.0, 36.0
+ENGINES = {"cycles": "CYCLES", "workbench": "BLENDER_WORKBENCH"}
+
+
+def half_angles(size: tuple[int, int]) -> tuple[float, float]:
+    """Tangents of half the horizontal and vertical field of view of a picture of a size in pixels."""
+    across = SENSOR / 2 / LENS
+    longer = max(size)
+    return across * size[0] / longer, across * size[1] / longer
+
+
+def clear_scene() -> bpy.types.Scene:
+    """An empty scene in place of whatever Blender starts with."""
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    return bpy.context.scene
+
+
+def add_camera(view: Viewpoint) -> bpy.types.Object:
+    """A long lens at a viewpoint (mm)."""
+    data = bpy.data.cameras.new("Camera")
+    data.lens, data.sensor_width, data.sensor_fit = LENS, SENSOR, "AUTO"
+    data.clip_start, data.clip_end = 0.05 * view.distance * SCALE, 40 * view.distance * SCALE
+    camera = bpy.data.objects.new("Camera", data)
+    camera.matrix_world = _placed(view.position, view.axes)
+    bpy.context.scene.collection.objects.link(camera)
+    bpy.context.scene.camera = camera
+    return camera
+
+
+def _placed(position: NDArray[np.float64], axes: NDArray[np.float64]) -> Matrix:
+    matrix = Matrix(np.vstack([np.column_stack([axes.T, position * SCALE]), [0, 0, 0, 1]]).tolist())
+    return matrix
+
+
+def _add_light(name: str, region: Region, reach: float, towards: tuple[float, float, float], size: float, power: float) -> None:
+    """A square area light that looks at the region's centre; power is scaled so that distance does not matter."""
+    frame = np.stack([region.right, region.up, region.normal])
+    back = np.asarray(towards, float) @ frame
+    back /= np.linalg.norm(back)
+    right = np.cross(region.up, back)
+    right /= np.linalg.norm(right)
+    data = bpy.data.lights.new(name, "AREA")
+    data.shape, data.size = "DISK", size * reach * SCALE
+    data.energy = power * (reach * SCALE) ** 2
+    light = bpy.data.objects.new(name, data)
+    light.matrix_world = _placed(region.centre + reach * back, np.stack([right, np.cross(back, right), back]))
+    bpy.context.scene.collection.objects.link(light)
+
+
+def add_lights(region: Region) -> None:
+    """Key from the upper left, fill from the right, rim from behind, and an even sky."""
+    extent = float(np.linalg.norm(region.points.max(axis=0) - region.points.min(axis=0)))
+    reach = 2.2 * extent
+    _add_light("Key", region, reach, (-0.85, 0.55, 1.0), 0.55, 15.0)
+    _add_light("Fill", region, reach, (1.0, -0.5, 0.8), 1.1, 4.5)
+    _add_light("Rim", region, reach, (0.35, 1.2, 0.5), 0.7, 6.0)
+    world = bpy.data.worlds.new("World")
+    bpy.context.scene.world = world
+    if not world.use_nodes:
+        world.use_nodes = True
+    background = next(n for n in world.node_tree.nodes if n.type == "BACKGROUND")
+    background.inputs["Color"].default_value = (0.93, 0.96, 1.0, 1.0)
+    background.inputs["Strength"].default_value = 0.42
+
+
+def add_backdrop(region: Region, lowest: float, material: bpy.types.Material) -> None:
+    """A wide sheet of paper across the region's normal. lowest: mm along the normal, under everything."""
+    frame = np.stack([region.right, region.up, region.normal])
+    middle = region.centre + (lowest - region.centre @ region.normal) * region.normal
+    half = 60.0 * float(np.linalg.norm(region.points.max(axis=0) - region.points.min(axis=0)))
+    corners = [middle + half * (x * frame[0] + y * frame[1]) for x, y in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
+    mesh = bpy.data.meshes.new("Backdrop")
+    mesh.from_pydata([tuple(c * SCALE) for c in corners], [], [(0, 1, 2, 3)])
+    mesh.materials.append(material)
+    sheet = bpy.data.objects.new("Backdrop", mesh)
+    bpy.context.scene.collection.objects.link(sheet)
+
+
+def set_render(engine: str, samples: int, threads: int = 0) -> None:
+    """Engine, quality and colour: Cycles on the processor with denoising, or Workbench for drafts."""
+    scene = bpy.context.scene
+    scene.render.engine = ENGINES[engine]
+    scene.render.use_persistent_data = True
+    scene.render.film_transparent = False
+    if threads > 0:
+        scene.render.threads_mode, scene.render.threads = "FIXED", threads
+    scene.view_settings.view_transform = "Khronos PBR Neutral"
+    scene.view_settings.look = "None"
+    if engine == "cycles":
+        cycles = scene.cycles
+        cycles.device, cycles.samples = "CPU", samples
+        cycles.use_adaptive_sampling = False
+        cycles.max_bounces, cycles.diffuse_bounces, cycles.glossy_bounces = 4, 2, 2
+        cycles.caustics_reflective = cycles.caustics_refractive = False
+        cycles.sample_clamp_indirect = 4.0
+        cycles.use_denoising, cycles.denoiser = True, "OPENIMAGEDENOISE"
+        cycles.denoising_input_passes, cycles.denoising_prefilter = "RGB_ALBEDO_NORMAL", "FAST"
+        cycles.use_auto_tile = False
+    else:
+        shading = scene.display.shading
+        shading.light, shading.color_type = "STUDIO", "MATERIAL"
+        shading.show_shadows = shading.show_cavity = True
+        scene.view_settings.view_transform = "Standard"
+
+
+def set_size(size: tuple[int, int]) -> None:
+    """Picture size in pixels."""
+    render = bpy.context.scene.render
+    render.resolution_x, render.resolution_y, render.resolution_percentage = size[0], size[1], 100
+
+
+def render_png(path: Path) -> None:
+    """Render the scene as it stands to a PNG; the file appears whole or not at all."""
+    scene = bpy.context.scene
+    draft = path.with_name(f".{path.stem}.part.png")
+    settings = scene.render.image_settings
+    if hasattr(settings, "media_type"):
+        settings.media_type = "IMAGE"
+    settings.file_format, settings.color_mode, settings.color_depth = "PNG", "RGB", "8"
+    settings.compression = 40
+    scene.render.filepath = str(draft)
+    scene.render.use_file_extension = False
+    bpy.ops.render.render(write_still=True)
+    if not draft.is_file():
+        raise FigureError(f"Blender wrote no picture to {path}; see whether the folder is writable and has space.")
+    draft.replace(path)

@@ -1,0 +1,100 @@
+"""Which frames tell the story: before, incised, lifted, transposed, sutured, final."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+from .skin_read import StepEvent
+
+MOST_PANELS = 6
+CUTTING = ("Incision", "Excision", "Undermine")
+NOUNS = {"Incision": "Incision", "Excision": "Excision", "Undermine": "Undermining"}
+
+
+@dataclass(frozen=True)
+class Step:
+    """A panel of the filmstrip: the frame it shows, its caption and a smaller second line."""
+
+    frame: float
+    caption: str
+    detail: str = ""
+
+
+def spoken(name: str) -> str:
+    """A prim name as a reader sees it: `central_limb` becomes `central limb`."""
+    return name.replace("_", " ").strip()
+
+
+def _named(events: Sequence[StepEvent], most: int = 3) -> str:
+    names = [spoken(e.name) for e in events]
+    return ", ".join(names[:most]) + (f" and {len(names) - most} more" if len(names) > most else "")
+
+
+def story_steps(
+    events: Sequence[StepEvent], frames: Sequence[float], height: Callable[[float], float] | None = None
+) -> list[Step]:
+    """At most `MOST_PANELS` steps of a procedure, each right after what its caption says, in order of time.
+
+    frames: the cache's frames, ascending, not empty. height: how far the hooked tissue stands above the skin at a frame
+    (any unit); decides which frame shows the flaps lifted.
+    """
+
+    def at_or_after(time: float) -> float:
+        return next((f for f in frames if f >= time - 1e-6), frames[-1])
+
+    def before(time: float) -> float:
+        return next((f for f in reversed(frames) if f < time - 1e-6), frames[0])
+
+    steps = [Step(frames[0], "Before")]
+    cuts = [e for e in events if e.kind in CUTTING]
+    if cuts:
+        kinds = [NOUNS[k] for k in CUTTING if any(e.kind == k for e in cuts)]
+        caption = kinds[0] + "".join(f" and {k.lower()}" for k in kinds[1:])
+        steps.append(Step(at_or_after(max(e.start for e in cuts)), caption, _named([e for e in cuts if e.kind != "Undermine"])))
+    pulls = [e for e in events if e.kind in ("Hook", "Retractor")]
+    sutures = [e for e in events if e.kind == "Suture"]
+    if pulls:
+        begin, end = min(e.start for e in pulls), max(e.end for e in pulls)
+        last = before(min([end, *(e.start for e in sutures if e.start > begin)]))
+        span = [f for f in frames if begin <= f <= last]
+        if span:
+            top = max(span, key=height) if height else span[len(span) // 2]
+            if top == last and len(span) > 2:
+                top = span[len(span) // 2]
+            steps.append(Step(top, "Lifted with hooks" if any(e.kind == "Hook" for e in pulls) else "Retracted", _named(pulls)))
+            if last > top:
+                steps.append(Step(last, "Transposed" if sutures else "Held"))
+    if sutures:
+        closed = at_or_after(max(e.end for e in sutures))
+        count = f"{len(sutures)} suture" + ("s" if len(sutures) > 1 else "")
+        steps.append(Step(closed, "Sutured", count))
+    if not events:
+        steps += [Step(f, f"Frame {f:g}") for f in _spread(frames[1:-1], MOST_PANELS - 2)]
+    steps.append(Step(frames[-1], "Final result"))
+    return _distinct(steps)
+
+
+def _spread(frames: Sequence[float], count: int) -> list[float]:
+    if len(frames) <= count:
+        return list(frames)
+    return [frames[round(k * (len(frames) - 1) / (count - 1))] for k in range(count)]
+
+
+def _distinct(steps: list[Step]) -> list[Step]:
+    """Steps in order of time, one a frame: of two on one frame the later told stays, but `Final result` yields."""
+    by_frame: dict[float, Step] = {}
+    for step in steps:
+        if step.frame in by_frame and step.caption == "Final result":
+            continue
+        by_frame[step.frame] = step
+    return [by_frame[f] for f in sorted(by_frame)][:MOST_PANELS]
+
+
+def step_captions(events: Sequence[StepEvent], frames: Sequence[float]) -> list[Step]:
+    """Steps for frames that the user chose, captioned by the newest event at each."""
+    steps = []
+    for frame in frames:
+        past = [e for e in events if e.start <= frame and e.kind != "Landmark"]
+        steps.append(Step(frame, f"Frame {frame:g}", spoken(past[-1].name) if past else ""))
+    return steps

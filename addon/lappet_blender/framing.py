@@ -1,0 +1,99 @@
+"""Where the camera stands: the surgical region, its frame of reference and the view that just holds it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .skin_fields import SKIN, WOUND_WALL
+from .skin_read import SkinCache
+
+VIEWS = {"oblique": 42.0, "top": 90.0, "low": 24.0}
+MARGIN = 9.0
+
+
+@dataclass(frozen=True, eq=False)
+class Region:
+    """What the picture must show. points: (k, 3) mm. right, up, normal: unit vectors (3,), up along the skin."""
+
+    points: NDArray[np.float64]
+    centre: NDArray[np.float64]
+    right: NDArray[np.float64]
+    up: NDArray[np.float64]
+    normal: NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Viewpoint:
+    """A camera: position (3,) mm, axes (3, 3) with rows right, up, backwards, and the distance to the centre in mm."""
+
+    position: NDArray[np.float64]
+    axes: NDArray[np.float64]
+    distance: float
+
+
+def surgical_region(cache: SkinCache, frames: tuple[float, ...]) -> Region:
+    """The region that wound walls, active sutures and hooks cover in any of the frames, or all skin where none is."""
+    found, normals = [], np.zeros(3)
+    everything = []
+    for time in frames:
+        epoch = cache.epoch_at(time)
+        points = cache.positions(epoch, time).astype(np.float64)
+        wall = np.unique(epoch.triangles[epoch.origin == WOUND_WALL])
+        found.append(points[wall])
+        for strands in (cache.sutures(time), cache.hooks(time)):
+            found.append(strands.ends[strands.active][:, 0].astype(np.float64))
+        everything.append(points[np.unique(epoch.triangles)])
+    region = np.concatenate(found)
+    whole = not len(region)
+    if whole:
+        region = np.concatenate(everything)
+    low, high = region.min(axis=0) - MARGIN, region.max(axis=0) + MARGIN
+    epoch = cache.epoch_at(frames[0])
+    points = cache.positions(epoch, frames[0]).astype(np.float64)
+    skin = points[epoch.triangles[epoch.origin == SKIN]]
+    middle = skin.mean(axis=1)
+    near = ((middle >= low) & (middle <= high)).all(axis=1)
+    face = np.cross(skin[:, 1] - skin[:, 0], skin[:, 2] - skin[:, 0])
+    normals = face[near].sum(axis=0) if near.any() else face.sum(axis=0)
+    length = float(np.linalg.norm(normals))
+    normal = normals / length if length > 1e-9 else np.array([0.0, 0.0, 1.0])
+    seed = np.array([0.0, 1.0, 0.0]) if abs(normal[1]) < 0.8 else np.array([0.0, 0.0, 1.0])
+    up = seed - (seed @ normal) * normal
+    up /= np.linalg.norm(up)
+    right = np.cross(up, normal)
+    frame = np.stack([right, up, normal])
+    local = region @ frame.T
+    margin = 0.0 if whole else MARGIN
+    a, b = local.min(axis=0) - (margin, margin, 0.0), local.max(axis=0) + (margin, margin, 0.0)
+    corners = np.array([[x, y, z] for x in (a[0], b[0]) for y in (a[1], b[1]) for z in (a[2], b[2])])
+    return Region(corners @ frame, ((a + b) / 2) @ frame, right, up, normal)
+
+
+def viewpoint(region: Region, view: str, half_angles: tuple[float, float]) -> Viewpoint:
+    """The nearest camera in the direction of a view that holds every point of the region.
+
+    view: one of `VIEWS`. half_angles: tangents of half the horizontal and vertical field of view.
+    """
+    elevation = np.radians(VIEWS[view])
+    # An oblique plate looks from below right of the region, so that both lips of a wound show.
+    turn = 0.0 if view == "top" else np.radians(16.0)
+    ground = -np.cos(turn) * region.up + np.sin(turn) * region.right
+    back = np.sin(elevation) * region.normal + np.cos(elevation) * ground
+    flat_up = region.up if view == "top" else region.normal
+    up = flat_up - (flat_up @ back) * back
+    up /= np.linalg.norm(up)
+    right = np.cross(up, back)
+    local = (region.points - region.centre) @ np.stack([right, up, back]).T
+    # Shift sideways and up so that the region is centred as the camera sees it, then stand just far enough.
+    shift = np.zeros(2)
+    distance = 0.0
+    for _ in range(12):
+        xy = np.abs(local[:, :2] - shift) / np.asarray(half_angles)
+        distance = float((xy.max(axis=1) + local[:, 2]).max())
+        seen = (local[:, :2] - shift) / (distance - local[:, 2])[:, None]
+        shift = shift + 0.5 * (seen.min(axis=0) + seen.max(axis=0)) * distance
+    position = region.centre + shift[0] * right + shift[1] * up + distance * back
+    return Viewpoint(position, np.stack([right, up, back]), distance)

@@ -1,0 +1,191 @@
+"""Node materials of the plate: skin with a printed grid, wound wall, fat, bed, thread and steel.
+
+Lengths in the shaders are mm through the mesh attributes `grid` (mm on the skin) and `depth` (mm below the skin).
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import bpy
+
+SKIN = (0.80, 0.535, 0.405, 1.0)
+GRID_INK = (0.235, 0.11, 0.085, 1.0)
+DERMIS = (0.62, 0.115, 0.10, 1.0)
+DERMIS_PALE = (0.80, 0.34, 0.27, 1.0)
+FAT = (0.86, 0.60, 0.20, 1.0)
+BED = (0.46, 0.075, 0.065, 1.0)
+THREAD = (0.008, 0.012, 0.045, 1.0)
+STEEL = (0.62, 0.64, 0.66, 1.0)
+GRID_PITCH = 5.0
+TICK_PITCH = 1.0
+RAMP = ((0.0, (0.13, 0.25, 0.55)), (0.25, (0.22, 0.58, 0.68)), (0.5, (0.90, 0.86, 0.68)), (0.75, (0.90, 0.47, 0.20)), (1.0, (0.60, 0.06, 0.07)))
+
+
+class _Nodes:
+    """Adds nodes to a material's tree and links them; values may be constants or sockets."""
+
+    def __init__(self, name: str) -> None:
+        self.material = bpy.data.materials.new(name)
+        if not self.material.use_nodes:
+            self.material.use_nodes = True
+        self.tree = self.material.node_tree
+        self.bsdf = next(n for n in self.tree.nodes if n.type == "BSDF_PRINCIPLED")
+
+    def add(self, kind: str, inputs: dict[int | str, Any] | None = None, **settings: Any) -> Any:
+        node = self.tree.nodes.new(kind)
+        for key, value in settings.items():
+            setattr(node, key, value)
+        for key, value in (inputs or {}).items():
+            self.put(node.inputs[key], value)
+        return node
+
+    def put(self, socket: Any, value: Any) -> None:
+        if isinstance(value, bpy.types.NodeSocket):
+            self.tree.links.new(value, socket)
+        else:
+            socket.default_value = value
+
+    def math(self, operation: str, a: Any, b: Any = 0.0, c: Any = 0.0) -> Any:
+        return self.add("ShaderNodeMath", {0: a, 1: b, 2: c}, operation=operation).outputs[0]
+
+    def attribute(self, name: str) -> Any:
+        return self.add("ShaderNodeAttribute", attribute_name=name, attribute_type="GEOMETRY")
+
+    def mix(self, factor: Any, a: Any, b: Any) -> Any:
+        node = self.add("ShaderNodeMix", data_type="RGBA")
+        self.put(next(s for s in node.inputs if s.name == "Factor" and s.type == "VALUE"), factor)
+        self.put(next(s for s in node.inputs if s.name == "A" and s.type == "RGBA"), a)
+        self.put(next(s for s in node.inputs if s.name == "B" and s.type == "RGBA"), b)
+        return next(s for s in node.outputs if s.type == "RGBA")
+
+    def ramp(self, value: Any, stops: Any, interpolation: str = "LINEAR") -> Any:
+        node = self.add("ShaderNodeValToRGB", {0: value})
+        node.color_ramp.interpolation = interpolation
+        for k, (position, colour) in enumerate(stops):
+            element = node.color_ramp.elements[k] if k < 2 else node.color_ramp.elements.new(position)
+            element.position, element.color = position, (*colour[:3], 1.0)
+        return node.outputs[0]
+
+    def noise(self, scale: float, detail: float = 2.0) -> Any:
+        position = self.add("ShaderNodeTexCoord").outputs["Object"]
+        return self.add("ShaderNodeTexNoise", {"Vector": position, "Scale": scale, "Detail": detail}).outputs[0]
+
+    def bump(self, height: Any, strength: float, distance: float) -> None:
+        node = self.add("ShaderNodeBump", {"Height": height, "Strength": strength, "Distance": distance})
+        self.put(self.bsdf.inputs["Normal"], node.outputs[0])
+
+    def finish(self, colour: Any, **inputs: Any) -> bpy.types.Material:
+        self.put(self.bsdf.inputs["Base Color"], colour)
+        for name, value in inputs.items():
+            self.put(self.bsdf.inputs[name.replace("_", " ")], value)
+        if not isinstance(colour, bpy.types.NodeSocket):
+            self.material.diffuse_color = colour
+        return self.material
+
+
+def _lines(nodes: _Nodes, coordinate: Any, pitch: float, width: float) -> Any:
+    """1 on lines of a width (mm) at every multiple of a pitch (mm), with edges softened over a third of the width."""
+    away = nodes.math("PINGPONG", coordinate, pitch / 2)
+    edge = nodes.add("ShaderNodeMapRange", {0: away, 1: width * 0.33, 2: width * 0.67, 3: 1.0, 4: 0.0}, interpolation_type="SMOOTHSTEP")
+    return edge.outputs[0]
+
+
+def _grid(nodes: _Nodes, pixel: float) -> Any:
+    """How much ink (0 to 1) the printed grid lays on the skin; pixel: size of a picture's pixel on the skin, mm."""
+    parts = nodes.add("ShaderNodeSeparateXYZ", {0: nodes.attribute("grid").outputs["Vector"]})
+    heavy = max(0.26, 1.5 * pixel)
+    fine = max(0.09, 0.9 * pixel)
+    wide = nodes.math("MAXIMUM", *(_lines(nodes, parts.outputs[k], GRID_PITCH, heavy) for k in (0, 1)))
+    # A tick finer than a pixel would shimmer: it fades out instead.
+    strength = 0.16 * max(0.0, min(1.0, (0.28 - pixel) / 0.16))
+    if strength <= 0.0:
+        return nodes.math("MULTIPLY", wide, 0.52)
+    ticks = nodes.math("MAXIMUM", *(_lines(nodes, parts.outputs[k], TICK_PITCH, fine) for k in (0, 1)))
+    return nodes.math("MAXIMUM", nodes.math("MULTIPLY", wide, 0.52), nodes.math("MULTIPLY", ticks, strength))
+
+
+def skin_material(color: str, pixel: float, highest: float = 1.0) -> bpy.types.Material:
+    """The skin. color: plain, grid, strain, stress or tension; the last three map the attribute `quantity` from 0 to highest."""
+    nodes = _Nodes("Skin")
+    mottle = nodes.noise(1.1, 3.0)
+    tone = nodes.ramp(mottle, ((0.3, (0.80, 0.51, 0.385)), (0.7, (0.83, 0.57, 0.44))))
+    if color in ("strain", "stress", "tension"):
+        share = nodes.math("DIVIDE", nodes.attribute("quantity").outputs["Fac"], max(highest, 1e-9))
+        tone = nodes.ramp(nodes.math("MINIMUM", share, 1.0), RAMP)
+    if color != "plain":
+        tone = nodes.mix(_grid(nodes, pixel), tone, GRID_INK)
+    nodes.bump(nodes.noise(26.0, 3.0), 0.10, 0.02)
+    material = nodes.finish(
+        tone,
+        Roughness=0.55,
+        Specular_IOR_Level=0.32,
+        Subsurface_Weight=0.12 if color in ("plain", "grid") else 0.0,
+        Subsurface_Scale=0.1,
+        Sheen_Weight=0.05,
+    )
+    nodes.put(nodes.bsdf.inputs["Subsurface Radius"], (1.0, 0.35, 0.2))
+    material.diffuse_color = SKIN
+    return material
+
+
+def wall_material() -> bpy.types.Material:
+    """A wound wall: pale edge, red dermis, towards yellow fat at depth, moist."""
+    nodes = _Nodes("Wound wall")
+    blotch = nodes.noise(5.0, 3.0)
+    depth = nodes.attribute("depth").outputs["Fac"]
+    uneven = nodes.math("MULTIPLY_ADD", nodes.math("SUBTRACT", blotch, 0.5), 1.6, depth)
+    share = nodes.math("DIVIDE", uneven, 4.0)
+    stops = ((0.0, DERMIS_PALE), (0.16, DERMIS), (0.5, DERMIS), (0.95, (0.78, 0.33, 0.13)))
+    colour = nodes.ramp(share, stops)
+    nodes.bump(nodes.noise(9.0, 4.0), 0.35, 0.04)
+    material = nodes.finish(colour, Roughness=0.32, Specular_IOR_Level=0.5, Coat_Weight=0.25, Coat_Roughness=0.18)
+    material.diffuse_color = DERMIS
+    return material
+
+
+def rim_material() -> bpy.types.Material:
+    """The cut rim of a patch: a quiet section through dermis and fat."""
+    nodes = _Nodes("Rim")
+    uneven = nodes.math("MULTIPLY_ADD", nodes.math("SUBTRACT", nodes.noise(5.0), 0.5), 0.7, nodes.attribute("depth").outputs["Fac"])
+    colour = nodes.ramp(nodes.math("DIVIDE", uneven, 4.0), ((0.0, SKIN), (0.08, DERMIS_PALE), (0.34, DERMIS_PALE), (0.46, FAT)))
+    material = nodes.finish(colour, Roughness=0.6)
+    material.diffuse_color = DERMIS_PALE
+    return material
+
+
+def fat_material() -> bpy.types.Material:
+    """The underside of the skin: lobules of pale yellow fat."""
+    nodes = _Nodes("Underside")
+    position = nodes.add("ShaderNodeTexCoord").outputs["Object"]
+    cells = nodes.add("ShaderNodeTexVoronoi", {"Vector": position, "Scale": 4.5}, feature="SMOOTH_F1").outputs["Distance"]
+    colour = nodes.ramp(cells, ((0.1, (0.88, 0.66, 0.27)), (0.75, (0.72, 0.37, 0.13))))
+    nodes.bump(nodes.math("SUBTRACT", 1.0, cells), 0.6, 0.06)
+    material = nodes.finish(colour, Roughness=0.4, Coat_Weight=0.2, Coat_Roughness=0.25)
+    material.diffuse_color = FAT
+    return material
+
+
+def bed_material() -> bpy.types.Material:
+    """The deep tissue in an open wound: dark red, fibrous, moist."""
+    nodes = _Nodes("Bed")
+    colour = nodes.ramp(nodes.noise(3.5, 4.0), ((0.3, BED), (0.72, (0.60, 0.15, 0.11))))
+    nodes.bump(nodes.noise(8.0, 4.0), 0.4, 0.05)
+    material = nodes.finish(colour, Roughness=0.35, Coat_Weight=0.3, Coat_Roughness=0.2)
+    material.diffuse_color = BED
+    return material
+
+
+def thread_material() -> bpy.types.Material:
+    """Monofilament nylon, blue-black."""
+    return _Nodes("Thread").finish(THREAD, Roughness=0.32)
+
+
+def steel_material() -> bpy.types.Material:
+    """Brushed surgical steel."""
+    return _Nodes("Steel").finish(STEEL, Metallic=1.0, Roughness=0.27)
+
+
+def backdrop_material() -> bpy.types.Material:
+    """The seamless paper behind the plate."""
+    return _Nodes("Backdrop").finish((0.80, 0.81, 0.815, 1.0), Roughness=1.0, Specular_IOR_Level=0.0)

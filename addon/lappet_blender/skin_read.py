@@ -1,0 +1,160 @@
+"""Reads a skin cache (ARCHITECTURE.md, "The skin cache") into arrays, through whatever pxr this Python has."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+ORIGINS = ("skin", "woundWall", "underside", "rim")
+SCALARS = ("strain", "stress", "tension")
+
+
+class FigureError(ValueError):
+    """A figure cannot be drawn; the message is one sentence for the user."""
+
+
+@dataclass(frozen=True)
+class StepEvent:
+    """An event of the procedure as far as pictures need it: its kind, name and the time codes it spans."""
+
+    kind: str
+    name: str
+    start: float
+    end: float
+
+
+@dataclass(frozen=True, eq=False)
+class SkinEpoch:
+    """The skin of one epoch: constant topology, its own frames.
+
+    triangles: (m, 3) int32. origin: (m,) uint8, an index into `ORIGINS`. st: (m, 3, 2) float32 or None. frames: time codes
+    at which this epoch is shown.
+    """
+
+    name: str
+    triangles: NDArray[np.int32]
+    origin: NDArray[np.uint8]
+    st: NDArray[np.float32] | None
+    frames: tuple[float, ...]
+    prim: Any
+
+
+@dataclass(frozen=True, eq=False)
+class Strands:
+    """Sutures or hooks at one frame. ends: (n, 2, 3) float32 mm. active: (n,) bool."""
+
+    ends: NDArray[np.float32]
+    active: NDArray[np.bool_]
+
+
+class SkinCache:
+    """An open skin cache. Positions are in mm whatever the stage's unit.
+
+    Raises FigureError when the file is missing, is not USD or holds no skin.
+    """
+
+    def __init__(self, path: Path) -> None:
+        from pxr import Tf, Usd, UsdGeom
+
+        if not path.is_file():
+            raise FigureError(f"There is no skin cache at {path}; solve the procedure first (lappet solve).")
+        try:
+            self._stage = Usd.Stage.Open(str(path))
+        except Tf.ErrorException as error:
+            raise FigureError(f"{path} is not a USD file that can be read; write it again with lappet solve.") from error
+        self.path = path
+        self._mm = UsdGeom.GetStageMetersPerUnit(self._stage) / 0.001
+        self.fps = float(self._stage.GetTimeCodesPerSecond())
+        skin = self._stage.GetPrimAtPath("/Procedure/Skin")
+        meshes = [p for p in skin.GetChildren() if p.IsA(UsdGeom.Mesh)] if skin else []
+        if not meshes:
+            raise FigureError(f"{path} holds no skin (/Procedure/Skin/epoch_00); it is not a cache made by lappet solve.")
+        self.epochs = tuple(self._epoch(prim) for prim in meshes)
+        self.frames = tuple(sorted({t for epoch in self.epochs for t in epoch.frames}))
+        if not self.frames:
+            raise FigureError(f"{path} holds a skin without frames; solve the procedure again (lappet solve).")
+        self.events = self._events()
+
+    def epoch_at(self, time: float) -> SkinEpoch:
+        """The epoch that is shown at a frame; raises FigureError where the cache has no such frame."""
+        for epoch in self.epochs:
+            if time in epoch.frames:
+                return epoch
+        raise FigureError(
+            f"Frame {time:g} is not in {self.path.name}, which holds frames {self.frames[0]:g} to {self.frames[-1]:g}; "
+            "choose one of those or solve more of the procedure."
+        )
+
+    def positions(self, epoch: SkinEpoch, time: float) -> NDArray[np.float32]:
+        """Vertex positions (n, 3) of an epoch at one of its frames, mm."""
+        points = np.asarray(epoch.prim.GetAttribute("points").Get(time), np.float32).reshape(-1, 3) * self._mm
+        if len(points) <= int(epoch.triangles.max(initial=-1)) or not np.isfinite(points).all():
+            raise FigureError(
+                f"{epoch.prim.GetPath()} has missing or non-finite points at frame {time:g}; solve the procedure again."
+            )
+        return points
+
+    def scalar(self, epoch: SkinEpoch, name: str, time: float) -> NDArray[np.float32] | None:
+        """A vertex quantity (n,), one of `SCALARS`, or None where the cache lacks it."""
+        value = epoch.prim.GetAttribute(f"primvars:{name}").Get(time)
+        return None if value is None else np.asarray(value, np.float32)
+
+    def sutures(self, time: float) -> Strands:
+        """The sutures of the procedure at a frame."""
+        return self._strands("Sutures", time)
+
+    def hooks(self, time: float) -> Strands:
+        """The hooks of the procedure at a frame: the anchor on the tissue and the target."""
+        return self._strands("Hooks", time)
+
+    def _strands(self, name: str, time: float) -> Strands:
+        prim = self._stage.GetPrimAtPath(f"/Procedure/Skin/{name}")
+        points = prim.GetAttribute("points").Get(time) if prim else None
+        ends = np.asarray(points if points is not None else [], np.float32).reshape(-1, 2, 3) * self._mm
+        active = prim.GetAttribute("primvars:active").Get(time) if prim else None
+        flags = np.ones(len(ends), bool) if active is None else np.asarray(active, bool).reshape(-1)
+        return Strands(ends, flags[: len(ends)] & np.isfinite(ends).all(axis=(1, 2)))
+
+    def _epoch(self, prim: Any) -> SkinEpoch:
+        from pxr import UsdGeom
+
+        mesh = UsdGeom.Mesh(prim)
+        counts = np.asarray(mesh.GetFaceVertexCountsAttr().Get(), np.int64)
+        corners = np.asarray(mesh.GetFaceVertexIndicesAttr().Get(), np.int32)
+        if not len(counts) or (counts != 3).any() or len(corners) != 3 * len(counts):
+            raise FigureError(f"{prim.GetPath()} is not a mesh of triangles; write the cache again with lappet solve.")
+        origin = np.zeros(len(counts), np.uint8)
+        for subset in UsdGeom.Subset.GetAllGeomSubsets(mesh):
+            if (label := subset.GetPrim().GetName()) in ORIGINS:
+                faces = np.asarray(subset.GetIndicesAttr().Get() or [], np.int64)
+                origin[faces[faces < len(origin)]] = ORIGINS.index(label)
+        primvar = UsdGeom.PrimvarsAPI(mesh).GetPrimvar("st")
+        times = mesh.GetPointsAttr().GetTimeSamples()
+        st = primvar.ComputeFlattened(times[0] if times else 0.0) if primvar else None
+        uv = None
+        if st is not None and len(st) == len(corners):
+            uv = np.asarray(st, np.float32).reshape(-1, 3, 2)
+        visibility = mesh.GetVisibilityAttr()
+        frames = tuple(float(t) for t in times if visibility.Get(t) != UsdGeom.Tokens.invisible)
+        return SkinEpoch(prim.GetName(), corners.reshape(-1, 3), origin, uv, frames, prim)
+
+    def _events(self) -> tuple[StepEvent, ...]:
+        timeline = self._stage.GetPrimAtPath("/Procedure/Timeline")
+        events = []
+        for prim in timeline.GetChildren() if timeline else []:
+            schemas = prim.GetMetadata("apiSchemas")
+            kinds = [m[1] for s in (schemas.GetAppliedItems() if schemas else []) if (m := re.match(r"Lappet(\w+)API$", s))]
+            if not kinds:
+                continue
+            value = {n: prim.GetAttribute(f"lappet:{n}").Get() for n in ("time", "start", "release", "duration")}
+            start = value["time"] if value["time"] is not None else value["start"]
+            if start is None:
+                continue
+            end = value["release"] if value["release"] is not None else start + (value["duration"] or 0.0)
+            events.append(StepEvent(kinds[0], prim.GetName(), float(start), float(end)))
+        return tuple(sorted(events, key=lambda e: e.start))
