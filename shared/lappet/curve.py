@@ -1,15 +1,18 @@
 """Curves of events, sampled: linear, B-spline, Catmull-Rom and Bézier, open or closed.
 
-The bases are those of `UsdGeomBasisCurves`. Open B-spline and Catmull-Rom curves are *pinned* (they begin at the first
-and end at the last point); closed ones are periodic.
+The bases are those of `UsdGeomBasisCurves`: open curves are nonperiodic (an open B-spline or Catmull-Rom curve begins
+near its second and ends near its last but one point), closed ones are periodic.
 """
 
 from __future__ import annotations
+
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from lappet.procedure import Basis
+from lappet.refused import RefusedError
 
 _SIXTH = 1.0 / 6.0
 _MATRICES = {
@@ -20,7 +23,7 @@ _MATRICES = {
 _FINE = 64
 
 
-class CurveError(ValueError):
+class CurveError(RefusedError):
     """A curve that cannot be followed; the sentence says why and the mend."""
 
 
@@ -31,8 +34,8 @@ def sample_curve(
 
     points: (n, 3) control points in mm; step: mm, > 0. A linear curve keeps its corners; a cubic one keeps the ends
     of its segments only where it is open. A closed curve does not repeat its first sample. Raises CurveError for fewer
-    than two distinct points (three when closed), for points that are not finite, an unknown basis and a Bézier
-    curve whose number of points is not 3k + 1 (3k when closed).
+    than two distinct points (three when closed), for points that are not finite, an unknown basis, an open B-spline or
+    Catmull-Rom curve of fewer than four points and a Bézier curve that has not 3k + 1 points (3k when closed).
     """
     control = np.asarray(points, np.float64).reshape(-1, 3)
     if not np.isfinite(control).all():
@@ -64,8 +67,11 @@ def _segments(control: NDArray[np.float64], basis: str, closed: bool) -> NDArray
         return control[(first[:, None] + np.arange(4)) % n]
     if closed:
         return control[(np.arange(n)[:, None] + np.arange(-1, 3)) % n]
-    padded = np.vstack([2 * control[0] - control[1], control, 2 * control[-1] - control[-2]])
-    return padded[np.arange(n - 1)[:, None] + np.arange(4)]
+    if n < 4:
+        raise CurveError(
+            f"the open {basis} curve has {n} points; give at least 4, the first and last of which shape its ends"
+        )
+    return control[np.arange(n - 3)[:, None] + np.arange(4)]
 
 
 def _fine_points(control: NDArray[np.float64], basis: str, closed: bool) -> NDArray[np.float64]:
@@ -81,7 +87,7 @@ def _fine_points(control: NDArray[np.float64], basis: str, closed: bool) -> NDAr
 def _resample_linear(control: NDArray[np.float64], closed: bool, step: float) -> NDArray[np.float64]:
     path = np.vstack([control, control[:1]]) if closed else control
     pieces = []
-    for a, b in zip(path[:-1], path[1:], strict=True):
+    for a, b in pairwise(path):
         length = float(np.linalg.norm(b - a))
         if length == 0.0:
             continue

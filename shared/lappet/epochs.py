@@ -25,15 +25,16 @@ _TIMELINE = "/Procedure/Timeline"
 def build_epochs(procedure: Procedure) -> list[Epoch]:
     """The epochs of a procedure, each surface closed, manifold and outward, made from the one before.
 
-    Incisions, excisions and undermining at one time make one epoch, in this order; those at or before the start time belong to
-    epoch 0. Edges are refined to 1.5 lattice spacings. The same procedure gives the same bytes. Raises SurfaceError for a tissue that is
-    no closed surface and IncisionError for an event that cannot act on it, naming the prim, the value and the mend.
+    Incisions, excisions and undermining at one time make one epoch, in this order; those at or before the start time
+    belong to epoch 0. Edges are refined to 1.5 lattice spacings. The same procedure gives the same bytes. Raises
+    SurfaceError for a tissue that is no closed surface and IncisionError for an event that cannot act on it, naming the
+    prim, the value and the mend.
     """
     spacing = procedure.tissue.spacing
     surface = tissue_surface(procedure.tissue, _TISSUE)
     rest = LabelledSolid.from_surface(surface)
     skin = RestSkin(surface, rest.solid)
-    tissue = tidy(rest, spacing, 0.0)
+    rest = tissue = tidy(rest, spacing, 0.0)
     epochs = []
 
     topological = [e for e in procedure.events if isinstance(e, Incision | Excision | Undermine)]

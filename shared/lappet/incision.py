@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import manifold3d
 import numpy as np
 
+from lappet.patch import UV_SCALE
 from lappet.procedure import Incision
 from lappet.program import FaceOrigin
 from lappet.rest_skin import RestSkin
@@ -21,8 +22,8 @@ _WALL = Label(FaceOrigin.WOUND_WALL)
 def cutter(ribbon: Ribbon, kerf: float, above: float, ids: tuple[int, int, int]) -> manifold3d.Manifold:
     """The solid that a ribbon sweeps: kerf wide, from `above` the skin down to its depth; all in mm.
 
-    ids: the run ids of its left and right wall and of the rest (roof, floor, ends). UVs are (arc length, depth) in mm on the left wall;
-    the right wall's are moved on by the kerf, so that the floor between them has an area too.
+    ids: the run ids of its left and right wall and of the rest (roof, floor, ends). UVs are (arc length, depth), 1 unit
+    per 100 mm, on the left wall; the right wall's are moved on by the kerf, so that the floor has an area too.
     """
     half = 0.5 * kerf * ribbon.sides
     top, low = ribbon.points + above * ribbon.normals, ribbon.points - ribbon.depth[:, None] * ribbon.normals
@@ -54,7 +55,7 @@ def cutter(ribbon: Ribbon, kerf: float, above: float, ids: tuple[int, int, int])
     sizes = np.cumsum([0, len(left), len(right), sum(len(r) for r in rest)])
     seam = np.arange(4) if ribbon.closed else np.arange(0)
     mesh = manifold3d.Mesh64(
-        vert_properties=np.ascontiguousarray(np.concatenate([position, uv], axis=2).reshape(-1, 5)),
+        vert_properties=np.ascontiguousarray(np.concatenate([position, UV_SCALE * uv], axis=2).reshape(-1, 5)),
         tri_verts=triangles.astype(np.uint64),
         merge_from_vert=(seam + 4 * (count - 1)).astype(np.uint64),
         merge_to_vert=seam.astype(np.uint64),
@@ -69,8 +70,8 @@ def cut(
 ) -> LabelledSolid:
     """The tissue after these incisions, made in one Boolean; their walls are labelled WOUND_WALL.
 
-    skin: the uncut skin that the curves were drawn on. spacing: mm, the lattice's. timeline: the path of the prims' parent, for messages. Raises
-    IncisionError, naming the prim, for a curve that cannot be cut or leaves nothing.
+    skin: the uncut skin that the curves were drawn on. spacing: mm, the lattice's. timeline: the path of the prims'
+    parent, for messages. Raises IncisionError, naming the prim, for a curve that cannot be cut or leaves nothing.
     """
     wall = manifold3d.Manifold.reserve_ids(1)
     cutters = []

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from lappet.closest_point import ClosestPoint
 from lappet.program import FaceOrigin, Surface
-from lappet.surface_check import directed_edges
+from lappet.surface_check import open_edges
 
 _CREASE = np.cos(np.radians(60.0))
 
@@ -22,16 +22,14 @@ _CREASE = np.cos(np.radians(60.0))
 class SkinPoints:
     """Points placed on the skin.
 
-    points, normals: (k, 3), mm and unit. height: (k,) mm, how far the drawn point hovered over the skin. beyond: (k,) mm,
-    how far it lies outside the skin's border (0 on the skin). border: (k,) mm, distance of the skin point
-    to the border (infinite for a skin without one).
+    points, normals: (k, 3), mm and unit. height: (k,) mm, how far the drawn point hovered over the skin.
+    beyond: (k,) mm, how far it lies outside the skin's border (0 on the skin).
     """
 
     points: NDArray[np.float64]
     normals: NDArray[np.float64]
     height: NDArray[np.float64]
     beyond: NDArray[np.float64]
-    border: NDArray[np.float64]
 
 
 class RestSkin:
@@ -47,10 +45,7 @@ class RestSkin:
         self._closest = ClosestPoint(self.points, self.triangles)
         self._normals = corner_normals(self.points, self.triangles)
         self._size = float(np.linalg.norm(np.ptp(self.points, axis=0)))
-        edges = directed_edges(self.triangles)
-        order = np.sort(edges, axis=1)
-        _, inverse, counts = np.unique(order, axis=0, return_inverse=True, return_counts=True)
-        border = edges[counts[inverse.reshape(-1)] == 1]
+        border = open_edges(self.triangles)
         degenerate = np.column_stack([border, border[:, 1]])
         self._border = ClosestPoint(self.points, degenerate) if len(border) else None
 
@@ -62,17 +57,17 @@ class RestSkin:
         normals /= np.linalg.norm(normals, axis=1, keepdims=True)
         offset = points - closest
         height = np.einsum("ki,ki->k", offset, normals)
-        if self._border is None:
-            border = np.full(len(points), np.inf)
-            beyond = np.zeros(len(points))
-        else:
-            border = self._border.query(closest)[2]
-            beyond = np.where(
-                border < 1e-6 * self._size, np.linalg.norm(offset - height[:, None] * normals, axis=1), 0.0
-            )
-            beyond[beyond < 1e-6 * self._size] = 0.0
-        placed = np.where(beyond[:, None] > 0.0, points - height[:, None] * normals, closest)
-        return SkinPoints(placed, normals, height, beyond, border)
+        beyond = np.linalg.norm(offset - height[:, None] * normals, axis=1)
+        aside = np.flatnonzero(beyond > 1e-6 * self._size)
+        outside = aside[self.to_border(closest[aside]) < 1e-6 * self._size]
+        placed = closest.copy()
+        placed[outside] = points[outside] - height[outside, None] * normals[outside]
+        beyond[np.setdiff1d(np.arange(len(points)), outside)] = 0.0
+        return SkinPoints(placed, normals, height, beyond)
+
+    def to_border(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+        """The distance (k,) in mm of points (k, 3) to the skin's border; infinite for a skin without one."""
+        return np.full(len(points), np.inf) if self._border is None else self._border.query(points)[2]
 
     def distance(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
         """The distance (k,) in mm of points (k, 3) to the skin."""

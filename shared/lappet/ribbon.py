@@ -13,14 +13,15 @@ from numpy.typing import NDArray
 
 from lappet.curve import CurveError, sample_curve
 from lappet.procedure import Basis, Point
-from lappet.rest_skin import RestSkin
+from lappet.refused import RefusedError
+from lappet.rest_skin import RestSkin, SkinPoints
 from lappet.surface_check import place
 
 _OVERLAP = 0.1  # of the kerf: how far open ends reach on, so that curves that touch are joined at any kerf
 _FOLD = 0.45  # of a segment: how far a mitre may reach back before the ribbon is broken at the corner
 
 
-class IncisionError(ValueError):
+class IncisionError(RefusedError):
     """A curve or seed that cannot act on the tissue; the sentence names the prim, the value and the mend."""
 
 
@@ -28,9 +29,9 @@ class IncisionError(ValueError):
 class Ribbon:
     """A strip of cross-sections along a curve on the skin.
 
-    points, normals, sides: (k, 3); sides are as long as the mitre needs (a cross-section's edges are points ± kerf/2 sides).
-    depth: (k,) mm below the skin. along: (k,) mm, arc length from the curve's begin. closed: the last section joins the first;
-    length: mm, the arc length around a closed one.
+    points, normals, sides: (k, 3); sides are as long as the mitre needs (a cross-section's edges are points ± kerf/2
+    sides). depth: (k,) mm below the skin. along: (k,) mm, arc length from the curve's begin. closed: the last section
+    joins the first; length: mm, the arc length around a closed one.
     """
 
     points: NDArray[np.float64]
@@ -68,11 +69,11 @@ def skin_ribbons(
 ) -> list[Ribbon]:
     """The ribbons of a curve on the skin.
 
-    The curve is sampled at `step` (default: the lattice spacing, at most 1 mm, and finer where the kerf is finer), its
-    samples are dropped onto the skin; what lies past the skin's border stays there, and an end near the border runs on past
-    it. depth: mm along the skin normal, or None for the whole thickness (measured by a ray per sample).
-    A curve is broken into several ribbons where it leaves the tissue, turns too sharply for a mitre, or meets itself.
-    Raises IncisionError for a curve that cannot be followed, hovers off the skin or misses the tissue.
+    The curve is sampled at `step` (default: the lattice spacing, at most 1 mm), its samples are dropped onto the
+    skin; what lies past the skin's border stays there, and an end near the border runs on past it. depth: mm along
+    the skin normal, or None for the whole thickness (measured by a ray per sample). A curve is broken into several
+    ribbons where it leaves the tissue, turns too sharply for a mitre, or meets itself. Raises IncisionError for a
+    curve that cannot be followed, hovers off the skin or misses the tissue.
     """
     if not (np.isfinite(kerf) and kerf > 0.0):
         raise IncisionError(f"{prim}: the kerf is {kerf:g} mm; give a width above 0, for instance 0.05")
@@ -83,8 +84,9 @@ def skin_ribbons(
         samples = sample_curve(points, basis, closed, step)
     except CurveError as error:
         raise IncisionError(f"{prim}: {error}") from None
-    _check_on_skin(skin, np.asarray(points, np.float64), samples, basis, spacing, prim)
-    paths = _paths(skin, samples, closed, depth, kerf, spacing, step)
+    placed = skin.locate(samples)
+    _check_on_skin(skin, np.asarray(points, np.float64), samples, placed, basis, spacing, prim)
+    paths = _paths(skin, placed, closed, depth, kerf, spacing, step)
     ribbons = [ribbon for path in paths for ribbon in _unfolded(path, kerf)]
     if not ribbons:
         raise IncisionError(
@@ -98,11 +100,11 @@ def _check_on_skin(
     skin: RestSkin,
     control: NDArray[np.float64],
     samples: NDArray[np.float64],
+    placed: SkinPoints,
     basis: Basis,
     spacing: float,
     prim: str,
 ) -> None:
-    placed = skin.locate(samples)
     reach = max(spacing, 0.02 * float(np.linalg.norm(np.ptp(skin.points, axis=0))))
     near = np.abs(placed.height) <= reach
     if not (near & (placed.beyond == 0.0)).any():
@@ -111,42 +113,41 @@ def _check_on_skin(
             f"{prim}: the curve misses the tissue: its nearest point is {gap:.3g} mm away from the skin; "
             "draw it on the rest surface"
         )
-    anchors = control[::3] if basis == "bezier" else control
-    if basis == "bspline":
-        anchors = samples
-    off = np.flatnonzero(np.abs(skin.locate(anchors).height) > reach)
+    # A chord may dip under a curved skin; the points that the curve passes through may not.
+    anchors = {"linear": control, "bezier": control[::3]}.get(basis, samples)
+    height = np.abs(placed.height if anchors is samples else skin.locate(anchors).height)
+    off = np.flatnonzero(height > reach)
     if len(off):
-        height = float(skin.locate(anchors[off[:1]]).height[0])
         raise IncisionError(
-            f"{prim}: the curve's point {place(anchors[off[0]])} is {abs(height):.3g} mm off the skin "
+            f"{prim}: the curve's point {place(anchors[off[0]])} is {height[off[0]]:.3g} mm off the skin "
             f"(at most {reach:.3g} mm is mended); move it onto the rest surface"
         )
 
 
 def _paths(
     skin: RestSkin,
-    samples: NDArray[np.float64],
+    placed: SkinPoints,
     closed: bool,
     depth: float | None,
     kerf: float,
     spacing: float,
     step: float,
 ) -> list[_Path]:
-    placed = skin.locate(samples)
+    count = len(placed.points)
     on = placed.beyond == 0.0
-    thick = np.zeros(len(samples))
+    thick = np.zeros(count)
     thick[on] = skin.thickness(placed.points[on], placed.normals[on])
     known = np.flatnonzero(thick > 0.0)
     if len(known) == 0:
         return []
-    nearest = known[np.abs(np.arange(len(samples))[:, None] - known).argmin(axis=1)]
+    nearest = known[np.abs(np.arange(count)[:, None] - known).argmin(axis=1)]
     thick = thick[nearest]
     run_off = float(thick.max()) + 2.0 * kerf + step
     if depth is None:
         under = _running_max(thick, closed)
         depths = under + np.maximum(0.25 * under, 0.5 * step)
     else:
-        depths = np.full(len(samples), depth)
+        depths = np.full(count, depth)
 
     paths = []
     for run, whole in _runs(placed.beyond <= run_off, closed):
@@ -161,7 +162,7 @@ def _paths(
             touch = max(kerf, 0.25 * spacing)
             for at_end in (False, True):
                 k = chosen[-1 if at_end else 0]
-                if placed.beyond[k] > 0.0 or placed.border[k] <= touch:
+                if placed.beyond[k] > 0.0 or skin.to_border(placed.points[k : k + 1])[0] <= touch:
                     path = _run_off(skin, path, at_end, run_off)
         paths.append(path)
     return paths
@@ -310,7 +311,7 @@ def _conflicts(path: _Path, lengths: NDArray[np.float64], kerf: float, segments:
 def _segment_distance(
     p: NDArray[np.float64], q: NDArray[np.float64], a: NDArray[np.float64], b: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """The distance between the segment pq and the segments ab (k, 3) (Ericson, Real-Time Collision Detection, 5.1.9)."""
+    """The distance of the segment pq to the segments ab (k, 3) (Ericson, Real-Time Collision Detection, 5.1.9)."""
     u, v, w = q - p, b - a, p - a
     uu, vv = float(u @ u), np.einsum("ij,ij->i", v, v)
     uv, uw, vw = v @ u, w @ u, np.einsum("ij,ij->i", v, w)

@@ -11,8 +11,9 @@ from lappet.program import Surface
 def split_edges(surface: Surface, edges: NDArray[np.integer], at: NDArray[np.float64]) -> Surface:
     """The surface with a new vertex on each of `edges`, labels and UVs carried over.
 
-    edges: (k, 2) vertex pairs, smaller index first, each once. at: (k,) where on the edge, 0 < at < 1 from its first vertex. New vertices
-    follow the old ones in the order of `edges`. Raises ValueError where all three edges of a triangle are to be split.
+    edges: (k, 2) vertex pairs, smaller index first, each once. at: (k,) where on the edge, 0 < at < 1 from its
+    first vertex. New vertices follow the old ones in the order of `edges`. Raises ValueError where all three edges
+    of a triangle are to be split.
     """
     n = len(surface.points)
     a, b = surface.points[edges[:, 0]], surface.points[edges[:, 1]]

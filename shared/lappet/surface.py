@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from lappet.patch import UV_SCALE
 from lappet.procedure import Tissue
 from lappet.program import FaceOrigin, Surface
 from lappet.surface_check import SurfaceError, check_closed, check_finite, check_not_self_intersecting, signed_volume
@@ -20,7 +21,8 @@ def tissue_surface(tissue: Tissue, prim: str = "/Procedure/Tissue") -> Surface:
     """The tissue as a closed, outward oriented, labelled triangle surface.
 
     Quads are split along their shorter diagonal, larger polygons by ears. A surface that is closed and consistent but
-    turned inside out is turned around. Without UVs the surface gets its two widest coordinates in mm. Raises
+    turned inside out is turned around. Without UVs the surface gets its two widest coordinates, one
+    unit per 100 mm. Raises
     SurfaceError, naming `prim`, for a mesh that is not finite, open, not orientable, not manifold, self-intersecting
     or empty inside.
     """
@@ -135,7 +137,7 @@ def _without_collapsed(
 
 
 def _plane_uv(points: NDArray[np.float64]) -> NDArray[np.float32]:
-    """The coordinates (n, 2) along the two widest axes, in mm from the bounding box's minimum."""
+    """The coordinates (n, 2) along the two widest axes from the bounding box's minimum, 1 unit per 100 mm."""
     extent = np.ptp(points, axis=0)
     axes = np.sort(np.argsort(-extent, kind="stable")[:2])
-    return (points - points.min(axis=0))[:, axes].astype(np.float32)
+    return (UV_SCALE * (points - points.min(axis=0))[:, axes]).astype(np.float32)

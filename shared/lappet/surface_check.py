@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 from numpy.typing import NDArray
 
+from lappet.refused import RefusedError
 
-class SurfaceError(ValueError):
+
+class SurfaceError(RefusedError):
     """A surface that cannot be tissue; the sentence names the prim, the place and the mend."""
 
 
@@ -37,7 +41,8 @@ def check_finite(points: NDArray[np.float64], counts: NDArray[np.int64], indices
     outside = np.flatnonzero((indices < 0) | (indices >= len(points)))
     if len(outside):
         raise SurfaceError(
-            f"{prim}: a face names point {indices[outside[0]]}, but the mesh has {len(points)} points; export the mesh again"
+            f"{prim}: a face names point {indices[outside[0]]}, but the mesh has {len(points)} points; "
+            "export the mesh again"
         )
 
 
@@ -50,14 +55,22 @@ def directed_edges(triangles: NDArray[np.integer]) -> NDArray[np.int64]:
 def open_edges(triangles: NDArray[np.integer]) -> NDArray[np.int64]:
     """The directed edges (k, 2) that belong to one triangle only."""
     edges = directed_edges(triangles)
-    _, inverse, counts = np.unique(np.sort(edges, axis=1), axis=0, return_inverse=True, return_counts=True)
-    return edges[counts[inverse.reshape(-1)] == 1]
+    _, inverse, counts = unique_edges(edges)
+    return edges[counts[inverse] == 1]
+
+
+def unique_edges(edges: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
+    """The undirected edges (u, 2), smaller index first, which of them each edge (k, 2) is, and how often they occur."""
+    low, high = edges.min(axis=1), edges.max(axis=1)
+    size = int(high.max()) + 1 if len(edges) else 1
+    key, inverse, counts = np.unique(low * size + high, return_inverse=True, return_counts=True)
+    return np.stack([key // size, key % size], axis=1), inverse.reshape(-1), counts
 
 
 def check_closed(points: NDArray[np.float64], triangles: NDArray[np.integer], prim: str) -> None:
     """Raises SurfaceError unless every edge belongs to exactly two triangles that run along it in opposite ways."""
     edges = directed_edges(triangles)
-    undirected, inverse, counts = np.unique(np.sort(edges, axis=1), axis=0, return_inverse=True, return_counts=True)
+    undirected, inverse, counts = unique_edges(edges)
 
     def middle(which: int) -> str:
         return place(points[undirected[which]].mean(axis=0))
@@ -75,7 +88,7 @@ def check_closed(points: NDArray[np.float64], triangles: NDArray[np.integer], pr
             "leave two of them"
         )
     forward = np.zeros(len(undirected), np.int64)
-    np.add.at(forward, inverse.reshape(-1), np.where(edges[:, 0] < edges[:, 1], 1, -1))
+    np.add.at(forward, inverse, np.where(edges[:, 0] < edges[:, 1], 1, -1))
     twisted = np.flatnonzero(forward != 0)
     if len(twisted):
         raise SurfaceError(
@@ -101,8 +114,8 @@ def check_not_self_intersecting(points: NDArray[np.float64], triangles: NDArray[
 def first_intersection(points: NDArray[np.float64], triangles: NDArray[np.integer]) -> tuple[int, int] | None:
     """A pair of triangles without a common vertex that pierce each other, or None.
 
-    Candidate pairs come from a sweep along the widest axis over cells of the other two; a pair intersects when an edge of one crosses
-    the inside of the other (Möller–Trumbore). Touching without crossing does not count.
+    Candidate pairs share a cell of a grid; a pair intersects when an edge of one crosses the inside of the other
+    (Möller and Trumbore 1997). Touching without crossing does not count.
     """
     t = np.asarray(triangles, np.int64)
     corners = points[t]
@@ -117,8 +130,10 @@ def first_intersection(points: NDArray[np.float64], triangles: NDArray[np.intege
     return None
 
 
-def _overlapping_boxes(low: NDArray[np.float64], high: NDArray[np.float64]):  # type: ignore[no-untyped-def]
-    """Yields index arrays (left, right) of boxes that overlap with an inside in common or in a flat side."""
+def _overlapping_boxes(
+    low: NDArray[np.float64], high: NDArray[np.float64]
+) -> Iterator[tuple[NDArray[np.int64], NDArray[np.int64]]]:
+    """Index arrays (left, right) of boxes (n, 3) that overlap or touch, each pair once."""
     size = max(float(np.median((high - low).max(axis=1))) * 1.5, float((high - low).max()) / 32.0, 1e-30)
     origin = low.min(axis=0)
     first = np.floor((low - origin) / size).astype(np.int64)

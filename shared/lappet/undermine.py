@@ -1,8 +1,8 @@
 """Undermining: frees the bed faces below the area inside a closed curve on the skin.
 
-The curve is swept through the whole thickness of the uncut tissue, along the skin's normals, as for a cut; the parts that this
-would part are inside where the curve winds around the skin beside their walls (winding number other than 0, seen along the
-curve's mean normal). A bed face is freed when it belongs to an inside part, so "below" follows the
+The curve is swept through the whole thickness of the uncut tissue, along the skin's normals, as for a cut; the parts
+that this would make are inside where the curve winds around the skin beside their walls (winding number other than 0,
+seen along the curve's mean normal). A bed face is freed when it belongs to an inside part, so "below" follows the
 normals of a curved scalp and not one projection. Bed faces on the line are split along it.
 """
 
@@ -20,6 +20,7 @@ from lappet.rest_skin import RestSkin
 from lappet.ribbon import IncisionError, Ribbon, skin_ribbons
 from lappet.solid import Label, LabelledSolid
 from lappet.split_edges import split_edges
+from lappet.surface_check import directed_edges, unique_edges
 
 _KERF = 0.02  # of the lattice spacing: the width of the line that parts inside from outside
 
@@ -29,8 +30,8 @@ def undermine(
 ) -> Surface:
     """The surface with the bed faces inside the curve freed (bed False) and split along the curve.
 
-    surface: of the current epoch. rest, skin: the uncut tissue. spacing: mm. Raises IncisionError, naming the prim, for a
-    curve that cannot be followed, misses the tissue or has no bed below it.
+    surface: of the current epoch. rest, skin: the uncut tissue. spacing: mm. Raises IncisionError, naming the prim, for
+    a curve that cannot be followed, misses the tissue or has no bed below it.
     """
     prim = f"{timeline}/{event.name}"
     kerf = _KERF * min(spacing, 1.0)
@@ -44,7 +45,7 @@ def undermine(
     inside[vertices] = parts.contain(surface.points[vertices])
 
     t = surface.triangles[below]
-    edges = np.unique(np.sort(np.vstack([t[:, [0, 1]], t[:, [1, 2]], t[:, [2, 0]]]), axis=1), axis=0)
+    edges = unique_edges(directed_edges(t))[0]
     crossing = edges[inside[edges[:, 0]] != inside[edges[:, 1]]]
     if len(crossing):
         distance = parts.line.query(surface.points[crossing].reshape(-1, 3))[2].reshape(-1, 2)
@@ -96,6 +97,8 @@ class _Parts:
         self.inside = np.array(inside, bool)
         self._owner = np.concatenate(owner)
         soup = np.concatenate(corners)
+        self._known, first = np.unique(_bytes(soup.reshape(-1, 3)), return_index=True)
+        self._part_of_known = self._owner[first // 3]
         self._closest = ClosestPoint(soup.reshape(-1, 3), np.arange(3 * len(soup)).reshape(-1, 3))
         chosen = soup[self.inside[self._owner]].reshape(-1, 3)
         margin = 0.01 * spacing
@@ -107,8 +110,20 @@ class _Parts:
         result = np.zeros(len(points), bool)
         if self._box is not None:
             near = np.flatnonzero(((points >= self._box[0]) & (points <= self._box[1])).all(axis=1))
-            result[near] = self.inside[self._owner[self._closest.query(points[near])[0]]]
+            # Vertices away from all cuts are the same to the bit; the few others are looked for.
+            keys = _bytes(points[near])
+            slot = np.minimum(np.searchsorted(self._known, keys), len(self._known) - 1)
+            same = self._known[slot] == keys
+            result[near[same]] = self.inside[self._part_of_known[slot[same]]]
+            other = near[~same]
+            result[other] = self.inside[self._owner[self._closest.query(points[other])[0]]]
         return result
+
+
+def _bytes(points: NDArray[np.float64]) -> NDArray[np.void]:
+    """The coordinates (k, 3) as one sortable value a point."""
+    exact = np.ascontiguousarray(points + 0.0)  # no negative zeros
+    return exact.view(np.dtype((np.void, 24))).reshape(-1)
 
 
 def _winds(
