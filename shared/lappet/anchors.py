@@ -18,7 +18,8 @@ OFF_TISSUE = 0.05
 
 @dataclass(frozen=True)
 class Tied:
-    """Anchors on a surface: point (q, 3) float64 mm on the triangle (q,) int32, distance (q,) mm from what was asked."""
+    """Anchors on a surface: point (q, 3) float64 mm on the triangle (q,) int32, distance (q,) mm from what was
+    asked."""
 
     point: NDArray[np.float64]
     triangle: NDArray[np.int32]
@@ -60,8 +61,8 @@ class AnchorTie:
 class TissueLoss:
     """Tells whether the tissue under an anchor has been cut away.
 
-    An anchor may be farther from an epoch's surface than from the uncut tissue by the widest kerf (it may lie in it) and
-    by rounding; beyond that the tissue under it is gone.
+    An anchor may be farther from an epoch's surface than from the uncut tissue by the widest kerf (it may lie in it)
+    and by rounding; beyond that the tissue under it is gone.
     """
 
     def __init__(self, procedure: Procedure) -> None:

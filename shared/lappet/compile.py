@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Iterable, Sequence
 from typing import Any, Literal
 
@@ -31,13 +32,14 @@ def compile_program(
 ) -> Program:
     """The program of a procedure: a frame for every integer time code from its start to its end.
 
-    epochs: those of `lappet.epochs`, in order (made here when None). spacing: lattice edge in mm (the tissue's when None).
-    until: leave out frames after this time code. settings: other fields of `SolverSettings`. A frame belongs to the last
-    epoch that starts at or before it. Hook targets are linear between samples and held at the ends; a hook or retractor
-    acts from `start` until before `release`; a suture from `start` on, its closure growing linearly over `duration`.
+    epochs: those of `lappet.epochs`, in order (made here when None). spacing: lattice edge in mm (the tissue's when
+    None). until: leave out frames after this time code. settings: other fields of `SolverSettings`. A frame belongs to
+    the last epoch that starts at or before it. Hook targets are linear between samples and held at the ends; a hook or
+    retractor acts from `start` until before `release`; a suture from `start` on, its closure growing linearly over
+    `duration`.
 
-    Raises RefusedError naming the prim where an anchor is off the tissue or its tissue is excised, two retractors grip one
-    face, a motion is not rigid, the timeline has no frame, or a material asks for what is not solved.
+    Raises RefusedError naming the prim where an anchor is off the tissue or its tissue is excised, two retractors grip
+    one face, a motion is not rigid, the timeline has no frame, or a material asks for what is not solved.
     """
     if epochs is None:
         from lappet.epochs import build_epochs
@@ -67,7 +69,8 @@ def compile_program(
         tie = AnchorTie(epoch.surface, loss.margin)
         landmarks.append(_landmarks([point for _, point in marks], tie, loss))
         hook_ties = {
-            i: _tied(hook, [hook.anchor], hook.start, hook.release, epoch, own, tie, loss) for i, hook in enumerate(hooks)
+            i: _tied(hook, [hook.anchor], hook.start, hook.release, epoch, own, tie, loss)
+            for i, hook in enumerate(hooks)
         }
         suture_ties = {
             i: _tied(suture, suture.anchors, suture.start, math.inf, epoch, own, tie, loss)
@@ -274,8 +277,8 @@ def _grips(epoch: Epoch, retractors: Sequence[Retractor], own: Sequence[int]) ->
         taken = np.unique(grip[mask & (grip >= 0)])
         if len(taken):
             raise RefusedError(
-                f"{_path(retractor)}: it grips faces that {_path(retractors[int(taken[0])])} grips too while the tissue's "
-                "topology is the same; give each a subset of its own."
+                f"{_path(retractor)}: it grips faces that {_path(retractors[int(taken[0])])} grips too while the "
+                "tissue's topology is the same; give each a subset of its own."
             )
         grip[mask] = i
     return grip
@@ -290,12 +293,18 @@ def _landmarks(points: Sequence[Point], tie: AnchorTie, loss: TissueLoss) -> Lan
 
 
 def _labels(marks: Sequence[tuple[Landmark, Point]]) -> tuple[str, ...]:
-    """A label per landmark point; the points of a prim with several are numbered from 1."""
-    count = 0
+    """A label per landmark point: no two alike.
+
+    A label that several prims share gets the prim's name, and the points of a prim with several are numbered from 1.
+    """
+    prims = {mark.name: mark for mark, _ in marks}
+    shared = Counter(mark.label or mark.name for mark in prims.values())
     labels = []
-    for i, (mark, _) in enumerate(marks):
-        count = count + 1 if i and marks[i - 1][0] is mark else 1
-        labels.append(mark.label if len(mark.points) == 1 else f"{mark.label} {count}")
+    for mark in prims.values():
+        label = mark.label or mark.name
+        if shared[label] > 1:
+            label = f"{label} ({mark.name})"
+        labels += [label] if len(mark.points) == 1 else [f"{label} {i + 1}" for i in range(len(mark.points))]
     return tuple(labels)
 
 
@@ -308,16 +317,14 @@ def _material(procedure: Procedure) -> Material:
     path = f"/Procedure/Materials/{name}"
     if material.model not in SOLVED_MODELS:
         raise RefusedError(
-            f"{path}: the model {material.model!r} is not solved by this version; use one of {', '.join(SOLVED_MODELS)}."
+            f"{path}: the model {material.model!r} is not solved yet; use one of {', '.join(SOLVED_MODELS)}."
         )
     if material.fiber_k1 != 0.0:
         raise RefusedError(
-            f"{path}: fibres (lappet:fiber:k1 = {material.fiber_k1:g} kPa) are not solved by this version; set it to 0."
+            f"{path}: fibres (lappet:fiber:k1 = {material.fiber_k1:g} kPa) are not solved yet; set it to 0."
         )
     if tuple(material.prestretch) != (1.0, 1.0):
-        raise RefusedError(
-            f"{path}: a prestretch of {tuple(material.prestretch)} is not solved by this version; set it to (1, 1)."
-        )
+        raise RefusedError(f"{path}: a prestretch of {tuple(material.prestretch)} is not solved yet; set it to (1, 1).")
     return material
 
 

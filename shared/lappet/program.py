@@ -50,10 +50,10 @@ class Epoch:
 class SolverSettings:
     """How a session solves: the `settings` and `material` maps of `open` (PROTOCOL.md), flattened.
 
-    spacing: lattice edge, mm. fine_ratio: fine voxels per lattice edge. origin: a grid point, mm. quadrature: points per
-    cell (1, 4 or 8). precision: "float" or "double". tolerance: residual over force scale. gap_tolerance: largest suture
-    and grip gap as a fraction of the spacing. bed_stiffness: kPa/mm. gravity: m/s². time_budget: s per frame, 0 = none.
-    memory_budget: bytes. threads: 0 = all. sutures, retractors: their numbers in the whole procedure. model,
+    spacing: lattice edge, mm. fine_ratio: fine voxels per lattice edge. origin: a grid point, mm. quadrature: points
+    per cell (1, 4 or 8). precision: "float" or "double". tolerance: residual over force scale. gap_tolerance: largest
+    suture and grip gap as a fraction of the spacing. bed_stiffness: kPa/mm. gravity: m/s². time_budget: s per frame, 0
+    = none. memory_budget: bytes. threads: 0 = all. sutures, retractors: their numbers in the whole procedure. model,
     youngs_modulus (kPa), poissons_ratio, density (kg/m³): the material.
     """
 
@@ -129,13 +129,13 @@ class Landmarks:
 class Program:
     """A compiled procedure (`lappet.compile.compile_program`).
 
-    epochs: in order of time. frames: one per integer time code. active_hooks: per frame the (H,) indices into `hooks` of
-    the rows of its hook arrays. grips: per epoch (m,) int32, the retractor that grips each triangle, or -1; only
+    epochs: in order of time. frames: one per integer time code. active_hooks: per frame the (H,) indices into `hooks`
+    of the rows of its hook arrays. grips: per epoch (m,) int32, the retractor that grips each triangle, or -1; only
     retractors that act in the epoch. landmarks_at: per epoch. fps: time codes per second.
 
-    Names of prims: hooks in the procedure's order; sutures and retractors in order of their start, so that what is added
-    to the end of the timeline renumbers nothing before it. landmarks: a label per landmark point. notes: sentences
-    about what the procedure holds and the solve leaves out.
+    Names of prims: hooks in the procedure's order; sutures and retractors in order of their start, so that what is
+    added to the end of the timeline renumbers nothing before it. landmarks: a label per landmark point. notes:
+    sentences about what the procedure holds and the solve leaves out.
     """
 
     epochs: tuple[Epoch, ...]

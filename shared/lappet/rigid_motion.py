@@ -28,10 +28,12 @@ class RigidMotion:
         if not (np.isfinite(matrices).all() and np.isfinite(self._times).all()):
             raise ValueError("its motion holds a number that is not finite.")
         if abs(np.linalg.det(matrices[0, :3, :3])) < 1e-12:
-            raise ValueError(f"its transform at time {self._times[0]:g} cannot be inverted; give it a scale that is not 0.")
+            raise ValueError(
+                f"its transform at time {self._times[0]:g} cannot be inverted; give it a scale that is not 0."
+            )
         motions = matrices @ np.linalg.inv(matrices[0])
         self._rotations = motions[:, :3, :3]
-        # The same motion about the first origin keeps the interpolated path near the prim, not about the world's origin.
+        # Interpolated about the prim's own origin, which so moves along a straight line.
         self._pivot = matrices[0, :3, 3]
         self._offsets = motions[:, :3, 3] + self._rotations @ self._pivot - self._pivot
         for time, rotation in zip(self._times, self._rotations, strict=True):
@@ -74,19 +76,14 @@ def _rotation(vector: NDArray[np.float64]) -> NDArray[np.float64]:
 
 def _rotation_vector(rotation: NDArray[np.float64]) -> NDArray[np.float64]:
     """The rotation vector (angle at most pi) of a rotation matrix."""
-    sine = 0.5 * np.array([
-        rotation[2, 1] - rotation[1, 2],
-        rotation[0, 2] - rotation[2, 0],
-        rotation[1, 0] - rotation[0, 1],
-    ])
+    twist = rotation - rotation.T
+    sine = 0.5 * np.array([twist[2, 1], twist[0, 2], twist[1, 0]], np.float64)
     cosine = 0.5 * (np.trace(rotation) - 1.0)
     length = float(np.linalg.norm(sine))
     angle = float(np.arctan2(length, cosine))
-    if angle < 1e-9:
-        return sine
-    if length > 1e-6:
-        return sine * (angle / length)
+    if length > 1e-6 or angle < 1.0:
+        return sine * (angle / length if length > 0.0 else 1.0)
     # A half turn: the axis is the column of R + I with the largest diagonal entry.
     symmetric = 0.5 * (rotation + np.eye(3))
-    axis = symmetric[:, int(np.argmax(np.diag(symmetric)))]
+    axis: NDArray[np.float64] = symmetric[:, int(np.argmax(np.diag(symmetric)))]
     return axis * (angle / float(np.linalg.norm(axis)))

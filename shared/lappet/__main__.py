@@ -1,0 +1,5 @@
+"""`python -m lappet` is the command `lappet`."""
+
+from lappet.cli import main
+
+main()

@@ -1,0 +1,190 @@
+"""The frame store: solved frames by content key, in files that are written whole or not at all.
+
+A file holds the magic, a checksum of the rest, the length of a JSON header, the header, and the arrays one after
+another:
+
+    magic (8) | BLAKE2b-256 of what follows (32) | header bytes (8, little-endian) | header | array | array | ...
+
+The header is {"header": any JSON object, "arrays": [{"name", "dtype", "shape"}, ...]}. An entry that does not fit its
+checksum counts as absent. Several processes may use one store at once.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import json
+import math
+import os
+import re
+import tempfile
+import time
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+DEFAULT_LIMIT = 4 << 30
+_MAGIC = b"LAPPETF1"
+_CHECKSUM = 32
+_KEY = re.compile(r"[0-9a-f]{16,128}")
+_SUFFIX = ".frame"
+_STALE_SECONDS = 3600.0
+_DTYPES = frozenset({"<f4", "<f8", "<i4", "<i8", "|u1"})
+
+
+@dataclass(frozen=True, eq=False)
+class StoredFrame:
+    """What is kept of a frame: a JSON-able header and named arrays (f4, f8, i4, i8 or u1, any shape)."""
+
+    header: dict[str, Any]
+    arrays: dict[str, NDArray[Any]] = field(default_factory=dict)
+
+
+def default_folder() -> Path:
+    """The store's folder: LAPPET_STORE where that is set, else `frames` in the user's cache folder."""
+    named = os.environ.get("LAPPET_STORE")
+    if named:
+        return Path(named).expanduser()
+    from platformdirs import user_cache_path
+
+    return user_cache_path("lappet", appauthor=False) / "frames"
+
+
+class FrameStore:
+    """A content-addressed store of frames, bounded in size; what has not been used for longest goes first.
+
+    folder: made when the first frame is written. limit: bytes. Trouble with the disk (full, read-only) never raises:
+    the store stops writing and `trouble` holds the sentence.
+    """
+
+    def __init__(self, folder: Path | None = None, limit: int = DEFAULT_LIMIT) -> None:
+        self.folder = default_folder() if folder is None else Path(folder)
+        self.limit = limit
+        self.trouble: str | None = None
+        self._bytes: int | None = None
+
+    def path(self, key: str) -> Path:
+        """The file of a key; raises ValueError for what is not a lower-case hexadecimal key."""
+        if not _KEY.fullmatch(key):
+            raise ValueError(f"{key!r} is not a content key; give 16 to 128 lower-case hexadecimal digits.")
+        return self.folder / key[:2] / (key + _SUFFIX)
+
+    def __contains__(self, key: str) -> bool:
+        return self.path(key).is_file()
+
+    def get(self, key: str) -> StoredFrame | None:
+        """The frame of a key, or None where it is absent, unreadable or damaged (a damaged file is removed)."""
+        path = self.path(key)
+        try:
+            data = path.read_bytes()
+        except OSError:
+            return None
+        frame = _unpack(data)
+        with contextlib.suppress(OSError):
+            if frame is None:
+                path.unlink()
+            else:
+                os.utime(path)
+        return frame
+
+    def put(self, key: str, frame: StoredFrame) -> bool:
+        """Keeps a frame; False where the disk did not take it (see `trouble`).
+
+        Raises TypeError for a header that JSON cannot hold and ValueError for an array of another kind.
+        """
+        path = self.path(key)
+        data = _pack(frame)
+        if self.trouble is not None:
+            return False
+        try:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            before = path.stat().st_size if path.exists() else 0
+            handle, name = tempfile.mkstemp(prefix=".writing-", dir=path.parent)
+            try:
+                with os.fdopen(handle, "wb") as file:
+                    file.write(data)
+                Path(name).replace(path)
+            except BaseException:
+                with contextlib.suppress(OSError):
+                    Path(name).unlink()
+                raise
+        except OSError as error:
+            self.trouble = (
+                f"Solved frames are no longer kept: the store {self.folder} cannot be written "
+                f"({error.strerror or error}); free some space, or name another folder with --store."
+            )
+            return False
+        if self._bytes is not None:
+            self._bytes += len(data) - before
+        if self._bytes is None or self._bytes > self.limit:
+            self._prune(keep=path)
+        return True
+
+    def size(self) -> int:
+        """The bytes of all frames in the store."""
+        return sum(size for _, size, _ in self._entries())
+
+    def _entries(self) -> list[tuple[float, int, Path]]:
+        """(time of last use, bytes, file) of every frame; files that vanish meanwhile are left out."""
+        found = []
+        for path in self.folder.glob(f"??/*{_SUFFIX}"):
+            with contextlib.suppress(OSError):
+                status = path.stat()
+                found.append((status.st_mtime, status.st_size, path))
+        return found
+
+    def _prune(self, keep: Path) -> None:
+        """Removes the frames used longest ago until nine tenths of the limit are kept, and what crashed writers
+        left."""
+        entries = sorted(self._entries(), key=lambda entry: entry[0])
+        total = sum(size for _, size, _ in entries)
+        if total > self.limit:
+            for _, size, path in entries:
+                if total <= 0.9 * self.limit:
+                    break
+                if path != keep:
+                    with contextlib.suppress(OSError):
+                        path.unlink()
+                        total -= size
+        self._bytes = total
+        long_ago = time.time() - _STALE_SECONDS
+        for path in self.folder.glob("??/.writing-*"):
+            with contextlib.suppress(OSError):
+                if path.stat().st_mtime < long_ago:
+                    path.unlink()
+
+
+def _pack(frame: StoredFrame) -> bytes:
+    described, payload = [], []
+    for name, value in frame.arrays.items():
+        array = np.ascontiguousarray(value)
+        array = array.astype(array.dtype.newbyteorder("<"), copy=False)
+        kind = array.dtype.str
+        if kind not in _DTYPES:
+            raise ValueError(f"The array {name!r} is of the kind {kind}, which a stored frame cannot hold.")
+        described.append({"name": name, "dtype": kind, "shape": list(np.shape(value))})
+        payload.append(array.tobytes())
+    head = json.dumps({"header": frame.header, "arrays": described}).encode()
+    body = b"".join([len(head).to_bytes(8, "little"), head, *payload])
+    return _MAGIC + hashlib.blake2b(body, digest_size=_CHECKSUM).digest() + body
+
+
+def _unpack(data: bytes) -> StoredFrame | None:
+    start = len(_MAGIC) + _CHECKSUM
+    body = data[start:]
+    checksum = hashlib.blake2b(body, digest_size=_CHECKSUM).digest()
+    if not data.startswith(_MAGIC) or data[len(_MAGIC) : start] != checksum:
+        return None
+    length = int.from_bytes(body[:8], "little")
+    head = json.loads(body[8 : 8 + length])
+    offset = 8 + length
+    arrays = {}
+    for described in head["arrays"]:
+        dtype, shape = np.dtype(described["dtype"]), tuple(described["shape"])
+        count = math.prod(shape)
+        arrays[described["name"]] = np.frombuffer(body, dtype, count, offset).reshape(shape)
+        offset += count * dtype.itemsize
+    return StoredFrame(head["header"], arrays)
