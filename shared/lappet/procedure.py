@@ -1,20 +1,59 @@
 """The procedure: plain values for a tissue, its materials and the timeline of surgical events.
 
-Everything here is immutable; an edit makes a new `Procedure` (see `lappet.history`). Units are mm, kPa,
-mN and seconds; times are USD time codes; all points are material (rest) coordinates.
+Everything here is immutable and compares by value; an edit makes a new `Procedure` (see `lappet.history`). Units are
+mm, kPa, mN and seconds; times are USD time codes; all points are material (rest) coordinates.
+
+What USD holds in single precision (mesh points, texture coordinates, curves, seeds and landmarks) is rounded to single
+precision here, at once, so that a procedure built by a script equals the one read back from its file. Arrays are copied
+and read-only. Wrong values are accepted here and reported by `lappet.validation`.
 """
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field, replace
-from typing import ClassVar, Literal
+from typing import Any, ClassVar, Literal
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, DTypeLike, NDArray
 
 Point = tuple[float, float, float]
 Basis = Literal["linear", "bspline", "catmullRom", "bezier"]
 MODELS = ("corotated", "neoHookean", "stableNeoHookean", "mooneyRivlin")
+
+
+def _frozen(values: ArrayLike, kind: DTypeLike, width: int = 0) -> NDArray[Any]:
+    """A read-only copy; floating-point values pass through single precision; (n, width) if a width is given."""
+    if np.dtype(kind) == np.float64:
+        with np.errstate(over="ignore"):
+            values = np.asarray(values, np.float32)
+    array = np.array(values, kind)
+    if width and array.size == 0:
+        array = array.reshape(0, width)
+    array.flags.writeable = False
+    return array
+
+
+def _double(point: ArrayLike) -> Point:
+    x, y, z = (float(v) for v in np.asarray(point, np.float64))
+    return (x, y, z)
+
+
+def _single(points: ArrayLike) -> tuple[Point, ...]:
+    with np.errstate(over="ignore"):
+        rounded = np.asarray(points, np.float32).reshape(-1, 3)
+    return tuple(_double(point) for point in rounded)
+
+
+def _set(value: object, **fields: object) -> None:
+    for name, content in fields.items():
+        object.__setattr__(value, name, content)
+
+
+def _same(a: NDArray[Any] | None, b: NDArray[Any] | None) -> bool:
+    if a is None or b is None:
+        return a is b
+    return a.shape == b.shape and bool(np.array_equal(a, b, equal_nan=a.dtype.kind == "f"))
 
 
 @dataclass(frozen=True)
@@ -32,6 +71,10 @@ class Material:
     fiber_direction: Point = (1.0, 0.0, 0.0)
     prestretch: tuple[float, float] = (1.0, 1.0)
     density: float = 1100.0
+
+    def __post_init__(self) -> None:
+        across = tuple(float(v) for v in self.prestretch)
+        _set(self, fiber_direction=_double(self.fiber_direction), prestretch=across)
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,6 +98,27 @@ class Tissue:
     gravity: float | None = None
     bed_stiffness: float = 10.0
 
+    def __post_init__(self) -> None:
+        uv = None if self.uv is None else _frozen(self.uv, np.float32, 2)
+        subsets = {name: _frozen(faces, np.int32) for name, faces in self.subsets.items()}
+        _freeze_mesh(self)
+        _set(self, uv=uv, subsets=subsets)
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Tissue):
+            return NotImplemented
+        return (
+            (self.material, self.spacing, self.gravity, self.bed_stiffness)
+            == (other.material, other.spacing, other.gravity, other.bed_stiffness)
+            and _same_mesh(self, other)
+            and _same(self.uv, other.uv)
+            and list(self.subsets) == list(other.subsets)
+            and all(_same(faces, other.subsets[name]) for name, faces in self.subsets.items())
+        )
+
+    def __hash__(self) -> int:
+        return hash((self.points.shape, self.points.tobytes(), self.material, self.spacing))
+
 
 @dataclass(frozen=True, eq=False)
 class Bone:
@@ -64,6 +128,34 @@ class Bone:
     points: NDArray[np.float64]
     face_vertex_counts: NDArray[np.int32]
     face_vertex_indices: NDArray[np.int32]
+
+    def __post_init__(self) -> None:
+        _freeze_mesh(self)
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Bone):
+            return NotImplemented
+        return self.name == other.name and _same_mesh(self, other)
+
+    def __hash__(self) -> int:
+        return hash((self.name, self.points.shape, self.points.tobytes()))
+
+
+def _freeze_mesh(mesh: Tissue | Bone) -> None:
+    _set(
+        mesh,
+        points=_frozen(mesh.points, np.float64, 3),
+        face_vertex_counts=_frozen(mesh.face_vertex_counts, np.int32),
+        face_vertex_indices=_frozen(mesh.face_vertex_indices, np.int32),
+    )
+
+
+def _same_mesh(a: Tissue | Bone, b: Tissue | Bone) -> bool:
+    return (
+        _same(a.points, b.points)
+        and _same(a.face_vertex_counts, b.face_vertex_counts)
+        and _same(a.face_vertex_indices, b.face_vertex_indices)
+    )
 
 
 @dataclass(frozen=True)
@@ -79,6 +171,9 @@ class Incision:
     basis: Basis = "linear"
     closed: bool = False
 
+    def __post_init__(self) -> None:
+        _set(self, points=_single(self.points))
+
 
 @dataclass(frozen=True)
 class Excision:
@@ -88,6 +183,9 @@ class Excision:
     name: str
     time: float
     seeds: tuple[Point, ...]
+
+    def __post_init__(self) -> None:
+        _set(self, seeds=_single(self.seeds))
 
 
 @dataclass(frozen=True)
@@ -99,6 +197,9 @@ class Undermine:
     time: float
     points: tuple[Point, ...]
     basis: Basis = "linear"
+
+    def __post_init__(self) -> None:
+        _set(self, points=_single(self.points))
 
 
 @dataclass(frozen=True)
@@ -112,6 +213,10 @@ class Hook:
     start: float
     release: float
     stiffness: float = 500.0
+
+    def __post_init__(self) -> None:
+        targets = tuple((float(time), _double(target)) for time, target in self.targets)
+        _set(self, anchor=_double(self.anchor), targets=targets)
 
 
 @dataclass(frozen=True)
@@ -129,6 +234,13 @@ class Retractor:
     start: float
     release: float
 
+    def __post_init__(self) -> None:
+        motion = tuple(
+            (float(time), tuple(float(v) for v in np.asarray(matrix, np.float64).reshape(-1)))
+            for time, matrix in self.motion
+        )
+        _set(self, motion=motion)
+
 
 @dataclass(frozen=True)
 class Suture:
@@ -141,6 +253,10 @@ class Suture:
     duration: float = 1.0
     stiffness: float = 1000.0
 
+    def __post_init__(self) -> None:
+        first, second = self.anchors
+        _set(self, anchors=(_double(first), _double(second)))
+
 
 @dataclass(frozen=True)
 class Landmark:
@@ -151,13 +267,22 @@ class Landmark:
     points: tuple[Point, ...]
     label: str
 
+    def __post_init__(self) -> None:
+        _set(self, points=_single(self.points))
 
+
+CUTS = (Incision, Excision, Undermine)  # these begin an epoch at their `time`
+HOLDS = (Hook, Retractor)  # these act from `start` to `release`
 Event = Incision | Excision | Undermine | Hook | Retractor | Suture | Landmark
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Procedure:
-    """A tissue, its materials and the events of an operation; frames are the integer time codes."""
+    """A tissue, its materials and the events of an operation; frames are the integer time codes.
+
+    Events keep the order in which they are given (the order of the prims), whatever their times. `==` compares every
+    value exactly; `repr` is a storyboard.
+    """
 
     tissue: Tissue
     materials: tuple[Material, ...] = (Material(),)
@@ -170,3 +295,42 @@ class Procedure:
     def with_events(self, *events: Event) -> Procedure:
         """The same procedure with these events added."""
         return replace(self, events=(*self.events, *events))
+
+    def event(self, name: str) -> Event:
+        """The event of that name; KeyError if there is none."""
+        for event in self.events:
+            if event.name == name:
+                return event
+        raise KeyError(name)
+
+    def material(self, name: str) -> Material:
+        """The material of that name; KeyError if there is none."""
+        for material in self.materials:
+            if material.name == name:
+                return material
+        raise KeyError(name)
+
+    def frames(self) -> range:
+        """The frames: every whole time code from `start_time` to `end_time`, both included."""
+        if not (math.isfinite(self.start_time) and math.isfinite(self.end_time)):
+            return range(0)
+        return range(math.ceil(self.start_time), math.floor(self.end_time) + 1)
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Procedure):
+            return NotImplemented
+        return (
+            (self.start_time, self.end_time, self.fps) == (other.start_time, other.end_time, other.fps)
+            and self.events == other.events
+            and self.materials == other.materials
+            and self.bones == other.bones
+            and self.tissue == other.tissue
+        )
+
+    def __hash__(self) -> int:
+        return hash((self.tissue, self.materials, self.events, self.start_time, self.end_time))
+
+    def __repr__(self) -> str:
+        from lappet.storyboard import storyboard  # the values need no text until somebody asks for it
+
+        return storyboard(self)
