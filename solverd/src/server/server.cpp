@@ -157,7 +157,7 @@ void Server::dispatch(const std::string& identity, Header header, std::vector<zm
                                   options_.max_message_bytes));
     return;
   }
-  if (!work && header.type != "ping" && header.type != "cancel" && header.type != "shutdown") {
+  if (!work && header.type != "ping" && header.type != "cancel" && header.type != "shutdown" && header.type != "bye") {
     throw RefusedError(ErrorCode::kMalformed, "The message type " + in_quotes(header.type) + " is not known.");
   }
   const auto found = clients_.find(identity);
@@ -182,6 +182,9 @@ void Server::dispatch(const std::string& identity, Header header, std::vector<zm
   }
   if (header.type == "cancel") {
     client.worker->cancel();
+  } else if (header.type == "bye") {
+    retire(std::move(client));
+    clients_.erase(found);
   } else {
     end_reason_ = "'" + client.name + "' shut it down";
   }
