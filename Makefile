@@ -40,8 +40,8 @@ format:  ## rewrite sources in the house style
 docs:  ## write docs/command_line.md from the program and check the links of every Markdown file
 	@$(PYTHON) packaging/documents.py --write
 
-bench: setup  ## solve the Z-plasty at 1 mm; print time and memory, write build/bench/z_plasty.json
-	@$(PYTHON) -m lappet.bench -o build/bench
+bench: setup  ## solve the Z-plasty at 1 mm; print time and memory, write build/bench/scenes.json
+	@$(PYTHON) -m lappet.bench examples/z_plasty/z_plasty.usda -o build/bench --spacing 1
 
 clean:  ## remove what was built, solved and rendered; .venv stays
 	@rm -rf build dist .pytest_cache .mypy_cache .ruff_cache .hypothesis

@@ -100,11 +100,14 @@ install_python() {
     say "installing the Python packages into .venv (the first time 600 MB, most of it Blender's module)"
     local pip=("$venv/bin/python" -m pip --disable-pip-version-check --no-input)
     "$venv/bin/python" packaging/requirements.py "${extras[@]}" >"$venv/lappet-requirements.txt"
-    "${pip[@]}" install --constraint packaging/constraints.txt --requirement "$venv/lappet-requirements.txt" |
-        { grep --line-buffered -v '^Requirement already satisfied' || true; }
+    "${pip[@]}" install --progress-bar off --constraint packaging/constraints.txt \
+        --requirement "$venv/lappet-requirements.txt" |
+        { grep --line-buffered -vE '^(Requirement already|Collecting|Looking in|Installing collected)' || true; } ||
+        refuse "pip could not install the Python packages; see its message above."
     # Editable, without the daemon: that one is built below, where a change of a source file rebuilds it.
     "${pip[@]}" install --quiet --no-build-isolation --no-deps --force-reinstall --editable . \
-        --config-settings=wheel.cmake=false --config-settings=editable.mode=inplace
+        --config-settings=wheel.cmake=false --config-settings=editable.mode=inplace ||
+        refuse "pip could not install lappet itself; see its message above."
     echo "$stamp" >"$stamp_file"
 }
 
