@@ -16,8 +16,8 @@ help:  ## list the commands
 setup:  ## install what is missing, build the daemon
 	@bash packaging/setup.sh
 
-daemon:  ## build the daemon and its tests only (after setup)
-	@cmake --build build --parallel $${LAPPET_JOBS:-$$(nproc)}
+daemon:  ## build the daemon and its tests
+	@bash packaging/setup.sh --tests
 
 demo: setup  ## solve and render the bundled Z-plasty into build/demo
 	@.venv/bin/lappet demo -o build/demo
