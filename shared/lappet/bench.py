@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import json
 import os
-import platform
 import subprocess
 import sys
 import tempfile
@@ -103,23 +102,13 @@ def measure(
     )
 
 
-def machine() -> dict[str, Any]:
-    """What the numbers were taken on: processor, cores, system, release of lappet, revision of the checkout."""
+def circumstances() -> dict[str, Any]:
+    """What the numbers were taken on: the machine, the release of lappet, the revision of the checkout, the date."""
     from lappet import __version__
+    from lappet.machine import machine
 
-    model = platform.processor() or platform.machine()
-    try:
-        for line in Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines():
-            if line.startswith("model name"):
-                model = line.partition(":")[2].strip()
-                break
-    except OSError:
-        pass
     return {
-        "processor": model,
-        "cores": os.cpu_count(),
-        "system": platform.platform(),
-        "python": platform.python_version(),
+        **machine(),
         "lappet": __version__,
         "revision": revision(),
         "date": datetime.now(UTC).isoformat(timespec="seconds"),
@@ -204,7 +193,8 @@ def main(procedures: tuple[Path, ...], folder: Path, spacing: float) -> None:
     print_rows(rows)
     target = folder / "scenes.json"
     target.write_text(
-        json.dumps({"machine": machine(), "rows": [asdict(row) for row in rows]}, indent=2) + "\n", encoding="utf-8"
+        json.dumps({"machine": circumstances(), "rows": [asdict(row) for row in rows]}, indent=2) + "\n",
+        encoding="utf-8",
     )
     print(f"written: {target}")
     for row in rows:
