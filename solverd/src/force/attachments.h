@@ -1,0 +1,38 @@
+// What holds the tissue: fixed faces, faces gripped by a retractor, faces tied to the bed.
+//
+// A held face holds its surface points, not whole cells. With W_s the trilinear weights of a point s of the face and
+// xbar the rigidly moved rest positions, W_s (x - xbar) = 0 for every s is the quadratic form (x - xbar)^T M (x - xbar) = 0,
+// M = sum of area W_s^T W_s per cell. Where a face lies on a lattice plane M only sees the four nodes of that plane: they are
+// prescribed exactly. Elsewhere the form is a penalty with multipliers (augmented Lagrangian). Bed faces are the same form
+// with the bed's stiffness and no multipliers.
+#pragma once
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "lattice/lattice.h"
+
+namespace lappet {
+
+inline constexpr std::int32_t kBedGroup = -2;
+inline constexpr std::int32_t kFixedGroup = -1;  // groups from 0 on: retractors
+inline constexpr std::int32_t kFree = -3;
+
+struct FaceForm {
+  std::int32_t cell;
+  std::int32_t group;
+  double area;                  // mm^2
+  std::array<double, 64> gram;  // integral of W^T W over the face inside the cell, mm^2
+};
+
+struct Attachments {
+  std::vector<std::int32_t> node_group;  // per node: kFree, kFixedGroup or a retractor; prescribed nodes
+  std::vector<FaceForm> forms;           // bed faces, and held faces off the lattice planes
+};
+
+// fixed, bed: per triangle; grip: per triangle, retractor index or -1. A face both fixed and gripped is fixed.
+Attachments attach(const Lattice& lattice, const Surface& surface, std::span<const std::uint8_t> fixed,
+                   std::span<const std::uint8_t> bed, std::span<const std::int32_t> grip);
+
+}  // namespace lappet

@@ -1,0 +1,12 @@
+// Refusals: what a session does not accept, each as a sentence that names the value and the mend. All throw RefusedError.
+#pragma once
+#include "session/program.h"
+
+namespace lappet {
+
+void check_settings(const SessionSettings& settings);
+void check_epoch(const EpochInput& epoch, const SessionSettings& settings);
+void check_frame(const FrameInput& frame, const SessionSettings& settings, const Surface& surface);
+void check_state(const SolverState& state, std::size_t node_values, std::size_t suture_values, bool is_double);
+
+}  // namespace lappet

@@ -1,0 +1,356 @@
+#include "session/session.h"
+
+#include <spdlog/fmt/fmt.h>
+#include <sys/resource.h>
+#include <tbb/task_arena.h>
+
+#include <Eigen/Geometry>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "lattice/blocks.h"
+#include "lattice/refused.h"
+#include "session/checks.h"
+#include "session/surface_fields.h"
+#include "solve/equilibrium.h"
+
+namespace lappet {
+
+class Session::Implementation {
+ public:
+  virtual ~Implementation() = default;
+  virtual EpochReport set_epoch(const EpochInput& epoch) = 0;
+  virtual void set_state(const SolverState& state) = 0;
+  virtual FrameOutput solve(const FrameInput& frame, const ProgressCallback& progress,
+                            const std::atomic<bool>& cancel) = 0;
+};
+
+namespace {
+
+constexpr int kChebyshevDegree = 4;
+// A suture's penalty stays between these multiples of E h; its multiplier closes the gap whatever it is.
+constexpr double kLeastSuturePenalty = 2.0, kMostSuturePenalty = 200.0;
+// A frame that fails is tried again in this many load steps at most.
+constexpr int kMostLoadSteps = 16;
+
+double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+double peak_bytes() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return 1024.0 * static_cast<double>(usage.ru_maxrss);
+}
+
+Eigen::Matrix4d between(const Eigen::Matrix4d& from, const Eigen::Matrix4d& to, double s) {
+  const Eigen::Quaterniond a(Eigen::Matrix3d(from.topLeftCorner<3, 3>())), b(Eigen::Matrix3d(to.topLeftCorner<3, 3>()));
+  Eigen::Matrix4d result = Eigen::Matrix4d::Identity();
+  result.topLeftCorner<3, 3>() = a.slerp(s, b).toRotationMatrix();
+  result.topRightCorner<3, 1>() = (1 - s) * from.topRightCorner<3, 1>() + s * to.topRightCorner<3, 1>();
+  return result;
+}
+
+template <class Real>
+class TypedSession : public Session::Implementation {
+ public:
+  explicit TypedSession(const SessionSettings& settings)
+      : settings_(settings),
+        arena_(settings.threads > 0 ? settings.threads : tbb::task_arena::automatic),
+        suture_gaps_(3 * static_cast<std::size_t>(settings.sutures), std::numeric_limits<double>::quiet_NaN()),
+        suture_multipliers_(3 * static_cast<std::size_t>(settings.sutures), 0.0) {}
+
+  EpochReport set_epoch(const EpochInput& epoch) override {
+    EpochReport report;
+    arena_.execute([&] { report = install(epoch); });
+    return report;
+  }
+
+  void set_state(const SolverState& state) override {
+    if (!epoch_) throw RefusedError(ErrorCode::kOutOfOrder, "a state came before any epoch; send the epoch first");
+    check_state(state, u_.size(), suture_gaps_.size(), std::is_same_v<Real, double>);
+    u_.assign(state.nodes.begin(), state.nodes.end());
+    suture_gaps_ = state.suture_gaps;
+    suture_multipliers_ = state.suture_multipliers;
+    held_multipliers_ = state.grip_multipliers;
+    previous_.reset();
+  }
+
+  FrameOutput solve(const FrameInput& frame, const ProgressCallback& progress,
+                    const std::atomic<bool>& cancel) override {
+    if (!epoch_) throw RefusedError(ErrorCode::kOutOfOrder, "a frame came before any epoch; send the epoch first");
+    check_frame(frame, settings_, epoch_->surface);
+    FrameOutput output;
+    arena_.execute([&] { output = find(frame, progress, cancel); });
+    return output;
+  }
+
+ private:
+  // What a solve changes; put back when it fails.
+  struct Snapshot {
+    std::vector<Real> u;
+    std::vector<double> suture_gaps, suture_multipliers, held_multipliers;
+  };
+  Snapshot snapshot() const { return {u_, suture_gaps_, suture_multipliers_, held_multipliers_}; }
+  void restore(const Snapshot& s) {
+    u_ = s.u;
+    suture_gaps_ = s.suture_gaps;
+    suture_multipliers_ = s.suture_multipliers;
+    held_multipliers_ = s.held_multipliers;
+  }
+
+  EpochReport install(const EpochInput& epoch) {
+    const auto start = std::chrono::steady_clock::now();
+    check_epoch(epoch, settings_);
+    LatticeSettings lattice_settings;
+    lattice_settings.spacing = settings_.spacing;
+    lattice_settings.fine_ratio = settings_.fine_ratio;
+    lattice_settings.origin = settings_.origin;
+    lattice_settings.memory_budget = settings_.memory_budget;
+    auto lattice = std::make_unique<Lattice>(build_lattice(epoch.surface, lattice_settings));
+
+    std::vector<Real> u(3 * lattice->node_rest.size(), Real(0));
+    std::vector<double> held;
+    if (lattice_) {
+      std::vector<Vec3> positions(lattice_->node_rest.size());
+      for (std::size_t n = 0; n < positions.size(); ++n)
+        positions[n] = lattice_->node_rest[n] + Vec3(double(u_[3 * n]), double(u_[3 * n + 1]), double(u_[3 * n + 2]));
+      const auto carried = transfer_positions(*lattice_, positions, *lattice);
+      for (std::size_t n = 0; n < carried.size(); ++n)
+        for (int i = 0; i < 3; ++i)
+          u[3 * n + static_cast<std::size_t>(i)] = static_cast<Real>(carried[n][i] - lattice->node_rest[n][i]);
+      if (!held_multipliers_.empty()) {
+        for (std::size_t n = 0; n < positions.size(); ++n)
+          positions[n] = {held_multipliers_[3 * n], held_multipliers_[3 * n + 1], held_multipliers_[3 * n + 2]};
+        for (const Vec3& y : transfer_positions(*lattice_, positions, *lattice)) held.insert(held.end(), {y[0], y[1], y[2]});
+      }
+    }
+    Attachments attachments = attach(*lattice, epoch.surface, epoch.fixed, epoch.bed, epoch.grip);
+    EpochReport report;
+    for (const std::int32_t group : attachments.node_group) report.fixed_nodes += group == kFixedGroup;
+    system_.reset();
+    preconditioner_.reset();
+    lattice_ = std::move(lattice);
+    epoch_ = epoch;
+    system_ = std::make_unique<System<Real>>(*lattice_, settings_.material, settings_.quadrature, std::move(attachments),
+                                             settings_.retractors, settings_.bed_stiffness, settings_.gravity);
+    preconditioner_ = std::make_unique<TwoLevel<Real>>(*system_, kChebyshevDegree);
+    u_ = std::move(u);
+    held_multipliers_ = std::move(held);
+    landmarks_.clear();
+    for (std::size_t k = 0; k < epoch.landmarks.size(); ++k)
+      landmarks_.push_back(embed_on_triangle(*lattice_, epoch_->surface, epoch.landmarks[k], epoch.landmark_triangles[k]));
+
+    report.fine_voxels = lattice_->fine_voxels;
+    report.cells = static_cast<std::int32_t>(lattice_->cell_nodes.size());
+    report.grid_cells = lattice_->grid_cells;
+    report.mesh_cells = lattice_->mesh_cells;
+    report.nodes = static_cast<std::int32_t>(lattice_->node_rest.size());
+    report.fragments = lattice_->fragments;
+    report.blocks = static_cast<std::int32_t>(build_blocks(*lattice_).size());
+    report.bytes = static_cast<double>(system_->bytes() + u_.size() * sizeof(Real));
+    report.seconds = seconds_since(start);
+    return report;
+  }
+
+  // The frame at a fraction of the way from the previous one.
+  FrameInput partway(const FrameInput& frame, double s) const {
+    FrameInput result = frame;
+    for (auto& hook : result.hooks) {
+      Vec3 from = position<Real>(*lattice_, embed_on_triangle(*lattice_, epoch_->surface, hook.anchor.point, hook.anchor.triangle), u_);
+      if (previous_)
+        for (const auto& before : previous_->hooks)
+          if (before.anchor.point == hook.anchor.point) from = before.target;
+      hook.target = (1 - s) * from + s * hook.target;
+    }
+    for (auto& suture : result.sutures) {
+      double from = 0.0;
+      if (previous_)
+        for (const auto& before : previous_->sutures)
+          if (before.index == suture.index) from = before.closure;
+      suture.closure = (1 - s) * from + s * suture.closure;
+    }
+    for (auto& retractor : result.retractors) {
+      Eigen::Matrix4d from = Eigen::Matrix4d::Identity();
+      if (previous_)
+        for (const auto& before : previous_->retractors)
+          if (before.index == retractor.index) from = before.motion;
+      retractor.motion = between(from, retractor.motion, s);
+    }
+    return result;
+  }
+
+  // Turns a frame into the system's constraints at the present state.
+  void constrain(const FrameInput& frame) {
+    std::vector<std::int32_t> active;
+    std::vector<Eigen::Matrix4d> motions;
+    for (const auto& retractor : frame.retractors) {
+      active.push_back(retractor.index);
+      motions.push_back(retractor.motion);
+    }
+    system_->set_retractors(active, motions);
+    auto& held = system_->held_multipliers();
+    if (!held.empty()) {
+      if (held_multipliers_.size() == held.size())
+        held = held_multipliers_;
+      else
+        std::fill(held.begin(), held.end(), 0.0);
+    }
+    const auto embed = [&](const Anchor& anchor) {
+      return embed_on_triangle(*lattice_, epoch_->surface, anchor.point, anchor.triangle);
+    };
+    std::vector<Tie> ties;
+    for (const auto& hook : frame.hooks) ties.push_back(make_hook(*lattice_, embed(hook.anchor), hook.target, hook.stiffness));
+    const double unit = settings_.material.youngs_modulus * settings_.spacing;
+    for (const auto& suture : frame.sutures) {
+      const auto a = embed(suture.a), b = embed(suture.b);
+      double* gap = &suture_gaps_[3 * static_cast<std::size_t>(suture.index)];
+      if (std::isnan(gap[0])) {
+        const Vec3 now = position<Real>(*lattice_, a, u_) - position<Real>(*lattice_, b, u_);
+        for (int i = 0; i < 3; ++i) gap[i] = now[i];
+      }
+      const double* multiplier = &suture_multipliers_[3 * static_cast<std::size_t>(suture.index)];
+      ties.push_back(make_suture(*lattice_, a, b, (1.0 - suture.closure) * Vec3(gap[0], gap[1], gap[2]),
+                                 std::clamp(suture.stiffness, kLeastSuturePenalty * unit, kMostSuturePenalty * unit),
+                                 Vec3(multiplier[0], multiplier[1], multiplier[2])));
+    }
+    system_->set_ties(std::move(ties));
+  }
+
+  void keep_multipliers(const FrameInput& frame) {
+    for (std::size_t k = 0; k < frame.sutures.size(); ++k)
+      for (int i = 0; i < 3; ++i)
+        suture_multipliers_[3 * static_cast<std::size_t>(frame.sutures[k].index) + static_cast<std::size_t>(i)] =
+            system_->ties()[frame.hooks.size() + k].multiplier[i];
+    held_multipliers_ = system_->held_multipliers();
+  }
+
+  FrameOutput find(const FrameInput& frame, const ProgressCallback& progress, const std::atomic<bool>& cancel) {
+    const auto start = std::chrono::steady_clock::now();
+    const auto out_of_time = [&] {
+      return settings_.time_budget > 0.0 && seconds_since(start) > settings_.time_budget;
+    };
+    EquilibriumOptions options;
+    options.tolerance = settings_.tolerance;
+    options.gap_tolerance = settings_.gap_tolerance * settings_.spacing;
+    options.max_newton = settings_.max_newton;
+    options.inverts = settings_.material.model == "corotated";
+
+    FrameOutput output;
+    output.time = frame.time;
+    const Snapshot before = snapshot();
+    EquilibriumHooks hooks;
+    hooks.stop = [&] { return cancel.load(std::memory_order_relaxed) || out_of_time(); };
+    hooks.progress = [&](int newton, double residual, double gap) {
+      if (progress) progress({frame.time, output.newton_iterations + newton, residual, gap});
+    };
+    EquilibriumOutcome outcome;
+    for (int steps = 1; steps <= kMostLoadSteps; steps *= 2) {
+      restore(before);
+      for (int step = 1; step <= steps; ++step) {
+        // partway looks at the state before the frame only through hooks that are new in it
+        const FrameInput part = step == steps ? frame : partway(frame, static_cast<double>(step) / steps);
+        constrain(part);
+        outcome = find_equilibrium<Real>(*system_, *preconditioner_, u_, options, hooks);
+        output.newton_iterations += outcome.newton_iterations;
+        output.pcg_iterations += outcome.pcg_iterations;
+        output.seconds_update += outcome.seconds_update;
+        output.seconds_linear += outcome.seconds_linear;
+        output.seconds_setup += outcome.seconds_setup;
+        if (!outcome.converged) break;
+        keep_multipliers(part);
+      }
+      output.load_steps = steps;
+      if (outcome.converged || hooks.stop()) break;
+      preconditioner_->forget();
+    }
+    if (!outcome.converged && hooks.stop()) {
+      restore(before);
+      if (cancel.load()) throw RefusedError(ErrorCode::kCancelled, fmt::format("frame {:g} was cancelled", frame.time));
+      throw RefusedError(ErrorCode::kTimeBudget,
+                         fmt::format("frame {:g} ran out of its time budget of {:g} s at relative residual {:.2e}; raise the "
+                                     "budget or the spacing",
+                                     frame.time, settings_.time_budget, outcome.residual));
+    }
+    output.converged = outcome.converged;
+    output.reason = outcome.reason;
+    output.residual = outcome.residual;
+    output.force_scale = outcome.force_scale;
+    output.largest_gap = outcome.gap;
+    output.minimum_j = outcome.minimum_j;
+    output.inverted_cells = outcome.inverted;
+    output.energy = outcome.energy;
+    write_fields(frame, output);
+    if (outcome.converged)
+      previous_ = frame;
+    else
+      restore(before);
+    output.state.is_double = std::is_same_v<Real, double>;
+    output.state.nodes.assign(u_.begin(), u_.end());
+    output.state.suture_gaps = suture_gaps_;
+    output.state.suture_multipliers = suture_multipliers_;
+    output.state.grip_multipliers = held_multipliers_;
+    output.seconds_total = seconds_since(start);
+    output.peak_bytes = peak_bytes();
+    return output;
+  }
+
+  void write_fields(const FrameInput& frame, FrameOutput& output) const {
+    const auto push = [](auto& array, const Vec3& v) {
+      for (int i = 0; i < 3; ++i) array.push_back(static_cast<typename std::decay_t<decltype(array)>::value_type>(v[i]));
+    };
+    for (const auto& point : lattice_->surface_points) push(output.points, position<Real>(*lattice_, point, u_));
+    for (const auto& point : landmarks_) push(output.landmarks, position<Real>(*lattice_, point, u_));
+    write_surface_fields<Real>(system_->elastic(), u_, output);
+    const auto where = [&](const Anchor& anchor) {
+      return position<Real>(*lattice_, embed_on_triangle(*lattice_, epoch_->surface, anchor.point, anchor.triangle), u_);
+    };
+    for (std::size_t k = 0; k < frame.hooks.size(); ++k) {
+      const Tie& tie = system_->ties()[k];
+      push(output.hook_forces, -tie.force(tie.value<Real>(u_)));
+      push(output.hook_points, where(frame.hooks[k].anchor));
+    }
+    for (std::size_t k = 0; k < frame.sutures.size(); ++k) {
+      const Tie& tie = system_->ties()[frame.hooks.size() + k];
+      const Vec3 c = tie.value<Real>(u_);
+      output.suture_gaps.push_back(c.norm());
+      output.suture_forces.push_back(tie.force(c).norm());
+      push(output.suture_points, where(frame.sutures[k].a));
+      push(output.suture_points, where(frame.sutures[k].b));
+    }
+  }
+
+  SessionSettings settings_;
+  tbb::task_arena arena_;
+  std::optional<EpochInput> epoch_;
+  std::unique_ptr<Lattice> lattice_;
+  std::unique_ptr<System<Real>> system_;
+  std::unique_ptr<TwoLevel<Real>> preconditioner_;
+  std::vector<Real> u_;
+  std::vector<EmbeddedPoint> landmarks_;
+  std::vector<double> suture_gaps_, suture_multipliers_, held_multipliers_;
+  std::optional<FrameInput> previous_;
+};
+
+}  // namespace
+
+Session::Session(const SessionSettings& settings) {
+  check_settings(settings);
+  if (settings.precision == "double")
+    implementation_ = std::make_unique<TypedSession<double>>(settings);
+  else
+    implementation_ = std::make_unique<TypedSession<float>>(settings);
+}
+
+Session::~Session() = default;
+Session::Session(Session&&) noexcept = default;
+
+EpochReport Session::set_epoch(const EpochInput& epoch) { return implementation_->set_epoch(epoch); }
+void Session::set_state(const SolverState& state) { implementation_->set_state(state); }
+FrameOutput Session::solve(const FrameInput& frame, const ProgressCallback& progress, const std::atomic<bool>& cancel) {
+  return implementation_->solve(frame, progress, cancel);
+}
+
+}  // namespace lappet

@@ -1,0 +1,180 @@
+#include "solve/equilibrium.h"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <chrono>
+#include <cmath>
+
+#include "solve/conjugate_gradients.h"
+
+namespace lappet {
+
+namespace {
+
+constexpr double kArmijo = 1e-4;
+constexpr double kLeastStep = 1e-5;
+constexpr double kStepCap = 8.0;  // spacings a node may move in one iteration
+constexpr int kMostLinearIterations = 400;
+constexpr int kMostMultiplierUpdates = 60;
+// While the gaps are open the residual need not be driven below this many tolerances before the multipliers move on.
+constexpr double kLooseTolerance = 10.0;
+// The quadratic model is trusted, and eigenvalues are clamped, while predicted and actual decrease agree to this.
+constexpr double kModelAgreement = 0.01;
+
+class Stopwatch {
+ public:
+  double lap() {
+    const auto now = std::chrono::steady_clock::now();
+    const double seconds = std::chrono::duration<double>(now - last_).count();
+    last_ = now;
+    return seconds;
+  }
+
+ private:
+  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+};
+
+}  // namespace
+
+template <class Real>
+EquilibriumOutcome find_equilibrium(System<Real>& system, TwoLevel<Real>& preconditioner, std::span<Real> u,
+                                    const EquilibriumOptions& options, const EquilibriumHooks& hooks) {
+  const std::size_t size = u.size();
+  const double h = system.lattice().settings.spacing;
+  std::vector<Real> increment(size), step(size), rhs(size), trial(size), product(size);
+  EquilibriumOutcome outcome;
+  Definiteness definiteness = Definiteness::kClamp;
+  int multiplier_updates = 0;
+  Stopwatch watch;
+
+  Evaluation now = system.evaluate(u);
+  const auto record = [&] {
+    outcome.residual = now.residual / now.force_scale;
+    outcome.force_scale = now.force_scale;
+    outcome.energy = now.energy;
+    outcome.minimum_j = now.minimum_j;
+    outcome.inverted = now.inverted;
+    outcome.gap = system.largest_gap(u);
+  };
+  const auto fail = [&](std::string reason) {
+    outcome.reason = std::move(reason);
+    return outcome;
+  };
+
+  while (true) {
+    const bool moves = system.prescribed_increment(u, increment);
+    record();
+    hooks.progress(outcome.newton_iterations, outcome.residual, outcome.gap);
+    if (!std::isfinite(outcome.residual)) return fail("the residual is not a finite number");
+    if (!moves) {
+      while (true) {  // multipliers
+        const bool open = outcome.gap > options.gap_tolerance;
+        if (outcome.residual > options.tolerance * (open ? kLooseTolerance : 1.0)) break;
+        if (!open) {
+          if (!options.inverts && now.inverted > 0)
+            return fail(fmt::format("{} cells are inverted at rest (smallest J {:.3g}); make smaller steps between frames "
+                                    "or a smaller spacing",
+                                    now.inverted, now.minimum_j));
+          outcome.converged = true;
+          return outcome;
+        }
+        if (++multiplier_updates > kMostMultiplierUpdates)
+          return fail(fmt::format("a suture or a held face keeps a gap of {:.3g} mm (tolerance {:.3g} mm); its demands "
+                                  "contradict others or need more force than the tissue bears",
+                                  outcome.gap, options.gap_tolerance));
+        system.update_multipliers(u);
+        now = system.evaluate(u);
+        record();
+      }
+    }
+    if (outcome.newton_iterations >= options.max_newton)
+      return fail(fmt::format("no equilibrium after {} Newton iterations: relative residual {:.2e} (tolerance {:.1e}), gap "
+                              "{:.3g} mm",
+                              outcome.newton_iterations, outcome.residual, options.tolerance, outcome.gap));
+    if (hooks.stop()) return fail("stopped");
+
+    outcome.seconds_update += watch.lap();
+    system.linearize(definiteness);
+    preconditioner.update(u);
+    outcome.seconds_setup += watch.lap();
+
+    const auto gradient = system.gradient();
+    if (moves) {
+      system.multiply(increment, rhs);
+      for (std::size_t i = 0; i < size; ++i) rhs[i] = static_cast<Real>(-gradient[i]) - rhs[i];
+    } else {
+      for (std::size_t i = 0; i < size; ++i) rhs[i] = static_cast<Real>(-gradient[i]);
+    }
+    const double target = std::clamp(0.3 * options.tolerance / std::max(outcome.residual, 1e-300), 1e-2, 0.1);
+    const LinearOutcome linear = conjugate_gradients<Real>(system, preconditioner, rhs, step,
+                                                           moves ? 1e-3 : target, kMostLinearIterations, hooks.stop);
+    outcome.pcg_iterations += linear.iterations;
+    ++outcome.newton_iterations;
+    if (linear.reduction < 1.0 && linear.iterations > 0)
+      preconditioner.observe(linear.iterations / std::max(-std::log10(linear.reduction), 0.5));
+    if (hooks.stop()) return fail("stopped");
+    outcome.seconds_linear += watch.lap();
+
+    double slope = 0.0, largest = 0.0;
+    for (std::size_t i = 0; i < size; ++i) {
+      slope += gradient[i] * static_cast<double>(step[i]);
+      largest = std::max(largest, std::abs(static_cast<double>(step[i])));
+    }
+    system.multiply(step, product);
+    const double curvature = dot<Real>(step, product);
+    if (moves) {
+      for (std::size_t i = 0; i < size; ++i) {
+        step[i] += increment[i];
+        largest = std::max(largest, std::abs(static_cast<double>(step[i])));
+      }
+    } else if (!(slope < 0.0)) {
+      return fail("the linear solve gave no descent direction");
+    }
+
+    // Prescribed motion does work: there the step is only kept from turning cells inside out.
+    double alpha = moves ? 1.0 : std::min(1.0, kStepCap * h / std::max(largest, 1e-300));
+    const Evaluation before = now;
+    while (true) {
+      for (std::size_t i = 0; i < size; ++i) trial[i] = u[i] + static_cast<Real>(alpha) * step[i];
+      if (moves && alpha == 1.0)  // land exactly
+        for (std::size_t n = 0; n < system.nodes(); ++n)
+          if (!system.is_free(n))
+            for (std::size_t i = 3 * n; i < 3 * n + 3; ++i) trial[i] = u[i] + increment[i];
+      now = system.evaluate(trial);
+      const bool inverts_more = !options.inverts && now.inverted > before.inverted;
+      const double slack = 1e-12 * std::abs(before.energy);
+      const bool descends = moves ? std::isfinite(now.energy)
+                                  : now.energy <= before.energy + kArmijo * alpha * slope + slack;
+      if (descends && (!inverts_more || alpha < 1e-3)) break;
+      if (alpha < kLeastStep) {
+        now = system.evaluate(u);
+        if (definiteness == Definiteness::kAbsolute)
+          return fail(fmt::format("no step lowers the energy at relative residual {:.2e}", outcome.residual));
+        definiteness = Definiteness::kAbsolute;
+        alpha = 0.0;
+        break;
+      }
+      double shrink = 0.5;
+      if (!moves && std::isfinite(now.energy) && !inverts_more) {
+        const double bend = now.energy - before.energy - alpha * slope;
+        if (bend > 0.0) shrink = std::clamp(-0.5 * slope * alpha / bend, 0.1, 0.5);
+      }
+      alpha *= shrink;
+    }
+    if (alpha > 0.0) {
+      copy<Real>(trial, u);
+      if (!moves) {
+        const double predicted = -alpha * slope - 0.5 * alpha * alpha * curvature;
+        const double ratio = (before.energy - now.energy) / std::max(predicted, 1e-300);
+        definiteness = std::abs(ratio - 1.0) > kModelAgreement ? Definiteness::kAbsolute : Definiteness::kClamp;
+      }
+    }
+  }
+}
+
+template EquilibriumOutcome find_equilibrium<float>(System<float>&, TwoLevel<float>&, std::span<float>,
+                                                    const EquilibriumOptions&, const EquilibriumHooks&);
+template EquilibriumOutcome find_equilibrium<double>(System<double>&, TwoLevel<double>&, std::span<double>,
+                                                     const EquilibriumOptions&, const EquilibriumHooks&);
+
+}  // namespace lappet

@@ -1,0 +1,41 @@
+// The equilibrium of a frame: Newton-Raphson with a line search on the energy inside an augmented Lagrangian iteration for
+// what must hold exactly.
+//
+// Converged means: |residual| <= tolerance * force scale (elastic forces only), every gap <= gap tolerance, prescribed nodes
+// where they belong, and J > 0 where the material does not invert. Anything else is reported as not converged.
+#pragma once
+#include <functional>
+#include <span>
+#include <string>
+
+#include "solve/two_level.h"
+
+namespace lappet {
+
+struct EquilibriumOptions {
+  double tolerance = 1e-3;
+  double gap_tolerance = 1e-3;  // mm
+  int max_newton = 100;
+  bool inverts = false;  // the material describes J < 0
+};
+
+struct EquilibriumOutcome {
+  bool converged = false;
+  std::string reason;
+  int newton_iterations = 0, pcg_iterations = 0;
+  double residual = 0.0, force_scale = 0.0, gap = 0.0, energy = 0.0, minimum_j = 1.0;
+  std::int32_t inverted = 0;
+  double seconds_update = 0.0, seconds_linear = 0.0, seconds_setup = 0.0;
+};
+
+struct EquilibriumHooks {
+  std::function<void(int newton, double residual, double gap)> progress;
+  std::function<bool()> stop;  // asked often; true ends the solve with the reason "stopped"
+};
+
+// Moves u (3 per node) to equilibrium in place.
+template <class Real>
+EquilibriumOutcome find_equilibrium(System<Real>& system, TwoLevel<Real>& preconditioner, std::span<Real> u,
+                                    const EquilibriumOptions& options, const EquilibriumHooks& hooks);
+
+}  // namespace lappet

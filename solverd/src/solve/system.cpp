@@ -1,0 +1,306 @@
+#include "solve/system.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace lappet {
+
+namespace {
+
+// The penalty of held faces, in Young's moduli per spacing; the multipliers do the rest.
+constexpr double kHeldStiffness = 20.0;
+// The least force scale, as a stress of this many Young's moduli on every node.
+constexpr double kScaleFloor = 1e-2;
+// The weak bed of floating fragments, in Young's moduli times spacing.
+constexpr double kDrift = 1e-5;
+
+template <class Real>
+Vec3 at(std::span<const Real> u, std::size_t node) {
+  return {static_cast<double>(u[3 * node]), static_cast<double>(u[3 * node + 1]), static_cast<double>(u[3 * node + 2])};
+}
+
+}  // namespace
+
+template <class Real>
+System<Real>::System(const Lattice& lattice, const MaterialParameters& material, int quadrature, Attachments attachments,
+                     std::int32_t retractors, double bed_stiffness, const Vec3& gravity)
+    : elastic_(lattice, material, quadrature),
+      attachments_(std::move(attachments)),
+      bed_stiffness_(bed_stiffness),
+      held_stiffness_(kHeldStiffness * material.youngs_modulus / lattice.settings.spacing),
+      retractor_active_(static_cast<std::size_t>(retractors), 0),
+      retractor_motion_(static_cast<std::size_t>(retractors), Eigen::Matrix4d::Identity()),
+      drift_stiffness_(kDrift * material.youngs_modulus * lattice.settings.spacing),
+      free_(lattice.node_rest.size(), 1),
+      gradient_(3 * lattice.node_rest.size()),
+      node_scale_(lattice.node_rest.size()) {
+  if (gravity.squaredNorm() > 0) {
+    // kg/m^3 * m/s^2 = N/m^3 = 1e-6 mN/mm^3
+    gravity_force_.assign(3 * lattice.node_rest.size(), 0.0);
+    const double h = lattice.settings.spacing;
+    for (std::size_t c = 0; c < lattice.cell_nodes.size(); ++c) {
+      const Vec3 share =
+          gravity * (material.density * 1e-6 * h * h * h * static_cast<double>(lattice.cell_fill[c]) / 8.0);
+      for (const std::int32_t n : lattice.cell_nodes[c])
+        for (int i = 0; i < 3; ++i) gravity_force_[3 * static_cast<std::size_t>(n) + static_cast<std::size_t>(i)] += share[i];
+    }
+  }
+  find_fragments();
+  rebuild_constraints();
+}
+
+template <class Real>
+void System<Real>::find_fragments() {
+  auto& root = fragment_of_node_;
+  root.resize(free_.size());
+  std::iota(root.begin(), root.end(), 0);
+  const auto find = [&](std::int32_t a) {
+    while (root[static_cast<std::size_t>(a)] != a)
+      a = root[static_cast<std::size_t>(a)] = root[static_cast<std::size_t>(root[static_cast<std::size_t>(a)])];
+    return a;
+  };
+  for (const auto& nodes : elastic_.lattice().cell_nodes)
+    for (const std::int32_t n : nodes) {
+      const std::int32_t a = find(nodes[0]), b = find(n);
+      if (a != b) root[static_cast<std::size_t>(std::max(a, b))] = std::min(a, b);
+    }
+  for (std::size_t n = 0; n < root.size(); ++n) root[n] = find(static_cast<std::int32_t>(n));
+}
+
+template <class Real>
+void System<Real>::find_floating_cells() {
+  const Lattice& lattice = elastic_.lattice();
+  std::vector<std::uint8_t> held(free_.size(), 0);  // by root node
+  for (std::size_t n = 0; n < free_.size(); ++n)
+    if (!free_[n]) held[static_cast<std::size_t>(fragment_of_node_[n])] = 1;
+  for (const auto& form : attachments_.forms) {
+    if (!acts(form) || (form.group == kBedGroup && !(bed_stiffness_ > 0.0))) continue;
+    const std::int32_t node = lattice.cell_nodes[static_cast<std::size_t>(form.cell)][0];
+    held[static_cast<std::size_t>(fragment_of_node_[static_cast<std::size_t>(node)])] = 1;
+  }
+  floating_cells_.clear();
+  for (std::size_t c = 0; c < lattice.cell_nodes.size(); ++c)
+    if (!held[static_cast<std::size_t>(fragment_of_node_[static_cast<std::size_t>(lattice.cell_nodes[c][0])])])
+      floating_cells_.push_back(static_cast<std::int32_t>(c));
+}
+
+template <class Real>
+void System<Real>::rebuild_constraints() {
+  ++revision_;
+  const Lattice& lattice = elastic_.lattice();
+  free_count_ = 0;
+  for (std::size_t n = 0; n < free_.size(); ++n) {
+    const std::int32_t group = attachments_.node_group[n];
+    free_[n] = group == kFree || (group >= 0 && !retractor_active_[static_cast<std::size_t>(group)]);
+    free_count_ += free_[n];
+  }
+  find_floating_cells();
+  has_held_forms_ = false;
+  std::vector<std::int32_t> of_cell;
+  std::vector<Real> matrices;
+  const auto matrix_of = [&](std::int32_t cell) {
+    if (of_cell.empty()) of_cell.assign(lattice.cell_nodes.size(), -1);
+    auto& index = of_cell[static_cast<std::size_t>(cell)];
+    if (index < 0) {
+      index = static_cast<std::int32_t>(matrices.size() / 64);
+      matrices.resize(matrices.size() + 64, Real(0));
+    }
+    return 64 * static_cast<std::size_t>(index);
+  };
+  for (const auto& form : attachments_.forms) {
+    if (!acts(form)) continue;
+    const bool held = form.group != kBedGroup;
+    has_held_forms_ = has_held_forms_ || held;
+    const std::size_t first = matrix_of(form.cell);
+    for (std::size_t k = 0; k < 64; ++k)
+      matrices[first + k] += static_cast<Real>((held ? held_stiffness_ : bed_stiffness_) * form.gram[k]);
+  }
+  for (const std::int32_t cell : floating_cells_) {
+    const std::size_t first = matrix_of(cell);
+    for (std::size_t k = 0; k < 8; ++k) matrices[first + 9 * k] += static_cast<Real>(drift_stiffness_);
+  }
+  elastic_.set_cell_quadratics(std::move(of_cell), std::move(matrices));
+  if (has_held_forms_ && held_multipliers_.empty()) held_multipliers_.assign(3 * free_.size(), 0.0);
+  if (!has_held_forms_) held_multipliers_.clear();
+}
+
+template <class Real>
+void System<Real>::set_retractors(std::span<const std::int32_t> active, std::span<const Eigen::Matrix4d> motions) {
+  std::vector<std::uint8_t> flags(retractor_active_.size(), 0);
+  for (std::size_t i = 0; i < active.size(); ++i) {
+    flags[static_cast<std::size_t>(active[i])] = 1;
+    retractor_motion_[static_cast<std::size_t>(active[i])] = motions[i];
+  }
+  if (flags != retractor_active_) {
+    retractor_active_ = std::move(flags);
+    rebuild_constraints();
+  }
+}
+
+template <class Real>
+void System<Real>::set_ties(std::vector<Tie> ties) {
+  bool same = ties.size() == ties_.size();
+  for (std::size_t i = 0; same && i < ties.size(); ++i)
+    same = ties[i].nodes == ties_[i].nodes && ties[i].stiffness == ties_[i].stiffness && ties[i].weights == ties_[i].weights;
+  ties_ = std::move(ties);
+  has_sutures_ = false;
+  for (const auto& tie : ties_) has_sutures_ = has_sutures_ || tie.exact;
+  if (!same) ++revision_;
+}
+
+template <class Real>
+Vec3 System<Real>::held_displacement(std::int32_t group, std::size_t node) const {
+  if (group < 0) return Vec3::Zero();
+  const Vec3& rest = elastic_.lattice().node_rest[node];
+  const auto& motion = retractor_motion_[static_cast<std::size_t>(group)];
+  return motion.topLeftCorner<3, 3>() * rest + motion.topRightCorner<3, 1>() - rest;
+}
+
+template <class Real>
+Evaluation System<Real>::evaluate(std::span<const Real> u) {
+  const Lattice& lattice = elastic_.lattice();
+  const ElasticState state = elastic_.evaluate(u, gradient_, node_scale_);
+  Evaluation result;
+  result.energy = state.energy;
+  result.minimum_j = state.minimum_j;
+  result.inverted = state.inverted;
+
+  for (const auto& form : attachments_.forms) {
+    if (!acts(form)) continue;
+    const bool held = form.group != kBedGroup;
+    const double stiffness = held ? held_stiffness_ : bed_stiffness_;
+    const auto& nodes = lattice.cell_nodes[static_cast<std::size_t>(form.cell)];
+    Vec3 off[8], multiplier[8];
+    for (std::size_t k = 0; k < 8; ++k) {
+      const auto n = static_cast<std::size_t>(nodes[k]);
+      off[k] = at<Real>(u, n) - (held ? held_displacement(form.group, n) : Vec3::Zero());
+      multiplier[k] = held ? Vec3(held_multipliers_[3 * n], held_multipliers_[3 * n + 1], held_multipliers_[3 * n + 2])
+                           : Vec3::Zero();
+    }
+    for (std::size_t a = 0; a < 8; ++a) {
+      Vec3 force = Vec3::Zero(), pull = Vec3::Zero();
+      for (std::size_t b = 0; b < 8; ++b) {
+        pull += form.gram[8 * a + b] * multiplier[b];
+        force += form.gram[8 * a + b] * off[b];
+      }
+      result.energy += off[a].dot(0.5 * stiffness * force + pull);
+      const auto n = 3 * static_cast<std::size_t>(nodes[a]);
+      for (int i = 0; i < 3; ++i) gradient_[n + static_cast<std::size_t>(i)] += stiffness * force[i] + pull[i];
+    }
+  }
+  for (const auto& tie : ties_) {
+    const Vec3 c = tie.value(u), force = tie.force(c);
+    result.energy += c.dot(0.5 * tie.stiffness * c + tie.multiplier);
+    for (std::size_t k = 0; k < tie.nodes.size(); ++k)
+      for (int i = 0; i < 3; ++i)
+        gradient_[3 * static_cast<std::size_t>(tie.nodes[k]) + static_cast<std::size_t>(i)] += tie.weights[k] * force[i];
+  }
+  for (const std::int32_t cell : floating_cells_)
+    for (const std::int32_t node : lattice.cell_nodes[static_cast<std::size_t>(cell)]) {
+      const auto n = static_cast<std::size_t>(node);
+      const Vec3 off = at(u, n);
+      result.energy += 0.5 * drift_stiffness_ * off.squaredNorm();
+      for (int i = 0; i < 3; ++i) gradient_[3 * n + static_cast<std::size_t>(i)] += drift_stiffness_ * off[i];
+    }
+  for (std::size_t i = 0; i < gravity_force_.size(); ++i) {
+    result.energy -= gravity_force_[i] * static_cast<double>(u[i]);
+    gradient_[i] -= gravity_force_[i];
+  }
+
+  double residual = 0.0, scale = 0.0;
+  for (std::size_t n = 0; n < free_.size(); ++n) {
+    if (!free_[n]) {
+      gradient_[3 * n] = gradient_[3 * n + 1] = gradient_[3 * n + 2] = 0.0;
+      continue;
+    }
+    for (std::size_t i = 0; i < 3; ++i) residual += gradient_[3 * n + i] * gradient_[3 * n + i];
+    scale += node_scale_[n] * node_scale_[n];
+  }
+  const double h = lattice.settings.spacing;
+  result.residual = std::sqrt(residual);
+  result.force_scale = std::sqrt(scale) + kScaleFloor * elastic_.material().youngs_modulus * h * h *
+                                              std::sqrt(static_cast<double>(std::max<std::size_t>(free_count_, 1)));
+  return result;
+}
+
+template <class Real>
+void System<Real>::multiply(std::span<const Real> x, std::span<Real> y) const {
+  elastic_.multiply(x, y);
+  for (const auto& tie : ties_) {
+    Vec3 sum = Vec3::Zero();
+    for (std::size_t k = 0; k < tie.nodes.size(); ++k) sum += tie.weights[k] * at(x, static_cast<std::size_t>(tie.nodes[k]));
+    sum *= tie.stiffness;
+    for (std::size_t k = 0; k < tie.nodes.size(); ++k)
+      for (int i = 0; i < 3; ++i)
+        y[3 * static_cast<std::size_t>(tie.nodes[k]) + static_cast<std::size_t>(i)] += static_cast<Real>(tie.weights[k] * sum[i]);
+  }
+  for (std::size_t n = 0; n < free_.size(); ++n)
+    if (!free_[n]) y[3 * n] = y[3 * n + 1] = y[3 * n + 2] = Real(0);
+}
+
+template <class Real>
+bool System<Real>::prescribed_increment(std::span<const Real> u, std::span<Real> increment) const {
+  bool any = false;
+  for (std::size_t n = 0; n < free_.size(); ++n) {
+    for (std::size_t i = 0; i < 3; ++i) increment[3 * n + i] = Real(0);
+    if (free_[n]) continue;
+    const Vec3 target = held_displacement(attachments_.node_group[n], n);
+    for (std::size_t i = 0; i < 3; ++i) {
+      increment[3 * n + i] = static_cast<Real>(target[static_cast<int>(i)]) - u[3 * n + i];
+      any = any || increment[3 * n + i] != Real(0);
+    }
+  }
+  return any;
+}
+
+template <class Real>
+double System<Real>::largest_gap(std::span<const Real> u) const {
+  double gap = 0.0;
+  for (const auto& tie : ties_)
+    if (tie.exact) gap = std::max(gap, tie.value(u).norm());
+  if (!has_held_forms_) return gap;
+  for (const auto& form : attachments_.forms) {
+    if (form.group == kBedGroup || !acts(form)) continue;
+    const auto& nodes = elastic_.lattice().cell_nodes[static_cast<std::size_t>(form.cell)];
+    double squared = 0.0;
+    Vec3 off[8];
+    for (std::size_t k = 0; k < 8; ++k) {
+      const auto n = static_cast<std::size_t>(nodes[k]);
+      off[k] = at(u, n) - held_displacement(form.group, n);
+    }
+    for (std::size_t a = 0; a < 8; ++a)
+      for (std::size_t b = 0; b < 8; ++b) squared += form.gram[8 * a + b] * off[a].dot(off[b]);
+    gap = std::max(gap, std::sqrt(std::max(squared, 0.0) / form.area));
+  }
+  return gap;
+}
+
+template <class Real>
+void System<Real>::update_multipliers(std::span<const Real> u) {
+  for (auto& tie : ties_)
+    if (tie.exact) tie.multiplier += tie.stiffness * tie.value(u);
+  if (!has_held_forms_) return;
+  std::vector<std::uint8_t> done(free_.size(), 0);
+  for (const auto& form : attachments_.forms) {
+    if (form.group == kBedGroup || !acts(form)) continue;
+    for (const std::int32_t node : elastic_.lattice().cell_nodes[static_cast<std::size_t>(form.cell)]) {
+      const auto n = static_cast<std::size_t>(node);
+      if (done[n]) continue;
+      done[n] = 1;
+      const Vec3 off = at(u, n) - held_displacement(form.group, n);
+      for (int i = 0; i < 3; ++i) held_multipliers_[3 * n + static_cast<std::size_t>(i)] += held_stiffness_ * off[i];
+    }
+  }
+}
+
+template <class Real>
+std::size_t System<Real>::bytes() const {
+  return elastic_.bytes() + attachments_.forms.size() * sizeof(FaceForm) + gradient_.size() * 8 + node_scale_.size() * 8 +
+         gravity_force_.size() * 8 + held_multipliers_.size() * 8 + free_.size();
+}
+
+template class System<float>;
+template class System<double>;
+
+}  // namespace lappet

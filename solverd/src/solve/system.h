@@ -1,0 +1,89 @@
+// The whole energy of a frame: elastic cells, attachments, ties, gravity; its gradient and its tangent product.
+//
+// Prescribed nodes (fixed, or gripped on a lattice plane) are not unknowns: products and residuals are zero there. A fragment
+// that no face holds is kept near its rest position by a very weak bed, so that the tangent is never singular.
+#pragma once
+#include <memory>
+
+#include "force/attachments.h"
+#include "force/elastic.h"
+#include "force/ties.h"
+
+namespace lappet {
+
+struct Evaluation {
+  double energy = 0.0;
+  double residual = 0.0;      // 2-norm of the force on free nodes, mN
+  double force_scale = 0.0;   // 2-norm of the elastic nodal force magnitudes plus a floor, mN
+  double minimum_j = 1.0;
+  std::int32_t inverted = 0;
+};
+
+template <class Real>
+class System {
+ public:
+  System(const Lattice& lattice, const MaterialParameters& material, int quadrature, Attachments attachments,
+         std::int32_t retractors, double bed_stiffness, const Vec3& gravity);
+
+  // Rigid motions (4x4, column vectors) of the retractors that grip now; the others let go.
+  void set_retractors(std::span<const std::int32_t> active, std::span<const Eigen::Matrix4d> motions);
+  void set_ties(std::vector<Tie> ties);
+  const std::vector<Tie>& ties() const { return ties_; }
+
+  Evaluation evaluate(std::span<const Real> u);
+  std::span<const double> gradient() const { return gradient_; }
+  void linearize(Definiteness how) { elastic_.linearize(how); }
+  void multiply(std::span<const Real> x, std::span<Real> y) const;  // y = K x on free nodes, 0 elsewhere
+
+  bool is_free(std::size_t node) const { return free_[node]; }
+  std::size_t nodes() const { return free_.size(); }
+  std::size_t free_nodes() const { return free_count_; }
+  std::size_t floating_cells() const { return floating_cells_.size(); }
+  // What is left to move the prescribed nodes to where they belong; true if any.
+  bool prescribed_increment(std::span<const Real> u, std::span<Real> increment) const;
+
+  // The largest violation of what must hold exactly, mm: sutures, and held faces off the lattice planes (root mean square
+  // over the face in a cell).
+  double largest_gap(std::span<const Real> u) const;
+  bool has_exact_constraints() const { return has_held_forms_ || has_sutures_; }
+  // lambda += stiffness c, for sutures and held faces.
+  void update_multipliers(std::span<const Real> u);
+  std::vector<double>& held_multipliers() { return held_multipliers_; }  // 3 per node, or empty
+
+  const Elastic<Real>& elastic() const { return elastic_; }
+  const Lattice& lattice() const { return elastic_.lattice(); }
+  // Changes whenever free nodes, ties or active attachments change: preconditioners look at it.
+  std::uint64_t constraint_revision() const { return revision_; }
+  std::size_t bytes() const;
+
+ private:
+  Vec3 held_displacement(std::int32_t group, std::size_t node) const;
+  bool acts(const FaceForm& form) const {
+    return form.group < 0 || retractor_active_[static_cast<std::size_t>(form.group)];
+  }
+  void find_fragments();
+  void find_floating_cells();
+  void rebuild_constraints();
+
+  Elastic<Real> elastic_;
+  Attachments attachments_;
+  double bed_stiffness_, held_stiffness_;
+  std::vector<double> gravity_force_;  // 3 per node or empty
+  std::vector<std::uint8_t> retractor_active_;
+  std::vector<Eigen::Matrix4d> retractor_motion_;
+  std::vector<Tie> ties_;
+  std::vector<std::int32_t> fragment_of_node_;
+  std::vector<std::int32_t> floating_cells_;
+  double drift_stiffness_;  // mN/mm on a corner of a floating cell
+  std::vector<std::uint8_t> free_;
+  std::size_t free_count_ = 0;
+  bool has_held_forms_ = false, has_sutures_ = false;
+  std::vector<double> held_multipliers_;
+  std::vector<double> gradient_, node_scale_;
+  std::uint64_t revision_ = 0;
+};
+
+extern template class System<float>;
+extern template class System<double>;
+
+}  // namespace lappet

@@ -1,0 +1,47 @@
+// Boxes for tests: surfaces whose sides are multiples of the spacing.
+#pragma once
+#include <cmath>
+#include <functional>
+
+#include "lattice/lattice.h"
+#include "session/program.h"
+
+namespace lappet {
+
+inline Surface box_surface(const Vec3& low, const Vec3& high) {
+  Surface s;
+  for (int c = 0; c < 8; ++c)
+    s.points.emplace_back(c & 4 ? high[0] : low[0], c & 2 ? high[1] : low[1], c & 1 ? high[2] : low[2]);
+  s.triangles = {{0, 1, 3}, {0, 3, 2}, {4, 6, 7}, {4, 7, 5}, {0, 4, 5}, {0, 5, 1},
+                 {2, 3, 7}, {2, 7, 6}, {0, 2, 6}, {0, 6, 4}, {1, 5, 7}, {1, 7, 3}};
+  return s;
+}
+
+inline void append(Surface& to, const Surface& from) {
+  const auto first = static_cast<std::int32_t>(to.points.size());
+  to.points.insert(to.points.end(), from.points.begin(), from.points.end());
+  for (const auto& t : from.triangles) to.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+}
+
+inline Vec3 centre(const Surface& s, std::size_t t) {
+  return (s.points[static_cast<std::size_t>(s.triangles[t][0])] + s.points[static_cast<std::size_t>(s.triangles[t][1])] +
+          s.points[static_cast<std::size_t>(s.triangles[t][2])]) /
+         3;
+}
+
+// An epoch whose triangles are labelled by where their centres are.
+inline EpochInput make_epoch(const Surface& surface, const std::function<bool(const Vec3&)>& fixed,
+                             const std::function<std::int32_t(const Vec3&)>& grip = {},
+                             const std::function<bool(const Vec3&)>& bed = {}) {
+  EpochInput epoch;
+  epoch.surface = surface;
+  for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
+    const Vec3 c = centre(surface, t);
+    epoch.fixed.push_back(fixed && fixed(c));
+    epoch.bed.push_back(bed && bed(c));
+    epoch.grip.push_back(grip ? grip(c) : -1);
+  }
+  return epoch;
+}
+
+}  // namespace lappet
