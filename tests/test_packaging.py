@@ -94,6 +94,29 @@ def test_missing_packages_without_root_or_sudo_are_a_sentence(tmp_path: Path) ->
     assert " cppzmq-dev " in done.stderr
 
 
+def test_make_alone_lists_the_commands() -> None:
+    done = subprocess.run(["make", "--no-print-directory"], cwd=ROOT, capture_output=True, text=True, check=True)
+    listed = re.findall(r"^make (\w+) +\w", done.stdout, re.MULTILINE)
+    assert {"demo", "test", "lint", "bench", "clean", "docs", "setup", "daemon", "help"} <= set(listed)
+
+
+@pytest.mark.slow
+def test_setting_up_again_installs_nothing() -> None:
+    done = subprocess.run(
+        ["bash", "packaging/setup.sh", "--tests"], cwd=ROOT, capture_output=True, text=True, check=False, timeout=280
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    said = [line for line in done.stdout.splitlines() if line.startswith("setup: ")]
+    assert said == ["setup: ready: .venv/bin/lappet and build/solverd/lappet-solverd"]
+
+
+@pytest.mark.slow
+def test_the_daemon_carries_the_version_of_the_project() -> None:
+    daemon = ROOT / "build/solverd/lappet-solverd"
+    printed = subprocess.run([daemon, "--version"], capture_output=True, text=True, check=True, timeout=60).stdout
+    assert PYPROJECT["project"]["version"] in printed
+
+
 @pytest.mark.slow
 @pytest.mark.timeout(600)
 def test_a_wheel_installed_elsewhere_brings_the_command_and_its_daemon(tmp_path: Path) -> None:
@@ -121,7 +144,7 @@ def test_a_wheel_installed_elsewhere_brings_the_command_and_its_daemon(tmp_path:
     )
     # The dependencies come from the environment of the tests; its own lappet must not be seen through that path.
     site = Path(next(p for p in sys.path if p.endswith("site-packages")))
-    runner = f"import sys; sys.path = [p for p in sys.path if p]; import lappet;sys.path.append({str(site)!r});"
+    runner = f"import lappet, sys; sys.path.append({str(site)!r}); "
     version = subprocess.run(
         [python, "-I", "-c", runner + "from lappet.cli import main; main(['--help'])"],
         capture_output=True,
