@@ -66,16 +66,16 @@ def add_lights(region: Region) -> None:
     """Key from the upper left, fill from the right, rim from behind, and an even sky."""
     extent = float(np.linalg.norm(region.points.max(axis=0) - region.points.min(axis=0)))
     reach = 2.2 * extent
-    _add_light("Key", region, reach, (-0.85, 0.55, 1.0), 0.55, 15.0)
-    _add_light("Fill", region, reach, (1.0, -0.5, 0.8), 1.1, 4.5)
-    _add_light("Rim", region, reach, (0.35, 1.2, 0.5), 0.7, 6.0)
+    _add_light("Key", region, reach, (-0.85, 0.55, 1.0), 0.5, 12.0)
+    _add_light("Fill", region, reach, (1.0, -0.5, 0.8), 1.1, 3.0)
+    _add_light("Rim", region, reach, (0.35, 1.2, 0.5), 0.7, 4.0)
     world = bpy.data.worlds.new("World")
     bpy.context.scene.world = world
     if not world.use_nodes:
         world.use_nodes = True
     background = next(n for n in world.node_tree.nodes if n.type == "BACKGROUND")
     background.inputs["Color"].default_value = (0.93, 0.96, 1.0, 1.0)
-    background.inputs["Strength"].default_value = 0.42
+    background.inputs["Strength"].default_value = 0.36
 
 
 def add_backdrop(region: Region, lowest: float, material: bpy.types.Material) -> None:

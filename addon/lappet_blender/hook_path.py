@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-ELEVATION = np.radians(52.0)
+ELEVATION = np.radians(34.0)
 CROOK = 1.3
-SHANK = 20.0
-HANDLE = 62.0
-SHANK_RADIUS = 0.42
-HANDLE_RADIUS = 1.5
+SHANK = 26.0
+HANDLE = 80.0
+SHANK_RADIUS = 0.36
+HANDLE_RADIUS = 0.85
 
 
 def pull_direction(anchors: NDArray[np.float64], normal: NDArray[np.float64], away: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -11,10 +11,10 @@ import bpy
 
 SKIN = (0.80, 0.535, 0.405, 1.0)
 GRID_INK = (0.235, 0.11, 0.085, 1.0)
-DERMIS = (0.62, 0.115, 0.10, 1.0)
-DERMIS_PALE = (0.80, 0.34, 0.27, 1.0)
+DERMIS = (0.60, 0.165, 0.145, 1.0)
+DERMIS_PALE = (0.80, 0.40, 0.33, 1.0)
 FAT = (0.86, 0.60, 0.20, 1.0)
-BED = (0.46, 0.075, 0.065, 1.0)
+BED = (0.47, 0.115, 0.10, 1.0)
 THREAD = (0.008, 0.012, 0.045, 1.0)
 STEEL = (0.62, 0.64, 0.66, 1.0)
 GRID_PITCH = 5.0
@@ -109,22 +109,14 @@ def skin_material(color: str, pixel: float, highest: float = 1.0) -> bpy.types.M
     """The skin. color: plain, grid, strain, stress or tension; the last three map the attribute `quantity` from 0 to highest."""
     nodes = _Nodes("Skin")
     mottle = nodes.noise(1.1, 3.0)
-    tone = nodes.ramp(mottle, ((0.3, (0.80, 0.51, 0.385)), (0.7, (0.83, 0.57, 0.44))))
+    tone = nodes.ramp(mottle, ((0.3, (0.74, 0.455, 0.335)), (0.7, (0.775, 0.50, 0.38))))
     if color in ("strain", "stress", "tension"):
         share = nodes.math("DIVIDE", nodes.attribute("quantity").outputs["Fac"], max(highest, 1e-9))
         tone = nodes.ramp(nodes.math("MINIMUM", share, 1.0), RAMP)
     if color != "plain":
         tone = nodes.mix(_grid(nodes, pixel), tone, GRID_INK)
-    nodes.bump(nodes.noise(26.0, 3.0), 0.10, 0.02)
-    material = nodes.finish(
-        tone,
-        Roughness=0.55,
-        Specular_IOR_Level=0.32,
-        Subsurface_Weight=0.12 if color in ("plain", "grid") else 0.0,
-        Subsurface_Scale=0.1,
-        Sheen_Weight=0.05,
-    )
-    nodes.put(nodes.bsdf.inputs["Subsurface Radius"], (1.0, 0.35, 0.2))
+    # Subsurface scattering would cost half of the render time again; the warm base colour and soft light stand in for it.
+    material = nodes.finish(tone, Roughness=0.55, Specular_IOR_Level=0.32)
     material.diffuse_color = SKIN
     return material
 
@@ -136,7 +128,7 @@ def wall_material() -> bpy.types.Material:
     depth = nodes.attribute("depth").outputs["Fac"]
     uneven = nodes.math("MULTIPLY_ADD", nodes.math("SUBTRACT", blotch, 0.5), 1.6, depth)
     share = nodes.math("DIVIDE", uneven, 4.0)
-    stops = ((0.0, DERMIS_PALE), (0.16, DERMIS), (0.5, DERMIS), (0.95, (0.78, 0.33, 0.13)))
+    stops = ((0.0, DERMIS_PALE), (0.16, DERMIS), (0.5, DERMIS), (0.72, (0.72, 0.33, 0.17)), (0.95, (0.82, 0.53, 0.20)))
     colour = nodes.ramp(share, stops)
     nodes.bump(nodes.noise(9.0, 4.0), 0.35, 0.04)
     material = nodes.finish(colour, Roughness=0.32, Specular_IOR_Level=0.5, Coat_Weight=0.25, Coat_Roughness=0.18)
@@ -169,7 +161,7 @@ def fat_material() -> bpy.types.Material:
 def bed_material() -> bpy.types.Material:
     """The deep tissue in an open wound: dark red, fibrous, moist."""
     nodes = _Nodes("Bed")
-    colour = nodes.ramp(nodes.noise(3.5, 4.0), ((0.3, BED), (0.72, (0.60, 0.15, 0.11))))
+    colour = nodes.ramp(nodes.noise(3.5, 4.0), ((0.3, BED), (0.72, (0.62, 0.22, 0.17))))
     nodes.bump(nodes.noise(8.0, 4.0), 0.4, 0.05)
     material = nodes.finish(colour, Roughness=0.35, Coat_Weight=0.3, Coat_Roughness=0.2)
     material.diffuse_color = BED
