@@ -174,7 +174,7 @@ class SolverClient:
         marks = landmarks if landmarks is not None else Landmarks()
         if grip is None:
             grip = np.full(len(surface.triangles), -1, np.int32)
-        arrays = {
+        arrays: dict[str, NDArray[Any]] = {
             "points": np.asarray(surface.points, np.float64),
             "triangles": np.asarray(surface.triangles, np.int32),
             "fixed": np.asarray(surface.fixed, np.uint8),

@@ -142,19 +142,29 @@ std::string expected_text(std::span<const std::int64_t> shape) {
   return text + ")";
 }
 
-void pack(msgpack::packer<msgpack::sbuffer>& packer, const Value& value) {
+// Always as float 64: the library's own pack would write whole numbers as integers, and a field keeps its kind.
+void pack_real(msgpack::sbuffer& buffer, double value) {
+  std::array<char, 9> bytes{'\xcb'};
+  const auto bits = std::bit_cast<std::uint64_t>(value);
+  for (std::size_t i = 0; i < 8; ++i) bytes[1 + i] = static_cast<char>(bits >> (56 - 8 * i));
+  buffer.write(bytes.data(), bytes.size());
+}
+
+void pack(msgpack::packer<msgpack::sbuffer>& packer, msgpack::sbuffer& buffer, const Value& value) {
   std::visit(
-      [&packer](const auto& held) {
+      [&](const auto& held) {
         using Held = std::decay_t<decltype(held)>;
         if constexpr (std::is_same_v<Held, std::vector<Value>>) {
           packer.pack_array(static_cast<std::uint32_t>(held.size()));
-          for (const Value& entry : held) pack(packer, entry);
+          for (const Value& entry : held) pack(packer, buffer, entry);
         } else if constexpr (std::is_same_v<Held, Fields>) {
           packer.pack_map(static_cast<std::uint32_t>(held.size()));
           for (const auto& [key, entry] : held) {
             packer.pack(key);
-            pack(packer, entry);
+            pack(packer, buffer, entry);
           }
+        } else if constexpr (std::is_same_v<Held, double>) {
+          pack_real(buffer, held);
         } else {
           packer.pack(held);
         }
@@ -346,7 +356,7 @@ std::vector<FrameBytes> MessageWriter::finish() const {
   }
   for (const auto& [name, value] : header_.fields) {
     packer.pack(name);
-    pack(packer, value);
+    pack(packer, buffer, value);
   }
   std::vector<FrameBytes> frames;
   frames.reserve(1 + frames_.size());
