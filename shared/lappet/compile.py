@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from typing import Any, Literal
 
 import numpy as np
@@ -41,10 +42,13 @@ def compile_program(
     Raises RefusedError naming the prim where an anchor is off the tissue or its tissue is excised, two retractors grip
     one face, a motion is not rigid, the timeline has no frame, or a material asks for what is not solved.
     """
+    if spacing is None:
+        spacing = procedure.tissue.spacing
     if epochs is None:
         from lappet.epochs import build_epochs
 
-        epochs = build_epochs(procedure)
+        # The spacing also says how finely the surface is divided.
+        epochs = build_epochs(replace(procedure, tissue=replace(procedure.tissue, spacing=spacing)))
     times = frame_times(procedure)
     if until is not None:
         times = [time for time in times if time <= until]
@@ -95,7 +99,7 @@ def compile_program(
         epochs=tuple(epochs),
         frames=tuple(frames),
         settings=SolverSettings(
-            spacing=procedure.tissue.spacing if spacing is None else spacing,
+            spacing=spacing,
             origin=(float(origin[0]), float(origin[1]), float(origin[2])),
             quadrature=quadrature,
             precision=precision,

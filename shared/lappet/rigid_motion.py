@@ -71,7 +71,8 @@ def _rotation(vector: NDArray[np.float64]) -> NDArray[np.float64]:
         return np.eye(3)
     x, y, z = vector / angle
     cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-    return np.eye(3) + np.sin(angle) * cross + (1.0 - np.cos(angle)) * cross @ cross
+    rotation: NDArray[np.float64] = np.eye(3) + np.sin(angle) * cross + (1.0 - np.cos(angle)) * cross @ cross
+    return rotation
 
 
 def _rotation_vector(rotation: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -30,8 +30,8 @@ class ShadingNormals:
 
     def at(self, points: ArrayLike) -> NDArray[np.float32]:
         """Unit normals (groups, 3) of the deformed points (n, 3); a group of vanished faces gets (0, 0, 1)."""
-        corners = np.asarray(points, np.float64)[self._triangles]
-        edges = np.roll(corners, -1, axis=1) - corners
+        corners: NDArray[np.float64] = np.asarray(points, np.float64)[self._triangles]
+        edges: NDArray[np.float64] = np.subtract(np.roll(corners, -1, axis=1), corners)
         normals = _unit(np.cross(edges[:, 0], edges[:, 1]))
         ahead, back = _unit(edges), _unit(-np.roll(edges, 1, axis=1))
         angles = np.arccos(np.clip(np.einsum("fij,fij->fi", ahead, back), -1.0, 1.0))

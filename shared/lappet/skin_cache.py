@@ -87,6 +87,7 @@ def _metadata(stage: Any, procedure: Procedure, program: Program, frames: Sequen
 def _write_epoch(stage: Any, epoch: Epoch, frames: Sequence[FrameResult], times: Sequence[float], fps: float) -> None:
     usd = pxr()
     surface = epoch.surface
+    types, tokens = usd.Sdf.ValueTypeNames, usd.UsdGeom.Tokens
     mesh = usd.UsdGeom.Mesh.Define(stage, f"/Procedure/Skin/epoch_{epoch.index:02d}")
     mesh.CreateFaceVertexCountsAttr(usd.Vt.IntArray.FromNumpy(np.full(len(surface.triangles), 3, np.int32)))
     mesh.CreateFaceVertexIndicesAttr(

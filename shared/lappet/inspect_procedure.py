@@ -1,0 +1,70 @@
+"""What `lappet inspect` tells about a procedure: storyboard, epochs, scene profile, lattice counts."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from lappet.compile import compile_program
+from lappet.frame_solver import Connect
+from lappet.program import Epoch, FaceOrigin, Program
+from lappet.refused import RefusedError
+from lappet.storyboard import inspection
+from lappet.usd_stage import read_procedure
+
+
+def inspect_procedure(
+    path: Path,
+    *,
+    spacing: float | None = None,
+    lattice: bool = True,
+    daemon: str | None = None,
+    connect: Connect | None = None,
+) -> str:
+    """The text of `lappet inspect`.
+
+    spacing: mm (the tissue's when None). lattice: ask the daemon for the counts of every epoch's lattice; where it
+    cannot be had a note says why. Raises ProcedureError and RefusedError for a procedure that cannot be read or
+    compiled.
+    """
+    notes: list[str] = []
+    procedure = read_procedure(path, notes)
+    program = compile_program(procedure, spacing=spacing)
+    notes += program.notes
+    counts: list[str] = []
+    if lattice:
+        try:
+            counts = _lattice_lines(program, daemon, connect)
+        except (RefusedError, RuntimeError) as error:
+            notes.append(f"No lattice counts: {error}")
+    return inspection(procedure, [_epoch_line(epoch, program) for epoch in program.epochs], counts, notes)
+
+
+def _epoch_line(epoch: Epoch, program: Program) -> str:
+    surface = epoch.surface
+    frames = [frame.time for frame in program.frames if frame.epoch == epoch.index]
+    when = f"frames {frames[0]:g} to {frames[-1]:g}" if frames else f"from {epoch.start_time:g}, no frame of its own"
+    origins = {name.name.lower().replace("_", " "): int((surface.origin == name).sum()) for name in FaceOrigin}
+    faces = ", ".join(f"{count} {name}" for name, count in origins.items() if count)
+    return (
+        f"epoch {epoch.index}: {when}; {epoch.fragments} fragment{'' if epoch.fragments == 1 else 's'}, "
+        f"{len(surface.triangles)} triangles ({faces})"
+    )
+
+
+def _lattice_lines(program: Program, daemon: str | None, connect: Connect | None) -> list[str]:
+    if connect is None:
+        from lappet.daemon_solver import connect_to
+
+        connect = connect_to(daemon)
+    solver = connect(program.settings)
+    lines = [f"spacing {program.settings.spacing:g} mm"]
+    try:
+        for epoch, grip, landmarks in zip(program.epochs, program.grips, program.landmarks_at, strict=True):
+            counts = solver.set_epoch(epoch, grip, landmarks)
+            lines.append(
+                f"epoch {epoch.index}: {counts['cells']} cells ({counts['grid_cells']} grid, {counts['mesh_cells']} mesh), "
+                f"{counts['nodes']} nodes, {counts['blocks']} blocks, {counts['fine_voxels']} fine voxels"
+            )
+    finally:
+        solver.close()
+    return lines
