@@ -32,7 +32,8 @@ Fit fit(const Lattice& lattice, const Block& a, const Block& b) {
       const std::size_t j = i ^ static_cast<std::size_t>(bit);
       if (b.cells[j] < 0) continue;
       const bool upper = (i & static_cast<std::size_t>(bit)) != 0;
-      const bool joined = upper ? share_face(lattice, b.cells[j], a.cells[i], bit) : share_face(lattice, a.cells[i], b.cells[j], bit);
+      const bool joined =
+          upper ? share_face(lattice, b.cells[j], a.cells[i], bit) : share_face(lattice, a.cells[i], b.cells[j], bit);
       ++(joined ? result.joined : result.mismatched);
     }
   }

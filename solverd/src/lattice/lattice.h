@@ -17,10 +17,10 @@
 namespace lappet {
 
 struct LatticeSettings {
-  double spacing = 1.0;                        // h, mm
-  int fine_ratio = 4;                          // r: fine voxels per cell edge
-  Vec3 origin = Vec3::Zero();                  // a grid point; the same for every epoch of a session
-  double fill_floor = 0.1;                     // least volume fraction a cell carries
+  double spacing = 1.0;                              // h, mm
+  int fine_ratio = 4;                                // r: fine voxels per cell edge
+  Vec3 origin = Vec3::Zero();                        // a grid point; the same for every epoch of a session
+  double fill_floor = 0.1;                           // least volume fraction a cell carries
   std::size_t memory_budget = std::size_t{8} << 30;  // bytes; building refuses (throws) before exceeding it
 };
 
@@ -39,17 +39,19 @@ struct Lattice {
   std::vector<float> cell_fill;  // volume fraction, in [fill_floor, 1]
   std::vector<Vec3> node_rest;   // mm
 
-  std::int64_t fine_voxels = 0;  // inside voxels
-  std::int32_t grid_cells = 0;   // cells all of whose nodes have no duplicate (paper 5.4)
+  std::int64_t fine_voxels = 0;     // inside voxels
+  std::int64_t dropped_voxels = 0;  // specks at sharp tips that the voxels do not hold together; the tissue around
+                                    // carries their points
+  std::int32_t grid_cells = 0;  // cells all of whose nodes have no duplicate (paper 5.4)
   std::int32_t mesh_cells = 0;
-  std::int32_t fragments = 0;    // connected components of the whole tissue
+  std::int32_t fragments = 0;  // connected components of the whole tissue
 
-  std::shared_ptr<const FineVoxels> fine;  // kept for embedding and for state transfer
+  std::shared_ptr<const FineVoxels> fine;     // kept for embedding and for state transfer
   std::vector<EmbeddedPoint> surface_points;  // one per surface vertex, side decided by fine-voxel connectivity
 };
 
-// Builds the lattice of a closed surface, and embeds its vertices. Throws RefusedError (see refused.h) naming the cause:
-// no inside voxel (too thin for the spacing), memory budget, points that are not finite.
+// Builds the lattice of a closed surface, and embeds its vertices. Throws RefusedError (see refused.h) naming the
+// cause: no inside voxel (too thin for the spacing), memory budget, points that are not finite.
 Lattice build_lattice(const Surface& surface, const LatticeSettings& settings);
 
 // Embeds a rest point that lies on (or near) triangle `triangle` of the surface the lattice was built from; the side at
@@ -58,8 +60,8 @@ EmbeddedPoint embed_on_triangle(const Lattice& lattice, const Surface& surface, 
                                 std::int32_t triangle);
 
 // Carries a nodal field (positions) from the lattice of the previous epoch to a new one by rest position: a new cell
-// inherits from the old cell whose fragment contains it (fine voxels decide). Where several old cells reach one new node
-// the result is their mean. Returns one position per new node.
+// inherits from the old cell whose fragment contains it (fine voxels decide). Where several old cells reach one new
+// node the result is their mean. Returns one position per new node.
 std::vector<Vec3> transfer_positions(const Lattice& from, std::span<const Vec3> positions, const Lattice& to);
 
 }  // namespace lappet

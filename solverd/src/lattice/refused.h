@@ -7,12 +7,12 @@
 namespace lappet {
 
 enum class ErrorCode {
-  kMalformed,      // the message could not be read
-  kOutOfOrder,     // valid, but not now (no session, no epoch)
-  kUnauthorized,   // wrong token
-  kInvalidInput,   // values that make no sense
-  kMemoryBudget,   // would exceed the session's memory
-  kTimeBudget,     // ran out of its time
+  kMalformed,     // the message could not be read
+  kOutOfOrder,    // valid, but not now (no session, no epoch)
+  kUnauthorized,  // wrong token
+  kInvalidInput,  // values that make no sense
+  kMemoryBudget,  // would exceed the session's memory
+  kTimeBudget,    // ran out of its time
   kCancelled,
   kInternal,
 };

@@ -1,0 +1,208 @@
+#include "lattice/embedding.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/enumerable_thread_specific.h>
+#include <tbb/parallel_for.h>
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <queue>
+#include <string>
+#include <tuple>
+
+#include "lattice/refused.h"
+
+namespace lappet {
+namespace {
+
+// Lengths here are in voxels. Points this close to a cell count as inside it; weights this close to 0 or 1 are set to
+// it.
+constexpr double kRounding = 1e-7;
+constexpr int kMostVoxelsWalked = 256;
+
+Vec3 centre(const Voxel& voxel) { return Vec3(voxel[0] + 0.5, voxel[1] + 0.5, voxel[2] + 0.5); }
+
+double distance_to_segment(const Vec3& p, const Vec3& a, const Vec3& b) {
+  const Vec3 along = b - a;
+  const double length2 = along.squaredNorm();
+  const double t = length2 > 0.0 ? std::clamp((p - a).dot(along) / length2, 0.0, 1.0) : 0.0;
+  return (p - a - t * along).norm();
+}
+
+double distance_to_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
+  const Vec3 normal = (b - a).cross(c - a);
+  const double area2 = normal.squaredNorm();
+  if (area2 > 0.0 && (b - a).cross(p - a).dot(normal) >= 0.0 && (c - b).cross(p - b).dot(normal) >= 0.0 &&
+      (a - c).cross(p - c).dot(normal) >= 0.0)
+    return std::abs((p - a).dot(normal)) / std::sqrt(area2);
+  return std::min({distance_to_segment(p, a, b), distance_to_segment(p, b, c), distance_to_segment(p, c, a)});
+}
+
+}  // namespace
+
+Embedder::Embedder(const Lattice& lattice, const Surface& surface)
+    : lattice_(lattice), surface_(surface), fine_(*lattice.fine), seen_(surface.triangles.size(), 0) {
+  if (static_cast<std::size_t>(fine_.triangle_count()) != surface.triangles.size())
+    throw RefusedError(ErrorCode::kInternal, "The surface given to embed points has " +
+                                                 std::to_string(surface.triangles.size()) +
+                                                 " triangles, but the lattice was built from one with " +
+                                                 std::to_string(fine_.triangle_count()) + ".");
+}
+
+Vec3 Embedder::surface_point(std::int32_t index) const {
+  const double voxels_per_mm = fine_.box().ratio / lattice_.settings.spacing;
+  const auto& low = fine_.box().low;
+  return (surface_.points[static_cast<std::size_t>(index)] - lattice_.settings.origin) * voxels_per_mm -
+         fine_.box().ratio * Vec3(low[0], low[1], low[2]);
+}
+
+// The inside voxel on the inner side of the surface that is nearest to the point *along the surface*: a triangle
+// reached over an edge counts as at least as far as that edge is from the point, so the far wall of a narrow cut is as
+// far as the end of the cut.
+Voxel Embedder::inner_voxel(const Vec3& point, std::span<const std::int32_t> triangles) {
+  ++search_;
+  using Entry = std::pair<double, std::int32_t>;  // how far the point is, at least; triangle
+  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> front;
+  const auto corner = [&](std::int32_t triangle, std::size_t k) {
+    return surface_point(surface_.triangles[static_cast<std::size_t>(triangle)][k % 3]);
+  };
+  for (const std::int32_t t : triangles)
+    front.emplace(distance_to_triangle(point, corner(t, 0), corner(t, 1), corner(t, 2)), t);
+  double best = std::numeric_limits<double>::infinity();
+  Voxel result{-1, -1, -1};
+  while (!front.empty()) {
+    const auto [reach, triangle] = front.top();
+    front.pop();
+    if (reach >= best) break;
+    auto& seen = seen_[static_cast<std::size_t>(triangle)];
+    if (seen == search_) continue;
+    seen = search_;
+    for (const Voxel& voxel : fine_.inner_voxels(triangle)) {
+      if (voxel[0] < 0) continue;
+      const double far = std::max(reach, (centre(voxel) - point).norm());
+      if ((far < best || (far == best && voxel < result)) && fine_.lattice_cell(voxel) >= 0) {
+        best = far;
+        result = voxel;
+      }
+    }
+    const auto& neighbours = fine_.neighbours(triangle);
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::int32_t next = neighbours[k];
+      if (next < 0 || seen_[static_cast<std::size_t>(next)] == search_) continue;
+      const double edge = distance_to_segment(point, corner(triangle, k), corner(triangle, k + 1));
+      if (std::max(reach, edge) < best) front.emplace(std::max(reach, edge), next);
+    }
+  }
+  return result;
+}
+
+// For a crumb of tissue that no voxel centre lies in: it is carried by what is nearest.
+Voxel Embedder::nearest_of_all(const Vec3& point) const {
+  double best = std::numeric_limits<double>::infinity();
+  Voxel result{-1, -1, -1};
+  for (std::int32_t t = 0; t < fine_.triangle_count(); ++t)
+    for (const Voxel& voxel : fine_.inner_voxels(t)) {
+      const double far = (centre(voxel) - point).squaredNorm();
+      if ((far < best || (far == best && voxel < result)) && fine_.lattice_cell(voxel) >= 0) {
+        best = far;
+        result = voxel;
+      }
+    }
+  return result;
+}
+
+// From a voxel on the right side over connected voxels to the cell that holds the point, or comes nearest to it.
+std::int32_t Embedder::walk_to_cell(const Vec3& point, const Voxel& start) {
+  const std::int32_t r = fine_.box().ratio;
+  // Distance of the point from the cell of a voxel, then from the voxel.
+  using Rank = std::tuple<double, double, Voxel>;
+  const auto rank = [&](const Voxel& voxel) {
+    Vec3 out = Vec3::Zero();
+    for (std::size_t a = 0; a < 3; ++a) {
+      const auto axis = static_cast<Eigen::Index>(a);
+      const double low = voxel[a] / r * r;
+      out[axis] = std::max({0.0, low - point[axis], point[axis] - low - r});
+    }
+    const double cell = out.norm();
+    return Rank{cell < kRounding ? 0.0 : cell, (centre(voxel) - point).norm(), voxel};
+  };
+  const double reach = (centre(start) - point).norm() + 1.5;
+  std::priority_queue<Rank, std::vector<Rank>, std::greater<>> front;
+  std::vector<Voxel> seen{start};
+  front.push(rank(start));
+  Rank best = front.top();
+  for (int steps = 0; !front.empty() && steps < kMostVoxelsWalked && std::get<0>(best) > 0.0; ++steps) {
+    const Rank here = front.top();
+    front.pop();
+    best = std::min(best, here);
+    const Voxel& voxel = std::get<2>(here);
+    for (int axis = 0; axis < 3; ++axis)
+      for (const int direction : {-1, 1}) {
+        Voxel next = voxel;
+        next[static_cast<std::size_t>(axis)] += direction;
+        if (!fine_.connected_above(direction > 0 ? voxel : next, axis) || (centre(next) - point).norm() > reach ||
+            std::find(seen.begin(), seen.end(), next) != seen.end())
+          continue;
+        seen.push_back(next);
+        front.push(rank(next));
+        best = std::min(best, front.top());
+      }
+  }
+  return fine_.lattice_cell(std::get<2>(best));
+}
+
+EmbeddedPoint Embedder::embed(const Vec3& point, std::span<const std::int32_t> triangles) {
+  const std::int32_t r = fine_.box().ratio;
+  const auto& low = fine_.box().low;
+  const Vec3 grid = (point - lattice_.settings.origin) / lattice_.settings.spacing;
+  const Vec3 at = r * (grid - Vec3(low[0], low[1], low[2]));
+  Voxel voxel = inner_voxel(at, triangles);
+  if (voxel[0] < 0) voxel = nearest_of_all(at);
+  EmbeddedPoint result;
+  result.cell = walk_to_cell(at, voxel);
+  const auto& position = lattice_.cell_position[static_cast<std::size_t>(result.cell)];
+  Vec3 local = grid - Vec3(position[0], position[1], position[2]);
+  for (double& x : local)
+    if (std::abs(x - std::round(x)) < kRounding) x = std::round(x);
+  for (std::size_t c = 0; c < 8; ++c)
+    result.weights[c] = ((c & 4) ? local.x() : 1.0 - local.x()) * ((c & 2) ? local.y() : 1.0 - local.y()) *
+                        ((c & 1) ? local.z() : 1.0 - local.z());
+  return result;
+}
+
+std::vector<EmbeddedPoint> embed_surface(const Lattice& lattice, const Surface& surface) {
+  std::vector<std::uint32_t> first(surface.points.size() + 1, 0);
+  for (const auto& t : surface.triangles)
+    for (const std::int32_t p : t) ++first[static_cast<std::size_t>(p) + 1];
+  for (std::size_t p = 1; p < first.size(); ++p) first[p] += first[p - 1];
+  std::vector<std::int32_t> incident(first.back());
+  std::vector<std::uint32_t> next(first.begin(), first.end() - 1);
+  for (std::size_t t = 0; t < surface.triangles.size(); ++t)
+    for (const std::int32_t p : surface.triangles[t])
+      incident[next[static_cast<std::size_t>(p)]++] = static_cast<std::int32_t>(t);
+
+  std::vector<EmbeddedPoint> result(surface.points.size());
+  tbb::enumerable_thread_specific<Embedder> embedder([&] { return Embedder(lattice, surface); });
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, surface.points.size(), 64), [&](const auto& range) {
+    Embedder& local = embedder.local();
+    for (std::size_t p = range.begin(); p != range.end(); ++p)
+      result[p] = local.embed(surface.points[p], {incident.data() + first[p], first[p + 1] - first[p]});
+  });
+  return result;
+}
+
+EmbeddedPoint embed_on_triangle(const Lattice& lattice, const Surface& surface, const Vec3& point,
+                                std::int32_t triangle) {
+  if (triangle < 0 || static_cast<std::size_t>(triangle) >= surface.triangles.size())
+    throw RefusedError(ErrorCode::kInvalidInput, "An anchor names triangle " + std::to_string(triangle) +
+                                                     " of the tissue surface, which has " +
+                                                     std::to_string(surface.triangles.size()) + ".");
+  if (!point.allFinite())
+    throw RefusedError(ErrorCode::kInvalidInput, "An anchor on triangle " + std::to_string(triangle) +
+                                                     " is not finite; give three numbers in mm.");
+  return Embedder(lattice, surface).embed(point, {&triangle, 1});
+}
+
+}  // namespace lappet

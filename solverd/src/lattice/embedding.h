@@ -1,0 +1,41 @@
+// Ties rest points on the surface to cells of the lattice.
+//
+// The side at a wound is decided by the surface and the voxels alone: from the triangle the point lies on, the search
+// grows over shared edges until it meets a triangle that is crossed by a line of voxel centres nearby; the inside voxel
+// next to that crossing lies on the point's side. From there a walk over connected voxels finds the cell that holds the
+// point.
+#pragma once
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "lattice/lattice.h"
+#include "lattice/voxelize.h"
+
+namespace lappet {
+
+class Embedder {
+ public:
+  // Keeps references: both must outlive it. Not to be shared between threads.
+  Embedder(const Lattice& lattice, const Surface& surface);
+
+  // `triangles`: those the point lies on or is a corner of.
+  EmbeddedPoint embed(const Vec3& point, std::span<const std::int32_t> triangles);
+
+ private:
+  Voxel inner_voxel(const Vec3& point, std::span<const std::int32_t> triangles);
+  Voxel nearest_of_all(const Vec3& point) const;
+  std::int32_t walk_to_cell(const Vec3& point, const Voxel& start);
+  Vec3 surface_point(std::int32_t index) const;  // in voxels, relative to the box
+
+  const Lattice& lattice_;
+  const Surface& surface_;
+  const FineVoxels& fine_;
+  std::vector<std::uint32_t> seen_;  // per triangle: the search that met it last
+  std::uint32_t search_ = 0;
+};
+
+// Every surface vertex, in order.
+std::vector<EmbeddedPoint> embed_surface(const Lattice& lattice, const Surface& surface);
+
+}  // namespace lappet
