@@ -42,7 +42,9 @@ from .skin_import import SkinObject, add_bed
 from .skin_material import (
     backdrop_material,
     bed_material,
+    edge_material,
     fat_material,
+    ink_material,
     rim_material,
     skin_material,
     steel_material,
@@ -51,6 +53,7 @@ from .skin_material import (
 )
 from .skin_read import SCALARS, FigureError, SkinCache
 from .suture_thread import SutureThread
+from .wound_edge import PlannedIncision, WoundEdge
 
 Report = Callable[[Path, int, int], None]
 COLORS = ("plain", "grid", *SCALARS)
@@ -91,8 +94,13 @@ class Plate:
             rim_material(),
         ]
         self._skin = SkinObject(cache, materials, scalar)
-        self._thread = SutureThread(cache, thread_material())
-        self._steel = HookSteel(cache, steel_material(), region.normal, region.centre)
+        self._parts = (
+            self._skin,
+            WoundEdge(cache, edge_material()),
+            PlannedIncision(cache, ink_material()),
+            SutureThread(cache, thread_material()),
+            HookSteel(cache, steel_material(), region.normal, region.centre),
+        )
         add_bed(cache, bed_material())
         first = cache.positions(cache.epochs[0], cache.epochs[0].frames[0]).astype(np.float64)
         lowest = float((first @ region.normal).min()) - 1.0
@@ -103,7 +111,7 @@ class Plate:
 
     def render(self, time: float, size: tuple[int, int], path: Path, samples: int | None = None) -> None:
         """Write a PNG of a frame."""
-        for part in (self._skin, self._thread, self._steel):
+        for part in self._parts:
             part.show(time)
         set_size(size)
         if self._request.engine == "cycles":

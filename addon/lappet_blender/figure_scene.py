@@ -65,8 +65,8 @@ def _add_light(name: str, region: Region, reach: float, towards: tuple[float, fl
 def add_lights(region: Region) -> None:
     """Key from the upper left, fill from the right, rim from behind, and an even sky."""
     extent = float(np.linalg.norm(region.points.max(axis=0) - region.points.min(axis=0)))
-    reach = 2.2 * extent
-    _add_light("Key", region, reach, (-0.85, 0.55, 1.0), 0.5, 12.0)
+    reach = 4.5 * extent
+    _add_light("Key", region, reach, (-0.85, 0.55, 1.0), 0.45, 11.5)
     _add_light("Fill", region, reach, (1.0, -0.5, 0.8), 1.1, 3.0)
     _add_light("Rim", region, reach, (0.35, 1.2, 0.5), 0.7, 4.0)
     world = bpy.data.worlds.new("World")
@@ -109,7 +109,7 @@ def set_render(engine: str, samples: int, threads: int = 0) -> None:
         cycles.caustics_reflective = cycles.caustics_refractive = False
         cycles.sample_clamp_indirect = 4.0
         cycles.use_denoising, cycles.denoiser = True, "OPENIMAGEDENOISE"
-        cycles.denoising_input_passes, cycles.denoising_prefilter = "RGB_ALBEDO_NORMAL", "FAST"
+        cycles.denoising_input_passes, cycles.denoising_prefilter = "RGB_ALBEDO_NORMAL", "NONE"
         cycles.use_auto_tile = False
     else:
         shading = scene.display.shading

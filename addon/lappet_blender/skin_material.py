@@ -11,10 +11,12 @@ import bpy
 
 SKIN = (0.80, 0.535, 0.405, 1.0)
 GRID_INK = (0.235, 0.11, 0.085, 1.0)
-DERMIS = (0.60, 0.165, 0.145, 1.0)
+DERMIS = (0.66, 0.20, 0.175, 1.0)
 DERMIS_PALE = (0.80, 0.40, 0.33, 1.0)
 FAT = (0.86, 0.60, 0.20, 1.0)
 BED = (0.47, 0.115, 0.10, 1.0)
+EDGE = (0.30, 0.045, 0.04, 1.0)
+VIOLET = (0.115, 0.045, 0.26, 1.0)
 THREAD = (0.008, 0.012, 0.045, 1.0)
 STEEL = (0.62, 0.64, 0.66, 1.0)
 GRID_PITCH = 5.0
@@ -166,6 +168,16 @@ def bed_material() -> bpy.types.Material:
     material = nodes.finish(colour, Roughness=0.35, Coat_Weight=0.3, Coat_Roughness=0.2)
     material.diffuse_color = BED
     return material
+
+
+def edge_material() -> bpy.types.Material:
+    """The line of the wound's lips: clotted red."""
+    return _Nodes("Wound edge").finish(EDGE, Roughness=0.6, Specular_IOR_Level=0.2)
+
+
+def ink_material() -> bpy.types.Material:
+    """The surgeon's marking pen: gentian violet."""
+    return _Nodes("Marking ink").finish(VIOLET, Roughness=0.9, Specular_IOR_Level=0.1)
 
 
 def thread_material() -> bpy.types.Material:

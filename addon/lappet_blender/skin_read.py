@@ -112,6 +112,27 @@ class SkinCache:
         """The hooks of the procedure at a frame: the anchor on the tissue and the target."""
         return self._strands("Hooks", time)
 
+    def planned_incisions(self, step: float) -> list[NDArray[np.float64]]:
+        """The incisions of the procedure at rest, sampled every `step` mm: polylines (k, 3) in mm, closed ones repeat."""
+        from lappet.curve import CurveError, sample_curve
+
+        lines = []
+        timeline = self._stage.GetPrimAtPath("/Procedure/Timeline")
+        for event in self.events:
+            prim = timeline.GetChild(event.name)
+            points = prim.GetAttribute("points").Get() if event.kind == "Incision" else None
+            if points is None:
+                continue
+            smooth = prim.GetAttribute("type").Get() == "cubic"
+            basis = (prim.GetAttribute("basis").Get() or "bezier") if smooth else "linear"
+            closed = prim.GetAttribute("wrap").Get() == "periodic"
+            try:
+                line = sample_curve(np.asarray(points, np.float64) * self._mm, basis, closed, step)
+            except CurveError:
+                continue  # the picture shows the solved skin; a curve that check would refuse is left out
+            lines.append(np.vstack([line, line[:1]]) if closed else line)
+        return lines
+
     def _strands(self, name: str, time: float) -> Strands:
         prim = self._stage.GetPrimAtPath(f"/Procedure/Skin/{name}")
         points = prim.GetAttribute("points").Get(time) if prim else None

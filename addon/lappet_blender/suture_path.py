@@ -101,6 +101,17 @@ def find_bite(
     return Bite(*_weights(disk, _project(point + bite * inward, corners)))
 
 
+def nearest_bite(
+    positions: NDArray[np.float32], triangles: NDArray[np.int32], origin: NDArray[np.uint8], point: NDArray[np.float64]
+) -> Bite:
+    """The point of the skin nearest to a point (3,), mm, among the 16 triangles with the nearest centres."""
+    skin = triangles[origin == SKIN]
+    centres = positions[skin].mean(axis=1)
+    count = min(16, len(skin))
+    near = skin[np.argpartition(((centres - point) ** 2).sum(axis=1), count - 1)[:count]]
+    return Bite(*_weights(near, _project(point, positions[near].astype(np.float64))))
+
+
 def _weights(
     disk: NDArray[np.int32], hit: tuple[int, NDArray[np.float64]]
 ) -> tuple[NDArray[np.int32], NDArray[np.float64]]:

@@ -124,7 +124,8 @@ def render_cache(
         cache, out_dir, frames, filmstrip, animation, size, samples, panel, engine, view, color, threads
     )
     environment = dict(os.environ)
-    paths = [str(addon_folder()), *filter(None, [environment.get("PYTHONPATH")])]
+    own = str(Path(__file__).resolve().parents[1])
+    paths = [str(addon_folder()), own, *filter(None, [environment.get("PYTHONPATH")])]
     environment["PYTHONPATH"] = os.pathsep.join(paths)
     say = progress or (lambda line: None)
     with tempfile.TemporaryFile("w+", encoding="utf-8", errors="replace") as chatter:
