@@ -115,8 +115,9 @@ def _check_on_skin(
         )
     # A chord may dip under a curved skin; the points that the curve passes through may not.
     anchors = {"linear": control, "bezier": control[::3]}.get(basis, samples)
-    height = np.abs(placed.height if anchors is samples else skin.locate(anchors).height)
-    off = np.flatnonzero(height > reach)
+    where = placed if anchors is samples else skin.locate(anchors)
+    height = np.abs(where.height)
+    off = np.flatnonzero((height > reach) & (where.beyond == 0.0))
     if len(off):
         raise IncisionError(
             f"{prim}: the curve's point {place(anchors[off[0]])} is {height[off[0]]:.3g} mm off the skin "

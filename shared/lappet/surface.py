@@ -86,7 +86,7 @@ def triangulate(
             owners.append(np.repeat(faces, 2))
         elif size > 4:
             for face, row in zip(faces, corner, strict=True):
-                ears = _clip_ears(points[indices[row]])
+                ears = clip_ears(points[indices[row]])
                 pieces.append(row[ears])
                 owners.append(np.full(len(ears), face))
     if not pieces:
@@ -97,7 +97,7 @@ def triangulate(
     return indices[corners[order]], corners[order], owner[order]
 
 
-def _clip_ears(polygon: NDArray[np.float64]) -> NDArray[np.int64]:
+def clip_ears(polygon: NDArray[np.float64]) -> NDArray[np.int64]:
     """Triangles (n - 2, 3) of one polygon (n, 3), by ear clipping in the plane of its mean normal."""
     normal = np.cross(polygon, np.roll(polygon, -1, axis=0)).sum(axis=0)
     axis = int(np.abs(normal).argmax())
