@@ -6,6 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
+from lappet.refused import RefusedError
+
 Severity = Literal["error", "warning"]
 
 
@@ -28,7 +30,7 @@ class Problem:
         return f"{self.path}: {self.sentence} {self.mend}"
 
 
-class ProcedureError(ValueError):
+class ProcedureError(RefusedError):
     """A procedure that cannot be read, written, edited or solved; `problems` holds every reason."""
 
     def __init__(self, problems: Sequence[Problem]) -> None:

@@ -20,6 +20,7 @@ from numpy.typing import ArrayLike, DTypeLike, NDArray
 Point = tuple[float, float, float]
 Basis = Literal["linear", "bspline", "catmullRom", "bezier"]
 MODELS = ("corotated", "neoHookean", "stableNeoHookean", "mooneyRivlin")
+SOLVED_MODELS = ("corotated", "neoHookean")  # those that the daemon solves so far
 
 
 def _frozen(values: ArrayLike, kind: DTypeLike, width: int = 0) -> NDArray[Any]:

@@ -11,7 +11,7 @@ from typing import Any, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from lappet.problem import ProcedureError
+from lappet.problem import Problem, ProcedureError
 from lappet.procedure import (
     Basis,
     Bone,
@@ -49,6 +49,17 @@ def read(stage: Any, usd: Any, notes: list[str]) -> Procedure:
 
     Raises ProcedureError with every problem that kept something from being read.
     """
+    procedure, problems = read_what_can_be(stage, usd, notes)
+    if procedure is None or problems:
+        raise ProcedureError(problems)
+    return procedure
+
+
+def read_what_can_be(stage: Any, usd: Any, notes: list[str]) -> tuple[Procedure | None, list[Problem]]:
+    """The procedure on an open stage, as far as it can be read, and every problem that kept something from being read.
+
+    A value that could not be read is NaN or empty in the procedure; without a tissue there is no procedure.
+    """
     reader = Reader(stage, usd, notes)
     found = _find(reader)
     tissues = found["LappetTissueAPI"]
@@ -64,9 +75,9 @@ def read(stage: Any, usd: Any, notes: list[str]) -> Procedure:
     if not stage.HasAuthoredTimeCodeRange():
         sentence = "The stage has no startTimeCode and endTimeCode."
         reader.problem("/", "no value", sentence, "Author both; frames are the whole time codes between them.")
-    if reader.problems or tissue is None:
-        raise ProcedureError(reader.problems)
-    return Procedure(
+    if tissue is None:
+        return None, reader.problems
+    procedure = Procedure(
         tissue=tissue,
         materials=materials,
         events=events,
@@ -75,6 +86,7 @@ def read(stage: Any, usd: Any, notes: list[str]) -> Procedure:
         end_time=float(stage.GetEndTimeCode()),
         fps=float(stage.GetTimeCodesPerSecond()),
     )
+    return procedure, reader.problems
 
 
 def _find(reader: Reader) -> dict[str, list[Any]]:

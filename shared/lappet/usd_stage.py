@@ -129,6 +129,18 @@ def read_procedure(path: str | os.PathLike[str], notes: list[str] | None = None)
     return usd_reader.read(stage, pxr(), notes if notes is not None else [])
 
 
+def read_what_can_be(
+    path: str | os.PathLike[str], notes: list[str] | None = None
+) -> tuple[Procedure | None, list[Problem]]:
+    """The procedure in a USD file as far as it can be read, and every problem that kept something from being read.
+
+    Where `read_procedure` raises, this goes on, so that `lappet check` can name everything at once; only a file that
+    cannot be opened raises ProcedureError. Without a tissue there is no procedure.
+    """
+    stage = open_stage(path)
+    return usd_reader.read_what_can_be(stage, pxr(), notes if notes is not None else [])
+
+
 def write_procedure(procedure: Procedure, path: str | os.PathLike[str]) -> None:
     """Writes a procedure to a .usda or .usdc file, atomically.
 

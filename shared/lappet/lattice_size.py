@@ -1,0 +1,55 @@
+"""How large the lattice of a tissue will be, from its surface alone: the cells and bytes that `check` names.
+
+The daemon makes the same estimate of its rasterization before it allocates anything (memory_estimate.cpp in
+solverd/src/lattice) and has the last word.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+BYTES_PER_CELL = 1024.0  # tangents, nodal vectors and preconditioner of the solver, about
+
+
+@dataclass(frozen=True)
+class LatticeSize:
+    """cells: lattice cells that hold tissue. bytes: memory at the peak, of rasterization and solver together."""
+
+    cells: float
+    bytes: float
+
+
+class TissueMeasure:
+    """Box, projected areas and volume of a closed surface: points (n, 3) mm, triangles (m, 3)."""
+
+    def __init__(self, points: NDArray[np.float64], triangles: NDArray[np.integer]) -> None:
+        low, high = points.min(axis=0), points.max(axis=0)
+        self.size = high - low
+        a, b, c = (points[triangles[:, k]] - 0.5 * (low + high) for k in range(3))
+        self.projected_area = float(np.abs(np.cross(b - a, c - a)).sum() / 2.0)
+        self.volume = abs(float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6.0))
+
+    def lattice(self, spacing: float, fine_ratio: int = 4) -> LatticeSize:
+        """The size of a lattice of this spacing (mm) with `fine_ratio` voxels per cell edge."""
+        spacing = max(spacing, 1e-9 * float(self.size.max()))  # finer is as far out of reach, and powers stay finite
+        extent = self.size / spacing + 1.0
+        box = float(extent.prod())
+        touched = min(box, 1.3 * self.projected_area / spacing**2)
+        cells = min(box, self.volume / spacing**3 + 0.5 * self.projected_area / spacing**2)
+        occupied = min(box, self.volume / spacing**3 + touched)
+        crossings = self.projected_area * (fine_ratio / spacing) ** 2
+        lines = box / float(extent.min()) * fine_ratio**2
+        masks = fine_ratio**3 / 2.0 + 64.0
+        rasterization = 4.0 * box + 8.0 * lines + 32.0 * crossings + masks * touched + 224.0 * occupied
+        return LatticeSize(float(cells), float(rasterization + BYTES_PER_CELL * cells))
+
+    def least_spacing(self, memory_budget: float, fine_ratio: int = 4) -> float:
+        """The smallest spacing (mm, two digits, rounded up) whose lattice fits the budget in bytes."""
+        spacing = float(self.size.max())
+        while self.lattice(spacing / 1.02, fine_ratio).bytes <= memory_budget:
+            spacing /= 1.02
+        unit = 10.0 ** (np.floor(np.log10(spacing)) - 1.0)
+        return float(np.ceil(spacing / unit - 1e-9) * unit)
