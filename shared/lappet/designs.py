@@ -19,9 +19,9 @@ Place = Callable[[NDArray[np.float64]], NDArray[np.float64]]
 class ZPlasty:
     """A Z-plasty on the skin; points in mm.
 
-    curve: the four corners of the Z in drawing order (a limb's base, the central limb's two ends, the other limb's base).
-    tips: the tips of the two flaps, each at an end of the central limb. bases: for each flap the end of its outer limb,
-    where the other flap's tip goes. After the transposition `tips[i]` lies on `bases[1 - i]`.
+    curve: the four corners of the Z in drawing order (a limb's base, the central limb's two ends, the other limb's
+    base). tips: the tips of the two flaps, each at an end of the central limb. bases: for each flap the end of its
+    outer limb, where the other flap's tip goes. After the transposition `tips[i]` lies on `bases[1 - i]`.
     """
 
     curve: tuple[Point, ...]
@@ -33,8 +33,8 @@ class ZPlasty:
 class Fusiform:
     """A fusiform excision of two circular arcs; points in mm.
 
-    curve: around the whole, closed, counter-clockwise about the normal. tips: the two ends of the long axis. pairs: points of
-    the two arcs that face each other, evenly along the axis, to suture. seed: the middle, to excise.
+    curve: around the whole, closed, counter-clockwise about the normal. tips: the two ends of the long axis. pairs:
+    points of the two arcs that face each other, evenly along the axis, to suture. seed: the middle, to excise.
     """
 
     curve: tuple[Point, ...]
@@ -89,13 +89,14 @@ def fusiform(
 ) -> Fusiform:
     """A fusiform of two circular arcs, `length` by `width` mm, its long axis along `direction`.
 
-    Each arc has the radius (length² + width²) / (4 width) and ends at the tips at half the angle 4 atan(width / length).
-    samples: points of each arc. sutures: pairs of facing points. Other arguments as in `z_plasty`. Raises
+    Each arc has the radius (length² + width²) / (4 width) and ends at the tips at half the angle 4 atan(width /
+    length). samples: points of each arc. sutures: pairs of facing points. Other arguments as in `z_plasty`. Raises
     RefusedError for a length or width that is not positive and a width above the length.
     """
     if not (np.isfinite(length) and np.isfinite(width) and 0.0 < width <= length):
         raise RefusedError(
-            f"fusiform: the length is {length:g} mm and the width {width:g} mm; give 0 < width <= length, for instance 3 : 1"
+            f"fusiform: the length is {length:g} mm and the width {width:g} mm; "
+            "give 0 < width <= length, for instance 3 : 1"
         )
     if samples < 2:
         raise RefusedError(f"fusiform: {samples} samples cannot follow an arc; give at least 2")

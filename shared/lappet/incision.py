@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import manifold3d
 import numpy as np
+from numpy.typing import NDArray
 
 from lappet.patch import UV_SCALE
 from lappet.procedure import Incision
@@ -41,7 +42,7 @@ def cutter(ribbon: Ribbon, kerf: float, above: float, ids: tuple[int, int, int])
     a = 4 * np.arange(count - 1)
     b = a + 4
 
-    def quads(i: int, j: int) -> np.ndarray:  # type: ignore[type-arg]
+    def quads(i: int, j: int) -> NDArray[np.int64]:
         """Two triangles per section between the rails i and j, outward when j follows i around the section."""
         return np.concatenate([np.stack([a + i, b + i, b + j], 1), np.stack([a + i, b + j, a + j], 1)])
 

@@ -31,10 +31,10 @@ class Mesh:
 def read_mesh(path: str | Path, units: str | None = None) -> tuple[Mesh, list[str]]:
     """The mesh of a file, in mm, and what was found (lines for a report).
 
-    units: "m", "cm", "mm" or "in"; by default those that the file states (USD, glTF), or else a guess from its
-    size. Several meshes in one file become one. What states that Y is up (glTF, USD) is turned to have Z up. Raises
-    MeshError for a file that is missing or unreadable, holds no triangles or points that are not finite, and for unknown
-    units.
+    units: "m", "cm", "mm" or "in"; by default those that the file states (USD, glTF), or else a guess from its size.
+    Several meshes in one file become one. What states that Y is up (glTF, USD) is turned to have Z up. Raises
+    MeshError for a file that is missing or unreadable, holds no triangles or points that are not finite, and for
+    unknown units.
     """
     path = Path(path)
     if units is not None and units not in UNITS:

@@ -94,9 +94,7 @@ def orient(mesh: Mesh) -> tuple[Mesh, list[str]]:
         uv[turned] = uv[turned][:, ::-1]
     lines = [f"turned {int(turned.sum())} faces whose normals pointed the wrong way"] if turned.any() else []
     if inside_out:
-        lines.append(
-            f"of them {inside_out} closed part{'s' * (inside_out != 1)} that {'was' if inside_out == 1 else 'were'} inside out"
-        )
+        lines.append(f"of them those of {inside_out} closed part{'s' * (inside_out != 1)} turned inside out")
     return Mesh(mesh.points, triangles, uv), lines
 
 

@@ -34,9 +34,9 @@ def refine_smoothly(
 ) -> tuple[NDArray[np.float64], NDArray[np.int64], float]:
     """Quarters all triangles until edges are at most `length` mm (on the average), new vertices on a smooth surface.
 
-    A new vertex is the middle of its edge on the cubic of the curved point-normal triangle (Vlachos et al. 2001);
-    old vertices stay. Edges that turn 60° and more, and borders, keep straight middles. Returns points, triangles and how far the
-    farthest new vertex left its edge, mm.
+    A new vertex is the middle of its edge on the cubic of the curved point-normal triangle (Vlachos et al. 2001); old
+    vertices stay. Edges that turn 60° and more, and borders, keep straight middles. Returns points, triangles and how
+    far the farthest new vertex left its edge, mm.
     """
     moved = 0.0
     while True:

@@ -91,10 +91,11 @@ def triangulate(
                 owners.append(np.full(len(ears), face))
     if not pieces:
         raise SurfaceError("the mesh has no face of three or more corners; give a closed mesh")
-    corners = np.vstack(pieces)
-    owner = np.concatenate(owners)
+    corners: NDArray[np.int64] = np.vstack(pieces)
+    owner: NDArray[np.int64] = np.concatenate(owners)
     order = np.argsort(owner, kind="stable")
-    return indices[corners[order]], corners[order], owner[order]
+    corners = corners[order]
+    return np.asarray(indices[corners], np.int64), corners, owner[order]
 
 
 def clip_ears(polygon: NDArray[np.float64]) -> NDArray[np.int64]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,8 +20,9 @@ _ATTEMPTS = (4, 16, 64, 256)
 class Sheet:
     """A closed sheet: the skin's vertices come first, then the underside's in the same order, then the rim's rows.
 
-    points: (n, 3) mm. triangles: (m, 3). skin, underside, rim: (m,) bool. rim_level: (n,) 0 on the skin's side to 1 on the
-    underside. top: (n,) the skin vertex that a vertex belongs to. smoothing: rounds of smoothing that the normals took.
+    points: (n, 3) mm. triangles: (m, 3). skin, underside, rim: (m,) bool. rim_level: (n,) 0 on the skin's side to 1 on
+    the underside. top: (n,) the skin vertex that a vertex belongs to. smoothing: rounds of smoothing that the normals
+    took.
     """
 
     points: NDArray[np.float64]
@@ -36,9 +38,9 @@ class Sheet:
 def thicken(points: NDArray[np.float64], triangles: NDArray[np.int64], thickness: float, rows: int, name: str) -> Sheet:
     """The sheet between an open surface and its offset by `thickness` mm against smoothed normals.
 
-    points: (n, 3) mm, all used. triangles: (m, 3), oriented outwards. rows: of quadrilaterals on the rim. The normals are
-    smoothed more, up to 256 rounds, where the underside would fold or pass through the skin; where that does not help
-    MeshError names the place.
+    points: (n, 3) mm, all used. triangles: (m, 3), oriented outwards. rows: of quadrilaterals on the rim. The normals
+    are smoothed more, up to 256 rounds, where the underside would fold or pass through the skin; where that does not
+    help MeshError names the place.
     """
     edges = unique_edges(directed_edges(triangles))[0]
     corner = corner_normals(points, triangles)
@@ -87,7 +89,7 @@ def _sheet(
             rails.append(count + np.arange(len(loop)))
             count += len(loop)
         rails.append(loop + n)
-        for upper, lower in zip(rails[:-1], rails[1:], strict=True):
+        for upper, lower in pairwise(rails):
             a, b = upper, np.roll(upper, -1)
             c, d = np.roll(lower, -1), lower
             faces.append(np.concatenate([np.stack([b, a, d], 1), np.stack([b, d, c], 1)]))

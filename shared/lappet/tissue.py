@@ -33,9 +33,9 @@ def new_tissue(
 
     A closed surface is taken as it is. An open one, or the region of one inside `sphere` (center, radius) or `box`
     (low, high), mm, is thickened inwards by `thickness` mm into a closed sheet: its rim is the subset "fixed", its
-    underside "bed", its UVs lay the skin out flat at 1 unit per 100 mm. spacing: mm; by default a quarter of the thickness, and
-    not so fine that there are more than about 40 000 cells. units: of the file, see `read_mesh`. Raises MeshError or
-    SurfaceError for what cannot be mended, saying where.
+    underside "bed", its UVs lay the skin out flat at 1 unit per 100 mm. spacing: mm; by default a quarter of the
+    thickness, and not so fine that there are more than about 40 000 cells. units: of the file, see `read_mesh`. Raises
+    MeshError or SurfaceError for what cannot be mended, saying where.
     """
     path = Path(path)
     name = path.name
@@ -75,7 +75,8 @@ def _region(mesh: Mesh, levels: list[Level], thickness: float, name: str, lines:
     if len(triangles) == 0:
         low, high = mesh.points.min(axis=0), mesh.points.max(axis=0)
         raise MeshError(
-            f"{name}: the region holds nothing of the surface, which reaches from {place(low)} to {place(high)} mm; move it"
+            f"{name}: the region holds nothing of the surface, which reaches from {place(low)} to {place(high)} mm; "
+            "move it"
         )
     used, compact = np.unique(triangles, return_inverse=True)
     points, triangles, moved = refine_smoothly(mesh.points[used], compact.reshape(-1, 3), thickness)

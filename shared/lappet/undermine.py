@@ -82,16 +82,14 @@ class _Parts:
         walls[other] = Label(FaceOrigin.WOUND_WALL)
         solids = [cutter(ribbon, kerf, spacing, (left, right, other)) for ribbon in ribbons]
         solid = manifold3d.Manifold.batch_boolean([rest.solid, *solids], manifold3d.OpType.Subtract)
-        curve = np.vstack([ribbon.points for ribbon in ribbons])
-        normals = np.vstack([ribbon.normals for ribbon in ribbons])
-        axis = normals.mean(axis=0)
-        frame = _plane(axis)
+        self.line = _sheet(ribbons)
+        turns = _Turns(ribbons, self.line, kerf)
         corners, owner = [], []
         inside = []
         for k, part in enumerate(solid.decompose()):
             surface = LabelledSolid(part, {**rest.labels, **walls}, ("left", "right")).surface()
             wall = surface.grips["left"] | surface.grips["right"]
-            inside.append(_winds(surface, wall, curve @ frame.T, frame, kerf))
+            inside.append(turns.surround(surface.points[surface.triangles[wall]]))
             corners.append(surface.points[surface.triangles])
             owner.append(np.full(len(surface.triangles), k))
         self.inside = np.array(inside, bool)
@@ -103,7 +101,6 @@ class _Parts:
         chosen = soup[self.inside[self._owner]].reshape(-1, 3)
         margin = 0.01 * spacing
         self._box = (chosen.min(axis=0) - margin, chosen.max(axis=0) + margin) if len(chosen) else None
-        self.line = _sheet(ribbons)
 
     def contain(self, points: NDArray[np.float64]) -> NDArray[np.bool_]:
         """Whether each point (k, 3) belongs to a part inside the curve."""
@@ -126,19 +123,37 @@ def _bytes(points: NDArray[np.float64]) -> NDArray[np.void]:
     return exact.view(np.dtype((np.void, 24))).reshape(-1)
 
 
-def _winds(
-    surface: Surface, wall: NDArray[np.bool_], curve: NDArray[np.float64], frame: NDArray[np.float64], kerf: float
-) -> bool:
-    """Whether the curve (k, 2) winds around the points just behind most of a part's walls, by area."""
-    corners = surface.points[surface.triangles[wall]]
-    if len(corners) == 0:
-        return False
-    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    area = np.linalg.norm(normal, axis=1)
-    behind = corners.mean(axis=1) - kerf * normal / np.maximum(area, 1e-300)[:, None]
-    order = np.argsort(-area, kind="stable")[:64]
-    turns = _winding(behind[order] @ frame.T, curve)
-    return float(area[order][turns != 0].sum()) > 0.5 * float(area[order].sum())
+class _Turns:
+    """How often the curve winds around the skin on either side of it, seen along its mean normal."""
+
+    def __init__(self, ribbons: list[Ribbon], line: ClosestPoint, kerf: float) -> None:
+        self._line, self._kerf = line, kerf
+        middles, sides = [], []
+        for ribbon in ribbons:
+            points, side = ribbon.points, ribbon.sides
+            if ribbon.closed:
+                points, side = np.vstack([points, points[:1]]), np.vstack([side, side[:1]])
+            # Two triangles of the sheet per section, see `_sheet`.
+            middles += [0.5 * (points[:-1] + points[1:])] * 2
+            sides += [0.5 * (side[:-1] + side[1:])] * 2
+        self._middles, self._sides = np.concatenate(middles), np.concatenate(sides)
+        frame = _plane(np.vstack([ribbon.normals for ribbon in ribbons]).mean(axis=0))
+        curve = np.vstack([ribbon.points for ribbon in ribbons]) @ frame.T
+        self._left = _winding((self._middles + kerf * self._sides) @ frame.T, curve)
+        self._right = _winding((self._middles - kerf * self._sides) @ frame.T, curve)
+
+    def surround(self, walls: NDArray[np.float64]) -> bool:
+        """Whether the curve winds around the skin beside most of these wall triangles (k, 3, 3), by area."""
+        if len(walls) == 0:
+            return False
+        normal = np.cross(walls[:, 1] - walls[:, 0], walls[:, 2] - walls[:, 0])
+        area = np.linalg.norm(normal, axis=1)
+        largest = np.argsort(-area, kind="stable")[:64]
+        behind = walls[largest].mean(axis=1) - self._kerf * normal[largest] / np.maximum(area[largest], 1e-300)[:, None]
+        section, on_line, _ = self._line.query(behind)
+        left = np.einsum("ij,ij->i", behind - on_line, self._sides[section]) > 0.0
+        turns = np.where(left, self._left[section], self._right[section])
+        return float(area[largest][turns != 0].sum()) > 0.5 * float(area[largest].sum())
 
 
 def _winding(points: NDArray[np.float64], polygon: NDArray[np.float64]) -> NDArray[np.int64]:
