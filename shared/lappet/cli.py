@@ -5,7 +5,6 @@ Exit status: 0 done, 1 refused or not converged, 2 usage.
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -143,6 +142,7 @@ def solve_options(command: Callable[..., Any]) -> Callable[..., Any]:
 @click.pass_context
 def solve(
     context: click.Context,
+    /,
     procedure: Path,
     output: Path | None,
     report_path: Path | None,
@@ -170,7 +170,7 @@ def solve(
 )
 @solve_options
 @click.pass_context
-def demo(context: click.Context, folder: Path, **options: Any) -> None:
+def demo(context: click.Context, /, folder: Path, **options: Any) -> None:
     """Solve and render the bundled Z-plasty."""
     import shutil
 
@@ -199,7 +199,7 @@ def demo(context: click.Context, folder: Path, **options: Any) -> None:
 @cli.command()
 @click.argument("procedure", type=_FILE)
 @click.pass_context
-def check(context: click.Context, procedure: Path) -> None:
+def check(context: click.Context, /, procedure: Path) -> None:
     """Validate a procedure: every problem, each with its mend."""
     with sentences(context):
         from lappet.usd_stage import read_procedure
@@ -225,7 +225,7 @@ def check(context: click.Context, procedure: Path) -> None:
 @click.option("--daemon", metavar="ADDR", help="Address of a running daemon.")
 @click.pass_context
 def inspect(
-    context: click.Context, procedure: Path, spacing: float | None, no_lattice: bool, daemon: str | None
+    context: click.Context, /, procedure: Path, spacing: float | None, no_lattice: bool, daemon: str | None
 ) -> None:
     """Print a procedure's storyboard, epochs, scene profile and lattice counts."""
     with sentences(context):
@@ -246,7 +246,7 @@ def inspect(
 @click.option("--color", help="What the skin shows.  [default: grid]")
 @click.option("--engine", help="Blender's renderer.  [default: cycles]")
 @click.pass_context
-def render(context: click.Context, cache: Path, folder: Path, **options: Any) -> None:
+def render(context: click.Context, /, cache: Path, folder: Path, **options: Any) -> None:
     """Render stills, a filmstrip and an animation of a skin cache with Blender (bpy)."""
     with sentences(context):
         from lappet.render import render_cache
@@ -267,7 +267,7 @@ def render(context: click.Context, cache: Path, folder: Path, **options: Any) ->
     "--box", nargs=6, type=float, metavar="X Y Z X Y Z", help="Take the part inside a box, two corners in mm."
 )
 @click.pass_context
-def new(context: click.Context, mesh: Path, output: Path, **options: Any) -> None:
+def new(context: click.Context, /, mesh: Path, output: Path, **options: Any) -> None:
     """Make a procedure whose tissue is a mesh (OBJ, STL, PLY, glTF, USD)."""
     with sentences(context):
         from lappet.tissue import new_tissue
@@ -345,4 +345,4 @@ def summary(result: SolveResult) -> str:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    main()

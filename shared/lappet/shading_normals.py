@@ -31,14 +31,14 @@ class ShadingNormals:
     def at(self, points: ArrayLike) -> NDArray[np.float32]:
         """Unit normals (groups, 3) of the deformed points (n, 3); a group of vanished faces gets (0, 0, 1)."""
         corners: NDArray[np.float64] = np.asarray(points, np.float64)[self._triangles]
-        edges: NDArray[np.float64] = np.subtract(np.roll(corners, -1, axis=1), corners)
+        edges: NDArray[np.float64] = np.roll(corners, -1, axis=1) - corners
         normals = _unit(np.cross(edges[:, 0], edges[:, 1]))
         ahead, back = _unit(edges), _unit(-np.roll(edges, 1, axis=1))
         angles = np.arccos(np.clip(np.einsum("fij,fij->fi", ahead, back), -1.0, 1.0))
         weighted = (angles[:, :, None] * normals[:, None, :]).reshape(-1, 3)
-        total = np.stack(
-            [np.bincount(self.indices, weighted[:, axis], minlength=self.groups) for axis in range(3)], axis=1
-        )
+        total = np.zeros((self.groups, 3))
+        for axis in range(3):
+            total[:, axis] = np.bincount(self.indices, weighted[:, axis], minlength=self.groups)
         total[np.linalg.norm(total, axis=1) == 0.0] = (0.0, 0.0, 1.0)
         return _unit(total).astype(np.float32)
 

@@ -1,0 +1,153 @@
+"""A small procedure that solves in no time: a 24 x 16 x 2 mm patch, slit, hooked, sutured; and a solver made of formulas."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lappet.frame_solver import Iteration, SolvedFrame, SolverDiedError
+from lappet.patch import flat_patch
+from lappet.procedure import Hook, Incision, Landmark, Procedure, Suture
+from lappet.program import Epoch, FrameConstraints, Landmarks, SolverSettings
+
+TOP = 2.0
+
+
+def small_procedure(**changes: Any) -> Procedure:
+    """Frames 1 to 8: whole to 2, slit at 3, hook 4 to 7, suture `stitch` from 5 over 2."""
+    values: dict[str, Any] = {
+        "tissue": flat_patch((24.0, 16.0, TOP), resolution=2.0, spacing=1.0),
+        "events": (
+            Incision("slit", 3.0, ((-6.0, 0.0, TOP), (6.0, 0.0, TOP)), kerf=0.1),
+            Hook("hook", (0.0, 2.0, TOP), ((4.0, (0.0, 2.0, TOP)), (6.0, (0.0, 4.0, TOP + 2.0))), 4.0, 7.0),
+            Suture("stitch", ((2.0, -1.0, TOP), (2.0, 1.0, TOP)), 5.0, 2.0),
+            Landmark("mark", ((-8.0, 4.0, TOP),), "corner"),
+        ),
+        "start_time": 1.0,
+        "end_time": 8.0,
+    }
+    return Procedure(**{**values, **changes})
+
+
+@dataclass
+class FakeSolver:
+    """Answers like the daemon, without mechanics: a frame's points depend on everything that it was told before.
+
+    log: what it was asked, as ("epoch", index), ("state", first node value) and ("solve", time). before: called with a
+    frame's time before it is solved; may raise. unconverged: times of frames that do not converge.
+    """
+
+    log: list[tuple[str, float]] = field(default_factory=list)
+    before: Callable[[float], None] = lambda time: None
+    unconverged: frozenset[float] = frozenset()
+    opened: int = 0
+    closed: int = 0
+
+    def connect(self, settings: SolverSettings) -> FakeSession:
+        """A new session, like `lappet.daemon_solver.connect_to` gives."""
+        self.opened += 1
+        return FakeSession(self, settings)
+
+    def times(self) -> list[float]:
+        """The times of the frames that were solved, in order."""
+        return [value for what, value in self.log if what == "solve"]
+
+
+class FakeSession:
+    """A session of a `FakeSolver`. The state is one number that every frame and epoch changes."""
+
+    def __init__(self, solver: FakeSolver, settings: SolverSettings) -> None:
+        self._solver = solver
+        self._settings = settings
+        self._value = 0.0
+        self._epoch: Epoch | None = None
+        self._landmarks = Landmarks()
+        self._dead = False
+
+    def set_epoch(self, epoch: Epoch, grip: NDArray[np.int32], landmarks: Landmarks) -> Mapping[str, Any]:
+        self._alive()
+        self._solver.log.append(("epoch", epoch.index))
+        assert len(grip) == len(epoch.surface.triangles)
+        if self._epoch is not None:
+            self._value += 100.0
+        self._epoch, self._landmarks = epoch, landmarks
+        count = 10 * (epoch.index + 1)
+        return {
+            "fine_voxels": 64 * count,
+            "cells": count,
+            "grid_cells": count - 1,
+            "mesh_cells": 1,
+            "nodes": 2 * count,
+            "blocks": 2,
+        }
+
+    def set_state(self, precision: str, arrays: Mapping[str, NDArray[Any]]) -> None:
+        self._alive()
+        assert precision == "float"
+        assert arrays["state_suture_gaps"].shape == (self._settings.sutures, 3)
+        assert arrays["suture_multipliers"].shape == (self._settings.sutures, 3)
+        self._value = float(arrays["nodes"][0, 0])
+        self._solver.log.append(("state", self._value))
+
+    def solve(self, frame: FrameConstraints, progress: Callable[[Iteration], None]) -> SolvedFrame:
+        self._alive()
+        assert self._epoch is not None
+        assert frame.epoch == self._epoch.index
+        try:
+            self._solver.before(frame.time)
+        except SolverDiedError:
+            self._dead = True
+            raise
+        self._solver.log.append(("solve", frame.time))
+        progress(Iteration(frame.time, 1, 1e-4, 0.0))
+        converged = frame.time not in self._solver.unconverged
+        if converged:
+            self._value += frame.time
+        surface = self._epoch.surface
+        n, hooks, placed = len(surface.points), len(frame.hook_stiffness), len(frame.suture_index)
+        header = {
+            "time": frame.time,
+            "converged": converged,
+            "reason": "" if converged else "the line search found no decrease.",
+            "newton": 3,
+            "pcg": 40,
+            "load_steps": 1,
+            "residual": 1e-4,
+            "force_scale": 10.0,
+            "largest_gap": 0.0,
+            "minimum_j": 0.9,
+            "inverted_cells": 0,
+            "energy": 1.0,
+            "seconds": {"update": 0.1, "linear": 0.2, "setup": 0.0, "total": 0.3},
+            "peak_bytes": 1000.0 + frame.time,
+            "precision": "float",
+        }
+        gaps = np.full((self._settings.sutures, 3), np.nan)
+        gaps[frame.suture_index] = frame.time
+        arrays = {
+            "points": (surface.points + [0.0, 0.0, self._value * 1e-3]).astype(np.float32),
+            "strain": np.full(n, 0.1, np.float32),
+            "stress": np.full(n, 0.2, np.float32),
+            "tension": np.full(n, 0.3, np.float32),
+            "landmarks": self._landmarks.points + [0.0, 0.0, self._value * 1e-3],
+            "suture_gaps": np.zeros(placed),
+            "suture_forces": np.full(placed, 5.0),
+            "suture_points": frame.suture_anchors.copy(),
+            "hook_forces": np.full((hooks, 3), 2.0),
+            "hook_points": frame.hook_anchors.copy(),
+            "nodes": np.full((4, 3), self._value, np.float32),
+            "state_suture_gaps": gaps,
+            "suture_multipliers": np.zeros((self._settings.sutures, 3)),
+            "grip_multipliers": np.zeros(0),
+        }
+        return SolvedFrame(header, arrays)
+
+    def close(self) -> None:
+        self._solver.closed += 1
+
+    def _alive(self) -> None:
+        assert not self._dead, "a dead daemon was asked"
