@@ -1,4 +1,4 @@
-"""A small procedure that solves in no time: a 24 x 16 x 2 mm patch, slit, hooked, sutured; and a solver made of formulas."""
+"""A small procedure: a 24 x 16 x 2 mm patch, slit, hooked, sutured; and a solver made of formulas that stands in."""
 
 from __future__ import annotations
 
@@ -128,12 +128,13 @@ class FakeSession:
         }
         gaps = np.full((self._settings.sutures, 3), np.nan)
         gaps[frame.suture_index] = frame.time
+        lift = np.array([0.0, 0.0, self._value * 1e-3])
         arrays = {
-            "points": (surface.points + [0.0, 0.0, self._value * 1e-3]).astype(np.float32),
+            "points": (surface.points + lift).astype(np.float32),
             "strain": np.full(n, 0.1, np.float32),
             "stress": np.full(n, 0.2, np.float32),
             "tension": np.full(n, 0.3, np.float32),
-            "landmarks": self._landmarks.points + [0.0, 0.0, self._value * 1e-3],
+            "landmarks": self._landmarks.points + lift,
             "suture_gaps": np.zeros(placed),
             "suture_forces": np.full(placed, 5.0),
             "suture_points": frame.suture_anchors.copy(),

@@ -6,12 +6,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from small_procedure import TOP, small_procedure
 
 from lappet.compile import compile_program
 from lappet.keys import frame_keys
 from lappet.procedure import Hook, Landmark, Procedure, Suture
 from lappet.program import Program
+from small_procedure import TOP, small_procedure
 
 
 @pytest.fixture(scope="module")

@@ -7,15 +7,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from small_procedure import TOP, FakeSolver, small_procedure
 
 from lappet.compile import compile_program
 from lappet.frame_solver import FrameRefusedError, SolverDiedError
 from lappet.procedure import Procedure, Suture
 from lappet.program import Program
 from lappet.refused import RefusedError
-from lappet.solve import Frames, FrameResult, Watcher, solve_program
+from lappet.solve import FrameResult, Frames, Watcher, solve_program
 from lappet.store import FrameStore
+from small_procedure import TOP, FakeSolver, small_procedure
 
 
 @pytest.fixture(scope="module")
@@ -50,9 +50,7 @@ def edited(program: Program, procedure: Procedure) -> Program:
 
 
 def same_points(a: Frames, b: Frames) -> bool:
-    return all(
-        np.array_equal(x.arrays["points"], y.arrays["points"]) for x, y in zip(a.frames, b.frames, strict=True)
-    )
+    return all(np.array_equal(x.arrays["points"], y.arrays["points"]) for x, y in zip(a.frames, b.frames, strict=True))
 
 
 def test_a_first_solve_solves_every_frame_in_order_and_each_epoch_once(program: Program, tmp_path: Path) -> None:

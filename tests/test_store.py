@@ -33,7 +33,9 @@ def same(a: StoredFrame, b: StoredFrame) -> bool:
         a.header == b.header
         and a.arrays.keys() == b.arrays.keys()
         and all(
-            x.dtype == b.arrays[name].dtype and x.shape == b.arrays[name].shape and x.tobytes() == b.arrays[name].tobytes()
+            x.dtype == b.arrays[name].dtype
+            and x.shape == b.arrays[name].shape
+            and x.tobytes() == b.arrays[name].tobytes()
             for name, x in a.arrays.items()
         )
     )

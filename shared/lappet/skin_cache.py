@@ -31,6 +31,7 @@ SUBSETS = {
 # What viewers show without materials: skin, flesh, fat, fat.
 _COLOURS = np.array([(0.80, 0.58, 0.48), (0.62, 0.16, 0.14), (0.85, 0.66, 0.42), (0.85, 0.66, 0.42)], np.float32)
 _THREAD_MM, _STEEL_MM, _MARK_MM = 0.3, 0.5, 1.0
+_INSTANT = 1.0 / 1024.0  # of a frame
 SCALARS = ("strain", "stress", "tension")
 
 
@@ -127,8 +128,16 @@ def _write_epoch(stage: Any, epoch: Epoch, frames: Sequence[FrameResult], times:
             primvar.Set(usd.Vt.FloatArray.FromNumpy(np.ascontiguousarray(frame.arrays[name], np.float32)), time)
     own = {frame.constraints.time for frame in frames}
     visibility = mesh.CreateVisibilityAttr()
+    # Blender reads no animated visibility, but it reads an animated scale. Nothing is shown in part between two frames.
+    scale = mesh.AddScaleOp()
+    before: bool | None = None
     for time in times:
-        visibility.Set(tokens.inherited if time in own else tokens.invisible, time)
+        shown = time in own
+        visibility.Set(tokens.inherited if shown else tokens.invisible, time)
+        if before is not None and shown is not before:
+            scale.Set(usd.Gf.Vec3f(float(before)), time - _INSTANT)
+        scale.Set(usd.Gf.Vec3f(float(shown)), time)
+        before = shown
 
 
 def _velocity(points: Sequence[NDArray[np.float32]], i: int, fps: float) -> NDArray[np.float32]:
