@@ -107,7 +107,7 @@ class SolverDaemon:
         try:
             self.address = self._listening(binary, lines)
         except BaseException:
-            self.stop()
+            self.stop(patience=1.0)
             raise
         return self
 
@@ -176,10 +176,9 @@ class SolverDaemon:
                 break
             except subprocess.TimeoutExpired:
                 continue
-        for reader in self._readers:
+        for reader, pipe in zip(self._readers, (process.stdout, process.stderr), strict=False):
             reader.join(timeout=1.0)
-        for pipe in (process.stdout, process.stderr):
-            if pipe is not None:
+            if pipe is not None and not reader.is_alive():  # a child of a program that is no daemon may hold it open
                 pipe.close()
 
     def __enter__(self) -> Self:

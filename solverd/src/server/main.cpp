@@ -40,7 +40,7 @@ int serve(ServerOptions options) {
   std::printf("listening %s\n", server.endpoint().c_str());
   std::fflush(stdout);
   const std::string reason = server.run();
-  spdlog::info("The daemon ends: {}.", reason);
+  spdlog::warn("The daemon ends: {}.", reason);
   if (!server.stop_workers(std::chrono::seconds(2))) {
     spdlog::warn("A solve did not end within 2 s of being cancelled; the daemon ends without it.");
     std::_Exit(0);
