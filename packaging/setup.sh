@@ -48,13 +48,12 @@ install_system_packages() {
     [ "${#missing[@]}" -eq 0 ] && return
     local as_root=()
     if [ "$(id -u)" -ne 0 ]; then
-        if command -v sudo >/dev/null; then
-            as_root=(sudo)
-            [ -t 0 ] || as_root+=(--non-interactive)
-        else
-            refuse "${#missing[@]} Debian packages are missing and there is neither root nor sudo to install them." \
+        # At a terminal sudo may ask for the password; elsewhere nothing may ask.
+        as_root=(sudo)
+        [ -t 0 ] || as_root+=(--non-interactive)
+        command -v sudo >/dev/null && "${as_root[@]}" true ||
+            refuse "Debian packages are missing (${#missing[@]}) and there is neither root nor sudo to install them." \
                 "Ask an administrator for: apt-get install --no-install-recommends ${missing[*]}"
-        fi
     fi
     say "installing ${#missing[@]} Debian packages: ${missing[*]}"
     local apt=("${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -q -y -o DPkg::Lock::Timeout=300

@@ -88,7 +88,7 @@ def test_missing_packages_without_root_or_sudo_are_a_sentence(tmp_path: Path) ->
         timeout=60,
     )
     assert done.returncode == 1
-    assert f"{len(system_packages())} Debian packages are missing" in done.stderr
+    assert f"Debian packages are missing ({len(system_packages())})" in done.stderr
     assert "neither root nor sudo" in done.stderr
     assert "apt-get install --no-install-recommends " in done.stderr
     assert " cppzmq-dev " in done.stderr
