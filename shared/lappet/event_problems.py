@@ -63,7 +63,7 @@ class EventCheck:
                 if self._points("anchor", [event.anchor]):
                     self._on_tissue("anchor", [event.anchor])
                 self._samples("target", [time for time, _ in event.targets])
-                self._points("target", [target for _, target in event.targets])
+                self._targets(event)
             case Retractor():
                 self._hold(event)
                 self._grip(event)
@@ -151,11 +151,21 @@ class EventCheck:
             return
         if self.rest is None:
             return
-        spread = samples[:: max(1, len(samples) // 64)]
-        off = self.rest.off(spread)
-        if (off > 0.0).all():
-            sentence = f"The whole curve is off the tissue, by {off.min():.3g} mm or more."
-            self._add(f"{off.min():.3g} mm", sentence, "Draw it on the rest surface.")
+        nearest = math.inf
+        for sample in samples[:: max(1, len(samples) // 64)]:
+            nearest = min(nearest, float(self.rest.off(sample)[0]))
+            if nearest == 0.0:
+                break
+        else:
+            sentence = f"The whole curve is off the tissue, by {nearest:.3g} mm or more."
+            self._add(f"{nearest:.3g} mm", sentence, "Draw it on the rest surface.")
+
+    def _targets(self, event: Hook) -> None:
+        for time, target in event.targets:
+            if not np.isfinite(target).all():
+                sentence = f"The target {at(target)} at time {time:g} is not finite."
+                self._add(at(target), sentence, "Replace it by finite numbers.")
+                return
 
     def _grip(self, event: Retractor) -> None:
         subsets = self.procedure.tissue.subsets

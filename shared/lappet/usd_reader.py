@@ -72,9 +72,11 @@ def read_what_can_be(stage: Any, usd: Any, notes: list[str]) -> tuple[Procedure 
     materials = tuple(_material(reader, prim) for prim in found["LappetMaterialAPI"])
     bones = tuple(_bone(reader, prim) for prim in found["LappetBoneAPI"])
     events = tuple(_event(reader, prim, schema, tissues) for prim, schema in found["events"])
+    start, end = float(stage.GetStartTimeCode()), float(stage.GetEndTimeCode())
     if not stage.HasAuthoredTimeCodeRange():
         sentence = "The stage has no startTimeCode and endTimeCode."
-        reader.problem("/", "no value", sentence, "Author both; frames are the whole time codes between them.")
+        reader.problem("/Procedure", "no value", sentence, "Author both; frames are the whole time codes between them.")
+        start, end = -np.inf, np.inf
     if tissue is None:
         return None, reader.problems
     procedure = Procedure(
@@ -82,8 +84,8 @@ def read_what_can_be(stage: Any, usd: Any, notes: list[str]) -> tuple[Procedure 
         materials=materials,
         events=events,
         bones=bones,
-        start_time=float(stage.GetStartTimeCode()),
-        end_time=float(stage.GetEndTimeCode()),
+        start_time=start,
+        end_time=end,
         fps=float(stage.GetTimeCodesPerSecond()),
     )
     return procedure, reader.problems

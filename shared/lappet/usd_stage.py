@@ -7,6 +7,7 @@ once, at the first use of its schema registry. `usd_reader` and `usd_writer` do 
 from __future__ import annotations
 
 import os
+import re
 import tempfile
 from functools import lru_cache
 from pathlib import Path
@@ -64,7 +65,7 @@ def open_stage(path: str | os.PathLike[str]) -> Any:
             file, "no such file", f"The file {file} does not exist.", "Give the path of a .usda or .usdc file."
         )
     if file.is_dir():
-        raise _refused(file, "a folder", f"{file} is a folder.", "Give the path of a .usda or .usdc file.")
+        raise _refused(file, "a folder", f"The path {file} is a folder.", "Give the path of a .usda or .usdc file.")
     usd = pxr()
     # What USD would print while it opens the stage is collected, and dropped: it comes back below as errors.
     quiet = usd.UsdUtils.CoalescingDiagnosticDelegate()
@@ -72,18 +73,23 @@ def open_stage(path: str | os.PathLike[str]) -> Any:
         known = usd.Sdf.Layer.Find(str(file.resolve()))
         if known is not None and not known.dirty:
             known.Reload()
-        stage = usd.Usd.Stage.Open(str(file.resolve()))
+        layer = usd.Sdf.Layer.FindOrOpen(str(file.resolve()))
+        stage = usd.Usd.Stage.Open(layer) if layer else None
     except usd.Tf.ErrorException as cause:
         mend = "Give a .usda or .usdc file; a mesh file becomes a procedure with: lappet new MESH -o P.usda."
-        raise _refused(file, file.suffix, f"{file} cannot be read as USD: {_first_line(cause)}", mend) from cause
+        sentence = f"The file {file} cannot be read as USD: {_reason(cause)}."
+        raise _refused(file, file.suffix, sentence, mend) from cause
     finally:
         del quiet
+    if stage is None:
+        mend = "Give a .usda or .usdc file; a mesh file becomes a procedure with: lappet new MESH -o P.usda."
+        raise _refused(file, file.suffix, f"The file {file} is of a kind that USD does not read.", mend)
     errors = [str(error) for error in stage.GetCompositionErrors()]
     if errors:
         mend = "Put the missing file back, or remove what refers to it."
         raise ProcedureError(
             [
-                Problem(str(file), "composition", f"{file} does not compose: {_one_line(error)}.", mend)
+                Problem(str(file), "composition", f"The file {file} does not compose: {_one_line(error)}.", mend)
                 for error in errors
             ]
         )
@@ -108,7 +114,7 @@ def save_layer(layer: Any, path: str | os.PathLike[str]) -> None:
         try:
             written = layer.Export(str(fresh))
         except pxr().Tf.ErrorException as cause:
-            raise OSError(f"USD could not write {file}: {_first_line(cause)}") from cause
+            raise OSError(f"USD could not write {file}: {_reason(cause)}.") from cause
         finally:
             del quiet
         if not written:
@@ -158,6 +164,7 @@ def _one_line(text: object) -> str:
     return " ".join(str(text).split()).rstrip(".")
 
 
-def _first_line(cause: BaseException) -> str:
-    lines = [line.strip() for line in str(cause).splitlines() if line.strip()]
-    return (lines[-1] if lines else type(cause).__name__).rstrip(".") + "."
+def _reason(cause: BaseException) -> str:
+    """The first thing that USD complained of, without the place in USD's own source that it prefixes."""
+    said = re.search(r": '(.*?)'\s*(?:Error in '|$)", str(cause), re.DOTALL)
+    return _one_line(said[1] if said else cause) or type(cause).__name__

@@ -165,10 +165,9 @@ class Reader:
         return value
 
     def _wrong_type(self, prim: Any, name: str, value: object, wanted: str) -> None:
-        kind = prim.GetAttribute(name).GetTypeName()
         shown = " ".join(str(value).split())
         shown = shown if len(shown) <= 40 else shown[:37] + "..."
-        sentence = f"{name} is {shown!r} of type {kind}, not {wanted}."
+        sentence = f"{name} is {shown!r}, not {wanted}."
         self.problem(prim.GetPath(), shown, sentence, f"Author {name} as {wanted}.")
 
     def _stage_space(self) -> NDArray[np.float64] | None:

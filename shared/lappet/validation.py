@@ -145,7 +145,7 @@ def _lattice(measure: TissueMeasure, spacing: float, memory_budget: float) -> li
         )
         problems.append(Problem(TISSUE, f"{spacing:g} mm", sentence, f"Use a spacing of at least {least:g} mm."))
     thickness = float(measure.size.min())
-    if spacing > thickness:
+    if spacing > thickness > 0.0:
         sentence = f"The lattice spacing of {spacing:g} mm is larger than the tissue is thick ({thickness:.3g} mm)."
         mend = f"Use a spacing of {thickness:.3g} mm or less."
         problems.append(Problem(TISSUE, f"{spacing:g} mm", sentence, mend, "warning"))
