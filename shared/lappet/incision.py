@@ -8,11 +8,13 @@ import manifold3d
 import numpy as np
 from numpy.typing import NDArray
 
+from lappet.flat_triangles import turn_flat_triangles
 from lappet.patch import UV_SCALE
 from lappet.procedure import Incision
 from lappet.program import FaceOrigin
 from lappet.rest_skin import RestSkin
 from lappet.ribbon import IncisionError, Ribbon, skin_ribbons
+from lappet.short_edges import collapse_short_edges
 from lappet.solid import Label, LabelledSolid
 
 __all__ = ["IncisionError", "cut", "cutter", "fragments", "incise", "tidy"]
@@ -105,9 +107,17 @@ def incise(
 
 
 def tidy(tissue: LabelledSolid, spacing: float, tolerance: float) -> LabelledSolid:
-    """Collapses edges shorter than `tolerance` (mm) and refines edges longer than 1.5 lattice spacings (mm)."""
-    solid = tissue.solid.simplify(tolerance) if tolerance > 0.0 else tissue.solid
-    return tissue.with_solid(solid.refine_to_length(1.5 * spacing))
+    """Removes edges and heights below `tolerance` (mm) and refines edges longer than 1.5 lattice spacings (mm).
+
+    Triangles that no cut has touched stay as they are, to the bit.
+    """
+    if tolerance > 0.0:
+        simple = tissue.with_solid(tissue.solid.simplify(tolerance)).surface()
+        simple = turn_flat_triangles(collapse_short_edges(simple, tolerance), tolerance)
+        tissue = LabelledSolid.from_surface(simple)
+    fine = tissue.with_solid(tissue.solid.refine_to_length(1.5 * spacing))
+    # Every triangle becomes a face of its own, so that no later step merges what was refined.
+    return LabelledSolid.from_surface(fine.surface())
 
 
 def fragments(tissue: LabelledSolid) -> list[LabelledSolid]:
