@@ -85,9 +85,9 @@ def main(arguments: list[str]) -> int:
     if arguments not in (["--write"], ["--check"]):
         print(__doc__.splitlines()[0], file=sys.stderr)
         return 2
-    from lappet.cli import main as lappet
+    from lappet.cli import cli
 
-    page, text = ROOT / PAGE, command_line_page(lappet)
+    page, text = ROOT / PAGE, command_line_page(cli)
     problems = []
     if arguments == ["--write"]:
         page.parent.mkdir(exist_ok=True)

@@ -15,9 +15,9 @@ def test_every_link_of_the_repository_leads_somewhere() -> None:
 
 
 def test_the_page_of_the_command_line_is_what_the_program_prints() -> None:
-    from lappet.cli import main
+    from lappet.cli import cli
 
-    assert (ROOT / PAGE).read_text(encoding="utf-8") == command_line_page(main), "run `make docs`"
+    assert (ROOT / PAGE).read_text(encoding="utf-8") == command_line_page(cli), "run `make docs`"
 
 
 def test_a_page_holds_every_visible_command_with_its_options() -> None:

@@ -146,7 +146,7 @@ def test_a_wheel_installed_elsewhere_brings_the_command_and_its_daemon(tmp_path:
     site = Path(next(p for p in sys.path if p.endswith("site-packages")))
     runner = f"import lappet, sys; sys.path.append({str(site)!r}); "
     version = subprocess.run(
-        [python, "-I", "-c", runner + "from lappet.cli import main; main(['--help'])"],
+        [python, "-I", "-c", runner + "from lappet.cli import cli; cli(['--help'])"],
         capture_output=True,
         text=True,
         check=False,
