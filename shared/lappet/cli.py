@@ -202,11 +202,10 @@ def demo(context: click.Context, /, folder: Path, **options: Any) -> None:
 def check(context: click.Context, /, procedure: Path) -> None:
     """Validate a procedure: every problem, each with its mend."""
     with sentences(context):
-        from lappet.usd_stage import read_procedure
-        from lappet.validation import check as problems_of
+        from lappet.full_check import full_check
 
         notes: list[str] = []
-        problems = problems_of(read_procedure(procedure, notes))
+        problems = full_check(procedure, notes)
         for note in notes:
             click.echo(f"note: {note}")
         for problem in problems:
@@ -261,22 +260,33 @@ def render(context: click.Context, /, cache: Path, folder: Path, **options: Any)
 @click.option("-o", "--output", type=_FILE, required=True, help="The procedure (.usda or .usdc).")
 @click.option("--thickness", type=float, help="Thicken an open surface inwards by this many mm.")
 @click.option("--spacing", type=click.FloatRange(min=0, min_open=True), help="Lattice edge in mm.")
-@click.option("--unit", help="The mesh's unit of length (mm, cm, m, inch); guessed when left out.")
+@click.option("--units", help="The mesh's unit of length (mm, cm, m, inch); guessed when left out.")
 @click.option("--sphere", nargs=4, type=float, metavar="X Y Z R", help="Take the part inside a sphere, in mm.")
-@click.option(
-    "--box", nargs=6, type=float, metavar="X Y Z X Y Z", help="Take the part inside a box, two corners in mm."
-)
+@click.option("--box", nargs=6, type=float, metavar="X Y Z X Y Z", help="Take the part inside a box (two corners, mm).")
 @click.pass_context
-def new(context: click.Context, /, mesh: Path, output: Path, **options: Any) -> None:
+def new(
+    context: click.Context,
+    /,
+    mesh: Path,
+    output: Path,
+    sphere: tuple[float, ...] | None,
+    box: tuple[float, ...] | None,
+    **options: Any,
+) -> None:
     """Make a procedure whose tissue is a mesh (OBJ, STL, PLY, glTF, USD)."""
     with sentences(context):
+        from lappet.procedure import Procedure
         from lappet.tissue import new_tissue
         from lappet.usd_stage import write_procedure
 
-        given = {name: value for name, value in options.items() if value is not None}
-        made = new_tissue(mesh, **given)
-        write_procedure(made.procedure, output)
-        for line in made.found:
+        tissue, found = new_tissue(
+            mesh,
+            sphere=(sphere[:3], sphere[3]) if sphere else None,
+            box=(box[:3], box[3:]) if box else None,
+            **options,
+        )
+        write_procedure(Procedure(tissue), output)
+        for line in found:
             click.echo(line)
         click.echo(f"Written: {output}")
 

@@ -122,7 +122,7 @@ def solve_procedure(
     watch = _Noting(watcher or Watcher())
     output = Path(output)
     procedure, path = _read(source, output)
-    _check(procedure)
+    _check(procedure, spacing)
     first, last = _range(procedure, frames)
     program = compile_program(
         procedure, spacing=spacing, tolerance=tolerance, quadrature=quadrature, precision=precision, until=last
@@ -321,11 +321,11 @@ def _read(source: Path | str | Procedure, output: Path) -> tuple[Procedure, Path
     return read_procedure(path), path
 
 
-def _check(procedure: Procedure) -> None:
+def _check(procedure: Procedure, spacing: float | None) -> None:
     from lappet.problem import ProcedureError
     from lappet.validation import check
 
-    errors = [problem for problem in check(procedure) if problem.severity == "error"]
+    errors = [problem for problem in check(procedure, spacing=spacing) if problem.severity == "error"]
     if errors:
         raise ProcedureError(errors)
 
