@@ -20,9 +20,10 @@ SUTURES = (-12.0, -4.0, 4.0, 12.0)
 
 
 def patch(step: float, slit: bool) -> tuple[NDArray[np.float64], NDArray[np.int32], NDArray[np.uint8]]:
-    """Rest points (n, 3) in mm, triangles (m, 3) and origin (m,) (0 skin, 1 wound wall, 2 underside, 3 rim) of the patch.
+    """Rest points (n, 3) in mm, triangles (m, 3) and origin (m,) of the patch.
 
-    step: edge of the grid, mm. slit: whether the patch is cut through along y = 0, |x| < HALF_SLIT.
+    The origin is 0 skin, 1 wound wall, 2 underside, 3 rim. step: edge of the grid, mm. slit: whether the patch is cut
+    through along y = 0, |x| < HALF_SLIT.
     """
     nx, ny = round(LENGTH / step), round(WIDTH / step)
     x = np.linspace(-LENGTH / 2, LENGTH / 2, nx + 1)
@@ -129,6 +130,7 @@ def write_procedure(path: Path) -> None:
     cut = UsdGeom.BasisCurves(_event(stage, "central_limb", "Incision", "BasisCurves", time=INCISED))
     cut.CreatePointsAttr([Gf.Vec3f(-HALF_SLIT, 0, 0), Gf.Vec3f(HALF_SLIT, 0, 0)])
     cut.CreateCurveVertexCountsAttr([2])
+    cut.CreateTypeAttr("linear")
     for side, name in ((-1, "lower_hook"), (1, "upper_hook")):
         hook = UsdGeom.Xform(_event(stage, name, "Hook", "Xform", start=INCISED + 1, release=SUTURED))
         translate = hook.AddTranslateOp()
@@ -140,6 +142,7 @@ def write_procedure(path: Path) -> None:
         curves = UsdGeom.BasisCurves(suture)
         curves.CreatePointsAttr([Gf.Vec3f(x, -0.5, 0), Gf.Vec3f(x, 0.5, 0)])
         curves.CreateCurveVertexCountsAttr([2])
+        curves.CreateTypeAttr("linear")
     stage.GetRootLayer().Save()
 
 
@@ -161,7 +164,9 @@ def _write_epoch(stage: Any, index: int, step: float, slit: bool, frames: tuple[
     points, normals = mesh.CreatePointsAttr(), mesh.CreateNormalsAttr()
     mesh.SetNormalsInterpolation(UsdGeom.Tokens.vertex)
     extent, visibility = mesh.CreateExtentAttr(), mesh.CreateVisibilityAttr()
-    scalars = [variable.CreatePrimvar(n, types.FloatArray, UsdGeom.Tokens.vertex) for n in ("strain", "stress", "tension")]
+    scalars = [
+        variable.CreatePrimvar(n, types.FloatArray, UsdGeom.Tokens.vertex) for n in ("strain", "stress", "tension")
+    ]
     for t in FRAMES:
         visibility.Set("inherited" if t in frames else "invisible", t)
     for t in frames:

@@ -44,6 +44,13 @@ def save_picture(picture: Picture, path: Path) -> None:
         bpy.data.images.remove(image)
 
 
+def halved(picture: Picture) -> Picture:
+    """A picture with even sides at half its size, averaged over 2 by 2 pixels."""
+    height, width = picture.shape[:2]
+    blocks: Picture = picture.reshape(height // 2, 2, width // 2, 2, 3).mean(axis=(1, 3)).astype(np.float32)
+    return blocks
+
+
 def text_width(text: str, size: float) -> float:
     """Width of a line of text in pixels."""
     blf.size(0, size)
@@ -59,7 +66,9 @@ def fitted(text: str, size: float, width: float) -> str:
     return text + "…"
 
 
-def draw_text(picture: Picture, text: str, at: tuple[float, float], size: float, colour: tuple[float, float, float]) -> None:
+def draw_text(
+    picture: Picture, text: str, at: tuple[float, float], size: float, colour: tuple[float, float, float]
+) -> None:
     """Set a line of text into a picture. at: left end of the baseline, (x, y) in pixels from the top left."""
     if not text:
         return

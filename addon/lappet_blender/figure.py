@@ -1,7 +1,8 @@
 """Draws the figures of a solved procedure without a window: `python -m lappet_blender.figure CACHE.usdc -o DIR`.
 
 Standard output carries one JSON object a line: `{"picture": path, "number": k, "of": n}` for every picture written,
-then `{"done": true}`; a refusal is `{"error": sentence}` and exit status 1. Blender's own messages go to standard error.
+then `{"done": true}`; a refusal is `{"error": sentence}` and exit status 1. Blender's own messages go to standard
+error.
 """
 
 from __future__ import annotations
@@ -21,6 +22,7 @@ import numpy as np
 if hasattr(bpy.utils, "expose_bundled_modules"):
     bpy.utils.expose_bundled_modules()
 
+from .caption import halved, load_picture, save_picture
 from .figure_scene import (
     ENGINES,
     add_backdrop,
@@ -61,7 +63,7 @@ COLORS = ("plain", "grid", *SCALARS)
 
 @dataclass(frozen=True)
 class FigureRequest:
-    """What to draw. frames: stills to write, None: the last. panel: size of a filmstrip panel; size: of stills, pixels."""
+    """What to draw. frames: stills to write, None: the last. size: of stills; panel: of filmstrip panels; pixels."""
 
     cache: Path
     out: Path
@@ -70,7 +72,7 @@ class FigureRequest:
     animation: str = "none"
     size: tuple[int, int] = (1280, 960)
     panel: tuple[int, int] = (640, 480)
-    samples: int = 32
+    samples: int = 10
     engine: str = "cycles"
     view: str = "oblique"
     color: str = "grid"
@@ -109,13 +111,11 @@ class Plate:
         add_camera(view)
         set_render(request.engine, request.samples, request.threads)
 
-    def render(self, time: float, size: tuple[int, int], path: Path, samples: int | None = None) -> None:
+    def render(self, time: float, size: tuple[int, int], path: Path) -> None:
         """Write a PNG of a frame."""
         for part in self._parts:
             part.show(time)
         set_size(size)
-        if self._request.engine == "cycles":
-            bpy.context.scene.cycles.samples = samples or self._request.samples
         render_png(path)
         if self._request.color in SCALARS:
             draw_key(path, self._request.color, self._highest)
@@ -142,15 +142,20 @@ def draw_figures(request: FigureRequest, report: Report = lambda path, number, o
         written.append(path)
         report(path, len(written), total)
 
+    drawn: dict[float, Path] = {}
     for frame in stills:
         path = request.out / f"frame_{frame:04g}.png"
         plate.render(frame, request.size, path)
+        drawn[frame] = path
         done(path)
     if steps:
         done_panels = []
         for number, step in enumerate(steps, start=1):
             path = request.out / f"step_{number}.png"
-            plate.render(step.frame, request.panel, path)
+            if step.frame in drawn and request.size == (2 * request.panel[0], 2 * request.panel[1]):
+                save_picture(halved(load_picture(drawn[step.frame])), path)
+            else:
+                plate.render(step.frame, request.panel, path)
             done_panels.append(path)
             done(path)
         sheet = request.out / "filmstrip.png"
@@ -187,7 +192,9 @@ def _make_folder(folder: Path) -> None:
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise FigureError(f"Pictures cannot be written to {folder} ({error.strerror}); choose another folder.") from error
+        raise FigureError(
+            f"Pictures cannot be written to {folder} ({error.strerror}); choose another folder."
+        ) from error
 
 
 def _size(text: str) -> tuple[int, int]:
@@ -209,7 +216,9 @@ def _frames(text: str) -> tuple[float, ...]:
 
 def parse_request(arguments: list[str] | None = None) -> FigureRequest:
     """The request of a command line; argparse ends the process with status 2 on misuse."""
-    parser = argparse.ArgumentParser(prog="python -m lappet_blender.figure", description="Draw a skin cache with Blender.")
+    parser = argparse.ArgumentParser(
+        prog="python -m lappet_blender.figure", description="Draw a skin cache with Blender."
+    )
     parser.add_argument("cache", type=Path)
     parser.add_argument("-o", "--out", type=Path, required=True)
     parser.add_argument("--frames", type=_frames)
@@ -217,7 +226,7 @@ def parse_request(arguments: list[str] | None = None) -> FigureRequest:
     parser.add_argument("--animation", choices=("mp4", "png", "none"), default="none")
     parser.add_argument("--size", type=_size, default=(1280, 960))
     parser.add_argument("--panel", type=_size)
-    parser.add_argument("--samples", type=int, default=32)
+    parser.add_argument("--samples", type=int, default=10)
     parser.add_argument("--engine", choices=tuple(ENGINES), default="cycles")
     parser.add_argument("--view", choices=tuple(VIEWS), default="oblique")
     parser.add_argument("--color", choices=COLORS, default="grid")

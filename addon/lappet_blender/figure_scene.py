@@ -43,11 +43,12 @@ def add_camera(view: Viewpoint) -> bpy.types.Object:
 
 
 def _placed(position: NDArray[np.float64], axes: NDArray[np.float64]) -> Matrix:
-    matrix = Matrix(np.vstack([np.column_stack([axes.T, position * SCALE]), [0, 0, 0, 1]]).tolist())
-    return matrix
+    return Matrix(np.vstack([np.column_stack([axes.T, position * SCALE]), [0, 0, 0, 1]]).tolist())
 
 
-def _add_light(name: str, region: Region, reach: float, towards: tuple[float, float, float], size: float, power: float) -> None:
+def _add_light(
+    name: str, region: Region, reach: float, towards: tuple[float, float, float], size: float, power: float
+) -> None:
     """A square area light that looks at the region's centre; power is scaled so that distance does not matter."""
     frame = np.stack([region.right, region.up, region.normal])
     back = np.asarray(towards, float) @ frame
@@ -101,6 +102,7 @@ def set_render(engine: str, samples: int, threads: int = 0) -> None:
         scene.render.threads_mode, scene.render.threads = "FIXED", threads
     scene.view_settings.view_transform = "Khronos PBR Neutral"
     scene.view_settings.look = "None"
+    scene.view_settings.exposure = -0.12
     if engine == "cycles":
         cycles = scene.cycles
         cycles.device, cycles.samples = "CPU", samples
@@ -109,7 +111,7 @@ def set_render(engine: str, samples: int, threads: int = 0) -> None:
         cycles.caustics_reflective = cycles.caustics_refractive = False
         cycles.sample_clamp_indirect = 4.0
         cycles.use_denoising, cycles.denoiser = True, "OPENIMAGEDENOISE"
-        cycles.denoising_input_passes, cycles.denoising_prefilter = "RGB_ALBEDO_NORMAL", "NONE"
+        cycles.denoising_input_passes, cycles.denoising_prefilter = "RGB_ALBEDO_NORMAL", "FAST"
         cycles.use_auto_tile = False
     else:
         shading = scene.display.shading

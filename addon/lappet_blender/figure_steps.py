@@ -51,7 +51,9 @@ def story_steps(
     if cuts:
         kinds = [NOUNS[k] for k in CUTTING if any(e.kind == k for e in cuts)]
         caption = kinds[0] + "".join(f" and {k.lower()}" for k in kinds[1:])
-        steps.append(Step(at_or_after(max(e.start for e in cuts)), caption, _named([e for e in cuts if e.kind != "Undermine"])))
+        steps.append(
+            Step(at_or_after(max(e.start for e in cuts)), caption, _named([e for e in cuts if e.kind != "Undermine"]))
+        )
     pulls = [e for e in events if e.kind in ("Hook", "Retractor")]
     sutures = [e for e in events if e.kind == "Suture"]
     if pulls:
@@ -62,7 +64,9 @@ def story_steps(
             top = max(span, key=height) if height else span[len(span) // 2]
             if top == last and len(span) > 2:
                 top = span[len(span) // 2]
-            steps.append(Step(top, "Lifted with hooks" if any(e.kind == "Hook" for e in pulls) else "Retracted", _named(pulls)))
+            steps.append(
+                Step(top, "Lifted with hooks" if any(e.kind == "Hook" for e in pulls) else "Retracted", _named(pulls))
+            )
             if last > top:
                 steps.append(Step(last, "Transposed" if sutures else "Held"))
     if sutures:

@@ -66,8 +66,8 @@ def surgical_region(cache: SkinCache, frames: tuple[float, ...]) -> Region:
     right = np.cross(up, normal)
     frame = np.stack([right, up, normal])
     local = region @ frame.T
-    margin = 0.0 if whole else MARGIN
-    a, b = local.min(axis=0) - (margin, margin, 0.0), local.max(axis=0) + (margin, margin, 0.0)
+    margin = np.array([1.0, 1.0, 0.0]) * (0.0 if whole else MARGIN)
+    a, b = local.min(axis=0) - margin, local.max(axis=0) + margin
     corners = np.array([[x, y, z] for x in (a[0], b[0]) for y in (a[1], b[1]) for z in (a[2], b[2])])
     return Region(corners @ frame, ((a + b) / 2) @ frame, right, up, normal)
 

@@ -13,7 +13,9 @@ SHANK_RADIUS = 0.36
 HANDLE_RADIUS = 0.85
 
 
-def pull_direction(anchors: NDArray[np.float64], normal: NDArray[np.float64], away: NDArray[np.float64]) -> NDArray[np.float64]:
+def pull_direction(
+    anchors: NDArray[np.float64], normal: NDArray[np.float64], away: NDArray[np.float64]
+) -> NDArray[np.float64]:
     """Unit direction (3,) of a hook's handle over its whole life, so that it does not swing from frame to frame.
 
     anchors: (k, 3) mm, the course of the hook's end on the tissue and its targets. normal: (3,) unit, out of the skin.
@@ -51,6 +53,8 @@ def hook_path(
     arc = centre - CROOK * (np.cos(angle) * flat - np.sin(angle) * normal)
     arc_radius = np.linspace(0.10, SHANK_RADIUS * 0.8, len(arc))
     reach = np.array([3.0, 9.0, SHANK, SHANK + 2.0, SHANK + 4.0, HANDLE - 1.5, HANDLE])
-    radius = np.array([0.9, 1.0, 1.0, 1.6, HANDLE_RADIUS / SHANK_RADIUS, HANDLE_RADIUS / SHANK_RADIUS, 1.2]) * SHANK_RADIUS
+    radius = (
+        np.array([0.9, 1.0, 1.0, 1.6, HANDLE_RADIUS / SHANK_RADIUS, HANDLE_RADIUS / SHANK_RADIUS, 1.2]) * SHANK_RADIUS
+    )
     line = arc[-1] + reach[:, None] * direction
     return np.vstack([arc, line]), np.concatenate([arc_radius, radius])

@@ -16,7 +16,7 @@ INK = (0.2, 0.19, 0.19)
 
 
 def full_scale(cache: SkinCache, name: str) -> float:
-    """The value at the top of the key: the 99th percentile over all frames, rounded up to 1, 2 or 5 times a power of ten."""
+    """The value at the top of the key: the 99th percentile of all frames, rounded up to 1, 2 or 5 times 10ⁿ."""
     peaks = []
     for epoch in cache.epochs:
         for time in epoch.frames:

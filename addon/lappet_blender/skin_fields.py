@@ -10,7 +10,9 @@ from .skin_read import ORIGINS
 SKIN, WOUND_WALL, UNDERSIDE, RIM = range(len(ORIGINS))
 
 
-def uv_scale(positions: NDArray[np.float32], triangles: NDArray[np.int32], st: NDArray[np.float32]) -> NDArray[np.float64]:
+def uv_scale(
+    positions: NDArray[np.float32], triangles: NDArray[np.int32], st: NDArray[np.float32]
+) -> NDArray[np.float64]:
     """Millimetres per unit of u and of v, (2,): the medians of |∂p/∂u| and |∂p/∂v| over the triangles.
 
     positions: (n, 3) mm. triangles: (m, 3). st: (m, 3, 2). Triangles without area in the UV plane are left out; where

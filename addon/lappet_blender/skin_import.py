@@ -52,9 +52,11 @@ class SkinObject:
         self._cache, self._scalar = cache, scalar
         first = cache.epochs[0]
         rest = cache.positions(first, first.frames[0])
-        self._grid_scale = uv_scale(rest, first.triangles[first.origin == SKIN], first.st[first.origin == SKIN]) if (
-            first.st is not None
-        ) else np.ones(2)
+        self._grid_scale = (
+            uv_scale(rest, first.triangles[first.origin == SKIN], first.st[first.origin == SKIN])
+            if (first.st is not None)
+            else np.ones(2)
+        )
         self._meshes = {epoch.name: self._build(epoch, materials) for epoch in cache.epochs if epoch.frames}
         self.object = bpy.data.objects.new("Skin", next(iter(self._meshes.values())))
         bpy.context.scene.collection.objects.link(self.object)

@@ -21,7 +21,13 @@ THREAD = (0.008, 0.012, 0.045, 1.0)
 STEEL = (0.62, 0.64, 0.66, 1.0)
 GRID_PITCH = 5.0
 TICK_PITCH = 1.0
-RAMP = ((0.0, (0.13, 0.25, 0.55)), (0.25, (0.22, 0.58, 0.68)), (0.5, (0.90, 0.86, 0.68)), (0.75, (0.90, 0.47, 0.20)), (1.0, (0.60, 0.06, 0.07)))
+RAMP = (
+    (0.0, (0.13, 0.25, 0.55)),
+    (0.25, (0.22, 0.58, 0.68)),
+    (0.5, (0.90, 0.86, 0.68)),
+    (0.75, (0.90, 0.47, 0.20)),
+    (1.0, (0.60, 0.06, 0.07)),
+)
 
 
 class _Nodes:
@@ -36,8 +42,8 @@ class _Nodes:
 
     def add(self, kind: str, inputs: dict[int | str, Any] | None = None, **settings: Any) -> Any:
         node = self.tree.nodes.new(kind)
-        for key, value in settings.items():
-            setattr(node, key, value)
+        for name, setting in settings.items():
+            setattr(node, name, setting)
         for key, value in (inputs or {}).items():
             self.put(node.inputs[key], value)
         return node
@@ -89,7 +95,11 @@ class _Nodes:
 def _lines(nodes: _Nodes, coordinate: Any, pitch: float, width: float) -> Any:
     """1 on lines of a width (mm) at every multiple of a pitch (mm), with edges softened over a third of the width."""
     away = nodes.math("PINGPONG", coordinate, pitch / 2)
-    edge = nodes.add("ShaderNodeMapRange", {0: away, 1: width * 0.33, 2: width * 0.67, 3: 1.0, 4: 0.0}, interpolation_type="SMOOTHSTEP")
+    edge = nodes.add(
+        "ShaderNodeMapRange",
+        {0: away, 1: width * 0.33, 2: width * 0.67, 3: 1.0, 4: 0.0},
+        interpolation_type="SMOOTHSTEP",
+    )
     return edge.outputs[0]
 
 
@@ -97,10 +107,10 @@ def _grid(nodes: _Nodes, pixel: float) -> Any:
     """How much ink (0 to 1) the printed grid lays on the skin; pixel: size of a picture's pixel on the skin, mm."""
     parts = nodes.add("ShaderNodeSeparateXYZ", {0: nodes.attribute("grid").outputs["Vector"]})
     heavy = max(0.26, 1.5 * pixel)
-    fine = max(0.09, 0.9 * pixel)
+    fine = max(0.09, 1.1 * pixel)
     wide = nodes.math("MAXIMUM", *(_lines(nodes, parts.outputs[k], GRID_PITCH, heavy) for k in (0, 1)))
     # A tick finer than a pixel would shimmer: it fades out instead.
-    strength = 0.16 * max(0.0, min(1.0, (0.28 - pixel) / 0.16))
+    strength = 0.24 * max(0.0, min(1.0, (0.28 - pixel) / 0.16))
     if strength <= 0.0:
         return nodes.math("MULTIPLY", wide, 0.52)
     ticks = nodes.math("MAXIMUM", *(_lines(nodes, parts.outputs[k], TICK_PITCH, fine) for k in (0, 1)))
@@ -108,7 +118,10 @@ def _grid(nodes: _Nodes, pixel: float) -> Any:
 
 
 def skin_material(color: str, pixel: float, highest: float = 1.0) -> bpy.types.Material:
-    """The skin. color: plain, grid, strain, stress or tension; the last three map the attribute `quantity` from 0 to highest."""
+    """The skin. color: plain, grid, strain, stress or tension; the last three map `quantity` from 0 to highest.
+
+    pixel: size of a picture's pixel on the skin, mm.
+    """
     nodes = _Nodes("Skin")
     mottle = nodes.noise(1.1, 3.0)
     tone = nodes.ramp(mottle, ((0.3, (0.74, 0.455, 0.335)), (0.7, (0.775, 0.50, 0.38))))
@@ -117,7 +130,7 @@ def skin_material(color: str, pixel: float, highest: float = 1.0) -> bpy.types.M
         tone = nodes.ramp(nodes.math("MINIMUM", share, 1.0), RAMP)
     if color != "plain":
         tone = nodes.mix(_grid(nodes, pixel), tone, GRID_INK)
-    # Subsurface scattering would cost half of the render time again; the warm base colour and soft light stand in for it.
+    # Subsurface scattering would cost half of the render time again; warm colour and soft light stand in for it.
     material = nodes.finish(tone, Roughness=0.55, Specular_IOR_Level=0.32)
     material.diffuse_color = SKIN
     return material
@@ -141,8 +154,12 @@ def wall_material() -> bpy.types.Material:
 def rim_material() -> bpy.types.Material:
     """The cut rim of a patch: a quiet section through dermis and fat."""
     nodes = _Nodes("Rim")
-    uneven = nodes.math("MULTIPLY_ADD", nodes.math("SUBTRACT", nodes.noise(5.0), 0.5), 0.7, nodes.attribute("depth").outputs["Fac"])
-    colour = nodes.ramp(nodes.math("DIVIDE", uneven, 4.0), ((0.0, SKIN), (0.08, DERMIS_PALE), (0.34, DERMIS_PALE), (0.46, FAT)))
+    uneven = nodes.math(
+        "MULTIPLY_ADD", nodes.math("SUBTRACT", nodes.noise(5.0), 0.5), 0.7, nodes.attribute("depth").outputs["Fac"]
+    )
+    colour = nodes.ramp(
+        nodes.math("DIVIDE", uneven, 4.0), ((0.0, SKIN), (0.08, DERMIS_PALE), (0.34, DERMIS_PALE), (0.46, FAT))
+    )
     material = nodes.finish(colour, Roughness=0.6)
     material.diffuse_color = DERMIS_PALE
     return material
@@ -152,7 +169,9 @@ def fat_material() -> bpy.types.Material:
     """The underside of the skin: lobules of pale yellow fat."""
     nodes = _Nodes("Underside")
     position = nodes.add("ShaderNodeTexCoord").outputs["Object"]
-    cells = nodes.add("ShaderNodeTexVoronoi", {"Vector": position, "Scale": 4.5}, feature="SMOOTH_F1").outputs["Distance"]
+    cells = nodes.add("ShaderNodeTexVoronoi", {"Vector": position, "Scale": 4.5}, feature="SMOOTH_F1").outputs[
+        "Distance"
+    ]
     colour = nodes.ramp(cells, ((0.1, (0.88, 0.66, 0.27)), (0.75, (0.72, 0.37, 0.13))))
     nodes.bump(nodes.math("SUBTRACT", 1.0, cells), 0.6, 0.06)
     material = nodes.finish(colour, Roughness=0.4, Coat_Weight=0.2, Coat_Roughness=0.25)
@@ -187,7 +206,7 @@ def thread_material() -> bpy.types.Material:
 
 def steel_material() -> bpy.types.Material:
     """Brushed surgical steel."""
-    return _Nodes("Steel").finish(STEEL, Metallic=1.0, Roughness=0.27)
+    return _Nodes("Steel").finish(STEEL, Metallic=1.0, Roughness=0.36)
 
 
 def backdrop_material() -> bpy.types.Material:

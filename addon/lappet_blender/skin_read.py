@@ -32,8 +32,8 @@ class StepEvent:
 class SkinEpoch:
     """The skin of one epoch: constant topology, its own frames.
 
-    triangles: (m, 3) int32. origin: (m,) uint8, an index into `ORIGINS`. st: (m, 3, 2) float32 or None. frames: time codes
-    at which this epoch is shown.
+    triangles: (m, 3) int32. origin: (m,) uint8, an index into `ORIGINS`. st: (m, 3, 2) float32 or None. frames: time
+    codes at which this epoch is shown.
     """
 
     name: str
@@ -66,15 +66,19 @@ class SkinCache:
         try:
             self._stage = Usd.Stage.Open(str(path))
         except Tf.ErrorException as error:
-            raise FigureError(f"{path} is not a USD file that can be read; write it again with lappet solve.") from error
+            raise FigureError(
+                f"{path} is not a USD file that can be read; write it again with lappet solve."
+            ) from error
         self.path = path
         self._mm = UsdGeom.GetStageMetersPerUnit(self._stage) / 0.001
         self.fps = float(self._stage.GetTimeCodesPerSecond())
         skin = self._stage.GetPrimAtPath("/Procedure/Skin")
         meshes = [p for p in skin.GetChildren() if p.IsA(UsdGeom.Mesh)] if skin else []
         if not meshes:
-            raise FigureError(f"{path} holds no skin (/Procedure/Skin/epoch_00); it is not a cache made by lappet solve.")
-        self.epochs = tuple(self._epoch(prim) for prim in meshes)
+            raise FigureError(
+                f"{path} holds no skin (/Procedure/Skin/epoch_00); it is not a cache made by lappet solve."
+            )
+        self.epochs = tuple(e for e in (self._epoch(prim) for prim in meshes) if e.frames)
         self.frames = tuple(sorted({t for epoch in self.epochs for t in epoch.frames}))
         if not self.frames:
             raise FigureError(f"{path} holds a skin without frames; solve the procedure again (lappet solve).")
@@ -113,7 +117,7 @@ class SkinCache:
         return self._strands("Hooks", time)
 
     def planned_incisions(self, step: float) -> list[NDArray[np.float64]]:
-        """The incisions of the procedure at rest, sampled every `step` mm: polylines (k, 3) in mm, closed ones repeat."""
+        """The incisions at rest, sampled every `step` mm: polylines (k, 3) in mm; closed ones repeat their first."""
         from lappet.curve import CurveError, sample_curve
 
         lines = []
@@ -124,7 +128,7 @@ class SkinCache:
             if points is None:
                 continue
             smooth = prim.GetAttribute("type").Get() == "cubic"
-            basis = (prim.GetAttribute("basis").Get() or "bezier") if smooth else "linear"
+            basis: Any = (prim.GetAttribute("basis").Get() or "bezier") if smooth else "linear"
             closed = prim.GetAttribute("wrap").Get() == "periodic"
             try:
                 line = sample_curve(np.asarray(points, np.float64) * self._mm, basis, closed, step)
@@ -169,7 +173,9 @@ class SkinCache:
         events = []
         for prim in timeline.GetChildren() if timeline else []:
             schemas = prim.GetMetadata("apiSchemas")
-            kinds = [m[1] for s in (schemas.GetAppliedItems() if schemas else []) if (m := re.match(r"Lappet(\w+)API$", s))]
+            kinds = [
+                m[1] for s in (schemas.GetAppliedItems() if schemas else []) if (m := re.match(r"Lappet(\w+)API$", s))
+            ]
             if not kinds:
                 continue
             value = {n: prim.GetAttribute(f"lappet:{n}").Get() for n in ("time", "start", "release", "duration")}

@@ -82,7 +82,7 @@ def find_bite(
     anchor: NDArray[np.float32],
     bite: float = BITE,
 ) -> Bite:
-    """The point of the skin `bite` mm from a suture's end, away from the wound's edge, on the same side of the wound."""
+    """The point of the skin `bite` mm from a suture's end, away from the wound's edge and on the same side of it."""
     skin = triangles[origin == SKIN]
     used = np.unique(skin)
     start = int(used[np.linalg.norm(positions[used] - anchor, axis=1).argmin()])
@@ -143,6 +143,7 @@ def stitch_path(
     knot = centre + offset + KNOT_RADIUS * (np.cos(angle) * sideways + np.sin(angle) * up)
     s = np.linspace(0.0, 1.0, 7)[:, None]
     tails = tuple(
-        centre + TAIL * s * (0.75 * sideways * side - 0.55 * along) + (0.9 * s - 0.75 * s**2) * up for side in (1.0, -0.35)
+        centre + TAIL * s * (0.75 * sideways * side - 0.55 * along) + (0.9 * s - 0.75 * s**2) * up
+        for side in (1.0, -0.35)
     )
     return StitchPath(thread, knot, (tails[0], tails[1]))

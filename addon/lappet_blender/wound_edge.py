@@ -70,10 +70,11 @@ class PlannedIncision:
         self._cache, self._material = cache, material
         self._object: bpy.types.Object | None = None
         first = cache.epochs[0]
-        whole = not (first.origin == WOUND_WALL).any()
-        rest = cache.positions(first, first.frames[0]) if whole and first.frames else None
         self._courses: list[list[Bite]] = []
-        for line in cache.planned_incisions(INK_STEP) if rest is not None else []:
+        if (first.origin == WOUND_WALL).any() or not first.frames:
+            return
+        rest = cache.positions(first, first.frames[0])
+        for line in cache.planned_incisions(INK_STEP):
             course = [nearest_bite(rest, first.triangles, first.origin, point) for point in line]
             self._courses.append(course)
 

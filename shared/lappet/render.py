@@ -97,7 +97,7 @@ def render_cache(
     filmstrip: bool = True,
     animation: str = "none",
     size: tuple[int, int] = (1280, 960),
-    samples: int = 16,
+    samples: int = 10,
     *,
     panel: tuple[int, int] | None = None,
     engine: str = "cycles",
@@ -108,14 +108,15 @@ def render_cache(
 ) -> list[Path]:
     """Draw a skin cache as pictures in one Blender process and return the files, in the order they were written.
 
-    cache: the `.usdc` that `lappet solve` wrote. frames: time codes of the stills, None: the last one. filmstrip: write
-    `filmstrip.png`, the steps of the operation (or the chosen frames, where there are several) captioned on one sheet.
-    animation: "none", "png" (a numbered sequence) or "mp4". size, panel: pixels of stills and of filmstrip panels (None:
-    half of size). samples: Cycles samples a pixel, denoised. view, color, engine: see `VIEWS`, `COLORS`, `ENGINES`.
+    cache: the `.usdc` that `lappet solve` wrote. frames: time codes of the stills, None: the last one. filmstrip:
+    write `filmstrip.png`, the steps of the operation (or the chosen frames, where there are several) captioned on one
+    sheet. animation: "none", "png" (a numbered sequence) or "mp4". size, panel: pixels of stills and of filmstrip
+    panels (None: half of size). samples: Cycles samples a pixel, denoised. view, color, engine: see `VIEWS`, `COLORS`,
+    `ENGINES`.
     threads: 0 is all. progress: called with a line of text for every file.
 
-    Raises RenderError when bpy is missing, the cache cannot be drawn or the process dies. On KeyboardInterrupt the process
-    is ended and the pictures that are done stay.
+    Raises RenderError when bpy is missing, the cache cannot be drawn or the process dies. On KeyboardInterrupt the
+    process is ended and the pictures that are done stay.
     """
     cache, out_dir = Path(cache).resolve(), Path(out_dir).resolve()
     if not cache.is_file():
