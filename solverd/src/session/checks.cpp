@@ -2,6 +2,7 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include <Eigen/LU>
 #include <cmath>
 
 #include "lattice/refused.h"
