@@ -142,9 +142,9 @@ def open_fields(**changes: Any) -> dict[str, Any]:
 
 @contextlib.contextmanager
 def long_solve(client: SolverClient) -> Iterator[FrameConstraints]:
-    """Prepares a solve that lasts for many seconds: a tolerance that no arithmetic reaches, on 27 000 cells."""
+    """Prepares a solve that lasts for many seconds: a tolerance that no arithmetic reaches, on 8 000 cells."""
     size = (24.0, 24.0, 6.0)
-    client.open(SolverSettings(spacing=0.5, tolerance=1e-14, max_newton=100_000, threads=1, sutures=0))
+    client.open(SolverSettings(spacing=0.75, precision="double", tolerance=1e-12, max_newton=1000, threads=1))
     client.set_epoch(Epoch(0, 1.0, box(size), 1))
     yield FrameConstraints(
         1.0,
@@ -364,11 +364,17 @@ def test_two_clients_have_sessions_of_their_own(daemon: SolverDaemon) -> None:
 def test_clients_that_leave_make_room(daemon: SolverDaemon) -> None:
     for _ in range(3):
         with contextlib.ExitStack() as stack:
-            for _ in range(4):
-                stack.enter_context(SolverClient(daemon.address, daemon.token))
+            end = time.monotonic() + 10.0
+            clients = 0
+            while clients < 4:  # those of the turn before may still be leaving
+                try:
+                    stack.enter_context(SolverClient(daemon.address, daemon.token))
+                    clients += 1
+                except SolverRefused:
+                    assert time.monotonic() < end
+                    time.sleep(0.05)
             with pytest.raises(SolverRefused, match="4 clients already"):
                 stack.enter_context(SolverClient(daemon.address, daemon.token))
-        time.sleep(0.6)
 
 
 # --- while a solve runs ------------------------------------------------------------------------------------------
@@ -387,7 +393,7 @@ def test_a_ping_is_answered_and_a_cancel_obeyed_while_a_solve_runs(daemon: Solve
         started = Started(ping_then_cancel)
         with pytest.raises(SolveCancelled) as error:
             client.solve(frame, started)
-        assert time.monotonic() - started.at < 5.0
+        assert time.monotonic() - started.at < 10.0
         assert error.value.code == "cancelled"
         assert answered
         assert answered[0] < 1.0
@@ -401,7 +407,7 @@ def test_ctrl_c_cancels_the_solve_and_the_session_goes_on(daemon: SolverDaemon) 
         started = Started(lambda: os.kill(os.getpid(), signal.SIGINT))
         with pytest.raises(KeyboardInterrupt):
             client.solve(frame, started)
-        assert time.monotonic() - started.at < 5.0
+        assert time.monotonic() - started.at < 10.0
         assert client.ping() < 1.0
         client.open(SolverSettings(threads=1))
         client.set_epoch(Epoch(0, 1.0, box(), 1))
