@@ -59,3 +59,33 @@ def vertex_normals(
         for axis in range(3):
             total[:, axis] += np.bincount(t[:, k], weights=face[:, axis], minlength=len(positions))
     return (total / np.maximum(np.linalg.norm(total, axis=1, keepdims=True), 1e-12)).astype(np.float32)
+
+
+def border_chains(triangles: NDArray[np.int32], origin: NDArray[np.uint8]) -> list[NDArray[np.int32]]:
+    """The edges between skin and wound wall, joined into chains of vertices (k,); closed chains repeat their first."""
+
+    def edges(label: int) -> NDArray[np.int64]:
+        t = triangles[origin == label].astype(np.int64)
+        pairs = np.sort(np.concatenate([t[:, [0, 1]], t[:, [1, 2]], t[:, [2, 0]]]), axis=1)
+        return np.unique(pairs[:, 0] * (int(triangles.max(initial=0)) + 1) + pairs[:, 1])
+
+    stride = int(triangles.max(initial=0)) + 1
+    neighbours: dict[int, list[int]] = {}
+    for key in np.intersect1d(edges(SKIN), edges(WOUND_WALL)):
+        a, b = divmod(int(key), stride)
+        neighbours.setdefault(a, []).append(b)
+        neighbours.setdefault(b, []).append(a)
+    chains = []
+    # Ends and crossings first, so that what is left over is closed loops.
+    for start in sorted(neighbours, key=lambda v: (len(neighbours[v]) == 2, v)):
+        while neighbours[start]:
+            chain = [start]
+            while neighbours[chain[-1]]:
+                here = chain[-1]
+                there = neighbours[here].pop()
+                neighbours[there].remove(here)
+                chain.append(there)
+                if len(neighbours[there]) != 1:
+                    break
+            chains.append(np.array(chain, np.int32))
+    return chains

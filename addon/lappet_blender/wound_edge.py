@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import bpy
 import numpy as np
-from numpy.typing import NDArray
 
-from .skin_fields import SKIN, WOUND_WALL
+from .skin_fields import WOUND_WALL, border_chains
 from .skin_read import SkinCache
 from .suture_path import Bite, nearest_bite
 from .tube import add_tubes, remove_tubes
@@ -14,36 +13,6 @@ from .tube import add_tubes, remove_tubes
 EDGE_RADIUS = 0.13
 INK_RADIUS = 0.26
 INK_STEP = 0.8
-
-
-def border_chains(triangles: NDArray[np.int32], origin: NDArray[np.uint8]) -> list[NDArray[np.int32]]:
-    """The edges between skin and wound wall, joined into chains of vertices (k,); closed chains repeat their first."""
-
-    def edges(label: int) -> NDArray[np.int64]:
-        t = triangles[origin == label].astype(np.int64)
-        pairs = np.sort(np.concatenate([t[:, [0, 1]], t[:, [1, 2]], t[:, [2, 0]]]), axis=1)
-        return np.unique(pairs[:, 0] * (int(triangles.max(initial=0)) + 1) + pairs[:, 1])
-
-    stride = int(triangles.max(initial=0)) + 1
-    neighbours: dict[int, list[int]] = {}
-    for key in np.intersect1d(edges(SKIN), edges(WOUND_WALL)):
-        a, b = divmod(int(key), stride)
-        neighbours.setdefault(a, []).append(b)
-        neighbours.setdefault(b, []).append(a)
-    chains = []
-    # Ends and crossings first, so that what is left over is closed loops.
-    for start in sorted(neighbours, key=lambda v: (len(neighbours[v]) == 2, v)):
-        while neighbours[start]:
-            chain = [start]
-            while neighbours[chain[-1]]:
-                here = chain[-1]
-                there = neighbours[here].pop()
-                neighbours[there].remove(here)
-                chain.append(there)
-                if len(neighbours[there]) != 1:
-                    break
-            chains.append(np.array(chain, np.int32))
-    return chains
 
 
 class WoundEdge:
