@@ -50,6 +50,7 @@ def test_a_frame_comes_back_bit_for_bit(tmp_path: Path) -> None:
     back = FrameStore(tmp_path / "not" / "yet").get(KEY)
     assert back is not None
     assert same(back, frame())
+    assert all(array.flags.aligned and array.flags.writeable for array in back.arrays.values())
 
 
 @pytest.mark.parametrize("where", [0, 10, 60, 200, -1])

@@ -45,9 +45,17 @@ def write_skin_cache(
     """
     output = Path(output)
     output.parent.mkdir(parents=True, exist_ok=True)
-    usd = pxr()
-    stage = usd.Usd.Stage.CreateInMemory()
+    layer = pxr().Sdf.Layer.CreateAnonymous(".usda")
+    _author(layer, procedure, program, frames)
+    # Only now that no stage is open on it: the path means nothing to a layer in memory.
     below = os.path.relpath(Path(procedure_path).resolve(), output.resolve().parent)
+    layer.subLayerPaths.append(below if below.startswith(".") else f"./{below}")
+    save_layer(layer, output)
+
+
+def _author(layer: Any, procedure: Procedure, program: Program, frames: Sequence[FrameResult]) -> None:
+    usd = pxr()
+    stage = usd.Usd.Stage.Open(layer)
     stage.OverridePrim("/Procedure")
     _metadata(stage, procedure, program, frames)
     usd.UsdGeom.Imageable(stage.OverridePrim("/Procedure/Tissue")).CreateVisibilityAttr("invisible")
@@ -61,10 +69,6 @@ def write_skin_cache(
     _write_sutures(stage, procedure, program, frames)
     _write_hooks(stage, procedure, program, frames)
     _write_landmarks(stage, procedure, program, frames)
-    layer = stage.GetRootLayer()
-    # Only now, since the path means nothing to a layer in memory.
-    layer.subLayerPaths.append(below if below.startswith(".") else f"./{below}")
-    save_layer(layer, output)
 
 
 def _metadata(stage: Any, procedure: Procedure, program: Program, frames: Sequence[FrameResult]) -> None:
@@ -108,7 +112,7 @@ def _write_epoch(stage: Any, epoch: Epoch, frames: Sequence[FrameResult], times:
     primvars = usd.UsdGeom.PrimvarsAPI(mesh)
     types, tokens = usd.Sdf.ValueTypeNames, usd.UsdGeom.Tokens
     st = primvars.CreatePrimvar("st", types.TexCoord2fArray, tokens.faceVarying)
-    st.Set(usd.Vt.Vec2fArray.FromNumpy(np.ascontiguousarray(surface.uv.reshape(-1, 2), np.float32)))
+    st.Set(usd.Vt.Vec2fArray.FromNumpy(np.require(surface.uv.reshape(-1, 2), np.float32, ["C", "A"])))
     colour = primvars.CreatePrimvar("displayColor", types.Color3fArray, tokens.uniform)
     colour.Set(_vectors(_COLOURS))
     colour.SetIndices(usd.Vt.IntArray.FromNumpy(surface.origin.astype(np.int32)))
@@ -125,7 +129,7 @@ def _write_epoch(stage: Any, epoch: Epoch, frames: Sequence[FrameResult], times:
         velocities.Set(_vectors(_velocity(moved, i, fps)), time)
         extent.Set(_vectors(np.stack([moved[i].min(axis=0), moved[i].max(axis=0)])), time)
         for name, primvar in scalars.items():
-            primvar.Set(usd.Vt.FloatArray.FromNumpy(np.ascontiguousarray(frame.arrays[name], np.float32)), time)
+            primvar.Set(usd.Vt.FloatArray.FromNumpy(np.require(frame.arrays[name], np.float32, ["C", "A"])), time)
     own = {frame.constraints.time for frame in frames}
     visibility = mesh.CreateVisibilityAttr()
     # Blender reads no animated visibility, but it reads an animated scale. Nothing is shown in part between two frames.
@@ -236,4 +240,4 @@ def _box(points: NDArray[np.float64], width: float) -> Any:
 
 
 def _vectors(values: NDArray[Any]) -> Any:
-    return pxr().Vt.Vec3fArray.FromNumpy(np.ascontiguousarray(values, np.float32))
+    return pxr().Vt.Vec3fArray.FromNumpy(np.require(values, np.float32, ["C", "A"]))

@@ -185,6 +185,7 @@ def _unpack(data: bytes) -> StoredFrame | None:
     for described in head["arrays"]:
         dtype, shape = np.dtype(described["dtype"]), tuple(described["shape"])
         count = math.prod(shape)
-        arrays[described["name"]] = np.frombuffer(body, dtype, count, offset).reshape(shape)
+        # A copy, so that it is aligned: what lies at an odd offset some libraries refuse.
+        arrays[described["name"]] = np.array(np.frombuffer(body, dtype, count, offset).reshape(shape))
         offset += count * dtype.itemsize
     return StoredFrame(head["header"], arrays)
