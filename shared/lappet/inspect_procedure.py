@@ -63,7 +63,8 @@ def _lattice_lines(program: Program, daemon: str | None, connect: Connect | None
             counts = solver.set_epoch(epoch, grip, landmarks)
             lines.append(
                 f"epoch {epoch.index}: {counts['cells']} cells "
-                f"({counts['grid_cells']} grid, {counts['mesh_cells']} mesh), {counts['nodes']} nodes, {counts['blocks']} blocks, {counts['fine_voxels']} fine voxels"
+                f"({counts['grid_cells']} grid, {counts['mesh_cells']} mesh), "
+                f"{counts['nodes']} nodes, {counts['blocks']} blocks, {counts['fine_voxels']} fine voxels"
             )
     finally:
         solver.close()
