@@ -189,6 +189,27 @@ def test_what_the_daemon_refuses_at_once_is_a_sentence_and_writes_nothing(
     assert not (tmp_path / "c.usdc").exists()
 
 
+@pytest.mark.parametrize(
+    ("output", "said"),
+    [
+        ("c.png", "USD suffix"),
+        ("folder.usdc", "is a folder"),
+        ("file/c.usdc", "cannot be written"),
+        ("p.usda", "itself"),
+    ],
+)
+def test_a_cache_that_cannot_be_written_is_refused_before_the_solver_is_asked(
+    procedure: Path, solver: FakeSolver, tmp_path: Path, output: str, said: str
+) -> None:
+    (tmp_path / "folder.usdc").mkdir()
+    (tmp_path / "file").write_text("in the way")
+    done = run("solve", procedure, "-o", tmp_path / output)
+    assert done.exit_code == 1
+    assert is_one_sentence(done.stderr)
+    assert said in done.stderr
+    assert solver.opened == 0
+
+
 @pytest.mark.parametrize("command", ["solve", "check", "inspect"])
 @pytest.mark.parametrize("text", [None, "this is not USD", "#usda 1.0\n"])
 def test_a_file_that_is_no_procedure_is_a_sentence(command: str, text: str | None, tmp_path: Path) -> None:
@@ -350,6 +371,37 @@ def test_demo_solves_and_renders_into_one_folder(
     assert str(tmp_path / "demo" / "z_plasty.cache.usdc") in done.stdout
     assert (tmp_path / "demo" / "z_plasty.cache.usdc").is_file()
     assert (tmp_path / "demo" / "z_plasty.report.json").is_file()
+
+
+def test_the_python_call_takes_a_procedure_and_keeps_it_beside_the_cache(solver: FakeSolver, tmp_path: Path) -> None:
+    import lappet
+
+    result = lappet.solve_procedure(small_procedure(), tmp_path / "new" / "c.usdc")
+    assert result.complete
+    assert (result.solved, result.looked_up, result.output) == (8, 0, tmp_path / "new" / "c.usdc")
+    assert read_procedure(tmp_path / "new" / "c.procedure.usda") == small_procedure()
+
+
+def test_a_terminal_gets_a_bar_and_notes_above_it(
+    solver: FakeSolver, procedure: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    from lappet.frame_solver import SolverDiedError
+    from lappet.solve import solve_procedure
+    from lappet.solve_progress import BarProgress
+
+    deaths = [5.0]
+
+    def die(time_code: float) -> None:
+        if time_code in deaths:
+            deaths.remove(time_code)
+            raise SolverDiedError("The daemon died: it was ended by [SIGKILL].")
+
+    solver.before = die
+    with BarProgress() as watcher:
+        solve_procedure(procedure, tmp_path / "c.usdc", watcher=watcher)
+    shown = capsys.readouterr().err
+    assert "8/8" in shown
+    assert "ended by [SIGKILL]. It was solving frame 5" in " ".join(shown.split())
 
 
 def test_public_names_are_there_and_importing_the_package_is_light() -> None:

@@ -316,8 +316,8 @@ def sentence(error: Exception) -> str:
         return str(error)
     if isinstance(error, OSError) and error.strerror:
         return f"{error.filename or 'A file'}: {error.strerror.lower()}; look at the path and its permissions."
-    if isinstance(error, ImportError):
-        return f"{error}"
+    if isinstance(error, (OSError, ImportError)) and str(error):
+        return str(error)
     said = f"{type(error).__name__}: {error}".splitlines()[0]
     return f"Lappet failed ({said}); run it as `lappet --debug ...` and report what it shows."
 

@@ -47,7 +47,7 @@ def report(result: SolveResult) -> dict[str, Any]:
         for epoch in program.epochs
         if epoch.index in lattices
     ]
-    largest = max(lattices.values(), key=lambda counts: counts.get("cells", 0), default={})
+    largest = max(lattices.values(), key=lambda counts: (counts.get("cells", 0), counts.get("nodes", 0)), default={})
     profile = {
         **scene_profile(result.procedure),
         "self_contact": False,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tempfile
 import time
 from dataclasses import dataclass
 from pathlib import Path
@@ -121,6 +122,7 @@ def solve_procedure(
     started = time.perf_counter()
     watch = _Noting(watcher or Watcher())
     output = Path(output)
+    _refuse_output(output)
     procedure, path = _read(source, output)
     _check(procedure, spacing)
     first, last = _range(procedure, frames)
@@ -245,8 +247,8 @@ class _Session:
             except SolverDiedError as error:
                 self._abandon()
                 if attempt == TRIES:
-                    raise SolverDiedError(f"the daemon ended {TRIES} times while solving it ({error})") from error
-                watch.note(f"The daemon ended while it solved frame {frame.time:g} ({error}); starting it again.")
+                    raise SolverDiedError(f"{error} That was try {TRIES} of {TRIES}.") from error
+                watch.note(f"{error} It was solving frame {frame.time:g} and is started again.")
             except BaseException:
                 self._abandon()
                 raise
@@ -304,13 +306,31 @@ def _fitted(arrays: dict[str, NDArray[Any]], sutures: int) -> dict[str, NDArray[
     return state
 
 
+def _refuse_output(output: Path) -> None:
+    """Refuses, before anything is solved, a file that the skin cache could not be written to."""
+    from lappet.usd_stage import SUFFIXES
+
+    if output.suffix not in SUFFIXES:
+        raise RefusedError(f"{output} does not end in a USD suffix; name the skin cache .usdc, .usda or .usd.")
+    if output.is_dir():
+        raise RefusedError(f"{output} is a folder; name a file for the skin cache.")
+    try:
+        output.parent.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=output.parent):
+            pass
+    except OSError as error:
+        why = error.strerror or str(error)
+        raise RefusedError(
+            f"The skin cache {output} cannot be written ({why}); name a file in a folder that you may write to."
+        ) from error
+
+
 def _read(source: Path | str | Procedure, output: Path) -> tuple[Procedure, Path]:
     """The procedure and the file that the skin cache goes over."""
     if isinstance(source, Procedure):
         from lappet.usd_stage import write_procedure
 
         path = output.with_suffix(".procedure.usda")
-        output.parent.mkdir(parents=True, exist_ok=True)
         write_procedure(source, path)
         return source, path
     from lappet.usd_stage import read_procedure
