@@ -161,6 +161,7 @@ def _header(frame: bytes | memoryview) -> dict[str, Any]:
         header = msgpack.unpackb(
             frame,
             raw=False,
+            unicode_errors="replace",
             strict_map_key=True,
             object_pairs_hook=_without_twins,
             ext_hook=_no_extension,

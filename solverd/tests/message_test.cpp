@@ -263,6 +263,13 @@ TEST(Codec, IndicesOutOfRangeNeverReachTheSolver) {
   EXPECT_TRUE(says(refusal_of([&] { decode(1); }), ErrorCode::kInvalidInput, "'triangles' holds -1"));
 }
 
+TEST(Codec, ALongSentenceIsCutBetweenTwoCharacters) {
+  std::string sentence(kMaxTextBytes - 1, 'x');
+  sentence += "\u00b2 and more";  // two bytes, of which one would fit
+  const Header header = decode_header(encode_error({1, 0}, ErrorCode::kInternal, sentence).front());
+  EXPECT_EQ(std::get<std::string>(header.fields.at("message")), std::string(kMaxTextBytes - 1, 'x'));
+}
+
 TEST(Loopback, OnlyLoopbackAddressesAreServed) {
   for (const char* address :
        {"tcp://127.0.0.1:*", "tcp://127.0.0.1:0", "tcp://127.255.3.4:65535", "tcp://[::1]:5555"}) {

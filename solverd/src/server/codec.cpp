@@ -59,6 +59,13 @@ std::int32_t checked_count(std::size_t count, std::string_view of) {
 
 std::int64_t length(std::size_t count) { return static_cast<std::int64_t>(count); }
 
+// A sentence that fits the limit of a text, cut between two characters of UTF-8.
+std::string sentence_of(const std::string& text) {
+  std::size_t end = std::min(text.size(), kMaxTextBytes);
+  while (end > 0 && end < text.size() && (static_cast<unsigned char>(text[end]) & 0xc0U) == 0x80U) --end;
+  return text.substr(0, end);
+}
+
 MessageWriter reply(std::string type, ReplyTo to) {
   return {std::move(type), to.id, to.session == 0 ? std::nullopt : std::optional(to.session)};
 }
@@ -269,7 +276,7 @@ std::vector<FrameBytes> encode_frame(ReplyTo to, const FrameOutput& frame) {
   MessageWriter writer = reply("frame", to);
   writer.field("time", frame.time)
       .field("converged", frame.converged)
-      .field("reason", frame.reason)
+      .field("reason", sentence_of(frame.reason))
       .field("newton", std::int64_t{frame.newton_iterations})
       .field("pcg", std::int64_t{frame.pcg_iterations})
       .field("load_steps", std::int64_t{frame.load_steps})
@@ -307,7 +314,10 @@ std::vector<FrameBytes> encode_frame(ReplyTo to, const FrameOutput& frame) {
 }
 
 std::vector<FrameBytes> encode_error(ReplyTo to, ErrorCode code, const std::string& sentence) {
-  return reply("error", to).field("code", std::string(error_name(code))).field("message", sentence).finish();
+  return reply("error", to)
+      .field("code", std::string(error_name(code)))
+      .field("message", sentence_of(sentence))
+      .finish();
 }
 
 std::string_view error_name(ErrorCode code) {
