@@ -50,6 +50,16 @@ def test_a_file_that_is_not_usd_or_holds_no_skin_is_refused(tmp_path: Path) -> N
         SkinCache(tmp_path / "procedure.usda")
 
 
+def test_a_cache_whose_sutures_and_flags_disagree_is_refused_with_the_frame(tmp_path: Path) -> None:
+    usd = pytest.importorskip("pxr.Usd")
+    path = synthetic.write_cache(tmp_path, step=10.0)
+    stage = usd.Stage.Open(str(path))
+    stage.GetPrimAtPath("/Procedure/Skin/Sutures").GetAttribute("primvars:active").Set([1, 1], 9.0)
+    stage.GetRootLayer().Save()
+    with pytest.raises(FigureError, match=r"/Procedure/Skin/Sutures has 4 curves and 2 values of active at frame 9"):
+        SkinCache(path).sutures(9.0)
+
+
 def test_the_grid_is_in_millimetres_whatever_the_unit_of_st() -> None:
     rest, triangles, origin = synthetic.patch(4.0, False)
     triangles = triangles[origin == SKIN]

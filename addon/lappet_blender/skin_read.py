@@ -143,7 +143,12 @@ class SkinCache:
         ends = np.asarray(points if points is not None else [], np.float32).reshape(-1, 2, 3) * self._mm
         active = prim.GetAttribute("primvars:active").Get(time) if prim else None
         flags = np.ones(len(ends), bool) if active is None else np.asarray(active, bool).reshape(-1)
-        return Strands(ends, flags[: len(ends)] & np.isfinite(ends).all(axis=(1, 2)))
+        if len(flags) != len(ends):
+            raise FigureError(
+                f"{prim.GetPath()} has {len(ends)} curves and {len(flags)} values of active at frame {time:g}; "
+                "write the cache again with lappet solve."
+            )
+        return Strands(ends, flags & np.isfinite(ends).all(axis=(1, 2)))
 
     def _epoch(self, prim: Any) -> SkinEpoch:
         from pxr import UsdGeom
