@@ -57,6 +57,9 @@ def _sphere_radius(points: NDArray[np.float64]) -> float:
     p = points - middle
     size = float(np.linalg.norm(p, axis=1).max())
     p = p / size
+    spread = np.linalg.svd(p, compute_uv=False)
+    if spread[2] < 1e-4 * spread[0]:
+        return 1e4 * size
     system = np.column_stack([2.0 * p, np.ones(len(p))])
     solution = np.linalg.lstsq(system, np.einsum("ij,ij->i", p, p), rcond=1e-12)[0]
     squared = float(solution[3] + solution[:3] @ solution[:3])

@@ -12,8 +12,8 @@ from lappet.surface_check import directed_edges, unique_edges
 def collapse_short_edges(surface: Surface, length: float) -> Surface:
     """The surface with edges shorter than `length` (mm) shrunk to one of their ends, where that keeps it manifold.
 
-    An edge stays when its ends have more than two neighbours in common, or when a triangle that is not itself lower than
-    `length` would turn by more than 60°. Triangles keep their labels and their corners' UVs.
+    An edge stays when its ends have more than two neighbours in common, or when a triangle that is not itself lower
+    than `length` would turn by more than 60°. Triangles keep their labels and their corners' UVs.
     """
     points = surface.points
     edges = unique_edges(directed_edges(surface.triangles))[0]

@@ -69,18 +69,26 @@ def unique_edges(edges: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[n
 
 def check_closed(points: NDArray[np.float64], triangles: NDArray[np.integer], prim: str) -> None:
     """Raises SurfaceError unless every edge belongs to exactly two triangles that run along it in opposite ways."""
+    lone = open_edges(triangles)
+    if len(lone):
+        raise SurfaceError(
+            f"{prim}: the surface is open: {len(lone)} edges belong to one face only, the first at "
+            f"{place(points[lone[0]].mean(axis=0))}; close the mesh, or make it with `lappet new MESH --thickness MM`"
+        )
+    check_oriented(points, triangles, prim)
+    volume = signed_volume(points, triangles)
+    if not abs(volume) > 1e-12 * float(np.ptp(points, axis=0).max()) ** 3:
+        raise SurfaceError(f"{prim}: the surface encloses no volume ({volume:.3g} mm³); give the tissue a thickness")
+
+
+def check_oriented(points: NDArray[np.float64], triangles: NDArray[np.integer], prim: str) -> None:
+    """Raises SurfaceError where more than two triangles share an edge, or two face opposite ways; it may be open."""
     edges = directed_edges(triangles)
     undirected, inverse, counts = unique_edges(edges)
 
     def middle(which: int) -> str:
         return place(points[undirected[which]].mean(axis=0))
 
-    lone = np.flatnonzero(counts == 1)
-    if len(lone):
-        raise SurfaceError(
-            f"{prim}: the surface is open: {len(lone)} edges belong to one face only, the first at {middle(lone[0])}; "
-            "close the mesh, or make it with `lappet new MESH --thickness MM`"
-        )
     crowded = np.flatnonzero(counts > 2)
     if len(crowded):
         raise SurfaceError(
@@ -89,15 +97,12 @@ def check_closed(points: NDArray[np.float64], triangles: NDArray[np.integer], pr
         )
     forward = np.zeros(len(undirected), np.int64)
     np.add.at(forward, inverse, np.where(edges[:, 0] < edges[:, 1], 1, -1))
-    twisted = np.flatnonzero(forward != 0)
+    twisted = np.flatnonzero((counts == 2) & (forward != 0))
     if len(twisted):
         raise SurfaceError(
             f"{prim}: the surface is not oriented alike: the two faces at {middle(twisted[0])} face opposite ways "
             f"({len(twisted)} such edges); make the normals consistent"
         )
-    volume = signed_volume(points, triangles)
-    if not abs(volume) > 1e-12 * float(np.ptp(points, axis=0).max()) ** 3:
-        raise SurfaceError(f"{prim}: the surface encloses no volume ({volume:.3g} mm³); give the tissue a thickness")
 
 
 def check_not_self_intersecting(points: NDArray[np.float64], triangles: NDArray[np.integer], prim: str) -> None:
@@ -115,7 +120,7 @@ def first_intersection(points: NDArray[np.float64], triangles: NDArray[np.intege
     """A pair of triangles without a common vertex that pierce each other, or None.
 
     Candidate pairs share a cell of a grid; a pair intersects when an edge of one crosses the inside of the other
-    (Möller and Trumbore 1997). Touching without crossing does not count.
+    (Möller and Trumbore 1997). A corner that only touches the other triangle does not count.
     """
     t = np.asarray(triangles, np.int64)
     corners = points[t]
@@ -163,7 +168,7 @@ def _overlapping_boxes(
 
 
 def _pierces(one: NDArray[np.float64], other: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """Whether an edge of triangle `one` (k, 3, 3) crosses the inside of triangle `other`."""
+    """Whether an edge of triangle `one` (k, 3, 3) passes through triangle `other`, its border included."""
     a = other[:, 0]
     u, v = other[:, 1] - a, other[:, 2] - a
     hit = np.zeros(len(one), bool)
@@ -180,5 +185,5 @@ def _pierces(one: NDArray[np.float64], other: NDArray[np.float64]) -> NDArray[np
         y = np.einsum("ij,ij->i", ray, q) * inverse
         at = np.einsum("ij,ij->i", v, q) * inverse
         e = 1e-9
-        hit |= proper & (x > e) & (y > e) & (x + y < 1 - e) & (at > e) & (at < 1 - e)
+        hit |= proper & (x > -e) & (y > -e) & (x + y < 1 + e) & (at > e) & (at < 1 - e)
     return hit

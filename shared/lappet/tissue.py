@@ -14,10 +14,17 @@ from lappet.mesh_repair import border_loops, fill, orient, parts_of, perimeter, 
 from lappet.patch import UV_SCALE
 from lappet.procedure import Tissue
 from lappet.region import Level, box_levels, crop, near, refine_smoothly, sphere_level
-from lappet.surface_check import check_closed, check_not_self_intersecting, open_edges, place, signed_volume
+from lappet.surface_check import (
+    check_closed,
+    check_not_self_intersecting,
+    check_oriented,
+    open_edges,
+    place,
+    signed_volume,
+)
 from lappet.thicken import Sheet, thicken
 
-_SMALL_HOLE = 0.1  # of the rim, or of the diagonal of a mesh without one: holes shorter than this are filled
+_SMALL_HOLE = 0.15  # of the rim, or of the diagonal of a mesh without one: holes shorter than this are filled
 _CELLS = 40_000
 
 
@@ -104,7 +111,7 @@ def _largest_part(mesh: Mesh, lines: list[str]) -> Mesh:
 def _closed_tissue(mesh: Mesh, spacing: float | None, name: str, lines: list[str]) -> Tissue:
     loops = border_loops(mesh.triangles)
     limit = _SMALL_HOLE * float(np.linalg.norm(np.ptp(mesh.points, axis=0)))
-    large = [loop for loop in loops if perimeter(mesh.points, loop) > limit]
+    large = [loop for loop in loops if len(loop) > 4 and perimeter(mesh.points, loop) > limit]
     if large:
         raise MeshError(
             f"{name}: the surface is open: a border of {perimeter(mesh.points, large[0]):.4g} mm runs through "
@@ -130,6 +137,7 @@ def _closed_tissue(mesh: Mesh, spacing: float | None, name: str, lines: list[str
 
 def _sheet_tissue(mesh: Mesh, thickness: float, spacing: float | None, name: str, lines: list[str]) -> Tissue:
     mesh = _largest_part(mesh, lines)
+    check_oriented(mesh.points, mesh.triangles, name)
     loops = sorted(border_loops(mesh.triangles), key=lambda loop: -perimeter(mesh.points, loop))
     if not loops:
         raise MeshError(f"{name}: the region holds a whole closed surface; make it smaller, or leave it out")
