@@ -6,13 +6,14 @@
 
 #include <algorithm>
 #include <atomic>
-#include <cmath>
 #include <cstdio>
 #include <limits>
 #include <string>
 
+#include "lattice/centre_lines.h"
 #include "lattice/crossings.h"
 #include "lattice/memory_estimate.h"
+#include "lattice/quantize.h"
 #include "lattice/refused.h"
 #include "lattice/surface_parts.h"
 
@@ -20,7 +21,6 @@ namespace lappet {
 namespace {
 
 constexpr std::uint16_t kNoLabel = 0xFFFF;
-constexpr int kLargestRatio = 32;  // r^3 labels fit 16 bits
 
 std::string number(double value) {
   std::array<char, 32> text{};
@@ -29,141 +29,6 @@ std::string number(double value) {
 }
 
 [[noreturn]] void refuse(const std::string& sentence) { throw RefusedError(ErrorCode::kInvalidInput, sentence); }
-
-void check_input(const Surface& surface, const LatticeSettings& settings) {
-  if (!(std::isfinite(settings.spacing) && settings.spacing > 0.0))
-    refuse("The lattice spacing is " + number(settings.spacing) + " mm; give a positive number.");
-  if (settings.fine_ratio < 1 || settings.fine_ratio > kLargestRatio)
-    refuse("The fine ratio is " + std::to_string(settings.fine_ratio) + "; give 1 to " + std::to_string(kLargestRatio) +
-           " voxels per cell edge (4 to 10 are usual).");
-  if (!(std::isfinite(settings.fill_floor) && settings.fill_floor > 0.0 && settings.fill_floor <= 1.0))
-    refuse("The least fill of a cell is " + number(settings.fill_floor) + "; give a fraction above 0 and at most 1.");
-  if (!settings.origin.allFinite()) refuse("The lattice origin is not finite; give three numbers in mm.");
-  if (surface.points.empty() || surface.triangles.empty()) refuse("The tissue surface is empty; give a closed mesh.");
-  for (std::size_t i = 0; i < surface.points.size(); ++i)
-    if (!surface.points[i].allFinite())
-      refuse("Point " + std::to_string(i) + " of the tissue surface is not finite (" + number(surface.points[i].x()) +
-             ", " + number(surface.points[i].y()) + ", " + number(surface.points[i].z()) + "); remove or repair it.");
-  const auto count = static_cast<std::int64_t>(surface.points.size());
-  for (std::size_t t = 0; t < surface.triangles.size(); ++t)
-    for (const std::int32_t p : surface.triangles[t])
-      if (p < 0 || p >= count)
-        refuse("Triangle " + std::to_string(t) + " of the tissue surface names point " + std::to_string(p) +
-               ", but there are " + std::to_string(count) + " points.");
-}
-
-// The points in steps relative to the box that holds them.
-struct Quantized {
-  VoxelBox box;
-  std::vector<StepPoint> points;
-};
-
-Quantized quantize(const Surface& surface, const LatticeSettings& settings) {
-  Quantized result;
-  const std::int64_t cell = settings.fine_ratio * kSteps;
-  result.points.resize(surface.points.size());
-  StepPoint low, high;
-  low.fill(std::numeric_limits<std::int64_t>::max());
-  high.fill(std::numeric_limits<std::int64_t>::min());
-  for (std::size_t i = 0; i < surface.points.size(); ++i)
-    for (std::size_t a = 0; a < 3; ++a) {
-      const auto axis = static_cast<Eigen::Index>(a);
-      const double steps =
-          (surface.points[i][axis] - settings.origin[axis]) / settings.spacing * static_cast<double>(cell);
-      if (std::abs(steps) > 1e15)
-        refuse("Point " + std::to_string(i) + " of the tissue surface lies " +
-               number(surface.points[i][axis] - settings.origin[axis]) +
-               " mm from the lattice origin, too far for this spacing; move the origin to the tissue.");
-      result.points[i][a] = std::llround(steps);
-      low[a] = std::min(low[a], result.points[i][a]);
-      high[a] = std::max(high[a], result.points[i][a]);
-    }
-  result.box.ratio = settings.fine_ratio;
-  StepPoint shift;
-  for (std::size_t a = 0; a < 3; ++a) {
-    const auto first = static_cast<std::int64_t>(std::floor(static_cast<double>(low[a]) / static_cast<double>(cell)));
-    const auto last = static_cast<std::int64_t>(std::ceil(static_cast<double>(high[a]) / static_cast<double>(cell)));
-    if (std::max(std::abs(first), std::abs(last)) > std::numeric_limits<std::int32_t>::max() / kLargestRatio)
-      refuse("The tissue lies too far from the lattice origin for a spacing of " + number(settings.spacing) +
-             " mm; move the origin to the tissue.");
-    result.box.low[a] = static_cast<std::int32_t>(first);
-    result.box.cells[a] = static_cast<std::int32_t>(std::max<std::int64_t>(1, last - first));
-    shift[a] = first * cell;
-  }
-  for (StepPoint& p : result.points)
-    for (std::size_t a = 0; a < 3; ++a) p[a] -= shift[a];
-  return result;
-}
-
-// The crossings of one axis, line by line from low to high.
-class Lines {
- public:
-  Lines(const Crossings& crossings, std::size_t axis, const VoxelBox& box)
-      : crossings_(crossings.all), axis_(axis), u_(axis == 0 ? 1 : 0), v_(axis == 2 ? 1 : 2) {
-    width_ = box.voxels(static_cast<int>(v_));
-    first_.assign(static_cast<std::size_t>(std::int64_t{box.voxels(static_cast<int>(u_))} * width_) + 1, 0);
-    for (const Crossing& c : crossings_)
-      if (c.axis == axis_) ++first_[line_of(c) + 1];
-    for (std::size_t i = 1; i < first_.size(); ++i) first_[i] += first_[i - 1];
-    order_.resize(first_.back());
-    std::vector<std::uint32_t> next(first_.begin(), first_.end() - 1);
-    for (std::size_t i = 0; i < crossings_.size(); ++i)
-      if (crossings_[i].axis == axis_) order_[next[line_of(crossings_[i])]++] = static_cast<std::uint32_t>(i);
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count(), 4096), [&](const auto& range) {
-      for (std::size_t line = range.begin(); line != range.end(); ++line) {
-        // Crossings at one place: entering ones last, so that coincident walls leave the tissue before they enter it.
-        std::sort(order_.begin() + first_[line], order_.begin() + first_[line + 1],
-                  [&](std::uint32_t i, std::uint32_t j) {
-                    const Crossing &a = crossings_[i], &b = crossings_[j];
-                    if (a.lower[axis_] != b.lower[axis_]) return a.lower[axis_] < b.lower[axis_];
-                    if (a.fraction != b.fraction) return a.fraction < b.fraction;
-                    return a.winding != b.winding ? a.winding < b.winding : i < j;
-                  });
-      }
-    });
-  }
-
-  std::size_t count() const { return first_.size() - 1; }
-  std::span<const std::uint32_t> on(std::size_t line) const {
-    return {order_.data() + first_[line], first_[line + 1] - first_[line]};
-  }
-  std::span<const std::uint32_t> on(std::int32_t u, std::int32_t v) const {
-    return on(static_cast<std::size_t>(std::int64_t{u} * width_ + v));
-  }
-
-  // Calls run(first, last + 1, winding) along a line for the voxels between crossings where the winding is not zero,
-  // and segment(lower, crossings, winding before, winding after) for every crossed segment. Returns the winding at the
-  // end: 0 for a closed surface.
-  template <class Run, class Segment>
-  int walk(std::size_t line, const Run& run, const Segment& segment) const {
-    const auto list = on(line);
-    int winding = 0;
-    std::int32_t from = 0;
-    for (std::size_t i = 0; i < list.size();) {
-      const std::int32_t lower = crossings_[list[i]].lower[axis_];
-      std::size_t j = i;
-      int after = winding;
-      for (; j < list.size() && crossings_[list[j]].lower[axis_] == lower; ++j) after += crossings_[list[j]].winding;
-      if (winding != 0 && from <= lower) run(from, lower + 1, winding);
-      segment(lower, list.subspan(i, j - i), winding, after);
-      winding = after;
-      from = lower + 1;
-      i = j;
-    }
-    return winding;
-  }
-
- private:
-  std::size_t line_of(const Crossing& c) const {
-    return static_cast<std::size_t>(std::int64_t{c.lower[u_]} * width_ + c.lower[v_]);
-  }
-  const std::vector<Crossing>& crossings_;
-  std::size_t axis_, u_, v_;
-  std::int64_t width_ = 0;
-  std::vector<std::uint32_t> first_, order_;
-};
-
-constexpr auto kIgnoreSegment = [](std::int32_t, std::span<const std::uint32_t>, int, int) {};
 
 }  // namespace
 
@@ -195,7 +60,7 @@ struct FineVoxels::Builder {
   }
 
   // A cell that nothing touches is like its first voxel throughout.
-  void mark_whole(const Lines& z_lines) {
+  void mark_whole(const CentreLines& z_lines) {
     const std::int32_t r = out.box_.ratio;
     tbb::parallel_for(tbb::blocked_range<std::int32_t>(0, out.box_.cells[0], 8), [&](const auto& range) {
       for (std::int32_t x = range.begin(); x != range.end(); ++x)
@@ -255,7 +120,7 @@ struct FineVoxels::Builder {
 
   // Walks the lines of one axis: cut links, inner voxels, and (for z) the inside voxels. Returns false if a line says
   // that the surface is open there.
-  bool sweep(const Lines& lines, std::size_t axis, std::size_t& open_line) {
+  bool sweep(const CentreLines& lines, std::size_t axis, std::size_t& open_line) {
     const std::size_t u = axis == 0 ? 1 : 0, v = axis == 2 ? 1 : 2;
     const std::int32_t width = out.box_.voxels(static_cast<int>(v)), length = out.box_.voxels(static_cast<int>(axis));
     std::atomic<std::size_t> open = lines.count();
@@ -388,7 +253,7 @@ FineVoxels::FineVoxels(const Surface& surface, const LatticeSettings& settings) 
   inner_.assign(builder.crossings.all.size(), Voxel{-1, -1, -1});
   builder.mark_touched();
   for (const std::size_t axis : {std::size_t{2}, std::size_t{1}, std::size_t{0}}) {
-    const Lines lines(builder.crossings, axis, box_);
+    const CentreLines lines(builder.crossings, axis, box_);
     if (axis == 2) {
       builder.mark_whole(lines);
       builder.number_cells();
@@ -458,7 +323,7 @@ std::vector<std::int8_t> FineVoxels::winding_numbers(const Surface& surface, con
                                              count_crossings(quantized.points, surface.triangles, box));
   const auto a = static_cast<std::size_t>(axis);
   const std::size_t u = a == 0 ? 1 : 0, v = a == 2 ? 1 : 2;
-  const Lines lines(crossings, a, box);
+  const CentreLines lines(crossings, a, box);
   std::vector<std::int8_t> result(static_cast<std::size_t>(box.voxels(0)) * static_cast<std::size_t>(box.voxels(1)) *
                                   static_cast<std::size_t>(box.voxels(2)));
   const auto width = static_cast<std::size_t>(box.voxels(static_cast<int>(v)));
