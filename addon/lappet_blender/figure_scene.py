@@ -116,8 +116,11 @@ def set_render(engine: str, samples: int, threads: int = 0) -> None:
     else:
         shading = scene.display.shading
         shading.light, shading.color_type = "STUDIO", "MATERIAL"
-        shading.show_shadows = shading.show_cavity = True
-        scene.view_settings.view_transform = "Standard"
+        shading.show_shadows, shading.show_cavity = False, True
+        scene.world.color = (0.86, 0.87, 0.88)
+        scene.view_settings.view_transform, scene.view_settings.exposure = "Standard", 0.6
+        for sheet in scene.objects:
+            sheet.hide_render = sheet.hide_render or sheet.name == "Backdrop"
 
 
 def set_size(size: tuple[int, int]) -> None:
