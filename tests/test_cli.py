@@ -171,7 +171,7 @@ def test_ctrl_c_writes_what_is_done(procedure: Path, solver: FakeSolver, tmp_pat
     solver.before = stop
     done = run("solve", procedure, "-o", tmp_path / "c.usdc")
     assert done.exit_code == 1
-    assert "Stopped before frame 6 was done." in done.stderr
+    assert "Stopped: 5 of 8 frames are done." in done.stderr
     assert Usd.Stage.Open(str(tmp_path / "c.usdc")).GetEndTimeCode() == 5
 
 

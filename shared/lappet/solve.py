@@ -187,7 +187,7 @@ def solve_program(program: Program, store: FrameStore, connect: Connect, solver:
                 done.append(result)
                 watch.frame(result)
             except KeyboardInterrupt:
-                return Frames(tuple(done), f"Stopped before frame {constraints.time:g} was done.", interrupted=True)
+                return Frames(tuple(done), f"Stopped: {len(done)} of {len(keys)} frames are done.", interrupted=True)
             except (RefusedError, SolverDiedError) as error:
                 return Frames(tuple(done), f"Frame {constraints.time:g} was not solved: {error}")
     return Frames(tuple(done))
