@@ -1,8 +1,8 @@
 """The corpus `tests/broken_inputs`: what is broken in each file, and what must be said about it.
 
-Beside each file stands `<name>.expected`: a block of lines `prim:`, `says:`, `mend:` (fragments), and `severity:` where it
-is not error, for each problem. Exactly these problems must be reported, no more and no fewer. A case without an input file
-is a file that does not exist. Add a file here for every input that once crashed something.
+Beside each file stands `<name>.expected`: a block of lines `prim:`, `says:`, `mend:` (fragments), and `severity:` where
+it is not error, for each problem. Exactly these problems must be reported, no more, no fewer. A case without an input
+file is a file that does not exist. Add a file here for every input that once crashed something.
 """
 
 from __future__ import annotations

@@ -54,7 +54,7 @@ def test_a_surface_without_triangles_is_refused() -> None:
         ClosestPoint(np.eye(3), np.zeros((0, 3), int))
 
 
-def test_a_hundred_points_on_a_hundred_thousand_triangles_take_well_under_a_second() -> None:
+def test_a_hundred_points_on_a_hundred_thousand_triangles_take_less_than_two_seconds() -> None:
     n = 224
     x, y = np.meshgrid(np.linspace(0, 100, n), np.linspace(0, 100, n), indexing="ij")
     vertices = np.stack([x, y, np.sin(x / 5)], axis=-1).reshape(-1, 3)
@@ -62,7 +62,7 @@ def test_a_hundred_points_on_a_hundred_thousand_triangles_take_well_under_a_seco
     lower = np.stack([corner, corner + n, corner + n + 1], axis=1)
     upper = np.stack([corner, corner + n + 1, corner + 1], axis=1)
     queries = np.random.default_rng(2).random((100, 3)) * [100, 100, 2]
-    start = time.perf_counter()
+    start = time.process_time()
     _, _, distance = closest_points(queries, vertices, np.concatenate([lower, upper]))
-    assert time.perf_counter() - start < 2.0
+    assert time.process_time() - start < 2.0
     assert (distance < 3.1).all()

@@ -36,7 +36,7 @@ def _frozen(values: ArrayLike, kind: DTypeLike, width: int = 0) -> NDArray[Any]:
 
 
 def _double(point: ArrayLike) -> Point:
-    x, y, z = (float(v) for v in np.asarray(point, np.float64))
+    x, y, z = (float(v) + 0.0 for v in np.asarray(point, np.float64))  # + 0.0: there is no negative zero
     return (x, y, z)
 
 
@@ -216,7 +216,7 @@ class Hook:
     stiffness: float = 500.0
 
     def __post_init__(self) -> None:
-        targets = tuple((float(time), _double(target)) for time, target in self.targets)
+        targets = tuple((float(time) + 0.0, _double(target)) for time, target in self.targets)
         _set(self, anchor=_double(self.anchor), targets=targets)
 
 
@@ -237,7 +237,7 @@ class Retractor:
 
     def __post_init__(self) -> None:
         motion = tuple(
-            (float(time), tuple(float(v) for v in np.asarray(matrix, np.float64).reshape(-1)))
+            (float(time) + 0.0, tuple(float(v) + 0.0 for v in np.asarray(matrix, np.float64).reshape(-1)))
             for time, matrix in self.motion
         )
         _set(self, motion=motion)

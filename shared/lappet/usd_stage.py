@@ -110,7 +110,7 @@ def save_layer(layer: Any, path: str | os.PathLike[str]) -> None:
         raise _refused(file, "no such folder", f"The folder {file.parent} does not exist.", "Make the folder first.")
     with tempfile.TemporaryDirectory(prefix=f".{file.stem}-", dir=file.parent) as folder:
         fresh = Path(folder) / file.name
-        quiet = pxr().UsdUtils.CoalescingDiagnosticDelegate()  # time codes raise the crate version, and USD says so
+        quiet = pxr().UsdUtils.CoalescingDiagnosticDelegate()
         try:
             written = layer.Export(str(fresh))
         except pxr().Tf.ErrorException as cause:

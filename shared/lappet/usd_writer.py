@@ -195,7 +195,8 @@ class _Values:
         self.author(name, self._usd.Sdf.ValueTypeNames.Double, float(value))
 
     def time(self, name: str, value: float) -> None:
-        self.author(name, self._usd.Sdf.ValueTypeNames.TimeCode, self._usd.Sdf.TimeCode(float(value)))
+        # Not of the type timecode, of which .usda files keep only six digits.
+        self.double(name, value)
 
     def relate(self, name: str, target: str) -> None:
         self._prim.CreateRelationship(f"lappet:{name}", custom=False).SetTargets([target])
