@@ -35,7 +35,7 @@ def daemons() -> list[int]:
 
 
 class DuringFrame(Watcher):
-    """Does something once, at the second Newton iteration of a frame."""
+    """Does something once, at the first Newton iteration of a frame that the daemon tells of."""
 
     def __init__(self, time: float, signal_daemon: int | None) -> None:
         self._time = time
@@ -44,7 +44,7 @@ class DuringFrame(Watcher):
         self.done = False
 
     def iteration(self, iteration: Iteration) -> None:
-        if self.done or iteration.time != self._time or iteration.newton < 1:
+        if self.done or iteration.time != self._time:
             return
         self.done = True
         if self._signal is None:
