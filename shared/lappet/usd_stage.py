@@ -150,8 +150,9 @@ def read_what_can_be(
 def write_procedure(procedure: Procedure, path: str | os.PathLike[str]) -> None:
     """Writes a procedure to a .usda or .usdc file, atomically.
 
-    Reading it back gives an equal procedure. Raises ProcedureError where a name cannot be the name of a prim or is used
-    twice.
+    Reading it back gives an equal procedure. The file is replaced: prims and attributes of other tools are not kept, so
+    put cameras and lights into a layer of their own that has this file as a sublayer. Raises ProcedureError where a
+    name cannot be the name of a prim or is used twice.
     """
     save_layer(usd_writer.layer(procedure, pxr()), path)
 
