@@ -50,7 +50,7 @@ def turn_flat_triangles(surface: Surface, height: float) -> Surface:
             before = _heights(points, triangles[[face, other]]).min()
             if _heights(points, fresh).min() <= before:
                 continue
-            uv_b, uv_a, uv_d = (uv[other, (at + k) % 3] for k in range(3))
+            uv_b, uv_a, uv_d = (uv[other, (at + k) % 3].copy() for k in range(3))
             t = float(np.clip(np.dot(points[c] - points[a], points[b] - points[a]) / lengths[first] ** 2, 0.0, 1.0))
             uv_c = uv_a + t * (uv_b - uv_a)
             triangles[face], triangles[other] = fresh

@@ -64,6 +64,7 @@ def cutter(ribbon: Ribbon, kerf: float, above: float, ids: tuple[int, int, int])
         merge_to_vert=seam.astype(np.uint64),
         run_index=(3 * sizes).astype(np.uint64),
         run_original_id=np.array(ids, np.uint32),
+        face_id=np.arange(len(triangles), dtype=np.uint64),  # so that long walls keep their sections
     )
     return manifold3d.Manifold(mesh)
 
@@ -112,8 +113,9 @@ def tidy(tissue: LabelledSolid, spacing: float, tolerance: float) -> LabelledSol
     Triangles that no cut has touched stay as they are, to the bit.
     """
     if tolerance > 0.0:
-        simple = tissue.with_solid(tissue.solid.simplify(tolerance)).surface()
-        simple = turn_flat_triangles(collapse_short_edges(simple, tolerance), tolerance)
+        simple = tissue.surface()
+        for _ in range(3):  # what one step is kept from, the other may make possible
+            simple = turn_flat_triangles(collapse_short_edges(simple, tolerance), tolerance)
         tissue = LabelledSolid.from_surface(simple)
     fine = tissue.with_solid(tissue.solid.refine_to_length(1.5 * spacing))
     # Every triangle becomes a face of its own, so that no later step merges what was refined.

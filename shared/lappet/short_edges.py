@@ -104,4 +104,4 @@ def _can_collapse(
     longest = np.linalg.norm(np.roll(before, -1, axis=1) - before, axis=2).max(axis=1)
     flat = size_old < length * longest
     alike = np.einsum("ij,ij->i", old, new) >= 0.5 * size_old * size_new
-    return bool((flat | alike).all() and (size_new > 1e-3 * length * length).all())
+    return bool((flat | (alike & (size_new > 1e-3 * length * length))).all())
