@@ -62,7 +62,9 @@ TYPED_TEST(Materials, TangentIsTheDerivativeOfTheStress) {
     const int pairs[3][2] = {{0, 1}, {0, 2}, {1, 2}};
     for (int k = 0; k < 3; ++k) {
       const int i = pairs[k][0], j = pairs[k][1];
-      if (std::abs(s[i] - s[j]) > 1e-3) EXPECT_NEAR(t.stretch[k], (p[i] - p[j]) / (s[i] - s[j]), 1e-7 * (1 + std::abs(t.stretch[k])));
+      if (std::abs(s[i] - s[j]) > 1e-3) {
+        EXPECT_NEAR(t.stretch[k], (p[i] - p[j]) / (s[i] - s[j]), 1e-7 * (1 + std::abs(t.stretch[k])));
+      }
       EXPECT_NEAR(t.rotation[k], (p[i] + p[j]) / (s[i] + s[j]), 1e-7 * (1 + std::abs(t.rotation[k])));
     }
   });

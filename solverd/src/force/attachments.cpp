@@ -5,6 +5,8 @@
 #include <map>
 #include <tuple>
 
+#include "lattice/embedding.h"
+
 namespace lappet {
 
 namespace {
@@ -34,6 +36,7 @@ int lattice_side(const EmbeddedPoint& point, const Vec3& normal) {
 Attachments attach(const Lattice& lattice, const Surface& surface, std::span<const std::uint8_t> fixed,
                    std::span<const std::uint8_t> bed, std::span<const std::int32_t> grip) {
   const double h = lattice.settings.spacing;
+  Embedder embedder(lattice, surface);
   std::map<std::tuple<std::int32_t, std::int32_t, int>, Bucket> buckets;  // ordered: the result is deterministic
   for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
     std::int32_t groups[2];
@@ -59,8 +62,8 @@ Attachments attach(const Lattice& lattice, const Surface& surface, std::span<con
       for (int j = 0; j < 2 * (n - i) - 1; ++j) {  // the upright and inverted triangles of row i
         const bool inverted = j % 2 == 1;
         const double s = (j / 2 + (inverted ? 2.0 / 3 : 1.0 / 3)) / n, r = (i + (inverted ? 2.0 / 3 : 1.0 / 3)) / n;
-        const EmbeddedPoint point =
-            embed_on_triangle(lattice, surface, a + s * ab + r * ac, static_cast<std::int32_t>(t));
+        const auto triangle = static_cast<std::int32_t>(t);
+        const EmbeddedPoint point = embedder.embed(a + s * ab + r * ac, {&triangle, 1});
         const int side = lattice_side(point, normal);
         for (int g = 0; g < count; ++g) {
           auto& bucket = buckets[{point.cell, groups[g], side}];
@@ -85,7 +88,13 @@ Attachments attach(const Lattice& lattice, const Surface& surface, std::span<con
           if (owner != kFixedGroup) owner = group;
         }
     } else {
-      result.forms.push_back({cell, group, bucket.area, bucket.gram});
+      FaceForm form{cell, group, bucket.area, bucket.gram};
+      if (group != kBedGroup) {
+        const double scale = h * h / bucket.area;
+        for (double& value : form.gram) value *= scale;
+        form.area = h * h;
+      }
+      result.forms.push_back(form);
     }
   }
   return result;

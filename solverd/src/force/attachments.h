@@ -3,8 +3,9 @@
 // A held face holds its surface points, not whole cells. With W_s the trilinear weights of a point s of the face and
 // xbar the rigidly moved rest positions, W_s (x - xbar) = 0 for every s is the quadratic form (x - xbar)^T M (x - xbar) = 0,
 // M = sum of area W_s^T W_s per cell. Where a face lies on a lattice plane M only sees the four nodes of that plane: they are
-// prescribed exactly. Elsewhere the form is a penalty with multipliers (augmented Lagrangian). Bed faces are the same form
-// with the bed's stiffness and no multipliers.
+// prescribed exactly. Elsewhere the form is a penalty with multipliers (augmented Lagrangian); there only the demand counts,
+// so that a sliver of a face weighs as much as a whole face and its multiplier converges as fast. Bed faces are the same
+// form with the bed's stiffness and no multipliers.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -22,8 +23,8 @@ inline constexpr std::int32_t kFree = -3;
 struct FaceForm {
   std::int32_t cell;
   std::int32_t group;
-  double area;                  // mm^2
-  std::array<double, 64> gram;  // integral of W^T W over the face inside the cell, mm^2
+  double area;                  // what the form integrates 1 to, mm^2
+  std::array<double, 64> gram;  // integral of W^T W over the face inside the cell; held: scaled to the area h^2; mm^2
 };
 
 struct Attachments {

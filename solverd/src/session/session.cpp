@@ -75,7 +75,6 @@ class TypedSession : public Session::Implementation {
     suture_gaps_ = state.suture_gaps;
     suture_multipliers_ = state.suture_multipliers;
     held_multipliers_ = state.grip_multipliers;
-    previous_.reset();
   }
 
   FrameOutput solve(const FrameInput& frame, const ProgressCallback& progress,
@@ -155,32 +154,29 @@ class TypedSession : public Session::Implementation {
     return report;
   }
 
-  // The frame at a fraction of the way from the previous one.
+  // The frame at a fraction of the way from where the constraints are now.
   FrameInput partway(const FrameInput& frame, double s) const {
     FrameInput result = frame;
-    for (auto& hook : result.hooks) {
-      Vec3 from = position<Real>(*lattice_, embed_on_triangle(*lattice_, epoch_->surface, hook.anchor.point, hook.anchor.triangle), u_);
-      if (previous_)
-        for (const auto& before : previous_->hooks)
-          if (before.anchor.point == hook.anchor.point) from = before.target;
-      hook.target = (1 - s) * from + s * hook.target;
-    }
+    for (auto& hook : result.hooks) hook.target = (1 - s) * where(hook.anchor) + s * hook.target;
     for (auto& suture : result.sutures) {
-      double from = 0.0;
-      if (previous_)
-        for (const auto& before : previous_->sutures)
-          if (before.index == suture.index) from = before.closure;
-      suture.closure = (1 - s) * from + s * suture.closure;
+      const double* gap = &suture_gaps_[3 * static_cast<std::size_t>(suture.index)];
+      if (std::isnan(gap[0])) {
+        suture.closure *= s;
+        continue;
+      }
+      const Vec3 placed(gap[0], gap[1], gap[2]);
+      const double now = (where(suture.a) - where(suture.b)).dot(placed) / std::max(placed.squaredNorm(), 1e-300);
+      suture.closure = (1 - s) * std::clamp(1.0 - now, 0.0, 1.0) + s * suture.closure;
     }
-    for (auto& retractor : result.retractors) {
-      Eigen::Matrix4d from = Eigen::Matrix4d::Identity();
-      if (previous_)
-        for (const auto& before : previous_->retractors)
-          if (before.index == retractor.index) from = before.motion;
-      retractor.motion = between(from, retractor.motion, s);
-    }
+    for (auto& retractor : result.retractors)
+      retractor.motion = between(system_->present_motion(retractor.index, u_), retractor.motion, s);
     return result;
   }
+
+  EmbeddedPoint embed(const Anchor& anchor) const {
+    return embed_on_triangle(*lattice_, epoch_->surface, anchor.point, anchor.triangle);
+  }
+  Vec3 where(const Anchor& anchor) const { return position<Real>(*lattice_, embed(anchor), u_); }
 
   // Turns a frame into the system's constraints at the present state.
   void constrain(const FrameInput& frame) {
@@ -198,9 +194,6 @@ class TypedSession : public Session::Implementation {
       else
         std::fill(held.begin(), held.end(), 0.0);
     }
-    const auto embed = [&](const Anchor& anchor) {
-      return embed_on_triangle(*lattice_, epoch_->surface, anchor.point, anchor.triangle);
-    };
     std::vector<Tie> ties;
     for (const auto& hook : frame.hooks) ties.push_back(make_hook(*lattice_, embed(hook.anchor), hook.target, hook.stiffness));
     const double unit = settings_.material.youngs_modulus * settings_.spacing;
@@ -249,9 +242,11 @@ class TypedSession : public Session::Implementation {
     EquilibriumOutcome outcome;
     for (int steps = 1; steps <= kMostLoadSteps; steps *= 2) {
       restore(before);
-      for (int step = 1; step <= steps; ++step) {
-        // partway looks at the state before the frame only through hooks that are new in it
-        const FrameInput part = step == steps ? frame : partway(frame, static_cast<double>(step) / steps);
+      preconditioner_->restart();
+      std::vector<FrameInput> path;
+      for (int step = 1; step < steps; ++step) path.push_back(partway(frame, static_cast<double>(step) / steps));
+      path.push_back(frame);
+      for (const auto& part : path) {
         constrain(part);
         outcome = find_equilibrium<Real>(*system_, *preconditioner_, u_, options, hooks);
         output.newton_iterations += outcome.newton_iterations;
@@ -264,7 +259,6 @@ class TypedSession : public Session::Implementation {
       }
       output.load_steps = steps;
       if (outcome.converged || hooks.stop()) break;
-      preconditioner_->forget();
     }
     if (!outcome.converged && hooks.stop()) {
       restore(before);
@@ -283,10 +277,7 @@ class TypedSession : public Session::Implementation {
     output.inverted_cells = outcome.inverted;
     output.energy = outcome.energy;
     write_fields(frame, output);
-    if (outcome.converged)
-      previous_ = frame;
-    else
-      restore(before);
+    if (!outcome.converged) restore(before);
     output.state.is_double = std::is_same_v<Real, double>;
     output.state.nodes.assign(u_.begin(), u_.end());
     output.state.suture_gaps = suture_gaps_;
@@ -304,9 +295,6 @@ class TypedSession : public Session::Implementation {
     for (const auto& point : lattice_->surface_points) push(output.points, position<Real>(*lattice_, point, u_));
     for (const auto& point : landmarks_) push(output.landmarks, position<Real>(*lattice_, point, u_));
     write_surface_fields<Real>(system_->elastic(), u_, output);
-    const auto where = [&](const Anchor& anchor) {
-      return position<Real>(*lattice_, embed_on_triangle(*lattice_, epoch_->surface, anchor.point, anchor.triangle), u_);
-    };
     for (std::size_t k = 0; k < frame.hooks.size(); ++k) {
       const Tie& tie = system_->ties()[k];
       push(output.hook_forces, -tie.force(tie.value<Real>(u_)));
@@ -331,7 +319,6 @@ class TypedSession : public Session::Implementation {
   std::vector<Real> u_;
   std::vector<EmbeddedPoint> landmarks_;
   std::vector<double> suture_gaps_, suture_multipliers_, held_multipliers_;
-  std::optional<FrameInput> previous_;
 };
 
 }  // namespace

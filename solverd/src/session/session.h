@@ -10,6 +10,8 @@ namespace lappet {
 
 class Session {
  public:
+  class Implementation;  // by precision, see session.cpp
+
   // Throws RefusedError where a setting makes no sense (names it, its value and the mend).
   explicit Session(const SessionSettings& settings);
   ~Session();
@@ -24,7 +26,6 @@ class Session {
   FrameOutput solve(const FrameInput& frame, const ProgressCallback& progress, const std::atomic<bool>& cancel);
 
  private:
-  class Implementation;
   std::unique_ptr<Implementation> implementation_;
 };
 

@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <cmath>
+#include <limits>
 
 #include "solve/conjugate_gradients.h"
 
@@ -16,8 +17,9 @@ constexpr double kLeastStep = 1e-5;
 constexpr double kStepCap = 8.0;  // spacings a node may move in one iteration
 constexpr int kMostLinearIterations = 400;
 constexpr int kMostMultiplierUpdates = 60;
-// While the gaps are open the residual need not be driven below this many tolerances before the multipliers move on.
-constexpr double kLooseTolerance = 10.0;
+// While gaps are open the residual need not be below the tolerance before the multipliers move on: this many tolerances at
+// most, in proportion to the gap. Where a gap does not shrink by kGapProgress the residual hides it: solve more exactly.
+constexpr double kLooseTolerance = 10.0, kGapProgress = 0.7, kStricter = 0.3, kStrictest = 0.02;
 // The quadratic model is trusted, and eigenvalues are clamped, while predicted and actual decrease agree to this.
 constexpr double kModelAgreement = 0.01;
 
@@ -45,6 +47,7 @@ EquilibriumOutcome find_equilibrium(System<Real>& system, TwoLevel<Real>& precon
   EquilibriumOutcome outcome;
   Definiteness definiteness = Definiteness::kClamp;
   int multiplier_updates = 0;
+  double strictness = 1.0, previous_gap = std::numeric_limits<double>::infinity();
   Stopwatch watch;
 
   Evaluation now = system.evaluate(u);
@@ -69,7 +72,8 @@ EquilibriumOutcome find_equilibrium(System<Real>& system, TwoLevel<Real>& precon
     if (!moves) {
       while (true) {  // multipliers
         const bool open = outcome.gap > options.gap_tolerance;
-        if (outcome.residual > options.tolerance * (open ? kLooseTolerance : 1.0)) break;
+        const double looseness = std::clamp(outcome.gap / options.gap_tolerance, 1.0, kLooseTolerance);
+        if (outcome.residual > options.tolerance * (open ? strictness * looseness : 1.0)) break;
         if (!open) {
           if (!options.inverts && now.inverted > 0)
             return fail(fmt::format("{} cells are inverted at rest (smallest J {:.3g}); make smaller steps between frames "
@@ -82,6 +86,8 @@ EquilibriumOutcome find_equilibrium(System<Real>& system, TwoLevel<Real>& precon
           return fail(fmt::format("a suture or a held face keeps a gap of {:.3g} mm (tolerance {:.3g} mm); its demands "
                                   "contradict others or need more force than the tissue bears",
                                   outcome.gap, options.gap_tolerance));
+        if (outcome.gap > kGapProgress * previous_gap) strictness = std::max(kStricter * strictness, kStrictest);
+        previous_gap = outcome.gap;
         system.update_multipliers(u);
         now = system.evaluate(u);
         record();
@@ -105,7 +111,7 @@ EquilibriumOutcome find_equilibrium(System<Real>& system, TwoLevel<Real>& precon
     } else {
       for (std::size_t i = 0; i < size; ++i) rhs[i] = static_cast<Real>(-gradient[i]);
     }
-    const double target = std::clamp(0.3 * options.tolerance / std::max(outcome.residual, 1e-300), 1e-2, 0.1);
+    const double target = std::clamp(0.3 * strictness * options.tolerance / std::max(outcome.residual, 1e-300), 1e-2, 0.1);
     const LinearOutcome linear = conjugate_gradients<Real>(system, preconditioner, rhs, step,
                                                            moves ? 1e-3 : target, kMostLinearIterations, hooks.stop);
     outcome.pcg_iterations += linear.iterations;

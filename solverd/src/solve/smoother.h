@@ -17,6 +17,7 @@ class Smoother {
 
   // Takes the system's current tangent.
   void update();
+  void restart() { eigenvector_.clear(); }
   // x = p(D^-1 K) D^-1 b from a zero start; symmetric in b.
   void apply(std::span<const Real> b, std::span<Real> x) const;
   double largest_eigenvalue() const { return largest_; }

@@ -1,5 +1,6 @@
 #include "solve/system.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -252,6 +253,24 @@ bool System<Real>::prescribed_increment(std::span<const Real> u, std::span<Real>
     }
   }
   return any;
+}
+
+template <class Real>
+Eigen::Matrix4d System<Real>::present_motion(std::int32_t retractor, std::span<const Real> u) const {
+  std::vector<std::size_t> gripped;
+  for (std::size_t n = 0; n < free_.size(); ++n)
+    if (attachments_.node_group[n] == retractor) gripped.push_back(n);
+  for (const auto& form : attachments_.forms)
+    if (form.group == retractor)
+      for (const std::int32_t n : elastic_.lattice().cell_nodes[static_cast<std::size_t>(form.cell)])
+        gripped.push_back(static_cast<std::size_t>(n));
+  if (gripped.size() < 3) return Eigen::Matrix4d::Identity();
+  Eigen::Matrix3Xd rest(3, gripped.size()), now(3, gripped.size());
+  for (std::size_t k = 0; k < gripped.size(); ++k) {
+    rest.col(static_cast<Eigen::Index>(k)) = elastic_.lattice().node_rest[gripped[k]];
+    now.col(static_cast<Eigen::Index>(k)) = elastic_.lattice().node_rest[gripped[k]] + at(u, gripped[k]);
+  }
+  return Eigen::umeyama(rest, now, false);
 }
 
 template <class Real>

@@ -42,6 +42,9 @@ class System {
   // What is left to move the prescribed nodes to where they belong; true if any.
   bool prescribed_increment(std::span<const Real> u, std::span<Real> increment) const;
 
+  // The rigid motion that the nodes gripped by a retractor have now (least squares).
+  Eigen::Matrix4d present_motion(std::int32_t retractor, std::span<const Real> u) const;
+
   // The largest violation of what must hold exactly, mm: sutures, and held faces off the lattice planes (root mean square
   // over the face in a cell).
   double largest_gap(std::span<const Real> u) const;

@@ -33,7 +33,11 @@ class TwoLevel {
     else
       stale_ = stale_ || iterations_per_digit > 1.6 * first_iterations_;
   }
-  void forget() { stale_ = true; }
+  // Starts afresh, so that what follows depends on the state alone and a resumed solve repeats it bit for bit.
+  void restart() {
+    stale_ = true;
+    smoother_.restart();
+  }
 
   void apply(std::span<const Real> b, std::span<Real> x) const {
     smoother_.apply(b, x);

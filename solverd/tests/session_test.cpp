@@ -1,0 +1,452 @@
+// Equilibria against formulas: each state is one that a box takes under fixed faces, retractors, gravity, a bed, a suture.
+#include "session/session.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <limits>
+
+#include "box.h"
+#include "lattice/refused.h"
+
+namespace lappet {
+namespace {
+
+const std::atomic<bool> kNever{false};
+
+Eigen::Matrix4d translation(const Vec3& t) {
+  Eigen::Matrix4d m = Eigen::Matrix4d::Identity();
+  m.topRightCorner<3, 1>() = t;
+  return m;
+}
+
+FrameInput pulled(std::vector<Vec3> translations) {
+  FrameInput frame;
+  frame.time = 1;
+  for (std::size_t r = 0; r < translations.size(); ++r)
+    frame.retractors.push_back({static_cast<std::int32_t>(r), translation(translations[r])});
+  return frame;
+}
+
+// Follows a point of the surface.
+void add_landmark(EpochInput& epoch, const Vec3& point) {
+  std::int32_t best = 0;
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t t = 0; t < epoch.surface.triangles.size(); ++t) {
+    const auto& c = epoch.surface.triangles[t];
+    const Vec3 a = epoch.surface.points[static_cast<std::size_t>(c[0])], b = epoch.surface.points[static_cast<std::size_t>(c[1])],
+               d = epoch.surface.points[static_cast<std::size_t>(c[2])];
+    const Vec3 n = (b - a).cross(d - a).normalized();
+    const double off = std::abs((point - a).dot(n));
+    const bool inside = (b - a).cross(point - a).dot(n) >= -1e-9 && (d - b).cross(point - b).dot(n) >= -1e-9 &&
+                        (a - d).cross(point - d).dot(n) >= -1e-9;
+    if (inside && off < least) {
+      least = off;
+      best = static_cast<std::int32_t>(t);
+    }
+  }
+  epoch.landmarks.push_back(point);
+  epoch.landmark_triangles.push_back(best);
+}
+
+Vec3 landmark(const FrameOutput& output, std::size_t k) {
+  return {output.landmarks[3 * k], output.landmarks[3 * k + 1], output.landmarks[3 * k + 2]};
+}
+
+struct Accuracy {
+  int quadrature;
+  const char* precision;
+  double tolerance;  // of the solver
+  double error;      // relative, allowed
+};
+
+class BoxStates : public ::testing::TestWithParam<Accuracy> {
+ protected:
+  SessionSettings settings(const char* model, double poisson) const {
+    SessionSettings s;
+    s.quadrature = GetParam().quadrature;
+    s.precision = GetParam().precision;
+    s.tolerance = GetParam().tolerance;
+    s.material.model = model;
+    s.material.youngs_modulus = 50;
+    s.material.poissons_ratio = poisson;
+    s.threads = 2;
+    return s;
+  }
+};
+
+// P_hat of neo-Hookean for given stretches, kPa.
+Vec3 neo_hookean(const MaterialParameters& m, const Vec3& s) {
+  const double j = s[0] * s[1] * s[2], p = m.lambda() * std::log(j) - m.mu();
+  return {m.mu() * s[0] + p / s[0], m.mu() * s[1] + p / s[1], m.mu() * s[2] + p / s[2]};
+}
+
+// The stretch of the free directions for which they carry no stress, by bisection.
+double free_stretch(const std::function<double(double)>& stress) {
+  double low = 0.3, high = 1.5;
+  for (int k = 0; k < 200; ++k) (stress(0.5 * (low + high)) < 0 ? low : high) = 0.5 * (low + high);
+  return 0.5 * (low + high);
+}
+
+TEST_P(BoxStates, UniaxialTensionInTheMiddleOfALongBar) {
+  SessionSettings s = settings("neoHookean", 0.45);
+  s.retractors = 1;
+  Session session(s);
+  EpochInput epoch = make_epoch(box_surface({0, 0, 0}, {40, 4, 4}), [](const Vec3& c) { return c[0] < 1e-9; },
+                                [](const Vec3& c) { return c[0] > 40 - 1e-9 ? 0 : -1; });
+  for (const Vec3& p : {Vec3(18, 2, 4), Vec3(22, 2, 4), Vec3(20, 0, 2), Vec3(20, 4, 2), Vec3(20, 2, 0), Vec3(20, 2, 4)})
+    add_landmark(epoch, p);
+  session.set_epoch(epoch);
+  const FrameOutput out = session.solve(pulled({Vec3(12, 0, 0)}), {}, kNever);
+  ASSERT_TRUE(out.converged) << out.reason;
+  const double axial = (landmark(out, 1) - landmark(out, 0)).norm() / 4;
+  const double lateral_y = (landmark(out, 3) - landmark(out, 2)).norm() / 4;
+  const double lateral_z = (landmark(out, 5) - landmark(out, 4)).norm() / 4;
+  const double expected = free_stretch([&](double t) { return neo_hookean(s.material, {axial, t, t})[1]; });
+  EXPECT_GT(axial, 1.25);
+  EXPECT_NEAR(lateral_y, expected, GetParam().error * expected);
+  EXPECT_NEAR(lateral_z, expected, GetParam().error * expected);
+}
+
+TEST_P(BoxStates, EquibiaxialTensionInTheMiddleOfASheet) {
+  SessionSettings s = settings("neoHookean", 0.4);
+  s.spacing = 2;
+  s.retractors = 4;
+  Session session(s);
+  Surface surface = box_surface({0, 0, 0}, {64, 64, 2});
+  // a vertex in the middle of the top shows the stress there
+  surface.points.emplace_back(32, 32, 2);
+  const auto middle = static_cast<std::int32_t>(surface.points.size() - 1);
+  std::vector<std::array<std::int32_t, 3>> triangles;
+  for (const auto& t : surface.triangles) {
+    const bool top = surface.points[static_cast<std::size_t>(t[0])][2] > 1 && surface.points[static_cast<std::size_t>(t[1])][2] > 1 &&
+                     surface.points[static_cast<std::size_t>(t[2])][2] > 1;
+    if (!top) triangles.push_back(t);
+  }
+  for (const auto& edge : {std::array{1, 5}, std::array{5, 7}, std::array{7, 3}, std::array{3, 1}})
+    triangles.push_back({edge[0], edge[1], middle});
+  surface.triangles = triangles;
+  EpochInput epoch = make_epoch(surface, {}, [](const Vec3& c) {
+    return c[0] < 1e-9 ? 0 : c[0] > 64 - 1e-9 ? 1 : c[1] < 1e-9 ? 2 : c[1] > 64 - 1e-9 ? 3 : -1;
+  });
+  for (const Vec3& p : {Vec3(30, 32, 2), Vec3(34, 32, 2), Vec3(32, 32, 0), Vec3(32, 32, 2)}) add_landmark(epoch, p);
+  session.set_epoch(epoch);
+  const double d = 8;
+  const FrameOutput out =
+      session.solve(pulled({Vec3(-d, 0, 0), Vec3(d, 0, 0), Vec3(0, -d, 0), Vec3(0, d, 0)}), {}, kNever);
+  ASSERT_TRUE(out.converged) << out.reason;
+  const double stretch = (landmark(out, 1) - landmark(out, 0)).norm() / 4;
+  const double thickness = (landmark(out, 3) - landmark(out, 2)).norm() / 2;
+  const double expected = free_stretch([&](double t) { return neo_hookean(s.material, {stretch, stretch, t})[2]; });
+  EXPECT_GT(stretch, 1.15);
+  EXPECT_NEAR(thickness, expected, GetParam().error * expected);
+  const Vec3 p = neo_hookean(s.material, {stretch, stretch, expected});
+  const double cauchy = p[0] / (stretch * expected);
+  EXPECT_NEAR(out.tension[static_cast<std::size_t>(middle)], cauchy, std::max(GetParam().error, 1e-3) * cauchy);
+  EXPECT_NEAR(out.stress[static_cast<std::size_t>(middle)], cauchy, std::max(GetParam().error, 1e-3) * cauchy);
+  EXPECT_NEAR(out.strain[static_cast<std::size_t>(middle)], stretch - 1, std::max(GetParam().error, 1e-3) * stretch);
+}
+
+TEST_P(BoxStates, SimpleShearBetweenTwoPlates) {
+  SessionSettings s = settings("neoHookean", 0.3);
+  s.retractors = 1;
+  s.spacing = 1;
+  Session session(s);
+  EpochInput epoch = make_epoch(box_surface({0, 0, 0}, {32, 8, 4}),
+                                [](const Vec3& c) { return c[2] < 1e-9 || c[1] < 1e-9 || c[1] > 8 - 1e-9; },
+                                [](const Vec3& c) { return c[2] > 4 - 1e-9 ? 0 : -1; });
+  // only top and bottom are held
+  for (std::size_t t = 0; t < epoch.fixed.size(); ++t) epoch.fixed[t] = centre(epoch.surface, t)[2] < 1e-9;
+  add_landmark(epoch, Vec3(16, 0, 1));
+  add_landmark(epoch, Vec3(16, 0, 2));
+  add_landmark(epoch, Vec3(16, 0, 3));
+  session.set_epoch(epoch);
+  const double gamma = 0.5;
+  const FrameOutput out = session.solve(pulled({Vec3(4 * gamma, 0, 0)}), {}, kNever);
+  ASSERT_TRUE(out.converged) << out.reason;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double z = 1.0 + static_cast<double>(k);
+    EXPECT_NEAR(landmark(out, k)[0], 16 + gamma * z, std::max(GetParam().error, 1e-3) * 4 * gamma) << z;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(DefaultAndReference, BoxStates,
+                         ::testing::Values(Accuracy{1, "float", 1e-3, 0.01}, Accuracy{8, "double", 1e-8, 1e-3}),
+                         [](const auto& info) { return std::string(info.param.precision) + std::to_string(info.param.quadrature); });
+
+TEST(Session, ABarHangingUnderItsOwnWeightLengthensAsTheFormulaSays) {
+  SessionSettings s;
+  s.spacing = 1;
+  s.material.model = "corotated";
+  s.material.poissons_ratio = 0.0;
+  s.material.youngs_modulus = 50;
+  s.gravity = Vec3(0, 0, -9.81);
+  s.tolerance = 1e-5;
+  s.precision = "double";
+  Session session(s);
+  EpochInput epoch = make_epoch(box_surface({0, 0, 0}, {3, 3, 30}), [](const Vec3& c) { return c[2] > 30 - 1e-9; });
+  add_landmark(epoch, Vec3(1.5, 1.5, 0));
+  session.set_epoch(epoch);
+  FrameInput frame;
+  const FrameOutput out = session.solve(frame, {}, kNever);
+  ASSERT_TRUE(out.converged) << out.reason;
+  const double weight = s.material.density * 9.81 * 1e-6;  // mN/mm^3
+  EXPECT_NEAR(-landmark(out, 0)[2], weight * 30 * 30 / (2 * 50), 1e-3 * weight * 9);
+}
+
+TEST(Session, ATissueOnABedSinksByItsWeightOverTheBedsStiffness) {
+  SessionSettings s;
+  s.spacing = 1;
+  s.material.model = "corotated";
+  s.material.poissons_ratio = 0.0;  // no sideways swelling: the weight stays even
+  s.gravity = Vec3(0, 0, -9.81);
+  s.bed_stiffness = 2.0;
+  s.tolerance = 1e-6;
+  s.precision = "double";
+  Session session(s);
+  EpochInput epoch = make_epoch(box_surface({0, 0, 0}, {6, 6, 4}), {}, {}, [](const Vec3& c) { return c[2] < 1e-9; });
+  add_landmark(epoch, Vec3(3, 3, 0));
+  session.set_epoch(epoch);
+  const FrameOutput out = session.solve(FrameInput{}, {}, kNever);
+  ASSERT_TRUE(out.converged) << out.reason;
+  const double expected = s.material.density * 9.81e-6 * 4 / 2.0;
+  EXPECT_NEAR(-landmark(out, 0)[2], expected, 1e-3 * expected);
+}
+
+Surface two_halves(double gap) {
+  Surface surface = box_surface({0, 0, 0}, {10 - gap / 2, 6, 3});
+  append(surface, box_surface({10 + gap / 2, 0, 0}, {20, 6, 3}));
+  return surface;
+}
+
+TEST(Session, AThroughCutLeavesTwoBodiesThatMoveApartWithoutForce) {
+  for (const double gap : {0.01, 0.3}) {
+    SessionSettings s;
+    s.spacing = 1;
+    s.retractors = 1;
+    Session session(s);
+    EpochInput epoch = make_epoch(two_halves(gap), [](const Vec3& c) { return c[0] < 1e-9; },
+                                  [](const Vec3& c) { return c[0] > 20 - 1e-9 ? 0 : -1; });
+    EXPECT_EQ(session.set_epoch(epoch).fragments, 2);
+    const FrameOutput out = session.solve(pulled({Vec3(7, 1, 2)}), {}, kNever);
+    ASSERT_TRUE(out.converged) << out.reason;
+    EXPECT_LT(out.energy, 1e-6 * 50 * 180);  // of a fully strained box
+    for (std::size_t v = 0; v < epoch.surface.points.size(); ++v) {
+      const Vec3 moved = Vec3(out.points[3 * v], out.points[3 * v + 1], out.points[3 * v + 2]) - epoch.surface.points[v];
+      EXPECT_NEAR((moved - (v < 8 ? Vec3::Zero() : Vec3(7, 1, 2))).norm(), 0.0, 2e-3) << v;
+    }
+  }
+}
+
+// A block with a slot from above, as one closed surface: an extruded U.
+Surface slotted(double gap, double depth) {
+  const double l = 10 - gap / 2, r = 10 + gap / 2, z = 3 - depth;
+  const std::vector<std::array<double, 2>> outline = {{0, 0}, {l, 0}, {r, 0}, {20, 0}, {20, 3}, {r, 3}, {r, z}, {l, z}, {l, 3}, {0, 3}};
+  Surface s;
+  for (const double y : {0.0, 6.0})
+    for (const auto& p : outline) s.points.emplace_back(p[0], y, p[1]);
+  const std::vector<std::array<int, 3>> cap = {{0, 1, 7}, {0, 7, 8}, {0, 8, 9}, {1, 2, 6}, {1, 6, 7}, {2, 3, 4}, {2, 4, 5}, {2, 5, 6}};
+  for (const auto& t : cap) {
+    s.triangles.push_back({t[0], t[1], t[2]});                 // y = 0, outward -y
+    s.triangles.push_back({t[0] + 10, t[2] + 10, t[1] + 10});  // y = 6
+  }
+  for (int i = 0; i < 10; ++i) {
+    const int j = (i + 1) % 10;
+    s.triangles.push_back({i, i + 10, j + 10});
+    s.triangles.push_back({i, j + 10, j});
+  }
+  return s;
+}
+
+TEST(Session, APartialCutStaysOneBodyThatResists) {
+  SessionSettings s;
+  s.spacing = 1;
+  s.retractors = 1;
+  Session session(s);
+  EpochInput epoch = make_epoch(slotted(0.05, 2.0), [](const Vec3& c) { return c[0] < 1e-9; },
+                                [](const Vec3& c) { return c[0] > 20 - 1e-9 ? 0 : -1; });
+  const EpochReport report = session.set_epoch(epoch);
+  EXPECT_EQ(report.fragments, 1);
+  EXPECT_GT(report.mesh_cells, 0);
+  const FrameOutput out = session.solve(pulled({Vec3(2, 0, 0)}), {}, kNever);
+  ASSERT_TRUE(out.converged) << out.reason;
+  EXPECT_GT(out.energy, 0.5);
+  // the slot opens
+  const auto x = [&](std::size_t v) { return out.points[3 * v]; };
+  EXPECT_GT(x(5) - x(8), 0.5);
+}
+
+SutureState suture(const EpochInput& epoch, const Vec3& a, const Vec3& b, double closure, std::int32_t index = 0) {
+  EpochInput copy = epoch;
+  copy.landmarks.clear();
+  copy.landmark_triangles.clear();
+  add_landmark(copy, a);
+  add_landmark(copy, b);
+  return {index, {a, copy.landmark_triangles[0]}, {b, copy.landmark_triangles[1]}, closure, 1000.0};
+}
+
+TEST(Session, ASutureClosesItsGapWhateverItsStiffness) {
+  for (const double stiffness : {1e-2, 1e3, 1e8}) {
+    SessionSettings s;
+    s.spacing = 1;
+    s.sutures = 1;
+    s.tolerance = 1e-4;
+    Session session(s);
+    EpochInput epoch = make_epoch(two_halves(1.0), [](const Vec3& c) { return c[0] < 1e-9 || c[0] > 20 - 1e-9; });
+    session.set_epoch(epoch);
+    FrameInput frame;
+    frame.sutures = {suture(epoch, {9.5, 3, 1.6}, {10.5, 3, 1.6}, 1.0)};
+    frame.sutures[0].stiffness = stiffness;
+    const FrameOutput out = session.solve(frame, {}, kNever);
+    ASSERT_TRUE(out.converged) << out.reason;
+    EXPECT_LE(out.suture_gaps[0], 1e-3);
+    EXPECT_GT(out.suture_forces[0], 1.0);
+    // both halves stretch alike
+    EXPECT_NEAR(out.suture_points[0], 10.0, 0.01);
+    EXPECT_NEAR(out.suture_points[3], 10.0, 0.01);
+  }
+}
+
+TEST(Session, ASutureBetweenTwoHeldPlacesIsReportedAsUnconverged) {
+  SessionSettings s;
+  s.sutures = 1;
+  s.max_newton = 30;
+  Session session(s);
+  EpochInput epoch = make_epoch(two_halves(1.0), [](const Vec3& c) { return std::abs(c[0] - 10) < 0.51; });
+  session.set_epoch(epoch);
+  FrameInput frame;
+  frame.sutures = {suture(epoch, {9.5, 3, 1.6}, {10.5, 3, 1.6}, 1.0)};
+  const FrameOutput out = session.solve(frame, {}, kNever);
+  EXPECT_FALSE(out.converged);
+  EXPECT_NE(out.reason.find("gap"), std::string::npos) << out.reason;
+}
+
+// A tilted bar has its held faces off the lattice planes; it stretches as the aligned one.
+TEST(Session, HeldFacesOffTheLatticePlanesHoldToTheGapTolerance) {
+  double middle[2];
+  for (const bool tilted : {false, true}) {
+    SessionSettings s;
+    s.spacing = 1;
+    s.retractors = 1;
+    const Eigen::Matrix3d rotation =
+        tilted ? Eigen::AngleAxisd(0.4, Vec3(1, 1, 2).normalized()).toRotationMatrix() : Eigen::Matrix3d::Identity();
+    Surface surface = box_surface({0, 0, 0}, {24, 6, 6});
+    EpochInput epoch = make_epoch(surface, [](const Vec3& c) { return c[0] < 1e-9; },
+                                  [](const Vec3& c) { return c[0] > 24 - 1e-9 ? 0 : -1; });
+    add_landmark(epoch, Vec3(12, 0, 3));
+    add_landmark(epoch, Vec3(12, 6, 3));
+    for (auto& p : epoch.surface.points) p = rotation * p;
+    for (auto& p : epoch.landmarks) p = rotation * p;
+    Vec3 low = epoch.surface.points[0];
+    for (const auto& p : epoch.surface.points) low = low.cwiseMin(p);
+    s.origin = low;
+    Session session(s);
+    session.set_epoch(epoch);
+    const FrameOutput out = session.solve(pulled({rotation * Vec3(5, 0, 0)}), {}, kNever);
+    ASSERT_TRUE(out.converged) << out.reason;
+    EXPECT_LE(out.largest_gap, 1e-3);
+    middle[tilted] = (landmark(out, 1) - landmark(out, 0)).norm();
+  }
+  EXPECT_NEAR(middle[0], middle[1], 0.02 * middle[0]);
+  EXPECT_LT(middle[0], 5.7);
+}
+
+TEST(Session, AResumedSolveRepeatsTheFrameBitForBit) {
+  for (const char* precision : {"float", "double"}) {
+    SessionSettings s;
+    s.spacing = 1;
+    s.sutures = 1;
+    s.retractors = 1;
+    s.precision = precision;
+    s.threads = 2;
+    const EpochInput epoch = make_epoch(two_halves(1.0), [](const Vec3& c) { return c[0] < 1e-9; },
+                                        [](const Vec3& c) { return c[0] > 20 - 1e-9 ? 0 : -1; });
+    const auto frame = [&](double closure, double x) {
+      FrameInput f = pulled({Vec3(x, 0, 0)});
+      f.sutures = {suture(epoch, {9.5, 3, 1.6}, {10.5, 3, 1.6}, closure)};
+      return f;
+    };
+    Session first(s);
+    first.set_epoch(epoch);
+    first.solve(frame(0.0, 0.2), {}, kNever);
+    const FrameOutput second = first.solve(frame(0.5, 0.4), {}, kNever);
+    const FrameOutput third = first.solve(frame(1.0, 0.6), {}, kNever);
+    s.threads = 1;  // whatever the number of threads
+    Session resumed(s);
+    resumed.set_epoch(epoch);
+    resumed.set_state(second.state);
+    const FrameOutput again = resumed.solve(frame(1.0, 0.6), {}, kNever);
+    ASSERT_TRUE(third.converged && again.converged);
+    EXPECT_EQ(third.points, again.points);
+    EXPECT_EQ(third.state.nodes, again.state.nodes);
+    EXPECT_EQ(third.state.suture_multipliers, again.state.suture_multipliers);
+  }
+}
+
+TEST(Session, AFragmentThatNothingHoldsStaysAtRest) {
+  SessionSettings s;
+  Session session(s);
+  const EpochInput epoch = make_epoch(two_halves(0.1), [](const Vec3& c) { return c[0] < 1e-9; });
+  session.set_epoch(epoch);
+  const FrameOutput out = session.solve(FrameInput{}, {}, kNever);
+  ASSERT_TRUE(out.converged) << out.reason;
+  for (std::size_t v = 0; v < epoch.surface.points.size(); ++v)
+    for (int i = 0; i < 3; ++i) EXPECT_NEAR(out.points[3 * v + static_cast<std::size_t>(i)], epoch.surface.points[v][i], 1e-4);
+}
+
+TEST(Session, AHookPullsWithItsSpringForce) {
+  SessionSettings s;
+  s.tolerance = 1e-5;
+  Session session(s);
+  EpochInput epoch = make_epoch(box_surface({0, 0, 0}, {10, 6, 3}), [](const Vec3& c) { return c[0] < 1e-9; });
+  session.set_epoch(epoch);
+  FrameInput frame;
+  const SutureState where = suture(epoch, {9.5, 3, 3}, {9.5, 3, 3}, 0);
+  frame.hooks = {{where.a, Vec3(11, 3, 6), 200.0}};
+  const FrameOutput out = session.solve(frame, {}, kNever);
+  ASSERT_TRUE(out.converged) << out.reason;
+  const Vec3 at(out.hook_points[0], out.hook_points[1], out.hook_points[2]);
+  const Vec3 force(out.hook_forces[0], out.hook_forces[1], out.hook_forces[2]);
+  EXPECT_NEAR((force - 200.0 * (Vec3(11, 3, 6) - at)).norm(), 0, 1e-3 * force.norm());
+  EXPECT_GT(force.norm(), 10);
+}
+
+TEST(Session, CancelKeepsTheStateAndSaysSo) {
+  SessionSettings s;
+  s.retractors = 1;
+  Session session(s);
+  session.set_epoch(make_epoch(box_surface({0, 0, 0}, {10, 6, 3}), [](const Vec3& c) { return c[0] < 1e-9; },
+                               [](const Vec3& c) { return c[0] > 10 - 1e-9 ? 0 : -1; }));
+  const std::atomic<bool> cancelled{true};
+  try {
+    session.solve(pulled({Vec3(3, 0, 0)}), {}, cancelled);
+    FAIL() << "the solve was not cancelled";
+  } catch (const RefusedError& error) {
+    EXPECT_EQ(error.code(), ErrorCode::kCancelled);
+  }
+  EXPECT_TRUE(session.solve(pulled({Vec3(3, 0, 0)}), {}, kNever).converged);
+}
+
+TEST(Session, RefusesSettingsThatMakeNoSense) {
+  const auto refused = [](const std::function<void(SessionSettings&)>& spoil, const char* word) {
+    SessionSettings s;
+    spoil(s);
+    try {
+      Session session(s);
+      ADD_FAILURE() << word << " was accepted";
+    } catch (const RefusedError& error) {
+      EXPECT_EQ(error.code(), ErrorCode::kInvalidInput);
+      EXPECT_NE(std::string(error.what()).find(word), std::string::npos) << error.what();
+    }
+  };
+  refused([](auto& s) { s.spacing = 0; }, "spacing");
+  refused([](auto& s) { s.material.poissons_ratio = 0.5; }, "Poisson's ratio is 0.5");
+  refused([](auto& s) { s.material.model = "jelly"; }, "jelly");
+  refused([](auto& s) { s.material.youngs_modulus = -1; }, "Young's modulus");
+  refused([](auto& s) { s.quadrature = 3; }, "quadrature");
+  refused([](auto& s) { s.precision = "half"; }, "half");
+  refused([](auto& s) { s.tolerance = 1e-9; }, "double");
+}
+
+}  // namespace
+}  // namespace lappet
