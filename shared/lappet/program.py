@@ -35,6 +35,11 @@ class Surface:
     bed: NDArray[np.bool_]
     grips: dict[str, NDArray[np.bool_]] = field(default_factory=dict)
 
+    @property
+    def resting(self) -> NDArray[np.bool_]:
+        """Underside faces that are not attached: they lie on the bed, may lift off and slide, but do not sink."""
+        return (self.origin == FaceOrigin.UNDERSIDE) & ~self.bed & ~self.fixed
+
 
 @dataclass(frozen=True, eq=False)
 class Epoch:

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "box.h"
+#include "force/attachments.h"
 #include "lattice/refused.h"
 
 namespace lappet {
@@ -211,6 +212,41 @@ TEST(Session, ATissueOnABedSinksByItsWeightOverTheBedsStiffness) {
   ASSERT_TRUE(out.converged) << out.reason;
   const double expected = s.material.density * 9.81e-6 * 4 / 2.0;
   EXPECT_NEAR(-landmark(out, 0)[2], expected, 1e-3 * expected);
+}
+
+TEST(Session, ARestingTissueSinksLikeAnAttachedOneButLiftsOffFreely) {
+  SessionSettings s;
+  s.material.model = "corotated";
+  s.material.poissons_ratio = 0.0;
+  s.bed_stiffness = 2.0;
+  s.tolerance = 1e-6;
+  s.precision = "double";
+  EpochInput epoch = make_epoch(box_surface({0, 0, 0}, {6, 6, 4}), {});
+  for (std::size_t t = 0; t < epoch.bed.size(); ++t)
+    epoch.bed[t] = centre(epoch.surface, t)[2] < 1e-9 ? kRestsOnBed : 0;
+  add_landmark(epoch, Vec3(3, 3, 0));
+  const double weight = s.material.density * 9.81e-6 * 4;  // kPa
+  {
+    s.gravity = Vec3(0, 0, -9.81);
+    Session session(s);
+    session.set_epoch(epoch);
+    const FrameOutput out = session.solve(FrameInput{}, {}, kNever);
+    ASSERT_TRUE(out.converged) << out.reason;
+    // within what the weak bed of floating fragments carries
+    EXPECT_NEAR(-landmark(out, 0)[2], weight / s.bed_stiffness, 1e-2 * weight / s.bed_stiffness);
+  }
+  {
+    // a retractor on one side lifts it: nothing pulls back but the elastic forces, of which a rigid motion has none
+    s.gravity = Vec3::Zero();
+    s.retractors = 1;
+    for (std::size_t t = 0; t < epoch.grip.size(); ++t) epoch.grip[t] = centre(epoch.surface, t)[0] < 1e-9 ? 0 : -1;
+    Session session(s);
+    session.set_epoch(epoch);
+    const FrameOutput out = session.solve(pulled({Vec3(0, 0, 3)}), {}, kNever);
+    ASSERT_TRUE(out.converged) << out.reason;
+    EXPECT_NEAR(landmark(out, 0)[2], 3, 1e-6);
+    EXPECT_LT(out.energy, 1e-9);
+  }
 }
 
 Surface two_halves(double gap) {

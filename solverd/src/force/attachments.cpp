@@ -17,6 +17,12 @@ struct Bucket {
   std::array<double, 64> gram{};
 };
 
+struct RestingBucket {
+  double area = 0.0;
+  Vec3 inward = Vec3::Zero();
+  std::array<double, 8> weights{};
+};
+
 constexpr int kNoSide = 6;
 
 int lattice_side(const EmbeddedPoint& point, const Vec3& normal) {
@@ -38,6 +44,7 @@ Attachments attach(const Lattice& lattice, const Surface& surface, std::span<con
   const double h = lattice.settings.spacing;
   Embedder embedder(lattice, surface);
   std::map<std::tuple<std::int32_t, std::int32_t, int>, Bucket> buckets;  // ordered: the result is deterministic
+  std::map<std::int32_t, RestingBucket> resting;
   for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
     std::int32_t groups[2];
     int count = 0;
@@ -45,8 +52,9 @@ Attachments attach(const Lattice& lattice, const Surface& surface, std::span<con
       groups[count++] = kFixedGroup;
     else if (grip[t] >= 0)
       groups[count++] = grip[t];
-    if (bed[t]) groups[count++] = kBedGroup;
-    if (count == 0) continue;
+    if (bed[t] == kAttachedToBed) groups[count++] = kBedGroup;
+    const bool rests = bed[t] == kRestsOnBed;
+    if (count == 0 && !rests) continue;
     const auto& corners = surface.triangles[t];
     const Vec3 a = surface.points[static_cast<std::size_t>(corners[0])];
     const Vec3 ab = surface.points[static_cast<std::size_t>(corners[1])] - a;
@@ -65,6 +73,12 @@ Attachments attach(const Lattice& lattice, const Surface& surface, std::span<con
         const auto triangle = static_cast<std::int32_t>(t);
         const EmbeddedPoint point = embedder.embed(a + s * ab + r * ac, {&triangle, 1});
         const int side = lattice_side(point, normal);
+        if (rests) {
+          auto& bucket = resting[point.cell];
+          bucket.area += sample_area;
+          bucket.inward -= sample_area * normal;
+          for (std::size_t p = 0; p < 8; ++p) bucket.weights[p] += sample_area * point.weights[p];
+        }
         for (int g = 0; g < count; ++g) {
           auto& bucket = buckets[{point.cell, groups[g], side}];
           bucket.area += sample_area;
@@ -96,6 +110,11 @@ Attachments attach(const Lattice& lattice, const Surface& surface, std::span<con
       }
       result.forms.push_back(form);
     }
+  }
+  for (const auto& [cell, bucket] : resting) {
+    RestingFace face{cell, bucket.area, bucket.inward.normalized(), bucket.weights};
+    for (double& weight : face.weights) weight /= bucket.area;
+    result.resting.push_back(face);
   }
   return result;
 }

@@ -5,6 +5,7 @@
 #include <Eigen/LU>
 #include <cmath>
 
+#include "force/attachments.h"
 #include "lattice/refused.h"
 
 namespace lappet {
@@ -76,6 +77,8 @@ void check_epoch(const EpochInput& epoch, const SessionSettings& settings) {
   labels(epoch.fixed.size(), "fixed");
   labels(epoch.bed.size(), "bed");
   labels(epoch.grip.size(), "gripped");
+  for (const std::uint8_t b : epoch.bed)
+    require(b <= kRestsOnBed, "a triangle of epoch {} has the bed label {}; give 0, 1 (attached) or 2 (resting)", epoch.index, b);
   for (const std::int32_t g : epoch.grip)
     require(g >= -1 && g < settings.retractors, "a triangle of epoch {} is gripped by retractor {} of {}", epoch.index, g,
             settings.retractors);

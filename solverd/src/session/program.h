@@ -37,7 +37,7 @@ struct EpochInput {
   std::int32_t index = 0;
   Surface surface;
   std::vector<std::uint8_t> fixed;  // per triangle
-  std::vector<std::uint8_t> bed;    // per triangle
+  std::vector<std::uint8_t> bed;    // per triangle: 0, 1 attached to the bed, 2 resting on it (undermined)
   std::vector<std::int32_t> grip;   // per triangle: index of the retractor that grips it, or -1
   std::vector<Vec3> landmarks;      // rest points
   std::vector<std::int32_t> landmark_triangles;

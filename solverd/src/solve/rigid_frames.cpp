@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <map>
 #include <numeric>
 #include <stdexcept>
 #include <unordered_map>
@@ -231,30 +232,39 @@ void RigidFrames<Real>::assemble(const System<Real>& system, std::span<const Rea
       for (int b = 0; b < 48; ++b)
         emplace(6 * coarse_cell_nodes_[coarse][static_cast<std::size_t>(a / 6)] + a % 6,
                 6 * coarse_cell_nodes_[coarse][static_cast<std::size_t>(b / 6)] + b % 6, double(blocks[coarse](a, b)));
-  for (const auto& tie : system.ties()) {
-    // rows of the tie's three components in coarse unknowns
-    std::unordered_map<std::int32_t, Eigen::Matrix<double, 3, 6>> rows;
-    for (std::size_t i = 0; i < tie.nodes.size(); ++i) {
-      const auto n = static_cast<std::size_t>(tie.nodes[i]);
-      if (!system.is_free(n)) continue;
-      for (std::size_t k = 0; k < 8; ++k) {
-        const auto& share = shares_[8 * n + k];
-        if (share.weight == Real(0)) continue;
-        auto [entry, inserted] = rows.try_emplace(share.coarse, Eigen::Matrix<double, 3, 6>::Zero());
-        const double w = tie.weights[i] * double(share.weight);
-        const double ax = double(share.arm[0]), ay = double(share.arm[1]), az = double(share.arm[2]);
-        Eigen::Matrix<double, 3, 6> row;
-        row << 1, 0, 0, 0, az, -ay, 0, 1, 0, -az, 0, ax, 0, 0, 1, ay, -ax, 0;
-        entry->second += w * row;
-      }
+  // A functional of the fine displacements, sum_i weight_i u_i, as three rows in coarse unknowns by coarse node.
+  using Rows = std::map<std::int32_t, Eigen::Matrix<double, 3, 6>>;
+  const auto add_to = [&](Rows& rows, std::size_t n, double fine_weight) {
+    if (!system.is_free(n)) return;
+    for (std::size_t k = 0; k < 8; ++k) {
+      const auto& share = shares_[8 * n + k];
+      if (share.weight == Real(0)) continue;
+      const double ax = double(share.arm[0]), ay = double(share.arm[1]), az = double(share.arm[2]);
+      Eigen::Matrix<double, 3, 6> row;
+      row << 1, 0, 0, 0, az, -ay, 0, 1, 0, -az, 0, ax, 0, 0, 1, ay, -ax, 0;
+      auto [entry, inserted] = rows.try_emplace(share.coarse, Eigen::Matrix<double, 3, 6>::Zero());
+      entry->second += fine_weight * double(share.weight) * row;
     }
+  };
+  const auto emplace_rows = [&](const Rows& rows, const Eigen::Matrix3d& stiffness) {
     for (const auto& [a, row_a] : rows)
       for (const auto& [b, row_b] : rows) {
-        const Eigen::Matrix<double, 6, 6> block = tie.stiffness * row_a.transpose() * row_b;
+        const Eigen::Matrix<double, 6, 6> block = row_a.transpose() * stiffness * row_b;
         for (int i = 0; i < 6; ++i)
           for (int j = 0; j < 6; ++j) emplace(6 * a + i, 6 * b + j, block(i, j));
       }
+  };
+  for (const auto& tie : system.ties()) {
+    Rows rows;
+    for (std::size_t i = 0; i < tie.nodes.size(); ++i) add_to(rows, static_cast<std::size_t>(tie.nodes[i]), tie.weights[i]);
+    emplace_rows(rows, tie.stiffness * Eigen::Matrix3d::Identity());
   }
+  system.for_each_pushed_face([&](const RestingFace& face, double stiffness) {
+    Rows rows;
+    for (std::size_t k = 0; k < 8; ++k)
+      add_to(rows, static_cast<std::size_t>(lattice_.cell_nodes[static_cast<std::size_t>(face.cell)][k]), face.weights[k]);
+    emplace_rows(rows, stiffness * face.inward * face.inward.transpose());
+  });
   const auto size = static_cast<Eigen::Index>(unknowns());
   double largest = 0.0;
   for (const auto& entry : entries)

@@ -24,6 +24,12 @@ void Smoother<Real>::update() {
   const std::size_t n = system_.nodes();
   std::vector<double> blocks(9 * n);
   system_.elastic().diagonal_blocks(blocks);
+  system_.for_each_pushed_face([&](const RestingFace& face, double stiffness) {
+    const auto& nodes = system_.lattice().cell_nodes[static_cast<std::size_t>(face.cell)];
+    for (std::size_t k = 0; k < 8; ++k)
+      Eigen::Map<Eigen::Matrix3d>(&blocks[9 * static_cast<std::size_t>(nodes[k])]) +=
+          stiffness * face.weights[k] * face.weights[k] * face.inward * face.inward.transpose();
+  });
   inverse_blocks_.assign(9 * n, Real(0));
   std::vector<std::uint8_t> tied(n, 0);
   for (const auto& tie : system_.ties())

@@ -190,6 +190,21 @@ Evaluation System<Real>::evaluate(std::span<const Real> u) {
       for (int i = 0; i < 3; ++i) gradient_[n + static_cast<std::size_t>(i)] += stiffness * force[i] + pull[i];
     }
   }
+  pushed_faces_.clear();
+  for (std::size_t f = 0; f < attachments_.resting.size(); ++f) {
+    const auto& face = attachments_.resting[f];
+    const auto& nodes = lattice.cell_nodes[static_cast<std::size_t>(face.cell)];
+    double height = 0.0;
+    for (std::size_t k = 0; k < 8; ++k) height += face.weights[k] * face.inward.dot(at(u, static_cast<std::size_t>(nodes[k])));
+    if (!(height < 0.0)) continue;
+    pushed_faces_.push_back(static_cast<std::int32_t>(f));
+    const double stiffness = bed_stiffness_ * face.area;
+    result.energy += 0.5 * stiffness * height * height;
+    for (std::size_t k = 0; k < 8; ++k)
+      for (int i = 0; i < 3; ++i)
+        gradient_[3 * static_cast<std::size_t>(nodes[k]) + static_cast<std::size_t>(i)] +=
+            stiffness * height * face.weights[k] * face.inward[i];
+  }
   for (const auto& tie : ties_) {
     const Vec3 c = tie.value(u), force = tie.force(c);
     result.energy += c.dot(0.5 * tie.stiffness * c + tie.multiplier);
@@ -228,6 +243,15 @@ Evaluation System<Real>::evaluate(std::span<const Real> u) {
 template <class Real>
 void System<Real>::multiply(std::span<const Real> x, std::span<Real> y) const {
   elastic_.multiply(x, y);
+  for_each_pushed_face([&](const RestingFace& face, double stiffness) {
+    const auto& nodes = elastic_.lattice().cell_nodes[static_cast<std::size_t>(face.cell)];
+    double height = 0.0;
+    for (std::size_t k = 0; k < 8; ++k) height += face.weights[k] * face.inward.dot(at(x, static_cast<std::size_t>(nodes[k])));
+    for (std::size_t k = 0; k < 8; ++k)
+      for (int i = 0; i < 3; ++i)
+        y[3 * static_cast<std::size_t>(nodes[k]) + static_cast<std::size_t>(i)] +=
+            static_cast<Real>(stiffness * height * face.weights[k] * face.inward[i]);
+  });
   for (const auto& tie : ties_) {
     Vec3 sum = Vec3::Zero();
     for (std::size_t k = 0; k < tie.nodes.size(); ++k) sum += tie.weights[k] * at(x, static_cast<std::size_t>(tie.nodes[k]));

@@ -1,4 +1,4 @@
-// The whole energy of a frame: elastic cells, attachments, ties, gravity; its gradient and its tangent product.
+// The whole energy of a frame: elastic cells, attachments, ties, gravity, the push of the bed on resting faces; its gradient and its tangent product.
 //
 // Prescribed nodes (fixed, or gripped on a lattice plane) are not unknowns: products and residuals are zero there. A fragment
 // that no face holds is kept near its rest position by a very weak bed, so that the tangent is never singular.
@@ -53,6 +53,14 @@ class System {
   void update_multipliers(std::span<const Real> u);
   std::vector<double>& held_multipliers() { return held_multipliers_; }  // 3 per node, or empty
 
+  // Calls body(face, stiffness) for the resting faces that the bed pushes at the last evaluated u; mN/mm.
+  template <class Body>
+  void for_each_pushed_face(const Body& body) const {
+    for (const std::int32_t index : pushed_faces_) {
+      const auto& face = attachments_.resting[static_cast<std::size_t>(index)];
+      body(face, bed_stiffness_ * face.area);
+    }
+  }
   const Elastic<Real>& elastic() const { return elastic_; }
   const Lattice& lattice() const { return elastic_.lattice(); }
   // Changes whenever free nodes, ties or active attachments change: preconditioners look at it.
@@ -75,6 +83,7 @@ class System {
   std::vector<std::uint8_t> retractor_active_;
   std::vector<Eigen::Matrix4d> retractor_motion_;
   std::vector<Tie> ties_;
+  std::vector<std::int32_t> pushed_faces_;  // into attachments_.resting
   std::vector<std::int32_t> fragment_of_node_;
   std::vector<std::int32_t> floating_cells_;
   double drift_stiffness_;  // mN/mm on a corner of a floating cell
