@@ -1,4 +1,5 @@
 // lappet-solverd: the daemon. Options, logging and the exit status; everything else is in server.h.
+#include <spdlog/cfg/env.h>
 #include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
 #include <unistd.h>
@@ -84,6 +85,7 @@ int main(int argc, char** argv) {
       std::make_shared<spdlog::logger>("lappet-solverd", std::make_shared<spdlog::sinks::stderr_sink_mt>()));
   spdlog::set_pattern("%n: %l: %v");
   spdlog::set_level(verbose ? spdlog::level::info : spdlog::level::warn);
+  spdlog::cfg::load_env_levels();  // SPDLOG_LEVEL=debug traces every Newton iteration
   spdlog::flush_on(spdlog::level::info);
 
   try {

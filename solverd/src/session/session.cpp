@@ -31,7 +31,7 @@ namespace {
 
 constexpr int kChebyshevDegree = 4;
 // A suture's penalty stays between these multiples of E h; its multiplier closes the gap whatever it is.
-constexpr double kLeastSuturePenalty = 2.0, kMostSuturePenalty = 200.0;
+constexpr double kLeastSuturePenalty = 50.0, kMostSuturePenalty = 500.0;
 // A frame that fails is tried again in this many load steps at most.
 constexpr int kMostLoadSteps = 16;
 

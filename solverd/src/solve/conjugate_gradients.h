@@ -9,7 +9,8 @@ namespace lappet {
 
 struct LinearOutcome {
   int iterations = 0;
-  double reduction = 1.0;  // of the residual's norm
+  double reduction = 1.0;   // of the residual's norm
+  bool indefinite = false;  // met a direction in which the energy does not curve upwards, and stopped there
 };
 
 // Solves K x = b to |b - K x| <= tolerance |b| from x = 0. `stop` is asked once an iteration.
@@ -29,12 +30,18 @@ LinearOutcome conjugate_gradients(const System<Real>& system, const TwoLevel<Rea
     const double rho_new = dot<Real>(r, z);
     // Polak-Ribiere: tolerates a preconditioner that rounding makes slightly unsymmetric
     const double beta = outcome.iterations == 0 ? 0.0 : (rho_new - dot<Real>(previous, z)) / rho;
-    if (!(rho_new > 0.0)) break;
+    if (!(rho_new > 0.0)) {
+      outcome.indefinite = true;
+      break;
+    }
     rho = rho_new;
     combine<Real>(static_cast<Real>(beta), Real(1), z, p);
     system.multiply(p, q);
     const double curvature = dot<Real>(p, q);
-    if (!(curvature > 0.0)) break;
+    if (!(curvature > 0.0)) {
+      outcome.indefinite = true;
+      break;
+    }
     const double alpha = rho / curvature;
     copy<Real>(r, previous);
     add<Real>(static_cast<Real>(alpha), p, x);

@@ -1,6 +1,6 @@
 #include "solve/equilibrium.h"
 
-#include <spdlog/fmt/fmt.h>
+#include <spdlog/spdlog.h>
 
 #include <chrono>
 #include <cmath>
@@ -20,8 +20,15 @@ constexpr int kMostMultiplierUpdates = 60;
 // While gaps are open the residual need not be below the tolerance before the multipliers move on: this many tolerances at
 // most, in proportion to the gap. Where a gap does not shrink by kGapProgress the residual hides it: solve more exactly.
 constexpr double kLooseTolerance = 10.0, kGapProgress = 0.7, kStricter = 0.3, kStrictest = 0.02;
-// The quadratic model is trusted, and eigenvalues are clamped, while predicted and actual decrease agree to this.
+// Where the exact tangent is indefinite eigenvalues are clamped while predicted and actual decrease agree to this, and
+// replaced by their magnitudes where they do not.
 constexpr double kModelAgreement = 0.01;
+// Iterations to wait after an indefinite tangent before the exact one is tried again.
+constexpr int kIndefinitePause = 3;
+// A definite tangent is too stiff where tissue buckles: the step is doubled while the energy falls this much more than
+// predicted.
+constexpr double kSoftening = 1.4;
+constexpr int kMostDoublings = 5;
 
 class Stopwatch {
  public:
@@ -45,7 +52,8 @@ EquilibriumOutcome find_equilibrium(System<Real>& system, TwoLevel<Real>& precon
   const double h = system.lattice().settings.spacing;
   std::vector<Real> increment(size), step(size), rhs(size), trial(size), product(size);
   EquilibriumOutcome outcome;
-  Definiteness definiteness = Definiteness::kClamp;
+  Definiteness fallback = Definiteness::kClamp;
+  int exact_pause = 0;
   int multiplier_updates = 0;
   double strictness = 1.0, previous_gap = std::numeric_limits<double>::infinity();
   Stopwatch watch;
@@ -62,6 +70,20 @@ EquilibriumOutcome find_equilibrium(System<Real>& system, TwoLevel<Real>& precon
   const auto fail = [&](std::string reason) {
     outcome.reason = std::move(reason);
     return outcome;
+  };
+
+  // Doubles the step from u (which has taken it once) while the energy falls and no cell turns over.
+  const auto go_further = [&](Evaluation reached, double& alpha) {
+    double more = 1.0;
+    for (int k = 0; k < kMostDoublings; ++k, more *= 2.0) {
+      for (std::size_t i = 0; i < size; ++i) trial[i] = u[i] + static_cast<Real>(more) * step[i];
+      const Evaluation further = system.evaluate(trial);
+      if (!(further.energy < reached.energy) || further.inverted > reached.inverted) break;
+      copy<Real>(trial, u);
+      alpha += more;
+      reached = further;
+    }
+    return system.evaluate(u);
   };
 
   while (true) {
@@ -100,26 +122,35 @@ EquilibriumOutcome find_equilibrium(System<Real>& system, TwoLevel<Real>& precon
     if (hooks.stop()) return fail("stopped");
 
     outcome.seconds_update += watch.lap();
-    system.linearize(definiteness);
-    preconditioner.update(u);
-    outcome.seconds_setup += watch.lap();
-
     const auto gradient = system.gradient();
-    if (moves) {
-      system.multiply(increment, rhs);
+    const double target =
+        moves ? 1e-3
+              : std::clamp(0.3 * strictness * options.tolerance / std::max(outcome.residual, 1e-300), 1e-2, 0.1);
+    // The exact tangent converges quadratically also beyond a buckling load; a definite one is the way out where it has
+    // directions of negative curvature.
+    Definiteness definiteness = exact_pause == 0 ? Definiteness::kExact : fallback;
+    LinearOutcome linear;
+    while (true) {
+      system.linearize(definiteness);
+      preconditioner.update(u);
+      outcome.seconds_setup += watch.lap();
+      if (moves)
+        system.multiply(increment, rhs);
+      else
+        std::fill(rhs.begin(), rhs.end(), Real(0));
       for (std::size_t i = 0; i < size; ++i) rhs[i] = static_cast<Real>(-gradient[i]) - rhs[i];
-    } else {
-      for (std::size_t i = 0; i < size; ++i) rhs[i] = static_cast<Real>(-gradient[i]);
+      linear = conjugate_gradients<Real>(system, preconditioner, rhs, step, target, kMostLinearIterations, hooks.stop);
+      outcome.pcg_iterations += linear.iterations;
+      outcome.seconds_linear += watch.lap();
+      if (!linear.indefinite || definiteness != Definiteness::kExact) break;
+      definiteness = fallback;
+      exact_pause = kIndefinitePause + 1;
     }
-    const double target = std::clamp(0.3 * strictness * options.tolerance / std::max(outcome.residual, 1e-300), 1e-2, 0.1);
-    const LinearOutcome linear = conjugate_gradients<Real>(system, preconditioner, rhs, step,
-                                                           moves ? 1e-3 : target, kMostLinearIterations, hooks.stop);
-    outcome.pcg_iterations += linear.iterations;
+    exact_pause = std::max(0, exact_pause - 1);
     ++outcome.newton_iterations;
     if (linear.reduction < 1.0 && linear.iterations > 0)
       preconditioner.observe(linear.iterations / std::max(-std::log10(linear.reduction), 0.5));
     if (hooks.stop()) return fail("stopped");
-    outcome.seconds_linear += watch.lap();
 
     double slope = 0.0, largest = 0.0;
     for (std::size_t i = 0; i < size; ++i) {
@@ -156,7 +187,8 @@ EquilibriumOutcome find_equilibrium(System<Real>& system, TwoLevel<Real>& precon
         now = system.evaluate(u);
         if (definiteness == Definiteness::kAbsolute)
           return fail(fmt::format("no step lowers the energy at relative residual {:.2e}", outcome.residual));
-        definiteness = Definiteness::kAbsolute;
+        fallback = Definiteness::kAbsolute;
+        exact_pause = kIndefinitePause;
         alpha = 0.0;
         break;
       }
@@ -169,11 +201,17 @@ EquilibriumOutcome find_equilibrium(System<Real>& system, TwoLevel<Real>& precon
     }
     if (alpha > 0.0) {
       copy<Real>(trial, u);
+      double ratio = 1.0;
       if (!moves) {
-        const double predicted = -alpha * slope - 0.5 * alpha * alpha * curvature;
-        const double ratio = (before.energy - now.energy) / std::max(predicted, 1e-300);
-        definiteness = std::abs(ratio - 1.0) > kModelAgreement ? Definiteness::kAbsolute : Definiteness::kClamp;
+        const auto predicted = [&](double a) { return std::max(-a * slope - 0.5 * a * a * curvature, 1e-300); };
+        ratio = (before.energy - now.energy) / predicted(alpha);
+        if (definiteness != Definiteness::kExact)
+          fallback = std::abs(ratio - 1.0) > kModelAgreement ? Definiteness::kAbsolute : Definiteness::kClamp;
+        if (alpha == 1.0 && ratio > kSoftening) now = go_further(now, alpha);
       }
+      spdlog::debug("newton {}: residual {:.2e} gap {:.2e} J {:.2f} | pcg {} to {:.1e} {} | alpha {:.3g} largest {:.2e} ratio {:.3g}",
+                    outcome.newton_iterations, outcome.residual, outcome.gap, before.minimum_j, linear.iterations,
+                    linear.reduction, definiteness == Definiteness::kExact ? "exact" : "definite", alpha, largest, ratio);
     }
   }
 }
