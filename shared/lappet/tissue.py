@@ -35,18 +35,21 @@ def new_tissue(
     box: tuple[Sequence[float], Sequence[float]] | None = None,
     spacing: float | None = None,
     units: str | None = None,
+    resolution: float | None = None,
 ) -> tuple[Tissue, list[str]]:
     """Tissue from a mesh file, and what was found and repaired, a line each.
 
     A closed surface is taken as it is. An open one, or the region of one inside `sphere` (center, radius) or `box`
     (low, high), mm, is thickened inwards by `thickness` mm into a closed sheet: its rim is the subset "fixed", its
     underside "bed", its UVs lay the skin out flat at 1 unit per 100 mm. spacing: mm; by default a quarter of the
-    thickness, and not so fine that there are more than about 40 000 cells. units: of the file, see `read_mesh`. Raises
+    thickness, and not so fine that there are more than about 40 000 cells. units: of the file, see `read_mesh`.
+    resolution: the edges, mm, down to which the triangles of a region are divided (the thickness when None). Raises
     MeshError or SurfaceError for what cannot be mended, saying where.
     """
     path = Path(path)
     name = path.name
-    for what, value in (("thickness", thickness), ("spacing", spacing), ("radius", sphere[1] if sphere else None)):
+    lengths = {"thickness": thickness, "spacing": spacing, "resolution": resolution}
+    for what, value in {**lengths, "radius": sphere[1] if sphere else None}.items():
         if value is not None and not (np.isfinite(value) and value > 0.0):
             raise MeshError(f"{name}: the {what} is {value:g} mm; give a length above 0")
     if sphere is not None and box is not None:
@@ -63,7 +66,7 @@ def new_tissue(
     if levels is not None:
         if thickness is None:
             raise MeshError(f"{name}: a region of the surface needs a thickness; add --thickness MM, for instance 4")
-        mesh = _region(mesh, levels, thickness, name, lines)
+        mesh = _region(mesh, levels, resolution or thickness, name, lines)
     if thickness is None:
         tissue = _closed_tissue(mesh, spacing, name, lines)
     else:
@@ -76,8 +79,8 @@ def new_tissue(
     return tissue, lines
 
 
-def _region(mesh: Mesh, levels: list[Level], thickness: float, name: str, lines: list[str]) -> Mesh:
-    """The largest connected part of the surface inside the region, refined to the thickness and cut cleanly."""
+def _region(mesh: Mesh, levels: list[Level], edge: float, name: str, lines: list[str]) -> Mesh:
+    """The largest connected part of the surface inside the region, refined to edges of `edge` mm and cut cleanly."""
     triangles = near(mesh.points, mesh.triangles, levels)
     if len(triangles) == 0:
         low, high = mesh.points.min(axis=0), mesh.points.max(axis=0)
@@ -86,11 +89,9 @@ def _region(mesh: Mesh, levels: list[Level], thickness: float, name: str, lines:
             "move it"
         )
     used, compact = np.unique(triangles, return_inverse=True)
-    points, triangles, moved = refine_smoothly(mesh.points[used], compact.reshape(-1, 3), thickness)
+    points, triangles, moved = refine_smoothly(mesh.points[used], compact.reshape(-1, 3), edge)
     if moved > 0.0:
-        lines.append(
-            f"refined to edges of about {thickness:g} mm; new points lie up to {moved:.2g} mm off the old edges"
-        )
+        lines.append(f"refined to edges of about {edge:g} mm; new points lie up to {moved:.2g} mm off the old edges")
     points, triangles = crop(points, triangles, levels)
     if len(triangles) == 0:
         raise MeshError(f"{name}: the region holds nothing of the surface; move it or make it larger")

@@ -1,0 +1,101 @@
+"""Builds ellipse.usda: a 3 : 1 fusiform of 36 x 12 mm excised from a flat patch of 100 x 80 x 4 mm and closed.
+
+Usage: python build.py [ellipse.usda]
+"""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import numpy as np
+
+from lappet.designs import Fusiform, fusiform
+from lappet.patch import flat_patch
+from lappet.procedure import Event, Excision, Incision, Landmark, Material, Point, Procedure, Suture, Undermine
+from lappet.usd_stage import write_procedure
+
+LENGTH, WIDTH, THICKNESS = 36.0, 12.0, 4.0  # mm
+KERF = 0.05
+BEYOND = 15.0  # mm that the skin is undermined beyond the wound
+INCISE, EXCISE, UNDERMINE, PULL, END = 2, 4, 6, 7, 28  # time codes
+STITCHES, BURIED = 2.0, 1.5  # mm between the stitches on the skin and between the sutures of each buried row, or so
+TIED, SPREAD = 20, 4  # when the middle is tied; the tips so many frames later
+MEASURED = 23  # points of each edge to follow, besides the tips
+EDGE = 0.12  # mm from the cut to a point on the skin
+SUBCUTIS, DERMIS = 1.0, 2.9  # mm above the underside: the buried rows of sutures, on the wound wall
+
+
+def point(xyz: np.ndarray) -> Point:
+    """A tuple of floats, rounded so that every machine writes the same file."""
+    return (round(float(xyz[0]), 6), round(float(xyz[1]), 6), round(float(xyz[2]), 6))
+
+
+def design(pairs: int) -> Fusiform:
+    """The fusiform with so many pairs of facing points."""
+    return fusiform((0.0, 0.0, THICKNESS), LENGTH, WIDTH, (1.0, 0.0, 0.0), sutures=pairs)
+
+
+def beside(on_arc: Point, distance: float, height: float) -> Point:
+    """The point so far from the wound's edge, away from the wound (along the arc's radius), at a height."""
+    radius = (LENGTH**2 + WIDTH**2) / (4.0 * WIDTH)
+    x, y, _ = on_arc
+    away = np.array([x, y + np.sign(y) * (radius - WIDTH / 2)])
+    x, y = np.array([x, y]) + distance * away / np.linalg.norm(away)
+    return point(np.array([x, y, height]))
+
+
+def sutures(spacing: float) -> list[Event]:
+    """Two buried rows on the wound wall and stitches on the skin; the middle is drawn together first, the tips last.
+
+    They keep apart by 1.2 cells at least: sutures that share a cell's edge contradict each other.
+    """
+    events: list[Event] = []
+    rows = [("subcutis", BURIED, KERF / 2, SUBCUTIS), ("dermis", BURIED, KERF / 2, DERMIS)]
+    rows.append(("skin", STITCHES, EDGE, THICKNESS))
+    for row, apart, distance, height in rows:
+        count = round(LENGTH / max(apart, 1.2 * spacing)) - 1
+        for i, (far, near) in enumerate(design(count).pairs):
+            late = round(SPREAD * abs(2 * i / (count - 1) - 1))  # frames after the middle
+            start, tied = PULL + late, TIED + late
+            anchors = (beside(far, distance, height), beside(near, distance, height))
+            events.append(Suture(f"{row}_{i + 1}", anchors, start=start, duration=tied - start))
+    return events
+
+
+def landmarks() -> list[Event]:
+    """The two edges as chains of points on the skin from tip to tip, to measure the scar and what still gapes."""
+    tips = [point(np.array(tip) + np.array([np.sign(tip[0]) * EDGE, 0.0, 0.0])) for tip in design(0).tips]
+    chains = []
+    for side in (0, 1):
+        chains.append((tips[0], *(beside(pair[side], EDGE, THICKNESS) for pair in design(MEASURED).pairs), tips[1]))
+    return [Landmark("far_edge", chains[0], "far edge"), Landmark("near_edge", chains[1], "near edge")]
+
+
+def build(spacing: float = 1.0) -> Procedure:
+    """The whole procedure; spacing: of the lattice, mm."""
+    whole = design(0)
+    turn = np.linspace(0.0, 2 * np.pi, 48, endpoint=False)
+    ends, sides = LENGTH / 2 + BEYOND, WIDTH / 2 + BEYOND
+    area = [point(np.array([ends * np.cos(t), sides * np.sin(t), THICKNESS])) for t in turn]
+    events: list[Event] = [
+        Incision("incision", INCISE, whole.curve, kerf=KERF, closed=True),
+        Excision("excision", EXCISE, (whole.seed,)),
+        Undermine("undermining", UNDERMINE, tuple(area)),
+        *sutures(spacing),
+        *landmarks(),
+    ]
+    return Procedure(
+        tissue=flat_patch((100.0, 80.0, THICKNESS), resolution=2.0, spacing=spacing),
+        materials=(Material("skin", model="neoHookean", youngs_modulus=50.0, poissons_ratio=0.45),),
+        events=tuple(events),
+        start_time=1,
+        end_time=END,
+        fps=12,
+    )
+
+
+if __name__ == "__main__":
+    path = Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).with_name("ellipse.usda")
+    write_procedure(build(), path)
+    print(f"wrote {path}")
