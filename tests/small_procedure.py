@@ -83,6 +83,10 @@ class FakeSession:
             "mesh_cells": 1,
             "nodes": 2 * count,
             "blocks": 2,
+            "fragments": epoch.fragments,
+            "fixed_nodes": 0,
+            "bytes": 1000,
+            "seconds": 0.01,
         }
 
     def set_state(self, precision: str, arrays: Mapping[str, NDArray[Any]]) -> None:

@@ -10,7 +10,7 @@ import pytest
 from lappet.compile import compile_program
 from lappet.keys import frame_keys
 from lappet.procedure import Hook, Landmark, Procedure, Suture
-from lappet.program import Program
+from lappet.program import FaceOrigin, Program
 from small_procedure import TOP, small_procedure
 
 
@@ -100,6 +100,21 @@ def test_one_vertex_or_one_fixed_face_changes_the_keys_of_its_epoch_on(program: 
     for surface in (replace(last.surface, points=points), replace(last.surface, fixed=fixed)):
         epochs = (*program.epochs[:-1], replace(last, surface=surface))
         assert first_difference(base, frame_keys(replace(program, epochs=epochs), "solver 1")) == 2
+
+
+def test_whether_a_free_face_rests_on_the_bed_is_in_the_keys(program: Program) -> None:
+    """The daemon is not told of origins, but an underside face without attachment rests on its bed."""
+    last = program.epochs[-1].surface
+    below = np.flatnonzero(last.bed)[0]
+    freed = last.bed.copy()
+    freed[below] = False
+    walled = last.origin.copy()
+    walled[below] = FaceOrigin.WOUND_WALL
+    variants = [
+        frame_keys(replace(program, epochs=(*program.epochs[:-1], replace(program.epochs[-1], surface=surface))), "s")
+        for surface in (last, replace(last, bed=freed), replace(last, bed=freed, origin=walled))
+    ]
+    assert len({keys[-1] for keys in variants}) == 3
 
 
 def test_a_minus_zero_is_a_zero(program: Program) -> None:

@@ -14,73 +14,8 @@ from lappet.compile import compile_program
 from lappet.report import report, write_report
 from lappet.solve import SolveResult, Watcher, solve_program
 from lappet.store import FrameStore
+from report_shape import FRAME, REPORT, misfits
 from small_procedure import FakeSolver, small_procedure
-
-NUMBER = (int, float)
-FRAME: dict[str, Any] = {
-    "time_code": NUMBER,
-    "epoch": int,
-    "converged": bool,
-    "reason": (str, type(None)),
-    "newton_iterations": int,
-    "pcg_iterations": int,
-    "load_steps": int,
-    "residual": NUMBER,
-    "force_scale_mn": NUMBER,
-    "largest_gap_mm": NUMBER,
-    "minimum_j": NUMBER,
-    "inverted_cells": int,
-    "energy_mn_mm": NUMBER,
-    "seconds": {"update": NUMBER, "linear": NUMBER, "setup": NUMBER, "total": NUMBER, "wall": NUMBER},
-    "suture_gaps_mm": dict,
-    "suture_forces_mn": dict,
-    "hook_forces_mn": dict,
-    "landmarks": dict,
-    "estimated_error_mm": type(None),
-    "cache_hit": bool,
-    "key": str,
-}
-COUNTS = dict.fromkeys(("fine_voxels", "cells", "grid_cells", "mesh_cells", "nodes", "blocks"), int)
-REPORT: dict[str, Any] = {
-    "version": int,
-    "lappet": str,
-    "machine": {
-        "system": str, "architecture": str, "processor": (str, type(None)), "cores": int, "memory_bytes": int,
-        "python": str,
-    },
-    "settings": dict,
-    "scene_profile": dict,
-    "lattice": COUNTS,
-    "epochs": [
-        {
-            "index": int, "start_time": NUMBER, "fragments": int, "surface_points": int, "triangles": int,
-            "lattice": COUNTS,
-        }
-    ],
-    "complete": bool,
-    "interrupted": bool,
-    "reason": (str, type(None)),
-    "notes": list,
-    "frames": [FRAME],
-    "failed": (dict, type(None)),
-    "frames_solved": int,
-    "cache_hits": int,
-    "wall_seconds": NUMBER,
-    "peak_memory_bytes": NUMBER,
-    "own_peak_memory_bytes": int,
-}  # fmt: skip
-
-
-def misfits(value: Any, shape: Any, where: str = "report") -> list[str]:
-    """Where a JSON value has other keys or kinds than its shape says."""
-    if isinstance(shape, dict):
-        if not isinstance(value, dict) or value.keys() != shape.keys():
-            return [f"{where}: {sorted(value) if isinstance(value, dict) else value}"]
-        return [misfit for key in shape for misfit in misfits(value[key], shape[key], f"{where}.{key}")]
-    if isinstance(shape, list):
-        return [misfit for i, each in enumerate(value) for misfit in misfits(each, shape[0], f"{where}[{i}]")]
-    right = isinstance(value, shape) and (shape is bool or shape is not int or not isinstance(value, bool))
-    return [] if right else [f"{where}: {value!r}"]
 
 
 def result(folder: Path, solver: FakeSolver, procedure: Any = None) -> SolveResult:

@@ -55,7 +55,7 @@ def epoch_digest(epoch: Epoch, grip: NDArray[np.int32], landmarks: Landmarks) ->
             (surface.points, "<f8"),
             (surface.triangles, "<i4"),
             (surface.fixed, "u1"),
-            (surface.bed, "u1"),
+            (surface.support, "u1"),
             (grip, "<i4"),
             (landmarks.points, "<f8"),
             (landmarks.triangles, "<i4"),

@@ -40,6 +40,11 @@ class Surface:
         """Underside faces that are not attached: they lie on the bed, may lift off and slide, but do not sink."""
         return (self.origin == FaceOrigin.UNDERSIDE) & ~self.bed & ~self.fixed
 
+    @property
+    def support(self) -> NDArray[np.uint8]:
+        """What the daemon is told of the bed, (m,): 1 attached to it, 2 resting on it, else 0."""
+        return np.where(self.bed, 1, np.where(self.resting, 2, 0)).astype(np.uint8)
+
 
 @dataclass(frozen=True, eq=False)
 class Epoch:
