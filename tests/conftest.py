@@ -1,0 +1,34 @@
+"""The daemon of this checkout, running for one test, and a raw peer of it."""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from lappet.client import DaemonMissing
+from lappet.daemon import SolverDaemon, find_daemon
+from raw_peer import Raw
+
+
+@pytest.fixture(scope="module")
+def binary() -> Path:
+    try:
+        return find_daemon()
+    except DaemonMissing as reason:
+        pytest.skip(str(reason))
+
+
+@pytest.fixture
+def daemon(binary: Path) -> Iterator[SolverDaemon]:
+    with SolverDaemon(binary, arguments=("--max-message-bytes", "4000000", "--max-clients", "4")) as running:
+        yield running
+        assert running.alive(), f"the daemon did not live through the test: {running.death()}"
+
+
+@pytest.fixture
+def raw(daemon: SolverDaemon) -> Iterator[Raw]:
+    with contextlib.closing(Raw(daemon)) as peer:
+        yield peer
