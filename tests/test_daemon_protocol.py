@@ -113,7 +113,7 @@ def test_headers_that_break_the_protocol_are_answered(raw: Raw, header: dict[str
         ({"triangles": np.full((12, 3), 8, np.int32)}, "there are 8 surface points"),
         ({"triangles": np.full((12, 3), -1, np.int32)}, "holds -1"),
         ({"fixed": np.zeros(11, np.uint8)}, "shape (11)"),
-        ({"bed": np.full(12, 3, np.uint8)}, "'bed'"),
+        ({"bed": np.full(12, 3, np.uint8)}, "bed label 3"),
         ({"grip": np.zeros(12, np.int32)}, "'grip' holds 0"),
         ({"landmarks": np.zeros((2, 3))}, "'landmark_triangles'"),
         ({"colour": np.zeros(3)}, "'colour'"),
