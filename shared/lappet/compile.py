@@ -12,12 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lappet.anchors import AnchorTie, Tied, TissueLoss
-from lappet.procedure import Event, Hook, Landmark, Material, Point, Procedure, Retractor, Suture
+from lappet.procedure import SOLVED_MODELS, Event, Hook, Landmark, Material, Point, Procedure, Retractor, Suture
 from lappet.program import Epoch, FrameConstraints, Landmarks, Program, SolverSettings
 from lappet.refused import RefusedError
 from lappet.rigid_motion import RigidMotion
-
-SOLVED_MODELS = ("corotated", "neoHookean")
 
 
 def compile_program(
