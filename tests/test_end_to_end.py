@@ -15,6 +15,7 @@ import pytest
 from numpy.typing import NDArray
 
 from lappet.client import SolverClient, SolverRefused
+from lappet.daemon import SolverDaemon
 from lappet.epochs import build_epochs
 from lappet.history import History, ReplaceEvent
 from lappet.patch import flat_patch
@@ -271,6 +272,45 @@ def test_a_range_of_frames_gives_those_frames_of_the_whole_solve(solved: Solved,
     there = Solved(solved.procedure, tmp_path, part)
     assert visible_epochs(there, 4) == ["epoch_02"]
     np.testing.assert_array_equal(skin(there, 4), skin(solved, 4))
+
+
+def test_a_daemon_that_runs_elsewhere_gives_the_same_frames(
+    solved: Solved, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    write_procedure(solved.procedure, tmp_path / "p.usda")
+    with SolverDaemon() as daemon:
+        monkeypatch.setenv("LAPPET_TOKEN", daemon.token)
+        part = solve(tmp_path, "--daemon", daemon.address, "--frames", ":3")
+        assert daemon.alive()
+        monkeypatch.setenv("LAPPET_TOKEN", "guess")
+        refused = solve(tmp_path, "--daemon", daemon.address)
+    assert part.status == 0
+    there = Solved(solved.procedure, tmp_path, part)
+    np.testing.assert_array_equal(skin(there, 3), skin(solved, 3))
+    assert refused.status == 1
+    assert "token" in refused.stderr
+
+
+def test_check_and_inspect_know_what_the_solve_will_find(solved: Solved) -> None:
+    def lappet(command: str) -> str:
+        done = subprocess.run(
+            [sys.executable, "-m", "lappet", command, str(solved.folder / "p.usda")],
+            env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)},
+            capture_output=True,
+            text=True,
+            timeout=100,
+            check=False,
+        )
+        assert done.returncode == 0, done.stderr
+        return done.stdout
+
+    assert "no problem found" in lappet("check")
+    inspected = lappet("inspect")
+    for epoch in solved.run.report["epochs"]:
+        counts = epoch["lattice"]
+        assert f"{counts['cells']} cells ({counts['grid_cells']} grid, {counts['mesh_cells']} mesh)" in inspected
+        assert counts["cells"] == counts["grid_cells"] + counts["mesh_cells"]
+        assert counts["fragments"] == epoch["fragments"]
 
 
 # --- what cannot be done -------------------------------------------------------------------------------------------
