@@ -9,13 +9,15 @@ import numpy as np
 import pytest
 
 import synthetic_skin_cache as synthetic
+from lappet_blender.dashed_line import DASH, GAP, dashes
 from lappet_blender.figure_steps import MOST_PANELS, step_captions, story_steps
-from lappet_blender.framing import surgical_region, viewpoint
-from lappet_blender.hook_path import hook_path, pull_direction
+from lappet_blender.framing import FIELD_FILL, surgical_region, viewpoint
+from lappet_blender.hook_path import ELEVATION, hook_directions, hook_path
 from lappet_blender.sheet_layout import columns_for, sheet_layout
 from lappet_blender.skin_fields import SKIN, WOUND_WALL, border_chains, depth_below_skin, uv_scale, vertex_normals
 from lappet_blender.skin_read import FigureError, SkinCache, StepEvent
-from lappet_blender.suture_path import BITE, find_bite, nearest_bite, stitch_path
+from lappet_blender.suture_bites import BITE, Bite, Lip, bites_at, buried, find_bites, find_lip, inward
+from lappet_blender.suture_path import THREAD_RADIUS, stitch_path
 
 UP = np.array([0.0, 0.0, 1.0])
 
@@ -91,59 +93,150 @@ def test_the_edge_of_a_slit_is_one_closed_chain_of_its_two_lips() -> None:
     assert len(whole)
 
 
-@pytest.mark.parametrize("side", [-1, 1])
-@pytest.mark.parametrize("gape", [0.05, 3.0])
-def test_a_bite_lies_beside_the_wound_on_its_own_side_even_where_the_lips_nearly_touch(side: int, gape: float) -> None:
+def lips_apart(rest: np.ndarray, gape: float) -> np.ndarray:
+    """The slit patch with its two lips `gape` mm apart, float32."""
+    moved = rest.copy()
+    moved[:, 1] += np.where(rest[:, 1] > 0, gape / 2, -gape / 2)
+    return moved.astype(np.float32)
+
+
+def stitch_across(x: float, opened: float, closed: float) -> tuple[tuple[Bite, Bite], np.ndarray]:
+    """Bites of a suture at x across the slit, told apart while it gapes `opened` mm and placed at `closed` mm."""
     rest, triangles, origin = synthetic.patch(1.0, True)
-    moved = synthetic.deform(rest, synthetic.INCISED, True).astype(np.float64)
-    lips = np.abs(rest[:, 1]) < 1e-6
-    upper = rest[:, 1] > 0
-    moved[:, 1] = rest[:, 1] + np.where(upper, gape / 2, -gape / 2)
-    assert lips.any()
-    points = moved.astype(np.float32)
-    anchor = np.array([4.0, side * gape / 2, 0.0], np.float32)
-    bite = find_bite(points, triangles, origin, anchor)
-    carried = bite.carried(points)
-    assert np.sign(carried[1]) == side
-    assert abs(carried[1]) - gape / 2 == pytest.approx(BITE, abs=0.35)
-    assert carried[0] == pytest.approx(4.0, abs=0.8)
-    assert bite.weights.sum() == pytest.approx(1.0)
+
+    def ends(gape: float) -> np.ndarray:
+        return np.array([[x, -gape / 2 - 0.1, 0.0], [x, gape / 2 + 0.1, 0.0]], np.float32)
+
+    lips = tuple(find_lip(lips_apart(rest, opened), triangles, origin, end) for end in ends(opened))
+    points = lips_apart(rest, closed)
+    bites = find_bites(points, (lips[0], lips[1]), ends(closed))
+    return bites, np.stack([bite.carried(points) for bite in bites])
 
 
-def test_the_nearest_point_of_the_skin_to_a_point_above_it_is_below_it() -> None:
+@pytest.mark.parametrize("x", [-12.0, 0.3, 7.7])
+def test_the_bites_of_a_closed_suture_lie_at_right_angles_across_the_wound_each_on_its_side(x: float) -> None:
+    bites, places = stitch_across(x, 4.0, 0.02)
+    np.testing.assert_allclose(places, [[x, -BITE, 0.0], [x, BITE, 0.0]], atol=0.06)
+    for bite in bites:
+        assert bite.weights.sum() == pytest.approx(1.0)
+        assert (bite.weights >= 0).all()
+
+
+def test_the_bites_of_a_suture_that_never_closes_keep_their_distance_from_each_lip() -> None:
+    _, places = stitch_across(4.0, 6.0, 5.0)
+    np.testing.assert_allclose(places, [[4.0, -2.6 - BITE, 0.0], [4.0, 2.6 + BITE, 0.0]], atol=0.06)
+
+
+@pytest.mark.parametrize("angle", [40.0, 60.0, 90.0])
+def test_a_stitch_at_a_flaps_tip_halves_the_tips_angle(angle: float) -> None:
+    half = np.radians(angle / 2)
+    rows = np.linspace(0.0, 5.0, 11)
+    points = np.array([[r * np.sin(t), r * np.cos(t), 0.0] for r in rows for t in (-half, 0.0, half)], np.float32)
+    quads = [(3 * k + j, 3 * k + j + 1, 3 * k + j + 4, 3 * k + j + 3) for k in range(10) for j in (0, 1)]
+    disk = np.array([t for a, b, c, d in quads for t in ((a, c, b), (a, d, c))], np.int32)
+    edges = np.array([(3 * k + j, 3 * k + j + 3) for k in range(10) for j in (0, 2)], np.int32)
+    tip = Lip(disk, edges)
+    into = inward(points, tip, np.zeros(3), BITE)
+    np.testing.assert_allclose(into, [0.0, 1.0, 0.0], atol=1e-6)
+    far = 4.0 * np.array([np.sin(half), np.cos(half), 0.0])
+    across = inward(points, tip, far, 0.4)
+    np.testing.assert_allclose(across, [-np.cos(half), np.sin(half), 0.0], atol=1e-3)
+
+
+def test_a_suture_is_buried_where_an_end_lies_on_the_wall_in_the_depth_even_under_the_other_lip() -> None:
+    rest, triangles, origin = synthetic.patch(1.0, True)
+    depth = depth_below_skin(rest.astype(np.float32), triangles, origin)
+    for gape in (4.0, 0.05):
+        points = lips_apart(rest, gape)
+
+        def ends(z: float, gape: float = gape) -> np.ndarray:
+            return np.array([[3.0, -gape / 2, z], [3.0, gape / 2, z]], np.float32)
+
+        assert buried(points, triangles, depth, ends(-2.8))
+        assert not buried(points, triangles, depth, ends(0.0))
+        assert not buried(points, triangles, depth, ends(-0.3))
+    folded = lips_apart(rest, 4.0)
+    folded[:, 2] += np.where(rest[:, 1] > 0, -2.8, 0.0).astype(np.float32)  # one lip's skin beside the other's wall
+    deep = np.array([[3.0, -2.0, -2.8], [3.0, 2.0, -5.6]], np.float32)
+    assert buried(folded, triangles, depth, deep)
+
+
+def test_the_nearest_points_of_the_skin_to_points_above_it_are_below_them() -> None:
     rest, triangles, origin = synthetic.patch(4.0, False)
     points = rest.astype(np.float32)
-    bite = nearest_bite(points, triangles, origin, np.array([3.3, -7.1, 2.0]))
-    np.testing.assert_allclose(bite.carried(points), [3.3, -7.1, 0.0], atol=1e-5)
+    above = np.array([[3.3, -7.1, 2.0], [-20.0, 11.0, 0.5]])
+    for bite, point in zip(bites_at(points, triangles[origin == SKIN], above), above, strict=True):
+        np.testing.assert_allclose(bite.carried(points), [*point[:2], 0.0], atol=1e-5)
 
 
-@pytest.mark.parametrize("span", [0.0, 0.5, 4.4, 15.0])
-def test_a_stitch_enters_the_skin_at_both_ends_and_stays_above_it_between(span: float) -> None:
-    ends = np.array([[0.0, -span / 2, 0.0], [0.0, span / 2, 0.0]])
-    stitch = stitch_path(ends, np.stack([UP, UP]), thread_radius=0.17)
+@pytest.mark.parametrize("scale", [0.8, 1.6])
+def test_a_tied_stitch_lies_on_the_skin_with_a_small_knot_on_one_side(scale: float) -> None:
+    bites = scale * np.array([[0.0, -BITE, 0.0], [0.0, BITE, 0.0]])
+    stitch = stitch_path(bites, np.zeros((2, 3)), np.stack([UP, UP]), True, scale)
     assert stitch.thread[0, 2] < 0
     assert stitch.thread[-1, 2] < 0
-    assert (stitch.thread[1:-1, 2] >= 0.17 - 1e-9).all()
-    for line in (stitch.thread, stitch.knot, *stitch.tails):
+    assert (stitch.thread[1:-1, 2] >= THREAD_RADIUS * scale - 1e-9).all()
+    assert stitch.thread[:, 2].max() < 2.2 * THREAD_RADIUS * scale  # no arc through the air
+    np.testing.assert_allclose(stitch.thread[:, 0], 0.0, atol=1e-9)
+    assert len(stitch.knot) == 3
+    for line in stitch.knot:
         assert np.isfinite(line).all()
-        assert line[1:-1, 2].min() > -0.3
+        assert line[:, 1].max() < 0  # beside the wound, not on it
+        assert np.abs(line - bites[0]).max() < 1.6 * scale
 
 
-def test_a_hook_leans_along_its_pull_and_its_tip_is_under_the_skin() -> None:
-    course = np.array([[0.0, 0.0, 0.0], [2.0, 0.0, 6.0], [9.0, 0.0, 0.5]])
-    direction = pull_direction(course, UP, np.array([0.0, 1.0, 0.0]))
-    assert np.linalg.norm(direction) == pytest.approx(1.0)
-    assert direction[0] > 0.7
-    assert direction[2] > 0.4
-    still = pull_direction(course[:1], UP, np.array([0.0, -3.0, 1.0]))
-    assert still[1] < -0.7
-    line, radii = hook_path(course[-1], direction, UP)
-    assert line[0, 2] < course[-1, 2]
-    assert line[-1, 2] > course[-1, 2] + 20
+def test_the_thread_rises_with_the_edge_of_the_wound_and_spans_an_open_gap_straight_without_a_knot() -> None:
+    bites = np.array([[0.0, -BITE, 0.0], [0.0, BITE, 0.0]])
+    everted = np.array([[0.0, 0.0, 0.5], [0.0, 0.0, 0.5]])
+    assert stitch_path(bites, everted, np.stack([UP, UP]), True).thread[:, 2].max() > 0.5 + THREAD_RADIUS
+    lips = np.array([[0.0, -3.0, 0.0], [0.0, 4.0, 6.0]])
+    apart = stitch_path(lips + bites, lips, np.stack([UP, UP]), False)
+    assert apart.knot == ()
+    np.testing.assert_allclose(apart.thread[[2, 3]], lips + THREAD_RADIUS * UP)
+
+
+def test_hooks_come_in_from_opposite_sides_and_rise_however_their_flaps_cross_over() -> None:
+    left = np.array([[-9.0, 0.0, 0.0], [0.0, 5.0, 10.0], [0.5, 15.0, 0.0]])
+    for courses in ([left, -left * [1, 1, -1]], [-left * [1, 1, -1], left]):
+        directions = hook_directions(courses, np.zeros(3), np.eye(3))
+        for course, direction in zip(courses, directions, strict=True):
+            assert np.linalg.norm(direction) == pytest.approx(1.0)
+            assert np.degrees(np.arcsin(direction[2])) == pytest.approx(np.degrees(ELEVATION))
+            assert np.sign(direction[0]) == np.sign(course[0, 0])
+            assert abs(direction[0]) > abs(direction[1])
+    assert 35 <= np.degrees(ELEVATION) <= 50
+    (alone,) = hook_directions([left[:1]], np.zeros(3), np.eye(3))
+    assert alone[0] < -0.6
+    assert hook_directions([], np.zeros(3), np.eye(3)) == []
+
+
+@pytest.mark.parametrize("edge", [np.array([1.0, 0.0, 0.0]), UP])
+def test_a_hooks_point_comes_up_at_the_anchor_and_its_crook_runs_under_the_skin(edge: np.ndarray) -> None:
+    (direction,) = hook_directions([np.array([[5.0, 0.0, 0.0]])], np.zeros(3), np.eye(3))
+    anchor = np.array([5.0, 1.0, 2.0])
+    line, radii = hook_path(anchor, direction, UP, edge)
+    assert 0.2 < line[0, 2] - anchor[2] < 1.0
+    assert np.linalg.norm(line - anchor, axis=1).min() < 0.1
+    assert line[:, 2].min() < anchor[2] - 0.5
+    assert line[-1, 2] > anchor[2] + 20
     assert len(line) == len(radii)
-    assert radii[0] < radii[-2]
+    assert radii[0] < 0.1 < radii.max()
     steps = np.linalg.norm(np.diff(line, axis=0), axis=1)
-    assert steps[:13].max() < 0.6  # the crook is a smooth arc
+    assert steps[:26].max() < 0.6  # crook and bend are smooth
+    turns = np.diff(line[:27], axis=0) / steps[:26, None]
+    assert np.einsum("ij,ij->i", turns[1:], turns[:-1]).min() > np.cos(np.radians(50))
+
+
+def test_an_undermined_area_is_marked_in_dashes_that_close_evenly() -> None:
+    turn = np.linspace(0.0, 2 * np.pi, 181)
+    circle = 20.0 * np.stack([np.cos(turn), np.sin(turn), 0 * turn], axis=-1)
+    parts = dashes(circle)
+    around = 2 * np.pi * 20.0
+    assert len(parts) == round(around / (DASH + GAP))
+    length = sum(float(np.linalg.norm(np.diff(part, axis=0), axis=1).sum()) for part in parts)
+    assert length == pytest.approx(around * DASH / (DASH + GAP), rel=0.01)
+    gaps = [np.linalg.norm(b[0] - a[-1]) for a, b in pairwise([*parts, parts[0]])]
+    np.testing.assert_allclose(gaps, GAP, rtol=0.05)
 
 
 @pytest.mark.parametrize("view", ["oblique", "top", "low"])
@@ -158,9 +251,11 @@ def test_the_camera_holds_the_whole_region_and_not_much_more(
     np.testing.assert_allclose(seen.axes @ seen.axes.T, np.eye(3), atol=1e-9)
     local = (region.points - seen.position) @ seen.axes.T
     assert (local[:, 2] < 0).all()
-    filled = np.abs(local[:, :2] / -local[:, 2:]) / halves
+    ends = local[:, :2] / -local[:, 2:] / halves
+    filled = np.abs(ends).max(axis=0) / FIELD_FILL
     assert filled.max() <= 1.0 + 1e-6
     assert filled.max() > 0.97
+    np.testing.assert_allclose(ends.max(axis=0), -ends.min(axis=0), atol=0.02)  # in the middle of the picture
 
 
 def test_normals_of_the_flat_skin_point_up() -> None:
@@ -173,16 +268,39 @@ def test_the_filmstrip_tells_the_operation_in_order(cache: SkinCache) -> None:
     steps = story_steps(cache.events, cache.frames, synthetic.lift)
     assert [s.caption for s in steps] == [
         "Before",
-        "Incision",
+        "Incised",
         "Lifted with hooks",
         "Transposed",
         "Sutured",
         "Final result",
     ]
     assert [s.frame for s in steps] == [1, 3, 6, 7, 11, 12]
+    assert steps[3].frame == max(
+        f for f in cache.frames if f < min(e.start for e in cache.events if e.kind == "Suture")
+    )
     assert all(a.frame < b.frame for a, b in pairwise(steps))
     assert steps[1].detail == "central limb"
     assert steps[4].detail == "4 sutures"
+
+
+def test_the_story_names_undermining_and_counts_buried_sutures_apart() -> None:
+    events = [
+        StepEvent("Incision", "limb", 2, 2),
+        StepEvent("Undermine", "around", 4, 4),
+        StepEvent("Hook", "tip", 6, 12),
+        *[StepEvent("Suture", f"s{k}", 9, 11) for k in range(5)],
+        StepEvent("Excision", "dog_ear", 13, 13),
+    ]
+    frames = [float(t) for t in range(1, 15)]
+    steps = story_steps(events, frames, buried=2)
+    assert (steps[1].caption, steps[1].detail, steps[1].frame) == (
+        "Incised and undermined",
+        "limb; dashed: undermined",
+        5,
+    )
+    assert [(s.caption, s.frame) for s in steps[3:]] == [("Transposed", 8), ("Sutured", 11), ("Final result", 14)]
+    assert steps[4].detail == "3 skin sutures, 2 buried"
+    assert story_steps(events, frames, buried=5)[4].detail == "5 buried sutures"
 
 
 def test_a_story_never_has_more_panels_than_the_sheet_nor_two_of_one_frame() -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import shlex
 import stat
 import struct
@@ -71,7 +72,17 @@ def drawn(cache: Path, tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, 
     out = tmp_path_factory.mktemp("figures") / "new folder"
     lines: list[str] = []
     files = render_cache(
-        cache, out, frames=[5], animation="mp4", size=SIZE, panel=(56, 42), samples=2, threads=2, progress=lines.append
+        cache,
+        out,
+        frames=[12],
+        animation="mp4",
+        size=SIZE,
+        panel=(56, 42),
+        movie_size=SIZE,
+        samples=2,
+        movie_samples=2,
+        threads=2,
+        progress=lines.append,
     )
     return out, files, lines
 
@@ -82,10 +93,13 @@ def test_stills_a_filmstrip_and_a_movie_are_written_and_reported(drawn: tuple[Pa
     names = [str(f.relative_to(out)) for f in files]
     frames = [f"frames/{k:04d}.png" for k in range(1, len(synthetic.FRAMES) + 1)]
     steps = [f"step_{k}.png" for k in range(1, 7)]
-    assert names == ["frame_0005.png", *steps, "filmstrip.png", *frames, "animation.mp4"]
+    assert names == ["frame_0012.png", *steps, "filmstrip.png", *frames, "animation.mp4"]
     assert all(f.stat().st_size > 100 for f in files)
-    assert lines[0] == f"picture 1 of {len(files)}: frame_0005.png"
-    assert len(lines) == len(files)
+    assert lines[0] == f"picture 1 of {len(files)}: frame_0012.png"
+    (note,) = (line for line in lines if not line.startswith("picture "))
+    assert re.fullmatch(r"animation of 12 frames, 112x84: [\d.]+ s a frame, about \d+ s to go", note)
+    assert lines.index(note) == names.index("frames/0002.png") + 1
+    assert len(lines) == len(files) + 1
     assert not list(out.rglob(".*"))  # no drafts stay behind
     movie = (out / "animation.mp4").read_bytes()
     assert movie[4:8] == b"ftyp"
@@ -99,7 +113,7 @@ def test_a_still_has_its_size_and_the_open_wound_is_flesh_where_skin_was(
     out, _, _ = drawn
     whole, lifted, closed = (read_png(out / "frames" / f"{k:04d}.png") for k in (1, 7, 12))
     assert whole.shape == (SIZE[1], SIZE[0], 3)
-    assert read_png(out / "frame_0005.png").std() > 8
+    assert read_png(out / "frame_0012.png").std() > 8
     assert flesh(whole).mean() < 0.002
     assert flesh(lifted).mean() > 0.03
     assert flesh(closed).mean() < 0.25 * flesh(lifted).mean()
@@ -124,6 +138,16 @@ def test_the_filmstrip_shows_six_captioned_panels(drawn: tuple[Path, list[Path],
         np.testing.assert_allclose(panel.astype(int), read_png(out / f"step_{k}.png").astype(int), atol=1)
         below = sheet[y + 42 + 2 : y + 42 + caption, x : x + 56]
         assert below.min() < 180 < below.max()  # ink on paper
+
+
+@pytest.mark.slow
+def test_the_last_panel_is_the_still_made_smaller_and_not_drawn_again(
+    drawn: tuple[Path, list[Path], list[str]],
+) -> None:
+    out, _, _ = drawn
+    still = read_png(out / "frame_0012.png").astype(float)
+    halves = still.reshape(42, 2, 56, 2, 3).mean(axis=(1, 3))
+    np.testing.assert_allclose(read_png(out / "step_6.png"), halves, atol=1.01)
 
 
 @pytest.mark.slow
@@ -168,6 +192,8 @@ def test_a_missing_cache_is_refused_and_the_refusal_is_one_of_lappets(tmp_path: 
         ({"samples": 0}, "samples is 0; it must be between"),
         ({"size": (0, 480)}, "size is 0x480"),
         ({"panel": (99999, 480)}, "panel is 99999x480"),
+        ({"movie_size": (8, 480)}, "movie_size is 8x480"),
+        ({"movie_samples": 0}, "movie_samples is 0; it must be between"),
         ({"frames": []}, "The list of frames is empty"),
     ],
 )

@@ -44,11 +44,16 @@ def save_picture(picture: Picture, path: Path) -> None:
         bpy.data.images.remove(image)
 
 
-def halved(picture: Picture) -> Picture:
-    """A picture with even sides at half its size, averaged over 2 by 2 pixels."""
-    height, width = picture.shape[:2]
-    blocks: Picture = picture.reshape(height // 2, 2, width // 2, 2, 3).mean(axis=(1, 3)).astype(np.float32)
-    return blocks
+def shrunk(picture: Picture, size: tuple[int, int]) -> Picture:
+    """A picture at a smaller size (width, height) in pixels, every pixel the mean of the area that it covers."""
+    for axis, count in ((0, size[1]), (1, size[0])):
+        total = np.concatenate([np.zeros_like(picture.take([0], axis)), picture.cumsum(axis, dtype=np.float64)], axis)
+        borders = np.linspace(0.0, picture.shape[axis], count + 1)
+        low = np.floor(borders).astype(int).clip(max=picture.shape[axis] - 1)
+        share = (borders - low).reshape((-1, 1, 1) if axis == 0 else (1, -1, 1))
+        at = total.take(low, axis) * (1 - share) + total.take(low + 1, axis) * share
+        picture = np.diff(at, axis=axis) * (count / picture.shape[axis])
+    return picture.astype(np.float32)
 
 
 def text_width(text: str, size: float) -> float:

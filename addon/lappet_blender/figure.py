@@ -1,8 +1,8 @@
 """Draws the figures of a solved procedure without a window: `python -m lappet_blender.figure CACHE.usdc -o DIR`.
 
 Standard output carries one JSON object a line: `{"picture": path, "number": k, "of": n}` for every picture written,
-then `{"done": true}`; a refusal is `{"error": sentence}` and exit status 1. Blender's own messages go to standard
-error.
+`{"note": line}` on how long an animation takes, then `{"done": true}`; a refusal is `{"error": sentence}` and exit
+status 1. Blender's own messages go to standard error.
 """
 
 from __future__ import annotations
@@ -13,8 +13,9 @@ import os
 import signal
 import sys
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
+from time import monotonic
 
 import bpy
 import numpy as np
@@ -22,7 +23,7 @@ import numpy as np
 if hasattr(bpy.utils, "expose_bundled_modules"):
     bpy.utils.expose_bundled_modules()
 
-from .caption import halved, load_picture, save_picture
+from .caption import load_picture, save_picture, shrunk
 from .figure_scene import (
     ENGINES,
     add_backdrop,
@@ -40,7 +41,8 @@ from .framing import VIEWS, Region, surgical_region, viewpoint
 from .hook_steel import HookSteel
 from .movie import encode_mp4
 from .quantity_key import draw_key, full_scale
-from .skin_import import SkinObject, add_bed
+from .skin_import import Bed, SkinObject
+from .skin_marks import SkinMarks
 from .skin_material import (
     backdrop_material,
     bed_material,
@@ -54,8 +56,8 @@ from .skin_material import (
     wall_material,
 )
 from .skin_read import SCALARS, FigureError, SkinCache
-from .suture_thread import SutureThread
-from .wound_edge import PlannedIncision, WoundEdge
+from .suture_thread import SutureThread, buried_sutures
+from .wound_edge import WoundEdge
 
 Report = Callable[[Path, int, int], None]
 COLORS = ("plain", "grid", *SCALARS)
@@ -63,7 +65,11 @@ COLORS = ("plain", "grid", *SCALARS)
 
 @dataclass(frozen=True)
 class FigureRequest:
-    """What to draw. frames: stills to write, None: the last. size: of stills; panel: of filmstrip panels; pixels."""
+    """What to draw.
+
+    frames: stills to write, None: the last. size: of stills; panel: of filmstrip panels; movie: of an animation; in
+    pixels. samples, movie_samples: Cycles samples a pixel of stills and panels, and of an animation.
+    """
 
     cache: Path
     out: Path
@@ -71,8 +77,10 @@ class FigureRequest:
     filmstrip: bool = True
     animation: str = "none"
     size: tuple[int, int] = (1280, 960)
-    panel: tuple[int, int] = (640, 480)
-    samples: int = 10
+    panel: tuple[int, int] = (560, 420)
+    movie: tuple[int, int] = (640, 480)
+    samples: int = 6
+    movie_samples: int = 4
     engine: str = "cycles"
     view: str = "oblique"
     color: str = "grid"
@@ -82,7 +90,15 @@ class FigureRequest:
 class Plate:
     """The scene of one cache: shows a frame and renders it."""
 
-    def __init__(self, cache: SkinCache, region: Region, request: FigureRequest) -> None:
+    def __init__(
+        self,
+        cache: SkinCache,
+        region: Region,
+        request: FigureRequest,
+        frames: tuple[float, ...],
+        hidden: frozenset[int],
+    ) -> None:
+        """frames: all that will be rendered. hidden: sutures that do not show on the skin."""
         self._cache, self._request = cache, request
         clear_scene()
         scalar = request.color if request.color in SCALARS else None
@@ -96,45 +112,57 @@ class Plate:
             rim_material(),
         ]
         self._skin = SkinObject(cache, materials, scalar)
+        right = view.axes[0] - (view.axes[0] @ region.normal) * region.normal
+        right /= np.linalg.norm(right)
+        seen = np.stack([right, np.cross(region.normal, right), region.normal])
+        scale = region.stitch_scale
         self._parts = (
             self._skin,
+            Bed(cache, bed_material()),
             WoundEdge(cache, edge_material()),
-            PlannedIncision(cache, ink_material()),
-            SutureThread(cache, thread_material()),
-            HookSteel(cache, steel_material(), region.normal, region.centre),
+            SkinMarks(cache, ink_material()),
+            SutureThread(cache, thread_material(), hidden, 1.0 * seen[0] + 0.6 * seen[1], scale),
+            HookSteel(cache, steel_material(), seen, region.centre, scale),
         )
-        add_bed(cache, bed_material())
-        first = cache.positions(cache.epochs[0], cache.epochs[0].frames[0]).astype(np.float64)
-        lowest = float((first @ region.normal).min()) - 1.0
-        add_backdrop(region, lowest, backdrop_material())
+        lowest = min(
+            float((cache.positions(cache.epoch_at(t), t) @ region.normal).min()) for t in (cache.frames[0], *frames)
+        )
+        add_backdrop(region, lowest - 1.5, backdrop_material())
         add_lights(region)
         add_camera(view)
-        set_render(request.engine, request.samples, request.threads)
+        set_render(request.engine, request.threads)
 
-    def render(self, time: float, size: tuple[int, int], path: Path) -> None:
+    def render(self, time: float, size: tuple[int, int], samples: int, path: Path) -> None:
         """Write a PNG of a frame."""
         for part in self._parts:
             part.show(time)
-        set_size(size)
+        set_size(size, samples)
         render_png(path)
         if self._request.color in SCALARS:
             draw_key(path, self._request.color, self._highest)
 
 
-def draw_figures(request: FigureRequest, report: Report = lambda path, number, of: None) -> list[Path]:
+def draw_figures(
+    request: FigureRequest,
+    report: Report = lambda path, number, of: None,
+    note: Callable[[str], None] = lambda line: None,
+) -> list[Path]:
     """Draw everything that a request asks for, in one Blender scene, and return the files written.
 
-    report: called with each file as it is done, its number and the count of all. Raises FigureError.
+    report: called with each file as it is done, its number and the count of all. note: called with a line on how long
+    an animation takes, once two of its frames are done. Raises FigureError.
     """
     cache = SkinCache(request.cache)
     stills = request.frames if request.frames is not None else (cache.frames[-1],)
     for frame in stills:
         cache.epoch_at(frame)
-    steps = _steps(cache, request) if request.filmstrip else []
+    hidden = buried_sutures(cache)
+    steps = _steps(cache, request, len(hidden)) if request.filmstrip else []
     movie = cache.frames if request.animation != "none" else ()
-    region = surgical_region(cache, tuple(sorted({*stills, *(s.frame for s in steps), *movie, cache.frames[-1]})))
+    shown = tuple(sorted({*stills, *(s.frame for s in steps), *movie, cache.frames[-1]}))
+    region = surgical_region(cache, shown)
     _make_folder(request.out)
-    plate = Plate(cache, region, request)
+    plate = Plate(cache, region, request, shown, hidden)
     total = len(stills) + len(steps) + bool(steps) + len(movie) + (request.animation == "mp4")
     written: list[Path] = []
 
@@ -145,17 +173,17 @@ def draw_figures(request: FigureRequest, report: Report = lambda path, number, o
     drawn: dict[float, Path] = {}
     for frame in stills:
         path = request.out / f"frame_{frame:04g}.png"
-        plate.render(frame, request.size, path)
+        plate.render(frame, request.size, request.samples, path)
         drawn[frame] = path
         done(path)
     if steps:
         done_panels = []
         for number, step in enumerate(steps, start=1):
             path = request.out / f"step_{number}.png"
-            if step.frame in drawn and request.size == (2 * request.panel[0], 2 * request.panel[1]):
-                save_picture(halved(load_picture(drawn[step.frame])), path)
+            if step.frame in drawn and _shrinks(request.size, request.panel):
+                save_picture(shrunk(load_picture(drawn[step.frame]), request.panel), path)
             else:
-                plate.render(step.frame, request.panel, path)
+                plate.render(step.frame, request.panel, request.samples, path)
             done_panels.append(path)
             done(path)
         sheet = request.out / "filmstrip.png"
@@ -165,19 +193,33 @@ def draw_figures(request: FigureRequest, report: Report = lambda path, number, o
         folder = request.out / "frames"
         _make_folder(folder)
         pictures = []
+        begun = monotonic()
         for number, frame in enumerate(movie, start=1):
             path = folder / f"{number:04d}.png"
-            plate.render(frame, request.size, path)
+            plate.render(frame, request.movie, request.movie_samples, path)
             pictures.append(path)
             done(path)
+            if number == 2:
+                note(_expectation(len(movie), request.movie, (monotonic() - begun) / 2))
         if request.animation == "mp4":
             film = request.out / "animation.mp4"
-            encode_mp4(pictures, request.size, cache.fps, film)
+            encode_mp4(pictures, request.movie, cache.fps, film)
             done(film)
     return written
 
 
-def _steps(cache: SkinCache, request: FigureRequest) -> list[Step]:
+def _expectation(frames: int, size: tuple[int, int], seconds: float) -> str:
+    left = seconds * (frames - 2)
+    words = f"{left:.0f} s" if left < 90 else f"{left / 60:.0f} min"
+    return f"animation of {frames} frames, {size[0]}x{size[1]}: {seconds:.1f} s a frame, about {words} to go"
+
+
+def _shrinks(size: tuple[int, int], panel: tuple[int, int]) -> bool:
+    """Whether a still shrinks to a panel: it is not smaller and has the same shape to a pixel."""
+    return size[0] >= panel[0] and abs(size[1] * panel[0] / size[0] - panel[1]) < 1.0
+
+
+def _steps(cache: SkinCache, request: FigureRequest, buried: int) -> list[Step]:
     if request.frames is not None and len(request.frames) > 1:
         return step_captions(cache.events, request.frames)
 
@@ -185,7 +227,7 @@ def _steps(cache: SkinCache, request: FigureRequest) -> list[Step]:
         hooks = cache.hooks(time)
         return float(hooks.ends[hooks.active, 0, 2].mean()) if hooks.active.any() else 0.0
 
-    return story_steps(cache.events, cache.frames, height)
+    return story_steps(cache.events, cache.frames, height, buried)
 
 
 def _make_folder(folder: Path) -> None:
@@ -226,15 +268,22 @@ def parse_request(arguments: list[str] | None = None) -> FigureRequest:
     parser.add_argument("--animation", choices=("mp4", "png", "none"), default="none")
     parser.add_argument("--size", type=_size, default=(1280, 960))
     parser.add_argument("--panel", type=_size)
-    parser.add_argument("--samples", type=int, default=10)
+    parser.add_argument("--movie", type=_size)
+    parser.add_argument("--samples", type=int, default=6)
+    parser.add_argument("--movie-samples", type=int, default=4)
     parser.add_argument("--engine", choices=tuple(ENGINES), default="cycles")
     parser.add_argument("--view", choices=tuple(VIEWS), default="oblique")
     parser.add_argument("--color", choices=COLORS, default="grid")
     parser.add_argument("--threads", type=int, default=0)
     values = vars(parser.parse_args(arguments))
-    panel = values.pop("panel")
-    request = FigureRequest(panel=(640, 480), **values)
-    return replace(request, panel=panel or (max(16, request.size[0] // 2), max(16, request.size[1] // 2)))
+    width, height = values["size"]
+    values["panel"] = values["panel"] or _part((width, height), 7 / 16)
+    values["movie"] = values["movie"] or _part((width, height), 1 / 2)
+    return FigureRequest(**values)
+
+
+def _part(size: tuple[int, int], share: float) -> tuple[int, int]:
+    return max(16, round(size[0] * share)), max(16, round(size[1] * share))
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -249,7 +298,11 @@ def main(arguments: list[str] | None = None) -> int:
         lines.flush()
 
     try:
-        draw_figures(request, lambda path, number, of: say(picture=str(path), number=number, of=of))
+        draw_figures(
+            request,
+            lambda path, number, of: say(picture=str(path), number=number, of=of),
+            lambda line: say(note=line),
+        )
     except FigureError as error:
         say(error=str(error))
         return 1

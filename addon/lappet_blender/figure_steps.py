@@ -9,7 +9,8 @@ from .skin_read import StepEvent
 
 MOST_PANELS = 6
 CUTTING = ("Incision", "Excision", "Undermine")
-NOUNS = {"Incision": "Incision", "Excision": "Excision", "Undermine": "Undermining"}
+DONE = {"Incision": "Incised", "Excision": "Excised", "Undermine": "Undermined"}
+HELD = ("Hook", "Retractor", "Suture")
 
 
 @dataclass(frozen=True)
@@ -32,12 +33,15 @@ def _named(events: Sequence[StepEvent], most: int = 3) -> str:
 
 
 def story_steps(
-    events: Sequence[StepEvent], frames: Sequence[float], height: Callable[[float], float] | None = None
+    events: Sequence[StepEvent],
+    frames: Sequence[float],
+    height: Callable[[float], float] | None = None,
+    buried: int = 0,
 ) -> list[Step]:
     """At most `MOST_PANELS` steps of a procedure, each right after what its caption says, in order of time.
 
     frames: the cache's frames, ascending, not empty. height: how far the hooked tissue stands above the skin at a frame
-    (any unit); decides which frame shows the flaps lifted.
+    (any unit); decides which frame shows the flaps lifted. buried: how many of the sutures lie in the depth.
     """
 
     def at_or_after(time: float) -> float:
@@ -46,13 +50,19 @@ def story_steps(
     def before(time: float) -> float:
         return next((f for f in reversed(frames) if f < time - 1e-6), frames[0])
 
-    steps = [Step(frames[0], "Before")]
+    steps = [Step(frames[0], "Before", "planned incision" if any(e.kind == "Incision" for e in events) else "")]
+    begin_held = min((e.start for e in events if e.kind in HELD), default=float("inf"))
     cuts = [e for e in events if e.kind in CUTTING]
+    cuts = [e for e in cuts if e.start <= begin_held] or cuts
     if cuts:
-        kinds = [NOUNS[k] for k in CUTTING if any(e.kind == k for e in cuts)]
+        kinds = [DONE[k] for k in CUTTING if any(e.kind == k for e in cuts)]
         caption = kinds[0] + "".join(f" and {k.lower()}" for k in kinds[1:])
+        detail = _named([e for e in cuts if e.kind != "Undermine"])
+        if any(e.kind == "Undermine" for e in cuts):
+            detail += ("; " if detail else "") + "dashed: undermined"
+        last_cut = at_or_after(max(e.start for e in cuts))
         steps.append(
-            Step(at_or_after(max(e.start for e in cuts)), caption, _named([e for e in cuts if e.kind != "Undermine"]))
+            Step(max(last_cut, before(begin_held)) if begin_held < float("inf") else last_cut, caption, detail)
         )
     pulls = [e for e in events if e.kind in ("Hook", "Retractor")]
     sutures = [e for e in events if e.kind == "Suture"]
@@ -71,12 +81,20 @@ def story_steps(
                 steps.append(Step(last, "Transposed" if sutures else "Held"))
     if sutures:
         closed = at_or_after(max(e.end for e in sutures))
-        count = f"{len(sutures)} suture" + ("s" if len(sutures) > 1 else "")
-        steps.append(Step(closed, "Sutured", count))
+        steps.append(Step(closed, "Sutured", _counted(len(sutures), buried)))
     if not events:
         steps += [Step(f, f"Frame {f:g}") for f in _spread(frames[1:-1], MOST_PANELS - 2)]
     steps.append(Step(frames[-1], "Final result"))
     return _distinct(steps)
+
+
+def _counted(sutures: int, buried: int) -> str:
+    plural = "s" if sutures > 1 else ""
+    if not buried:
+        return f"{sutures} suture{plural}"
+    if buried == sutures:
+        return f"{sutures} buried suture{plural}"
+    return f"{sutures - buried} skin suture{'s' if sutures - buried > 1 else ''}, {buried} buried"
 
 
 def _spread(frames: Sequence[float], count: int) -> list[float]:

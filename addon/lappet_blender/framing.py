@@ -10,19 +10,38 @@ from numpy.typing import NDArray
 from .skin_fields import SKIN, WOUND_WALL
 from .skin_read import SkinCache
 
-VIEWS = {"oblique": 42.0, "top": 90.0, "low": 24.0}
+VIEWS = {"oblique": 50.0, "top": 90.0, "low": 26.0}
+TURN = 9.0
 MARGIN = 9.0
+# Shares of the picture's width and height that the surgical field may take up; a whole organ takes nearly all.
+FIELD_FILL = (0.64, 0.82)
+WHOLE_FILL = (0.94, 0.94)
 
 
 @dataclass(frozen=True, eq=False)
 class Region:
-    """What the picture must show. points: (k, 3) mm. right, up, normal: unit vectors (3,), up along the skin."""
+    """What the picture must show.
+
+    points: (k, 3) mm. right, up, normal: unit vectors (3,), up along the skin. fill: the shares of the picture's width
+    and height that the points may take up.
+    """
 
     points: NDArray[np.float64]
     centre: NDArray[np.float64]
     right: NDArray[np.float64]
     up: NDArray[np.float64]
     normal: NDArray[np.float64]
+    fill: tuple[float, float]
+
+    @property
+    def extent(self) -> float:
+        """Diagonal of the region with a margin around it, mm: what lights and backdrop are measured by."""
+        return float(np.linalg.norm(np.ptp(self.points, axis=0) + 2 * MARGIN))
+
+    @property
+    def stitch_scale(self) -> float:
+        """How much larger than on a wound of 40 mm thread, bites and hooks are drawn: mildly with the wound."""
+        return float(np.clip(np.sqrt(np.linalg.norm(np.ptp(self.points, axis=0)) / 40.0), 0.8, 1.6))
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,20 +85,18 @@ def surgical_region(cache: SkinCache, frames: tuple[float, ...]) -> Region:
     right = np.cross(up, normal)
     frame = np.stack([right, up, normal])
     local = region @ frame.T
-    margin = np.array([1.0, 1.0, 0.0]) * (0.0 if whole else MARGIN)
-    a, b = local.min(axis=0) - margin, local.max(axis=0) + margin
-    corners = np.array([[x, y, z] for x in (a[0], b[0]) for y in (a[1], b[1]) for z in (a[2], b[2])])
-    return Region(corners @ frame, ((a + b) / 2) @ frame, right, up, normal)
+    centre = (local.min(axis=0) + local.max(axis=0)) / 2 @ frame
+    return Region(region, centre, right, up, normal, WHOLE_FILL if whole else FIELD_FILL)
 
 
 def viewpoint(region: Region, view: str, half_angles: tuple[float, float]) -> Viewpoint:
-    """The nearest camera in the direction of a view that holds every point of the region.
+    """The nearest camera in a view's direction that holds every point of the region within its share of the picture.
 
     view: one of `VIEWS`. half_angles: tangents of half the horizontal and vertical field of view.
     """
     elevation = np.radians(VIEWS[view])
     # An oblique plate looks from below right of the region, so that both lips of a wound show.
-    turn = 0.0 if view == "top" else np.radians(16.0)
+    turn = 0.0 if view == "top" else np.radians(TURN)
     ground = -np.cos(turn) * region.up + np.sin(turn) * region.right
     back = np.sin(elevation) * region.normal + np.cos(elevation) * ground
     flat_up = region.up if view == "top" else region.normal
@@ -87,11 +104,12 @@ def viewpoint(region: Region, view: str, half_angles: tuple[float, float]) -> Vi
     up /= np.linalg.norm(up)
     right = np.cross(up, back)
     local = (region.points - region.centre) @ np.stack([right, up, back]).T
+    room = np.asarray(half_angles) * region.fill
     # Shift sideways and up so that the region is centred as the camera sees it, then stand just far enough.
     shift = np.zeros(2)
     distance = 0.0
     for _ in range(12):
-        xy = np.abs(local[:, :2] - shift) / np.asarray(half_angles)
+        xy = np.abs(local[:, :2] - shift) / room
         distance = float((xy.max(axis=1) + local[:, 2]).max())
         seen = (local[:, :2] - shift) / (distance - local[:, 2])[:, None]
         shift = shift + 0.5 * (seen.min(axis=0) + seen.max(axis=0)) * distance

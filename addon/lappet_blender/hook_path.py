@@ -1,60 +1,84 @@
-"""The course of a skin hook: a fine curved tip in the skin, a shank, a handle along the pull."""
+"""The course of a skin hook: a fine point in the skin, a crook around its edge, a slender shank and a handle."""
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
 
-ELEVATION = np.radians(34.0)
-CROOK = 1.3
-SHANK = 26.0
-HANDLE = 80.0
-SHANK_RADIUS = 0.36
-HANDLE_RADIUS = 0.85
+ELEVATION = np.radians(42.0)
+CROOK = 0.75
+SHANK = 30.0
+HANDLE = 95.0
+SHANK_RADIUS = 0.22
+HANDLE_RADIUS = 0.6
 
 
-def pull_direction(
-    anchors: NDArray[np.float64], normal: NDArray[np.float64], away: NDArray[np.float64]
-) -> NDArray[np.float64]:
-    """Unit direction (3,) of a hook's handle over its whole life, so that it does not swing from frame to frame.
+def hook_directions(
+    courses: list[NDArray[np.float64]], centre: NDArray[np.float64], axes: NDArray[np.float64]
+) -> list[NDArray[np.float64]]:
+    """Unit directions (3,) of the handles of hooks, fixed for their whole life so that they do not swing.
 
-    anchors: (k, 3) mm, the course of the hook's end on the tissue and its targets. normal: (3,) unit, out of the skin.
-    away: (3,) direction to take where the course does not move along the skin (mm, any length). The handle leans along
-    the skin's part of the course and rises by `ELEVATION`.
+    courses: (k, 3) mm each, where a hook's end on the tissue goes. centre: (3,) mm, the middle of the field. axes:
+    (3, 3), rows right, up along the skin and normal, as the picture is seen. Handles rise by `ELEVATION`, half of them
+    to the left and half to the right of the picture in the order of the hooks' places, so that none crosses the field.
     """
-    course = anchors[-1] - anchors[0]
-    farthest = anchors - anchors[0]
-    if len(anchors):
-        course = farthest[np.linalg.norm(farthest - np.outer(farthest @ normal, normal), axis=1).argmax()]
-    flat = course - (course @ normal) * normal
-    if np.linalg.norm(flat) < 0.5:
-        flat = away - (away @ normal) * normal
-    if np.linalg.norm(flat) < 1e-6:
-        axis = np.eye(3)[int(np.abs(normal).argmin())]
-        flat = axis - (axis @ normal) * normal
-    flat /= np.linalg.norm(flat)
-    return np.cos(ELEVATION) * flat + np.sin(ELEVATION) * normal
+    places = np.array([(course.mean(axis=0) - centre) @ axes.T for course in courses]).reshape(-1, 3)
+    starts = np.array([(course[0] - centre) @ axes.T for course in courses]).reshape(-1, 3)
+    reach = max(float(np.abs(places[:, :2]).max(initial=0.0)), 1e-9)
+    across = places[:, 0] + 0.5 * starts[:, 0]
+    directions = [np.zeros(3)] * len(courses)
+    for rank, k in enumerate(np.argsort(across, kind="stable")):
+        side = np.sign(across[k]) or 1.0
+        if len(courses) > 1:
+            side = -1.0 if rank < len(courses) / 2 else 1.0
+        tilt = 0.45 * float(np.clip(places[k, 1] / reach, -1.0, 1.0))
+        flat = side * axes[0] + tilt * axes[1]
+        flat /= np.linalg.norm(flat)
+        directions[int(k)] = np.cos(ELEVATION) * flat + np.sin(ELEVATION) * axes[2]
+    return directions
 
 
 def hook_path(
-    anchor: NDArray[np.float64], direction: NDArray[np.float64], normal: NDArray[np.float64]
+    anchor: NDArray[np.float64],
+    direction: NDArray[np.float64],
+    normal: NDArray[np.float64],
+    edge: NDArray[np.float64],
+    scale: float = 1.0,
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Centre line (k, 3) in mm and radii (k,) in mm of a hook that holds the skin at a point.
+    """Centre line (k, 3) in mm and radii (k,) in mm of a hook that holds an edge of skin by a point beside it.
 
-    The tip lies under the skin, points back along the pull and bends over the anchor into the shank.
+    The point comes up through the skin at the anchor and shows a little above it; from there the crook runs under the
+    skin, around its edge and up into the shank. direction, normal, edge: (3,) unit: of the handle, out of the skin at
+    the anchor, and from the anchor towards the edge. scale: of all thicknesses and of the crook.
     """
-    flat = direction - (direction @ normal) * normal
-    flat /= max(float(np.linalg.norm(flat)), 1e-9)
-    # From the tip, under the skin, around the crook, to the shank: an arc in the plane of pull and normal.
-    rise = float(direction @ normal)
-    start, stop = np.radians(-75.0), np.pi / 2 + np.arcsin(np.clip(rise, -1, 1))
-    angle = np.linspace(start, stop, 15)[:, None]
-    centre = anchor + 0.35 * CROOK * normal
-    arc = centre - CROOK * (np.cos(angle) * flat - np.sin(angle) * normal)
-    arc_radius = np.linspace(0.10, SHANK_RADIUS * 0.8, len(arc))
-    reach = np.array([3.0, 9.0, SHANK, SHANK + 2.0, SHANK + 4.0, HANDLE - 1.5, HANDLE])
-    radius = (
-        np.array([0.9, 1.0, 1.0, 1.6, HANDLE_RADIUS / SHANK_RADIUS, HANDLE_RADIUS / SHANK_RADIUS, 1.2]) * SHANK_RADIUS
+    out = edge - (edge @ normal) * normal
+    if np.linalg.norm(out) < 1e-6:
+        out = direction - (direction @ normal) * normal
+    if np.linalg.norm(out) < 1e-6:
+        axis = np.eye(3)[int(np.abs(normal).argmin())]
+        out = axis - (axis @ normal) * normal
+    out /= np.linalg.norm(out)
+    radius = CROOK * scale
+    angle = np.linspace(np.radians(-225.0), 0.0, 19)[:, None]
+    crook = anchor + radius * ((1.0 + np.cos(angle)) * out + np.sin(angle) * normal)
+    # From the crook's end, which runs along the normal, a smooth bend into the handle's direction.
+    begin = crook[-1]
+    end = begin + 2.2 * radius * direction + 0.8 * radius * normal
+    t = np.linspace(0.0, 1.0, 9)[1:, None]
+    bend = (
+        (2 * t**3 - 3 * t**2 + 1) * begin
+        + (t**3 - 2 * t**2 + t) * (3.0 * radius * normal)
+        + (3 * t**2 - 2 * t**3) * end
+        + (t**3 - t**2) * (3.0 * radius * direction)
     )
-    line = arc[-1] + reach[:, None] * direction
-    return np.vstack([arc, line]), np.concatenate([arc_radius, radius])
+    reach = np.array([6.0, SHANK, SHANK + 1.5, SHANK + 4.0, HANDLE - 1.5, HANDLE]) * scale
+    line = end + reach[:, None] * direction
+    thin, thick = SHANK_RADIUS * scale, HANDLE_RADIUS * scale
+    radii = np.concatenate(
+        [
+            np.linspace(0.25, 0.75, len(crook)) * thin,
+            np.linspace(0.75, 0.9, len(bend)) * thin,
+            [thin, thin * 1.25, 0.8 * thick, thick, thick, 0.5 * thick],
+        ]
+    )
+    return np.vstack([crook, bend, line]), radii

@@ -1,4 +1,4 @@
-"""Draws the active hooks of a frame as steel skin hooks that lean along their pull."""
+"""Draws the active hooks of a frame as steel skin hooks that reach in from both sides of the field."""
 
 from __future__ import annotations
 
@@ -6,8 +6,9 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from .hook_path import hook_path, pull_direction
-from .skin_read import SkinCache
+from .hook_path import hook_directions, hook_path
+from .skin_fields import SKIN, WOUND_WALL, vertex_normals
+from .skin_read import SkinCache, SkinEpoch
 from .tube import add_tubes, remove_tubes
 
 
@@ -15,11 +16,26 @@ class HookSteel:
     """The hooks in the scene; each keeps one direction for its whole life."""
 
     def __init__(
-        self, cache: SkinCache, material: bpy.types.Material, normal: NDArray[np.float64], centre: NDArray[np.float64]
+        self,
+        cache: SkinCache,
+        material: bpy.types.Material,
+        axes: NDArray[np.float64],
+        centre: NDArray[np.float64],
+        scale: float,
     ) -> None:
-        """normal: (3,) unit, out of the surgical region. centre: (3,) mm, its middle, from which hooks lean away."""
-        self._cache, self._material, self._normal, self._centre = cache, material, normal, centre
-        self._direction: dict[int, NDArray[np.float64]] = {}
+        """axes: (3, 3), rows right, up along the skin and normal, as the picture is seen. centre: (3,) mm, of it."""
+        self._cache, self._material, self._normal, self._scale = cache, material, axes[2], scale
+        courses: dict[int, list[NDArray[np.float64]]] = {}
+        for time in cache.frames:
+            hooks = cache.hooks(time)
+            for index in np.flatnonzero(hooks.active):
+                courses.setdefault(int(index), []).append(hooks.ends[index, 0].astype(np.float64))
+        found = hook_directions([np.array(c) for c in courses.values()], centre, axes)
+        self._directions = dict(zip(courses, found, strict=True))
+        self._edges = {
+            e.name: np.intersect1d(e.triangles[e.origin == SKIN], e.triangles[e.origin == WOUND_WALL])
+            for e in cache.epochs
+        }
         self._object: bpy.types.Object | None = None
 
     def show(self, time: float) -> None:
@@ -27,22 +43,42 @@ class HookSteel:
         remove_tubes(self._object)
         self._object = None
         hooks = self._cache.hooks(time)
+        active = np.flatnonzero(hooks.active)
+        if not len(active):
+            return
+        epoch = self._cache.epoch_at(time)
+        points = self._cache.positions(epoch, time)
+        normals = vertex_normals(points, epoch.triangles, epoch.origin, SKIN)
         lines, radii = [], []
-        for index in np.flatnonzero(hooks.active):
-            path = hook_path(hooks.ends[index, 0].astype(np.float64), self._lean(int(index)), self._normal)
-            lines.append(path[0])
-            radii.append(path[1])
-        if lines:
-            self._object = add_tubes("Hooks", lines, radii, self._material, resolution=6)
+        for index in active:
+            anchor = hooks.ends[index, 0].astype(np.float64)
+            direction = self._directions[int(index)]
+            normal, edge = self._hold(epoch, points, normals, anchor, direction)
+            line, radius = hook_path(anchor, direction, normal, edge, self._scale)
+            lines.append(line)
+            radii.append(radius)
+        self._object = add_tubes("Hooks", lines, radii, self._material, resolution=4)
 
-    def _lean(self, index: int) -> NDArray[np.float64]:
-        if index not in self._direction:
-            course = []
-            for time in self._cache.frames:
-                hooks = self._cache.hooks(time)
-                if hooks.active[index]:
-                    course.append(hooks.ends[index].astype(np.float64))
-            ends = np.array(course)
-            path = np.vstack([ends[:1, 0], ends[:, 1]])
-            self._direction[index] = pull_direction(path, self._normal, path[0] - self._centre)
-        return self._direction[index]
+    def _hold(
+        self,
+        epoch: SkinEpoch,
+        points: NDArray[np.float32],
+        normals: NDArray[np.float32],
+        anchor: NDArray[np.float64],
+        direction: NDArray[np.float64],
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """The skin's normal at an anchor and the direction to the nearest edge, both (3,) unit."""
+        used = np.flatnonzero(np.abs(normals).any(axis=1))
+        nearest = used[np.argsort(np.linalg.norm(points[used] - anchor, axis=1))[:4]]
+        normal = normals[nearest].sum(axis=0).astype(np.float64)
+        length = float(np.linalg.norm(normal))
+        normal = normal / length if length > 1e-6 else self._normal
+        rim = points[self._edges[epoch.name]]
+        away = np.linalg.norm(rim - anchor, axis=1)
+        near = rim[away < 4.0 * self._scale]
+        if len(near):
+            # The edge that lies most in the direction of the handle, so that the shank does not cross the flap.
+            way = near - anchor
+            way /= np.maximum(np.linalg.norm(way, axis=1, keepdims=True), 1e-9)
+            return normal, way[int((way @ direction).argmax())].astype(np.float64)
+        return normal, direction

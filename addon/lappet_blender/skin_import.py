@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import bpy
 import numpy as np
+from mathutils.kdtree import KDTree
 from numpy.typing import NDArray
 
 from .skin_fields import RIM, SKIN, UNDERSIDE, depth_below_skin, uv_scale, vertex_normals
@@ -85,24 +86,55 @@ class SkinObject:
         return mesh
 
 
-def add_bed(cache: SkinCache, material: bpy.types.Material) -> bpy.types.Object | None:
+class Bed:
     """The deep tissue under the skin, seen through an open wound: the underside at rest, a little deeper.
 
-    Returns None where the cache names no underside.
+    It gives way where the skin sinks, so that it never shows through closed skin.
     """
-    epoch = cache.epochs[0]
-    points = cache.positions(epoch, epoch.frames[0])
-    faces = epoch.triangles[epoch.origin == UNDERSIDE]
-    if not len(faces):
-        return None
-    outward = vertex_normals(points, epoch.triangles, epoch.origin, UNDERSIDE)
-    used, corners = np.unique(faces, return_inverse=True)
-    lowered = points[used] + BED_GAP * outward[used]
-    mesh = build_mesh("Bed", lowered, corners.reshape(-1, 3)[:, ::-1].astype(np.int32))
-    mesh.materials.append(material)
-    bed = bpy.data.objects.new("Bed", mesh)
-    bpy.context.scene.collection.objects.link(bed)
-    return bed
+
+    def __init__(self, cache: SkinCache, material: bpy.types.Material) -> None:
+        """A cache that names no underside has no bed."""
+        self._cache = cache
+        epoch = cache.epochs[0]
+        points = cache.positions(epoch, epoch.frames[0])
+        faces = epoch.triangles[epoch.origin == UNDERSIDE]
+        self._mesh: bpy.types.Mesh | None = None
+        if not len(faces):
+            return
+        used, corners = np.unique(faces, return_inverse=True)
+        corners = corners.reshape(-1, 3)
+        self._rest = points[used].astype(np.float64)
+        self._down = vertex_normals(points, epoch.triangles, epoch.origin, UNDERSIDE)[used].astype(np.float64)
+        self._pairs = np.unique(np.sort(corners[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1), axis=0)
+        self._tree = KDTree(len(self._rest))
+        for k, point in enumerate(self._rest):
+            self._tree.insert(point, k)
+        self._tree.balance()
+        self._mesh = build_mesh("Bed", self._lowered(np.zeros(len(used))), corners[:, ::-1].astype(np.int32))
+        self._mesh.materials.append(material)
+        bpy.context.scene.collection.objects.link(bpy.data.objects.new("Bed", self._mesh))
+
+    def show(self, time: float) -> None:
+        """Lower the bed under the skin of a frame."""
+        if self._mesh is None:
+            return
+        epoch = self._cache.epoch_at(time)
+        points = self._cache.positions(epoch, time).astype(np.float64)
+        below = np.zeros(len(self._rest))
+        lower = points[np.unique(epoch.triangles[epoch.origin == UNDERSIDE])]
+        nearest = np.array([self._tree.find(p)[1] for p in lower])
+        np.maximum.at(below, nearest, np.einsum("ij,ij->i", lower - self._rest[nearest], self._down[nearest]))
+        for _ in range(3):
+            grown = below.copy()
+            for a, b in ((0, 1), (1, 0)):
+                np.maximum.at(grown, self._pairs[:, a], below[self._pairs[:, b]])
+            below = grown
+        moved = (self._lowered(below) * SCALE).astype(np.float32)
+        self._mesh.attributes["position"].data.foreach_set("vector", moved.ravel())
+        self._mesh.update()
+
+    def _lowered(self, below: NDArray[np.float64]) -> NDArray[np.float32]:
+        return (self._rest + (below + BED_GAP)[:, None] * self._down).astype(np.float32)
 
 
 def has_rim(cache: SkinCache) -> bool:

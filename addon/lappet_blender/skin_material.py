@@ -21,6 +21,7 @@ THREAD = (0.008, 0.012, 0.045, 1.0)
 STEEL = (0.62, 0.64, 0.66, 1.0)
 GRID_PITCH = 5.0
 TICK_PITCH = 1.0
+INK_SHARE = 0.62
 RAMP = (
     (0.0, (0.13, 0.25, 0.55)),
     (0.25, (0.22, 0.58, 0.68)),
@@ -106,15 +107,15 @@ def _lines(nodes: _Nodes, coordinate: Any, pitch: float, width: float) -> Any:
 def _grid(nodes: _Nodes, pixel: float) -> Any:
     """How much ink (0 to 1) the printed grid lays on the skin; pixel: size of a picture's pixel on the skin, mm."""
     parts = nodes.add("ShaderNodeSeparateXYZ", {0: nodes.attribute("grid").outputs["Vector"]})
-    heavy = max(0.26, 1.5 * pixel)
+    heavy = max(0.24, 1.5 * pixel)
     fine = max(0.09, 1.1 * pixel)
     wide = nodes.math("MAXIMUM", *(_lines(nodes, parts.outputs[k], GRID_PITCH, heavy) for k in (0, 1)))
     # A tick finer than a pixel would shimmer: it fades out instead.
-    strength = 0.24 * max(0.0, min(1.0, (0.28 - pixel) / 0.16))
+    strength = 0.12 * max(0.0, min(1.0, (0.28 - pixel) / 0.16))
     if strength <= 0.0:
-        return nodes.math("MULTIPLY", wide, 0.52)
+        return nodes.math("MULTIPLY", wide, INK_SHARE)
     ticks = nodes.math("MAXIMUM", *(_lines(nodes, parts.outputs[k], TICK_PITCH, fine) for k in (0, 1)))
-    return nodes.math("MAXIMUM", nodes.math("MULTIPLY", wide, 0.52), nodes.math("MULTIPLY", ticks, strength))
+    return nodes.math("MAXIMUM", nodes.math("MULTIPLY", wide, INK_SHARE), nodes.math("MULTIPLY", ticks, strength))
 
 
 def skin_material(color: str, pixel: float, highest: float = 1.0) -> bpy.types.Material:
@@ -146,7 +147,7 @@ def wall_material() -> bpy.types.Material:
     stops = ((0.0, DERMIS_PALE), (0.16, DERMIS), (0.5, DERMIS), (0.72, (0.72, 0.33, 0.17)), (0.95, (0.82, 0.53, 0.20)))
     colour = nodes.ramp(share, stops)
     nodes.bump(nodes.noise(9.0, 4.0), 0.35, 0.04)
-    material = nodes.finish(colour, Roughness=0.32, Specular_IOR_Level=0.5, Coat_Weight=0.25, Coat_Roughness=0.18)
+    material = nodes.finish(colour, Roughness=0.32, Emission_Color=colour, Emission_Strength=0.07)
     material.diffuse_color = DERMIS
     return material
 
@@ -174,17 +175,20 @@ def fat_material() -> bpy.types.Material:
     ]
     colour = nodes.ramp(cells, ((0.1, (0.88, 0.66, 0.27)), (0.75, (0.72, 0.37, 0.13))))
     nodes.bump(nodes.math("SUBTRACT", 1.0, cells), 0.6, 0.06)
-    material = nodes.finish(colour, Roughness=0.4, Coat_Weight=0.2, Coat_Roughness=0.25)
+    material = nodes.finish(colour, Roughness=0.36, Emission_Color=colour, Emission_Strength=0.05)
     material.diffuse_color = FAT
     return material
 
 
 def bed_material() -> bpy.types.Material:
-    """The deep tissue in an open wound: dark red, fibrous, moist."""
+    """The deep tissue in an open wound: dark red, fibrous, moist.
+
+    A little light of its own, here and on the wall, stands in for the bounces that a deep pocket would need.
+    """
     nodes = _Nodes("Bed")
     colour = nodes.ramp(nodes.noise(3.5, 4.0), ((0.3, BED), (0.72, (0.62, 0.22, 0.17))))
     nodes.bump(nodes.noise(8.0, 4.0), 0.4, 0.05)
-    material = nodes.finish(colour, Roughness=0.35, Coat_Weight=0.3, Coat_Roughness=0.2)
+    material = nodes.finish(colour, Roughness=0.35, Emission_Color=colour, Emission_Strength=0.10)
     material.diffuse_color = BED
     return material
 

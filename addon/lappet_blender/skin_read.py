@@ -118,18 +118,25 @@ class SkinCache:
 
     def planned_incisions(self, step: float) -> list[NDArray[np.float64]]:
         """The incisions at rest, sampled every `step` mm: polylines (k, 3) in mm; closed ones repeat their first."""
+        return self._curves("Incision", step)
+
+    def undermined_areas(self, step: float) -> list[NDArray[np.float64]]:
+        """The outlines of the undermined areas at rest, sampled and closed in the same way."""
+        return self._curves("Undermine", step)
+
+    def _curves(self, kind: str, step: float) -> list[NDArray[np.float64]]:
         from lappet.curve import CurveError, sample_curve
 
         lines = []
         timeline = self._stage.GetPrimAtPath("/Procedure/Timeline")
         for event in self.events:
             prim = timeline.GetChild(event.name)
-            points = prim.GetAttribute("points").Get() if event.kind == "Incision" else None
+            points = prim.GetAttribute("points").Get() if event.kind == kind else None
             if points is None:
                 continue
             smooth = prim.GetAttribute("type").Get() == "cubic"
             basis: Any = (prim.GetAttribute("basis").Get() or "bezier") if smooth else "linear"
-            closed = prim.GetAttribute("wrap").Get() == "periodic"
+            closed = kind == "Undermine" or prim.GetAttribute("wrap").Get() == "periodic"
             try:
                 line = sample_curve(np.asarray(points, np.float64) * self._mm, basis, closed, step)
             except CurveError:

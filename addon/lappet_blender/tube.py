@@ -16,7 +16,7 @@ def add_tubes(
     lines: Sequence[NDArray[np.float64]],
     radii: Sequence[NDArray[np.float64] | float],
     material: bpy.types.Material,
-    resolution: int = 3,
+    resolution: int = 2,
 ) -> bpy.types.Object:
     """One curve object with a round tube along each polyline (k, 3) in mm; radii in mm, one a line or one a point."""
     curve = bpy.data.curves.new(name, "CURVE")

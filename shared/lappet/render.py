@@ -20,6 +20,7 @@ PYTHON_VARIABLE = "LAPPET_BLENDER_PYTHON"
 ANIMATIONS = ("none", "png", "mp4")
 ENGINES = ("cycles", "workbench")
 VIEWS = ("oblique", "top", "low")
+SAMPLES, MOVIE_SAMPLES = 6, 4
 COLORS = ("grid", "plain", "strain", "stress", "tension")
 INSTALL = "pip install 'lappet[render]'"
 SYSTEM_PACKAGES = "libx11-6 libxrender1 libxfixes3 libxi6 libxkbcommon0 libsm6 libgl1"
@@ -63,6 +64,8 @@ def render_command(
     view: str,
     color: str,
     threads: int,
+    movie: tuple[int, int] | None = None,
+    movie_samples: int = MOVIE_SAMPLES,
 ) -> list[str]:
     """The command line of the figure process; raises RenderError where a value makes no sense."""
     for name, value, known in (
@@ -73,9 +76,10 @@ def render_command(
     ):
         if value not in known:
             raise RenderError(f"{name} is {value!r}; it must be one of {', '.join(known)}.")
-    if not 1 <= samples <= 65536:
-        raise RenderError(f"samples is {samples}; it must be between 1 and 65536.")
-    for name, pixels in (("size", size), ("panel", panel)):
+    for name, count in (("samples", samples), ("movie_samples", movie_samples)):
+        if not 1 <= count <= 65536:
+            raise RenderError(f"{name} is {count}; it must be between 1 and 65536.")
+    for name, pixels in (("size", size), ("panel", panel), ("movie_size", movie)):
         if pixels is not None and not all(16 <= side <= 16384 for side in pixels):
             raise RenderError(f"{name} is {pixels[0]}x{pixels[1]}; each side must be 16 to 16384 pixels.")
     if frames is not None and not frames:
@@ -85,8 +89,10 @@ def render_command(
         command.append("--frames=" + ",".join(f"{float(f):.17g}" for f in frames))
     command += ["--filmstrip" if filmstrip else "--no-filmstrip", "--animation", animation, "--engine", engine]
     command += ["--size", f"{size[0]}x{size[1]}", "--samples", str(samples), "--view", view, "--color", color]
-    if panel is not None:
-        command += ["--panel", f"{panel[0]}x{panel[1]}"]
+    command += ["--movie-samples", str(movie_samples)]
+    for option, pixels in (("--panel", panel), ("--movie", movie)):
+        if pixels is not None:
+            command += [option, f"{pixels[0]}x{pixels[1]}"]
     return [*command, "--threads", str(threads)] if threads > 0 else command
 
 
@@ -97,13 +103,15 @@ def render_cache(
     filmstrip: bool = True,
     animation: str = "none",
     size: tuple[int, int] = (1280, 960),
-    samples: int = 10,
+    samples: int = SAMPLES,
     *,
     panel: tuple[int, int] | None = None,
     engine: str = "cycles",
     view: str = "oblique",
     color: str = "grid",
     threads: int = 0,
+    movie_size: tuple[int, int] | None = None,
+    movie_samples: int = MOVIE_SAMPLES,
     progress: Progress | None = None,
 ) -> list[Path]:
     """Draw a skin cache as pictures in one Blender process and return the files, in the order they were written.
@@ -111,9 +119,10 @@ def render_cache(
     cache: the `.usdc` that `lappet solve` wrote. frames: time codes of the stills, None: the last one. filmstrip:
     write `filmstrip.png`, the steps of the operation (or the chosen frames, where there are several) captioned on one
     sheet. animation: "none", "png" (a numbered sequence) or "mp4". size, panel: pixels of stills and of filmstrip
-    panels (None: half of size). samples: Cycles samples a pixel, denoised. view, color, engine: see `VIEWS`, `COLORS`,
+    panels (None: 7/16 of size). movie_size: pixels of an animation (None: half of size). samples, movie_samples: Cycles
+    samples a pixel of stills and panels, and of an animation, denoised. view, color, engine: see `VIEWS`, `COLORS`,
     `ENGINES`.
-    threads: 0 is all. progress: called with a line of text for every file.
+    threads: 0 is all. progress: called with a line of text for every file, and with how long an animation will take.
 
     Raises RenderError when bpy is missing, the cache cannot be drawn or the process dies. On KeyboardInterrupt the
     process is ended and the pictures that are done stay.
@@ -122,7 +131,20 @@ def render_cache(
     if not cache.is_file():
         raise RenderError(f"There is no skin cache at {cache}; solve the procedure first (lappet solve).")
     command = render_command(
-        cache, out_dir, frames, filmstrip, animation, size, samples, panel, engine, view, color, threads
+        cache,
+        out_dir,
+        frames,
+        filmstrip,
+        animation,
+        size,
+        samples,
+        panel,
+        engine,
+        view,
+        color,
+        threads,
+        movie_size,
+        movie_samples,
     )
     environment = dict(os.environ)
     own = str(Path(__file__).resolve().parents[1])
@@ -174,6 +196,8 @@ def _follow(process: subprocess.Popen[str], say: Progress) -> tuple[list[Path], 
             path = Path(message["picture"])
             written.append(path)
             say(f"picture {message['number']} of {message['of']}: {path.name}")
+        if "note" in message:
+            say(str(message["note"]))
         refusal = message.get("error", refusal)
         finished = finished or bool(message.get("done"))
     return written, refusal, finished

@@ -1,0 +1,169 @@
+"""Where a stitch enters the skin: two bites across the closed wound, and which sutures show on the skin at all.
+
+A suture of the procedure joins two material points, which coincide once it is closed. A surgeon's stitch bites a little
+away from the edge and crosses the wound at right angles. The bites are found where the suture is closed and ride on the
+skin from then on and before; which lip each belongs to is read off the open wound, where the lips are apart.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lappet.closest_point import ClosestPoint
+
+from .skin_fields import SKIN, WOUND_WALL
+
+BITE = 1.3
+BURIED_DEPTH = 1.0
+CLOSED_GAP = 1.0
+# A lip whose edges spread in direction by more than this share is a corner: a flap's tip or the end of a cut.
+CORNER = 0.06
+
+
+@dataclass(frozen=True, eq=False)
+class Bite:
+    """A point that rides on the skin: a triangle's three vertices and their weights."""
+
+    vertices: NDArray[np.int32]
+    weights: NDArray[np.float64]
+
+    def carried(self, values: NDArray[np.float32]) -> NDArray[np.float64]:
+        """The value (3,) at the bite of a per-vertex array (n, 3)."""
+        return self.weights @ values[self.vertices].astype(np.float64)
+
+
+@dataclass(frozen=True, eq=False)
+class Lip:
+    """The skin around one end of a suture, joined to it without crossing the wound, and its stretch of wound edge.
+
+    disk: (k, 3) int32, triangles. edges: (e, 2) int32, edges between skin and wound wall that belong to the disk.
+    """
+
+    disk: NDArray[np.int32]
+    edges: NDArray[np.int32]
+
+
+def buried(
+    positions: NDArray[np.float32],
+    triangles: NDArray[np.int32],
+    depth: NDArray[np.float32],
+    ends: NDArray[np.float32],
+) -> bool:
+    """Whether a suture with ends (2, 3) mm lies in the depth: an end more than `BURIED_DEPTH` mm below the skin.
+
+    The ends lie on the surface; depth: (n,) mm of its vertices below the edge of the skin, 0 on the skin. That the lips
+    overlap at this frame does not matter.
+    """
+    return any(
+        float(bite.weights @ depth[bite.vertices]) > BURIED_DEPTH for bite in bites_at(positions, triangles, ends)
+    )
+
+
+def bites_at(
+    positions: NDArray[np.float32], triangles: NDArray[np.int32], points: NDArray[np.floating[Any]]
+) -> list[Bite]:
+    """The points of some triangles (m, 3) nearest to points (k, 3), mm."""
+    index, closest, _ = ClosestPoint(positions, triangles).query(points)
+    bites = []
+    for triangle, point in zip(triangles[index], closest, strict=True):
+        corners = positions[triangle].astype(np.float64)
+        weights, *_ = np.linalg.lstsq(np.vstack([corners.T, np.ones(3)]), np.append(point, 1.0), rcond=None)
+        weights = np.clip(weights, 0.0, None)
+        bites.append(Bite(triangle, weights / weights.sum()))
+    return bites
+
+
+def _reachable(
+    positions: NDArray[np.float32], triangles: NDArray[np.int32], seed: NDArray[np.int32], radius: float
+) -> NDArray[np.bool_]:
+    """Triangles (m,) joined to the vertices of a seed by vertices that lie within a radius (mm) of the seed."""
+    near = np.linalg.norm(positions - positions[seed].mean(axis=0), axis=1) <= radius
+    near[seed] = True
+    member = np.zeros(len(positions), bool)
+    member[seed] = True
+    taken = np.zeros(len(triangles), bool)
+    while True:
+        grown = ~taken & (member & near)[triangles].any(axis=1)
+        if not grown.any():
+            return taken
+        taken |= grown
+        member[triangles[grown].ravel()] = True
+
+
+def find_lip(
+    positions: NDArray[np.float32],
+    triangles: NDArray[np.int32],
+    origin: NDArray[np.uint8],
+    end: NDArray[np.float32],
+    radius: float = 2.0 * BITE,
+) -> Lip:
+    """The lip of the wound that an end (3,) of a suture holds, while the wound is open. radius: mm, of the disk."""
+    skin = triangles[origin == SKIN]
+    seed = bites_at(positions, skin, end[None].astype(np.float64))[0].vertices
+    disk = skin[_reachable(positions, skin, seed, radius)]
+    stride = int(triangles.max(initial=0)) + 1
+
+    def keys(t: NDArray[np.int32]) -> NDArray[np.int64]:
+        pairs = np.sort(np.concatenate([t[:, [0, 1]], t[:, [1, 2]], t[:, [2, 0]]]).astype(np.int64), axis=1)
+        return pairs[:, 0] * stride + pairs[:, 1]
+
+    shared = np.intersect1d(keys(disk), keys(triangles[origin == WOUND_WALL]))
+    return Lip(disk, np.stack(np.divmod(shared, stride), axis=-1).astype(np.int32))
+
+
+def inward(positions: NDArray[np.float32], lip: Lip, at: NDArray[np.float64], reach: float) -> NDArray[np.float64]:
+    """Unit direction (3,) from a place (3,) on a lip's edge into its skin: across the edge, or halving its corner.
+
+    reach: mm, how far along the edge the direction looks. Where the lip has no wound edge it leads to the middle of
+    the disk.
+    """
+    p = positions.astype(np.float64)
+    a, b, c = (p[lip.disk[:, k]] for k in range(3))
+    face = np.cross(b - a, c - a)
+    area = np.linalg.norm(face, axis=1)
+    normal = _unit(face.sum(axis=0))
+    middle = ((a + b + c) / 3 * area[:, None]).sum(axis=0) / max(float(area.sum()), 1e-12)
+    into = middle - at
+    into -= (into @ normal) * normal
+    if len(lip.edges):
+        along = p[lip.edges[:, 1]] - p[lip.edges[:, 0]]
+        away = np.linalg.norm(p[lip.edges].mean(axis=1) - at, axis=1)
+        length = np.maximum(np.linalg.norm(along, axis=1), 1e-9)
+        weight = np.exp(-((away / reach) ** 2)) / length
+        spread, axes = np.linalg.eigh(np.einsum("i,ij,ik->jk", weight, along, along))
+        if spread[1] < CORNER * spread[2]:
+            edge = axes[:, 2] - (axes[:, 2] @ normal) * normal
+            edge = _unit(edge)
+            across = into - (into @ edge) * edge
+            if np.linalg.norm(across) > 0.2 * np.linalg.norm(into):
+                into = across
+    return _unit(into)
+
+
+def find_bites(
+    positions: NDArray[np.float32], lips: tuple[Lip, Lip], ends: NDArray[np.float32], bite: float = BITE
+) -> tuple[Bite, Bite]:
+    """The two bites of a stitch, `bite` mm on either side of the wound's edge.
+
+    positions, ends (2, 3): of the frame in which the suture is closed, or nearest to closed. Where the ends have met,
+    both bites lie on one line across the wound; where they have not, each lies across its own lip.
+    """
+    p = ends.astype(np.float64)
+    ways = [inward(positions, lip, at, bite) for lip, at in zip(lips, p, strict=True)]
+    if np.linalg.norm(p[1] - p[0]) <= CLOSED_GAP:
+        middle = p.mean(axis=0)
+        across = _unit(ways[1] - ways[0])
+        p, ways = np.stack([middle, middle]), [-across, across]
+    a, b = (
+        bites_at(positions, lip.disk, (at + bite * way)[None])[0] for lip, at, way in zip(lips, p, ways, strict=True)
+    )
+    return a, b
+
+
+def _unit(vector: NDArray[np.float64]) -> NDArray[np.float64]:
+    unit: NDArray[np.float64] = vector / max(float(np.linalg.norm(vector)), 1e-12)
+    return unit
