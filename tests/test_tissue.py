@@ -251,3 +251,16 @@ def test_the_resulting_tissue_can_be_cut(ball):
     points = tuple((x, 1.0, float(np.sqrt(RADIUS**2 - x**2 - 1.0))) for x in np.linspace(-40.0, 40.0, 40).tolist())
     found = build_epochs(Procedure(replace(tissue, spacing=2.0), events=(Incision("a", 2.0, points),)))
     assert [epoch.fragments for epoch in found] == [1, 2]
+
+
+def test_a_region_is_refined_to_the_resolution_that_is_asked(ball):
+    def skin_edges(resolution: float | None) -> float:
+        region = ((0.0, 0.0, RADIUS), 25.0)
+        return float(np.median(edges_of(new_tissue(ball, 5.0, sphere=region, resolution=resolution)[0], face_uv=False)))
+
+    assert skin_edges(1.5) < 1.6 < 2.5 < skin_edges(None)
+
+
+def test_a_resolution_of_nothing_is_refused(ball):
+    with pytest.raises(MeshError, match="the resolution is 0 mm"):
+        new_tissue(ball, 5.0, sphere=((0.0, 0.0, RADIUS), 25.0), resolution=0.0)
