@@ -56,7 +56,9 @@ def story_steps(
     cuts = [e for e in cuts if e.start <= begin_held] or cuts
     if cuts:
         kinds = [DONE[k] for k in CUTTING if any(e.kind == k for e in cuts)]
-        caption = kinds[0] + "".join(f" and {k.lower()}" for k in kinds[1:])
+        if "Excised" in kinds and "Incised" in kinds:
+            kinds.remove("Incised")  # what is excised was incised all around
+        caption = " and ".join([kinds[0], *(k.lower() for k in kinds[1:])])
         detail = _named([e for e in cuts if e.kind != "Undermine"])
         if any(e.kind == "Undermine" for e in cuts):
             detail += ("; " if detail else "") + "dashed: undermined"
@@ -74,13 +76,20 @@ def story_steps(
             top = max(span, key=height) if height else span[len(span) // 2]
             if top == last and len(span) > 2:
                 top = span[len(span) // 2]
+            elif len(span) <= 2 and height:  # the sutures begin with the hooks: the hooks' height tells
+                top = max((f for f in frames if begin <= f < end), key=height, default=top)
             steps.append(
                 Step(top, "Lifted with hooks" if any(e.kind == "Hook" for e in pulls) else "Retracted", _named(pulls))
             )
             if last > top:
-                steps.append(Step(last, "Transposed" if sutures else "Held"))
+                moved = "Advanced" if any(e.kind == "Excision" for e in cuts) else "Transposed"
+                steps.append(Step(last, moved if sutures else "Held"))
     if sutures:
+        begin_closing = min(e.start for e in sutures)
         closed = at_or_after(max(e.end for e in sutures))
+        halfway = at_or_after((begin_closing + closed) / 2)
+        if len(steps) < MOST_PANELS - 2 and steps[-1].frame < halfway < closed:
+            steps.append(Step(halfway, "Drawn together"))
         steps.append(Step(closed, "Sutured", _counted(len(sutures), buried)))
     if not events:
         steps += [Step(f, f"Frame {f:g}") for f in _spread(frames[1:-1], MOST_PANELS - 2)]
@@ -94,7 +103,7 @@ def _counted(sutures: int, buried: int) -> str:
         return f"{sutures} suture{plural}"
     if buried == sutures:
         return f"{sutures} buried suture{plural}"
-    return f"{sutures - buried} skin suture{'s' if sutures - buried > 1 else ''}, {buried} buried"
+    return "skin sutures over buried ones"  # no count: sutures closer than stitches can be are drawn as one
 
 
 def _spread(frames: Sequence[float], count: int) -> list[float]:

@@ -14,7 +14,7 @@ VIEWS = {"oblique": 50.0, "top": 90.0, "low": 26.0}
 TURN = 9.0
 MARGIN = 9.0
 # Shares of the picture's width and height that the surgical field may take up; a whole organ takes nearly all.
-FIELD_FILL = (0.64, 0.82)
+FIELD_FILL = (0.64, 0.78)
 WHOLE_FILL = (0.94, 0.94)
 
 

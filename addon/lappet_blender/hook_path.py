@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 ELEVATION = np.radians(42.0)
 CROOK = 0.75
+LEAST_SIDEWAYS = 0.6
 SHANK = 30.0
 HANDLE = 95.0
 SHANK_RADIUS = 0.22
@@ -31,8 +32,8 @@ def hook_directions(
         side = np.sign(across[k]) or 1.0
         if len(courses) > 1:
             side = -1.0 if rank < len(courses) / 2 else 1.0
-        tilt = 0.45 * float(np.clip(places[k, 1] / reach, -1.0, 1.0))
-        flat = side * axes[0] + tilt * axes[1]
+        sideways, along = np.clip(places[k, :2] / reach, -1.0, 1.0)
+        flat = side * max(abs(float(sideways)), LEAST_SIDEWAYS) * axes[0] + float(along) * axes[1]
         flat /= np.linalg.norm(flat)
         directions[int(k)] = np.cos(ELEVATION) * flat + np.sin(ELEVATION) * axes[2]
     return directions

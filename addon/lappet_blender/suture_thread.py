@@ -14,8 +14,8 @@ from .suture_bites import BITE, CLOSED_GAP, Bite, buried, find_bites, find_lip
 from .suture_path import THREAD_RADIUS, stitch_path
 from .tube import add_tubes, remove_tubes
 
-# Two sutures that hold one corner are drawn as its one corner stitch.
-NEAREST = 1.1 * BITE
+# Stitches stand no closer: two sutures that hold one corner are its one corner stitch, and a dense row is thinned.
+NEAREST = 1.7 * BITE
 
 
 @dataclass(frozen=True, eq=False)
