@@ -12,18 +12,20 @@ import numpy as np
 
 from lappet.designs import Fusiform, fusiform
 from lappet.patch import flat_patch
-from lappet.procedure import Event, Excision, Incision, Landmark, Material, Point, Procedure, Suture, Undermine
+from lappet.procedure import Event, Excision, Hook, Incision, Landmark, Material, Point, Procedure, Suture, Undermine
 from lappet.usd_stage import write_procedure
 
 LENGTH, WIDTH, THICKNESS = 36.0, 12.0, 4.0  # mm
+SPACING = 1.25  # mm, of the lattice
 KERF = 0.05
-BEYOND = 15.0  # mm that the skin is undermined beyond the wound
-INCISE, EXCISE, UNDERMINE, PULL, END = 2, 4, 6, 7, 28  # time codes
+BEYOND = 18.0  # mm that the skin is undermined beyond the wound
+INCISE, EXCISE, UNDERMINE, LIFT, PULL, END = 2, 4, 6, 7, 9, 26  # time codes
+RELEASE = 15  # of the hooks
 STITCHES, BURIED = 2.0, 1.5  # mm between the stitches on the skin and between the sutures of each buried row, or so
-TIED, SPREAD = 20, 4  # when the middle is tied; the tips so many frames later
+TIED, SPREAD = 22, 4  # when the middle is tied; the tips so many frames later
 MEASURED = 23  # points of each edge to follow, besides the tips
 EDGE = 0.12  # mm from the cut to a point on the skin
-SUBCUTIS, DERMIS = 1.0, 2.9  # mm above the underside: the buried rows of sutures, on the wound wall
+SUBCUTIS, DERMIS = 1.2, 2.9  # mm above the underside: the buried rows of sutures, on the wound wall
 
 
 def point(xyz: np.ndarray) -> Point:
@@ -63,6 +65,20 @@ def sutures(spacing: float) -> list[Event]:
     return events
 
 
+def hooks() -> list[Event]:
+    """Two skin hooks that lift the edges to undermine them, and let go when the sutures have begun to pull."""
+    events: list[Event] = []
+    for name, side in (("far", 1.0), ("near", -1.0)):
+        anchor = np.array([0.0, side * (WIDTH / 2 + 1.5), THICKNESS])
+        lifted = anchor + np.array([0.0, -1.5 * side, 6.0])
+        low = anchor + np.array([0.0, -3.0 * side, 1.0])
+        half = 0.3 * anchor + 0.7 * lifted
+        path = [(LIFT, anchor), (LIFT + 1, half), (LIFT + 3, lifted), (LIFT + 5, lifted), (RELEASE, low)]
+        targets = tuple((time, point(target)) for time, target in path)
+        events.append(Hook(f"hook_{name}", point(anchor), targets, start=LIFT, release=RELEASE, stiffness=200.0))
+    return events
+
+
 def landmarks() -> list[Event]:
     """The two edges as chains of points on the skin from tip to tip, to measure the scar and what still gapes."""
     tips = [point(np.array(tip) + np.array([np.sign(tip[0]) * EDGE, 0.0, 0.0])) for tip in design(0).tips]
@@ -72,7 +88,7 @@ def landmarks() -> list[Event]:
     return [Landmark("far_edge", chains[0], "far edge"), Landmark("near_edge", chains[1], "near edge")]
 
 
-def build(spacing: float = 1.0) -> Procedure:
+def build(spacing: float = SPACING) -> Procedure:
     """The whole procedure; spacing: of the lattice, mm."""
     whole = design(0)
     turn = np.linspace(0.0, 2 * np.pi, 48, endpoint=False)
@@ -82,6 +98,7 @@ def build(spacing: float = 1.0) -> Procedure:
         Incision("incision", INCISE, whole.curve, kerf=KERF, closed=True),
         Excision("excision", EXCISE, (whole.seed,)),
         Undermine("undermining", UNDERMINE, tuple(area)),
+        *hooks(),
         *sutures(spacing),
         *landmarks(),
     ]
