@@ -106,6 +106,10 @@ TEST_P(ElasticCells, DefiniteTangentIsPositiveAndAgreesWithItsCellsAndBlocks) {
     elastic.diagonal_blocks(blocks);
     for (std::size_t c = 0; c < lattice_.cell_nodes.size(); ++c) {
       const Matrix24 k = elastic.cell_stiffness(static_cast<std::int32_t>(c));
+      const Eigen::Matrix<double, 24, 48> p = Eigen::Matrix<double, 24, 48>::Random();
+      Eigen::Matrix<double, 48, 48> projected = Eigen::Matrix<double, 48, 48>::Zero();
+      elastic.add_projected_stiffness(static_cast<std::int32_t>(c), p, projected);
+      EXPECT_LT((projected - p.transpose() * k * p).norm(), 1e-10 * projected.norm());
       EXPECT_GT(Eigen::SelfAdjointEigenSolver<Matrix24>(k).eigenvalues()[0], -1e-9 * k.norm());
       Eigen::Matrix<double, 24, 1> x;
       for (int n = 0; n < 8; ++n)

@@ -377,6 +377,56 @@ Matrix24 Elastic<Real>::cell_stiffness(std::int32_t cell) const {
 }
 
 template <class Real>
+void Elastic<Real>::add_projected_stiffness(std::int32_t cell, const Eigen::Matrix<Real, 24, 48>& p,
+                                            Eigen::Matrix<Real, 48, 48>& block) const {
+  const auto c = static_cast<std::size_t>(cell);
+  const std::size_t point_count = quadrature_.size();
+  using Rows = Eigen::Matrix<Real, 9, 48, Eigen::RowMajor>;
+  for (std::size_t q = 0; q < point_count; ++q) {
+    const Point& t = points_[c * point_count + q];
+    const Real* g = &gradients_[24 * q];
+    Rows df = Rows::Zero(), rotated, hat, dp;
+    for (int k = 0; k < 8; ++k)
+      for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) df.row(3 * i + j) += g[8 * j + k] * p.row(3 * k + i);
+    for (int a = 0; a < 3; ++a)
+      for (int j = 0; j < 3; ++j)
+        rotated.row(3 * a + j) = t.u[a] * df.row(j) + t.u[3 + a] * df.row(3 + j) + t.u[6 + a] * df.row(6 + j);
+    for (int a = 0; a < 3; ++a)
+      for (int b = 0; b < 3; ++b)
+        hat.row(3 * a + b) = t.v[b] * rotated.row(3 * a) + t.v[3 + b] * rotated.row(3 * a + 1) + t.v[6 + b] * rotated.row(3 * a + 2);
+    dp.row(0) = t.hessian[0] * hat.row(0) + t.hessian[1] * hat.row(4) + t.hessian[2] * hat.row(8);
+    dp.row(4) = t.hessian[1] * hat.row(0) + t.hessian[3] * hat.row(4) + t.hessian[4] * hat.row(8);
+    dp.row(8) = t.hessian[2] * hat.row(0) + t.hessian[4] * hat.row(4) + t.hessian[5] * hat.row(8);
+    for (int k = 0; k < 3; ++k) {
+      const int ij = 3 * kPairs[k][0] + kPairs[k][1], ji = 3 * kPairs[k][1] + kPairs[k][0];
+      dp.row(ij) = t.same[k] * hat.row(ij) + t.cross[k] * hat.row(ji);
+      dp.row(ji) = t.same[k] * hat.row(ji) + t.cross[k] * hat.row(ij);
+    }
+    block.noalias() += hat.transpose() * dp;
+  }
+  if (laplacian_ != 0.0) {
+    Eigen::Matrix<Real, 12, 48, Eigen::RowMajor> amplitude = Eigen::Matrix<Real, 12, 48, Eigen::RowMajor>::Zero();
+    const double coefficient = laplacian_ * mu_ * lattice_.settings.spacing * static_cast<double>(lattice_.cell_fill[c]);
+    for (std::size_t m = 0; m < 4; ++m) {
+      const auto root = static_cast<Real>(std::sqrt(coefficient * kHourglass[m]));
+      for (int k = 0; k < 8; ++k)
+        for (int i = 0; i < 3; ++i)
+          amplitude.row(static_cast<Eigen::Index>(3 * m) + i) +=
+              (root * static_cast<Real>(kHourglassModes[m][static_cast<std::size_t>(k)])) * p.row(3 * k + i);
+    }
+    block.noalias() += amplitude.transpose() * amplitude;
+  }
+  if (!quadratic_of_cell_.empty() && quadratic_of_cell_[c] >= 0) {
+    const Real* matrix = &quadratics_[64 * static_cast<std::size_t>(quadratic_of_cell_[c])];
+    Eigen::Matrix<Real, 24, 48> product = Eigen::Matrix<Real, 24, 48>::Zero();
+    for (int a = 0; a < 8; ++a)
+      for (int b = 0; b < 8; ++b) product.template middleRows<3>(3 * a) += matrix[8 * a + b] * p.template middleRows<3>(3 * b);
+    block.noalias() += p.transpose() * product;
+  }
+}
+
+template <class Real>
 CellMeasures Elastic<Real>::measures(std::int32_t cell, std::span<const Real> u) const {
   const auto& nodes = lattice_.cell_nodes[static_cast<std::size_t>(cell)];
   static const QuadraturePoint centre = quadrature_point(0.5, 0.5, 0.5, 1.0);

@@ -48,6 +48,9 @@ class Elastic {
   void diagonal_blocks(std::span<double> blocks) const;
   // K of one cell, ordered corner-major (3 corner + component), with the cell's quadratic term.
   Matrix24 cell_stiffness(std::int32_t cell) const;
+  // Adds P^T K P of one cell to a coarse block; P: 24 fine unknowns (corner-major) by 48 coarse ones.
+  void add_projected_stiffness(std::int32_t cell, const Eigen::Matrix<Real, 24, 48>& p,
+                               Eigen::Matrix<Real, 48, 48>& block) const;
   CellMeasures measures(std::int32_t cell, std::span<const Real> u) const;
 
   std::size_t bytes() const;

@@ -34,6 +34,8 @@ constexpr int kChebyshevDegree = 4;
 constexpr double kLeastSuturePenalty = 50.0, kMostSuturePenalty = 500.0;
 // A frame that fails is tried again in this many load steps at most.
 constexpr int kMostLoadSteps = 16;
+// All load steps of a frame together may take this many times max_newton iterations: a frame without an equilibrium ends.
+constexpr int kNewtonBudget = 4;
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -248,6 +250,8 @@ class TypedSession : public Session::Implementation {
       path.push_back(frame);
       for (const auto& part : path) {
         constrain(part);
+        options.max_newton =
+            std::min(settings_.max_newton, kNewtonBudget * settings_.max_newton - output.newton_iterations);
         outcome = find_equilibrium<Real>(*system_, *preconditioner_, u_, options, hooks);
         output.newton_iterations += outcome.newton_iterations;
         output.pcg_iterations += outcome.pcg_iterations;
@@ -258,7 +262,7 @@ class TypedSession : public Session::Implementation {
         keep_multipliers(part);
       }
       output.load_steps = steps;
-      if (outcome.converged || hooks.stop()) break;
+      if (outcome.converged || hooks.stop() || output.newton_iterations >= kNewtonBudget * settings_.max_newton) break;
     }
     if (!outcome.converged && hooks.stop()) {
       restore(before);

@@ -215,10 +215,7 @@ void RigidFrames<Real>::assemble(const System<Real>& system, std::span<const Rea
           p(row + 2, column + 4) = -ax;
         }
       }
-      const Eigen::Matrix<Real, 24, 24> stiffness =
-          system.elastic().cell_stiffness(static_cast<std::int32_t>(c)).template cast<Real>();
-      const Prolongation product = stiffness * p;
-      blocks[coarse].noalias() += p.transpose() * product;
+      system.elastic().add_projected_stiffness(static_cast<std::int32_t>(c), p, blocks[coarse]);
     }
   });
 
