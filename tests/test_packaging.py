@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 import shutil
 import subprocess
@@ -129,8 +130,10 @@ def test_a_wheel_installed_elsewhere_brings_the_command_and_its_daemon(tmp_path:
         shutil.copytree(ROOT / folder, copy / folder, ignore=shutil.ignore_patterns("__pycache__"))
     pip = [sys.executable, "-m", "pip"]
     build = [*pip, "wheel", "--quiet", "--no-deps", "--no-build-isolation", "--wheel-dir", str(tmp_path), str(copy)]
-    # The same relative paths as the build of the checkout, so that ccache knows every file already.
-    subprocess.run([*build, "--config-settings=build-dir=build"], check=True, timeout=540)
+    # The same relative paths and compiler as the build of the checkout, so that ccache knows every file already.
+    compiler = {"CC": shutil.which("cc") or "cc", "CXX": shutil.which("c++") or "c++"}
+    settings = "--config-settings=build-dir=build"
+    subprocess.run([*build, settings], check=True, timeout=540, env={**os.environ, **compiler})
     (wheel,) = tmp_path.glob("lappet-*.whl")
     names = zipfile.ZipFile(wheel).namelist()
     for name in ("lappet/bin/lappet-solverd", "lappet/cli.py", "lappet_blender/figure.py"):

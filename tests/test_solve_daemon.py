@@ -4,6 +4,7 @@ one."""
 from __future__ import annotations
 
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -113,7 +114,10 @@ def test_a_killed_daemon_is_replaced_and_the_frames_are_the_very_same(
     again = solved(tmp_path, tmp_path / "store", killer)
     assert killer.done
     assert again.complete
-    assert any("SIGKILL" in note and "frame 6" in note for note in killer.notes)
+    # On a busy machine frame 6 may be on its way already when the signal comes.
+    (note,) = killer.notes
+    assert "SIGKILL" in note
+    assert "solving frame 6" in note or "solving frame 7" in note
     assert bit_for_bit(stored(again, tmp_path / "store"), stored(result, store))
     assert daemons() == []
 
@@ -152,6 +156,7 @@ def test_ctrl_c_at_the_command_line_writes_the_cache_and_exits_with_1(tmp_path: 
             if line.startswith("frame 4"):
                 process.send_signal(signal.SIGINT)
     assert process.returncode == 1, "".join(lines)
-    assert "Stopped: 4 of 8 frames are done." in "".join(lines)
     assert "Traceback" not in "".join(lines)
-    assert Usd.Stage.Open(str(tmp_path / "c.usdc")).GetEndTimeCode() == 4
+    stopped = re.search(r"Stopped: ([4-7]) of 8 frames are done\.", "".join(lines))  # a busy machine hears it late
+    assert stopped, "".join(lines)
+    assert Usd.Stage.Open(str(tmp_path / "c.usdc")).GetEndTimeCode() == int(stopped[1])
