@@ -19,7 +19,19 @@ from numpy.typing import NDArray
 
 from lappet.closest_point import ClosestPoint
 from lappet.designs import Fusiform, fusiform
-from lappet.procedure import Event, Excision, Incision, Landmark, Material, Point, Procedure, Suture, Tissue, Undermine
+from lappet.procedure import (
+    Event,
+    Excision,
+    Hook,
+    Incision,
+    Landmark,
+    Material,
+    Point,
+    Procedure,
+    Suture,
+    Tissue,
+    Undermine,
+)
 from lappet.surface import triangulate
 from lappet.tissue import new_tissue
 from lappet.usd_stage import write_procedure
@@ -30,8 +42,9 @@ REACH = 45.0  # mm: radius of the sphere around the design that cuts the tissue 
 SPACING, RESOLUTION = 1.25, 2.5  # mm: edges of the lattice's cells and of the skin's triangles
 KERF = 0.05
 BEYOND = 14.0  # mm that the scalp is undermined beyond the wound
-INCISE, EXCISE, UNDERMINE, PULL, END = 2, 4, 6, 7, 26  # time codes
-TIED, SPREAD = 18, 4  # when the middle is tied; the tips so many frames later
+INCISE, EXCISE, UNDERMINE, LIFT, PULL, END = 2, 4, 6, 7, 9, 26  # time codes
+TIED, SPREAD = 22, 4  # when the middle is tied; the tips so many frames later
+RELEASE = 15  # of the hooks
 STITCHES, BURIED = 2.0, 1.5  # mm between the stitches on the skin and between the sutures of each buried row, or so
 MEASURED = 19  # points of each edge to follow, besides the tips
 EDGE = 0.15  # mm from the cut to a point on the skin
@@ -127,6 +140,23 @@ def sutures(skin: Skin, spacing: float) -> list[Event]:
     return events
 
 
+def hooks(skin: Skin) -> list[Event]:
+    """Two skin hooks that lift the edges to undermine them, and let go when the sutures have begun to pull."""
+    events: list[Event] = []
+    left, right = skin.design(1).pairs[0]
+    face, middle, _ = skin.surface.query([ABOVE])
+    up = skin.normals[face[0]]
+    for name, here, there in (("left", left, right), ("right", right, left)):
+        anchor = np.array(skin.beside(here, there, 1.5, 0.0))
+        inwards = (middle[0] - anchor) / np.linalg.norm(middle[0] - anchor)
+        lifted, low = anchor + 6.0 * up + 1.5 * inwards, anchor + 1.0 * up + 2.5 * inwards
+        half = 0.3 * anchor + 0.7 * lifted
+        path = [(LIFT, anchor), (LIFT + 1, half), (LIFT + 3, lifted), (LIFT + 5, lifted), (RELEASE, low)]
+        targets = tuple((time, point(target)) for time, target in path)
+        events.append(Hook(f"hook_{name}", point(anchor), targets, start=LIFT, release=RELEASE, stiffness=200.0))
+    return events
+
+
 def landmarks(skin: Skin) -> list[Event]:
     """The two edges as chains of points on the skin from tip to tip, to measure the scar and what still gapes."""
     design = skin.design(MEASURED)
@@ -159,6 +189,7 @@ def build(spacing: float = SPACING) -> Procedure:
         Incision("incision", INCISE, tuple(point(np.array(p)) for p in design.curve), kerf=KERF, closed=True),
         Excision("excision", EXCISE, (point(np.array(design.seed)),)),
         Undermine("undermining", UNDERMINE, area(skin)),
+        *hooks(skin),
         *sutures(skin, spacing),
         *landmarks(skin),
     ]
