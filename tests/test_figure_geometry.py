@@ -161,6 +161,26 @@ def test_a_suture_is_buried_where_an_end_lies_on_the_wall_in_the_depth_even_unde
     assert buried(folded, triangles, depth, deep)
 
 
+def test_lips_are_told_apart_at_rest_where_the_procedure_says_where_the_anchors_are(tmp_path: Path) -> None:
+    usd = pytest.importorskip("pxr.Usd")
+    sdf = pytest.importorskip("pxr.Sdf")
+    path = synthetic.write_cache(tmp_path, step=5.0)
+    time, ends = SkinCache(path).sutures_told_apart(SkinCache(path).epochs[1], 2)
+    assert time == synthetic.LIFTED + 2  # without labels: where the suture is first active
+    np.testing.assert_allclose(ends[:, 0], synthetic.SUTURES[2], atol=1e-5)
+    stage = usd.Stage.Open(str(path))
+    labels = [f"suture_{k + 1}" for k in range(4)]
+    skin = stage.GetPrimAtPath("/Procedure/Skin/Sutures")
+    skin.CreateAttribute("primvars:label", sdf.ValueTypeNames.StringArray).Set(labels)
+    suture = stage.GetPrimAtPath("/Procedure/Timeline/suture_3")
+    suture.CreateAttribute("lappet:anchors", sdf.ValueTypeNames.Point3fArray).Set([(4, -0.25, 0), (4, 0.25, 0)])
+    stage.GetRootLayer().Save()
+    cache = SkinCache(path)
+    time, ends = cache.sutures_told_apart(cache.epochs[1], 2)
+    assert time == synthetic.INCISED
+    np.testing.assert_allclose(ends, [[4, -0.25, 0], [4, 0.25, 0]])
+
+
 def test_the_nearest_points_of_the_skin_to_points_above_it_are_below_them() -> None:
     rest, triangles, origin = synthetic.patch(4.0, False)
     points = rest.astype(np.float32)

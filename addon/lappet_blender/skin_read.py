@@ -112,6 +112,24 @@ class SkinCache:
         """The sutures of the procedure at a frame."""
         return self._strands("Sutures", time)
 
+    def sutures_told_apart(self, epoch: SkinEpoch, index: int) -> tuple[float, NDArray[np.float32]]:
+        """A frame of an epoch at which a suture's lips are easy to tell apart, and its ends (2, 3) mm there.
+
+        Where the epoch begins before anything is held, this is its first frame with the anchors at rest: later, flaps
+        that overlap come between. Otherwise it is the first frame at which the suture is active.
+        """
+        first = epoch.frames[0]
+        skin = self._stage.GetPrimAtPath("/Procedure/Skin/Sutures")
+        labels = skin.GetAttribute("primvars:label").Get() if skin else None
+        held = min((e.start for e in self.events if e.kind in ("Hook", "Retractor", "Suture")), default=first)
+        if labels is not None and index < len(labels) and first <= held:
+            prim = self._stage.GetPrimAtPath(f"/Procedure/Timeline/{labels[index]}")
+            anchors = prim.GetAttribute("lappet:anchors").Get() if prim else None
+            if anchors is not None and len(anchors) == 2:
+                return first, np.asarray(anchors, np.float32) * np.float32(self._mm)
+        active = next(t for t in epoch.frames if self.sutures(t).active[index])
+        return active, self.sutures(active).ends[index]
+
     def hooks(self, time: float) -> Strands:
         """The hooks of the procedure at a frame: the anchor on the tissue and the target."""
         return self._strands("Hooks", time)

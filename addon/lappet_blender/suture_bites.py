@@ -18,7 +18,7 @@ from lappet.closest_point import ClosestPoint
 from .skin_fields import SKIN, WOUND_WALL
 
 BITE = 1.3
-BURIED_DEPTH = 1.0
+BURIED_DEPTH = 0.4
 CLOSED_GAP = 1.0
 # A lip whose edges spread in direction by more than this share is a corner: a flap's tip or the end of a cut.
 CORNER = 0.06

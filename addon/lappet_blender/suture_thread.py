@@ -42,8 +42,10 @@ def buried_sutures(cache: SkinCache) -> frozenset[int]:
         if epoch.name not in depths:
             first = cache.positions(epoch, epoch.frames[0])
             depths[epoch.name] = depth_below_skin(first, epoch.triangles, epoch.origin)
-        points = cache.positions(epoch, time)
-        found |= {i for i in fresh if buried(points, epoch.triangles, depths[epoch.name], sutures.ends[i])}
+        for index in fresh:
+            apart, anchors = cache.sutures_told_apart(epoch, index)
+            if buried(cache.positions(epoch, apart), epoch.triangles, depths[epoch.name], anchors):
+                found.add(index)
         seen.update(fresh)
     return frozenset(found)
 
@@ -94,11 +96,9 @@ class SutureThread:
         epoch = self._cache.epoch_at(time)
         if (epoch.name, index) not in self._stitches:
             frames = [t for t in epoch.frames if self._cache.sutures(t).active[index]]
-            points = self._cache.positions(epoch, frames[0])
-            a, b = (
-                find_lip(points, epoch.triangles, epoch.origin, end, 2.0 * BITE * self._scale)
-                for end in self._cache.sutures(frames[0]).ends[index]
-            )
+            apart, anchors = self._cache.sutures_told_apart(epoch, index)
+            points = self._cache.positions(epoch, apart)
+            a, b = (find_lip(points, epoch.triangles, epoch.origin, end, 2.0 * BITE * self._scale) for end in anchors)
             closed = self._cache.positions(epoch, frames[-1])
             ends = self._cache.sutures(frames[-1]).ends[index]
             across = find_bites(closed, (a, b), ends, BITE * self._scale)
