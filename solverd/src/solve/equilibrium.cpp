@@ -19,7 +19,7 @@ constexpr int kMostLinearIterations = 400;
 constexpr int kMostMultiplierUpdates = 60;
 // While gaps are open the residual need not be below the tolerance before the multipliers move on: this many tolerances at
 // most, in proportion to the gap. Where a gap does not shrink by kGapProgress the residual hides it: solve more exactly.
-constexpr double kLooseTolerance = 10.0, kGapProgress = 0.7, kStricter = 0.3, kStrictest = 0.02;
+constexpr double kLooseTolerance = 10.0, kGapProgress = 0.7, kStricter = 0.3, kStrictest = 0.02, kStall = 0.5;
 // Where the exact tangent is indefinite eigenvalues are clamped while predicted and actual decrease agree to this, and
 // replaced by their magnitudes where they do not.
 constexpr double kModelAgreement = 0.01;
@@ -55,7 +55,7 @@ EquilibriumOutcome find_equilibrium(System<Real>& system, TwoLevel<Real>& precon
   Definiteness fallback = Definiteness::kClamp;
   int exact_pause = 0;
   int multiplier_updates = 0;
-  double strictness = 1.0, previous_gap = std::numeric_limits<double>::infinity();
+  double strictness = 1.0, previous_gap = std::numeric_limits<double>::infinity(), previous_residual = previous_gap;
   Stopwatch watch;
 
   Evaluation now = system.evaluate(u);
@@ -95,7 +95,12 @@ EquilibriumOutcome find_equilibrium(System<Real>& system, TwoLevel<Real>& precon
       while (true) {  // multipliers
         const bool open = outcome.gap > options.gap_tolerance;
         const double looseness = std::clamp(outcome.gap / options.gap_tolerance, 1.0, kLooseTolerance);
-        if (outcome.residual > options.tolerance * (open ? strictness * looseness : 1.0)) break;
+        // What rounding leaves of the residual cannot be asked to fall further.
+        const bool stalled = outcome.residual <= options.tolerance && outcome.residual > kStall * previous_residual;
+        if (outcome.residual > options.tolerance * (open ? strictness * looseness : 1.0) && !(open && stalled)) {
+          previous_residual = outcome.residual;
+          break;
+        }
         if (!open) {
           if (!options.inverts && now.inverted > 0)
             return fail(fmt::format("{} cells are inverted at rest (smallest J {:.3g}); make smaller steps between frames "
@@ -110,6 +115,7 @@ EquilibriumOutcome find_equilibrium(System<Real>& system, TwoLevel<Real>& precon
                                   outcome.gap, options.gap_tolerance));
         if (outcome.gap > kGapProgress * previous_gap) strictness = std::max(kStricter * strictness, kStrictest);
         previous_gap = outcome.gap;
+        previous_residual = std::numeric_limits<double>::infinity();
         system.update_multipliers(u);
         now = system.evaluate(u);
         record();

@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <limits>
 #include <map>
 #include <numeric>
 #include <stdexcept>
@@ -14,8 +15,10 @@ namespace lappet {
 namespace {
 
 constexpr int kCoarsening = 4;
-// Relative shift of the coarse diagonal: frames that no free node feels get a harmless one.
-constexpr double kShift = 1e-8;
+// Relative shift of the coarse diagonal. At rest turning all frames alike moves nothing, sum_k w_k (x - x_k) = 0, and frames
+// that no free node feels are empty: the shift must be above the rounding of the blocks.
+template <class Real>
+constexpr double kShift = 30.0 * std::numeric_limits<Real>::epsilon();
 
 class DisjointSets {
  public:
@@ -266,11 +269,11 @@ void RigidFrames<Real>::assemble(const System<Real>& system, std::span<const Rea
   double largest = 0.0;
   for (const auto& entry : entries)
     if (entry.row() == entry.col()) largest = std::max(largest, entry.value());
-  for (Eigen::Index i = 0; i < size; ++i) entries.emplace_back(i, i, kShift * std::max(largest, 1e-30));
+  for (Eigen::Index i = 0; i < size; ++i) entries.emplace_back(i, i, kShift<Real> * std::max(largest, 1e-30));
   Eigen::SparseMatrix<double> matrix(size, size);
   matrix.setFromTriplets(entries.begin(), entries.end());
   factor_.cholmod().print = 0;
-  for (double shift = 0.0; shift < 1.0; shift = shift == 0.0 ? 1e-6 : 100 * shift) {
+  for (double shift = 0.0; shift < 1.0; shift = shift == 0.0 ? 1e-5 : 100 * shift) {
     if (shift > 0.0)
       for (Eigen::Index i = 0; i < size; ++i) matrix.coeffRef(i, i) += shift * largest;
     factor_.compute(matrix);

@@ -10,7 +10,7 @@ namespace lappet {
 namespace {
 
 // The penalty of held faces, in Young's moduli per spacing; the multipliers do the rest.
-constexpr double kHeldStiffness = 20.0;
+constexpr double kHeldStiffness = 300.0;
 // The least force scale, as a stress of this many Young's moduli on every node.
 constexpr double kScaleFloor = 1e-2;
 // The weak bed of floating fragments, in Young's moduli times spacing.

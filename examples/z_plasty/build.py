@@ -1,0 +1,105 @@
+"""Builds z_plasty.usda: two 60° flaps with limbs of 20 mm on a flat patch of 100 x 80 x 4 mm, transposed and sutured.
+
+Usage: python build.py [z_plasty.usda]
+"""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import numpy as np
+
+from lappet.designs import ZPlasty, z_plasty
+from lappet.patch import flat_patch
+from lappet.procedure import Event, Hook, Incision, Landmark, Material, Point, Procedure, Suture, Undermine
+from lappet.usd_stage import write_procedure
+
+LIMB, ANGLE, THICKNESS = 20.0, 60.0, 4.0  # mm, degrees, mm
+KERF = 0.05
+INCISE, UNDERMINE, LIFT, TRANSPOSED, CLOSED, RELEASE, END = 3, 6, 8, 26, 36, 38, 40  # time codes
+# Rows of sutures: name, height of the anchors above the underside (mm), stitches along a limb, first frame.
+# The buried rows hold the walls of the wound together, so that the stitches on the skin only have to meet its edges.
+ROWS = (("deep", 0.8, 7, TRANSPOSED), ("dermal", 3.4, 14, TRANSPOSED), ("skin", THICKNESS, 6, TRANSPOSED))
+BESIDE = KERF / 2 + 0.01  # mm from the middle of the cut to an anchor
+
+
+def point(xyz: np.ndarray) -> Point:
+    """A tuple of floats."""
+    return (float(xyz[0]), float(xyz[1]), float(xyz[2]))
+
+
+def across(edge: np.ndarray, inside: np.ndarray) -> np.ndarray:
+    """The unit vector across an edge (its direction) towards a point beside it, from the edge's start at the origin."""
+    along = edge / np.linalg.norm(edge)
+    normal = inside - np.dot(inside, along) * along
+    return normal / np.linalg.norm(normal)
+
+
+def sutures(design: ZPlasty) -> list[Event]:
+    """Three rows of sutures along each of the three limbs of the closed Z."""
+    a, b, c, d = (np.array(p) for p in design.curve)
+    flap_1, flap_2 = (a + b + c) / 3, (b + c + d) / 3
+    # The edges that meet: from, to, which way their tissue lies. The outer limbs end at a flap's base, where the skin
+    # was never cut; the new central limb ends at two tips.
+    seams = (
+        ("left", (b, c, across(c - b, flap_1 - b)), (d, c, -across(c - d, flap_2 - d)), 0.9),
+        ("right", (c, b, across(b - c, flap_2 - c)), (a, b, -across(b - a, flap_1 - a)), 0.9),
+        ("middle", (b, a, across(a - b, flap_1 - b)), (d, c, across(d - c, flap_2 - d)), 0.97),
+    )
+    events: list[Event] = []
+    for row, height, count, start in ROWS:
+        for name, (p0, p1, p_side), (q0, q1, q_side), last in seams:
+            for k, share in enumerate(np.linspace(0.03, last, count)):
+                ends = [p0 + share * (p1 - p0) + BESIDE * p_side, q0 + share * (q1 - q0) + BESIDE * q_side]
+                anchors = tuple((float(e[0]), float(e[1]), height) for e in ends)
+                events.append(
+                    Suture(f"{row}_{name}_{k + 1}", (anchors[0], anchors[1]), start=start, duration=CLOSED - start)
+                )
+    return events
+
+
+def hook(name: str, tip: np.ndarray, base: np.ndarray, to: np.ndarray, height: float) -> Hook:
+    """Lifts a flap by its tip, carries it over and lays it down at `to`."""
+    inward = base - tip
+    inward = inward / np.linalg.norm(inward)
+    anchor = tip + 1.5 * inward
+    up = np.array([0.0, 0.0, 1.0])
+    raised = anchor + 0.25 * (base - anchor) + height * up
+    lay = to - 1.5 * (to - base) / np.linalg.norm(to - base)
+    above = 0.6 * lay + 0.4 * base + 0.7 * height * up
+    span = TRANSPOSED - LIFT
+    path = [(0.0, anchor), (0.35, raised), (0.75, above), (1.0, lay)]
+    targets = tuple((LIFT + share * span, point(p)) for share, p in path)
+    return Hook(name=name, anchor=point(anchor), targets=targets, start=LIFT, release=RELEASE, stiffness=300.0)
+
+
+def build() -> Procedure:
+    """The whole procedure."""
+    design = z_plasty((0.0, 0.0, THICKNESS), (1.0, 0.0, 0.0), LIMB, ANGLE)
+    a, b, c, d = (np.array(p) for p in design.curve)
+    turn = np.linspace(0.0, 2 * np.pi, 48, endpoint=False)
+    area = [(float(15 * np.cos(t)), float(24 * np.sin(t)), THICKNESS) for t in turn]
+    events: list[Event] = [
+        Incision("incision", INCISE, design.curve, kerf=KERF),
+        Undermine("undermining", UNDERMINE, tuple(area)),
+        hook("hook_1", b, (a + c) / 2, d, 9.0),
+        hook("hook_2", c, (b + d) / 2, a, 14.0),
+        *sutures(design),
+        Landmark("scar_ends", (point(b + np.array([2.5, 0, 0])), point(c - np.array([2.5, 0, 0]))), "scar end"),
+        Landmark("scar_sides", (point(a + np.array([0, 2.5, 0])), point(d - np.array([0, 2.5, 0]))), "scar side"),
+    ]
+    return Procedure(
+        tissue=flat_patch((100.0, 80.0, THICKNESS), resolution=2.0, spacing=1.0),
+        materials=(Material("skin", model="neoHookean", youngs_modulus=50.0, poissons_ratio=0.45),),
+        events=tuple(events),
+        start_time=1,
+        end_time=END,
+        fps=12,
+    )
+
+
+if __name__ == "__main__":
+    path = Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).with_name("z_plasty.usda")
+    write_procedure(build(), path)
+    print(f"wrote {path}")
