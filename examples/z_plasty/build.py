@@ -86,8 +86,11 @@ def build() -> Procedure:
         hook("hook_1", b, (a + c) / 2, d, 9.0),
         hook("hook_2", c, (b + d) / 2, a, 14.0),
         *sutures(design),
+        # Beside the wound, and on the two flaps: what to measure.
         Landmark("scar_ends", (point(b + np.array([2.5, 0, 0])), point(c - np.array([2.5, 0, 0]))), "scar end"),
         Landmark("scar_sides", (point(a + np.array([0, 2.5, 0])), point(d - np.array([0, 2.5, 0]))), "scar side"),
+        Landmark("flap_tips", (point(b + 0.05 * (a + c - 2 * b)), point(c + 0.05 * (b + d - 2 * c))), "flap tip"),
+        Landmark("flap_middles", (point((a + b + c) / 3), point((b + c + d) / 3)), "flap middle"),
     ]
     return Procedure(
         tissue=flat_patch((100.0, 80.0, THICKNESS), resolution=2.0, spacing=1.0),

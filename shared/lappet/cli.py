@@ -171,12 +171,14 @@ def solve(
 @solve_options
 @click.pass_context
 def demo(context: click.Context, /, folder: Path, **options: Any) -> None:
-    """Solve and render the bundled Z-plasty."""
+    """Solve and render the bundled Z-plasty, at a lattice spacing of 1.33 mm where none is given."""
     import shutil
 
     with sentences(context):
-        from lappet.demo import z_plasty
+        from lappet.demo import SPACING, z_plasty
         from lappet.render import render_cache
+
+        options["spacing"] = options["spacing"] or SPACING
 
         folder.mkdir(parents=True, exist_ok=True)
         procedure = folder / "z_plasty.usda"

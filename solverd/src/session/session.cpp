@@ -236,9 +236,9 @@ class TypedSession : public Session::Implementation {
     FrameOutput output;
     output.time = frame.time;
     const Snapshot before = snapshot();
-    EquilibriumHooks hooks;
-    hooks.stop = [&] { return cancel.load(std::memory_order_relaxed) || out_of_time(); };
-    hooks.progress = [&](int newton, double residual, double gap) {
+    EquilibriumWatch watcher;
+    watcher.stop = [&] { return cancel.load(std::memory_order_relaxed) || out_of_time(); };
+    watcher.progress = [&](int newton, double residual, double gap) {
       if (progress) progress({frame.time, output.newton_iterations + newton, residual, gap});
     };
     EquilibriumOutcome outcome;
@@ -252,7 +252,7 @@ class TypedSession : public Session::Implementation {
         constrain(part);
         options.max_newton =
             std::min(settings_.max_newton, kNewtonBudget * settings_.max_newton - output.newton_iterations);
-        outcome = find_equilibrium<Real>(*system_, *preconditioner_, u_, options, hooks);
+        outcome = find_equilibrium<Real>(*system_, *preconditioner_, u_, options, watcher);
         output.newton_iterations += outcome.newton_iterations;
         output.pcg_iterations += outcome.pcg_iterations;
         output.seconds_update += outcome.seconds_update;
@@ -262,9 +262,9 @@ class TypedSession : public Session::Implementation {
         keep_multipliers(part);
       }
       output.load_steps = steps;
-      if (outcome.converged || hooks.stop() || output.newton_iterations >= kNewtonBudget * settings_.max_newton) break;
+      if (outcome.converged || watcher.stop() || output.newton_iterations >= kNewtonBudget * settings_.max_newton) break;
     }
-    if (!outcome.converged && hooks.stop()) {
+    if (!outcome.converged && watcher.stop()) {
       restore(before);
       if (cancel.load()) throw RefusedError(ErrorCode::kCancelled, fmt::format("frame {:g} was cancelled", frame.time));
       throw RefusedError(ErrorCode::kTimeBudget,

@@ -47,7 +47,7 @@ class Stopwatch {
 
 template <class Real>
 EquilibriumOutcome find_equilibrium(System<Real>& system, TwoLevel<Real>& preconditioner, std::span<Real> u,
-                                    const EquilibriumOptions& options, const EquilibriumHooks& hooks) {
+                                    const EquilibriumOptions& options, const EquilibriumWatch& watcher) {
   const std::size_t size = u.size();
   const double h = system.lattice().settings.spacing;
   std::vector<Real> increment(size), step(size), rhs(size), trial(size), product(size);
@@ -89,7 +89,7 @@ EquilibriumOutcome find_equilibrium(System<Real>& system, TwoLevel<Real>& precon
   while (true) {
     const bool moves = system.prescribed_increment(u, increment);
     record();
-    hooks.progress(outcome.newton_iterations, outcome.residual, outcome.gap);
+    watcher.progress(outcome.newton_iterations, outcome.residual, outcome.gap);
     if (!std::isfinite(outcome.residual)) return fail("the residual is not a finite number");
     if (!moves) {
       while (true) {  // multipliers
@@ -125,7 +125,7 @@ EquilibriumOutcome find_equilibrium(System<Real>& system, TwoLevel<Real>& precon
       return fail(fmt::format("no equilibrium after {} Newton iterations: relative residual {:.2e} (tolerance {:.1e}), gap "
                               "{:.3g} mm",
                               outcome.newton_iterations, outcome.residual, options.tolerance, outcome.gap));
-    if (hooks.stop()) return fail("stopped");
+    if (watcher.stop()) return fail("stopped");
 
     outcome.seconds_update += watch.lap();
     const auto gradient = system.gradient();
@@ -145,7 +145,7 @@ EquilibriumOutcome find_equilibrium(System<Real>& system, TwoLevel<Real>& precon
       else
         std::fill(rhs.begin(), rhs.end(), Real(0));
       for (std::size_t i = 0; i < size; ++i) rhs[i] = static_cast<Real>(-gradient[i]) - rhs[i];
-      linear = conjugate_gradients<Real>(system, preconditioner, rhs, step, target, kMostLinearIterations, hooks.stop);
+      linear = conjugate_gradients<Real>(system, preconditioner, rhs, step, target, kMostLinearIterations, watcher.stop);
       outcome.pcg_iterations += linear.iterations;
       outcome.seconds_linear += watch.lap();
       if (!linear.indefinite || definiteness != Definiteness::kExact) break;
@@ -156,7 +156,7 @@ EquilibriumOutcome find_equilibrium(System<Real>& system, TwoLevel<Real>& precon
     ++outcome.newton_iterations;
     if (linear.reduction < 1.0 && linear.iterations > 0)
       preconditioner.observe(linear.iterations / std::max(-std::log10(linear.reduction), 0.5));
-    if (hooks.stop()) return fail("stopped");
+    if (watcher.stop()) return fail("stopped");
 
     double slope = 0.0, largest = 0.0;
     for (std::size_t i = 0; i < size; ++i) {
@@ -223,8 +223,8 @@ EquilibriumOutcome find_equilibrium(System<Real>& system, TwoLevel<Real>& precon
 }
 
 template EquilibriumOutcome find_equilibrium<float>(System<float>&, TwoLevel<float>&, std::span<float>,
-                                                    const EquilibriumOptions&, const EquilibriumHooks&);
+                                                    const EquilibriumOptions&, const EquilibriumWatch&);
 template EquilibriumOutcome find_equilibrium<double>(System<double>&, TwoLevel<double>&, std::span<double>,
-                                                     const EquilibriumOptions&, const EquilibriumHooks&);
+                                                     const EquilibriumOptions&, const EquilibriumWatch&);
 
 }  // namespace lappet

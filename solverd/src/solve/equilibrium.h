@@ -28,7 +28,7 @@ struct EquilibriumOutcome {
   double seconds_update = 0.0, seconds_linear = 0.0, seconds_setup = 0.0;
 };
 
-struct EquilibriumHooks {
+struct EquilibriumWatch {
   std::function<void(int newton, double residual, double gap)> progress;
   std::function<bool()> stop;  // asked often; true ends the solve with the reason "stopped"
 };
@@ -36,6 +36,6 @@ struct EquilibriumHooks {
 // Moves u (3 per node) to equilibrium in place.
 template <class Real>
 EquilibriumOutcome find_equilibrium(System<Real>& system, TwoLevel<Real>& preconditioner, std::span<Real> u,
-                                    const EquilibriumOptions& options, const EquilibriumHooks& hooks);
+                                    const EquilibriumOptions& options, const EquilibriumWatch& watcher);
 
 }  // namespace lappet

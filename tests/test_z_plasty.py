@@ -1,0 +1,62 @@
+"""The bundled Z-plasty at 1 mm, from its file through the real daemon: closed, flat, transposed, lengthened."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from pxr import Usd, UsdGeom
+
+from lappet.demo import z_plasty
+from lappet.report import report
+from lappet.solve import solve_procedure
+from lappet.store import FrameStore
+
+THICKNESS = 4.0  # mm
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(900)
+def test_the_z_plasty_closes_lies_flat_and_turns_its_limb_by_90_degrees(tmp_path: Path) -> None:
+    cache = tmp_path / "z_plasty.usdc"
+    result = solve_procedure(z_plasty(), cache, spacing=1.0, store=FrameStore(tmp_path / "store"))
+    assert result.complete, result.reason
+    values = report(result)
+    frames = values["frames"]
+    first, last = frames[0], frames[-1]
+    assert 30_000 < values["lattice"]["cells"] < 35_000
+    assert all(frame["converged"] and frame["residual"] <= 1e-3 for frame in frames)
+    assert sum(frame["inverted_cells"] for frame in frames) == 0
+    assert last["minimum_j"] > 0.5
+    assert max(last["suture_gaps_mm"].values()) < 0.1
+
+    def at(frame: dict, label: str) -> np.ndarray:
+        return np.array([frame["landmarks"][f"{label} {k}"] for k in (1, 2)])
+
+    # The central limb ran along x; the new one, from tip to tip, runs along y: 90° (PROCEDURES.md, 60° flaps).
+    tips = at(last, "flap tip")
+    limb = tips[1] - tips[0]
+    assert np.degrees(np.arctan2(abs(limb[1]), abs(limb[0]))) == pytest.approx(90.0, abs=5.0)
+    # Held at its border, the sheet lengthens along the old central limb and narrows across it.
+    before, after = at(first, "scar end"), at(last, "scar end")
+    assert np.linalg.norm(after[0] - after[1]) > 1.15 * np.linalg.norm(before[0] - before[1])
+    before, after = at(first, "scar side"), at(last, "scar side")
+    assert np.linalg.norm(after[0] - after[1]) < 0.95 * np.linalg.norm(before[0] - before[1])
+    # The flaps lie in the sheet, less than half their thickness above or below it.
+    assert np.abs(at(last, "flap middle")[:, 2] - THICKNESS).max() < THICKNESS / 2
+
+    # The wound is closed: below the skin's edge no wall is far from the other (the caches' own points, not anchors).
+    stage = Usd.Stage.Open(str(cache))
+    mesh = UsdGeom.Mesh(stage.GetPrimAtPath(f"/Procedure/Skin/epoch_{last['epoch']:02d}"))
+    points = np.array(mesh.GetPointsAttr().Get(last["time_code"]))
+    faces = np.array(mesh.GetFaceVertexIndicesAttr().Get()).reshape(-1, 3)
+    wall = faces[np.array(UsdGeom.Subset(stage.GetPrimAtPath(f"{mesh.GetPath()}/woundWall")).GetIndicesAttr().Get())]
+    corners = points[wall]
+    centres = corners.mean(axis=1)
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
+    apart = np.linalg.norm(centres[:, None] - centres[None], axis=2)
+    apart[normals @ normals.T > -0.3] = np.inf  # only walls that face each other
+    assert np.median(apart.min(axis=1)) < 0.6
+    assert np.quantile(apart.min(axis=1), 0.95) < 1.5
