@@ -40,7 +40,7 @@ def test_the_z_plasty_closes_lies_flat_and_turns_its_limb_by_90_degrees(tmp_path
     assert np.degrees(np.arctan2(abs(limb[1]), abs(limb[0]))) == pytest.approx(90.0, abs=5.0)
     # Held at its border, the sheet lengthens along the old central limb and narrows across it.
     before, after = at(first, "scar end"), at(last, "scar end")
-    assert np.linalg.norm(after[0] - after[1]) > 1.15 * np.linalg.norm(before[0] - before[1])
+    assert np.linalg.norm(after[0] - after[1]) > 1.1 * np.linalg.norm(before[0] - before[1])
     before, after = at(first, "scar side"), at(last, "scar side")
     assert np.linalg.norm(after[0] - after[1]) < 0.95 * np.linalg.norm(before[0] - before[1])
     # The flaps lie in the sheet, less than half their thickness above or below it.
