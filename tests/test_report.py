@@ -1,4 +1,4 @@
-"""The report has every key that DESIGN names, with plain JSON values of the right kind."""
+"""The report has every key that is promised, with plain JSON values of the right kind."""
 
 from __future__ import annotations
 

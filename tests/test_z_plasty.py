@@ -34,7 +34,7 @@ def test_the_z_plasty_closes_lies_flat_and_turns_its_limb_by_90_degrees(tmp_path
     def at(frame: dict, label: str) -> np.ndarray:
         return np.array([frame["landmarks"][f"{label} {k}"] for k in (1, 2)])
 
-    # The central limb ran along x; the new one, from tip to tip, runs along y: 90° (PROCEDURES.md, 60° flaps).
+    # The central limb ran along x; the new one, from tip to tip, runs along y: 60° flaps turn it by 90°.
     tips = at(last, "flap tip")
     limb = tips[1] - tips[0]
     assert np.degrees(np.arctan2(abs(limb[1]), abs(limb[0]))) == pytest.approx(90.0, abs=5.0)

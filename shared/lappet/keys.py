@@ -1,6 +1,6 @@
 """Content keys: what a solved frame depends on, hashed, so that equal work is recognised wherever it comes from.
 
-key(frame) = H(key(previous frame), epoch, constraints of the frame, solver settings, solver)     (DESIGN 3.4)
+key(frame) = H(key(previous frame), epoch, constraints of the frame, solver settings, solver)
 
 Only what the daemon is told takes part: renaming a prim, moving a UV or editing what happens later changes no key. The
 numbers of sutures and retractors in the procedure, the threads and the budgets are left out as well: they do not change

@@ -24,7 +24,8 @@ inline void append(Surface& to, const Surface& from) {
 }
 
 inline Vec3 centre(const Surface& s, std::size_t t) {
-  return (s.points[static_cast<std::size_t>(s.triangles[t][0])] + s.points[static_cast<std::size_t>(s.triangles[t][1])] +
+  return (s.points[static_cast<std::size_t>(s.triangles[t][0])] +
+          s.points[static_cast<std::size_t>(s.triangles[t][1])] +
           s.points[static_cast<std::size_t>(s.triangles[t][2])]) /
          3;
 }

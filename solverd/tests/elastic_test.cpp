@@ -121,7 +121,8 @@ TEST_P(ElasticCells, DefiniteTangentIsPositiveAndAgreesWithItsCellsAndBlocks) {
       assembled += x.dot(k * x);
     }
     EXPECT_NEAR(assembled, matrix_free, 1e-10 * matrix_free);
-    for (std::size_t i = 0; i < blocks.size(); ++i) EXPECT_NEAR(blocks[i], summed[i], 1e-9 * std::abs(summed[i]) + 1e-9);
+    for (std::size_t i = 0; i < blocks.size(); ++i)
+      EXPECT_NEAR(blocks[i], summed[i], 1e-9 * std::abs(summed[i]) + 1e-9);
   }
 }
 
@@ -146,7 +147,9 @@ TEST_P(ElasticCells, FloatAgreesWithDouble) {
 INSTANTIATE_TEST_SUITE_P(ModelsAndQuadratures, ElasticCells,
                          ::testing::Values(Case{"corotated", 1}, Case{"corotated", 4}, Case{"corotated", 8},
                                            Case{"neoHookean", 1}, Case{"neoHookean", 4}, Case{"neoHookean", 8}),
-                         [](const auto& info) { return std::string(info.param.model) + std::to_string(info.param.quadrature); });
+                         [](const auto& info) {
+                           return std::string(info.param.model) + std::to_string(info.param.quadrature);
+                         });
 
 }  // namespace
 }  // namespace lappet

@@ -26,7 +26,7 @@ void for_stretches(const Body& body) {
 }
 
 TYPED_TEST(Materials, StressIsTheDerivativeOfTheEnergy) {
-  for_stretches([](double (&s)[3]) {
+  for_stretches([](double(&s)[3]) {
     double p[3];
     TypeParam::p_hat(s, 3.0, 11.0, p);
     for (int i = 0; i < 3; ++i) {
@@ -42,7 +42,7 @@ TYPED_TEST(Materials, StressIsTheDerivativeOfTheEnergy) {
 }
 
 TYPED_TEST(Materials, TangentIsTheDerivativeOfTheStress) {
-  for_stretches([](double (&s)[3]) {
+  for_stretches([](double(&s)[3]) {
     TangentHat<double> t;
     TypeParam::dpdf_hat(s, 3.0, 11.0, t);
     const int index[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
@@ -57,7 +57,8 @@ TYPED_TEST(Materials, TangentIsTheDerivativeOfTheStress) {
       TypeParam::p_hat(s, 3.0, 11.0, below);
       s[j] = kept;
       for (int i = 0; i < 3; ++i)
-        EXPECT_NEAR((above[i] - below[i]) / (2 * step), t.hessian[index[i][j]], 1e-5 * (1 + std::abs(t.hessian[index[i][j]])));
+        EXPECT_NEAR((above[i] - below[i]) / (2 * step), t.hessian[index[i][j]],
+                    1e-5 * (1 + std::abs(t.hessian[index[i][j]])));
     }
     const int pairs[3][2] = {{0, 1}, {0, 2}, {1, 2}};
     for (int k = 0; k < 3; ++k) {

@@ -1,4 +1,5 @@
-// Equilibria against formulas: each state is one that a box takes under fixed faces, retractors, gravity, a bed, a suture.
+// Equilibria against formulas: each state is one that a box takes under fixed faces, retractors, gravity, a bed, a
+// suture.
 #include "session/session.h"
 
 #include <gtest/gtest.h>
@@ -35,7 +36,8 @@ void add_landmark(EpochInput& epoch, const Vec3& point) {
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t t = 0; t < epoch.surface.triangles.size(); ++t) {
     const auto& c = epoch.surface.triangles[t];
-    const Vec3 a = epoch.surface.points[static_cast<std::size_t>(c[0])], b = epoch.surface.points[static_cast<std::size_t>(c[1])],
+    const Vec3 a = epoch.surface.points[static_cast<std::size_t>(c[0])],
+               b = epoch.surface.points[static_cast<std::size_t>(c[1])],
                d = epoch.surface.points[static_cast<std::size_t>(c[2])];
     const Vec3 n = (b - a).cross(d - a).normalized();
     const double off = std::abs((point - a).dot(n));
@@ -93,8 +95,9 @@ TEST_P(BoxStates, UniaxialTensionInTheMiddleOfALongBar) {
   SessionSettings s = settings("neoHookean", 0.45);
   s.retractors = 1;
   Session session(s);
-  EpochInput epoch = make_epoch(box_surface({0, 0, 0}, {40, 4, 4}), [](const Vec3& c) { return c[0] < 1e-9; },
-                                [](const Vec3& c) { return c[0] > 40 - 1e-9 ? 0 : -1; });
+  EpochInput epoch = make_epoch(
+      box_surface({0, 0, 0}, {40, 4, 4}), [](const Vec3& c) { return c[0] < 1e-9; },
+      [](const Vec3& c) { return c[0] > 40 - 1e-9 ? 0 : -1; });
   for (const Vec3& p : {Vec3(18, 2, 4), Vec3(22, 2, 4), Vec3(20, 0, 2), Vec3(20, 4, 2), Vec3(20, 2, 0), Vec3(20, 2, 4)})
     add_landmark(epoch, p);
   session.set_epoch(epoch);
@@ -120,7 +123,8 @@ TEST_P(BoxStates, EquibiaxialTensionInTheMiddleOfASheet) {
   const auto middle = static_cast<std::int32_t>(surface.points.size() - 1);
   std::vector<std::array<std::int32_t, 3>> triangles;
   for (const auto& t : surface.triangles) {
-    const bool top = surface.points[static_cast<std::size_t>(t[0])][2] > 1 && surface.points[static_cast<std::size_t>(t[1])][2] > 1 &&
+    const bool top = surface.points[static_cast<std::size_t>(t[0])][2] > 1 &&
+                     surface.points[static_cast<std::size_t>(t[1])][2] > 1 &&
                      surface.points[static_cast<std::size_t>(t[2])][2] > 1;
     if (!top) triangles.push_back(t);
   }
@@ -153,9 +157,9 @@ TEST_P(BoxStates, SimpleShearBetweenTwoPlates) {
   s.retractors = 1;
   s.spacing = 1;
   Session session(s);
-  EpochInput epoch = make_epoch(box_surface({0, 0, 0}, {32, 8, 4}),
-                                [](const Vec3& c) { return c[2] < 1e-9 || c[1] < 1e-9 || c[1] > 8 - 1e-9; },
-                                [](const Vec3& c) { return c[2] > 4 - 1e-9 ? 0 : -1; });
+  EpochInput epoch = make_epoch(
+      box_surface({0, 0, 0}, {32, 8, 4}), [](const Vec3& c) { return c[2] < 1e-9 || c[1] < 1e-9 || c[1] > 8 - 1e-9; },
+      [](const Vec3& c) { return c[2] > 4 - 1e-9 ? 0 : -1; });
   // only top and bottom are held
   for (std::size_t t = 0; t < epoch.fixed.size(); ++t) epoch.fixed[t] = centre(epoch.surface, t)[2] < 1e-9;
   add_landmark(epoch, Vec3(16, 0, 1));
@@ -173,7 +177,9 @@ TEST_P(BoxStates, SimpleShearBetweenTwoPlates) {
 
 INSTANTIATE_TEST_SUITE_P(DefaultAndReference, BoxStates,
                          ::testing::Values(Accuracy{1, "float", 1e-3, 0.01}, Accuracy{8, "double", 1e-8, 1e-3}),
-                         [](const auto& info) { return std::string(info.param.precision) + std::to_string(info.param.quadrature); });
+                         [](const auto& info) {
+                           return std::string(info.param.precision) + std::to_string(info.param.quadrature);
+                         });
 
 TEST(Session, ABarHangingUnderItsOwnWeightLengthensAsTheFormulaSays) {
   SessionSettings s;
@@ -261,14 +267,16 @@ TEST(Session, AThroughCutLeavesTwoBodiesThatMoveApartWithoutForce) {
     s.spacing = 1;
     s.retractors = 1;
     Session session(s);
-    EpochInput epoch = make_epoch(two_halves(gap), [](const Vec3& c) { return c[0] < 1e-9; },
-                                  [](const Vec3& c) { return c[0] > 20 - 1e-9 ? 0 : -1; });
+    EpochInput epoch = make_epoch(
+        two_halves(gap), [](const Vec3& c) { return c[0] < 1e-9; },
+        [](const Vec3& c) { return c[0] > 20 - 1e-9 ? 0 : -1; });
     EXPECT_EQ(session.set_epoch(epoch).fragments, 2);
     const FrameOutput out = session.solve(pulled({Vec3(7, 1, 2)}), {}, kNever);
     ASSERT_TRUE(out.converged) << out.reason;
     EXPECT_LT(out.energy, 1e-6 * 50 * 180);  // of a fully strained box
     for (std::size_t v = 0; v < epoch.surface.points.size(); ++v) {
-      const Vec3 moved = Vec3(out.points[3 * v], out.points[3 * v + 1], out.points[3 * v + 2]) - epoch.surface.points[v];
+      const Vec3 moved =
+          Vec3(out.points[3 * v], out.points[3 * v + 1], out.points[3 * v + 2]) - epoch.surface.points[v];
       EXPECT_NEAR((moved - (v < 8 ? Vec3::Zero() : Vec3(7, 1, 2))).norm(), 0.0, 2e-3) << v;
     }
   }
@@ -277,11 +285,13 @@ TEST(Session, AThroughCutLeavesTwoBodiesThatMoveApartWithoutForce) {
 // A block with a slot from above, as one closed surface: an extruded U.
 Surface slotted(double gap, double depth) {
   const double l = 10 - gap / 2, r = 10 + gap / 2, z = 3 - depth;
-  const std::vector<std::array<double, 2>> outline = {{0, 0}, {l, 0}, {r, 0}, {20, 0}, {20, 3}, {r, 3}, {r, z}, {l, z}, {l, 3}, {0, 3}};
+  const std::vector<std::array<double, 2>> outline = {{0, 0}, {l, 0}, {r, 0}, {20, 0}, {20, 3},
+                                                      {r, 3}, {r, z}, {l, z}, {l, 3},  {0, 3}};
   Surface s;
   for (const double y : {0.0, 6.0})
     for (const auto& p : outline) s.points.emplace_back(p[0], y, p[1]);
-  const std::vector<std::array<int, 3>> cap = {{0, 1, 7}, {0, 7, 8}, {0, 8, 9}, {1, 2, 6}, {1, 6, 7}, {2, 3, 4}, {2, 4, 5}, {2, 5, 6}};
+  const std::vector<std::array<int, 3>> cap = {{0, 1, 7}, {0, 7, 8}, {0, 8, 9}, {1, 2, 6},
+                                               {1, 6, 7}, {2, 3, 4}, {2, 4, 5}, {2, 5, 6}};
   for (const auto& t : cap) {
     s.triangles.push_back({t[0], t[1], t[2]});                 // y = 0, outward -y
     s.triangles.push_back({t[0] + 10, t[2] + 10, t[1] + 10});  // y = 6
@@ -299,8 +309,9 @@ TEST(Session, APartialCutStaysOneBodyThatResists) {
   s.spacing = 1;
   s.retractors = 1;
   Session session(s);
-  EpochInput epoch = make_epoch(slotted(0.05, 2.0), [](const Vec3& c) { return c[0] < 1e-9; },
-                                [](const Vec3& c) { return c[0] > 20 - 1e-9 ? 0 : -1; });
+  EpochInput epoch = make_epoch(
+      slotted(0.05, 2.0), [](const Vec3& c) { return c[0] < 1e-9; },
+      [](const Vec3& c) { return c[0] > 20 - 1e-9 ? 0 : -1; });
   const EpochReport report = session.set_epoch(epoch);
   EXPECT_EQ(report.fragments, 1);
   EXPECT_GT(report.mesh_cells, 0);
@@ -367,8 +378,8 @@ TEST(Session, HeldFacesOffTheLatticePlanesHoldToTheGapTolerance) {
     const Eigen::Matrix3d rotation =
         tilted ? Eigen::AngleAxisd(0.4, Vec3(1, 1, 2).normalized()).toRotationMatrix() : Eigen::Matrix3d::Identity();
     Surface surface = box_surface({0, 0, 0}, {24, 6, 6});
-    EpochInput epoch = make_epoch(surface, [](const Vec3& c) { return c[0] < 1e-9; },
-                                  [](const Vec3& c) { return c[0] > 24 - 1e-9 ? 0 : -1; });
+    EpochInput epoch = make_epoch(
+        surface, [](const Vec3& c) { return c[0] < 1e-9; }, [](const Vec3& c) { return c[0] > 24 - 1e-9 ? 0 : -1; });
     add_landmark(epoch, Vec3(12, 0, 3));
     add_landmark(epoch, Vec3(12, 6, 3));
     for (auto& p : epoch.surface.points) p = rotation * p;
@@ -395,8 +406,9 @@ TEST(Session, AResumedSolveRepeatsTheFrameBitForBit) {
     s.retractors = 1;
     s.precision = precision;
     s.threads = 2;
-    const EpochInput epoch = make_epoch(two_halves(1.0), [](const Vec3& c) { return c[0] < 1e-9; },
-                                        [](const Vec3& c) { return c[0] > 20 - 1e-9 ? 0 : -1; });
+    const EpochInput epoch = make_epoch(
+        two_halves(1.0), [](const Vec3& c) { return c[0] < 1e-9; },
+        [](const Vec3& c) { return c[0] > 20 - 1e-9 ? 0 : -1; });
     const auto frame = [&](double closure, double x) {
       FrameInput f = pulled({Vec3(x, 0, 0)});
       f.sutures = {suture(epoch, {9.5, 3, 1.6}, {10.5, 3, 1.6}, closure)};
@@ -427,7 +439,8 @@ TEST(Session, AFragmentThatNothingHoldsStaysAtRest) {
   const FrameOutput out = session.solve(FrameInput{}, {}, kNever);
   ASSERT_TRUE(out.converged) << out.reason;
   for (std::size_t v = 0; v < epoch.surface.points.size(); ++v)
-    for (int i = 0; i < 3; ++i) EXPECT_NEAR(out.points[3 * v + static_cast<std::size_t>(i)], epoch.surface.points[v][i], 1e-4);
+    for (int i = 0; i < 3; ++i)
+      EXPECT_NEAR(out.points[3 * v + static_cast<std::size_t>(i)], epoch.surface.points[v][i], 1e-4);
 }
 
 TEST(Session, AHookPullsWithItsSpringForce) {
@@ -451,8 +464,9 @@ TEST(Session, CancelKeepsTheStateAndSaysSo) {
   SessionSettings s;
   s.retractors = 1;
   Session session(s);
-  session.set_epoch(make_epoch(box_surface({0, 0, 0}, {10, 6, 3}), [](const Vec3& c) { return c[0] < 1e-9; },
-                               [](const Vec3& c) { return c[0] > 10 - 1e-9 ? 0 : -1; }));
+  session.set_epoch(make_epoch(
+      box_surface({0, 0, 0}, {10, 6, 3}), [](const Vec3& c) { return c[0] < 1e-9; },
+      [](const Vec3& c) { return c[0] > 10 - 1e-9 ? 0 : -1; }));
   const std::atomic<bool> cancelled{true};
   try {
     session.solve(pulled({Vec3(3, 0, 0)}), {}, cancelled);

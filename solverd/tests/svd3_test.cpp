@@ -45,11 +45,11 @@ void expect_all(double tolerance) {
   };
   for (int k = 0; k < 2000; ++k) {
     const Matrix<Number> m = matrix();
-    expect_decomposition<Number>(m, tolerance);                                             // random, half inverted
+    expect_decomposition<Number>(m, tolerance);                                              // random, half inverted
     expect_decomposition<Number>(Matrix<Number>::Identity() + Number(1e-3) * m, tolerance);  // near rest
     Matrix<Number> flat = m;
     flat.row(2) = flat.row(1) * Number(1 + 1e-5 * k);
-    expect_decomposition<Number>(flat, tolerance);  // nearly singular
+    expect_decomposition<Number>(flat, tolerance);                                 // nearly singular
     expect_decomposition<Number>(Matrix<Number>(m.col(0) * m.row(1)), tolerance);  // rank one
     const Eigen::Quaternion<Number> q(Eigen::Vector4d::Random().cast<Number>());
     expect_decomposition<Number>(Number(0.3 + k % 5) * Matrix<Number>(q.normalized().toRotationMatrix()), tolerance);

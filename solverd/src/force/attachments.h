@@ -1,12 +1,12 @@
 // What holds the tissue: fixed faces, faces gripped by a retractor, faces tied to the bed, faces that rest on it.
 //
 // A held face holds its surface points, not whole cells. With W_s the trilinear weights of a point s of the face and
-// xbar the rigidly moved rest positions, W_s (x - xbar) = 0 for every s is the quadratic form (x - xbar)^T M (x - xbar) = 0,
-// M = sum of area W_s^T W_s per cell. Where a face lies on a lattice plane M only sees the four nodes of that plane: they are
-// prescribed exactly. Elsewhere the form is a penalty with multipliers (augmented Lagrangian); there only the demand counts,
-// so that a sliver of a face weighs as much as a whole face and its multiplier converges as fast. Bed faces are the same
-// form with the bed's stiffness and no multipliers. Undermined faces rest: they may lift off and slide, but where they sink
-// below the plane of their rest position the bed pushes back with its stiffness.
+// xbar the rigidly moved rest positions, W_s (x - xbar) = 0 for every s is the quadratic form (x - xbar)^T M (x - xbar)
+// = 0, M = sum of area W_s^T W_s per cell. Where a face lies on a lattice plane M only sees the four nodes of that
+// plane: they are prescribed exactly. Elsewhere the form is a penalty with multipliers (augmented Lagrangian); there
+// only the demand counts, so that a sliver of a face weighs as much as a whole face and its multiplier converges as
+// fast. Bed faces are the same form with the bed's stiffness and no multipliers. Undermined faces rest: they may lift
+// off and slide, but where they sink below the plane of their rest position the bed pushes back with its stiffness.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -44,8 +44,8 @@ struct Attachments {
   std::vector<RestingFace> resting;
 };
 
-// Per triangle: fixed, 0 or 1; bed, 0, kAttachedToBed or kRestsOnBed; grip, retractor index or -1. A face both fixed and
-// gripped is fixed.
+// Per triangle: fixed, 0 or 1; bed, 0, kAttachedToBed or kRestsOnBed; grip, retractor index or -1. A face both fixed
+// and gripped is fixed.
 Attachments attach(const Lattice& lattice, const Surface& surface, std::span<const std::uint8_t> fixed,
                    std::span<const std::uint8_t> bed, std::span<const std::int32_t> grip);
 

@@ -128,7 +128,8 @@ ElasticState Elastic<Real>::evaluate_cells(std::span<const Real> u) {
                              rotation_u[3 * i + 2] * p_hat[2] * rotation_v[3 * jj + 2]);
           for (int k = 0; k < 8; ++k) {
             const auto kk = static_cast<std::size_t>(k);
-            out[3 * k + i] += p[0] * point.gradient[kk] + p[1] * point.gradient[8 + kk] + p[2] * point.gradient[16 + kk];
+            out[3 * k + i] +=
+                p[0] * point.gradient[kk] + p[1] * point.gradient[8 + kk] + p[2] * point.gradient[16 + kk];
           }
         }
       }
@@ -211,7 +212,8 @@ void Elastic<Real>::multiply(std::span<const Real> x, std::span<Real> y) const {
     const auto& nodes = lattice_.cell_nodes[c];
     Real w[24];
     for (int k = 0; k < 8; ++k)
-      for (int i = 0; i < 3; ++i) w[8 * i + k] = x[3 * static_cast<std::size_t>(nodes[static_cast<std::size_t>(k)]) + i];
+      for (int i = 0; i < 3; ++i)
+        w[8 * i + k] = x[3 * static_cast<std::size_t>(nodes[static_cast<std::size_t>(k)]) + i];
     Real out[24] = {};  // component-major
     for (std::size_t q = 0; q < point_count; ++q) {
       const Real* g = &gradients_[24 * q];
@@ -237,7 +239,8 @@ void Elastic<Real>::multiply(std::span<const Real> x, std::span<Real> y) const {
       lappet::multiply(t.u, dp, rotated);
       multiply_transposed_right(rotated, t.v, dp);
       for (int i = 0; i < 3; ++i)
-        for (int k = 0; k < 8; ++k) out[8 * i + k] += dp[3 * i] * g[k] + dp[3 * i + 1] * g[8 + k] + dp[3 * i + 2] * g[16 + k];
+        for (int k = 0; k < 8; ++k)
+          out[8 * i + k] += dp[3 * i] * g[k] + dp[3 * i + 1] * g[8 + k] + dp[3 * i + 2] * g[16 + k];
     }
     if (stabilization != Real(0)) {
       const Real coefficient = stabilization * static_cast<Real>(lattice_.cell_fill[c]);
@@ -245,9 +248,11 @@ void Elastic<Real>::multiply(std::span<const Real> x, std::span<Real> y) const {
         const Real scaled = coefficient * static_cast<Real>(kHourglass[m]);
         for (int i = 0; i < 3; ++i) {
           Real amplitude = 0;
-          for (int k = 0; k < 8; ++k) amplitude += static_cast<Real>(kHourglassModes[m][static_cast<std::size_t>(k)]) * w[8 * i + k];
+          for (int k = 0; k < 8; ++k)
+            amplitude += static_cast<Real>(kHourglassModes[m][static_cast<std::size_t>(k)]) * w[8 * i + k];
           amplitude *= scaled;
-          for (int k = 0; k < 8; ++k) out[8 * i + k] += static_cast<Real>(kHourglassModes[m][static_cast<std::size_t>(k)]) * amplitude;
+          for (int k = 0; k < 8; ++k)
+            out[8 * i + k] += static_cast<Real>(kHourglassModes[m][static_cast<std::size_t>(k)]) * amplitude;
         }
       }
     }
@@ -283,8 +288,8 @@ void Elastic<Real>::set_cell_quadratics(std::vector<std::int32_t> of_cell, std::
 template <class Real>
 void Elastic<Real>::diagonal_blocks(std::span<double> blocks) const {
   const std::size_t point_count = quadrature_.size();
-  const double stabilization = laplacian_ * mu_ * lattice_.settings.spacing *
-                               (kHourglass[0] + kHourglass[1] + kHourglass[2] + kHourglass[3]);
+  const double stabilization =
+      laplacian_ * mu_ * lattice_.settings.spacing * (kHourglass[0] + kHourglass[1] + kHourglass[2] + kHourglass[3]);
   for_ranges(lattice_.node_rest.size(), [&](std::size_t n) {
     Eigen::Matrix3d block = Eigen::Matrix3d::Zero();
     for (auto k = incidence_start_[n]; k < incidence_start_[n + 1]; ++k) {
@@ -345,7 +350,8 @@ Matrix24 Elastic<Real>::cell_stiffness(std::int32_t cell) const {
     for (int k = 0; k < 8; ++k)
       for (int i = 0; i < 3; ++i)
         for (int j = 0; j < 3; ++j)
-          for (int component = 0; component < 3; ++component) b(3 * i + j, 3 * k + component) = u(component, i) * gh(j, k);
+          for (int component = 0; component < 3; ++component)
+            b(3 * i + j, 3 * k + component) = u(component, i) * gh(j, k);
     Eigen::Matrix<double, 9, 9> tangent = Eigen::Matrix<double, 9, 9>::Zero();
     int index = 0;
     for (int i = 0; i < 3; ++i)
@@ -359,7 +365,8 @@ Matrix24 Elastic<Real>::cell_stiffness(std::int32_t cell) const {
   }
   Eigen::Matrix<double, 8, 8> scalar = Eigen::Matrix<double, 8, 8>::Zero();
   if (laplacian_ != 0.0) {
-    const double coefficient = laplacian_ * mu_ * lattice_.settings.spacing * static_cast<double>(lattice_.cell_fill[c]);
+    const double coefficient =
+        laplacian_ * mu_ * lattice_.settings.spacing * static_cast<double>(lattice_.cell_fill[c]);
     for (std::size_t m = 0; m < 4; ++m)
       for (int a = 0; a < 8; ++a)
         for (int b = 0; b < 8; ++b)
@@ -369,7 +376,8 @@ Matrix24 Elastic<Real>::cell_stiffness(std::int32_t cell) const {
   if (!quadratic_of_cell_.empty() && quadratic_of_cell_[c] >= 0)
     for (int a = 0; a < 8; ++a)
       for (int b = 0; b < 8; ++b)
-        scalar(a, b) += double(quadratics_[64 * static_cast<std::size_t>(quadratic_of_cell_[c]) + static_cast<std::size_t>(8 * a + b)]);
+        scalar(a, b) += double(
+            quadratics_[64 * static_cast<std::size_t>(quadratic_of_cell_[c]) + static_cast<std::size_t>(8 * a + b)]);
   for (int a = 0; a < 8; ++a)
     for (int b = 0; b < 8; ++b)
       for (int i = 0; i < 3; ++i) result(3 * a + i, 3 * b + i) += scalar(a, b);
@@ -394,7 +402,8 @@ void Elastic<Real>::add_projected_stiffness(std::int32_t cell, const Eigen::Matr
         rotated.row(3 * a + j) = t.u[a] * df.row(j) + t.u[3 + a] * df.row(3 + j) + t.u[6 + a] * df.row(6 + j);
     for (int a = 0; a < 3; ++a)
       for (int b = 0; b < 3; ++b)
-        hat.row(3 * a + b) = t.v[b] * rotated.row(3 * a) + t.v[3 + b] * rotated.row(3 * a + 1) + t.v[6 + b] * rotated.row(3 * a + 2);
+        hat.row(3 * a + b) =
+            t.v[b] * rotated.row(3 * a) + t.v[3 + b] * rotated.row(3 * a + 1) + t.v[6 + b] * rotated.row(3 * a + 2);
     dp.row(0) = t.hessian[0] * hat.row(0) + t.hessian[1] * hat.row(4) + t.hessian[2] * hat.row(8);
     dp.row(4) = t.hessian[1] * hat.row(0) + t.hessian[3] * hat.row(4) + t.hessian[4] * hat.row(8);
     dp.row(8) = t.hessian[2] * hat.row(0) + t.hessian[4] * hat.row(4) + t.hessian[5] * hat.row(8);
@@ -407,7 +416,8 @@ void Elastic<Real>::add_projected_stiffness(std::int32_t cell, const Eigen::Matr
   }
   if (laplacian_ != 0.0) {
     Eigen::Matrix<Real, 12, 48, Eigen::RowMajor> amplitude = Eigen::Matrix<Real, 12, 48, Eigen::RowMajor>::Zero();
-    const double coefficient = laplacian_ * mu_ * lattice_.settings.spacing * static_cast<double>(lattice_.cell_fill[c]);
+    const double coefficient =
+        laplacian_ * mu_ * lattice_.settings.spacing * static_cast<double>(lattice_.cell_fill[c]);
     for (std::size_t m = 0; m < 4; ++m) {
       const auto root = static_cast<Real>(std::sqrt(coefficient * kHourglass[m]));
       for (int k = 0; k < 8; ++k)
@@ -421,7 +431,8 @@ void Elastic<Real>::add_projected_stiffness(std::int32_t cell, const Eigen::Matr
     const Real* matrix = &quadratics_[64 * static_cast<std::size_t>(quadratic_of_cell_[c])];
     Eigen::Matrix<Real, 24, 48> product = Eigen::Matrix<Real, 24, 48>::Zero();
     for (int a = 0; a < 8; ++a)
-      for (int b = 0; b < 8; ++b) product.template middleRows<3>(3 * a) += matrix[8 * a + b] * p.template middleRows<3>(3 * b);
+      for (int b = 0; b < 8; ++b)
+        product.template middleRows<3>(3 * a) += matrix[8 * a + b] * p.template middleRows<3>(3 * b);
     block.noalias() += p.transpose() * product;
   }
 }

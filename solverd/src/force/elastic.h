@@ -1,7 +1,7 @@
 // The elastic energy of a lattice, its gradient and its tangent (GRIDiron Algorithm 1), per cell of edge h:
 //   F = I + (sum_c u_c (x) grad N_c) / h,   P = U P_hat(sigma) V^T,   dP = U (T : U^T dF V) V^T.
-// Works on displacements u (3 per node, node-major), so that float keeps its digits far from the origin. Loops over cells
-// write per cell and are gathered per node in a fixed order: the result does not depend on the number of threads.
+// Works on displacements u (3 per node, node-major), so that float keeps its digits far from the origin. Loops over
+// cells write per cell and are gathered per node in a fixed order: the result does not depend on the number of threads.
 #pragma once
 #include <Eigen/Core>
 #include <cstdint>

@@ -1,13 +1,14 @@
-// Isotropic hyperelastic materials as functions of the singular values sigma of F (DESIGN §5, table).
+// Isotropic hyperelastic materials as functions of the singular values sigma of F.
 //
 // A model offers, on any Number:
 //   energy(sigma, mu, lambda)         Psi, kPa
 //   p_hat(sigma, mu, lambda, p)       the diagonal of the first Piola stress in the frame of the SVD
-//   dpdf_hat(sigma, mu, lambda, t)    its derivative, 12 numbers (Teran et al. 2005): the Hessian of Psi in sigma, then for
-//                                     each pair (01, 02, 12) the eigenvalues of the stretch mode, (p_i - p_j)/(s_i - s_j),
-//                                     and of the rotation mode, (p_i + p_j)/(s_i + s_j)
-//   kLaplacian                        Psi contains kLaplacian mu/2 |F|^2; the stabilization integrates that part exactly
-//   kInverts                          whether J < 0 is a state the model describes
+//   dpdf_hat(sigma, mu, lambda, t)    its derivative, 12 numbers (Teran et al. 2005): the Hessian of Psi in sigma, then
+//   for
+//                                     each pair (01, 02, 12) the eigenvalues of the stretch mode, (p_i - p_j)/(s_i -
+//                                     s_j), and of the rotation mode, (p_i + p_j)/(s_i + s_j)
+//   kLaplacian                        Psi contains kLaplacian mu/2 |F|^2; the stabilization integrates that part
+//   exactly kInverts                          whether J < 0 is a state the model describes
 #pragma once
 #include <cmath>
 #include <string>

@@ -1,8 +1,9 @@
-// Quadrature on the trilinear unit cell: one point with stabilization (McAdams et al. 2011), four points (Patterson et al.
-// 2012) or the eight Gauss points.
+// Quadrature on the trilinear unit cell: one point with stabilization (McAdams et al. 2011), four points (Patterson et
+// al. 2012) or the eight Gauss points.
 //
-// Corner c sits at (c>>2 & 1, c>>1 & 1, c & 1). With one point the Laplacian part of the energy is integrated exactly: what
-// the point misses is a sum over the four hourglass modes h_k, integral of |grad|^2 = sum_k kHourglass[k] (h_k . x)^2.
+// Corner c sits at (c>>2 & 1, c>>1 & 1, c & 1). With one point the Laplacian part of the energy is integrated exactly:
+// what the point misses is a sum over the four hourglass modes h_k, integral of |grad|^2 = sum_k kHourglass[k] (h_k .
+// x)^2.
 #pragma once
 #include <array>
 #include <cmath>

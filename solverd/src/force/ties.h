@@ -15,8 +15,8 @@ struct Tie {
   std::vector<std::int32_t> nodes;  // distinct
   std::vector<double> weights;
   Vec3 offset = Vec3::Zero();
-  double stiffness = 0.0;  // mN/mm
-  bool exact = false;      // a suture
+  double stiffness = 0.0;          // mN/mm
+  bool exact = false;              // a suture
   Vec3 multiplier = Vec3::Zero();  // mN
 
   template <class Real>
@@ -42,8 +42,9 @@ Vec3 position(const Lattice& lattice, const EmbeddedPoint& point, std::span<cons
   Vec3 sum = Vec3::Zero();
   for (std::size_t k = 0; k < 8; ++k) {
     const auto n = static_cast<std::size_t>(lattice.cell_nodes[static_cast<std::size_t>(point.cell)][k]);
-    sum += point.weights[k] * (lattice.node_rest[n] + Vec3(static_cast<double>(u[3 * n]), static_cast<double>(u[3 * n + 1]),
-                                                           static_cast<double>(u[3 * n + 2])));
+    sum += point.weights[k] *
+           (lattice.node_rest[n] +
+            Vec3(static_cast<double>(u[3 * n]), static_cast<double>(u[3 * n + 1]), static_cast<double>(u[3 * n + 2])));
   }
   return sum;
 }

@@ -42,7 +42,7 @@ struct Lattice {
   std::int64_t fine_voxels = 0;     // inside voxels
   std::int64_t dropped_voxels = 0;  // specks at sharp tips that the voxels do not hold together; the tissue around
                                     // carries their points
-  std::int32_t grid_cells = 0;  // cells all of whose nodes have no duplicate (paper 5.4)
+  std::int32_t grid_cells = 0;      // cells all of whose nodes have no duplicate (paper 5.4)
   std::int32_t mesh_cells = 0;
   std::int32_t fragments = 0;  // connected components of the whole tissue
 

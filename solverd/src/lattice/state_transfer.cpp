@@ -1,4 +1,4 @@
-// Carries nodal positions from one epoch's lattice to the next (DESIGN §3.3).
+// Carries nodal positions from one epoch's lattice to the next.
 //
 // Both lattices share origin, spacing and ratio, so voxels and cells coincide in space. A new cell inherits from the
 // old cell at the same place that holds most of its voxels; corner c of the one is corner c of the other, so a field

@@ -1,8 +1,8 @@
 // Singular value decomposition of 3x3 matrices, branch-free, by one-sided Jacobi rotations (Hestenes 1958).
 //
 //   F = U diag(sigma) V^T,  U and V rotations,  sigma[0] >= sigma[1] >= |sigma[2]|.
-// The reflection of an inverted F sits in the sign of sigma[2] (Irving et al. 2004). Matrices are row-major. Rotating the
-// columns of F, not F^T F, keeps small singular values accurate; repeated and zero ones need no special case.
+// The reflection of an inverted F sits in the sign of sigma[2] (Irving et al. 2004). Matrices are row-major. Rotating
+// the columns of F, not F^T F, keeps small singular values accurate; repeated and zero ones need no special case.
 #pragma once
 #include "math/number.h"
 

@@ -1,4 +1,5 @@
-// Eigenvalues of symmetric 3x3 matrices, branch-free, by two-sided Jacobi rotations, and the positive definite part of one.
+// Eigenvalues of symmetric 3x3 matrices, branch-free, by two-sided Jacobi rotations, and the positive definite part of
+// one.
 #pragma once
 #include "math/number.h"
 

@@ -35,7 +35,8 @@ void check_settings(const SessionSettings& s) {
   require(finite(s.origin), "the lattice origin is not finite; give three numbers");
   require(s.quadrature == 1 || s.quadrature == 4 || s.quadrature == 8, "the quadrature has {} points; give 1, 4 or 8",
           s.quadrature);
-  require(s.precision == "float" || s.precision == "double", "the precision is '{}'; give 'float' or 'double'", s.precision);
+  require(s.precision == "float" || s.precision == "double", "the precision is '{}'; give 'float' or 'double'",
+          s.precision);
   require(std::isfinite(s.tolerance) && s.tolerance > 0 && s.tolerance < 1, "the tolerance is {}; it must be in (0, 1)",
           s.tolerance);
   require(s.precision == "double" || s.tolerance >= 1e-5,
@@ -43,13 +44,15 @@ void check_settings(const SessionSettings& s) {
   require(std::isfinite(s.gap_tolerance) && s.gap_tolerance > 0, "the gap tolerance is {}; it must be positive",
           s.gap_tolerance);
   require(s.max_newton > 0, "at most {} Newton iterations are allowed; give at least 1", s.max_newton);
-  require(std::isfinite(s.bed_stiffness) && s.bed_stiffness >= 0, "the bed stiffness is {} kPa/mm; it must not be negative",
-          s.bed_stiffness);
+  require(std::isfinite(s.bed_stiffness) && s.bed_stiffness >= 0,
+          "the bed stiffness is {} kPa/mm; it must not be negative", s.bed_stiffness);
   require(finite(s.gravity), "gravity is not finite; give three numbers in m/s^2");
-  require(std::isfinite(s.time_budget) && s.time_budget >= 0, "the time budget is {} s; give 0 for none", s.time_budget);
+  require(std::isfinite(s.time_budget) && s.time_budget >= 0, "the time budget is {} s; give 0 for none",
+          s.time_budget);
   require(s.threads >= 0 && s.threads <= 1024, "{} threads are asked for; give 0 for all", s.threads);
   require(s.sutures >= 0 && s.sutures <= 1000000, "the procedure has {} sutures; give 0 to 1000000", s.sutures);
-  require(s.retractors >= 0 && s.retractors <= 100000, "the procedure has {} retractors; give 0 to 100000", s.retractors);
+  require(s.retractors >= 0 && s.retractors <= 100000, "the procedure has {} retractors; give 0 to 100000",
+          s.retractors);
   const auto& m = s.material;
   require(m.model == "corotated" || m.model == "neoHookean",
           "the material model '{}' is not one this daemon solves; use 'neoHookean' or 'corotated'", m.model);
@@ -68,22 +71,24 @@ void check_epoch(const EpochInput& epoch, const SessionSettings& settings) {
     require(finite(surface.points[i]), "point {} of the surface of epoch {} is not finite", i, epoch.index);
   for (std::size_t t = 0; t < surface.triangles.size(); ++t)
     for (const std::int32_t p : surface.triangles[t])
-      require(p >= 0 && static_cast<std::size_t>(p) < surface.points.size(), "triangle {} of epoch {} names point {} of {}", t,
-              epoch.index, p, surface.points.size());
+      require(p >= 0 && static_cast<std::size_t>(p) < surface.points.size(),
+              "triangle {} of epoch {} names point {} of {}", t, epoch.index, p, surface.points.size());
   const auto labels = [&](std::size_t size, const char* name) {
-    require(size == surface.triangles.size(), "epoch {} labels {} triangles as {}; its surface has {}", epoch.index, size, name,
-            surface.triangles.size());
+    require(size == surface.triangles.size(), "epoch {} labels {} triangles as {}; its surface has {}", epoch.index,
+            size, name, surface.triangles.size());
   };
   labels(epoch.fixed.size(), "fixed");
   labels(epoch.bed.size(), "bed");
   labels(epoch.grip.size(), "gripped");
   for (const std::uint8_t b : epoch.bed)
-    require(b <= kRestsOnBed, "a triangle of epoch {} has the bed label {}; give 0, 1 (attached) or 2 (resting)", epoch.index, b);
+    require(b <= kRestsOnBed, "a triangle of epoch {} has the bed label {}; give 0, 1 (attached) or 2 (resting)",
+            epoch.index, b);
   for (const std::int32_t g : epoch.grip)
-    require(g >= -1 && g < settings.retractors, "a triangle of epoch {} is gripped by retractor {} of {}", epoch.index, g,
-            settings.retractors);
-  require(epoch.landmarks.size() == epoch.landmark_triangles.size(), "epoch {} has {} landmarks but {} triangles for them",
-          epoch.index, epoch.landmarks.size(), epoch.landmark_triangles.size());
+    require(g >= -1 && g < settings.retractors, "a triangle of epoch {} is gripped by retractor {} of {}", epoch.index,
+            g, settings.retractors);
+  require(epoch.landmarks.size() == epoch.landmark_triangles.size(),
+          "epoch {} has {} landmarks but {} triangles for them", epoch.index, epoch.landmarks.size(),
+          epoch.landmark_triangles.size());
   for (std::size_t k = 0; k < epoch.landmarks.size(); ++k)
     check_anchor({epoch.landmarks[k], epoch.landmark_triangles[k]}, surface, "landmark");
 }
@@ -98,8 +103,8 @@ void check_frame(const FrameInput& frame, const SessionSettings& settings, const
   }
   std::vector<std::uint8_t> seen(static_cast<std::size_t>(settings.sutures), 0);
   for (const auto& suture : frame.sutures) {
-    require(suture.index >= 0 && suture.index < settings.sutures, "frame {:g} names suture {} of {}", frame.time, suture.index,
-            settings.sutures);
+    require(suture.index >= 0 && suture.index < settings.sutures, "frame {:g} names suture {} of {}", frame.time,
+            suture.index, settings.sutures);
     auto& before = seen[static_cast<std::size_t>(suture.index)];
     require(!before, "frame {:g} names suture {} twice", frame.time, suture.index);
     before = 1;
@@ -111,21 +116,22 @@ void check_frame(const FrameInput& frame, const SessionSettings& settings, const
             "the stiffness of suture {} is {} mN/mm; it must be positive", suture.index, suture.stiffness);
   }
   for (const auto& retractor : frame.retractors) {
-    require(retractor.index >= 0 && retractor.index < settings.retractors, "frame {:g} names retractor {} of {}", frame.time,
-            retractor.index, settings.retractors);
-    require(retractor.motion.allFinite(), "the motion of retractor {} at frame {:g} is not finite", retractor.index, frame.time);
+    require(retractor.index >= 0 && retractor.index < settings.retractors, "frame {:g} names retractor {} of {}",
+            frame.time, retractor.index, settings.retractors);
+    require(retractor.motion.allFinite(), "the motion of retractor {} at frame {:g} is not finite", retractor.index,
+            frame.time);
     const Eigen::Matrix3d rotation = retractor.motion.topLeftCorner<3, 3>();
     require((rotation.transpose() * rotation - Eigen::Matrix3d::Identity()).norm() < 1e-4 && rotation.determinant() > 0,
-            "the motion of retractor {} at frame {:g} is not rigid; give a rotation and a translation only", retractor.index,
-            frame.time);
+            "the motion of retractor {} at frame {:g} is not rigid; give a rotation and a translation only",
+            retractor.index, frame.time);
   }
 }
 
 void check_state(const SolverState& state, std::size_t node_values, std::size_t suture_values, bool is_double) {
-  require(state.is_double == is_double, "the state is in {} but the session solves in {}", state.is_double ? "double" : "float",
-          is_double ? "double" : "float");
-  require(state.nodes.size() == node_values, "the state has {} nodes but the epoch's lattice has {}", state.nodes.size() / 3,
-          node_values / 3);
+  require(state.is_double == is_double, "the state is in {} but the session solves in {}",
+          state.is_double ? "double" : "float", is_double ? "double" : "float");
+  require(state.nodes.size() == node_values, "the state has {} nodes but the epoch's lattice has {}",
+          state.nodes.size() / 3, node_values / 3);
   require(state.suture_gaps.size() == suture_values && state.suture_multipliers.size() == suture_values,
           "the state has {} sutures but the session has {}", state.suture_gaps.size() / 3, suture_values / 3);
   require(state.grip_multipliers.empty() || state.grip_multipliers.size() == node_values,

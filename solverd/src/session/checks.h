@@ -1,4 +1,5 @@
-// Refusals: what a session does not accept, each as a sentence that names the value and the mend. All throw RefusedError.
+// Refusals: what a session does not accept, each as a sentence that names the value and the mend. All throw
+// RefusedError.
 #pragma once
 #include "session/program.h"
 

@@ -17,17 +17,17 @@ namespace lappet {
 struct SessionSettings {
   double spacing = 1.0;  // mm
   int fine_ratio = 4;
-  Vec3 origin = Vec3::Zero();      // lattice origin, mm
-  int quadrature = 1;              // 1, 4 or 8 points per cell
+  Vec3 origin = Vec3::Zero();       // lattice origin, mm
+  int quadrature = 1;               // 1, 4 or 8 points per cell
   std::string precision = "float";  // or "double"
-  double tolerance = 1e-3;         // residual / force scale
-  double gap_tolerance = 1e-3;     // suture and grip gaps, fraction of spacing
-  int max_newton = 100;            // per frame
-  double bed_stiffness = 10.0;     // kPa/mm
-  Vec3 gravity = Vec3::Zero();     // m/s^2
-  double time_budget = 0.0;        // seconds per frame, 0: none
+  double tolerance = 1e-3;          // residual / force scale
+  double gap_tolerance = 1e-3;      // suture and grip gaps, fraction of spacing
+  int max_newton = 100;             // per frame
+  double bed_stiffness = 10.0;      // kPa/mm
+  Vec3 gravity = Vec3::Zero();      // m/s^2
+  double time_budget = 0.0;         // seconds per frame, 0: none
   std::size_t memory_budget = std::size_t{8} << 30;
-  int threads = 0;  // 0: all
+  int threads = 0;              // 0: all
   std::int32_t sutures = 0;     // number of sutures in the whole procedure; frames refer to them by index
   std::int32_t retractors = 0;  // likewise
   MaterialParameters material;
@@ -84,10 +84,10 @@ struct FrameInput {
 // Everything a later frame depends on: give it back with set_state and the solve goes on bit for bit.
 struct SolverState {
   bool is_double = false;
-  std::vector<double> nodes;                // 3 per node (float values when !is_double)
-  std::vector<double> suture_gaps;          // 3 per suture: separation when placed, NaN before
-  std::vector<double> suture_multipliers;   // 3 per suture, mN
-  std::vector<double> grip_multipliers;     // opaque
+  std::vector<double> nodes;               // 3 per node (float values when !is_double)
+  std::vector<double> suture_gaps;         // 3 per suture: separation when placed, NaN before
+  std::vector<double> suture_multipliers;  // 3 per suture, mN
+  std::vector<double> grip_multipliers;    // opaque
 };
 
 struct FrameOutput {
@@ -95,24 +95,24 @@ struct FrameOutput {
   bool converged = false;
   std::string reason;  // empty when converged: otherwise one sentence
   int newton_iterations = 0, pcg_iterations = 0, load_steps = 0;
-  double residual = 0.0;    // relative to the force scale
-  double force_scale = 0.0; // mN
-  double largest_gap = 0.0; // mm, over sutures and grips
+  double residual = 0.0;     // relative to the force scale
+  double force_scale = 0.0;  // mN
+  double largest_gap = 0.0;  // mm, over sutures and grips
   double minimum_j = 0.0;
   std::int32_t inverted_cells = 0;
   double energy = 0.0;  // mN mm
   double seconds_update = 0.0, seconds_linear = 0.0, seconds_setup = 0.0, seconds_total = 0.0;
-  double peak_bytes = 0.0;               // of the process
-  std::vector<float> points;             // 3 per surface vertex, mm
-  std::vector<float> strain;             // largest principal stretch - 1, per surface vertex
-  std::vector<float> stress;             // von Mises Cauchy, kPa
-  std::vector<float> tension;            // largest principal Cauchy stress, kPa
-  std::vector<double> landmarks;         // 3 per landmark, mm
-  std::vector<double> suture_gaps;       // per active suture: distance from its demanded separation, mm
-  std::vector<double> suture_forces;     // per active suture, mN
-  std::vector<double> hook_forces;       // 3 per hook, mN, on the tissue
-  std::vector<double> hook_points;       // 3 per hook: where the anchor is now, mm
-  std::vector<double> suture_points;     // 6 per active suture: both ends, mm
+  double peak_bytes = 0.0;            // of the process
+  std::vector<float> points;          // 3 per surface vertex, mm
+  std::vector<float> strain;          // largest principal stretch - 1, per surface vertex
+  std::vector<float> stress;          // von Mises Cauchy, kPa
+  std::vector<float> tension;         // largest principal Cauchy stress, kPa
+  std::vector<double> landmarks;      // 3 per landmark, mm
+  std::vector<double> suture_gaps;    // per active suture: distance from its demanded separation, mm
+  std::vector<double> suture_forces;  // per active suture, mN
+  std::vector<double> hook_forces;    // 3 per hook, mN, on the tissue
+  std::vector<double> hook_points;    // 3 per hook: where the anchor is now, mm
+  std::vector<double> suture_points;  // 6 per active suture: both ends, mm
   SolverState state;
 };
 

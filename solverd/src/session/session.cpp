@@ -34,7 +34,8 @@ constexpr int kChebyshevDegree = 4;
 constexpr double kLeastSuturePenalty = 50.0, kMostSuturePenalty = 500.0;
 // A frame that fails is tried again in this many load steps at most.
 constexpr int kMostLoadSteps = 16;
-// All load steps of a frame together may take this many times max_newton iterations: a frame without an equilibrium ends.
+// All load steps of a frame together may take this many times max_newton iterations: a frame without an equilibrium
+// ends.
 constexpr int kNewtonBudget = 4;
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
@@ -125,7 +126,8 @@ class TypedSession : public Session::Implementation {
       if (!held_multipliers_.empty()) {
         for (std::size_t n = 0; n < positions.size(); ++n)
           positions[n] = {held_multipliers_[3 * n], held_multipliers_[3 * n + 1], held_multipliers_[3 * n + 2]};
-        for (const Vec3& y : transfer_positions(*lattice_, positions, *lattice)) held.insert(held.end(), {y[0], y[1], y[2]});
+        for (const Vec3& y : transfer_positions(*lattice_, positions, *lattice))
+          held.insert(held.end(), {y[0], y[1], y[2]});
       }
     }
     Attachments attachments = attach(*lattice, epoch.surface, epoch.fixed, epoch.bed, epoch.grip);
@@ -135,14 +137,16 @@ class TypedSession : public Session::Implementation {
     preconditioner_.reset();
     lattice_ = std::move(lattice);
     epoch_ = epoch;
-    system_ = std::make_unique<System<Real>>(*lattice_, settings_.material, settings_.quadrature, std::move(attachments),
-                                             settings_.retractors, settings_.bed_stiffness, settings_.gravity);
+    system_ =
+        std::make_unique<System<Real>>(*lattice_, settings_.material, settings_.quadrature, std::move(attachments),
+                                       settings_.retractors, settings_.bed_stiffness, settings_.gravity);
     preconditioner_ = std::make_unique<TwoLevel<Real>>(*system_, kChebyshevDegree);
     u_ = std::move(u);
     held_multipliers_ = std::move(held);
     landmarks_.clear();
     for (std::size_t k = 0; k < epoch.landmarks.size(); ++k)
-      landmarks_.push_back(embed_on_triangle(*lattice_, epoch_->surface, epoch.landmarks[k], epoch.landmark_triangles[k]));
+      landmarks_.push_back(
+          embed_on_triangle(*lattice_, epoch_->surface, epoch.landmarks[k], epoch.landmark_triangles[k]));
 
     report.fine_voxels = lattice_->fine_voxels;
     report.cells = static_cast<std::int32_t>(lattice_->cell_nodes.size());
@@ -197,7 +201,8 @@ class TypedSession : public Session::Implementation {
         std::fill(held.begin(), held.end(), 0.0);
     }
     std::vector<Tie> ties;
-    for (const auto& hook : frame.hooks) ties.push_back(make_hook(*lattice_, embed(hook.anchor), hook.target, hook.stiffness));
+    for (const auto& hook : frame.hooks)
+      ties.push_back(make_hook(*lattice_, embed(hook.anchor), hook.target, hook.stiffness));
     const double unit = settings_.material.youngs_modulus * settings_.spacing;
     for (const auto& suture : frame.sutures) {
       const auto a = embed(suture.a), b = embed(suture.b);
@@ -262,15 +267,17 @@ class TypedSession : public Session::Implementation {
         keep_multipliers(part);
       }
       output.load_steps = steps;
-      if (outcome.converged || watcher.stop() || output.newton_iterations >= kNewtonBudget * settings_.max_newton) break;
+      if (outcome.converged || watcher.stop() || output.newton_iterations >= kNewtonBudget * settings_.max_newton)
+        break;
     }
     if (!outcome.converged && watcher.stop()) {
       restore(before);
       if (cancel.load()) throw RefusedError(ErrorCode::kCancelled, fmt::format("frame {:g} was cancelled", frame.time));
-      throw RefusedError(ErrorCode::kTimeBudget,
-                         fmt::format("frame {:g} ran out of its time budget of {:g} s at relative residual {:.2e}; raise the "
-                                     "budget or the spacing",
-                                     frame.time, settings_.time_budget, outcome.residual));
+      throw RefusedError(
+          ErrorCode::kTimeBudget,
+          fmt::format("frame {:g} ran out of its time budget of {:g} s at relative residual {:.2e}; raise the "
+                      "budget or the spacing",
+                      frame.time, settings_.time_budget, outcome.residual));
     }
     output.converged = outcome.converged;
     output.reason = outcome.reason;
@@ -294,7 +301,8 @@ class TypedSession : public Session::Implementation {
 
   void write_fields(const FrameInput& frame, FrameOutput& output) const {
     const auto push = [](auto& array, const Vec3& v) {
-      for (int i = 0; i < 3; ++i) array.push_back(static_cast<typename std::decay_t<decltype(array)>::value_type>(v[i]));
+      for (int i = 0; i < 3; ++i)
+        array.push_back(static_cast<typename std::decay_t<decltype(array)>::value_type>(v[i]));
     };
     for (const auto& point : lattice_->surface_points) push(output.points, position<Real>(*lattice_, point, u_));
     for (const auto& point : landmarks_) push(output.landmarks, position<Real>(*lattice_, point, u_));

@@ -1,5 +1,5 @@
-// A session: one procedure being solved. Takes epochs and frames in order and finds each frame's equilibrium from the one
-// before. Not thread-safe: one worker owns it; `cancel` may be set from any thread.
+// A session: one procedure being solved. Takes epochs and frames in order and finds each frame's equilibrium from the
+// one before. Not thread-safe: one worker owns it; `cancel` may be set from any thread.
 #pragma once
 #include <atomic>
 #include <memory>

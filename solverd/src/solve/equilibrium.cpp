@@ -17,8 +17,9 @@ constexpr double kLeastStep = 1e-5;
 constexpr double kStepCap = 8.0;  // spacings a node may move in one iteration
 constexpr int kMostLinearIterations = 400;
 constexpr int kMostMultiplierUpdates = 60;
-// While gaps are open the residual need not be below the tolerance before the multipliers move on: this many tolerances at
-// most, in proportion to the gap. Where a gap does not shrink by kGapProgress the residual hides it: solve more exactly.
+// While gaps are open the residual need not be below the tolerance before the multipliers move on: this many tolerances
+// at most, in proportion to the gap. Where a gap does not shrink by kGapProgress the residual hides it: solve more
+// exactly.
 constexpr double kLooseTolerance = 10.0, kGapProgress = 0.7, kStricter = 0.3, kStrictest = 0.02, kStall = 0.5;
 // Where the exact tangent is indefinite eigenvalues are clamped while predicted and actual decrease agree to this, and
 // replaced by their magnitudes where they do not.
@@ -103,16 +104,18 @@ EquilibriumOutcome find_equilibrium(System<Real>& system, TwoLevel<Real>& precon
         }
         if (!open) {
           if (!options.inverts && now.inverted > 0)
-            return fail(fmt::format("{} cells are inverted at rest (smallest J {:.3g}); make smaller steps between frames "
-                                    "or a smaller spacing",
-                                    now.inverted, now.minimum_j));
+            return fail(
+                fmt::format("{} cells are inverted at rest (smallest J {:.3g}); make smaller steps between frames "
+                            "or a smaller spacing",
+                            now.inverted, now.minimum_j));
           outcome.converged = true;
           return outcome;
         }
         if (++multiplier_updates > kMostMultiplierUpdates)
-          return fail(fmt::format("a suture or a held face keeps a gap of {:.3g} mm (tolerance {:.3g} mm); its demands "
-                                  "contradict others or need more force than the tissue bears",
-                                  outcome.gap, options.gap_tolerance));
+          return fail(
+              fmt::format("a suture or a held face keeps a gap of {:.3g} mm (tolerance {:.3g} mm); its demands "
+                          "contradict others or need more force than the tissue bears",
+                          outcome.gap, options.gap_tolerance));
         if (outcome.gap > kGapProgress * previous_gap) strictness = std::max(kStricter * strictness, kStrictest);
         previous_gap = outcome.gap;
         previous_residual = std::numeric_limits<double>::infinity();
@@ -122,16 +125,16 @@ EquilibriumOutcome find_equilibrium(System<Real>& system, TwoLevel<Real>& precon
       }
     }
     if (outcome.newton_iterations >= options.max_newton)
-      return fail(fmt::format("no equilibrium after {} Newton iterations: relative residual {:.2e} (tolerance {:.1e}), gap "
-                              "{:.3g} mm",
-                              outcome.newton_iterations, outcome.residual, options.tolerance, outcome.gap));
+      return fail(
+          fmt::format("no equilibrium after {} Newton iterations: relative residual {:.2e} (tolerance {:.1e}), gap "
+                      "{:.3g} mm",
+                      outcome.newton_iterations, outcome.residual, options.tolerance, outcome.gap));
     if (watcher.stop()) return fail("stopped");
 
     outcome.seconds_update += watch.lap();
     const auto gradient = system.gradient();
     const double target =
-        moves ? 1e-3
-              : std::clamp(0.3 * strictness * options.tolerance / std::max(outcome.residual, 1e-300), 1e-2, 0.1);
+        moves ? 1e-3 : std::clamp(0.3 * strictness * options.tolerance / std::max(outcome.residual, 1e-300), 1e-2, 0.1);
     // The exact tangent converges quadratically also beyond a buckling load; a definite one is the way out where it has
     // directions of negative curvature.
     Definiteness definiteness = exact_pause == 0 ? Definiteness::kExact : fallback;
@@ -145,7 +148,8 @@ EquilibriumOutcome find_equilibrium(System<Real>& system, TwoLevel<Real>& precon
       else
         std::fill(rhs.begin(), rhs.end(), Real(0));
       for (std::size_t i = 0; i < size; ++i) rhs[i] = static_cast<Real>(-gradient[i]) - rhs[i];
-      linear = conjugate_gradients<Real>(system, preconditioner, rhs, step, target, kMostLinearIterations, watcher.stop);
+      linear =
+          conjugate_gradients<Real>(system, preconditioner, rhs, step, target, kMostLinearIterations, watcher.stop);
       outcome.pcg_iterations += linear.iterations;
       outcome.seconds_linear += watch.lap();
       if (!linear.indefinite || definiteness != Definiteness::kExact) break;
@@ -186,8 +190,8 @@ EquilibriumOutcome find_equilibrium(System<Real>& system, TwoLevel<Real>& precon
       now = system.evaluate(trial);
       const bool inverts_more = !options.inverts && now.inverted > before.inverted;
       const double slack = 1e-12 * std::abs(before.energy);
-      const bool descends = moves ? std::isfinite(now.energy)
-                                  : now.energy <= before.energy + kArmijo * alpha * slope + slack;
+      const bool descends =
+          moves ? std::isfinite(now.energy) : now.energy <= before.energy + kArmijo * alpha * slope + slack;
       if (descends && (!inverts_more || alpha < 1e-3)) break;
       if (alpha < kLeastStep) {
         now = system.evaluate(u);
@@ -215,9 +219,11 @@ EquilibriumOutcome find_equilibrium(System<Real>& system, TwoLevel<Real>& precon
           fallback = std::abs(ratio - 1.0) > kModelAgreement ? Definiteness::kAbsolute : Definiteness::kClamp;
         if (alpha == 1.0 && ratio > kSoftening) now = go_further(now, alpha);
       }
-      spdlog::debug("newton {}: residual {:.2e} gap {:.2e} J {:.2f} | pcg {} to {:.1e} {} | alpha {:.3g} largest {:.2e} ratio {:.3g}",
-                    outcome.newton_iterations, outcome.residual, outcome.gap, before.minimum_j, linear.iterations,
-                    linear.reduction, definiteness == Definiteness::kExact ? "exact" : "definite", alpha, largest, ratio);
+      spdlog::debug(
+          "newton {}: residual {:.2e} gap {:.2e} J {:.2f} | pcg {} to {:.1e} {} | alpha {:.3g} largest {:.2e} ratio "
+          "{:.3g}",
+          outcome.newton_iterations, outcome.residual, outcome.gap, before.minimum_j, linear.iterations,
+          linear.reduction, definiteness == Definiteness::kExact ? "exact" : "definite", alpha, largest, ratio);
     }
   }
 }

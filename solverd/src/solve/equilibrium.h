@@ -1,8 +1,8 @@
-// The equilibrium of a frame: Newton-Raphson with a line search on the energy inside an augmented Lagrangian iteration for
-// what must hold exactly.
+// The equilibrium of a frame: Newton-Raphson with a line search on the energy inside an augmented Lagrangian iteration
+// for what must hold exactly.
 //
-// Converged means: |residual| <= tolerance * force scale (elastic forces only), every gap <= gap tolerance, prescribed nodes
-// where they belong, and J > 0 where the material does not invert. Anything else is reported as not converged.
+// Converged means: |residual| <= tolerance * force scale (elastic forces only), every gap <= gap tolerance, prescribed
+// nodes where they belong, and J > 0 where the material does not invert. Anything else is reported as not converged.
 #pragma once
 #include <functional>
 #include <span>

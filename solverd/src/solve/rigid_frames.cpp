@@ -15,8 +15,8 @@ namespace lappet {
 namespace {
 
 constexpr int kCoarsening = 4;
-// Relative shift of the coarse diagonal. At rest turning all frames alike moves nothing, sum_k w_k (x - x_k) = 0, and frames
-// that no free node feels are empty: the shift must be above the rounding of the blocks.
+// Relative shift of the coarse diagonal. At rest turning all frames alike moves nothing, sum_k w_k (x - x_k) = 0, and
+// frames that no free node feels are empty: the shift must be above the rounding of the blocks.
 template <class Real>
 constexpr double kShift = 30.0 * std::numeric_limits<Real>::epsilon();
 
@@ -25,7 +25,8 @@ class DisjointSets {
   explicit DisjointSets(std::size_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), 0); }
   std::int32_t find(std::int32_t a) {
     while (parent_[static_cast<std::size_t>(a)] != a)
-      a = parent_[static_cast<std::size_t>(a)] = parent_[static_cast<std::size_t>(parent_[static_cast<std::size_t>(a)])];
+      a = parent_[static_cast<std::size_t>(a)] =
+          parent_[static_cast<std::size_t>(parent_[static_cast<std::size_t>(a)])];
     return a;
   }
   void unite(std::int32_t a, std::int32_t b) {
@@ -79,7 +80,8 @@ void RigidFrames<Real>::build_topology(const Lattice& lattice) {
   const std::size_t cells = lattice.cell_nodes.size(), nodes = lattice.node_rest.size();
   const auto box = [&](std::int32_t cell) {
     const auto& p = lattice.cell_position[static_cast<std::size_t>(cell)];
-    return std::array<std::int32_t, 3>{floor_div(p[0], kCoarsening), floor_div(p[1], kCoarsening), floor_div(p[2], kCoarsening)};
+    return std::array<std::int32_t, 3>{floor_div(p[0], kCoarsening), floor_div(p[1], kCoarsening),
+                                       floor_div(p[2], kCoarsening)};
   };
   DisjointSets components(cells);
   for_each_face_pair(lattice, [&](std::int32_t a, std::int32_t b, int) {
@@ -97,7 +99,8 @@ void RigidFrames<Real>::build_topology(const Lattice& lattice) {
   const std::size_t coarse_cells = coarse_cell_position_.size();
   DisjointSets corners(8 * coarse_cells);
   for_each_face_pair(lattice, [&](std::int32_t a, std::int32_t b, int axis) {
-    const std::int32_t ca = coarse_of_cell_[static_cast<std::size_t>(a)], cb = coarse_of_cell_[static_cast<std::size_t>(b)];
+    const std::int32_t ca = coarse_of_cell_[static_cast<std::size_t>(a)],
+                       cb = coarse_of_cell_[static_cast<std::size_t>(b)];
     if (ca == cb) return;
     const int bit = 4 >> axis;
     for (int c = 0; c < 8; ++c)
@@ -118,7 +121,8 @@ void RigidFrames<Real>::build_topology(const Lattice& lattice) {
   cells_.resize(cells);
   std::vector<std::int32_t> next(cell_start_.begin(), cell_start_.end() - 1);
   for (std::size_t c = 0; c < cells; ++c)
-    cells_[static_cast<std::size_t>(next[static_cast<std::size_t>(coarse_of_cell_[c])]++)] = static_cast<std::int32_t>(c);
+    cells_[static_cast<std::size_t>(next[static_cast<std::size_t>(coarse_of_cell_[c])]++)] =
+        static_cast<std::int32_t>(c);
 
   shares_.resize(8 * nodes);
   std::vector<std::uint8_t> placed(nodes, 0);
@@ -132,10 +136,12 @@ void RigidFrames<Real>::build_topology(const Lattice& lattice) {
         double weight = 1.0;
         for (int axis = 0; axis < 3; ++axis) {
           const int grid = lattice.cell_position[c][static_cast<std::size_t>(axis)] + (corner >> (2 - axis) & 1);
-          const double local = static_cast<double>(grid) / kCoarsening - coarse_cell_position_[coarse][static_cast<std::size_t>(axis)];
+          const double local =
+              static_cast<double>(grid) / kCoarsening - coarse_cell_position_[coarse][static_cast<std::size_t>(axis)];
           weight *= (k >> (2 - axis) & 1) ? local : 1.0 - local;
         }
-        shares_[8 * n + static_cast<std::size_t>(k)] = {coarse_cell_nodes_[coarse][static_cast<std::size_t>(k)], static_cast<Real>(weight), {}};
+        shares_[8 * n + static_cast<std::size_t>(k)] = {
+            coarse_cell_nodes_[coarse][static_cast<std::size_t>(k)], static_cast<Real>(weight), {}};
       }
     }
   share_start_.assign(coarse_nodes_ + 1, 0);
@@ -146,7 +152,8 @@ void RigidFrames<Real>::build_topology(const Lattice& lattice) {
   next.assign(share_start_.begin(), share_start_.end() - 1);
   for (std::size_t s = 0; s < shares_.size(); ++s)
     if (shares_[s].weight != Real(0))
-      share_of_[static_cast<std::size_t>(next[static_cast<std::size_t>(shares_[s].coarse)]++)] = static_cast<std::int32_t>(s);
+      share_of_[static_cast<std::size_t>(next[static_cast<std::size_t>(shares_[s].coarse)]++)] =
+          static_cast<std::int32_t>(s);
 }
 
 template <class Real>
@@ -172,7 +179,8 @@ void RigidFrames<Real>::place_frames(const System<Real>& system, std::span<const
     const Vec3 x = now(n);
     for (std::size_t k = 0; k < 8; ++k) {
       auto& share = shares_[8 * n + k];
-      const Vec3 arm = system.is_free(n) ? Vec3(inverse * (x - place_[static_cast<std::size_t>(share.coarse)])) : Vec3::Zero();
+      const Vec3 arm =
+          system.is_free(n) ? Vec3(inverse * (x - place_[static_cast<std::size_t>(share.coarse)])) : Vec3::Zero();
       for (int i = 0; i < 3; ++i) share.arm[i] = static_cast<Real>(arm[i]);
     }
   });
@@ -199,11 +207,13 @@ void RigidFrames<Real>::assemble(const System<Real>& system, std::span<const Rea
           double weight = 1.0;
           for (int axis = 0; axis < 3; ++axis) {
             const int grid = lattice_.cell_position[c][static_cast<std::size_t>(axis)] + (corner >> (2 - axis) & 1);
-            const double local = static_cast<double>(grid) / kCoarsening - coarse_cell_position_[coarse][static_cast<std::size_t>(axis)];
+            const double local =
+                static_cast<double>(grid) / kCoarsening - coarse_cell_position_[coarse][static_cast<std::size_t>(axis)];
             weight *= (k >> (2 - axis) & 1) ? local : 1.0 - local;
           }
           if (weight == 0.0) continue;
-          const Vec3 arm = inverse * (x - place_[static_cast<std::size_t>(coarse_cell_nodes_[coarse][static_cast<std::size_t>(k)])]);
+          const Vec3 arm =
+              inverse * (x - place_[static_cast<std::size_t>(coarse_cell_nodes_[coarse][static_cast<std::size_t>(k)])]);
           const auto w = static_cast<Real>(weight);
           const auto ax = static_cast<Real>(weight * arm[0]), ay = static_cast<Real>(weight * arm[1]),
                      az = static_cast<Real>(weight * arm[2]);
@@ -256,13 +266,15 @@ void RigidFrames<Real>::assemble(const System<Real>& system, std::span<const Rea
   };
   for (const auto& tie : system.ties()) {
     Rows rows;
-    for (std::size_t i = 0; i < tie.nodes.size(); ++i) add_to(rows, static_cast<std::size_t>(tie.nodes[i]), tie.weights[i]);
+    for (std::size_t i = 0; i < tie.nodes.size(); ++i)
+      add_to(rows, static_cast<std::size_t>(tie.nodes[i]), tie.weights[i]);
     emplace_rows(rows, tie.stiffness * Eigen::Matrix3d::Identity());
   }
   system.for_each_pushed_face([&](const RestingFace& face, double stiffness) {
     Rows rows;
     for (std::size_t k = 0; k < 8; ++k)
-      add_to(rows, static_cast<std::size_t>(lattice_.cell_nodes[static_cast<std::size_t>(face.cell)][k]), face.weights[k]);
+      add_to(rows, static_cast<std::size_t>(lattice_.cell_nodes[static_cast<std::size_t>(face.cell)][k]),
+             face.weights[k]);
     emplace_rows(rows, stiffness * face.inward * face.inward.transpose());
   });
   const auto size = static_cast<Eigen::Index>(unknowns());
@@ -310,7 +322,8 @@ void RigidFrames<Real>::correct(std::span<const Real> r, std::span<Real> x) cons
       const auto& share = shares_[8 * n + k];
       if (share.weight == Real(0)) continue;
       const double* q = &solved_[6 * share.coarse];
-      const double w = double(share.weight), ax = double(share.arm[0]), ay = double(share.arm[1]), az = double(share.arm[2]);
+      const double w = double(share.weight), ax = double(share.arm[0]), ay = double(share.arm[1]),
+                   az = double(share.arm[2]);
       sum[0] += w * (q[0] + q[4] * az - q[5] * ay);
       sum[1] += w * (q[1] + q[5] * ax - q[3] * az);
       sum[2] += w * (q[2] + q[3] * ay - q[4] * ax);

@@ -1,8 +1,9 @@
 // The coarse space of the preconditioner: a rigid frame (three translations, three rotations) at every node of the
-// non-manifold lattice coarsened by four, blended with its trilinear weights; Galerkin operator; sparse Cholesky (CHOLMOD).
+// non-manifold lattice coarsened by four, blended with its trilinear weights; Galerkin operator; sparse Cholesky
+// (CHOLMOD).
 //
-// A coarse cell is a connected component of the fine cells in a 4x4x4 box, so a cut stays a cut. Rotations turn about the
-// coarse node's place in the state of assembly: delta u_n = sum_k w_nk (t_k + omega_k x (x_n - x_k)).
+// A coarse cell is a connected component of the fine cells in a 4x4x4 box, so a cut stays a cut. Rotations turn about
+// the coarse node's place in the state of assembly: delta u_n = sum_k w_nk (t_k + omega_k x (x_n - x_k)).
 #pragma once
 #include <Eigen/CholmodSupport>
 #include <array>
@@ -41,11 +42,11 @@ class RigidFrames {
   std::vector<std::int32_t> coarse_of_cell_;
   std::vector<std::array<std::int32_t, 8>> coarse_cell_nodes_;
   std::vector<std::array<std::int32_t, 3>> coarse_cell_position_;
-  std::vector<std::int32_t> cell_start_, cells_;          // coarse cell -> its fine cells
-  std::vector<Share> shares_;                             // 8 per fine node, weight 0 where prescribed
-  std::vector<std::int32_t> share_start_, share_of_;      // coarse node -> 8 * fine node + k
-  std::vector<Vec3> place_;                               // of coarse nodes
-  std::vector<std::uint8_t> free_;                        // per fine node, as of the last assembly
+  std::vector<std::int32_t> cell_start_, cells_;      // coarse cell -> its fine cells
+  std::vector<Share> shares_;                         // 8 per fine node, weight 0 where prescribed
+  std::vector<std::int32_t> share_start_, share_of_;  // coarse node -> 8 * fine node + k
+  std::vector<Vec3> place_;                           // of coarse nodes
+  std::vector<std::uint8_t> free_;                    // per fine node, as of the last assembly
   mutable Eigen::CholmodSupernodalLLT<Eigen::SparseMatrix<double>> factor_;
   mutable Eigen::VectorXd restricted_, solved_;
 };

@@ -40,7 +40,8 @@ void Smoother<Real>::update() {
     if (tied[i]) tied_nodes_.push_back(static_cast<std::int32_t>(i));
     if (!system_.is_free(i) || tied[i]) continue;
     const Eigen::Matrix3d inverse = Eigen::Map<const Eigen::Matrix3d>(&blocks[9 * i]).inverse();
-    for (int k = 0; k < 9; ++k) inverse_blocks_[9 * i + static_cast<std::size_t>(k)] = static_cast<Real>(inverse.data()[k]);
+    for (int k = 0; k < 9; ++k)
+      inverse_blocks_[9 * i + static_cast<std::size_t>(k)] = static_cast<Real>(inverse.data()[k]);
   }
   for (auto* v : {&residual_, &direction_, &divided_, &product_}) v->resize(3 * n);
   factor_tied_nodes();
@@ -99,11 +100,13 @@ void Smoother<Real>::divide(std::span<const Real> r, std::span<Real> z) const {
   Eigen::VectorXd local(static_cast<Eigen::Index>(3 * tied_nodes_.size()));
   for (std::size_t i = 0; i < tied_nodes_.size(); ++i)
     for (std::size_t k = 0; k < 3; ++k)
-      local[static_cast<Eigen::Index>(3 * i + k)] = static_cast<double>(r[3 * static_cast<std::size_t>(tied_nodes_[i]) + k]);
+      local[static_cast<Eigen::Index>(3 * i + k)] =
+          static_cast<double>(r[3 * static_cast<std::size_t>(tied_nodes_[i]) + k]);
   local = tied_.solve(local);
   for (std::size_t i = 0; i < tied_nodes_.size(); ++i)
     for (std::size_t k = 0; k < 3; ++k)
-      z[3 * static_cast<std::size_t>(tied_nodes_[i]) + k] = static_cast<Real>(local[static_cast<Eigen::Index>(3 * i + k)]);
+      z[3 * static_cast<std::size_t>(tied_nodes_[i]) + k] =
+          static_cast<Real>(local[static_cast<Eigen::Index>(3 * i + k)]);
 }
 
 template <class Real>
@@ -130,7 +133,8 @@ void Smoother<Real>::estimate_largest_eigenvalue() {
     divide(product_, eigenvector_);
     largest = std::sqrt(dot<Real>(eigenvector_, eigenvector_));
   }
-  // K is a sum of positive semidefinite cells of eight nodes: the eigenvalues of D^-1 K cannot exceed eight (ties: nine).
+  // K is a sum of positive semidefinite cells of eight nodes: the eigenvalues of D^-1 K cannot exceed eight (ties:
+  // nine).
   largest_ = std::min(kMargin * largest, 9.0);
 }
 

@@ -1,5 +1,5 @@
-// Chebyshev iteration on a block-Jacobi splitting D of the tangent: 3x3 blocks per node; the nodes that ties couple form one
-// sparse block that is solved exactly, so that stiff sutures cost no iterations.
+// Chebyshev iteration on a block-Jacobi splitting D of the tangent: 3x3 blocks per node; the nodes that ties couple
+// form one sparse block that is solved exactly, so that stiff sutures cost no iterations.
 #pragma once
 #include <Eigen/SparseCholesky>
 #include <memory>

@@ -24,8 +24,8 @@ Vec3 at(std::span<const Real> u, std::size_t node) {
 }  // namespace
 
 template <class Real>
-System<Real>::System(const Lattice& lattice, const MaterialParameters& material, int quadrature, Attachments attachments,
-                     std::int32_t retractors, double bed_stiffness, const Vec3& gravity)
+System<Real>::System(const Lattice& lattice, const MaterialParameters& material, int quadrature,
+                     Attachments attachments, std::int32_t retractors, double bed_stiffness, const Vec3& gravity)
     : elastic_(lattice, material, quadrature),
       attachments_(std::move(attachments)),
       bed_stiffness_(bed_stiffness),
@@ -44,7 +44,8 @@ System<Real>::System(const Lattice& lattice, const MaterialParameters& material,
       const Vec3 share =
           gravity * (material.density * 1e-6 * h * h * h * static_cast<double>(lattice.cell_fill[c]) / 8.0);
       for (const std::int32_t n : lattice.cell_nodes[c])
-        for (int i = 0; i < 3; ++i) gravity_force_[3 * static_cast<std::size_t>(n) + static_cast<std::size_t>(i)] += share[i];
+        for (int i = 0; i < 3; ++i)
+          gravity_force_[3 * static_cast<std::size_t>(n) + static_cast<std::size_t>(i)] += share[i];
     }
   }
   find_fragments();
@@ -143,7 +144,8 @@ template <class Real>
 void System<Real>::set_ties(std::vector<Tie> ties) {
   bool same = ties.size() == ties_.size();
   for (std::size_t i = 0; same && i < ties.size(); ++i)
-    same = ties[i].nodes == ties_[i].nodes && ties[i].stiffness == ties_[i].stiffness && ties[i].weights == ties_[i].weights;
+    same = ties[i].nodes == ties_[i].nodes && ties[i].stiffness == ties_[i].stiffness &&
+           ties[i].weights == ties_[i].weights;
   ties_ = std::move(ties);
   has_sutures_ = false;
   for (const auto& tie : ties_) has_sutures_ = has_sutures_ || tie.exact;
@@ -195,7 +197,8 @@ Evaluation System<Real>::evaluate(std::span<const Real> u) {
     const auto& face = attachments_.resting[f];
     const auto& nodes = lattice.cell_nodes[static_cast<std::size_t>(face.cell)];
     double height = 0.0;
-    for (std::size_t k = 0; k < 8; ++k) height += face.weights[k] * face.inward.dot(at(u, static_cast<std::size_t>(nodes[k])));
+    for (std::size_t k = 0; k < 8; ++k)
+      height += face.weights[k] * face.inward.dot(at(u, static_cast<std::size_t>(nodes[k])));
     if (!(height < 0.0)) continue;
     pushed_faces_.push_back(static_cast<std::int32_t>(f));
     const double stiffness = bed_stiffness_ * face.area;
@@ -210,7 +213,8 @@ Evaluation System<Real>::evaluate(std::span<const Real> u) {
     result.energy += c.dot(0.5 * tie.stiffness * c + tie.multiplier);
     for (std::size_t k = 0; k < tie.nodes.size(); ++k)
       for (int i = 0; i < 3; ++i)
-        gradient_[3 * static_cast<std::size_t>(tie.nodes[k]) + static_cast<std::size_t>(i)] += tie.weights[k] * force[i];
+        gradient_[3 * static_cast<std::size_t>(tie.nodes[k]) + static_cast<std::size_t>(i)] +=
+            tie.weights[k] * force[i];
   }
   for (const std::int32_t cell : floating_cells_)
     for (const std::int32_t node : lattice.cell_nodes[static_cast<std::size_t>(cell)]) {
@@ -246,7 +250,8 @@ void System<Real>::multiply(std::span<const Real> x, std::span<Real> y) const {
   for_each_pushed_face([&](const RestingFace& face, double stiffness) {
     const auto& nodes = elastic_.lattice().cell_nodes[static_cast<std::size_t>(face.cell)];
     double height = 0.0;
-    for (std::size_t k = 0; k < 8; ++k) height += face.weights[k] * face.inward.dot(at(x, static_cast<std::size_t>(nodes[k])));
+    for (std::size_t k = 0; k < 8; ++k)
+      height += face.weights[k] * face.inward.dot(at(x, static_cast<std::size_t>(nodes[k])));
     for (std::size_t k = 0; k < 8; ++k)
       for (int i = 0; i < 3; ++i)
         y[3 * static_cast<std::size_t>(nodes[k]) + static_cast<std::size_t>(i)] +=
@@ -254,11 +259,13 @@ void System<Real>::multiply(std::span<const Real> x, std::span<Real> y) const {
   });
   for (const auto& tie : ties_) {
     Vec3 sum = Vec3::Zero();
-    for (std::size_t k = 0; k < tie.nodes.size(); ++k) sum += tie.weights[k] * at(x, static_cast<std::size_t>(tie.nodes[k]));
+    for (std::size_t k = 0; k < tie.nodes.size(); ++k)
+      sum += tie.weights[k] * at(x, static_cast<std::size_t>(tie.nodes[k]));
     sum *= tie.stiffness;
     for (std::size_t k = 0; k < tie.nodes.size(); ++k)
       for (int i = 0; i < 3; ++i)
-        y[3 * static_cast<std::size_t>(tie.nodes[k]) + static_cast<std::size_t>(i)] += static_cast<Real>(tie.weights[k] * sum[i]);
+        y[3 * static_cast<std::size_t>(tie.nodes[k]) + static_cast<std::size_t>(i)] +=
+            static_cast<Real>(tie.weights[k] * sum[i]);
   }
   for (std::size_t n = 0; n < free_.size(); ++n)
     if (!free_[n]) y[3 * n] = y[3 * n + 1] = y[3 * n + 2] = Real(0);
@@ -339,8 +346,8 @@ void System<Real>::update_multipliers(std::span<const Real> u) {
 
 template <class Real>
 std::size_t System<Real>::bytes() const {
-  return elastic_.bytes() + attachments_.forms.size() * sizeof(FaceForm) + gradient_.size() * 8 + node_scale_.size() * 8 +
-         gravity_force_.size() * 8 + held_multipliers_.size() * 8 + free_.size();
+  return elastic_.bytes() + attachments_.forms.size() * sizeof(FaceForm) + gradient_.size() * 8 +
+         node_scale_.size() * 8 + gravity_force_.size() * 8 + held_multipliers_.size() * 8 + free_.size();
 }
 
 template class System<float>;

@@ -1,7 +1,8 @@
-// The whole energy of a frame: elastic cells, attachments, ties, gravity, the push of the bed on resting faces; its gradient and its tangent product.
+// The whole energy of a frame: elastic cells, attachments, ties, gravity, the push of the bed on resting faces; its
+// gradient and its tangent product.
 //
-// Prescribed nodes (fixed, or gripped on a lattice plane) are not unknowns: products and residuals are zero there. A fragment
-// that no face holds is kept near its rest position by a very weak bed, so that the tangent is never singular.
+// Prescribed nodes (fixed, or gripped on a lattice plane) are not unknowns: products and residuals are zero there. A
+// fragment that no face holds is kept near its rest position by a very weak bed, so that the tangent is never singular.
 #pragma once
 #include <memory>
 
@@ -13,8 +14,8 @@ namespace lappet {
 
 struct Evaluation {
   double energy = 0.0;
-  double residual = 0.0;      // 2-norm of the force on free nodes, mN
-  double force_scale = 0.0;   // 2-norm of the elastic nodal force magnitudes plus a floor, mN
+  double residual = 0.0;     // 2-norm of the force on free nodes, mN
+  double force_scale = 0.0;  // 2-norm of the elastic nodal force magnitudes plus a floor, mN
   double minimum_j = 1.0;
   std::int32_t inverted = 0;
 };
@@ -45,8 +46,8 @@ class System {
   // The rigid motion that the nodes gripped by a retractor have now (least squares).
   Eigen::Matrix4d present_motion(std::int32_t retractor, std::span<const Real> u) const;
 
-  // The largest violation of what must hold exactly, mm: sutures, and held faces off the lattice planes (root mean square
-  // over the face in a cell).
+  // The largest violation of what must hold exactly, mm: sutures, and held faces off the lattice planes (root mean
+  // square over the face in a cell).
   double largest_gap(std::span<const Real> u) const;
   bool has_exact_constraints() const { return has_held_forms_ || has_sutures_; }
   // lambda += stiffness c, for sutures and held faces.

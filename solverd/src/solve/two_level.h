@@ -12,7 +12,8 @@ namespace lappet {
 template <class Real>
 class TwoLevel {
  public:
-  TwoLevel(const System<Real>& system, int degree) : system_(system), smoother_(system, degree), frames_(system.lattice()) {}
+  TwoLevel(const System<Real>& system, int degree)
+      : system_(system), smoother_(system, degree), frames_(system.lattice()) {}
 
   // Takes the current tangent. The coarse operator is assembled anew only where the constraints changed or where the
   // last solve took many more iterations than the first with it.
