@@ -23,6 +23,33 @@ inline void append(Surface& to, const Surface& from) {
   for (const auto& t : from.triangles) to.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
 }
 
+// Gives a flat face a vertex at `point`: the triangles that hold the point become a fan around it. Returns its index.
+inline std::int32_t add_vertex(Surface& s, const Vec3& point) {
+  std::vector<std::array<std::int32_t, 3>> kept;
+  std::vector<std::array<std::int32_t, 2>> edges;
+  for (const auto& t : s.triangles) {
+    const Vec3 a = s.points[static_cast<std::size_t>(t[0])], b = s.points[static_cast<std::size_t>(t[1])],
+               c = s.points[static_cast<std::size_t>(t[2])];
+    const Vec3 n = (b - a).cross(c - a).normalized();
+    const bool holds = std::abs((point - a).dot(n)) < 1e-9 && (b - a).cross(point - a).dot(n) > -1e-9 &&
+                       (c - b).cross(point - b).dot(n) > -1e-9 && (a - c).cross(point - c).dot(n) > -1e-9;
+    if (!holds) {
+      kept.push_back(t);
+      continue;
+    }
+    for (std::size_t i = 0; i < 3; ++i) edges.push_back({t[i], t[(i + 1) % 3]});
+  }
+  const auto middle = static_cast<std::int32_t>(s.points.size());
+  s.points.push_back(point);
+  for (const auto& edge : edges) {
+    bool inner = false;
+    for (const auto& other : edges) inner = inner || (other[0] == edge[1] && other[1] == edge[0]);
+    if (!inner) kept.push_back({edge[0], edge[1], middle});
+  }
+  s.triangles = kept;
+  return middle;
+}
+
 inline Vec3 centre(const Surface& s, std::size_t t) {
   return (s.points[static_cast<std::size_t>(s.triangles[t][0])] +
           s.points[static_cast<std::size_t>(s.triangles[t][1])] +

@@ -95,8 +95,10 @@ TEST_P(BoxStates, UniaxialTensionInTheMiddleOfALongBar) {
   SessionSettings s = settings("neoHookean", 0.45);
   s.retractors = 1;
   Session session(s);
+  Surface surface = box_surface({0, 0, 0}, {40, 4, 4});
+  const auto middle = static_cast<std::size_t>(add_vertex(surface, {20, 2, 4}));
   EpochInput epoch = make_epoch(
-      box_surface({0, 0, 0}, {40, 4, 4}), [](const Vec3& c) { return c[0] < 1e-9; },
+      surface, [](const Vec3& c) { return c[0] < 1e-9; },
       [](const Vec3& c) { return c[0] > 40 - 1e-9 ? 0 : -1; });
   for (const Vec3& p : {Vec3(18, 2, 4), Vec3(22, 2, 4), Vec3(20, 0, 2), Vec3(20, 4, 2), Vec3(20, 2, 0), Vec3(20, 2, 4)})
     add_landmark(epoch, p);
@@ -110,6 +112,10 @@ TEST_P(BoxStates, UniaxialTensionInTheMiddleOfALongBar) {
   EXPECT_GT(axial, 1.25);
   EXPECT_NEAR(lateral_y, expected, GetParam().error * expected);
   EXPECT_NEAR(lateral_z, expected, GetParam().error * expected);
+  const double cauchy = neo_hookean(s.material, {axial, expected, expected})[0] / (expected * expected);
+  EXPECT_NEAR(out.tension[middle], cauchy, GetParam().error * cauchy);
+  EXPECT_NEAR(out.stress[middle], cauchy, GetParam().error * cauchy);
+  EXPECT_NEAR(out.strain[middle], axial - 1, GetParam().error * axial);
 }
 
 TEST_P(BoxStates, EquibiaxialTensionInTheMiddleOfASheet) {
@@ -118,19 +124,7 @@ TEST_P(BoxStates, EquibiaxialTensionInTheMiddleOfASheet) {
   s.retractors = 4;
   Session session(s);
   Surface surface = box_surface({0, 0, 0}, {64, 64, 2});
-  // a vertex in the middle of the top shows the stress there
-  surface.points.emplace_back(32, 32, 2);
-  const auto middle = static_cast<std::int32_t>(surface.points.size() - 1);
-  std::vector<std::array<std::int32_t, 3>> triangles;
-  for (const auto& t : surface.triangles) {
-    const bool top = surface.points[static_cast<std::size_t>(t[0])][2] > 1 &&
-                     surface.points[static_cast<std::size_t>(t[1])][2] > 1 &&
-                     surface.points[static_cast<std::size_t>(t[2])][2] > 1;
-    if (!top) triangles.push_back(t);
-  }
-  for (const auto& edge : {std::array{1, 5}, std::array{5, 7}, std::array{7, 3}, std::array{3, 1}})
-    triangles.push_back({edge[0], edge[1], middle});
-  surface.triangles = triangles;
+  const std::int32_t middle = add_vertex(surface, {32, 32, 2});  // shows the stress there
   EpochInput epoch = make_epoch(surface, {}, [](const Vec3& c) {
     return c[0] < 1e-9 ? 0 : c[0] > 64 - 1e-9 ? 1 : c[1] < 1e-9 ? 2 : c[1] > 64 - 1e-9 ? 3 : -1;
   });
@@ -157,11 +151,10 @@ TEST_P(BoxStates, SimpleShearBetweenTwoPlates) {
   s.retractors = 1;
   s.spacing = 1;
   Session session(s);
+  Surface surface = box_surface({0, 0, 0}, {32, 8, 4});
+  const auto middle = static_cast<std::size_t>(add_vertex(surface, {16, 0, 2}));
   EpochInput epoch = make_epoch(
-      box_surface({0, 0, 0}, {32, 8, 4}), [](const Vec3& c) { return c[2] < 1e-9 || c[1] < 1e-9 || c[1] > 8 - 1e-9; },
-      [](const Vec3& c) { return c[2] > 4 - 1e-9 ? 0 : -1; });
-  // only top and bottom are held
-  for (std::size_t t = 0; t < epoch.fixed.size(); ++t) epoch.fixed[t] = centre(epoch.surface, t)[2] < 1e-9;
+      surface, [](const Vec3& c) { return c[2] < 1e-9; }, [](const Vec3& c) { return c[2] > 4 - 1e-9 ? 0 : -1; });
   add_landmark(epoch, Vec3(16, 0, 1));
   add_landmark(epoch, Vec3(16, 0, 2));
   add_landmark(epoch, Vec3(16, 0, 3));
@@ -173,6 +166,14 @@ TEST_P(BoxStates, SimpleShearBetweenTwoPlates) {
     const double z = 1.0 + static_cast<double>(k);
     EXPECT_NEAR(landmark(out, k)[0], 16 + gamma * z, std::max(GetParam().error, 1e-3) * 4 * gamma) << z;
   }
+  // F = I + gamma e_x (x) e_z: sigma = mu (F F^T - I), and the largest stretch is gamma/2 + sqrt(1 + gamma^2/4)
+  const double mu = s.material.mu();
+  const double tension = mu * (gamma * gamma / 2 + std::sqrt(std::pow(gamma, 4) / 4 + gamma * gamma));
+  const double von_mises = mu * std::sqrt(std::pow(gamma, 4) + 3 * gamma * gamma);
+  const double stretch = gamma / 2 + std::sqrt(1 + gamma * gamma / 4);
+  EXPECT_NEAR(out.tension[middle], tension, GetParam().error * tension);
+  EXPECT_NEAR(out.stress[middle], von_mises, GetParam().error * von_mises);
+  EXPECT_NEAR(out.strain[middle], stretch - 1, GetParam().error * stretch);
 }
 
 INSTANTIATE_TEST_SUITE_P(DefaultAndReference, BoxStates,
