@@ -1,4 +1,4 @@
-"""The daemon of this checkout, running for one test, and a raw peer of it."""
+"""The daemon of this checkout, running for one test, and a raw peer of it; and the schemas, known before any stage."""
 
 from __future__ import annotations
 
@@ -10,7 +10,11 @@ import pytest
 
 from lappet.client import DaemonMissing
 from lappet.daemon import SolverDaemon, find_daemon
+from lappet.usd_stage import pxr
 from raw_peer import Raw
+
+# USD reads the schemas once, when the first stage of the process is opened, whichever test does that.
+pxr()
 
 
 @pytest.fixture(scope="module")
