@@ -98,8 +98,7 @@ TEST_P(BoxStates, UniaxialTensionInTheMiddleOfALongBar) {
   Surface surface = box_surface({0, 0, 0}, {40, 4, 4});
   const auto middle = static_cast<std::size_t>(add_vertex(surface, {20, 2, 4}));
   EpochInput epoch = make_epoch(
-      surface, [](const Vec3& c) { return c[0] < 1e-9; },
-      [](const Vec3& c) { return c[0] > 40 - 1e-9 ? 0 : -1; });
+      surface, [](const Vec3& c) { return c[0] < 1e-9; }, [](const Vec3& c) { return c[0] > 40 - 1e-9 ? 0 : -1; });
   for (const Vec3& p : {Vec3(18, 2, 4), Vec3(22, 2, 4), Vec3(20, 0, 2), Vec3(20, 4, 2), Vec3(20, 2, 0), Vec3(20, 2, 4)})
     add_landmark(epoch, p);
   session.set_epoch(epoch);
@@ -459,6 +458,21 @@ TEST(Session, AHookPullsWithItsSpringForce) {
   const Vec3 force(out.hook_forces[0], out.hook_forces[1], out.hook_forces[2]);
   EXPECT_NEAR((force - 200.0 * (Vec3(11, 3, 6) - at)).norm(), 0, 1e-3 * force.norm());
   EXPECT_GT(force.norm(), 10);
+}
+
+// Found by the end-to-end tests: the coarse operator could not be factored, which ended as a fault.
+TEST(Session, AHookOfAbsurdForceIsReportedAsUnconverged) {
+  SessionSettings s;
+  s.max_newton = 10;
+  Session session(s);
+  const EpochInput epoch = make_epoch(box_surface({0, 0, 0}, {12, 8, 2}), [](const Vec3& c) { return c[0] < 1e-9; });
+  session.set_epoch(epoch);
+  FrameInput frame;
+  frame.hooks = {{suture(epoch, {11, 4, 2}, {11, 4, 2}, 0).a, Vec3(0, 0, -1e6), 1e9}};
+  const FrameOutput out = session.solve(frame, {}, kNever);
+  EXPECT_FALSE(out.converged);
+  EXPECT_FALSE(out.reason.empty());
+  for (const float x : out.points) EXPECT_TRUE(std::isfinite(x));
 }
 
 TEST(Session, CancelKeepsTheStateAndSaysSo) {

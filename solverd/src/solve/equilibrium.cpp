@@ -15,7 +15,7 @@ namespace {
 constexpr double kArmijo = 1e-4;
 constexpr double kLeastStep = 1e-5;
 constexpr double kStepCap = 8.0;  // spacings a node may move in one iteration
-constexpr int kMostLinearIterations = 400;
+constexpr int kMostLinearIterations = 120;
 constexpr int kMostMultiplierUpdates = 60;
 // While gaps are open the residual need not be below the tolerance before the multipliers move on: this many tolerances
 // at most, in proportion to the gap. Where a gap does not shrink by kGapProgress the residual hides it: solve more
@@ -141,7 +141,15 @@ EquilibriumOutcome find_equilibrium(System<Real>& system, TwoLevel<Real>& precon
     LinearOutcome linear;
     while (true) {
       system.linearize(definiteness);
-      preconditioner.update(u);
+      try {
+        preconditioner.update(u);
+      } catch (const NotDefiniteError&) {
+        if (definiteness != Definiteness::kExact)
+          return fail("the stiffness of a hook or a suture is so large that the equations cannot be solved; lower it");
+        definiteness = fallback;
+        exact_pause = kIndefinitePause + 1;
+        continue;
+      }
       outcome.seconds_setup += watch.lap();
       if (moves)
         system.multiply(increment, rhs);

@@ -291,7 +291,7 @@ void RigidFrames<Real>::assemble(const System<Real>& system, std::span<const Rea
     factor_.compute(matrix);
     if (factor_.info() == Eigen::Success) return;
   }
-  throw std::runtime_error("the coarse operator is not positive definite");
+  throw NotDefiniteError("the coarse operator is not positive definite");
 }
 
 template <class Real>

@@ -9,18 +9,23 @@
 #include <array>
 #include <cstdint>
 #include <span>
+#include <stdexcept>
 #include <vector>
 
 #include "solve/system.h"
 
 namespace lappet {
 
+struct NotDefiniteError : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
 template <class Real>
 class RigidFrames {
  public:
   explicit RigidFrames(const Lattice& lattice);
 
-  // Galerkin operator of the system's current tangent at u, and its factor. Throws std::runtime_error if it cannot be
+  // Galerkin operator of the system's current tangent at u, and its factor. Throws NotDefiniteError if it cannot be
   // factored even when shifted.
   void assemble(const System<Real>& system, std::span<const Real> u);
   // x = P (P^T K P)^-1 P^T r
