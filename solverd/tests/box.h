@@ -1,7 +1,11 @@
-// Boxes for tests: surfaces whose sides are multiples of the spacing.
+// Boxes for tests: surfaces whose sides are multiples of the spacing, epochs and frames made of them.
 #pragma once
+#include <Eigen/Geometry>
+#include <atomic>
 #include <cmath>
 #include <functional>
+#include <limits>
+#include <vector>
 
 #include "lattice/lattice.h"
 #include "session/program.h"
@@ -70,6 +74,48 @@ inline EpochInput make_epoch(const Surface& surface, const std::function<bool(co
     epoch.grip.push_back(grip ? grip(c) : -1);
   }
   return epoch;
+}
+
+inline const std::atomic<bool> kNever{false};
+
+inline Eigen::Matrix4d translation(const Vec3& t) {
+  Eigen::Matrix4d m = Eigen::Matrix4d::Identity();
+  m.topRightCorner<3, 1>() = t;
+  return m;
+}
+
+inline FrameInput pulled(std::vector<Vec3> translations) {
+  FrameInput frame;
+  frame.time = 1;
+  for (std::size_t r = 0; r < translations.size(); ++r)
+    frame.retractors.push_back({static_cast<std::int32_t>(r), translation(translations[r])});
+  return frame;
+}
+
+// Follows a point of the surface.
+inline void add_landmark(EpochInput& epoch, const Vec3& point) {
+  std::int32_t best = 0;
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t t = 0; t < epoch.surface.triangles.size(); ++t) {
+    const auto& c = epoch.surface.triangles[t];
+    const Vec3 a = epoch.surface.points[static_cast<std::size_t>(c[0])],
+               b = epoch.surface.points[static_cast<std::size_t>(c[1])],
+               d = epoch.surface.points[static_cast<std::size_t>(c[2])];
+    const Vec3 n = (b - a).cross(d - a).normalized();
+    const double off = std::abs((point - a).dot(n));
+    const bool inside = (b - a).cross(point - a).dot(n) >= -1e-9 && (d - b).cross(point - b).dot(n) >= -1e-9 &&
+                        (a - d).cross(point - d).dot(n) >= -1e-9;
+    if (inside && off < least) {
+      least = off;
+      best = static_cast<std::int32_t>(t);
+    }
+  }
+  epoch.landmarks.push_back(point);
+  epoch.landmark_triangles.push_back(best);
+}
+
+inline Vec3 landmark(const FrameOutput& output, std::size_t k) {
+  return {output.landmarks[3 * k], output.landmarks[3 * k + 1], output.landmarks[3 * k + 2]};
 }
 
 }  // namespace lappet

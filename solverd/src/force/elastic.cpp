@@ -1,27 +1,15 @@
 #include "force/elastic.h"
 
-#include <tbb/parallel_for.h>
-
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <limits>
 
+#include "math/parallel.h"
 #include "math/svd3.h"
 
 namespace lappet {
 
 namespace {
-
-constexpr std::size_t kGrain = 512;  // cells or nodes per task; fixed, so that sums have a fixed order
-
-constexpr int kPairs[3][2] = {{0, 1}, {0, 2}, {1, 2}};
-
-template <class Body>
-void for_ranges(std::size_t count, const Body& body) {
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, kGrain), [&](const auto& range) {
-    for (std::size_t i = range.begin(); i != range.end(); ++i) body(i);
-  });
-}
 
 // out = a b, a^T b, a b^T for row-major 3x3
 template <class Number>
@@ -83,12 +71,11 @@ template <class Model>
 ElasticState Elastic<Real>::evaluate_cells(std::span<const Real> u) {
   const std::size_t cells = lattice_.cell_nodes.size(), point_count = quadrature_.size();
   const double h = lattice_.settings.spacing, inverse_h = 1.0 / h;
-  const std::size_t ranges = (cells + kGrain - 1) / kGrain;
-  std::vector<ElasticState> partial(ranges);
-  tbb::parallel_for(std::size_t{0}, ranges, [&](std::size_t range) {
+  std::vector<ElasticState> partial((cells + kChunk - 1) / kChunk);
+  for_each_chunk(cells, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
     ElasticState state;
     state.minimum_j = std::numeric_limits<double>::infinity();
-    for (std::size_t c = range * kGrain; c < std::min(cells, (range + 1) * kGrain); ++c) {
+    for (std::size_t c = begin; c < end; ++c) {
       const double volume = cell_volume(c);
       double x[24];  // displacements, component-major for the sums below
       for (int k = 0; k < 8; ++k)
@@ -146,7 +133,7 @@ ElasticState Elastic<Real>::evaluate_cells(std::span<const Real> u) {
       }
       state.inverted += inverted ? 1 : 0;
     }
-    partial[range] = state;
+    partial[chunk] = state;
   });
   ElasticState total;
   total.minimum_j = std::numeric_limits<double>::infinity();
@@ -163,7 +150,7 @@ ElasticState Elastic<Real>::evaluate(std::span<const Real> u, std::span<double> 
                                      std::span<double> node_scale) {
   const ElasticState state =
       material_.model == "corotated" ? evaluate_cells<Corotated>(u) : evaluate_cells<NeoHookean>(u);
-  for_ranges(lattice_.node_rest.size(), [&](std::size_t n) {
+  for_each_index(lattice_.node_rest.size(), [&](std::size_t n) {
     double sum[3] = {0, 0, 0}, scale = 0.0;
     for (auto k = incidence_start_[n]; k < incidence_start_[n + 1]; ++k) {
       const double* g = &cell_gradient_[3 * static_cast<std::size_t>(incidence_[static_cast<std::size_t>(k)])];
@@ -180,7 +167,7 @@ template <class Real>
 template <class Model>
 void Elastic<Real>::linearize_cells(Definiteness how) {
   const double floor = 1e-4 * mu_;
-  for_ranges(points_.size(), [&](std::size_t p) {
+  for_each_index(points_.size(), [&](std::size_t p) {
     TangentHat<double> t;
     const double sigma[3] = {sigma_[p][0], sigma_[p][1], sigma_[p][2]};
     Model::dpdf_hat(sigma, mu_, lambda_, t);
@@ -208,7 +195,7 @@ void Elastic<Real>::multiply(std::span<const Real> x, std::span<Real> y) const {
   const std::size_t point_count = quadrature_.size();
   const double h = lattice_.settings.spacing;
   const Real stabilization = static_cast<Real>(laplacian_ * mu_ * h);
-  for_ranges(lattice_.cell_nodes.size(), [&](std::size_t c) {
+  for_each_index(lattice_.cell_nodes.size(), [&](std::size_t c) {
     const auto& nodes = lattice_.cell_nodes[c];
     Real w[24];
     for (int k = 0; k < 8; ++k)
@@ -232,7 +219,8 @@ void Elastic<Real>::multiply(std::span<const Real> x, std::span<Real> y) const {
       dp[4] = t.hessian[1] * d0 + t.hessian[3] * d1 + t.hessian[4] * d2;
       dp[8] = t.hessian[2] * d0 + t.hessian[4] * d1 + t.hessian[5] * d2;
       for (int k = 0; k < 3; ++k) {
-        const int ij = 3 * kPairs[k][0] + kPairs[k][1], ji = 3 * kPairs[k][1] + kPairs[k][0];
+        const int ij = 3 * kTangentPairs[k][0] + kTangentPairs[k][1],
+                  ji = 3 * kTangentPairs[k][1] + kTangentPairs[k][0];
         dp[ij] = t.same[k] * hat[ij] + t.cross[k] * hat[ji];
         dp[ji] = t.same[k] * hat[ji] + t.cross[k] * hat[ij];
       }
@@ -269,7 +257,7 @@ void Elastic<Real>::multiply(std::span<const Real> x, std::span<Real> y) const {
     for (int k = 0; k < 8; ++k)
       for (int i = 0; i < 3; ++i) result[3 * k + i] = out[8 * i + k];
   });
-  for_ranges(lattice_.node_rest.size(), [&](std::size_t n) {
+  for_each_index(lattice_.node_rest.size(), [&](std::size_t n) {
     Real sum[3] = {0, 0, 0};
     for (auto k = incidence_start_[n]; k < incidence_start_[n + 1]; ++k) {
       const Real* g = &cell_product_[3 * static_cast<std::size_t>(incidence_[static_cast<std::size_t>(k)])];
@@ -283,158 +271,6 @@ template <class Real>
 void Elastic<Real>::set_cell_quadratics(std::vector<std::int32_t> of_cell, std::vector<Real> matrices) {
   quadratic_of_cell_ = std::move(of_cell);
   quadratics_ = std::move(matrices);
-}
-
-template <class Real>
-void Elastic<Real>::diagonal_blocks(std::span<double> blocks) const {
-  const std::size_t point_count = quadrature_.size();
-  const double stabilization =
-      laplacian_ * mu_ * lattice_.settings.spacing * (kHourglass[0] + kHourglass[1] + kHourglass[2] + kHourglass[3]);
-  for_ranges(lattice_.node_rest.size(), [&](std::size_t n) {
-    Eigen::Matrix3d block = Eigen::Matrix3d::Zero();
-    for (auto k = incidence_start_[n]; k < incidence_start_[n + 1]; ++k) {
-      const auto entry = static_cast<std::size_t>(incidence_[static_cast<std::size_t>(k)]);
-      const std::size_t c = entry / 8, corner = entry % 8;
-      for (std::size_t q = 0; q < point_count; ++q) {
-        const Real* g = &gradients_[24 * q];
-        const Point& t = points_[c * point_count + q];
-        double gh[3];
-        for (int j = 0; j < 3; ++j)
-          gh[j] = double(t.v[j]) * double(g[corner]) + double(t.v[3 + j]) * double(g[8 + corner]) +
-                  double(t.v[6 + j]) * double(g[16 + corner]);
-        Eigen::Matrix3d hat, u;
-        const double h[3][3] = {{double(t.hessian[0]), double(t.hessian[1]), double(t.hessian[2])},
-                                {double(t.hessian[1]), double(t.hessian[3]), double(t.hessian[4])},
-                                {double(t.hessian[2]), double(t.hessian[4]), double(t.hessian[5])}};
-        for (int i = 0; i < 3; ++i) {
-          hat(i, i) = h[i][i] * gh[i] * gh[i];
-          for (int j = 0; j < 3; ++j) u(i, j) = double(t.u[3 * i + j]);
-        }
-        for (int p = 0; p < 3; ++p) {
-          const int i = kPairs[p][0], j = kPairs[p][1];
-          hat(i, i) += double(t.same[p]) * gh[j] * gh[j];
-          hat(j, j) += double(t.same[p]) * gh[i] * gh[i];
-          hat(i, j) = hat(j, i) = (h[i][j] + double(t.cross[p])) * gh[i] * gh[j];
-        }
-        block += u * hat * u.transpose();
-      }
-      double scalar = stabilization * static_cast<double>(lattice_.cell_fill[c]);
-      if (!quadratic_of_cell_.empty() && quadratic_of_cell_[c] >= 0)
-        scalar += double(quadratics_[64 * static_cast<std::size_t>(quadratic_of_cell_[c]) + 9 * corner]);
-      block.diagonal().array() += scalar;
-    }
-    for (int i = 0; i < 3; ++i)
-      for (int j = 0; j < 3; ++j) blocks[9 * n + static_cast<std::size_t>(3 * i + j)] = block(i, j);
-  });
-}
-
-template <class Real>
-Matrix24 Elastic<Real>::cell_stiffness(std::int32_t cell) const {
-  const auto c = static_cast<std::size_t>(cell);
-  const std::size_t point_count = quadrature_.size();
-  Matrix24 result = Matrix24::Zero();
-  for (std::size_t q = 0; q < point_count; ++q) {
-    const Point& t = points_[c * point_count + q];
-    Eigen::Matrix3d u, v;
-    Eigen::Matrix<double, 3, 8> g;
-    for (int i = 0; i < 3; ++i) {
-      for (int j = 0; j < 3; ++j) {
-        u(i, j) = double(t.u[3 * i + j]);
-        v(i, j) = double(t.v[3 * i + j]);
-      }
-      for (int k = 0; k < 8; ++k) g(i, k) = double(gradients_[24 * q + static_cast<std::size_t>(8 * i + k)]);
-    }
-    const Eigen::Matrix<double, 3, 8> gh = v.transpose() * g;
-    // rows of b: the nine entries of U^T dF V as functions of the 24 unknowns
-    Eigen::Matrix<double, 9, 24> b;
-    for (int k = 0; k < 8; ++k)
-      for (int i = 0; i < 3; ++i)
-        for (int j = 0; j < 3; ++j)
-          for (int component = 0; component < 3; ++component)
-            b(3 * i + j, 3 * k + component) = u(component, i) * gh(j, k);
-    Eigen::Matrix<double, 9, 9> tangent = Eigen::Matrix<double, 9, 9>::Zero();
-    int index = 0;
-    for (int i = 0; i < 3; ++i)
-      for (int j = i; j < 3; ++j, ++index) tangent(4 * i, 4 * j) = tangent(4 * j, 4 * i) = double(t.hessian[index]);
-    for (int p = 0; p < 3; ++p) {
-      const int ij = 3 * kPairs[p][0] + kPairs[p][1], ji = 3 * kPairs[p][1] + kPairs[p][0];
-      tangent(ij, ij) = tangent(ji, ji) = double(t.same[p]);
-      tangent(ij, ji) = tangent(ji, ij) = double(t.cross[p]);
-    }
-    result.noalias() += b.transpose() * (tangent * b);
-  }
-  Eigen::Matrix<double, 8, 8> scalar = Eigen::Matrix<double, 8, 8>::Zero();
-  if (laplacian_ != 0.0) {
-    const double coefficient =
-        laplacian_ * mu_ * lattice_.settings.spacing * static_cast<double>(lattice_.cell_fill[c]);
-    for (std::size_t m = 0; m < 4; ++m)
-      for (int a = 0; a < 8; ++a)
-        for (int b = 0; b < 8; ++b)
-          scalar(a, b) += coefficient * kHourglass[m] * kHourglassModes[m][static_cast<std::size_t>(a)] *
-                          kHourglassModes[m][static_cast<std::size_t>(b)];
-  }
-  if (!quadratic_of_cell_.empty() && quadratic_of_cell_[c] >= 0)
-    for (int a = 0; a < 8; ++a)
-      for (int b = 0; b < 8; ++b)
-        scalar(a, b) += double(
-            quadratics_[64 * static_cast<std::size_t>(quadratic_of_cell_[c]) + static_cast<std::size_t>(8 * a + b)]);
-  for (int a = 0; a < 8; ++a)
-    for (int b = 0; b < 8; ++b)
-      for (int i = 0; i < 3; ++i) result(3 * a + i, 3 * b + i) += scalar(a, b);
-  return result;
-}
-
-template <class Real>
-void Elastic<Real>::add_projected_stiffness(std::int32_t cell, const Eigen::Matrix<Real, 24, 48>& p,
-                                            Eigen::Matrix<Real, 48, 48>& block) const {
-  const auto c = static_cast<std::size_t>(cell);
-  const std::size_t point_count = quadrature_.size();
-  using Rows = Eigen::Matrix<Real, 9, 48, Eigen::RowMajor>;
-  for (std::size_t q = 0; q < point_count; ++q) {
-    const Point& t = points_[c * point_count + q];
-    const Real* g = &gradients_[24 * q];
-    Rows df = Rows::Zero(), rotated, hat, dp;
-    for (int k = 0; k < 8; ++k)
-      for (int i = 0; i < 3; ++i)
-        for (int j = 0; j < 3; ++j) df.row(3 * i + j) += g[8 * j + k] * p.row(3 * k + i);
-    for (int a = 0; a < 3; ++a)
-      for (int j = 0; j < 3; ++j)
-        rotated.row(3 * a + j) = t.u[a] * df.row(j) + t.u[3 + a] * df.row(3 + j) + t.u[6 + a] * df.row(6 + j);
-    for (int a = 0; a < 3; ++a)
-      for (int b = 0; b < 3; ++b)
-        hat.row(3 * a + b) =
-            t.v[b] * rotated.row(3 * a) + t.v[3 + b] * rotated.row(3 * a + 1) + t.v[6 + b] * rotated.row(3 * a + 2);
-    dp.row(0) = t.hessian[0] * hat.row(0) + t.hessian[1] * hat.row(4) + t.hessian[2] * hat.row(8);
-    dp.row(4) = t.hessian[1] * hat.row(0) + t.hessian[3] * hat.row(4) + t.hessian[4] * hat.row(8);
-    dp.row(8) = t.hessian[2] * hat.row(0) + t.hessian[4] * hat.row(4) + t.hessian[5] * hat.row(8);
-    for (int k = 0; k < 3; ++k) {
-      const int ij = 3 * kPairs[k][0] + kPairs[k][1], ji = 3 * kPairs[k][1] + kPairs[k][0];
-      dp.row(ij) = t.same[k] * hat.row(ij) + t.cross[k] * hat.row(ji);
-      dp.row(ji) = t.same[k] * hat.row(ji) + t.cross[k] * hat.row(ij);
-    }
-    block.noalias() += hat.transpose() * dp;
-  }
-  if (laplacian_ != 0.0) {
-    Eigen::Matrix<Real, 12, 48, Eigen::RowMajor> amplitude = Eigen::Matrix<Real, 12, 48, Eigen::RowMajor>::Zero();
-    const double coefficient =
-        laplacian_ * mu_ * lattice_.settings.spacing * static_cast<double>(lattice_.cell_fill[c]);
-    for (std::size_t m = 0; m < 4; ++m) {
-      const auto root = static_cast<Real>(std::sqrt(coefficient * kHourglass[m]));
-      for (int k = 0; k < 8; ++k)
-        for (int i = 0; i < 3; ++i)
-          amplitude.row(static_cast<Eigen::Index>(3 * m) + i) +=
-              (root * static_cast<Real>(kHourglassModes[m][static_cast<std::size_t>(k)])) * p.row(3 * k + i);
-    }
-    block.noalias() += amplitude.transpose() * amplitude;
-  }
-  if (!quadratic_of_cell_.empty() && quadratic_of_cell_[c] >= 0) {
-    const Real* matrix = &quadratics_[64 * static_cast<std::size_t>(quadratic_of_cell_[c])];
-    Eigen::Matrix<Real, 24, 48> product = Eigen::Matrix<Real, 24, 48>::Zero();
-    for (int a = 0; a < 8; ++a)
-      for (int b = 0; b < 8; ++b)
-        product.template middleRows<3>(3 * a) += matrix[8 * a + b] * p.template middleRows<3>(3 * b);
-    block.noalias() += p.transpose() * product;
-  }
 }
 
 template <class Real>

@@ -30,6 +30,8 @@ struct MaterialParameters {
   }
 };
 
+inline constexpr int kTangentPairs[3][2] = {{0, 1}, {0, 2}, {1, 2}};
+
 template <class Number>
 struct TangentHat {
   Number hessian[6];  // 00 01 02 11 12 22

@@ -1,34 +1,17 @@
 // Vector operations with a fixed order of summation, whatever the number of threads; dot products in double.
 #pragma once
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cstddef>
 #include <span>
 #include <vector>
 
+#include "math/parallel.h"
+
 namespace lappet {
-
-inline constexpr std::size_t kVectorChunk = 4096;
-
-template <class Body>
-void for_each_chunk(std::size_t count, const Body& body) {
-  const std::size_t chunks = (count + kVectorChunk - 1) / kVectorChunk;
-  tbb::parallel_for(std::size_t{0}, chunks, [&](std::size_t chunk) {
-    body(chunk, chunk * kVectorChunk, std::min(count, (chunk + 1) * kVectorChunk));
-  });
-}
-
-template <class Body>
-void for_each_index(std::size_t count, const Body& body) {
-  for_each_chunk(count, [&](std::size_t, std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) body(i);
-  });
-}
 
 template <class Real>
 double dot(std::span<const Real> a, std::span<const Real> b) {
-  std::vector<double> partial((a.size() + kVectorChunk - 1) / kVectorChunk);
+  std::vector<double> partial((a.size() + kChunk - 1) / kChunk);
   for_each_chunk(a.size(), [&](std::size_t chunk, std::size_t begin, std::size_t end) {
     double sum = 0.0;
     for (std::size_t i = begin; i < end; ++i) sum += static_cast<double>(a[i]) * static_cast<double>(b[i]);
