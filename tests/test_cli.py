@@ -364,13 +364,28 @@ def test_demo_solves_and_renders_into_one_folder(
 ) -> None:
     write_procedure(small_procedure(tissue=flat_patch((24.0, 16.0, TOP))), tmp_path / "bundled.usda")
     monkeypatch.setattr("lappet.demo.z_plasty", lambda: tmp_path / "bundled.usda")
-    monkeypatch.setattr(lappet.render, "render_cache", lambda cache, folder, **_: [folder / "filmstrip.png"])
+    drawn: list[Path] = []
+
+    def render(cache: Path, folder: Path, **_: Any) -> list[Path]:
+        drawn.append(folder / "filmstrip.png")
+        drawn[-1].write_bytes(b"picture")
+        return drawn[-1:]
+
+    monkeypatch.setattr(lappet.render, "render_cache", render)
     done = run("demo", "-o", tmp_path / "demo")
     assert done.exit_code == 0, done.output
     assert str(tmp_path / "demo" / "figures" / "filmstrip.png") in done.stdout
     assert str(tmp_path / "demo" / "z_plasty.cache.usdc") in done.stdout
     assert (tmp_path / "demo" / "z_plasty.cache.usdc").is_file()
     assert (tmp_path / "demo" / "z_plasty.report.json").is_file()
+
+    again = run("demo", "-o", tmp_path / "demo")
+    assert again.exit_code == 0, again.output
+    assert str(drawn[0]) in again.stdout
+    assert len(drawn) == 1, "what did not change was drawn again"
+    drawn[0].unlink()
+    run("demo", "-o", tmp_path / "demo")
+    assert len(drawn) == 2, "a picture that is gone was not drawn again"
 
 
 def test_the_python_call_takes_a_procedure_and_keeps_it_beside_the_cache(solver: FakeSolver, tmp_path: Path) -> None:

@@ -175,7 +175,7 @@ def demo(context: click.Context, /, folder: Path, **options: Any) -> None:
     import shutil
 
     with sentences(context):
-        from lappet.demo import SPACING, z_plasty
+        from lappet.demo import SPACING, figures_of, z_plasty
         from lappet.render import render_cache
 
         options["spacing"] = options["spacing"] or SPACING
@@ -187,8 +187,12 @@ def demo(context: click.Context, /, folder: Path, **options: Any) -> None:
         result = run_solve(procedure, cache, folder / "z_plasty.report.json", **options)
         click.echo(summary(result))
         if result.complete:
-            click.echo("Rendering figures with Blender.", err=True)
-            pictures = render_cache(cache, folder / "figures", progress=lambda line: click.echo(line, err=True))
+
+            def draw(cache: Path, figures: Path) -> list[Path]:
+                click.echo("Rendering figures with Blender.", err=True)
+                return render_cache(cache, figures, progress=lambda line: click.echo(line, err=True))
+
+            pictures = figures_of(cache, folder / "figures", draw)
             click.echo("Pictures:")
             for picture in pictures:
                 click.echo(f"  {picture}")

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import hashlib
+import json
+from collections.abc import Callable
 from pathlib import Path
 
 from lappet.refused import RefusedError
@@ -16,3 +19,26 @@ def z_plasty() -> Path:
         if path.is_file():
             return path
     raise RefusedError(f"The bundled procedure {here.with_name('z_plasty.usda')} is missing; install Lappet again.")
+
+
+def figures_of(cache: Path, folder: Path, render: Callable[[Path, Path], list[Path]]) -> list[Path]:
+    """The pictures of a skin cache in `folder`: those of an earlier run where cache and program are the same.
+
+    render: draws a cache into a folder and returns the pictures, as `lappet.render.render_cache` does.
+    """
+    from lappet import __version__
+
+    stamp = folder / "rendered.json"
+    drawn = f"{__version__} {hashlib.blake2b(cache.read_bytes(), digest_size=16).hexdigest()}"
+    try:
+        before = json.loads(stamp.read_text(encoding="utf-8"))
+        pictures = [folder / name for name in before["pictures"]]
+        if before["drawn"] == drawn and pictures and all(picture.is_file() for picture in pictures):
+            return pictures
+    except (OSError, ValueError, KeyError, TypeError):
+        pass  # none yet, or not ours: draw them
+    folder.mkdir(parents=True, exist_ok=True)
+    pictures = render(cache, folder)
+    names = [picture.relative_to(folder).as_posix() for picture in pictures]
+    stamp.write_text(json.dumps({"drawn": drawn, "pictures": names}), encoding="utf-8")
+    return pictures
