@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import signal
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -12,6 +13,11 @@ from lappet.client import DaemonMissing
 from lappet.daemon import SolverDaemon, find_daemon
 from lappet.usd_stage import pxr
 from raw_peer import Raw
+
+# What a shell starts in the background ignores SIGINT, and with it every test of Ctrl-C.
+if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+
 
 # USD reads the schemas once, when the first stage of the process is opened, whichever test does that.
 pxr()
