@@ -28,6 +28,7 @@ def figures_of(cache: Path, folder: Path, render: Callable[[Path, Path], list[Pa
     """
     from lappet import __version__
 
+    folder = folder.resolve()
     stamp = folder / "rendered.json"
     drawn = f"{__version__} {hashlib.blake2b(cache.read_bytes(), digest_size=16).hexdigest()}"
     try:
@@ -39,6 +40,6 @@ def figures_of(cache: Path, folder: Path, render: Callable[[Path, Path], list[Pa
         pass  # none yet, or not ours: draw them
     folder.mkdir(parents=True, exist_ok=True)
     pictures = render(cache, folder)
-    names = [picture.relative_to(folder).as_posix() for picture in pictures]
+    names = [picture.resolve().relative_to(folder).as_posix() for picture in pictures]
     stamp.write_text(json.dumps({"drawn": drawn, "pictures": names}), encoding="utf-8")
     return pictures
