@@ -28,13 +28,13 @@ void for_stretches(const Body& body) {
 TYPED_TEST(Materials, StressIsTheDerivativeOfTheEnergy) {
   for_stretches([](double(&s)[3]) {
     double p[3];
-    TypeParam::p_hat(s, 3.0, 11.0, p);
+    TypeParam::p_hat(s, Moduli<double>{3.0, 11.0, 0.0}, p);
     for (int i = 0; i < 3; ++i) {
       const double step = 1e-6, kept = s[i];
       s[i] = kept + step;
-      const double above = TypeParam::energy(s, 3.0, 11.0);
+      const double above = TypeParam::energy(s, Moduli<double>{3.0, 11.0, 0.0});
       s[i] = kept - step;
-      const double below = TypeParam::energy(s, 3.0, 11.0);
+      const double below = TypeParam::energy(s, Moduli<double>{3.0, 11.0, 0.0});
       s[i] = kept;
       EXPECT_NEAR((above - below) / (2 * step), p[i], 1e-6 * (1 + std::abs(p[i])));
     }
@@ -44,17 +44,17 @@ TYPED_TEST(Materials, StressIsTheDerivativeOfTheEnergy) {
 TYPED_TEST(Materials, TangentIsTheDerivativeOfTheStress) {
   for_stretches([](double(&s)[3]) {
     TangentHat<double> t;
-    TypeParam::dpdf_hat(s, 3.0, 11.0, t);
+    TypeParam::dpdf_hat(s, Moduli<double>{3.0, 11.0, 0.0}, t);
     const int index[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
     double p[3];
-    TypeParam::p_hat(s, 3.0, 11.0, p);
+    TypeParam::p_hat(s, Moduli<double>{3.0, 11.0, 0.0}, p);
     for (int j = 0; j < 3; ++j) {
       const double step = 1e-6, kept = s[j];
       double above[3], below[3];
       s[j] = kept + step;
-      TypeParam::p_hat(s, 3.0, 11.0, above);
+      TypeParam::p_hat(s, Moduli<double>{3.0, 11.0, 0.0}, above);
       s[j] = kept - step;
-      TypeParam::p_hat(s, 3.0, 11.0, below);
+      TypeParam::p_hat(s, Moduli<double>{3.0, 11.0, 0.0}, below);
       s[j] = kept;
       for (int i = 0; i < 3; ++i)
         EXPECT_NEAR((above[i] - below[i]) / (2 * step), t.hessian[index[i][j]],
@@ -74,11 +74,11 @@ TYPED_TEST(Materials, TangentIsTheDerivativeOfTheStress) {
 TYPED_TEST(Materials, RestIsWithoutStressAndHasTheLinearModuli) {
   const double mu = 3.0, lambda = 11.0, rest[3] = {1, 1, 1};
   double p[3];
-  TypeParam::p_hat(rest, mu, lambda, p);
+  TypeParam::p_hat(rest, Moduli<double>{mu, lambda, 0.0}, p);
   for (const double value : p) EXPECT_NEAR(value, 0.0, 1e-14);
-  EXPECT_NEAR(TypeParam::energy(rest, mu, lambda), 0.0, 1e-14);
+  EXPECT_NEAR(TypeParam::energy(rest, Moduli<double>{mu, lambda, 0.0}), 0.0, 1e-14);
   TangentHat<double> t;
-  TypeParam::dpdf_hat(rest, mu, lambda, t);
+  TypeParam::dpdf_hat(rest, Moduli<double>{mu, lambda, 0.0}, t);
   EXPECT_NEAR(t.hessian[0], 2 * mu + lambda, 1e-12);
   EXPECT_NEAR(t.hessian[1], lambda, 1e-12);
   for (int k = 0; k < 3; ++k) {

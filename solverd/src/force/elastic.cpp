@@ -95,11 +95,11 @@ ElasticState Elastic<Real>::evaluate_cells(std::span<const Real> u) {
           }
         double sigma[3];
         svd3(f, rotation_u, sigma, rotation_v);
-        Model::p_hat(sigma, mu_, lambda_, p_hat);
+        Model::p_hat(sigma, Moduli<double>{mu_, lambda_, 0.0}, p_hat);
         const double j = sigma[0] * sigma[1] * sigma[2];
         state.minimum_j = std::min(state.minimum_j, j);
         inverted = inverted || !(j > 0.0);
-        state.energy += volume * point.weight * Model::energy(sigma, mu_, lambda_);
+        state.energy += volume * point.weight * Model::energy(sigma, Moduli<double>{mu_, lambda_, 0.0});
         auto& stored = points_[c * point_count + q];
         for (int i = 0; i < 9; ++i) {
           stored.u[i] = static_cast<Real>(rotation_u[i]);
@@ -170,7 +170,7 @@ void Elastic<Real>::linearize_cells(Definiteness how) {
   for_each_index(points_.size(), [&](std::size_t p) {
     TangentHat<double> t;
     const double sigma[3] = {sigma_[p][0], sigma_[p][1], sigma_[p][2]};
-    Model::dpdf_hat(sigma, mu_, lambda_, t);
+    Model::dpdf_hat(sigma, Moduli<double>{mu_, lambda_, 0.0}, t);
     make_definite(t, floor, how);
     auto& stored = points_[p];
     const double weight = cell_volume(p / quadrature_.size()) * quadrature_[p % quadrature_.size()].weight;
@@ -289,9 +289,9 @@ CellMeasures Elastic<Real>::measures(std::int32_t cell, std::span<const Real> u)
     }
   svd3(f, rotation_u, sigma, rotation_v);
   if (material_.model == "corotated")
-    Corotated::p_hat(sigma, mu_, lambda_, p);
+    Corotated::p_hat(sigma, Moduli<double>{mu_, lambda_, 0.0}, p);
   else
-    NeoHookean::p_hat(sigma, mu_, lambda_, p);
+    NeoHookean::p_hat(sigma, Moduli<double>{mu_, lambda_, 0.0}, p);
   // Cauchy stress in the principal frame: sigma_i P_i / J
   const double j = std::max(sigma[0] * sigma[1] * sigma[2], 1e-6);
   const double s0 = sigma[0] * p[0] / j, s1 = sigma[1] * p[1] / j, s2 = sigma[2] * p[2] / j;

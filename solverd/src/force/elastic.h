@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "force/material.h"
+#include "force/material_parameters.h"
 #include "force/quadrature.h"
 #include "lattice/lattice.h"
 

@@ -1,9 +1,9 @@
 // Isotropic hyperelastic materials as functions of the singular values sigma of F.
 //
 // A model offers, on any Number:
-//   energy(sigma, mu, lambda)         Psi, kPa
-//   p_hat(sigma, mu, lambda, p)       the diagonal of the first Piola stress in the frame of the SVD
-//   dpdf_hat(sigma, mu, lambda, t)    its derivative, 12 numbers (Teran et al. 2005): the Hessian of Psi in sigma, then
+//   energy(sigma, m)                  Psi, kPa; m: the moduli of the cell
+//   p_hat(sigma, m, p)                the diagonal of the first Piola stress in the frame of the SVD
+//   dpdf_hat(sigma, m, t)             its derivative, 12 numbers (Teran et al. 2005): the Hessian of Psi in sigma, then
 //   for
 //                                     each pair (01, 02, 12) the eigenvalues of the stretch mode, (p_i - p_j)/(s_i -
 //                                     s_j), and of the rotation mode, (p_i + p_j)/(s_i + s_j)
@@ -11,26 +11,19 @@
 //   exactly kInverts                          whether J < 0 is a state the model describes
 #pragma once
 #include <cmath>
-#include <string>
 
 #include "math/number.h"
 #include "math/symmetric_eigen3.h"
 
 namespace lappet {
 
-struct MaterialParameters {
-  std::string model = "neoHookean";  // or "corotated"
-  double youngs_modulus = 50.0;      // kPa
-  double poissons_ratio = 0.45;
-  double density = 1100.0;  // kg/m^3
-
-  double mu() const { return youngs_modulus / (2.0 * (1.0 + poissons_ratio)); }
-  double lambda() const {
-    return youngs_modulus * poissons_ratio / ((1.0 + poissons_ratio) * (1.0 - 2.0 * poissons_ratio));
-  }
-};
-
 inline constexpr int kTangentPairs[3][2] = {{0, 1}, {0, 2}, {1, 2}};
+
+template <class Number>
+struct Moduli {
+  Number mu, lambda;  // kPa
+  Number mooney;      // mu01 / mu10; Mooney-Rivlin only
+};
 
 template <class Number>
 struct TangentHat {
@@ -44,23 +37,23 @@ struct Corotated {
   static constexpr bool kInverts = true;
 
   template <class Number>
-  static Number energy(const Number (&s)[3], Number mu, Number lambda) {
+  static Number energy(const Number (&s)[3], const Moduli<Number>& m) {
     const Number d0 = s[0] - Number(1), d1 = s[1] - Number(1), d2 = s[2] - Number(1);
     const Number trace = d0 + d1 + d2;
-    return mu * (d0 * d0 + d1 * d1 + d2 * d2) + Number(0.5) * lambda * trace * trace;
+    return m.mu * (d0 * d0 + d1 * d1 + d2 * d2) + Number(0.5) * m.lambda * trace * trace;
   }
   template <class Number>
-  static void p_hat(const Number (&s)[3], Number mu, Number lambda, Number (&p)[3]) {
-    const Number volume = lambda * (s[0] + s[1] + s[2] - Number(3));
-    for (int i = 0; i < 3; ++i) p[i] = Number(2) * mu * (s[i] - Number(1)) + volume;
+  static void p_hat(const Number (&s)[3], const Moduli<Number>& m, Number (&p)[3]) {
+    const Number volume = m.lambda * (s[0] + s[1] + s[2] - Number(3));
+    for (int i = 0; i < 3; ++i) p[i] = Number(2) * m.mu * (s[i] - Number(1)) + volume;
   }
   template <class Number>
-  static void dpdf_hat(const Number (&s)[3], Number mu, Number lambda, TangentHat<Number>& t) {
+  static void dpdf_hat(const Number (&s)[3], const Moduli<Number>& m, TangentHat<Number>& t) {
     using std::max;
-    const Number twice = mu + mu;
-    t.hessian[0] = t.hessian[3] = t.hessian[5] = twice + lambda;
-    t.hessian[1] = t.hessian[2] = t.hessian[4] = lambda;
-    const Number bulk = Number(2) * (lambda * (s[0] + s[1] + s[2] - Number(3)) - twice);
+    const Number twice = m.mu + m.mu;
+    t.hessian[0] = t.hessian[3] = t.hessian[5] = twice + m.lambda;
+    t.hessian[1] = t.hessian[2] = t.hessian[4] = m.lambda;
+    const Number bulk = Number(2) * (m.lambda * (s[0] + s[1] + s[2] - Number(3)) - twice);
     const Number sums[3] = {s[0] + s[1], s[0] + s[2], s[1] + s[2]};  // never negative
     for (int k = 0; k < 3; ++k) {
       t.stretch[k] = twice;
@@ -86,38 +79,38 @@ struct NeoHookean {
     ddg = -inverse * inverse;
   }
   template <class Number>
-  static Number energy(const Number (&s)[3], Number mu, Number lambda) {
+  static Number energy(const Number (&s)[3], const Moduli<Number>& m) {
     Number g, dg, ddg;
     logarithm(s[0] * s[1] * s[2], g, dg, ddg);
-    return Number(0.5) * mu * (s[0] * s[0] + s[1] * s[1] + s[2] * s[2] - Number(3)) - mu * g +
-           Number(0.5) * lambda * g * g;
+    return Number(0.5) * m.mu * (s[0] * s[0] + s[1] * s[1] + s[2] * s[2] - Number(3)) - m.mu * g +
+           Number(0.5) * m.lambda * g * g;
   }
   template <class Number>
-  static void p_hat(const Number (&s)[3], Number mu, Number lambda, Number (&p)[3]) {
+  static void p_hat(const Number (&s)[3], const Moduli<Number>& m, Number (&p)[3]) {
     Number g, dg, ddg;
     logarithm(s[0] * s[1] * s[2], g, dg, ddg);
-    const Number pressure = (lambda * g - mu) * dg;  // dPsi/dJ
-    p[0] = mu * s[0] + pressure * s[1] * s[2];
-    p[1] = mu * s[1] + pressure * s[0] * s[2];
-    p[2] = mu * s[2] + pressure * s[0] * s[1];
+    const Number pressure = (m.lambda * g - m.mu) * dg;  // dPsi/dJ
+    p[0] = m.mu * s[0] + pressure * s[1] * s[2];
+    p[1] = m.mu * s[1] + pressure * s[0] * s[2];
+    p[2] = m.mu * s[2] + pressure * s[0] * s[1];
   }
   template <class Number>
-  static void dpdf_hat(const Number (&s)[3], Number mu, Number lambda, TangentHat<Number>& t) {
+  static void dpdf_hat(const Number (&s)[3], const Moduli<Number>& m, TangentHat<Number>& t) {
     Number g, dg, ddg;
     logarithm(s[0] * s[1] * s[2], g, dg, ddg);
-    const Number pressure = (lambda * g - mu) * dg;
-    const Number curvature = lambda * dg * dg + (lambda * g - mu) * ddg;  // d2Psi/dJ2
-    const Number c[3] = {s[1] * s[2], s[0] * s[2], s[0] * s[1]};          // dJ/dsigma
-    t.hessian[0] = mu + curvature * c[0] * c[0];
-    t.hessian[3] = mu + curvature * c[1] * c[1];
-    t.hessian[5] = mu + curvature * c[2] * c[2];
+    const Number pressure = (m.lambda * g - m.mu) * dg;
+    const Number curvature = m.lambda * dg * dg + (m.lambda * g - m.mu) * ddg;  // d2Psi/dJ2
+    const Number c[3] = {s[1] * s[2], s[0] * s[2], s[0] * s[1]};                // dJ/dsigma
+    t.hessian[0] = m.mu + curvature * c[0] * c[0];
+    t.hessian[3] = m.mu + curvature * c[1] * c[1];
+    t.hessian[5] = m.mu + curvature * c[2] * c[2];
     t.hessian[1] = curvature * c[0] * c[1] + pressure * s[2];
     t.hessian[2] = curvature * c[0] * c[2] + pressure * s[1];
     t.hessian[4] = curvature * c[1] * c[2] + pressure * s[0];
     const Number opposite[3] = {s[2], s[1], s[0]};
     for (int k = 0; k < 3; ++k) {
-      t.stretch[k] = mu - pressure * opposite[k];
-      t.rotation[k] = mu + pressure * opposite[k];
+      t.stretch[k] = m.mu - pressure * opposite[k];
+      t.rotation[k] = m.mu + pressure * opposite[k];
     }
   }
 };

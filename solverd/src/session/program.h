@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "force/material.h"
+#include "force/material_parameters.h"
 #include "lattice/surface.h"
 
 namespace lappet {
