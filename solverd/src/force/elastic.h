@@ -1,14 +1,17 @@
 // The elastic energy of a lattice, its gradient and its tangent (GRIDiron Algorithm 1), per cell of edge h:
 //   F = I + (sum_c u_c (x) grad N_c) / h,   P = U P_hat(sigma) V^T,   dP = U (T : U^T dF V) V^T.
-// Works on displacements u (3 per node, node-major), so that float keeps its digits far from the origin. Loops over
-// cells write per cell and are gathered per node in a fixed order: the result does not depend on the number of threads.
+// Works on displacements u (3 per node, node-major), so that float keeps its digits far from the origin. The work is
+// done by SIMD kernels on blocks of cells (elastic_kernels.h); sums do not depend on the number of threads.
 #pragma once
+#include <tbb/cache_aligned_allocator.h>
+
 #include <Eigen/Core>
 #include <cstdint>
 #include <span>
 #include <vector>
 
-#include "force/material.h"
+#include "force/block_layout.h"
+#include "force/elastic_kernels.h"
 #include "force/material_parameters.h"
 #include "force/quadrature.h"
 #include "lattice/lattice.h"
@@ -29,24 +32,32 @@ struct CellMeasures {
 };
 
 using Matrix24 = Eigen::Matrix<double, 24, 24>;
+using Matrix9 = Eigen::Matrix<double, 9, 9>;
 
 template <class Real>
 class Elastic {
  public:
-  // quadrature: 1, 4 or 8. Keeps a reference to the lattice.
-  Elastic(const Lattice& lattice, const MaterialParameters& material, int quadrature);
+  // quadrature: 1, 4 or 8. All materials have the same model. Keeps a reference to the lattice.
+  Elastic(const Lattice& lattice, CellMaterials materials, int quadrature,
+          InstructionSet set = choose_instruction_set());
+  Elastic(const Lattice& lattice, const MaterialParameters& material, int quadrature)
+      : Elastic(lattice, CellMaterials{{material}, {}}, quadrature) {}
+  Elastic(const Elastic&) = delete;
+  Elastic& operator=(const Elastic&) = delete;
 
+  // How far each material's muscle is active, 0 to 1 (empty: not at all). Holds from the next evaluation on.
+  void set_activation(std::span<const double> activation);
   // Energy and gradient (3 per node, written) at u; remembers the decomposition for linearize. node_scale (1 per node,
   // written): the sum of the magnitudes of the cells' forces on the node.
   ElasticState evaluate(std::span<const Real> u, std::span<double> gradient, std::span<double> node_scale);
   // Computes the tangent at the last evaluated u.
   void linearize(Definiteness how);
-  // y = K x; `extra` adds for each cell c with extra_of_cell[c] >= 0 the 8x8 matrix of that index (times identity).
+  // y = K x
   void multiply(std::span<const Real> x, std::span<Real> y) const;
   // Quadratic terms on cells (attachments): 64 numbers each, symmetric, row-major; index per cell or -1.
-  void set_cell_quadratics(std::vector<std::int32_t> of_cell, std::vector<Real> matrices);
-  // 3x3 diagonal blocks of K, 9 per node.
-  void diagonal_blocks(std::span<double> blocks) const;
+  void set_cell_quadratics(std::span<const std::int32_t> of_cell, std::span<const Real> matrices);
+  // 3x3 diagonal blocks of K, 6 per node: 00 01 02 11 12 22.
+  void diagonal_blocks(std::span<Real> blocks) const;
   // K of one cell, ordered corner-major (3 corner + component), with the cell's quadratic term.
   Matrix24 cell_stiffness(std::int32_t cell) const;
   // Adds P^T K P of one cell to a coarse block; P: 24 fine unknowns (corner-major) by 48 coarse ones.
@@ -56,32 +67,32 @@ class Elastic {
 
   std::size_t bytes() const;
   const Lattice& lattice() const { return lattice_; }
-  const MaterialParameters& material() const { return material_; }
+  const CellMaterials& materials() const { return materials_; }
+  const BlockLayout& layout() const { return layout_; }
+  const SceneFeatures& features() const { return features_; }
+  InstructionSet instruction_set() const { return set_; }
 
  private:
-  struct Point {  // the tangent at a quadrature point
-    Real u[9], v[9];
-    Real hessian[6];
-    Real same[3], cross[3];  // dP_ij = same dF_ij + cross dF_ji, pairs 01 02 12
-  };
-  template <class Model>
-  ElasticState evaluate_cells(std::span<const Real> u);
-  template <class Model>
-  void linearize_cells(Definiteness how);
-  double cell_volume(std::size_t cell) const;
+  void fill_cells();
+  std::int64_t material_place(std::int64_t place) const { return uniform_ ? 0 : place; }
+  // d(volume weight P)/dF of a point, 9x9, row-major indices, in mN mm
+  Matrix9 point_tangent(std::size_t slot, std::size_t point) const;
+  Eigen::Matrix<double, 8, 8> scalar_stiffness(std::size_t slot) const;
 
   const Lattice& lattice_;
-  MaterialParameters material_;
-  double mu_, lambda_, laplacian_;
+  CellMaterials materials_;
+  SceneFeatures features_;
+  InstructionSet set_;
+  ElasticKernels<Real> kernels_;
+  BlockLayout layout_;
   std::vector<QuadraturePoint> quadrature_;
-  std::vector<Real> gradients_;  // 24 per quadrature point, divided by h
-  std::vector<Point> points_;
-  std::vector<std::array<double, 3>> sigma_;
-  std::vector<std::int32_t> incidence_start_, incidence_;  // node -> cell * 8 + corner
-  std::vector<double> cell_gradient_;                      // 24 per cell
-  mutable std::vector<Real> cell_product_;                 // 24 per cell
-  std::vector<std::int32_t> quadratic_of_cell_;
-  std::vector<Real> quadratics_;
+  bool uniform_;  // one record of material for all cells
+  std::vector<double> gradients_, weights_;
+  template <class T>
+  using Aligned = std::vector<T, tbb::cache_aligned_allocator<T>>;
+  Aligned<Real> volume_, stabilization_, material_, tangent_, sigma_, fibre_tangent_, quadratics_;
+  std::vector<std::int32_t> quadratic_of_;
+  ElasticArrays<Real> arrays_;
 };
 
 extern template class Elastic<float>;

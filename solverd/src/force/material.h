@@ -115,6 +115,9 @@ struct NeoHookean {
   }
 };
 
+// The least eigenvalue that a definite tangent keeps, over mu.
+inline constexpr double kDefiniteFloor = 1e-4;
+
 // How a tangent is made positive definite (Teran et al. 2005; absolute values after Chen et al. 2024).
 enum class Definiteness { kExact, kClamp, kAbsolute };
 

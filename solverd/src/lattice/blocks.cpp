@@ -1,60 +1,56 @@
 #include "lattice/blocks.h"
 
 #include <algorithm>
-#include <map>
 
 namespace lappet {
 
 namespace {
 
+constexpr int kFaceNodes = 4;
+
 std::int32_t half(std::int32_t a) { return a >= 0 ? a / 2 : -((1 - a) / 2); }
 
-// How two blocks fit: the faces on which their cells are joined, and those on which cells meet without being joined.
-struct Fit {
-  bool overlaps = false;
-  int joined = 0, mismatched = 0;
-};
-
-bool share_face(const Lattice& lattice, std::int32_t a, std::int32_t b, int bit) {
-  const auto& na = lattice.cell_nodes[static_cast<std::size_t>(a)];
-  const auto& nb = lattice.cell_nodes[static_cast<std::size_t>(b)];
-  for (std::size_t c = 0; c < 8; ++c)
-    if ((c & static_cast<std::size_t>(bit)) != 0 && na[c] != nb[c & ~static_cast<std::size_t>(bit)]) return false;
-  return true;
-}
-
-Fit fit(const Lattice& lattice, const Block& a, const Block& b) {
-  Fit result;
+// The nodes of a block by place, 9 x + 3 y + z; -1 where no cell has one.
+std::array<std::int32_t, 27> nodes_of(const Lattice& lattice, const Block& block) {
+  std::array<std::int32_t, 27> nodes;
+  nodes.fill(-1);
   for (std::size_t i = 0; i < 8; ++i) {
-    if (a.cells[i] < 0) continue;
-    result.overlaps = result.overlaps || b.cells[i] >= 0;
-    for (int bit = 1; bit < 8; bit <<= 1) {
-      const std::size_t j = i ^ static_cast<std::size_t>(bit);
-      if (b.cells[j] < 0) continue;
-      const bool upper = (i & static_cast<std::size_t>(bit)) != 0;
-      const bool joined =
-          upper ? share_face(lattice, b.cells[j], a.cells[i], bit) : share_face(lattice, a.cells[i], b.cells[j], bit);
-      ++(joined ? result.joined : result.mismatched);
-    }
+    if (block.cells[i] < 0) continue;
+    const auto& corners = lattice.cell_nodes[static_cast<std::size_t>(block.cells[i])];
+    for (std::size_t c = 0; c < 8; ++c)
+      nodes[9 * ((i >> 2) + (c >> 2)) + 3 * ((i >> 1 & 1) + (c >> 1 & 1)) + (i & 1) + (c & 1)] = corners[c];
   }
-  return result;
+  return nodes;
 }
 
+// How many nodes two blocks share; -1 where they ask for different cells or nodes at one place.
+int shared_nodes(const Lattice& lattice, const Block& a, const Block& b) {
+  for (std::size_t i = 0; i < 8; ++i)
+    if (a.cells[i] >= 0 && b.cells[i] >= 0) return -1;
+  const auto na = nodes_of(lattice, a), nb = nodes_of(lattice, b);
+  int shared = 0;
+  for (std::size_t n = 0; n < na.size(); ++n) {
+    if (na[n] < 0 || nb[n] < 0) continue;
+    if (na[n] != nb[n]) return -1;
+    ++shared;
+  }
+  return shared;
+}
+
+// Merges the pair that shares most nodes until none is left that fits and shares a face.
 void collapse(const Lattice& lattice, std::vector<Block>& blocks) {
   while (true) {
     std::size_t best_a = 0, best_b = 0;
-    int fewest = -1;
+    int most = kFaceNodes - 1;
     for (std::size_t a = 0; a < blocks.size(); ++a)
       for (std::size_t b = a + 1; b < blocks.size(); ++b) {
-        const Fit f = fit(lattice, blocks[a], blocks[b]);
-        if (f.overlaps || f.joined == 0) continue;
-        if (fewest < 0 || f.mismatched < fewest) {
-          fewest = f.mismatched;
-          best_a = a;
-          best_b = b;
-        }
+        const int shared = shared_nodes(lattice, blocks[a], blocks[b]);
+        if (shared <= most) continue;
+        most = shared;
+        best_a = a;
+        best_b = b;
       }
-    if (fewest < 0) return;
+    if (most < kFaceNodes) return;
     for (std::size_t i = 0; i < 8; ++i)
       if (blocks[best_b].cells[i] >= 0) blocks[best_a].cells[i] = blocks[best_b].cells[i];
     blocks.erase(blocks.begin() + static_cast<std::ptrdiff_t>(best_b));
@@ -64,23 +60,33 @@ void collapse(const Lattice& lattice, std::vector<Block>& blocks) {
 }  // namespace
 
 std::vector<Block> build_blocks(const Lattice& lattice) {
-  std::map<std::array<std::int32_t, 3>, std::vector<std::int32_t>> regions;
-  for (std::size_t c = 0; c < lattice.cell_position.size(); ++c) {
-    const auto& p = lattice.cell_position[c];
-    regions[{half(p[0]), half(p[1]), half(p[2])}].push_back(static_cast<std::int32_t>(c));
+  const std::size_t count = lattice.cell_position.size();
+  const auto region_of = [&](std::int32_t cell) {
+    const auto& p = lattice.cell_position[static_cast<std::size_t>(cell)];
+    return std::array<std::int32_t, 3>{half(p[0]), half(p[1]), half(p[2])};
+  };
+  std::vector<std::pair<std::array<std::int32_t, 3>, std::int32_t>> cells(count);
+  for (std::size_t c = 0; c < count; ++c) {
+    const auto cell = static_cast<std::int32_t>(c);
+    cells[c] = {region_of(cell), cell};
   }
-  std::vector<Block> result;
-  for (const auto& [region, cells] : regions) {
-    std::vector<Block> blocks;
-    for (const std::int32_t c : cells) {
-      const auto& p = lattice.cell_position[static_cast<std::size_t>(c)];
+  std::sort(cells.begin(), cells.end());
+  std::vector<Block> result, blocks;
+  for (std::size_t begin = 0; begin < count;) {
+    const auto region = cells[begin].first;
+    blocks.clear();
+    std::size_t end = begin;
+    for (; end < count && cells[end].first == region; ++end) {
+      const std::int32_t cell = cells[end].second;
+      const auto& p = lattice.cell_position[static_cast<std::size_t>(cell)];
       Block block{region, {-1, -1, -1, -1, -1, -1, -1, -1}};
       const int place = (p[0] - 2 * region[0]) << 2 | (p[1] - 2 * region[1]) << 1 | (p[2] - 2 * region[2]);
-      block.cells[static_cast<std::size_t>(place)] = c;
+      block.cells[static_cast<std::size_t>(place)] = cell;
       blocks.push_back(block);
     }
     collapse(lattice, blocks);
     result.insert(result.end(), blocks.begin(), blocks.end());
+    begin = end;
   }
   return result;
 }

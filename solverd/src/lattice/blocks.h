@@ -1,6 +1,6 @@
-// Manifold blocks of 2x2x2 cells (GRIDiron Algorithm 3): every cell is in one block, a block never holds two cells at
-// one position, and where incisions put several cells at a position the cells are gathered greedily along what connects
-// them.
+// Manifold blocks of 2x2x2 cells (GRIDiron Algorithm 3): every cell is in one block, a block never holds two cells or
+// two nodes at one place, and where incisions put several cells at a position the cells are gathered greedily along
+// what connects them.
 #pragma once
 #include <array>
 #include <cstdint>

@@ -1,5 +1,5 @@
-// The scalar face of `Number`: what every kernel may call, for float and double. A SIMD type offers the same functions,
-// so that a kernel is written once.
+// `Number`: what a kernel computes with. A kernel is written once on Number, for float and double (here) and for SIMD
+// batches of both (math/simd_number.h), which offer the same functions. A batch holds kLanes independent values.
 #pragma once
 #include <algorithm>
 #include <cmath>
@@ -11,7 +11,29 @@ template <class Number>
 struct NumberTraits {
   using Scalar = Number;
   using Mask = bool;
+  static constexpr int kLanes = 1;
+  // From and to kLanes consecutive values of any floating type.
+  template <class From>
+  static Number load(const From* from) {
+    return static_cast<Number>(*from);
+  }
+  template <class To>
+  static void store(Number value, To* to) {
+    *to = static_cast<To>(value);
+  }
 };
+
+template <class Number>
+inline constexpr int kLanes = NumberTraits<Number>::kLanes;
+
+template <class Number, class From>
+inline Number load(const From* from) {
+  return NumberTraits<Number>::load(from);
+}
+template <class Number, class To>
+inline void store(const Number& value, To* to) {
+  NumberTraits<Number>::store(value, to);
+}
 
 template <class Number>
 inline Number select(bool condition, Number yes, Number no) {

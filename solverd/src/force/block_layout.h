@@ -1,0 +1,40 @@
+// Where the cells of a lattice lie for the kernels: blocks of 2x2x2 cells (lattice/blocks.h), `lanes` of them in
+// lockstep as a group, groups in slabs across the longest side of the tissue.
+//
+// Only neighbouring slabs share nodes: the even ones may scatter at the same time, then the odd ones. What a slab holds
+// does not depend on the number of threads, so neither does any sum.
+#pragma once
+#include <tbb/parallel_for.h>
+
+#include <cstdint>
+#include <vector>
+
+#include "lattice/lattice.h"
+
+namespace lappet {
+
+struct BlockLayout {
+  int lanes = 1;
+  std::int64_t groups = 0;
+  std::vector<std::int32_t> nodes;          // [group][27][lane]
+  std::vector<std::int32_t> cell_of_slot;   // [group][place][lane]; -1 where missing
+  std::vector<std::int32_t> slot_of_cell;   // index into cell_of_slot
+  std::vector<std::int64_t> slab_start;     // first group of each slab, and the end
+
+  std::size_t slots() const { return cell_of_slot.size(); }
+  std::size_t slabs() const { return slab_start.size() - 1; }
+
+  // Calls body(slab, first group, end) for every slab, those that share nodes one after the other.
+  template <class Body>
+  void for_each_slab(const Body& body) const {
+    for (std::size_t colour = 0; colour < 2; ++colour)
+      tbb::parallel_for(std::size_t{0}, (slabs() + 1 - colour) / 2, [&](std::size_t i) {
+        const std::size_t slab = 2 * i + colour;
+        body(slab, slab_start[slab], slab_start[slab + 1]);
+      });
+  }
+};
+
+BlockLayout lay_out_blocks(const Lattice& lattice, int lanes);
+
+}  // namespace lappet

@@ -1,0 +1,53 @@
+// What the elastic kernels read and write: plain pointers into arrays that force/elastic.h owns, ordered so that SIMD
+// lanes are `lanes` blocks of 2x2x2 cells in lockstep.
+//
+//   group   `lanes` blocks;   node    27 per block, corner (x, y, z) of 3x3x3 at 9 x + 3 y + z
+//   place   8 per block, (x<<2 | y<<1 | z);   slot  a place of a lane: cells lie at [group][place][lane]
+// Missing cells have no volume and use nodes of their own block. Gradients of shape functions are scaled by 4 h, so that
+// those of the cell centre are +-1; the tangents carry 1 / (16 h^2) and the volume.
+#pragma once
+#include <cstdint>
+
+namespace lappet {
+
+// The tangent of a quadrature point: dP = U (T : U^T dF V) V^T, the rotations U and V as quaternions (w x y z).
+enum TangentField { kU = 0, kV = 4, kHessian = 8, kSame = 14, kCross = 17, kTangentFields = 20 };
+// Where dP_ij = same dF_ij + cross dF_ji for the pairs 01 02 12 and the Hessian is 00 01 02 11 12 22.
+
+// The tangent of fibres and muscle, see force/fibre.h.
+enum FibreField { kIsotropic, kAlong, kCurvature, kMuscleCurvature, kFibreFields };
+
+// What a cell is made of.
+enum MaterialField {
+  kMu,
+  kLambda,
+  kMooney,
+  kFibreK1,
+  kFibreK2,
+  kFibreDispersion,
+  kMuscle,
+  kFibreDirection,                    // 3
+  kPrestretch = kFibreDirection + 3,  // symmetric, 00 01 02 11 12 22
+  kMaterialFields = kPrestretch + 6
+};
+
+template <class Real>
+struct ElasticArrays {
+  int points = 1;                      // quadrature points per cell
+  double spacing = 1.0;                // h, mm
+  const double* gradients = nullptr;   // [point][3][8], 4 h grad N; not used with one point
+  const double* weights = nullptr;     // [point], of the unit volume
+  const std::int32_t* nodes = nullptr;  // [group][27][lane]
+  const Real* volume = nullptr;         // [group][place][lane], mm^3
+  const Real* stabilization = nullptr;  // [group][place][lane], laplacian mu volume / (24 h^2), or null
+  const Real* material = nullptr;       // [group][place][kMaterialFields][lane], or one record for all: stride 0
+  std::int64_t material_stride = 0;     // from place to place
+  Real* tangent = nullptr;              // [group][place][point][kTangentFields][lane]
+  Real* sigma = nullptr;                // [group][place][point][3][lane]
+  Real* fibre_tangent = nullptr;        // [group][place][point][kFibreFields][lane], or null
+  // Quadratic terms on cells (attachments), 8x8 symmetric, the same for each component.
+  const std::int32_t* quadratic_of = nullptr;  // [group][place]: index of a matrix, -1 for none; or null
+  const Real* quadratics = nullptr;            // [index][36][lane], upper half by rows
+};
+
+}  // namespace lappet

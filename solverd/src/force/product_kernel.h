@@ -1,0 +1,168 @@
+// The tangent product, fused: gather the nodes of the blocks, differential and stabilization of each cell, scatter.
+//   dF = du grad N,   dP = U (T : U^T dF V) V^T,   y += dP grad N + hourglass terms
+#pragma once
+#include "force/cell_corners.h"
+#include "force/node_lanes.h"
+#include "math/matrix3.h"
+
+namespace lappet {
+
+// dp = T : hat, both in the frame of the decomposition.
+template <class Number>
+inline void apply_tangent(const typename NumberTraits<Number>::Scalar* t, const Number (&hat)[9], Number (&dp)[9]) {
+  constexpr int w = kLanes<Number>;
+  const auto field = [&](int k) { return load<Number>(t + k * w); };
+  const Number h01 = field(kHessian + 1), h02 = field(kHessian + 2), h12 = field(kHessian + 4);
+  dp[0] = field(kHessian) * hat[0] + h01 * hat[4] + h02 * hat[8];
+  dp[4] = h01 * hat[0] + field(kHessian + 3) * hat[4] + h12 * hat[8];
+  dp[8] = h02 * hat[0] + h12 * hat[4] + field(kHessian + 5) * hat[8];
+  constexpr int kUpper[3] = {1, 2, 5}, kLower[3] = {3, 6, 7};
+  for (int k = 0; k < 3; ++k) {
+    const Number same = field(kSame + k), cross = field(kCross + k);
+    const Number upper = hat[kUpper[k]], lower = hat[kLower[k]];
+    dp[kUpper[k]] = same * upper + cross * lower;
+    dp[kLower[k]] = same * lower + cross * upper;
+  }
+}
+
+template <class Number>
+inline void load_rotation(const typename NumberTraits<Number>::Scalar* t, int field, Number (&r)[9]) {
+  Number q[4];
+  for (int k = 0; k < 4; ++k) q[k] = load<Number>(t + (field + k) * kLanes<Number>);
+  rotation_of_quaternion(q, r);
+}
+
+// df -> dp at a quadrature point, in place.
+template <bool kFibres, bool kPrestretched, class Number>
+inline void differential(const typename NumberTraits<Number>::Scalar* tangent,
+                         const typename NumberTraits<Number>::Scalar* sigma,
+                         const typename NumberTraits<Number>::Scalar* fibre,
+                         const typename NumberTraits<Number>::Scalar* material, Number (&df)[9]) {
+  constexpr int w = kLanes<Number>;
+  Number stretch[9];
+  if constexpr (kPrestretched) {
+    Number unstretched[9];
+    load_symmetric3<Number>(material + kPrestretch * w, stretch);
+    for (int i = 0; i < 9; ++i) unstretched[i] = df[i];
+    multiply3(unstretched, stretch, df);
+  }
+  Number u[9], v[9], rotated[9], hat[9], dp[9];
+  load_rotation(tangent, kU, u);
+  load_rotation(tangent, kV, v);
+  multiply3_transposed_left(u, df, rotated);
+  multiply3(rotated, v, hat);
+  apply_tangent(tangent, hat, dp);
+  if constexpr (kFibres) {
+    // F = diag(sigma) and a -> V^T a in the frame of the decomposition
+    Number a[3], s[3], fa[3], dfa[3];
+    for (int i = 0; i < 3; ++i) {
+      const Number d0 = load<Number>(material + kFibreDirection * w), d1 = load<Number>(material + (kFibreDirection + 1) * w),
+                   d2 = load<Number>(material + (kFibreDirection + 2) * w);
+      a[i] = v[i] * d0 + v[3 + i] * d1 + v[6 + i] * d2;
+      s[i] = load<Number>(sigma + i * w);
+      fa[i] = s[i] * a[i];
+    }
+    for (int i = 0; i < 3; ++i) dfa[i] = hat[3 * i] * a[0] + hat[3 * i + 1] * a[1] + hat[3 * i + 2] * a[2];
+    const Number dispersion = load<Number>(material + kFibreDispersion * w);
+    const Number aligned = Number(1) - Number(3) * dispersion;
+    const Number work = fa[0] * dfa[0] + fa[1] * dfa[1] + fa[2] * dfa[2];
+    const Number b_df = dispersion * (s[0] * hat[0] + s[1] * hat[4] + s[2] * hat[8]) + aligned * work;
+    const Number isotropic = load<Number>(fibre + kIsotropic * w), along = load<Number>(fibre + kAlong * w);
+    const Number bend = load<Number>(fibre + kCurvature * w) * b_df;
+    const Number pull = bend * aligned + load<Number>(fibre + kMuscleCurvature * w) * work;
+    for (int i = 0; i < 3; ++i) {
+      dp[4 * i] += bend * dispersion * s[i];
+      for (int j = 0; j < 3; ++j) dp[3 * i + j] += isotropic * hat[3 * i + j] + (along * dfa[i] + pull * fa[i]) * a[j];
+    }
+  }
+  multiply3(u, dp, rotated);
+  multiply3_transposed_right(rotated, v, df);
+  if constexpr (kPrestretched) {
+    for (int i = 0; i < 9; ++i) dp[i] = df[i];
+    multiply3(dp, stretch, df);
+  }
+}
+
+// y += Q x of the cells of a place, one symmetric 8x8 matrix per lane.
+template <class Number>
+inline void add_quadratic(const typename NumberTraits<Number>::Scalar* matrix, const Number (&x)[3][8],
+                          Number (&y)[3][8]) {
+  int entry = 0;
+  for (int a = 0; a < 8; ++a)
+    for (int b = a; b < 8; ++b, ++entry) {
+      const Number value = load<Number>(matrix + entry * kLanes<Number>);
+      for (int i = 0; i < 3; ++i) {
+        y[i][a] += value * x[i][b];
+        if (a != b) y[i][b] += value * x[i][a];
+      }
+    }
+}
+
+// y += K x of the groups begin..end; x and y hold 3 numbers per node.
+template <class Number, bool kOnePoint, bool kFibres, bool kPrestretched>
+void multiply_groups(const ElasticArrays<typename NumberTraits<Number>::Scalar>& arrays, std::int64_t begin,
+                     std::int64_t end, const typename NumberTraits<Number>::Scalar* x,
+                     typename NumberTraits<Number>::Scalar* y) {
+  using Scalar = typename NumberTraits<Number>::Scalar;
+  constexpr int w = kLanes<Number>;
+  const int points = kOnePoint ? 1 : arrays.points;
+  alignas(64) Scalar at[kBlockNodes][3][w];
+  alignas(64) Scalar sum[kBlockNodes][3][w];
+  for (std::int64_t group = begin; group < end; ++group) {
+    const std::int32_t* nodes = arrays.nodes + group * kBlockNodes * w;
+    for (int n = 0; n < kBlockNodes; ++n) NodeLanes<Number>::gather(x, nodes + n * w, &at[n][0][0]);
+    for (int n = 0; n < kBlockNodes; ++n)
+      for (int i = 0; i < 3; ++i) store(Number(0), sum[n][i]);
+    for (int place = 0; place < kBlockCells; ++place) {
+      const std::int64_t cell = group * kBlockCells + place;
+      const Scalar* material = arrays.material + cell * arrays.material_stride;
+      Number corners[3][8], result[3][8], df[9];
+      for (int i = 0; i < 3; ++i)
+        for (int c = 0; c < 8; ++c) corners[i][c] = load<Number>(at[block_node(place, c)][i]);
+      if constexpr (kOnePoint) {
+        Number modes[3][4];
+        for (int i = 0; i < 3; ++i) corner_sums(corners[i], df[3 * i], df[3 * i + 1], df[3 * i + 2], modes[i]);
+        differential<kFibres, kPrestretched>(arrays.tangent + cell * kTangentFields * w, arrays.sigma + cell * 3 * w,
+                                             arrays.fibre_tangent + cell * kFibreFields * w, material, df);
+        const Number stabilization = load<Number>(arrays.stabilization + cell * w);
+        const Number half = Number(0.5) * stabilization;
+        for (int i = 0; i < 3; ++i) {
+          modes[i][0] *= stabilization;
+          modes[i][1] *= stabilization;
+          modes[i][2] *= stabilization;
+          modes[i][3] *= half;
+          spread_to_corners(df[3 * i], df[3 * i + 1], df[3 * i + 2], modes[i], result[i]);
+        }
+      } else {
+        for (auto& row : result)
+          for (auto& value : row) value = Number(0);
+        for (int q = 0; q < points; ++q) {
+          const double* gradient = arrays.gradients + 24 * q;
+          const std::int64_t point = cell * points + q;
+          for (int i = 0; i < 3; ++i)
+            for (int j = 0; j < 3; ++j) {
+              Number total(0);
+              for (int c = 0; c < 8; ++c) total += corners[i][c] * Number(static_cast<Scalar>(gradient[8 * j + c]));
+              df[3 * i + j] = total;
+            }
+          differential<kFibres, kPrestretched>(arrays.tangent + point * kTangentFields * w, arrays.sigma + point * 3 * w,
+                                               arrays.fibre_tangent + point * kFibreFields * w, material, df);
+          for (int i = 0; i < 3; ++i)
+            for (int c = 0; c < 8; ++c)
+              for (int j = 0; j < 3; ++j)
+                result[i][c] += df[3 * i + j] * Number(static_cast<Scalar>(gradient[8 * j + c]));
+        }
+      }
+      if (arrays.quadratic_of != nullptr && arrays.quadratic_of[cell] >= 0)
+        add_quadratic(arrays.quadratics + std::int64_t{arrays.quadratic_of[cell]} * 36 * w, corners, result);
+      for (int i = 0; i < 3; ++i)
+        for (int c = 0; c < 8; ++c) {
+          Scalar* to = sum[block_node(place, c)][i];
+          store(load<Number>(to) + result[i][c], to);
+        }
+    }
+    for (int n = 0; n < kBlockNodes; ++n) NodeLanes<Number>::scatter_add(y, nodes + n * w, &sum[n][0][0]);
+  }
+}
+
+}  // namespace lappet
