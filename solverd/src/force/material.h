@@ -1,14 +1,15 @@
-// Isotropic hyperelastic materials as functions of the singular values sigma of F.
+// Isotropic hyperelastic materials as functions of the singular values sigma of F: what the models share, and the first
+// two of them. The others have headers of their own; material_models.h lists all.
 //
 // A model offers, on any Number:
-//   energy(sigma, m)                  Psi, kPa; m: the moduli of the cell
-//   p_hat(sigma, m, p)                the diagonal of the first Piola stress in the frame of the SVD
-//   dpdf_hat(sigma, m, t)             its derivative, 12 numbers (Teran et al. 2005): the Hessian of Psi in sigma, then
-//   for
-//                                     each pair (01, 02, 12) the eigenvalues of the stretch mode, (p_i - p_j)/(s_i -
-//                                     s_j), and of the rotation mode, (p_i + p_j)/(s_i + s_j)
-//   kLaplacian                        Psi contains kLaplacian mu/2 |F|^2; the stabilization integrates that part
-//   exactly kInverts                          whether J < 0 is a state the model describes
+//   kName             as procedures write it
+//   energy            (sigma, moduli of the cell): Psi, kPa
+//   p_hat             (sigma, moduli, p): the diagonal of the first Piola stress in the frame of the SVD
+//   dpdf_hat          (sigma, moduli, t): its derivative, 12 numbers (Teran et al. 2005): the Hessian of Psi in sigma,
+//                     then for each pair (01, 02, 12) the eigenvalues of the stretch mode, (p_i - p_j)/(s_i - s_j), and
+//                     of the rotation mode, (p_i + p_j)/(s_i + s_j), as closed forms that hold for equal values too
+//   kLaplacian        Psi contains kLaplacian mu/2 |F|^2; the stabilization integrates that part exactly
+//   kInverts          whether J < 0 is a state the model describes
 #pragma once
 #include <cmath>
 
@@ -33,6 +34,7 @@ struct TangentHat {
 };
 
 struct Corotated {
+  static constexpr const char* kName = "corotated";
   static constexpr double kLaplacian = 2.0;
   static constexpr bool kInverts = true;
 
@@ -64,6 +66,7 @@ struct Corotated {
 
 // ln J, continued below kSmallJ by its second-order Taylor polynomial so that inverted cells have finite energy.
 struct NeoHookean {
+  static constexpr const char* kName = "neoHookean";
   static constexpr double kLaplacian = 1.0;
   static constexpr bool kInverts = false;
   static constexpr double kSmallJ = 0.2;
