@@ -1,5 +1,6 @@
 #include "force/elastic.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -16,7 +17,9 @@ namespace {
 
 SceneFeatures features_of(const CellMaterials& materials, int quadrature) {
   SceneFeatures features;
-  features.model = model_kind(materials.table.at(0).model);
+  features.model = MaterialModels::index(materials.table.at(0).model);
+  if (features.model < 0)
+    throw std::invalid_argument("there is no material model \"" + materials.table[0].model + "\"");
   features.one_point = quadrature == 1;
   for (const auto& material : materials.table) {
     if (material.model != materials.table[0].model)
@@ -79,16 +82,21 @@ void Elastic<Real>::fill_cells() {
     put(kFibreK1, m.fibre_k1);
     put(kFibreK2, m.fibre_k2);
     put(kFibreDispersion, m.fibre_dispersion);
-    const Vec3 direction = direction_in_plane(m, normal);
+    MaterialParameters turned = m;
+    if (!materials_.normal_of_cell.empty()) turned.fibre_direction = direction_in_plane(m, normal);
+    const Vec3 direction = turned.fibre_direction.normalized();
     for (int i = 0; i < 3; ++i) put(kFibreDirection + i, direction[i]);
-    const Eigen::Matrix3d a = prestretch_matrix(m, normal);
+    if (!features_.prestretched) return;
+    const bool upright = normal.cross(direction).norm() < 1e-3;
+    const Eigen::Matrix3d a = prestretch_matrix(turned, upright ? direction.unitOrthogonal() : normal);
     int k = 0;
     for (int i = 0; i < 3; ++i)
       for (int j = i; j < 3; ++j, ++k) put(kPrestretch + k, a(i, j));
   };
   if (uniform_)
     for (std::size_t lane = 0; lane < lanes; ++lane) describe(0, lane, materials_.table[0], Vec3::UnitZ());
-  const double laplacian = laplacian_of(features_.model);
+  double laplacian = 0.0;
+  MaterialModels::with(features_.model, [&]<class Model>() { laplacian = Model::kLaplacian; });
   for_each_index(layout_.slots(), [&](std::size_t slot) {
     const std::int32_t cell = layout_.cell_of_slot[slot];
     const auto c = static_cast<std::size_t>(std::max(cell, 0));
@@ -207,8 +215,9 @@ CellMeasures Elastic<Real>::measures(std::int32_t cell, std::span<const Real> u)
     multiply3(unstretched, a, f);
   }
   svd3(f, rotation_u, sigma, rotation_v);
-  with_model(features_.model,
-             [&](auto model) { model.p_hat(sigma, load_moduli<double>(material, layout_.lanes), p_hat); });
+  MaterialModels::with(features_.model, [&]<class Model>() {
+    Model::p_hat(sigma, load_moduli<double>(material, layout_.lanes), p_hat);
+  });
   // Cauchy stress in the frame of the decomposition: P F^T / J
   const double j = std::max(sigma[0] * sigma[1] * sigma[2], 1e-6);
   Eigen::Matrix3d stress = Eigen::Matrix3d::Zero();

@@ -41,7 +41,7 @@ class Elastic {
   Elastic(const Lattice& lattice, CellMaterials materials, int quadrature,
           InstructionSet set = choose_instruction_set());
   Elastic(const Lattice& lattice, const MaterialParameters& material, int quadrature)
-      : Elastic(lattice, CellMaterials{{material}, {}}, quadrature) {}
+      : Elastic(lattice, CellMaterials{{material}}, quadrature) {}
   Elastic(const Elastic&) = delete;
   Elastic& operator=(const Elastic&) = delete;
 

@@ -9,10 +9,8 @@
 
 namespace lappet {
 
-enum class ModelKind { kCorotated, kNeoHookean, kStableNeoHookean, kMooneyRivlin };
-
 struct SceneFeatures {
-  ModelKind model = ModelKind::kNeoHookean;
+  int model = 0;  // its place in MaterialModels
   bool one_point = true;
   bool fibres = false;  // or muscle
   bool prestretched = false;

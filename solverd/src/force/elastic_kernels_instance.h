@@ -38,8 +38,7 @@ inline void fill_kernels(const SceneFeatures& features, ElasticKernels<Real>& ke
   with_flags(features, [&](auto one_point, auto fibres, auto prestretched) {
     kernels.multiply = &multiply_groups<Narrow, one_point(), fibres(), prestretched()>;
     kernels.diagonal = &diagonal_groups<Narrow, one_point(), fibres(), prestretched()>;
-    with_model(features.model, [&](auto model) {
-      using Model = decltype(model);
+    MaterialModels::with(features.model, [&]<class Model>() {
       kernels.evaluate = &evaluate_groups<Wide, Real, width, Model, one_point(), fibres(), prestretched()>;
       kernels.evaluate_fast = &evaluate_groups<Narrow, Real, width, Model, one_point(), fibres(), prestretched()>;
       kernels.linearize = &linearize_groups<Narrow, Model, one_point(), fibres()>;

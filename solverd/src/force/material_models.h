@@ -10,10 +10,16 @@ namespace lappet {
 
 template <class... Models>
 struct MaterialModelList {
-  // Calls body.template operator()<Model>() with the model of that name; false where there is none.
+  // The place of the model of that name in the list, -1 where there is none.
+  static int index(std::string_view name) {
+    int place = 0;
+    return ((name == Models::kName || (++place, false)) || ...) ? place : -1;
+  }
+  // Calls body.template operator()<Model>() with the model at that place.
   template <class Body>
-  static bool with(std::string_view name, const Body& body) {
-    return ((name == Models::kName && (body.template operator()<Models>(), true)) || ...);
+  static void with(int index, const Body& body) {
+    int place = 0;
+    ((index == place++ && (body.template operator()<Models>(), true)) || ...);
   }
 };
 

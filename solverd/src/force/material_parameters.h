@@ -35,7 +35,9 @@ struct MaterialParameters {
 // The materials of a lattice's cells.
 struct CellMaterials {
   std::vector<MaterialParameters> table;
-  std::vector<std::uint8_t> of_cell;  // index into table per cell; empty: table[0] everywhere
+  std::vector<std::uint8_t> of_cell{};  // index into table per cell; empty: table[0] everywhere
+  // The outward normal of the skin above each cell: the plane in which fibres run and prestretch acts. Empty: z.
+  std::vector<Eigen::Vector3f> normal_of_cell{};
 
   const MaterialParameters& of(std::size_t cell) const { return table[of_cell.empty() ? 0 : of_cell[cell]]; }
 };

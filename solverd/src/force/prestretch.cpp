@@ -25,4 +25,10 @@ Eigen::Matrix3d prestretch_matrix(const MaterialParameters& parameters, const Ei
   return along * d * d.transpose() + across * c * c.transpose() + third * third.transpose() / (along * across);
 }
 
+Eigen::Vector3d direction_in_plane(const MaterialParameters& parameters, const Eigen::Vector3d& normal) {
+  const Eigen::Vector3d d = parameters.fibre_direction.normalized(), n = normal.normalized();
+  const Eigen::Vector3d flat = d - n.dot(d) * n;
+  return flat.norm() > 1e-3 ? flat.normalized() : d;
+}
+
 }  // namespace lappet

@@ -11,4 +11,7 @@ namespace lappet {
 // length. Throws RefusedError where a stretch is not positive or the normal has the direction of the fibres.
 Eigen::Matrix3d prestretch_matrix(const MaterialParameters& parameters, const Eigen::Vector3d& normal);
 
+// The fibres' direction turned into the plane of the skin; as it is where it stands upright on the skin.
+Eigen::Vector3d direction_in_plane(const MaterialParameters& parameters, const Eigen::Vector3d& normal);
+
 }  // namespace lappet

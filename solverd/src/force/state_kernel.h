@@ -222,7 +222,7 @@ void linearize_groups(const ElasticArrays<typename NumberTraits<Number>::Scalar>
         load_rotation(tangent, kV, v);
         const auto fibre = fibre_state(material, w, s, v);
         auto response = fibre_response(fibre.i1, fibre.i4, load_fibre<Number>(material, w));
-        if (how != Definiteness::kExact) make_definite(response, fibre.i4);
+        make_definite(response, fibre.i4, how);
         Real* stored = arrays.fibre_tangent + point * kFibreFields * w;
         store(weight * response.isotropic, stored + kIsotropic * w);
         store(weight * response.along, stored + kAlong * w);

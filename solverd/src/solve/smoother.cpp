@@ -22,8 +22,13 @@ constexpr double kMargin = 1.15;
 template <class Real>
 void Smoother<Real>::update() {
   const std::size_t n = system_.nodes();
+  std::vector<Real> symmetric(6 * n);
+  system_.elastic().diagonal_blocks(symmetric);
   std::vector<double> blocks(9 * n);
-  system_.elastic().diagonal_blocks(blocks);
+  for (std::size_t i = 0; i < n; ++i) {
+    constexpr std::size_t kPlace[9] = {0, 1, 2, 1, 3, 4, 2, 4, 5};
+    for (std::size_t k = 0; k < 9; ++k) blocks[9 * i + k] = static_cast<double>(symmetric[6 * i + kPlace[k]]);
+  }
   system_.for_each_pushed_face([&](const RestingFace& face, double stiffness) {
     const auto& nodes = system_.lattice().cell_nodes[static_cast<std::size_t>(face.cell)];
     for (std::size_t k = 0; k < 8; ++k)

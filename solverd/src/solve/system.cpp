@@ -122,7 +122,7 @@ void System<Real>::rebuild_constraints() {
     const std::size_t first = matrix_of(cell);
     for (std::size_t k = 0; k < 8; ++k) matrices[first + 9 * k] += static_cast<Real>(drift_stiffness_);
   }
-  elastic_.set_cell_quadratics(std::move(of_cell), std::move(matrices));
+  elastic_.set_cell_quadratics(of_cell, matrices);
   if (has_held_forms_ && held_multipliers_.empty()) held_multipliers_.assign(3 * free_.size(), 0.0);
   if (!has_held_forms_) held_multipliers_.clear();
 }
@@ -239,7 +239,7 @@ Evaluation System<Real>::evaluate(std::span<const Real> u) {
   }
   const double h = lattice.settings.spacing;
   result.residual = std::sqrt(residual);
-  result.force_scale = std::sqrt(scale) + kScaleFloor * elastic_.material().youngs_modulus * h * h *
+  result.force_scale = std::sqrt(scale) + kScaleFloor * elastic_.materials().table[0].youngs_modulus * h * h *
                                               std::sqrt(static_cast<double>(std::max<std::size_t>(free_count_, 1)));
   return result;
 }
