@@ -102,7 +102,7 @@ TEST_P(ElasticCells, DefiniteTangentIsPositiveAndAgreesWithItsCellsAndBlocks) {
     elastic.multiply(direction, product);
     double assembled = 0, matrix_free = 0;
     for (std::size_t i = 0; i < size(); ++i) matrix_free += direction[i] * product[i];
-    std::vector<double> blocks(9 * lattice_.node_rest.size()), summed(blocks.size(), 0.0);
+    std::vector<double> blocks(6 * lattice_.node_rest.size()), summed(blocks.size(), 0.0);
     elastic.diagonal_blocks(blocks);
     for (std::size_t c = 0; c < lattice_.cell_nodes.size(); ++c) {
       const Matrix24 k = elastic.cell_stiffness(static_cast<std::int32_t>(c));
@@ -116,7 +116,8 @@ TEST_P(ElasticCells, DefiniteTangentIsPositiveAndAgreesWithItsCellsAndBlocks) {
         for (int i = 0; i < 3; ++i) {
           const auto node = static_cast<std::size_t>(lattice_.cell_nodes[c][static_cast<std::size_t>(n)]);
           x[3 * n + i] = direction[3 * node + static_cast<std::size_t>(i)];
-          for (int j = 0; j < 3; ++j) summed[9 * node + static_cast<std::size_t>(3 * i + j)] += k(3 * n + i, 3 * n + j);
+          for (int j = i; j < 3; ++j)
+            summed[6 * node + static_cast<std::size_t>(i == 0 ? j : i + j + 1)] += k(3 * n + i, 3 * n + j);
         }
       assembled += x.dot(k * x);
     }
@@ -136,7 +137,7 @@ TEST_P(ElasticCells, FloatAgreesWithDouble) {
   const double energy = exact.evaluate(rounded_u, gradient, scale).energy;
   exact.linearize(Definiteness::kClamp);
   exact.multiply(rounded_d, product);
-  EXPECT_NEAR(single.evaluate(uf, gradient, scale).energy, energy, 1e-12 * energy);
+  EXPECT_NEAR(single.evaluate(uf, gradient, scale).energy, energy, 2e-7 * energy);  // the moduli are stored as float
   single.linearize(Definiteness::kClamp);
   single.multiply(df, pf);
   double most = 0;
