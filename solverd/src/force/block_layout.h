@@ -16,10 +16,10 @@ namespace lappet {
 struct BlockLayout {
   int lanes = 1;
   std::int64_t groups = 0;
-  std::vector<std::int32_t> nodes;          // [group][27][lane]
-  std::vector<std::int32_t> cell_of_slot;   // [group][place][lane]; -1 where missing
-  std::vector<std::int32_t> slot_of_cell;   // index into cell_of_slot
-  std::vector<std::int64_t> slab_start;     // first group of each slab, and the end
+  std::vector<std::int32_t> nodes;         // [group][27][lane]
+  std::vector<std::int32_t> cell_of_slot;  // [group][place][lane]; -1 where missing
+  std::vector<std::int32_t> slot_of_cell;  // index into cell_of_slot
+  std::vector<std::int64_t> slab_start;    // first group of each slab, and the end
 
   std::size_t slots() const { return cell_of_slot.size(); }
   std::size_t slabs() const { return slab_start.size() - 1; }

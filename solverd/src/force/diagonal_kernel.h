@@ -44,8 +44,8 @@ inline void add_corner_block(const typename NumberTraits<Number>::Scalar* tangen
     const Number along = a[0] * turned[0] + a[1] * turned[1] + a[2] * turned[2];
     const Number aligned = (Number(1) - Number(3) * dispersion) * along;
     for (int i = 0; i < 3; ++i) b[i] = dispersion * s[i] * turned[i] + aligned * fa[i];
-    const Number spherical = load<Number>(fibre + kIsotropic * w) * (xx + yy + zz) +
-                             load<Number>(fibre + kAlong * w) * along * along;
+    const Number spherical =
+        load<Number>(fibre + kIsotropic * w) * (xx + yy + zz) + load<Number>(fibre + kAlong * w) * along * along;
     const Number curvature = load<Number>(fibre + kCurvature * w);
     const Number muscle = load<Number>(fibre + kMuscleCurvature * w) * along * along;
     int k = 0;

@@ -75,7 +75,9 @@ void Elastic<Real>::fill_cells() {
   material_.assign((uniform_ ? 1 : layout_.slots() / lanes) * kMaterialFields * lanes, Real(0));
   const auto describe = [&](std::size_t place, std::size_t lane, const MaterialParameters& m, const Vec3& normal) {
     Real* record = &material_[place * kMaterialFields * lanes + lane];
-    const auto put = [&](int field, double value) { record[static_cast<std::size_t>(field) * lanes] = static_cast<Real>(value); };
+    const auto put = [&](int field, double value) {
+      record[static_cast<std::size_t>(field) * lanes] = static_cast<Real>(value);
+    };
     put(kMu, m.mu());
     put(kLambda, m.lambda());
     put(kMooney, m.mooney_ratio);
@@ -123,7 +125,8 @@ void Elastic<Real>::set_activation(std::span<const double> activation) {
     const std::int32_t cell = layout_.cell_of_slot[slot];
     const std::size_t material =
         materials_.of_cell.empty() || cell < 0 ? 0 : materials_.of_cell[static_cast<std::size_t>(cell)];
-    material_[(slot / lanes * kMaterialFields + kMuscle) * lanes + slot % lanes] = static_cast<Real>(strength(material));
+    material_[(slot / lanes * kMaterialFields + kMuscle) * lanes + slot % lanes] =
+        static_cast<Real>(strength(material));
   }
 }
 
@@ -150,9 +153,8 @@ ElasticState Elastic<Real>::evaluate(std::span<const Real> u, std::span<double> 
 
 template <class Real>
 void Elastic<Real>::linearize(Definiteness how) {
-  layout_.for_each_slab([&](std::size_t, std::int64_t begin, std::int64_t end) {
-    kernels_.linearize(arrays_, begin, end, how);
-  });
+  layout_.for_each_slab(
+      [&](std::size_t, std::int64_t begin, std::int64_t end) { kernels_.linearize(arrays_, begin, end, how); });
 }
 
 template <class Real>
@@ -242,8 +244,8 @@ template <class Real>
 std::size_t Elastic<Real>::bytes() const {
   const std::size_t numbers = volume_.size() + stabilization_.size() + material_.size() + tangent_.size() +
                               sigma_.size() + fibre_tangent_.size() + quadratics_.size();
-  return numbers * sizeof(Real) + 4 * (layout_.nodes.size() + layout_.cell_of_slot.size() + layout_.slot_of_cell.size() +
-                                       quadratic_of_.size());
+  return numbers * sizeof(Real) +
+         4 * (layout_.nodes.size() + layout_.cell_of_slot.size() + layout_.slot_of_cell.size() + quadratic_of_.size());
 }
 
 template class Elastic<float>;

@@ -70,6 +70,8 @@ class Elastic {
   const CellMaterials& materials() const { return materials_; }
   const BlockLayout& layout() const { return layout_; }
   const SceneFeatures& features() const { return features_; }
+  const ElasticArrays<Real>& arrays() const { return arrays_; }
+  const ElasticKernels<Real>& kernels() const { return kernels_; }
   InstructionSet instruction_set() const { return set_; }
 
  private:

@@ -3,8 +3,8 @@
 //
 //   group   `lanes` blocks;   node    27 per block, corner (x, y, z) of 3x3x3 at 9 x + 3 y + z
 //   place   8 per block, (x<<2 | y<<1 | z);   slot  a place of a lane: cells lie at [group][place][lane]
-// Missing cells have no volume and use nodes of their own block. Gradients of shape functions are scaled by 4 h, so that
-// those of the cell centre are +-1; the tangents carry 1 / (16 h^2) and the volume.
+// Missing cells have no volume and use nodes of their own block. Gradients of shape functions are scaled by 4 h, so
+// that those of the cell centre are +-1; the tangents carry 1 / (16 h^2) and the volume.
 #pragma once
 #include <cstdint>
 
@@ -33,10 +33,10 @@ enum MaterialField {
 
 template <class Real>
 struct ElasticArrays {
-  int points = 1;                      // quadrature points per cell
-  double spacing = 1.0;                // h, mm
-  const double* gradients = nullptr;   // [point][3][8], 4 h grad N; not used with one point
-  const double* weights = nullptr;     // [point], of the unit volume
+  int points = 1;                       // quadrature points per cell
+  double spacing = 1.0;                 // h, mm
+  const double* gradients = nullptr;    // [point][3][8], 4 h grad N; not used with one point
+  const double* weights = nullptr;      // [point], of the unit volume
   const std::int32_t* nodes = nullptr;  // [group][27][lane]
   const Real* volume = nullptr;         // [group][place][lane], mm^3
   const Real* stabilization = nullptr;  // [group][place][lane], laplacian mu volume / (24 h^2), or null

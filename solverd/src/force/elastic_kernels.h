@@ -27,8 +27,7 @@ struct ElasticKernels {
   Evaluate evaluate = nullptr;       // in double
   Evaluate evaluate_fast = nullptr;  // in Real
   void (*linearize)(const ElasticArrays<Real>&, std::int64_t begin, std::int64_t end, Definiteness) = nullptr;
-  void (*multiply)(const ElasticArrays<Real>&, std::int64_t begin, std::int64_t end, const Real* x,
-                   Real* y) = nullptr;
+  void (*multiply)(const ElasticArrays<Real>&, std::int64_t begin, std::int64_t end, const Real* x, Real* y) = nullptr;
   void (*diagonal)(const ElasticArrays<Real>&, std::int64_t begin, std::int64_t end, Real* blocks) = nullptr;
 };
 

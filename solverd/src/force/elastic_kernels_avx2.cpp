@@ -1,5 +1,5 @@
-#include "math/simd_number.h"
 #include "force/elastic_kernels_instance.h"
+#include "math/simd_number.h"
 
 namespace lappet {
 

@@ -1,5 +1,5 @@
-// Instantiates the elastic kernels for a pair of batches: Float (float lanes) and Double (double lanes). Included by one
-// translation unit per instruction set.
+// Instantiates the elastic kernels for a pair of batches: Float (float lanes) and Double (double lanes). Included by
+// one translation unit per instruction set.
 #pragma once
 #include "force/diagonal_kernel.h"
 #include "force/elastic_kernels.h"

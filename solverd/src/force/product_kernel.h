@@ -56,7 +56,8 @@ inline void differential(const typename NumberTraits<Number>::Scalar* tangent,
     // F = diag(sigma) and a -> V^T a in the frame of the decomposition
     Number a[3], s[3], fa[3], dfa[3];
     for (int i = 0; i < 3; ++i) {
-      const Number d0 = load<Number>(material + kFibreDirection * w), d1 = load<Number>(material + (kFibreDirection + 1) * w),
+      const Number d0 = load<Number>(material + kFibreDirection * w),
+                   d1 = load<Number>(material + (kFibreDirection + 1) * w),
                    d2 = load<Number>(material + (kFibreDirection + 2) * w);
       a[i] = v[i] * d0 + v[3 + i] * d1 + v[6 + i] * d2;
       s[i] = load<Number>(sigma + i * w);
@@ -145,7 +146,8 @@ void multiply_groups(const ElasticArrays<typename NumberTraits<Number>::Scalar>&
               for (int c = 0; c < 8; ++c) total += corners[i][c] * Number(static_cast<Scalar>(gradient[8 * j + c]));
               df[3 * i + j] = total;
             }
-          differential<kFibres, kPrestretched>(arrays.tangent + point * kTangentFields * w, arrays.sigma + point * 3 * w,
+          differential<kFibres, kPrestretched>(arrays.tangent + point * kTangentFields * w,
+                                               arrays.sigma + point * 3 * w,
                                                arrays.fibre_tangent + point * kFibreFields * w, material, df);
           for (int i = 0; i < 3; ++i)
             for (int c = 0; c < 8; ++c)

@@ -8,11 +8,16 @@ namespace lappet {
 
 std::string_view name(InstructionSet set) {
   switch (set) {
-    case InstructionSet::kSse42: return "sse42";
-    case InstructionSet::kAvx2: return "avx2";
-    case InstructionSet::kAvx512: return "avx512";
-    case InstructionSet::kNeon: return "neon";
-    case InstructionSet::kScalar: break;
+    case InstructionSet::kSse42:
+      return "sse42";
+    case InstructionSet::kAvx2:
+      return "avx2";
+    case InstructionSet::kAvx512:
+      return "avx512";
+    case InstructionSet::kNeon:
+      return "neon";
+    case InstructionSet::kScalar:
+      break;
   }
   return "scalar";
 }
@@ -42,7 +47,8 @@ InstructionSet choose_instruction_set() {
     if (name(set) == wanted) return set;
     names += (names.empty() ? "" : ", ") + std::string(name(set));
   }
-  throw std::invalid_argument("LAPPET_ISA is \"" + std::string(wanted) + "\", which this processor or program does not " +
+  throw std::invalid_argument("LAPPET_ISA is \"" + std::string(wanted) +
+                              "\", which this processor or program does not " +
                               "have; leave it unset or set it to one of " + names);
 }
 

@@ -21,6 +21,9 @@ struct NumberTraits {
   static void store(Number value, To* to) {
     *to = static_cast<To>(value);
   }
+  static Number rough_reciprocal(Number x) { return Number(1) / x; }
+  static Number rough_reciprocal_sqrt(Number x) { return Number(1) / std::sqrt(x); }
+  static Number reciprocal_sqrt(Number x) { return Number(1) / std::sqrt(x); }
 };
 
 template <class Number>
@@ -38,6 +41,20 @@ inline void store(const Number& value, To* to) {
 template <class Number>
 inline Number select(bool condition, Number yes, Number no) {
   return condition ? yes : no;
+}
+
+// 1/x to a few digits, for iterations that mend it; 1/sqrt(x) to rounding, x > 0.
+template <class Number>
+inline Number rough_reciprocal(Number x) {
+  return NumberTraits<Number>::rough_reciprocal(x);
+}
+template <class Number>
+inline Number rough_reciprocal_sqrt(Number x) {
+  return NumberTraits<Number>::rough_reciprocal_sqrt(x);
+}
+template <class Number>
+inline Number reciprocal_sqrt(Number x) {
+  return NumberTraits<Number>::reciprocal_sqrt(x);
 }
 
 template <class Number>

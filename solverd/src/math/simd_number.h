@@ -30,6 +30,35 @@ struct NumberTraits<xsimd::batch<T, Arch>> {
     value.store_aligned(buffer);
     for (std::size_t lane = 0; lane < Batch::size; ++lane) to[lane] = static_cast<To>(buffer[lane]);
   }
+
+  // Processors have 12 (AVX2) or 14 bits (AVX-512) of these at once in float; a Newton step makes 14 bits whole.
+  static Batch rough_reciprocal(const Batch& x) {
+#if defined(__AVX512F__)
+    if constexpr (std::is_same_v<T, float> && Batch::size == 16) return Batch(_mm512_rcp14_ps(x));
+#endif
+#if defined(__AVX2__)
+    if constexpr (std::is_same_v<T, float> && Batch::size == 8) return Batch(_mm256_rcp_ps(x));
+#endif
+    return Batch(T(1)) / x;
+  }
+  static Batch rough_reciprocal_sqrt(const Batch& x) {
+#if defined(__AVX512F__)
+    if constexpr (std::is_same_v<T, float> && Batch::size == 16) return Batch(_mm512_rsqrt14_ps(x));
+#endif
+#if defined(__AVX2__)
+    if constexpr (std::is_same_v<T, float> && Batch::size == 8) return Batch(_mm256_rsqrt_ps(x));
+#endif
+    return Batch(T(1)) / xsimd::sqrt(x);
+  }
+  static Batch reciprocal_sqrt(const Batch& x) {
+#if defined(__AVX512F__)
+    if constexpr (std::is_same_v<T, float>) {
+      const Batch y = rough_reciprocal_sqrt(x);
+      return y * (Batch(T(1.5)) - Batch(T(0.5)) * x * y * y);
+    }
+#endif
+    return Batch(T(1)) / xsimd::sqrt(x);
+  }
 };
 
 }  // namespace lappet

@@ -20,10 +20,13 @@ inline void rotate_columns(Number (&b)[9], Number (&v)[9]) {
   const Number gamma = b[p] * b[q] + b[3 + p] * b[3 + q] + b[6 + p] * b[6 + q];
   const Number difference = beta - alpha;
   const Number twice = gamma + gamma;
-  const Number root = sqrt(difference * difference + twice * twice);
+  // The angle may be rough, further sweeps mend it; the rotation must be one to rounding.
+  const Number tiny(tiny_number<Number>());
+  const Number squared = difference * difference + twice * twice + tiny;
+  const Number root = squared * rough_reciprocal_sqrt(squared);
   const Number signed_twice = select(difference < Number(0), -twice, twice);
-  const Number tangent = signed_twice / (abs(difference) + root + Number(tiny_number<Number>()));
-  const Number cosine = Number(1) / sqrt(Number(1) + tangent * tangent);
+  const Number tangent = signed_twice * rough_reciprocal(abs(difference) + root + tiny);
+  const Number cosine = reciprocal_sqrt(Number(1) + tangent * tangent);
   const Number sine = cosine * tangent;
   for (int row = 0; row < 9; row += 3) {
     const Number bp = b[row + p], bq = b[row + q], vp = v[row + p], vq = v[row + q];

@@ -21,11 +21,14 @@ inline void rotate(Number (&a)[6], Number (&v)[9]) {
   using std::abs;
   using std::sqrt;
   const Number app = a[index(p, p)], aqq = a[index(q, q)], apq = a[index(p, q)];
-  const Number difference = aqq - app, twice = apq + apq;
+  // What rounding hides is nothing: its square would be a denormal number, which processors are slow at.
+  using Scalar = typename NumberTraits<Number>::Scalar;
+  const auto matters = abs(apq) > Number(std::numeric_limits<Scalar>::epsilon()) * (abs(app) + abs(aqq));
+  const Number difference = aqq - app, twice = select(matters, apq + apq, Number(0));
   const Number root = sqrt(difference * difference + twice * twice);
   const Number signed_twice = select(difference < Number(0), -twice, twice);
   const Number t = signed_twice / (abs(difference) + root + Number(tiny_number<Number>()));
-  const Number c = Number(1) / sqrt(Number(1) + t * t), s = c * t;
+  const Number c = reciprocal_sqrt(Number(1) + t * t), s = c * t;
   a[index(p, p)] = app - t * apq;
   a[index(q, q)] = aqq + t * apq;
   a[index(p, q)] = Number(0);
