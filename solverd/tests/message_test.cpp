@@ -251,14 +251,14 @@ TEST(Codec, IndicesOutOfRangeNeverReachTheSolver) {
             .array("landmark_triangles", std::span<const std::int32_t>(std::vector<std::int32_t>{0, 1, 1, 0}), {4})
             .finish();
     const Views views = array_views(frames);
-    return decode_epoch(decode_header(frames[0]), views, retractors);
+    return decode_epoch(decode_header(frames[0]), views, retractors, 1);
   };
   const EpochInput epoch = decode(1);
   EXPECT_EQ(epoch.surface.triangles[1], (std::array<std::int32_t, 3>{0, 1, 3}));
   EXPECT_EQ(epoch.landmarks.size(), 4U);
   EXPECT_TRUE(says(refusal_of([&] { decode(0); }), ErrorCode::kInvalidInput, "'grip' holds 0"));
   triangles[5] = 4;
-  EXPECT_TRUE(says(refusal_of([&] { decode(1); }), ErrorCode::kInvalidInput, "there are 4 surface points"));
+  EXPECT_TRUE(says(refusal_of([&] { decode(1); }), ErrorCode::kInvalidInput, "there are 4 points in"));
   triangles[5] = -1;
   EXPECT_TRUE(says(refusal_of([&] { decode(1); }), ErrorCode::kInvalidInput, "'triangles' holds -1"));
 }

@@ -17,9 +17,9 @@ namespace {
 TEST(Session, ABarHangingUnderItsOwnWeightLengthensAsTheFormulaSays) {
   SessionSettings s;
   s.spacing = 1;
-  s.material.model = "corotated";
-  s.material.poissons_ratio = 0.0;
-  s.material.youngs_modulus = 50;
+  s.materials[0].model = "corotated";
+  s.materials[0].poissons_ratio = 0.0;
+  s.materials[0].youngs_modulus = 50;
   s.gravity = Vec3(0, 0, -9.81);
   s.tolerance = 1e-5;
   s.precision = "double";
@@ -30,15 +30,15 @@ TEST(Session, ABarHangingUnderItsOwnWeightLengthensAsTheFormulaSays) {
   FrameInput frame;
   const FrameOutput out = session.solve(frame, {}, kNever);
   ASSERT_TRUE(out.converged) << out.reason;
-  const double weight = s.material.density * 9.81 * 1e-6;  // mN/mm^3
+  const double weight = s.materials[0].density * 9.81 * 1e-6;  // mN/mm^3
   EXPECT_NEAR(-landmark(out, 0)[2], weight * 30 * 30 / (2 * 50), 1e-3 * weight * 9);
 }
 
 TEST(Session, ATissueOnABedSinksByItsWeightOverTheBedsStiffness) {
   SessionSettings s;
   s.spacing = 1;
-  s.material.model = "corotated";
-  s.material.poissons_ratio = 0.0;  // no sideways swelling: the weight stays even
+  s.materials[0].model = "corotated";
+  s.materials[0].poissons_ratio = 0.0;  // no sideways swelling: the weight stays even
   s.gravity = Vec3(0, 0, -9.81);
   s.bed_stiffness = 2.0;
   s.tolerance = 1e-6;
@@ -49,14 +49,14 @@ TEST(Session, ATissueOnABedSinksByItsWeightOverTheBedsStiffness) {
   session.set_epoch(epoch);
   const FrameOutput out = session.solve(FrameInput{}, {}, kNever);
   ASSERT_TRUE(out.converged) << out.reason;
-  const double expected = s.material.density * 9.81e-6 * 4 / 2.0;
+  const double expected = s.materials[0].density * 9.81e-6 * 4 / 2.0;
   EXPECT_NEAR(-landmark(out, 0)[2], expected, 1e-3 * expected);
 }
 
 TEST(Session, ARestingTissueSinksLikeAnAttachedOneButLiftsOffFreely) {
   SessionSettings s;
-  s.material.model = "corotated";
-  s.material.poissons_ratio = 0.0;
+  s.materials[0].model = "corotated";
+  s.materials[0].poissons_ratio = 0.0;
   s.bed_stiffness = 2.0;
   s.tolerance = 1e-6;
   s.precision = "double";
@@ -64,7 +64,7 @@ TEST(Session, ARestingTissueSinksLikeAnAttachedOneButLiftsOffFreely) {
   for (std::size_t t = 0; t < epoch.bed.size(); ++t)
     epoch.bed[t] = centre(epoch.surface, t)[2] < 1e-9 ? kRestsOnBed : 0;
   add_landmark(epoch, Vec3(3, 3, 0));
-  const double weight = s.material.density * 9.81e-6 * 4;  // kPa
+  const double weight = s.materials[0].density * 9.81e-6 * 4;  // kPa
   {
     s.gravity = Vec3(0, 0, -9.81);
     Session session(s);
@@ -338,9 +338,9 @@ TEST(Session, RefusesSettingsThatMakeNoSense) {
     }
   };
   refused([](auto& s) { s.spacing = 0; }, "spacing");
-  refused([](auto& s) { s.material.poissons_ratio = 0.5; }, "Poisson's ratio is 0.5");
-  refused([](auto& s) { s.material.model = "jelly"; }, "jelly");
-  refused([](auto& s) { s.material.youngs_modulus = -1; }, "Young's modulus");
+  refused([](auto& s) { s.materials[0].poissons_ratio = 0.5; }, "Poisson's ratio is 0.5");
+  refused([](auto& s) { s.materials[0].model = "jelly"; }, "jelly");
+  refused([](auto& s) { s.materials[0].youngs_modulus = -1; }, "Young's modulus");
   refused([](auto& s) { s.quadrature = 3; }, "quadrature");
   refused([](auto& s) { s.precision = "half"; }, "half");
   refused([](auto& s) { s.tolerance = 1e-9; }, "double");

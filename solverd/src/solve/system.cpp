@@ -24,15 +24,16 @@ Vec3 at(std::span<const Real> u, std::size_t node) {
 }  // namespace
 
 template <class Real>
-System<Real>::System(const Lattice& lattice, const MaterialParameters& material, int quadrature,
-                     Attachments attachments, std::int32_t retractors, double bed_stiffness, const Vec3& gravity)
-    : elastic_(lattice, material, quadrature),
+System<Real>::System(const Lattice& lattice, CellMaterials materials, int quadrature, Attachments attachments,
+                     std::int32_t retractors, double bed_stiffness, const Vec3& gravity)
+    : materials_(std::move(materials)),
+      elastic_(lattice, materials_.table[0], quadrature),  // MERGE: give it materials_
       attachments_(std::move(attachments)),
       bed_stiffness_(bed_stiffness),
-      held_stiffness_(kHeldStiffness * material.youngs_modulus / lattice.settings.spacing),
+      held_stiffness_(kHeldStiffness * materials_.table[0].youngs_modulus / lattice.settings.spacing),
       retractor_active_(static_cast<std::size_t>(retractors), 0),
       retractor_motion_(static_cast<std::size_t>(retractors), Eigen::Matrix4d::Identity()),
-      drift_stiffness_(kDrift * material.youngs_modulus * lattice.settings.spacing),
+      drift_stiffness_(kDrift * materials_.table[0].youngs_modulus * lattice.settings.spacing),
       free_(lattice.node_rest.size(), 1),
       gradient_(3 * lattice.node_rest.size()),
       node_scale_(lattice.node_rest.size()) {
@@ -42,7 +43,7 @@ System<Real>::System(const Lattice& lattice, const MaterialParameters& material,
     const double h = lattice.settings.spacing;
     for (std::size_t c = 0; c < lattice.cell_nodes.size(); ++c) {
       const Vec3 share =
-          gravity * (material.density * 1e-6 * h * h * h * static_cast<double>(lattice.cell_fill[c]) / 8.0);
+          gravity * (materials_.of(c).density * 1e-6 * h * h * h * static_cast<double>(lattice.cell_fill[c]) / 8.0);
       for (const std::int32_t n : lattice.cell_nodes[c])
         for (int i = 0; i < 3; ++i)
           gravity_force_[3 * static_cast<std::size_t>(n) + static_cast<std::size_t>(i)] += share[i];
@@ -239,7 +240,7 @@ Evaluation System<Real>::evaluate(std::span<const Real> u) {
   }
   const double h = lattice.settings.spacing;
   result.residual = std::sqrt(residual);
-  result.force_scale = std::sqrt(scale) + kScaleFloor * elastic_.material().youngs_modulus * h * h *
+  result.force_scale = std::sqrt(scale) + kScaleFloor * materials_.table[0].youngs_modulus * h * h *
                                               std::sqrt(static_cast<double>(std::max<std::size_t>(free_count_, 1)));
   return result;
 }
