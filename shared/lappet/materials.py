@@ -34,15 +34,15 @@ def parameters(material: Material) -> MaterialParameters:
     x, y, z = (float(v) for v in direction / np.linalg.norm(direction)) if directed else plain.fibre_direction
     return MaterialParameters(
         model=material.model,
-        youngs_modulus=material.youngs_modulus,
-        poissons_ratio=material.poissons_ratio,
-        density=material.density,
-        mooney_ratio=material.mooney_ratio if material.model == "mooneyRivlin" else plain.mooney_ratio,
+        youngs_modulus=float(material.youngs_modulus),
+        poissons_ratio=float(material.poissons_ratio),
+        density=float(material.density),
+        mooney_ratio=float(material.mooney_ratio) if material.model == "mooneyRivlin" else plain.mooney_ratio,
         fibre_direction=(x, y, z),
-        fibre_k1=material.fiber_k1,
-        fibre_k2=material.fiber_k2 if fibres else plain.fibre_k2,
-        fibre_dispersion=material.fiber_dispersion if fibres else plain.fibre_dispersion,
-        muscle_stress=material.muscle_stress,
+        fibre_k1=float(material.fiber_k1),
+        fibre_k2=float(material.fiber_k2) if fibres else plain.fibre_k2,
+        fibre_dispersion=float(material.fiber_dispersion) if fibres else plain.fibre_dispersion,
+        muscle_stress=float(material.muscle_stress),
         prestretch=material.prestretch,
     )
 

@@ -258,7 +258,7 @@ TEST(Codec, IndicesOutOfRangeNeverReachTheSolver) {
   EXPECT_EQ(epoch.landmarks.size(), 4U);
   EXPECT_TRUE(says(refusal_of([&] { decode(0); }), ErrorCode::kInvalidInput, "'grip' holds 0"));
   triangles[5] = 4;
-  EXPECT_TRUE(says(refusal_of([&] { decode(1); }), ErrorCode::kInvalidInput, "there are 4 points in"));
+  EXPECT_TRUE(says(refusal_of([&] { decode(1); }), ErrorCode::kInvalidInput, "there are 4 surface points"));
   triangles[5] = -1;
   EXPECT_TRUE(says(refusal_of([&] { decode(1); }), ErrorCode::kInvalidInput, "'triangles' holds -1"));
 }
@@ -316,7 +316,8 @@ TEST(Codec, EveryParameterOfAMaterialIsRead) {
   EXPECT_TRUE(says(refusal_of([&] { decode(std::vector<Value>{material_fields(), misspelt}); }), ErrorCode::kMalformed,
                    "'materials[1]' has the field 'fiber_k1'"));
   full["prestretch"] = std::vector<Value>{1.2};
-  EXPECT_TRUE(says(refusal_of([&] { decode(std::vector<Value>{full}); }), ErrorCode::kMalformed, "list of 2 numbers"));
+  EXPECT_TRUE(
+      says(refusal_of([&] { decode(std::vector<Value>{full}); }), ErrorCode::kMalformed, "list of two numbers"));
   EXPECT_TRUE(says(refusal_of([&] { decode(material_fields()); }), ErrorCode::kMalformed, "a list of maps"));
   EXPECT_TRUE(says(refusal_of([&] { decode(std::vector<Value>{1.0}); }), ErrorCode::kMalformed, "entry 0"));
 }

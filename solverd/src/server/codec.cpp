@@ -103,12 +103,13 @@ MaterialParameters decode_material(FieldReader& reader) {
 }
 
 // Reads points (n,3) and triangles (m,3) under these names.
-Surface decode_surface(ArrayReader& arrays, std::string_view points, std::string_view triangles) {
+Surface decode_surface(ArrayReader& arrays, std::string_view points, std::string_view triangles,
+                       const std::string& of) {
   Surface surface;
   surface.points = to_points(arrays.read_finite(points, {kAny, 3}));
-  const std::int32_t count = checked_count(surface.points.size(), "points");
+  const std::int32_t count = checked_count(surface.points.size(), of);
   const std::vector<std::int32_t> corners = arrays.read<std::int32_t>(triangles, {kAny, 3});
-  check_indices(corners, triangles, 0, count, "points in '" + std::string(points) + "'");
+  check_indices(corners, triangles, 0, count, of);
   checked_count(corners.size() / 3, "triangles");
   surface.triangles.resize(corners.size() / 3);
   for (std::size_t i = 0; i < surface.triangles.size(); ++i)
@@ -124,7 +125,7 @@ void decode_regions(FieldReader& reader, ArrayReader& arrays, std::int32_t mater
     region.to_depth = entry.number("to_depth", region.to_depth);
     epoch.regions.push_back(std::move(region));
   });
-  epoch.skin = decode_surface(arrays, "skin_points", "skin_triangles");
+  epoch.skin = decode_surface(arrays, "skin_points", "skin_triangles", "skin points");
   const std::size_t count = epoch.skin.triangles.size();
   const auto faces = arrays.read<std::uint8_t>("region_faces", {length(epoch.regions.size()), length(count)});
   for (std::size_t r = 0; r < epoch.regions.size(); ++r) {
@@ -177,7 +178,7 @@ EpochInput decode_epoch(const Header& header, ArrayFrames frames, std::int32_t r
   ArrayReader arrays(header, frames);
   EpochInput epoch;
   epoch.index = integer_field(reader, "index", 0);
-  epoch.surface = decode_surface(arrays, "points", "triangles");
+  epoch.surface = decode_surface(arrays, "points", "triangles", "surface points");
   const auto count = static_cast<std::int32_t>(epoch.surface.triangles.size());
   if (reader.has("regions")) decode_regions(reader, arrays, materials, epoch);
   reader.finish();

@@ -89,7 +89,10 @@ std::vector<double> FieldReader::numbers(std::string_view name, std::size_t coun
   const Value& value = take(name);
   const auto* list = std::get_if<std::vector<Value>>(&value);
   if (list == nullptr || list->size() != count) {
-    malformed("The field '" + std::string(name) + "' of '" + where_ + "' must be a list of " + std::to_string(count) +
+    malformed("The field '" + std::string(name) + "' of '" + where_ + "' must be a list of " +
+              (count == 2   ? "two"
+               : count == 3 ? "three"
+                            : std::to_string(count)) +
               " numbers.");
   }
   std::vector<double> result;
