@@ -63,7 +63,7 @@ def open_fields(**changes: Any) -> dict[str, Any]:
         "time_budget": 0.0, "memory_budget": 1 << 30, "threads": 1, "sutures": 2, "retractors": 0,
     }  # fmt: skip
     material = {"model": "neoHookean", "youngs_modulus": 50.0, "poissons_ratio": 0.45, "density": 1100.0}
-    return {"settings": {**settings, **changes}, "material": material}
+    return {"settings": {**settings, **changes}, "materials": [material]}
 
 
 @contextlib.contextmanager

@@ -16,6 +16,7 @@ from lappet.procedure import (
     Landmark,
     Material,
     Procedure,
+    Region,
     Retractor,
     Suture,
     Tissue,
@@ -59,7 +60,10 @@ materials = st.builds(
     points,
     st.tuples(numbers, numbers),
     numbers,
+    numbers,
+    st.just(()) | _samples(numbers),
 )
+depths = numbers | st.just(float("inf"))
 
 
 @st.composite
@@ -71,6 +75,8 @@ def tissues(draw: st.DrawFn) -> Tissue:
     if draw(st.booleans()):  # the first two faces as one polygon of all their corners
         counts = np.concatenate([[counts[0] + counts[1]], counts[2:]])
     faces = st.lists(st.integers(0, len(counts) - 1), max_size=6, unique=True)
+    painted = draw(st.lists(st.sampled_from(["fixed", "bed", "handle"]), unique=True))
+    named = st.sampled_from(["skin", "fat", "scar_1"])
     return Tissue(
         patch.points + shake,
         counts,
@@ -81,6 +87,7 @@ def tissues(draw: st.DrawFn) -> Tissue:
         draw(numbers),
         draw(st.none() | numbers),
         draw(numbers),
+        tuple(Region(name, draw(named), draw(numbers), draw(depths)) for name in painted),
     )
 
 

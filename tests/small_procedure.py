@@ -148,6 +148,7 @@ class FakeSession:
             "state_suture_gaps": gaps,
             "suture_multipliers": np.zeros((self._settings.sutures, 3)),
             "grip_multipliers": np.zeros(0),
+            "activation": np.zeros(len(self._settings.materials)),
         }
         return SolvedFrame(header, arrays)
 

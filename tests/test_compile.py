@@ -11,10 +11,23 @@ import pytest
 
 from lappet.compile import compile_program, frame_times
 from lappet.patch import flat_patch
-from lappet.procedure import Bone, Event, Excision, Hook, Incision, Landmark, Material, Procedure, Retractor, Suture
-from lappet.program import FaceOrigin, Program
+from lappet.procedure import (
+    Bone,
+    Event,
+    Excision,
+    Hook,
+    Incision,
+    Landmark,
+    Material,
+    Procedure,
+    Region,
+    Retractor,
+    Suture,
+)
+from lappet.program import FaceOrigin, MaterialParameters, Program
 from lappet.refused import RefusedError
 from lappet.rigid_motion import RigidMotion
+from lappet.surface import skin_faces
 from small_procedure import TOP, small_procedure
 
 
@@ -247,17 +260,87 @@ def test_a_suture_across_nothing_is_refused(program: Program) -> None:
 
 
 @pytest.mark.parametrize(
-    ("material", "said"),
+    ("regions", "said"),
     [
-        (Material("skin", model="mooneyRivlin"), "the model 'mooneyRivlin' is not solved yet"),
-        (Material("skin", fiber_k1=5.0), r"lappet:fiber:k1 = 5 kPa"),
-        (Material("skin", prestretch=(1.1, 1.0)), r"prestretch of \(1.1, 1.0\)"),
-        (Material("fat"), "its material 'skin' is not under"),
+        ((), "^/Procedure/Tissue: its material 'skin' is not under"),
+        ((Region("cheek", "lip"),), "^/Procedure/Tissue/cheek: its material 'lip' is not under"),
+        (
+            (Region("lid", "skin"),),
+            "^/Procedure/Tissue/lid: .* face subset of its own; name one of cheek",
+        ),
+        ((Region("bed", "skin"),), "^/Procedure/Tissue/bed: a region needs a face subset of its own"),
     ],
 )
-def test_a_material_that_would_be_solved_wrongly_is_refused(program: Program, material: Material, said: str) -> None:
+def test_a_material_or_a_region_that_is_not_there_is_refused(
+    program: Program, regions: tuple[Region, ...], said: str
+) -> None:
+    tissue = small_procedure().tissue
+    tissue = replace(tissue, subsets={**tissue.subsets, "cheek": [0]}, regions=regions)
+    materials = (Material("skin" if regions else "fat"),)
     with pytest.raises(RefusedError, match=said):
-        compile_program(replace(small_procedure(), materials=(material,)), program.epochs)
+        compile_program(small_procedure(tissue=tissue, materials=materials), program.epochs)
+
+
+def _painted() -> Procedure:
+    """Fat below 1 mm everywhere, muscle throughout where x > 4; a material that nothing is made of."""
+    tissue = small_procedure().tissue
+    corners = tissue.face_vertex_indices.reshape(len(tissue.face_vertex_counts), -1)
+    skin = np.flatnonzero(skin_faces(tissue))
+    right = skin[tissue.points[corners[skin]][:, :, 0].min(axis=1) >= 4.0]
+    return small_procedure(
+        tissue=replace(
+            tissue,
+            subsets={**tissue.subsets, "all": skin, "right": right},
+            regions=(Region("right", "muscle"), Region("all", "fat", 1.0)),
+        ),
+        materials=(
+            Material("unused", fiber_k1=9.0),
+            Material("muscle", "stableNeoHookean", 20.0, muscle_stress=300.0, fiber_direction=(0, 3, 4),
+                     muscle_activation=((6.0, 1.0), (2.0, 0.2))),
+            Material("fat", "mooneyRivlin", 5.0, mooney_ratio=0.5, fiber_k2=3.0, fiber_direction=(0, 0, 9)),
+            Material("skin"),
+        ),
+    )  # fmt: skip
+
+
+def test_the_table_holds_what_is_in_use_and_what_has_an_effect(program: Program) -> None:
+    settings = compile_program(_painted(), program.epochs).settings
+    assert settings.materials == (
+        MaterialParameters(),
+        MaterialParameters("mooneyRivlin", 5.0, mooney_ratio=0.5),
+        MaterialParameters("stableNeoHookean", 20.0, fibre_direction=(0.0, 0.6, 0.8), muscle_stress=300.0),
+    )
+
+
+def test_the_regions_lie_on_the_uncut_skin_in_every_epoch() -> None:
+    made = compile_program(_painted())
+    assert len(made.epochs) == 2
+    for epoch in made.epochs:
+        regions = epoch.regions
+        assert regions.material.tolist() == [1, 2]
+        assert regions.depth_from.tolist() == [1.0, 0.0]
+        assert np.isinf(regions.depth_to).all()
+        corners = regions.skin_points[regions.skin_triangles]
+        assert (corners[:, :, 2] == TOP).all()
+        areas = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1) / 2
+        assert areas.sum() == pytest.approx(24.0 * 16.0)  # no slit in it
+        assert regions.faces[0].all()
+        assert areas[regions.faces[1]].sum() == pytest.approx(8.0 * 16.0)
+        np.testing.assert_array_equal(regions.faces[1], corners[:, :, 0].min(axis=1) >= 4.0)
+
+
+def test_the_activation_is_linear_between_samples_and_held_at_the_ends(program: Program) -> None:
+    frames = compile_program(_painted(), program.epochs).frames
+    found = np.array([frame.activation for frame in frames])
+    assert found.shape == (8, 3)
+    assert (found[:, :2] == 0.0).all()
+    assert found[:, 2] == pytest.approx([0.2, 0.2, 0.4, 0.6, 0.8, 1.0, 1.0, 1.0])
+
+
+def test_a_procedure_without_regions_and_muscle_says_nothing_of_them(program: Program) -> None:
+    assert all(len(epoch.regions) == 0 and len(epoch.regions.skin_points) == 0 for epoch in program.epochs)
+    assert all(len(frame.activation) == 0 for frame in program.frames)
+    assert program.settings.materials == (MaterialParameters(),)
 
 
 def test_the_settings_are_those_of_the_procedure_and_of_the_call(program: Program) -> None:
@@ -266,12 +349,7 @@ def test_the_settings_are_those_of_the_procedure_and_of_the_call(program: Progra
     settings = compile_program(
         procedure, program.epochs, spacing=0.5, tolerance=1e-4, quadrature=8, precision="double", threads=2
     ).settings
-    assert (settings.model, settings.youngs_modulus, settings.poissons_ratio, settings.density) == (
-        "corotated",
-        30.0,
-        0.4,
-        900.0,
-    )
+    assert settings.materials == (MaterialParameters("corotated", 30.0, 0.4, 900.0),)
     assert (settings.spacing, settings.tolerance, settings.quadrature, settings.precision) == (0.5, 1e-4, 8, "double")
     assert (settings.gravity, settings.bed_stiffness, settings.threads) == ((0.0, 0.0, -9.81), 4.0, 2)
     assert settings.origin == (-12.0, -8.0, 0.0)

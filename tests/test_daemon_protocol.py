@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import socket
 import time
+from dataclasses import replace
 from typing import Any
 
 import msgpack
@@ -15,7 +16,7 @@ from box_scene import box, epoch_arrays, open_fields, pull
 from lappet.client import SolverClient, SolverRefused
 from lappet.daemon import SolverDaemon
 from lappet.frame_solver import Iteration
-from lappet.program import Epoch, FrameConstraints, SolverSettings, Surface
+from lappet.program import Epoch, FrameConstraints, MaterialParameters, Regions, SolverSettings, Surface
 from lappet.wire import Message, WireError, encode
 from raw_peer import Raw
 
@@ -127,6 +128,107 @@ def test_epochs_that_make_no_sense_are_named(raw: Raw, changes: dict[str, Any], 
     assert raw.ask("epoch", {"index": 0}, epoch_arrays()).type == "lattice"
 
 
+RICH = {
+    "model": "mooneyRivlin", "youngs_modulus": 20.0, "poissons_ratio": 0.4, "density": 900.0, "mooney_ratio": 0.5,
+    "fibre_direction": [0.0, 0.6, 0.8], "fibre_k1": 10.0, "fibre_k2": 2.0, "fibre_dispersion": 0.1,
+    "muscle_stress": 300.0, "prestretch": [1.1, 0.95],
+}  # fmt: skip
+BELOW = {"material": 1, "from_depth": 0.5, "to_depth": 1.5}
+
+
+def region_arrays(**changes: Any) -> dict[str, Any]:
+    surface = box()
+    skin = {"skin_points": surface.points, "skin_triangles": surface.triangles, "region_faces": np.ones((1, 12), "u1")}
+    return epoch_arrays(**{**skin, **changes})
+
+
+@pytest.mark.parametrize(
+    ("materials", "says"),
+    [
+        ([], "0 materials"),
+        (RICH, "a list of maps"),
+        ([RICH, {**RICH, "model": "jelly"}], "material 1 is 'jelly'"),
+        ([{**RICH, "poissons_ratio": 0.49995}], "it must be 0 to 0.4999"),
+        ([{**RICH, "poissons_ratio": -0.1}], "it must be 0 to 0.4999"),
+        ([{**RICH, "mooney_ratio": -1.0}], "Mooney ratio"),
+        ([{**RICH, "fibre_k1": -1.0}], "k1"),
+        ([{**RICH, "fibre_k2": float("inf")}], "'fibre_k2' of 'materials[0]'"),
+        ([{**RICH, "fibre_dispersion": 0.34}], "1/3"),
+        ([{**RICH, "fibre_direction": [1.0, 1.0, 0.0]}], "length 1"),
+        ([{**RICH, "fibre_direction": [1.0, 0.0]}], "list of three numbers"),
+        ([{**RICH, "muscle_stress": -1.0}], "muscle stress"),
+        ([{**RICH, "prestretch": [2.5, 1.0]}], "it must be 0.5 to 2"),
+        ([{**RICH, "fiber_k1": 1.0}], "'fiber_k1'"),
+        ([{"model": "neoHookean"}], "no field 'youngs_modulus'"),
+    ],
+)
+def test_materials_that_make_no_sense_are_named(raw: Raw, materials: Any, says: str) -> None:
+    reply = raw.ask("open", {**open_fields(), "materials": materials})
+    assert reply.fields["code"] in ("malformed", "invalid_input")
+    assert says in reply.fields["message"]
+    assert raw.ask("open", {**open_fields(), "materials": [RICH] * 64}).type == "opened"
+
+
+@pytest.mark.parametrize(
+    ("region", "changes", "says"),
+    [
+        ({"material": 2}, {}, "'material' of 'regions[0]' is 2"),
+        ({"material": -1}, {}, "'material' of 'regions[0]' is -1"),
+        ({"from_depth": -0.5}, {}, "-0.5 to 1.5 mm"),
+        ({"to_depth": 0.5}, {}, "0.5 to 0.5 mm"),
+        ({"to_depth": float("inf")}, {}, "'to_depth'"),
+        ({"faces": 3}, {}, "'faces'"),
+        ({}, {"region_faces": np.ones((2, 12), "u1")}, "'region_faces'"),
+        ({}, {"region_faces": np.ones((1, 11), "u1")}, "'region_faces'"),
+        ({}, {"region_faces": None}, "no array 'region_faces'"),
+        ({}, {"skin_triangles": np.full((12, 3), 8, np.int32)}, "there are 8 skin points"),
+        ({}, {"skin_points": np.full((8, 3), np.inf)}, "holds inf"),
+        ({}, {"skin_points": None}, "no array 'skin_points'"),
+        ({}, {"skin_triangles": np.zeros((0, 3), np.int32), "region_faces": np.ones((1, 0), "u1")}, "no skin"),
+    ],
+)
+def test_regions_that_make_no_sense_are_named(
+    raw: Raw, region: dict[str, Any], changes: dict[str, Any], says: str
+) -> None:
+    assert raw.ask("open", {**open_fields(), "materials": [RICH, RICH]}).type == "opened"
+    reply = raw.ask("epoch", {"index": 0, "regions": [{**BELOW, **region}]}, region_arrays(**changes))
+    assert reply.fields["code"] in ("malformed", "invalid_input")
+    assert says in reply.fields["message"]
+    assert raw.ask("epoch", {"index": 0, "regions": [BELOW]}, region_arrays()).type == "lattice"
+    assert "skin_points" in raw.ask("epoch", {"index": 0}, region_arrays()).fields["message"]  # without regions
+
+
+def test_the_client_sends_materials_regions_and_activation_and_the_state_keeps_it(daemon: SolverDaemon) -> None:
+    surface = box()
+    muscle = MaterialParameters(muscle_stress=0.5, fibre_direction=(0.0, 0.0, 1.0), prestretch=(1.0, 1.0))
+    regions = Regions(
+        surface.points,
+        surface.triangles,
+        np.ones((2, 12), bool),
+        np.array([1, 0], np.int32),
+        np.array([0.0, 1.0]),
+        np.array([np.inf, 2.0]),
+    )
+    with SolverClient(daemon=daemon) as client:
+        client.open(SolverSettings(threads=1, materials=(MaterialParameters(), muscle)))
+        client.set_epoch(Epoch(0, 1.0, surface, 1, regions))
+        slack = client.solve(pull(1.0))
+        np.testing.assert_array_equal(slack.state.activation, [0.0, 0.0])
+        tense = replace(pull(2.0), activation=np.array([0.0, 0.5]))
+        first = client.solve(tense)
+        np.testing.assert_array_equal(first.state.activation, [0.0, 0.5])
+        client.set_state(slack.state)
+        again = client.solve(tense)
+        for name, array in first.arrays.items():
+            np.testing.assert_array_equal(again.arrays[name], array, err_msg=name)
+        with pytest.raises(SolverRefused, match="'activation'"):
+            client.solve(replace(tense, activation=np.array([0.5])))
+        with pytest.raises(SolverRefused, match=r"activates material 1 by 1\.5"):
+            client.solve(replace(tense, activation=np.array([0.0, 1.5])))
+        with pytest.raises(SolverRefused, match="'activation'"):
+            client.set_state(replace(slack.state, activation=np.zeros(3)))
+
+
 def test_truncated_and_missing_array_frames_are_answered(raw: Raw) -> None:
     raw.ask("open", open_fields())
     frames = encode(Message("epoch", 500, None, {"index": 0}, epoch_arrays()))
@@ -163,7 +265,7 @@ def test_what_comes_out_of_order_is_refused_and_the_session_goes_on(raw: Raw) ->
     solve = {
         name: np.asarray(getattr(pull(), name))
         for name in FrameConstraints.__dataclass_fields__
-        if name not in ("time", "epoch")
+        if name not in ("time", "epoch", "activation")
     }
     assert raw.ask("epoch", {"index": 0}, epoch_arrays()).fields["code"] == "out_of_order"
     assert raw.ask("close").fields["code"] == "out_of_order"
@@ -182,6 +284,7 @@ def test_what_comes_out_of_order_is_refused_and_the_session_goes_on(raw: Raw) ->
         "suture_gaps": np.zeros((2, 3)),
         "suture_multipliers": np.zeros((2, 3)),
         "grip_multipliers": np.zeros(0),
+        "activation": np.zeros(1),
     }
     assert raw.ask("state", {"precision": "float"}, state).fields["code"] == "invalid_input"
     assert raw.ask("state", {"precision": "double"}, state).fields["code"] == "malformed"

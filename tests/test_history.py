@@ -18,17 +18,19 @@ from lappet.history import (
     RemoveBone,
     RemoveEvent,
     RemoveMaterial,
+    RemoveRegion,
     ReplaceEvent,
     Retime,
     SetBone,
     SetMaterial,
+    SetRegion,
     SetTimeline,
     SetTissue,
     Together,
 )
 from lappet.patch import flat_patch
 from lappet.problem import ProcedureError
-from lappet.procedure import Bone, Hook, Incision, Landmark, Material, Procedure, Retractor, Suture
+from lappet.procedure import Bone, Hook, Incision, Landmark, Material, Procedure, Region, Retractor, Suture
 
 STILL = (1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0)
 PATCH = flat_patch((10, 10, 2), 5.0)
@@ -53,6 +55,8 @@ commands: st.SearchStrategy[Command] = st.one_of(
     st.builds(Retime, names, shifts),
     st.builds(SetMaterial, st.builds(Material, st.sampled_from(["skin", "fat"]), youngs_modulus=st.just(20.0))),
     st.builds(RemoveMaterial, st.sampled_from(["skin", "fat"])),
+    st.builds(SetRegion, st.builds(Region, st.sampled_from(["bed", "fixed", "lip"]), st.sampled_from(["skin", "fat"]))),
+    st.builds(RemoveRegion, st.sampled_from(["bed", "fixed"])),
     st.builds(SetTissue, st.sampled_from([PATCH, replace(PATCH, spacing=0.5)])),
     st.builds(SetBone, bones),
     st.builds(RemoveBone, names),
@@ -115,6 +119,22 @@ def test_each_command_does_what_its_name_says() -> None:
     assert history.do(both).events == (renamed,)
     assert history.undo().events == (renamed, TIP, CUT)
     assert history.do(Edit(lambda old: replace(old, events=()), "Clear")).events == ()
+
+
+def test_a_region_is_set_replaced_and_removed_and_keeps_its_material() -> None:
+    history = History(START)
+    history.do(SetMaterial(Material("fat")))
+    assert history.do(SetRegion(Region("bed", "fat", 1.0))).tissue.regions == (Region("bed", "fat", 1.0),)
+    assert history.do(SetRegion(Region("fixed", "skin"))).tissue.regions[0].faces == "fixed"  # the subsets' order
+    assert history.do(SetRegion(Region("bed", "fat", 2.0))).tissue.regions[1].depth_from == 2.0
+    with pytest.raises(ProcedureError, match="The region 'bed' is made of 'fat'"):
+        history.do(RemoveMaterial("fat"))
+    with pytest.raises(ProcedureError, match="no face subset 'lip'"):
+        history.do(SetRegion(Region("lip", "fat")))
+    assert history.do(RemoveRegion("bed")).tissue.regions == (Region("fixed", "skin"),)
+    with pytest.raises(ProcedureError, match="'bed' has no region"):
+        history.do(RemoveRegion("bed"))
+    assert history.do(RemoveMaterial("fat")).materials == (Material(),)
 
 
 def test_retiming_moves_every_sample() -> None:

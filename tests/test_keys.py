@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import fields, replace
 
 import numpy as np
 import pytest
 
 from lappet.compile import compile_program
 from lappet.keys import frame_keys
-from lappet.procedure import Hook, Landmark, Procedure, Suture
-from lappet.program import FaceOrigin, Program
+from lappet.procedure import Hook, Landmark, Material, Procedure, Suture
+from lappet.program import FaceOrigin, MaterialParameters, Program, Regions
 from small_procedure import TOP, small_procedure
 
 
@@ -68,8 +68,15 @@ def test_names_notes_and_texture_are_in_no_key(program: Program) -> None:
         {"tolerance": 1e-4},
         {"quadrature": 8},
         {"precision": "double"},
-        {"youngs_modulus": 51.0},
-        {"model": "corotated"},
+        *(
+            {"materials": (replace(MaterialParameters(), **{item.name: value}),)}
+            for item, value in zip(
+                fields(MaterialParameters),
+                ("corotated", 51.0, 0.4, 1000.0, 0.1, (0.0, 1.0, 0.0), 1.0, 1.0, 0.1, 300.0, (1.1, 1.0)),
+                strict=True,
+            )
+        ),
+        {"materials": (MaterialParameters(), MaterialParameters())},
         {"gravity": (0.0, 0.0, -9.8)},
         {"bed_stiffness": 11.0},
     ],
@@ -100,6 +107,50 @@ def test_one_vertex_or_one_fixed_face_changes_the_keys_of_its_epoch_on(program: 
     for surface in (replace(last.surface, points=points), replace(last.surface, fixed=fixed)):
         epochs = (*program.epochs[:-1], replace(last, surface=surface))
         assert first_difference(base, frame_keys(replace(program, epochs=epochs), "solver 1")) == 2
+
+
+def test_every_part_of_a_region_is_in_the_keys_of_its_epoch_on(program: Program) -> None:
+    skin = Regions(
+        np.array([[0.0, 0.0, TOP], [1.0, 0.0, TOP], [0.0, 1.0, TOP]]),
+        np.array([[0, 1, 2]], np.int32),
+        np.array([[True]]),
+        np.array([0], np.int32),
+        np.array([1.0]),
+        np.array([np.inf]),
+    )
+
+    def keys(regions: Regions) -> tuple[str, ...]:
+        epochs = (*program.epochs[:-1], replace(program.epochs[-1], regions=regions))
+        return frame_keys(replace(program, epochs=epochs), "solver 1")
+
+    variants = [
+        Regions(),
+        skin,
+        replace(skin, skin_points=skin.skin_points + 1.0),
+        replace(skin, skin_triangles=skin.skin_triangles[:, ::-1]),
+        replace(skin, faces=~skin.faces),
+        replace(skin, material=skin.material + 1),
+        replace(skin, depth_from=skin.depth_from + 0.5),
+        replace(skin, depth_to=np.array([3.0])),
+    ]
+    found = [keys(regions) for regions in variants]
+    assert len({each[-1] for each in found}) == len(variants)
+    assert all(first_difference(found[0], each) == 2 for each in found[1:])
+
+
+def test_a_muscle_is_in_the_keys_from_where_it_first_differs(program: Program) -> None:
+    muscle = Material("skin", muscle_stress=300.0, muscle_activation=((2.0, 0.0), (8.0, 1.0)))
+    base = keys_of(small_procedure(materials=(muscle,)), program)
+    later = replace(muscle, muscle_activation=((2.0, 0.0), (5.0, 0.5), (8.0, 0.9)))
+    assert first_difference(base, keys_of(small_procedure(materials=(later,)), program)) == 5  # frame 6
+    slack = (Material("skin", muscle_activation=later.muscle_activation),)
+    assert keys_of(small_procedure(materials=slack), program) == frame_keys(program, "solver 1")
+
+
+def test_a_material_that_is_not_in_use_or_has_no_effect_is_in_no_key(program: Program) -> None:
+    base = frame_keys(program, "solver 1")
+    idle = Material("skin", mooney_ratio=2.0, fiber_k2=3.0, fiber_dispersion=0.1, fiber_direction=(0, 1, 0))
+    assert keys_of(small_procedure(materials=(Material("fat", youngs_modulus=3.0), idle)), program) == base
 
 
 def test_whether_a_free_face_rests_on_the_bed_is_in_the_keys(program: Program) -> None:

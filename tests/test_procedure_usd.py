@@ -17,7 +17,8 @@ from hypothesis import HealthCheck, Phase, given, settings
 import lappet.usd_stage
 from lappet.patch import flat_patch
 from lappet.problem import ProcedureError
-from lappet.procedure import Hook, Incision, Landmark, Material, Procedure, Retractor, Suture, Tissue
+from lappet.procedure import Hook, Incision, Landmark, Material, Procedure, Region, Retractor, Suture, Tissue
+from lappet.surface import skin_faces
 from lappet.usd_stage import SCHEMA, pxr, read_procedure, write_procedure
 from procedure_strategies import procedures
 
@@ -36,6 +37,19 @@ def _small() -> Procedure:
         Retractor("pull", "fixed", ((2.0, STILL), (4.0, TURN)), 2.0, 6.0),
         Suture("stitch", ((0, -1.3, 2), (0, 1.3, 2)), 6.0),
         Landmark("tip", ((0, 1, 2), (0, 2, 2)), "the tip, “A”"),
+    )
+
+
+def _layered() -> Procedure:
+    tissue = _small().tissue
+    skin = np.flatnonzero(skin_faces(tissue))
+    subsets = {**tissue.subsets, "under": skin, "cheek": skin[:2]}
+    regions = (Region("cheek", "muscle", 0.5), Region("under", "fat", 1.0, 2.0))
+    muscle = Material("muscle", muscle_stress=300.0, muscle_activation=((2.0, 0.0), (5.0, 0.8)))
+    return replace(
+        _small(),
+        tissue=replace(tissue, subsets=subsets, regions=regions),
+        materials=(Material(), Material("fat"), muscle),
     )
 
 
@@ -74,6 +88,7 @@ def test_equality_sees_every_field_of_the_tissue() -> None:
         "spacing": 2.0,
         "gravity": 0.0,
         "bed_stiffness": 1.0,
+        "regions": (Region("fixed", "fat"),),
     }
     assert set(others) == {field.name for field in fields(Tissue)}
     assert replace(tissue) == tissue
@@ -97,19 +112,51 @@ def test_the_stage_says_its_units_axis_time_and_default_prim(tmp_path: Path) -> 
     assert str(stage.GetDefaultPrim().GetPath()) == "/Procedure"
 
 
+def test_regions_and_muscle_read_as_usd_has_them(tmp_path: Path) -> None:
+    """What another program authors: default values, a subset order, an activation that does not move."""
+    write_procedure(_layered(), tmp_path / "p.usda")
+    stage = pxr().Usd.Stage.Open(str(tmp_path / "p.usda"))
+    cheek = stage.GetPrimAtPath("/Procedure/Tissue/cheek")
+    for name in ("depthFrom", "depthTo"):
+        cheek.RemoveProperty(f"lappet:{name}")
+    activation = stage.GetPrimAtPath("/Procedure/Materials/muscle").GetAttribute("lappet:muscleActivation")
+    assert activation.GetTimeSamples() == [2.0, 5.0]
+    assert activation.Get(3.5) == pytest.approx(0.4)
+    activation.Clear()
+    activation.Set(0.3)
+    stage.GetRootLayer().Export(str(tmp_path / "q.usda"))
+    notes: list[str] = []
+    back = read_procedure(tmp_path / "q.usda", notes)
+    assert back.tissue.regions == (Region("under", "fat", 1.0, 2.0), Region("cheek", "muscle"))
+    assert back.material("muscle").muscle_activation == ((1.0, 0.3),)
+    assert notes == []
+
+
+def test_a_region_that_has_no_subset_or_shares_one_cannot_be_written(tmp_path: Path) -> None:
+    for regions, said in [
+        ((Region("nowhere", "skin"),), "'nowhere', which the tissue does not have"),
+        ((Region("bed", "skin"), Region("bed", "fat")), "2 regions lie below the face subset 'bed'"),
+    ]:
+        odd = replace(_small(), tissue=replace(_small().tissue, regions=regions))
+        with pytest.raises(ProcedureError, match=said):
+            write_procedure(odd, tmp_path / "p.usda")
+
+
 def test_usd_recognises_the_schemas_and_every_property_is_authored(tmp_path: Path) -> None:
-    write_procedure(_small(), tmp_path / "p.usda")
+    write_procedure(_layered(), tmp_path / "p.usda")
     stage = pxr().Usd.Stage.Open(str(tmp_path / "p.usda"))
     registry = pxr().Usd.SchemaRegistry()
     expected = {"Tissue": "Tissue", "Timeline/cut": "Incision", "Timeline/hook": "Hook", "Timeline/pull": "Retractor"}
     expected |= {"Timeline/stitch": "Suture", "Timeline/tip": "Landmark", "Materials/skin": "Material"}
+    expected |= {"Tissue/cheek": "Region"}
+    may_be_left_out = ("lappet:gravity", "lappet:muscleActivation")
     for path, kind in expected.items():
         prim = stage.GetPrimAtPath(f"/Procedure/{path}")
         schema = f"Lappet{kind}API"
         assert prim.HasAPI(schema), schema
         definition = registry.FindAppliedAPIPrimDefinition(schema)
         for name in definition.GetPropertyNames():
-            assert prim.GetProperty(name).IsAuthored() or name == "lappet:gravity", (path, name)
+            assert prim.GetProperty(name).IsAuthored() or name in may_be_left_out, (path, name)
         for name in [p.GetName() for p in prim.GetAuthoredProperties() if p.GetNamespace() == "lappet"]:
             assert not prim.GetProperty(name).IsCustom(), (path, name)
 
@@ -142,6 +189,7 @@ def test_the_schema_falls_back_to_the_defaults_of_the_dataclasses() -> None:
     pairs = [
         ("LappetMaterialAPI", Material, {"fiber:k1": "fiber_k1", "fiber:k2": "fiber_k2"}),
         ("LappetTissueAPI", Tissue, {}),
+        ("LappetRegionAPI", Region, {}),
         ("LappetIncisionAPI", Incision, {}),
         ("LappetHookAPI", Hook, {}),
         ("LappetSutureAPI", Suture, {}),
@@ -160,7 +208,7 @@ def test_the_schema_falls_back_to_the_defaults_of_the_dataclasses() -> None:
                     value = tuple(fallback) if hasattr(fallback, "__len__") else fallback.GetValue()
                 assert value == defaults[field], (schema, name)
                 compared += 1
-    assert compared >= 16
+    assert compared >= 19
 
 
 def test_a_stage_in_centimetres_with_y_up_is_converted_and_says_so(tmp_path: Path) -> None:

@@ -6,7 +6,7 @@ import re
 from dataclasses import replace
 
 from lappet.patch import flat_patch
-from lappet.procedure import Bone, Hook, Incision, Landmark, Material, Procedure, Retractor, Suture, Undermine
+from lappet.procedure import Bone, Hook, Incision, Landmark, Material, Procedure, Region, Retractor, Suture, Undermine
 from lappet.storyboard import inspection, scene_profile
 
 STILL = (1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0)
@@ -44,6 +44,30 @@ def test_the_profile_names_what_the_scene_needs_and_nothing_else() -> None:
     rich = rich.with_events(Undermine("free", 3.0, ((0, 0, 4), (3, 0, 4), (3, 3, 4))))
     more = {name for name, present in scene_profile(rich).items() if present}
     assert more - needed == {"contact", "fibres", "prestretch", "gravity", "undermining"}
+    layered = _layered()
+    assert {name for name, present in scene_profile(layered).items() if present} - needed == {"materials", "muscle"}
+    unused = replace(layered, tissue=replace(layered.tissue, regions=()))
+    assert scene_profile(unused) == scene_profile(BOARD)
+
+
+def test_regions_and_muscles_are_told() -> None:
+    text = repr(_layered())
+    assert "  region     deeper than 2 mm below cheek is of lip" in text.splitlines()
+    assert "muscle of 300 kPa along (0, 1, 0), active up to 0.75" in text
+    ranges = {Region("a", "fat"): "all below a", Region("a", "fat", 0.5, 2.0): "0.5 to 2 mm below a is of fat"}
+    for region, said in ranges.items():
+        tissue = replace(BOARD.tissue, subsets={"a": [0]}, regions=(region,))
+        assert said in repr(replace(BOARD, tissue=tissue))
+
+
+def _layered() -> Procedure:
+    muscle = Material(
+        "lip", fiber_direction=(0, 1, 0), muscle_stress=300.0, muscle_activation=((1.0, 0.0), (4.0, 0.75))
+    )
+    tissue = replace(
+        BOARD.tissue, subsets={**BOARD.tissue.subsets, "cheek": [0, 1]}, regions=(Region("cheek", "lip", 2.0),)
+    )
+    return replace(BOARD, materials=(Material(), muscle), tissue=tissue)
 
 
 def test_the_inspection_holds_what_the_others_know() -> None:

@@ -10,7 +10,20 @@ import trimesh
 
 from lappet.lattice_size import TissueMeasure
 from lappet.patch import flat_patch
-from lappet.procedure import Excision, Hook, Incision, Landmark, Material, Procedure, Suture, Tissue, Undermine
+from lappet.presets import PRESETS, skin_over_fat
+from lappet.procedure import (
+    MODELS,
+    Excision,
+    Hook,
+    Incision,
+    Landmark,
+    Material,
+    Procedure,
+    Region,
+    Suture,
+    Tissue,
+    Undermine,
+)
 from lappet.rest_space import RestSpace
 from lappet.validation import check
 
@@ -45,22 +58,73 @@ def test_several_hooks_may_follow_each_other_on_one_point() -> None:
     assert [problem.path for problem in check(GOOD.with_events(overlapping))] == ["/Procedure/Timeline/later"]
 
 
-def test_materials_that_the_tissue_does_not_use_may_be_of_any_model() -> None:
-    fat = Material("fat", model="mooneyRivlin", fiber_k1=10.0, prestretch=(1.2, 1.0))
-    assert check(replace(GOOD, materials=(Material(), fat))) == []
-    assert len(check(replace(GOOD, materials=(Material(), replace(fat, poissons_ratio=0.5))))) == 1
+@pytest.mark.parametrize("model", MODELS)
+def test_every_model_may_have_fibres_muscle_and_prestretch(model: str) -> None:
+    rich = Material(
+        model=model,
+        mooney_ratio=0.5,
+        fiber_k1=10.0,
+        fiber_k2=1.0,
+        fiber_dispersion=1 / 3,
+        prestretch=(1.2, 0.9),
+        muscle_stress=300.0,
+        muscle_activation=((1.0, 0.0), (5.0, 1.0)),
+    )
+    assert check(replace(GOOD, materials=(rich,))) == []
+    fat = replace(rich, name="fat", poissons_ratio=0.5)  # not in use, but wrong
+    assert len(check(replace(GOOD, materials=(rich, fat)))) == 1
+
+
+def test_skin_over_fat_is_sound_and_the_regions_before_it_still_win() -> None:
+    layered = skin_over_fat(GOOD, 2.0)
+    assert check(layered) == []
+    assert [material.name for material in layered.materials_in_use()] == ["skin", "fat"]
+    scar = replace(
+        layered.tissue,
+        subsets={**layered.tissue.subsets, "scar": layered.tissue.subsets["fat_below"][:3]},
+        regions=(*layered.tissue.regions, Region("scar", "skin", 0.0, 3.0)),
+    )
+    again = skin_over_fat(replace(layered, tissue=scar), 1.5)
+    assert [region.faces for region in again.tissue.regions] == ["fat_below", "scar"]
+    assert again.tissue.regions[0].depth_from == 1.5
+    assert len(again.materials) == 2
+
+
+def test_every_preset_is_sound_and_says_its_source() -> None:
+    for name, preset in PRESETS.items():
+        assert preset.material.name == name
+        assert check(replace(GOOD, materials=(replace(preset.material, name="skin"),))) == []
+        assert ("doi" in preset.source) == preset.measured
+        assert ("Not measured" in preset.source) != preset.measured
 
 
 @pytest.mark.parametrize("value", [float("nan"), float("inf"), -float("inf")])
 def test_no_number_may_be_infinite_or_nan(value: float) -> None:
     broken = [
         replace(GOOD, materials=(replace(Material(), **{name: value}),))
-        for name in ("youngs_modulus", "poissons_ratio", "mooney_ratio", "fiber_k1", "fiber_k2", "density")
+        for name in (
+            "youngs_modulus",
+            "poissons_ratio",
+            "mooney_ratio",
+            "fiber_k1",
+            "fiber_k2",
+            "density",
+            "muscle_stress",
+        )
     ]
     broken += [
         replace(GOOD, tissue=replace(GOOD.tissue, **{name: value})) for name in ("spacing", "gravity", "bed_stiffness")
     ]
     broken += [replace(GOOD, **{name: value}) for name in ("start_time", "end_time", "fps")]
+    muscle = Material(muscle_stress=300.0)
+    broken += [
+        replace(GOOD, materials=(replace(muscle, muscle_activation=(sample,)),))
+        for sample in ((value, 0.5), (2.0, value))
+    ]
+    broken.append(replace(GOOD, materials=(Material(prestretch=(1.0, value)),)))
+    layered = skin_over_fat(GOOD, 2.0)
+    bad = replace(layered.tissue.regions[0], depth_from=value)
+    broken.append(replace(layered, tissue=replace(layered.tissue, regions=(bad,))))
     for i, event in enumerate(GOOD.events):
         for name in ("time", "kerf", "depth", "start", "release", "duration", "stiffness"):
             if hasattr(event, name):
@@ -73,7 +137,7 @@ def test_no_number_may_be_infinite_or_nan(value: float) -> None:
                 events = [*GOOD.events]
                 events[i] = replace(event, **{name: ((first[0], value, first[2]), *others)})
                 broken.append(replace(GOOD, events=tuple(events)))
-    assert len(broken) == 6 + 3 + 3 + 3 + 1 + 1 + 3 + 3 + 5
+    assert len(broken) == 7 + 4 + 3 + 3 + 3 + 1 + 1 + 3 + 3 + 5
     for procedure in broken:
         problems = check(procedure)
         assert any(problem.severity == "error" for problem in problems), repr(procedure)

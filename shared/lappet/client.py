@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from lappet.connection import DaemonConnection, SolveCancelled, SolverRefused, expect
 from lappet.daemon import DaemonDied, DaemonMissing, SolverDaemon
 from lappet.frame_solver import Iteration, SolvedFrame
-from lappet.program import Epoch, FrameConstraints, Landmarks, SolverSettings
+from lappet.program import Epoch, FrameConstraints, Landmarks, MaterialParameters, Regions, SolverSettings
 from lappet.wire import Message, require
 
 __all__ = [
@@ -37,6 +37,7 @@ class SolverState:
     suture_gaps: NDArray[np.float64]
     suture_multipliers: NDArray[np.float64]
     grip_multipliers: NDArray[np.float64]
+    activation: NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,6 +68,7 @@ class FrameSolution(SolvedFrame):
             self.arrays["state_suture_gaps"],
             self.arrays["suture_multipliers"],
             self.arrays["grip_multipliers"],
+            self.arrays["activation"],
         )
 
     @property
@@ -152,12 +154,7 @@ class SolverClient:
                 "sutures": int(settings.sutures),
                 "retractors": int(settings.retractors),
             },
-            "material": {
-                "model": settings.model,
-                "youngs_modulus": float(settings.youngs_modulus),
-                "poissons_ratio": float(settings.poissons_ratio),
-                "density": float(settings.density),
-            },
+            "materials": [_material(material) for material in settings.materials],
         }
         opened = expect(self._connection.request("open", fields), "opened")
         self._connection.session = opened.session
@@ -183,8 +180,14 @@ class SolverClient:
             "landmarks": np.asarray(marks.points, np.float64).reshape(-1, 3),
             "landmark_triangles": np.asarray(marks.triangles, np.int32),
         }
+        fields: dict[str, Any] = {"index": int(epoch.index)}
+        if len(epoch.regions):
+            fields["regions"] = _regions(epoch.regions)
+            arrays["skin_points"] = np.asarray(epoch.regions.skin_points, np.float64)
+            arrays["skin_triangles"] = np.asarray(epoch.regions.skin_triangles, np.int32)
+            arrays["region_faces"] = np.asarray(epoch.regions.faces, np.uint8)
         self._epoch = None
-        reply = expect(self._connection.request("epoch", {"index": int(epoch.index)}, arrays), "lattice")
+        reply = expect(self._connection.request("epoch", fields, arrays), "lattice")
         self._epoch = epoch.index
         return reply.fields
 
@@ -195,6 +198,7 @@ class SolverClient:
             "suture_gaps": np.asarray(state.suture_gaps, np.float64),
             "suture_multipliers": np.asarray(state.suture_multipliers, np.float64),
             "grip_multipliers": np.asarray(state.grip_multipliers, np.float64),
+            "activation": np.asarray(state.activation, np.float64),
         }
         expect(self._connection.request("state", {"precision": state.precision}, arrays), "accepted")
 
@@ -211,6 +215,8 @@ class SolverClient:
         arrays: dict[str, NDArray[Any]] = {
             name: np.asarray(getattr(frame, name), dtype) for name, dtype in _SOLVE_ARRAYS.items()
         }
+        if len(frame.activation):
+            arrays["activation"] = np.asarray(frame.activation, np.float64)
 
         def progressed(message: Message) -> None:
             if on_progress is not None:
@@ -237,6 +243,7 @@ class SolverClient:
             state_suture_gaps=("f8", (None, 3)),
             suture_multipliers=("f8", (None, 3)),
             grip_multipliers=("f8", (None,)),
+            activation=("f8", (None,)),
         )
         return FrameSolution(reply.fields, reply.arrays)
 
@@ -249,6 +256,37 @@ class SolverClient:
         begun = time.monotonic()
         expect(self._connection.request("ping"), "pong")
         return time.monotonic() - begun
+
+
+def _material(material: MaterialParameters) -> dict[str, Any]:
+    """A material as a map; what it does without is left out."""
+    fields: dict[str, Any] = {
+        "model": material.model,
+        "youngs_modulus": float(material.youngs_modulus),
+        "poissons_ratio": float(material.poissons_ratio),
+        "density": float(material.density),
+    }
+    if material.model == "mooneyRivlin":
+        fields["mooney_ratio"] = float(material.mooney_ratio)
+    if material.fibre_k1 > 0.0:
+        for name in ("fibre_k1", "fibre_k2", "fibre_dispersion"):
+            fields[name] = float(getattr(material, name))
+    if material.muscle_stress > 0.0:
+        fields["muscle_stress"] = float(material.muscle_stress)
+    if material.prestretch != (1.0, 1.0):
+        fields["prestretch"] = [float(x) for x in material.prestretch]
+    if len(fields) > 4:
+        fields["fibre_direction"] = [float(x) for x in material.fibre_direction]
+    return fields
+
+
+def _regions(regions: Regions) -> list[dict[str, Any]]:
+    maps: list[dict[str, Any]] = []
+    for material, top, bottom in zip(regions.material, regions.depth_from, regions.depth_to, strict=True):
+        maps.append({"material": int(material), "from_depth": float(top)})
+        if np.isfinite(bottom):
+            maps[-1]["to_depth"] = float(bottom)
+    return maps
 
 
 _SOLVE_ARRAYS: dict[str, type[np.generic]] = {

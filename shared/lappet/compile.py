@@ -12,8 +12,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lappet.anchors import AnchorTie, Tied, TissueLoss
-from lappet.procedure import SOLVED_MODELS, Event, Hook, Landmark, Material, Point, Procedure, Retractor, Suture
-from lappet.program import Epoch, FrameConstraints, Landmarks, Program, SolverSettings
+from lappet.materials import activation, materials_in_use, parameters, region_program
+from lappet.procedure import Event, Hook, Landmark, Point, Procedure, Retractor, Suture
+from lappet.program import (
+    Epoch,
+    FrameConstraints,
+    Landmarks,
+    Program,
+    SolverSettings,
+)
 from lappet.refused import RefusedError
 from lappet.rigid_motion import RigidMotion
 
@@ -38,7 +45,7 @@ def compile_program(
     `duration`.
 
     Raises RefusedError naming the prim where an anchor is off the tissue or its tissue is excised, two retractors grip
-    one face, a motion is not rigid, the timeline has no frame, or a material asks for what is not solved.
+    one face, a motion is not rigid, the timeline has no frame, or a material or the faces of a region are not there.
     """
     if spacing is None:
         spacing = procedure.tissue.spacing
@@ -47,6 +54,9 @@ def compile_program(
 
         # The spacing also says how finely the surface is divided.
         epochs = build_epochs(replace(procedure, tissue=replace(procedure.tissue, spacing=spacing)))
+    materials = materials_in_use(procedure)
+    regions = region_program(procedure, materials)
+    epochs = [replace(epoch, regions=regions) for epoch in epochs]
     times = frame_times(procedure)
     if until is not None:
         times = [time for time in times if time <= until]
@@ -88,9 +98,9 @@ def compile_program(
                     **_hook_arrays(hooks, pulled, hook_ties, time),
                     **_suture_arrays(sutures, suture_ties, time),
                     **_retractor_arrays(retractors, motions, time),
+                    activation=activation(materials, time),
                 )
             )
-    material = _material(procedure)
     gravity = procedure.tissue.gravity
     origin = np.asarray(procedure.tissue.points, np.float64).min(axis=0)
     return Program(
@@ -106,10 +116,7 @@ def compile_program(
             gravity=(0.0, 0.0, -gravity if gravity else 0.0),
             sutures=len(sutures),
             retractors=len(retractors),
-            model=material.model,
-            youngs_modulus=material.youngs_modulus,
-            poissons_ratio=material.poissons_ratio,
-            density=material.density,
+            materials=tuple(parameters(material) for material in materials),
             **settings,
         ),
         fps=procedure.fps,
@@ -308,26 +315,6 @@ def _labels(marks: Sequence[tuple[Landmark, Point]]) -> tuple[str, ...]:
             label = f"{label} ({mark.name})"
         labels += [label] if len(mark.points) == 1 else [f"{label} {i + 1}" for i in range(len(mark.points))]
     return tuple(labels)
-
-
-def _material(procedure: Procedure) -> Material:
-    """The tissue's material; refuses what the solver does not model rather than leave it out in silence."""
-    name = procedure.tissue.material
-    material = next((each for each in procedure.materials if each.name == name), None)
-    if material is None:
-        raise RefusedError(f"/Procedure/Tissue: its material {name!r} is not under /Procedure/Materials; add it.")
-    path = f"/Procedure/Materials/{name}"
-    if material.model not in SOLVED_MODELS:
-        raise RefusedError(
-            f"{path}: the model {material.model!r} is not solved yet; use one of {', '.join(SOLVED_MODELS)}."
-        )
-    if material.fiber_k1 != 0.0:
-        raise RefusedError(
-            f"{path}: fibres (lappet:fiber:k1 = {material.fiber_k1:g} kPa) are not solved yet; set it to 0."
-        )
-    if tuple(material.prestretch) != (1.0, 1.0):
-        raise RefusedError(f"{path}: a prestretch of {tuple(material.prestretch)} is not solved yet; set it to (1, 1).")
-    return material
 
 
 def _path(event: Event) -> str:

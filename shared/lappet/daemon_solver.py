@@ -43,6 +43,7 @@ class DaemonSolver:
             arrays["state_suture_gaps"],
             arrays["suture_multipliers"],
             arrays["grip_multipliers"],
+            arrays["activation"],
         )
         try:
             self._client.set_state(state)

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from lappet.program import Epoch, FrameConstraints, Landmarks, SolverSettings
 from lappet.refused import RefusedError
 
-STATE_ARRAYS = ("nodes", "state_suture_gaps", "suture_multipliers", "grip_multipliers")
+STATE_ARRAYS = ("nodes", "state_suture_gaps", "suture_multipliers", "grip_multipliers", "activation")
 
 
 class SolverDiedError(RuntimeError):

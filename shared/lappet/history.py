@@ -20,12 +20,13 @@ from lappet.procedure import (
     Landmark,
     Material,
     Procedure,
+    Region,
     Retractor,
     Suture,
     Tissue,
     Undermine,
 )
-from lappet.usd_writer import BONE, MATERIALS, ROOT, TIMELINE
+from lappet.usd_writer import BONE, MATERIALS, ROOT, TIMELINE, TISSUE
 
 
 class Command(Protocol):
@@ -183,7 +184,7 @@ class SetMaterial:
 
 @dataclass(frozen=True)
 class RemoveMaterial:
-    """Removes a material that the tissue is not made of."""
+    """Removes a material that neither the tissue nor a region of it is made of."""
 
     name: str
 
@@ -196,7 +197,53 @@ class RemoveMaterial:
             sentence = f"The tissue is made of {self.name!r}."
             mend = "Give the tissue another material first."
             raise ProcedureError([Problem(f"{MATERIALS}/{self.name}", self.name, sentence, mend)])
+        for region in procedure.tissue.regions:
+            if region.material == self.name:
+                sentence = f"The region {region.faces!r} is made of {self.name!r}."
+                mend = "Give the region another material first, or remove it."
+                raise ProcedureError([Problem(f"{MATERIALS}/{self.name}", self.name, sentence, mend)])
         return replace(procedure, materials=_without(procedure.materials, self.name, MATERIALS))
+
+
+@dataclass(frozen=True)
+class SetRegion:
+    """Gives a face subset of the tissue a region, in place of the one that it has."""
+
+    region: Region
+
+    @property
+    def label(self) -> str:
+        return f"Set region {self.region.faces}"
+
+    def apply(self, procedure: Procedure) -> Procedure:
+        tissue = procedure.tissue
+        if self.region.faces not in tissue.subsets:
+            known = ", ".join(tissue.subsets) or "none"
+            sentence = f"The tissue has no face subset {self.region.faces!r}."
+            mend = f"Add it first; there are: {known}."
+            raise ProcedureError([Problem(f"{TISSUE}/{self.region.faces}", self.region.faces, sentence, mend)])
+        others = tuple(region for region in tissue.regions if region.faces != self.region.faces)
+        return replace(procedure, tissue=replace(tissue, regions=(*others, self.region)))
+
+
+@dataclass(frozen=True)
+class RemoveRegion:
+    """Takes the region off a face subset; the subset stays."""
+
+    faces: str
+
+    @property
+    def label(self) -> str:
+        return f"Remove region {self.faces}"
+
+    def apply(self, procedure: Procedure) -> Procedure:
+        tissue = procedure.tissue
+        others = tuple(region for region in tissue.regions if region.faces != self.faces)
+        if len(others) == len(tissue.regions):
+            known = ", ".join(region.faces for region in tissue.regions) or "none"
+            sentence = f"The face subset {self.faces!r} has no region."
+            raise ProcedureError([Problem(f"{TISSUE}/{self.faces}", self.faces, sentence, f"There are: {known}.")])
+        return replace(procedure, tissue=replace(tissue, regions=others))
 
 
 @dataclass(frozen=True)

@@ -48,7 +48,7 @@ def settings_digest(settings: SolverSettings, solver: str) -> bytes:
 
 def epoch_digest(epoch: Epoch, grip: NDArray[np.int32], landmarks: Landmarks) -> bytes:
     """The digest of what the message `epoch` carries, but for its index."""
-    surface = epoch.surface
+    surface, regions = epoch.surface, epoch.regions
     return _arrays(
         b"epoch",
         [
@@ -59,6 +59,12 @@ def epoch_digest(epoch: Epoch, grip: NDArray[np.int32], landmarks: Landmarks) ->
             (grip, "<i4"),
             (landmarks.points, "<f8"),
             (landmarks.triangles, "<i4"),
+            (regions.skin_points, "<f8"),
+            (regions.skin_triangles, "<i4"),
+            (regions.faces, "u1"),
+            (regions.material, "<i4"),
+            (regions.depth_from, "<f8"),
+            (regions.depth_to, "<f8"),
         ],
     )
 

@@ -20,7 +20,6 @@ from numpy.typing import ArrayLike, DTypeLike, NDArray
 Point = tuple[float, float, float]
 Basis = Literal["linear", "bspline", "catmullRom", "bezier"]
 MODELS = ("corotated", "neoHookean", "stableNeoHookean", "mooneyRivlin")
-SOLVED_MODELS = ("corotated", "neoHookean")  # those that the daemon solves so far
 
 
 def _frozen(values: ArrayLike, kind: DTypeLike, width: int = 0) -> NDArray[Any]:
@@ -59,7 +58,12 @@ def _same(a: NDArray[Any] | None, b: NDArray[Any] | None) -> bool:
 
 @dataclass(frozen=True)
 class Material:
-    """A hyperelastic material (`LappetMaterialAPI`); moduli in kPa, density in kg/m³."""
+    """A hyperelastic material (`LappetMaterialAPI`); moduli in kPa, density in kg/m³.
+
+    fiber_k1: kPa, 0 = no fibres. prestretch: in-vivo stretch along and across the fibre direction. muscle_stress: kPa,
+    the greatest isometric stress of muscle along the fibre direction, 0 = no muscle. muscle_activation: (time, 0 to 1)
+    samples, linear between and held at the ends; none = never active.
+    """
 
     name: str = "skin"
     model: str = "neoHookean"
@@ -72,10 +76,42 @@ class Material:
     fiber_direction: Point = (1.0, 0.0, 0.0)
     prestretch: tuple[float, float] = (1.0, 1.0)
     density: float = 1100.0
+    muscle_stress: float = 0.0
+    muscle_activation: tuple[tuple[float, float], ...] = ()
 
     def __post_init__(self) -> None:
         across = tuple(float(v) for v in self.prestretch)
-        _set(self, fiber_direction=_double(self.fiber_direction), prestretch=across)
+        active = tuple((float(time) + 0.0, float(value) + 0.0) for time, value in self.muscle_activation)
+        _set(self, fiber_direction=_double(self.fiber_direction), prestretch=across, muscle_activation=active)
+
+    @property
+    def has_fibers(self) -> bool:
+        """Whether fibres stiffen it."""
+        return self.fiber_k1 > 0.0
+
+    @property
+    def has_muscle(self) -> bool:
+        """Whether it holds muscle, active or not."""
+        return self.muscle_stress > 0.0
+
+    @property
+    def has_prestretch(self) -> bool:
+        """Whether it is stretched in vivo."""
+        return self.prestretch != (1.0, 1.0)
+
+
+@dataclass(frozen=True)
+class Region:
+    """A part of the tissue that is of another material (`LappetRegionAPI` on a face subset).
+
+    faces: the name of a subset of the tissue; of its faces those on the skin count. The region is what lies below them,
+    from `depth_from` (included) to `depth_to` mm under the skin before any cut.
+    """
+
+    faces: str
+    material: str
+    depth_from: float = 0.0
+    depth_to: float = math.inf
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,7 +122,8 @@ class Tissue:
     face_vertex_indices: (k,) int32. uv: (k, 2) float32 per face corner, or None. subsets: face
     index arrays by name ("fixed", "bed", and those that retractors grip). spacing: lattice edge in
     mm. gravity: m/s² along -z, or None. bed_stiffness: kPa/mm (mN/mm³), the tie of bed faces to
-    their rest position.
+    their rest position. regions: parts of other materials than `material`, one per subset, kept in the order of the
+    subsets; where several hold a place, the last one does.
     """
 
     points: NDArray[np.float64]
@@ -98,19 +135,22 @@ class Tissue:
     spacing: float = 1.0
     gravity: float | None = None
     bed_stiffness: float = 10.0
+    regions: tuple[Region, ...] = ()
 
     def __post_init__(self) -> None:
         uv = None if self.uv is None else _frozen(self.uv, np.float32, 2)
         subsets = {name: _frozen(faces, np.int32) for name, faces in self.subsets.items()}
         _freeze_mesh(self)
-        _set(self, uv=uv, subsets=subsets)
+        order = {name: i for i, name in enumerate(subsets)}  # as a stage has them: each on its subset's prim
+        regions = tuple(sorted(self.regions, key=lambda region: order.get(region.faces, len(order))))
+        _set(self, uv=uv, subsets=subsets, regions=regions)
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Tissue):
             return NotImplemented
         return (
-            (self.material, self.spacing, self.gravity, self.bed_stiffness)
-            == (other.material, other.spacing, other.gravity, other.bed_stiffness)
+            (self.material, self.spacing, self.gravity, self.bed_stiffness, self.regions)
+            == (other.material, other.spacing, other.gravity, other.bed_stiffness, other.regions)
             and _same_mesh(self, other)
             and _same(self.uv, other.uv)
             and list(self.subsets) == list(other.subsets)
@@ -310,6 +350,13 @@ class Procedure:
             if material.name == name:
                 return material
         raise KeyError(name)
+
+    def materials_in_use(self) -> tuple[Material, ...]:
+        """The tissue's material, then those of its regions in their order, each once; names without one are left
+        out."""
+        names = dict.fromkeys([self.tissue.material, *(region.material for region in self.tissue.regions)])
+        known = {material.name: material for material in reversed(self.materials)}
+        return tuple(known[name] for name in names if name in known)
 
     def frames(self) -> range:
         """The frames: every whole time code from `start_time` to `end_time`, both included."""

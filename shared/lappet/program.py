@@ -46,25 +46,73 @@ class Surface:
         return np.where(self.bed, 1, np.where(self.resting, 2, 0)).astype(np.uint8)
 
 
+def _no(shape: tuple[int, ...], kind: type) -> NDArray[Any]:
+    return np.zeros(shape, kind)
+
+
+@dataclass(frozen=True, eq=False)
+class Regions:
+    """The parts of the tissue that are of other materials than the first of `SolverSettings.materials`.
+
+    skin_points: (s, 3) float64, mm, and skin_triangles: (t, 3) int32: the outer skin before any cut. faces: (R, t)
+    bool, the skin above each region. material: (R,) int32, index into `SolverSettings.materials`. depth_from, depth_to:
+    (R,) float64, mm below the skin; infinite for no end. Of the regions that hold a place the last one counts.
+    """
+
+    skin_points: NDArray[np.float64] = field(default_factory=lambda: _no((0, 3), np.float64))
+    skin_triangles: NDArray[np.int32] = field(default_factory=lambda: _no((0, 3), np.int32))
+    faces: NDArray[np.bool_] = field(default_factory=lambda: _no((0, 0), np.bool_))
+    material: NDArray[np.int32] = field(default_factory=lambda: _no((0,), np.int32))
+    depth_from: NDArray[np.float64] = field(default_factory=lambda: _no((0,), np.float64))
+    depth_to: NDArray[np.float64] = field(default_factory=lambda: _no((0,), np.float64))
+
+    def __len__(self) -> int:
+        return len(self.material)
+
+
 @dataclass(frozen=True, eq=False)
 class Epoch:
-    """A stretch of the timeline with constant topology and attachments, from `start_time` on."""
+    """A stretch of the timeline with constant topology and attachments, from `start_time` on.
+
+    regions: the same in every epoch of a program.
+    """
 
     index: int
     start_time: float
     surface: Surface
     fragments: int
+    regions: Regions = field(default_factory=Regions)
+
+
+@dataclass(frozen=True)
+class MaterialParameters:
+    """A material as the daemon is told it: a map of the list `materials` of `open` (PROTOCOL.md).
+
+    youngs_modulus, fibre_k1, muscle_stress: kPa. density: kg/m³. fibre_direction: of length 1.
+    """
+
+    model: str = "neoHookean"
+    youngs_modulus: float = 50.0
+    poissons_ratio: float = 0.45
+    density: float = 1100.0
+    mooney_ratio: float = 0.0
+    fibre_direction: tuple[float, float, float] = (1.0, 0.0, 0.0)
+    fibre_k1: float = 0.0
+    fibre_k2: float = 0.0
+    fibre_dispersion: float = 0.0
+    muscle_stress: float = 0.0
+    prestretch: tuple[float, float] = (1.0, 1.0)
 
 
 @dataclass(frozen=True)
 class SolverSettings:
-    """How a session solves: the `settings` and `material` maps of `open` (PROTOCOL.md), flattened.
+    """How a session solves: `settings` and `materials` of `open` (PROTOCOL.md).
 
     spacing: lattice edge, mm. fine_ratio: fine voxels per lattice edge. origin: a grid point, mm. quadrature: points
     per cell (1, 4 or 8). precision: "float" or "double". tolerance: residual over force scale. gap_tolerance: largest
     suture and grip gap as a fraction of the spacing. bed_stiffness: kPa/mm. gravity: m/s². time_budget: s per frame, 0
-    = none. memory_budget: bytes. threads: 0 = all. sutures, retractors: their numbers in the whole procedure. model,
-    youngs_modulus (kPa), poissons_ratio, density (kg/m³): the material.
+    = none. memory_budget: bytes. threads: 0 = all. sutures, retractors: their numbers in the whole procedure.
+    materials: the tissue's first, then those of its regions.
     """
 
     spacing: float = 1.0
@@ -82,14 +130,7 @@ class SolverSettings:
     threads: int = 0
     sutures: int = 0
     retractors: int = 0
-    model: str = "neoHookean"
-    youngs_modulus: float = 50.0
-    poissons_ratio: float = 0.45
-    density: float = 1100.0
-
-
-def _no(shape: tuple[int, ...], kind: type) -> NDArray[Any]:
-    return np.zeros(shape, kind)
+    materials: tuple[MaterialParameters, ...] = (MaterialParameters(),)
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,6 +146,7 @@ class FrameConstraints:
     float64 mN/mm.
     Active retractors (R): retractor_index (R,) int32; retractor_motion (R, 4, 4) float64, column-vector convention (the
     translation is the last column, mm), relative to the retractor's start.
+    activation (M,) float64, 0 to 1: of each material's muscle; empty where no material has any.
     """
 
     time: float
@@ -120,6 +162,7 @@ class FrameConstraints:
     suture_stiffness: NDArray[np.float64] = field(default_factory=lambda: _no((0,), np.float64))
     retractor_index: NDArray[np.int32] = field(default_factory=lambda: _no((0,), np.int32))
     retractor_motion: NDArray[np.float64] = field(default_factory=lambda: _no((0, 4, 4), np.float64))
+    activation: NDArray[np.float64] = field(default_factory=lambda: _no((0,), np.float64))
 
 
 @dataclass(frozen=True, eq=False)

@@ -51,7 +51,6 @@ def report(result: SolveResult) -> dict[str, Any]:
     profile = {
         **scene_profile(result.procedure),
         "self_contact": False,
-        "muscle": False,
         "explicit_mesh": any(counts.get("mesh_cells", 0) > 0 for counts in lattices.values()),
         "error_estimate": False,
     }

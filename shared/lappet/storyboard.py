@@ -20,6 +20,7 @@ from lappet.procedure import (
     Material,
     Point,
     Procedure,
+    Region,
     Retractor,
     Suture,
     Undermine,
@@ -33,6 +34,7 @@ def storyboard(procedure: Procedure) -> str:
     lines += [f"  material   {_material(material)}" for material in procedure.materials]
     for bone in procedure.bones:
         lines.append(f"  bone       {bone.name}: {len(bone.face_vertex_counts)} faces, {_size(bone.points)}")
+    lines += [f"  region     {_region(region)}" for region in tissue.regions]
     if tissue.subsets:
         held = ", ".join(f"{name} ({len(faces)})" for name, faces in tissue.subsets.items())
         lines.append(f"  faces      {held}")
@@ -110,11 +112,11 @@ def inspection(
 def scene_profile(procedure: Procedure) -> dict[str, bool]:
     """Which features the scene needs, by name; the report and `lappet inspect` share it.
 
-    fixed: faces held in space; contact: bones; fibres, prestretch: of the tissue's material; materials: more than one
-    in use (the tissue names one, so never yet); the others: present.
+    fixed: faces held in space; contact: bones; fibres, muscle, prestretch: of a material in use; materials: more than
+    one in use; the others: present.
     """
     tissue, kinds = procedure.tissue, {type(event) for event in procedure.events}
-    skin = next((material for material in procedure.materials if material.name == tissue.material), None)
+    materials = procedure.materials_in_use()
     return {
         "fixed": len(tissue.subsets.get("fixed", ())) > 0,
         "bed": len(tissue.subsets.get("bed", ())) > 0,
@@ -127,9 +129,10 @@ def scene_profile(procedure: Procedure) -> dict[str, bool]:
         "landmarks": Landmark in kinds,
         "gravity": bool(tissue.gravity),
         "contact": len(procedure.bones) > 0,
-        "fibres": skin is not None and skin.fiber_k1 > 0.0,
-        "prestretch": skin is not None and skin.prestretch != (1.0, 1.0),
-        "materials": False,
+        "fibres": any(material.has_fibers for material in materials),
+        "muscle": any(material.has_muscle for material in materials),
+        "prestretch": any(material.has_prestretch for material in materials),
+        "materials": len(materials) > 1,
     }
 
 
@@ -165,9 +168,21 @@ def _material(material: Material) -> str:
         text += (
             f", fibres k₁ {_n(material.fiber_k1)} kPa, k₂ {_n(material.fiber_k2)} along {_at(material.fiber_direction)}"
         )
-    if material.prestretch != (1.0, 1.0):
+    if material.has_muscle:
+        peak = max((value for _, value in material.muscle_activation), default=0.0)
+        along = "" if material.has_fibers else f" along {_at(material.fiber_direction)}"
+        text += f", muscle of {_n(material.muscle_stress)} kPa{along}, active up to {_n(peak)}"
+    if material.has_prestretch:
         text += f", prestretch {_n(material.prestretch[0])} × {_n(material.prestretch[1])}"
     return text + f", {_n(material.density)} kg/m³"
+
+
+def _region(region: Region) -> str:
+    if math.isinf(region.depth_to):
+        where = f"deeper than {_n(region.depth_from)} mm below" if region.depth_from else "all below"
+    else:
+        where = f"{_n(region.depth_from)} to {_n(region.depth_to)} mm below"
+    return f"{where} {region.faces} is of {region.material or 'no material'}"
 
 
 def _when(event: Event) -> str:

@@ -14,7 +14,7 @@ from lappet.procedure import Tissue
 from lappet.program import FaceOrigin, Surface
 from lappet.surface_check import SurfaceError, check_closed, check_finite, check_not_self_intersecting, signed_volume
 
-_LABELS = ("fixed", "bed", "underside", "rim")
+LABELS = ("fixed", "bed", "underside", "rim")  # what these subsets say of their faces; all others are grips
 
 
 def tissue_surface(tissue: Tissue, prim: str = "/Procedure/Tissue") -> Surface:
@@ -50,9 +50,7 @@ def tissue_surface(tissue: Tissue, prim: str = "/Procedure/Tissue") -> Surface:
         masks[name] = mask[faces]
     nothing = np.zeros(len(triangles), bool)
     fixed, bed = masks.get("fixed", nothing), masks.get("bed", nothing)
-    origin = np.full(len(triangles), FaceOrigin.SKIN, np.uint8)
-    origin[masks.get("rim", fixed & ~bed if "underside" not in masks else nothing)] = FaceOrigin.RIM
-    origin[masks.get("underside", bed)] = FaceOrigin.UNDERSIDE
+    origin = _origins(masks, len(triangles))
     uv = _plane_uv(points)[triangles] if tissue.uv is None else np.asarray(tissue.uv, np.float32)[corners]
     used, compact = np.unique(triangles, return_inverse=True)
     return Surface(
@@ -62,8 +60,28 @@ def tissue_surface(tissue: Tissue, prim: str = "/Procedure/Tissue") -> Surface:
         origin=origin,
         fixed=fixed.copy(),
         bed=bed.copy(),
-        grips={name: mask for name, mask in sorted(masks.items()) if name not in _LABELS},
+        grips={name: mask for name, mask in sorted(masks.items()) if name not in LABELS},
     )
+
+
+def skin_faces(tissue: Tissue) -> NDArray[np.bool_]:
+    """Which faces of the tissue, (m,), are outer skin. Raises IndexError for a subset that names a face it lacks."""
+    count = len(tissue.face_vertex_counts)
+    masks = {}
+    for name in LABELS:
+        if name in tissue.subsets:
+            masks[name] = np.zeros(count, bool)
+            masks[name][tissue.subsets[name]] = True
+    return _origins(masks, count) == FaceOrigin.SKIN
+
+
+def _origins(masks: dict[str, NDArray[np.bool_]], count: int) -> NDArray[np.uint8]:
+    nothing = np.zeros(count, bool)
+    fixed, bed = masks.get("fixed", nothing), masks.get("bed", nothing)
+    origin = np.full(count, FaceOrigin.SKIN, np.uint8)
+    origin[masks.get("rim", fixed & ~bed if "underside" not in masks else nothing)] = FaceOrigin.RIM
+    origin[masks.get("underside", bed)] = FaceOrigin.UNDERSIDE
+    return origin
 
 
 def triangulate(

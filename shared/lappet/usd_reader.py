@@ -23,6 +23,7 @@ from lappet.procedure import (
     Material,
     Point,
     Procedure,
+    Region,
     Retractor,
     Suture,
     Tissue,
@@ -32,6 +33,7 @@ from lappet.usd_values import Reader
 
 PRIM_TYPES = {
     "LappetTissueAPI": "Mesh",
+    "LappetRegionAPI": "GeomSubset",
     "LappetBoneAPI": "Mesh",
     "LappetMaterialAPI": None,
     "LappetIncisionAPI": "BasisCurves",
@@ -68,7 +70,7 @@ def read_what_can_be(stage: Any, usd: Any, notes: list[str]) -> tuple[Procedure 
         sentence = f"There are {len(tissues)} tissues: {paths}." if tissues else "The stage has no tissue."
         mend = "Apply LappetTissueAPI to one closed mesh, /Procedure/Tissue; lappet new makes one from a mesh file."
         reader.problem("/Procedure/Tissue", paths, sentence, mend)
-    tissue = _tissue(reader, tissues[0]) if tissues else None
+    tissue = _tissue(reader, tissues[0], found["LappetRegionAPI"]) if tissues else None
     materials = tuple(_material(reader, prim) for prim in found["LappetMaterialAPI"])
     bones = tuple(_bone(reader, prim) for prim in found["LappetBoneAPI"])
     events = tuple(_event(reader, prim, schema, tissues) for prim, schema in found["events"])
@@ -93,7 +95,8 @@ def read_what_can_be(stage: Any, usd: Any, notes: list[str]) -> tuple[Procedure 
 
 def _find(reader: Reader) -> dict[str, list[Any]]:
     """The prims by schema; "events" holds (prim, schema) of all seven kinds in the order of the stage."""
-    found: dict[str, list[Any]] = {"LappetTissueAPI": [], "LappetMaterialAPI": [], "LappetBoneAPI": [], "events": []}
+    found: dict[str, list[Any]] = {"LappetTissueAPI": [], "LappetMaterialAPI": [], "LappetBoneAPI": []}
+    found |= {"LappetRegionAPI": [], "events": []}
     for prim in reader.stage.Traverse():
         schemas = [str(s) for s in prim.GetPrimTypeInfo().GetAppliedAPISchemas() if str(s).startswith("Lappet")]
         for schema in schemas:
@@ -116,7 +119,7 @@ def _find(reader: Reader) -> dict[str, list[Any]]:
     return found
 
 
-def _tissue(reader: Reader, prim: Any) -> Tissue:
+def _tissue(reader: Reader, prim: Any, regions: list[Any]) -> Tissue:
     points, counts, indices, corners = _mesh(reader, prim)
     subsets: dict[str, NDArray[np.int32]] = {}
     for subset in reader.usd.UsdGeom.Subset.GetGeomSubsets(reader.usd.UsdGeom.Imageable(prim), "", "lappet"):
@@ -142,6 +145,25 @@ def _tissue(reader: Reader, prim: Any) -> Tissue:
         spacing=reader.number(prim, "lappet:spacing", Tissue.spacing),
         gravity=None if np.isposinf(gravity) else gravity,
         bed_stiffness=reader.number(prim, "lappet:bedStiffness", Tissue.bed_stiffness),
+        regions=tuple(_region(reader, region, prim, subsets) for region in regions),
+    )
+
+
+def _region(reader: Reader, prim: Any, tissue: Any, subsets: dict[str, NDArray[np.int32]]) -> Region:
+    name = prim.GetName()
+    if prim.GetParent() != tissue or name not in subsets:
+        sentence = "The region is no face subset of the tissue of the family lappet."
+        mend = f"Put it below {tissue.GetPath()} with familyName lappet and elementType face."
+        reader.problem(prim.GetPath(), name, sentence, mend)
+    material = reader.target(prim, "lappet:material")
+    if not material:
+        mend = "Point lappet:material to a prim with LappetMaterialAPI, or remove LappetRegionAPI."
+        reader.problem(prim.GetPath(), "no material", "The region has no material.", mend)
+    return Region(
+        name,
+        material.rpartition("/")[2],
+        reader.number(prim, "lappet:depthFrom", Region.depth_from),
+        reader.number(prim, "lappet:depthTo", Region.depth_to),
     )
 
 
@@ -210,6 +232,8 @@ def _material(reader: Reader, prim: Any) -> Material:
         fiber_direction=cast(Point, reader.vector(prim, "lappet:fiber:direction", 3, Material.fiber_direction)),
         prestretch=(along, across),
         density=number("density", Material.density),
+        muscle_stress=number("muscleStress", Material.muscle_stress),
+        muscle_activation=reader.samples(prim, "lappet:muscleActivation"),
     )
 
 

@@ -42,6 +42,23 @@ class Reader:
             return float("nan")
         return float(value)
 
+    def samples(self, prim: Any, name: str) -> tuple[tuple[float, float], ...]:
+        """The (time, number) samples of an animated number; one that does not move gives one at the start; none where
+        nothing is authored."""
+        attribute = prim.GetAttribute(name)
+        if not (attribute and attribute.HasAuthoredValue()):
+            return ()
+        times = attribute.GetTimeSamples()
+        at = [self.usd.Usd.TimeCode(time) for time in times] or [self.usd.Usd.TimeCode.Default()]
+        found = []
+        for time, code in zip(times or [float(self.stage.GetStartTimeCode())], at, strict=True):
+            value = attribute.Get(code)
+            if isinstance(value, bool) or not isinstance(value, (int, float)):
+                self._wrong_type(prim, name, value, "a number")
+                return ()
+            found.append((float(time), float(value)))
+        return tuple(found)
+
     def text(self, prim: Any, name: str, default: str | None = None) -> str:
         """A token or string; without a default it must be authored."""
         value = self._value(prim, name, default is None)

@@ -21,6 +21,7 @@ from lappet.procedure import (
     Landmark,
     Material,
     Procedure,
+    Region,
     Retractor,
     Suture,
     Tissue,
@@ -86,6 +87,15 @@ def name_problems(procedure: Procedure) -> list[Problem]:
             if times > 1:
                 sentence = f"{times} {kind}s are named {name!r}."
                 problems.append(Problem(f"{place}/{name}", repr(name), sentence, "Give each its own name."))
+    regions = Counter(region.faces for region in procedure.tissue.regions)
+    for name, times in regions.items():
+        if name not in procedure.tissue.subsets:
+            known = ", ".join(procedure.tissue.subsets) or "none"
+            sentence = f"A region lies below the face subset {name!r}, which the tissue does not have."
+            problems.append(Problem(f"{TISSUE}/{name}", repr(name), sentence, f"Name one of its subsets: {known}."))
+        elif times > 1:
+            sentence = f"{times} regions lie below the face subset {name!r}."
+            problems.append(Problem(f"{TISSUE}/{name}", repr(name), sentence, "Give each a subset of its own."))
     return problems
 
 
@@ -104,14 +114,26 @@ def _tissue(stage: Any, usd: Any, tissue: Tissue) -> None:
     values.double("bedStiffness", tissue.bed_stiffness)
     if tissue.gravity is not None:
         values.double("gravity", tissue.gravity)
+    regions = {region.faces: region for region in tissue.regions}
     for name, faces in tissue.subsets.items():
         subset = usd.UsdGeom.Subset.Define(stage, f"{TISSUE}/{name}")
         subset.CreateElementTypeAttr(usd.UsdGeom.Tokens.face)
         subset.CreateFamilyNameAttr(FAMILY)
         subset.CreateIndicesAttr(usd.Vt.IntArray.FromNumpy(np.array(faces, np.int32)))
+        if name in regions:
+            _region(subset.GetPrim(), usd, regions[name])
     if tissue.subsets:
         imageable = usd.UsdGeom.Imageable(prim)
         usd.UsdGeom.Subset.SetFamilyType(imageable, FAMILY, usd.UsdGeom.Tokens.unrestricted)
+
+
+def _region(prim: Any, usd: Any, region: Region) -> None:
+    prim.AddAppliedSchema("LappetRegionAPI")
+    values = _Values(prim, usd)
+    if region.material:
+        values.relate("material", f"{MATERIALS}/{region.material}")
+    values.double("depthFrom", region.depth_from)
+    values.double("depthTo", region.depth_to)
 
 
 def _material(stage: Any, usd: Any, material: Material) -> None:
@@ -128,6 +150,8 @@ def _material(stage: Any, usd: Any, material: Material) -> None:
     values.author("fiber:direction", usd.Sdf.ValueTypeNames.Double3, usd.Gf.Vec3d(*material.fiber_direction))
     values.author("prestretch", usd.Sdf.ValueTypeNames.Double2, usd.Gf.Vec2d(*material.prestretch))
     values.double("density", material.density)
+    values.double("muscleStress", material.muscle_stress)
+    values.samples("muscleActivation", material.muscle_activation)
 
 
 def _event(stage: Any, usd: Any, event: Event) -> None:
@@ -193,6 +217,14 @@ class _Values:
 
     def double(self, name: str, value: float) -> None:
         self.author(name, self._usd.Sdf.ValueTypeNames.Double, float(value))
+
+    def samples(self, name: str, samples: tuple[tuple[float, float], ...]) -> None:
+        """A number that changes in time; nothing is authored without samples."""
+        if samples:
+            kind = self._usd.Sdf.ValueTypeNames.Double
+            attribute = self._prim.CreateAttribute(f"lappet:{name}", kind, custom=False)
+            for time, value in samples:
+                attribute.Set(float(value), float(time))
 
     def time(self, name: str, value: float) -> None:
         # Not of the type timecode, of which .usda files keep only six digits.

@@ -11,7 +11,7 @@ from lappet.anchors import fan_triangles
 from lappet.contradictions import contradictions
 from lappet.event_problems import EventCheck
 from lappet.lattice_size import TissueMeasure
-from lappet.material_problems import material_problems
+from lappet.material_problems import material_problems, region_problems
 from lappet.mesh_problems import mesh_problems
 from lappet.problem import Problem
 from lappet.procedure import Procedure, Retractor
@@ -39,8 +39,8 @@ def check(procedure: Procedure, memory_budget: float = MEMORY_BUDGET, spacing: f
         rest = RestSpace(procedure.tissue.points, triangles)
         problems += _lattice(TissueMeasure(procedure.tissue.points, triangles), size, memory_budget)
     for material in procedure.materials:
-        in_use = material.name == procedure.tissue.material
-        problems += material_problems(material, f"{MATERIALS}/{material.name}", in_use)
+        problems += material_problems(material, f"{MATERIALS}/{material.name}")
+    problems += region_problems(procedure)
     for bone in procedure.bones:
         path = f"{BONE}/{bone.name}"
         problems += mesh_problems(bone, path).problems

@@ -23,9 +23,9 @@ class BoxStates : public ::testing::TestWithParam<Accuracy> {
     s.quadrature = GetParam().quadrature;
     s.precision = GetParam().precision;
     s.tolerance = GetParam().tolerance;
-    s.material.model = model;
-    s.material.youngs_modulus = 50;
-    s.material.poissons_ratio = poisson;
+    s.materials[0].model = model;
+    s.materials[0].youngs_modulus = 50;
+    s.materials[0].poissons_ratio = poisson;
     s.threads = 2;
     return s;
   }
@@ -60,11 +60,11 @@ TEST_P(BoxStates, UniaxialTensionInTheMiddleOfALongBar) {
   const double axial = (landmark(out, 1) - landmark(out, 0)).norm() / 4;
   const double lateral_y = (landmark(out, 3) - landmark(out, 2)).norm() / 4;
   const double lateral_z = (landmark(out, 5) - landmark(out, 4)).norm() / 4;
-  const double expected = free_stretch([&](double t) { return neo_hookean(s.material, {axial, t, t})[1]; });
+  const double expected = free_stretch([&](double t) { return neo_hookean(s.materials[0], {axial, t, t})[1]; });
   EXPECT_GT(axial, 1.25);
   EXPECT_NEAR(lateral_y, expected, GetParam().error * expected);
   EXPECT_NEAR(lateral_z, expected, GetParam().error * expected);
-  const double cauchy = neo_hookean(s.material, {axial, expected, expected})[0] / (expected * expected);
+  const double cauchy = neo_hookean(s.materials[0], {axial, expected, expected})[0] / (expected * expected);
   EXPECT_NEAR(out.tension[middle], cauchy, GetParam().error * cauchy);
   EXPECT_NEAR(out.stress[middle], cauchy, GetParam().error * cauchy);
   EXPECT_NEAR(out.strain[middle], axial - 1, GetParam().error * axial);
@@ -88,10 +88,10 @@ TEST_P(BoxStates, EquibiaxialTensionInTheMiddleOfASheet) {
   ASSERT_TRUE(out.converged) << out.reason;
   const double stretch = (landmark(out, 1) - landmark(out, 0)).norm() / 4;
   const double thickness = (landmark(out, 3) - landmark(out, 2)).norm() / 2;
-  const double expected = free_stretch([&](double t) { return neo_hookean(s.material, {stretch, stretch, t})[2]; });
+  const double expected = free_stretch([&](double t) { return neo_hookean(s.materials[0], {stretch, stretch, t})[2]; });
   EXPECT_GT(stretch, 1.15);
   EXPECT_NEAR(thickness, expected, GetParam().error * expected);
-  const Vec3 p = neo_hookean(s.material, {stretch, stretch, expected});
+  const Vec3 p = neo_hookean(s.materials[0], {stretch, stretch, expected});
   const double cauchy = p[0] / (stretch * expected);
   EXPECT_NEAR(out.tension[static_cast<std::size_t>(middle)], cauchy, std::max(GetParam().error, 1e-3) * cauchy);
   EXPECT_NEAR(out.stress[static_cast<std::size_t>(middle)], cauchy, std::max(GetParam().error, 1e-3) * cauchy);
@@ -119,7 +119,7 @@ TEST_P(BoxStates, SimpleShearBetweenTwoPlates) {
     EXPECT_NEAR(landmark(out, k)[0], 16 + gamma * z, std::max(GetParam().error, 1e-3) * 4 * gamma) << z;
   }
   // F = I + gamma e_x (x) e_z: sigma = mu (F F^T - I), and the largest stretch is gamma/2 + sqrt(1 + gamma^2/4)
-  const double mu = s.material.mu();
+  const double mu = s.materials[0].mu();
   const double tension = mu * (gamma * gamma / 2 + std::sqrt(std::pow(gamma, 4) / 4 + gamma * gamma));
   const double von_mises = mu * std::sqrt(std::pow(gamma, 4) + 3 * gamma * gamma);
   const double stretch = gamma / 2 + std::sqrt(1 + gamma * gamma / 4);

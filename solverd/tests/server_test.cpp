@@ -146,7 +146,7 @@ class ServerTest : public testing::Test {
                                {"retractors", std::int64_t{0}}};
       const Fields material = {
           {"model", std::string("corotated")}, {"youngs_modulus", 50.0}, {"poissons_ratio", 0.4}, {"density", 1000.0}};
-      return send(message("open").field("settings", settings).field("material", material));
+      return send(message("open").field("settings", settings).field("materials", std::vector<Value>{material}));
     }
     std::uint64_t send_epoch() {
       const std::vector<double> points(9, 0.5);

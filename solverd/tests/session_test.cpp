@@ -17,9 +17,9 @@ namespace {
 TEST(Session, ABarHangingUnderItsOwnWeightLengthensAsTheFormulaSays) {
   SessionSettings s;
   s.spacing = 1;
-  s.material.model = "corotated";
-  s.material.poissons_ratio = 0.0;
-  s.material.youngs_modulus = 50;
+  s.materials[0].model = "corotated";
+  s.materials[0].poissons_ratio = 0.0;
+  s.materials[0].youngs_modulus = 50;
   s.gravity = Vec3(0, 0, -9.81);
   s.tolerance = 1e-5;
   s.precision = "double";
@@ -30,15 +30,15 @@ TEST(Session, ABarHangingUnderItsOwnWeightLengthensAsTheFormulaSays) {
   FrameInput frame;
   const FrameOutput out = session.solve(frame, {}, kNever);
   ASSERT_TRUE(out.converged) << out.reason;
-  const double weight = s.material.density * 9.81 * 1e-6;  // mN/mm^3
+  const double weight = s.materials[0].density * 9.81 * 1e-6;  // mN/mm^3
   EXPECT_NEAR(-landmark(out, 0)[2], weight * 30 * 30 / (2 * 50), 1e-3 * weight * 9);
 }
 
 TEST(Session, ATissueOnABedSinksByItsWeightOverTheBedsStiffness) {
   SessionSettings s;
   s.spacing = 1;
-  s.material.model = "corotated";
-  s.material.poissons_ratio = 0.0;  // no sideways swelling: the weight stays even
+  s.materials[0].model = "corotated";
+  s.materials[0].poissons_ratio = 0.0;  // no sideways swelling: the weight stays even
   s.gravity = Vec3(0, 0, -9.81);
   s.bed_stiffness = 2.0;
   s.tolerance = 1e-6;
@@ -49,14 +49,14 @@ TEST(Session, ATissueOnABedSinksByItsWeightOverTheBedsStiffness) {
   session.set_epoch(epoch);
   const FrameOutput out = session.solve(FrameInput{}, {}, kNever);
   ASSERT_TRUE(out.converged) << out.reason;
-  const double expected = s.material.density * 9.81e-6 * 4 / 2.0;
+  const double expected = s.materials[0].density * 9.81e-6 * 4 / 2.0;
   EXPECT_NEAR(-landmark(out, 0)[2], expected, 1e-3 * expected);
 }
 
 TEST(Session, ARestingTissueSinksLikeAnAttachedOneButLiftsOffFreely) {
   SessionSettings s;
-  s.material.model = "corotated";
-  s.material.poissons_ratio = 0.0;
+  s.materials[0].model = "corotated";
+  s.materials[0].poissons_ratio = 0.0;
   s.bed_stiffness = 2.0;
   s.tolerance = 1e-6;
   s.precision = "double";
@@ -64,7 +64,7 @@ TEST(Session, ARestingTissueSinksLikeAnAttachedOneButLiftsOffFreely) {
   for (std::size_t t = 0; t < epoch.bed.size(); ++t)
     epoch.bed[t] = centre(epoch.surface, t)[2] < 1e-9 ? kRestsOnBed : 0;
   add_landmark(epoch, Vec3(3, 3, 0));
-  const double weight = s.material.density * 9.81e-6 * 4;  // kPa
+  const double weight = s.materials[0].density * 9.81e-6 * 4;  // kPa
   {
     s.gravity = Vec3(0, 0, -9.81);
     Session session(s);
@@ -325,6 +325,78 @@ TEST(Session, CancelKeepsTheStateAndSaysSo) {
   EXPECT_TRUE(session.solve(pulled({Vec3(3, 0, 0)}), {}, kNever).converged);
 }
 
+// Two materials without stiffness between them: each half hangs by its own density.
+TEST(Session, GravityPullsEveryLayerByItsOwnDensity) {
+  SessionSettings s;
+  s.materials.resize(2);
+  for (auto& m : s.materials) {
+    m.model = "corotated";
+    m.poissons_ratio = 0.0;
+  }
+  s.materials[0].density = 1000;
+  s.materials[1].density = 3000;
+  s.gravity = Vec3(0, 0, -9.81);
+  s.tolerance = 1e-5;
+  s.precision = "double";
+  EpochInput epoch = make_epoch(box_surface({0, 0, 0}, {3, 3, 30}), [](const Vec3& c) { return c[2] > 30 - 1e-9; });
+  add_landmark(epoch, Vec3(1.5, 1.5, 0));
+  epoch.skin = box_surface({0, 0, 30}, {3, 3, 30});  // flat: only its top counts
+  epoch.regions = {
+      {1, 15.0, std::numeric_limits<double>::infinity(), std::vector<std::uint8_t>(epoch.skin.triangles.size(), 1)}};
+  Session session(s);
+  session.set_epoch(epoch);
+  const FrameOutput out = session.solve(FrameInput{}, {}, kNever);
+  ASSERT_TRUE(out.converged) << out.reason;
+  // The integral of the weight below, over E: the lower half by itself, then the upper half under it.
+  const double light = 1000 * 9.81e-6, heavy = 3000 * 9.81e-6, l = 15;
+  const double expected = (heavy * l * l / 2 + heavy * l * l + light * l * l / 2) / s.materials[0].youngs_modulus;
+  EXPECT_NEAR(-landmark(out, 0)[2], expected, 2e-3 * expected);
+}
+
+TEST(Session, RefusesRegionsAndActivationsThatMakeNoSense) {
+  SessionSettings s;
+  s.materials.resize(2);
+  Session session(s);
+  const EpochInput good = [] {
+    EpochInput epoch = make_epoch(box_surface({0, 0, 0}, {4, 4, 4}), [](const Vec3& c) { return c[2] < 1e-9; });
+    epoch.skin = epoch.surface;
+    epoch.regions = {{1, 1.0, 2.0, std::vector<std::uint8_t>(12, 1)}};
+    return epoch;
+  }();
+  const auto refused = [&](const std::function<void(EpochInput&)>& spoil, const char* word) {
+    EpochInput epoch = good;
+    spoil(epoch);
+    try {
+      session.set_epoch(epoch);
+      ADD_FAILURE() << word << " was accepted";
+    } catch (const RefusedError& error) {
+      EXPECT_EQ(error.code(), ErrorCode::kInvalidInput);
+      EXPECT_NE(std::string(error.what()).find(word), std::string::npos) << error.what();
+    }
+  };
+  refused([](auto& e) { e.regions[0].material = 2; }, "material 2 of 2");
+  refused([](auto& e) { e.regions[0].from_depth = -1; }, "-1 to 2 mm");
+  refused([](auto& e) { e.regions[0].to_depth = 1.0; }, "1 to 1 mm");
+  refused([](auto& e) { e.regions[0].to_depth = std::nan(""); }, "nan mm");
+  refused([](auto& e) { e.regions[0].faces.pop_back(); }, "labels 11 triangles");
+  refused([](auto& e) { e.skin = Surface{}; }, "no skin");
+  refused([](auto& e) { e.skin.triangles[3][0] = 8; }, "names point 8");
+  session.set_epoch(good);
+  for (const std::vector<double>& activation : {std::vector<double>{0.5}, {0.5, 1.5}, {-0.1, 0.0}}) {
+    FrameInput frame;
+    frame.activation = activation;
+    EXPECT_THROW(session.solve(frame, {}, kNever), RefusedError);
+  }
+  FrameInput frame;
+  frame.activation = {0.0, 1.0};
+  const FrameOutput out = session.solve(frame, {}, kNever);
+  EXPECT_EQ(out.state.activation, frame.activation);
+  SolverState state = out.state;
+  session.set_state(state);
+  state.activation.pop_back();
+  EXPECT_THROW(session.set_state(state), RefusedError);
+}
+
 TEST(Session, RefusesSettingsThatMakeNoSense) {
   const auto refused = [](const std::function<void(SessionSettings&)>& spoil, const char* word) {
     SessionSettings s;
@@ -338,9 +410,30 @@ TEST(Session, RefusesSettingsThatMakeNoSense) {
     }
   };
   refused([](auto& s) { s.spacing = 0; }, "spacing");
-  refused([](auto& s) { s.material.poissons_ratio = 0.5; }, "Poisson's ratio is 0.5");
-  refused([](auto& s) { s.material.model = "jelly"; }, "jelly");
-  refused([](auto& s) { s.material.youngs_modulus = -1; }, "Young's modulus");
+  refused([](auto& s) { s.materials[0].poissons_ratio = 0.5; }, "Poisson's ratio of material 0 is 0.5");
+  refused([](auto& s) { s.materials[0].model = "jelly"; }, "jelly");
+  refused([](auto& s) { s.materials[0].youngs_modulus = -1; }, "Young's modulus");
+  refused([](auto& s) { s.materials.clear(); }, "0 materials");
+  refused([](auto& s) { s.materials.resize(257); }, "257 materials");
+  const auto second = [&](const std::function<void(MaterialParameters&)>& spoil, const char* word) {
+    refused(
+        [&](auto& s) {
+          s.materials.resize(2);
+          spoil(s.materials[1]);
+        },
+        word);
+  };
+  second([](auto& m) { m.poissons_ratio = -0.1; }, "Poisson's ratio of material 1 is -0.1");
+  second([](auto& m) { m.poissons_ratio = 0.49995; }, "0.4999");
+  second([](auto& m) { m.density = -1; }, "density of material 1");
+  second([](auto& m) { m.mooney_ratio = -1; }, "Mooney");
+  second([](auto& m) { m.fibre_k1 = -1; }, "k1");
+  second([](auto& m) { m.fibre_k2 = std::nan(""); }, "k2");
+  second([](auto& m) { m.fibre_dispersion = 0.34; }, "dispersion");
+  second([](auto& m) { m.fibre_direction = Vec3(1, 1, 0); }, "direction");
+  second([](auto& m) { m.muscle_stress = -1; }, "muscle");
+  second([](auto& m) { m.prestretch[1] = 2.1; }, "prestretch");
+  second([](auto& m) { m.prestretch[0] = std::nan(""); }, "prestretch");
   refused([](auto& s) { s.quadrature = 3; }, "quadrature");
   refused([](auto& s) { s.precision = "half"; }, "half");
   refused([](auto& s) { s.tolerance = 1e-9; }, "double");

@@ -80,6 +80,60 @@ void add_rows(MessageWriter& writer, const std::string& name, const std::vector<
   writer.array(name, std::span<const T>(elements), std::move(shape));
 }
 
+MaterialParameters decode_material(FieldReader& reader) {
+  MaterialParameters material;
+  material.model = reader.text("model");
+  material.youngs_modulus = reader.number("youngs_modulus");
+  material.poissons_ratio = reader.number("poissons_ratio");
+  material.density = reader.number("density");
+  material.mooney_ratio = reader.number("mooney_ratio", material.mooney_ratio);
+  if (reader.has("fibre_direction")) {
+    const std::array<double, 3> direction = reader.vector3("fibre_direction");
+    material.fibre_direction = Vec3(direction[0], direction[1], direction[2]);
+  }
+  material.fibre_k1 = reader.number("fibre_k1", material.fibre_k1);
+  material.fibre_k2 = reader.number("fibre_k2", material.fibre_k2);
+  material.fibre_dispersion = reader.number("fibre_dispersion", material.fibre_dispersion);
+  material.muscle_stress = reader.number("muscle_stress", material.muscle_stress);
+  if (reader.has("prestretch")) {
+    const std::vector<double> prestretch = reader.numbers("prestretch", 2);
+    material.prestretch = {prestretch[0], prestretch[1]};
+  }
+  return material;
+}
+
+// Reads points (n,3) and triangles (m,3) under these names.
+Surface decode_surface(ArrayReader& arrays, std::string_view points, std::string_view triangles,
+                       const std::string& of) {
+  Surface surface;
+  surface.points = to_points(arrays.read_finite(points, {kAny, 3}));
+  const std::int32_t count = checked_count(surface.points.size(), of);
+  const std::vector<std::int32_t> corners = arrays.read<std::int32_t>(triangles, {kAny, 3});
+  check_indices(corners, triangles, 0, count, of);
+  checked_count(corners.size() / 3, "triangles");
+  surface.triangles.resize(corners.size() / 3);
+  for (std::size_t i = 0; i < surface.triangles.size(); ++i)
+    surface.triangles[i] = {corners[3 * i], corners[3 * i + 1], corners[3 * i + 2]};
+  return surface;
+}
+
+void decode_regions(FieldReader& reader, ArrayReader& arrays, std::int32_t materials, EpochInput& epoch) {
+  reader.maps("regions", [&](FieldReader& entry) {
+    MaterialRegion region;
+    region.material = integer_field(entry, "material", 0, materials - 1);
+    region.from_depth = entry.number("from_depth");
+    region.to_depth = entry.number("to_depth", region.to_depth);
+    epoch.regions.push_back(std::move(region));
+  });
+  epoch.skin = decode_surface(arrays, "skin_points", "skin_triangles", "skin points");
+  const std::size_t count = epoch.skin.triangles.size();
+  const auto faces = arrays.read<std::uint8_t>("region_faces", {length(epoch.regions.size()), length(count)});
+  for (std::size_t r = 0; r < epoch.regions.size(); ++r) {
+    const auto first = faces.begin() + static_cast<std::ptrdiff_t>(r * count);
+    epoch.regions[r].faces.assign(first, first + static_cast<std::ptrdiff_t>(count));
+  }
+}
+
 }  // namespace
 
 Hello decode_hello(const Header& header, ArrayFrames frames) {
@@ -113,31 +167,21 @@ SessionSettings decode_open(const Header& header, ArrayFrames frames) {
   settings.sutures = integer_field(reader, "sutures", 0);
   settings.retractors = integer_field(reader, "retractors", 0);
   reader.finish();
-  FieldReader material(open.map("material"), "material");
-  settings.material.model = material.text("model");
-  settings.material.youngs_modulus = material.number("youngs_modulus");
-  settings.material.poissons_ratio = material.number("poissons_ratio");
-  settings.material.density = material.number("density");
-  material.finish();
+  settings.materials.clear();
+  open.maps("materials", [&](FieldReader& material) { settings.materials.push_back(decode_material(material)); });
   open.finish();
   return settings;
 }
 
-EpochInput decode_epoch(const Header& header, ArrayFrames frames, std::int32_t retractors) {
+EpochInput decode_epoch(const Header& header, ArrayFrames frames, std::int32_t retractors, std::int32_t materials) {
   FieldReader reader(header.fields, header.type);
   ArrayReader arrays(header, frames);
   EpochInput epoch;
   epoch.index = integer_field(reader, "index", 0);
+  epoch.surface = decode_surface(arrays, "points", "triangles", "surface points");
+  const auto count = static_cast<std::int32_t>(epoch.surface.triangles.size());
+  if (reader.has("regions")) decode_regions(reader, arrays, materials, epoch);
   reader.finish();
-  epoch.surface.points = to_points(arrays.read_finite("points", {kAny, 3}));
-  const std::int32_t points = checked_count(epoch.surface.points.size(), "surface points");
-  const std::vector<std::int32_t> triangles = arrays.read<std::int32_t>("triangles", {kAny, 3});
-  check_indices(triangles, "triangles", 0, points, "surface points");
-  const std::int32_t count = checked_count(triangles.size() / 3, "triangles");
-  epoch.surface.triangles.resize(triangles.size() / 3);
-  for (std::size_t i = 0; i < epoch.surface.triangles.size(); ++i) {
-    epoch.surface.triangles[i] = {triangles[3 * i], triangles[3 * i + 1], triangles[3 * i + 2]};
-  }
   epoch.fixed = arrays.read<std::uint8_t>("fixed", {count});
   epoch.bed = arrays.read<std::uint8_t>("bed", {count});
   epoch.grip = arrays.read<std::int32_t>("grip", {count});
@@ -149,7 +193,7 @@ EpochInput decode_epoch(const Header& header, ArrayFrames frames, std::int32_t r
   return epoch;
 }
 
-SolverState decode_state(const Header& header, ArrayFrames frames, std::int32_t sutures) {
+SolverState decode_state(const Header& header, ArrayFrames frames, std::int32_t sutures, std::int32_t materials) {
   FieldReader reader(header.fields, header.type);
   ArrayReader arrays(header, frames);
   SolverState state;
@@ -171,6 +215,7 @@ SolverState decode_state(const Header& header, ArrayFrames frames, std::int32_t 
   state.suture_gaps = arrays.read<double>("suture_gaps", {sutures, 3});  // NaN: not placed yet
   state.suture_multipliers = arrays.read_finite("suture_multipliers", {sutures, 3});
   state.grip_multipliers = arrays.read_finite("grip_multipliers", {kAny});
+  state.activation = arrays.read_finite("activation", {materials});
   arrays.finish();
   return state;
 }
@@ -227,6 +272,7 @@ FrameInput decode_solve(const Header& header, ArrayFrames frames, const FrameLim
     }
     frame.retractors.push_back(retractor);
   }
+  if (arrays.has("activation")) frame.activation = arrays.read_finite("activation", {limits.materials});
   arrays.finish();
   return frame;
 }
@@ -310,6 +356,7 @@ std::vector<FrameBytes> encode_frame(ReplyTo to, const FrameOutput& frame) {
   add_rows(writer, "state_suture_gaps", frame.state.suture_gaps, {3});
   add_rows(writer, "suture_multipliers", frame.state.suture_multipliers, {3});
   add_rows(writer, "grip_multipliers", frame.state.grip_multipliers, {});
+  add_rows(writer, "activation", frame.state.activation, {});
   return writer.finish();
 }
 

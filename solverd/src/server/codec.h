@@ -16,6 +16,7 @@ struct FrameLimits {
   std::int32_t triangles = 0;   // of the epoch's surface
   std::int32_t sutures = 0;     // in the procedure
   std::int32_t retractors = 0;  // in the procedure
+  std::int32_t materials = 1;   // of the session
 };
 
 struct Hello {
@@ -27,8 +28,8 @@ using ArrayFrames = std::span<const std::span<const std::byte>>;
 
 Hello decode_hello(const Header& header, ArrayFrames frames);
 SessionSettings decode_open(const Header& header, ArrayFrames frames);
-EpochInput decode_epoch(const Header& header, ArrayFrames frames, std::int32_t retractors);
-SolverState decode_state(const Header& header, ArrayFrames frames, std::int32_t sutures);
+EpochInput decode_epoch(const Header& header, ArrayFrames frames, std::int32_t retractors, std::int32_t materials);
+SolverState decode_state(const Header& header, ArrayFrames frames, std::int32_t sutures, std::int32_t materials);
 FrameInput decode_solve(const Header& header, ArrayFrames frames, const FrameLimits& limits);
 // For messages without fields and arrays: refuses any.
 void decode_bare(const Header& header, ArrayFrames frames);

@@ -83,18 +83,48 @@ std::string FieldReader::text(std::string_view name) {
   return *text;
 }
 
-std::array<double, 3> FieldReader::vector3(std::string_view name) {
+double FieldReader::number(std::string_view name, double otherwise) { return has(name) ? number(name) : otherwise; }
+
+std::vector<double> FieldReader::numbers(std::string_view name, std::size_t count) {
   const Value& value = take(name);
   const auto* list = std::get_if<std::vector<Value>>(&value);
-  if (list == nullptr || list->size() != 3) {
-    malformed("The field '" + std::string(name) + "' of '" + where_ + "' must be a list of three numbers.");
+  if (list == nullptr || list->size() != count) {
+    malformed("The field '" + std::string(name) + "' of '" + where_ + "' must be a list of " +
+              (count == 2   ? "two"
+               : count == 3 ? "three"
+                            : std::to_string(count)) +
+              " numbers.");
   }
-  std::array<double, 3> result{};
-  for (std::size_t i = 0; i < 3; ++i) {
-    const Fields entry = {{std::string(name), (*list)[i]}};
-    result[i] = FieldReader(entry, where_).number(name);
+  std::vector<double> result;
+  for (const Value& element : *list) {
+    const Fields entry = {{std::string(name), element}};
+    result.push_back(FieldReader(entry, where_).number(name));
   }
   return result;
+}
+
+std::array<double, 3> FieldReader::vector3(std::string_view name) {
+  const std::vector<double> found = numbers(name, 3);
+  return {found[0], found[1], found[2]};
+}
+
+void FieldReader::maps(std::string_view name, const std::function<void(FieldReader&)>& read) {
+  const Value& value = take(name);
+  const auto* list = std::get_if<std::vector<Value>>(&value);
+  if (list == nullptr) {
+    malformed("The field '" + std::string(name) + "' of '" + where_ + "' is " + std::string(kind_name(value)) +
+              "; it must be a list of maps.");
+  }
+  for (std::size_t i = 0; i < list->size(); ++i) {
+    const auto* map = std::get_if<Fields>(&(*list)[i]);
+    if (map == nullptr) {
+      malformed("The entry " + std::to_string(i) + " of '" + std::string(name) + "' is " +
+                std::string(kind_name((*list)[i])) + "; it must be a map.");
+    }
+    FieldReader reader(*map, std::string(name) + "[" + std::to_string(i) + "]");
+    read(reader);
+    reader.finish();
+  }
 }
 
 const Fields& FieldReader::map(std::string_view name) {

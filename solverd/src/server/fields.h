@@ -3,6 +3,7 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <string>
 #include <string_view>
@@ -31,11 +32,16 @@ class FieldReader {
  public:
   FieldReader(const Fields& fields, std::string where) : fields_(fields), where_(std::move(where)) {}
 
-  double number(std::string_view name);  // finite; whole numbers count
+  double number(std::string_view name);                    // finite; whole numbers count
+  double number(std::string_view name, double otherwise);  // for a field that may be left out
   std::int64_t integer(std::string_view name, std::int64_t low, std::int64_t high);
   std::string text(std::string_view name);
   std::array<double, 3> vector3(std::string_view name);
   const Fields& map(std::string_view name);
+  std::vector<double> numbers(std::string_view name, std::size_t count);
+  // A list of maps, each of which `read` gets with a reader that is finished afterwards.
+  void maps(std::string_view name, const std::function<void(FieldReader&)>& read);
+  bool has(std::string_view name) const { return fields_.contains(name); }
   void finish() const;
 
  private:

@@ -292,6 +292,10 @@ std::span<const std::byte> ArrayReader::checked(std::string_view name, ElementTy
   return frames_[index];
 }
 
+bool ArrayReader::has(std::string_view name) const {
+  return std::ranges::find(header_.arrays, name, &ArrayDescription::name) != header_.arrays.end();
+}
+
 std::vector<double> ArrayReader::read_finite(std::string_view name, std::initializer_list<std::int64_t> shape) {
   std::vector<double> elements = read<double>(name, shape);
   const auto bad = std::ranges::find_if(elements, [](double element) { return !std::isfinite(element); });

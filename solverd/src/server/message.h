@@ -78,6 +78,7 @@ class ArrayReader {
     copy_bytes(bytes, elements.data());
     return elements;
   }
+  bool has(std::string_view name) const;
   // The same for floating-point arrays, refusing (kInvalidInput) what is not finite.
   std::vector<double> read_finite(std::string_view name, std::initializer_list<std::int64_t> shape);
   // Refuses arrays that nobody read.

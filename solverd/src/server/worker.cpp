@@ -128,9 +128,10 @@ std::vector<FrameBytes> Worker::answer(const Request& request, zmq::socket_t& re
     return encode_opened({header.id, session_number_});
   }
   SolverPort& session = session_for(request);
+  const auto materials = static_cast<std::int32_t>(settings_.materials.size());
   const ReplyTo to{header.id, session_number_};
   if (header.type == "epoch") {
-    const EpochInput epoch = decode_epoch(header, arrays, settings_.retractors);
+    const EpochInput epoch = decode_epoch(header, arrays, settings_.retractors, materials);
     epoch_triangles_.reset();  // a session that could not take an epoch has none
     const EpochReport report = session.set_epoch(epoch);
     epoch_triangles_ = static_cast<std::int32_t>(epoch.surface.triangles.size());
@@ -146,7 +147,7 @@ std::vector<FrameBytes> Worker::answer(const Request& request, zmq::socket_t& re
     throw RefusedError(ErrorCode::kOutOfOrder, "'" + header.type + "' needs an epoch; send 'epoch' first.");
   }
   if (header.type == "state") {
-    session.set_state(decode_state(header, arrays, settings_.sutures));
+    session.set_state(decode_state(header, arrays, settings_.sutures, materials));
     return encode_accepted(to);
   }
   return encode_frame(to, solve(request, arrays, replies));
@@ -154,8 +155,9 @@ std::vector<FrameBytes> Worker::answer(const Request& request, zmq::socket_t& re
 
 FrameOutput Worker::solve(const Request& request, std::span<const std::span<const std::byte>> arrays,
                           zmq::socket_t& replies) {
-  const FrameInput frame =
-      decode_solve(request.header, arrays, {*epoch_triangles_, settings_.sutures, settings_.retractors});
+  const FrameInput frame = decode_solve(request.header, arrays,
+                                        {*epoch_triangles_, settings_.sutures, settings_.retractors,
+                                         static_cast<std::int32_t>(settings_.materials.size())});
   if (request.cancelled->load()) {
     throw RefusedError(ErrorCode::kCancelled, "The solve was cancelled before it began.");
   }

@@ -12,6 +12,11 @@ namespace lappet {
 
 namespace {
 
+// A cell keeps the number of its material in one byte.
+constexpr std::size_t kMostMaterials = 256;
+constexpr double kMostPoissonsRatio = 0.4999, kMostDispersion = 1.0 / 3.0 + 1e-12;
+constexpr double kLeastPrestretch = 0.5, kMostPrestretch = 2.0;
+
 template <class... Arguments>
 void require(bool condition, fmt::format_string<Arguments...> sentence, Arguments&&... arguments) {
   if (!condition)
@@ -25,6 +30,71 @@ void check_anchor(const Anchor& anchor, const Surface& surface, const char* what
   require(anchor.triangle >= 0 && static_cast<std::size_t>(anchor.triangle) < surface.triangles.size(),
           "the anchor of a {} names triangle {} of {}; give one of this epoch's surface", what, anchor.triangle,
           surface.triangles.size());
+}
+
+void check_material(const MaterialParameters& m, std::size_t i) {
+  const bool known =
+      m.model == "corotated" || m.model == "neoHookean" || m.model == "stableNeoHookean" || m.model == "mooneyRivlin";
+  require(known,
+          "the model of material {} is '{}', which this daemon does not solve; use 'corotated', 'neoHookean', "
+          "'stableNeoHookean' or 'mooneyRivlin'",
+          i, m.model);
+  require(std::isfinite(m.youngs_modulus) && m.youngs_modulus > 0,
+          "Young's modulus of material {} is {} kPa; it must be positive", i, m.youngs_modulus);
+  require(m.poissons_ratio >= 0 && m.poissons_ratio <= kMostPoissonsRatio,
+          "Poisson's ratio of material {} is {}; it must be 0 to {}", i, m.poissons_ratio, kMostPoissonsRatio);
+  require(std::isfinite(m.density) && m.density >= 0,
+          "the density of material {} is {} kg/m^3; it must not be negative", i, m.density);
+  require(std::isfinite(m.mooney_ratio) && m.mooney_ratio >= 0,
+          "the Mooney ratio mu01/mu10 of material {} is {}; it must not be negative", i, m.mooney_ratio);
+  require(finite(m.fibre_direction) && std::abs(m.fibre_direction.norm() - 1.0) < 1e-6,
+          "the fibre direction of material {} is ({:g}, {:g}, {:g}); it must have length 1", i, m.fibre_direction[0],
+          m.fibre_direction[1], m.fibre_direction[2]);
+  require(std::isfinite(m.fibre_k1) && m.fibre_k1 >= 0,
+          "the fibre stiffness k1 of material {} is {} kPa; give 0 for no fibres", i, m.fibre_k1);
+  require(std::isfinite(m.fibre_k2) && m.fibre_k2 >= 0,
+          "the fibre exponent k2 of material {} is {}; it must not be negative", i, m.fibre_k2);
+  require(m.fibre_dispersion >= 0 && m.fibre_dispersion <= kMostDispersion,
+          "the fibre dispersion of material {} is {}; it must be 0 (aligned) to 1/3 (isotropic)", i,
+          m.fibre_dispersion);
+  require(std::isfinite(m.muscle_stress) && m.muscle_stress >= 0,
+          "the muscle stress of material {} is {} kPa; give 0 for no muscle", i, m.muscle_stress);
+  for (const double stretch : m.prestretch)
+    require(stretch >= kLeastPrestretch && stretch <= kMostPrestretch,
+            "a prestretch of material {} is {}; it must be {} to {}", i, stretch, kLeastPrestretch, kMostPrestretch);
+}
+
+void check_regions(const EpochInput& epoch, const SessionSettings& settings) {
+  const auto& skin = epoch.skin;
+  for (std::size_t i = 0; i < skin.points.size(); ++i)
+    require(finite(skin.points[i]), "point {} of the skin of epoch {} is not finite", i, epoch.index);
+  for (std::size_t t = 0; t < skin.triangles.size(); ++t)
+    for (const std::int32_t p : skin.triangles[t])
+      require(p >= 0 && static_cast<std::size_t>(p) < skin.points.size(),
+              "triangle {} of the skin of epoch {} names point {} of {}", t, epoch.index, p, skin.points.size());
+  require(epoch.regions.empty() || !skin.triangles.empty(),
+          "epoch {} has {} regions of materials but no skin to measure their depth from; send the skin", epoch.index,
+          epoch.regions.size());
+  for (std::size_t r = 0; r < epoch.regions.size(); ++r) {
+    const auto& region = epoch.regions[r];
+    require(region.material >= 0 && static_cast<std::size_t>(region.material) < settings.materials.size(),
+            "region {} of epoch {} is of material {} of {}", r, epoch.index, region.material,
+            settings.materials.size());
+    require(
+        std::isfinite(region.from_depth) && region.from_depth >= 0 && region.to_depth > region.from_depth,
+        "region {} of epoch {} lies {:g} to {:g} mm below the skin; it must begin at 0 or deeper and end below that", r,
+        epoch.index, region.from_depth, region.to_depth);
+    require(region.faces.size() == skin.triangles.size(), "region {} of epoch {} labels {} triangles; its skin has {}",
+            r, epoch.index, region.faces.size(), skin.triangles.size());
+  }
+}
+
+void check_activation(const std::vector<double>& activation, std::size_t materials, const char* what) {
+  require(activation.size() == materials, "{} has {} activations; there are {} materials", what, activation.size(),
+          materials);
+  for (std::size_t m = 0; m < activation.size(); ++m)
+    require(activation[m] >= 0 && activation[m] <= 1, "{} activates material {} by {}; it must be 0 to 1", what, m,
+            activation[m]);
 }
 
 }  // namespace
@@ -53,15 +123,9 @@ void check_settings(const SessionSettings& s) {
   require(s.sutures >= 0 && s.sutures <= 1000000, "the procedure has {} sutures; give 0 to 1000000", s.sutures);
   require(s.retractors >= 0 && s.retractors <= 100000, "the procedure has {} retractors; give 0 to 100000",
           s.retractors);
-  const auto& m = s.material;
-  require(m.model == "corotated" || m.model == "neoHookean",
-          "the material model '{}' is not one this daemon solves; use 'neoHookean' or 'corotated'", m.model);
-  require(std::isfinite(m.youngs_modulus) && m.youngs_modulus > 0, "Young's modulus is {} kPa; it must be positive",
-          m.youngs_modulus);
-  require(m.poissons_ratio > -1 && m.poissons_ratio < 0.5,
-          "Poisson's ratio is {}; it must be above -1 and below 0.5 (use 0.499 for nearly incompressible tissue)",
-          m.poissons_ratio);
-  require(std::isfinite(m.density) && m.density >= 0, "the density is {} kg/m^3; it must not be negative", m.density);
+  require(!s.materials.empty() && s.materials.size() <= kMostMaterials,
+          "the session has {} materials; give 1 to {}, the first for the tissue", s.materials.size(), kMostMaterials);
+  for (std::size_t i = 0; i < s.materials.size(); ++i) check_material(s.materials[i], i);
 }
 
 void check_epoch(const EpochInput& epoch, const SessionSettings& settings) {
@@ -91,6 +155,7 @@ void check_epoch(const EpochInput& epoch, const SessionSettings& settings) {
           epoch.landmark_triangles.size());
   for (std::size_t k = 0; k < epoch.landmarks.size(); ++k)
     check_anchor({epoch.landmarks[k], epoch.landmark_triangles[k]}, surface, "landmark");
+  check_regions(epoch, settings);
 }
 
 void check_frame(const FrameInput& frame, const SessionSettings& settings, const Surface& surface) {
@@ -125,9 +190,12 @@ void check_frame(const FrameInput& frame, const SessionSettings& settings, const
             "the motion of retractor {} at frame {:g} is not rigid; give a rotation and a translation only",
             retractor.index, frame.time);
   }
+  if (!frame.activation.empty())
+    check_activation(frame.activation, settings.materials.size(), fmt::format("frame {:g}", frame.time).c_str());
 }
 
-void check_state(const SolverState& state, std::size_t node_values, std::size_t suture_values, bool is_double) {
+void check_state(const SolverState& state, std::size_t node_values, std::size_t suture_values, std::size_t materials,
+                 bool is_double) {
   require(state.is_double == is_double, "the state is in {} but the session solves in {}",
           state.is_double ? "double" : "float", is_double ? "double" : "float");
   require(state.nodes.size() == node_values, "the state has {} nodes but the epoch's lattice has {}",
@@ -137,6 +205,7 @@ void check_state(const SolverState& state, std::size_t node_values, std::size_t 
   require(state.grip_multipliers.empty() || state.grip_multipliers.size() == node_values,
           "the state's grip multipliers have {} values; give none or {}", state.grip_multipliers.size(), node_values);
   for (const double value : state.nodes) require(std::isfinite(value), "the state holds a number that is not finite");
+  check_activation(state.activation, materials, "the state");
 }
 
 }  // namespace lappet

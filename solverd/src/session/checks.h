@@ -8,6 +8,7 @@ namespace lappet {
 void check_settings(const SessionSettings& settings);
 void check_epoch(const EpochInput& epoch, const SessionSettings& settings);
 void check_frame(const FrameInput& frame, const SessionSettings& settings, const Surface& surface);
-void check_state(const SolverState& state, std::size_t node_values, std::size_t suture_values, bool is_double);
+void check_state(const SolverState& state, std::size_t node_values, std::size_t suture_values, std::size_t materials,
+                 bool is_double);
 
 }  // namespace lappet

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "force/material_parameters.h"
+#include "force/cell_materials.h"
 #include "lattice/surface.h"
 
 namespace lappet {
@@ -30,7 +30,8 @@ struct SessionSettings {
   int threads = 0;              // 0: all
   std::int32_t sutures = 0;     // number of sutures in the whole procedure; frames refer to them by index
   std::int32_t retractors = 0;  // likewise
-  MaterialParameters material;
+  // materials[0] is what the tissue is made of where no region says otherwise.
+  std::vector<MaterialParameters> materials{MaterialParameters{}};
 };
 
 struct EpochInput {
@@ -41,6 +42,8 @@ struct EpochInput {
   std::vector<std::int32_t> grip;   // per triangle: index of the retractor that grips it, or -1
   std::vector<Vec3> landmarks;      // rest points
   std::vector<std::int32_t> landmark_triangles;
+  Surface skin;  // the outer skin before any cut, from which the regions measure their depth; may be empty without any
+  std::vector<MaterialRegion> regions;
 };
 
 struct EpochReport {
@@ -79,6 +82,7 @@ struct FrameInput {
   std::vector<HookState> hooks;
   std::vector<SutureState> sutures;
   std::vector<RetractorState> retractors;  // the active ones
+  std::vector<double> activation;          // of the muscles, per material, in [0, 1]; empty: all 0
 };
 
 // Everything a later frame depends on: give it back with set_state and the solve goes on bit for bit.
@@ -88,6 +92,7 @@ struct SolverState {
   std::vector<double> suture_gaps;         // 3 per suture: separation when placed, NaN before
   std::vector<double> suture_multipliers;  // 3 per suture, mN
   std::vector<double> grip_multipliers;    // opaque
+  std::vector<double> activation;          // per material, as the last frame had it
 };
 
 struct FrameOutput {

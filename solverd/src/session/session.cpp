@@ -5,6 +5,7 @@
 #include <tbb/task_arena.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <limits>
@@ -63,7 +64,8 @@ class TypedSession : public Session::Implementation {
       : settings_(settings),
         arena_(settings.threads > 0 ? settings.threads : tbb::task_arena::automatic),
         suture_gaps_(3 * static_cast<std::size_t>(settings.sutures), std::numeric_limits<double>::quiet_NaN()),
-        suture_multipliers_(3 * static_cast<std::size_t>(settings.sutures), 0.0) {}
+        suture_multipliers_(3 * static_cast<std::size_t>(settings.sutures), 0.0),
+        activation_(settings.materials.size(), 0.0) {}
 
   EpochReport set_epoch(const EpochInput& epoch) override {
     EpochReport report;
@@ -73,11 +75,12 @@ class TypedSession : public Session::Implementation {
 
   void set_state(const SolverState& state) override {
     if (!epoch_) throw RefusedError(ErrorCode::kOutOfOrder, "a state came before any epoch; send the epoch first");
-    check_state(state, u_.size(), suture_gaps_.size(), std::is_same_v<Real, double>);
+    check_state(state, u_.size(), suture_gaps_.size(), settings_.materials.size(), std::is_same_v<Real, double>);
     u_.assign(state.nodes.begin(), state.nodes.end());
     suture_gaps_ = state.suture_gaps;
     suture_multipliers_ = state.suture_multipliers;
     held_multipliers_ = state.grip_multipliers;
+    activation_ = state.activation;
   }
 
   FrameOutput solve(const FrameInput& frame, const ProgressCallback& progress,
@@ -93,14 +96,15 @@ class TypedSession : public Session::Implementation {
   // What a solve changes; put back when it fails.
   struct Snapshot {
     std::vector<Real> u;
-    std::vector<double> suture_gaps, suture_multipliers, held_multipliers;
+    std::vector<double> suture_gaps, suture_multipliers, held_multipliers, activation;
   };
-  Snapshot snapshot() const { return {u_, suture_gaps_, suture_multipliers_, held_multipliers_}; }
+  Snapshot snapshot() const { return {u_, suture_gaps_, suture_multipliers_, held_multipliers_, activation_}; }
   void restore(const Snapshot& s) {
     u_ = s.u;
     suture_gaps_ = s.suture_gaps;
     suture_multipliers_ = s.suture_multipliers;
     held_multipliers_ = s.held_multipliers;
+    activation_ = s.activation;
   }
 
   EpochReport install(const EpochInput& epoch) {
@@ -130,6 +134,7 @@ class TypedSession : public Session::Implementation {
           held.insert(held.end(), {y[0], y[1], y[2]});
       }
     }
+    CellMaterials materials = assign_materials(*lattice, settings_.materials, epoch.skin, epoch.regions);
     Attachments attachments = attach(*lattice, epoch.surface, epoch.fixed, epoch.bed, epoch.grip);
     EpochReport report;
     for (const std::int32_t group : attachments.node_group) report.fixed_nodes += group == kFixedGroup;
@@ -138,7 +143,7 @@ class TypedSession : public Session::Implementation {
     lattice_ = std::move(lattice);
     epoch_ = epoch;
     system_ =
-        std::make_unique<System<Real>>(*lattice_, settings_.material, settings_.quadrature, std::move(attachments),
+        std::make_unique<System<Real>>(*lattice_, std::move(materials), settings_.quadrature, std::move(attachments),
                                        settings_.retractors, settings_.bed_stiffness, settings_.gravity);
     preconditioner_ = std::make_unique<TwoLevel<Real>>(*system_, kChebyshevDegree);
     u_ = std::move(u);
@@ -176,7 +181,14 @@ class TypedSession : public Session::Implementation {
     }
     for (auto& retractor : result.retractors)
       retractor.motion = between(system_->present_motion(retractor.index, u_), retractor.motion, s);
+    result.activation = activation_of(frame);
+    for (std::size_t m = 0; m < activation_.size(); ++m)
+      result.activation[m] = (1 - s) * activation_[m] + s * result.activation[m];
     return result;
+  }
+
+  std::vector<double> activation_of(const FrameInput& frame) const {
+    return frame.activation.empty() ? std::vector<double>(settings_.materials.size(), 0.0) : frame.activation;
   }
 
   EmbeddedPoint embed(const Anchor& anchor) const {
@@ -193,6 +205,7 @@ class TypedSession : public Session::Implementation {
       motions.push_back(retractor.motion);
     }
     system_->set_retractors(active, motions);
+    system_->set_activation(activation_of(frame));
     auto& held = system_->held_multipliers();
     if (!held.empty()) {
       if (held_multipliers_.size() == held.size())
@@ -203,7 +216,7 @@ class TypedSession : public Session::Implementation {
     std::vector<Tie> ties;
     for (const auto& hook : frame.hooks)
       ties.push_back(make_hook(*lattice_, embed(hook.anchor), hook.target, hook.stiffness));
-    const double unit = settings_.material.youngs_modulus * settings_.spacing;
+    const double unit = settings_.materials[0].youngs_modulus * settings_.spacing;
     for (const auto& suture : frame.sutures) {
       const auto a = embed(suture.a), b = embed(suture.b);
       double* gap = &suture_gaps_[3 * static_cast<std::size_t>(suture.index)];
@@ -225,6 +238,7 @@ class TypedSession : public Session::Implementation {
         suture_multipliers_[3 * static_cast<std::size_t>(frame.sutures[k].index) + static_cast<std::size_t>(i)] =
             system_->ties()[frame.hooks.size() + k].multiplier[i];
     held_multipliers_ = system_->held_multipliers();
+    activation_ = activation_of(frame);
   }
 
   FrameOutput find(const FrameInput& frame, const ProgressCallback& progress, const std::atomic<bool>& cancel) {
@@ -236,7 +250,8 @@ class TypedSession : public Session::Implementation {
     options.tolerance = settings_.tolerance;
     options.gap_tolerance = settings_.gap_tolerance * settings_.spacing;
     options.max_newton = settings_.max_newton;
-    options.inverts = settings_.material.model == "corotated";
+    options.inverts = std::ranges::all_of(
+        settings_.materials, [](const auto& m) { return m.model == "corotated" || m.model == "stableNeoHookean"; });
 
     FrameOutput output;
     output.time = frame.time;
@@ -294,6 +309,7 @@ class TypedSession : public Session::Implementation {
     output.state.suture_gaps = suture_gaps_;
     output.state.suture_multipliers = suture_multipliers_;
     output.state.grip_multipliers = held_multipliers_;
+    output.state.activation = activation_;
     output.seconds_total = seconds_since(start);
     output.peak_bytes = peak_bytes();
     return output;
@@ -330,7 +346,7 @@ class TypedSession : public Session::Implementation {
   std::unique_ptr<TwoLevel<Real>> preconditioner_;
   std::vector<Real> u_;
   std::vector<EmbeddedPoint> landmarks_;
-  std::vector<double> suture_gaps_, suture_multipliers_, held_multipliers_;
+  std::vector<double> suture_gaps_, suture_multipliers_, held_multipliers_, activation_;  // the last one per material
 };
 
 }  // namespace

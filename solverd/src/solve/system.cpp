@@ -24,15 +24,15 @@ Vec3 at(std::span<const Real> u, std::size_t node) {
 }  // namespace
 
 template <class Real>
-System<Real>::System(const Lattice& lattice, const MaterialParameters& material, int quadrature,
-                     Attachments attachments, std::int32_t retractors, double bed_stiffness, const Vec3& gravity)
-    : elastic_(lattice, material, quadrature),
+System<Real>::System(const Lattice& lattice, CellMaterials materials, int quadrature, Attachments attachments,
+                     std::int32_t retractors, double bed_stiffness, const Vec3& gravity)
+    : elastic_(lattice, std::move(materials), quadrature),
       attachments_(std::move(attachments)),
       bed_stiffness_(bed_stiffness),
-      held_stiffness_(kHeldStiffness * material.youngs_modulus / lattice.settings.spacing),
+      held_stiffness_(kHeldStiffness * elastic_.materials().table[0].youngs_modulus / lattice.settings.spacing),
       retractor_active_(static_cast<std::size_t>(retractors), 0),
       retractor_motion_(static_cast<std::size_t>(retractors), Eigen::Matrix4d::Identity()),
-      drift_stiffness_(kDrift * material.youngs_modulus * lattice.settings.spacing),
+      drift_stiffness_(kDrift * elastic_.materials().table[0].youngs_modulus * lattice.settings.spacing),
       free_(lattice.node_rest.size(), 1),
       gradient_(3 * lattice.node_rest.size()),
       node_scale_(lattice.node_rest.size()) {
@@ -41,8 +41,8 @@ System<Real>::System(const Lattice& lattice, const MaterialParameters& material,
     gravity_force_.assign(3 * lattice.node_rest.size(), 0.0);
     const double h = lattice.settings.spacing;
     for (std::size_t c = 0; c < lattice.cell_nodes.size(); ++c) {
-      const Vec3 share =
-          gravity * (material.density * 1e-6 * h * h * h * static_cast<double>(lattice.cell_fill[c]) / 8.0);
+      const Vec3 share = gravity * (elastic_.materials().of(c).density * 1e-6 * h * h * h *
+                                    static_cast<double>(lattice.cell_fill[c]) / 8.0);
       for (const std::int32_t n : lattice.cell_nodes[c])
         for (int i = 0; i < 3; ++i)
           gravity_force_[3 * static_cast<std::size_t>(n) + static_cast<std::size_t>(i)] += share[i];

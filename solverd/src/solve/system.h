@@ -23,12 +23,14 @@ struct Evaluation {
 template <class Real>
 class System {
  public:
-  System(const Lattice& lattice, const MaterialParameters& material, int quadrature, Attachments attachments,
+  System(const Lattice& lattice, CellMaterials materials, int quadrature, Attachments attachments,
          std::int32_t retractors, double bed_stiffness, const Vec3& gravity);
 
   // Rigid motions (4x4, column vectors) of the retractors that grip now; the others let go.
   void set_retractors(std::span<const std::int32_t> active, std::span<const Eigen::Matrix4d> motions);
   void set_ties(std::vector<Tie> ties);
+  // How active the muscle of each material is, in [0, 1].
+  void set_activation(std::span<const double> activation) { elastic_.set_activation(activation); }
   const std::vector<Tie>& ties() const { return ties_; }
 
   Evaluation evaluate(std::span<const Real> u);
