@@ -26,12 +26,14 @@ from lappet.procedure import (
     Landmark,
     Material,
     Procedure,
+    Region,
     Retractor,
     Suture,
     Tissue,
     Undermine,
 )
 from lappet.program import SolverSettings
+from lappet.surface import skin_faces
 from lappet.usd_stage import write_procedure
 from report_shape import REPORT, misfits
 from small_procedure import small_procedure
@@ -167,7 +169,7 @@ def test_every_frame_is_in_the_report_and_in_equilibrium(solved: Solved) -> None
     assert misfits(report, REPORT) == []
     assert [frame["time_code"] for frame in report["frames"]] == list(range(1, 11))
     assert (report["complete"], report["frames_solved"], report["cache_hits"]) == (True, 10, 0)
-    assert report["settings"]["model"] == solved.procedure.materials[0].model
+    assert report["settings"]["materials"][0]["model"] == solved.procedure.materials[0].model
     assert [(epoch["start_time"], epoch["fragments"]) for epoch in report["epochs"]] == [(1, 1), (3, 2), (4, 2), (5, 1)]
     needed = {name for name, present in report["scene_profile"].items() if present}
     assert needed >= {"incisions", "undermining", "excisions", "hooks", "retractors", "sutures", "landmarks", "bed"}
@@ -311,6 +313,44 @@ def test_check_and_inspect_know_what_the_solve_will_find(solved: Solved) -> None
         assert f"{counts['cells']} cells ({counts['grid_cells']} grid, {counts['mesh_cells']} mesh)" in inspected
         assert counts["cells"] == counts["grid_cells"] + counts["mesh_cells"]
         assert counts["fragments"] == epoch["fragments"]
+
+
+# --- materials by region and depth ---------------------------------------------------------------------------------
+
+
+def test_every_part_of_a_tissue_on_its_bed_sinks_by_its_own_weight(tmp_path: Path) -> None:
+    """Heavy below 1 mm, but light throughout on the right: from the USD file to the landmarks in the report.
+
+    u = (sum of density times thickness) g / bed stiffness, away from where the two meet; the bending of the sheet dies
+    off within 3 mm: (4 E t^3 / (12 k))^(1/4).
+    """
+    patch = flat_patch((48.0, 8.0, TOP), resolution=2.0, spacing=1.0)
+    whole = np.flatnonzero(skin_faces(patch))
+    corners = patch.points[patch.face_vertex_indices.reshape(-1, 4)[whole]]
+    subsets = {"bed": patch.subsets["bed"], "rim": patch.subsets["fixed"]}
+    subsets |= {"deep": whole, "right": whole[corners[:, :, 0].min(axis=1) >= 0.0]}
+    tissue = replace(
+        patch,
+        subsets=subsets,
+        gravity=9.81,
+        bed_stiffness=2.0,
+        regions=(Region("deep", "heavy", 1.0), Region("right", "light")),
+    )
+    skin = Material("skin", "corotated", 50.0, 0.0, density=1000.0)
+    materials = (skin, replace(skin, name="heavy", density=3000.0), replace(skin, name="light", density=500.0))
+    marks = tuple(Landmark(name, ((x, 0.0, TOP),), name) for name, x in (("left", -20.0), ("right", 20.0)))
+    slit = Incision("slit", 2.0, ((-22.0, 2.0, TOP), (22.0, 2.0, TOP)), depth=1.0)  # changes no weight
+    procedure = Procedure(tissue, materials, (slit, *marks), end_time=2.0)
+    write_procedure(procedure, tmp_path / "p.usda")
+    run = solve(tmp_path, "--tolerance", "1e-5", "--precision", "double")
+    assert run.status == 0, run.stderr
+    assert run.report["scene_profile"]["materials"]
+    assert len(run.report["settings"]["materials"]) == 3
+    for time in (1, 2):
+        found = run.frame(time)["landmarks"]
+        for name, mass in (("left", 1000.0 + 3000.0), ("right", 500.0 + 500.0)):
+            expected = mass * 9.81e-6 / 2.0
+            assert TOP - found[name][2] == pytest.approx(expected, rel=0.05), (time, name)
 
 
 # --- what cannot be done -------------------------------------------------------------------------------------------
