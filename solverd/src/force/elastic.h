@@ -52,6 +52,12 @@ class Elastic {
   // Adds P^T K P of one cell to a coarse block; P: 24 fine unknowns (corner-major) by 48 coarse ones.
   void add_projected_stiffness(std::int32_t cell, const Eigen::Matrix<Real, 24, 48>& p,
                                Eigen::Matrix<Real, 48, 48>& block) const;
+  // The same for up to kProjectionLanes cells of one coarse cell, in the layouts of projected_stiffness_kernel.h with
+  // the lanes innermost: weights [64][lane] (zero in lanes without a cell), arms [24][lane], blocks
+  // [kFramePairSize][lane].
+  static constexpr int kProjectionLanes = 8;
+  void add_projected_stiffness(std::span<const std::int32_t> cells, const Real* weights, const Real* arms,
+                               Real* blocks) const;
   CellMeasures measures(std::int32_t cell, std::span<const Real> u) const;
 
   std::size_t bytes() const;

@@ -3,9 +3,15 @@
 #include <cmath>
 
 #include "force/elastic.h"
+#include "force/projected_stiffness_kernel.h"
 #include "math/parallel.h"
 
 namespace lappet {
+
+template <class Real>
+struct NumberTraits<Eigen::Array<Real, 8, 1>> {
+  using Scalar = Real;
+};
 
 template <class Real>
 void Elastic<Real>::diagonal_blocks(std::span<double> blocks) const {
@@ -159,6 +165,52 @@ void Elastic<Real>::add_projected_stiffness(std::int32_t cell, const Eigen::Matr
   }
 }
 
+template <class Real>
+void Elastic<Real>::add_projected_stiffness(std::span<const std::int32_t> cells, const Real* weights, const Real* arms,
+                                            Real* blocks) const {
+  using Lanes = Eigen::Array<Real, kProjectionLanes, 1>;
+  Lanes weight[64], arm[24];
+  for (int i = 0; i < 64; ++i) weight[i] = Eigen::Map<const Lanes>(weights + kProjectionLanes * i);
+  for (int i = 0; i < 24; ++i) arm[i] = Eigen::Map<const Lanes>(arms + kProjectionLanes * i);
+  auto* out = reinterpret_cast<Lanes*>(blocks);
+  const auto lane_cell = [&](int lane) {
+    return static_cast<std::size_t>(cells[std::min(static_cast<std::size_t>(lane), cells.size() - 1)]);
+  };
+  for (std::size_t q = 0; q < quadrature_.size(); ++q) {
+    Lanes u[9], v[9], hessian[6], same[3], cross[3];
+    for (int lane = 0; lane < kProjectionLanes; ++lane) {
+      const Point& t = points_[lane_cell(lane) * quadrature_.size() + q];
+      for (int i = 0; i < 9; ++i) {
+        u[i][lane] = t.u[i];
+        v[i][lane] = t.v[i];
+      }
+      for (int i = 0; i < 6; ++i) hessian[i][lane] = t.hessian[i];
+      for (int i = 0; i < 3; ++i) {
+        same[i][lane] = t.same[i];
+        cross[i][lane] = t.cross[i];
+      }
+    }
+    add_projected_tangent(u, v, hessian, same, cross, &gradients_[24 * q], weight, arm, out);
+  }
+  if (laplacian_ != 0.0) {
+    Lanes coefficient;
+    for (int lane = 0; lane < kProjectionLanes; ++lane)
+      coefficient[lane] = static_cast<Real>(laplacian_ * mu_ * lattice_.settings.spacing *
+                                            static_cast<double>(lattice_.cell_fill[lane_cell(lane)]));
+    add_projected_hourglass(coefficient, weight, arm, out);
+  }
+  if (quadratic_of_cell_.empty()) return;
+  for (int lane = 0; lane < static_cast<int>(cells.size()); ++lane) {
+    const std::int32_t index = quadratic_of_cell_[lane_cell(lane)];
+    if (index < 0) continue;
+    Real w[64], a[24], sum[kFramePairSize] = {};
+    for (int i = 0; i < 64; ++i) w[i] = weight[i][lane];
+    for (int i = 0; i < 24; ++i) a[i] = arm[i][lane];
+    add_projected_form(&quadratics_[64 * static_cast<std::size_t>(index)], w, a, sum);
+    for (int i = 0; i < kFramePairSize; ++i) out[i][lane] += sum[i];
+  }
+}
+
 template void Elastic<float>::diagonal_blocks(std::span<double>) const;
 template void Elastic<double>::diagonal_blocks(std::span<double>) const;
 template Matrix24 Elastic<float>::cell_stiffness(std::int32_t) const;
@@ -167,5 +219,9 @@ template void Elastic<float>::add_projected_stiffness(std::int32_t, const Eigen:
                                                       Eigen::Matrix<float, 48, 48>&) const;
 template void Elastic<double>::add_projected_stiffness(std::int32_t, const Eigen::Matrix<double, 24, 48>&,
                                                        Eigen::Matrix<double, 48, 48>&) const;
+template void Elastic<float>::add_projected_stiffness(std::span<const std::int32_t>, const float*, const float*,
+                                                      float*) const;
+template void Elastic<double>::add_projected_stiffness(std::span<const std::int32_t>, const double*, const double*,
+                                                       double*) const;
 
 }  // namespace lappet
