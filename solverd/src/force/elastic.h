@@ -60,9 +60,12 @@ class Elastic {
   void diagonal_blocks(std::span<Real> blocks) const;
   // K of one cell, ordered corner-major (3 corner + component), with the cell's quadratic term.
   Matrix24 cell_stiffness(std::int32_t cell) const;
-  // Adds P^T K P of one cell to a coarse block; P: 24 fine unknowns (corner-major) by 48 coarse ones.
-  void add_projected_stiffness(std::int32_t cell, const Eigen::Matrix<Real, 24, 48>& p,
-                               Eigen::Matrix<Real, 48, 48>& block) const;
+  // Adds P^T K P of up to kProjectionLanes cells to a coarse block, in the layouts of projected_stiffness_kernel.h with
+  // the lanes innermost: weights [64][lane] (zero in lanes without a cell), arms [24][lane], blocks
+  // [kFramePairSize][lane], all aligned to 64 bytes.
+  static constexpr int kProjectionLanes = 16;
+  void add_projected_stiffness(std::span<const std::int32_t> cells, const Real* weights, const Real* arms,
+                               Real* blocks) const;
   CellMeasures measures(std::int32_t cell, std::span<const Real> u) const;
 
   std::size_t bytes() const;

@@ -29,6 +29,8 @@ struct ElasticKernels {
   void (*linearize)(const ElasticArrays<Real>&, std::int64_t begin, std::int64_t end, Definiteness) = nullptr;
   void (*multiply)(const ElasticArrays<Real>&, std::int64_t begin, std::int64_t end, const Real* x, Real* y) = nullptr;
   void (*diagonal)(const ElasticArrays<Real>&, std::int64_t begin, std::int64_t end, Real* blocks) = nullptr;
+  void (*project)(const ElasticArrays<Real>&, const std::int32_t* slots, const Real* weights, const Real* arms,
+                  Real* blocks) = nullptr;
 };
 
 // Throws std::logic_error where the program holds no kernels for the set.

@@ -5,6 +5,7 @@
 #include "force/elastic_kernels.h"
 #include "force/material_models.h"
 #include "force/product_kernel.h"
+#include "force/projected_stiffness_kernel.h"
 #include "force/state_kernel.h"
 
 namespace lappet {
@@ -38,6 +39,7 @@ inline void fill_kernels(const SceneFeatures& features, ElasticKernels<Real>& ke
   with_flags(features, [&](auto one_point, auto fibres, auto prestretched) {
     kernels.multiply = &multiply_groups<Narrow, one_point(), fibres(), prestretched()>;
     kernels.diagonal = &diagonal_groups<Narrow, one_point(), fibres(), prestretched()>;
+    kernels.project = &project_cells<Narrow, one_point(), fibres(), prestretched()>;
     MaterialModels::with(features.model, [&]<class Model>() {
       kernels.evaluate = &evaluate_groups<Wide, Real, width, Model, one_point(), fibres(), prestretched()>;
       kernels.evaluate_fast = &evaluate_groups<Narrow, Real, width, Model, one_point(), fibres(), prestretched()>;

@@ -1,9 +1,10 @@
 // The tangent of cells as matrices: diagonal blocks for smoothers, cell stiffness for exact blocks, projections for
 // coarse spaces. The product without matrices is in product_kernel.h.
-#include <cmath>
+#include <algorithm>
+#include <array>
 
 #include "force/elastic.h"
-#include "force/product_kernel.h"
+#include "force/projected_stiffness_kernel.h"
 #include "math/parallel.h"
 
 namespace lappet {
@@ -91,10 +92,12 @@ Matrix24 Elastic<Real>::cell_stiffness(std::int32_t cell) const {
 }
 
 template <class Real>
-void Elastic<Real>::add_projected_stiffness(std::int32_t cell, const Eigen::Matrix<Real, 24, 48>& p,
-                                            Eigen::Matrix<Real, 48, 48>& block) const {
-  const Eigen::Matrix<Real, 24, 24> stiffness = cell_stiffness(cell).template cast<Real>();
-  block.noalias() += p.transpose() * (stiffness * p);
+void Elastic<Real>::add_projected_stiffness(std::span<const std::int32_t> cells, const Real* weights, const Real* arms,
+                                            Real* blocks) const {
+  std::array<std::int32_t, kProjectionLanes> slots;
+  for (std::size_t lane = 0; lane < slots.size(); ++lane)
+    slots[lane] = layout_.slot_of_cell[static_cast<std::size_t>(cells[std::min(lane, cells.size() - 1)])];
+  kernels_.project(arrays_, slots.data(), weights, arms, blocks);
 }
 
 template void Elastic<float>::diagonal_blocks(std::span<float>) const;
@@ -105,9 +108,9 @@ template Eigen::Matrix<double, 8, 8> Elastic<float>::scalar_stiffness(std::size_
 template Eigen::Matrix<double, 8, 8> Elastic<double>::scalar_stiffness(std::size_t) const;
 template Matrix24 Elastic<float>::cell_stiffness(std::int32_t) const;
 template Matrix24 Elastic<double>::cell_stiffness(std::int32_t) const;
-template void Elastic<float>::add_projected_stiffness(std::int32_t, const Eigen::Matrix<float, 24, 48>&,
-                                                      Eigen::Matrix<float, 48, 48>&) const;
-template void Elastic<double>::add_projected_stiffness(std::int32_t, const Eigen::Matrix<double, 24, 48>&,
-                                                       Eigen::Matrix<double, 48, 48>&) const;
+template void Elastic<float>::add_projected_stiffness(std::span<const std::int32_t>, const float*, const float*,
+                                                      float*) const;
+template void Elastic<double>::add_projected_stiffness(std::span<const std::int32_t>, const double*, const double*,
+                                                       double*) const;
 
 }  // namespace lappet

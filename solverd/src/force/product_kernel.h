@@ -32,6 +32,41 @@ inline void load_rotation(const typename NumberTraits<Number>::Scalar* t, int fi
   rotation_of_quaternion(q, r);
 }
 
+// What fibres and muscle add to a differential in the frame of the decomposition, where F = diag(sigma) and the
+// direction is V^T a.
+template <class Number>
+struct FibreDifferential {
+  Number a[3], s[3], fa[3], dispersion, aligned, isotropic, along, curvature, muscle_curvature;
+
+  FibreDifferential(const Number* material, const Number* sigma, const Number* response, const Number (&v)[9]) {
+    const Number* d = material + kFibreDirection;
+    for (int i = 0; i < 3; ++i) {
+      a[i] = v[i] * d[0] + v[3 + i] * d[1] + v[6 + i] * d[2];
+      s[i] = sigma[i];
+      fa[i] = s[i] * a[i];
+    }
+    dispersion = material[kFibreDispersion];
+    aligned = Number(1) - Number(3) * dispersion;
+    isotropic = response[kIsotropic];
+    along = response[kAlong];
+    curvature = response[kCurvature];
+    muscle_curvature = response[kMuscleCurvature];
+  }
+
+  void operator()(const Number* hat, Number* dp) const {
+    Number dfa[3];
+    for (int i = 0; i < 3; ++i) dfa[i] = hat[3 * i] * a[0] + hat[3 * i + 1] * a[1] + hat[3 * i + 2] * a[2];
+    const Number work = fa[0] * dfa[0] + fa[1] * dfa[1] + fa[2] * dfa[2];
+    const Number b_df = dispersion * (s[0] * hat[0] + s[1] * hat[4] + s[2] * hat[8]) + aligned * work;
+    const Number bend = curvature * b_df;
+    const Number pull = bend * aligned + muscle_curvature * work;
+    for (int i = 0; i < 3; ++i) {
+      dp[4 * i] += bend * dispersion * s[i];
+      for (int j = 0; j < 3; ++j) dp[3 * i + j] += isotropic * hat[3 * i + j] + (along * dfa[i] + pull * fa[i]) * a[j];
+    }
+  }
+};
+
 // df -> dp at a quadrature point, in place.
 template <bool kFibres, bool kPrestretched, class Number>
 inline void differential(const typename NumberTraits<Number>::Scalar* tangent,
@@ -53,28 +88,12 @@ inline void differential(const typename NumberTraits<Number>::Scalar* tangent,
   multiply3(rotated, v, hat);
   apply_tangent(tangent, hat, dp);
   if constexpr (kFibres) {
-    // F = diag(sigma) and a -> V^T a in the frame of the decomposition
-    Number a[3], s[3], fa[3], dfa[3];
-    for (int i = 0; i < 3; ++i) {
-      const Number d0 = load<Number>(material + kFibreDirection * w),
-                   d1 = load<Number>(material + (kFibreDirection + 1) * w),
-                   d2 = load<Number>(material + (kFibreDirection + 2) * w);
-      a[i] = v[i] * d0 + v[3 + i] * d1 + v[6 + i] * d2;
-      s[i] = load<Number>(sigma + i * w);
-      fa[i] = s[i] * a[i];
-    }
-    for (int i = 0; i < 3; ++i) dfa[i] = hat[3 * i] * a[0] + hat[3 * i + 1] * a[1] + hat[3 * i + 2] * a[2];
-    const Number dispersion = load<Number>(material + kFibreDispersion * w);
-    const Number aligned = Number(1) - Number(3) * dispersion;
-    const Number work = fa[0] * dfa[0] + fa[1] * dfa[1] + fa[2] * dfa[2];
-    const Number b_df = dispersion * (s[0] * hat[0] + s[1] * hat[4] + s[2] * hat[8]) + aligned * work;
-    const Number isotropic = load<Number>(fibre + kIsotropic * w), along = load<Number>(fibre + kAlong * w);
-    const Number bend = load<Number>(fibre + kCurvature * w) * b_df;
-    const Number pull = bend * aligned + load<Number>(fibre + kMuscleCurvature * w) * work;
-    for (int i = 0; i < 3; ++i) {
-      dp[4 * i] += bend * dispersion * s[i];
-      for (int j = 0; j < 3; ++j) dp[3 * i + j] += isotropic * hat[3 * i + j] + (along * dfa[i] + pull * fa[i]) * a[j];
-    }
+    Number cell[kMaterialFields], stretches[3], response[kFibreFields];
+    for (int k : {kFibreDispersion + 0, kFibreDirection + 0, kFibreDirection + 1, kFibreDirection + 2})
+      cell[k] = load<Number>(material + k * w);
+    for (int k = 0; k < 3; ++k) stretches[k] = load<Number>(sigma + k * w);
+    for (int k = 0; k < kFibreFields; ++k) response[k] = load<Number>(fibre + k * w);
+    FibreDifferential<Number>(cell, stretches, response, v)(hat, dp);
   }
   multiply3(u, dp, rotated);
   multiply3_transposed_right(rotated, v, df);

@@ -38,6 +38,16 @@ inline void load_symmetric3(const From* from, Number (&a)[9], int w = kLanes<Num
 }
 
 template <class Number>
+inline void unpack_symmetric3(const Number (&from)[6], Number (&a)[9]) {
+  a[0] = from[0];
+  a[1] = a[3] = from[1];
+  a[2] = a[6] = from[2];
+  a[4] = from[3];
+  a[5] = a[7] = from[4];
+  a[8] = from[5];
+}
+
+template <class Number>
 inline void rotation_of_quaternion(const Number (&q)[4], Number (&r)[9]) {
   const Number x2 = q[1] + q[1], y2 = q[2] + q[2], z2 = q[3] + q[3];
   const Number wx = q[0] * x2, wy = q[0] * y2, wz = q[0] * z2;

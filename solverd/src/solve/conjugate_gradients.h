@@ -15,26 +15,29 @@ struct LinearOutcome {
 
 // Solves K x = b to |b - K x| <= tolerance |b| from x = 0. `stop` is asked once an iteration.
 template <class Real>
-LinearOutcome conjugate_gradients(const System<Real>& system, const TwoLevel<Real>& preconditioner,
-                                  std::span<const Real> b, std::span<Real> x, double tolerance, int most,
-                                  const std::function<bool()>& stop) {
+LinearOutcome conjugate_gradients(const System<Real>& system, TwoLevel<Real>& preconditioner, std::span<const Real> b,
+                                  std::span<Real> x, double tolerance, int most, const std::function<bool()>& stop) {
   const std::size_t size = b.size();
-  std::vector<Real> r(b.begin(), b.end()), z(size), p(size), q(size), previous(size);
+  std::vector<Real> r(b.begin(), b.end()), z(size), p(size), q(size);
   std::fill(x.begin(), x.end(), Real(0));
   const double start = std::sqrt(dot<Real>(r, r));
   LinearOutcome outcome;
   if (!(start > 0.0)) return outcome;
-  double rho = 0.0;
+  double rho = 0.0, alpha = 0.0;
   while (outcome.iterations < most && !stop()) {
     preconditioner.apply(r, z);
-    const double rho_new = dot<Real>(r, z);
-    // Polak-Ribiere: tolerates a preconditioner that rounding makes slightly unsymmetric
-    const double beta = outcome.iterations == 0 ? 0.0 : (rho_new - dot<Real>(previous, z)) / rho;
-    if (!(rho_new > 0.0)) {
+    const auto [rz, qz] = reduce<2>(size, [&r, &q, &z](std::size_t i, double* out) {
+      out[0] = static_cast<double>(r[i]) * static_cast<double>(z[i]);
+      out[1] = static_cast<double>(q[i]) * static_cast<double>(z[i]);
+    });
+    if (!(rz > 0.0)) {
       outcome.indefinite = true;
       break;
     }
-    rho = rho_new;
+    // Polak-Ribiere, (r - r_before) . z / rho with r - r_before = -alpha q: tolerates a preconditioner that rounding
+    // makes slightly unsymmetric
+    const double beta = outcome.iterations == 0 ? 0.0 : -alpha * qz / rho;
+    rho = rz;
     combine<Real>(static_cast<Real>(beta), Real(1), z, p);
     system.multiply(p, q);
     const double curvature = dot<Real>(p, q);
@@ -42,12 +45,14 @@ LinearOutcome conjugate_gradients(const System<Real>& system, const TwoLevel<Rea
       outcome.indefinite = true;
       break;
     }
-    const double alpha = rho / curvature;
-    copy<Real>(r, previous);
-    add<Real>(static_cast<Real>(alpha), p, x);
-    add<Real>(static_cast<Real>(-alpha), q, r);
+    alpha = rho / curvature;
+    const double squared = reduce<1>(size, [a = static_cast<Real>(alpha), &p, &q, &r, &x](std::size_t i, double* out) {
+      x[i] += a * p[i];
+      r[i] -= a * q[i];
+      out[0] = static_cast<double>(r[i]) * static_cast<double>(r[i]);
+    })[0];
     ++outcome.iterations;
-    outcome.reduction = std::sqrt(dot<Real>(r, r)) / start;
+    outcome.reduction = std::sqrt(squared) / start;
     if (outcome.reduction <= tolerance) break;
   }
   return outcome;

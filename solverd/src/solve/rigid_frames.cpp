@@ -1,335 +1,269 @@
 #include "solve/rigid_frames.h"
 
-#include <Eigen/Geometry>
-#include <algorithm>
-#include <limits>
-#include <map>
-#include <numeric>
-#include <stdexcept>
-#include <unordered_map>
-
-#include "solve/vectors.h"
+#include "force/projected_stiffness_kernel.h"
 
 namespace lappet {
 
 namespace {
 
 constexpr int kCoarsening = 4;
-// Relative shift of the coarse diagonal. At rest turning all frames alike moves nothing, sum_k w_k (x - x_k) = 0, and
-// frames that no free node feels are empty: the shift must be above the rounding of the blocks.
+
 template <class Real>
-constexpr double kShift = 30.0 * std::numeric_limits<Real>::epsilon();
-
-class DisjointSets {
- public:
-  explicit DisjointSets(std::size_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), 0); }
-  std::int32_t find(std::int32_t a) {
-    while (parent_[static_cast<std::size_t>(a)] != a)
-      a = parent_[static_cast<std::size_t>(a)] =
-          parent_[static_cast<std::size_t>(parent_[static_cast<std::size_t>(a)])];
-    return a;
-  }
-  void unite(std::int32_t a, std::int32_t b) {
-    a = find(a);
-    b = find(b);
-    if (a != b) parent_[static_cast<std::size_t>(std::max(a, b))] = std::min(a, b);
-  }
-
- private:
-  std::vector<std::int32_t> parent_;
-};
-
-// Calls body(a, b, axis) for all pairs of cells that share the four nodes of a face, b one step further along the axis.
-template <class Body>
-void for_each_face_pair(const Lattice& lattice, const Body& body) {
-  for (int axis = 0; axis < 3; ++axis) {
-    const int bit = 4 >> axis;
-    const int low = axis == 0 ? 3 : axis == 1 ? 5 : 6;  // the corners of a face, as the bits left free
-    std::unordered_map<std::int64_t, std::vector<std::int32_t>> by_node;
-    const auto face = [&](std::size_t cell, bool upper) {
-      std::array<std::int32_t, 4> nodes{};
-      std::size_t k = 0;
-      for (int c = 0; c < 8; ++c)
-        if ((c & bit) == (upper ? bit : 0) && (c & ~bit & low) == (c & ~bit))
-          nodes[k++] = lattice.cell_nodes[cell][static_cast<std::size_t>(c)];
-      return nodes;
-    };
-    for (std::size_t c = 0; c < lattice.cell_nodes.size(); ++c)
-      by_node[face(c, false)[0]].push_back(static_cast<std::int32_t>(c));
-    for (std::size_t a = 0; a < lattice.cell_nodes.size(); ++a) {
-      const auto upper = face(a, true);
-      const auto found = by_node.find(upper[0]);
-      if (found == by_node.end()) continue;
-      for (const std::int32_t b : found->second)
-        if (face(static_cast<std::size_t>(b), false) == upper) body(static_cast<std::int32_t>(a), b, axis);
-    }
-  }
+Vec3 now(const Lattice& lattice, std::span<const Real> u, std::size_t n) {
+  return lattice.node_rest[n] + Vec3(double(u[3 * n]), double(u[3 * n + 1]), double(u[3 * n + 2]));
 }
-
-int floor_div(int a, int b) { return a >= 0 ? a / b : -((-a + b - 1) / b); }
 
 }  // namespace
 
 template <class Real>
-RigidFrames<Real>::RigidFrames(const Lattice& lattice) : lattice_(lattice) {
-  build_topology(lattice);
-}
-
-template <class Real>
-void RigidFrames<Real>::build_topology(const Lattice& lattice) {
-  const std::size_t cells = lattice.cell_nodes.size(), nodes = lattice.node_rest.size();
-  const auto box = [&](std::int32_t cell) {
-    const auto& p = lattice.cell_position[static_cast<std::size_t>(cell)];
-    return std::array<std::int32_t, 3>{floor_div(p[0], kCoarsening), floor_div(p[1], kCoarsening),
-                                       floor_div(p[2], kCoarsening)};
-  };
-  DisjointSets components(cells);
-  for_each_face_pair(lattice, [&](std::int32_t a, std::int32_t b, int) {
-    if (box(a) == box(b)) components.unite(a, b);
-  });
-  coarse_of_cell_.assign(cells, -1);
-  for (std::size_t c = 0; c < cells; ++c) {
-    const auto root = static_cast<std::size_t>(components.find(static_cast<std::int32_t>(c)));
-    if (coarse_of_cell_[root] < 0) {
-      coarse_of_cell_[root] = static_cast<std::int32_t>(coarse_cell_position_.size());
-      coarse_cell_position_.push_back(box(static_cast<std::int32_t>(c)));
-    }
-    coarse_of_cell_[c] = coarse_of_cell_[root];
+RigidFrames<Real>::RigidFrames(const Lattice& lattice, std::size_t most_direct)
+    : lattice_(lattice),
+      coarse_(coarsen(lattice.cell_nodes, lattice.cell_position, lattice.node_rest.size(), kCoarsening)),
+      level_(coarse_, most_direct) {
+  for (const auto& entry : coarse_.weights()) {
+    auto& to = weights_.emplace_back();
+    for (std::size_t k = 0; k < 8; ++k) to[k] = static_cast<Real>(entry[k]);
   }
-  const std::size_t coarse_cells = coarse_cell_position_.size();
-  DisjointSets corners(8 * coarse_cells);
-  for_each_face_pair(lattice, [&](std::int32_t a, std::int32_t b, int axis) {
-    const std::int32_t ca = coarse_of_cell_[static_cast<std::size_t>(a)],
-                       cb = coarse_of_cell_[static_cast<std::size_t>(b)];
-    if (ca == cb) return;
-    const int bit = 4 >> axis;
-    for (int c = 0; c < 8; ++c)
-      if (c & bit) corners.unite(8 * ca + c, 8 * cb + (c & ~bit));
-  });
-  std::vector<std::int32_t> number(8 * coarse_cells, -1);
-  coarse_cell_nodes_.resize(coarse_cells);
-  for (std::size_t c = 0; c < coarse_cells; ++c)
-    for (std::size_t k = 0; k < 8; ++k) {
-      auto& id = number[static_cast<std::size_t>(corners.find(static_cast<std::int32_t>(8 * c + k)))];
-      if (id < 0) id = static_cast<std::int32_t>(coarse_nodes_++);
-      coarse_cell_nodes_[c][k] = id;
-    }
-
-  cell_start_.assign(coarse_cells + 1, 0);
-  for (const std::int32_t c : coarse_of_cell_) ++cell_start_[static_cast<std::size_t>(c) + 1];
-  std::partial_sum(cell_start_.begin(), cell_start_.end(), cell_start_.begin());
-  cells_.resize(cells);
-  std::vector<std::int32_t> next(cell_start_.begin(), cell_start_.end() - 1);
-  for (std::size_t c = 0; c < cells; ++c)
-    cells_[static_cast<std::size_t>(next[static_cast<std::size_t>(coarse_of_cell_[c])]++)] =
-        static_cast<std::int32_t>(c);
-
-  shares_.resize(8 * nodes);
-  std::vector<std::uint8_t> placed(nodes, 0);
-  for (std::size_t c = 0; c < cells; ++c)
-    for (int corner = 0; corner < 8; ++corner) {
-      const auto n = static_cast<std::size_t>(lattice.cell_nodes[c][static_cast<std::size_t>(corner)]);
-      if (placed[n]) continue;
-      placed[n] = 1;
-      const auto coarse = static_cast<std::size_t>(coarse_of_cell_[c]);
-      for (int k = 0; k < 8; ++k) {
-        double weight = 1.0;
-        for (int axis = 0; axis < 3; ++axis) {
-          const int grid = lattice.cell_position[c][static_cast<std::size_t>(axis)] + (corner >> (2 - axis) & 1);
-          const double local =
-              static_cast<double>(grid) / kCoarsening - coarse_cell_position_[coarse][static_cast<std::size_t>(axis)];
-          weight *= (k >> (2 - axis) & 1) ? local : 1.0 - local;
-        }
-        shares_[8 * n + static_cast<std::size_t>(k)] = {
-            coarse_cell_nodes_[coarse][static_cast<std::size_t>(k)], static_cast<Real>(weight), {}};
-      }
-    }
-  share_start_.assign(coarse_nodes_ + 1, 0);
-  for (const auto& share : shares_)
-    if (share.weight != Real(0)) ++share_start_[static_cast<std::size_t>(share.coarse) + 1];
-  std::partial_sum(share_start_.begin(), share_start_.end(), share_start_.begin());
-  share_of_.resize(static_cast<std::size_t>(share_start_.back()));
-  next.assign(share_start_.begin(), share_start_.end() - 1);
-  for (std::size_t s = 0; s < shares_.size(); ++s)
-    if (shares_[s].weight != Real(0))
-      share_of_[static_cast<std::size_t>(next[static_cast<std::size_t>(shares_[s].coarse)]++)] =
-          static_cast<std::int32_t>(s);
+  weights_.push_back({});
+  weight_of_.resize(lattice.node_rest.size());
+  arm_.resize(3 * lattice.node_rest.size());
+  corner_arm_.resize(24 * coarse_.cell_nodes.size());
+  partial_.resize(48 * coarse_.cell_nodes.size());
+  restricted_.resize(unknowns());
+  solved_.resize(unknowns());
 }
 
 template <class Real>
 void RigidFrames<Real>::place_frames(const System<Real>& system, std::span<const Real> u) {
   const double inverse = 1.0 / (kCoarsening * lattice_.settings.spacing);
-  place_.assign(coarse_nodes_, Vec3::Zero());
-  const auto now = [&](std::size_t n) {
-    return Vec3(lattice_.node_rest[n] + Vec3(static_cast<double>(u[3 * n]), static_cast<double>(u[3 * n + 1]),
-                                             static_cast<double>(u[3 * n + 2])));
+  const std::size_t cells = coarse_.cell_nodes.size();
+  const auto slots = [&](std::size_t c, const auto& body) {
+    for (auto s = coarse_.slot_start[c]; s < coarse_.slot_start[c + 1]; ++s)
+      body(static_cast<std::size_t>(s), static_cast<std::size_t>(coarse_.slot_node[static_cast<std::size_t>(s)]));
   };
-  for_each_index(coarse_nodes_, [&](std::size_t k) {
-    double total = 0.0;
-    for (auto s = share_start_[k]; s < share_start_[k + 1]; ++s) {
-      const auto share = static_cast<std::size_t>(share_of_[static_cast<std::size_t>(s)]);
-      place_[k] += double(shares_[share].weight) * now(share / 8);
-      total += double(shares_[share].weight);
-    }
-    if (total > 0) place_[k] /= total;
+  std::vector<std::array<double, 4>> sums(8 * cells);
+  for_each_row(cells, [&](std::size_t c) {
+    std::array<double, 4> local[8] = {};
+    slots(c, [&](std::size_t slot, std::size_t n) {
+      const Vec3 x = now(lattice_, u, n);
+      const auto& weight = weights_[static_cast<std::size_t>(coarse_.weight_index(coarse_.local[slot]))];
+      for (std::size_t k = 0; k < 8; ++k) {
+        const auto w = double(weight[k]);
+        for (std::size_t i = 0; i < 3; ++i) local[k][i] += w * x[static_cast<int>(i)];
+        local[k][3] += w;
+      }
+    });
+    for (std::size_t k = 0; k < 8; ++k) sums[8 * c + k] = local[k];
   });
-  free_.resize(system.nodes());
-  for_each_index(system.nodes(), [&](std::size_t n) {
-    free_[n] = system.is_free(n);
-    const Vec3 x = now(n);
-    for (std::size_t k = 0; k < 8; ++k) {
-      auto& share = shares_[8 * n + k];
-      const Vec3 arm =
-          system.is_free(n) ? Vec3(inverse * (x - place_[static_cast<std::size_t>(share.coarse)])) : Vec3::Zero();
-      for (int i = 0; i < 3; ++i) share.arm[i] = static_cast<Real>(arm[i]);
+  place_.assign(coarse_.nodes, Vec3::Zero());
+  for (std::size_t n = 0; n < coarse_.nodes; ++n) {
+    double total = 0.0;
+    for (auto i = coarse_.corner_start[n]; i < coarse_.corner_start[n + 1]; ++i) {
+      const auto& sum = sums[static_cast<std::size_t>(coarse_.corners[static_cast<std::size_t>(i)])];
+      place_[n] += Vec3(sum[0], sum[1], sum[2]);
+      total += sum[3];
     }
+    if (total > 0) place_[n] /= total;
+  }
+  centre_.resize(cells);
+  for_each_row(cells, [&](std::size_t c) {
+    centre_[c] = Vec3::Zero();
+    for (const std::int32_t n : coarse_.cell_nodes[c]) centre_[c] += place_[static_cast<std::size_t>(n)] / 8;
+    for (std::size_t k = 0; k < 8; ++k) {
+      const Vec3 arm = inverse * (place_[static_cast<std::size_t>(coarse_.cell_nodes[c][k])] - centre_[c]);
+      for (std::size_t i = 0; i < 3; ++i) corner_arm_[24 * c + 8 * i + k] = static_cast<Real>(arm[static_cast<int>(i)]);
+    }
+    slots(c, [&](std::size_t slot, std::size_t n) {
+      const Vec3 arm = inverse * (now(lattice_, u, n) - centre_[c]);
+      for (std::size_t i = 0; i < 3; ++i) arm_[3 * slot + i] = static_cast<Real>(arm[static_cast<int>(i)]);
+      weight_of_[slot] = static_cast<std::uint8_t>(system.is_free(n) ? coarse_.weight_index(coarse_.local[slot])
+                                                                     : static_cast<int>(weights_.size()) - 1);
+    });
   });
 }
 
 template <class Real>
 void RigidFrames<Real>::assemble(const System<Real>& system, std::span<const Real> u) {
   place_frames(system, u);
-  using Prolongation = Eigen::Matrix<Real, 24, 48>;
-  using Block = Eigen::Matrix<Real, 48, 48>;
-  const double inverse = 1.0 / (kCoarsening * lattice_.settings.spacing);
-  const std::size_t coarse_cells = coarse_cell_nodes_.size();
-  std::vector<Block> blocks(coarse_cells, Block::Zero());
-  tbb::parallel_for(std::size_t{0}, coarse_cells, [&](std::size_t coarse) {
-    Prolongation p;
-    for (auto index = cell_start_[coarse]; index < cell_start_[coarse + 1]; ++index) {
-      const auto c = static_cast<std::size_t>(cells_[static_cast<std::size_t>(index)]);
-      p.setZero();
-      for (int corner = 0; corner < 8; ++corner) {
-        const auto n = static_cast<std::size_t>(lattice_.cell_nodes[c][static_cast<std::size_t>(corner)]);
-        if (!system.is_free(n)) continue;
-        const Vec3 x = lattice_.node_rest[n] + Vec3(double(u[3 * n]), double(u[3 * n + 1]), double(u[3 * n + 2]));
-        for (int k = 0; k < 8; ++k) {
-          double weight = 1.0;
-          for (int axis = 0; axis < 3; ++axis) {
-            const int grid = lattice_.cell_position[c][static_cast<std::size_t>(axis)] + (corner >> (2 - axis) & 1);
-            const double local =
-                static_cast<double>(grid) / kCoarsening - coarse_cell_position_[coarse][static_cast<std::size_t>(axis)];
-            weight *= (k >> (2 - axis) & 1) ? local : 1.0 - local;
-          }
-          if (weight == 0.0) continue;
-          const Vec3 arm =
-              inverse * (x - place_[static_cast<std::size_t>(coarse_cell_nodes_[coarse][static_cast<std::size_t>(k)])]);
-          const auto w = static_cast<Real>(weight);
-          const auto ax = static_cast<Real>(weight * arm[0]), ay = static_cast<Real>(weight * arm[1]),
-                     az = static_cast<Real>(weight * arm[2]);
-          const int row = 3 * corner, column = 6 * k;
-          for (int i = 0; i < 3; ++i) p(row + i, column + i) = w;
-          // omega x arm
-          p(row, column + 4) = az;
-          p(row, column + 5) = -ay;
-          p(row + 1, column + 3) = -az;
-          p(row + 1, column + 5) = ax;
-          p(row + 2, column + 3) = ay;
-          p(row + 2, column + 4) = -ax;
-        }
-      }
-      system.elastic().add_projected_stiffness(static_cast<std::int32_t>(c), p, blocks[coarse]);
-    }
-  });
-
-  std::vector<Eigen::Triplet<double>> entries;
-  entries.reserve(coarse_cells * 48 * 25);
-  const auto emplace = [&](Eigen::Index row, Eigen::Index column, double value) {
-    if (row >= column && value != 0.0) entries.emplace_back(row, column, value);  // the lower half
-  };
-  for (std::size_t coarse = 0; coarse < coarse_cells; ++coarse)
-    for (int a = 0; a < 48; ++a)
-      for (int b = 0; b < 48; ++b)
-        emplace(6 * coarse_cell_nodes_[coarse][static_cast<std::size_t>(a / 6)] + a % 6,
-                6 * coarse_cell_nodes_[coarse][static_cast<std::size_t>(b / 6)] + b % 6, double(blocks[coarse](a, b)));
-  // A functional of the fine displacements, sum_i weight_i u_i, as three rows in coarse unknowns by coarse node.
-  using Rows = std::map<std::int32_t, Eigen::Matrix<double, 3, 6>>;
-  const auto add_to = [&](Rows& rows, std::size_t n, double fine_weight) {
-    if (!system.is_free(n)) return;
-    for (std::size_t k = 0; k < 8; ++k) {
-      const auto& share = shares_[8 * n + k];
-      if (share.weight == Real(0)) continue;
-      const double ax = double(share.arm[0]), ay = double(share.arm[1]), az = double(share.arm[2]);
-      Eigen::Matrix<double, 3, 6> row;
-      row << 1, 0, 0, 0, az, -ay, 0, 1, 0, -az, 0, ax, 0, 0, 1, ay, -ax, 0;
-      auto [entry, inserted] = rows.try_emplace(share.coarse, Eigen::Matrix<double, 3, 6>::Zero());
-      entry->second += fine_weight * double(share.weight) * row;
-    }
-  };
-  const auto emplace_rows = [&](const Rows& rows, const Eigen::Matrix3d& stiffness) {
-    for (const auto& [a, row_a] : rows)
-      for (const auto& [b, row_b] : rows) {
-        const Eigen::Matrix<double, 6, 6> block = row_a.transpose() * stiffness * row_b;
-        for (int i = 0; i < 6; ++i)
-          for (int j = 0; j < 6; ++j) emplace(6 * a + i, 6 * b + j, block(i, j));
-      }
-  };
-  for (const auto& tie : system.ties()) {
-    Rows rows;
-    for (std::size_t i = 0; i < tie.nodes.size(); ++i)
-      add_to(rows, static_cast<std::size_t>(tie.nodes[i]), tie.weights[i]);
-    emplace_rows(rows, tie.stiffness * Eigen::Matrix3d::Identity());
-  }
-  system.for_each_pushed_face([&](const RestingFace& face, double stiffness) {
-    Rows rows;
-    for (std::size_t k = 0; k < 8; ++k)
-      add_to(rows, static_cast<std::size_t>(lattice_.cell_nodes[static_cast<std::size_t>(face.cell)][k]),
-             face.weights[k]);
-    emplace_rows(rows, stiffness * face.inward * face.inward.transpose());
-  });
-  const auto size = static_cast<Eigen::Index>(unknowns());
-  double largest = 0.0;
-  for (const auto& entry : entries)
-    if (entry.row() == entry.col()) largest = std::max(largest, entry.value());
-  for (Eigen::Index i = 0; i < size; ++i) entries.emplace_back(i, i, kShift<Real> * std::max(largest, 1e-30));
-  Eigen::SparseMatrix<double> matrix(size, size);
-  matrix.setFromTriplets(entries.begin(), entries.end());
-  factor_.cholmod().print = 0;
-  for (double shift = 0.0; shift < 1.0; shift = shift == 0.0 ? 1e-5 : 100 * shift) {
-    if (shift > 0.0)
-      for (Eigen::Index i = 0; i < size; ++i) matrix.coeffRef(i, i) += shift * largest;
-    factor_.compute(matrix);
-    if (factor_.info() == Eigen::Success) return;
-  }
-  throw NotDefiniteError("the coarse operator is not positive definite");
+  assemble_cells(system, u);
+  assemble_ties(system);
+  level_.prepare(place_, kCoarsening * lattice_.settings.spacing);
 }
 
 template <class Real>
-void RigidFrames<Real>::correct(std::span<const Real> r, std::span<Real> x) const {
-  restricted_.resize(static_cast<Eigen::Index>(unknowns()));
-  for_each_index(coarse_nodes_, [&](std::size_t k) {
-    double sum[6] = {};
-    for (auto s = share_start_[k]; s < share_start_[k + 1]; ++s) {
-      const auto index = static_cast<std::size_t>(share_of_[static_cast<std::size_t>(s)]);
-      const auto& share = shares_[index];
-      const std::size_t n = index / 8;
-      const double w = double(share.weight), fx = w * double(r[3 * n]), fy = w * double(r[3 * n + 1]),
-                   fz = w * double(r[3 * n + 2]);
-      const double ax = double(share.arm[0]), ay = double(share.arm[1]), az = double(share.arm[2]);
-      sum[0] += fx;
-      sum[1] += fy;
-      sum[2] += fz;
-      sum[3] += ay * fz - az * fy;
-      sum[4] += az * fx - ax * fz;
-      sum[5] += ax * fy - ay * fx;
+void RigidFrames<Real>::assemble_cells(const System<Real>& system, std::span<const Real> u) {
+  constexpr std::size_t kLanes = Elastic<Real>::kProjectionLanes;
+  const double inverse = 1.0 / (kCoarsening * lattice_.settings.spacing);
+  const std::size_t coarse_cells = coarse_.cell_nodes.size();
+  std::vector<Real> pairs(kFramePairSize * coarse_cells);
+  tbb::parallel_for(std::size_t{0}, coarse_cells, [&](std::size_t coarse) {
+    alignas(64) Real weights[64 * kLanes], arms[24 * kLanes], blocks[kFramePairSize * kLanes] = {};
+    const auto corner_weights = [&](std::size_t cell, int corner) -> const std::array<Real, 8>& {
+      const auto n = static_cast<std::size_t>(lattice_.cell_nodes[cell][static_cast<std::size_t>(corner)]);
+      const auto place = coarse_.corner_place(lattice_.cell_position[cell], coarse, corner);
+      return system.is_free(n) ? weights_[static_cast<std::size_t>(coarse_.weight_index(place))] : weights_.back();
+    };
+    const std::span<const std::int32_t> cells =
+        std::span(coarse_.cells).subspan(static_cast<std::size_t>(coarse_.cell_start[coarse]),
+                                         static_cast<std::size_t>(coarse_.cell_start[coarse + 1] -
+                                                                  coarse_.cell_start[coarse]));
+    for (std::size_t first = 0; first < cells.size(); first += kLanes) {
+      const auto batch = cells.subspan(first, std::min(kLanes, cells.size() - first));
+      std::fill_n(weights, 64 * kLanes, Real(0));
+      std::fill_n(arms, 24 * kLanes, Real(0));
+      for (std::size_t lane = 0; lane < batch.size(); ++lane) {
+        const auto c = static_cast<std::size_t>(batch[lane]);
+        for (int corner = 0; corner < 8; ++corner) {
+          const auto& weight = corner_weights(c, corner);
+          const auto slot = static_cast<std::size_t>(corner);
+          for (std::size_t k = 0; k < 8; ++k) weights[kLanes * (8 * k + slot) + lane] = weight[k];
+          const Vec3 arm =
+              inverse * (now(lattice_, u, static_cast<std::size_t>(lattice_.cell_nodes[c][slot])) - centre_[coarse]);
+          for (std::size_t i = 0; i < 3; ++i)
+            arms[kLanes * (3 * slot + i) + lane] = static_cast<Real>(arm[static_cast<int>(i)]);
+        }
+      }
+      system.elastic().add_projected_stiffness(batch, weights, arms, blocks);
     }
-    for (int i = 0; i < 6; ++i) restricted_[static_cast<Eigen::Index>(6 * k) + i] = sum[i];
-  });
-  solved_ = factor_.solve(restricted_);
-  for_each_index(lattice_.node_rest.size(), [&](std::size_t n) {
-    double sum[3] = {};
-    for (std::size_t k = 0; k < 8 && free_[n]; ++k) {
-      const auto& share = shares_[8 * n + k];
-      if (share.weight == Real(0)) continue;
-      const double* q = &solved_[6 * share.coarse];
-      const double w = double(share.weight), ax = double(share.arm[0]), ay = double(share.arm[1]),
-                   az = double(share.arm[2]);
-      sum[0] += w * (q[0] + q[4] * az - q[5] * ay);
-      sum[1] += w * (q[1] + q[5] * ax - q[3] * az);
-      sum[2] += w * (q[2] + q[3] * ay - q[4] * ax);
+    Real* out = &pairs[kFramePairSize * coarse];
+    for (std::size_t i = 0; i < kFramePairSize; ++i) {
+      Real sum = 0;
+      for (std::size_t lane = 0; lane < kLanes; ++lane) sum += blocks[kLanes * i + lane];
+      out[i] = sum;
     }
-    for (std::size_t i = 0; i < 3; ++i) x[3 * n + i] = static_cast<Real>(sum[i]);
+    // from the centre of the cell to the places of its corners
+    using Block = Eigen::Matrix<Real, 6, 6, Eigen::RowMajor>;
+    Block shift[8];
+    for (std::size_t k = 0; k < 8; ++k) {
+      const Real *x = &corner_arm_[24 * coarse], a = x[k], b = x[8 + k], c = x[16 + k];
+      shift[k].setIdentity();
+      shift[k].template topRightCorner<3, 3>() << 0, -c, b, c, 0, -a, -b, a, 0;
+    }
+    for (int k = 0; k < 8; ++k)
+      for (int l = 0; l <= k; ++l) {
+        Eigen::Map<Block> block(out + 36 * pair_of(k, l));
+        block = (shift[k].transpose() * block * shift[l]).eval();
+      }
   });
+  level_.matrix().gather(coarse_, pairs);
+}
+
+template <class Real>
+void RigidFrames<Real>::add_rows(std::int32_t node, double weight, TieRows& rows) const {
+  const auto slot = static_cast<std::size_t>(coarse_.slot_of[static_cast<std::size_t>(node)]);
+  const auto cell = static_cast<std::size_t>(coarse_.owner(static_cast<std::int32_t>(slot)));
+  const auto& shares = weights_[weight_of_[slot]];
+  for (std::size_t k = 0; k < 8; ++k) {
+    if (shares[k] == Real(0)) continue;
+    const Real* corner = &corner_arm_[24 * cell];
+    const double ax = double(arm_[3 * slot]) - double(corner[k]), ay = double(arm_[3 * slot + 1]) - double(corner[8 + k]),
+                 az = double(arm_[3 * slot + 2]) - double(corner[16 + k]);
+    Eigen::Matrix<double, 3, 6> row;
+    row << 1, 0, 0, 0, az, -ay, 0, 1, 0, -az, 0, ax, 0, 0, 1, ay, -ax, 0;
+    rows.add(coarse_.cell_nodes[cell][k], weight * double(shares[k]) * row);
+  }
+}
+
+template <class Real>
+void RigidFrames<Real>::assemble_ties(const System<Real>& system) {
+  auto& ties = level_.ties();
+  ties.clear();
+  for (const auto& tie : system.ties()) {
+    TieRows rows;
+    for (std::size_t i = 0; i < tie.nodes.size(); ++i) add_rows(tie.nodes[i], tie.weights[i], rows);
+    ties.push_back(rows.tie(tie.stiffness));
+  }
+  // The bed's pushes couple nodes of one cell, and are soft: they go into the matrix.
+  auto& matrix = level_.matrix();
+  system.for_each_pushed_face([&](const RestingFace& face, double stiffness) {
+    TieRows rows;
+    for (std::size_t k = 0; k < 8; ++k)
+      add_rows(lattice_.cell_nodes[static_cast<std::size_t>(face.cell)][k], face.weights[k], rows);
+    const FrameTie push = rows.tie(stiffness);
+    for (std::size_t a = 0; a < push.nodes.size(); ++a)
+      for (std::size_t b = 0; b < push.nodes.size(); ++b) {
+        const Eigen::Matrix<double, 6, 1> left = push.rows[a].transpose() * face.inward,
+                                          right = push.rows[b].transpose() * face.inward;
+        Eigen::Map<Eigen::Matrix<Real, 6, 6, Eigen::RowMajor>>(
+            matrix.block(matrix.slot(push.nodes[a], push.nodes[b]))) +=
+            (stiffness * left * right.transpose()).template cast<Real>();
+      }
+  });
+}
+
+template <class Real>
+void RigidFrames<Real>::correct(std::span<const Real> product, std::span<Real> r, std::span<Real> x) {
+  for_each_row(coarse_.cell_nodes.size(), [&](std::size_t c) {
+    Real sums[6][8] = {};
+    for (auto s = coarse_.slot_start[c]; s < coarse_.slot_start[c + 1]; ++s) {
+      const auto slot = static_cast<std::size_t>(s);
+      const std::size_t n = 3 * static_cast<std::size_t>(coarse_.slot_node[slot]);
+      const Real fx = r[n] -= product[n], fy = r[n + 1] -= product[n + 1], fz = r[n + 2] -= product[n + 2];
+      const Real ax = arm_[3 * slot], ay = arm_[3 * slot + 1], az = arm_[3 * slot + 2];
+      const Real force[6] = {fx, fy, fz, ay * fz - az * fy, az * fx - ax * fz, ax * fy - ay * fx};
+      const Real* w = weights_[weight_of_[slot]].data();
+      for (int i = 0; i < 6; ++i)
+        for (int k = 0; k < 8; ++k) sums[i][k] += w[k] * force[i];
+    }
+    const Real* a = &corner_arm_[24 * c];
+    for (int k = 0; k < 8; ++k) {
+      Real* out = &partial_[48 * c + 6 * static_cast<std::size_t>(k)];
+      for (int i = 0; i < 3; ++i) out[i] = sums[i][k];
+      out[3] = sums[3][k] - (a[8 + k] * sums[2][k] - a[16 + k] * sums[1][k]);
+      out[4] = sums[4][k] - (a[16 + k] * sums[0][k] - a[k] * sums[2][k]);
+      out[5] = sums[5][k] - (a[k] * sums[1][k] - a[8 + k] * sums[0][k]);
+    }
+  });
+  for_each_index(coarse_.nodes, [&](std::size_t n) {
+    Real sum[6] = {};
+    for (auto i = coarse_.corner_start[n]; i < coarse_.corner_start[n + 1]; ++i) {
+      const Real* from = &partial_[6 * static_cast<std::size_t>(coarse_.corners[static_cast<std::size_t>(i)])];
+      for (int j = 0; j < 6; ++j) sum[j] += from[j];
+    }
+    for (std::size_t j = 0; j < 6; ++j) restricted_[6 * n + j] = sum[j];
+  });
+  level_.solve(restricted_, solved_);
+  prolong(solved_, x);
+}
+
+template <class Real>
+void RigidFrames<Real>::prolong(std::span<const Real> q, std::span<Real> x) const {
+  for_each_row(coarse_.cell_nodes.size(), [&](std::size_t c) {
+    const Real* a = &corner_arm_[24 * c];
+    Real frames[8][8] = {};  // [corner][t', omega, 0, 0]
+    for (std::size_t k = 0; k < 8; ++k) {
+      const Real* f = &q[6 * static_cast<std::size_t>(coarse_.cell_nodes[c][k])];
+      frames[k][0] = f[0] - (f[4] * a[16 + k] - f[5] * a[8 + k]);
+      frames[k][1] = f[1] - (f[5] * a[k] - f[3] * a[16 + k]);
+      frames[k][2] = f[2] - (f[3] * a[8 + k] - f[4] * a[k]);
+      for (int i = 3; i < 6; ++i) frames[k][i] = f[i];
+    }
+    for (auto s = coarse_.slot_start[c]; s < coarse_.slot_start[c + 1]; ++s) {
+      const auto slot = static_cast<std::size_t>(s);
+      const Real* w = weights_[weight_of_[slot]].data();
+      Real sum[8] = {};
+      for (int k = 0; k < 8; ++k)
+        for (int i = 0; i < 8; ++i) sum[i] += w[k] * frames[k][i];
+      const Real ax = arm_[3 * slot], ay = arm_[3 * slot + 1], az = arm_[3 * slot + 2];
+      Real* to = &x[3 * static_cast<std::size_t>(coarse_.slot_node[slot])];
+      to[0] = sum[0] + sum[4] * az - sum[5] * ay;
+      to[1] = sum[1] + sum[5] * ax - sum[3] * az;
+      to[2] = sum[2] + sum[3] * ay - sum[4] * ax;
+    }
+  });
+}
+
+template <class Real>
+double RigidFrames<Real>::bytes_per_node() const {
+  const double bytes = static_cast<double>(4 * (coarse_.slot_node.size() + coarse_.slot_of.size()) +
+                                           3 * coarse_.local.size() + weight_of_.size() + arm_.size() * sizeof(Real));
+  return bytes / static_cast<double>(lattice_.node_rest.size());
+}
+
+template <class Real>
+std::size_t RigidFrames<Real>::bytes() const {
+  return coarse_.bytes() + level_.bytes() + weight_of_.size() +
+         sizeof(Real) * (arm_.size() + corner_arm_.size() + partial_.size() + 12 * coarse_.nodes);
 }
 
 template class RigidFrames<float>;

@@ -1,166 +1,107 @@
 #include "solve/smoother.h"
 
-#include <Eigen/LU>
-#include <algorithm>
-#include <cmath>
 #include <unordered_map>
-
-#include "solve/vectors.h"
 
 namespace lappet {
 
 namespace {
 
-// Chebyshev damps the part of the spectrum of D^-1 K above largest / (kRange degree); the coarse space has the rest.
-constexpr double kRange = 4.0;
-// Power iterations: many from a random start, few when the last vector is at hand. The estimate is from below.
-constexpr int kFirstIterations = 15, kNextIterations = 5;
-constexpr double kMargin = 1.15;
+// The Lanczos estimate is from below. K is a sum of positive semidefinite cells of eight nodes: the eigenvalues of
+// D^-1 K cannot exceed eight (ties: nine).
+constexpr int kLanczosSteps = 8;
+constexpr double kMargin = 1.1, kMostEigenvalue = 9.0;
 
 }  // namespace
 
 template <class Real>
 void Smoother<Real>::update() {
-  const std::size_t n = system_.nodes();
-  std::vector<Real> symmetric(6 * n);
+  const std::size_t nodes = system_.nodes();
+  std::vector<Real> symmetric(6 * nodes);
   system_.elastic().diagonal_blocks(symmetric);
-  std::vector<double> blocks(9 * n);
-  for (std::size_t i = 0; i < n; ++i) {
+  std::vector<double> blocks(9 * nodes);
+  for_each_index(nodes, [&](std::size_t n) {
     constexpr std::size_t kPlace[9] = {0, 1, 2, 1, 3, 4, 2, 4, 5};
-    for (std::size_t k = 0; k < 9; ++k) blocks[9 * i + k] = static_cast<double>(symmetric[6 * i + kPlace[k]]);
-  }
+    for (std::size_t k = 0; k < 9; ++k) blocks[9 * n + k] = static_cast<double>(symmetric[6 * n + kPlace[k]]);
+  });
   system_.for_each_pushed_face([&](const RestingFace& face, double stiffness) {
-    const auto& nodes = system_.lattice().cell_nodes[static_cast<std::size_t>(face.cell)];
+    const auto& corners = system_.lattice().cell_nodes[static_cast<std::size_t>(face.cell)];
     for (std::size_t k = 0; k < 8; ++k)
-      Eigen::Map<Eigen::Matrix3d>(&blocks[9 * static_cast<std::size_t>(nodes[k])]) +=
+      Eigen::Map<Eigen::Matrix3d>(&blocks[9 * static_cast<std::size_t>(corners[k])]) +=
           stiffness * face.weights[k] * face.weights[k] * face.inward * face.inward.transpose();
   });
-  inverse_blocks_.assign(9 * n, Real(0));
-  std::vector<std::uint8_t> tied(n, 0);
-  for (const auto& tie : system_.ties())
-    for (const std::int32_t node : tie.nodes)
-      if (system_.is_free(static_cast<std::size_t>(node))) tied[static_cast<std::size_t>(node)] = 1;
-  tied_nodes_.clear();
-  for (std::size_t i = 0; i < n; ++i) {
-    if (tied[i]) tied_nodes_.push_back(static_cast<std::int32_t>(i));
-    if (!system_.is_free(i) || tied[i]) continue;
-    const Eigen::Matrix3d inverse = Eigen::Map<const Eigen::Matrix3d>(&blocks[9 * i]).inverse();
-    for (int k = 0; k < 9; ++k)
-      inverse_blocks_[9 * i + static_cast<std::size_t>(k)] = static_cast<Real>(inverse.data()[k]);
-  }
-  for (auto* v : {&residual_, &direction_, &divided_, &product_}) v->resize(3 * n);
-  factor_tied_nodes();
-  estimate_largest_eigenvalue();
+  const bool same_ties = revision_ == system_.constraint_revision();
+  if (!same_ties) find_tied_nodes();
+  revision_ = system_.constraint_revision();
+  auto& diagonal = chebyshev_.diagonal();
+  diagonal.resize(nodes);
+  for_each_index(nodes, [&](std::size_t n) {
+    if (system_.is_free(n)) diagonal.set(n, Eigen::Map<const Eigen::Matrix3d>(&blocks[9 * n]));
+  });
+  factor_tied_nodes(same_ties);
+  chebyshev_.estimate(
+      product_, [&](std::size_t n) { return system_.is_free(n); }, kLanczosSteps, kMargin, kMostEigenvalue);
 }
 
 template <class Real>
-void Smoother<Real>::factor_tied_nodes() {
+void Smoother<Real>::find_tied_nodes() {
+  std::vector<std::int32_t> index(system_.nodes(), -1);
+  for (const auto& tie : system_.ties())
+    for (const std::int32_t node : tie.nodes)
+      if (system_.is_free(static_cast<std::size_t>(node))) index[static_cast<std::size_t>(node)] = 0;
+  tied_nodes_.clear();
+  for (std::size_t n = 0; n < index.size(); ++n)
+    if (index[n] == 0) {
+      index[n] = static_cast<std::int32_t>(tied_nodes_.size());
+      tied_nodes_.push_back(static_cast<std::int32_t>(n));
+    }
+  tied_cells_.clear();
   if (tied_nodes_.empty()) return;
-  std::unordered_map<std::int32_t, int> local;
-  for (std::size_t i = 0; i < tied_nodes_.size(); ++i) local[tied_nodes_[i]] = static_cast<int>(i);
-  std::vector<Eigen::Triplet<double>> entries;
-  const auto& lattice = system_.lattice();
-  for (std::size_t c = 0; c < lattice.cell_nodes.size(); ++c) {
-    const auto& corners = lattice.cell_nodes[c];
-    int index[8];
+  const auto& cells = system_.lattice().cell_nodes;
+  for (std::size_t c = 0; c < cells.size(); ++c) {
+    TiedCell cell{static_cast<std::int32_t>(c), {}};
     bool any = false;
     for (std::size_t k = 0; k < 8; ++k) {
-      const auto found = local.find(corners[k]);
-      index[k] = found == local.end() ? -1 : found->second;
-      any = any || index[k] >= 0;
+      cell.index[k] = index[static_cast<std::size_t>(cells[c][k])];
+      any = any || cell.index[k] >= 0;
     }
-    if (!any) continue;
-    const Matrix24 stiffness = system_.elastic().cell_stiffness(static_cast<std::int32_t>(c));
+    if (any) tied_cells_.push_back(cell);
+  }
+}
+
+template <class Real>
+void Smoother<Real>::factor_tied_nodes(bool same_pattern) {
+  const auto size = static_cast<Eigen::Index>(3 * tied_nodes_.size());
+  std::vector<Matrix24> stiffness(tied_cells_.size());
+  for_each_row(tied_cells_.size(),
+               [&](std::size_t c) { stiffness[c] = system_.elastic().cell_stiffness(tied_cells_[c].cell); });
+  std::vector<Eigen::Triplet<double>> entries;  // the lower half
+  const auto emplace = [&](std::int32_t row, std::int32_t column, double value) {
+    if (row >= column) entries.emplace_back(row, column, value);
+  };
+  for (std::size_t c = 0; c < tied_cells_.size(); ++c) {
+    const auto& index = tied_cells_[c].index;
     for (int a = 0; a < 8; ++a)
       for (int b = 0; b < 8; ++b)
-        if (index[a] >= 0 && index[b] >= 0)
+        if (index[static_cast<std::size_t>(a)] >= index[static_cast<std::size_t>(b)] &&
+            index[static_cast<std::size_t>(b)] >= 0)
           for (int i = 0; i < 3; ++i)
             for (int j = 0; j < 3; ++j)
-              entries.emplace_back(3 * index[a] + i, 3 * index[b] + j, stiffness(3 * a + i, 3 * b + j));
+              emplace(3 * index[static_cast<std::size_t>(a)] + i, 3 * index[static_cast<std::size_t>(b)] + j,
+                      stiffness[c](3 * a + i, 3 * b + j));
   }
+  std::unordered_map<std::int32_t, std::int32_t> local;
+  for (std::size_t i = 0; i < tied_nodes_.size(); ++i) local[tied_nodes_[i]] = static_cast<std::int32_t>(i);
   for (const auto& tie : system_.ties())
     for (std::size_t a = 0; a < tie.nodes.size(); ++a)
       for (std::size_t b = 0; b < tie.nodes.size(); ++b) {
-        const auto ia = local.find(tie.nodes[a]), ib = local.find(tie.nodes[b]);
-        if (ia == local.end() || ib == local.end()) continue;
+        const auto row = local.find(tie.nodes[a]), column = local.find(tie.nodes[b]);
+        if (row == local.end() || column == local.end()) continue;
         for (int i = 0; i < 3; ++i)
-          entries.emplace_back(3 * ia->second + i, 3 * ib->second + i, tie.stiffness * tie.weights[a] * tie.weights[b]);
+          emplace(3 * row->second + i, 3 * column->second + i, tie.stiffness * tie.weights[a] * tie.weights[b]);
       }
-  const auto size = static_cast<Eigen::Index>(3 * tied_nodes_.size());
   Eigen::SparseMatrix<double> matrix(size, size);
   matrix.setFromTriplets(entries.begin(), entries.end());
-  tied_.compute(matrix);
-}
-
-template <class Real>
-void Smoother<Real>::divide(std::span<const Real> r, std::span<Real> z) const {
-  for_each_index(system_.nodes(), [&](std::size_t n) {
-    const Real* m = &inverse_blocks_[9 * n];
-    const Real a = r[3 * n], b = r[3 * n + 1], c = r[3 * n + 2];
-    z[3 * n] = m[0] * a + m[3] * b + m[6] * c;
-    z[3 * n + 1] = m[1] * a + m[4] * b + m[7] * c;
-    z[3 * n + 2] = m[2] * a + m[5] * b + m[8] * c;
-  });
-  if (tied_nodes_.empty()) return;
-  Eigen::VectorXd local(static_cast<Eigen::Index>(3 * tied_nodes_.size()));
-  for (std::size_t i = 0; i < tied_nodes_.size(); ++i)
-    for (std::size_t k = 0; k < 3; ++k)
-      local[static_cast<Eigen::Index>(3 * i + k)] =
-          static_cast<double>(r[3 * static_cast<std::size_t>(tied_nodes_[i]) + k]);
-  local = tied_.solve(local);
-  for (std::size_t i = 0; i < tied_nodes_.size(); ++i)
-    for (std::size_t k = 0; k < 3; ++k)
-      z[3 * static_cast<std::size_t>(tied_nodes_[i]) + k] =
-          static_cast<Real>(local[static_cast<Eigen::Index>(3 * i + k)]);
-}
-
-template <class Real>
-void Smoother<Real>::estimate_largest_eigenvalue() {
-  const std::size_t n = system_.nodes();
-  int iterations = kNextIterations;
-  if (eigenvector_.size() != 3 * n) {
-    iterations = kFirstIterations;
-    eigenvector_.resize(3 * n);
-    std::uint32_t seed = 1;
-    for (auto& value : eigenvector_) {
-      seed = seed * 1664525u + 1013904223u;
-      value = static_cast<Real>(seed >> 8) / static_cast<Real>(1u << 24) - Real(0.5);
-    }
-  }
-  for (std::size_t i = 0; i < n; ++i)
-    if (!system_.is_free(i)) eigenvector_[3 * i] = eigenvector_[3 * i + 1] = eigenvector_[3 * i + 2] = Real(0);
-  double largest = 0.0;
-  for (int k = 0; k < iterations; ++k) {
-    const double length = std::sqrt(dot<Real>(eigenvector_, eigenvector_));
-    if (!(length > 0.0)) break;
-    scale<Real>(static_cast<Real>(1.0 / length), eigenvector_);
-    system_.multiply(eigenvector_, product_);
-    divide(product_, eigenvector_);
-    largest = std::sqrt(dot<Real>(eigenvector_, eigenvector_));
-  }
-  // K is a sum of positive semidefinite cells of eight nodes: the eigenvalues of D^-1 K cannot exceed eight (ties:
-  // nine).
-  largest_ = std::min(kMargin * largest, 9.0);
-}
-
-template <class Real>
-void Smoother<Real>::apply(std::span<const Real> b, std::span<Real> x) const {
-  const double upper = largest_, lower = upper / (kRange * degree_);
-  const double centre = 0.5 * (upper + lower), half = 0.5 * (upper - lower), sigma = centre / half;
-  double rho = 1.0 / sigma;
-  copy<Real>(b, residual_);
-  divide(residual_, direction_);
-  scale<Real>(static_cast<Real>(1.0 / centre), direction_);
-  copy<Real>(direction_, x);
-  for (int k = 1; k < degree_; ++k) {
-    system_.multiply(direction_, product_);
-    add<Real>(Real(-1), product_, residual_);
-    divide(residual_, divided_);
-    const double next = 1.0 / (2.0 * sigma - rho);
-    combine<Real>(static_cast<Real>(next * rho), static_cast<Real>(2.0 * next / half), divided_, direction_);
-    rho = next;
-    add<Real>(Real(1), direction_, x);
-  }
+  chebyshev_.diagonal().set_tied(tied_nodes_, matrix, same_pattern);
 }
 
 template class Smoother<float>;

@@ -1,11 +1,9 @@
-// Chebyshev iteration on a block-Jacobi splitting D of the tangent: 3x3 blocks per node; the nodes that ties couple
-// form one sparse block that is solved exactly, so that stiff sutures cost no iterations.
+// The fine level's smoother: Chebyshev on 3x3 block-Jacobi of the system's tangent, with the tied nodes as one exact
+// block.
 #pragma once
-#include <Eigen/SparseCholesky>
-#include <memory>
-#include <span>
 #include <vector>
 
+#include "solve/chebyshev.h"
 #include "solve/system.h"
 
 namespace lappet {
@@ -13,28 +11,38 @@ namespace lappet {
 template <class Real>
 class Smoother {
  public:
-  Smoother(const System<Real>& system, int degree) : system_(system), degree_(degree) {}
+  Smoother(const System<Real>& system, int degree) : system_(system), chebyshev_(degree) {}
 
   // Takes the system's current tangent.
   void update();
-  void restart() { eigenvector_.clear(); }
-  // x = p(D^-1 K) D^-1 b from a zero start; symmetric in b.
-  void apply(std::span<const Real> b, std::span<Real> x) const;
-  double largest_eigenvalue() const { return largest_; }
+  void before(std::span<const Real> b, std::span<Real> x) { chebyshev_.before(product_, b, x); }
+  void after(std::span<Real> x) {
+    product_(chebyshev_.correction(), chebyshev_.product());
+    chebyshev_.after(product_, x);
+  }
+  std::span<Real> residual() { return chebyshev_.residual(); }
+  std::span<Real> product() { return chebyshev_.product(); }
+  std::span<Real> correction() { return chebyshev_.correction(); }
+  double largest_eigenvalue() const { return chebyshev_.largest_eigenvalue(); }
+  std::size_t bytes() const { return chebyshev_.bytes(); }
 
  private:
-  void divide(std::span<const Real> r, std::span<Real> z) const;  // z = D^-1 r
-  void factor_tied_nodes();
-  void estimate_largest_eigenvalue();
+  void find_tied_nodes();
+  void factor_tied_nodes(bool same_pattern);
 
+  struct TiedCell {
+    std::int32_t cell;
+    std::array<std::int32_t, 8> index;  // among the tied nodes, or -1
+  };
   const System<Real>& system_;
-  int degree_;
-  double largest_ = 0.0;
-  std::vector<Real> inverse_blocks_;  // 9 per node; zero at prescribed and tied nodes
+  Chebyshev<Real, 3> chebyshev_;
+  struct Product {
+    const System<Real>& system;
+    void operator()(std::span<const Real> x, std::span<Real> y) const { system.multiply(x, y); }
+  } product_{system_};
+  std::uint64_t revision_ = ~std::uint64_t{0};  // of the constraints that the tied nodes were found for
   std::vector<std::int32_t> tied_nodes_;
-  Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> tied_;
-  std::vector<Real> eigenvector_;
-  mutable std::vector<Real> residual_, direction_, divided_, product_;
+  std::vector<TiedCell> tied_cells_;
 };
 
 extern template class Smoother<float>;

@@ -1,0 +1,85 @@
+#include "solve/frame_matrix.h"
+
+#include <algorithm>
+
+#include "force/projected_stiffness_kernel.h"
+#include "math/parallel.h"
+
+namespace lappet {
+
+template <class Real>
+FrameMatrix<Real>::FrameMatrix(const CoarseLattice& lattice) {
+  row_start_.push_back(0);
+  std::vector<std::int32_t> row;
+  for (std::size_t n = 0; n < lattice.nodes; ++n) {
+    row.clear();
+    for (auto i = lattice.corner_start[n]; i < lattice.corner_start[n + 1]; ++i) {
+      const auto& nodes = lattice.cell_nodes[static_cast<std::size_t>(lattice.corners[static_cast<std::size_t>(i)] / 8)];
+      row.insert(row.end(), nodes.begin(), nodes.end());
+    }
+    std::sort(row.begin(), row.end());
+    row.erase(std::unique(row.begin(), row.end()), row.end());
+    column_.insert(column_.end(), row.begin(), row.end());
+    row_start_.push_back(static_cast<std::int32_t>(column_.size()));
+  }
+  blocks_.assign(36 * column_.size(), Real(0));
+}
+
+template <class Real>
+std::size_t FrameMatrix<Real>::slot(std::int32_t row, std::int32_t column) const {
+  const auto begin = column_.begin() + row_start_[static_cast<std::size_t>(row)],
+             end = column_.begin() + row_start_[static_cast<std::size_t>(row) + 1];
+  return static_cast<std::size_t>(std::lower_bound(begin, end, column) - column_.begin());
+}
+
+template <class Real>
+void FrameMatrix<Real>::gather(const CoarseLattice& lattice, std::span<const Real> cell_blocks) {
+  for_each_row(rows(), [&](std::size_t n) {
+    std::fill(block(first(n)), block(first(n)) + 36 * columns(n).size(), Real(0));
+    for (auto i = lattice.corner_start[n]; i < lattice.corner_start[n + 1]; ++i) {
+      const auto cell = static_cast<std::size_t>(lattice.corners[static_cast<std::size_t>(i)] / 8);
+      const int k = lattice.corners[static_cast<std::size_t>(i)] % 8;
+      const Real* pairs = &cell_blocks[kFramePairSize * cell];
+      for (int l = 0; l < 8; ++l) {
+        Real* to = block(slot(static_cast<std::int32_t>(n), lattice.cell_nodes[cell][static_cast<std::size_t>(l)]));
+        if (l <= k) {
+          const Real* from = pairs + 36 * pair_of(k, l);
+          for (int e = 0; e < 36; ++e) to[e] += from[e];
+        } else {
+          const Real* from = pairs + 36 * pair_of(l, k);
+          for (int a = 0; a < 6; ++a)
+            for (int b = 0; b < 6; ++b) to[6 * a + b] += from[6 * b + a];
+        }
+      }
+    }
+  });
+}
+
+template <class Real>
+void FrameMatrix<Real>::multiply(std::span<const Real> x, std::span<Real> y) const {
+  for_each_row(rows(), [&](std::size_t n) {
+    Real sum[6][6] = {};
+    std::size_t at = first(n);
+    for (const std::int32_t c : columns(n)) {
+      const Real* b = block(at++);
+      const Real* v = &x[6 * static_cast<std::size_t>(c)];
+      for (int i = 0; i < 6; ++i)
+        for (int j = 0; j < 6; ++j) sum[i][j] += b[6 * i + j] * v[j];
+    }
+    for (std::size_t i = 0; i < 6; ++i)
+      y[6 * n + i] = sum[i][0] + sum[i][1] + sum[i][2] + sum[i][3] + sum[i][4] + sum[i][5];
+  });
+}
+
+template <class Real>
+double FrameMatrix<Real>::largest_diagonal() const {
+  double largest = 0.0;
+  for (std::size_t n = 0; n < rows(); ++n)
+    for (int i = 0; i < 6; ++i) largest = std::max(largest, double(diagonal(n)[7 * i]));
+  return largest;
+}
+
+template class FrameMatrix<float>;
+template class FrameMatrix<double>;
+
+}  // namespace lappet
