@@ -113,8 +113,8 @@ void add_projected_hourglass(const Number& coefficient, const Number* weight, co
   Number w[4][8], a[4][8][3], scaled[4];
   for (int mode = 0; mode < 4; ++mode) {
     const auto& signs = kHourglassModes[static_cast<std::size_t>(mode)];
-    scaled[mode] = coefficient * static_cast<typename NumberTraits<Number>::Scalar>(
-                                     kHourglass[static_cast<std::size_t>(mode)]);
+    scaled[mode] =
+        coefficient * static_cast<typename NumberTraits<Number>::Scalar>(kHourglass[static_cast<std::size_t>(mode)]);
     for (int k = 0; k < 8; ++k) {
       w[mode][k] = weight[8 * k] - weight[8 * k];
       for (int i = 0; i < 3; ++i) a[mode][k][i] = w[mode][k];

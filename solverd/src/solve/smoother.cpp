@@ -33,8 +33,8 @@ void Smoother<Real>::update() {
     if (system_.is_free(n)) diagonal.set(n, Eigen::Map<const Eigen::Matrix3d>(&blocks[9 * n]));
   });
   factor_tied_nodes(same_ties);
-  chebyshev_.estimate(product_, [&](std::size_t n) { return system_.is_free(n); }, kLanczosSteps, kMargin,
-                      kMostEigenvalue);
+  chebyshev_.estimate(
+      product_, [&](std::size_t n) { return system_.is_free(n); }, kLanczosSteps, kMargin, kMostEigenvalue);
 }
 
 template <class Real>
