@@ -76,8 +76,8 @@ inline CutSheet make_cut_sheet(int nx, int ny, int nz, int half_limb, double sti
     const bool border = p[0] == 0 || p[0] == nx || p[1] == 0 || p[1] == ny;
     sheet.attachments.node_group.push_back(border ? kFixedGroup : kFree);
   }
-  for (int j = cy - s + 1; j < cy + s - 1; j += 2) {
-    const int other = std::min(j + s / 2, cy + s - 1);
+  for (int j = std::max(cy - s + 1, 0); j < std::min(cy + s - 1, ny); j += 2) {
+    const int other = std::min({j + s / 2, cy + s - 1, ny - 1});
     // corner (1, 0, 1) of the cell left of the limb, corner (0, 0, 1) of the cell right of it
     const std::int32_t left = lattice.cell_nodes[cell(cx - 1, j, nz - 1)][5],
                        right = lattice.cell_nodes[cell(cx, other, nz - 1)][1];

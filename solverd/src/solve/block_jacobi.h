@@ -43,8 +43,7 @@ class BlockJacobi {
   // One pass each:
   // r = b; d = scale D^-1 r; x = d
   void first(Real scale, const Real* b, Real* r, Real* d, Real* x) const {
-    pass([=](std::size_t i) { return r[i] = b[i]; },
-         [=](std::size_t i, Real z) { x[i] = d[i] = scale * z; });
+    pass([=](std::size_t i) { return r[i] = b[i]; }, [=](std::size_t i, Real z) { x[i] = d[i] = scale * z; });
     solve_tied(scale, r, d, x);
   }
   // r -= q; d = keep d + scale D^-1 r; x += d

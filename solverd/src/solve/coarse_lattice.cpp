@@ -80,8 +80,7 @@ std::vector<std::array<double, 8>> CoarseLattice::weights() const {
         auto& entry = table.emplace_back();
         for (int k = 0; k < 8; ++k) {
           double weight = 1.0;
-          for (int axis = 0; axis < 3; ++axis)
-            weight *= (k >> (2 - axis) & 1) ? local[axis] : 1.0 - local[axis];
+          for (int axis = 0; axis < 3; ++axis) weight *= (k >> (2 - axis) & 1) ? local[axis] : 1.0 - local[axis];
           entry[static_cast<std::size_t>(k)] = weight;
         }
       }

@@ -1,10 +1,25 @@
 #include "solve/frame_cholesky.h"
 
+#if __has_include(<dlfcn.h>)
+#include <dlfcn.h>
+#endif
+
 #include <algorithm>
 
 namespace lappet {
 
 namespace {
+
+// CHOLMOD's supernodal routines open OpenMP regions of four threads for loops of microseconds, whatever
+// OMP_NUM_THREADS says; on a busy machine each waits spinning for threads that do not run, and a factorization takes a
+// hundred times as long. No other code here uses OpenMP: its regions get one thread. Looked up, as it is CHOLMOD that
+// may or may not bring an OpenMP along.
+void keep_openmp_serial() {
+#if __has_include(<dlfcn.h>)
+  static const auto set_levels = reinterpret_cast<void (*)(int)>(dlsym(RTLD_DEFAULT, "omp_set_max_active_levels"));
+  if (set_levels) set_levels(0);
+#endif
+}
 
 constexpr double kMostShift = 1e-1, kNextShift = 1e-5, kShiftFactor = 100.0;
 
@@ -12,6 +27,7 @@ constexpr double kMostShift = 1e-1, kNextShift = 1e-5, kShiftFactor = 100.0;
 
 FrameCholesky::FrameCholesky()
     : matrix_(nullptr, Free{&common_}), factor_(nullptr, Free{&common_}), b_(nullptr, Free{&common_}) {
+  keep_openmp_serial();
   cholmod_start(&common_);
   common_.print = 0;
   common_.supernodal = CHOLMOD_SUPERNODAL;
@@ -47,8 +63,7 @@ void FrameCholesky::analyse(std::size_t nodes) {
       order[6 * n + static_cast<std::size_t>(i)] = 6 * static_cast<const int*>(ordered->Perm)[n] + i;
 
   std::size_t entries = 0;
-  for (std::size_t n = 0; n < nodes; ++n)
-    entries += 36 * static_cast<std::size_t>(start_[n + 1] - start_[n]) - 15;
+  for (std::size_t n = 0; n < nodes; ++n) entries += 36 * static_cast<std::size_t>(start_[n + 1] - start_[n]) - 15;
   matrix_ = own(cholmod_allocate_sparse(6 * nodes, 6 * nodes, entries, 1, 1, -1, CHOLMOD_REAL, &common_));
   auto* p = static_cast<int*>(matrix_->p);
   auto* rows = static_cast<int*>(matrix_->i);
@@ -99,8 +114,7 @@ void FrameCholesky::factor(const FrameMatrix<Real>& matrix, std::span<const Fram
   std::fill_n(values, p[6 * nodes], 0.0);
   // Where entry (6 row + r, 6 column + c) of the lower triangle lies: the first block of a column lacks c rows above.
   const auto place = [&](std::size_t column, int c, std::size_t entry, int r) {
-    return p[6 * column + static_cast<std::size_t>(c)] +
-           6 * (static_cast<int>(entry) - start_[column]) + r - c;
+    return p[6 * column + static_cast<std::size_t>(c)] + 6 * (static_cast<int>(entry) - start_[column]) + r - c;
   };
   for (std::size_t n = 0; n < nodes; ++n) {
     std::size_t slot = matrix.first(n);

@@ -51,8 +51,8 @@ class FrameCholesky {
   std::size_t entry(std::int32_t row, std::int32_t column) const;  // of the lower block pattern
 
   cholmod_common common_{};
-  std::vector<std::int32_t> start_, row_;        // by block columns: rows >= column, ascending
-  std::vector<std::int32_t> tie_nodes_;          // the ties the pattern was made for: sizes and nodes
+  std::vector<std::int32_t> start_, row_;  // by block columns: rows >= column, ascending
+  std::vector<std::int32_t> tie_nodes_;    // the ties the pattern was made for: sizes and nodes
   Owned<cholmod_sparse> matrix_;
   Owned<cholmod_factor> factor_;
   Owned<cholmod_dense> b_;

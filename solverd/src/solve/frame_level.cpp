@@ -7,7 +7,7 @@ namespace lappet {
 
 namespace {
 
-constexpr int kRatio = 4;
+constexpr int kRatio = 2;
 constexpr int kDegree = 3;
 constexpr int kLanczosSteps = 8;
 constexpr double kMargin = 1.1, kMostEigenvalue = 27.0;
@@ -29,7 +29,8 @@ template <class Real>
 FrameLevel<Real>::FrameLevel(const CoarseLattice& lattice, std::size_t most_direct)
     : lattice_(lattice), matrix_(lattice), chebyshev_(kDegree) {
   if (6 * lattice.nodes > most_direct) {
-    coarse_ = std::make_unique<CoarseLattice>(coarsen(lattice.cell_nodes, lattice.cell_position, lattice.nodes, kRatio));
+    coarse_ =
+        std::make_unique<CoarseLattice>(coarsen(lattice.cell_nodes, lattice.cell_position, lattice.nodes, kRatio));
     if (2 * coarse_->nodes <= lattice.nodes) {
       next_ = std::make_unique<FrameLevel>(*coarse_, most_direct);
       weights_ = coarse_->weights();
@@ -77,9 +78,8 @@ void FrameLevel<Real>::multiply(std::span<const Real> x, std::span<Real> y) cons
   for (const auto& tie : ties_) {
     Vec3 sum = Vec3::Zero();
     for (std::size_t k = 0; k < tie.nodes.size(); ++k)
-      sum += tie.rows[k] *
-             Eigen::Map<const Eigen::Matrix<Real, 6, 1>>(&x[6 * static_cast<std::size_t>(tie.nodes[k])])
-                 .template cast<double>();
+      sum += tie.rows[k] * Eigen::Map<const Eigen::Matrix<Real, 6, 1>>(&x[6 * static_cast<std::size_t>(tie.nodes[k])])
+                               .template cast<double>();
     sum *= tie.stiffness;
     for (std::size_t k = 0; k < tie.nodes.size(); ++k)
       Eigen::Map<Eigen::Matrix<Real, 6, 1>>(&y[6 * static_cast<std::size_t>(tie.nodes[k])]) +=

@@ -42,7 +42,7 @@ class FrameLevel {
   // b of the next level from residual - product, which it stores as the residual.
   void restrict_residual();
   void prolong();
-  Block frame_of(std::size_t slot) const;                       // of a node, from the centre of its coarse cell
+  Block frame_of(std::size_t slot) const;                      // of a node, from the centre of its coarse cell
   Block shift_of(std::size_t cell, std::size_t corner) const;  // of that centre, from a corner
 
   const CoarseLattice& lattice_;
@@ -54,7 +54,7 @@ class FrameLevel {
   std::unique_ptr<FrameLevel> next_;
   Chebyshev<Real, 6> chebyshev_;
   std::vector<std::array<double, 8>> weights_;
-  std::vector<Vec3> next_place_, arm_, corner_arm_;  // of coarse nodes; per slot; 8 per coarse cell
+  std::vector<Vec3> next_place_, arm_, corner_arm_;   // of coarse nodes; per slot; 8 per coarse cell
   std::vector<Eigen::Matrix<double, 6, 1>> partial_;  // 8 per coarse cell
   std::vector<std::int32_t> tied_nodes_;
   std::vector<Real> next_b_, next_x_;

@@ -14,7 +14,8 @@ FrameMatrix<Real>::FrameMatrix(const CoarseLattice& lattice) {
   for (std::size_t n = 0; n < lattice.nodes; ++n) {
     row.clear();
     for (auto i = lattice.corner_start[n]; i < lattice.corner_start[n + 1]; ++i) {
-      const auto& nodes = lattice.cell_nodes[static_cast<std::size_t>(lattice.corners[static_cast<std::size_t>(i)] / 8)];
+      const auto& nodes =
+          lattice.cell_nodes[static_cast<std::size_t>(lattice.corners[static_cast<std::size_t>(i)] / 8)];
       row.insert(row.end(), nodes.begin(), nodes.end());
     }
     std::sort(row.begin(), row.end());

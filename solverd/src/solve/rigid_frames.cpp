@@ -104,9 +104,9 @@ void RigidFrames<Real>::assemble_cells(const System<Real>& system, std::span<con
       return system.is_free(n) ? weights_[static_cast<std::size_t>(coarse_.weight_index(place))] : weights_.back();
     };
     const std::span<const std::int32_t> cells =
-        std::span(coarse_.cells).subspan(static_cast<std::size_t>(coarse_.cell_start[coarse]),
-                                         static_cast<std::size_t>(coarse_.cell_start[coarse + 1] -
-                                                                  coarse_.cell_start[coarse]));
+        std::span(coarse_.cells)
+            .subspan(static_cast<std::size_t>(coarse_.cell_start[coarse]),
+                     static_cast<std::size_t>(coarse_.cell_start[coarse + 1] - coarse_.cell_start[coarse]));
     for (std::size_t first = 0; first < cells.size(); first += kLanes) {
       const auto batch = cells.subspan(first, std::min(kLanes, cells.size() - first));
       std::fill_n(weights, 64 * kLanes, Real(0));
@@ -156,7 +156,8 @@ void RigidFrames<Real>::add_rows(std::int32_t node, double weight, TieRows& rows
   for (std::size_t k = 0; k < 8; ++k) {
     if (shares[k] == Real(0)) continue;
     const Real* corner = &corner_arm_[24 * cell];
-    const double ax = double(arm_[3 * slot]) - double(corner[k]), ay = double(arm_[3 * slot + 1]) - double(corner[8 + k]),
+    const double ax = double(arm_[3 * slot]) - double(corner[k]),
+                 ay = double(arm_[3 * slot + 1]) - double(corner[8 + k]),
                  az = double(arm_[3 * slot + 2]) - double(corner[16 + k]);
     Eigen::Matrix<double, 3, 6> row;
     row << 1, 0, 0, 0, az, -ay, 0, 1, 0, -az, 0, ax, 0, 0, 1, ay, -ax, 0;
@@ -184,9 +185,8 @@ void RigidFrames<Real>::assemble_ties(const System<Real>& system) {
       for (std::size_t b = 0; b < push.nodes.size(); ++b) {
         const Eigen::Matrix<double, 6, 1> left = push.rows[a].transpose() * face.inward,
                                           right = push.rows[b].transpose() * face.inward;
-        Eigen::Map<Eigen::Matrix<Real, 6, 6, Eigen::RowMajor>>(
-            matrix.block(matrix.slot(push.nodes[a], push.nodes[b]))) +=
-            (stiffness * left * right.transpose()).template cast<Real>();
+        Eigen::Map<Eigen::Matrix<Real, 6, 6, Eigen::RowMajor>>(matrix.block(
+            matrix.slot(push.nodes[a], push.nodes[b]))) += (stiffness * left * right.transpose()).template cast<Real>();
       }
   });
 }
