@@ -7,7 +7,6 @@
 #include <random>
 
 #include "box.h"
-#include "force/projected_stiffness_kernel.h"
 
 namespace lappet {
 namespace {
@@ -34,36 +33,6 @@ class ElasticCells : public ::testing::TestWithParam<Case> {
     for (double& value : u) value = uniform(random);
     return u;
   }
-  // P^T K P for frames at random places with random weights, in the last lane of a call.
-  static void check_projection(const Elastic<double>& elastic, std::int32_t cell, const Matrix24& k) {
-    constexpr int kLanes = Elastic<double>::kProjectionLanes, kLane = kLanes - 1;
-    alignas(64) double weights[64 * kLanes] = {}, arms[24 * kLanes] = {};
-    alignas(64) static double blocks[kFramePairSize * kLanes];
-    std::fill(std::begin(blocks), std::end(blocks), 0.0);
-    const Eigen::Matrix<double, 64, 1> weight = Eigen::Matrix<double, 64, 1>::Random();
-    const Eigen::Matrix<double, 24, 1> arm = Eigen::Matrix<double, 24, 1>::Random();
-    Eigen::Matrix<double, 24, 48> p = Eigen::Matrix<double, 24, 48>::Zero();
-    for (int f = 0; f < 8; ++f)
-      for (int n = 0; n < 8; ++n) {
-        const Eigen::Vector3d a = arm.segment<3>(3 * n);
-        Eigen::Matrix3d turn;  // omega x a
-        turn << 0, a[2], -a[1], -a[2], 0, a[0], a[1], -a[0], 0;
-        p.block<3, 3>(3 * n, 6 * f) = weight[8 * f + n] * Eigen::Matrix3d::Identity();
-        p.block<3, 3>(3 * n, 6 * f + 3) = weight[8 * f + n] * turn;
-      }
-    for (int i = 0; i < 64; ++i) weights[i * kLanes + kLane] = weight[i];
-    for (int i = 0; i < 24; ++i) arms[i * kLanes + kLane] = arm[i];
-    const std::vector<std::int32_t> cells(kLanes, cell);
-    elastic.add_projected_stiffness(cells, weights, arms, blocks);
-    const Eigen::Matrix<double, 48, 48> expected = p.transpose() * k * p;
-    for (int a = 0; a < 8; ++a)
-      for (int b = 0; b <= a; ++b)
-        for (int i = 0; i < 6; ++i)
-          for (int j = 0; j < 6; ++j)
-            EXPECT_NEAR(blocks[(36 * pair_of(a, b) + 6 * i + j) * kLanes + kLane], expected(6 * a + i, 6 * b + j),
-                        1e-10 * expected.norm());
-  }
-
   Lattice lattice_;
   MaterialParameters material_;
 };
@@ -137,7 +106,6 @@ TEST_P(ElasticCells, DefiniteTangentIsPositiveAndAgreesWithItsCellsAndBlocks) {
     elastic.diagonal_blocks(blocks);
     for (std::size_t c = 0; c < lattice_.cell_nodes.size(); ++c) {
       const Matrix24 k = elastic.cell_stiffness(static_cast<std::int32_t>(c));
-      check_projection(elastic, static_cast<std::int32_t>(c), k);
       EXPECT_GT(Eigen::SelfAdjointEigenSolver<Matrix24>(k).eigenvalues()[0], -1e-9 * k.norm());
       Eigen::Matrix<double, 24, 1> x;
       for (int n = 0; n < 8; ++n)
