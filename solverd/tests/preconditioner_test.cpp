@@ -358,7 +358,7 @@ TEST(Preconditioner, TheEigenvalueEstimateBoundsTheSpectrumClosely) {
   untied.linearize(Definiteness::kClamp);
   Smoother<double> plain(untied, 4);
   plain.update();
-  std::vector<double> blocks(9 * untied.nodes()), v = scene.free_noise(1), y(v.size());
+  std::vector<double> blocks(6 * untied.nodes()), v = scene.free_noise(1), y(v.size());
   untied.elastic().diagonal_blocks(blocks);
   double largest = 0.0;
   for (int step = 0; step < 1000; ++step) {
@@ -367,8 +367,10 @@ TEST(Preconditioner, TheEigenvalueEstimateBoundsTheSpectrumClosely) {
     untied.multiply(v, y);
     for (std::size_t n = 0; n < untied.nodes(); ++n)
       if (untied.is_free(n)) {
-        const Eigen::Matrix3d inverse = Eigen::Map<const Eigen::Matrix3d>(&blocks[9 * n]).inverse();
-        const Vec3 z = inverse * Vec3(y[3 * n], y[3 * n + 1], y[3 * n + 2]);
+        const double* b = &blocks[6 * n];
+        Eigen::Matrix3d block;
+        block << b[0], b[1], b[2], b[1], b[3], b[4], b[2], b[4], b[5];
+        const Vec3 z = block.inverse() * Vec3(y[3 * n], y[3 * n + 1], y[3 * n + 2]);
         for (std::size_t i = 0; i < 3; ++i) v[3 * n + i] = z[static_cast<int>(i)];
       }
     largest = std::sqrt(dot<double>(v, v));

@@ -49,14 +49,6 @@ double peak_bytes() {
   return 1024.0 * static_cast<double>(usage.ru_maxrss);
 }
 
-Eigen::Matrix4d between(const Eigen::Matrix4d& from, const Eigen::Matrix4d& to, double s) {
-  const Eigen::Quaterniond a(Eigen::Matrix3d(from.topLeftCorner<3, 3>())), b(Eigen::Matrix3d(to.topLeftCorner<3, 3>()));
-  Eigen::Matrix4d result = Eigen::Matrix4d::Identity();
-  result.topLeftCorner<3, 3>() = a.slerp(s, b).toRotationMatrix();
-  result.topRightCorner<3, 1>() = (1 - s) * from.topRightCorner<3, 1>() + s * to.topRightCorner<3, 1>();
-  return result;
-}
-
 template <class Real>
 class TypedSession : public Session::Implementation {
  public:
@@ -180,7 +172,7 @@ class TypedSession : public Session::Implementation {
       suture.closure = (1 - s) * std::clamp(1.0 - now, 0.0, 1.0) + s * suture.closure;
     }
     for (auto& retractor : result.retractors)
-      retractor.motion = between(system_->present_motion(retractor.index, u_), retractor.motion, s);
+      retractor.motion = system_->motion_towards(retractor.motion, s, retractor.index, u_);
     result.activation = activation_of(frame);
     for (std::size_t m = 0; m < activation_.size(); ++m)
       result.activation[m] = (1 - s) * activation_[m] + s * result.activation[m];

@@ -287,7 +287,7 @@ bool System<Real>::prescribed_increment(std::span<const Real> u, std::span<Real>
 }
 
 template <class Real>
-Eigen::Matrix4d System<Real>::present_motion(std::int32_t retractor, std::span<const Real> u) const {
+std::vector<std::size_t> System<Real>::gripped_nodes(std::int32_t retractor) const {
   std::vector<std::size_t> gripped;
   for (std::size_t n = 0; n < free_.size(); ++n)
     if (attachments_.node_group[n] == retractor) gripped.push_back(n);
@@ -295,13 +295,29 @@ Eigen::Matrix4d System<Real>::present_motion(std::int32_t retractor, std::span<c
     if (form.group == retractor)
       for (const std::int32_t n : elastic_.lattice().cell_nodes[static_cast<std::size_t>(form.cell)])
         gripped.push_back(static_cast<std::size_t>(n));
-  if (gripped.size() < 3) return Eigen::Matrix4d::Identity();
+  return gripped;
+}
+
+template <class Real>
+Eigen::Matrix4d System<Real>::motion_towards(const Eigen::Matrix4d& motion, double fraction, std::int32_t retractor,
+                                             std::span<const Real> u) const {
+  const auto gripped = gripped_nodes(retractor);
+  if (gripped.size() < 3) return motion;
   Eigen::Matrix3Xd rest(3, gripped.size()), now(3, gripped.size());
   for (std::size_t k = 0; k < gripped.size(); ++k) {
     rest.col(static_cast<Eigen::Index>(k)) = elastic_.lattice().node_rest[gripped[k]];
     now.col(static_cast<Eigen::Index>(k)) = elastic_.lattice().node_rest[gripped[k]] + at(u, gripped[k]);
   }
-  return Eigen::umeyama(rest, now, false);
+  const Eigen::Matrix4d present = Eigen::umeyama(rest, now, false);
+  const Vec3 centre = rest.rowwise().mean();
+  const Eigen::Quaterniond from(Eigen::Matrix3d(present.topLeftCorner<3, 3>()));
+  const Eigen::Quaterniond to(Eigen::Matrix3d(motion.topLeftCorner<3, 3>()));
+  Eigen::Matrix4d result = Eigen::Matrix4d::Identity();
+  result.topLeftCorner<3, 3>() = from.slerp(fraction, to).toRotationMatrix();
+  const Eigen::Vector4d place = (1.0 - fraction) * (present * centre.homogeneous()) +
+                                fraction * (motion * centre.homogeneous());
+  result.topRightCorner<3, 1>() = place.head<3>() - result.topLeftCorner<3, 3>() * centre;
+  return result;
 }
 
 template <class Real>

@@ -45,8 +45,10 @@ class System {
   // What is left to move the prescribed nodes to where they belong; true if any.
   bool prescribed_increment(std::span<const Real> u, std::span<Real> increment) const;
 
-  // The rigid motion that the nodes gripped by a retractor have now (least squares).
-  Eigen::Matrix4d present_motion(std::int32_t retractor, std::span<const Real> u) const;
+  // The rigid motion a fraction of the way from that of the nodes gripped by a retractor now (least squares) to
+  // another: their centre moves straight while they turn about it.
+  Eigen::Matrix4d motion_towards(const Eigen::Matrix4d& motion, double fraction, std::int32_t retractor,
+                                 std::span<const Real> u) const;
 
   // The largest violation of what must hold exactly, mm: sutures, and held faces off the lattice planes (root mean
   // square over the face in a cell).
@@ -72,6 +74,7 @@ class System {
 
  private:
   Vec3 held_displacement(std::int32_t group, std::size_t node) const;
+  std::vector<std::size_t> gripped_nodes(std::int32_t retractor) const;
   bool acts(const FaceForm& form) const {
     return form.group < 0 || retractor_active_[static_cast<std::size_t>(form.group)];
   }
