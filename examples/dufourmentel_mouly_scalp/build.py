@@ -20,7 +20,7 @@ RADIUS, REACH, THICKNESS = 80.0, 52.0, 5.0  # mm: of the head, along the scalp f
 BONE, BONE_REACH = 74.9, 60.0  # mm: radius and reach of the skull; the scalp glides 0.1 mm above it
 SPACING = 1.0  # mm, of the lattice
 WHEN = Schedule()
-HOW = Technique(beyond=10.0, rows=(Row("galea", 3.9), Row("dermal", 0.7, 0.5), Row("skin", 0.0)))
+HOW = Technique(beyond=12.0, apart=3.2, rows=(Row("galea", 3.9), Row("dermal", 1.9, 0.5), Row("skin", 0.0)))
 
 
 def build() -> Procedure:

@@ -148,7 +148,9 @@ def sutures(design: FlapDesign, skin: SkinSheet, when: Schedule, how: Technique)
     beside = 0.5 * how.kerf + 0.01
     for row in how.rows:
         for corner in design.corners:
-            ends = [skin.towards(spot.point, spot.towards, 2.0 * beside, row.depth) for spot in (corner.flap, corner.wound)]
+            ends = [
+                skin.towards(spot.point, spot.towards, 2.0 * beside, row.depth) for spot in (corner.flap, corner.wound)
+            ]
             found.append(_suture(f"{row.name}_{corner.name}_corner", ends, corner.name, when))
         for seam in design.seams:
             length = 0.5 * sum(_length(edge) for edge in seam.edges)
