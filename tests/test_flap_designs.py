@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from numpy.typing import NDArray
@@ -113,7 +115,7 @@ def test_every_edge_of_a_design_has_its_tissue_on_the_side_it_says(name: str, mi
     for seam in design.seams:
         for edge in seam.edges:
             points = np.array(edge.points)[:, :2]
-            for p, q in zip(points[:-1], points[1:], strict=True):
+            for p, q in pairwise(points):
                 left = np.array([p[1] - q[1], q[0] - p[0]]) / np.linalg.norm(q - p) * edge.side
                 middle = 0.5 * (p + q)
                 assert not in_defect(middle + 0.2 * left)
@@ -201,6 +203,6 @@ def test_a_place_beside_an_edge_of_the_skin_is_on_the_skin_and_one_below_it_is_a
         (lambda: dome_scalp(-80.0), "radius is -80 mm"),
     ],
 )
-def test_what_cannot_be_drawn_is_refused(draw, words) -> None:  # noqa: ANN001
+def test_what_cannot_be_drawn_is_refused(draw, words) -> None:
     with pytest.raises(RefusedError, match=words):
         draw()

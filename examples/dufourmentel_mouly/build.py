@@ -1,4 +1,4 @@
-"""Builds dufourmentel_mouly.usda: Dufourmentel and Mouly's flap closes a rhombic defect of 66° on a flat patch.
+"""Builds dufourmentel_mouly.usda: Dufourmentel and Mouly's flap closes a rhombic defect on a flat patch of skin.
 
 Usage: python build.py [dufourmentel_mouly.usda]
 """

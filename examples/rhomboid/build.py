@@ -1,4 +1,4 @@
-"""Builds rhomboid.usda: Limberg's flap closes a rhombic defect with sides of 18 mm on a flat patch of 112 x 100 x 4 mm.
+"""Builds rhomboid.usda: Limberg's flap closes a rhombic defect with sides of 18 mm on a flat patch of 120 x 104 x 4 mm.
 
 Usage: python build.py [rhomboid.usda]
 """
@@ -22,7 +22,7 @@ WHEN = Schedule()
 
 def build() -> Procedure:
     """The whole procedure."""
-    tissue = flat_patch((112.0, 100.0, THICKNESS), resolution=2.0, spacing=SPACING)
+    tissue = flat_patch((120.0, 104.0, THICKNESS), resolution=2.0, spacing=SPACING)
     design = limberg((0.0, 0.0, THICKNESS), (1.0, 0.0, 0.0), SIDE)
     return Procedure(
         tissue=tissue,

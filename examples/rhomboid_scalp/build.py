@@ -1,4 +1,4 @@
-"""Builds rhomboid_scalp.usda: Limberg's flap closes a rhombic defect with sides of 15 mm on a scalp over a skull.
+"""Builds rhomboid_scalp.usda: Limberg's flap closes a rhombic defect with sides of 12 mm on a domed scalp.
 
 Usage: python build.py [rhomboid_scalp.usda]
 """
@@ -15,12 +15,13 @@ from lappet.skin_sheet import SkinSheet
 from lappet.transposition import Row, Schedule, Technique, flap_operation
 from lappet.usd_stage import write_procedure
 
-SIDE = 15.0  # mm
-RADIUS, REACH, THICKNESS = 80.0, 52.0, 5.0  # mm: of the head, along the scalp from the middle to the rim, of the scalp
-BONE, BONE_REACH = 74.9, 60.0  # mm: radius and reach of the skull; the scalp glides 0.1 mm above it
+SIDE = 12.0  # mm
+# The dome: radius of the head, the scalp's reach along it from the middle to the rim, its thickness, mm.
+RADIUS, REACH, THICKNESS = 90.0, 48.0, 5.0  # mm
+BONE, BONE_REACH = 84.9, 56.0  # mm: radius and reach of the skull's outer face, 0.1 mm below the scalp
 SPACING = 1.0  # mm, of the lattice
 WHEN = Schedule()
-HOW = Technique(beyond=12.0, apart=3.2, rows=(Row("galea", 3.9), Row("dermal", 1.9, 0.5), Row("skin", 0.0)))
+HOW = Technique(beyond=10.0, apart=3.2, rows=(Row("galea", 3.9), Row("dermal", 1.9, 0.5), Row("skin", 0.0)))
 
 
 def build() -> Procedure:

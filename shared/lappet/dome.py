@@ -20,7 +20,7 @@ def dome_scalp(
     spacing: float = 1.0,
     bed_stiffness: float = 10.0,
 ) -> Tissue:
-    """A cap of a shell about the origin: skin at `radius` mm, underside `thickness` mm below it, pole at (0, 0, radius).
+    """A cap of a shell about the origin: skin at `radius` mm, pole at (0, 0, radius), underside `thickness` mm deeper.
 
     reach: from the pole to the rim along the skin, mm. resolution: edges of the triangles, mm. The texture is 1 unit
     per 100 mm, laid out from the pole (true distances from it), the rim continuing the skin. Subsets: "fixed" (the rim,
@@ -78,7 +78,7 @@ def dome_bone(
     rim = np.stack([border, border + count, np.roll(border, -1) + count, np.roll(border, -1)], axis=1)
     return Bone(
         name=name,
-        points=np.round(np.vstack([radius * directions, (radius - thickness) * directions]), 4),
+        points=np.asarray(np.round(np.vstack([radius * directions, (radius - thickness) * directions]), 4), np.float64),
         face_vertex_counts=np.concatenate([np.full(2 * len(triangles), 3, np.int32), np.full(len(rim), 4, np.int32)]),
         face_vertex_indices=np.concatenate(
             [triangles.ravel(), (triangles[:, ::-1] + count).ravel(), rim.ravel()]
@@ -134,7 +134,7 @@ def _cap(half: float, rings: int) -> tuple[NDArray[np.float64], NDArray[np.int64
                     d = (sextant * (i - 1) + k + 1) % inner
                     triangles.append((start[i] + b, start[i - 1] + d, start[i - 1] + c))
     border = start[rings] + np.arange(6 * rings)
-    return np.vstack(directions), np.array(triangles, np.int64), border
+    return np.vstack(directions).astype(np.float64), np.array(triangles, np.int64), border
 
 
 def _layout(directions: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -13,8 +13,9 @@ the second, EF, ends beside C, and CF is its base. In the design's plane, x alon
 The donor site closes by drawing the corner that DE leaves outside of the flap, D', to F.
 
 Sources: A. A. Limberg, "The planning of local plastic operations on the body surface" (1963, English 1984);
-C. Dufourmentel, "La fermeture des pertes de substance cutanée limitées", Ann. Chir. Plast. 7 (1962) 61; G. D. Lister and
-T. Gibson, "Closure of rhomboid skin defects: the flaps of Limberg and Dufourmentel", Br. J. Plast. Surg. 25 (1972) 300.
+C. Dufourmentel, "La fermeture des pertes de substance cutanée limitées", Ann. Chir. Plast. 7 (1962) 61; G. D. Lister
+and T. Gibson, "Closure of rhomboid skin defects: the flaps of Limberg and Dufourmentel", Br. J. Plast. Surg. 25 (1972)
+300.
 """
 
 from __future__ import annotations

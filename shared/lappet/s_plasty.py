@@ -7,19 +7,23 @@ turned by 180° about the middle. In the design's plane, x along the long axis:
 
           _____________
          /   flap 2
-        |   ...                  Flap 1 lies below the defect, its tip at the right end P; flap 2 above, its tip at the left
-         `-Q  defect  P-.        end Q. Each tip goes up its neighbour's half of the rim by the `advance` s, each flap
-                   ...   |       slides along its own incision by as much, less and less towards the end of the cut, and
-                flap 1  /        the two leading edges meet in the middle.
+        |   ...
+         `-Q  defect  P-.
+                   ...   |
+                flap 1  /
           _____________/
+
+Flap 1 lies below the defect, its tip at the right end P; flap 2 above, its tip at the left end Q. Each tip goes up its
+neighbour's half of the rim by the `advance` s, each flap slides along its own incision by as much, less and less
+towards the end of the cut, and the two leading edges meet in the middle.
 
 What meets, as lengths along the curves: the first s of flap 2's rim at P and then the outer lip of incision 1 meet the
 inner lip of incision 1 (a length ratio of 1 + s / length of the incision, spread evenly, as surgeons suture it by
 halves); so at Q; and the rest of one half of the rim meets the rest of the other.
 
-The operation is named in N. Mitchell, C. Cutting, E. Sifakis, "GRIDiron", ACM Trans. Graph. 34 (2015), figure 4 ("a large
-oval-shape defect is patched by transposing two S-shaped flaps"), without measures. The construction here is that of
-opposed double rotation flaps (O to Z, O to S; S. R. Baker, "Local Flaps in Facial Reconstruction").
+The operation is named in N. Mitchell, C. Cutting, E. Sifakis, "GRIDiron", ACM Trans. Graph. 34 (2015), figure 4 ("a
+large oval-shape defect is patched by transposing two S-shaped flaps"), without measures. The construction here is
+that of opposed double rotation flaps (O to Z, O to S; S. R. Baker, "Local Flaps in Facial Reconstruction").
 """
 
 from __future__ import annotations
@@ -52,8 +56,8 @@ def dual_s_plasty(
     """A dual S-plasty for an oval of `length` by `width` mm, its long axis along `direction`.
 
     incision: length of each S, mm. advance: how far each tip goes along the other flap's rim, mm. turns: degrees by
-    which the S turns around its flap, and back. Other arguments as in `lappet.rhombic_flap.limberg`. Raises RefusedError
-    for lengths that are not positive, a width above the length and an advance beyond half of the half rim.
+    which the S turns around its flap, and back. Other arguments as in `lappet.rhombic_flap.limberg`. Raises
+    RefusedError for lengths that are not positive, a width above the length and an advance beyond half of the half rim.
     """
     lengths = {"length": length, "width": width, "incision": incision, "advance": advance}
     for name, value in lengths.items():
@@ -93,7 +97,7 @@ def dual_s_plasty(
     flap = np.array([0.1 * length, -0.5 * width - 0.25 * incision])
     seams, corners, carries = [], [], []
     for name, turn in (("first", 1.0), ("second", -1.0)):
-        # Flap 1 lies to the right of its incision, seen from P; the rim's tissue lies to the right, seen from P upwards.
+        # Flap 1 lies to the right of its incision, seen from P.
         seams.append(Seam(f"{name}", (edge(turn * cut, -1), edge(turn * lip, 1)), (False, True)))
         tip, tissue = turn * np.array([0.5 * length, 0.0]), turn * np.array([0.5 * length + 3.0, -3.0])
         spot = Spot(one(*tip), one(*tissue))

@@ -1,4 +1,4 @@
-"""The operation of a flap design: excise, incise, undermine, carry the flap into the defect with hooks, suture, let go."""
+"""The operation of a flap design: incise, excise, undermine, carry the flap over with hooks, suture, let go."""
 
 from __future__ import annotations
 
@@ -7,9 +7,8 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
 
-from lappet.flap_design import Carry, Edge, FlapDesign, Seam, Spot
+from lappet.flap_design import Carry, Edge, FlapDesign
 from lappet.procedure import Event, Excision, Hook, Incision, Landmark, Point, Suture, Undermine
 from lappet.skin_sheet import SkinSheet
 
@@ -64,13 +63,14 @@ class Technique:
 def flap_operation(
     design: FlapDesign,
     skin: SkinSheet,
-    when: Schedule = Schedule(),  # noqa: B008 (frozen)
-    how: Technique = Technique(),  # noqa: B008 (frozen)
+    when: Schedule = Schedule(),
+    how: Technique = Technique(),
 ) -> tuple[Event, ...]:
     """The events of the operation, with the landmarks to judge it by.
 
-    Landmarks, in pairs that lie on each other when all is well: "<corner> flap" and "<corner> wound" for every corner of
-    the design, "<seam> flap" and "<seam> wound" with points along the edges of every seam.
+    Landmarks, in pairs that lie on each other when all is well: "<corner> flap" and "<corner> wound" for every corner
+    of the design, "<seam> flap edge" and "<seam> wound edge" with points along the edges of every seam; and "flap
+    middle".
     """
     incisions = [
         Incision(_numbered("limbs", k, len(design.incisions)), when.incise, curve, kerf=how.kerf)
