@@ -21,7 +21,7 @@ RADIUS, REACH, THICKNESS = 90.0, 62.0, 5.0  # mm
 BONE, BONE_REACH = 84.9, 70.0  # mm: radius and reach of the skull's outer face, 0.1 mm below the scalp
 SPACING = 1.0  # mm, of the lattice
 WHEN = Schedule()
-HOW = Technique(beyond=12.0, apart=3.2, rows=(Row("galea", 3.9), Row("dermal", 1.9, 0.5), Row("skin", 0.0)))
+HOW = Technique(beyond=12.0, apart=4.0, rows=(Row("galea", 3.9), Row("dermal", 1.9, 0.5), Row("skin", 0.0)))
 
 
 def build() -> Procedure:
