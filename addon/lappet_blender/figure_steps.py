@@ -82,7 +82,9 @@ def story_steps(
                 Step(top, "Lifted with hooks" if any(e.kind == "Hook" for e in pulls) else "Retracted", _named(pulls))
             )
             if last > top:
-                moved = "Advanced" if any(e.kind == "Excision" for e in cuts) else "Transposed"
+                # Around what is excised one incision runs; more of them cut a flap.
+                flap = sum(e.kind == "Incision" for e in cuts) > 1 or all(e.kind != "Excision" for e in cuts)
+                moved = "Transposed" if flap else "Advanced"
                 steps.append(Step(last, moved if sutures else "Held"))
     if sutures:
         begin_closing = min(e.start for e in sutures)

@@ -64,7 +64,7 @@ def z_plasty(
         raise RefusedError(f"z_plasty: the limb is {limb:g} mm; give a length above 0")
     if not 10.0 <= angle <= 120.0:
         raise RefusedError(f"z_plasty: the angle is {angle:g}°; give one from 10° to 120°")
-    along, across = _frame(direction, normal, "z_plasty")
+    along, across = skin_frame(direction, normal, "z_plasty")
     if mirrored:
         across = -across
     middle = np.asarray(center, np.float64)
@@ -72,7 +72,7 @@ def z_plasty(
     first, second = middle + 0.5 * limb * along, middle - 0.5 * limb * along
     side = limb * (np.cos(turn) * along - np.sin(turn) * across)
     corners = np.stack([first - side, first, second, second + side])
-    a, b, c, d = _placed(corners, project)
+    a, b, c, d = placed_on(corners, project)
     return ZPlasty(curve=(a, b, c, d), tips=(b, c), bases=(a, d))
 
 
@@ -100,7 +100,7 @@ def fusiform(
         )
     if samples < 2:
         raise RefusedError(f"fusiform: {samples} samples cannot follow an arc; give at least 2")
-    along, across = _frame(direction, normal, "fusiform")
+    along, across = skin_frame(direction, normal, "fusiform")
     middle = np.asarray(center, np.float64)
     radius = (length**2 + width**2) / (4.0 * width)
     half = 2.0 * np.arctan2(width, length)  # half the arc's opening angle
@@ -114,13 +114,13 @@ def fusiform(
     around = np.vstack([arc(turn[:-1], -1.0), arc(-turn[:-1], 1.0)])
     stations = np.arange(1, sutures + 1) / (sutures + 1) * 2.0 - 1.0
     facing = np.arcsin(np.clip(stations * 0.5 * length / radius, -1.0, 1.0))
-    left, right = _placed(arc(facing, 1.0), project), _placed(arc(facing, -1.0), project)
-    tips = _placed(np.stack([middle - 0.5 * length * along, middle + 0.5 * length * along]), project)
+    left, right = placed_on(arc(facing, 1.0), project), placed_on(arc(facing, -1.0), project)
+    tips = placed_on(np.stack([middle - 0.5 * length * along, middle + 0.5 * length * along]), project)
     return Fusiform(
-        curve=_placed(around, project),
+        curve=placed_on(around, project),
         tips=(tips[0], tips[1]),
         pairs=tuple(zip(left, right, strict=True)),
-        seed=_placed(middle[None], project)[0],
+        seed=placed_on(middle[None], project)[0],
     )
 
 
@@ -130,7 +130,7 @@ def onto(points: ArrayLike, triangles: ArrayLike) -> Place:
     return lambda drawn: surface.query(drawn)[1]
 
 
-def _frame(direction: ArrayLike, normal: ArrayLike, what: str) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def skin_frame(direction: ArrayLike, normal: ArrayLike, what: str) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Unit vectors along the direction (made square to the normal) and across it, to its left."""
     up = np.asarray(normal, np.float64)
     along = np.asarray(direction, np.float64)
@@ -143,6 +143,7 @@ def _frame(direction: ArrayLike, normal: ArrayLike, what: str) -> tuple[NDArray[
     return flat, np.cross(up, flat)
 
 
-def _placed(points: NDArray[np.float64], project: Place | None) -> tuple[Point, ...]:
+def placed_on(points: NDArray[np.float64], project: Place | None) -> tuple[Point, ...]:
+    """The points (k, 3) of a design where `project` puts them on the skin."""
     placed = points if project is None else project(points)
     return tuple((float(x), float(y), float(z)) for x, y, z in placed)
