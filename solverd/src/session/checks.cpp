@@ -4,6 +4,7 @@
 
 #include <Eigen/LU>
 #include <cmath>
+#include <map>
 
 #include "force/attachments.h"
 #include "lattice/refused.h"
@@ -25,6 +26,28 @@ void check_anchor(const Anchor& anchor, const Surface& surface, const char* what
   require(anchor.triangle >= 0 && static_cast<std::size_t>(anchor.triangle) < surface.triangles.size(),
           "the anchor of a {} names triangle {} of {}; give one of this epoch's surface", what, anchor.triangle,
           surface.triangles.size());
+}
+
+// Every edge is passed as often one way as the other, by triangles that name points there are.
+void check_bones(const Surface& bones) {
+  require(bones.points.empty() == bones.triangles.empty(),
+          "the bones have {} points and {} triangles; give both or none", bones.points.size(), bones.triangles.size());
+  for (std::size_t i = 0; i < bones.points.size(); ++i)
+    require(finite(bones.points[i]), "point {} of the bones is not finite", i);
+  std::map<std::pair<std::int32_t, std::int32_t>, int> passed;
+  for (std::size_t t = 0; t < bones.triangles.size(); ++t)
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::int32_t a = bones.triangles[t][k], b = bones.triangles[t][(k + 1) % 3];
+      require(a >= 0 && static_cast<std::size_t>(a) < bones.points.size(),
+              "triangle {} of the bones names point {} of {}", t, a, bones.points.size());
+      if (a != b) passed[std::minmax(a, b)] += a < b ? 1 : -1;
+    }
+  for (const auto& [edge, balance] : passed)
+    require(
+        balance == 0,
+        "the bones are not closed: the edge from point {} to point {} has faces on one side only; close the mesh and "
+        "orient its faces alike",
+        edge.first, edge.second);
 }
 
 }  // namespace
@@ -62,6 +85,7 @@ void check_settings(const SessionSettings& s) {
           "Poisson's ratio is {}; it must be above -1 and below 0.5 (use 0.499 for nearly incompressible tissue)",
           m.poissons_ratio);
   require(std::isfinite(m.density) && m.density >= 0, "the density is {} kg/m^3; it must not be negative", m.density);
+  check_bones(s.bones);
 }
 
 void check_epoch(const EpochInput& epoch, const SessionSettings& settings) {

@@ -111,7 +111,14 @@ EquilibriumOutcome find_equilibrium(System<Real>& system, TwoLevel<Real>& precon
           outcome.converged = true;
           return outcome;
         }
-        if (++multiplier_updates > kMostMultiplierUpdates)
+        ++multiplier_updates;
+        if (multiplier_updates > kMostMultiplierUpdates && system.contact() &&
+            system.contact()->excess() > options.gap_tolerance)
+          return fail(
+              fmt::format("tissue is pressed {:.3g} mm deep into bone; what holds or pulls it there contradicts "
+                          "the bone: move it, or move the bone away",
+                          system.contact()->largest_penetration()));
+        if (multiplier_updates > kMostMultiplierUpdates)
           return fail(
               fmt::format("a suture or a held face keeps a gap of {:.3g} mm (tolerance {:.3g} mm); its demands "
                           "contradict others or need more force than the tissue bears",
@@ -188,6 +195,7 @@ EquilibriumOutcome find_equilibrium(System<Real>& system, TwoLevel<Real>& precon
 
     // Prescribed motion does work: there the step is only kept from turning cells inside out.
     double alpha = moves ? 1.0 : std::min(1.0, kStepCap * h / std::max(largest, 1e-300));
+    alpha = system.largest_step(u, step, alpha);
     const Evaluation before = now;
     while (true) {
       for (std::size_t i = 0; i < size; ++i) trial[i] = u[i] + static_cast<Real>(alpha) * step[i];

@@ -232,6 +232,26 @@ void RigidFrames<Real>::assemble(const System<Real>& system, std::span<const Rea
     }
   });
 
+  // A push is one more rank in the block of its coarse cell, on whose corners all nodes of the cell hang.
+  system.for_each_push([&](const Push& push) {
+    const auto coarse = static_cast<std::size_t>(coarse_of_cell_[static_cast<std::size_t>(push.cell)]);
+    Eigen::Matrix<Real, 48, 1> column = Eigen::Matrix<Real, 48, 1>::Zero();
+    for (std::size_t c = 0; c < 8; ++c) {
+      const auto n = static_cast<std::size_t>(lattice_.cell_nodes[static_cast<std::size_t>(push.cell)][c]);
+      if (!system.is_free(n)) continue;
+      for (std::size_t s = 8 * n; s < 8 * n + 8; ++s) {
+        if (shares_[s].weight == Real(0)) continue;
+        const auto& corners = coarse_cell_nodes_[coarse];
+        const auto corner = std::find(corners.begin(), corners.end(), shares_[s].coarse) - corners.begin();
+        const Vec3 arm(double(shares_[s].arm[0]), double(shares_[s].arm[1]), double(shares_[s].arm[2]));
+        const double weight = push.weights[c] * double(shares_[s].weight);
+        column.template segment<3>(6 * corner) += (weight * push.direction).cast<Real>();
+        column.template segment<3>(6 * corner + 3) += (weight * arm.cross(push.direction)).cast<Real>();
+      }
+    }
+    blocks[coarse] += static_cast<Real>(push.stiffness) * column * column.transpose();
+  });
+
   std::vector<Eigen::Triplet<double>> entries;
   entries.reserve(coarse_cells * 48 * 25);
   const auto emplace = [&](Eigen::Index row, Eigen::Index column, double value) {
@@ -270,13 +290,6 @@ void RigidFrames<Real>::assemble(const System<Real>& system, std::span<const Rea
       add_to(rows, static_cast<std::size_t>(tie.nodes[i]), tie.weights[i]);
     emplace_rows(rows, tie.stiffness * Eigen::Matrix3d::Identity());
   }
-  system.for_each_pushed_face([&](const RestingFace& face, double stiffness) {
-    Rows rows;
-    for (std::size_t k = 0; k < 8; ++k)
-      add_to(rows, static_cast<std::size_t>(lattice_.cell_nodes[static_cast<std::size_t>(face.cell)][k]),
-             face.weights[k]);
-    emplace_rows(rows, stiffness * face.inward * face.inward.transpose());
-  });
   const auto size = static_cast<Eigen::Index>(unknowns());
   double largest = 0.0;
   for (const auto& entry : entries)

@@ -24,11 +24,11 @@ void Smoother<Real>::update() {
   const std::size_t n = system_.nodes();
   std::vector<double> blocks(9 * n);
   system_.elastic().diagonal_blocks(blocks);
-  system_.for_each_pushed_face([&](const RestingFace& face, double stiffness) {
-    const auto& nodes = system_.lattice().cell_nodes[static_cast<std::size_t>(face.cell)];
+  system_.for_each_push([&](const Push& push) {
+    const auto& nodes = system_.lattice().cell_nodes[static_cast<std::size_t>(push.cell)];
     for (std::size_t k = 0; k < 8; ++k)
       Eigen::Map<Eigen::Matrix3d>(&blocks[9 * static_cast<std::size_t>(nodes[k])]) +=
-          stiffness * face.weights[k] * face.weights[k] * face.inward * face.inward.transpose();
+          push.stiffness * push.weights[k] * push.weights[k] * push.direction * push.direction.transpose();
   });
   inverse_blocks_.assign(9 * n, Real(0));
   std::vector<std::uint8_t> tied(n, 0);
@@ -81,6 +81,18 @@ void Smoother<Real>::factor_tied_nodes() {
         for (int i = 0; i < 3; ++i)
           entries.emplace_back(3 * ia->second + i, 3 * ib->second + i, tie.stiffness * tie.weights[a] * tie.weights[b]);
       }
+  system_.for_each_push([&](const Push& push) {
+    const auto& corners = lattice.cell_nodes[static_cast<std::size_t>(push.cell)];
+    for (std::size_t a = 0; a < 8; ++a)
+      for (std::size_t b = 0; b < 8; ++b) {
+        const auto ia = local.find(corners[a]), ib = local.find(corners[b]);
+        if (ia == local.end() || ib == local.end()) continue;
+        const Eigen::Matrix3d block =
+            push.stiffness * push.weights[a] * push.weights[b] * push.direction * push.direction.transpose();
+        for (int i = 0; i < 3; ++i)
+          for (int j = 0; j < 3; ++j) entries.emplace_back(3 * ia->second + i, 3 * ib->second + j, block(i, j));
+      }
+  });
   const auto size = static_cast<Eigen::Index>(3 * tied_nodes_.size());
   Eigen::SparseMatrix<double> matrix(size, size);
   matrix.setFromTriplets(entries.begin(), entries.end());
