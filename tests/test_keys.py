@@ -91,7 +91,7 @@ def test_a_bone_and_where_it_lies_is_in_every_key(program: Program) -> None:
     points = np.array([[0, 0, -9], [4, 0, -9], [0, 4, -9], [0, 0, -5]], float)
     triangles = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]], np.int32)
     here = frame_keys(replace(program, bones=Bones(points, triangles)), "solver 1")
-    there = frame_keys(replace(program, bones=Bones(points + (0, 0, -1e-9), triangles)), "solver 1")
+    there = frame_keys(replace(program, bones=Bones(points - [0, 0, 1e-9], triangles)), "solver 1")
     assert len({*base, *here, *there}) == 3 * len(base)
 
 

@@ -39,7 +39,8 @@ def compile_program(
     `duration`.
 
     Raises RefusedError naming the prim where an anchor is off the tissue or its tissue is excised, two retractors grip
-    one face, a motion is not rigid, a bone is not closed, the timeline has no frame, or a material asks for what is not solved.
+    one face, a motion is not rigid, a bone is not closed, the timeline has no frame, or a material asks for what is
+    not solved.
     """
     if spacing is None:
         spacing = procedure.tissue.spacing

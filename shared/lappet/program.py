@@ -150,9 +150,9 @@ class Landmarks:
 class Program:
     """A compiled procedure (`lappet.compile.compile_program`).
 
-    epochs: in order of time. frames: one per integer time code. bones: the same in all of them. active_hooks: per frame the (H,) indices into `hooks`
-    of the rows of its hook arrays. grips: per epoch (m,) int32, the retractor that grips each triangle, or -1; only
-    retractors that act in the epoch. landmarks_at: per epoch. fps: time codes per second.
+    epochs: in order of time. frames: one per integer time code. bones: the same in all of them. active_hooks: per frame
+    the (H,) indices into `hooks` of the rows of its hook arrays. grips: per epoch (m,) int32, the retractor that grips
+    each triangle, or -1; only retractors that act in the epoch. landmarks_at: per epoch. fps: time codes per second.
 
     Names of prims: hooks in the procedure's order; sutures and retractors in order of their start, so that what is
     added to the end of the timeline renumbers nothing before it. landmarks: a label per landmark point. notes:

@@ -219,7 +219,8 @@ EquilibriumOutcome find_equilibrium(System<Real>& system, TwoLevel<Real>& precon
         break;
       }
       double shrink = 0.5;
-      if (!moves && std::isfinite(now.energy) && !inverts_more) {
+      // What meets bone along the way bends the energy late: a parabola from the start would make the step too short.
+      if (!moves && std::isfinite(now.energy) && !inverts_more && !system.contact()) {
         const double bend = now.energy - before.energy - alpha * slope;
         if (bend > 0.0) shrink = std::clamp(-0.5 * slope * alpha / bend, 0.1, 0.5);
       }
