@@ -19,6 +19,8 @@ FRAME: dict[str, Any] = {
     "minimum_j": NUMBER,
     "inverted_cells": int,
     "energy_mn_mm": NUMBER,
+    "largest_penetration_mm": NUMBER,
+    "contacts": int,
     "seconds": {"update": NUMBER, "linear": NUMBER, "setup": NUMBER, "total": NUMBER, "wall": NUMBER},
     "suture_gaps_mm": dict,
     "suture_forces_mn": dict,

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from lappet.frame_solver import Iteration, SolvedFrame, SolverDiedError
 from lappet.patch import flat_patch
 from lappet.procedure import Hook, Incision, Landmark, Procedure, Suture
-from lappet.program import Epoch, FrameConstraints, Landmarks, SolverSettings
+from lappet.program import Bones, Epoch, FrameConstraints, Landmarks, SolverSettings
 
 TOP = 2.0
 
@@ -47,7 +47,7 @@ class FakeSolver:
     opened: int = 0
     closed: int = 0
 
-    def connect(self, settings: SolverSettings) -> FakeSession:
+    def connect(self, settings: SolverSettings, bones: Bones) -> FakeSession:
         """A new session, like `lappet.daemon_solver.connect_to` gives."""
         self.opened += 1
         return FakeSession(self, settings)
@@ -126,6 +126,8 @@ class FakeSession:
             "minimum_j": 0.9,
             "inverted_cells": 0,
             "energy": 1.0,
+            "largest_penetration": 0.0,
+            "contacts": 0,
             "seconds": {"update": 0.1, "linear": 0.2, "setup": 0.0, "total": 0.3},
             "peak_bytes": 1000.0 + frame.time,
             "precision": "float",

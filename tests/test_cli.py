@@ -123,7 +123,7 @@ def test_the_cache_lies_beside_the_procedure_unless_it_is_named(procedure: Path,
 def test_options_reach_the_solver(procedure: Path, solver: FakeSolver, tmp_path: Path) -> None:
     seen: list[Any] = []
     connect = solver.connect
-    solver.connect = lambda settings: (seen.append(settings), connect(settings))[1]  # type: ignore[method-assign]
+    solver.connect = lambda settings, bones: (seen.append(settings), connect(settings, bones))[1]  # type: ignore[method-assign]
     done = run(
         "solve", procedure, "--spacing", 2, "--tolerance", "1e-4", "--quadrature", 8, "--precision", "float",
         "--store", tmp_path / "named",

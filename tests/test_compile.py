@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import trimesh
 
 from lappet.compile import compile_program, frame_times
 from lappet.patch import flat_patch
@@ -361,12 +362,26 @@ def test_another_spacing_divides_the_surface_accordingly() -> None:
     assert len(fine.triangles) > 2 * len(coarse.triangles)
 
 
-def test_a_bone_is_noted_since_contact_is_not_solved(program: Program) -> None:
-    tissue = small_procedure().tissue
-    bone = Bone("skull", tissue.points, tissue.face_vertex_counts, tissue.face_vertex_indices)
-    notes = compile_program(small_procedure(bones=(bone,)), program.epochs).notes
-    assert len(notes) == 1
-    assert notes[0].startswith("/Procedure/Bone/skull")
+def test_bones_reach_the_program_as_one_closed_surface_without_faces_inside(program: Program) -> None:
+    def block(name: str, x: float, turned: bool = False) -> Bone:
+        mesh = flat_patch((4.0, 4.0, 3.0), 4.0, (x, 0.0))
+        corners = mesh.face_vertex_indices.reshape(-1, 4)
+        return Bone(
+            name, mesh.points - (0, 0, 9), mesh.face_vertex_counts, (corners[:, ::-1] if turned else corners).ravel()
+        )
+
+    def volume(*bones: Bone) -> tuple[float, int]:
+        made = compile_program(small_procedure(bones=bones), program.epochs)
+        assert made.notes == ()
+        solid = trimesh.Trimesh(made.bones.points, made.bones.triangles, process=False)
+        assert solid.is_watertight
+        return float(solid.volume), int(solid.body_count)
+
+    assert len(program.bones.triangles) == 0
+    assert volume(block("one", 0.0, turned=True)) == pytest.approx((48.0, 1))
+    assert volume(block("one", 0.0), block("apart", 10.0)) == pytest.approx((96.0, 2))
+    assert volume(block("one", 0.0), block("touching", 4.0)) == pytest.approx((96.0, 1))
+    assert volume(block("one", 0.0), block("lapping", 3.0)) == pytest.approx((84.0, 1))
 
 
 def test_frames_are_in_order_of_time_also_when_an_epoch_has_none() -> None:

@@ -61,6 +61,34 @@ def test_a_wrong_token_is_refused_and_nothing_is_served_before_hello(daemon: Sol
     assert error.value.code == "unauthorized"
 
 
+def test_bones_come_with_open_and_are_checked(raw: Raw) -> None:
+    surface = box()
+
+    def opened(**changes: Any) -> Message:
+        arrays = {"bone_points": 3.0 * surface.points - [4.0, 4.0, 9.0], "bone_triangles": surface.triangles}
+        kept = {name: array for name, array in {**arrays, **changes}.items() if array is not None}
+        return raw.ask("open", open_fields(), kept)
+
+    for changes, code, sentence in (
+        ({"bone_triangles": surface.triangles[1:]}, "invalid_input", "the bones are not closed"),
+        ({"bone_triangles": surface.triangles + 1}, "invalid_input", "there are 8 points of bones"),
+        ({"bone_points": np.full((8, 3), np.nan)}, "invalid_input", "must be finite"),
+        ({"bone_points": None}, "malformed", "no array 'bone_points'"),
+        ({"bone_triangles": None}, "malformed", "no array 'bone_triangles'"),
+        ({"bone_points": surface.points.astype(np.float32)}, "malformed", "must be f8"),
+        ({"bone_colour": np.zeros(3)}, "malformed", "bone_colour"),
+    ):
+        reply = opened(**changes)
+        assert reply.fields["code"] == code, (changes, reply.fields)
+        assert sentence in reply.fields["message"], reply.fields["message"]
+    assert opened().type == "opened"
+    free = np.zeros(len(surface.triangles), np.uint8)
+    deep = raw.ask("epoch", {"index": 0}, epoch_arrays(points=surface.points - [0.0, 0.0, 4.0], fixed=free))
+    assert deep.fields["code"] == "invalid_input"
+    assert "1 mm deep in bone near" in deep.fields["message"]
+    assert raw.ask("epoch", {"index": 0}, epoch_arrays()).type == "lattice"
+
+
 def test_large_messages_are_not_read_before_hello(daemon: SolverDaemon) -> None:
     with contextlib.closing(Raw(daemon, greet=False)) as peer:
         reply = peer.ask("epoch", {"index": 0}, {"points": np.zeros((40_000, 3))})

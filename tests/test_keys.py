@@ -10,7 +10,7 @@ import pytest
 from lappet.compile import compile_program
 from lappet.keys import frame_keys
 from lappet.procedure import Hook, Landmark, Material, Procedure, Suture
-from lappet.program import FaceOrigin, MaterialParameters, Program, Regions
+from lappet.program import Bones, FaceOrigin, MaterialParameters, Program, Regions
 from small_procedure import TOP, small_procedure
 
 
@@ -91,6 +91,15 @@ def test_settings_that_change_the_solution_change_every_key(program: Program, ch
 def test_settings_that_do_not_change_the_solution_change_no_key(program: Program, change: dict[str, int]) -> None:
     changed = replace(program, settings=replace(program.settings, **change))  # type: ignore[arg-type]
     assert frame_keys(changed, "solver 1") == frame_keys(program, "solver 1")
+
+
+def test_a_bone_and_where_it_lies_is_in_every_key(program: Program) -> None:
+    base = frame_keys(program, "solver 1")
+    points = np.array([[0, 0, -9], [4, 0, -9], [0, 4, -9], [0, 0, -5]], float)
+    triangles = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]], np.int32)
+    here = frame_keys(replace(program, bones=Bones(points, triangles)), "solver 1")
+    there = frame_keys(replace(program, bones=Bones(points - [0, 0, 1e-9], triangles)), "solver 1")
+    assert len({*base, *here, *there}) == 3 * len(base)
 
 
 def test_another_solver_changes_every_key(program: Program) -> None:

@@ -221,7 +221,7 @@ def test_what_the_daemon_refuses_ends_the_solve_with_its_sentence(program: Progr
 
 
 def test_a_daemon_that_cannot_be_started_is_a_reason(program: Program, tmp_path: Path) -> None:
-    def missing(_: object) -> None:
+    def missing(*_: object) -> None:
         raise RefusedError("The daemon lappet-solverd is not installed.")
 
     result = solve_program(program, FrameStore(tmp_path), missing, "x", Ear())  # type: ignore[arg-type]

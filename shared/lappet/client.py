@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from lappet.connection import DaemonConnection, SolveCancelled, SolverRefused, expect
 from lappet.daemon import DaemonDied, DaemonMissing, SolverDaemon
 from lappet.frame_solver import Iteration, SolvedFrame
-from lappet.program import Epoch, FrameConstraints, Landmarks, MaterialParameters, Regions, SolverSettings
+from lappet.program import Bones, Epoch, FrameConstraints, Landmarks, MaterialParameters, Regions, SolverSettings
 from lappet.wire import Message, require
 
 __all__ = [
@@ -130,8 +130,8 @@ class SolverClient:
         """The daemon's greeting: `version`, `threads`, `max_message_bytes`."""
         return self._connection.welcome
 
-    def open(self, settings: SolverSettings) -> int:
-        """Opens a session, closing the one before; returns its number."""
+    def open(self, settings: SolverSettings, bones: Bones | None = None) -> int:
+        """Opens a session, closing the one before; returns its number. bones: what the tissue may not enter."""
         if self._connection.session is not None:
             expect(self._connection.request("close"), "accepted")
             self._connection.session = None
@@ -156,7 +156,11 @@ class SolverClient:
             },
             "materials": [_material(material) for material in settings.materials],
         }
-        opened = expect(self._connection.request("open", fields), "opened")
+        arrays: dict[str, NDArray[Any]] = {}
+        if bones is not None and len(bones.triangles):
+            arrays["bone_points"] = np.asarray(bones.points, np.float64)
+            arrays["bone_triangles"] = np.asarray(bones.triangles, np.int32)
+        opened = expect(self._connection.request("open", fields, arrays), "opened")
         self._connection.session = opened.session
         return int(opened.session or 0)
 

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lappet.anchors import AnchorTie, Tied, TissueLoss
+from lappet.bones import united_bones
 from lappet.materials import activation, materials_in_use, parameters, region_program
 from lappet.procedure import Event, Hook, Landmark, Point, Procedure, Retractor, Suture
 from lappet.program import (
@@ -45,7 +46,7 @@ def compile_program(
     `duration`.
 
     Raises RefusedError naming the prim where an anchor is off the tissue or its tissue is excised, two retractors grip
-    one face, a motion is not rigid, the timeline has no frame, or a material or the faces of a region are not there.
+    one face, a motion is not rigid, a bone is not closed, the timeline has no frame, or a material or the faces of a region are not there.
     """
     if spacing is None:
         spacing = procedure.tissue.spacing
@@ -127,10 +128,7 @@ def compile_program(
         active_hooks=tuple(active_hooks),
         grips=tuple(grips),
         landmarks_at=tuple(landmarks),
-        notes=tuple(
-            f"/Procedure/Bone/{bone.name} is kept in the stage but not felt by the tissue: contact is not solved yet."
-            for bone in procedure.bones
-        ),
+        bones=united_bones(procedure.bones),
     )
 
 

@@ -12,18 +12,18 @@ from numpy.typing import NDArray
 from lappet.client import SolverClient, SolverState
 from lappet.daemon import find_daemon
 from lappet.frame_solver import Connect, FrameRefusedError, Iteration, SolvedFrame
-from lappet.program import Epoch, FrameConstraints, Landmarks, SolverSettings
+from lappet.program import Bones, Epoch, FrameConstraints, Landmarks, SolverSettings
 from lappet.wire import WireError
 
 
 class DaemonSolver:
     """A session with a daemon, of its own or at an address. Raises as `lappet.frame_solver.FrameSolver` says."""
 
-    def __init__(self, settings: SolverSettings, address: str | None = None) -> None:
+    def __init__(self, settings: SolverSettings, bones: Bones, address: str | None = None) -> None:
         self._client = SolverClient(address)
         self._client.connect()
         try:
-            self._client.open(settings)
+            self._client.open(settings, bones)
         except BaseException:
             self._client.close()
             raise
@@ -64,7 +64,7 @@ class DaemonSolver:
 
 def connect_to(address: str | None) -> Connect:
     """Opens sessions with the daemon at an address, or with a daemon that each session starts for itself."""
-    return lambda settings: DaemonSolver(settings, address)
+    return lambda settings, bones: DaemonSolver(settings, bones, address)
 
 
 def solver_identity(address: str | None) -> str:

@@ -9,7 +9,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from lappet.program import Epoch, FrameConstraints, Landmarks, SolverSettings
+from lappet.program import Bones, Epoch, FrameConstraints, Landmarks, SolverSettings
 from lappet.refused import RefusedError
 
 STATE_ARRAYS = ("nodes", "state_suture_gaps", "suture_multipliers", "grip_multipliers", "activation")
@@ -62,4 +62,4 @@ class FrameSolver(Protocol):
         """Ends the session and what was started for it."""
 
 
-Connect = Callable[[SolverSettings], FrameSolver]
+Connect = Callable[[SolverSettings, Bones], FrameSolver]

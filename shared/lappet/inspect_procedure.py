@@ -56,7 +56,7 @@ def _lattice_lines(program: Program, daemon: str | None, connect: Connect | None
         from lappet.daemon_solver import connect_to
 
         connect = connect_to(daemon)
-    solver = connect(program.settings)
+    solver = connect(program.settings, program.bones)
     lines = [f"spacing {program.settings.spacing:g} mm"]
     try:
         for epoch, grip, landmarks in zip(program.epochs, program.grips, program.landmarks_at, strict=True):

@@ -1,6 +1,6 @@
 """Content keys: what a solved frame depends on, hashed, so that equal work is recognised wherever it comes from.
 
-key(frame) = H(key(previous frame), epoch, constraints of the frame, solver settings, solver)
+key(frame) = H(key(previous frame), epoch, constraints of the frame, solver settings, solver, bones if any)
 
 Only what the daemon is told takes part: renaming a prim, moving a UV or editing what happens later changes no key. The
 numbers of sutures and retractors in the procedure, the threads and the budgets are left out as well: they do not change
@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from lappet.program import Epoch, FrameConstraints, Landmarks, Program, SolverSettings
+from lappet.program import Bones, Epoch, FrameConstraints, Landmarks, Program, SolverSettings
 
 NOT_IN_KEY = frozenset({"sutures", "retractors", "threads", "time_budget", "memory_budget"})
 _SIZE = 32
@@ -25,7 +25,7 @@ _SIZE = 32
 
 def frame_keys(program: Program, solver: str) -> tuple[str, ...]:
     """The key of every frame, in order, as 64 hexadecimal digits. solver: identifies the daemon that would solve it."""
-    settings = settings_digest(program.settings, solver)
+    settings = settings_digest(program.settings, solver) + bones_digest(program.bones)
     epochs = {
         epoch.index: epoch_digest(epoch, grip, landmarks)
         for epoch, grip, landmarks in zip(program.epochs, program.grips, program.landmarks_at, strict=True)
@@ -44,6 +44,13 @@ def settings_digest(settings: SolverSettings, solver: str) -> bytes:
     names = sorted(item.name for item in fields(settings) if item.name not in NOT_IN_KEY)
     lines = [f"{name}={getattr(settings, name)!r}" for name in names]
     return _digest(b"settings", solver.encode(), *(line.encode() for line in lines))
+
+
+def bones_digest(bones: Bones) -> bytes:
+    """The digest of the bones that the message `open` carries; empty where there are none."""
+    if len(bones.triangles) == 0:
+        return b""
+    return _arrays(b"bones", [(bones.points, "<f8"), (bones.triangles, "<i4")])
 
 
 def epoch_digest(epoch: Epoch, grip: NDArray[np.int32], landmarks: Landmarks) -> bytes:

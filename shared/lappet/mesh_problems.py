@@ -92,7 +92,10 @@ def _edge_problems(mesh: Tissue | Bone, path: str) -> list[Problem]:
     lone = np.flatnonzero(uses == 1)
     if len(lone):
         sentence = "The surface is open: {n} edges belong to one face only, the first at {where}."
-        add(lone, sentence, "Close the mesh, or make the tissue from it with: lappet new MESH --thickness MM.")
+        mend = "Close the mesh" + (
+            "." if isinstance(mesh, Bone) else ", or make the tissue from it with: lappet new MESH --thickness MM."
+        )
+        add(lone, sentence, mend)
     crowded = np.flatnonzero(uses > 2)
     if len(crowded):
         sentence = (
@@ -104,7 +107,7 @@ def _edge_problems(mesh: Tissue | Bone, path: str) -> list[Problem]:
     twisted = np.flatnonzero((uses == 2) & (forward != 0))
     if len(twisted):
         sentence = "The faces are not oriented alike: the two at {where} face opposite ways ({n} such edges)."
-        add(twisted, sentence, "Make the normals consistent; a one-sided surface cannot be tissue.")
+        add(twisted, sentence, "Make the normals consistent; a one-sided surface encloses nothing.")
     return problems
 
 
@@ -112,7 +115,7 @@ def _volume_problems(mesh: Tissue | Bone, triangles: NDArray[np.int32], path: st
     volume = signed_volume(mesh.points, triangles)
     if not abs(volume) > 1e-12 * float(np.ptp(mesh.points, axis=0).max()) ** 3:
         sentence = f"The surface encloses no volume ({volume:.3g} mm³)."
-        return [Problem(path, f"{volume:.3g}", sentence, "Give the tissue a thickness.")]
+        return [Problem(path, f"{volume:.3g}", sentence, "Give the mesh a thickness.")]
     if volume < 0.0:
         sentence = f"The surface is inside out (its volume is {volume:.4g} mm³) and is turned for solving."
         return [Problem(path, f"{volume:.4g}", sentence, "Flip the normals to be rid of this warning.", "warning")]

@@ -104,6 +104,17 @@ class MaterialParameters:
     prestretch: tuple[float, float] = (1.0, 1.0)
 
 
+@dataclass(frozen=True, eq=False)
+class Bones:
+    """What the tissue may not enter: all bones as one closed triangle surface; without triangles: none.
+
+    points: (b, 3) float64, mm. triangles: (c, 3) int32.
+    """
+
+    points: NDArray[np.float64] = field(default_factory=lambda: _no((0, 3), np.float64))
+    triangles: NDArray[np.int32] = field(default_factory=lambda: _no((0, 3), np.int32))
+
+
 @dataclass(frozen=True)
 class SolverSettings:
     """How a session solves: `settings` and `materials` of `open` (PROTOCOL.md).
@@ -182,9 +193,9 @@ class Landmarks:
 class Program:
     """A compiled procedure (`lappet.compile.compile_program`).
 
-    epochs: in order of time. frames: one per integer time code. active_hooks: per frame the (H,) indices into `hooks`
-    of the rows of its hook arrays. grips: per epoch (m,) int32, the retractor that grips each triangle, or -1; only
-    retractors that act in the epoch. landmarks_at: per epoch. fps: time codes per second.
+    epochs: in order of time. frames: one per integer time code. bones: the same in all of them. active_hooks: per frame
+    the (H,) indices into `hooks` of the rows of its hook arrays. grips: per epoch (m,) int32, the retractor that grips
+    each triangle, or -1; only retractors that act in the epoch. landmarks_at: per epoch. fps: time codes per second.
 
     Names of prims: hooks in the procedure's order; sutures and retractors in order of their start, so that what is
     added to the end of the timeline renumbers nothing before it. landmarks: a label per landmark point. notes:
@@ -194,6 +205,7 @@ class Program:
     epochs: tuple[Epoch, ...]
     frames: tuple[FrameConstraints, ...]
     settings: SolverSettings
+    bones: Bones = field(default_factory=Bones)
     fps: float = 24.0
     hooks: tuple[str, ...] = ()
     sutures: tuple[str, ...] = ()

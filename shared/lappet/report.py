@@ -117,6 +117,8 @@ def _frame(program: Program, frame: FrameResult) -> dict[str, Any]:
         "minimum_j": header["minimum_j"],
         "inverted_cells": header["inverted_cells"],
         "energy_mn_mm": header["energy"],
+        "largest_penetration_mm": header["largest_penetration"],
+        "contacts": header["contacts"],
         "seconds": {**header["seconds"], "wall": frame.wall_seconds},
         "suture_gaps_mm": _named(sutures, arrays["suture_gaps"]),
         "suture_forces_mn": _named(sutures, arrays["suture_forces"]),

@@ -261,7 +261,7 @@ class _Session:
     def _prepare(self, index: int) -> FrameSolver:
         """A solver that holds the state of the frame before `index` in the epoch of `index`."""
         if self._solver is None:
-            self._solver = self._connect(self.program.settings)
+            self._solver = self._connect(self.program.settings, self.program.bones)
         previous = index - 1 if index > 0 else None
         if previous is not None and self._at != previous:
             if self._last is None or self._last[0] != previous:

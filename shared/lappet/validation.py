@@ -8,11 +8,12 @@ import os
 import numpy as np
 
 from lappet.anchors import fan_triangles
+from lappet.bones import overlap_problems
 from lappet.contradictions import contradictions
 from lappet.event_problems import EventCheck
 from lappet.lattice_size import TissueMeasure
 from lappet.material_problems import material_problems, region_problems
-from lappet.mesh_problems import mesh_problems
+from lappet.mesh_problems import MeshReport, mesh_problems
 from lappet.problem import Problem
 from lappet.procedure import Procedure, Retractor
 from lappet.rest_space import RestSpace
@@ -43,9 +44,10 @@ def check(procedure: Procedure, memory_budget: float = MEMORY_BUDGET, spacing: f
     problems += region_problems(procedure)
     for bone in procedure.bones:
         path = f"{BONE}/{bone.name}"
-        problems += mesh_problems(bone, path).problems
-        sentence = "Contact with bone is not solved yet: the tissue may pass through it."
-        problems.append(Problem(path, bone.name, sentence, "Look for it in the pictures.", "warning"))
+        found = mesh_problems(bone, path)
+        problems += found.problems
+        if _is_solid(report) and _is_solid(found) and math.isfinite(size) and size > 0.0:
+            problems += overlap_problems(bone, found.triangles, procedure.tissue.points, report.triangles, size)
     events = EventCheck(procedure, rest)
     for event in procedure.events:
         events.check(event, f"{TIMELINE}/{event.name}")
@@ -67,6 +69,10 @@ def check_file(
         return unread
     known = {problem.path for problem in unread}
     return unread + [problem for problem in check(procedure, memory_budget) if problem.path not in known]
+
+
+def _is_solid(report: MeshReport) -> bool:
+    return report.readable and not any(problem.severity == "error" for problem in report.problems)
 
 
 def _timeline(procedure: Procedure) -> list[Problem]:

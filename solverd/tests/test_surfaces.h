@@ -139,7 +139,7 @@ inline CutSlab cut_slab(double width, double depth, double height, const std::ve
   CutSlab result;
   result.surface = prism(left, 0.0, height);
   result.left_points = result.surface.points.size();
-  append(result.surface, prism(right, 0.0, height));
+  test::append(result.surface, prism(right, 0.0, height));
   return result;
 }
 

@@ -145,7 +145,7 @@ Hello decode_hello(const Header& header, ArrayFrames frames) {
 }
 
 SessionSettings decode_open(const Header& header, ArrayFrames frames) {
-  ArrayReader(header, frames).finish();
+  ArrayReader arrays(header, frames);
   FieldReader open(header.fields, header.type);
   SessionSettings settings;
   FieldReader reader(open.map("settings"), "settings");
@@ -170,6 +170,15 @@ SessionSettings decode_open(const Header& header, ArrayFrames frames) {
   settings.materials.clear();
   open.maps("materials", [&](FieldReader& material) { settings.materials.push_back(decode_material(material)); });
   open.finish();
+  if (arrays.has("bone_points") || arrays.has("bone_triangles")) {
+    settings.bones.points = to_points(arrays.read_finite("bone_points", {kAny, 3}));
+    const std::int32_t points = checked_count(settings.bones.points.size(), "points of bones");
+    const std::vector<std::int32_t> triangles = arrays.read<std::int32_t>("bone_triangles", {kAny, 3});
+    check_indices(triangles, "bone_triangles", 0, points, "points of bones");
+    for (std::size_t i = 0; i < triangles.size(); i += 3)
+      settings.bones.triangles.push_back({triangles[i], triangles[i + 1], triangles[i + 2]});
+  }
+  arrays.finish();
   return settings;
 }
 
@@ -332,6 +341,8 @@ std::vector<FrameBytes> encode_frame(ReplyTo to, const FrameOutput& frame) {
       .field("minimum_j", frame.minimum_j)
       .field("inverted_cells", std::int64_t{frame.inverted_cells})
       .field("energy", frame.energy)
+      .field("largest_penetration", frame.largest_penetration)
+      .field("contacts", std::int64_t{frame.contacts})
       .field("seconds", Fields{{"update", frame.seconds_update},
                                {"linear", frame.seconds_linear},
                                {"setup", frame.seconds_setup},

@@ -272,6 +272,10 @@ ArrayReader::ArrayReader(const Header& header, std::span<const std::span<const s
   }
 }
 
+bool ArrayReader::has(std::string_view name) const {
+  return std::ranges::find(header_.arrays, name, &ArrayDescription::name) != header_.arrays.end();
+}
+
 std::span<const std::byte> ArrayReader::checked(std::string_view name, ElementType type,
                                                 std::span<const std::int64_t> shape) {
   const auto found = std::ranges::find(header_.arrays, name, &ArrayDescription::name);
@@ -290,10 +294,6 @@ std::span<const std::byte> ArrayReader::checked(std::string_view name, ElementTy
   }
   read_[index] = true;
   return frames_[index];
-}
-
-bool ArrayReader::has(std::string_view name) const {
-  return std::ranges::find(header_.arrays, name, &ArrayDescription::name) != header_.arrays.end();
 }
 
 std::vector<double> ArrayReader::read_finite(std::string_view name, std::initializer_list<std::int64_t> shape) {

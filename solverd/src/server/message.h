@@ -70,6 +70,8 @@ class ArrayReader {
   // Checks that there is one frame per described array and that each has the described length.
   ArrayReader(const Header& header, std::span<const std::span<const std::byte>> frames);
 
+  // Whether there is such an array; for those that may be left out.
+  bool has(std::string_view name) const;
   // A copy of the elements in C order. In `shape`, kAny stands for any length.
   template <class T>
   std::vector<T> read(std::string_view name, std::initializer_list<std::int64_t> shape) {
@@ -78,7 +80,6 @@ class ArrayReader {
     copy_bytes(bytes, elements.data());
     return elements;
   }
-  bool has(std::string_view name) const;
   // The same for floating-point arrays, refusing (kInvalidInput) what is not finite.
   std::vector<double> read_finite(std::string_view name, std::initializer_list<std::int64_t> shape);
   // Refuses arrays that nobody read.

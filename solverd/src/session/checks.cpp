@@ -4,6 +4,7 @@
 
 #include <Eigen/LU>
 #include <cmath>
+#include <map>
 
 #include "force/attachments.h"
 #include "lattice/refused.h"
@@ -97,6 +98,28 @@ void check_activation(const std::vector<double>& activation, std::size_t materia
             activation[m]);
 }
 
+// Every edge is passed as often one way as the other, by triangles that name points there are.
+void check_bones(const Surface& bones) {
+  require(bones.points.empty() == bones.triangles.empty(),
+          "the bones have {} points and {} triangles; give both or none", bones.points.size(), bones.triangles.size());
+  for (std::size_t i = 0; i < bones.points.size(); ++i)
+    require(finite(bones.points[i]), "point {} of the bones is not finite", i);
+  std::map<std::pair<std::int32_t, std::int32_t>, int> passed;
+  for (std::size_t t = 0; t < bones.triangles.size(); ++t)
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::int32_t a = bones.triangles[t][k], b = bones.triangles[t][(k + 1) % 3];
+      require(a >= 0 && static_cast<std::size_t>(a) < bones.points.size(),
+              "triangle {} of the bones names point {} of {}", t, a, bones.points.size());
+      if (a != b) passed[std::minmax(a, b)] += a < b ? 1 : -1;
+    }
+  for (const auto& [edge, balance] : passed)
+    require(
+        balance == 0,
+        "the bones are not closed: the edge from point {} to point {} has faces on one side only; close the mesh and "
+        "orient its faces alike",
+        edge.first, edge.second);
+}
+
 }  // namespace
 
 void check_settings(const SessionSettings& s) {
@@ -126,6 +149,7 @@ void check_settings(const SessionSettings& s) {
   require(!s.materials.empty() && s.materials.size() <= kMostMaterials,
           "the session has {} materials; give 1 to {}, the first for the tissue", s.materials.size(), kMostMaterials);
   for (std::size_t i = 0; i < s.materials.size(); ++i) check_material(s.materials[i], i);
+  check_bones(s.bones);
 }
 
 void check_epoch(const EpochInput& epoch, const SessionSettings& settings) {

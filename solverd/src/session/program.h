@@ -32,6 +32,7 @@ struct SessionSettings {
   std::int32_t retractors = 0;  // likewise
   // materials[0] is what the tissue is made of where no region says otherwise.
   std::vector<MaterialParameters> materials{MaterialParameters{}};
+  Surface bones;  // all of them as one closed surface; empty: none
 };
 
 struct EpochInput {
@@ -105,7 +106,9 @@ struct FrameOutput {
   double largest_gap = 0.0;  // mm, over sutures and grips
   double minimum_j = 0.0;
   std::int32_t inverted_cells = 0;
-  double energy = 0.0;  // mN mm
+  double energy = 0.0;               // mN mm
+  double largest_penetration = 0.0;  // of the tissue into bone, mm
+  std::int32_t contacts = 0;         // points of its surface that touch bone
   double seconds_update = 0.0, seconds_linear = 0.0, seconds_setup = 0.0, seconds_total = 0.0;
   double peak_bytes = 0.0;            // of the process
   std::vector<float> points;          // 3 per surface vertex, mm

@@ -33,6 +33,12 @@ namespace {
 constexpr int kChebyshevDegree = 4;
 // A suture's penalty stays between these multiples of E h; its multiplier closes the gap whatever it is.
 constexpr double kLeastSuturePenalty = 50.0, kMostSuturePenalty = 500.0;
+// The penalty of contact, in Young's moduli per spacing; multipliers act where it is not enough.
+constexpr double kContactPenalty = 10.0;
+// The nodes of the bones' distance field, and how deep it knows distances, in spacings.
+constexpr double kBoneSpacing = 0.5, kBoneDepth = 3.0;
+// Tissue that lies deeper in bone at rest is refused; what is less deep is pushed out. In spacings.
+constexpr double kMostRestPenetration = 0.5;
 // A frame that fails is tried again in this many load steps at most.
 constexpr int kMostLoadSteps = 16;
 // All load steps of a frame together may take this many times max_newton iterations: a frame without an equilibrium
@@ -57,7 +63,13 @@ class TypedSession : public Session::Implementation {
         arena_(settings.threads > 0 ? settings.threads : tbb::task_arena::automatic),
         suture_gaps_(3 * static_cast<std::size_t>(settings.sutures), std::numeric_limits<double>::quiet_NaN()),
         suture_multipliers_(3 * static_cast<std::size_t>(settings.sutures), 0.0),
-        activation_(settings.materials.size(), 0.0) {}
+        activation_(settings.materials.size(), 0.0) {
+    if (!settings.bones.triangles.empty())
+      arena_.execute([&] {
+        bones_ = std::make_shared<const SignedDistance>(settings.bones, kBoneSpacing * settings.spacing,
+                                                        kBoneDepth * settings.spacing, settings.memory_budget);
+      });
+  }
 
   EpochReport set_epoch(const EpochInput& epoch) override {
     EpochReport report;
@@ -128,6 +140,7 @@ class TypedSession : public Session::Implementation {
     }
     CellMaterials materials = assign_materials(*lattice, settings_.materials, epoch.skin, epoch.regions);
     Attachments attachments = attach(*lattice, epoch.surface, epoch.fixed, epoch.bed, epoch.grip);
+    std::unique_ptr<Contact> contact = make_contact(*lattice, epoch);
     EpochReport report;
     for (const std::int32_t group : attachments.node_group) report.fixed_nodes += group == kFixedGroup;
     system_.reset();
@@ -137,6 +150,7 @@ class TypedSession : public Session::Implementation {
     system_ =
         std::make_unique<System<Real>>(*lattice_, std::move(materials), settings_.quadrature, std::move(attachments),
                                        settings_.retractors, settings_.bed_stiffness, settings_.gravity);
+    system_->set_contact(std::move(contact));
     preconditioner_ = std::make_unique<TwoLevel<Real>>(*system_, kChebyshevDegree);
     u_ = std::move(u);
     held_multipliers_ = std::move(held);
@@ -152,9 +166,26 @@ class TypedSession : public Session::Implementation {
     report.nodes = static_cast<std::int32_t>(lattice_->node_rest.size());
     report.fragments = lattice_->fragments;
     report.blocks = static_cast<std::int32_t>(build_blocks(*lattice_).size());
-    report.bytes = static_cast<double>(system_->bytes() + u_.size() * sizeof(Real));
+    report.bytes = static_cast<double>(system_->bytes() + u_.size() * sizeof(Real) + (bones_ ? bones_->bytes() : 0));
     report.seconds = seconds_since(start);
     return report;
+  }
+
+  // Null without bones. Refuses tissue that lies in bone.
+  std::unique_ptr<Contact> make_contact(const Lattice& lattice, const EpochInput& epoch) const {
+    if (!bones_) return nullptr;
+    const double stiffness = kContactPenalty * settings_.materials[0].youngs_modulus / settings_.spacing;
+    auto contact = std::make_unique<Contact>(bones_, lattice, epoch.surface, epoch.fixed, stiffness);
+    const auto [depth, where] = contact->deepest_at_rest();
+    if (depth > kMostRestPenetration * settings_.spacing)
+      throw RefusedError(
+          ErrorCode::kInvalidInput,
+          fmt::format("the tissue of epoch {} lies {}{:.3g} mm deep in bone near ({:.4g}, {:.4g}, {:.4g}) "
+                      "mm before anything moves it; move the bone or the tissue apart (up to {:g} mm, half "
+                      "the spacing, is pushed out)",
+                      epoch.index, depth < bones_->depth() * (1 - 1e-6) ? "" : "at least ", depth, where[0], where[1],
+                      where[2], kMostRestPenetration * settings_.spacing));
+    return contact;
   }
 
   // The frame at a fraction of the way from where the constraints are now.
@@ -198,6 +229,7 @@ class TypedSession : public Session::Implementation {
     }
     system_->set_retractors(active, motions);
     system_->set_activation(activation_of(frame));
+    if (Contact* contact = system_->contact()) contact->reset_multipliers();
     auto& held = system_->held_multipliers();
     if (!held.empty()) {
       if (held_multipliers_.size() == held.size())
@@ -294,6 +326,10 @@ class TypedSession : public Session::Implementation {
     output.minimum_j = outcome.minimum_j;
     output.inverted_cells = outcome.inverted;
     output.energy = outcome.energy;
+    if (const Contact* contact = system_->contact()) {
+      output.largest_penetration = contact->largest_penetration();
+      output.contacts = contact->count();
+    }
     write_fields(frame, output);
     if (!outcome.converged) restore(before);
     output.state.is_double = std::is_same_v<Real, double>;
@@ -332,6 +368,7 @@ class TypedSession : public Session::Implementation {
 
   SessionSettings settings_;
   tbb::task_arena arena_;
+  std::shared_ptr<const SignedDistance> bones_;  // null: none
   std::optional<EpochInput> epoch_;
   std::unique_ptr<Lattice> lattice_;
   std::unique_ptr<System<Real>> system_;

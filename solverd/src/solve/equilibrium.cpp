@@ -99,10 +99,16 @@ class EquilibriumSearch {
             outcome_.converged = true;
           return true;
         case MultiplierLoop::Verdict::kGivesUp:
-          fail(
-              fmt::format("a suture or a held face keeps a gap of {:.3g} mm (tolerance {:.3g} mm); its demands "
-                          "contradict others or need more force than the tissue bears",
-                          outcome_.gap, options_.gap_tolerance));
+          if (system_.contact() && system_.contact()->excess() > options_.gap_tolerance)
+            fail(
+                fmt::format("tissue is pressed {:.3g} mm deep into bone; what holds or pulls it there contradicts the "
+                            "bone: move it, or move the bone away",
+                            system_.contact()->largest_penetration()));
+          else
+            fail(
+                fmt::format("a suture or a held face keeps a gap of {:.3g} mm (tolerance {:.3g} mm); its demands "
+                            "contradict others or need more force than the tissue bears",
+                            outcome_.gap, options_.gap_tolerance));
           return true;
         case MultiplierLoop::Verdict::kUpdate:
           system_.update_multipliers(u_);

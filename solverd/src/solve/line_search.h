@@ -28,6 +28,7 @@ class LineSearch {
                     double curvature) {
     StepTaken taken;
     double alpha = std::min(1.0, kStepCap * system_.lattice().settings.spacing / std::max(largest(step), 1e-300));
+    alpha = system_.largest_step(u, step, alpha);
     const double slack = 1e-12 * std::abs(before.energy);  // what rounding leaves of an energy
     while (true) {
       const Evaluation now = at(u, step, alpha);
@@ -42,7 +43,9 @@ class LineSearch {
       }
       double shrink = 0.5;
       const double bend = now.energy - before.energy - alpha * slope;
-      if (upright && std::isfinite(bend) && bend > 0.0) shrink = std::clamp(-0.5 * slope * alpha / bend, 0.1, 0.5);
+      // What meets bone along the way bends the energy late: a parabola from the start would make the step too short.
+      if (upright && std::isfinite(bend) && bend > 0.0 && !system_.contact())
+        shrink = std::clamp(-0.5 * slope * alpha / bend, 0.1, 0.5);
       alpha *= shrink;
     }
     copy<Real>(trial_, u);
@@ -57,7 +60,7 @@ class LineSearch {
   // work: the step is only kept from turning cells over.
   StepTaken carry(std::span<Real> u, std::span<const Real> step, std::span<const Real> increment,
                   const Evaluation& before) {
-    StepTaken taken{.alpha = 1.0, .ratio = 1.0, .reached = {}};
+    StepTaken taken{.alpha = system_.largest_step(u, step, 1.0), .ratio = 1.0, .reached = {}};
     while (true) {
       for (std::size_t i = 0; i < u.size(); ++i) trial_[i] = u[i] + static_cast<Real>(taken.alpha) * step[i];
       if (taken.alpha == 1.0)  // land exactly
@@ -80,9 +83,9 @@ class LineSearch {
  private:
   static constexpr double kArmijo = 1e-4;
   static constexpr double kLeastStep = 1e-5;
-  static constexpr double kStepCap = 8.0;         // spacings a node may move in one iteration
-  static constexpr double kLeastUpright = 1e-3;   // shorter steps may turn cells over: the energy decides
-  static constexpr double kSoftening = 1.4;       // the energy falls this much more than predicted
+  static constexpr double kStepCap = 8.0;        // spacings a node may move in one iteration
+  static constexpr double kLeastUpright = 1e-3;  // shorter steps may turn cells over: the energy decides
+  static constexpr double kSoftening = 1.4;      // the energy falls this much more than predicted
   static constexpr int kMostDoublings = 5;
 
   bool stays_upright(const Evaluation& before, const Evaluation& now, double alpha) const {

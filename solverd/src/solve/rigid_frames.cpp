@@ -174,19 +174,19 @@ void RigidFrames<Real>::assemble_ties(const System<Real>& system) {
     for (std::size_t i = 0; i < tie.nodes.size(); ++i) add_rows(tie.nodes[i], tie.weights[i], rows);
     ties.push_back(rows.tie(tie.stiffness));
   }
-  // The bed's pushes couple nodes of one cell, and are soft: they go into the matrix.
+  // Pushes couple nodes of one cell: they go into the matrix.
   auto& matrix = level_.matrix();
-  system.for_each_pushed_face([&](const RestingFace& face, double stiffness) {
+  system.for_each_push([&](const Push& pushed) {
     TieRows rows;
     for (std::size_t k = 0; k < 8; ++k)
-      add_rows(lattice_.cell_nodes[static_cast<std::size_t>(face.cell)][k], face.weights[k], rows);
-    const FrameTie push = rows.tie(stiffness);
+      add_rows(lattice_.cell_nodes[static_cast<std::size_t>(pushed.cell)][k], pushed.weights[k], rows);
+    const FrameTie push = rows.tie(pushed.stiffness);
     for (std::size_t a = 0; a < push.nodes.size(); ++a)
       for (std::size_t b = 0; b < push.nodes.size(); ++b) {
-        const Eigen::Matrix<double, 6, 1> left = push.rows[a].transpose() * face.inward,
-                                          right = push.rows[b].transpose() * face.inward;
-        Eigen::Map<Eigen::Matrix<Real, 6, 6, Eigen::RowMajor>>(matrix.block(
-            matrix.slot(push.nodes[a], push.nodes[b]))) += (stiffness * left * right.transpose()).template cast<Real>();
+        const Eigen::Matrix<double, 6, 1> left = push.rows[a].transpose() * pushed.direction,
+                                          right = push.rows[b].transpose() * pushed.direction;
+        Eigen::Map<Eigen::Matrix<Real, 6, 6, Eigen::RowMajor>>(matrix.block(matrix.slot(
+            push.nodes[a], push.nodes[b]))) += (pushed.stiffness * left * right.transpose()).template cast<Real>();
       }
   });
 }

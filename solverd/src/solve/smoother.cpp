@@ -24,11 +24,11 @@ void Smoother<Real>::update() {
     constexpr std::size_t kPlace[9] = {0, 1, 2, 1, 3, 4, 2, 4, 5};
     for (std::size_t k = 0; k < 9; ++k) blocks[9 * n + k] = static_cast<double>(symmetric[6 * n + kPlace[k]]);
   });
-  system_.for_each_pushed_face([&](const RestingFace& face, double stiffness) {
-    const auto& corners = system_.lattice().cell_nodes[static_cast<std::size_t>(face.cell)];
+  system_.for_each_push([&](const Push& push) {
+    const auto& corners = system_.lattice().cell_nodes[static_cast<std::size_t>(push.cell)];
     for (std::size_t k = 0; k < 8; ++k)
       Eigen::Map<Eigen::Matrix3d>(&blocks[9 * static_cast<std::size_t>(corners[k])]) +=
-          stiffness * face.weights[k] * face.weights[k] * face.inward * face.inward.transpose();
+          push.stiffness * push.weights[k] * push.weights[k] * push.direction * push.direction.transpose();
   });
   const bool same_ties = revision_ == system_.constraint_revision();
   if (!same_ties) find_tied_nodes();
@@ -100,6 +100,18 @@ void Smoother<Real>::factor_tied_nodes(bool same_pattern) {
         for (int i = 0; i < 3; ++i)
           emplace(3 * row->second + i, 3 * column->second + i, tie.stiffness * tie.weights[a] * tie.weights[b]);
       }
+  system_.for_each_push([&](const Push& push) {
+    const auto& corners = system_.lattice().cell_nodes[static_cast<std::size_t>(push.cell)];
+    for (std::size_t a = 0; a < 8; ++a)
+      for (std::size_t b = 0; b < 8; ++b) {
+        const auto row = local.find(corners[a]), column = local.find(corners[b]);
+        if (row == local.end() || column == local.end()) continue;
+        const Eigen::Matrix3d block =
+            push.stiffness * push.weights[a] * push.weights[b] * push.direction * push.direction.transpose();
+        for (int i = 0; i < 3; ++i)
+          for (int j = 0; j < 3; ++j) emplace(3 * row->second + i, 3 * column->second + j, block(i, j));
+      }
+  });
   Eigen::SparseMatrix<double> matrix(size, size);
   matrix.setFromTriplets(entries.begin(), entries.end());
   chebyshev_.diagonal().set_tied(tied_nodes_, matrix, same_pattern);

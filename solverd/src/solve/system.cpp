@@ -192,22 +192,22 @@ Evaluation System<Real>::evaluate(std::span<const Real> u) {
       for (int i = 0; i < 3; ++i) gradient_[n + static_cast<std::size_t>(i)] += stiffness * force[i] + pull[i];
     }
   }
-  pushed_faces_.clear();
-  for (std::size_t f = 0; f < attachments_.resting.size(); ++f) {
-    const auto& face = attachments_.resting[f];
+  pushes_.clear();
+  for (const auto& face : attachments_.resting) {
     const auto& nodes = lattice.cell_nodes[static_cast<std::size_t>(face.cell)];
     double height = 0.0;
     for (std::size_t k = 0; k < 8; ++k)
       height += face.weights[k] * face.inward.dot(at(u, static_cast<std::size_t>(nodes[k])));
     if (!(height < 0.0)) continue;
-    pushed_faces_.push_back(static_cast<std::int32_t>(f));
     const double stiffness = bed_stiffness_ * face.area;
+    pushes_.push_back({face.cell, face.weights, face.inward, stiffness});
     result.energy += 0.5 * stiffness * height * height;
     for (std::size_t k = 0; k < 8; ++k)
       for (int i = 0; i < 3; ++i)
         gradient_[3 * static_cast<std::size_t>(nodes[k]) + static_cast<std::size_t>(i)] +=
             stiffness * height * face.weights[k] * face.inward[i];
   }
+  if (contact_) result.energy += contact_->evaluate<Real>(u, free_, gradient_, pushes_);
   for (const auto& tie : ties_) {
     const Vec3 c = tie.value(u), force = tie.force(c);
     result.energy += c.dot(0.5 * tie.stiffness * c + tie.multiplier);
@@ -247,15 +247,15 @@ Evaluation System<Real>::evaluate(std::span<const Real> u) {
 template <class Real>
 void System<Real>::multiply(std::span<const Real> x, std::span<Real> y) const {
   elastic_.multiply(x, y);
-  for_each_pushed_face([&](const RestingFace& face, double stiffness) {
-    const auto& nodes = elastic_.lattice().cell_nodes[static_cast<std::size_t>(face.cell)];
-    double height = 0.0;
+  for_each_push([&](const Push& push) {
+    const auto& nodes = elastic_.lattice().cell_nodes[static_cast<std::size_t>(push.cell)];
+    double along = 0.0;
     for (std::size_t k = 0; k < 8; ++k)
-      height += face.weights[k] * face.inward.dot(at(x, static_cast<std::size_t>(nodes[k])));
+      along += push.weights[k] * push.direction.dot(at(x, static_cast<std::size_t>(nodes[k])));
     for (std::size_t k = 0; k < 8; ++k)
       for (int i = 0; i < 3; ++i)
         y[3 * static_cast<std::size_t>(nodes[k]) + static_cast<std::size_t>(i)] +=
-            static_cast<Real>(stiffness * height * face.weights[k] * face.inward[i]);
+            static_cast<Real>(push.stiffness * along * push.weights[k] * push.direction[i]);
   });
   for (const auto& tie : ties_) {
     Vec3 sum = Vec3::Zero();
@@ -314,8 +314,8 @@ Eigen::Matrix4d System<Real>::motion_towards(const Eigen::Matrix4d& motion, doub
   const Eigen::Quaterniond to(Eigen::Matrix3d(motion.topLeftCorner<3, 3>()));
   Eigen::Matrix4d result = Eigen::Matrix4d::Identity();
   result.topLeftCorner<3, 3>() = from.slerp(fraction, to).toRotationMatrix();
-  const Eigen::Vector4d place = (1.0 - fraction) * (present * centre.homogeneous()) +
-                                fraction * (motion * centre.homogeneous());
+  const Eigen::Vector4d place =
+      (1.0 - fraction) * (present * centre.homogeneous()) + fraction * (motion * centre.homogeneous());
   result.topRightCorner<3, 1>() = place.head<3>() - result.topLeftCorner<3, 3>() * centre;
   return result;
 }
@@ -325,6 +325,7 @@ double System<Real>::largest_gap(std::span<const Real> u) const {
   double gap = 0.0;
   for (const auto& tie : ties_)
     if (tie.exact) gap = std::max(gap, tie.value(u).norm());
+  if (contact_) gap = std::max(gap, contact_->excess());
   if (!has_held_forms_) return gap;
   for (const auto& form : attachments_.forms) {
     if (form.group == kBedGroup || !acts(form)) continue;
@@ -346,6 +347,7 @@ template <class Real>
 void System<Real>::update_multipliers(std::span<const Real> u) {
   for (auto& tie : ties_)
     if (tie.exact) tie.multiplier += tie.stiffness * tie.value(u);
+  if (contact_) contact_->update_multipliers();
   if (!has_held_forms_) return;
   std::vector<std::uint8_t> done(free_.size(), 0);
   for (const auto& form : attachments_.forms) {
@@ -363,7 +365,8 @@ void System<Real>::update_multipliers(std::span<const Real> u) {
 template <class Real>
 std::size_t System<Real>::bytes() const {
   return elastic_.bytes() + attachments_.forms.size() * sizeof(FaceForm) + gradient_.size() * 8 +
-         node_scale_.size() * 8 + gravity_force_.size() * 8 + held_multipliers_.size() * 8 + free_.size();
+         node_scale_.size() * 8 + gravity_force_.size() * 8 + held_multipliers_.size() * 8 + free_.size() +
+         (contact_ ? contact_->bytes() : 0);
 }
 
 template class System<float>;

@@ -1,5 +1,5 @@
-// The whole energy of a frame: elastic cells, attachments, ties, gravity, the push of the bed on resting faces; its
-// gradient and its tangent product.
+// The whole energy of a frame: elastic cells, attachments, ties, gravity, the push of the bed on resting faces and of
+// bones on whatever meets them; its gradient and its tangent product.
 //
 // Prescribed nodes (fixed, or gripped on a lattice plane) are not unknowns: products and residuals are zero there. A
 // fragment that no face holds is kept near its rest position by a very weak bed, so that the tangent is never singular.
@@ -7,7 +7,9 @@
 #include <memory>
 
 #include "force/attachments.h"
+#include "force/contact.h"
 #include "force/elastic.h"
+#include "force/push.h"
 #include "force/ties.h"
 
 namespace lappet {
@@ -31,6 +33,10 @@ class System {
   void set_ties(std::vector<Tie> ties);
   // How active the muscle of each material is, in [0, 1].
   void set_activation(std::span<const double> activation) { elastic_.set_activation(activation); }
+  // Where there are bones; null: none.
+  void set_contact(std::unique_ptr<Contact> contact) { contact_ = std::move(contact); }
+  Contact* contact() { return contact_.get(); }
+  const Contact* contact() const { return contact_.get(); }
   const std::vector<Tie>& ties() const { return ties_; }
 
   Evaluation evaluate(std::span<const Real> u);
@@ -50,21 +56,23 @@ class System {
   Eigen::Matrix4d motion_towards(const Eigen::Matrix4d& motion, double fraction, std::int32_t retractor,
                                  std::span<const Real> u) const;
 
-  // The largest violation of what must hold exactly, mm: sutures, and held faces off the lattice planes (root mean
-  // square over the face in a cell).
+  // The part of a step, `most` at most, that takes no tissue through a bone.
+  double largest_step(std::span<const Real> u, std::span<const Real> step, double most) const {
+    return contact_ ? contact_->largest_step<Real>(u, step, most) : most;
+  }
+
+  // The largest violation of what must hold exactly, mm: sutures, held faces off the lattice planes (root mean square
+  // over the face in a cell), and what is deeper in bone at the last evaluated u than a penalty may leave.
   double largest_gap(std::span<const Real> u) const;
   bool has_exact_constraints() const { return has_held_forms_ || has_sutures_; }
-  // lambda += stiffness c, for sutures and held faces.
+  // lambda += stiffness c, for sutures, held faces and tissue that is too deep in bone.
   void update_multipliers(std::span<const Real> u);
   std::vector<double>& held_multipliers() { return held_multipliers_; }  // 3 per node, or empty
 
-  // Calls body(face, stiffness) for the resting faces that the bed pushes at the last evaluated u; mN/mm.
+  // Calls body(push) for what the bed and the bones push at the last evaluated u.
   template <class Body>
-  void for_each_pushed_face(const Body& body) const {
-    for (const std::int32_t index : pushed_faces_) {
-      const auto& face = attachments_.resting[static_cast<std::size_t>(index)];
-      body(face, bed_stiffness_ * face.area);
-    }
+  void for_each_push(const Body& body) const {
+    for (const Push& push : pushes_) body(push);
   }
   const Elastic<Real>& elastic() const { return elastic_; }
   const Lattice& lattice() const { return elastic_.lattice(); }
@@ -89,7 +97,8 @@ class System {
   std::vector<std::uint8_t> retractor_active_;
   std::vector<Eigen::Matrix4d> retractor_motion_;
   std::vector<Tie> ties_;
-  std::vector<std::int32_t> pushed_faces_;  // into attachments_.resting
+  std::unique_ptr<Contact> contact_;
+  std::vector<Push> pushes_;
   std::vector<std::int32_t> fragment_of_node_;
   std::vector<std::int32_t> floating_cells_;
   double drift_stiffness_;  // mN/mm on a corner of a floating cell
