@@ -25,7 +25,7 @@ inline void rotate_columns(Number (&b)[9], Number (&v)[9]) {
   const Number squared = difference * difference + twice * twice + tiny;
   const Number root = squared * rough_reciprocal_sqrt(squared);
   const Number signed_twice = select(difference < Number(0), -twice, twice);
-  const Number tangent = signed_twice * rough_reciprocal(abs(difference) + root + tiny);
+  const Number tangent = signed_twice * rough_reciprocal(abs(difference) + root);
   const Number cosine = reciprocal_sqrt(Number(1) + tangent * tangent);
   const Number sine = cosine * tangent;
   for (int row = 0; row < 9; row += 3) {
@@ -57,12 +57,17 @@ inline void order_columns(Number (&b)[9], Number (&v)[9]) {
 template <class Number>
 inline void svd3(const Number (&f)[9], Number (&u)[9], Number (&sigma)[3], Number (&v)[9]) {
   using std::abs;
+  using std::max;
   using std::sqrt;
   constexpr int kSweeps = sizeof(typename NumberTraits<Number>::Scalar) == 4 ? 4 : 6;
-  const Number zero(0), one(1);
+  const Number zero(0), one(1), tiny(tiny_number<Number>());
+  // The angles square the squares of the entries: in float those of a matrix of 1e-9 would vanish.
+  Number size = max(abs(f[0]), tiny);
+  for (int i = 1; i < 9; ++i) size = max(size, abs(f[i]));
+  const Number inverse_size = one / size;
   Number b[9];
   for (int i = 0; i < 9; ++i) {
-    b[i] = f[i];
+    b[i] = f[i] * inverse_size;
     v[i] = i % 4 == 0 ? one : zero;
   }
   for (int sweep = 0; sweep < kSweeps; ++sweep) {
@@ -75,7 +80,6 @@ inline void svd3(const Number (&f)[9], Number (&u)[9], Number (&sigma)[3], Numbe
   svd3_detail::order_columns<1, 2>(b, v);
 
   // U by Gram-Schmidt on the orthogonal columns; where a column vanishes any unit vector orthogonal to those before.
-  const Number tiny(tiny_number<Number>());
   const Number length0 = sqrt(b[0] * b[0] + b[3] * b[3] + b[6] * b[6]);
   const auto has0 = length0 > tiny;
   const Number inverse0 = one / select(has0, length0, one);
@@ -100,9 +104,9 @@ inline void svd3(const Number (&f)[9], Number (&u)[9], Number (&sigma)[3], Numbe
     u[3 * i + 1] = u1[i];
     u[3 * i + 2] = u2[i];
   }
-  sigma[0] = length0;
-  sigma[1] = u1[0] * b[1] + u1[1] * b[4] + u1[2] * b[7];
-  sigma[2] = u2[0] * b[2] + u2[1] * b[5] + u2[2] * b[8];
+  sigma[0] = size * length0;
+  sigma[1] = size * (u1[0] * b[1] + u1[1] * b[4] + u1[2] * b[7]);
+  sigma[2] = size * (u2[0] * b[2] + u2[1] * b[5] + u2[2] * b[8]);
 }
 
 }  // namespace lappet

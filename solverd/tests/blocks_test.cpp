@@ -1,0 +1,152 @@
+// Manifold blocks (GRIDiron Algorithm 3), their layout for lanes and slabs, and the nodes of the hybrid lattice
+// (Algorithm 2), on lattices with random cuts.
+#include "lattice/blocks.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <map>
+#include <set>
+
+#include "cut_lattices.h"
+#include "force/block_layout.h"
+#include "force/cell_corners.h"
+
+namespace lappet {
+namespace {
+
+using test::CutLattice;
+
+class CutLattices : public ::testing::TestWithParam<CutLattice> {
+ protected:
+  CutLattices() : lattice_(test::make_lattice(GetParam())) {}
+  std::size_t cells() const { return lattice_.cell_nodes.size(); }
+  // How many nodes lie at the place of each node.
+  std::vector<int> copies() const {
+    std::map<std::array<double, 3>, int> at;
+    for (const Vec3& p : lattice_.node_rest) ++at[{p.x(), p.y(), p.z()}];
+    std::vector<int> result;
+    for (const Vec3& p : lattice_.node_rest) result.push_back(at[{p.x(), p.y(), p.z()}]);
+    return result;
+  }
+  Lattice lattice_;
+};
+
+// Paper 5.4: what follows Algorithm 2.
+TEST_P(CutLattices, GridCellsConsistOfGridNodesAndMeshCellsHoldAMeshNode) {
+  const auto copies_of = copies();
+  std::int32_t grid = 0, mesh = 0;
+  std::map<std::array<std::int32_t, 3>, int> at;
+  for (const auto& position : lattice_.cell_position) ++at[position];
+  for (std::size_t c = 0; c < cells(); ++c) {
+    const bool on_grid = std::all_of(lattice_.cell_nodes[c].begin(), lattice_.cell_nodes[c].end(),
+                                     [&](std::int32_t n) { return copies_of[static_cast<std::size_t>(n)] == 1; });
+    ++(on_grid ? grid : mesh);
+    if (on_grid) {
+      EXPECT_EQ(at[lattice_.cell_position[c]], 1) << "two cells at the place of a grid cell";
+    }
+    EXPECT_EQ(std::set<std::int32_t>(lattice_.cell_nodes[c].begin(), lattice_.cell_nodes[c].end()).size(), 8U);
+  }
+  EXPECT_EQ(lattice_.grid_cells, grid);
+  EXPECT_EQ(lattice_.mesh_cells, mesh);
+  EXPECT_GT(mesh, 0) << "the cut left no mesh cell: the lattice tests nothing";
+  EXPECT_GT(grid, 0);
+}
+
+TEST_P(CutLattices, EveryCellIsInOneBlockAndNoPlaceOfABlockHasTwoCellsOrTwoNodes) {
+  std::vector<int> seen(cells(), 0);
+  std::size_t crowded = 0;
+  std::map<std::array<std::int32_t, 3>, int> at;
+  for (const auto& block : build_blocks(lattice_)) {
+    crowded += ++at[block.position] > 1;
+    std::array<std::int32_t, kBlockNodes> nodes;
+    nodes.fill(-1);
+    for (int place = 0; place < kBlockCells; ++place) {
+      const std::int32_t cell = block.cells[static_cast<std::size_t>(place)];
+      if (cell < 0) continue;
+      ++seen[static_cast<std::size_t>(cell)];
+      const auto& p = lattice_.cell_position[static_cast<std::size_t>(cell)];
+      EXPECT_EQ(p[0], 2 * block.position[0] + (place >> 2));
+      EXPECT_EQ(p[1], 2 * block.position[1] + (place >> 1 & 1));
+      EXPECT_EQ(p[2], 2 * block.position[2] + (place & 1));
+      for (int c = 0; c < 8; ++c) {
+        auto& node = nodes[static_cast<std::size_t>(block_node(place, c))];
+        const std::int32_t corner = lattice_.cell_nodes[static_cast<std::size_t>(cell)][static_cast<std::size_t>(c)];
+        EXPECT_TRUE(node == -1 || node == corner) << "two nodes at one place of a block";
+        node = corner;
+      }
+    }
+  }
+  EXPECT_EQ(std::count(seen.begin(), seen.end(), 1), static_cast<std::ptrdiff_t>(cells()));
+  EXPECT_GT(crowded, 0U) << "no region needed two blocks: the lattice tests nothing";
+}
+
+TEST_P(CutLattices, EveryCellHasOneSlotWithItsNodesAndEmptySlotsUseNodesOfTheirBlock) {
+  for (const int lanes : {1, 4, 8, 16}) {
+    const BlockLayout layout = lay_out_blocks(lattice_, lanes);
+    const auto w = static_cast<std::size_t>(lanes);
+    ASSERT_EQ(layout.slots(), static_cast<std::size_t>(layout.groups * kBlockCells) * w);
+    std::vector<int> seen(cells(), 0);
+    for (std::size_t slot = 0; slot < layout.slots(); ++slot) {
+      const std::int32_t cell = layout.cell_of_slot[slot];
+      if (cell < 0) continue;
+      ++seen[static_cast<std::size_t>(cell)];
+      EXPECT_EQ(layout.slot_of_cell[static_cast<std::size_t>(cell)], static_cast<std::int32_t>(slot));
+      const std::size_t group = slot / (kBlockCells * w), place = slot / w % kBlockCells, lane = slot % w;
+      for (std::size_t c = 0; c < 8; ++c)
+        EXPECT_EQ(test::node_of(layout, group, static_cast<std::size_t>(block_node(int(place), int(c))), lane),
+                  lattice_.cell_nodes[static_cast<std::size_t>(cell)][c]);
+    }
+    EXPECT_EQ(std::count(seen.begin(), seen.end(), 1), static_cast<std::ptrdiff_t>(cells()));
+    for (std::size_t group = 0; group < static_cast<std::size_t>(layout.groups); ++group)
+      for (std::size_t n = 0; n < kBlockNodes; ++n)
+        for (std::size_t lane = 0; lane < w; ++lane) {
+          const std::int32_t node = test::node_of(layout, group, n, lane);
+          ASSERT_GE(node, 0);
+          ASSERT_LT(node, static_cast<std::int32_t>(lattice_.node_rest.size()));
+        }
+  }
+}
+
+TEST_P(CutLattices, SlabsThatRunAtTheSameTimeShareNoNode) {
+  std::size_t most = 0;
+  for (const int lanes : {1, 4, 8, 16}) {
+    const BlockLayout layout = lay_out_blocks(lattice_, lanes);
+    ASSERT_EQ(layout.slab_start.front(), 0);
+    ASSERT_EQ(layout.slab_start.back(), layout.groups);
+    ASSERT_TRUE(std::is_sorted(layout.slab_start.begin(), layout.slab_start.end()));
+    most = std::max(most, layout.slabs());
+    for (std::size_t colour = 0; colour < 2; ++colour) {
+      std::vector<std::size_t> slab_of_node(lattice_.node_rest.size(), layout.slabs());
+      for (std::size_t slab = colour; slab < layout.slabs(); slab += 2)
+        for (auto group = layout.slab_start[slab]; group < layout.slab_start[slab + 1]; ++group)
+          for (std::size_t n = 0; n < kBlockNodes; ++n)
+            for (int lane = 0; lane < lanes; ++lane) {
+              const std::int32_t node =
+                  test::node_of(layout, static_cast<std::size_t>(group), n, static_cast<std::size_t>(lane));
+              auto& owner = slab_of_node[static_cast<std::size_t>(node)];
+              ASSERT_TRUE(owner == layout.slabs() || owner == slab) << "slabs " << owner << " and " << slab;
+              owner = slab;
+            }
+    }
+  }
+  EXPECT_GT(most, 2U) << "one slab of a colour cannot share";
+}
+
+TEST_P(CutLattices, ForEachSlabVisitsEverySlabOnce) {
+  const BlockLayout layout = lay_out_blocks(lattice_, 4);
+  std::vector<int> visits(layout.slabs(), 0);
+  layout.for_each_slab([&](std::size_t slab, std::int64_t begin, std::int64_t end) {
+    ++visits[slab];
+    EXPECT_EQ(begin, layout.slab_start[slab]);
+    EXPECT_EQ(end, layout.slab_start[slab + 1]);
+  });
+  EXPECT_EQ(std::count(visits.begin(), visits.end(), 1), static_cast<std::ptrdiff_t>(layout.slabs()));
+}
+
+INSTANTIATE_TEST_SUITE_P(RandomCuts, CutLattices, ::testing::ValuesIn(test::kCutLattices),
+                         [](const auto& info) { return test::name(info.param); });
+
+}  // namespace
+}  // namespace lappet
