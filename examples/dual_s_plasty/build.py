@@ -19,7 +19,7 @@ LENGTH, WIDTH, INCISION, ADVANCE = 30.0, 18.0, 42.0, 12.0  # mm
 # The dome: radius of the head, the scalp's reach along it from the middle to the rim, its thickness, mm.
 RADIUS, REACH, THICKNESS = 90.0, 62.0, 5.0  # mm
 BONE, BONE_REACH = 84.9, 70.0  # mm: radius and reach of the skull's outer face, 0.1 mm below the scalp
-SPACING = 1.0  # mm, of the lattice
+SPACING = 1.1  # mm, of the lattice
 WHEN = Schedule()
 HOW = Technique(beyond=12.0, apart=3.2, rows=(Row("galea", 3.9), Row("dermal", 1.0, 0.5), Row("skin", 0.0)))
 
