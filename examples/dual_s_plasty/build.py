@@ -1,4 +1,4 @@
-"""Builds dual_s_plasty.usda: two S-shaped flaps close an oval defect of 30 x 20 mm on a domed scalp.
+"""Builds dual_s_plasty.usda: two S-shaped flaps close an oval defect of 30 x 18 mm on a domed scalp.
 
 Usage: python build.py [dual_s_plasty.usda]
 """
@@ -15,13 +15,13 @@ from lappet.skin_sheet import SkinSheet
 from lappet.transposition import Row, Schedule, Technique, flap_operation
 from lappet.usd_stage import write_procedure
 
-LENGTH, WIDTH, INCISION, ADVANCE = 30.0, 20.0, 42.0, 12.0  # mm
+LENGTH, WIDTH, INCISION, ADVANCE = 30.0, 18.0, 42.0, 12.0  # mm
 # The dome: radius of the head, the scalp's reach along it from the middle to the rim, its thickness, mm.
 RADIUS, REACH, THICKNESS = 90.0, 62.0, 5.0  # mm
 BONE, BONE_REACH = 84.9, 70.0  # mm: radius and reach of the skull's outer face, 0.1 mm below the scalp
-SPACING = 1.0  # mm, of the lattice
+SPACING = 1.1  # mm, of the lattice
 WHEN = Schedule()
-HOW = Technique(beyond=12.0, apart=4.0, rows=(Row("galea", 3.9), Row("dermal", 1.9, 0.5), Row("skin", 0.0)))
+HOW = Technique(beyond=12.0, apart=3.2, rows=(Row("galea", 3.9), Row("dermal", 1.0, 0.5), Row("skin", 0.0)))
 
 
 def build() -> Procedure:

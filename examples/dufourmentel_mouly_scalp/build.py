@@ -17,11 +17,11 @@ from lappet.usd_stage import write_procedure
 
 SIDE, ANGLE = 12.0, 66.0  # mm, degrees
 # The dome: radius of the head, the scalp's reach along it from the middle to the rim, its thickness, mm.
-RADIUS, REACH, THICKNESS = 90.0, 48.0, 5.0  # mm
-BONE, BONE_REACH = 84.9, 56.0  # mm: radius and reach of the skull's outer face, 0.1 mm below the scalp
+RADIUS, REACH, THICKNESS = 90.0, 48.0, 6.0  # mm
+BONE, BONE_REACH = 83.9, 56.0  # mm: radius and reach of the skull's outer face, 0.1 mm below the scalp
 SPACING = 1.0  # mm, of the lattice
 WHEN = Schedule()
-HOW = Technique(beyond=10.0, apart=2.6, rows=(Row("galea", 3.9), Row("dermal", 1.9, 0.5), Row("skin", 0.0)))
+HOW = Technique(beyond=10.0, apart=2.6, rows=(Row("galea", 4.7), Row("dermal", 1.0, 0.5), Row("skin", 0.0)))
 
 
 def build() -> Procedure:
