@@ -8,7 +8,7 @@ namespace lappet {
 
 namespace {
 
-constexpr std::int64_t kCopiedInCache = 32 * 1024;  // bytes, as much again where they go
+constexpr std::int64_t kCopiedInCache = 12 * 1024;  // bytes, as much again where they go: the first cache holds both
 constexpr std::int64_t kRounds = 20000;
 
 template <class T>
