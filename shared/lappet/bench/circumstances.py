@@ -22,10 +22,17 @@ def circumstances(context: dict[str, str], threads: int) -> dict[str, Any]:
         "compiler": context.get("compiler"),
         "isa": context.get("isa"),
         "threads": threads,
+        "environment": environment(),
         "lappet": __version__,
         "revision": revision(),
         "date": datetime.now(UTC).isoformat(timespec="seconds"),
     }
+
+
+def environment() -> dict[str, str]:
+    """The variables that libraries take their threads, and the kernels their instruction set, from."""
+    prefixes = ("OMP_", "GOMP_", "OPENBLAS_", "LAPPET_ISA")
+    return {name: value for name, value in sorted(os.environ.items()) if name.startswith(prefixes)}
 
 
 def cores() -> int:

@@ -6,10 +6,11 @@ The roofline of a kernel is the least time that its memory traffic or its arithm
     bound = max(bytes per cell / copy bandwidth, operations per cell / multiply-add rate)
     roofline_fraction = bound / time
 
-Bytes are what a cell must bring in and out once, what is added to counting twice. Copy bandwidth is that of memory where
-a kernel streams, and of the first cache where it works in cache; it counts what is read and written, as STREAM does. A kernel that reads more than it writes may be a little faster than a copy, so streaming fractions can pass 1.
-Operations are counted by running the kernel on numbers that count (solverd/benchmarks/counted_number.h); the rate is that
-of independent fused multiply-adds, two operations each, of the same instruction set and precision.
+Bytes are what a cell must bring in and out once, what is added to counting twice. Copy bandwidth is that of memory
+where a kernel streams, and of the first cache where it works in cache; it counts what is read and what is written, as
+STREAM does. A kernel that reads more than it writes may be a little faster than a copy: streaming fractions can pass 1.
+Operations are counted by running the kernel on numbers that count (solverd/benchmarks/counted_number.h); the rate is
+that of independent fused multiply-adds, two operations each, of the same instruction set and precision.
 """
 
 from __future__ import annotations
