@@ -40,8 +40,9 @@ format:  ## rewrite sources in the house style
 docs:  ## write docs/command_line.md from the program and check the links of every Markdown file
 	@$(PYTHON) packaging/documents.py --write
 
-bench: setup  ## solve the Z-plasty at 1 mm; print time and memory, write build/bench/scenes.json
-	@$(PYTHON) -m lappet.bench examples/z_plasty/z_plasty.usda -o build/bench --spacing 1
+bench:  ## measure kernels, scenes and sheets into build/bench (PARTS=kernels; FINE=1: up to a million cells)
+	@bash packaging/setup.sh --benchmarks
+	@$(PYTHON) -m lappet.bench $(PARTS) -o build/bench $(if $(FINE),--fine)
 
 clean:  ## remove what was built, solved and rendered; .venv stays
 	@rm -rf build dist .pytest_cache .mypy_cache .ruff_cache .hypothesis

@@ -2,8 +2,9 @@
 # Makes a checkout ready on Debian 12: system packages, a Python environment in .venv, the daemon in build/solverd.
 # Does only what is missing, so running it again is quick. Never asks a question.
 #
-#   bash packaging/setup.sh            everything
-#   bash packaging/setup.sh --tests    the daemon's tests too
+#   bash packaging/setup.sh                everything
+#   bash packaging/setup.sh --tests        the daemon's tests too, and its benchmarks, which the tests run
+#   bash packaging/setup.sh --benchmarks   its benchmarks
 #
 # LAPPET_PYTHON names the Python 3.11 to make .venv with; LAPPET_JOBS how many compilers run at once.
 set -euo pipefail
@@ -23,8 +24,9 @@ refuse() {
 targets=(lappet-solverd)
 for argument in "$@"; do
     case "$argument" in
-        --tests) targets+=(solverd_tests) ;;
-        *) refuse "unknown argument '$argument'; the only one is --tests." ;;
+        --tests) targets+=(solverd_tests solverd_benchmarks) ;;
+        --benchmarks) targets+=(solverd_benchmarks) ;;
+        *) refuse "unknown argument '$argument'; there are --tests and --benchmarks." ;;
     esac
 done
 
@@ -117,9 +119,10 @@ build_daemon() {
     if [ -f "$build/CMakeCache.txt" ] && ! grep -qxF "CMAKE_HOME_DIRECTORY:INTERNAL=$root" "$build/CMakeCache.txt"; then
         rm -rf "$build/CMakeCache.txt" "$build/CMakeFiles"
     fi
-    if [ ! -f "$build/build.ninja" ] || [ ! -f "$build/CMakeCache.txt" ]; then
+    if [ ! -f "$build/build.ninja" ] || ! grep -qsxF "LAPPET_BUILD_BENCHMARKS:BOOL=ON" "$build/CMakeCache.txt"; then
         say "configuring the daemon"
-        cmake -S "$root" -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DLAPPET_BUILD_TESTS=ON >"$build.log" 2>&1 || {
+        cmake -S "$root" -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DLAPPET_BUILD_TESTS=ON \
+            -DLAPPET_BUILD_BENCHMARKS=ON >"$build.log" 2>&1 || {
             cat "$build.log" >&2
             refuse "CMake could not configure the daemon; see its message above."
         }

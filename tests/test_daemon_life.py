@@ -71,6 +71,25 @@ def test_an_error_in_the_progress_callback_cancels_the_solve(daemon: SolverDaemo
         assert client.ping() < 1.0
 
 
+# --- the instruction set -----------------------------------------------------------------------------------------
+
+
+def test_the_daemon_says_which_instruction_set_it_was_told_to_use(
+    binary: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("LAPPET_ISA", "scalar")
+    with SolverDaemon(binary) as daemon, SolverClient(daemon=daemon) as client:
+        assert client.welcome["isa"] == "scalar"
+
+
+def test_a_daemon_does_not_start_with_an_instruction_set_that_nobody_knows(
+    binary: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("LAPPET_ISA", "mmx")
+    with pytest.raises(DaemonDied, match='LAPPET_ISA is "mmx"'), SolverDaemon(binary):
+        pass
+
+
 # --- life and death ----------------------------------------------------------------------------------------------
 
 

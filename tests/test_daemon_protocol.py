@@ -27,6 +27,7 @@ def test_a_frame_is_solved_and_its_state_goes_on(daemon: SolverDaemon) -> None:
     with SolverClient(daemon=daemon) as client:
         assert client.welcome["threads"] >= 1
         assert client.welcome["max_message_bytes"] == 4_000_000
+        assert client.welcome["isa"] in {"scalar", "sse42", "avx2", "avx512", "neon"}
         assert client.open(SolverSettings(spacing=1.0, sutures=2, threads=1)) >= 1
         counts = client.set_epoch(Epoch(0, 1.0, box(), 1))
         assert counts["cells"] > 0
@@ -37,6 +38,12 @@ def test_a_frame_is_solved_and_its_state_goes_on(daemon: SolverDaemon) -> None:
         assert first.points.dtype == np.float32
         assert first.time == 1.0
         assert first.hook_forces.shape == (1, 3)
+        work = first.header["work"]
+        assert work["evaluations"] > first.header["newton"]  # the start, and each step
+        assert work["linearizations"] >= first.header["newton"]
+        assert work["products"] > first.header["pcg"]  # smoothing takes some more
+        spent = work["evaluation_seconds"] + work["linearization_seconds"] + work["product_seconds"]
+        assert 0.0 < spent < first.header["seconds"]["total"]
         assert first.state.suture_gaps.shape == (2, 3)
         assert all(iteration.time == 1.0 for iteration in seen)
         second = client.solve(pull(2.0, 0.4))

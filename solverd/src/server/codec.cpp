@@ -5,6 +5,7 @@
 #include <limits>
 #include <optional>
 
+#include "math/instruction_set.h"
 #include "server/version.h"
 
 namespace lappet {
@@ -295,6 +296,7 @@ std::vector<FrameBytes> encode_welcome(ReplyTo to, int threads, std::uint64_t ma
   return reply("welcome", to)
       .field("version", std::string(kVersion))
       .field("threads", std::int64_t{threads})
+      .field("isa", std::string(name(choose_instruction_set())))
       .field("max_message_bytes", max_message_bytes)
       .finish();
 }
@@ -347,6 +349,12 @@ std::vector<FrameBytes> encode_frame(ReplyTo to, const FrameOutput& frame) {
                                {"linear", frame.seconds_linear},
                                {"setup", frame.seconds_setup},
                                {"total", frame.seconds_total}})
+      .field("work", Fields{{"evaluations", frame.work.evaluations.count},
+                            {"evaluation_seconds", frame.work.evaluations.seconds},
+                            {"linearizations", frame.work.linearizations.count},
+                            {"linearization_seconds", frame.work.linearizations.seconds},
+                            {"products", frame.work.products.count},
+                            {"product_seconds", frame.work.products.seconds}})
       .field("peak_bytes", frame.peak_bytes)
       .field("precision", std::string(frame.state.is_double ? "double" : "float"));
   add_rows(writer, "points", frame.points, {3});

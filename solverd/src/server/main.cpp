@@ -13,6 +13,7 @@
 #include <memory>
 #include <string>
 
+#include "math/instruction_set.h"
 #include "server/server.h"
 #include "server/version.h"
 #include "session/session.h"
@@ -35,6 +36,7 @@ class SessionPort final : public SolverPort {
 };
 
 int serve(ServerOptions options) {
+  choose_instruction_set();  // a wrong LAPPET_ISA is refused before anybody waits
   Server server(std::move(options), [](const SessionSettings& settings) -> std::unique_ptr<SolverPort> {
     return std::make_unique<SessionPort>(settings);
   });

@@ -11,6 +11,7 @@
 
 #include "force/cell_materials.h"
 #include "lattice/surface.h"
+#include "solve/work.h"
 
 namespace lappet {
 
@@ -110,6 +111,7 @@ struct FrameOutput {
   double largest_penetration = 0.0;  // of the tissue into bone, mm
   std::int32_t contacts = 0;         // points of its surface that touch bone
   double seconds_update = 0.0, seconds_linear = 0.0, seconds_setup = 0.0, seconds_total = 0.0;
+  Work work;
   double peak_bytes = 0.0;            // of the process
   std::vector<float> points;          // 3 per surface vertex, mm
   std::vector<float> strain;          // largest principal stretch - 1, per surface vertex

@@ -280,6 +280,7 @@ class TypedSession : public Session::Implementation {
     FrameOutput output;
     output.time = frame.time;
     const Snapshot before = snapshot();
+    const Work done = system_->work();
     EquilibriumWatch watcher;
     watcher.stop = [&] { return cancel.load(std::memory_order_relaxed) || out_of_time(); };
     watcher.progress = [&](int newton, double residual, double gap) {
@@ -339,6 +340,7 @@ class TypedSession : public Session::Implementation {
     output.state.grip_multipliers = held_multipliers_;
     output.state.activation = activation_;
     output.seconds_total = seconds_since(start);
+    output.work = system_->work() - done;
     output.peak_bytes = peak_bytes();
     return output;
   }

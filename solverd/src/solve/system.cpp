@@ -162,6 +162,7 @@ Vec3 System<Real>::held_displacement(std::int32_t group, std::size_t node) const
 
 template <class Real>
 Evaluation System<Real>::evaluate(std::span<const Real> u) {
+  const Timed timed(work_.evaluations);
   const Lattice& lattice = elastic_.lattice();
   const ElasticState state = elastic_.evaluate(u, gradient_, node_scale_);
   Evaluation result;
@@ -246,6 +247,7 @@ Evaluation System<Real>::evaluate(std::span<const Real> u) {
 
 template <class Real>
 void System<Real>::multiply(std::span<const Real> x, std::span<Real> y) const {
+  const Timed timed(work_.products);
   elastic_.multiply(x, y);
   for_each_push([&](const Push& push) {
     const auto& nodes = elastic_.lattice().cell_nodes[static_cast<std::size_t>(push.cell)];

@@ -11,6 +11,7 @@
 #include "force/elastic.h"
 #include "force/push.h"
 #include "force/ties.h"
+#include "solve/work.h"
 
 namespace lappet {
 
@@ -41,7 +42,10 @@ class System {
 
   Evaluation evaluate(std::span<const Real> u);
   std::span<const double> gradient() const { return gradient_; }
-  void linearize(Definiteness how) { elastic_.linearize(how); }
+  void linearize(Definiteness how) {
+    const Timed timed(work_.linearizations);
+    elastic_.linearize(how);
+  }
   void multiply(std::span<const Real> x, std::span<Real> y) const;  // y = K x on free nodes, 0 elsewhere
 
   bool is_free(std::size_t node) const { return free_[node]; }
@@ -79,6 +83,8 @@ class System {
   // Changes whenever free nodes, ties or active attachments change: preconditioners look at it.
   std::uint64_t constraint_revision() const { return revision_; }
   std::size_t bytes() const;
+  // Since the system was made.
+  const Work& work() const { return work_; }
 
  private:
   Vec3 held_displacement(std::int32_t group, std::size_t node) const;
@@ -108,6 +114,7 @@ class System {
   std::vector<double> held_multipliers_;
   std::vector<double> gradient_, node_scale_;
   std::uint64_t revision_ = 0;
+  mutable Work work_;
 };
 
 extern template class System<float>;

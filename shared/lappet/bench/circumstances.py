@@ -1,0 +1,58 @@
+"""What numbers were taken on: machine, compiler, instruction set, threads, revision."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+
+def circumstances(context: dict[str, str], threads: int) -> dict[str, Any]:
+    """The keys that each file of results starts with.
+
+    context: what solverd_benchmarks says of itself (`lappet.bench.kernels.context`). threads: of the measurement.
+    """
+    from lappet import __version__
+    from lappet.machine import machine
+
+    return {
+        "machine": machine(),
+        "compiler": context.get("compiler"),
+        "isa": context.get("isa"),
+        "threads": threads,
+        "environment": environment(),
+        "lappet": __version__,
+        "revision": revision(),
+        "date": datetime.now(UTC).isoformat(timespec="seconds"),
+    }
+
+
+def environment() -> dict[str, str]:
+    """The variables that libraries take their threads, and the kernels their instruction set, from."""
+    prefixes = ("OMP_", "GOMP_", "OPENBLAS_", "LAPPET_ISA")
+    return {name: value for name, value in sorted(os.environ.items()) if name.startswith(prefixes)}
+
+
+def cores() -> int:
+    """How many processors this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def revision() -> str | None:
+    """The git revision of the checkout this file lies in, with `+` where files were changed; None outside one."""
+    folder = Path(__file__).resolve().parent
+    try:
+        head = subprocess.run(
+            ["git", "rev-parse", "--short=12", "HEAD"],
+            cwd=folder,
+            capture_output=True,
+            text=True,
+            check=True,
+            timeout=30,
+        ).stdout.strip()
+        dirty = subprocess.run(["git", "diff", "--quiet", "HEAD"], cwd=folder, check=False, timeout=30).returncode
+    except (OSError, subprocess.SubprocessError):
+        return None
+    return head + ("+" if dirty else "")

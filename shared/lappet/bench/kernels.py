@@ -1,0 +1,192 @@
+"""The kernel suite: solverd_benchmarks is run, and its times are held against what the machine can do.
+
+The roofline of a kernel is the least time that its memory traffic or its arithmetic take (Williams, Waterman, Patterson
+2009):
+
+    bound = max(bytes per cell / copy bandwidth, operations per cell / multiply-add rate)
+    roofline_fraction = bound / time
+
+Bytes are what a cell must bring in and out once, what is added to counting twice. Copy bandwidth is that of memory
+where a kernel streams, and of the first cache where it works in cache; it counts what is read and what is written, as
+STREAM does. A kernel that reads more than it writes may be a little faster than a copy: streaming fractions can pass 1.
+Operations are counted by running the kernel on numbers that count (solverd/benchmarks/counted_number.h); the rate is
+that of independent fused multiply-adds, two operations each, of the same instruction set and precision.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+from collections import defaultdict
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from lappet.refused import RefusedError
+
+BINARY = "solverd_benchmarks"
+REPETITIONS, SECONDS = 9, 0.02  # of each measurement; at least so long in cache
+PARALLEL = "product_50000"
+
+
+@dataclass(frozen=True)
+class KernelMeasure:
+    """One row: a kernel on one instruction set, one thread, best of all repetitions of thread CPU time.
+
+    mode: "cache" or "stream". set_bytes: what it walks through. precision: of the arithmetic.
+    """
+
+    kernel: str
+    precision: str
+    isa: str
+    mode: str
+    ns_per_cell: float
+    bytes_per_cell: float
+    operations_per_cell: float
+    roofline_fraction: float
+    set_bytes: float
+
+
+@dataclass(frozen=True)
+class ParallelMeasure:
+    """The product of 50 000 cells on several threads, wall time; speedup: over one thread."""
+
+    kernel: str
+    isa: str
+    cells: int
+    threads: int
+    ms: float
+    speedup: float
+
+
+@dataclass(frozen=True)
+class Limits:
+    """What one thread can do. copy: bytes/s by mode. multiply_add: operations/s by (precision, isa)."""
+
+    copy: Mapping[str, float]
+    multiply_add: Mapping[tuple[str, str], float]
+
+    def roofline_fraction(
+        self, seconds: float, bytes_moved: float, operations: float, mode: str, precision: str, isa: str
+    ) -> float:
+        """The share of the time that the machine's limits account for."""
+        return max(bytes_moved / self.copy[mode], operations / self.multiply_add[precision, isa]) / seconds
+
+    def as_dict(self) -> dict[str, Any]:
+        """JSON-able: bytes/s and operations/s of one thread."""
+        return {
+            "copy_bytes_per_s": dict(self.copy),
+            "multiply_add_operations_per_s": {f"{p} {isa}": rate for (p, isa), rate in self.multiply_add.items()},
+        }
+
+
+@dataclass(frozen=True)
+class Suite:
+    """All that one run of solverd_benchmarks gave."""
+
+    context: dict[str, str]
+    limits: Limits
+    rows: tuple[KernelMeasure, ...]
+    parallel: tuple[ParallelMeasure, ...]
+
+
+def find_benchmarks() -> Path:
+    """solverd_benchmarks: LAPPET_BENCHMARKS, or beside the daemon. Raises RefusedError where there is none."""
+    from lappet.daemon import find_daemon
+
+    named = os.environ.get("LAPPET_BENCHMARKS")
+    path = Path(named) if named else find_daemon().with_name(BINARY)
+    if not path.is_file():
+        raise RefusedError(f"{path} is not there; build it with `bash packaging/setup.sh --benchmarks`.")
+    return path
+
+
+def run_suite(
+    program: Path,
+    repetitions: int = REPETITIONS,
+    seconds: float = SECONDS,
+    stream_bytes: int | None = None,
+    only: str | None = None,
+) -> dict[str, Any]:
+    """What `program` prints as JSON. only: a regular expression on kernel/precision/isa/mode.
+
+    Raises RefusedError with its last words where it fails.
+    """
+    command = [
+        str(program),
+        f"--benchmark_repetitions={repetitions}",
+        f"--benchmark_min_time={seconds}",
+        "--benchmark_format=json",
+    ]
+    if stream_bytes is not None:
+        command.append(f"--stream-bytes={stream_bytes}")
+    if only is not None:
+        command.append(f"--benchmark_filter={only}")
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    if done.returncode:
+        raise RefusedError(f"{program.name} ended with status {done.returncode}: {done.stderr.strip()[-500:]}")
+    values: dict[str, Any] = json.loads(done.stdout)
+    return values
+
+
+def read_suite(values: Mapping[str, Any]) -> Suite:
+    """The rows of what solverd_benchmarks printed. Raises RefusedError where the machine's limits are not in it."""
+    best = _best(values["benchmarks"])
+    copy = {mode: 2.0 * e["cells"] / e["s"] for (kernel, _, _, mode), e in best.items() if kernel == "copy"}
+    rates = {(p, isa): e["operations"] / e["s"] for (kernel, p, isa, _), e in best.items() if kernel == "multiply_add"}
+    if not rates or set(copy) != {"cache", "stream"}:
+        raise RefusedError("The kernel suite ran without copy or multiply_add, so nothing can be held against them.")
+    limits = Limits(copy, rates)
+    rows = []
+    for (kernel, precision, isa, mode), entry in best.items():
+        if kernel in ("copy", "multiply_add") or kernel == PARALLEL:
+            continue
+        each = entry["s"] / entry["cells"]
+        moved, operations = entry["bytes_per_cell"], entry["operations_per_cell"]
+        fraction = limits.roofline_fraction(each, moved, operations, mode, precision, isa)
+        rows.append(
+            KernelMeasure(
+                kernel, precision, isa, mode, 1e9 * each, moved, operations, fraction, float(entry["set_bytes"])
+            )
+        )
+    return Suite(context(values), limits, tuple(rows), tuple(_parallel(values["benchmarks"])))
+
+
+def context(values: Mapping[str, Any]) -> dict[str, str]:
+    """`compiler`, `isa`, `instruction_sets` (comma-separated), `stream_bytes`."""
+    names = ("compiler", "isa", "instruction_sets", "stream_bytes")
+    return {name: str(values["context"][name]) for name in names if name in values["context"]}
+
+
+def _best(entries: Iterable[Mapping[str, Any]]) -> dict[tuple[str, str, str, str], dict[str, Any]]:
+    """Of each measurement the repetition with the least CPU time, in seconds under `s`."""
+    best: dict[tuple[str, str, str, str], dict[str, Any]] = {}
+    for entry in entries:
+        if entry.get("run_type") != "iteration":
+            continue
+        kernel, precision, isa, mode = str(entry["name"]).split("/")[:4]
+        seconds = float(entry["cpu_time"]) * _UNITS[entry["time_unit"]]
+        key = (kernel, precision, isa, mode)
+        if key not in best or seconds < best[key]["s"]:
+            best[key] = {**entry, "s": seconds}
+    return best
+
+
+def _parallel(entries: Iterable[Mapping[str, Any]]) -> list[ParallelMeasure]:
+    seconds: dict[int, float] = defaultdict(lambda: float("inf"))
+    isa, cells = "", 0
+    for entry in entries:
+        if entry.get("run_type") != "iteration" or not str(entry["name"]).startswith(PARALLEL):
+            continue
+        threads = int(entry["threads_used"])
+        seconds[threads] = min(seconds[threads], float(entry["real_time"]) * _UNITS[entry["time_unit"]])
+        isa, cells = str(entry["name"]).split("/")[2], int(entry["cells"])
+    return [
+        ParallelMeasure("product", isa, cells, threads, 1e3 * time, seconds.get(1, float("nan")) / time)
+        for threads, time in sorted(seconds.items())
+    ]
+
+
+_UNITS = {"ns": 1e-9, "us": 1e-6, "ms": 1e-3, "s": 1.0}

@@ -1,0 +1,200 @@
+"""Whole examples, solved as a user solves them: every frame by a daemon of its own from an empty store."""
+
+from __future__ import annotations
+
+import hashlib
+import tempfile
+import tomllib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lappet.bench.circumstances import cores
+from lappet.refused import RefusedError
+
+STATE_GRAIN = 0.01  # mm
+
+
+@dataclass(frozen=True)
+class SceneMeasure:
+    """One row: what a scene cost.
+
+    seconds: wall time of everything, compiling and writing the cache included; solver_seconds: the daemon's own, of
+    which linear_seconds in the linear solver. newton_iteration_s: solver_seconds per Newton iteration. update_state_ms:
+    one evaluation and one linearization; product_ms: one product; means over all frames. bytes_per_cell: peak memory
+    over cells. converged: every frame of the timeline was solved. state: `state_hash` of the last frame.
+    """
+
+    scene: str
+    spacing_mm: float
+    converged: bool
+    reason: str | None
+    frames: int
+    epochs: int
+    cells: int
+    grid_cells: int
+    mesh_cells: int
+    nodes: int
+    blocks: int
+    fine_voxels: int
+    threads: int
+    isa: str
+    seconds: float
+    solver_seconds: float
+    linear_seconds: float
+    newton_iterations: int
+    newton_median: float
+    pcg_iterations: int
+    newton_iteration_s: float
+    update_state_ms: float
+    product_ms: float
+    residual: float
+    largest_gap_mm: float
+    minimum_j: float
+    peak_bytes: float
+    bytes_per_cell: float
+    state: str
+
+
+def measure(
+    scene: str,
+    spacing: float,
+    threads: int,
+    isa: str,
+    epochs: int,
+    seconds: float,
+    headers: Sequence[Mapping[str, Any]],
+    state: str = "",
+) -> SceneMeasure:
+    """The row of a scene from the headers of its solved frames (fields of the message `frame`, PROTOCOL.md, and
+    `lattice`); `converged` is whether all these frames are. Raises RefusedError where there is no frame.
+    """
+    if not headers:
+        raise RefusedError(f"{scene}: no frame was solved, so there is nothing to measure.")
+    lattices = [header["lattice"] for header in headers]
+    largest = max(lattices, key=lambda lattice: int(lattice["cells"]))
+    newton = [int(header["newton"]) for header in headers]
+    solver_seconds = sum(float(header["seconds"]["total"]) for header in headers)
+    peak = max(float(header["peak_bytes"]) for header in headers)
+    reasons = [str(header.get("reason") or "no reason given") for header in headers if not header["converged"]]
+    update, product = pass_times(headers)
+    return SceneMeasure(
+        scene=scene,
+        spacing_mm=spacing,
+        converged=not reasons,
+        reason=reasons[0] if reasons else None,
+        frames=len(headers),
+        epochs=epochs,
+        cells=int(largest["cells"]),
+        grid_cells=int(largest["grid_cells"]),
+        mesh_cells=int(largest["mesh_cells"]),
+        nodes=int(largest["nodes"]),
+        blocks=int(largest["blocks"]),
+        fine_voxels=int(largest["fine_voxels"]),
+        threads=threads,
+        isa=isa,
+        seconds=seconds,
+        solver_seconds=solver_seconds,
+        linear_seconds=sum(float(header["seconds"]["linear"]) for header in headers),
+        newton_iterations=sum(newton),
+        newton_median=float(np.median(newton)),
+        pcg_iterations=sum(int(header["pcg"]) for header in headers),
+        newton_iteration_s=solver_seconds / max(sum(newton), 1),
+        update_state_ms=update,
+        product_ms=product,
+        residual=max(float(header["residual"]) for header in headers),
+        largest_gap_mm=max(float(header["largest_gap"]) for header in headers),
+        minimum_j=min(float(header["minimum_j"]) for header in headers),
+        peak_bytes=peak,
+        bytes_per_cell=peak / max(int(largest["cells"]), 1),
+        state=state,
+    )
+
+
+def pass_times(headers: Sequence[Mapping[str, Any]]) -> tuple[float, float]:
+    """Milliseconds of a state update (an evaluation and a linearization) and of a product, means over the frames."""
+
+    def mean(seconds: str, count: str) -> float:
+        total = sum(float(header["work"][seconds]) for header in headers)
+        return 1e3 * total / max(sum(int(header["work"][count]) for header in headers), 1)
+
+    update = mean("evaluation_seconds", "evaluations") + mean("linearization_seconds", "linearizations")
+    return update, mean("product_seconds", "products")
+
+
+def state_hash(nodes: NDArray[Any]) -> str:
+    """What names a result: a digest of the displacements (n, 3), in mm, rounded to `STATE_GRAIN`.
+
+    The same program, scene and instruction set give the same one on any number of threads; another one says that the
+    result changed, be it by rounding. The largest displacement follows it, to say by how much.
+    """
+    rounded = np.rint(np.asarray(nodes, np.float64) / STATE_GRAIN).astype("<i8")
+    digest = hashlib.blake2b(rounded.tobytes(), digest_size=6).hexdigest()
+    largest = float(np.sqrt((np.asarray(nodes, np.float64) ** 2).sum(axis=1).max(initial=0.0)))
+    return f"{digest} {largest:.3f} mm"
+
+
+def daemon_isa() -> str:
+    """The instruction set that the daemon chooses here."""
+    from lappet.client import SolverClient
+
+    with SolverClient() as client:
+        return str(client.welcome["isa"])
+
+
+def solve_scene(procedure: Path, spacing: float, folder: Path) -> SceneMeasure:
+    """Solves every frame of a procedure file at `spacing` mm into `folder` and measures it.
+
+    Raises RefusedError or ProcedureError where the procedure cannot be solved at all.
+    """
+    from lappet.solve import solve_procedure
+    from lappet.store import FrameStore
+
+    cache = folder / f"{procedure.stem}.usdc"
+    with tempfile.TemporaryDirectory(prefix="lappet-bench-") as store:
+        result = solve_procedure(procedure, cache, spacing=spacing, store=FrameStore(Path(store)))
+    frames = [*result.frames, *([result.failed] if result.failed else [])]
+    threads = result.program.settings.threads or cores()
+    row = measure(
+        procedure.stem,
+        spacing,
+        threads,
+        daemon_isa(),
+        len(result.program.epochs),
+        result.wall_seconds,
+        [frame.header for frame in frames],
+        state_hash(frames[-1].arrays["nodes"]) if frames else "",
+    )
+    if result.complete or not row.converged:
+        return row
+    raise RefusedError(f"{procedure.stem}: {result.reason or 'the solve was stopped.'}")
+
+
+@dataclass(frozen=True)
+class Scene:
+    """An example and the spacings (mm) that it is measured at."""
+
+    procedure: Path
+    moderate: float
+    fine: float | None
+
+
+def suite(examples: Path) -> list[Scene]:
+    """The scenes that `examples/sizes.toml` lists: tables of `moderate` and `fine` spacings in mm by folder name.
+
+    Raises RefusedError where it lists what is not there.
+    """
+    listed = examples / "sizes.toml"
+    sizes = tomllib.loads(listed.read_text("utf-8")) if listed.is_file() else {"z_plasty": {"moderate": 1.0}}
+    scenes = []
+    for name, spacing in sizes.items():
+        procedure = examples / name / f"{name}.usda"
+        if not procedure.is_file() or "moderate" not in spacing:
+            raise RefusedError(f"{listed}: [{name}] needs {procedure} and a spacing `moderate` in mm.")
+        fine = spacing.get("fine")
+        scenes.append(Scene(procedure, float(spacing["moderate"]), None if fine is None else float(fine)))
+    return scenes
