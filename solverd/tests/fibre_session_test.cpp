@@ -102,16 +102,15 @@ TEST(MuscleSession, AMuscleBetweenHeldEndsPullsByItsIsometricStressTimesActivati
 
 TEST(MuscleSession, AStretchedMuscleFollowsTheForceLengthCurve) {
   for (const double elongation : {-8.0, 8.0, 20.0}) {  // on the peak of the curve, and down its flank
-    SessionSettings s = muscular(30);
-    const Bar bar{40, 8, 8};
-    s.spacing = 2;
+    const SessionSettings s = muscular(12);            // weak enough that its falling flank does not make the bar neck
+    const Bar bar;
     Session session(s);
     session.set_epoch(bar_epoch(bar));
     const Gauge gauge = read_gauge(pull(session, elongation, {0.8}), bar);
     const Matrix3 f = free_sides(piola_of(s, 0.8), gauge.axial);
     EXPECT_NEAR(gauge.lateral_y, f(1, 1), 1e-2 * f(1, 1)) << elongation;
-    const double force = piola_of(s, 0.8)(f)(0, 0), passive = isotropic_piola(s.materials[0], f)(0, 0);
-    EXPECT_NEAR(pulling_force(session, elongation, 0.2, {0.8}) / bar.area(), force, 1e-2 * std::abs(force - passive));
+    const double force = piola_of(s, 0.8)(f)(0, 0);
+    EXPECT_NEAR(pulling_force(session, elongation, 0.2, {0.8}) / bar.area(), force, 1e-2 * force);
   }
 }
 
