@@ -35,6 +35,7 @@ FOLDERS = (
     "rhomboid_scalp",
     "dufourmentel_mouly_scalp",
     "dual_s_plasty",
+    "prestretched_incision",
 )
 
 
@@ -263,3 +264,37 @@ def test_a_scene_has_the_cells_that_the_table_of_sizes_promises(folder: str) -> 
     assert 280_000 < sizes["fine"]["cells"] < 970_000
     for size in sizes.values():
         assert measure.lattice(size["spacing"]).cells == pytest.approx(size["cells"], rel=0.2)
+
+
+@pytest.mark.slow
+def test_a_cut_across_the_tension_lines_gapes_more_than_one_along_them_and_taut_skin_more_than_slack(
+    tmp_path: Path,
+) -> None:
+    module = script("prestretched_incision")
+
+    def gapes(frame: dict[str, Any]) -> NDArray[np.float64]:
+        at = {name: np.array(position) for name, position in frame["landmarks"].items()}
+        cuts = [f"{cut} the lines" for cut in ("along", "across")]
+        return np.array([np.linalg.norm(at[f"{cut} 1"] - at[f"{cut} 2"]) for cut in cuts]) - 2 * module.EDGE
+
+    frames = solved("prestretched_incision", 2.0, tmp_path)["frames"]
+    assert all(frame["converged"] for frame in frames)
+    assert min(frame["minimum_j"] for frame in frames) > 0.9
+    for frame in frames[: module.ALONG - 1]:  # intact taut skin is in balance
+        assert frame["newton_iterations"] == 0
+        assert gapes(frame) == pytest.approx([0.0, 0.0], abs=1e-3)
+    opened = gapes(frames[module.ALONG - 1])
+    assert opened[0] > 3.0
+    assert opened[1] == pytest.approx(0.0, abs=0.02)
+    along, across = gapes(frames[-1])
+    assert along == pytest.approx(opened[0], abs=0.2)  # the second cut is far from the first
+    assert 1.3 * along < across < 2.5 * along
+    assert across < 0.5 * module.LENGTH
+
+    for prestretch, least, most in (((1.0, 1.0), -1e-3, 1e-3), ((1.1, 1.04), 0.3, 0.8)):
+        procedure = module.build(spacing=2.0, prestretch=prestretch)
+        result = solve_procedure(procedure, tmp_path / "less.usdc", store=FrameStore(tmp_path / "less"))
+        assert result.complete, result.reason
+        less = gapes(report(result)["frames"][-1])
+        assert (less >= least * np.array([along, across])).all()
+        assert (less <= most * np.array([along, across])).all()

@@ -185,10 +185,11 @@ class SolverClient:
             "landmark_triangles": np.asarray(marks.triangles, np.int32),
         }
         fields: dict[str, Any] = {"index": int(epoch.index)}
-        if len(epoch.regions):
-            fields["regions"] = _regions(epoch.regions)
+        if len(epoch.regions.skin_triangles):
             arrays["skin_points"] = np.asarray(epoch.regions.skin_points, np.float64)
             arrays["skin_triangles"] = np.asarray(epoch.regions.skin_triangles, np.int32)
+        if len(epoch.regions):
+            fields["regions"] = _regions(epoch.regions)
             arrays["region_faces"] = np.asarray(epoch.regions.faces, np.uint8)
         self._epoch = None
         reply = expect(self._connection.request("epoch", fields, arrays), "lattice")

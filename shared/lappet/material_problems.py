@@ -104,6 +104,10 @@ def region_problems(procedure: Procedure) -> list[Problem]:
         elif skin is not None and region.faces in tissue.subsets and not skin[tissue.subsets[region.faces]].any():
             sentence = f"The region lies below the subset {region.faces!r}, none of whose faces is skin."
             add(region.faces, sentence, "Select faces of the skin; fixed and bed faces are none.")
+    models = dict.fromkeys(material.model for material in procedure.materials_in_use())
+    if len(models) > 1:
+        sentence = f"The materials of the tissue are of the models {', '.join(models)}."
+        problems.append(Problem(TISSUE, ", ".join(models), sentence, "Give all materials in use the same lappet:model."))
     for what, count, most in (
         ("regions", len(tissue.regions), MOST_REGIONS),
         ("materials", len(procedure.materials_in_use()), MOST_MATERIALS),

@@ -29,9 +29,8 @@ def materials_in_use(procedure: Procedure) -> tuple[Material, ...]:
 def parameters(material: Material) -> MaterialParameters:
     """A material as the daemon is told it: what has no effect is as in any other, so that it changes no key."""
     fibres, plain = material.has_fibers, MaterialParameters()
-    directed = fibres or material.has_muscle or material.has_prestretch
     direction = np.asarray(material.fiber_direction, np.float64)
-    x, y, z = (float(v) for v in direction / np.linalg.norm(direction)) if directed else plain.fibre_direction
+    x, y, z = (float(v) for v in direction / np.linalg.norm(direction)) if material.has_direction else plain.fibre_direction
     return MaterialParameters(
         model=material.model,
         youngs_modulus=float(material.youngs_modulus),
@@ -62,12 +61,13 @@ def _activation(material: Material, time: float) -> float:
 
 
 def region_program(procedure: Procedure, materials: Sequence[Material]) -> Regions:
-    """The regions of the tissue over the triangles of its uncut skin; none for a tissue without.
+    """The regions of the tissue over the triangles of its uncut skin.
 
-    materials: the table that the regions index. Raises RefusedError for a region whose face subset is not there.
+    Nothing for a tissue without regions whose materials have no direction: then the skin is not needed. materials: the
+    table that the regions index. Raises RefusedError for a region whose face subset is not there.
     """
     tissue = procedure.tissue
-    if not tissue.regions:
+    if not tissue.regions and not any(material.has_direction for material in materials):
         return Regions()
     surface = tissue_surface(tissue)
     skin = surface.origin == FaceOrigin.SKIN
@@ -82,7 +82,7 @@ def region_program(procedure: Procedure, materials: Sequence[Material]) -> Regio
     return Regions(
         skin_points=surface.points[used],
         skin_triangles=triangles.reshape(-1, 3).astype(np.int32),
-        faces=np.array([surface.grips[region.faces][skin] for region in tissue.regions]),
+        faces=np.array([surface.grips[region.faces][skin] for region in tissue.regions], bool).reshape(-1, skin.sum()),
         material=np.array([names.index(region.material) for region in tissue.regions], np.int32),
         depth_from=np.array([region.depth_from for region in tissue.regions], np.float64),
         depth_to=np.array([region.depth_to for region in tissue.regions], np.float64),

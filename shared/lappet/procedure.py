@@ -99,6 +99,11 @@ class Material:
         """Whether it is stretched in vivo."""
         return self.prestretch != (1.0, 1.0)
 
+    @property
+    def has_direction(self) -> bool:
+        """Whether `fiber_direction` has an effect: it runs along the skin."""
+        return self.has_fibers or self.has_muscle or self.has_prestretch
+
 
 @dataclass(frozen=True)
 class Region:

@@ -54,7 +54,8 @@ def _no(shape: tuple[int, ...], kind: type) -> NDArray[Any]:
 class Regions:
     """The parts of the tissue that are of other materials than the first of `SolverSettings.materials`.
 
-    skin_points: (s, 3) float64, mm, and skin_triangles: (t, 3) int32: the outer skin before any cut. faces: (R, t)
+    skin_points: (s, 3) float64, mm, and skin_triangles: (t, 3) int32: the outer skin before any cut, there also without
+    regions where a material has a direction, which runs along it; else empty. faces: (R, t)
     bool, the skin above each region. material: (R,) int32, index into `SolverSettings.materials`. depth_from, depth_to:
     (R,) float64, mm below the skin; infinite for no end. Of the regions that hold a place the last one counts.
     """

@@ -126,6 +126,34 @@ TEST(CellMaterials, TheLayersOfABallAreShells) {
   EXPECT_NEAR(inner * 0.125, 4.0 / 3.0 * 3.14159265 * 64, 0.05 * 4.0 / 3.0 * 3.14159265 * 64);
 }
 
+TEST(CellMaterials, CellsOfADirectedMaterialHaveTheNormalOfTheSkinAboveThem) {
+  const Surface ball = test::sphere({0, 0, 0}, 6.0, 24);
+  LatticeSettings settings;
+  settings.spacing = 0.5;
+  settings.origin = Vec3(-6, -6, -6);
+  const Lattice lattice = build_lattice(ball, settings);
+  auto directed = table(2);
+  directed[1].fibre_k1 = 10;
+  EXPECT_TRUE(assign_materials(lattice, table(2), ball, {}).normal_of_cell.empty());
+  const CellMaterials materials = assign_materials(lattice, directed, ball, {});
+  ASSERT_EQ(materials.normal_of_cell.size(), lattice.cell_position.size());
+  EXPECT_TRUE(materials.of_cell.empty());
+  for (std::size_t c = 0; c < lattice.cell_position.size(); ++c) {
+    const Vec3 radius = middle(lattice, c);
+    if (radius.norm() < 3) continue;  // further in a facet's width counts
+    EXPECT_GT(materials.normal_of_cell[c].cast<double>().dot(radius.normalized()), std::cos(2.5 * 3.1416 / 180));
+  }
+}
+
+TEST(CellMaterials, BelowAFlatSkinNoNormalIsKeptUnlessADirectionHasToBeTurned) {
+  const Lattice lattice = lattice_of(test::box({0, 0, 0}, {8, 6, 5}), 1.0);
+  auto directed = table(1);
+  directed[0].prestretch = {1.2, 1.1};
+  EXPECT_TRUE(assign_materials(lattice, directed, top(8, 6, 5), {}).normal_of_cell.empty());
+  directed[0].fibre_direction = Vec3(0.8, 0, 0.6);
+  EXPECT_FALSE(assign_materials(lattice, directed, top(8, 6, 5), {}).normal_of_cell.empty());
+}
+
 TEST(CellMaterials, WithoutRegionsNothingIsKeptPerCell) {
   const Lattice lattice = lattice_of(test::box({0, 0, 0}, {4, 4, 4}), 1.0);
   const CellMaterials materials = assign_materials(lattice, table(1), {}, {});

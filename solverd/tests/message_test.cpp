@@ -367,6 +367,12 @@ TEST(Codec, RegionsComeWithTheSkinThatTheyLieBelow) {
   EXPECT_EQ(epoch.regions[1].faces, (std::vector<std::uint8_t>{0, 1}));
   EXPECT_TRUE(says(refusal_of([&] { decode(with_regions(), 1); }), ErrorCode::kInvalidInput, "'material'"));
   EXPECT_TRUE(says(refusal_of([&] { decode(with_regions(false), 2); }), ErrorCode::kMalformed, "'region_faces'"));
+  MessageWriter skin_alone = message();  // for the directions of materials
+  skin_alone.array("skin_points", std::span<const double>(points), {4, 3});
+  EXPECT_TRUE(says(refusal_of([&] { decode(skin_alone, 1); }), ErrorCode::kMalformed, "'skin_triangles'"));
+  skin_alone.array("skin_triangles", std::span<const std::int32_t>(triangles), {2, 3});
+  EXPECT_EQ(decode(skin_alone, 1).skin.triangles.size(), 2U);
+  EXPECT_TRUE(decode(skin_alone, 1).regions.empty());
   MessageWriter stray = message();
   stray.array("region_faces", std::span<const std::uint8_t>(faces), {2, 2});
   EXPECT_TRUE(says(refusal_of([&] { decode(stray, 2); }), ErrorCode::kMalformed, "'region_faces'"));

@@ -22,8 +22,8 @@ struct MaterialRegion {
 
 // The material of a cell is that of the last region that holds the skin's triangle closest to the cell's centre and
 // the distance to it; where none does, table[0]. Where a material has a direction (fibres, muscle, prestretch) each
-// cell gets the normal of that triangle too. `skin` need not be closed; it may be empty without regions. At most 256
-// materials.
+// cell gets the skin's normal at the closest point too, unless all of them are z. `skin` need not be closed; it may be
+// empty without regions. At most 256 materials.
 CellMaterials assign_materials(const Lattice& lattice, std::vector<MaterialParameters> table, const Surface& skin,
                                std::span<const MaterialRegion> regions);
 

@@ -73,6 +73,8 @@ void Elastic<Real>::fill_cells() {
   const auto lanes = static_cast<std::size_t>(layout_.lanes);
   const double h = lattice_.settings.spacing;
   material_.assign((uniform_ ? 1 : layout_.slots() / lanes) * kMaterialFields * lanes, Real(0));
+  std::vector<double> third;  // prestretch of each material
+  for (const auto& material : materials_.table) third.push_back(free_prestretch(material));
   const auto describe = [&](std::size_t place, std::size_t lane, const MaterialParameters& m, const Vec3& normal) {
     Real* record = &material_[place * kMaterialFields * lanes + lane];
     const auto put = [&](int field, double value) {
@@ -90,7 +92,8 @@ void Elastic<Real>::fill_cells() {
     for (int i = 0; i < 3; ++i) put(kFibreDirection + i, direction[i]);
     if (!features_.prestretched) return;
     const bool upright = normal.cross(direction).norm() < 1e-3;
-    const Eigen::Matrix3d a = prestretch_matrix(turned, upright ? direction.unitOrthogonal() : normal);
+    const Eigen::Matrix3d a = prestretch_matrix(turned, upright ? direction.unitOrthogonal() : normal,
+                                                third[static_cast<std::size_t>(&m - materials_.table.data())]);
     int k = 0;
     for (int i = 0; i < 3; ++i)
       for (int j = i; j < 3; ++j, ++k) put(kPrestretch + k, a(i, j));

@@ -19,7 +19,7 @@ struct MaterialParameters {
   double fibre_k1 = 0.0;                                       // kPa; 0: no fibres
   double fibre_k2 = 0.0, fibre_dispersion = 0.0;               // kappa in [0, 1/3]
   double muscle_stress = 0.0;                                  // kPa, greatest isometric stress; 0: no muscle
-  // In-vivo stretch along and across the fibre direction; the third follows from constant volume.
+  // In-vivo stretch along and across the fibre direction; the third is that of a free surface (prestretch.h).
   std::array<double, 2> prestretch{1.0, 1.0};
 
   bool has_fibres() const { return fibre_k1 > 0.0; }

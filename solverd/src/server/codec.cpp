@@ -126,7 +126,6 @@ void decode_regions(FieldReader& reader, ArrayReader& arrays, std::int32_t mater
     region.to_depth = entry.number("to_depth", region.to_depth);
     epoch.regions.push_back(std::move(region));
   });
-  epoch.skin = decode_surface(arrays, "skin_points", "skin_triangles", "skin points");
   const std::size_t count = epoch.skin.triangles.size();
   const auto faces = arrays.read<std::uint8_t>("region_faces", {length(epoch.regions.size()), length(count)});
   for (std::size_t r = 0; r < epoch.regions.size(); ++r) {
@@ -190,6 +189,8 @@ EpochInput decode_epoch(const Header& header, ArrayFrames frames, std::int32_t r
   epoch.index = integer_field(reader, "index", 0);
   epoch.surface = decode_surface(arrays, "points", "triangles", "surface points");
   const auto count = static_cast<std::int32_t>(epoch.surface.triangles.size());
+  if (reader.has("regions") || arrays.has("skin_points") || arrays.has("skin_triangles"))
+    epoch.skin = decode_surface(arrays, "skin_points", "skin_triangles", "skin points");
   if (reader.has("regions")) decode_regions(reader, arrays, materials, epoch);
   reader.finish();
   epoch.fixed = arrays.read<std::uint8_t>("fixed", {count});

@@ -7,6 +7,7 @@
 #include <map>
 
 #include "force/attachments.h"
+#include "force/prestretch.h"
 #include "lattice/refused.h"
 
 namespace lappet {
@@ -63,6 +64,11 @@ void check_material(const MaterialParameters& m, std::size_t i) {
   for (const double stretch : m.prestretch)
     require(stretch >= kLeastPrestretch && stretch <= kMostPrestretch,
             "a prestretch of material {} is {}; it must be {} to {}", i, stretch, kLeastPrestretch, kMostPrestretch);
+  try {
+    free_prestretch(m);
+  } catch (const RefusedError& error) {
+    throw RefusedError(error.code(), fmt::format("material {}: {}", i, error.what()));
+  }
 }
 
 void check_regions(const EpochInput& epoch, const SessionSettings& settings) {
@@ -149,6 +155,10 @@ void check_settings(const SessionSettings& s) {
   require(!s.materials.empty() && s.materials.size() <= kMostMaterials,
           "the session has {} materials; give 1 to {}, the first for the tissue", s.materials.size(), kMostMaterials);
   for (std::size_t i = 0; i < s.materials.size(); ++i) check_material(s.materials[i], i);
+  for (std::size_t i = 1; i < s.materials.size(); ++i)
+    require(s.materials[i].model == s.materials[0].model,
+            "material {} is of the model '{}' but material 0 of '{}'; give all materials of one tissue the same model",
+            i, s.materials[i].model, s.materials[0].model);
   check_bones(s.bones);
 }
 

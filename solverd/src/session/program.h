@@ -44,7 +44,9 @@ struct EpochInput {
   std::vector<std::int32_t> grip;   // per triangle: index of the retractor that grips it, or -1
   std::vector<Vec3> landmarks;      // rest points
   std::vector<std::int32_t> landmark_triangles;
-  Surface skin;  // the outer skin before any cut, from which the regions measure their depth; may be empty without any
+  // The outer skin before any cut: regions measure their depth from it, fibres and prestretch run along it. May be
+  // empty without regions; directions are then taken as they are, in tissue whose skin is upright to z.
+  Surface skin;
   std::vector<MaterialRegion> regions;
 };
 

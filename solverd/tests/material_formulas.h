@@ -1,0 +1,48 @@
+// The stress of every material in forms that share nothing with the solver's: tensors instead of singular values.
+#pragma once
+#include <Eigen/Dense>
+#include <cmath>
+
+#include "force/material_parameters.h"
+
+namespace lappet {
+
+// First Piola stress of the isotropic part, kPa.
+//   corotated: 2 mu (F - R) + lambda tr(R^T F - I) R          stable: mu (F - F^-T J) + (lambda + mu)(J - 1) J F^-T
+//   neo-Hookean: mu (F - F^-T) + lambda ln J F^-T
+//   Mooney-Rivlin: Cauchy stress kappa ln J / J I + 2/J dev[(m10 + m01 tr b) b - m01 b^2], b = J^-2/3 F F^T
+inline Eigen::Matrix3d isotropic_piola(const MaterialParameters& m, const Eigen::Matrix3d& f) {
+  using Matrix = Eigen::Matrix3d;
+  const double j = f.determinant(), mu = m.mu(), lambda = m.lambda();
+  const Matrix inverse = f.inverse().transpose();
+  if (m.model == "neoHookean") return mu * (f - inverse) + lambda * std::log(j) * inverse;
+  if (m.model == "stableNeoHookean") return mu * (f - j * inverse) + (lambda + mu) * (j - 1) * j * inverse;
+  if (m.model == "corotated") {
+    const Eigen::SelfAdjointEigenSolver<Matrix> right(f.transpose() * f);
+    const Matrix rotation = f * right.operatorInverseSqrt();
+    return 2 * mu * (f - rotation) + lambda * ((rotation.transpose() * f).trace() - 3) * rotation;
+  }
+  const double m10 = mu / 2 / (1 + m.mooney_ratio), m01 = m.mooney_ratio * m10, kappa = lambda + 2 * mu / 3;
+  const Matrix b = std::pow(j, -2.0 / 3) * f * f.transpose();
+  const Matrix stress = (m10 + m01 * b.trace()) * b - m01 * b * b;
+  const Matrix deviator = stress - stress.trace() / 3 * Matrix::Identity();
+  return (kappa * std::log(j) * Matrix::Identity() + 2 * deviator) * inverse;
+}
+
+// Fibres (Gasser, Ogden, Holzapfel 2006, equations 4.1 to 4.3) and muscle (Blemker, Pinsky, Delp 2005, table 1).
+inline Eigen::Matrix3d fibre_piola(const MaterialParameters& m, const Eigen::Matrix3d& f, double activation = 0) {
+  const Eigen::Vector3d a = m.fibre_direction;
+  const Eigen::Matrix3d structure =
+      m.fibre_dispersion * Eigen::Matrix3d::Identity() + (1 - 3 * m.fibre_dispersion) * a * a.transpose();
+  const double e = std::max((structure * (f.transpose() * f)).trace() - 1, 0.0);
+  const double stretch = (f * a).norm(), off = std::abs(stretch - 1);
+  const double curve = off < 0.4 ? 1 - 4 * off * off : off < 0.6 ? 9 * (off - 0.6) * (off - 0.6) : 0.0;
+  return 2 * m.fibre_k1 * e * std::exp(m.fibre_k2 * e * e) * f * structure +
+         activation * m.muscle_stress * curve / stretch * f * a * a.transpose();
+}
+
+inline Eigen::Matrix3d full_piola(const MaterialParameters& m, const Eigen::Matrix3d& f, double activation = 0) {
+  return isotropic_piola(m, f) + fibre_piola(m, f, activation);
+}
+
+}  // namespace lappet
