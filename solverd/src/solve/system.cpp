@@ -314,8 +314,8 @@ Eigen::Matrix4d System<Real>::motion_towards(const Eigen::Matrix4d& motion, doub
   const Eigen::Quaterniond to(Eigen::Matrix3d(motion.topLeftCorner<3, 3>()));
   Eigen::Matrix4d result = Eigen::Matrix4d::Identity();
   result.topLeftCorner<3, 3>() = from.slerp(fraction, to).toRotationMatrix();
-  const Eigen::Vector4d place = (1.0 - fraction) * (present * centre.homogeneous()) +
-                                fraction * (motion * centre.homogeneous());
+  const Eigen::Vector4d place =
+      (1.0 - fraction) * (present * centre.homogeneous()) + fraction * (motion * centre.homogeneous());
   result.topRightCorner<3, 1>() = place.head<3>() - result.topLeftCorner<3, 3>() * centre;
   return result;
 }

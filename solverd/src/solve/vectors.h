@@ -1,6 +1,7 @@
 // Vector operations with a fixed order of summation, whatever the number of threads; dot products in double.
 #pragma once
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <span>
 #include <vector>
@@ -30,6 +31,13 @@ void copy(std::span<const Real> from, std::span<Real> to) {
 template <class Real>
 void scale(Real factor, std::span<Real> y) {
   for_each_index(y.size(), [&](std::size_t i) { y[i] *= factor; });
+}
+
+template <class Real>
+double largest(std::span<const Real> a) {
+  double most = 0.0;
+  for (const Real x : a) most = std::max(most, std::abs(static_cast<double>(x)));
+  return most;
 }
 
 // y += a x
