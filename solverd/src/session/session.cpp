@@ -13,7 +13,10 @@
 
 #include "lattice/blocks.h"
 #include "lattice/refused.h"
+#include "session/attempts.h"
 #include "session/checks.h"
+#include "session/fit_to_start.h"
+#include "session/reach.h"
 #include "session/surface_fields.h"
 #include "solve/equilibrium.h"
 
@@ -39,11 +42,11 @@ constexpr double kContactPenalty = 10.0;
 constexpr double kBoneSpacing = 0.5, kBoneDepth = 3.0;
 // Tissue that lies deeper in bone at rest is refused; what is less deep is pushed out. In spacings.
 constexpr double kMostRestPenetration = 0.5;
-// A frame that fails is tried again in this many load steps at most.
-constexpr int kMostLoadSteps = 16;
-// All load steps of a frame together may take this many times max_newton iterations: a frame without an equilibrium
-// ends.
+// All load steps of a frame together may take this many times max_newton iterations, and as many from rest: a frame
+// without an equilibrium ends.
 constexpr int kNewtonBudget = 4;
+// Two equilibria whose energies differ by less are the same.
+constexpr double kSameEnergy = 1e-6;
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -152,6 +155,11 @@ class TypedSession : public Session::Implementation {
                                        settings_.retractors, settings_.bed_stiffness, settings_.gravity);
     system_->set_contact(std::move(contact));
     preconditioner_ = std::make_unique<TwoLevel<Real>>(*system_, kChebyshevDegree);
+    lowest_ = highest_ = epoch.surface.points.front();
+    for (const Vec3& point : epoch.surface.points) {
+      lowest_ = lowest_.cwiseMin(point);
+      highest_ = highest_.cwiseMax(point);
+    }
     u_ = std::move(u);
     held_multipliers_ = std::move(held);
     landmarks_.clear();
@@ -188,6 +196,12 @@ class TypedSession : public Session::Implementation {
     return contact;
   }
 
+  void return_to_rest() {
+    std::fill(u_.begin(), u_.end(), Real(0));
+    std::fill(suture_multipliers_.begin(), suture_multipliers_.end(), 0.0);
+    held_multipliers_.clear();
+  }
+
   // The frame at a fraction of the way from where the constraints are now.
   FrameInput partway(const FrameInput& frame, double s) const {
     FrameInput result = frame;
@@ -219,6 +233,16 @@ class TypedSession : public Session::Implementation {
   }
   Vec3 where(const Anchor& anchor) const { return position<Real>(*lattice_, embed(anchor), u_); }
 
+  // Remembers how far apart the ends of new sutures are.
+  void place_sutures(const FrameInput& frame) {
+    for (const auto& suture : frame.sutures) {
+      double* gap = &suture_gaps_[3 * static_cast<std::size_t>(suture.index)];
+      if (!std::isnan(gap[0])) continue;
+      const Vec3 now = where(suture.a) - where(suture.b);
+      for (int i = 0; i < 3; ++i) gap[i] = now[i];
+    }
+  }
+
   // Turns a frame into the system's constraints at the present state.
   void constrain(const FrameInput& frame) {
     std::vector<std::int32_t> active;
@@ -237,17 +261,14 @@ class TypedSession : public Session::Implementation {
       else
         std::fill(held.begin(), held.end(), 0.0);
     }
+    place_sutures(frame);
     std::vector<Tie> ties;
     for (const auto& hook : frame.hooks)
       ties.push_back(make_hook(*lattice_, embed(hook.anchor), hook.target, hook.stiffness));
     const double unit = settings_.materials[0].youngs_modulus * settings_.spacing;
     for (const auto& suture : frame.sutures) {
       const auto a = embed(suture.a), b = embed(suture.b);
-      double* gap = &suture_gaps_[3 * static_cast<std::size_t>(suture.index)];
-      if (std::isnan(gap[0])) {
-        const Vec3 now = position<Real>(*lattice_, a, u_) - position<Real>(*lattice_, b, u_);
-        for (int i = 0; i < 3; ++i) gap[i] = now[i];
-      }
+      const double* gap = &suture_gaps_[3 * static_cast<std::size_t>(suture.index)];
       const double* multiplier = &suture_multipliers_[3 * static_cast<std::size_t>(suture.index)];
       ties.push_back(make_suture(*lattice_, a, b, (1.0 - suture.closure) * Vec3(gap[0], gap[1], gap[2]),
                                  std::clamp(suture.stiffness, kLeastSuturePenalty * unit, kMostSuturePenalty * unit),
@@ -287,28 +308,75 @@ class TypedSession : public Session::Implementation {
       if (progress) progress({frame.time, output.newton_iterations + newton, residual, gap});
     };
     EquilibriumOutcome outcome;
-    for (int steps = 1; steps <= kMostLoadSteps; steps *= 2) {
-      restore(before);
+    // Goes to the frame in load steps; returns the one that failed, or their number.
+    const auto attempt = [&](int steps, int budget) {
       preconditioner_->restart();
       std::vector<FrameInput> path;
       for (int step = 1; step < steps; ++step) path.push_back(partway(frame, static_cast<double>(step) / steps));
       path.push_back(frame);
-      for (const auto& part : path) {
-        constrain(part);
-        options.max_newton =
-            std::min(settings_.max_newton, kNewtonBudget * settings_.max_newton - output.newton_iterations);
+      output.load_steps = steps;
+      for (int step = 0; step < steps; ++step) {
+        constrain(path[static_cast<std::size_t>(step)]);
+        options.max_newton = std::min(settings_.max_newton, budget - output.newton_iterations);
         outcome = find_equilibrium<Real>(*system_, *preconditioner_, u_, options, watcher);
         output.newton_iterations += outcome.newton_iterations;
         output.pcg_iterations += outcome.pcg_iterations;
         output.seconds_update += outcome.seconds_update;
         output.seconds_linear += outcome.seconds_linear;
         output.seconds_setup += outcome.seconds_setup;
-        if (!outcome.converged) break;
-        keep_multipliers(part);
+        if (!outcome.converged) return step;
+        keep_multipliers(path[static_cast<std::size_t>(step)]);
       }
-      output.load_steps = steps;
-      if (outcome.converged || watcher.stop() || output.newton_iterations >= kNewtonBudget * settings_.max_newton)
+      return steps;
+    };
+    const bool fit = fit_to_start<Real>(*lattice_, u_);
+    const bool moved = std::any_of(u_.begin(), u_.end(), [](Real x) { return x != Real(0); });
+    Attempts attempts(fit && moved);
+    int budget = kNewtonBudget * settings_.max_newton;
+    // An equilibrium with inverted cells, until one from rest confirms it.
+    std::optional<std::pair<EquilibriumOutcome, Snapshot>> doubtful;
+    const auto start_over = [&] {
+      attempts.start_over();
+      budget = output.newton_iterations + kNewtonBudget * settings_.max_newton / 2;
+    };
+    const std::string beyond = beyond_reach(frame, settings_.materials[0].youngs_modulus, lowest_, highest_,
+                                            [&](const Anchor& anchor) { return where(anchor); });
+    if (!beyond.empty()) {
+      constrain(frame);
+      outcome.reason = beyond;
+    }
+    while (beyond.empty() && attempts.next()) {
+      const Attempt next = *attempts.next();
+      restore(before);
+      if (next.from_rest && moved) {
+        if (fit) place_sutures(frame);
+        return_to_rest();
+      }
+      const int reached = attempt(next.load_steps, budget);
+      if (outcome.converged && outcome.inverted > 0 && !next.from_rest) {
+        doubtful.emplace(outcome, snapshot());
+        start_over();
+      } else if (outcome.converged || watcher.stop()) {
         break;
+      } else if (output.newton_iterations < budget) {
+        attempts.failed(reached, outcome.residual);
+        if (attempts.next() && attempts.next()->from_rest && !next.from_rest) start_over();
+      } else if (next.from_rest) {
+        break;
+      } else {
+        start_over();
+      }
+    }
+    if (doubtful && outcome.converged &&
+        doubtful->first.energy <= outcome.energy + kSameEnergy * std::abs(outcome.energy)) {
+      outcome = doubtful->first;
+      restore(doubtful->second);
+      constrain(frame);
+    } else if (doubtful && !outcome.converged) {
+      outcome.reason = fmt::format(
+          "{} cells are inverted in the equilibrium found from the frame before, and none is found from rest "
+          "to confirm it ({}); make smaller steps between frames or a smaller spacing",
+          doubtful->first.inverted, outcome.reason);
     }
     if (!outcome.converged && watcher.stop()) {
       restore(before);
@@ -377,6 +445,7 @@ class TypedSession : public Session::Implementation {
   std::unique_ptr<TwoLevel<Real>> preconditioner_;
   std::vector<Real> u_;
   std::vector<EmbeddedPoint> landmarks_;
+  Vec3 lowest_ = Vec3::Zero(), highest_ = Vec3::Zero();                                   // of the surface at rest
   std::vector<double> suture_gaps_, suture_multipliers_, held_multipliers_, activation_;  // the last one per material
 };
 

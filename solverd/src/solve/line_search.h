@@ -27,7 +27,7 @@ class LineSearch {
   StepTaken descend(std::span<Real> u, std::span<const Real> step, const Evaluation& before, double slope,
                     double curvature) {
     StepTaken taken;
-    double alpha = std::min(1.0, kStepCap * system_.lattice().settings.spacing / std::max(largest(step), 1e-300));
+    double alpha = std::min(1.0, kStepCap * system_.lattice().settings.spacing / std::max(largest<Real>(step), 1e-300));
     alpha = system_.largest_step(u, step, alpha);
     const double slack = 1e-12 * std::abs(before.energy);  // what rounding leaves of an energy
     while (true) {
@@ -90,11 +90,6 @@ class LineSearch {
 
   bool stays_upright(const Evaluation& before, const Evaluation& now, double alpha) const {
     return inverts_ || now.inverted <= before.inverted || alpha < kLeastUpright;
-  }
-  static double largest(std::span<const Real> step) {
-    double most = 0.0;
-    for (const Real s : step) most = std::max(most, std::abs(static_cast<double>(s)));
-    return most;
   }
   Evaluation at(std::span<const Real> u, std::span<const Real> step, double alpha) {
     for (std::size_t i = 0; i < u.size(); ++i) trial_[i] = u[i] + static_cast<Real>(alpha) * step[i];

@@ -17,6 +17,8 @@ class TangentChoice {
     exact_pause_ = kIndefinitePause + 1;
     return fallback_;
   }
+  // After a jump the model is bad: clamped modes would take steps that the line search cuts to nothing.
+  void jumped() { fallback_ = Definiteness::kAbsolute; }
   void iteration_done() { exact_pause_ = std::max(0, exact_pause_ - 1); }
   // ratio: actual to predicted decrease of the energy in a step with the tangent `used`.
   void agreed(double ratio, Definiteness used) {
@@ -34,8 +36,7 @@ class TangentChoice {
   static constexpr double kModelAgreement = 0.01;
   static constexpr int kIndefinitePause = 3;  // iterations before the exact tangent is tried again
 
-  // After a jump the model is bad: clamped modes would take steps that the line search cuts to nothing.
-  Definiteness fallback_ = Definiteness::kAbsolute;
+  Definiteness fallback_ = Definiteness::kClamp;
   int exact_pause_ = 0;
 };
 

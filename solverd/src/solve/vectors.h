@@ -2,6 +2,7 @@
 #pragma once
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <span>
 #include <vector>
@@ -55,6 +56,13 @@ double dot(std::span<const Real> a, std::span<const Real> b) {
 template <class Real>
 void copy(std::span<const Real> from, std::span<Real> to) {
   std::copy(from.begin(), from.end(), to.begin());
+}
+
+template <class Real>
+double largest(std::span<const Real> a) {
+  double most = 0.0;
+  for (const Real x : a) most = std::max(most, std::abs(static_cast<double>(x)));
+  return most;
 }
 
 // y += a x
