@@ -114,6 +114,23 @@ def test_scenes_come_from_the_list_of_sizes(tmp_path: Path) -> None:
         scenes.suite(tmp_path)
 
 
+@pytest.mark.slow
+@pytest.mark.timeout(240)
+def test_a_scene_is_solved_and_its_state_is_how_far_its_surface_went(binary: Path, tmp_path: Path) -> None:
+    from lappet.usd_stage import write_procedure
+    from small_procedure import small_procedure
+
+    file = tmp_path / "small.usda"
+    write_procedure(small_procedure(), file)
+    found = scenes.solve_scene(file, 2.0, tmp_path)
+    assert found.converged
+    assert found.isa
+    assert found.cells == found.grid_cells + found.mesh_cells
+    assert found.update_state_ms > 0
+    assert found.product_ms > 0
+    assert 0 < float(found.state.split()[1]) < 50
+
+
 # --- kernels -----------------------------------------------------------------------------------------------------
 
 

@@ -14,7 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lappet.bench.circumstances import cores
+from lappet.program import Program
 from lappet.refused import RefusedError
+from lappet.solve import FrameResult
 
 STATE_GRAIN = 0.01  # mm
 
@@ -126,15 +128,21 @@ def pass_times(headers: Sequence[Mapping[str, Any]]) -> tuple[float, float]:
     return update, mean("product_seconds", "products")
 
 
-def state_hash(nodes: NDArray[Any]) -> str:
-    """What names a result: a digest of the displacements (n, 3), in mm, rounded to `STATE_GRAIN`.
+def _displacements(program: Program, frame: FrameResult) -> NDArray[np.float64]:
+    """Of the surface's points, (n, 3) mm."""
+    rest = next(epoch.surface.points for epoch in program.epochs if epoch.index == frame.constraints.epoch)
+    return np.asarray(frame.arrays["points"], np.float64) - rest
+
+
+def state_hash(displacements: NDArray[Any]) -> str:
+    """What names a result: a digest of displacements (n, 3), in mm, rounded to `STATE_GRAIN`.
 
     The same program, scene and instruction set give the same one on any number of threads; another one says that the
     result changed, be it by rounding. The largest displacement follows it, to say by how much.
     """
-    rounded = np.rint(np.asarray(nodes, np.float64) / STATE_GRAIN).astype("<i8")
+    rounded = np.rint(np.asarray(displacements, np.float64) / STATE_GRAIN).astype("<i8")
     digest = hashlib.blake2b(rounded.tobytes(), digest_size=6).hexdigest()
-    largest = float(np.sqrt((np.asarray(nodes, np.float64) ** 2).sum(axis=1).max(initial=0.0)))
+    largest = float(np.sqrt((np.asarray(displacements, np.float64) ** 2).sum(axis=1).max(initial=0.0)))
     return f"{digest} {largest:.3f} mm"
 
 
@@ -167,7 +175,7 @@ def solve_scene(procedure: Path, spacing: float, folder: Path) -> SceneMeasure:
         len(result.program.epochs),
         result.wall_seconds,
         [frame.header for frame in frames],
-        state_hash(frames[-1].arrays["nodes"]) if frames else "",
+        state_hash(_displacements(result.program, frames[-1])) if frames else "",
     )
     if result.complete or not row.converged:
         return row
