@@ -14,12 +14,11 @@ import subprocess
 import sys
 from pathlib import Path
 
-# By the end of the unit's name: what a symbol of the set has in its name.
+# By the end of the unit's name: what a symbol of the set has in its name. Every ARM processor of 64 bits has NEON.
 ARCHITECTURES = {
     "sse42": "xsimd::sse4_2",
     "avx2": "xsimd::fma3<xsimd::avx2>",
     "avx512": "xsimd::avx512bw",
-    "neon": "xsimd::neon64",
 }
 # nm's letters of symbols that other units may resolve to: global and weak code and data.
 OFFERED = re.compile(r"^[0-9a-f]* *([TDBRSWVui]) (.+)$")
@@ -28,7 +27,7 @@ HARMLESS = ("DW.ref.__gxx_personality_v0",)
 
 
 def instruction_set(unit: str) -> str | None:
-    match = re.search(r"_(sse42|avx2|avx512|neon)\.cpp\.(?:o|obj)$", unit)
+    match = re.search(r"_(sse42|avx2|avx512)\.cpp\.(?:o|obj)$", unit)
     return match.group(1) if match else None
 
 
