@@ -230,7 +230,7 @@ def test_regions_that_make_no_sense_are_named(
     assert reply.fields["code"] in ("malformed", "invalid_input")
     assert says in reply.fields["message"]
     assert raw.ask("epoch", {"index": 0, "regions": [BELOW]}, region_arrays()).type == "lattice"
-    assert "skin_points" in raw.ask("epoch", {"index": 0}, region_arrays()).fields["message"]  # without regions
+    assert "region_faces" in raw.ask("epoch", {"index": 0}, region_arrays()).fields["message"]  # without regions
 
 
 def test_the_client_sends_materials_regions_and_activation_and_the_state_keeps_it(daemon: SolverDaemon) -> None:

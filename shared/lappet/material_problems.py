@@ -107,7 +107,9 @@ def region_problems(procedure: Procedure) -> list[Problem]:
     models = dict.fromkeys(material.model for material in procedure.materials_in_use())
     if len(models) > 1:
         sentence = f"The materials of the tissue are of the models {', '.join(models)}."
-        problems.append(Problem(TISSUE, ", ".join(models), sentence, "Give all materials in use the same lappet:model."))
+        problems.append(
+            Problem(TISSUE, ", ".join(models), sentence, "Give all materials in use the same lappet:model.")
+        )
     for what, count, most in (
         ("regions", len(tissue.regions), MOST_REGIONS),
         ("materials", len(procedure.materials_in_use()), MOST_MATERIALS),

@@ -30,7 +30,9 @@ def parameters(material: Material) -> MaterialParameters:
     """A material as the daemon is told it: what has no effect is as in any other, so that it changes no key."""
     fibres, plain = material.has_fibers, MaterialParameters()
     direction = np.asarray(material.fiber_direction, np.float64)
-    x, y, z = (float(v) for v in direction / np.linalg.norm(direction)) if material.has_direction else plain.fibre_direction
+    x, y, z = (
+        (float(v) for v in direction / np.linalg.norm(direction)) if material.has_direction else plain.fibre_direction
+    )
     return MaterialParameters(
         model=material.model,
         youngs_modulus=float(material.youngs_modulus),
