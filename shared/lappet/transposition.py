@@ -22,11 +22,11 @@ class Schedule:
     undermine: float = 6
     lift: float = 8
     carried: float = 24
-    donor_from: float = 20
+    donor_from: float = 24
     donor_to: float = 32
-    suture_from: float = 24
-    suture_to: float = 36
-    let_go: float = 34
+    suture_from: float = 26
+    suture_to: float = 37
+    let_go: float = 35
     end: float = 40
 
 
