@@ -304,6 +304,15 @@ def test_the_filmstrip_tells_the_operation_in_order(cache: SkinCache) -> None:
     assert steps[4].detail == "4 sutures"
 
 
+def test_a_flap_is_transposed_into_what_was_excised_and_the_edges_of_a_mere_excision_are_advanced() -> None:
+    hook, closing = StepEvent("Hook", "tip", 6, 14), StepEvent("Suture", "corner", 12, 16)
+    excision = [StepEvent("Incision", "defect", 2, 2), StepEvent("Excision", "defect", 4, 4)]
+    frames = [float(t) for t in range(1, 18)]
+    for cuts, word in ((excision, "Advanced"), ([*excision, StepEvent("Incision", "limbs", 2, 2)], "Transposed")):
+        captions = [step.caption for step in story_steps([*cuts, hook, closing], frames, lambda t: -abs(t - 8.0))]
+        assert captions == ["Before", "Excised", "Lifted with hooks", word, "Sutured", "Final result"]
+
+
 def test_the_story_names_undermining_and_tells_buried_sutures_apart() -> None:
     events = [
         StepEvent("Incision", "limb", 2, 2),

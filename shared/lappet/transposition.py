@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
+from numpy.typing import NDArray
 
 from lappet.flap_design import Carry, Edge, FlapDesign
 from lappet.procedure import Event, Excision, Hook, Incision, Landmark, Point, Suture, Undermine
@@ -22,11 +23,11 @@ class Schedule:
     undermine: float = 6
     lift: float = 8
     carried: float = 24
-    donor_from: float = 20
+    donor_from: float = 24
     donor_to: float = 32
-    suture_from: float = 24
-    suture_to: float = 36
-    let_go: float = 34
+    suture_from: float = 26
+    suture_to: float = 37
+    let_go: float = 35
     end: float = 40
 
 
@@ -116,6 +117,15 @@ def carry_hook(carry: Carry, skin: SkinSheet, when: Schedule, how: Technique) ->
     begin, end = (frame @ (point - pivot) for point in (anchor, lay))
     turn = float(np.arctan2(end[1], end[0]))
     sizes = np.linalg.norm(begin), np.linalg.norm(end)
+
+    def over(turned: float) -> NDArray[np.float64]:
+        """The skin below the way at this share of the turn."""
+        size = sizes[0] + turned * (sizes[1] - sizes[0])
+        flat = pivot + size * (np.cos(turned * turn) * frame[0] + np.sin(turned * turn) * frame[1])
+        return skin.place(flat)[0]
+
+    # On curved skin the pivot's plane misses the ends by a little, which is spread along the way.
+    misses = anchor - over(0.0), lay - over(1.0)
     targets = []
     # Up, over, down: shares of the time, of the turn and of the height.
     for time, turned, lifted in (
@@ -126,11 +136,8 @@ def carry_hook(carry: Carry, skin: SkinSheet, when: Schedule, how: Technique) ->
         (0.8, 0.95, 0.6),
         (1.0, 1.0, 0.03),
     ):
-        size = sizes[0] + turned * (sizes[1] - sizes[0])
-        over = pivot + size * (np.cos(turned * turn) * frame[0] + np.sin(turned * turn) * frame[1])
-        on_skin, up = skin.at(over)
-        target = on_skin[0] + lifted * how.height * up[0]
-        x, y, z = np.round(target, 4)
+        on_skin, up = skin.at(over(turned) + (1.0 - turned) * misses[0] + turned * misses[1])
+        x, y, z = np.round(on_skin[0] + lifted * how.height * up[0], 4)
         targets.append((float(round(when.lift + time * (when.carried - when.lift))), (float(x), float(y), float(z))))
     return Hook(
         f"hook_{carry.name}",
