@@ -5,7 +5,7 @@
 #include "cell_kernels.h"
 #include "force/cell_corners.h"
 #include "force/material.h"
-#include "force/node_lanes.h"
+#include "force/node_lanes_kernel.h"
 #include "force/product_kernel.h"
 #include "math/svd3.h"
 

@@ -4,7 +4,7 @@
 #include "force/diagonal_kernel.h"
 #include "force/fibre.h"
 #include "force/material_models.h"
-#include "force/node_lanes.h"
+#include "force/node_lanes_kernel.h"
 #include "force/product_kernel.h"
 #include "kernel_twins.h"
 #include "math/matrix3.h"

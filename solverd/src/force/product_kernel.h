@@ -2,7 +2,7 @@
 //   dF = du grad N,   dP = U (T : U^T dF V) V^T,   y += dP grad N + hourglass terms
 #pragma once
 #include "force/cell_corners.h"
-#include "force/node_lanes.h"
+#include "force/node_lanes_kernel.h"
 #include "math/matrix3.h"
 
 namespace lappet {
