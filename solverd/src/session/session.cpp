@@ -1,6 +1,6 @@
 #include "session/session.h"
 
-#include <spdlog/fmt/fmt.h>
+#include <spdlog/spdlog.h>
 #include <sys/resource.h>
 #include <tbb/task_arena.h>
 
@@ -289,6 +289,8 @@ class TypedSession : public Session::Implementation {
     // An equilibrium with inverted cells, until one from rest confirms it.
     std::optional<std::pair<EquilibriumOutcome, Snapshot>> doubtful;
     const auto start_over = [&] {
+      spdlog::info("frame {:g} starts over from rest: {}", frame.time,
+                   doubtful ? fmt::format("{} cells are inverted", doubtful->first.inverted) : outcome.reason);
       attempts.start_over();
       budget = output.newton_iterations + kNewtonBudget * settings_.max_newton / 2;
     };
