@@ -284,6 +284,7 @@ class TypedSession : public Session::Implementation {
     };
     const bool fit = fit_to_start<Real>(*lattice_, u_);
     const bool moved = std::any_of(u_.begin(), u_.end(), [](Real x) { return x != Real(0); });
+    if (!fit) spdlog::info("frame {:g} starts from rest: too many cells of its start are inverted or flat", frame.time);
     Attempts attempts(fit && moved);
     int budget = kNewtonBudget * settings_.max_newton;
     // An equilibrium with inverted cells, until one from rest confirms it.
