@@ -21,7 +21,7 @@ Vec3 reference_point(std::size_t k) {
 
 // Their displacements, mm, for each of kRatios: extrapolated from spacings of 1 and 0.5 mm, u + (u - u_1) / 1.4. The
 // differences between 2, 1 and 0.5 mm shrink by 2.4 each: the edges of the held faces are singular. The test
-// DISABLED_ReferenceDisplacements prints this table (20 minutes on one core).
+// DISABLED_ReferenceDisplacements prints this table (some ten minutes).
 constexpr double kReference[3][kPoints][3] = {{{2.70491, 1.37497, -0.76112},
                                                {2.53477, 0.00000, 0.00000},
                                                {2.70491, -1.37497, 0.76112},
