@@ -1,6 +1,6 @@
 #include "session/session.h"
 
-#include <spdlog/fmt/fmt.h>
+#include <spdlog/spdlog.h>
 #include <sys/resource.h>
 #include <tbb/task_arena.h>
 
@@ -331,11 +331,14 @@ class TypedSession : public Session::Implementation {
     };
     const bool fit = fit_to_start<Real>(*lattice_, u_);
     const bool moved = std::any_of(u_.begin(), u_.end(), [](Real x) { return x != Real(0); });
+    if (!fit) spdlog::info("frame {:g} starts from rest: too many cells of its start are inverted or flat", frame.time);
     Attempts attempts(fit && moved);
     int budget = kNewtonBudget * settings_.max_newton;
     // An equilibrium with inverted cells, until one from rest confirms it.
     std::optional<std::pair<EquilibriumOutcome, Snapshot>> doubtful;
     const auto start_over = [&] {
+      spdlog::info("frame {:g} starts over from rest: {}", frame.time,
+                   doubtful ? fmt::format("{} cells are inverted", doubtful->first.inverted) : outcome.reason);
       attempts.start_over();
       budget = output.newton_iterations + kNewtonBudget * settings_.max_newton / 2;
     };
