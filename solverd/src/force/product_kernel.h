@@ -118,11 +118,13 @@ inline void add_quadratic(const typename NumberTraits<Number>::Scalar* matrix, c
     }
 }
 
-// y += K x of the groups begin..end; x and y hold 3 numbers per node.
+// y += K x of the groups begin..end; x and y hold 3 numbers per node. Flattened: matrices handed to functions that a
+// compiler does not inline would go through memory.
 template <class Number, bool kOnePoint, bool kFibres, bool kPrestretched>
-void multiply_groups(const ElasticArrays<typename NumberTraits<Number>::Scalar>& arrays, std::int64_t begin,
-                     std::int64_t end, const typename NumberTraits<Number>::Scalar* x,
-                     typename NumberTraits<Number>::Scalar* y) {
+[[gnu::flatten]] void multiply_groups(const ElasticArrays<typename NumberTraits<Number>::Scalar>& arrays,
+                                      std::int64_t begin, std::int64_t end,
+                                      const typename NumberTraits<Number>::Scalar* x,
+                                      typename NumberTraits<Number>::Scalar* y) {
   using Scalar = typename NumberTraits<Number>::Scalar;
   constexpr int w = kLanes<Number>;
   const int points = kOnePoint ? 1 : arrays.points;
