@@ -46,7 +46,8 @@ def compile_program(
     `duration`.
 
     Raises RefusedError naming the prim where an anchor is off the tissue or its tissue is excised, two retractors grip
-    one face, a motion is not rigid, a bone is not closed, the timeline has no frame, or a material or the faces of a region are not there.
+    one face, a motion is not rigid, a bone is not closed, the timeline has no frame, or a material or the faces of a
+    region are not there.
     """
     if spacing is None:
         spacing = procedure.tissue.spacing
