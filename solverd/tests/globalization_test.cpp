@@ -111,8 +111,8 @@ TEST(Globalization, AnInvertedEquilibriumIsGivenOnlyAsRestConfirmsIt) {
   s.retractors = 1;
   s.precision = "double";
   s.tolerance = 1e-6;
-  s.material.model = "corotated";
-  s.material.poissons_ratio = 0.0;
+  s.materials[0].model = "corotated";
+  s.materials[0].poissons_ratio = 0.0;
   const auto solve = [&](const std::vector<double>& pushes) {
     Session session(s);
     session.set_epoch(make_epoch(
@@ -130,7 +130,7 @@ TEST(Globalization, AnInvertedEquilibriumIsGivenOnlyAsRestConfirmsIt) {
   // the confirmation costs the iterations from rest
   EXPECT_GT(stepped.newton_iterations, direct.newton_iterations);
 
-  s.material.model = "neoHookean";  // goes around, or is refused
+  s.materials[0].model = "neoHookean";  // goes around, or is refused
   const FrameOutput around = solve({-12});
   EXPECT_EQ(around.converged, around.reason.empty());
   if (around.converged) {

@@ -28,9 +28,9 @@ inline SessionSettings sheet_settings(const SheetScene& scene) {
   s.tolerance = scene.tolerance;
   s.retractors = 1;
   s.threads = scene.threads;
-  s.material.model = scene.model;
-  s.material.youngs_modulus = 50.0;
-  s.material.poissons_ratio = scene.poissons_ratio;
+  s.materials[0].model = scene.model;
+  s.materials[0].youngs_modulus = 50.0;
+  s.materials[0].poissons_ratio = scene.poissons_ratio;
   return s;
 }
 

@@ -62,7 +62,7 @@ class LineSearch {
                   const Evaluation& before) {
     StepTaken taken{.alpha = system_.largest_step(u, step, 1.0), .ratio = 1.0, .reached = {}};
     while (true) {
-      for (std::size_t i = 0; i < u.size(); ++i) trial_[i] = u[i] + static_cast<Real>(taken.alpha) * step[i];
+      for_each_index(u.size(), [&](std::size_t i) { trial_[i] = u[i] + static_cast<Real>(taken.alpha) * step[i]; });
       if (taken.alpha == 1.0)  // land exactly
         for (std::size_t n = 0; n < system_.nodes(); ++n)
           if (!system_.is_free(n))
@@ -92,7 +92,7 @@ class LineSearch {
     return inverts_ || now.inverted <= before.inverted || alpha < kLeastUpright;
   }
   Evaluation at(std::span<const Real> u, std::span<const Real> step, double alpha) {
-    for (std::size_t i = 0; i < u.size(); ++i) trial_[i] = u[i] + static_cast<Real>(alpha) * step[i];
+    for_each_index(u.size(), [&](std::size_t i) { trial_[i] = u[i] + static_cast<Real>(alpha) * step[i]; });
     return system_.evaluate(trial_);
   }
   // Doubles the step that u has taken while the energy falls and no cell turns over.

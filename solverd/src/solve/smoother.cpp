@@ -17,18 +17,17 @@ constexpr double kMargin = 1.1, kMostEigenvalue = 9.0;
 template <class Real>
 void Smoother<Real>::update() {
   const std::size_t nodes = system_.nodes();
-  std::vector<Real> symmetric(6 * nodes);
-  system_.elastic().diagonal_blocks(symmetric);
-  std::vector<double> blocks(9 * nodes);
-  for_each_index(nodes, [&](std::size_t n) {
-    constexpr std::size_t kPlace[9] = {0, 1, 2, 1, 3, 4, 2, 4, 5};
-    for (std::size_t k = 0; k < 9; ++k) blocks[9 * n + k] = static_cast<double>(symmetric[6 * n + kPlace[k]]);
-  });
+  std::vector<Real> blocks(6 * nodes);
+  system_.elastic().diagonal_blocks(blocks);
   system_.for_each_push([&](const Push& push) {
     const auto& corners = system_.lattice().cell_nodes[static_cast<std::size_t>(push.cell)];
-    for (std::size_t k = 0; k < 8; ++k)
-      Eigen::Map<Eigen::Matrix3d>(&blocks[9 * static_cast<std::size_t>(corners[k])]) +=
-          push.stiffness * push.weights[k] * push.weights[k] * push.direction * push.direction.transpose();
+    const Vec3& d = push.direction;
+    for (std::size_t k = 0; k < 8; ++k) {
+      const double weight = push.stiffness * push.weights[k] * push.weights[k];
+      Real* block = &blocks[6 * static_cast<std::size_t>(corners[k])];
+      for (int i = 0; i < 3; ++i)
+        for (int j = i; j < 3; ++j) *block++ += static_cast<Real>(weight * d[i] * d[j]);
+    }
   });
   const bool same_ties = revision_ == system_.constraint_revision();
   if (!same_ties) find_tied_nodes();
@@ -36,7 +35,12 @@ void Smoother<Real>::update() {
   auto& diagonal = chebyshev_.diagonal();
   diagonal.resize(nodes);
   for_each_index(nodes, [&](std::size_t n) {
-    if (system_.is_free(n)) diagonal.set(n, Eigen::Map<const Eigen::Matrix3d>(&blocks[9 * n]));
+    if (!system_.is_free(n)) return;
+    Eigen::Matrix3d block;
+    const Real* entry = &blocks[6 * n];
+    for (int i = 0; i < 3; ++i)
+      for (int j = i; j < 3; ++j) block(i, j) = block(j, i) = static_cast<double>(*entry++);
+    diagonal.set(n, block);
   });
   factor_tied_nodes(same_ties);
   chebyshev_.estimate(

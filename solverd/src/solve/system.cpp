@@ -5,6 +5,9 @@
 #include <cmath>
 #include <numeric>
 
+#include "math/parallel.h"
+#include "solve/vectors.h"
+
 namespace lappet {
 
 namespace {
@@ -92,10 +95,12 @@ void System<Real>::rebuild_constraints() {
   ++revision_;
   const Lattice& lattice = elastic_.lattice();
   free_count_ = 0;
+  prescribed_nodes_.clear();
   for (std::size_t n = 0; n < free_.size(); ++n) {
     const std::int32_t group = attachments_.node_group[n];
     free_[n] = group == kFree || (group >= 0 && !retractor_active_[static_cast<std::size_t>(group)]);
     free_count_ += free_[n];
+    if (!free_[n]) prescribed_nodes_.push_back(static_cast<std::int32_t>(n));
   }
   find_floating_cells();
   has_held_forms_ = false;
@@ -160,6 +165,49 @@ Vec3 System<Real>::held_displacement(std::int32_t group, std::size_t node) const
   return motion.topLeftCorner<3, 3>() * rest + motion.topRightCorner<3, 1>() - rest;
 }
 
+// The forces of attached faces on the corners of their cells are found in parallel and added in order, a batch at a
+// time. Returns their energy.
+template <class Real>
+double System<Real>::add_forms(std::span<const Real> u) {
+  constexpr std::size_t kBatch = 8192;
+  const auto& forms = attachments_.forms;
+  std::vector<std::array<double, 25>> found(std::min(kBatch, forms.size()));  // forces, energy
+  double energy = 0.0;
+  for (std::size_t first = 0; first < forms.size(); first += kBatch) {
+    const std::size_t count = std::min(kBatch, forms.size() - first);
+    for_each_row(count, [&](std::size_t f) {
+      found[f].fill(0.0);
+      if (acts(forms[first + f])) evaluate_form(forms[first + f], u, found[f]);
+    });
+    for (std::size_t f = 0; f < count; ++f) {
+      const auto& nodes = elastic_.lattice().cell_nodes[static_cast<std::size_t>(forms[first + f].cell)];
+      for (std::size_t a = 0; a < 8; ++a)
+        for (std::size_t i = 0; i < 3; ++i)
+          gradient_[3 * static_cast<std::size_t>(nodes[a]) + i] += found[f][3 * a + i];
+      energy += found[f][24];
+    }
+  }
+  return energy;
+}
+
+template <class Real>
+void System<Real>::evaluate_form(const FaceForm& form, std::span<const Real> u, std::array<double, 25>& out) const {
+  const bool held = form.group != kBedGroup;
+  const double stiffness = held ? held_stiffness_ : bed_stiffness_;
+  const auto& nodes = elastic_.lattice().cell_nodes[static_cast<std::size_t>(form.cell)];
+  Eigen::Matrix<double, 3, 8> off, demand;  // demand: stiffness times the gap, and the multiplier
+  for (int k = 0; k < 8; ++k) {
+    const auto n = static_cast<std::size_t>(nodes[static_cast<std::size_t>(k)]);
+    off.col(k) = at<Real>(u, n);
+    if (held) off.col(k) -= held_displacement(form.group, n);
+    demand.col(k) = stiffness * off.col(k);
+    if (held) demand.col(k) += Vec3::Map(&held_multipliers_[3 * n]);
+  }
+  const Eigen::Map<const Eigen::Matrix<double, 8, 8>> gram(form.gram.data());
+  Eigen::Map<Eigen::Matrix<double, 3, 8>>(out.data()) = demand * gram;
+  out[24] = (off.cwiseProduct((demand - 0.5 * stiffness * off) * gram)).sum();
+}
+
 template <class Real>
 Evaluation System<Real>::evaluate(std::span<const Real> u) {
   const Timed timed(work_.evaluations);
@@ -170,29 +218,7 @@ Evaluation System<Real>::evaluate(std::span<const Real> u) {
   result.minimum_j = state.minimum_j;
   result.inverted = state.inverted;
 
-  for (const auto& form : attachments_.forms) {
-    if (!acts(form)) continue;
-    const bool held = form.group != kBedGroup;
-    const double stiffness = held ? held_stiffness_ : bed_stiffness_;
-    const auto& nodes = lattice.cell_nodes[static_cast<std::size_t>(form.cell)];
-    Vec3 off[8], multiplier[8];
-    for (std::size_t k = 0; k < 8; ++k) {
-      const auto n = static_cast<std::size_t>(nodes[k]);
-      off[k] = at<Real>(u, n) - (held ? held_displacement(form.group, n) : Vec3::Zero());
-      multiplier[k] = held ? Vec3(held_multipliers_[3 * n], held_multipliers_[3 * n + 1], held_multipliers_[3 * n + 2])
-                           : Vec3::Zero();
-    }
-    for (std::size_t a = 0; a < 8; ++a) {
-      Vec3 force = Vec3::Zero(), pull = Vec3::Zero();
-      for (std::size_t b = 0; b < 8; ++b) {
-        pull += form.gram[8 * a + b] * multiplier[b];
-        force += form.gram[8 * a + b] * off[b];
-      }
-      result.energy += off[a].dot(0.5 * stiffness * force + pull);
-      const auto n = 3 * static_cast<std::size_t>(nodes[a]);
-      for (int i = 0; i < 3; ++i) gradient_[n + static_cast<std::size_t>(i)] += stiffness * force[i] + pull[i];
-    }
-  }
+  result.energy += add_forms(u);
   pushes_.clear();
   for (const auto& face : attachments_.resting) {
     const auto& nodes = lattice.cell_nodes[static_cast<std::size_t>(face.cell)];
@@ -224,20 +250,17 @@ Evaluation System<Real>::evaluate(std::span<const Real> u) {
       result.energy += 0.5 * drift_stiffness_ * off.squaredNorm();
       for (int i = 0; i < 3; ++i) gradient_[3 * n + static_cast<std::size_t>(i)] += drift_stiffness_ * off[i];
     }
-  for (std::size_t i = 0; i < gravity_force_.size(); ++i) {
-    result.energy -= gravity_force_[i] * static_cast<double>(u[i]);
-    gradient_[i] -= gravity_force_[i];
-  }
-
-  double residual = 0.0, scale = 0.0;
-  for (std::size_t n = 0; n < free_.size(); ++n) {
-    if (!free_[n]) {
-      gradient_[3 * n] = gradient_[3 * n + 1] = gradient_[3 * n + 2] = 0.0;
-      continue;
-    }
-    for (std::size_t i = 0; i < 3; ++i) residual += gradient_[3 * n + i] * gradient_[3 * n + i];
-    scale += node_scale_[n] * node_scale_[n];
-  }
+  if (!gravity_force_.empty())
+    result.energy -= reduce<1>(gravity_force_.size(), [&](std::size_t i, double* out) {
+      out[0] = gravity_force_[i] * static_cast<double>(u[i]);
+      gradient_[i] -= gravity_force_[i];
+    })[0];
+  const auto [residual, scale] = reduce<2>(free_.size(), [&](std::size_t n, double* out) {
+    double* g = &gradient_[3 * n];
+    if (!free_[n]) g[0] = g[1] = g[2] = 0.0;
+    out[0] = g[0] * g[0] + g[1] * g[1] + g[2] * g[2];
+    out[1] = free_[n] ? node_scale_[n] * node_scale_[n] : 0.0;
+  });
   const double h = lattice.settings.spacing;
   result.residual = std::sqrt(residual);
   result.force_scale = std::sqrt(scale) + kScaleFloor * elastic_.materials().table[0].youngs_modulus * h * h *
@@ -269,8 +292,8 @@ void System<Real>::multiply(std::span<const Real> x, std::span<Real> y) const {
         y[3 * static_cast<std::size_t>(tie.nodes[k]) + static_cast<std::size_t>(i)] +=
             static_cast<Real>(tie.weights[k] * sum[i]);
   }
-  for (std::size_t n = 0; n < free_.size(); ++n)
-    if (!free_[n]) y[3 * n] = y[3 * n + 1] = y[3 * n + 2] = Real(0);
+  for (const std::int32_t node : prescribed_nodes_)
+    for (std::size_t i = 0; i < 3; ++i) y[3 * static_cast<std::size_t>(node) + i] = Real(0);
 }
 
 template <class Real>

@@ -92,6 +92,8 @@ class System {
   bool acts(const FaceForm& form) const {
     return form.group < 0 || retractor_active_[static_cast<std::size_t>(form.group)];
   }
+  double add_forms(std::span<const Real> u);
+  void evaluate_form(const FaceForm& form, std::span<const Real> u, std::array<double, 25>& out) const;
   void find_fragments();
   void find_floating_cells();
   void rebuild_constraints();
@@ -110,6 +112,7 @@ class System {
   double drift_stiffness_;  // mN/mm on a corner of a floating cell
   std::vector<std::uint8_t> free_;
   std::size_t free_count_ = 0;
+  std::vector<std::int32_t> prescribed_nodes_;
   bool has_held_forms_ = false, has_sutures_ = false;
   std::vector<double> held_multipliers_;
   std::vector<double> gradient_, node_scale_;

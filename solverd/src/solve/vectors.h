@@ -55,7 +55,10 @@ double dot(std::span<const Real> a, std::span<const Real> b) {
 
 template <class Real>
 void copy(std::span<const Real> from, std::span<Real> to) {
-  std::copy(from.begin(), from.end(), to.begin());
+  for_each_chunk(from.size(), [&](std::size_t, std::size_t begin, std::size_t end) {
+    std::copy(from.begin() + static_cast<std::ptrdiff_t>(begin), from.begin() + static_cast<std::ptrdiff_t>(end),
+              to.begin() + static_cast<std::ptrdiff_t>(begin));
+  });
 }
 
 template <class Real>
