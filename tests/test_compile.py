@@ -9,8 +9,10 @@ from typing import Any
 import numpy as np
 import pytest
 import trimesh
+from numpy.typing import NDArray
 
 from lappet.compile import compile_program, frame_times
+from lappet.keys import frame_keys
 from lappet.patch import flat_patch
 from lappet.procedure import (
     Bone,
@@ -24,6 +26,7 @@ from lappet.procedure import (
     Region,
     Retractor,
     Suture,
+    Undermine,
 )
 from lappet.program import FaceOrigin, MaterialParameters, Program
 from lappet.refused import RefusedError
@@ -382,6 +385,33 @@ def test_bones_reach_the_program_as_one_closed_surface_without_faces_inside(prog
     assert volume(block("one", 0.0), block("apart", 10.0)) == pytest.approx((96.0, 2))
     assert volume(block("one", 0.0), block("touching", 4.0)) == pytest.approx((96.0, 1))
     assert volume(block("one", 0.0), block("lapping", 3.0)) == pytest.approx((84.0, 1))
+
+
+def test_undermined_tissue_rests_on_its_plane_but_where_bone_close_below_bears_it() -> None:
+    def block(name: str, x: float, top: float) -> Bone:
+        mesh = flat_patch((6.0, 16.0, 3.0), 2.0, (x, 0.0))
+        points = mesh.points - np.array([0.0, 0.0, mesh.points[:, 2].max() - top])
+        return Bone(name, points, mesh.face_vertex_counts, mesh.face_vertex_indices)
+
+    def support(*bones: Bone) -> tuple[Program, NDArray[np.uint8], NDArray[np.float64]]:
+        line = [(-11.0, -7.0, TOP), (11.0, -7.0, TOP), (11.0, 7.0, TOP), (-11.0, 7.0, TOP)]
+        made = compile_program(small_procedure(events=(Undermine("freed", 2.0, tuple(line)),), bones=bones))
+        surface = made.epochs[-1].surface
+        return made, made.epochs[-1].support, surface.points[surface.triangles].mean(axis=1)
+
+    boneless, plain, _ = support()
+    # Below: close on the left, deep on the right. In the middle one lies above the skin, where nothing rests.
+    bony, told, middles = support(block("near", -6.0, -0.2), block("deep", 6.0, -2.5), block("above", 0.0, TOP + 3.5))
+    changed = told != plain
+    assert {*plain} == {0, 1, 2}
+    assert (plain[changed] == 2).all()
+    assert (told[changed] == 0).all()
+    aside = np.abs(middles[:, 0] + 6.0)
+    assert changed[(plain == 2) & (aside < 3.0)].all()
+    assert aside[changed].max() < 4.0
+    assert (bony.epochs[0].support == boneless.epochs[0].support).all()
+    assert frame_keys(replace(bony, bones=boneless.bones), "s")[0] == frame_keys(boneless, "s")[0]
+    assert frame_keys(replace(bony, bones=boneless.bones), "s")[-1] != frame_keys(boneless, "s")[-1]
 
 
 def test_frames_are_in_order_of_time_also_when_an_epoch_has_none() -> None:

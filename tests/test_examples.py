@@ -191,7 +191,9 @@ def test_flaps_lie_in_the_defect_corner_in_corner_with_all_walls_closed(
     assert all(frame["converged"] for frame in frames)
     assert min(frame["minimum_j"] for frame in frames) > 0.5
     assert sum(frame["inverted_cells"] for frame in frames) == 0
+    assert max(frame["largest_penetration_mm"] for frame in frames) <= 0.1 * spacing
     first, last = frames[0], frames[-1]
+    assert (last["contacts"] > 100) == (len(procedure.bones) > 0)
     assert max(last["suture_gaps_mm"].values()) <= 1e-3 * spacing
     assert not last["hook_forces_mn"]
 

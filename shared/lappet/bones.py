@@ -11,13 +11,15 @@ from numpy.typing import NDArray
 from lappet.closest_point import ClosestPoint
 from lappet.problem import Problem
 from lappet.procedure import Bone
-from lappet.program import Bones
+from lappet.program import Bones, Surface
 from lappet.refused import RefusedError
 from lappet.surface import triangulate
 from lappet.surface_check import place, signed_volume
 from lappet.usd_writer import BONE
 
 PUSHED_OUT = 0.5  # tissue that lies so many spacings deep in bone at rest is pushed out; deeper is refused
+
+NEAR = 1.0  # mm that tissue may sink before bone bears it
 
 SAMPLES = 30  # along the diagonal of the space that bone and tissue share
 
@@ -31,6 +33,28 @@ def united_bones(bones: Sequence[Bone]) -> Bones:
         return Bones()
     solids = [_solid(*_triangles(bone), f"{BONE}/{bone.name}") for bone in bones]
     return Bones(*_surface(manifold3d.Manifold.batch_boolean(solids, manifold3d.OpType.Add)))
+
+
+def over_bone(surface: Surface, bones: Bones) -> NDArray[np.bool_]:
+    """The resting faces, (m,), at most `NEAR` mm from a face of bone that looks at them; none where there are no bones.
+
+    They need no plane to rest on, and on curved bone it would be wrong: tissue that slides by s over a radius R is held
+    s² / 2R above the bone.
+    """
+    if len(bones.triangles) == 0:
+        return np.zeros(0, bool)
+    resting = np.flatnonzero(surface.resting)
+    corners = surface.points[surface.triangles[resting]]
+    nearest, _, distance = ClosestPoint(bones.points, bones.triangles).query(corners.mean(axis=1))
+    facing = np.einsum("ij,ij->i", _across(corners), _across(bones.points[bones.triangles[nearest]])) < 0.0
+    result = np.zeros(len(surface.triangles), bool)
+    result[resting] = facing & (distance <= NEAR)
+    return result
+
+
+def _across(corners: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The normals of triangles (k, 3, 3), of any length."""
+    return np.asarray(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]))
 
 
 def overlap_problems(

@@ -179,7 +179,7 @@ class SolverClient:
             "points": np.asarray(surface.points, np.float64),
             "triangles": np.asarray(surface.triangles, np.int32),
             "fixed": np.asarray(surface.fixed, np.uint8),
-            "bed": surface.support,
+            "bed": epoch.support,
             "grip": np.asarray(grip, np.int32),
             "landmarks": np.asarray(marks.points, np.float64).reshape(-1, 3),
             "landmark_triangles": np.asarray(marks.triangles, np.int32),

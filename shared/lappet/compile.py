@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lappet.anchors import AnchorTie, Tied, TissueLoss
-from lappet.bones import united_bones
+from lappet.bones import over_bone, united_bones
 from lappet.materials import activation, materials_in_use, parameters, region_program
 from lappet.procedure import Event, Hook, Landmark, Point, Procedure, Retractor, Suture
 from lappet.program import (
@@ -58,7 +58,8 @@ def compile_program(
         epochs = build_epochs(replace(procedure, tissue=replace(procedure.tissue, spacing=spacing)))
     materials = materials_in_use(procedure)
     regions = region_program(procedure, materials)
-    epochs = [replace(epoch, regions=regions) for epoch in epochs]
+    bones = united_bones(procedure.bones)
+    epochs = [replace(epoch, regions=regions, over_bone=over_bone(epoch.surface, bones)) for epoch in epochs]
     times = frame_times(procedure)
     if until is not None:
         times = [time for time in times if time <= until]
@@ -129,7 +130,7 @@ def compile_program(
         active_hooks=tuple(active_hooks),
         grips=tuple(grips),
         landmarks_at=tuple(landmarks),
-        bones=united_bones(procedure.bones),
+        bones=bones,
     )
 
 

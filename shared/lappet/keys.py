@@ -62,7 +62,7 @@ def epoch_digest(epoch: Epoch, grip: NDArray[np.int32], landmarks: Landmarks) ->
             (surface.points, "<f8"),
             (surface.triangles, "<i4"),
             (surface.fixed, "u1"),
-            (surface.support, "u1"),
+            (epoch.support, "u1"),
             (grip, "<i4"),
             (landmarks.points, "<f8"),
             (landmarks.triangles, "<i4"),

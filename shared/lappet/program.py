@@ -40,11 +40,6 @@ class Surface:
         """Underside faces that are not attached: they lie on the bed, may lift off and slide, but do not sink."""
         return (self.origin == FaceOrigin.UNDERSIDE) & ~self.bed & ~self.fixed
 
-    @property
-    def support(self) -> NDArray[np.uint8]:
-        """What the daemon is told of the bed, (m,): 1 attached to it, 2 resting on it, else 0."""
-        return np.where(self.bed, 1, np.where(self.resting, 2, 0)).astype(np.uint8)
-
 
 def _no(shape: tuple[int, ...], kind: type) -> NDArray[Any]:
     return np.zeros(shape, kind)
@@ -75,7 +70,8 @@ class Regions:
 class Epoch:
     """A stretch of the timeline with constant topology and attachments, from `start_time` on.
 
-    regions: the same in every epoch of a program.
+    regions: the same in every epoch of a program. over_bone: (m,) bool, the resting faces that contact with bone holds
+    up; without entries: none.
     """
 
     index: int
@@ -83,6 +79,14 @@ class Epoch:
     surface: Surface
     fragments: int
     regions: Regions = field(default_factory=Regions)
+    over_bone: NDArray[np.bool_] = field(default_factory=lambda: _no((0,), np.bool_))
+
+    @property
+    def support(self) -> NDArray[np.uint8]:
+        """What the daemon is told of the bed, (m,): 1 attached to it, 2 resting on it, else 0."""
+        surface = self.surface
+        resting = surface.resting & ~self.over_bone if len(self.over_bone) else surface.resting
+        return np.where(surface.bed, 1, np.where(resting, 2, 0)).astype(np.uint8)
 
 
 @dataclass(frozen=True)
