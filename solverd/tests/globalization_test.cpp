@@ -17,6 +17,7 @@ using Start = std::function<Vec3(const Vec3& rest)>;  // positions, mm
 SolverState state_of(const Lattice& lattice, const Start& start) {
   SolverState state;
   state.is_double = true;
+  state.activation = {0.0};
   for (const Vec3& rest : lattice.node_rest) {
     const Vec3 u = start(rest) - rest;
     state.nodes.insert(state.nodes.end(), {u[0], u[1], u[2]});

@@ -84,7 +84,7 @@ Vec3 displacement(const FrameOutput& out, const Lattice& lattice, const Vec3& po
 
 // |force on free nodes| / |force on held nodes|: the relative residual of finite-element codes.
 double residual_to_reaction(const FrameOutput& out, const SheetScene& scene, const Lattice& lattice) {
-  Elastic<double> elastic(lattice, sheet_settings(scene).material, scene.quadrature);
+  Elastic<double> elastic(lattice, sheet_settings(scene).materials[0], scene.quadrature);
   std::vector<double> gradient(out.state.nodes.size()), scale(gradient.size() / 3);
   elastic.evaluate(out.state.nodes, gradient, scale);
   double free = 0.0, held = 0.0;
