@@ -1,7 +1,6 @@
 #include "session/session.h"
 
 #include <spdlog/spdlog.h>
-#include <sys/resource.h>
 #include <tbb/task_arena.h>
 
 #include <Eigen/Geometry>
@@ -14,8 +13,10 @@
 #include "lattice/blocks.h"
 #include "lattice/refused.h"
 #include "session/attempts.h"
+#include "session/bones.h"
 #include "session/checks.h"
 #include "session/fit_to_start.h"
+#include "session/process_memory.h"
 #include "session/reach.h"
 #include "session/surface_fields.h"
 #include "solve/equilibrium.h"
@@ -36,12 +37,6 @@ namespace {
 constexpr int kChebyshevDegree = 4;
 // A suture's penalty stays between these multiples of E h; its multiplier closes the gap whatever it is.
 constexpr double kLeastSuturePenalty = 50.0, kMostSuturePenalty = 500.0;
-// The penalty of contact, in Young's moduli per spacing; multipliers act where it is not enough.
-constexpr double kContactPenalty = 10.0;
-// The nodes of the bones' distance field, and how deep it knows distances, in spacings.
-constexpr double kBoneSpacing = 0.5, kBoneDepth = 3.0;
-// Tissue that lies deeper in bone at rest is refused; what is less deep is pushed out. In spacings.
-constexpr double kMostRestPenetration = 0.5;
 // All load steps of a frame together may take this many times max_newton iterations, and as many from rest: a frame
 // without an equilibrium ends.
 constexpr int kNewtonBudget = 4;
@@ -50,12 +45,6 @@ constexpr double kSameEnergy = 1e-6;
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
-double peak_bytes() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return 1024.0 * static_cast<double>(usage.ru_maxrss);
 }
 
 template <class Real>
@@ -67,11 +56,7 @@ class TypedSession : public Session::Implementation {
         suture_gaps_(3 * static_cast<std::size_t>(settings.sutures), std::numeric_limits<double>::quiet_NaN()),
         suture_multipliers_(3 * static_cast<std::size_t>(settings.sutures), 0.0),
         activation_(settings.materials.size(), 0.0) {
-    if (!settings.bones.triangles.empty())
-      arena_.execute([&] {
-        bones_ = std::make_shared<const SignedDistance>(settings.bones, kBoneSpacing * settings.spacing,
-                                                        kBoneDepth * settings.spacing, settings.memory_budget);
-      });
+    if (!settings.bones.triangles.empty()) arena_.execute([&] { bones_ = distance_to_bones(settings); });
   }
 
   EpochReport set_epoch(const EpochInput& epoch) override {
@@ -143,7 +128,7 @@ class TypedSession : public Session::Implementation {
     }
     CellMaterials materials = assign_materials(*lattice, settings_.materials, epoch.skin, epoch.regions);
     Attachments attachments = attach(*lattice, epoch.surface, epoch.fixed, epoch.bed, epoch.grip);
-    std::unique_ptr<Contact> contact = make_contact(*lattice, epoch);
+    std::unique_ptr<Contact> contact = bones_ ? contact_with_bones(bones_, *lattice, epoch, settings_) : nullptr;
     EpochReport report;
     for (const std::int32_t group : attachments.node_group) report.fixed_nodes += group == kFixedGroup;
     system_.reset();
@@ -174,26 +159,11 @@ class TypedSession : public Session::Implementation {
     report.nodes = static_cast<std::int32_t>(lattice_->node_rest.size());
     report.fragments = lattice_->fragments;
     report.blocks = static_cast<std::int32_t>(build_blocks(*lattice_).size());
-    report.bytes = static_cast<double>(system_->bytes() + u_.size() * sizeof(Real) + (bones_ ? bones_->bytes() : 0));
+    report.bytes = static_cast<double>(system_->bytes() + preconditioner_->bytes() + u_.size() * sizeof(Real) +
+                                       (bones_ ? bones_->bytes() : 0));
+    release_freed_memory();
     report.seconds = seconds_since(start);
     return report;
-  }
-
-  // Null without bones. Refuses tissue that lies in bone.
-  std::unique_ptr<Contact> make_contact(const Lattice& lattice, const EpochInput& epoch) const {
-    if (!bones_) return nullptr;
-    const double stiffness = kContactPenalty * settings_.materials[0].youngs_modulus / settings_.spacing;
-    auto contact = std::make_unique<Contact>(bones_, lattice, epoch.surface, epoch.fixed, stiffness);
-    const auto [depth, where] = contact->deepest_at_rest();
-    if (depth > kMostRestPenetration * settings_.spacing)
-      throw RefusedError(
-          ErrorCode::kInvalidInput,
-          fmt::format("the tissue of epoch {} lies {}{:.3g} mm deep in bone near ({:.4g}, {:.4g}, {:.4g}) "
-                      "mm before anything moves it; move the bone or the tissue apart (up to {:g} mm, half "
-                      "the spacing, is pushed out)",
-                      epoch.index, depth < bones_->depth() * (1 - 1e-6) ? "" : "at least ", depth, where[0], where[1],
-                      where[2], kMostRestPenetration * settings_.spacing));
-    return contact;
   }
 
   void return_to_rest() {

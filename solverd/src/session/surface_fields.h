@@ -3,6 +3,7 @@
 #include <span>
 
 #include "force/elastic.h"
+#include "math/parallel.h"
 #include "session/program.h"
 
 namespace lappet {
@@ -12,8 +13,10 @@ template <class Real>
 void write_surface_fields(const Elastic<Real>& elastic, std::span<const Real> u, FrameOutput& output) {
   const Lattice& lattice = elastic.lattice();
   std::vector<std::array<double, 4>> nodes(lattice.node_rest.size(), {0, 0, 0, 0});  // sums and volume
-  for (std::size_t c = 0; c < lattice.cell_nodes.size(); ++c) {
-    const CellMeasures cell = elastic.measures(static_cast<std::int32_t>(c), u);
+  std::vector<CellMeasures> cells(lattice.cell_nodes.size());
+  for_each_index(cells.size(), [&](std::size_t c) { cells[c] = elastic.measures(static_cast<std::int32_t>(c), u); });
+  for (std::size_t c = 0; c < cells.size(); ++c) {
+    const CellMeasures& cell = cells[c];
     const double volume = static_cast<double>(lattice.cell_fill[c]);
     for (const std::int32_t n : lattice.cell_nodes[c]) {
       auto& sums = nodes[static_cast<std::size_t>(n)];

@@ -1,0 +1,41 @@
+#include "session/bones.h"
+
+#include <spdlog/fmt/fmt.h>
+
+#include "lattice/refused.h"
+
+namespace lappet {
+
+namespace {
+
+// The penalty of contact, in Young's moduli per spacing; multipliers act where it is not enough.
+constexpr double kContactPenalty = 10.0;
+// The nodes of the bones' distance field, and how deep it knows distances, in spacings.
+constexpr double kBoneSpacing = 0.5, kBoneDepth = 3.0;
+constexpr double kMostRestPenetration = 0.5;  // in spacings
+
+}  // namespace
+
+std::shared_ptr<const SignedDistance> distance_to_bones(const SessionSettings& settings) {
+  if (settings.bones.triangles.empty()) return nullptr;
+  return std::make_shared<const SignedDistance>(settings.bones, kBoneSpacing * settings.spacing,
+                                                kBoneDepth * settings.spacing, settings.memory_budget);
+}
+
+std::unique_ptr<Contact> contact_with_bones(std::shared_ptr<const SignedDistance> bones, const Lattice& lattice,
+                                            const EpochInput& epoch, const SessionSettings& settings) {
+  const double stiffness = kContactPenalty * settings.materials[0].youngs_modulus / settings.spacing;
+  auto contact = std::make_unique<Contact>(bones, lattice, epoch.surface, epoch.fixed, stiffness);
+  const auto [depth, where] = contact->deepest_at_rest();
+  if (depth > kMostRestPenetration * settings.spacing)
+    throw RefusedError(
+        ErrorCode::kInvalidInput,
+        fmt::format("the tissue of epoch {} lies {}{:.3g} mm deep in bone near ({:.4g}, {:.4g}, {:.4g}) mm before "
+                    "anything moves it; move the bone or the tissue apart (up to {:g} mm, half the spacing, is pushed "
+                    "out)",
+                    epoch.index, depth < bones->depth() * (1 - 1e-6) ? "" : "at least ", depth, where[0], where[1],
+                    where[2], kMostRestPenetration * settings.spacing));
+  return contact;
+}
+
+}  // namespace lappet

@@ -1,0 +1,17 @@
+// The bones of a session: their distance field, and the tissue of an epoch against it.
+#pragma once
+#include <memory>
+
+#include "force/contact.h"
+#include "session/program.h"
+
+namespace lappet {
+
+// Null without bones.
+std::shared_ptr<const SignedDistance> distance_to_bones(const SessionSettings& settings);
+
+// Throws RefusedError where tissue lies deeper in bone at rest than half the spacing; what is less deep is pushed out.
+std::unique_ptr<Contact> contact_with_bones(std::shared_ptr<const SignedDistance> bones, const Lattice& lattice,
+                                            const EpochInput& epoch, const SessionSettings& settings);
+
+}  // namespace lappet

@@ -1,0 +1,26 @@
+#include "session/process_memory.h"
+
+#include <sys/resource.h>
+#if __has_include(<malloc.h>)
+#include <malloc.h>
+#endif
+
+namespace lappet {
+
+double peak_bytes() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+#if defined(__APPLE__)
+  return static_cast<double>(usage.ru_maxrss);
+#else
+  return 1024.0 * static_cast<double>(usage.ru_maxrss);
+#endif
+}
+
+void release_freed_memory() {
+#if defined(__GLIBC__)
+  malloc_trim(0);
+#endif
+}
+
+}  // namespace lappet
