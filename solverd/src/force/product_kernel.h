@@ -99,7 +99,8 @@ inline void add_quadratic(const typename NumberTraits<Number>::Scalar* matrix, c
     }
 }
 
-// y += K x of the groups begin..end; x and y hold 3 numbers per node.
+// y += K x of the groups begin..end; x and y hold 3 numbers per node. Flattened, here and in the other fused kernels:
+// a compiler whose budget for inlining is spent on so many instances leaves calls that pass matrices through memory.
 template <class Number, bool kOnePoint, bool kFibres, bool kPrestretched>
 [[gnu::flatten]] void multiply_groups(const ElasticArrays<typename NumberTraits<Number>::Scalar>& arrays,
                                       std::int64_t begin, std::int64_t end,
