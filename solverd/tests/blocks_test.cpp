@@ -109,6 +109,30 @@ TEST_P(CutLattices, EveryCellHasOneSlotWithItsNodesAndEmptySlotsUseNodesOfTheirB
   }
 }
 
+TEST_P(CutLattices, BlocksOfTheGridStoreOnlyWhereTheirColumnsBegin) {
+  for (const int lanes : {1, 4}) {
+    const BlockLayout layout = lay_out_blocks(lattice_, lanes);
+    std::size_t grid = 0, mesh = 0;
+    for (std::size_t group = 0; group < static_cast<std::size_t>(layout.groups); ++group) {
+      const auto stored = layout.node_start[group + 1] - layout.node_start[group];
+      ASSERT_TRUE(stored == 9 * lanes || stored == 27 * lanes);
+      ++(stored == 9 * lanes ? grid : mesh);
+      if (stored != 9 * lanes) continue;
+      for (std::size_t lane = 0; lane < static_cast<std::size_t>(lanes); ++lane)
+        for (std::size_t n = 0; n < kBlockNodes; ++n) {
+          const auto at = [&](std::size_t k) {
+            return lattice_.node_rest[static_cast<std::size_t>(test::node_of(layout, group, k, lane))];
+          };
+          const Vec3 step(double(n / 9), double(n / 3 % 3), double(n % 3));
+          EXPECT_LT((at(n) - at(0) - lattice_.settings.spacing * step).norm(), 1e-12);
+        }
+    }
+    EXPECT_EQ(layout.node_start.back(), static_cast<std::int64_t>(layout.nodes.size()));
+    EXPECT_GT(grid, 0U);
+    EXPECT_GT(mesh, 0U);
+  }
+}
+
 TEST_P(CutLattices, SlabsThatRunAtTheSameTimeShareNoNode) {
   std::size_t most = 0;
   for (const int lanes : {1, 4, 8, 16}) {
@@ -143,6 +167,15 @@ TEST_P(CutLattices, ForEachSlabVisitsEverySlabOnce) {
     EXPECT_EQ(end, layout.slab_start[slab + 1]);
   });
   EXPECT_EQ(std::count(visits.begin(), visits.end(), 1), static_cast<std::ptrdiff_t>(layout.slabs()));
+}
+
+TEST(BlockLayout, AnUncutSlabOfWholeBlocksIsAllColumns) {
+  LatticeSettings settings;
+  settings.fine_ratio = 2;
+  const Lattice lattice = build_lattice(test::box(Vec3::Zero(), Vec3(32, 16, 4)), settings);
+  const BlockLayout layout = lay_out_blocks(lattice, 8);
+  EXPECT_EQ(layout.groups, 32);
+  EXPECT_EQ(layout.nodes.size(), 32U * 9 * 8);
 }
 
 INSTANTIATE_TEST_SUITE_P(RandomCuts, CutLattices, ::testing::ValuesIn(test::kCutLattices),

@@ -70,8 +70,10 @@ inline Lattice make_lattice(const CutLattice& cut) {
 
 // Node n (of 27) of a lane's block.
 inline std::int32_t node_of(const BlockLayout& layout, std::size_t group, std::size_t n, std::size_t lane) {
-  const auto w = static_cast<std::size_t>(layout.lanes);
-  return layout.nodes[(group * kBlockNodes + n) * w + lane];
+  const auto w = static_cast<std::size_t>(layout.lanes), start = static_cast<std::size_t>(layout.node_start[group]);
+  const bool grid = static_cast<std::size_t>(layout.node_start[group + 1]) - start == 9 * w;
+  return grid ? layout.nodes[start + n / 3 * w + lane] + static_cast<std::int32_t>(n % 3)
+              : layout.nodes[start + n * w + lane];
 }
 
 }  // namespace lappet::test

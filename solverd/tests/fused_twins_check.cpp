@@ -18,7 +18,7 @@ namespace {
 
 constexpr double kSpacing = 0.7;
 constexpr double kGreatestK2 = 20.0;
-constexpr int kBlocksX = 5, kBlocksY = 2, kBlocksZ = 2, kBlocks = kBlocksX * kBlocksY * kBlocksZ;
+constexpr int kBlocksX = 5, kBlocksY = 3, kBlocksZ = 2, kBlocks = kBlocksX * kBlocksY * kBlocksZ;
 
 template <class T>
 class AlignedArray {
@@ -40,14 +40,16 @@ class AlignedArray {
   std::size_t size_;
 };
 
-// The scene without lanes: 20 blocks of a grid, a sixth of whose blocks have copies of half of their nodes, as at a
-// wound, and a tenth of whose cells are missing.
+// The scene without lanes: 30 blocks of a grid, a sixth of whose blocks have copies of half of their nodes, as at a
+// wound, and a tenth of whose cells are missing. Those whose nodes are columns of the grid come first in `order`.
 struct Blocks {
   std::vector<std::array<std::int32_t, kBlockNodes>> nodes;
   std::vector<std::array<double, 3>> rest;
   std::vector<std::array<double, kBlockCells>> volume;
   std::vector<std::array<double, kBlockCells * kMaterialFields>> material;
   std::vector<std::array<double, 36>> quadratics;
+  std::vector<std::size_t> order;
+  std::size_t on_grid = 0;  // how many
   std::vector<std::array<std::int32_t, kBlockCells>> quadratic_of;
 };
 
@@ -123,6 +125,14 @@ Blocks make_blocks(const FusedScene& scene) {
     b.material.push_back(material);
     b.quadratic_of.push_back(quadratic);
   }
+  const auto on_grid = [&](std::size_t block) {
+    for (std::size_t n = 0; n < kBlockNodes; ++n)
+      if (b.nodes[block][n] != b.nodes[block][n / 3 * 3] + static_cast<std::int32_t>(n % 3)) return false;
+    return true;
+  };
+  for (std::size_t block = 0; block < kBlocks; ++block) b.order.push_back(block);
+  const auto mesh = std::stable_partition(b.order.begin(), b.order.end(), on_grid);
+  b.on_grid = static_cast<std::size_t>(mesh - b.order.begin());
   return b;
 }
 
@@ -133,6 +143,7 @@ class Lockstep {
   Lockstep(const FusedScene& scene, const Blocks& b, int lanes)
       : groups((kBlocks + lanes - 1) / lanes),
         nodes_(size(kBlockNodes, lanes)),
+        node_start_{0},
         quadratic_of_(size(kBlockCells, 1), -1),
         volume_(size(kBlockCells, lanes)),
         stabilization_(size(kBlockCells, lanes)),
@@ -148,8 +159,14 @@ class Lockstep {
     for (std::size_t slot = 0; slot < static_cast<std::size_t>(groups) * w; ++slot) {
       const std::size_t group = slot / w, lane = slot % w;
       const bool spare = slot >= kBlocks;
-      const std::size_t block = spare ? group * w : slot;
-      for (std::size_t n = 0; n < kBlockNodes; ++n) nodes_[(group * kBlockNodes + n) * w + lane] = b.nodes[block][n];
+      const std::size_t block = b.order[spare ? group * w : slot];
+      const bool grid = std::min((group + 1) * w, std::size_t{kBlocks}) <= b.on_grid;
+      if (lane == 0) node_start_.push_back(node_start_.back() + (grid ? kBlockColumns : kBlockNodes) * lanes);
+      const auto start = static_cast<std::size_t>(node_start_[group]);
+      if (grid)
+        for (std::size_t c = 0; c < kBlockColumns; ++c) nodes_[start + c * w + lane] = b.nodes[block][3 * c];
+      else
+        for (std::size_t n = 0; n < kBlockNodes; ++n) nodes_[start + n * w + lane] = b.nodes[block][n];
       for (std::size_t p = 0; p < kBlockCells; ++p) {
         const std::size_t place = group * kBlockCells + p;
         const double* material = &b.material[block][p * kMaterialFields];
@@ -177,6 +194,7 @@ class Lockstep {
     arrays.gradients = gradients_.data();
     arrays.weights = weights_.data();
     arrays.nodes = nodes_.data();
+    arrays.node_start = node_start_.data();
     arrays.volume = volume_.data();
     arrays.stabilization = stabilization_.data();
     arrays.material = material_.data();
@@ -198,7 +216,9 @@ class Lockstep {
   std::size_t size(int fields, int lanes) const {
     return static_cast<std::size_t>(groups) * static_cast<std::size_t>(fields) * static_cast<std::size_t>(lanes);
   }
-  AlignedArray<std::int32_t> nodes_, quadratic_of_;
+  AlignedArray<std::int32_t> nodes_;
+  std::vector<std::int64_t> node_start_;
+  AlignedArray<std::int32_t> quadratic_of_;
   AlignedArray<Real> volume_, stabilization_, material_, tangent_, sigma_, fibre_tangent_, quadratics_;
   std::vector<double> gradients_, weights_;
 };

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <limits>
+#include <span>
 
 #include "force/cell_corners.h"
 #include "lattice/blocks.h"
@@ -31,6 +32,59 @@ int longest_axis(const std::vector<Block>& blocks) {
   return axis;
 }
 
+using BlockNodes = std::array<std::int32_t, kBlockNodes>;
+
+// What no cell has is -1.
+BlockNodes nodes_of(const Lattice& lattice, const Block& block) {
+  BlockNodes nodes;
+  nodes.fill(-1);
+  for (int place = 0; place < kBlockCells; ++place) {
+    const std::int32_t cell = block.cells[static_cast<std::size_t>(place)];
+    if (cell < 0) continue;
+    const auto& corners = lattice.cell_nodes[static_cast<std::size_t>(cell)];
+    for (int c = 0; c < 8; ++c)
+      nodes[static_cast<std::size_t>(block_node(place, c))] = corners[static_cast<std::size_t>(c)];
+  }
+  return nodes;
+}
+
+// A missing node would let the kernels touch one of another block, perhaps of another thread.
+bool has_columns(const BlockNodes& nodes) {
+  for (std::size_t n = 0; n < kBlockNodes; n += 3)
+    if (nodes[n] < 0 || nodes[n + 1] != nodes[n] + 1 || nodes[n + 2] != nodes[n] + 2) return false;
+  return true;
+}
+
+// Appends groups of these blocks; the lanes that the last has too many repeat the first block, without cells.
+void append_groups(const Lattice& lattice, std::span<const Block> blocks, bool grid, BlockLayout& layout) {
+  const auto lanes = static_cast<std::size_t>(layout.lanes);
+  for (std::size_t first = 0; first < blocks.size(); first += lanes, ++layout.groups) {
+    const auto group = static_cast<std::size_t>(layout.groups);
+    const auto start = static_cast<std::size_t>(layout.node_start.back());
+    layout.nodes.resize(start + (grid ? kBlockColumns : kBlockNodes) * lanes);
+    layout.node_start.push_back(static_cast<std::int64_t>(layout.nodes.size()));
+    layout.cell_of_slot.resize((group + 1) * kBlockCells * lanes, -1);
+    for (std::size_t lane = 0; lane < lanes; ++lane) {
+      const bool spare = first + lane >= blocks.size();
+      const Block& block = blocks[spare ? first : first + lane];
+      const BlockNodes nodes = nodes_of(lattice, block);
+      const std::int32_t any = *std::max_element(nodes.begin(), nodes.end());
+      if (grid)
+        for (std::size_t c = 0; c < kBlockColumns; ++c) layout.nodes[start + c * lanes + lane] = nodes[3 * c];
+      else
+        for (std::size_t n = 0; n < kBlockNodes; ++n)
+          layout.nodes[start + n * lanes + lane] = nodes[n] < 0 ? any : nodes[n];
+      for (std::size_t place = 0; !spare && place < kBlockCells; ++place) {
+        const std::int32_t cell = block.cells[place];
+        if (cell < 0) continue;
+        const std::size_t slot = (group * kBlockCells + place) * lanes + lane;
+        layout.cell_of_slot[slot] = cell;
+        layout.slot_of_cell[static_cast<std::size_t>(cell)] = static_cast<std::int32_t>(slot);
+      }
+    }
+  }
+}
+
 }  // namespace
 
 BlockLayout lay_out_blocks(const Lattice& lattice, int lanes) {
@@ -44,6 +98,7 @@ BlockLayout lay_out_blocks(const Lattice& lattice, int lanes) {
   BlockLayout layout;
   layout.lanes = lanes;
   layout.slab_start = {0};
+  layout.node_start = {0};
   layout.slot_of_cell.assign(lattice.cell_nodes.size(), -1);
   std::int64_t begin = 0;
   while (begin < count) {
@@ -52,35 +107,12 @@ BlockLayout lay_out_blocks(const Lattice& lattice, int lanes) {
     const auto plane = [&](std::int64_t b) { return blocks[static_cast<std::size_t>(b)].position[axis]; };
     while (end < count && plane(end) == plane(end - 1)) ++end;
     if (count - end < least) end = count;
-    const std::int64_t groups = (end - begin + lanes - 1) / lanes;
-    const std::int64_t first = layout.groups;
-    layout.groups += groups;
+    const auto from = blocks.begin() + begin, to = blocks.begin() + end;
+    const auto mesh =
+        std::stable_partition(from, to, [&](const Block& b) { return has_columns(nodes_of(lattice, b)); });
+    append_groups(lattice, {from, mesh}, true, layout);
+    append_groups(lattice, {mesh, to}, false, layout);
     layout.slab_start.push_back(layout.groups);
-    layout.nodes.resize(static_cast<std::size_t>(layout.groups * kBlockNodes * lanes));
-    layout.cell_of_slot.resize(static_cast<std::size_t>(layout.groups * kBlockCells * lanes), -1);
-    for (std::int64_t b = begin; b < begin + groups * lanes; ++b) {
-      const std::int64_t group = first + (b - begin) / lanes, lane = (b - begin) % lanes;
-      const bool spare = b >= end;
-      const Block& block = blocks[static_cast<std::size_t>(spare ? begin : b)];
-      std::array<std::int32_t, kBlockNodes> nodes;
-      nodes.fill(-1);
-      std::int32_t any = -1;
-      for (int place = 0; place < kBlockCells; ++place) {
-        const std::int32_t cell = block.cells[static_cast<std::size_t>(place)];
-        if (cell < 0) continue;
-        const auto& corners = lattice.cell_nodes[static_cast<std::size_t>(cell)];
-        for (int c = 0; c < 8; ++c)
-          any = nodes[static_cast<std::size_t>(block_node(place, c))] = corners[static_cast<std::size_t>(c)];
-        if (spare) continue;
-        const std::int64_t slot = (group * kBlockCells + place) * lanes + lane;
-        layout.cell_of_slot[static_cast<std::size_t>(slot)] = cell;
-        layout.slot_of_cell[static_cast<std::size_t>(cell)] = static_cast<std::int32_t>(slot);
-      }
-      for (int n = 0; n < kBlockNodes; ++n) {
-        const std::int32_t node = nodes[static_cast<std::size_t>(n)];
-        layout.nodes[static_cast<std::size_t>((group * kBlockNodes + n) * lanes + lane)] = node < 0 ? any : node;
-      }
-    }
     begin = end;
   }
   return layout;

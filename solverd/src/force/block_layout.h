@@ -1,6 +1,9 @@
 // Where the cells of a lattice lie for the kernels: blocks of 2x2x2 cells (lattice/blocks.h), `lanes` of them in
 // lockstep as a group, groups in slabs across the longest side of the tissue.
 //
+// Hybrid (GRIDiron 5.4): within a slab come first the blocks of the regular grid, whose nodes are nine columns of three
+// consecutive numbers, in groups of their own that store only where each column begins; then all others.
+//
 // Only neighbouring slabs share nodes: the even ones may scatter at the same time, then the odd ones. What a slab holds
 // does not depend on the number of threads, so neither does any sum.
 #pragma once
@@ -16,7 +19,8 @@ namespace lappet {
 struct BlockLayout {
   int lanes = 1;
   std::int64_t groups = 0;
-  std::vector<std::int32_t> nodes;         // [group][27][lane]
+  std::vector<std::int32_t> nodes;         // per group [27][lane], or of a grid group [9][lane]
+  std::vector<std::int64_t> node_start;    // where the nodes of each group begin, and the end
   std::vector<std::int32_t> cell_of_slot;  // [group][place][lane]; -1 where missing
   std::vector<std::int32_t> slot_of_cell;  // index into cell_of_slot
   std::vector<std::int64_t> slab_start;    // first group of each slab, and the end

@@ -6,8 +6,6 @@
 
 namespace lappet {
 
-inline constexpr int kBlockNodes = 27, kBlockCells = 8;
-
 // Node of corner c of the cell at `place` of a block.
 constexpr int block_node(int place, int c) {
   return 9 * ((place >> 2) + (c >> 2)) + 3 * ((place >> 1 & 1) + (c >> 1 & 1)) + (place & 1) + (c & 1);

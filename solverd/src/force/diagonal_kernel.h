@@ -70,8 +70,9 @@ inline void add_corner_block(const typename NumberTraits<Number>::Scalar* tangen
 
 // Adds the blocks of the groups begin..end to `blocks`, 6 per node.
 template <class Number, bool kOnePoint, bool kFibres, bool kPrestretched>
-void diagonal_groups(const ElasticArrays<typename NumberTraits<Number>::Scalar>& arrays, std::int64_t begin,
-                     std::int64_t end, typename NumberTraits<Number>::Scalar* blocks) {
+[[gnu::flatten]] void diagonal_groups(const ElasticArrays<typename NumberTraits<Number>::Scalar>& arrays,
+                                      std::int64_t begin, std::int64_t end,
+                                      typename NumberTraits<Number>::Scalar* blocks) {
   using Real = typename NumberTraits<Number>::Scalar;
   constexpr int w = kLanes<Number>;
   const int points = kOnePoint ? 1 : arrays.points;
@@ -125,12 +126,13 @@ void diagonal_groups(const ElasticArrays<typename NumberTraits<Number>::Scalar>&
         }
       }
     }
-    const std::int32_t* nodes = arrays.nodes + group * kBlockNodes * w;
-    for (int n = 0; n < kBlockNodes; ++n)
+    const GroupNodes nodes = arrays.nodes_of(group, w);
+    nodes.for_each([&](int n, const std::int32_t* row, std::ptrdiff_t shift) __attribute__((always_inline)) {
       for (int lane = 0; lane < w; ++lane) {
-        Real* to = blocks + 6 * static_cast<std::ptrdiff_t>(nodes[n * w + lane]);
+        Real* to = blocks + 6 * (row[lane] + shift);
         for (int k = 0; k < 6; ++k) to[k] += sum[n][k][lane];
       }
+    });
   }
 }
 

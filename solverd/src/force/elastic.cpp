@@ -59,6 +59,7 @@ Elastic<Real>::Elastic(const Lattice& lattice, CellMaterials materials, int quad
   arrays_.gradients = gradients_.data();
   arrays_.weights = weights_.data();
   arrays_.nodes = layout_.nodes.data();
+  arrays_.node_start = layout_.node_start.data();
   arrays_.volume = volume_.data();
   arrays_.stabilization = stabilization_.data();
   arrays_.material = material_.data();
@@ -247,7 +248,7 @@ template <class Real>
 std::size_t Elastic<Real>::bytes() const {
   const std::size_t numbers = volume_.size() + stabilization_.size() + material_.size() + tangent_.size() +
                               sigma_.size() + fibre_tangent_.size() + quadratics_.size();
-  return numbers * sizeof(Real) +
+  return numbers * sizeof(Real) + 8 * layout_.node_start.size() +
          4 * (layout_.nodes.size() + layout_.cell_of_slot.size() + layout_.slot_of_cell.size() + quadratic_of_.size());
 }
 

@@ -118,8 +118,8 @@ inline void add_quadratic(const typename NumberTraits<Number>::Scalar* matrix, c
     }
 }
 
-// y += K x of the groups begin..end; x and y hold 3 numbers per node. Flattened: matrices handed to functions that a
-// compiler does not inline would go through memory.
+// y += K x of the groups begin..end; x and y hold 3 numbers per node. Flattened, here and in the other fused kernels:
+// a compiler whose budget for inlining is spent on so many instances leaves calls that pass matrices through memory.
 template <class Number, bool kOnePoint, bool kFibres, bool kPrestretched>
 [[gnu::flatten]] void multiply_groups(const ElasticArrays<typename NumberTraits<Number>::Scalar>& arrays,
                                       std::int64_t begin, std::int64_t end,
@@ -131,8 +131,12 @@ template <class Number, bool kOnePoint, bool kFibres, bool kPrestretched>
   alignas(64) Scalar at[kBlockNodes][3][w];
   alignas(64) Scalar sum[kBlockNodes][3][w];
   for (std::int64_t group = begin; group < end; ++group) {
-    const std::int32_t* nodes = arrays.nodes + group * kBlockNodes * w;
-    for (int n = 0; n < kBlockNodes; ++n) NodeLanes<Number>::gather(x, nodes + n * w, &at[n][0][0]);
+    const GroupNodes nodes = arrays.nodes_of(group, w);
+    if (nodes.grid)
+      for (int c = 0; c < kBlockColumns; ++c)
+        for (int z = 0; z < 3; ++z) NodeLanes<Number>::gather(x + 3 * z, nodes.nodes + c * w, &at[3 * c + z][0][0]);
+    else
+      for (int n = 0; n < kBlockNodes; ++n) NodeLanes<Number>::gather(x, nodes.nodes + n * w, &at[n][0][0]);
     for (int n = 0; n < kBlockNodes; ++n)
       for (int i = 0; i < 3; ++i) store(Number(0), sum[n][i]);
     for (int place = 0; place < kBlockCells; ++place) {
@@ -184,7 +188,12 @@ template <class Number, bool kOnePoint, bool kFibres, bool kPrestretched>
           store(load<Number>(to) + result[i][c], to);
         }
     }
-    for (int n = 0; n < kBlockNodes; ++n) NodeLanes<Number>::scatter_add(y, nodes + n * w, &sum[n][0][0]);
+    if (nodes.grid)
+      for (int c = 0; c < kBlockColumns; ++c)
+        for (int z = 0; z < 3; ++z)
+          NodeLanes<Number>::scatter_add(y + 3 * z, nodes.nodes + c * w, &sum[3 * c + z][0][0]);
+    else
+      for (int n = 0; n < kBlockNodes; ++n) NodeLanes<Number>::scatter_add(y, nodes.nodes + n * w, &sum[n][0][0]);
   }
 }
 

@@ -52,8 +52,8 @@ inline FibreState<Number> fibre_state(const Real* material, int width, const Num
 // Adds the forces of the groups begin..end to `gradient` (3 per node) and the magnitudes of the cells' forces to
 // `magnitude` (1 per node), and remembers decompositions. Number: the arithmetic; Real and width: the layout.
 template <class Number, class Real, int width, class Model, bool kOnePoint, bool kFibres, bool kPrestretched>
-void evaluate_groups(const ElasticArrays<Real>& arrays, std::int64_t begin, std::int64_t end, const Real* u,
-                     double* gradient, double* magnitude, StateSums& sums) {
+[[gnu::flatten]] void evaluate_groups(const ElasticArrays<Real>& arrays, std::int64_t begin, std::int64_t end,
+                                      const Real* u, double* gradient, double* magnitude, StateSums& sums) {
   using std::min;
   using std::sqrt;
   constexpr int b = kLanes<Number>;
@@ -68,12 +68,13 @@ void evaluate_groups(const ElasticArrays<Real>& arrays, std::int64_t begin, std:
   double energy = 0.0;
   for (std::int64_t group = begin; group < end; ++group)
     for (int lane = 0; lane < width; lane += b) {
-      const std::int32_t* nodes = arrays.nodes + group * kBlockNodes * width + lane;
-      for (int n = 0; n < kBlockNodes; ++n)
+      const GroupNodes nodes = arrays.nodes_of(group, width);
+      nodes.for_each([&](int n, const std::int32_t* row, std::ptrdiff_t shift) __attribute__((always_inline)) {
         for (int k = 0; k < b; ++k) {
-          const Real* from = u + 3 * static_cast<std::ptrdiff_t>(nodes[n * width + k]);
+          const Real* from = u + 3 * (row[lane + k] + shift);
           for (int i = 0; i < 3; ++i) at[n][i][k] = static_cast<Scalar>(from[i]);
         }
+      });
       for (auto& node : sum)
         for (auto& row : node) store(Number(0), row);
       Number group_energy(0);
@@ -179,12 +180,13 @@ void evaluate_groups(const ElasticArrays<Real>& arrays, std::int64_t begin, std:
       }
       store(group_energy, buffer);
       for (const Scalar e : buffer) energy += static_cast<double>(e);
-      for (int n = 0; n < kBlockNodes; ++n)
+      nodes.for_each([&](int n, const std::int32_t* row, std::ptrdiff_t shift) __attribute__((always_inline)) {
         for (int k = 0; k < b; ++k) {
-          const auto node = static_cast<std::ptrdiff_t>(nodes[n * width + k]);
+          const std::ptrdiff_t node = row[lane + k] + shift;
           for (int i = 0; i < 3; ++i) gradient[3 * node + i] += static_cast<double>(sum[n][i][k]);
           magnitude[node] += static_cast<double>(sum[n][3][k]);
         }
+      });
     }
   sums.energy += energy;
   store(least_j, buffer);
@@ -193,8 +195,8 @@ void evaluate_groups(const ElasticArrays<Real>& arrays, std::int64_t begin, std:
 
 // Computes the tangent of the groups begin..end from what evaluate_groups remembered.
 template <class Number, class Model, bool kOnePoint, bool kFibres>
-void linearize_groups(const ElasticArrays<typename NumberTraits<Number>::Scalar>& arrays, std::int64_t begin,
-                      std::int64_t end, Definiteness how) {
+[[gnu::flatten]] void linearize_groups(const ElasticArrays<typename NumberTraits<Number>::Scalar>& arrays,
+                                       std::int64_t begin, std::int64_t end, Definiteness how) {
   using Real = typename NumberTraits<Number>::Scalar;
   constexpr int w = kLanes<Number>;
   const int points = kOnePoint ? 1 : arrays.points;
