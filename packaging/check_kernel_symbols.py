@@ -20,10 +20,8 @@ ARCHITECTURES = {
     "avx2": "xsimd::fma3<xsimd::avx2>",
     "avx512": "xsimd::avx512bw",
 }
-# nm's letters of symbols that other units may resolve to: global and weak code and data.
-OFFERED = re.compile(r"^[0-9a-f]* *([TDBRSWVui]) (.+)$")
-# The compiler's own reference to the exception handler, the same data in every unit.
-HARMLESS = ("DW.ref.__gxx_personality_v0",)
+# nm's letters of code that other units may resolve to: global and weak functions. Constants are the same in every unit.
+OFFERED = re.compile(r"^[0-9a-f]* *([TWi]) (.+)$")
 
 
 def instruction_set(unit: str) -> str | None:
@@ -40,7 +38,7 @@ def shared_symbols(listing: str, name: str) -> list[str]:
             continue
         letter, symbol = match.groups()
         own_entry = letter == "T" and re.match(rf"lappet::fill_\w+_{name}\(", symbol)
-        if not own_entry and ARCHITECTURES[name] not in symbol and symbol not in HARMLESS:
+        if not own_entry and ARCHITECTURES[name] not in symbol:
             found.append(symbol)
     return found
 
