@@ -107,11 +107,19 @@ def test_a_state_is_named_by_its_displacements_to_a_hundredth_of_a_millimetre() 
 def test_scenes_come_from_the_list_of_sizes(tmp_path: Path) -> None:
     (tmp_path / "flap").mkdir()
     (tmp_path / "flap" / "flap.usda").touch()
-    (tmp_path / "sizes.toml").write_text("[flap]\nmoderate = 1.5\nfine = 0.5\n", encoding="utf-8")
+    (tmp_path / "sizes.toml").write_text(
+        "[flap]\nmoderate = { spacing = 1.5 }\nfine = { spacing = 0.5 }\n", encoding="utf-8"
+    )
     assert scenes.suite(tmp_path) == [scenes.Scene(tmp_path / "flap" / "flap.usda", 1.5, 0.5)]
-    (tmp_path / "sizes.toml").write_text("[graft]\nmoderate = 1.5\n", encoding="utf-8")
+    (tmp_path / "sizes.toml").write_text("[graft]\nmoderate = { spacing = 1.5 }\n", encoding="utf-8")
     with pytest.raises(RefusedError, match=r"\[graft\] needs"):
         scenes.suite(tmp_path)
+
+
+def test_the_suite_holds_the_scenes_of_the_examples() -> None:
+    listed = scenes.suite(Path(__file__).resolve().parents[1] / "examples")
+    assert {"z_plasty", "rhomboid", "dual_s_plasty"} <= {scene.procedure.stem for scene in listed}
+    assert all(scene.fine is not None and scene.fine < scene.moderate for scene in listed)
 
 
 @pytest.mark.slow

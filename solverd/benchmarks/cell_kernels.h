@@ -3,6 +3,7 @@
 #pragma once
 #include <cstdint>
 
+#include "force/elastic_arrays.h"
 #include "math/instruction_set.h"
 
 namespace lappet {
@@ -64,9 +65,9 @@ struct CellKernels {
   double (*multiply_add_float)(std::int64_t rounds, float* result) = nullptr;
   double (*multiply_add_double)(std::int64_t rounds, double* result) = nullptr;
   // Nodes of the blocks to [group][27][3][lane] and back, adding.
-  void (*gather)(const std::int32_t* nodes, std::int64_t begin, std::int64_t end, const float* field,
+  void (*gather)(const ElasticArrays<float>&, std::int64_t begin, std::int64_t end, const float* field,
                  float* at) = nullptr;
-  void (*scatter)(const std::int32_t* nodes, std::int64_t begin, std::int64_t end, const float* sum,
+  void (*scatter)(const ElasticArrays<float>&, std::int64_t begin, std::int64_t end, const float* sum,
                   float* field) = nullptr;
 };
 

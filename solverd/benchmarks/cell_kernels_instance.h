@@ -163,13 +163,19 @@ struct CellParts {
     });
   }
 
-  static void gather(const std::int32_t* nodes, std::int64_t begin, std::int64_t end, const float* field, float* at) {
-    for (std::int64_t n = begin * kBlockNodes; n < end * kBlockNodes; ++n)
-      NodeLanes<Number>::gather(field, nodes + n * w, at + n * 3 * w);
+  static void gather(const ElasticArrays<float>& arrays, std::int64_t begin, std::int64_t end, const float* field,
+                     float* at) {
+    for (std::int64_t group = begin; group < end; ++group)
+      arrays.nodes_of(group, w).for_each([&](int n, const std::int32_t* row, int shift) {
+        NodeLanes<Number>::gather(field + 3 * shift, row, at + (group * kBlockNodes + n) * 3 * w);
+      });
   }
-  static void scatter(const std::int32_t* nodes, std::int64_t begin, std::int64_t end, const float* sum, float* field) {
-    for (std::int64_t n = begin * kBlockNodes; n < end * kBlockNodes; ++n)
-      NodeLanes<Number>::scatter_add(field, nodes + n * w, sum + n * 3 * w);
+  static void scatter(const ElasticArrays<float>& arrays, std::int64_t begin, std::int64_t end, const float* sum,
+                      float* field) {
+    for (std::int64_t group = begin; group < end; ++group)
+      arrays.nodes_of(group, w).for_each([&](int n, const std::int32_t* row, int shift) {
+        NodeLanes<Number>::scatter_add(field + 3 * shift, row, sum + (group * kBlockNodes + n) * 3 * w);
+      });
   }
 };
 

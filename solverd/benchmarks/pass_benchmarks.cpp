@@ -47,6 +47,8 @@ struct Copies {
   ElasticArrays<Real> arrays;
   std::int64_t copies, groups, nodes;  // groups and nodes: of one
   double slots_per_cell, nodes_per_cell;
+  double index_bytes;  // the nodes of a slot
+  std::vector<std::int64_t> node_start;
   Real *x, *y, *blocks;
   double *gradient, *magnitude;
   float *at, *sum;
@@ -84,11 +86,17 @@ struct Copies {
     copy(arrays.volume, slots);
     copy(arrays.stabilization, slots);
     const std::int32_t* index = arrays.nodes;
-    copy(index, groups * kBlockNodes * layout.lanes);
+    const auto per_box = static_cast<std::int64_t>(layout.nodes.size());
+    copy(index, per_box);
     auto* moved = const_cast<std::int32_t*>(index);
-    const std::int64_t per_box = groups * kBlockNodes * layout.lanes;
     for (std::int64_t k = 0; k < copies * per_box; ++k) moved[k] += static_cast<std::int32_t>(k / per_box * nodes);
     arrays.nodes = index;
+    for (std::int64_t k = 0; k < copies; ++k)
+      for (std::int64_t group = 0; group < groups; ++group)
+        node_start.push_back(k * per_box + layout.node_start[static_cast<std::size_t>(group)]);
+    node_start.push_back(copies * per_box);
+    arrays.node_start = node_start.data();
+    index_bytes = 4.0 * static_cast<double>(per_box) / static_cast<double>(slots);
     const Real* from = u.data();
     copy(from, 3 * nodes);
     x = const_cast<Real*>(from);
@@ -124,7 +132,6 @@ struct Pass {
   Run<Real> run;
 };
 
-constexpr double kIndex = 4.0 * kBlockNodes / kBlockCells;            // the nodes of a slot, bytes
 constexpr double kBlockValues = 4.0 * 3 * kBlockNodes / kBlockCells;  // [27][3][lane] of a slot, float
 
 template <class Real>
@@ -134,11 +141,11 @@ std::vector<Pass<Real>> passes(InstructionSet set) {
   const bool is_float = sizeof(Real) == 4;
   const char* precision = is_float ? "float" : "double";
   std::vector<Pass<Real>> list;
-  list.push_back({"product", precision, r * (kTangentFields + 1) + kIndex, 9 * r, count.product,
+  list.push_back({"product", precision, r * (kTangentFields + 1), 9 * r, count.product,
                   [](Copies<Real>& c, std::int64_t begin, std::int64_t end) {
                     c.elastic->kernels().multiply(c.arrays, begin, end, c.x, c.y);
                   }});
-  const double evaluated = r * (8 + 3 + 2) + kIndex, forces = 3 * r + 2 * 4 * sizeof(double);
+  const double evaluated = r * (8 + 3 + 2), forces = 3 * r + 2 * 4 * sizeof(double);
   list.push_back({"evaluate", "double", evaluated, forces, count.evaluate_double,
                   [](Copies<Real>& c, std::int64_t begin, std::int64_t end) {
                     StateSums sums;
@@ -156,20 +163,20 @@ std::vector<Pass<Real>> passes(InstructionSet set) {
                   [](Copies<Real>& c, std::int64_t begin, std::int64_t end) {
                     c.elastic->kernels().linearize(c.arrays, begin, end, Definiteness::kClamp);
                   }});
-  list.push_back({"diagonal", precision, r * (kTangentFields + 1) + kIndex, 12 * r, count.diagonal,
+  list.push_back({"diagonal", precision, r * (kTangentFields + 1), 12 * r, count.diagonal,
                   [](Copies<Real>& c, std::int64_t begin, std::int64_t end) {
                     c.elastic->kernels().diagonal(c.arrays, begin, end, c.blocks);
                   }});
   if constexpr (sizeof(Real) == 4) {
     const CellKernels parts = cell_kernels(set);
-    list.push_back({"gather", precision, kIndex + kBlockValues, 3 * r, 0.0,
-                    [parts](Copies<Real>& c, std::int64_t begin, std::int64_t end) {
-                      parts.gather(c.arrays.nodes, begin, end, c.x, c.at);
-                    }});
+    list.push_back(
+        {"gather", precision, kBlockValues, 3 * r, 0.0, [parts](Copies<Real>& c, std::int64_t begin, std::int64_t end) {
+           parts.gather(c.arrays, begin, end, c.x, c.at);
+         }});
     // x takes the place of what is added to: the sums lie where y would, and are zero
-    list.push_back({"scatter", precision, kIndex + kBlockValues, 6 * r, 3.0 * kBlockNodes / kBlockCells,
+    list.push_back({"scatter", precision, kBlockValues, 6 * r, 3.0 * kBlockNodes / kBlockCells,
                     [parts](Copies<Real>& c, std::int64_t begin, std::int64_t end) {
-                      parts.scatter(c.arrays.nodes, begin, end, c.sum, c.x);
+                      parts.scatter(c.arrays, begin, end, c.sum, c.x);
                     }});
   }
   return list;
@@ -192,7 +199,9 @@ void enlist_precision(InstructionSet set, Arena& arena) {
                auto& work = boxes->value();
                walk.items = work.copies * work.groups;
                walk.cells = static_cast<double>(work.lattice->cell_nodes.size()) / static_cast<double>(work.groups);
-               walk.bytes = pass.per_slot * work.slots_per_cell + pass.per_node * work.nodes_per_cell;
+               // what touches nodes reads their indices
+               const double per_slot = pass.per_slot + (pass.per_node > 0.0 ? work.index_bytes : 0.0);
+               walk.bytes = per_slot * work.slots_per_cell + pass.per_node * work.nodes_per_cell;
                walk.operations = pass.operations;
                work.clear();
                walk.measure(state, [&](std::int64_t begin, std::int64_t end) {

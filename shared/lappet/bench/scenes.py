@@ -192,17 +192,18 @@ class Scene:
 
 
 def suite(examples: Path) -> list[Scene]:
-    """The scenes that `examples/sizes.toml` lists: tables of `moderate` and `fine` spacings in mm by folder name.
+    """The scenes that `examples/sizes.toml` lists: by folder name the tables `moderate` and, where there is one, `fine`,
+    each with a `spacing` in mm.
 
     Raises RefusedError where it lists what is not there.
     """
     listed = examples / "sizes.toml"
-    sizes = tomllib.loads(listed.read_text("utf-8")) if listed.is_file() else {"z_plasty": {"moderate": 1.0}}
+    sizes = tomllib.loads(listed.read_text("utf-8")) if listed.is_file() else {"z_plasty": {"moderate": {"spacing": 1}}}
     scenes = []
-    for name, spacing in sizes.items():
+    for name, size in sizes.items():
         procedure = examples / name / f"{name}.usda"
-        if not procedure.is_file() or "moderate" not in spacing:
-            raise RefusedError(f"{listed}: [{name}] needs {procedure} and a spacing `moderate` in mm.")
-        fine = spacing.get("fine")
-        scenes.append(Scene(procedure, float(spacing["moderate"]), None if fine is None else float(fine)))
+        if not procedure.is_file() or "spacing" not in size.get("moderate", {}):
+            raise RefusedError(f"{listed}: [{name}] needs {procedure} and `moderate` with a `spacing` in mm.")
+        fine = size.get("fine", {}).get("spacing")
+        scenes.append(Scene(procedure, float(size["moderate"]["spacing"]), None if fine is None else float(fine)))
     return scenes
