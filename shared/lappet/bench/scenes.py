@@ -192,8 +192,8 @@ class Scene:
 
 
 def suite(examples: Path) -> list[Scene]:
-    """The scenes that `examples/sizes.toml` lists: by folder name the tables `moderate` and, where there is one, `fine`,
-    each with a `spacing` in mm.
+    """The scenes that `examples/sizes.toml` lists: by folder name the tables `moderate` and, where there is one,
+    `fine`, each with a `spacing` in mm.
 
     Raises RefusedError where it lists what is not there.
     """
