@@ -97,6 +97,7 @@ BlockLayout lay_out_blocks(const Lattice& lattice, int lanes) {
 
   BlockLayout layout;
   layout.lanes = lanes;
+  layout.blocks = static_cast<std::int64_t>(blocks.size());
   layout.slab_start = {0};
   layout.node_start = {0};
   layout.slot_of_cell.assign(lattice.cell_nodes.size(), -1);

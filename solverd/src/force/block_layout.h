@@ -18,7 +18,7 @@ namespace lappet {
 
 struct BlockLayout {
   int lanes = 1;
-  std::int64_t groups = 0;
+  std::int64_t blocks = 0, groups = 0;
   std::vector<std::int32_t> nodes;         // per group [27][lane], or of a grid group [9][lane]
   std::vector<std::int64_t> node_start;    // where the nodes of each group begin, and the end
   std::vector<std::int32_t> cell_of_slot;  // [group][place][lane]; -1 where missing

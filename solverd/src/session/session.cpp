@@ -10,7 +10,6 @@
 #include <limits>
 #include <optional>
 
-#include "lattice/blocks.h"
 #include "lattice/refused.h"
 #include "session/attempts.h"
 #include "session/bones.h"
@@ -158,7 +157,7 @@ class TypedSession : public Session::Implementation {
     report.mesh_cells = lattice_->mesh_cells;
     report.nodes = static_cast<std::int32_t>(lattice_->node_rest.size());
     report.fragments = lattice_->fragments;
-    report.blocks = static_cast<std::int32_t>(build_blocks(*lattice_).size());
+    report.blocks = static_cast<std::int32_t>(system_->elastic().layout().blocks);
     report.bytes = static_cast<double>(system_->bytes() + preconditioner_->bytes() + u_.size() * sizeof(Real) +
                                        (bones_ ? bones_->bytes() : 0));
     release_freed_memory();
