@@ -32,7 +32,7 @@ def script(monkeypatch: pytest.MonkeyPatch, own_store: Path) -> Script:
     """What the workers of formulas do."""
     made = Script()
     monkeypatch.setattr(workers, "create", made.create)
-    monkeypatch.setattr(reconcile, "_identity", fake_worker.IDENTITY)
+    monkeypatch.setattr(reconcile, "identity", lambda: fake_worker.IDENTITY)
     return made
 
 

@@ -134,7 +134,7 @@ def test_a_folder_that_cannot_be_made_is_a_sentence_and_the_frames_stay_where_th
     patch.lappet.solving.beside_file = True
     bpy.ops.wm.save_as_mainfile(filepath=str(blend))
     pump(QUIET)
-    (note,) = controller.controller_of(patch).notes
+    (note,) = frames.notes_of(patch)
     assert note.startswith("Solved frames cannot be kept in ")
     assert states(patch) == "ssssssss", "they are still in memory"
     forget_memory()

@@ -106,9 +106,8 @@ class Controller:
     live: Live | None = None
     carrying: CarryOver | None = None
     failure: Failure | None = None
-    line: str = ""
     notes: deque[str] = field(default_factory=lambda: deque(maxlen=NOTES))
-    cells: float = 0.0
+    cells: float = 0.0  # of the lattice as solved; 0 = none was yet
     dirty_since: float | None = 0.0
     changed_at: float = 0.0
     read_at: float = -math.inf

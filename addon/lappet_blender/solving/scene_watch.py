@@ -171,7 +171,8 @@ def _loaded(*_: object) -> None:
         migrate(scene)
         if scene.lappet.tissue.object is None:
             continue
-        scene.lappet.solving.live = False
+        if scene.library is None:
+            scene.lappet.solving.live = False
         controller = controller_of(scene)
         last = scene.lappet.solving.last_plan
         plan = plans.find(last, controller.store) if last else None

@@ -34,7 +34,8 @@ def start_solve(scene: bpy.types.Scene, until: int | None = None) -> Job:
     if controller.plan is not None:
         for frame in controller.plan.frames:
             plans.failures.pop(frame.key, None)
-    controller.failure, controller.line = None, ""
+    controller.failure = None
+    controller.notes.clear()
     try:
         number = controller.solver().solve(procedure, controller.settings, until)
     except (RuntimeError, OSError) as error:

@@ -5,8 +5,7 @@ from bpy.props import BoolProperty, IntProperty
 
 from lappet.refused import RefusedError
 
-from .controller import controller_of
-from .frames import problems_of, progress_of
+from .frames import failure_of, problems_of, progress_of
 from .problem_place import select_problem
 from .scene_watch import reading
 from .solve_jobs import cancel_solve, clear_frames, reload_frames, start_plan, start_solve
@@ -122,11 +121,11 @@ class LAPPET_OT_failure_show(bpy.types.Operator):
     @classmethod
     def poll(cls, context):
         """Only where a frame failed."""
-        failure = controller_of(context.scene).failure
+        failure = failure_of(context.scene)
         return failure is not None and failure.time is not None
 
     def execute(self, context):  # noqa: D102
-        context.scene.frame_set(controller_of(context.scene).failure.time)
+        context.scene.frame_set(failure_of(context.scene).time)
         return {"FINISHED"}
 
 

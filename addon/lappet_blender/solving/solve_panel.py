@@ -5,7 +5,7 @@ import textwrap
 import bpy
 
 from .controller import controller_of
-from .frames import problems_of, progress_of
+from .frames import failure_of, notes_of, problems_of, progress_of
 from .problem_place import problem_event
 
 _LETTER = 6.5  # pixels of a letter at a scale of 1, about
@@ -24,7 +24,6 @@ class LAPPET_PT_solve(bpy.types.Panel):
     def draw(self, context):  # noqa: D102
         layout = self.layout
         scene = context.scene
-        controller = controller_of(scene)
         progress = progress_of(scene)
         ready = scene.lappet.tissue.object is not None
 
@@ -37,21 +36,21 @@ class LAPPET_PT_solve(bpy.types.Panel):
             row.operator("lappet.solve", icon="PLAY")
         if progress.running or progress.total:
             _bar(layout, progress.done / max(progress.total, 1), f"{progress.done} / {progress.total}")
-        if ready:
-            lines(layout, context, progress.line)
+        lines(layout, context, progress.line if ready else "Make a mesh the tissue first.")
 
         row = layout.row()
         row.enabled = ready and not progress.running
         row.operator("lappet.live", icon="REC", depress=progress.live)
 
-        failure = controller.failure
+        failure = failure_of(scene)
         if failure is not None:
             box = layout.box()
             if failure.time is not None:
                 box.operator("lappet.failure_show", text=f"Frame {failure.time} failed", icon="ERROR")
             lines(box, context, failure.sentence)
-        _problems(layout, context)
-        for note in controller.notes:
+        if ready:
+            _problems(layout, context)
+        for note in notes_of(scene):
             lines(layout, context, note, icon="INFO")
 
 
