@@ -57,9 +57,7 @@ def quiet() -> None:
     assert not pump(PATIENCE), "something is still under way"
 
 
-def test_the_button_gives_the_frames_of_the_command_line_bit_for_bit(
-    patch: bpy.types.Scene, tmp_path: Path
-) -> None:
+def test_the_button_gives_the_frames_of_the_command_line_bit_for_bit(patch: bpy.types.Scene, tmp_path: Path) -> None:
     solve(patch)
     procedure = read_scene(patch).procedure
     settings = solve_settings(patch)
