@@ -75,7 +75,8 @@ class Worker:
         with self._guard:
             for other in self._jobs.values():
                 # A plan that is overtaken before it began is of no use; a solve makes its own.
-                if other.kind == "plan" and (job.kind == "solve" or (job.kind == "plan" and not other.running)):
+                overtaken = other.kind == "plan" and (job.kind == "solve" or (job.kind == "plan" and not other.running))
+                if overtaken or other.kind == job.kind == "live":
                     other.cancel()
             self._jobs[job.number] = job
         self._lanes[job.kind].put(job, identity)
