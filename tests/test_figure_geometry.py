@@ -9,15 +9,15 @@ import numpy as np
 import pytest
 
 import synthetic_skin_cache as synthetic
-from lappet_blender.dashed_line import DASH, GAP, dashes
-from lappet_blender.figure_steps import MOST_PANELS, step_captions, story_steps
-from lappet_blender.framing import FIELD_FILL, surgical_region, viewpoint
-from lappet_blender.hook_path import ELEVATION, hook_directions, hook_path
-from lappet_blender.sheet_layout import columns_for, sheet_layout
-from lappet_blender.skin_fields import SKIN, WOUND_WALL, border_chains, depth_below_skin, uv_scale, vertex_normals
-from lappet_blender.skin_read import FigureError, SkinCache, StepEvent
-from lappet_blender.suture_bites import BITE, Bite, Lip, bites_at, buried, find_bites, find_lip, inward
-from lappet_blender.suture_path import THREAD_RADIUS, stitch_path
+from lappet_blender.figure.figure_steps import MOST_PANELS, step_captions, story_steps
+from lappet_blender.figure.framing import FIELD_FILL, surgical_region, viewpoint
+from lappet_blender.figure.sheet_layout import columns_for, sheet_layout
+from lappet_blender.look.dashed_line import DASH, GAP, dashes
+from lappet_blender.look.hook_path import ELEVATION, hook_directions, hook_path
+from lappet_blender.look.skin_fields import SKIN, WOUND_WALL, border_chains, depth_below_skin, uv_scale, vertex_normals
+from lappet_blender.look.skin_read import FigureError, SkinCache, StepEvent
+from lappet_blender.look.suture_bites import BITE, Bite, Lip, bites_at, buried, find_bites, find_lip, inward
+from lappet_blender.look.suture_path import THREAD_RADIUS, stitch_path
 
 UP = np.array([0.0, 0.0, 1.0])
 

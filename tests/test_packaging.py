@@ -136,7 +136,7 @@ def test_a_wheel_installed_elsewhere_brings_the_command_and_its_daemon(tmp_path:
     subprocess.run([*build, settings], check=True, timeout=540, env={**os.environ, **compiler})
     (wheel,) = tmp_path.glob("lappet-*.whl")
     names = zipfile.ZipFile(wheel).namelist()
-    for name in ("lappet/bin/lappet-solverd", "lappet/cli.py", "lappet_blender/figure.py"):
+    for name in ("lappet/bin/lappet-solverd", "lappet/cli.py", "lappet_blender/figure/__main__.py"):
         assert name in names
     assert any(name.startswith("lappet/schema/") for name in names)
 

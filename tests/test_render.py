@@ -127,7 +127,7 @@ def test_a_still_has_its_size_and_the_open_wound_is_flesh_where_skin_was(
 
 @pytest.mark.slow
 def test_the_filmstrip_shows_six_captioned_panels(drawn: tuple[Path, list[Path], list[str]]) -> None:
-    from lappet_blender.sheet_layout import sheet_layout
+    from lappet_blender.figure.sheet_layout import sheet_layout
 
     out, _, _ = drawn
     sheet = read_png(out / "filmstrip.png")

@@ -1,4 +1,34 @@
-"""Lappet in Blender: figures of solved procedures. The only package of Lappet that imports bpy.
+"""Lappet in Blender: draw a flap operation on a skin model, solve it, scrub and render it.
 
-`python -m lappet_blender.figure` draws pictures from a skin cache without a window; `lappet render` starts it.
+The only package of Lappet that imports bpy. Blender calls `register` and `unregister`. Pictures without a window need
+neither: `python -m lappet_blender.figure` draws a skin cache, and `lappet render` starts it.
 """
+
+from __future__ import annotations
+
+from importlib import import_module
+
+# In this order; each has a module `registration` with `register` and `unregister`.
+_PARTS = ("model", "tissue", "events", "files", "solving", "display", "tools")
+
+
+def register() -> None:
+    """Adds the properties, operators, tools, panels and handlers; what a failure leaves half done is taken back."""
+    done: list[str] = []
+    try:
+        for part in _PARTS:
+            import_module(f"{__package__}.{part}.registration").register()
+            done.append(part)
+    except BaseException:
+        _unregister(done)
+        raise
+
+
+def unregister() -> None:
+    """Takes everything away again."""
+    _unregister(list(_PARTS))
+
+
+def _unregister(parts: list[str]) -> None:
+    for part in reversed(parts):
+        import_module(f"{__package__}.{part}.registration").unregister()

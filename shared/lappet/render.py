@@ -46,7 +46,7 @@ def addon_folder() -> Path:
     if spec is not None and spec.origin is not None:
         return Path(spec.origin).parent.parent
     source = Path(__file__).resolve().parents[2] / "addon"
-    if (source / "lappet_blender" / "figure.py").is_file():
+    if (source / "lappet_blender" / "figure" / "__main__.py").is_file():
         return source
     raise RenderError(f"The package lappet_blender, which draws the pictures, is not installed; {INSTALL}.")
 

@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from ..look.skin_material import RAMP
+from ..look.skin_read import SkinCache
 from .caption import draw_text, load_picture, save_picture, text_width
-from .skin_material import RAMP
-from .skin_read import SkinCache
 
 UNITS = {"strain": "", "stress": " kPa", "tension": " kPa"}
 INK = (0.2, 0.19, 0.19)

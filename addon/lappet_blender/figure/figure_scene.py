@@ -9,9 +9,9 @@ import numpy as np
 from mathutils import Matrix
 from numpy.typing import NDArray
 
+from ..look.skin_import import SCALE
+from ..look.skin_read import FigureError
 from .framing import Region, Viewpoint
-from .skin_import import SCALE
-from .skin_read import FigureError
 
 LENS, SENSOR = 90.0, 36.0
 ENGINES = {"cycles": "CYCLES", "workbench": "BLENDER_WORKBENCH"}

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from .skin_fields import SKIN, WOUND_WALL
-from .skin_read import SkinCache
+from ..look.skin_fields import SKIN, WOUND_WALL
+from ..look.skin_read import SkinCache
 
 VIEWS = {"oblique": 50.0, "top": 90.0, "low": 26.0}
 TURN = 9.0

@@ -23,6 +23,24 @@ import numpy as np
 if hasattr(bpy.utils, "expose_bundled_modules"):
     bpy.utils.expose_bundled_modules()
 
+from ..look.hook_steel import HookSteel
+from ..look.skin_import import Bed, SkinObject
+from ..look.skin_marks import SkinMarks
+from ..look.skin_material import (
+    backdrop_material,
+    bed_material,
+    edge_material,
+    fat_material,
+    ink_material,
+    rim_material,
+    skin_material,
+    steel_material,
+    thread_material,
+    wall_material,
+)
+from ..look.skin_read import SCALARS, FigureError, SkinCache
+from ..look.suture_thread import SutureThread, buried_sutures
+from ..look.wound_edge import WoundEdge
 from .caption import load_picture, save_picture, shrunk
 from .figure_scene import (
     ENGINES,
@@ -38,26 +56,8 @@ from .figure_scene import (
 from .figure_steps import Step, step_captions, story_steps
 from .filmstrip import write_filmstrip
 from .framing import VIEWS, Region, surgical_region, viewpoint
-from .hook_steel import HookSteel
 from .movie import encode_mp4
 from .quantity_key import draw_key, full_scale
-from .skin_import import Bed, SkinObject
-from .skin_marks import SkinMarks
-from .skin_material import (
-    backdrop_material,
-    bed_material,
-    edge_material,
-    fat_material,
-    ink_material,
-    rim_material,
-    skin_material,
-    steel_material,
-    thread_material,
-    wall_material,
-)
-from .skin_read import SCALARS, FigureError, SkinCache
-from .suture_thread import SutureThread, buried_sutures
-from .wound_edge import WoundEdge
 
 Report = Callable[[Path, int, int], None]
 COLORS = ("plain", "grid", *SCALARS)

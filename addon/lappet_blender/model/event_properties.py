@@ -1,0 +1,120 @@
+"""Property groups of the timeline: one `LappetEvent` per event, in `scene.lappet.events`.
+
+Points are material (rest) coordinates in mm, whatever the scene's unit. Times are frames of the scene.
+"""
+
+import bpy
+from bpy.props import (
+    BoolProperty,
+    CollectionProperty,
+    EnumProperty,
+    FloatProperty,
+    FloatVectorProperty,
+    PointerProperty,
+    StringProperty,
+)
+
+from .changes import property_changed
+
+KINDS = (
+    ("INCISION", "Incision", "A cut along a line on the skin", "SCULPTMODE_HLT", 0),
+    ("EXCISION", "Excision", "Takes a piece of tissue away", "TRASH", 1),
+    ("UNDERMINE", "Undermining", "Frees the skin inside a line from its bed", "MOD_EXPLODE", 2),
+    ("HOOK", "Hook", "Pulls a point of the skin to a target", "HOOK", 3),
+    ("RETRACTOR", "Retractor", "Grips faces of the skin and moves them as one", "VIEW_PAN", 4),
+    ("SUTURE", "Suture", "Draws two points together and holds them", "LINKED", 5),
+    ("LANDMARK", "Landmark", "Points to follow and measure", "EMPTY_AXIS", 6),
+)
+BASES = (
+    ("LINEAR", "Straight", "Straight from point to point"),
+    ("CATMULL_ROM", "Smooth", "A smooth curve through the points"),
+    ("BSPLINE", "B-spline", "A smoother curve near the points"),
+    ("BEZIER", "Bézier", "Cubic Bézier segments: a point, two handles, a point ..."),
+)
+CUT_KINDS = frozenset({"INCISION", "EXCISION", "UNDERMINE"})
+HOLD_KINDS = frozenset({"HOOK", "RETRACTOR"})
+
+
+class LappetPoint(bpy.types.PropertyGroup):
+    """A point of an event."""
+
+    co: FloatVectorProperty(
+        name="Position",
+        description="Where the point lies on the tissue at rest, in mm",
+        size=3,
+        precision=3,
+        update=property_changed,
+    )
+
+
+class LappetEvent(bpy.types.PropertyGroup):
+    """An event; which of the fields count depends on its kind."""
+
+    uid: StringProperty(name="Identifier", description="Never changes and is never given twice", options={"HIDDEN"})
+    # `name` is PropertyGroup's own: the name of the prim, a USD identifier, unique in the scene (operators see to it).
+    kind: EnumProperty(name="Kind", items=KINDS)
+    enabled: BoolProperty(
+        name="Enabled",
+        description="Whether the event takes place; one that is off stays in the list",
+        default=True,
+        update=property_changed,
+    )
+    start: FloatProperty(
+        name="Frame", description="The frame at which it happens or begins", default=1.0, update=property_changed
+    )
+    end: FloatProperty(
+        name="Release",
+        description="The frame at which the hook or retractor lets go",
+        default=25.0,
+        update=property_changed,
+    )
+    duration: FloatProperty(
+        name="Duration",
+        description="How many frames the suture takes to close",
+        default=1.0,
+        min=0.0,
+        update=property_changed,
+    )
+    points: CollectionProperty(type=LappetPoint)
+    basis: EnumProperty(name="Line", items=BASES, default="LINEAR", update=property_changed)
+    closed: BoolProperty(
+        name="Closed", description="The line returns to its first point", default=False, update=property_changed
+    )
+    through: BoolProperty(
+        name="Through", description="Cut through the whole tissue", default=True, update=property_changed
+    )
+    depth: FloatProperty(
+        name="Depth",
+        description="How deep the cut goes below the skin, in mm",
+        default=2.0,
+        min=0.0,
+        update=property_changed,
+    )
+    kerf: FloatProperty(
+        name="Kerf",
+        description="How wide the cut is, in mm",
+        default=0.05,
+        min=0.0,
+        precision=3,
+        update=property_changed,
+    )
+    stiffness: FloatProperty(
+        name="Stiffness",
+        description="Of the hook or the suture, in mN/mm",
+        default=500.0,
+        min=0.0,
+        update=property_changed,
+    )
+    target: PointerProperty(
+        name="Target",
+        description="The empty whose place (hook) or motion (retractor) is followed; keyframe it like anything else",
+        type=bpy.types.Object,
+        update=property_changed,
+    )
+    grip: StringProperty(
+        name="Grip", description="The group of the tissue's faces that the retractor holds", update=property_changed
+    )
+    label: StringProperty(name="Label", description="What reports call the landmark", update=property_changed)
+
+
+CLASSES = (LappetPoint, LappetEvent)

@@ -1,0 +1,254 @@
+"""Property groups of a scene: `scene.lappet` holds the tissue, its materials, the timeline and how it looks."""
+
+import bpy
+from bpy.props import (
+    BoolProperty,
+    CollectionProperty,
+    EnumProperty,
+    FloatProperty,
+    FloatVectorProperty,
+    IntProperty,
+    PointerProperty,
+    StringProperty,
+)
+
+from .changes import property_changed
+from .event_properties import LappetEvent
+
+VERSION = 1  # of these properties; `migrate.py` brings older files up to it
+
+MODELS = (
+    ("corotated", "Corotated", "Linear elasticity that turns with the tissue"),
+    ("neoHookean", "Neo-Hookean", "Rubber-like: the usual choice for skin at small stretch"),
+    ("stableNeoHookean", "Stable neo-Hookean", "Finite even where cells are turned inside out"),
+    ("mooneyRivlin", "Mooney–Rivlin", "Two moduli"),
+)
+COLORS = (
+    ("PLAIN", "Skin", "Plain skin"),
+    ("GRID", "Grid", "A printed grid of millimetres that shows how the skin moves"),
+    ("CHECKER", "Checkerboard", "A checkerboard of 5 mm that shows how the skin moves"),
+    ("STRAIN", "Strain", "How far the skin is stretched"),
+    ("STRESS", "Stress", "Von Mises stress in kPa"),
+    ("TENSION", "Tension", "Tension along the skin"),
+)
+
+
+class LappetMaterial(bpy.types.PropertyGroup):
+    """A material (`lappet.procedure.Material`); `name` is its name."""
+
+    model: EnumProperty(name="Model", items=MODELS, default="neoHookean", update=property_changed)
+    youngs_modulus: FloatProperty(
+        name="Young's modulus", description="kPa", default=50.0, min=1e-6, update=property_changed
+    )
+    poissons_ratio: FloatProperty(
+        name="Poisson's ratio",
+        description="How nearly incompressible, below 0.5",
+        default=0.45,
+        min=-0.99,
+        max=0.49999,
+        precision=4,
+        update=property_changed,
+    )
+    mooney_ratio: FloatProperty(
+        name="Mooney ratio", description="The second modulus over the first", default=0.0, update=property_changed
+    )
+    fiber_k1: FloatProperty(
+        name="Fibre stiffness", description="kPa; 0 = no fibres", default=0.0, min=0.0, update=property_changed
+    )
+    fiber_k2: FloatProperty(
+        name="Fibre exponent", description="How fast fibres stiffen", default=0.0, min=0.0, update=property_changed
+    )
+    fiber_dispersion: FloatProperty(
+        name="Dispersion",
+        description="0 = all fibres along the direction, 1/3 = in every direction",
+        default=0.0,
+        min=0.0,
+        max=1.0 / 3.0,
+        update=property_changed,
+    )
+    fiber_direction: FloatVectorProperty(
+        name="Direction",
+        description="Of fibres, muscle and prestretch: along the relaxed skin tension lines",
+        size=3,
+        default=(1.0, 0.0, 0.0),
+        update=property_changed,
+    )
+    prestretch: FloatVectorProperty(
+        name="Prestretch",
+        description="In vivo, along and across the direction",
+        size=2,
+        default=(1.0, 1.0),
+        min=0.5,
+        max=2.0,
+        update=property_changed,
+    )
+    density: FloatProperty(name="Density", description="kg/m³", default=1100.0, min=0.0, update=property_changed)
+    muscle_stress: FloatProperty(
+        name="Muscle", description="Greatest active stress in kPa; 0 = none", default=0.0, update=property_changed
+    )
+    activation: FloatProperty(
+        name="Activation",
+        description="Of the muscle, 0 to 1; keyframe it",
+        default=0.0,
+        min=0.0,
+        max=1.0,
+        update=property_changed,
+    )
+
+
+class LappetRegion(bpy.types.PropertyGroup):
+    """A part of the tissue that is of another material; `name` is the group of faces above it."""
+
+    material: StringProperty(name="Material", update=property_changed)
+    depth_from: FloatProperty(
+        name="From", description="mm below the skin", default=0.0, min=0.0, update=property_changed
+    )
+    to_bottom: BoolProperty(name="To the bottom", default=True, update=property_changed)
+    depth_to: FloatProperty(name="To", description="mm below the skin", default=2.0, min=0.0, update=property_changed)
+
+
+class LappetBone(bpy.types.PropertyGroup):
+    """A bone: any closed mesh."""
+
+    object: PointerProperty(name="Bone", type=bpy.types.Object, update=property_changed)
+
+
+class LappetTissue(bpy.types.PropertyGroup):
+    """The tissue: a mesh object and what it is made of.
+
+    Groups of its faces are Boolean face attributes of the mesh named "lappet_" + group: "fixed", "bed", those that
+    retractors grip and those of regions.
+    """
+
+    object: PointerProperty(
+        name="Tissue", description="The mesh that is operated on", type=bpy.types.Object, update=property_changed
+    )
+    thicken: BoolProperty(
+        name="Thicken",
+        description="The mesh is the outer surface only; the tissue is that much below it",
+        default=False,
+        update=property_changed,
+    )
+    thickness: FloatProperty(
+        name="Thickness", description="mm", default=4.0, min=0.001, soft_max=20.0, update=property_changed
+    )
+    material: StringProperty(name="Material", default="skin", update=property_changed)
+    spacing: FloatProperty(
+        name="Lattice spacing",
+        description="Edge of a cell in mm: half of it takes about ten times as long",
+        default=1.0,
+        min=1e-6,
+        soft_min=0.2,
+        soft_max=5.0,
+        precision=3,
+        update=property_changed,
+    )
+    bed_stiffness: FloatProperty(
+        name="Bed",
+        description="Tie of bed faces to deep tissue, kPa/mm",
+        default=10.0,
+        min=0.0,
+        update=property_changed,
+    )
+    use_gravity: BoolProperty(name="Gravity", default=False, update=property_changed)
+    gravity: FloatProperty(name="Gravity", description="m/s², down", default=9.81, min=0.0, update=property_changed)
+
+
+class LappetSolving(bpy.types.PropertyGroup):
+    """How the procedure is solved."""
+
+    quadrature: EnumProperty(
+        name="Quadrature",
+        items=(("1", "1 point", "The default"), ("4", "4 points", ""), ("8", "8 points", "The slowest")),
+        default="1",
+        update=property_changed,
+    )
+    precision: EnumProperty(
+        name="Precision",
+        items=(("float", "Single", "The default"), ("double", "Double", "For reference")),
+        default="float",
+        update=property_changed,
+    )
+    tolerance: FloatProperty(
+        name="Tolerance",
+        description="Residual over force scale at which a frame has come to rest",
+        default=1e-3,
+        min=1e-8,
+        max=0.1,
+        precision=6,
+        update=property_changed,
+    )
+    threads: IntProperty(name="Threads", description="0 = all", default=0, min=0, max=256)
+    live: BoolProperty(name="Live", description="The skin follows while a hook's target is dragged", default=False)
+    beside_file: BoolProperty(
+        name="Frames beside the .blend",
+        description="Keep solved frames in a folder beside the .blend instead of the user's cache",
+        default=False,
+        update=property_changed,
+    )
+
+
+class LappetLook(bpy.types.PropertyGroup):
+    """How the solved skin is shown. The display side subscribes to changes by `update` of its own operators."""
+
+    color: EnumProperty(name="Colour", items=COLORS, default="GRID", update=property_changed)
+    show_solved: BoolProperty(
+        name="Solved skin",
+        description="Show the solved skin instead of the tissue at rest",
+        default=True,
+        update=property_changed,
+    )
+    show_walls: BoolProperty(name="Wound walls", default=True, update=property_changed)
+    show_bone: BoolProperty(name="Bone", default=True, update=property_changed)
+    show_sutures: BoolProperty(name="Sutures", default=True, update=property_changed)
+    show_hooks: BoolProperty(name="Hooks", default=True, update=property_changed)
+    show_landmarks: BoolProperty(name="Landmarks", default=True, update=property_changed)
+    show_legend: BoolProperty(
+        name="Legend",
+        description="The colour scale beside the skin, in renders too",
+        default=True,
+        update=property_changed,
+    )
+    show_lattice: BoolProperty(
+        name="Lattice", description="The cells of the lattice over the tissue", default=False, update=property_changed
+    )
+    show_plan: BoolProperty(
+        name="Plan", description="Lines and points of the events on the skin", default=True, update=property_changed
+    )
+
+
+class LappetProcedure(bpy.types.PropertyGroup):
+    """The procedure of a scene. Copying the scene copies it; Blender's undo undoes it."""
+
+    version: IntProperty(default=0, options={"HIDDEN"})  # 0: nothing was made yet
+    tissue: PointerProperty(type=LappetTissue)
+    bones: CollectionProperty(type=LappetBone)
+    materials: CollectionProperty(type=LappetMaterial)
+    active_material: IntProperty(default=0)
+    regions: CollectionProperty(type=LappetRegion)
+    active_region: IntProperty(default=0)
+    events: CollectionProperty(type=LappetEvent)
+    active_event: IntProperty(name="Event", default=-1)
+    solving: PointerProperty(type=LappetSolving)
+    look: PointerProperty(type=LappetLook)
+    skin: PointerProperty(name="Skin", description="The object that shows the solved skin", type=bpy.types.Object)
+    compare_with: PointerProperty(
+        name="Compare with",
+        description="Another scene whose procedure is shown beside this one",
+        type=bpy.types.Scene,
+        update=property_changed,
+    )
+    compare_gap: FloatProperty(
+        name="Gap", description="Between the two skins, mm", default=10.0, soft_min=0.0, update=property_changed
+    )
+
+
+CLASSES = (
+    LappetMaterial,
+    LappetRegion,
+    LappetBone,
+    LappetTissue,
+    LappetSolving,
+    LappetLook,
+    LappetProcedure,
+)

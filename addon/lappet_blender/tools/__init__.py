@@ -1,0 +1,1 @@
+"""The tools of the toolbar: drawing on the skin, picking and dragging what was placed."""
