@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
 # A Debian sid in build/gui/sid with a Blender 5 that opens windows (Debian 12's is 3.4), for `make test-gui`.
 #
-#   bash packaging/gui_chroot.sh                    make it, once: some minutes, 2 GB
-#   bash packaging/gui_chroot.sh run COMMAND ...    run COMMAND in it, with this checkout at /lappet, the caller's
-#                                                   DISPLAY and the folder of the X11 sockets
+#   bash packaging/gui_chroot.sh                    make it, once: some minutes, 1.5 GB
+#   bash packaging/gui_chroot.sh run COMMAND ...    run COMMAND in it, with this checkout at /lappet
+#   bash packaging/gui_chroot.sh remove             delete it
 #
-# Needs root, or sudo that does not ask. The mounts and processes of a run live in namespaces of their own, so they
+# Needs root, or sudo that does not ask. The mounts and the processes of a run live in namespaces of their own, so both
 # are gone when it ends, however it ends. LAPPET_DEBIAN_MIRROR names another mirror than deb.debian.org.
 set -euo pipefail
 
@@ -13,9 +13,9 @@ root="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)"
 gui="$root/build/gui"
 sid="$gui/sid"
 mirror="${LAPPET_DEBIAN_MIRROR:-http://deb.debian.org/debian}"
-host_packages=(debootstrap imagemagick x11-utils xvfb)
-# python3-pip installs nothing from the network: it puts the wheels of the extension's zip where Blender finds them.
-sid_packages=(blender libegl1 libgl1 libgl1-mesa-dri)
+# A window needs a screen and OpenGL; `import` of ImageMagick takes pictures of the screen. zmq, msgpack and the rest
+# come from the extension's zip, numpy from Blender, which is Debian's here.
+packages=(blender imagemagick libegl1 libgl1 libgl1-mesa-dri python3-numpy xvfb)
 
 say() { printf 'gui: %s\n' "$*"; }
 refuse() {
@@ -29,7 +29,6 @@ if [ "$(id -u)" -ne 0 ]; then
     command -v sudo >/dev/null && "${as_root[@]}" true 2>/dev/null ||
         refuse "making or entering the chroot needs root or a sudo that does not ask; run it as root."
 fi
-apt=("${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -q -y -o DPkg::Lock::Timeout=300 -o Acquire::Retries=3)
 
 # Runs a command in the chroot, in namespaces of its own.
 inside() {
@@ -40,49 +39,42 @@ inside() {
             shift 2
             mount -t proc proc "$sid/proc"
             mount --bind /dev "$sid/dev"
-            mkdir -p "$sid/lappet" "$sid/tmp/.X11-unix" /tmp/.X11-unix
+            mkdir -p "$sid/lappet"
             mount --bind "$checkout" "$sid/lappet"
-            mount --bind /tmp/.X11-unix "$sid/tmp/.X11-unix"
             exec chroot "$sid" "$@"' inside "$sid" "$root" "$@"
 }
 
 make_chroot() {
-    local missing=() package
-    for package in "${host_packages[@]}"; do
-        dpkg-query --show --showformat '${db:Status-Status}' "$package" 2>/dev/null | grep -qx installed ||
-            missing+=("$package")
-    done
-    if [ "${#missing[@]}" -gt 0 ]; then
-        say "installing ${missing[*]}"
-        "${apt[@]}" update || refuse "apt-get update failed; see its message above."
-        "${apt[@]}" install --no-install-recommends "${missing[@]}" ||
-            refuse "apt-get could not install ${missing[*]}; see its message above."
-    fi
     local stamp
     stamp="$(sha256sum "${BASH_SOURCE[0]}" | cut -d' ' -f1)"
-    if [ "$(cat "$gui/made.sha256" 2>/dev/null)" = "$stamp" ]; then
-        return
-    fi
+    [ "$(cat "$gui/made.sha256" 2>/dev/null)" = "$stamp" ] && return
     mkdir -p "$gui"
+    if ! command -v debootstrap >/dev/null; then
+        say "installing debootstrap"
+        local apt=("${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -q -y -o DPkg::Lock::Timeout=300)
+        { "${apt[@]}" update && "${apt[@]}" install --no-install-recommends debootstrap; } ||
+            refuse "apt-get could not install debootstrap; see its message above."
+    fi
     if [ ! -e "$gui/bootstrapped" ]; then
         say "making a Debian sid in $sid from $mirror"
         "${as_root[@]}" rm -rf "$sid"
         "${as_root[@]}" debootstrap --variant=minbase sid "$sid" "$mirror" >"$gui/debootstrap.log" 2>&1 || {
-            tail -5 "$gui/debootstrap.log" >&2
+            tail -n 5 "$gui/debootstrap.log" >&2
             refuse "debootstrap failed; its log is $gui/debootstrap.log."
         }
         touch "$gui/bootstrapped"
     fi
-    say "installing ${sid_packages[*]} in it"
+    say "installing ${packages[*]} in it"
+    # A mirror may lag behind the date until which sid's list is called valid; its signature is checked all the same.
     inside env DEBIAN_FRONTEND=noninteractive bash -c '
-        apt-get -q -y -o Acquire::Retries=3 -o Acquire::Check-Valid-Until=false update &&
-        apt-get -q -y -o Acquire::Retries=3 install --no-install-recommends "$@" && apt-get clean' \
-        install "${sid_packages[@]}" >"$gui/install.log" 2>&1 || {
-        tail -5 "$gui/install.log" >&2
+        apt=(apt-get -q -y -o Acquire::Retries=3 -o Acquire::Check-Valid-Until=false)
+        "${apt[@]}" update && "${apt[@]}" install --no-install-recommends "$@" && apt-get clean' \
+        install "${packages[@]}" >"$gui/install.log" 2>&1 || {
+        tail -n 5 "$gui/install.log" >&2
         refuse "apt-get failed in the chroot; its log is $gui/install.log."
     }
     echo "$stamp" >"$gui/made.sha256"
-    say "ready: $(inside blender --version 2>/dev/null | head -1)"
+    say "ready: $(inside blender --version 2>/dev/null | head -n 1)"
 }
 
 case "${1:-make}" in
@@ -90,8 +82,8 @@ case "${1:-make}" in
     run)
         [ -e "$gui/made.sha256" ] || refuse "there is no chroot yet; run: bash packaging/gui_chroot.sh"
         shift
-        inside env -i PATH=/usr/local/bin:/usr/bin:/bin HOME=/root LANG=C.UTF-8 LIBGL_ALWAYS_SOFTWARE=1 \
-            ${DISPLAY:+DISPLAY="$DISPLAY"} "$@"
+        inside env -i PATH=/usr/local/bin:/usr/bin:/bin HOME=/root LANG=C.UTF-8 "$@"
         ;;
-    *) refuse "unknown argument '$1'; there is 'run COMMAND ...', or nothing." ;;
+    remove) "${as_root[@]}" rm -rf "$gui" ;;
+    *) refuse "unknown argument '$1'; there are 'run COMMAND ...' and 'remove', or nothing." ;;
 esac
