@@ -13,9 +13,9 @@ root="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)"
 gui="$root/build/gui"
 sid="$gui/sid"
 mirror="${LAPPET_DEBIAN_MIRROR:-http://deb.debian.org/debian}"
-# A window needs a screen and OpenGL; `import` of ImageMagick takes pictures of the screen. zmq, msgpack and the rest
-# come from the extension's zip, numpy from Blender, which is Debian's here.
-packages=(blender imagemagick libegl1 libgl1 libgl1-mesa-dri python3-numpy xvfb)
+# A window needs a screen and OpenGL; `import` of ImageMagick takes pictures of the screen. Blender's own Python needs
+# cattrs, numpy and requests; zmq, msgpack and the rest come from the extension's zip.
+packages=(blender imagemagick libegl1 libgl1 libgl1-mesa-dri python3-cattr python3-numpy python3-requests xvfb)
 
 say() { printf 'gui: %s\n' "$*"; }
 refuse() {
@@ -68,6 +68,7 @@ make_chroot() {
     # A mirror may lag behind the date until which sid's list is called valid; its signature is checked all the same.
     inside env DEBIAN_FRONTEND=noninteractive bash -c '
         apt=(apt-get -q -y -o Acquire::Retries=3 -o Acquire::Check-Valid-Until=false)
+        ln -sf /proc/self/mounts /etc/mtab
         "${apt[@]}" update && "${apt[@]}" install --no-install-recommends "$@" && apt-get clean' \
         install "${packages[@]}" >"$gui/install.log" 2>&1 || {
         tail -n 5 "$gui/install.log" >&2
