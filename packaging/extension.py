@@ -101,7 +101,7 @@ def assemble(platform: str, lappet: Path, output: Path, *, others: list[Path], a
     tag = lappet.stem.split("-")[-1]
     runs_on = re.compile({"linux": "manylinux_", "macos": "macosx_", "windows": "win_"}[platform.partition("-")[0]])
     machine = {"x64": ("x86_64", "amd64"), "arm64": ("aarch64", "arm64")}[platform.partition("-")[2]]
-    if not runs_on.match(tag) or not tag.endswith(machine):
+    if not runs_on.match(tag) or not tag.endswith((*machine, "universal2")):
         raise ValueError(f"{lappet.name} is a wheel for {tag}, not for {platform}; give one that is.")
     tool = blender_extension_tool()
     output.mkdir(parents=True, exist_ok=True)

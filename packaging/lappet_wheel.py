@@ -27,6 +27,7 @@ from pypi_wheels import CACHE, ROOT, download
 
 FILES = ("pyproject.toml", "CMakeLists.txt", "README.md", "LICENSE")
 FOLDERS = ("shared", "addon", "solverd", "examples")
+KEPT = 6  # folders of wheels; two are made for a state of the sources
 DEBIAN_DOCS = Path("/usr/share/doc")
 COMMON_LICENSES = Path("/usr/share/common-licenses")
 
@@ -38,7 +39,7 @@ def built(root: Path = ROOT, cache: Path = CACHE) -> Path:
     """
     with _alone(cache):
         sources = sorted(_sources(root))
-        kept = cache / "wheels" / _digest([root, *sources])
+        kept = cache / "wheels" / f"built-{_digest([root, *sources])}"
         if found := sorted(kept.glob("lappet-*.whl")):
             return found[0]
         copy = cache / "checkout"
@@ -59,7 +60,7 @@ def portable(wheel: Path, cache: Path = CACHE) -> Path:
     Kerberos. Raises CalledProcessError where auditwheel finds no tag or no library; it has printed why.
     """
     with _alone(cache):
-        kept = cache / "wheels" / _digest([wheel.parent, wheel, Path(__file__)]) / "portable"
+        kept = cache / "wheels" / f"portable-{_digest([wheel.parent, wheel, Path(__file__)])}"
         if found := sorted(kept.glob("lappet-*.whl")):
             return found[0]
         (pyzmq,) = download("pyzmq", [f"{sys.version_info.major}.{sys.version_info.minor}"], this_platform())
@@ -177,6 +178,9 @@ def _keep(made: Path, kept: Path) -> Path:
     """Moves the one wheel of the folder `made` into `kept`, whole or not at all."""
     (wheel,) = made.glob("*.whl")
     kept.mkdir(parents=True, exist_ok=True)
+    made_lately = sorted(kept.parent.iterdir(), key=lambda folder: folder.stat().st_mtime, reverse=True)
+    for old in made_lately[KEPT:]:
+        shutil.rmtree(old)
     return wheel.replace(kept / wheel.name)
 
 

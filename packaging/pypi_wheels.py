@@ -46,6 +46,8 @@ def download(name: str, pythons: list[str], platform: str, cache: Path = CACHE) 
     version = pinned(name)
     wheels: list[Path] = []
     for python in pythons:
+        if any(wheel.name.endswith("-py3-none-any.whl") for wheel in wheels):
+            break
         folder = cache / "pypi" / platform / python / f"{name}-{version}"
         if not (found := sorted(folder.glob("*.whl"))):
             found = [_fetch(name, version, python, platform, folder)]
