@@ -6,9 +6,12 @@ line of JSON with what was seen. Run by test_extension_zip.py, in an environment
 
 from __future__ import annotations
 
+import importlib
 import importlib.util
 import json
 import os
+import pkgutil
+import re
 import sys
 from pathlib import Path
 from typing import Any
@@ -36,6 +39,7 @@ def main(zip_file: str, arrays: str, result: str) -> None:
     seen["version"] = lappet.__version__
     seen["mode before"] = oct((Path(lappet.__file__).parent / "bin" / "lappet-solverd").stat().st_mode & 0o777)
     seen["imported"] = import_all()
+    seen["cannot be imported"] = [*not_importable("lappet"), *not_importable(MODULE)]
     solve(Path(arrays), Path(result), seen)
 
     bpy.ops.preferences.addon_disable(module=MODULE)
@@ -69,6 +73,20 @@ def import_all() -> list[str]:
     assert trimesh.creation.box().is_watertight
     modules = (manifold3d, msgpack, networkx, platformdirs, trimesh, zmq)
     return sorted({module.__file__.partition("site-packages")[0] for module in modules})
+
+
+def not_importable(package: str) -> list[str]:
+    """The modules of a package that ask for something which is not there; but for those of the command line."""
+    failed = []
+    names = (module.name for module in pkgutil.walk_packages(importlib.import_module(package).__path__, f"{package}."))
+    for name in names:
+        if re.search(r"\.__main__$|^lappet\.(cli|bench)\b", name):
+            continue
+        try:
+            importlib.import_module(name)
+        except ImportError as error:
+            failed.append(f"{name}: {error}")
+    return failed
 
 
 def solve(arrays: Path, result: Path, seen: dict[str, Any]) -> None:

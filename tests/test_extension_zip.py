@@ -215,6 +215,7 @@ def check_life(seen: dict[str, Any], arrays: dict[str, np.ndarray]) -> None:
     assert site is not None
     assert re.fullmatch(r"[0-9.]+\+[0-9a-f]{8}", seen["version"])
     assert [folder.endswith(site.group(1).removesuffix("site-packages/")) for folder in seen["imported"]] == [True]
+    assert seen["cannot be imported"] == []
     assert site.group(1) + "lappet/bin/lappet-solverd" in seen["daemon"]
     foreign = [name for name in seen["libraries"] if "/lappet.libs/" not in name and not RUN_TIME.search(name)]
     assert foreign == []
