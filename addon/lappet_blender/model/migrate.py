@@ -1,23 +1,22 @@
-"""Brings the procedures of older files up to this version of the properties, and speaks up about newer ones."""
+"""Brings the properties of a scene that an earlier version saved up to this one."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 
 import bpy
-from bpy.app.handlers import persistent
 
 from .procedure_properties import VERSION
-from .scene_problem import SceneProblem, problem
 
-# From the version that is the key to the next one. Version 0 is a scene that no operator has touched.
+# What to do to a scene of the version that is the key, to make it one of the next. Version 1 is the first: files before
+# it hold the same properties without the mark.
 STEPS: dict[int, Callable[[bpy.types.Scene], None]] = {}
 
 
 def migrate(scene: bpy.types.Scene) -> bool:
-    """Brings the scene's procedure up to date, a version at a time; whether anything was to be done.
+    """Brings the scene's procedure up to this version, one at a time; whether anything was to be done.
 
-    Scenes of a library, scenes without a procedure and those of a newer version are left alone.
+    Scenes of a library, scenes without a procedure and those of a newer version (`from_newer_version`) stay as they are.
     """
     procedure = scene.lappet
     if scene.library is not None or procedure.version >= VERSION:
@@ -32,34 +31,6 @@ def migrate(scene: bpy.types.Scene) -> bool:
     return True
 
 
-def version_problems(scene: bpy.types.Scene) -> list[SceneProblem]:
-    """A warning where the scene was made by a newer Lappet than this."""
-    version = scene.lappet.version
-    if version <= VERSION:
-        return []
-    sentence = (
-        f"The scene {scene.name!r} was made by a newer Lappet (its properties are of version {version}, "
-        f"this one knows {VERSION}); what is new in it is not seen here."
-    )
-    return [problem(scene.name, version, sentence, "Install the newer Lappet.", severity="warning")]
-
-
-@persistent  # type: ignore[untyped-decorator]
-def on_load(*_: object) -> None:
-    """After a file was loaded."""
-    for scene in bpy.data.scenes:
-        migrate(scene)
-        for each in version_problems(scene):
-            print(f"Lappet: {each.sentence} {each.mend}")
-
-
-def register() -> None:
-    """Migrates from now on whatever is loaded."""
-    if on_load not in bpy.app.handlers.load_post:
-        bpy.app.handlers.load_post.append(on_load)
-
-
-def unregister() -> None:
-    """Migrates no more."""
-    if on_load in bpy.app.handlers.load_post:
-        bpy.app.handlers.load_post.remove(on_load)
+def from_newer_version(scene: bpy.types.Scene) -> bool:
+    """Whether a newer Lappet saved the scene, so that parts of it may be missing here."""
+    return bool(scene.lappet.version > VERSION)

@@ -12,7 +12,6 @@ from lappet.refused import RefusedError
 
 from .decimals import decimal
 from .material_values import material_values
-from .migrate import version_problems
 from .scene_filling import fill_scene
 from .scene_problem import problem
 from .tissue_values import bone_values, tissue_value
@@ -30,7 +29,6 @@ class SceneReading:
 def read_scene(scene: bpy.types.Scene) -> SceneReading:
     """The procedure that the scene holds. Never raises; under 2 ms at 20 000 vertices where nothing has changed."""
     tissue, problems = tissue_value(scene)
-    problems += version_problems(scene)
     bones, wrong = bone_values(scene)
     problems += wrong
     events = _events(scene, problems)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import bpy
 from bpy.app.handlers import persistent
 
-from ..model import migrate, tissue_values
+from ..model import tissue_values
 from . import (
     bone_operators,
     check_operator,
@@ -14,7 +14,6 @@ from . import (
     material_operators,
     material_panel,
     mend_operators,
-    mesh_changes,
     overlay,
     tissue_measure,
     tissue_operators,
@@ -48,8 +47,6 @@ def register() -> None:
     """Adds them."""
     for each in _CLASSES:
         bpy.utils.register_class(each)
-    mesh_changes.register()
-    migrate.register()
     overlay.register()
     bpy.app.handlers.load_pre.append(_on_load_pre)
 
@@ -59,7 +56,5 @@ def unregister() -> None:
     if _on_load_pre in bpy.app.handlers.load_pre:
         bpy.app.handlers.load_pre.remove(_on_load_pre)
     overlay.unregister()
-    migrate.unregister()
-    mesh_changes.unregister()
     for each in reversed(_CLASSES):
         bpy.utils.unregister_class(each)
