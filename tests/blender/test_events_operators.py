@@ -14,7 +14,7 @@ import pytest
 from lappet.procedure import Hook, Incision, Suture
 from lappet_blender.model.event_list import find_event
 from lappet_blender.model.event_values import event_value
-from patch_scene import co, patch_scene
+from event_patch import co, patch_scene
 
 TOP = 4.0
 ops = bpy.ops.lappet

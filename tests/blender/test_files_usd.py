@@ -16,7 +16,7 @@ from lappet.store import FrameStore
 from lappet_blender.files.bundled_pxr import bundled_pxr
 from lappet_blender.model.scene_procedure import read_scene
 from lappet_blender.solving import frames
-from patch_scene import co, patch_scene
+from event_patch import co, patch_scene
 
 TOP = 2.0
 ops = bpy.ops.lappet
