@@ -11,6 +11,7 @@ from pathlib import Path
 import bpy
 import numpy as np
 import pytest
+from event_patch import co, patch_scene
 
 from lappet.client import DaemonMissing
 from lappet.daemon import find_daemon
@@ -18,7 +19,6 @@ from lappet.store import FrameStore
 from lappet_blender.files.bundled_pxr import bundled_pxr
 from lappet_blender.model.scene_procedure import read_scene
 from lappet_blender.solving import frames
-from event_patch import co, patch_scene
 
 TOP = 2.0
 ops = bpy.ops.lappet
