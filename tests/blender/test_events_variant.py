@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from types import SimpleNamespace
 
 import bpy
 import pytest
@@ -143,10 +144,14 @@ class Drawn:
         self.log.append(("label", text))
 
     def operator(self, name: str, text: str = "", icon: str = "NONE", emboss: bool = True) -> Drawn:
-        assert getattr(bpy.ops.lappet, name.partition(".")[2]).get_rna_type()
+        group, _, own = name.partition(".")
+        assert getattr(getattr(bpy.ops, group), own).get_rna_type()
         assert icon in bpy.types.UILayout.bl_rna.functions["label"].parameters["icon"].enum_items
         self.log.append(("operator", name))
         return Drawn(self.log)
+
+    def menu(self, name: str, **_: object) -> None:
+        getattr(bpy.types, name).draw(SimpleNamespace(layout=self), bpy.context)
 
     def template_list(self, *_: object, **__: object) -> None:
         self.log.append(("list", ""))
@@ -156,8 +161,6 @@ class Drawn:
 
 
 def test_the_panel_lists_events_in_order_of_time_with_the_fields_of_the_active_one(pulled: bpy.types.Scene) -> None:
-    from types import SimpleNamespace
-
     from lappet_blender.events import timeline_panel
 
     ops.suture_add(first=(0, 1, TOP), second=(0, -1, TOP), start=5, duration=4)
@@ -175,6 +178,7 @@ def test_the_panel_lists_events_in_order_of_time_with_the_fields_of_the_active_o
         panel = SimpleNamespace(layout=Drawn(log))
         timeline_panel.LAPPET_PT_timeline.draw(panel, bpy.context)
         assert {field for what, field in log if what == "prop"} == fields | {"title"}
+        assert log.count(("operator", "wm.tool_set_by_id")) == 7, "a tool for every kind"
         row: list[tuple[str, str]] = []
         timeline_panel.LAPPET_UL_events.draw_item(
             SimpleNamespace(), bpy.context, Drawn(row), None, pulled.lappet.events[name], 0, None, ""

@@ -13,12 +13,16 @@ from ..model.event_target import is_there
 
 ICONS = {kind[0]: kind[3] for kind in KINDS}
 STATES = {"solved": "CHECKMARK", "stale": "FILE_REFRESH", "failed": "ERROR", "missing": "BLANK1"}
-_ADDING = (
-    ("lappet.incision_add", "INCISION"),
-    ("lappet.undermine_add", "UNDERMINE"),
-    ("lappet.hook_add", "HOOK"),
-    ("lappet.suture_add", "SUTURE"),
-)
+# The tool that places an event of each kind.
+TOOLS = {
+    "INCISION": "lappet.incision",
+    "EXCISION": "lappet.excise",
+    "UNDERMINE": "lappet.undermine",
+    "HOOK": "lappet.hook",
+    "RETRACTOR": "lappet.retractor",
+    "SUTURE": "lappet.suture",
+    "LANDMARK": "lappet.landmark",
+}
 
 
 def span_text(event: Any) -> str:
@@ -82,6 +86,17 @@ class LAPPET_UL_events(bpy.types.UIList):
         return shown, time_order(context.scene)
 
 
+class LAPPET_MT_event_add(bpy.types.Menu):
+    """Takes up the tool that places an event."""
+
+    bl_idname = "LAPPET_MT_event_add"
+    bl_label = "Add Event"
+
+    def draw(self, _context: bpy.types.Context) -> None:
+        for kind, name, _, icon, _ in KINDS:
+            self.layout.operator("wm.tool_set_by_id", text=name, icon=icon).name = TOOLS[kind]
+
+
 class LAPPET_PT_timeline(bpy.types.Panel):
     """What is done to the tissue, and when."""
 
@@ -97,6 +112,7 @@ class LAPPET_PT_timeline(bpy.types.Panel):
         row = layout.row()
         row.template_list("LAPPET_UL_events", "", data, "events", data, "active_event", rows=5)
         side = row.column(align=True)
+        side.menu("LAPPET_MT_event_add", text="", icon="ADD")
         side.operator("lappet.event_duplicate", text="", icon="DUPLICATE")
         side.operator("lappet.event_remove", text="", icon="REMOVE")
         side.separator()
@@ -148,4 +164,4 @@ def draw_fields(layout: Any, scene: bpy.types.Scene, event: Any) -> None:
     fields.label(text=f"{len(event.points)} point{'s' * (len(event.points) != 1)}")
 
 
-CLASSES = (LAPPET_UL_events, LAPPET_PT_timeline)
+CLASSES = (LAPPET_UL_events, LAPPET_MT_event_add, LAPPET_PT_timeline)
