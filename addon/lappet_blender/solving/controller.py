@@ -6,10 +6,10 @@ A controller holds no Blender data, only values and the scene's identifier: undo
 from __future__ import annotations
 
 import math
-from time import monotonic
 from collections import deque
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from time import monotonic
 from typing import TYPE_CHECKING, Literal
 
 import bpy

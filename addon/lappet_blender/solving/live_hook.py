@@ -75,10 +75,10 @@ def stop_live(scene: bpy.types.Scene, controller: Controller, *, may_key: bool =
     scene.lappet.solving.live = False
     event = find_event(scene, live.event_uid or live.hook)
     target = None if event is None else event.target
-    moved = live.frame is not None and target is not None
-    animated = moved and target.animation_data is not None and target.animation_data.action is not None
-    if may_key and animated and scene.tool_settings.use_keyframe_insert_auto:
-        target.keyframe_insert("location", frame=live.time)
+    if may_key and live.frame is not None and target is not None and scene.tool_settings.use_keyframe_insert_auto:
+        data = target.animation_data
+        if data is not None and data.action is not None:
+            target.keyframe_insert("location", frame=live.time)
     controller.touch()
     controller.bump()
 

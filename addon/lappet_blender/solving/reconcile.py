@@ -1,7 +1,7 @@
 """Brings what is known about a scene's solving up to what the scene holds now.
 
-Reads the scene, names its plan by key and looks it up; only what is nowhere is asked of the worker. So an undo finds its
-frames at once, and a file that is opened again finds those of the day before.
+Reads the scene, names its plan by key and looks it up; only what is nowhere is asked of the worker. So an undo finds
+its frames at once, and a file that is opened again finds those of the day before.
 """
 
 from __future__ import annotations
@@ -10,6 +10,7 @@ import contextlib
 import math
 import threading
 import time
+from collections.abc import Iterator
 
 import bpy
 
@@ -79,7 +80,7 @@ def ask_for_plan(controller: Controller) -> None:
 
 
 @contextlib.contextmanager
-def reporting(controller: Controller):  # type: ignore[no-untyped-def]
+def reporting(controller: Controller) -> Iterator[None]:
     """What the worker cannot do becomes a problem of the scene instead of an exception."""
     try:
         yield

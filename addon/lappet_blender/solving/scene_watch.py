@@ -22,6 +22,7 @@ from .reconcile import reconcile
 from .solve_settings import frame_folder
 
 _reading = False
+_updating = False  # while Blender tells of a dependency graph that was updated
 
 
 @contextlib.contextmanager
@@ -97,14 +98,21 @@ def _changed(scene: bpy.types.Scene) -> None:
     controller = find_controller(scene)
     if controller is None:
         controller = controller_of(scene)
-    if controller.live is not None:
+    if controller.live is not None and not _updating:  # else it may be the very hook that is dragged
         stop_live(scene, controller)
     target_samples.forget()
     controller.touch()
 
 
-@persistent
+def _update_begins(*_: object) -> None:
+    """The first of all handlers of an update; `_depsgraph_updated` comes after those that call `changed`."""
+    global _updating
+    _updating = True
+
+
 def _depsgraph_updated(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
+    global _updating
+    _updating = False
     if _reading or not depsgraph.updates:
         return
     controller = find_controller(scene)
@@ -119,9 +127,10 @@ def _depsgraph_updated(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -
                 continue
             if stepped and not update.is_updated_geometry and _moves(item):
                 continue  # the frame went on and took it along
-        elif not (
-            isinstance(item, bpy.types.Action) or (isinstance(item, bpy.types.Mesh) and update.is_updated_geometry)
-        ):
+        elif isinstance(item, bpy.types.Mesh):
+            if not update.is_updated_geometry:
+                continue
+        elif not isinstance(item, bpy.types.Action):
             continue
         ids[item.session_uid] = item
     if not ids:
@@ -150,7 +159,6 @@ def _dragged(scene: bpy.types.Scene, controller: Controller) -> set[int]:
     return set() if target is None else {target.session_uid, *_action(target)}
 
 
-@persistent
 def _undone(*_: object) -> None:
     """Undo and redo point back to plans and frames that are known: no timer, no worker."""
     target_samples.forget()
@@ -161,12 +169,10 @@ def _undone(*_: object) -> None:
             read_now(scene)
 
 
-@persistent
 def _before_load(*_: object) -> None:
     forget_all()
 
 
-@persistent
 def _loaded(*_: object) -> None:
     target_samples.forget()
     for scene in bpy.data.scenes:
@@ -186,7 +192,6 @@ def _loaded(*_: object) -> None:
             controller.touch()
 
 
-@persistent
 def _before_save(*_: object) -> None:
     """The file remembers its plan, so that stale frames are shown when it is opened."""
     for controller in controllers():
@@ -196,7 +201,6 @@ def _before_save(*_: object) -> None:
             scene.lappet.solving.last_plan = newest.key
 
 
-@persistent
 def _before_render(scene: bpy.types.Scene, *_: object) -> None:
     """A render started by a script finds the scene as it is now."""
     controller = find_controller(scene)
@@ -218,14 +222,15 @@ _HANDLERS = (
 def register() -> None:
     """Adds the handlers."""
     for name, handler in _HANDLERS:
-        getattr(bpy.app.handlers, name).append(handler)
+        getattr(bpy.app.handlers, name).append(persistent(handler))
+    bpy.app.handlers.depsgraph_update_post.insert(0, persistent(_update_begins))
     changes.subscribe(_changed)
 
 
 def unregister() -> None:
     """Takes the handlers away and ends the workers."""
     changes.unsubscribe(_changed)
-    for name, handler in _HANDLERS:
+    for name, handler in (*_HANDLERS, ("depsgraph_update_post", _update_begins)):
         handlers = getattr(bpy.app.handlers, name)
         if handler in handlers:
             handlers.remove(handler)

@@ -9,7 +9,7 @@ import bpy
 from lappet.problem import Problem
 from lappet.refused import RefusedError
 
-from .controller import Controller, Job, controller_of, plans, shelf
+from .controller import Job, controller_of, plans, shelf
 from .frames import problems_of
 from .reconcile import ask_for_plan, reconcile
 
@@ -134,5 +134,5 @@ def _remove(path: Path) -> None:
         path.unlink(missing_ok=True)
     except OSError as error:
         raise RefusedError(
-            f"The solved frame {path} cannot be removed ({error.strerror or error}); see to it that you may write there."
+            f"The solved frame {path} cannot be removed ({error.strerror or error}); make its folder writable."
         ) from error
