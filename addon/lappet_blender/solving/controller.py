@@ -196,6 +196,7 @@ def controller_of(scene: bpy.types.Scene) -> Controller:
     found = _controllers.get(scene.session_uid)
     if found is None:
         found = Controller(scene.session_uid, frame_store(scene), settings=solve_settings(scene))
+        found.seen_frame = scene.frame_current
         _controllers[found.uid] = found
     return found
 

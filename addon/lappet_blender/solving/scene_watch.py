@@ -47,6 +47,7 @@ def read_now(scene: bpy.types.Scene, *, ask: bool = True) -> Controller:
 
 def check_vitals(scene: bpy.types.Scene, controller: Controller) -> None:
     """Compares what Blender does not tell about."""
+    controller.seen_frame = scene.frame_current
     tissue = scene.lappet.tissue.object
     vitals = (
         scene.frame_start,
@@ -98,6 +99,8 @@ def _changed(scene: bpy.types.Scene) -> None:
     controller = find_controller(scene)
     if controller is None:
         controller = controller_of(scene)
+    if _updating and controller.seen_frame != scene.frame_current:
+        return  # the frame went on and took targets along
     if controller.live is not None and not _updating:  # else it may be the very hook that is dragged
         stop_live(scene, controller)
     target_samples.forget()
