@@ -200,6 +200,8 @@ def _still_holds(controller: Controller, procedure: Procedure | None, settings: 
 def _move(controller: Controller, store: FrameStore) -> None:
     """Frames go to another folder from now on, those that are there too; a worker is bound to its folder, so this scene
     gets another."""
+    if controller.job is not None:
+        controller.note("Frames are kept in another folder now; press Solve to go on.")
     controller.release()
     every = [*([controller.plan] if controller.plan else []), *controller.past]
     if every:

@@ -21,11 +21,11 @@ def start_solve(scene: bpy.types.Scene, until: int | None = None) -> Job:
         what = "A hook is being dragged" if controller.job.kind == "live" else "This scene is being solved"
         raise RefusedError(f"{what} already; wait for it, or cancel it first.")
     reconcile(scene, controller, ask=False)
-    controller.refused = ()  # what was refused once is asked again: the disk or the installation may be mended
     refuse_problems(controller.problems)
     procedure = controller.procedure
     if procedure is None or not controller.key:
         raise RefusedError(first_sentence(problems_of(scene)))
+    controller.refused = ()  # what was refused once is asked again: the disk or the installation may be mended
     frames = procedure.frames()
     if until is not None and until not in frames:
         raise RefusedError(
@@ -67,9 +67,9 @@ def start_plan(scene: bpy.types.Scene) -> None:
         plans.forget(controller.key)
     reconcile(scene, controller, ask=False)
     refuse_problems(controller.problems)
-    controller.refused = ()
     if controller.procedure is None or not controller.key:
         raise RefusedError(first_sentence(problems_of(scene)))
+    controller.refused = ()
     ask_for_plan(controller)
     refuse_problems(controller.refused)
 

@@ -110,7 +110,7 @@ def _bar(layout: bpy.types.UILayout, factor: float, text: str) -> None:
 
 def lines(layout: bpy.types.UILayout, context: bpy.types.Context, text: str, icon: str = "NONE") -> None:
     """A sentence over as many rows as the panel's width needs."""
-    scale = context.preferences.system.ui_scale
+    scale = context.preferences.system.ui_scale or 1.0  # 0 without a window
     width = context.region.width if context.region is not None else 260
     column = layout.column(align=True)
     column.scale_y = 0.8

@@ -84,6 +84,8 @@ def _idle_line(controller: Controller, counts: dict, seconds: float) -> str:
     words = [f"{counts['solved']} of {total} frames solved"]
     words += [f"{counts[state]} {state}" for state in ("stale", "failed") if counts[state]]
     line = ", ".join(words)
+    if controller.planning is not None:
+        return f"{line}; preparing the cuts anew"
     if not math.isnan(seconds):
         line += f"; {in_words(seconds)}"
     return line
