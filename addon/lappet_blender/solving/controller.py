@@ -113,7 +113,6 @@ class Controller:
     read_at: float = -math.inf
     read_seconds: float = 0.0
     vitals: tuple[object, ...] = ()
-    seen_frame: int | None = None
     revision: int = 0  # counts up whenever a state or what is shown may have changed
     told: int = 0  # the revision that listeners were told of
     known: set[str] = field(default_factory=set)  # keys of frames that the store or the memory holds
@@ -196,7 +195,6 @@ def controller_of(scene: bpy.types.Scene) -> Controller:
     found = _controllers.get(scene.session_uid)
     if found is None:
         found = Controller(scene.session_uid, frame_store(scene), settings=solve_settings(scene))
-        found.seen_frame = scene.frame_current
         _controllers[found.uid] = found
     return found
 

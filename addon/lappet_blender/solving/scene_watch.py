@@ -47,7 +47,6 @@ def read_now(scene: bpy.types.Scene, *, ask: bool = True) -> Controller:
 
 def check_vitals(scene: bpy.types.Scene, controller: Controller) -> None:
     """Compares what Blender does not tell about."""
-    controller.seen_frame = scene.frame_current
     tissue = scene.lappet.tissue.object
     vitals = (
         scene.frame_start,
@@ -99,8 +98,6 @@ def _changed(scene: bpy.types.Scene) -> None:
     controller = find_controller(scene)
     if controller is None:
         controller = controller_of(scene)
-    if _updating and controller.seen_frame != scene.frame_current:
-        return  # the frame went on and took targets along
     if controller.live is not None and not _updating:  # else it may be the very hook that is dragged
         stop_live(scene, controller)
     target_samples.forget()
@@ -113,53 +110,33 @@ def _update_begins(*_: object) -> None:
     _updating = True
 
 
-def _depsgraph_updated(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
+def _depsgraph_updated(_scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
+    """Going to another frame is no update: what is animated moves without being named here."""
     global _updating
     _updating = False
     if _reading or not depsgraph.updates:
         return
-    controller = find_controller(scene)
-    stepped = controller is not None and controller.seen_frame != scene.frame_current
-    if controller is not None:
-        controller.seen_frame = scene.frame_current
-    ids = {}
+    ids = set()
     for update in depsgraph.updates:
         item = update.id.original
         if isinstance(item, bpy.types.Object):
             if not (update.is_updated_transform or update.is_updated_geometry):
                 continue
-            if stepped and not update.is_updated_geometry and _moves(item):
-                continue  # the frame went on and took it along
         elif isinstance(item, bpy.types.Mesh):
             if not update.is_updated_geometry:
                 continue
         elif not isinstance(item, bpy.types.Action):
             continue
-        ids[item.session_uid] = item
+        ids.add(item.session_uid)
     if not ids:
         return
     for each in bpy.data.scenes:
         other = find_controller(each)
         if other is None:
             continue
-        touched = relevant(each) & ids.keys()
-        if other.live is not None:
-            touched -= _dragged(each, other)
-        if touched:
+        if not relevant(each).isdisjoint(ids):
             target_samples.forget()
             other.touch()
-
-
-def _moves(obj: bpy.types.Object) -> bool:
-    """Whether an object goes somewhere by itself when the frame changes."""
-    return obj.animation_data is not None or obj.parent is not None or len(obj.constraints) > 0
-
-
-def _dragged(scene: bpy.types.Scene, controller: Controller) -> set[int]:
-    """The target that is dragged live, and its action: read when the dragging has ended."""
-    assert controller.live is not None
-    target = next((e.target for e in scene.lappet.events if e.uid == controller.live.event_uid), None)
-    return set() if target is None else {target.session_uid, *_action(target)}
 
 
 def _undone(*_: object) -> None:
