@@ -62,6 +62,19 @@ def test_ending_it_leaves_the_target_where_it_is_and_makes_the_frames_stale(
     assert states(live) == "sssttttt"
 
 
+def test_changing_how_it_looks_does_not_end_it(live: bpy.types.Scene, script: Script) -> None:
+    drag(6.0)
+    pump()
+    live.lappet.look.color = "STRAIN"
+    for _ in range(3):
+        pump()
+    assert controller.controller_of(live).live is not None
+    drag(7.0)
+    for _ in range(3):
+        pump()
+    assert frames.live_points(live)[0, 2] == 7.0
+
+
 def test_switching_the_property_off_going_to_another_frame_or_editing_ends_it(
     live: bpy.types.Scene, script: Script
 ) -> None:

@@ -69,6 +69,7 @@ class Live:
     frame: ShownFrame | None = None
     seconds: float = 0.0
     converged: bool = True
+    in_doubt: bool = False  # a property has changed: it may be one that the procedure is made of
 
 
 @dataclass(frozen=True)

@@ -95,11 +95,9 @@ def _action(owner: bpy.types.ID) -> Iterator[int]:
 def _changed(scene: bpy.types.Scene) -> None:
     if _reading:
         return
-    controller = find_controller(scene)
-    if controller is None:
-        controller = controller_of(scene)
-    if controller.live is not None and not _updating:  # else it may be the very hook that is dragged
-        stop_live(scene, controller)
+    controller = controller_of(scene)
+    if controller.live is not None and not _updating:  # else it is a target that moved
+        controller.live.in_doubt = True
     target_samples.forget()
     controller.touch()
 
