@@ -417,3 +417,24 @@ def test_removing_an_event_and_adding_it_again_finds_its_frames(patch: bpy.types
     assert states(patch) == "ssssssss"
     assert len(script.asked) == asked
     np.testing.assert_array_equal(frames.shown_at(patch, 8).frame.points[:, 2], 10.0)
+
+
+def test_undo_finds_the_frames_of_a_hook_that_hangs_on_another_object(patch: bpy.types.Scene, script: Script) -> None:
+    rail = bpy.data.objects.new("rail", None)
+    patch.collection.objects.link(rail)
+    bpy.data.objects["target"].parent = rail
+    bpy.context.view_layer.update()
+    solve(patch)
+    bpy.ops.ed.undo_push(message="solved")
+    bpy.data.objects["rail"].location.z = 2.0
+    bpy.context.view_layer.update()
+    bpy.ops.ed.undo_push(message="lifted")
+    pump(QUIET)
+    assert states(patch) == "sssttttt"
+    for _ in range(2):
+        bpy.ops.ed.undo()
+        assert states(bpy.context.scene) == "ssssssss"
+        bpy.ops.ed.redo()
+        assert bpy.data.objects["rail"].location.z == 2.0
+        assert states(bpy.context.scene) == "sssttttt"
+    assert [each.name for each in bpy.data.scenes] == [bpy.context.scene.name]

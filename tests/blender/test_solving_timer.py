@@ -1,0 +1,62 @@
+"""The timer and the keys of live mode, as Blender's event loop calls them."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import bpy
+import pytest
+from fake_worker import Script
+from solving_steps import QUIET
+
+from lappet_blender.solving import controller, frames, pump
+from lappet_blender.solving.live_operator import LAPPET_OT_live
+
+pytest_plugins = ("solving_fixtures",)
+
+
+def test_the_timer_comes_often_while_something_is_under_way_and_seldom_when_not(
+    patch: bpy.types.Scene, script: Script
+) -> None:
+    assert bpy.app.timers.is_registered(pump._timer)
+    assert pump._timer() <= 0.05
+    pump.pump(QUIET)
+    idle = pump._timer()
+    assert 0.1 <= idle <= 0.5
+    patch.frame_set(5)
+    bpy.ops.lappet.live(hook="hook_1")
+    assert pump._timer() <= 0.02
+    bpy.ops.lappet.live()
+
+
+def test_an_error_in_the_timer_does_not_end_it(
+    patch: bpy.types.Scene, script: Script, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def fail(scene: bpy.types.Scene) -> None:
+        raise ValueError("a listener failed")
+
+    pump.pump(QUIET)
+    frames.subscribe(fail)
+    try:
+        controller.controller_of(patch).bump()
+        assert pump._timer() == 1.0
+    finally:
+        frames.unsubscribe(fail)
+    assert "a listener failed" in capsys.readouterr().err
+    assert pump._timer() < 1.0
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "ends"), [("ESC", "PRESS", True), ("RET", "PRESS", True), ("G", "PRESS", False)]
+)
+def test_return_and_escape_end_live_mode_and_every_other_key_is_left_alone(
+    patch: bpy.types.Scene, script: Script, key: str, value: str, ends: bool
+) -> None:
+    said: list[str | None] = []
+    context = SimpleNamespace(scene=patch, workspace=SimpleNamespace(status_text_set=said.append))
+    patch.frame_set(5)
+    bpy.ops.lappet.live(hook="hook_1")
+    result = LAPPET_OT_live.modal(SimpleNamespace(), context, SimpleNamespace(type=key, value=value))
+    assert result == ({"FINISHED"} if ends else {"PASS_THROUGH"})
+    assert (controller.controller_of(patch).live is None) == ends
+    assert said == ([None] if ends else [])
