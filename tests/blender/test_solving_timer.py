@@ -60,3 +60,25 @@ def test_return_and_escape_end_live_mode_and_every_other_key_is_left_alone(
     assert result == ({"FINISHED"} if ends else {"PASS_THROUGH"})
     assert (controller.controller_of(patch).live is None) == ends
     assert said == ([None] if ends else [])
+
+
+def test_a_listener_that_fails_keeps_no_other_from_being_told(patch: bpy.types.Scene, script: Script) -> None:
+    told: list[str] = []
+
+    def fail(scene: bpy.types.Scene) -> None:
+        raise ValueError("a listener failed")
+
+    def listen(scene: bpy.types.Scene) -> None:
+        told.append(scene.name)
+
+    pump.pump(QUIET)
+    frames.subscribe(fail)
+    frames.subscribe(listen)
+    try:
+        controller.controller_of(patch).bump()
+        with pytest.raises(ValueError, match="a listener failed"):
+            pump.pump()
+    finally:
+        frames.unsubscribe(fail)
+        frames.unsubscribe(listen)
+    assert told == [patch.name]

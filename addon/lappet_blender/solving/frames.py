@@ -103,8 +103,15 @@ def unsubscribe(listener: Listener) -> None:
 
 
 def announce(scene: bpy.types.Scene, controller: Controller) -> None:
-    """Tells the listeners, if anything changed since they were told last."""
-    if controller.told != controller.revision:
-        controller.told = controller.revision
-        for listener in list(_listeners):
+    """Tells the listeners, if anything changed since they were told last; an error of one keeps it from no other."""
+    if controller.told == controller.revision:
+        return
+    controller.told = controller.revision
+    errors = []
+    for listener in list(_listeners):
+        try:
             listener(scene)
+        except Exception as error:
+            errors.append(error)
+    if errors:
+        raise errors[0]
