@@ -30,11 +30,16 @@ class LAPPET_PT_tissue(bpy.types.Panel):
         layout.use_property_split = True
         layout.use_property_decorate = False
         settings = scene.lappet.tissue
+        if settings.object is None:
+            active = context.view_layer.objects.active if context.view_layer is not None else None
+            is_mesh = active is not None and active.type == "MESH"
+            draw_sentence(
+                layout, context, "Select a mesh: closed, or the open surface of the skin." if not is_mesh else ""
+            )
+            layout.operator("lappet.tissue_set", text=f"Make {active.name} the Tissue" if is_mesh else "Make Tissue")
+            return
         row = layout.row(align=True)
         row.prop(settings, "object", text="Mesh")
-        if settings.object is None:
-            layout.operator("lappet.tissue_set", icon="MESH_DATA")
-            return
         row.operator("lappet.tissue_clear", text="", icon="X")
         column = layout.column(align=True)
         column.prop(settings, "thicken")
