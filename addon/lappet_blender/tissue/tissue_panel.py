@@ -36,7 +36,8 @@ class LAPPET_PT_tissue(bpy.types.Panel):
             draw_sentence(
                 layout, context, "Select a mesh: closed, or the open surface of the skin." if not is_mesh else ""
             )
-            layout.operator("lappet.tissue_set", text=f"Make {active.name} the Tissue" if is_mesh else "Make Tissue")
+            label = f"Make {active.name} the Tissue" if active is not None and is_mesh else "Make Tissue"
+            layout.operator("lappet.tissue_set", text=label)
             return
         row = layout.row(align=True)
         row.prop(settings, "object", text="Mesh")
