@@ -88,6 +88,7 @@ def test_a_hole_in_a_sheet_is_told_and_filled_and_the_rim_stays(scene: bpy.types
     place = found(scene, "HOLES")
     assert place.problem.sentence == "The surface has 2 borders; each becomes a fixed rim."
     assert place.problem.severity == "warning"
+    assert len(place.lines) == 4  # of the hole; the rim is as it should be
     bpy.ops.lappet.tissue_mend(kind="HOLES")
     assert open_edge_count(mesh_values(scene, obj)) == 64
     assert check_tissue(scene).places == ()
@@ -145,6 +146,16 @@ def test_turned_faces_are_shown_at_their_edges_and_turned_back(scene: bpy.types.
     assert check_tissue(scene).places == ()
     corners = given.tissue.face_vertex_indices.reshape(-1, 4)
     np.testing.assert_array_equal(np.sort(read(scene).tissue.face_vertex_indices.reshape(-1, 4)), np.sort(corners))
+
+
+def test_a_turned_face_of_a_sheet_is_told_once(scene: bpy.types.Scene) -> None:
+    obj = add_sheet(scene)
+    bpy.ops.lappet.tissue_set(thickness=3.0)
+    edit(obj, lambda work: work.faces[20].normal_flip())
+    (place,) = check_tissue(scene).places
+    assert place.problem.sentence.startswith("Neighbouring faces look opposite ways at (")
+    bpy.ops.lappet.tissue_mend(kind="ORIENT")
+    assert check_tissue(scene).places == ()
 
 
 def test_a_surface_inside_out_is_a_warning_that_turning_mends(scene: bpy.types.Scene) -> None:

@@ -71,12 +71,17 @@ def _groups(layout: bpy.types.UILayout, scene: bpy.types.Scene) -> None:
     for name in names:
         row = box.row(align=True)
         row.label(text=f"{name}: {counts.get(name, 0)}", icon=dict(_HELD).get(name, "FACESEL"))
+        row = row.row(align=True)
         assign = row.operator("lappet.faces_assign", text="", icon="ADD")
         assign.group, assign.action = name, "ADD"
+        row = row.row(align=True)
+        row.enabled = name in counts
         take = row.operator("lappet.faces_assign", text="", icon="REMOVE")
         take.group, take.action = name, "REMOVE"
         row.operator("lappet.faces_select", text="", icon="RESTRICT_SELECT_OFF").group = name
         row.operator("lappet.faces_clear", text="", icon="X").group = name
+    if scene.lappet.tissue.thicken:
+        box.label(text="The rim is fixed, the underside is bed.", icon="INFO")
     box.operator("lappet.faces_new", text="New Group from Selection", icon="ADD")
 
 
