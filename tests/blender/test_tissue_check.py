@@ -94,6 +94,23 @@ def test_a_hole_in_a_sheet_is_told_and_filled_and_the_rim_stays(scene: bpy.types
     assert check_tissue(scene).places == ()
 
 
+def test_two_holes_that_share_a_corner_are_both_filled(scene: bpy.types.Scene) -> None:
+    given = fill_with_patch(scene)
+    obj = scene.lappet.tissue.object
+    quads = given.tissue.face_vertex_indices.reshape(-1, 4)
+    top = np.flatnonzero((given.tissue.points[quads][..., 2] > 3.9).all(1))
+    middle = next(f for f in top if (np.abs(given.tissue.points[quads[f]][:, :2]) < 3.0).all())
+    corner = next(f for f in top if len(np.intersect1d(quads[f], quads[middle])) == 1)
+
+    def open_both(work: bmesh.types.BMesh) -> None:
+        bmesh.ops.delete(work, geom=[work.faces[int(f)] for f in (middle, corner)], context="FACES_ONLY")
+
+    edit(obj, open_both)
+    bpy.ops.lappet.tissue_mend(kind="HOLES")
+    assert open_edge_count(mesh_values(scene, obj)) == 0
+    tissue_surface(read(scene).tissue)
+
+
 def test_doubled_vertices_are_shown_as_a_border_and_welded(scene: bpy.types.Scene) -> None:
     given = fill_with_patch(scene)
     obj = scene.lappet.tissue.object

@@ -255,3 +255,35 @@ def test_an_event_that_cannot_be_read_is_named_and_the_others_still_are(scene: b
     assert problem.path == "hook_1"
     event.enabled = False
     assert read(scene).events == ()
+
+
+def test_a_vertex_without_a_finite_place_is_named_and_nothing_is_made_of_it(scene: bpy.types.Scene) -> None:
+    fill_with_patch(scene)
+    scene.lappet.tissue.object.data.vertices[7].co.x = float("nan")
+    problem = only_problem(scene)
+    assert "have no finite place, the first is vertex 7" in problem.sentence
+    assert bpy.ops.lappet.tissue_check() == {"FINISHED"}
+    with pytest.raises(RuntimeError, match="delete them first"):
+        bpy.ops.lappet.tissue_set(object="Tissue")
+
+
+def test_a_scale_of_0_is_a_problem_that_cannot_be_applied(scene: bpy.types.Scene) -> None:
+    fill_with_patch(scene)
+    scene.lappet.tissue.object.scale.z = 0.0
+    problem = only_problem(scene)
+    with pytest.raises(RuntimeError, match="The scale of 'Tissue' is 0 in some direction"):
+        mend(problem)
+
+
+def test_a_rigid_parent_stays_when_a_scale_is_applied(scene: bpy.types.Scene) -> None:
+    given = fill_with_patch(scene)
+    obj = scene.lappet.tissue.object
+    parent = bpy.data.objects.new("parent", None)
+    scene.collection.objects.link(parent)
+    parent.location = (0.0, 0.02, 0.0)
+    obj.parent = parent
+    obj.scale = (0.001, 0.001, 0.003)
+    mend(only_problem(scene))
+    assert obj.parent == parent
+    expected = given.tissue.points * (1.0, 1.0, 3.0) + np.array([0.0, 20.0, 0.0])
+    np.testing.assert_allclose(read(scene).tissue.points, expected, atol=1e-4)

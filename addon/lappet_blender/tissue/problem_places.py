@@ -60,8 +60,8 @@ def mesh_places(mesh: MeshValues, name: str, thicken: bool) -> list[ProblemPlace
     if len(loose):
         sentence = f"{len(loose)} vertices belong to no face, the first at {place(points[loose[0]])}."
         add(sentence, "Remove loose parts.", "LOOSE", "warning", points=points[loose])
-    if len(mesh.counts) == 0:
-        return places
+    if len(mesh.counts) == 0 or not np.isfinite(points).all():
+        return places  # reading the scene says so
     triangles, _, _ = triangulate(points, mesh.counts.astype(np.int64), mesh.indices.astype(np.int64))
     corners = points[triangles]
     flat = _without_area(corners)
