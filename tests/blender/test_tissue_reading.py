@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import time
 from pathlib import Path
 
@@ -17,36 +16,7 @@ from lappet.procedure import Material, Procedure, Region, Tissue
 from lappet.surface import tissue_surface
 from lappet.surface_check import signed_volume
 from lappet_blender.model.scene_procedure import fill_scene, read_scene
-
-SIZE = (20.0, 16.0, 4.0)
-
-
-def sheet(scene: bpy.types.Scene, cells: int = 8, height: float = 0.0) -> bpy.types.Object:
-    """An open square of quadrilaterals, 20 mm wide, in the middle of the world; height: mm of a bump."""
-    axis = np.linspace(-0.01, 0.01, cells + 1)
-    places = [(x, y, 0.001 * height * np.exp(-(x * x + y * y) / 5e-5)) for x, y in itertools.product(axis, axis)]
-    index = np.arange((cells + 1) ** 2).reshape(cells + 1, -1)
-    faces = np.stack([index[:-1, :-1], index[1:, :-1], index[1:, 1:], index[:-1, 1:]], -1).reshape(-1, 4)
-    mesh = bpy.data.meshes.new("skin")
-    mesh.from_pydata(places, [], faces.tolist())
-    obj = bpy.data.objects.new("skin", mesh)
-    scene.collection.objects.link(obj)
-    return obj
-
-
-def patch(scene: bpy.types.Scene, tissue: Tissue | None = None) -> Procedure:
-    """A flat patch as the scene's tissue; returns the procedure that filled it."""
-    procedure = Procedure(tissue or flat_patch(SIZE, 2.0), end_time=10.0)
-    fill_scene(scene, procedure, scene.collection)
-    return procedure
-
-
-def read(scene: bpy.types.Scene) -> Procedure:
-    """The scene's procedure, which nothing may stand in the way of."""
-    reading = read_scene(scene)
-    assert reading.problems == ()
-    assert reading.procedure is not None
-    return reading.procedure
+from tissue_scenes import SIZE, add_sheet, fill_with_patch, read
 
 
 def test_an_empty_scene_has_no_tissue_and_says_how_to_get_one(scene: bpy.types.Scene) -> None:
@@ -118,7 +88,7 @@ def _z_plasty() -> Procedure:
 def test_reading_a_scene_again_takes_under_2_ms_at_20_000_vertices_and_gives_the_same_tissue(
     scene: bpy.types.Scene,
 ) -> None:
-    given = patch(scene, flat_patch((100.0, 98.0, 4.0), 1.0))
+    given = fill_with_patch(scene, flat_patch((100.0, 98.0, 4.0), 1.0))
     assert len(given.tissue.points) > 20_000
     first = read(scene).tissue
     times = []
@@ -132,7 +102,7 @@ def test_reading_a_scene_again_takes_under_2_ms_at_20_000_vertices_and_gives_the
 
 
 def test_every_edit_of_the_mesh_its_groups_and_its_place_is_seen(scene: bpy.types.Scene) -> None:
-    patch(scene)
+    fill_with_patch(scene)
     obj = scene.lappet.tissue.object
     seen = [read(scene).tissue]
 
@@ -154,7 +124,7 @@ def test_every_edit_of_the_mesh_its_groups_and_its_place_is_seen(scene: bpy.type
 
 
 def test_what_is_edited_in_edit_mode_counts_at_once(scene: bpy.types.Scene) -> None:
-    given = patch(scene)
+    given = fill_with_patch(scene)
     obj = scene.lappet.tissue.object
     bpy.context.view_layer.objects.active = obj
     bpy.ops.object.mode_set(mode="EDIT")
@@ -170,7 +140,7 @@ def test_what_is_edited_in_edit_mode_counts_at_once(scene: bpy.types.Scene) -> N
 def test_a_moved_turned_and_evenly_scaled_parent_takes_the_tissue_along_before_anything_is_evaluated(
     scene: bpy.types.Scene,
 ) -> None:
-    given = patch(scene)
+    given = fill_with_patch(scene)
     obj = scene.lappet.tissue.object
     parent = bpy.data.objects.new("parent", None)
     scene.collection.objects.link(parent)
@@ -186,7 +156,7 @@ def test_a_moved_turned_and_evenly_scaled_parent_takes_the_tissue_along_before_a
 def test_a_thickened_surface_is_closed_as_thick_as_asked_and_its_first_faces_are_the_meshs(
     scene: bpy.types.Scene,
 ) -> None:
-    obj = sheet(scene, height=2.0)
+    obj = add_sheet(scene, height=2.0)
     layer = obj.data.uv_layers.new(name="UVMap")
     corners = np.array([obj.data.vertices[loop.vertex_index].co[:2] for loop in obj.data.loops], np.float32)
     layer.uv.foreach_set("vector", (10.0 * corners).reshape(-1))
@@ -212,7 +182,7 @@ def test_a_thickened_surface_is_closed_as_thick_as_asked_and_its_first_faces_are
 
 
 def test_groups_of_an_open_surface_that_hold_it_leave_its_faces_skin(scene: bpy.types.Scene) -> None:
-    obj = sheet(scene)
+    obj = add_sheet(scene)
     obj.data.attributes.new("lappet_fixed", "BOOLEAN", "FACE").data[0].value = True
     scene.lappet.tissue.object, scene.lappet.tissue.thicken = obj, True
     tissue = read(scene).tissue
@@ -223,7 +193,7 @@ def test_groups_of_an_open_surface_that_hold_it_leave_its_faces_skin(scene: bpy.
 
 
 def test_polygons_of_any_number_of_corners_are_kept(scene: bpy.types.Scene) -> None:
-    obj = sheet(scene, cells=3)
+    obj = add_sheet(scene, cells=3)
     work = bmesh.new()
     work.from_mesh(obj.data)
     work.faces.ensure_lookup_table()
@@ -241,7 +211,7 @@ def test_polygons_of_any_number_of_corners_are_kept(scene: bpy.types.Scene) -> N
 def test_the_meshes_of_a_broken_procedure_are_refused_and_the_scene_stays_as_it_was(scene: bpy.types.Scene) -> None:
     from lappet.refused import RefusedError
 
-    given = patch(scene)
+    given = fill_with_patch(scene)
     meshes = len(bpy.data.meshes)
     broken = Tissue(np.zeros((3, 3)), np.array([3], np.int32), np.array([0, 1, 7], np.int32))
     with pytest.raises(RefusedError, match="names point 7, but the mesh has 3 points"):
@@ -257,7 +227,7 @@ def test_a_timeline_that_a_scene_cannot_hold_is_told(scene: bpy.types.Scene) -> 
 
 
 def test_a_procedure_survives_saving_loading_and_undo(scene: bpy.types.Scene, blend: Path) -> None:
-    given = patch(scene)
+    given = fill_with_patch(scene)
     bpy.ops.wm.save_as_mainfile(filepath=str(blend))
     bpy.ops.wm.read_factory_settings(use_empty=True)
     bpy.ops.wm.open_mainfile(filepath=str(blend))
@@ -265,7 +235,7 @@ def test_a_procedure_survives_saving_loading_and_undo(scene: bpy.types.Scene, bl
 
 
 def test_copying_a_scene_copies_the_procedure(scene: bpy.types.Scene) -> None:
-    given = patch(scene)
+    given = fill_with_patch(scene)
     bpy.ops.scene.new(type="FULL_COPY")
     copy = bpy.context.scene
     assert copy != scene

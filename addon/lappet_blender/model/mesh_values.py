@@ -91,7 +91,7 @@ def _read(scene: bpy.types.Scene, obj: bpy.types.Object, before: _Raw | None) ->
     points = np.empty(3 * len(mesh.vertices), np.float32)
     indices = np.empty(corners, np.int32)
     starts = np.empty(faces, np.int32)
-    if obj.mode == "EDIT":
+    if obj.mode == "EDIT" or corners == 0:
         mesh.vertices.foreach_get("co", points)
         mesh.loops.foreach_get("vertex_index", indices)
     else:  # as attributes they are copied at once: 0.01 ms instead of 4 ms

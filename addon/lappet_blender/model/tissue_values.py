@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import bpy
+import numpy as np
 
 from lappet.problem import Problem
 from lappet.procedure import Bone, Region, Tissue
@@ -112,6 +113,10 @@ def _made(mesh: MeshValues, thickness: float, name: str) -> _Kept:
     if len(mesh.counts) == 0:
         sentence = f"The tissue {name!r} has {len(mesh.points)} vertices and no face."
         return _Kept(mesh, thickness, None, (problem(name, 0, sentence, "Give it faces, or choose another mesh."),))
+    unset = np.flatnonzero(~np.isfinite(mesh.points).all(axis=1))
+    if len(unset):
+        sentence = f"{len(unset)} vertices of the tissue {name!r} have no finite place, the first is vertex {unset[0]}."
+        return _Kept(mesh, thickness, None, (problem(name, unset[0], sentence, "Delete them, or undo what did it."),))
     border = open_edge_count(mesh)
     if thickness == 0.0 and border:
         sentence = f"The surface of the tissue {name!r} is open: {border} edges belong to one face only."

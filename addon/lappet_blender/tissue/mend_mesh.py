@@ -85,7 +85,8 @@ def fill_holes(scene: bpy.types.Scene, obj: bpy.types.Object, keep_rim: bool, ev
     """
     mesh = mesh_values(scene, obj)
     triangles, _ = triangles_of(mesh)
-    loops = sorted(border_loops(triangles), key=lambda loop: perimeter(mesh.points, loop))
+    borders = [loop for loop in border_loops(triangles) if len(loop) > 2]
+    loops = sorted(borders, key=lambda loop: perimeter(mesh.points, loop))
     lengths = [perimeter(mesh.points, loop) for loop in loops]
     if keep_rim and loops:
         limit = _SMALL_HOLE * lengths[-1]
@@ -107,7 +108,7 @@ def fill_holes(scene: bpy.types.Scene, obj: bpy.types.Object, keep_rim: bool, ev
             back = loop[::-1]
             for piece in back[clip_ears(mesh.points[back])].tolist():
                 corners = [work.verts[i] for i in piece]
-                if work.faces.get(corners) is None:
+                if len(set(piece)) == 3 and work.faces.get(corners) is None:
                     face = work.faces.new(corners)
                     for corner in face.loops if uv is not None else ():
                         beside = next((other for other in corner.vert.link_loops if other.face is not face), None)

@@ -87,7 +87,8 @@ def _draw_kept(key: str, made_of: tuple[Any, ...], make: Any) -> None:
 
 
 def _lattice_batches(scene: bpy.types.Scene, scale: float) -> list[tuple[str, tuple[float, ...], Any]]:
-    return [_batch("UNIFORM_COLOR", "LINES", _LATTICE, lattice_of(scene), scale)]
+    lines = lattice_of(scene)
+    return [_batch("UNIFORM_COLOR", "LINES", _LATTICE, lines, scale)] if len(lines) else []
 
 
 def _problem_batches(found: Any, scale: float) -> list[tuple[str, tuple[float, ...], Any]]:

@@ -41,6 +41,8 @@ def set_tissue(
     mesh = mesh_values(scene, obj)
     if len(mesh.counts) == 0:
         raise RefusedError(f"{obj.name!r} has {len(mesh.points)} vertices and no face; give it faces.")
+    if not np.isfinite(mesh.points).all():
+        raise RefusedError(f"{obj.name!r} has vertices without a finite place; delete them first.")
     border = open_edge_count(mesh)
     if thickness > 0.0 and not border:
         raise RefusedError(
