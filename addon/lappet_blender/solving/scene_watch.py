@@ -140,11 +140,16 @@ def _depsgraph_updated(_scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) 
 def _undone(*_: object) -> None:
     """Undo and redo point back to plans and frames that are known: no timer, no worker."""
     target_samples.forget()
+    read = []
     for scene in bpy.data.scenes:
         controller = find_controller(scene)
         if controller is not None:
             stop_live(scene, controller, may_key=False)
-            read_now(scene)
+            with reading():
+                reconcile(scene, controller)
+            read.append((scene, controller))
+    for scene, controller in read:
+        announce(scene, controller)
 
 
 def _before_load(*_: object) -> None:
