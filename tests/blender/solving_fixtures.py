@@ -6,12 +6,12 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import bpy
-import fake_worker
 import pytest
-from fake_worker import Script
-from patch_scene import make_patch_scene
 
+import fake_worker
+from fake_worker import Script
 from lappet_blender.solving import controller, reconcile, workers
+from patch_scene import make_patch_scene
 
 
 @pytest.fixture

@@ -10,8 +10,6 @@ from pathlib import Path
 import bpy
 import numpy as np
 import pytest
-from patch_scene import make_patch_scene
-from solving_steps import solve, states
 
 from lappet.background.plan_key import plan_key
 from lappet.compile import compile_program
@@ -25,6 +23,8 @@ from lappet_blender.model.scene_procedure import read_scene
 from lappet_blender.solving import controller, frames
 from lappet_blender.solving.pump import pump
 from lappet_blender.solving.solve_settings import solve_settings
+from patch_scene import make_patch_scene
+from solving_steps import solve, states
 
 pytest_plugins = ("solving_fixtures",)
 PATIENCE = 120.0

@@ -5,14 +5,14 @@ from __future__ import annotations
 from pathlib import Path
 
 import bpy
-from fake_worker import Script
-from solving_steps import QUIET, solve, states
 
 import lappet_blender
+from fake_worker import Script
 from lappet_blender.model.event_list import add_event, find_event
 from lappet_blender.model.procedure_properties import VERSION
 from lappet_blender.solving import controller, frames, solve_settings, workers
 from lappet_blender.solving.pump import pump
+from solving_steps import QUIET, solve, states
 
 pytest_plugins = ("solving_fixtures",)
 

@@ -5,12 +5,12 @@ from __future__ import annotations
 import bpy
 import numpy as np
 import pytest
-from fake_worker import Script
-from solving_steps import QUIET, states
 
+from fake_worker import Script
 from lappet_blender.model.event_list import add_event, find_event
 from lappet_blender.solving import controller, frames
 from lappet_blender.solving.pump import pump
+from solving_steps import QUIET, states
 
 pytest_plugins = ("solving_fixtures",)
 

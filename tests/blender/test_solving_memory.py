@@ -8,8 +8,8 @@ from pathlib import Path
 import bpy
 import numpy as np
 import pytest
-from fake_worker import make_plan
 
+from fake_worker import make_plan
 from lappet.background.plan import ShownFrame, SolveSettings
 from lappet.background.plan_store import put_plan
 from lappet.patch import flat_patch

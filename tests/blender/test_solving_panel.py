@@ -7,15 +7,15 @@ from typing import Any
 
 import bpy
 import pytest
-from fake_worker import Script
-from solving_steps import QUIET, solve
 
+from fake_worker import Script
 from lappet.problem import Problem
 from lappet.refused import RefusedError
 from lappet_blender.model.event_list import find_event
 from lappet_blender.solving import controller, frames, reconcile
 from lappet_blender.solving.pump import pump
 from lappet_blender.solving.solve_panel import LAPPET_PT_solve, LAPPET_PT_solve_settings
+from solving_steps import QUIET, solve
 
 pytest_plugins = ("solving_fixtures",)
 

@@ -12,7 +12,6 @@ from pathlib import Path
 
 import bpy
 import pytest
-from patch_scene import put_tissue
 
 from lappet.daemon import DaemonMissing, find_daemon
 from lappet.patch import flat_patch
@@ -20,6 +19,7 @@ from lappet_blender.model.event_list import add_event, find_event
 from lappet_blender.solving import controller, frames, scene_watch
 from lappet_blender.solving.frames import FrameRun
 from lappet_blender.solving.pump import pump
+from patch_scene import put_tissue
 
 pytest_plugins = ("solving_fixtures",)
 STALL = 3 * 0.050

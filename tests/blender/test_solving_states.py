@@ -9,9 +9,8 @@ from pathlib import Path
 import bpy
 import numpy as np
 import pytest
-from fake_worker import Script
-from solving_steps import QUIET, solve, states
 
+from fake_worker import Script
 from lappet.problem import Problem
 from lappet.procedure import Landmark
 from lappet_blender.model import changes
@@ -21,6 +20,7 @@ from lappet_blender.solving import controller, frames, workers
 from lappet_blender.solving.first_change import first_change
 from lappet_blender.solving.frames import FrameRun
 from lappet_blender.solving.pump import pump
+from solving_steps import QUIET, solve, states
 
 pytest_plugins = ("solving_fixtures",)
 

@@ -6,11 +6,11 @@ from types import SimpleNamespace
 
 import bpy
 import pytest
-from fake_worker import Script
-from solving_steps import QUIET
 
+from fake_worker import Script
 from lappet_blender.solving import controller, frames, pump
 from lappet_blender.solving.live_operator import LAPPET_OT_live
+from solving_steps import QUIET
 
 pytest_plugins = ("solving_fixtures",)
 
