@@ -10,7 +10,7 @@ from mathutils import Matrix
 from numpy.typing import NDArray
 
 from ..look.skin_import import SCALE
-from ..look.skin_read import FigureError
+from ..look.skin_source import FigureError
 from .framing import Region, Viewpoint
 
 LENS, SENSOR = 90.0, 36.0

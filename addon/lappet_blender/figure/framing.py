@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..look.skin_fields import SKIN, WOUND_WALL
-from ..look.skin_read import SkinCache
+from ..look.skin_source import SkinSource
 
 VIEWS = {"oblique": 50.0, "top": 90.0, "low": 26.0}
 TURN = 9.0
@@ -53,7 +53,7 @@ class Viewpoint:
     distance: float
 
 
-def surgical_region(cache: SkinCache, frames: tuple[float, ...]) -> Region:
+def surgical_region(cache: SkinSource, frames: tuple[float, ...]) -> Region:
     """The region that wound walls, active sutures and hooks cover in any of the frames, or all skin where none is."""
     found, normals = [], np.zeros(3)
     everything = []

@@ -8,14 +8,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..look.skin_material import RAMP
-from ..look.skin_read import SkinCache
+from ..look.skin_source import SkinSource
 from .caption import draw_text, load_picture, save_picture, text_width
 
 UNITS = {"strain": "", "stress": " kPa", "tension": " kPa"}
 INK = (0.2, 0.19, 0.19)
 
 
-def full_scale(cache: SkinCache, name: str) -> float:
+def full_scale(cache: SkinSource, name: str) -> float:
     """The value at the top of the key: the 99th percentile of all frames, rounded up to 1, 2 or 5 times 10ⁿ."""
     peaks = []
     for epoch in cache.epochs:

@@ -8,7 +8,8 @@ from mathutils.kdtree import KDTree
 from numpy.typing import NDArray
 
 from .skin_fields import RIM, SKIN, UNDERSIDE, depth_below_skin, uv_scale, vertex_normals
-from .skin_read import SkinCache, SkinEpoch
+from .skin_read import SkinCache
+from .skin_source import SkinEpoch
 
 SCALE = 0.1  # Blender units per mm: 1 unit is 1 cm
 BED_GAP = 0.35

@@ -7,6 +7,7 @@ skin from then on and before; which lip each belongs to is read off the open wou
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -36,6 +37,14 @@ class Bite:
         return self.weights @ values[self.vertices].astype(np.float64)
 
 
+def carried(bites: Sequence[Bite], values: NDArray[np.float32]) -> NDArray[np.float64]:
+    """The values (k, 3) at some bites of a per-vertex array (n, 3)."""
+    vertices = np.array([b.vertices for b in bites], np.int64).reshape(-1, 3)
+    weights = np.array([b.weights for b in bites], np.float64).reshape(-1, 3)
+    placed: NDArray[np.float64] = np.einsum("kc,kci->ki", weights, values[vertices].astype(np.float64))
+    return placed
+
+
 @dataclass(frozen=True, eq=False)
 class Lip:
     """The skin around one end of a suture, joined to it without crossing the wound, and its stretch of wound edge.
@@ -61,6 +70,22 @@ def buried(
     return any(
         float(bite.weights @ depth[bite.vertices]) > BURIED_DEPTH for bite in bites_at(positions, triangles, ends)
     )
+
+
+def triangles_around(
+    positions: NDArray[np.float32], triangles: NDArray[np.int32], point: NDArray[np.floating[Any]], reach: float
+) -> NDArray[np.int64]:
+    """The indices of the triangles (m, 3) whose first vertex is at most `reach` mm farther from a point than the
+    nearest."""
+    near = positions[triangles[:, 0]] - point.astype(np.float32)
+    away = np.sqrt(np.einsum("ij,ij->i", near, near))
+    return np.flatnonzero(away <= float(away.min(initial=np.inf)) + reach)
+
+
+def longest_edge(positions: NDArray[np.float32], triangles: NDArray[np.int32]) -> float:
+    """The longest edge of some triangles (m, 3), mm."""
+    corners = positions[triangles]
+    return float(np.sqrt(((corners - np.roll(corners, 1, axis=1)) ** 2).sum(-1).max(initial=0.0)))
 
 
 def bites_at(
