@@ -48,6 +48,10 @@ class PlanSource:
         self._shape_of = {e.name: s for e, s in zip(self._epochs, plan.epochs, strict=True)}
         self._planned = {float(frame.time): frame for frame in plan.frames}
         self._now: tuple[float, SkinEpoch, ShownFrame | None] | None = None
+        self.read_events(scene)
+
+    def read_events(self, scene: bpy.types.Scene) -> None:
+        """Take over what the scene says of its events now."""
         self._curves = [_curve(e) for e in scene.lappet.events if e.enabled and e.kind in ("INCISION", "UNDERMINE")]
         self._anchors = {
             e.name: np.array([p.co for p in e.points], np.float32).reshape(-1, 3)

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from . import skin_handlers
+
 
 def register() -> None:
-    """Nothing to register yet."""
+    """Adds the handlers."""
+    skin_handlers.register()
 
 
 def unregister() -> None:
-    """Nothing to take away yet."""
+    """Takes them away."""
+    skin_handlers.unregister()

@@ -18,11 +18,12 @@ _SPREAD = 3  # rings of neighbours that give way together
 class DeepBed:
     """The bed of a procedure. It gives way where the skin sinks, so that it never shows through closed skin.
 
-    rest: (b, 3) mm. triangles: (t, 3) int32, outward. Both are empty where there is no underside.
+    rest: (b, 3) mm. triangles: (t, 3) int32, outward. Both are empty where there is no underside. `source` may be
+    changed for one of equal epochs.
     """
 
     def __init__(self, source: SkinSource) -> None:
-        self._source = source
+        self.source = source
         epoch = source.epochs[0]
         points = source.rest(epoch)
         faces = epoch.triangles[epoch.origin == UNDERSIDE]
@@ -47,10 +48,10 @@ class DeepBed:
 
     def positions(self, time: float) -> NDArray[np.float64]:
         """The bed (b, 3) under the skin of a frame, mm."""
-        epoch = self._source.epoch_at(time)
+        epoch = self.source.epoch_at(time)
         if epoch.name not in self._lower:
             self._lower[epoch.name] = np.unique(epoch.triangles[epoch.origin == UNDERSIDE])
-        lower = self._source.positions(epoch, time)[self._lower[epoch.name]].astype(np.float64)
+        lower = self.source.positions(epoch, time)[self._lower[epoch.name]].astype(np.float64)
         low, high = self.rest.min(axis=0) - REACH, self.rest.max(axis=0) + REACH
         lower = lower[((lower >= low) & (lower <= high)).all(axis=1)]
         below = np.zeros(len(self.rest))
@@ -63,7 +64,7 @@ class DeepBed:
 
     def _near_wounds(self, middles: NDArray[np.float32]) -> NDArray[np.bool_]:
         """Which of some places (t, 3) lie within `REACH` of where a wound will be, box by box."""
-        walls = [self._source.rest(e)[np.unique(e.triangles[e.origin == WOUND_WALL])] for e in self._source.epochs[1:]]
+        walls = [self.source.rest(e)[np.unique(e.triangles[e.origin == WOUND_WALL])] for e in self.source.epochs[1:]]
         wound = np.concatenate([w for w in walls if len(w)]) if any(len(w) for w in walls) else None
         if wound is None:
             return np.ones(len(middles), bool)

@@ -249,6 +249,11 @@ def ink_material() -> bpy.types.Material:
     return _Nodes("Marking ink").finish(VIOLET, Roughness=0.9, Specular_IOR_Level=0.1)
 
 
+def landmark_material() -> bpy.types.Material:
+    """A landmark's bead: surgical blue."""
+    return _Nodes("Landmark").finish((0.02, 0.16, 0.42, 1.0), Roughness=0.4)
+
+
 def thread_material() -> bpy.types.Material:
     """Monofilament nylon, blue-black."""
     return _Nodes("Thread").finish(THREAD, Roughness=0.32)

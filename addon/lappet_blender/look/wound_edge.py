@@ -12,17 +12,17 @@ EDGE_RADIUS = 0.1
 
 
 class WoundEdge:
-    """The lines along the lips of the wound; they follow the skin."""
+    """The lines along the lips of the wound; they follow the skin. `source` may be changed for one of equal epochs."""
 
     def __init__(self, source: SkinSource) -> None:
-        self._source = source
+        self.source = source
         self._chains: dict[str, list[NDArray[np.int32]]] = {}
 
     def tubes(self, time: float) -> tuple[list[NDArray[np.float64]], list[float]]:
         """The lines (k, 3) of a frame and their radii, mm."""
-        epoch = self._source.epoch_at(time)
+        epoch = self.source.epoch_at(time)
         if epoch.name not in self._chains:
             self._chains[epoch.name] = border_chains(epoch.triangles, epoch.origin)
-        points = self._source.positions(epoch, time)
+        points = self.source.positions(epoch, time)
         lines = [points[chain].astype(np.float64) for chain in self._chains[epoch.name]]
         return lines, [EDGE_RADIUS] * len(lines)
