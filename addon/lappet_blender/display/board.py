@@ -36,7 +36,7 @@ def make_board(scene: bpy.types.Scene) -> bpy.types.Collection:
 def drop_foreign(scene: bpy.types.Scene) -> None:
     """Unlink display collections that belong to other scenes (a linked copy of a scene has them)."""
     for child in list(scene.collection.children):
-        if ROLE in child or (OWNER in child and child[OWNER] != scene):
+        if OWNER in child and child[OWNER] != scene:
             scene.collection.children.unlink(child)
 
 

@@ -25,7 +25,7 @@ from .plan_source import PlanSource
 from .sphere_shape import spheres
 
 _log = logging.getLogger(__name__)
-BEAD_RADIUS = 0.7
+BEAD_RADIUS = 0.45
 Tubes = tuple[list[NDArray[np.float64]], list]
 
 

@@ -62,6 +62,8 @@ def build_epoch_mesh(shape: EpochShape, walls: bool = True, units: float = 0.001
     set_attribute(mesh, "grid", "FLOAT2", "CORNER", grid)
     layer = mesh.uv_layers.new(name="UVMap", do_init=False)
     layer.uv.foreach_set("vector", (grid / TILE).astype(np.float32).ravel())
+    # To Blender `grid` is a UV map too, and the first one.
+    layer.active = layer.active_render = True
     return mesh
 
 

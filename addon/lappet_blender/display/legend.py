@@ -20,7 +20,7 @@ _TICKS = 5
 HEIGHT = 0.30
 _BAR = (0.07, 0.115, 0.93, 0.185)
 _CARD, _INK = (0.93, 0.93, 0.925), (0.033, 0.03, 0.03)
-SHARE, MARGIN = 0.27, 0.03  # of the picture's width
+SHARE, MARGIN = 0.27, 0.03  # of the picture's width, or of its height and a half where that is less
 
 
 def show_legend(
@@ -81,7 +81,15 @@ def _build(board: bpy.types.Collection, card: bpy.types.Object, quantity: str, h
     unit = UNITS[quantity].strip()
     _write(board, card, 0, f"{quantity.capitalize()}{f', {unit}' if unit else ''}", (left, high + 0.032), 0.068, "LEFT")
     for k, x in enumerate(ticks):
-        _write(board, card, k + 1, f"{highest * k / (_TICKS - 1):g}", (x, low - 0.072), 0.05, "CENTER")
+        _write(
+            board,
+            card,
+            k + 1,
+            f"{chr(0x2265) + chr(0x2009) if k == _TICKS - 1 else ''}{highest * k / (_TICKS - 1):g}",
+            (x, low - 0.072),
+            0.05,
+            "CENTER",
+        )
 
 
 def _write(
@@ -134,12 +142,13 @@ def _place(scene: bpy.types.Scene, card: bpy.types.Object, beside: NDArray[np.fl
     left, right = min(c.x for c in corners), max(c.x for c in corners)
     bottom = min(c.y for c in corners)
     across = right - left
+    share = min(across, 1.5 * (max(c.y for c in corners) - bottom))
     if card.parent != camera:
         card.parent = camera
         card.matrix_parent_inverse = Matrix()
     stretch = camera.matrix_world.to_scale()
-    size = Vector([SHARE * across] * 3)
-    at = Vector((left + MARGIN * across, bottom + MARGIN * across, -away))
+    size = Vector([SHARE * share] * 3)
+    at = Vector((left + MARGIN * share, bottom + MARGIN * share, -away))
     # A camera that is scaled must not scale the card: it looks as if it were not.
     undo = Vector([1.0 / max(abs(s), 1e-9) for s in stretch])
     _set_matrix(card, Matrix.LocRotScale(at * undo, None, size * undo))

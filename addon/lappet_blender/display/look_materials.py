@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 
 import bpy
 import numpy as np
@@ -57,7 +58,7 @@ def skin_materials(
         ("fat", skin_material.fat_material),
         ("rim", skin_material.rim_material),
     )
-    return (first, *(_kept(board, role, f"{units:g}", lambda m=make: m(space)) for role, make in others))
+    return (first, *(_kept(board, role, f"{units:g}", partial(make, space)) for role, make in others))
 
 
 def part_material(board: bpy.types.Collection, role: str, units: float) -> bpy.types.Material:

@@ -2,14 +2,22 @@
 
 from __future__ import annotations
 
-from . import skin_handlers
+import bpy
+
+from . import display_operators, look_panel, skin_handlers
+
+_CLASSES = (*display_operators.CLASSES, *look_panel.CLASSES)
 
 
 def register() -> None:
-    """Adds the handlers."""
+    """Adds operators, panels and handlers."""
+    for each in _CLASSES:
+        bpy.utils.register_class(each)
     skin_handlers.register()
 
 
 def unregister() -> None:
     """Takes them away."""
     skin_handlers.unregister()
+    for each in reversed(_CLASSES):
+        bpy.utils.unregister_class(each)

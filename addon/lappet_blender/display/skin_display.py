@@ -26,6 +26,8 @@ from .skin_colors import color_vertices
 from .solid_shading import suit_shading
 
 if TYPE_CHECKING:
+    from lappet.background.plan import Plan
+
     from ..solving.shown_frame import Shown
 
 _log = logging.getLogger(__name__)
@@ -152,19 +154,18 @@ def _show(scene: bpy.types.Scene, time: float) -> None:
     skin = _draw_skin(scene, Where(board, "", units, (0.0, 0.0, 0.0)), shown, look, highest)
     if scene.lappet.skin != skin:
         scene.lappet.skin = skin
-    box = _box(shown)
+    box = rest_box(shown.plan)
     if other is None:
         _hide_others(board)
     else:
-        beside = _box(other[1])
-        gap = float(box[1][0] - beside[0][0]) + scene.lappet.compare_gap
+        beside = rest_box(other[1].plan)
+        gap = offset_of(scene, box, beside)
         where = Where(board, "other ", units, (gap * units, 0.0, 0.0))
         _draw_skin(other[0], where, other[1], look, highest)
         beside = beside + np.array([gap, 0.0, 0.0])
         _label(board, "label", scene.name, box, units)
         _label(board, "other label", other[0].name, beside, units)
         box = np.stack([np.minimum(box[0], beside[0]), np.maximum(box[1], beside[1])])
-        box[0][1] -= LABEL_SIZE + LABEL_GAP
     show_legend(scene, board, quantity if look.show_legend else None, highest, box * units)
     _hide_tissue(scene)
     if not scene.render.use_lock_interface:
@@ -237,10 +238,15 @@ def _take_peak(scene: bpy.types.Scene, shown: Shown, quantity: str) -> None:
         peak_of(key, quantity, shown.frame)
 
 
-def _box(shown: Shown) -> NDArray[np.float64]:
-    """Lowest and highest corner (2, 3) of the tissue at rest, mm; from the first epoch, so that nothing jumps."""
-    rest = shown.plan.epochs[0].rest
+def rest_box(plan: Plan) -> NDArray[np.float64]:
+    """Lowest and highest corner (2, 3) of the tissue at rest, mm; of the first epoch, so that nothing jumps."""
+    rest = plan.epochs[0].rest
     return np.stack([rest.min(axis=0), rest.max(axis=0)]).astype(np.float64)
+
+
+def offset_of(scene: bpy.types.Scene, own: NDArray[np.float64], theirs: NDArray[np.float64]) -> float:
+    """How far along x the other skin is moved to lie beside a scene's own, mm; boxes (2, 3) at rest."""
+    return float(own[1][0] - theirs[0][0]) + float(scene.lappet.compare_gap)
 
 
 def _label(board: bpy.types.Collection, role: str, words: str, box: NDArray[np.float64], units: float) -> None:
@@ -248,13 +254,13 @@ def _label(board: bpy.types.Collection, role: str, words: str, box: NDArray[np.f
     if text.data.body != words:
         text.data.body = words
     if text.data.align_x != "CENTER":
-        text.data.align_x, text.data.align_y = "CENTER", "TOP"
+        text.data.align_x, text.data.align_y = "CENTER", "BOTTOM"
         text.data.materials.append(part_material(board, "legend ink", 1.0))
         text.hide_select = True
     if text.data.size != np.float32(LABEL_SIZE * units):
         text.data.size = LABEL_SIZE * units
     low, high = box * units
-    place(text, (float(0.5 * (low[0] + high[0])), float(low[1] - LABEL_GAP * units), float(high[2])))
+    place(text, (float(0.5 * (low[0] + high[0])), float(high[1] + LABEL_GAP * units), float(high[2])))
     set_visible(text, True)
 
 

@@ -9,6 +9,7 @@ from ..model import changes
 from . import skin_display
 
 _looks: dict[int, tuple] = {}
+_WINDOWS = object()
 
 
 def _look_of(scene: bpy.types.Scene) -> tuple:
@@ -44,7 +45,22 @@ def _before_load(*_: object) -> None:
 
 
 def _loaded(*_: object) -> None:
+    _watch_windows()
     skin_display.refresh_all()
+
+
+def _watch_windows() -> None:
+    """A window may turn to a scene whose tissue another scene hid: variants share it."""
+    bpy.msgbus.clear_by_owner(_WINDOWS)
+    bpy.msgbus.subscribe_rna(
+        key=(bpy.types.Window, "scene"), owner=_WINDOWS, args=(), notify=_window_turned, options={"PERSISTENT"}
+    )
+
+
+def _window_turned() -> None:
+    scene = bpy.context.scene
+    if scene is not None:
+        skin_display.refresh(scene)
 
 
 def _procedure_changed(scene: bpy.types.Scene) -> None:
@@ -74,12 +90,14 @@ def register() -> None:
         getattr(bpy.app.handlers, name).append(handler)
     changes.subscribe(_procedure_changed)
     frames.subscribe(skin_display.refresh)
+    _watch_windows()
 
 
 def unregister() -> None:
     """Take them away."""
     from ..solving import frames
 
+    bpy.msgbus.clear_by_owner(_WINDOWS)
     frames.unsubscribe(skin_display.refresh)
     changes.unsubscribe(_procedure_changed)
     for name, handler in _HANDLERS:

@@ -51,6 +51,7 @@ from .figure_scene import (
     add_camera,
     add_lights,
     clear_scene,
+    figure_studio,
     half_angles,
     render_png,
     set_render,
@@ -149,10 +150,11 @@ class Plate:
         lowest = min(
             float((cache.positions(cache.epoch_at(t), t) @ region.normal).min()) for t in (cache.frames[0], *frames)
         )
-        add_backdrop(region, lowest - 1.5, backdrop_material())
-        add_lights(region)
-        add_camera(view)
-        set_render(request.engine, request.threads)
+        studio = figure_studio()
+        add_backdrop(region, lowest - 1.5, backdrop_material(), studio)
+        add_lights(region, studio)
+        add_camera(view, studio)
+        set_render(studio.scene, request.engine, request.threads)
 
     def render(self, time: float, size: tuple[int, int], samples: int, path: Path) -> None:
         """Write a PNG of a frame."""

@@ -102,14 +102,15 @@ def region_around(
     return Region(region, centre, right, up, normal, WHOLE_FILL if whole else FIELD_FILL)
 
 
-def viewpoint(region: Region, view: str, half_angles: tuple[float, float]) -> Viewpoint:
+def viewpoint(region: Region, view: str, half_angles: tuple[float, float], turned: float = TURN) -> Viewpoint:
     """The nearest camera in a view's direction that holds every point of the region within its share of the picture.
 
-    view: one of `VIEWS`. half_angles: tangents of half the horizontal and vertical field of view.
+    view: one of `VIEWS`. half_angles: tangents of half the horizontal and vertical field of view. turned: degrees to
+    the right, but for a view from above.
     """
     elevation = np.radians(VIEWS[view])
     # An oblique plate looks from below right of the region, so that both lips of a wound show.
-    turn = 0.0 if view == "top" else np.radians(TURN)
+    turn = 0.0 if view == "top" else np.radians(turned)
     ground = -np.cos(turn) * region.up + np.sin(turn) * region.right
     back = np.sin(elevation) * region.normal + np.cos(elevation) * ground
     flat_up = region.up if view == "top" else region.normal

@@ -15,7 +15,7 @@ INK = (0.2, 0.19, 0.19)
 
 
 def full_scale(cache: SkinSource, name: str) -> float:
-    """The value at the top of the key: the 99th percentile of all frames, rounded up to 1, 2 or 5 times 10ⁿ."""
+    """The value at the top of the key: the 95th percentile of the frame that has most, rounded up."""
     values = (cache.scalar(epoch, name, time) for epoch in cache.epochs for time in epoch.frames)
     return full_value(max((frame_peak(v) for v in values if v is not None), default=0.0))
 
@@ -38,6 +38,6 @@ def draw_key(path: Path, name: str, highest: float) -> None:
     picture[y : y + high, x : x + wide] = ramp_colour(np.linspace(0.0, 1.0, wide))[None]
     draw_text(picture, name.capitalize(), (x, y - 0.6 * size), size, INK)
     draw_text(picture, "0", (x, y + high + 1.2 * size), size * 0.85, INK)
-    top = f"{highest:g}{UNITS[name]}"
+    top = f"≥ {highest:g}{UNITS[name]}"
     draw_text(picture, top, (x + wide - text_width(top, size * 0.85), y + high + 1.2 * size), size * 0.85, INK)
     save_picture(picture, path)
