@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from typing import Any, cast
+from collections.abc import Collection
+from typing import Any
 
 import bpy
 import numpy as np
@@ -26,13 +27,13 @@ from lappet.rigid_motion import RigidMotion
 
 from .changes import changed
 from .decimals import decimal
-from .event_list import event_time, set_points, target_name
+from .event_list import add_event, event_time, numbered_name, set_points, target_name, unique_name
 from .event_target import is_there, make_target, set_keyframes
 from .target_samples import hook_samples, motion_samples
 from .units import mm_per_unit, to_world
 
-_BASES = {"LINEAR": "linear", "CATMULL_ROM": "catmullRom", "BSPLINE": "bspline", "BEZIER": "bezier"}
-_BASES_BACK = {basis: name for name, basis in _BASES.items()}
+BASIS_OF: dict[str, Basis] = {"LINEAR": "linear", "CATMULL_ROM": "catmullRom", "BSPLINE": "bspline", "BEZIER": "bezier"}
+_BASIS_NAMES = {basis: name for name, basis in BASIS_OF.items()}
 TARGET_MM = 1.0  # radius at which a target is drawn
 
 
@@ -44,7 +45,7 @@ def event_value(scene: bpy.types.Scene, event: Any) -> Event:
     """
     name, time = str(event.name), event_time(event)
     points = _points(event)
-    basis = cast(Basis, _BASES[event.basis])
+    basis = BASIS_OF[event.basis]
     match event.kind:
         case "INCISION":
             depth = None if event.through else decimal(event.depth)
@@ -69,6 +70,22 @@ def event_value(scene: bpy.types.Scene, event: Any) -> Event:
             return Landmark(name, points, str(event.label))
 
 
+def free_name(scene: bpy.types.Scene, kind: str, name: str = "", taken: Collection[str] = ()) -> str:
+    """The name that a new event of a kind gets: as near to `name` as may be, "" = kind and number.
+
+    taken: names that others are about to get.
+    """
+    names = {*taken, *(event.name for event in scene.lappet.events)}
+    return unique_name(name, names) if name else numbered_name(kind, names)
+
+
+def add_value(scene: bpy.types.Scene, value: Event) -> Any:
+    """Adds a value as an event of its kind, by its own name where that is free, and returns the event."""
+    event = add_event(scene, type(value).__name__.upper(), value.name)
+    set_event(scene, event, value)
+    return event
+
+
 def set_event(scene: bpy.types.Scene, event: Any, value: Event) -> None:
     """Gives an event the values of a procedure's; its kind must be the value's and its name is left alone.
 
@@ -81,13 +98,13 @@ def set_event(scene: bpy.types.Scene, event: Any, value: Event) -> None:
             event.through = value.depth is None
             if value.depth is not None:
                 event.depth = value.depth
-            event.basis = _BASES_BACK[value.basis]
+            event.basis = _BASIS_NAMES[value.basis]
             set_points(event, value.points)
         case Excision():
             event.start = value.time
             set_points(event, value.seeds)
         case Undermine():
-            event.start, event.basis = value.time, _BASES_BACK[value.basis]
+            event.start, event.basis = value.time, _BASIS_NAMES[value.basis]
             set_points(event, value.points)
         case Hook():
             event.start, event.end, event.stiffness = value.start, value.release, value.stiffness

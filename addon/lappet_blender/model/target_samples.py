@@ -40,7 +40,7 @@ def hook_samples(
         x, y, z = (decimal(v) * unit for v in place)
         return (x, y, z)
 
-    if not _is_plain(target):
+    if not is_plain(target):
         frames = _frames(scene, start, release)
         matrices = _matrices(scene, target, frames)
         return tuple((frame, at(matrix.translation)) for frame, matrix in zip(frames, matrices, strict=True))
@@ -56,7 +56,7 @@ def motion_samples(
     """(frame, 4x4 row-major matrix in USD's row-vector convention, mm) samples of a retractor's motion; without
     scale."""
     unit = mm_per_unit(scene)
-    if not _is_plain(target):
+    if not is_plain(target):
         frames = _frames(scene, start, release)
         matrices = _matrices(scene, target, frames)
         return tuple(
@@ -74,7 +74,7 @@ def motion_samples(
     )
 
 
-def _is_plain(target: bpy.types.Object) -> bool:
+def is_plain(target: bpy.types.Object) -> bool:
     """Whether its own channels are all that places it in the world."""
     data = target.animation_data
     return (

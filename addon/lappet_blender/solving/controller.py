@@ -6,7 +6,7 @@ A controller holds no Blender data, only values and the scene's identifier: undo
 from __future__ import annotations
 
 import math
-import time
+from time import monotonic
 from collections import deque
 from collections.abc import Iterator
 from dataclasses import dataclass, field
@@ -20,6 +20,7 @@ from lappet.procedure import Point, Procedure
 from lappet.store import FrameStore, default_folder
 
 from . import workers
+from .carry_over import CarryOver
 from .pace import Pace
 from .plan_memory import PlanMemory
 from .shelf import Shelf
@@ -43,7 +44,7 @@ class Job:
     procedure: Procedure
     settings: SolveSettings
     plan: Plan | None = None
-    started: float = field(default_factory=time.monotonic)
+    started: float = field(default_factory=monotonic)
     until: int | None = None
     done: int = 0
     total: int = 0
@@ -52,7 +53,7 @@ class Job:
     newton: int = 0
     residual: float = math.nan
     frame_seconds: deque[float] = field(default_factory=lambda: deque(maxlen=8))
-    frame_started: float = field(default_factory=time.monotonic)
+    frame_started: float = field(default_factory=monotonic)
     cancelled: bool = False
 
 
@@ -103,6 +104,7 @@ class Controller:
     job: Job | None = None
     planning: Job | None = None
     live: Live | None = None
+    carrying: CarryOver | None = None
     failure: Failure | None = None
     line: str = ""
     notes: deque[str] = field(default_factory=lambda: deque(maxlen=NOTES))
@@ -120,7 +122,7 @@ class Controller:
 
     def touch(self) -> None:
         """The scene may have changed: it is to be read again."""
-        now = time.monotonic()
+        now = monotonic()
         self.changed_at = now
         if self.dirty_since is None:
             self.dirty_since = now
