@@ -67,13 +67,20 @@ class Dressing:
 
     def frames_changed(self) -> None:
         """Frames have come or gone: where stitches bite and hooks point is found anew if that tells something new."""
+        self.source.frames_changed()
         known = tuple(self.source.last_known(epoch) for epoch in self.source.epochs)
         if known != self._known:
             self._known = known
             self._thread, self._hooks = self._new_thread(), None
 
-    def draw(self, where: Where, time: float, look: bpy.types.PropertyGroup) -> None:
-        """Draw a frame; a part that cannot be drawn is left out."""
+    @property
+    def unfinished(self) -> bool:
+        """Whether stitches were put off at the last frame drawn."""
+        return self._thread.unfinished
+
+    def draw(self, where: Where, time: float, look: bpy.types.PropertyGroup, patience: float | None = None) -> None:
+        """Draw a frame; a part that cannot be drawn is left out. patience: seconds for finding new stitches."""
+        self._thread.patience = patience
         self._tubes(where, "edge", "Wound edge", 6, True, lambda: self._edge.tubes(time))
         self._tubes(where, "ink", "Marks", 6, look.show_plan, lambda: self._marks.tubes(time))
         self._tubes(where, "thread", "Sutures", 6, look.show_sutures, lambda: self._thread.tubes(time))
@@ -104,7 +111,7 @@ class Dressing:
         if target is None or self._bed is None:
             return
         bed = self._bed
-        points = (bed.positions(time) * where.units).astype(np.float32)
+        points = bed.positions(time) * np.float32(where.units)
         made_for = f"bed {self.source.plan.epochs[0].key}"
         if _topology(target.data, made_for, points, bed.triangles):
             set_attribute(target.data, "rest", "FLOAT_VECTOR", "POINT", bed.rest.astype(np.float32))

@@ -48,6 +48,7 @@ class PlanSource:
         self._shape_of = {e.name: s for e, s in zip(self._epochs, plan.epochs, strict=True)}
         self._planned = {float(frame.time): frame for frame in plan.frames}
         self._now: tuple[float, SkinEpoch, ShownFrame | None] | None = None
+        self._last: dict[str, float | None] = {}
         self.read_events(scene)
 
     def read_events(self, scene: bpy.types.Scene) -> None:
@@ -161,8 +162,16 @@ class PlanSource:
 
     def suture_closed(self, epoch: SkinEpoch, index: int) -> float:
         """The last known frame of an epoch at which a suture is active."""
-        times = (*reversed(epoch.frames), *self._near())
-        return next(t for t in times if self.sutures(t).active[index])
+        if epoch.name not in self._last:
+            self._last[epoch.name] = self.last_known(epoch)
+        last = self._last[epoch.name]
+        if last is not None and self.sutures(last).active[index]:
+            return last
+        return next(t for t in (*self._near(), *epoch.frames) if t in epoch.frames and self.sutures(t).active[index])
+
+    def frames_changed(self) -> None:
+        """Frames have come or gone."""
+        self._last.clear()
 
     def last_known(self, epoch: SkinEpoch) -> float | None:
         """The last frame of an epoch that is known."""

@@ -19,6 +19,7 @@ _STATE = "lappet_colour"
 _STEPS = 512
 _FAT_DEPTH = 2.9
 _base: dict[str, NDArray[np.float32]] = {}
+_inners: dict[str, NDArray[np.int64]] = {}
 _table: list[NDArray[np.float32]] = []
 
 
@@ -53,10 +54,15 @@ def _set(mesh: bpy.types.Mesh, colours: NDArray[np.float32]) -> None:
         mesh.color_attributes.active_color = mesh.color_attributes[ATTRIBUTE]
 
 
-def _inner(shape: EpochShape) -> NDArray[np.bool_]:
-    inner = np.ones(len(shape.rest), bool)
-    inner[shape.triangles[shape.origin == SKIN].ravel()] = False
-    return inner
+def _inner(shape: EpochShape) -> NDArray[np.int64]:
+    """The vertices that no skin touches."""
+    if shape.key not in _inners:
+        if len(_inners) > 32:
+            _inners.clear()
+        inner = np.ones(len(shape.rest), bool)
+        inner[shape.triangles[shape.origin == SKIN].ravel()] = False
+        _inners[shape.key] = np.flatnonzero(inner)
+    return _inners[shape.key]
 
 
 def _flesh(shape: EpochShape) -> NDArray[np.float32]:
@@ -68,6 +74,9 @@ def _flesh(shape: EpochShape) -> NDArray[np.float32]:
         for label, colour in ((UNDERSIDE, FAT), (RIM, DERMIS_PALE)):
             only = np.setdiff1d(shape.triangles[shape.origin == label], shape.triangles[shape.origin != label])
             colours[only] = colour
-        colours[~_inner(shape)] = SKIN_COLOUR
+        inner = _inner(shape)
+        flesh = colours[inner].copy()
+        colours[:] = SKIN_COLOUR
+        colours[inner] = flesh
         _base[shape.key] = colours
     return _base[shape.key]

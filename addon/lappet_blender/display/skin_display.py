@@ -33,6 +33,9 @@ if TYPE_CHECKING:
 _log = logging.getLogger(__name__)
 _said: set[str] = set()
 _dressings: dict[int, Dressing] = {}
+_boxes: dict[str, NDArray[np.float64]] = {}
+_rendering: set[int] = set()
+PATIENCE = 0.02  # seconds that one frame in a window may spend on finding where new stitches bite
 LABEL_SIZE, LABEL_GAP = 5.0, 4.0  # mm
 
 
@@ -99,10 +102,16 @@ def events_changed(scene: bpy.types.Scene) -> None:
 
 
 def prepare_render(scene: bpy.types.Scene) -> None:
-    """Before a render: the scale knows all frames, and the objects are there."""
+    """Before a render: the scale knows all frames, and the objects are there; from now on nothing is put off."""
     if scene.library is None:
+        _rendering.add(scene.session_uid)
         _scan(scene, patient=True)
         show(scene, scene.frame_current)
+
+
+def render_ended(scene: bpy.types.Scene) -> None:
+    """After a render, finished or cancelled."""
+    _rendering.discard(scene.session_uid)
 
 
 def dressing_of(scene: bpy.types.Scene, shown: Shown) -> Dressing:
@@ -208,7 +217,10 @@ def _draw_skin(
         skin.hide_select = False
     dressing = dressing_of(source_scene, shown)
     dressing.source.at(float(shown.time), shape, shown.frame)
-    dressing.draw(where, float(shown.time), look)
+    put_off = not bpy.app.background and not _rendering
+    dressing.draw(where, float(shown.time), look, PATIENCE if put_off else None)
+    if dressing.unfinished and not bpy.app.timers.is_registered(_show_on):
+        bpy.app.timers.register(_show_on, first_interval=0.02)
     return skin
 
 
@@ -240,8 +252,12 @@ def _take_peak(scene: bpy.types.Scene, shown: Shown, quantity: str) -> None:
 
 def rest_box(plan: Plan) -> NDArray[np.float64]:
     """Lowest and highest corner (2, 3) of the tissue at rest, mm; of the first epoch, so that nothing jumps."""
-    rest = plan.epochs[0].rest
-    return np.stack([rest.min(axis=0), rest.max(axis=0)]).astype(np.float64)
+    shape = plan.epochs[0]
+    if shape.key not in _boxes:
+        if len(_boxes) > 64:
+            _boxes.clear()
+        _boxes[shape.key] = np.stack([shape.rest.min(axis=0), shape.rest.max(axis=0)]).astype(np.float64)
+    return _boxes[shape.key].copy()
 
 
 def offset_of(scene: bpy.types.Scene, own: NDArray[np.float64], theirs: NDArray[np.float64]) -> float:
@@ -313,6 +329,13 @@ def _scan(scene: bpy.types.Scene, patient: bool | None = None) -> None:
             done &= scan_frames(each, plan, quantity, patient)
     if not done and not bpy.app.timers.is_registered(_scan_on):
         bpy.app.timers.register(_scan_on, first_interval=0.05)
+
+
+def _show_on() -> None:
+    """Stitches that were put off are found, a few at a time."""
+    for scene in bpy.data.scenes:
+        if find_board(scene) is not None:
+            show(scene, scene.frame_current)
 
 
 def _scan_on() -> None:

@@ -35,6 +35,10 @@ def _render_begins(scene: bpy.types.Scene, *_: object) -> None:
     skin_display.prepare_render(scene)
 
 
+def _render_ended(scene: bpy.types.Scene, *_: object) -> None:
+    skin_display.render_ended(scene)
+
+
 def _undone(*_: object) -> None:
     skin_display.refresh_all()
 
@@ -75,6 +79,8 @@ def _procedure_changed(scene: bpy.types.Scene) -> None:
 _HANDLERS = (
     ("frame_change_pre", persistent(_frame_changed)),
     ("render_init", persistent(_render_begins)),
+    ("render_complete", persistent(_render_ended)),
+    ("render_cancel", persistent(_render_ended)),
     ("undo_post", persistent(_undone)),
     ("redo_post", persistent(_undone)),
     ("load_pre", persistent(_before_load)),

@@ -10,8 +10,9 @@ from .skin_fields import UNDERSIDE, WOUND_WALL, vertex_normals
 from .skin_source import SkinSource
 
 BED_GAP = 0.35
-REACH = 35.0  # mm around the wound; farther away nothing can be seen of it
+REACH = 18.0  # mm around the wound; farther away nothing can be seen of it
 _CELL = 1.0
+_STILL = 0.1  # mm
 _SPREAD = 3  # rings of neighbours that give way together
 
 
@@ -33,7 +34,10 @@ class DeepBed:
         self.triangles = corners[:, ::-1].astype(np.int32)
         self.rest = points[used].astype(np.float64)
         self._down = vertex_normals(points, epoch.triangles, epoch.origin, UNDERSIDE)[used].astype(np.float64)
-        self._lower: dict[str, NDArray[np.int32]] = {}
+        self._base = (self.rest + BED_GAP * self._down).astype(np.float32)
+        box = self.rest if len(used) else np.zeros((1, 3))
+        self._low, self._high = box.min(axis=0) - REACH, box.max(axis=0) + REACH
+        self._lower: dict[str, tuple[NDArray[np.int32], NDArray[np.float32]]] = {}
         self._tree = KDTree(len(self.rest))
         for k, point in enumerate(self.rest):
             self._tree.insert(point, k)
@@ -46,21 +50,29 @@ class DeepBed:
     def __len__(self) -> int:
         return len(self.rest)
 
-    def positions(self, time: float) -> NDArray[np.float64]:
+    def positions(self, time: float) -> NDArray[np.float32]:
         """The bed (b, 3) under the skin of a frame, mm."""
         epoch = self.source.epoch_at(time)
         if epoch.name not in self._lower:
-            self._lower[epoch.name] = np.unique(epoch.triangles[epoch.origin == UNDERSIDE])
-        lower = self.source.positions(epoch, time)[self._lower[epoch.name]].astype(np.float64)
-        low, high = self.rest.min(axis=0) - REACH, self.rest.max(axis=0) + REACH
-        lower = lower[((lower >= low) & (lower <= high)).all(axis=1)]
+            lower = np.unique(epoch.triangles[epoch.origin == UNDERSIDE])
+            self._lower[epoch.name] = lower, self.source.rest(epoch)[lower]
+        lower, rest = self._lower[epoch.name]
+        now = self.source.positions(epoch, time)[lower]
+        # What lies where it lay does not press on the bed.
+        away = now - rest
+        now = now[np.einsum("ij,ij->i", away, away) > _STILL**2]
+        now = now[((now >= self._low) & (now <= self._high)).all(axis=1)].astype(np.float64)
+        if not len(now):
+            return self._base
         below = np.zeros(len(self.rest))
-        if len(lower):
-            nearest = self._closest(lower)
-            np.maximum.at(below, nearest, np.einsum("ij,ij->i", lower - self.rest[nearest], self._down[nearest]))
+        nearest = self._closest(now)
+        np.maximum.at(below, nearest, np.einsum("ij,ij->i", now - self.rest[nearest], self._down[nearest]))
         for _ in range(_SPREAD):
             below = np.maximum.reduceat(below[self._ring], self._begin)
-        return self.rest + (below + BED_GAP)[:, None] * self._down
+        pressed = np.flatnonzero(below)
+        placed = self._base.copy()
+        placed[pressed] += (below[pressed, None] * self._down[pressed]).astype(np.float32)
+        return placed
 
     def _near_wounds(self, middles: NDArray[np.float32]) -> NDArray[np.bool_]:
         """Which of some places (t, 3) lie within `REACH` of where a wound will be, box by box."""

@@ -72,14 +72,27 @@ def buried(
     )
 
 
-def triangles_around(
-    positions: NDArray[np.float32], triangles: NDArray[np.int32], point: NDArray[np.floating[Any]], reach: float
-) -> NDArray[np.int64]:
-    """The indices of the triangles (m, 3) whose first vertex is at most `reach` mm farther from a point than the
-    nearest."""
-    near = positions[triangles[:, 0]] - point.astype(np.float32)
-    away = np.sqrt(np.einsum("ij,ij->i", near, near))
-    return np.flatnonzero(away <= float(away.min(initial=np.inf)) + reach)
+class TrianglesNear:
+    """Finds the triangles about a point; made once for many points of one surface."""
+
+    def __init__(self, positions: NDArray[np.float32], triangles: NDArray[np.int32]) -> None:
+        first = positions[triangles[:, 0]]
+        self._order = np.argsort(first[:, 0], kind="stable")
+        self._first = first[self._order]
+        self.longest = longest_edge(positions, triangles)
+
+    def around(self, point: NDArray[np.floating[Any]], reach: float) -> NDArray[np.int64]:
+        """Indices (k,), ascending, of the triangles whose first vertex is at most `reach` mm farther from a point (3,)
+        than the nearest; the point lies on the surface, or as near to it as its longest edge, if it can be."""
+        span = reach + self.longest
+        while True:
+            low, high = np.searchsorted(self._first[:, 0], [point[0] - span, point[0] + span])
+            near = self._first[low:high] - point.astype(np.float32)
+            away = np.sqrt(np.einsum("ij,ij->i", near, near))
+            limit = float(away.min(initial=np.inf)) + reach
+            if limit <= span or high - low == len(self._first):
+                return np.sort(self._order[low:high][away <= limit])
+            span *= 2.0
 
 
 def longest_edge(positions: NDArray[np.float32], triangles: NDArray[np.int32]) -> float:
@@ -92,7 +105,8 @@ def bites_at(
     positions: NDArray[np.float32], triangles: NDArray[np.int32], points: NDArray[np.floating[Any]]
 ) -> list[Bite]:
     """The points of some triangles (m, 3) nearest to points (k, 3), mm."""
-    index, closest, _ = ClosestPoint(positions, triangles).query(points)
+    corners = positions[triangles].reshape(-1, 3)  # of these triangles only: most calls are about a few of many
+    index, closest, _ = ClosestPoint(corners, np.arange(len(corners)).reshape(-1, 3)).query(points)
     bites = []
     for triangle, point in zip(triangles[index], closest, strict=True):
         corners = positions[triangle].astype(np.float64)

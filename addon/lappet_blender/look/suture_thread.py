@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from time import monotonic
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,12 +14,11 @@ from .suture_bites import (
     BITE,
     CLOSED_GAP,
     Bite,
+    TrianglesNear,
     buried,
     carried,
     find_bites,
     find_lip,
-    longest_edge,
-    triangles_around,
 )
 from .suture_path import THREAD_RADIUS, stitch_path
 
@@ -50,19 +50,19 @@ def buried_sutures(source: SkinSource) -> frozenset[int]:
     return frozenset(found)
 
 
-def suture_buried(source: SkinSource, epoch: SkinEpoch, index: int) -> bool:
-    """Whether a suture lies in the depth, judged in one epoch."""
+def suture_buried(source: SkinSource, epoch: SkinEpoch, index: int, near: TrianglesNear | None = None) -> bool:
+    """Whether a suture lies in the depth, judged in one epoch. near: of `source.suture_apart` there."""
     points, anchors = source.suture_apart(epoch, index)
-    near = [triangles_around(points, epoch.triangles, end, 2.0 * _reach(points, epoch)) for end in anchors]
-    return buried(points, epoch.triangles[np.unique(np.concatenate(near))], source.depth(epoch), anchors)
-
-
-def _reach(points: NDArray[np.float32], epoch: SkinEpoch) -> float:
-    return longest_edge(points, epoch.triangles)
+    near = near or TrianglesNear(points, epoch.triangles)
+    around = np.unique(np.concatenate([near.around(end, 2.0 * near.longest) for end in anchors]))
+    return buried(points, epoch.triangles[around], source.depth(epoch), anchors)
 
 
 class SutureThread:
-    """The stitches of a procedure."""
+    """The stitches of a procedure.
+
+    patience: seconds that `tubes` may take to find new ones, None: as long as it takes; the rest are `unfinished`.
+    """
 
     def __init__(
         self, source: SkinSource, facing: NDArray[np.float64], scale: float, hidden: frozenset[int] | None = None
@@ -72,16 +72,20 @@ class SutureThread:
         self._source, self._facing, self._scale, self._hidden = source, facing, scale, hidden
         self._stitches: dict[tuple[str, int], Stitch | None] = {}
         self._normals: dict[str, SkinNormals] = {}
-        self._longest: dict[str, float] = {}
+        self._near: dict[str, tuple[NDArray[np.float32], TrianglesNear]] = {}
+        self.patience: float | None = None
+        self.unfinished = False
 
     def tubes(self, time: float) -> tuple[list[NDArray[np.float64]], list[float]]:
         """The thread and knots (k, 3) of a frame and their radii, mm."""
+        self.unfinished = False
         sutures = self._source.sutures(time)
         active = [int(i) for i in np.flatnonzero(sutures.active) if int(i) not in (self._hidden or ())]
         if not active:
             return [], []
         epoch = self._source.epoch_at(time)
-        shown = self._apart({i: s for i in active if (s := self._find(time, epoch, i)) is not None})
+        until = np.inf if self.patience is None else monotonic() + self.patience
+        shown = self._apart({i: s for i in active if (s := self._find(epoch, i, until)) is not None})
         if not shown:
             return [], []
         points = self._source.positions(epoch, time)
@@ -111,22 +115,27 @@ class SutureThread:
                 kept[index] = stitch
         return kept
 
-    def _find(self, time: float, epoch: SkinEpoch, index: int) -> Stitch | None:
+    def _find(self, epoch: SkinEpoch, index: int, until: float) -> Stitch | None:
         key = (epoch.name, index)
         if key not in self._stitches:
-            deep = self._hidden is None and suture_buried(self._source, epoch, index)
-            self._stitches[key] = None if deep else self._made(epoch, index)
+            if monotonic() > until:
+                self.unfinished = True
+                return None
+            points, _ = self._source.suture_apart(epoch, index)
+            if epoch.name not in self._near or self._near[epoch.name][0] is not points:
+                self._near[epoch.name] = points, TrianglesNear(points, epoch.triangles)
+            near = self._near[epoch.name][1]
+            deep = self._hidden is None and suture_buried(self._source, epoch, index, near)
+            self._stitches[key] = None if deep else self._made(epoch, index, near)
         return self._stitches[key]
 
-    def _made(self, epoch: SkinEpoch, index: int) -> Stitch:
+    def _made(self, epoch: SkinEpoch, index: int, near: TrianglesNear) -> Stitch:
         points, anchors = self._source.suture_apart(epoch, index)
-        if epoch.name not in self._longest:
-            self._longest[epoch.name] = longest_edge(points, epoch.triangles)
         radius = 2.0 * BITE * self._scale
         lips = []
         for end in anchors:
-            near = triangles_around(points, epoch.triangles, end, radius + 3.0 * self._longest[epoch.name])
-            lips.append(find_lip(points, epoch.triangles[near], epoch.origin[near], end, radius))
+            around = near.around(end, radius + 3.0 * near.longest)
+            lips.append(find_lip(points, epoch.triangles[around], epoch.origin[around], end, radius))
         last = self._source.suture_closed(epoch, index)
         closed = self._source.positions(epoch, last)
         ends = self._source.sutures(last).ends[index]
