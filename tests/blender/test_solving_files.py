@@ -145,9 +145,7 @@ def test_a_folder_that_cannot_be_made_is_a_sentence_and_the_frames_stay_where_th
     assert states(patch) == "ssssssss"
 
 
-def test_unregistering_closes_the_workers_and_registering_again_goes_on(
-    patch: bpy.types.Scene, script: Script
-) -> None:
+def test_unregistering_closes_the_workers_and_registering_again_goes_on(patch: bpy.types.Scene, script: Script) -> None:
     bpy.ops.lappet.solve()
     pump()
     (worker,) = script.workers

@@ -31,9 +31,7 @@ def live(patch: bpy.types.Scene, script: Script) -> bpy.types.Scene:
     return patch
 
 
-def test_the_skin_follows_the_target_and_only_the_frame_it_is_dragged_at(
-    live: bpy.types.Scene, script: Script
-) -> None:
+def test_the_skin_follows_the_target_and_only_the_frame_it_is_dragged_at(live: bpy.types.Scene, script: Script) -> None:
     for _ in range(4):
         pump()
     assert frames.progress_of(live).live

@@ -164,9 +164,7 @@ def test_a_solve_may_end_before_the_last_frame(patch: bpy.types.Scene, script: S
         bpy.ops.lappet.solve(wait=True, until=9)
 
 
-def test_what_the_solver_refuses_is_shown_and_a_click_selects_the_event(
-    patch: bpy.types.Scene, script: Script
-) -> None:
+def test_what_the_solver_refuses_is_shown_and_a_click_selects_the_event(patch: bpy.types.Scene, script: Script) -> None:
     script.refusal = (
         Problem("/Procedure/Timeline/hook_1", "9 mm", "The anchor is 9 mm off the skin.", "Move it onto the skin."),
     )

@@ -91,8 +91,12 @@ def _read(scene: bpy.types.Scene, obj: bpy.types.Object, before: _Raw | None) ->
     points = np.empty(3 * len(mesh.vertices), np.float32)
     indices = np.empty(corners, np.int32)
     starts = np.empty(faces, np.int32)
-    mesh.vertices.foreach_get("co", points)
-    mesh.loops.foreach_get("vertex_index", indices)
+    if obj.mode == "EDIT" or corners == 0:
+        mesh.vertices.foreach_get("co", points)
+        mesh.loops.foreach_get("vertex_index", indices)
+    else:  # as attributes they are copied at once: 0.01 ms instead of 4 ms
+        mesh.attributes["position"].data.foreach_get("vector", points)
+        mesh.attributes[".corner_vert"].data.foreach_get("value", indices)
     mesh.polygons.foreach_get("loop_start", starts)
     names = group_names(mesh)
     layer = mesh.uv_layers.active

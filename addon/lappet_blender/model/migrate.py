@@ -16,7 +16,7 @@ STEPS: dict[int, Callable[[bpy.types.Scene], None]] = {}
 def migrate(scene: bpy.types.Scene) -> bool:
     """Brings the scene's procedure up to this version, one at a time; whether anything was to be done.
 
-    Scenes of a library, scenes without a procedure and those of a newer version (`from_newer_version`) stay as they are.
+    Scenes of a library, scenes without a procedure and those of a newer version stay as they are.
     """
     procedure = scene.lappet
     if scene.library is not None or procedure.version >= VERSION:

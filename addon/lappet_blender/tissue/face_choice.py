@@ -22,6 +22,14 @@ WHICH = (
     ("SIDES", "Sides", "Faces that look sideways"),
     ("BOUNDARY", "Border", "Faces at the border of an open surface"),
 )
+_NONE = {
+    "SELECTED": "None of the {count} faces of {name!r} is selected; select faces in edit mode.",
+    "ALL": "{name!r} has no face.",
+    "TOP": "None of the {count} faces of {name!r} looks up; select faces in edit mode.",
+    "BOTTOM": "None of the {count} faces of {name!r} looks down; select faces in edit mode.",
+    "SIDES": "None of the {count} faces of {name!r} looks sideways; select faces in edit mode.",
+    "BOUNDARY": "The surface of {name!r} is closed and has no border; select faces in edit mode.",
+}
 
 
 def chosen_faces(scene: bpy.types.Scene, obj: bpy.types.Object, faces: str, which: str) -> NDArray[np.bool_]:
@@ -45,8 +53,7 @@ def chosen_faces(scene: bpy.types.Scene, obj: bpy.types.Object, faces: str, whic
         height = _heights(obj)
         chosen = {"TOP": height >= _STEEP, "BOTTOM": height <= -_STEEP, "SIDES": np.abs(height) < _STEEP}[which]
     if not chosen.any():
-        label = next(name for key, name, _ in WHICH if key == which).lower()
-        raise RefusedError(f"None of the {count} faces of {obj.name!r} is {label}; select faces in edit mode.")
+        raise RefusedError(_NONE[which].format(name=obj.name, count=count))
     return chosen
 
 

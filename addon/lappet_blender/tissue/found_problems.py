@@ -51,8 +51,8 @@ def check_tissue(scene: bpy.types.Scene) -> FoundProblems:
     broken = any(each.problem.severity == "error" for each in shape)
     known = {each.problem.sentence for each in places}
     for each in reading.problems:
-        mends_the_mesh = isinstance(each, SceneProblem) and each.operator == "lappet.tissue_mend"
-        if each.sentence not in known and not (broken and mends_the_mesh):
+        follows = broken and each.path == obj.name  # no tissue can be made of a mesh that is broken
+        if each.sentence not in known and not follows:
             places.append(ProblemPlace(each))
     if reading.procedure is not None and not broken:
         tissue = reading.procedure.tissue

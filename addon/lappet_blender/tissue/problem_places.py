@@ -8,7 +8,7 @@ import numpy as np
 from mathutils.bvhtree import BVHTree
 from numpy.typing import NDArray
 
-from lappet.mesh_repair import border_loops
+from lappet.mesh_repair import border_loops, perimeter
 from lappet.problem import Problem, Severity
 from lappet.procedure import Tissue
 from lappet.surface import triangulate
@@ -137,10 +137,11 @@ def _edges(mesh: MeshValues, thicken: bool, add) -> None:  # type: ignore[no-unt
         add(sentence, "Fill the holes, or turn Thicken on.", "HOLES", lines=ends[border])
     elif border.any() and not crowded.any() and not twisted.any():
         triangles, _, _ = triangulate(mesh.points, mesh.counts.astype(np.int64), mesh.indices.astype(np.int64))
-        loops = border_loops(triangles)
+        loops = sorted(border_loops(triangles), key=lambda loop: perimeter(mesh.points, loop))
         if len(loops) > 1:
             sentence = f"The surface has {len(loops)} borders; each becomes a fixed rim."
-            add(sentence, "Fill those that are holes.", "HOLES", "warning", lines=ends[border])
+            inner = [mesh.points[np.stack([loop, np.roll(loop, -1)], axis=1)] for loop in loops[:-1]]
+            add(sentence, "Fill those that are holes.", "HOLES", "warning", lines=np.concatenate(inner))
 
 
 def _without_area(corners: NDArray[np.float64]) -> NDArray[np.bool_]:

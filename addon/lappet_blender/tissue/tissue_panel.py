@@ -30,11 +30,17 @@ class LAPPET_PT_tissue(bpy.types.Panel):
         layout.use_property_split = True
         layout.use_property_decorate = False
         settings = scene.lappet.tissue
+        if settings.object is None:
+            active = context.view_layer.objects.active if context.view_layer is not None else None
+            is_mesh = active is not None and active.type == "MESH"
+            draw_sentence(
+                layout, context, "Select a mesh: closed, or the open surface of the skin." if not is_mesh else ""
+            )
+            label = f"Make {active.name} the Tissue" if active is not None and is_mesh else "Make Tissue"
+            layout.operator("lappet.tissue_set", text=label)
+            return
         row = layout.row(align=True)
         row.prop(settings, "object", text="Mesh")
-        if settings.object is None:
-            layout.operator("lappet.tissue_set", icon="MESH_DATA")
-            return
         row.operator("lappet.tissue_clear", text="", icon="X")
         column = layout.column(align=True)
         column.prop(settings, "thicken")
@@ -65,12 +71,17 @@ def _groups(layout: bpy.types.UILayout, scene: bpy.types.Scene) -> None:
     for name in names:
         row = box.row(align=True)
         row.label(text=f"{name}: {counts.get(name, 0)}", icon=dict(_HELD).get(name, "FACESEL"))
+        row = row.row(align=True)
         assign = row.operator("lappet.faces_assign", text="", icon="ADD")
         assign.group, assign.action = name, "ADD"
+        row = row.row(align=True)
+        row.enabled = name in counts
         take = row.operator("lappet.faces_assign", text="", icon="REMOVE")
         take.group, take.action = name, "REMOVE"
         row.operator("lappet.faces_select", text="", icon="RESTRICT_SELECT_OFF").group = name
         row.operator("lappet.faces_clear", text="", icon="X").group = name
+    if scene.lappet.tissue.thicken:
+        box.label(text="The rim is fixed, the underside is bed.", icon="INFO")
     box.operator("lappet.faces_new", text="New Group from Selection", icon="ADD")
 
 

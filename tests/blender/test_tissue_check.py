@@ -1,0 +1,265 @@
+"""What the check finds on a mesh and where; each button mends what it says and loses neither groups nor texture."""
+
+from __future__ import annotations
+
+import bmesh
+import bpy
+import numpy as np
+import pytest
+
+from lappet.surface import tissue_surface
+from lappet_blender.model.mesh_values import mesh_values
+from lappet_blender.model.surface_border import open_edge_count
+from lappet_blender.tissue.found_problems import check_tissue, found_problems
+from lappet_blender.tissue.problem_places import ProblemPlace
+from tissue_scenes import add_box, add_mesh, add_sheet, fill_with_patch, read
+
+
+def edit(obj: bpy.types.Object, change) -> None:  # type: ignore[no-untyped-def]
+    """Changes the mesh by a function of its bmesh."""
+    work = bmesh.new()
+    work.from_mesh(obj.data)
+    for part in (work.verts, work.edges, work.faces):
+        part.ensure_lookup_table()
+    change(work)
+    work.to_mesh(obj.data)
+    work.free()
+
+
+def found(scene: bpy.types.Scene, kind: str) -> ProblemPlace:
+    """The one problem of that kind of mend."""
+    places = [
+        each for each in check_tissue(scene).places if dict(getattr(each.problem, "arguments", ())) == {"kind": kind}
+    ]
+    assert len(places) == 1, [each.problem.sentence for each in check_tissue(scene).places]
+    return places[0]
+
+
+def held(scene: bpy.types.Scene) -> None:
+    """Holds the tissue, so that the check has nothing to say about that."""
+    bpy.ops.lappet.faces_assign(group="fixed", which="SIDES")
+
+
+def test_a_sound_tissue_has_no_problem(scene: bpy.types.Scene) -> None:
+    fill_with_patch(scene)
+    assert check_tissue(scene).places == ()
+    assert bpy.ops.lappet.tissue_check() == {"FINISHED"}
+
+
+def test_a_small_hole_is_shown_at_its_edges_and_filled_without_losing_groups(scene: bpy.types.Scene) -> None:
+    given = fill_with_patch(scene)
+    obj = scene.lappet.tissue.object
+    top = int(
+        np.flatnonzero((given.tissue.points[given.tissue.face_vertex_indices.reshape(-1, 4)][..., 2] > 3.9).all(1))[40]
+    )
+    hole = given.tissue.points[given.tissue.face_vertex_indices.reshape(-1, 4)[top]]
+    edit(obj, lambda work: bmesh.ops.delete(work, geom=[work.faces[top]], context="FACES_ONLY"))
+    place = found(scene, "HOLES")
+    assert "The surface is open: 4 edges" in place.problem.sentence
+    assert {tuple(p) for p in place.lines.reshape(-1, 3).tolist()} == {tuple(p) for p in hole.tolist()}
+    assert bpy.ops.lappet.tissue_mend(kind="HOLES") == {"FINISHED"}
+    assert check_tissue(scene).places == ()
+    mended = read(scene).tissue
+    assert len(mended.face_vertex_counts) == len(given.tissue.face_vertex_counts) + 1  # two triangles for a quad
+    for name in ("fixed", "bed"):
+        assert len(mended.subsets[name]) == len(given.tissue.subsets[name])
+    new = mended.uv[-6:]
+    at = mended.points[mended.face_vertex_indices[-6:]][:, :2] / 100.0
+    np.testing.assert_allclose(new, at, atol=1e-6)
+    tissue_surface(mended)
+
+
+def test_a_hole_as_large_as_the_mesh_is_not_filled_unless_asked(scene: bpy.types.Scene) -> None:
+    obj = add_box(scene)
+    edit(obj, lambda work: bmesh.ops.delete(work, geom=[work.faces[1]], context="FACES_ONLY"))
+    edit(obj, lambda work: bmesh.ops.subdivide_edges(work, edges=work.edges, cuts=1, use_grid_fill=True))
+    bpy.ops.lappet.tissue_set()
+    with pytest.raises(RuntimeError, match=r"The smallest hole of 'block' is 72 mm around, too large"):
+        bpy.ops.lappet.tissue_mend(kind="HOLES")
+    assert open_edge_count(mesh_values(scene, obj)) == 8
+    bpy.ops.lappet.tissue_mend(kind="HOLES", everything=True)
+    assert open_edge_count(mesh_values(scene, obj)) == 0
+
+
+def test_a_hole_in_a_sheet_is_told_and_filled_and_the_rim_stays(scene: bpy.types.Scene) -> None:
+    obj = add_sheet(scene, cells=16)
+    edit(obj, lambda work: bmesh.ops.delete(work, geom=[work.faces[120]], context="FACES_ONLY"))
+    bpy.ops.lappet.tissue_set(thickness=3.0)
+    place = found(scene, "HOLES")
+    assert place.problem.sentence == "The surface has 2 borders; each becomes a fixed rim."
+    assert place.problem.severity == "warning"
+    assert len(place.lines) == 4  # of the hole; the rim is as it should be
+    bpy.ops.lappet.tissue_mend(kind="HOLES")
+    assert open_edge_count(mesh_values(scene, obj)) == 64
+    assert check_tissue(scene).places == ()
+
+
+def test_doubled_vertices_are_shown_as_a_border_and_welded(scene: bpy.types.Scene) -> None:
+    given = fill_with_patch(scene)
+    obj = scene.lappet.tissue.object
+    edit(
+        obj,
+        lambda work: bmesh.ops.split_edges(work, edges=[edge for edge in work.edges if edge.calc_face_angle(0.0) > 1]),
+    )
+    assert open_edge_count(mesh_values(scene, obj)) > 0
+    bpy.ops.lappet.tissue_mend(kind="WELD")
+    assert open_edge_count(mesh_values(scene, obj)) == 0
+    mended = read(scene).tissue
+    assert len(mended.points) == len(given.tissue.points)
+    assert {name: len(faces) for name, faces in mended.subsets.items()} == {
+        name: len(faces) for name, faces in given.tissue.subsets.items()
+    }
+
+
+def test_a_face_without_area_is_shown_and_welded_away(scene: bpy.types.Scene) -> None:
+    obj = add_box(scene)
+
+    def collapse(work: bmesh.types.BMesh) -> None:
+        bmesh.ops.subdivide_edges(work, edges=[work.edges[0]], cuts=1)
+        work.verts.ensure_lookup_table()
+        vertex = work.verts[-1]
+        vertex.co = work.verts[0].co
+
+    edit(obj, collapse)
+    bpy.ops.lappet.tissue_set(spacing=1.0)
+    held(scene)
+    place = found(scene, "WELD")
+    assert "no area" in place.problem.sentence
+    assert len(place.lines) >= 3
+    bpy.ops.lappet.tissue_mend(kind="WELD")
+    assert check_tissue(scene).places == ()
+    assert len(read(scene).tissue.points) == 8
+
+
+def test_turned_faces_are_shown_at_their_edges_and_turned_back(scene: bpy.types.Scene) -> None:
+    given = fill_with_patch(scene)
+    obj = scene.lappet.tissue.object
+
+    def flip(work: bmesh.types.BMesh) -> None:
+        work.faces[5].normal_flip()
+
+    edit(obj, flip)
+    place = found(scene, "ORIENT")
+    assert "(4 such edges)" in place.problem.sentence
+    assert len(place.lines) == 4
+    bpy.ops.lappet.tissue_mend(kind="ORIENT")
+    assert check_tissue(scene).places == ()
+    corners = given.tissue.face_vertex_indices.reshape(-1, 4)
+    np.testing.assert_array_equal(np.sort(read(scene).tissue.face_vertex_indices.reshape(-1, 4)), np.sort(corners))
+
+
+def test_a_turned_face_of_a_sheet_is_told_once(scene: bpy.types.Scene) -> None:
+    obj = add_sheet(scene)
+    bpy.ops.lappet.tissue_set(thickness=3.0)
+    edit(obj, lambda work: work.faces[20].normal_flip())
+    (place,) = check_tissue(scene).places
+    assert place.problem.sentence.startswith("Neighbouring faces look opposite ways at (")
+    bpy.ops.lappet.tissue_mend(kind="ORIENT")
+    assert check_tissue(scene).places == ()
+
+
+def test_a_surface_inside_out_is_a_warning_that_turning_mends(scene: bpy.types.Scene) -> None:
+    fill_with_patch(scene)
+    scene.lappet.tissue.object.data.flip_normals()
+    place = found(scene, "ORIENT")
+    assert place.problem.severity == "warning"
+    assert "inside out" in place.problem.sentence
+    bpy.ops.lappet.tissue_mend(kind="ORIENT")
+    assert check_tissue(scene).places == ()
+
+
+def test_vertices_without_a_face_are_shown_and_removed(scene: bpy.types.Scene) -> None:
+    given = fill_with_patch(scene)
+
+    def add(work: bmesh.types.BMesh) -> None:
+        one, two = work.verts.new((0.0, 0.0, 30.0)), work.verts.new((0.0, 1.0, 30.0))
+        work.edges.new((one, two))
+
+    edit(scene.lappet.tissue.object, add)
+    place = found(scene, "LOOSE")
+    assert place.problem.sentence == "2 vertices belong to no face, the first at (0, 0, 30)."
+    np.testing.assert_allclose(place.points, [(0.0, 0.0, 30.0), (0.0, 1.0, 30.0)])
+    bpy.ops.lappet.tissue_mend(kind="LOOSE")
+    assert len(read(scene).tissue.points) == len(given.tissue.points)
+    assert check_tissue(scene).places == ()
+
+
+def test_a_surface_through_itself_is_shown_at_its_triangles(scene: bpy.types.Scene) -> None:
+    two = [
+        (low, high) for low, high in (((0.0, 0.0, 0.0), (0.02, 0.02, 0.02)), ((0.01, 0.01, 0.01), (0.03, 0.03, 0.03)))
+    ]
+    objects = [add_box(scene, *each, name=f"block{k}") for k, each in enumerate(two)]
+    with bpy.context.temp_override(active_object=objects[0], selected_editable_objects=objects):
+        bpy.ops.object.join()
+    scene.lappet.tissue.object = objects[0]
+    (place,) = [each for each in check_tissue(scene).places if len(each.triangles)]
+    assert "passes through itself: 12 triangles cross" in place.problem.sentence
+    # The edges of each cube pierce three faces of the other: of these only can a triangle be.
+    middles = place.triangles.reshape(-1, 3)
+    assert middles.min() >= 0.0
+    assert middles.max() <= 30.0
+
+
+def test_where_the_tissue_is_thinner_than_a_cell_is_shown_with_its_thickness(scene: bpy.types.Scene) -> None:
+    axis = np.linspace(0.0, 0.02, 11)
+    wedge = [(x, y, z * (0.0005 + 0.2 * x)) for z in (0, 1) for x in axis for y in axis]  # 0.5 mm to 4.5 mm thick
+    grid = [[11 * i + j, 11 * i + 11 + j, 11 * i + 12 + j, 11 * i + 1 + j] for i in range(10) for j in range(10)]
+    border = [11 * i for i in range(11)] + [110 + j for j in range(1, 11)]
+    border += [120 - 11 * i for i in range(1, 11)] + [10 - j for j in range(1, 10)]
+    faces = [face[::-1] for face in grid] + [[v + 121 for v in face] for face in grid]
+    faces += [[a, b, b + 121, a + 121] for a, b in zip(border, [*border[1:], border[0]], strict=True)]
+    add_mesh(scene, "wedge", wedge, faces)
+    bpy.ops.lappet.tissue_set(spacing=1.5)
+    held(scene)
+    (place,) = [each for each in check_tissue(scene).places if len(each.triangles)]
+    assert place.problem.severity == "warning"
+    middles = place.triangles.mean(axis=1)
+    # Straight down or up it is 0.5 + 0.2 x mm thick, square to the slope a fiftieth less.
+    assert middles[:, 0].max() < 5.3
+    thick = 0.5 + 0.2 * middles[:, 0].min()
+    value = float(place.problem.value.removesuffix(" mm"))
+    assert 0.9 * thick < value <= thick + 0.01
+    scene.lappet.tissue.spacing = 0.4
+    assert [each for each in check_tissue(scene).places if len(each.triangles)] == []
+
+
+def test_a_lattice_larger_than_the_memory_gets_a_spacing_that_fits(scene: bpy.types.Scene) -> None:
+    add_box(scene, (0.0, 0.0, 0.0), (0.2, 0.2, 0.2))
+    bpy.ops.lappet.tissue_set(spacing=0.5)
+    held(scene)
+    place = found(scene, "SPACING")
+    assert "more than the memory budget of 8 GiB" in place.problem.sentence
+    bpy.ops.lappet.tissue_mend(kind="SPACING")
+    assert read(scene).tissue.spacing > 0.5
+    assert check_tissue(scene).places == ()
+
+
+def test_what_the_procedure_itself_is_wrong_about_is_found_too(scene: bpy.types.Scene) -> None:
+    fill_with_patch(scene)
+    scene.lappet.tissue.material = "silk"
+    bpy.ops.lappet.faces_clear(group="fixed")
+    bpy.ops.lappet.faces_clear(group="bed")
+    sentences = " ".join(each.sentence for each in check_tissue(scene).problems())
+    assert "made of 'silk', which no material is named" in sentences
+    assert "Nothing holds the tissue" in sentences
+
+
+def test_what_was_found_is_forgotten_when_the_tissue_changes(scene: bpy.types.Scene) -> None:
+    fill_with_patch(scene)
+    first = check_tissue(scene)
+    assert found_problems(scene) is first
+    scene.lappet.tissue.object.data.vertices[0].co.x += 1.0
+    assert found_problems(scene) is None
+    check_tissue(scene)
+    scene.lappet.tissue.spacing = 0.7
+    assert found_problems(scene) is None
+
+
+def test_the_cursor_goes_to_a_problem(scene: bpy.types.Scene) -> None:
+    fill_with_patch(scene)
+    edit(scene.lappet.tissue.object, lambda work: work.verts.new((1.0, 2.0, 30.0)))
+    bpy.ops.lappet.tissue_check()
+    bpy.ops.lappet.tissue_show_problem(index=0)
+    assert scene.cursor.location[:] == pytest.approx((0.001, 0.002, 0.03))
+    with pytest.raises(RuntimeError, match="There is no problem 7"):
+        bpy.ops.lappet.tissue_show_problem(index=7)
