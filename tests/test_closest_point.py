@@ -9,6 +9,7 @@ import pytest
 import trimesh
 
 from lappet.closest_point import ClosestPoint, closest_points
+from lappet.remembered_closest_point import remembered_closest_point
 
 
 def test_closest_points_agree_with_trimesh_on_a_bumpy_sphere() -> None:
@@ -66,3 +67,24 @@ def test_a_hundred_points_on_a_hundred_thousand_triangles_take_less_than_two_sec
     _, _, distance = closest_points(queries, vertices, np.concatenate([lower, upper]))
     assert time.process_time() - start < 2.0
     assert (distance < 3.1).all()
+
+
+def test_a_remembered_surface_answers_as_a_new_one_and_only_its_own_contents_find_it() -> None:
+    random = np.random.default_rng(3)
+    points, triangles = random.normal(size=(40, 3)), random.integers(0, 40, (60, 3))
+    queries = random.normal(size=(30, 3))
+    remembered = remembered_closest_point(points, triangles)
+    expected = ClosestPoint(points, triangles).query(queries)
+    for _ in range(2):
+        again = remembered_closest_point(points.copy(), triangles.copy())
+        assert again is remembered
+        for got, wanted in zip(again.query(queries), expected, strict=True):
+            np.testing.assert_array_equal(got, wanted)
+    moved = points.copy()
+    moved[7, 1] += 1e-12
+    assert remembered_closest_point(moved, triangles) is not remembered
+    assert remembered_closest_point(points, triangles[:-1]) is not remembered
+    # What is asked may be changed by whoever asked.
+    first = remembered.query(queries)[1]
+    first[:] = np.nan
+    np.testing.assert_array_equal(remembered.query(queries)[1], expected[1])

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from lappet.closest_point import ClosestPoint
 from lappet.procedure import Incision, Point, Procedure, Tissue
 from lappet.program import FaceOrigin, Surface
+from lappet.remembered_closest_point import remembered_closest_point
 
 # How far an anchor may be from the uncut tissue, as a fraction of the tissue's diagonal.
 OFF_TISSUE = 0.05
@@ -37,7 +37,7 @@ class AnchorTie:
         wall = surface.origin == FaceOrigin.WOUND_WALL
         self._margin = margin
         self._parts = [
-            (faces, ClosestPoint(surface.points, surface.triangles[faces]))
+            (faces, remembered_closest_point(surface.points, surface.triangles[faces]))
             for faces in (np.flatnonzero(~wall), np.flatnonzero(wall))
             if len(faces)
         ]
@@ -68,7 +68,7 @@ class TissueLoss:
     def __init__(self, procedure: Procedure) -> None:
         tissue = procedure.tissue
         triangles, _ = fan_triangles(tissue)
-        self._tissue = ClosestPoint(tissue.points, triangles)
+        self._tissue = remembered_closest_point(tissue.points, triangles)
         self.diagonal = float(np.linalg.norm(np.ptp(tissue.points, axis=0)))
         kerf = max((event.kerf for event in procedure.events if isinstance(event, Incision)), default=0.0)
         self.margin = kerf + 1e-4 * self.diagonal

@@ -59,16 +59,16 @@ def find_daemon() -> Path:
 
 
 @lru_cache(maxsize=4)
-def _digest(binary: Path, modified: int) -> str:
-    return hashlib.blake2b(binary.read_bytes(), digest_size=16).hexdigest()
+def _identity(binary: Path, modified: int) -> str:
+    from lappet import __version__
+
+    return f"{__version__} {hashlib.blake2b(binary.read_bytes(), digest_size=16).hexdigest()}"
 
 
 def daemon_identity(binary: Path | None = None) -> str:
     """What tells a daemon's program (found when None) from another: Lappet's version and the program's digest."""
-    from lappet import __version__
-
     binary = find_daemon() if binary is None else binary
-    return f"{__version__} {_digest(binary, binary.stat().st_mtime_ns)}"
+    return _identity(binary, binary.stat().st_mtime_ns)
 
 
 class SolverDaemon:

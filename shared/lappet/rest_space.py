@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from lappet.closest_point import ClosestPoint
+from lappet.remembered_closest_point import remembered_closest_point
 
 OFF_TISSUE = 0.01  # how far off the tissue an anchor may be, as a fraction of the tissue's diagonal
 
@@ -14,7 +14,7 @@ class RestSpace:
     """A closed triangle surface at rest: points (n, 3) mm, triangles (m, 3)."""
 
     def __init__(self, points: NDArray[np.float64], triangles: NDArray[np.integer]) -> None:
-        self._closest = ClosestPoint(points, triangles)
+        self._closest = remembered_closest_point(points, triangles)
         self._corners = points[triangles]
         self.diagonal = float(np.linalg.norm(np.ptp(points, axis=0)))
         self.margin = OFF_TISSUE * self.diagonal

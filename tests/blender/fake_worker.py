@@ -175,7 +175,7 @@ def make_plan(procedure: Procedure, settings: SolveSettings, points: int = 4) ->
 def solved(plan: Plan, index: int, events: int) -> ShownFrame:
     """The frame that the fake solver finds."""
     rest = plan.epochs[plan.frames[index].epoch].rest
-    header = {"newton": 2, "seconds": {"total": 0.5}, "lattice": {"cells": 1000}}
+    header = {"newton": 2, "seconds": {"total": 0.6}, "lattice": {"cells": 1000}}
     return ShownFrame(rest + np.float32((0.0, 0.0, index + events)), header)
 
 

@@ -6,12 +6,12 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import bpy
-import pytest
-
 import fake_worker
+import pytest
 from fake_worker import Script
-from lappet_blender.solving import controller, reconcile, workers
 from patch_scene import make_patch_scene
+
+from lappet_blender.solving import controller, reconcile, workers
 
 
 @pytest.fixture
@@ -32,7 +32,7 @@ def script(monkeypatch: pytest.MonkeyPatch, own_store: Path) -> Script:
     """What the workers of formulas do."""
     made = Script()
     monkeypatch.setattr(workers, "create", made.create)
-    monkeypatch.setattr(reconcile, "_identity", fake_worker.IDENTITY)
+    monkeypatch.setattr(reconcile, "identity", lambda: fake_worker.IDENTITY)
     return made
 
 

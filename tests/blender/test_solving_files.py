@@ -5,13 +5,14 @@ from __future__ import annotations
 from pathlib import Path
 
 import bpy
-import lappet_blender
 from fake_worker import Script
+from solving_steps import QUIET, solve, states
+
+import lappet_blender
 from lappet_blender.model.event_list import add_event, find_event
 from lappet_blender.model.procedure_properties import VERSION
 from lappet_blender.solving import controller, frames, solve_settings, workers
 from lappet_blender.solving.pump import pump
-from solving_steps import QUIET, solve, states
 
 pytest_plugins = ("solving_fixtures",)
 
@@ -134,7 +135,7 @@ def test_a_folder_that_cannot_be_made_is_a_sentence_and_the_frames_stay_where_th
     patch.lappet.solving.beside_file = True
     bpy.ops.wm.save_as_mainfile(filepath=str(blend))
     pump(QUIET)
-    (note,) = controller.controller_of(patch).notes
+    (note,) = frames.notes_of(patch)
     assert note.startswith("Solved frames cannot be kept in ")
     assert states(patch) == "ssssssss", "they are still in memory"
     forget_memory()

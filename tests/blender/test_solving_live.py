@@ -5,12 +5,12 @@ from __future__ import annotations
 import bpy
 import numpy as np
 import pytest
-
 from fake_worker import Script
+from solving_steps import QUIET, states
+
 from lappet_blender.model.event_list import add_event, find_event
 from lappet_blender.solving import controller, frames
 from lappet_blender.solving.pump import pump
-from solving_steps import QUIET, states
 
 pytest_plugins = ("solving_fixtures",)
 
@@ -60,6 +60,19 @@ def test_ending_it_leaves_the_target_where_it_is_and_makes_the_frames_stale(
     assert bpy.data.objects["target"].location.z == 6.0
     assert bpy.data.objects["target"].animation_data is None, "what was not animated gets no keyframe"
     assert states(live) == "sssttttt"
+
+
+def test_changing_how_it_looks_does_not_end_it(live: bpy.types.Scene, script: Script) -> None:
+    drag(6.0)
+    pump()
+    live.lappet.look.color = "STRAIN"
+    for _ in range(3):
+        pump()
+    assert controller.controller_of(live).live is not None
+    drag(7.0)
+    for _ in range(3):
+        pump()
+    assert frames.live_points(live)[0, 2] == 7.0
 
 
 def test_switching_the_property_off_going_to_another_frame_or_editing_ends_it(

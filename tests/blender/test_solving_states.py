@@ -9,8 +9,9 @@ from pathlib import Path
 import bpy
 import numpy as np
 import pytest
-
 from fake_worker import Script
+from solving_steps import QUIET, solve, states
+
 from lappet.problem import Problem
 from lappet.procedure import Landmark
 from lappet_blender.model import changes
@@ -20,7 +21,6 @@ from lappet_blender.solving import controller, frames, workers
 from lappet_blender.solving.first_change import first_change
 from lappet_blender.solving.frames import FrameRun
 from lappet_blender.solving.pump import pump
-from solving_steps import QUIET, solve, states
 
 pytest_plugins = ("solving_fixtures",)
 
@@ -170,7 +170,7 @@ def test_what_the_solver_refuses_is_shown_and_a_click_selects_the_event(patch: b
     )
     pump(QUIET)
     assert frames.problems_of(patch) == script.refusal
-    with pytest.raises(RuntimeError, match="hook_1: The anchor is 9 mm off the skin. Move it onto the skin."):
+    with pytest.raises(RuntimeError, match=r"hook_1: The anchor is 9 mm off the skin\. Move it onto the skin\."):
         bpy.ops.lappet.solve(wait=True)
     patch.lappet.active_event = 0
     assert bpy.ops.lappet.problem_show(index=0) == {"FINISHED"}
@@ -221,7 +221,7 @@ def test_an_edit_while_it_solves_lets_the_frames_before_it_finish_and_stops_ther
     script.held = False
     assert not pump(QUIET)
     assert states(patch) == "sssssmmm"
-    assert any("changed" in note for note in controller.controller_of(patch).notes)
+    assert any("changed" in note for note in frames.notes_of(patch))
     assert frames.plan_of(patch).key != key
     solve(patch)
 

@@ -6,10 +6,10 @@ A controller holds no Blender data, only values and the scene's identifier: undo
 from __future__ import annotations
 
 import math
-from time import monotonic
 from collections import deque
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from time import monotonic
 from typing import TYPE_CHECKING, Literal
 
 import bpy
@@ -69,6 +69,7 @@ class Live:
     frame: ShownFrame | None = None
     seconds: float = 0.0
     converged: bool = True
+    in_doubt: bool = False  # a property has changed: it may be one that the procedure is made of
 
 
 @dataclass(frozen=True)
@@ -106,15 +107,13 @@ class Controller:
     live: Live | None = None
     carrying: CarryOver | None = None
     failure: Failure | None = None
-    line: str = ""
     notes: deque[str] = field(default_factory=lambda: deque(maxlen=NOTES))
-    cells: float = 0.0
+    cells: float = 0.0  # of the lattice as solved; 0 = none was yet
     dirty_since: float | None = 0.0
     changed_at: float = 0.0
     read_at: float = -math.inf
     read_seconds: float = 0.0
     vitals: tuple[object, ...] = ()
-    seen_frame: int | None = None
     revision: int = 0  # counts up whenever a state or what is shown may have changed
     told: int = 0  # the revision that listeners were told of
     known: set[str] = field(default_factory=set)  # keys of frames that the store or the memory holds

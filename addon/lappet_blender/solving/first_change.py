@@ -29,4 +29,4 @@ def first_change(old: Procedure, new: Procedure) -> float:
 def _begins(event: Event) -> float:
     if isinstance(event, Landmark):
         return -math.inf
-    return float(event.time if isinstance(event, CUTS) else event.start)  # type: ignore[union-attr]
+    return float(event.time if isinstance(event, CUTS) else event.start)

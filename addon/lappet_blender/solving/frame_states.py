@@ -24,7 +24,7 @@ def frame_states(controller: Controller) -> dict[int, State]:
     """The state of every frame of the procedure, by time; made anew only when something changed."""
     revision, states = controller.states
     if revision != controller.revision:
-        states = {time: _state(controller, time) for time in _times(controller)}  # type: ignore[misc]
+        states = {time: _state(controller, time) for time in _times(controller)}
         controller.states = (controller.revision, states)
     return states  # type: ignore[return-value]
 

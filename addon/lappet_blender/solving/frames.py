@@ -12,12 +12,12 @@ from numpy.typing import NDArray
 from lappet.background.plan import Plan
 from lappet.problem import Problem
 
-from .controller import Controller, controller_of, find_controller, frame_at, plans
+from .controller import Controller, Failure, controller_of, find_controller, frame_at, plans
 from .frame_states import FrameRun, State, frame_runs_of, frame_states
 from .shown_frame import Shown, find_shown, read_neighbours
 from .solve_progress import Progress, progress
 
-__all__ = ["FrameRun", "Progress", "Shown"]
+__all__ = ["Failure", "FrameRun", "Progress", "Shown"]
 
 Listener = Callable[[bpy.types.Scene], None]
 _listeners: list[Listener] = []
@@ -72,6 +72,22 @@ def problems_of(scene: bpy.types.Scene) -> tuple[Problem, ...]:
     """What is wrong with the scene's procedure: seen while reading it, and by the solver."""
     controller = controller_of(scene)
     return (*controller.problems, *controller.refused)
+
+
+def notes_of(scene: bpy.types.Scene) -> tuple[str, ...]:
+    """Sentences that the user should know: of the plan, and of what happened since the last solve began."""
+    controller = controller_of(scene)
+    plan = controller.plan
+    return tuple(dict.fromkeys([*(plan.notes if plan is not None else ()), *controller.notes]))
+
+
+def failure_of(scene: bpy.types.Scene) -> Failure | None:
+    """Why the last solve stopped, or the first frame that failed when it was solved; None where all is well."""
+    controller = controller_of(scene)
+    if controller.failure is not None:
+        return controller.failure
+    failed = next((time for time, state in frame_states(controller).items() if state == "failed"), None)
+    return None if failed is None else Failure(failed, frame_reason(scene, failed))
 
 
 def subscribe(listener: Listener) -> None:

@@ -70,8 +70,6 @@ def _planned(controller: Controller, job: Job, planned: Planned) -> None:
         controller.plan = plan
         controller.refused = ()
         put_in_force(controller)
-    for sentence in plan.notes:
-        controller.note(sentence)
     controller.bump()
 
 
@@ -93,10 +91,10 @@ def _ready(controller: Controller, job: Job, ready: FrameReady) -> None:
 
 
 def _learn(controller: Controller, frame: ShownFrame) -> None:
-    cells = float(frame.header.get("lattice", {}).get("cells", 0.0)) or controller.cells
+    cells = float(frame.header.get("lattice", {}).get("cells", 0.0))
     seconds = frame.header.get("seconds", {})
     total = float(seconds.get("total", 0.0)) if isinstance(seconds, dict) else float(seconds)
-    controller.cells = cells
+    controller.cells = cells or controller.cells
     pace().measured(cells, total)
 
 
@@ -104,7 +102,8 @@ def _failed(controller: Controller, job: Job, failed: FrameFailed) -> None:
     frame = None if job.plan is None else frame_at(job.plan, failed.time)
     if frame is not None:
         plans.failures[frame.key] = failed.reason
-    controller.failure = Failure(failed.time, failed.reason)
+    if job.key == controller.key or frame is None:
+        controller.failure = Failure(failed.time, failed.reason)
     controller.bump()
 
 
@@ -124,7 +123,6 @@ def _finished(controller: Controller, job: Job, finished: Finished) -> None:
             controller.live = None
         else:
             pace().keep()
-            controller.line = "Cancelled; what is solved is kept" if finished.cancelled and not controller.line else ""
         if job.kind == "solve" and job.plan is not None:
             controller.look_again(job.plan)
     ask_for_plan(controller)  # a solve takes the place of a plan that was being made

@@ -3,18 +3,22 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import bpy
 
+from lappet.procedure import Hook, Procedure
 from lappet.refused import RefusedError
 
 from ..model.decimals import decimal
 from ..model.event_list import find_event
+from ..model.scene_procedure import read_scene
 from ..model.units import mm_per_unit
 from .controller import Controller, Job, Live, controller_of
 from .frames import problems_of
 from .reconcile import reconcile
 from .solve_jobs import first_sentence, refuse_problems
+from .solve_settings import solve_settings
 
 _LEAST_MOVE = 1e-4  # mm
 
@@ -56,6 +60,11 @@ def step_live(scene: bpy.types.Scene, controller: Controller) -> None:
     if not scene.lappet.solving.live or event is None or event.target is None or scene.frame_current != live.time:
         stop_live(scene, controller)
         return
+    if live.in_doubt:
+        live.in_doubt = False
+        if not _still_holds(scene, controller, live):
+            stop_live(scene, controller)
+            return
     place = _place(scene, event.target)
     if live.target is None or math.dist(place, live.target) > _LEAST_MOVE:
         live.target = place
@@ -75,12 +84,25 @@ def stop_live(scene: bpy.types.Scene, controller: Controller, *, may_key: bool =
     scene.lappet.solving.live = False
     event = find_event(scene, live.event_uid or live.hook)
     target = None if event is None else event.target
-    moved = live.frame is not None and target is not None
-    animated = moved and target.animation_data is not None and target.animation_data.action is not None
-    if may_key and animated and scene.tool_settings.use_keyframe_insert_auto:
-        target.keyframe_insert("location", frame=live.time)
+    if may_key and live.frame is not None and target is not None and scene.tool_settings.use_keyframe_insert_auto:
+        data = target.animation_data
+        if data is not None and data.action is not None:
+            target.keyframe_insert("location", frame=live.time)
     controller.touch()
     controller.bump()
+
+
+def _still_holds(scene: bpy.types.Scene, controller: Controller, live: Live) -> bool:
+    """Whether the procedure is what live mode began with, but for where the dragged hook pulls."""
+    procedure, job = read_scene(scene).procedure, controller.job
+    if procedure is None or job is None or solve_settings(scene) != job.settings:
+        return False
+
+    def without_target(of: Procedure) -> Procedure:
+        events = (replace(e, targets=()) if isinstance(e, Hook) and e.name == live.hook else e for e in of.events)
+        return replace(of, events=tuple(events))
+
+    return without_target(procedure) == without_target(job.procedure)
 
 
 def _hook(scene: bpy.types.Scene, hook: str):  # type: ignore[no-untyped-def]

@@ -10,17 +10,19 @@ from .frames import announce
 from .live_hook import start_live, stop_live
 from .scene_watch import reading
 
+_OPTIONS = {"REGISTER"}
+
 
 class LAPPET_OT_live(bpy.types.Operator):
     """Drag the target of the active hook and see the skin follow; again, Return or Esc ends it"""
 
     bl_idname = "lappet.live"
     bl_label = "Live"
-    bl_options = {"REGISTER"}
+    bl_options = _OPTIONS
 
     hook: StringProperty(name="Hook", description="Its name; empty = the active event", options={"SKIP_SAVE"})
 
-    def execute(self, context):
+    def execute(self, context: bpy.types.Context) -> set[str]:
         """Without a window it only switches: the timer follows the target."""
         scene = context.scene
         controller = controller_of(scene)
@@ -37,7 +39,7 @@ class LAPPET_OT_live(bpy.types.Operator):
         announce(scene, controller)
         return {"FINISHED"}
 
-    def invoke(self, context, event):
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         """In a window it runs until a key ends it."""
         done = self.execute(context)
         if done != {"FINISHED"} or controller_of(context.scene).live is None:
@@ -46,7 +48,7 @@ class LAPPET_OT_live(bpy.types.Operator):
         context.workspace.status_text_set("Live: drag the hook's target   |   Return, Esc: end")
         return {"RUNNING_MODAL"}
 
-    def modal(self, context, event):  # noqa: D102
+    def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         scene = context.scene
         controller = find_controller(scene)
         if controller is not None and controller.live is not None:

@@ -26,6 +26,11 @@ class Pace:
             rate = seconds / cells
             self._rate = rate if self._rate is None else (1.0 - _WEIGHT) * self._rate + _WEIGHT * rate
 
+    @property
+    def known(self) -> bool:
+        """Whether anything was measured yet."""
+        return self._rate is not None
+
     def seconds(self, cells: float) -> float | None:
         """What a frame of so many cells will take, or None where nothing was measured yet."""
         return None if self._rate is None or cells <= 0.0 else self._rate * cells

@@ -91,6 +91,8 @@ def _redraw() -> None:
 
 
 def _timer() -> float:
+    if bpy.app.is_job_running("RENDER"):
+        return _IDLE  # what is rendered must not change under its hands
     try:
         busy = pump()
     except Exception:  # an exception would end the timer, and with it every solve of the session

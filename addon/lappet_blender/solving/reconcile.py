@@ -1,22 +1,22 @@
 """Brings what is known about a scene's solving up to what the scene holds now.
 
-Reads the scene, names its plan by key and looks it up; only what is nowhere is asked of the worker. So an undo finds its
-frames at once, and a file that is opened again finds those of the day before.
+Reads the scene, names its plan by key and looks it up; only what is nowhere is asked of the worker. So an undo finds
+its frames at once, and a file that is opened again finds those of the day before.
 """
 
 from __future__ import annotations
 
 import contextlib
 import math
+import threading
 import time
+from collections.abc import Iterator
 
 import bpy
-import numpy as np
 
 from lappet.background.plan import SolveSettings
-from lappet.lattice_size import TissueMeasure
 from lappet.problem import Problem
-from lappet.procedure import Procedure, Tissue
+from lappet.procedure import Procedure
 from lappet.refused import RefusedError
 from lappet.store import FrameStore
 
@@ -30,7 +30,7 @@ QUIET = 0.1  # seconds without a change before the scene is read
 LONGEST_WAIT = 0.5  # ... while changes keep coming
 LEAST_GAP = 0.2  # between two readings
 _REST = 8.0  # a reading that took s seconds is followed by that many times s without one
-_identity: str | None = None
+_warming: threading.Thread | None = None
 
 
 def due(controller: Controller) -> bool:
@@ -80,7 +80,7 @@ def ask_for_plan(controller: Controller) -> None:
 
 
 @contextlib.contextmanager
-def reporting(controller: Controller):  # type: ignore[no-untyped-def]
+def reporting(controller: Controller) -> Iterator[None]:
     """What the worker cannot do becomes a problem of the scene instead of an exception."""
     try:
         yield
@@ -90,13 +90,28 @@ def reporting(controller: Controller):  # type: ignore[no-untyped-def]
 
 
 def identity() -> str:
-    """What identifies the solver in keys; raises RefusedError where there is none."""
-    global _identity
-    if _identity is None:
-        from lappet.daemon_solver import solver_identity
+    """What identifies the solver in keys; raises RefusedError or OSError where there is none that can be read."""
+    if _warming is not None and _warming is not threading.current_thread():
+        _warming.join()
+    from lappet.daemon import daemon_identity
 
-        _identity = solver_identity(None)
-    return _identity
+    return daemon_identity()
+
+
+def warm_up() -> None:
+    """Imports what solving needs and reads the solver's program, on a thread: the first reading would stall for it."""
+    global _warming
+
+    def import_all() -> None:
+        with contextlib.suppress(Exception):  # whoever needs it says what is wrong
+            import lappet.background.plan_key
+            import lappet.background.plan_store
+            import lappet.background.solver  # noqa: F401
+
+            identity()
+
+    _warming = threading.Thread(target=import_all, name="lappet imports", daemon=True)
+    _warming.start()
 
 
 def stop_obsolete(controller: Controller) -> None:
@@ -112,8 +127,7 @@ def stop_obsolete(controller: Controller) -> None:
     if following >= valid and job.done < job.total:
         controller.solver().cancel(job.number)
         job.cancelled = True
-        controller.line = f"The procedure changed at or before frame {following:g}: press Solve to go on"
-        controller.note(controller.line + ".")
+        controller.note(f"The procedure changed from frame {following:g} on or before; press Solve to go on.")
 
 
 def _take(
@@ -136,7 +150,7 @@ def _take(
         from lappet.background.plan_key import plan_key
 
         key = plan_key(procedure, settings, identity())
-    except RefusedError as error:
+    except (RefusedError, OSError) as error:
         _retire(controller)
         controller.procedure, controller.settings, controller.key = procedure, settings, ""
         controller.refused = (Problem("solver", "", str(error), "Install Lappet again, or mend its installation."),)
@@ -145,7 +159,8 @@ def _take(
     if key != controller.key:
         _retire(controller)
         controller.failure = None
-    _measure(controller, procedure.tissue)
+    if controller.procedure is None or controller.procedure.tissue is not procedure.tissue:
+        controller.cells = 0.0
     controller.procedure, controller.settings, controller.key = procedure, settings, key
     controller.refused = plans.refused(key) or ()
     controller.plan = plans.find(key, controller.store)
@@ -185,6 +200,8 @@ def _still_holds(controller: Controller, procedure: Procedure | None, settings: 
 def _move(controller: Controller, store: FrameStore) -> None:
     """Frames go to another folder from now on, those that are there too; a worker is bound to its folder, so this scene
     gets another."""
+    if controller.job is not None:
+        controller.note("Frames are kept in another folder now; press Solve to go on.")
     controller.release()
     every = [*([controller.plan] if controller.plan else []), *controller.past]
     if every:
@@ -202,24 +219,3 @@ def take_carried(controller: Controller) -> None:
     if carrying.trouble:
         controller.note(carrying.trouble)
     controller.look_again(*([controller.plan] if controller.plan else []), *controller.past)
-
-
-_measured: tuple[Tissue, float, float] | None = None
-
-
-def _measure(controller: Controller, tissue: Tissue) -> None:
-    """About how many cells the lattice will have; from the solver's own count as soon as there is one."""
-    global _measured
-    if _measured is None or _measured[0] is not tissue or _measured[1] != tissue.spacing:
-        counts = tissue.face_vertex_counts
-        if len(counts) == 0 or len(tissue.points) == 0 or tissue.spacing <= 0.0:
-            return
-        first = np.cumsum(counts) - counts
-        fans = []
-        for corner in range(1, int(counts.max()) - 1):
-            at = first[counts > corner + 1]
-            index = tissue.face_vertex_indices
-            fans.append(np.stack([index[at], index[at + corner], index[at + corner + 1]], axis=1))
-        measure = TissueMeasure(tissue.points, np.concatenate(fans))
-        _measured = (tissue, tissue.spacing, measure.lattice(tissue.spacing).cells)
-    controller.cells = _measured[2]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import bpy
 
-from . import controller, live_operator, pump, scene_watch, solve_operators, solve_panel
+from . import controller, live_operator, pump, reconcile, scene_watch, solve_operators, solve_panel
 
 _CLASSES = (*solve_operators.CLASSES, *live_operator.CLASSES, *solve_panel.CLASSES)
 
@@ -15,6 +15,7 @@ def register() -> None:
         bpy.utils.register_class(each)
     scene_watch.register()
     pump.register()
+    reconcile.warm_up()
 
 
 def unregister() -> None:

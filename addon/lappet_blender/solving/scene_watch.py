@@ -22,6 +22,7 @@ from .reconcile import reconcile
 from .solve_settings import frame_folder
 
 _reading = False
+_updating = False  # while Blender tells of a dependency graph that was updated
 
 
 @contextlib.contextmanager
@@ -94,63 +95,48 @@ def _action(owner: bpy.types.ID) -> Iterator[int]:
 def _changed(scene: bpy.types.Scene) -> None:
     if _reading:
         return
-    controller = find_controller(scene)
-    if controller is None:
-        controller = controller_of(scene)
-    if controller.live is not None:
-        stop_live(scene, controller)
+    controller = controller_of(scene)
+    if controller.live is not None and not _updating:  # else it is a target that moved
+        controller.live.in_doubt = True
     target_samples.forget()
     controller.touch()
 
 
-@persistent
-def _depsgraph_updated(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
+def _update_begins(*_: object) -> None:
+    """The first of all handlers of an update; `_depsgraph_updated` comes after those that call `changed`."""
+    global _updating
+    _updating = True
+
+
+def _depsgraph_updated(_scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
+    """Going to another frame is no update: what is animated moves without being named here."""
+    global _updating
+    _updating = False
     if _reading or not depsgraph.updates:
         return
-    controller = find_controller(scene)
-    stepped = controller is not None and controller.seen_frame != scene.frame_current
-    if controller is not None:
-        controller.seen_frame = scene.frame_current
-    ids = {}
+    ids = set()
     for update in depsgraph.updates:
         item = update.id.original
         if isinstance(item, bpy.types.Object):
             if not (update.is_updated_transform or update.is_updated_geometry):
                 continue
-            if stepped and not update.is_updated_geometry and _moves(item):
-                continue  # the frame went on and took it along
-        elif not (
-            isinstance(item, bpy.types.Action) or (isinstance(item, bpy.types.Mesh) and update.is_updated_geometry)
-        ):
+        elif isinstance(item, bpy.types.Mesh):
+            if not update.is_updated_geometry:
+                continue
+        elif not isinstance(item, bpy.types.Action):
             continue
-        ids[item.session_uid] = item
+        ids.add(item.session_uid)
     if not ids:
         return
     for each in bpy.data.scenes:
         other = find_controller(each)
         if other is None:
             continue
-        touched = relevant(each) & ids.keys()
-        if other.live is not None:
-            touched -= _dragged(each, other)
-        if touched:
+        if not relevant(each).isdisjoint(ids):
             target_samples.forget()
             other.touch()
 
 
-def _moves(obj: bpy.types.Object) -> bool:
-    """Whether an object goes somewhere by itself when the frame changes."""
-    return obj.animation_data is not None or obj.parent is not None or len(obj.constraints) > 0
-
-
-def _dragged(scene: bpy.types.Scene, controller: Controller) -> set[int]:
-    """The target that is dragged live, and its action: read when the dragging has ended."""
-    assert controller.live is not None
-    target = next((e.target for e in scene.lappet.events if e.uid == controller.live.event_uid), None)
-    return set() if target is None else {target.session_uid, *_action(target)}
-
-
-@persistent
 def _undone(*_: object) -> None:
     """Undo and redo point back to plans and frames that are known: no timer, no worker."""
     target_samples.forget()
@@ -161,19 +147,18 @@ def _undone(*_: object) -> None:
             read_now(scene)
 
 
-@persistent
 def _before_load(*_: object) -> None:
     forget_all()
 
 
-@persistent
 def _loaded(*_: object) -> None:
     target_samples.forget()
     for scene in bpy.data.scenes:
         migrate(scene)
         if scene.lappet.tissue.object is None:
             continue
-        scene.lappet.solving.live = False
+        if scene.library is None:
+            scene.lappet.solving.live = False
         controller = controller_of(scene)
         last = scene.lappet.solving.last_plan
         plan = plans.find(last, controller.store) if last else None
@@ -185,7 +170,6 @@ def _loaded(*_: object) -> None:
             controller.touch()
 
 
-@persistent
 def _before_save(*_: object) -> None:
     """The file remembers its plan, so that stale frames are shown when it is opened."""
     for controller in controllers():
@@ -195,7 +179,6 @@ def _before_save(*_: object) -> None:
             scene.lappet.solving.last_plan = newest.key
 
 
-@persistent
 def _before_render(scene: bpy.types.Scene, *_: object) -> None:
     """A render started by a script finds the scene as it is now."""
     controller = find_controller(scene)
@@ -217,14 +200,15 @@ _HANDLERS = (
 def register() -> None:
     """Adds the handlers."""
     for name, handler in _HANDLERS:
-        getattr(bpy.app.handlers, name).append(handler)
+        getattr(bpy.app.handlers, name).append(persistent(handler))
+    bpy.app.handlers.depsgraph_update_post.insert(0, persistent(_update_begins))
     changes.subscribe(_changed)
 
 
 def unregister() -> None:
     """Takes the handlers away and ends the workers."""
     changes.unsubscribe(_changed)
-    for name, handler in _HANDLERS:
+    for name, handler in (*_HANDLERS, ("depsgraph_update_post", _update_begins)):
         handlers = getattr(bpy.app.handlers, name)
         if handler in handlers:
             handlers.remove(handler)

@@ -9,7 +9,7 @@ import bpy
 from lappet.problem import Problem
 from lappet.refused import RefusedError
 
-from .controller import Controller, Job, controller_of, plans, shelf
+from .controller import Job, controller_of, plans, shelf
 from .frames import problems_of
 from .reconcile import ask_for_plan, reconcile
 
@@ -21,11 +21,11 @@ def start_solve(scene: bpy.types.Scene, until: int | None = None) -> Job:
         what = "A hook is being dragged" if controller.job.kind == "live" else "This scene is being solved"
         raise RefusedError(f"{what} already; wait for it, or cancel it first.")
     reconcile(scene, controller, ask=False)
-    controller.refused = ()  # what was refused once is asked again: the disk or the installation may be mended
     refuse_problems(controller.problems)
     procedure = controller.procedure
     if procedure is None or not controller.key:
         raise RefusedError(first_sentence(problems_of(scene)))
+    controller.refused = ()  # what was refused once is asked again: the disk or the installation may be mended
     frames = procedure.frames()
     if until is not None and until not in frames:
         raise RefusedError(
@@ -34,7 +34,8 @@ def start_solve(scene: bpy.types.Scene, until: int | None = None) -> Job:
     if controller.plan is not None:
         for frame in controller.plan.frames:
             plans.failures.pop(frame.key, None)
-    controller.failure, controller.line = None, ""
+    controller.failure = None
+    controller.notes.clear()
     try:
         number = controller.solver().solve(procedure, controller.settings, until)
     except (RuntimeError, OSError) as error:
@@ -66,9 +67,9 @@ def start_plan(scene: bpy.types.Scene) -> None:
         plans.forget(controller.key)
     reconcile(scene, controller, ask=False)
     refuse_problems(controller.problems)
-    controller.refused = ()
     if controller.procedure is None or not controller.key:
         raise RefusedError(first_sentence(problems_of(scene)))
+    controller.refused = ()
     ask_for_plan(controller)
     refuse_problems(controller.refused)
 
@@ -133,5 +134,5 @@ def _remove(path: Path) -> None:
         path.unlink(missing_ok=True)
     except OSError as error:
         raise RefusedError(
-            f"The solved frame {path} cannot be removed ({error.strerror or error}); see to it that you may write there."
+            f"The solved frame {path} cannot be removed ({error.strerror or error}); make its folder writable."
         ) from error

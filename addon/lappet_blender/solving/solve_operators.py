@@ -5,12 +5,14 @@ from bpy.props import BoolProperty, IntProperty
 
 from lappet.refused import RefusedError
 
-from .controller import controller_of
-from .frames import problems_of, progress_of
+from .frames import failure_of, problems_of, progress_of
 from .problem_place import select_problem
 from .scene_watch import reading
 from .solve_jobs import cancel_solve, clear_frames, reload_frames, start_plan, start_solve
 from .wait_for_solve import SolveFailedError, wait_for_plan, wait_for_solve
+
+_OPTIONS = {"REGISTER"}
+_UNDOABLE = {"REGISTER", "UNDO"}
 
 
 class LAPPET_OT_solve(bpy.types.Operator):
@@ -18,7 +20,7 @@ class LAPPET_OT_solve(bpy.types.Operator):
 
     bl_idname = "lappet.solve"
     bl_label = "Solve"
-    bl_options = {"REGISTER"}
+    bl_options = _OPTIONS
 
     wait: BoolProperty(
         name="Wait", description="Return when it is done; for scripts, Ctrl-C cancels", options={"SKIP_SAVE"}
@@ -27,7 +29,7 @@ class LAPPET_OT_solve(bpy.types.Operator):
         name="Until", description="The last frame to solve; -1 = all", default=-1, min=-1, options={"SKIP_SAVE"}
     )
 
-    def execute(self, context):  # noqa: D102
+    def execute(self, context: bpy.types.Context) -> set[str]:
         scene = context.scene
         try:
             with reading():
@@ -46,14 +48,14 @@ class LAPPET_OT_solve_cancel(bpy.types.Operator):
 
     bl_idname = "lappet.solve_cancel"
     bl_label = "Cancel"
-    bl_options = {"REGISTER"}
+    bl_options = _OPTIONS
 
     @classmethod
-    def poll(cls, context):
+    def poll(cls, context: bpy.types.Context) -> bool:
         """Only while there is something to cancel."""
-        return progress_of(context.scene).running
+        return bool(progress_of(context.scene).running)
 
-    def execute(self, context):  # noqa: D102
+    def execute(self, context: bpy.types.Context) -> set[str]:
         return {"FINISHED"} if cancel_solve(context.scene) else {"CANCELLED"}
 
 
@@ -62,11 +64,11 @@ class LAPPET_OT_plan_now(bpy.types.Operator):
 
     bl_idname = "lappet.plan_now"
     bl_label = "Plan Now"
-    bl_options = {"REGISTER"}
+    bl_options = _OPTIONS
 
     wait: BoolProperty(name="Wait", description="Return when it is done", default=True, options={"SKIP_SAVE"})
 
-    def execute(self, context):  # noqa: D102
+    def execute(self, context: bpy.types.Context) -> set[str]:
         try:
             with reading():
                 start_plan(context.scene)
@@ -83,12 +85,12 @@ class LAPPET_OT_clear_frames(bpy.types.Operator):
 
     bl_idname = "lappet.clear_frames"
     bl_label = "Clear Solved Frames"
-    bl_options = {"REGISTER"}
+    bl_options = _OPTIONS
 
-    def invoke(self, context, event):  # noqa: D102
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         return context.window_manager.invoke_confirm(self, event)
 
-    def execute(self, context):  # noqa: D102
+    def execute(self, context: bpy.types.Context) -> set[str]:
         try:
             with reading():
                 count = clear_frames(context.scene)
@@ -104,9 +106,9 @@ class LAPPET_OT_reload_frames(bpy.types.Operator):
 
     bl_idname = "lappet.reload_frames"
     bl_label = "Reload Frames"
-    bl_options = {"REGISTER"}
+    bl_options = _OPTIONS
 
-    def execute(self, context):  # noqa: D102
+    def execute(self, context: bpy.types.Context) -> set[str]:
         with reading():
             reload_frames(context.scene)
         return {"FINISHED"}
@@ -117,16 +119,19 @@ class LAPPET_OT_failure_show(bpy.types.Operator):
 
     bl_idname = "lappet.failure_show"
     bl_label = "Go to the Failed Frame"
-    bl_options = {"REGISTER"}
+    bl_options = _OPTIONS
 
     @classmethod
-    def poll(cls, context):
+    def poll(cls, context: bpy.types.Context) -> bool:
         """Only where a frame failed."""
-        failure = controller_of(context.scene).failure
+        failure = failure_of(context.scene)
         return failure is not None and failure.time is not None
 
-    def execute(self, context):  # noqa: D102
-        context.scene.frame_set(controller_of(context.scene).failure.time)
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        failure = failure_of(context.scene)
+        if failure is None or failure.time is None:
+            return {"CANCELLED"}
+        context.scene.frame_set(failure.time)
         return {"FINISHED"}
 
 
@@ -135,11 +140,11 @@ class LAPPET_OT_problem_show(bpy.types.Operator):
 
     bl_idname = "lappet.problem_show"
     bl_label = "Show"
-    bl_options = {"REGISTER", "UNDO"}
+    bl_options = _UNDOABLE
 
     index: IntProperty(name="Problem", default=0, min=0, options={"SKIP_SAVE"})
 
-    def execute(self, context):  # noqa: D102
+    def execute(self, context: bpy.types.Context) -> set[str]:
         problems = problems_of(context.scene)
         if self.index >= len(problems):
             many = f"There are {len(problems)} problems" if len(problems) != 1 else "There is 1 problem"

@@ -4,12 +4,14 @@ import textwrap
 
 import bpy
 
+from ..model.scene_problem import SceneProblem
 from .controller import controller_of
-from .frames import problems_of, progress_of
+from .frames import failure_of, notes_of, problems_of, progress_of
 from .problem_place import problem_event
 
 _LETTER = 6.5  # pixels of a letter at a scale of 1, about
 _MOST_PROBLEMS = 6
+_CLOSED = {"DEFAULT_CLOSED"}
 
 
 class LAPPET_PT_solve(bpy.types.Panel):
@@ -21,10 +23,9 @@ class LAPPET_PT_solve(bpy.types.Panel):
     bl_category = "Lappet"
     bl_order = 30
 
-    def draw(self, context):  # noqa: D102
+    def draw(self, context: bpy.types.Context) -> None:
         layout = self.layout
         scene = context.scene
-        controller = controller_of(scene)
         progress = progress_of(scene)
         ready = scene.lappet.tissue.object is not None
 
@@ -37,21 +38,21 @@ class LAPPET_PT_solve(bpy.types.Panel):
             row.operator("lappet.solve", icon="PLAY")
         if progress.running or progress.total:
             _bar(layout, progress.done / max(progress.total, 1), f"{progress.done} / {progress.total}")
-        if ready:
-            lines(layout, context, progress.line)
+        lines(layout, context, progress.line if ready else "Make a mesh the tissue first.")
 
         row = layout.row()
         row.enabled = ready and not progress.running
         row.operator("lappet.live", icon="REC", depress=progress.live)
 
-        failure = controller.failure
+        failure = failure_of(scene)
         if failure is not None:
             box = layout.box()
             if failure.time is not None:
                 box.operator("lappet.failure_show", text=f"Frame {failure.time} failed", icon="ERROR")
             lines(box, context, failure.sentence)
-        _problems(layout, context)
-        for note in controller.notes:
+        if ready:
+            _problems(layout, context)
+        for note in notes_of(scene):
             lines(layout, context, note, icon="INFO")
 
 
@@ -63,9 +64,9 @@ class LAPPET_PT_solve_settings(bpy.types.Panel):
     bl_space_type = "VIEW_3D"
     bl_region_type = "UI"
     bl_category = "Lappet"
-    bl_options = {"DEFAULT_CLOSED"}
+    bl_options = _CLOSED
 
-    def draw(self, context):  # noqa: D102
+    def draw(self, context: bpy.types.Context) -> None:
         layout = self.layout
         layout.use_property_split = True
         layout.use_property_decorate = False
@@ -81,7 +82,7 @@ class LAPPET_PT_solve_settings(bpy.types.Panel):
         row.operator("lappet.clear_frames", text="Clear", icon="TRASH")
 
 
-def _problems(layout, context) -> None:
+def _problems(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
     problems = problems_of(context.scene)
     for index, problem in enumerate(problems[:_MOST_PROBLEMS]):
         box = layout.box()
@@ -90,9 +91,8 @@ def _problems(layout, context) -> None:
         name = context.scene.lappet.events[event].name if event >= 0 else problem.path
         icon = "ERROR" if problem.severity == "error" else "INFO"
         row.operator("lappet.problem_show", text=name, icon=icon, emboss=False).index = index
-        operator = getattr(problem, "operator", "")
-        if operator:
-            mend = row.operator(operator, text="Mend", icon="TOOL_SETTINGS")
+        if isinstance(problem, SceneProblem) and problem.operator:
+            mend = row.operator(problem.operator, text="Mend", icon="TOOL_SETTINGS")
             for key, value in problem.arguments:
                 setattr(mend, key, value)
         lines(box, context, f"{problem.sentence} {problem.mend}")
@@ -101,16 +101,16 @@ def _problems(layout, context) -> None:
         layout.label(text=f"and {more} more")
 
 
-def _bar(layout, factor: float, text: str) -> None:
+def _bar(layout: bpy.types.UILayout, factor: float, text: str) -> None:
     if hasattr(layout, "progress"):
         layout.progress(factor=factor, text=text)
     else:
         layout.label(text=text)
 
 
-def lines(layout, context, text: str, icon: str = "NONE") -> None:
+def lines(layout: bpy.types.UILayout, context: bpy.types.Context, text: str, icon: str = "NONE") -> None:
     """A sentence over as many rows as the panel's width needs."""
-    scale = context.preferences.system.ui_scale
+    scale = context.preferences.system.ui_scale or 1.0  # 0 without a window
     width = context.region.width if context.region is not None else 260
     column = layout.column(align=True)
     column.scale_y = 0.8

@@ -9,6 +9,7 @@ from typing import Literal
 
 from .controller import Controller, Job, pace
 from .frame_states import count_states
+from .lattice_cells import lattice_cells
 from .pace import in_words
 
 
@@ -70,17 +71,21 @@ def _solving(controller: Controller, job: Job) -> Progress:
 
 
 def _expected(controller: Controller, frames: int) -> float:
-    each = pace().seconds(controller.cells)
-    return math.nan if each is None or frames == 0 else each * frames
+    if frames == 0 or controller.procedure is None or not pace().known:
+        return math.nan
+    each = pace().seconds(controller.cells or lattice_cells(controller.procedure.tissue))
+    return math.nan if each is None else each * frames
 
 
 def _idle_line(controller: Controller, counts: dict, seconds: float) -> str:
     if controller.newest() is None:
-        return "Preparing the cuts" if controller.planning is not None else controller.line or "Nothing is solved yet"
+        return "Preparing the cuts" if controller.planning is not None else "Nothing is solved yet"
     total = sum(counts.values())
     words = [f"{counts['solved']} of {total} frames solved"]
     words += [f"{counts[state]} {state}" for state in ("stale", "failed") if counts[state]]
     line = ", ".join(words)
+    if controller.planning is not None:
+        return f"{line}; preparing the cuts anew"
     if not math.isnan(seconds):
         line += f"; {in_words(seconds)}"
     return line

@@ -18,7 +18,7 @@ class CancelledError(Exception):
 
 @dataclass(eq=False)
 class Job:
-    """What was asked. until: last frame to solve. time, hook: of live mode."""
+    """What was asked. until: last frame to solve. time, hook: of live mode. at: the frame it is at, once planned."""
 
     number: int
     kind: Kind
@@ -28,6 +28,7 @@ class Job:
     time: int = 0
     hook: str = ""
     running: bool = False
+    at: int | None = None
     _target: Point | None = None
     _cancelled: bool = False
     _changed: threading.Condition = field(default_factory=threading.Condition)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from dataclasses import replace
 from typing import NoReturn
 
 import numpy as np
@@ -10,10 +11,10 @@ import numpy as np
 from lappet.background.compilation import Compiled
 from lappet.background.job import CancelledError, Job
 from lappet.background.live_session import LiveSession
-from lappet.background.plan import FrameFailed, IterationDone, LiveFrame, Note, Plan, ShownFrame
+from lappet.background.plan import FrameFailed, LiveFrame, Note, Plan, ShownFrame
 from lappet.background.plan_store import shown_frame
 from lappet.background.solve_job import SolveJobs, stoppable
-from lappet.frame_solver import Iteration, SolvedFrame, SolverDiedError
+from lappet.frame_solver import FrameRefusedError, SolvedFrame, SolverDiedError
 from lappet.problem import Problem, ProcedureError
 from lappet.procedure import Point
 from lappet.refused import RefusedError
@@ -72,17 +73,22 @@ class LiveJobs(SolveJobs):
         frame = compiled.program.frames[index]
         target: Point = tuple(float(x) for x in frame.hook_targets[row])  # type: ignore[assignment]
         shown: ShownFrame | None = None
-
-        def progress(iteration: Iteration) -> None:
-            self.tell(IterationDone(job.number, iteration.time, iteration.newton, iteration.residual, iteration.gap))
-
         while True:
             begun = time.perf_counter()
-            solved = session.pull(target, progress)
-            if solved.converged or shown is None:
-                shown = _shown(solved)
+            converged, reason = False, ""
+            try:
+                solved = session.pull(target, lambda _: None)
+                converged, reason = solved.converged, str(solved.header.get("reason", ""))
+                if converged or shown is None:
+                    shown = _shown(solved)
+            except FrameRefusedError as error:
+                if shown is None:
+                    raise
+                reason = str(error)
+            if not converged:  # where the tissue stayed, and why
+                shown = replace(shown, header={**shown.header, "converged": False, "reason": reason})
             seconds = time.perf_counter() - begun
-            self.tell(LiveFrame(job.number, job.time, target, shown, solved.converged, seconds))
+            self.tell(LiveFrame(job.number, job.time, target, shown, converged, seconds))
             target = job.next_target()
 
 

@@ -71,7 +71,7 @@ class LiveSession:
                 self.close()
                 if attempt == TRIES:
                     raise
-                self._note(f"{error} It was pulling {self._frame.time:g} live and is started again.")
+                self._note(f"{error} It was pulling frame {self._frame.time:g} and is started again.")
             else:
                 if solved.converged:
                     self._keep(frame.epoch, solved.header, solved.arrays)

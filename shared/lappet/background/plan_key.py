@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import struct
 import weakref
 from dataclasses import fields
 from typing import Any
@@ -12,6 +13,7 @@ import numpy as np
 from lappet.background.plan import SolveSettings
 from lappet.procedure import Bone, Procedure, Tissue
 
+_number = struct.Struct("<xd").pack  # no other kind begins with a zero
 _FORMAT = b"lappet plan 1"
 _SIZE = 32
 _names: dict[type[Any], tuple[str, ...]] = {}
@@ -67,7 +69,7 @@ def _feed_plain(hasher: Any, value: Any) -> None:
         text = value.encode("utf-8", "surrogatepass")
         hasher.update(b"S%d:" % len(text) + text)
     elif isinstance(value, bool | int | float | np.number | np.bool_):
-        hasher.update(b"F" + np.float64(float(value) + 0.0).astype("<f8").tobytes())
+        hasher.update(_number(float(value) + 0.0))
     elif isinstance(value, np.ndarray):
         array = np.ascontiguousarray(value)
         array = array + 0.0 if array.dtype.kind == "f" else array

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+import traceback
 from collections.abc import Callable, Mapping
 from typing import Any
 
@@ -25,10 +26,12 @@ from lappet.background.plan import (
     ShownFrame,
 )
 from lappet.background.plan_store import shown_frame
-from lappet.frame_solver import Connect, FrameSolver, Iteration, SolvedFrame
-from lappet.problem import ProcedureError
+from lappet.frame_solver import Connect, FrameSolver, Iteration, SolvedFrame, SolverDiedError
+from lappet.problem import Problem, ProcedureError
 from lappet.program import Bones, Epoch, FrameConstraints, Landmarks, Program, SolverSettings
+from lappet.refused import RefusedError
 from lappet.solve import FrameResult, Frames, Watcher, solve_program
+from lappet.usd_writer import ROOT
 
 Tell = Callable[[Happening], None]
 
@@ -54,8 +57,13 @@ class SolveJobs:
             self.tell(Refused(job.number, error.problems))
         except CancelledError:
             pass
-        finally:
-            self.tell(Finished(job.number, done, time.perf_counter() - begun, job.cancelled))
+        except Exception as error:
+            sentence = _sentence(error)
+            if job.at is None:
+                self.tell(Refused(job.number, (Problem(ROOT, "", sentence, ""),)))
+            else:
+                self.tell(FrameFailed(job.number, job.at, sentence))
+        self.tell(Finished(job.number, done, time.perf_counter() - begun, job.cancelled))
 
     def _run(self, job: Job) -> int:
         plan = self.plan(job)
@@ -68,6 +76,7 @@ class SolveJobs:
         if well and self.store.trouble is not None:
             self.tell(Note(job.number, self.store.trouble))
         self.tell(Planned(job.number, plan, tuple(frame.key in self.store for frame in plan.frames)))
+        job.at = job.time if job.kind == "live" else plan.frames[0].time
         return plan
 
     def solve(self, job: Job, plan: Plan, until: int | None) -> int:
@@ -105,6 +114,7 @@ class _Telling(Watcher):
     def iteration(self, iteration: Iteration) -> None:
         """A Newton iteration is done."""
         self._stop()
+        self._job.at = round(iteration.time)
         self._jobs.tell(
             IterationDone(self._job.number, iteration.time, iteration.newton, iteration.residual, iteration.gap)
         )
@@ -123,6 +133,17 @@ class _Telling(Watcher):
     def _stop(self) -> None:
         if self._job.cancelled:
             raise KeyboardInterrupt  # what ends a solve and keeps what is done
+
+
+def _sentence(error: Exception) -> str:
+    """What a refusal, or an error of our own, is told as."""
+    if isinstance(error, RefusedError | SolverDiedError):
+        return str(error)
+    traceback.print_exception(error)
+    return (
+        f"The solve stopped at an error of Lappet's own ({type(error).__name__}: {error}). "
+        "Please report it with the file; the procedure itself is unharmed."
+    )
 
 
 def stoppable(connect: Connect, job: Job) -> Connect:

@@ -75,7 +75,8 @@ class Worker:
         with self._guard:
             for other in self._jobs.values():
                 # A plan that is overtaken before it began is of no use; a solve makes its own.
-                if other.kind == "plan" and (job.kind == "solve" or (job.kind == "plan" and not other.running)):
+                overtaken = other.kind == "plan" and (job.kind == "solve" or (job.kind == "plan" and not other.running))
+                if overtaken or other.kind == job.kind == "live":
                     other.cancel()
             self._jobs[job.number] = job
         self._lanes[job.kind].put(job, identity)
@@ -87,10 +88,10 @@ class Worker:
             (lives if job.kind == "live" else solves).run(job)
         except _Gone:
             pass
-        except Exception as error:
-            refusal = _refusal(error)
+        except Exception as error:  # there is nobody to run it: no daemon, or parts that cannot be imported
+            traceback.print_exception(error)
             with contextlib.suppress(_Gone):
-                self.tell(Refused(job.number, (refusal,)))
+                self.tell(Refused(job.number, (Problem("/Procedure", "", str(error), ""),)))
                 self.tell(Finished(job.number, 0, 0.0, job.cancelled))
         finally:
             with self._guard:
@@ -158,17 +159,6 @@ class _Lane:
     def _work(self) -> None:
         while (item := self._queue.get()) is not None:
             self._run(*item)
-
-
-def _refusal(error: Exception) -> Problem:
-    """A problem that says why a job could not be run at all."""
-    from lappet.refused import RefusedError
-
-    if isinstance(error, RefusedError):
-        return Problem("/Procedure", "", str(error), "")
-    traceback.print_exception(error)
-    sentence = f"The solve stopped at an error of Lappet's own ({type(error).__name__}: {error})."
-    return Problem("/Procedure", "", sentence, "Please report it with the file; the procedure itself is unharmed.")
 
 
 def _own_pipes() -> tuple[io.RawIOBase, io.RawIOBase]:

@@ -1,0 +1,160 @@
+"""What the solving side remembers: frames within a bound of bytes, plans by key, the pace of this machine."""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+
+import bpy
+import numpy as np
+import pytest
+from fake_worker import make_plan
+
+from lappet.background.plan import ShownFrame, SolveSettings
+from lappet.background.plan_store import put_plan
+from lappet.patch import flat_patch
+from lappet.problem import Problem
+from lappet.procedure import Incision, Procedure
+from lappet.store import FrameStore, StoredFrame
+from lappet_blender.solving.carry_over import CarryOver
+from lappet_blender.solving.lattice_cells import lattice_cells
+from lappet_blender.solving.pace import Pace, in_words
+from lappet_blender.solving.plan_memory import PlanMemory
+from lappet_blender.solving.shelf import Shelf
+
+assert bpy  # the parts above need Blender's module, not a scene
+
+
+def key(number: int) -> str:
+    return f"{number:064x}"
+
+
+def frame(points: int = 100) -> ShownFrame:
+    return ShownFrame(np.zeros((points, 3), np.float32))
+
+
+@pytest.fixture
+def store(tmp_path: Path) -> FrameStore:
+    return FrameStore(tmp_path / "store")
+
+
+@pytest.fixture
+def procedure() -> Procedure:
+    cut = Incision("cut", 3.0, ((-6.0, 0.0, 2.0), (6.0, 0.0, 2.0)))
+    return Procedure(flat_patch((24.0, 16.0, 2.0), resolution=2.0, spacing=1.0), events=(cut,), end_time=5.0)
+
+
+def test_the_frames_used_longest_ago_leave_memory_when_its_bound_is_passed(store: FrameStore) -> None:
+    shelf = Shelf(limit=3 * 1200)
+    for number in range(3):
+        shelf.put(key(number), frame())
+    shelf.get(key(0), store)
+    shelf.put(key(3), frame())
+    assert [number for number in range(4) if key(number) in shelf] == [0, 2, 3]
+    assert shelf.bytes == 3 * 1200
+    shelf.put(key(3), frame(200))
+    assert shelf.bytes == 2400 + 1200
+    assert [number for number in range(4) if key(number) in shelf] == [0, 3]
+    shelf.put(key(9), frame(10_000))
+    assert key(9) in shelf, "one that is larger than the bound is still shown"
+    shelf.drop(key(9))
+    assert shelf.bytes == 0
+
+
+def test_a_frame_comes_from_the_store_where_memory_has_it_not(store: FrameStore) -> None:
+    shelf = Shelf()
+    assert shelf.get(key(1), store) is None
+    points = np.arange(12, dtype=np.float32).reshape(4, 3)
+    store.put(key(1), StoredFrame({"newton": 3}, {"points": points, "nodes": np.zeros((2, 3), np.float32)}))
+    found = shelf.get(key(1), store)
+    np.testing.assert_array_equal(found.points, points)
+    assert "nodes" not in found.arrays, "the state is of no use to a window"
+    store.path(key(1)).unlink()
+    assert shelf.get(key(1), store) is found
+
+
+def test_reading_ahead_fills_memory_and_goes_on_after_it_was_closed(store: FrameStore) -> None:
+    shelf = Shelf()
+    for number in range(6):
+        store.put(key(number), StoredFrame({}, {"points": np.full((4, 3), number, np.float32)}))
+    for wanted in ((0, 1, 2), (3, 4, 5)):
+        shelf.read_ahead([key(number) for number in wanted], store)
+        end = time.monotonic() + 10.0
+        while not all(key(number) in shelf for number in wanted):
+            assert time.monotonic() < end
+            time.sleep(0.005)
+        shelf.close()
+
+
+def test_plans_share_their_surfaces_and_are_found_in_the_store(store: FrameStore, procedure: Procedure) -> None:
+    memory = PlanMemory(limit=2)
+    made = [make_plan(procedure, SolveSettings(tolerance=10.0**-n)) for n in (2, 3, 4)]
+    kept = [memory.keep(plan) for plan in made]
+    assert kept[0].epochs[1] is kept[2].epochs[1]
+    assert memory.find(made[0].key, store) is None, "only so many are kept"
+    put_plan(store, made[0])
+    found = memory.find(made[0].key, store)
+    assert found.frames == made[0].frames
+    assert found.epochs[1] is kept[2].epochs[1]
+    memory.refuse(key(7), (Problem("/Procedure", "", "No.", "Yes."),))
+    assert memory.refused(key(7))
+    memory.keep(made[1], key(7))
+    assert memory.refused(key(7)) is None
+    assert memory.find(key(7), store).key == made[1].key
+
+
+def test_an_epoch_of_equal_shape_at_another_time_keeps_its_time(store: FrameStore, procedure: Procedure) -> None:
+    memory = PlanMemory()
+    early = memory.keep(make_plan(procedure, SolveSettings()))
+    moved = procedure.events[0]
+    later = Procedure(procedure.tissue, events=(Incision("cut", 4.0, moved.points),), end_time=5.0)
+    plan = make_plan(later, SolveSettings())
+    assert plan.epochs[1].key == early.epochs[1].key
+    assert memory.keep(plan).epochs[1].start_time == 4.0
+
+
+def test_the_pace_of_this_machine_is_remembered_and_follows_what_is_measured(tmp_path: Path) -> None:
+    pace = Pace(tmp_path / "store")
+    assert not pace.known
+    assert pace.seconds(1000.0) is None
+    pace.measured(1000.0, 2.0)
+    assert pace.seconds(500.0) == pytest.approx(1.0)
+    for _ in range(60):
+        pace.measured(1000.0, 4.0)
+    assert pace.seconds(1000.0) == pytest.approx(4.0, rel=1e-3)
+    pace.keep()
+    assert Pace(tmp_path / "store").seconds(1000.0) == pytest.approx(4.0, rel=1e-3)
+    (tmp_path / "store" / "pace.json").write_text("[")
+    assert not Pace(tmp_path / "store").known
+
+
+def test_durations_are_said_as_people_say_them() -> None:
+    said = [in_words(seconds) for seconds in (0.2, 12.4, 89.0, 240.0, 9000.0)]
+    assert said == ["about 1 s", "about 12 s", "about 89 s", "about 4 min", "about 2.5 h"]
+
+
+def test_the_cells_of_a_box_are_its_volume_over_that_of_a_cell_and_those_its_surface_cuts() -> None:
+    box = flat_patch((24.0, 16.0, 8.0), resolution=2.0, spacing=0.5)
+    inside = 24.0 * 16.0 * 8.0 / 0.5**3
+    surface = 2.0 * (24.0 * 16.0 + 24.0 * 8.0 + 16.0 * 8.0) / 0.5**2
+    assert inside < lattice_cells(box) < inside + surface
+    coarse = flat_patch((24.0, 16.0, 8.0), resolution=2.0, spacing=1.0)
+    assert 4.0 < lattice_cells(box) / lattice_cells(coarse) < 8.0
+
+
+def test_what_is_carried_over_to_another_folder_is_all_that_a_plan_needs(
+    store: FrameStore, procedure: Procedure, tmp_path: Path
+) -> None:
+    plan = make_plan(procedure, SolveSettings())
+    put_plan(store, plan)
+    for planned in plan.frames[:3]:
+        store.put(planned.key, StoredFrame({}, {"points": np.zeros((4, 3), np.float32)}))
+    other = FrameStore(tmp_path / "other")
+    carrying = CarryOver([plan], store, other)
+    end = time.monotonic() + 10.0
+    while not carrying.done:
+        assert time.monotonic() < end
+        time.sleep(0.005)
+    assert carrying.trouble == ""
+    assert PlanMemory().find(plan.key, other).frames == plan.frames
+    assert [frame.key in other for frame in plan.frames] == [True] * 3 + [False] * 2

@@ -1,0 +1,135 @@
+"""What the Solve panel shows: drawn into a layout that writes down what it is given."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any
+
+import bpy
+import pytest
+from fake_worker import Script
+from solving_steps import QUIET, solve
+
+from lappet.problem import Problem
+from lappet.refused import RefusedError
+from lappet_blender.model.event_list import find_event
+from lappet_blender.solving import controller, frames, reconcile
+from lappet_blender.solving.pump import pump
+from lappet_blender.solving.solve_panel import LAPPET_PT_solve, LAPPET_PT_solve_settings
+
+pytest_plugins = ("solving_fixtures",)
+
+
+class Layout:
+    """Takes what a panel's layout takes and keeps it; refuses operators and properties that do not exist."""
+
+    def __init__(self, drawn: list[tuple[str, str]]) -> None:
+        self.drawn = drawn
+
+    def row(self, **_: Any) -> Layout:
+        return Layout(self.drawn)
+
+    column = box = row
+
+    def label(self, text: str = "", icon: str = "NONE") -> None:
+        self.drawn.append(("label", text))
+
+    def progress(self, factor: float, text: str) -> None:
+        assert 0.0 <= factor <= 1.0
+        self.drawn.append(("bar", text))
+
+    def operator(self, name: str, text: str = "", **_: Any) -> SimpleNamespace:
+        part, _, operator = name.partition(".")
+        getattr(getattr(bpy.ops, part), operator).get_rna_type()
+        self.drawn.append(("operator", name))
+        return SimpleNamespace()
+
+    def prop(self, owner: Any, name: str, **_: Any) -> None:
+        getattr(owner, name)
+        self.drawn.append(("property", name))
+
+
+def draw(panel: Any) -> tuple[str, list[str]]:
+    """(all text in a row, operators)"""
+    drawn: list[tuple[str, str]] = []
+    panel.draw(SimpleNamespace(layout=Layout(drawn)), bpy.context)
+    words = " ".join(text for kind, text in drawn if kind in ("label", "bar"))
+    return words, [name for kind, name in drawn if kind == "operator"]
+
+
+def test_without_tissue_it_says_what_to_do(scene: bpy.types.Scene, script: Script) -> None:
+    words, _ = draw(LAPPET_PT_solve)
+    assert "Make a mesh the tissue first." in words
+
+
+def test_it_offers_to_solve_then_to_cancel_and_counts(patch: bpy.types.Scene, script: Script) -> None:
+    pump(QUIET)
+    words, operators = draw(LAPPET_PT_solve)
+    assert "0 / 8" in words
+    assert "0 of 8 frames solved" in words
+    assert operators == ["lappet.solve", "lappet.live"]
+    bpy.ops.lappet.solve()
+    for _ in range(6):
+        pump()
+    words, operators = draw(LAPPET_PT_solve)
+    assert operators[0] == "lappet.solve_cancel"
+    done = frames.progress_of(patch).done
+    assert done > 0
+    assert f"{done} / 8" in words
+    assert " left" in words
+    pump(QUIET)
+    assert "8 of 8 frames solved" in draw(LAPPET_PT_solve)[0]
+
+
+def test_stale_frames_are_counted_with_the_time_that_they_will_take(patch: bpy.types.Scene, script: Script) -> None:
+    solve(patch)
+    find_event(patch, "hook_1").stiffness = 10.0
+    pump(QUIET)
+    assert controller.pace().known
+    assert "3 of 8 frames solved, 5 stale; about 3 s" in draw(LAPPET_PT_solve)[0], "0.6 s for each of 5 frames"
+
+
+def test_a_failure_is_a_sentence_and_a_button_that_goes_there_and_undo_keeps_it(
+    patch: bpy.types.Scene, script: Script
+) -> None:
+    script.failing[6] = "The hook tears the skin."
+    bpy.ops.ed.undo_push(message="before")
+    bpy.ops.lappet.solve()
+    pump(QUIET)
+    words, operators = draw(LAPPET_PT_solve)
+    assert "lappet.failure_show" in operators
+    assert "The hook tears the skin." in words
+    find_event(patch, "hook_1").stiffness = 10.0
+    bpy.ops.ed.undo_push(message="softer")
+    pump(QUIET)
+    assert "lappet.failure_show" not in draw(LAPPET_PT_solve)[1]
+    bpy.ops.ed.undo()
+    assert "The hook tears the skin." in draw(LAPPET_PT_solve)[0]
+
+
+def test_problems_are_shown_with_what_selects_and_what_mends_them(patch: bpy.types.Scene, script: Script) -> None:
+    script.refusal = (Problem("/Procedure/Timeline/hook_1", "", "It is off the skin.", "Move it."),)
+    pump(QUIET)
+    words, operators = draw(LAPPET_PT_solve)
+    assert "It is off the skin. Move it." in words
+    assert "lappet.problem_show" in operators
+
+
+def test_an_installation_without_solver_is_named_by_the_panel_and_by_the_button(
+    patch: bpy.types.Scene, script: Script, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def missing() -> str:
+        raise RefusedError("There is no lappet-solverd")
+
+    monkeypatch.setattr(reconcile, "identity", missing)
+    pump(QUIET)
+    assert "There is no lappet-solverd" in draw(LAPPET_PT_solve)[0]
+    with pytest.raises(RuntimeError, match="There is no lappet-solverd"):
+        bpy.ops.lappet.solve(wait=True)
+    assert script.asked == []
+
+
+def test_the_settings_name_the_folder_and_every_setting(patch: bpy.types.Scene, script: Script) -> None:
+    words, operators = draw(LAPPET_PT_solve_settings)
+    assert "store" in words.replace(" ", "")
+    assert operators == ["lappet.reload_frames", "lappet.clear_frames"]
