@@ -1,8 +1,7 @@
-"""Variants of a procedure, and who hears that a target moved."""
+"""Variants of a procedure, targets that are sampled anew, and the panel."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from types import SimpleNamespace
 
 import bpy
@@ -10,10 +9,12 @@ import pytest
 from event_patch import co, patch_scene
 
 from lappet_blender.events.variant import copy_scene
-from lappet_blender.model import changes
+from lappet_blender.model import target_samples
 from lappet_blender.model.event_list import find_event
 from lappet_blender.model.event_values import event_value
 from lappet_blender.model.scene_procedure import read_scene
+from lappet_blender.solving.controller import controller_of
+from lappet_blender.solving.pump import pump
 
 TOP = 4.0
 ops = bpy.ops.lappet
@@ -29,19 +30,6 @@ def pulled(scene: bpy.types.Scene) -> bpy.types.Scene:
     scene.lappet.events["hook_2"].target.parent = scene.lappet.events["hook_1"].target
     bpy.context.view_layer.update()
     return scene
-
-
-@pytest.fixture
-def heard() -> Iterator[list[str]]:
-    """The names of the scenes of which a listener was told."""
-    names: list[str] = []
-
-    def listen(scene: bpy.types.Scene) -> None:
-        names.append(scene.name)
-
-    changes.subscribe(listen)
-    yield names
-    changes.unsubscribe(listen)
 
 
 def test_a_variant_is_the_same_procedure_and_changing_it_leaves_the_original_alone(pulled: bpy.types.Scene) -> None:
@@ -87,27 +75,38 @@ def test_in_a_linked_copy_retiming_leaves_the_shared_keyframes_where_they_are(pu
     assert event_value(pulled, find_event(pulled, "hook_1")).targets == targets
 
 
-def test_moving_an_empty_or_its_keyframes_is_heard_and_scrubbing_is_not(
-    pulled: bpy.types.Scene, heard: list[str]
+def test_reading_a_scene_again_and_again_samples_a_riding_target_once_until_something_moves(
+    pulled: bpy.types.Scene, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    target = pulled.lappet.events["hook_1"].target
-    read_scene(pulled)
-    for _ in range(3):  # what reading made Blender do has settled
-        bpy.context.view_layer.update()
-        read_scene(pulled)
-    heard.clear()
-    bpy.context.view_layer.update()
+    controller_of(pulled)  # from now on the solving side watches the scene too
+    sampled = []
+    matrices = target_samples._evaluate
+
+    def counted(*arguments: object) -> object:
+        sampled.append(pulled.frame_current)
+        return matrices(*arguments)
+
+    monkeypatch.setattr(target_samples, "_evaluate", counted)
+
+    def idle(times: int) -> int:
+        sampled.clear()
+        for _ in range(times):
+            bpy.context.view_layer.update()
+            pump()
+            read_scene(pulled)
+        return len(sampled)
+
+    idle(4)
+    assert idle(12) == 0, "what sampling makes Blender do is taken for a change, without end"
     pulled.frame_set(15)
-    read_scene(pulled)
-    bpy.context.view_layer.update()
-    assert heard == []
-    target.keyframe_insert("location", frame=18)
-    bpy.context.view_layer.update()
-    assert set(heard) == {"Scene"}
-    heard.clear()
+    idle(4)
+    assert idle(12) == 0
+    pulled.lappet.events["hook_1"].target.keyframe_insert("location", frame=18)
+    assert 1 <= idle(4) <= 3
+    assert idle(12) == 0
     pulled.lappet.events["hook_2"].target.location.x += 2.0
-    bpy.context.view_layer.update()
-    assert set(heard) == {"Scene"}
+    assert 1 <= idle(4) <= 3
+    assert idle(12) == 0
 
 
 def test_a_hook_that_rides_on_a_moved_empty_is_sampled_anew(pulled: bpy.types.Scene) -> None:

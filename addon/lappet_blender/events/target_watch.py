@@ -1,4 +1,7 @@
-"""Tells who listens that a target was moved or keyframed, which changes no property of the procedure."""
+"""Has targets sampled anew once they, or what they hang on, were moved or keyframed.
+
+The solving side watches the same updates for its own sake; here only what `target_samples` remembers is at stake.
+"""
 
 from __future__ import annotations
 
@@ -8,7 +11,6 @@ import bpy
 from bpy.app.handlers import persistent
 
 from ..model import target_samples
-from ..model.changes import changed
 
 _placed: dict[int, tuple[object, ...]] = {}  # how objects stood when they were seen last, by session_uid
 
@@ -42,19 +44,9 @@ def _place(owner: bpy.types.Object) -> tuple[object, ...]:
 
 
 def _after_update(_scene: bpy.types.Scene, depsgraph: Any) -> None:
-    following = {
-        scene: targets
-        for scene in bpy.data.scenes
-        if (targets := {event.target for event in scene.lappet.events if event.target is not None})
-    }
-    if not following:
-        return
-    every = set().union(*following.values())
-    depend = any(not target_samples.is_plain(target) for target in every)
-    if moved(depsgraph.updates, every, depend):
+    every = {event.target for scene in bpy.data.scenes for event in scene.lappet.events if event.target is not None}
+    if every and moved(depsgraph.updates, every, any(not target_samples.is_plain(target) for target in every)):
         target_samples.forget()
-        for scene in following:
-            changed(scene)
 
 
 def _after_step(*_: object) -> None:

@@ -151,9 +151,15 @@ def _matrices(scene: bpy.types.Scene, target: bpy.types.Object, frames: list[flo
     if known is not None and known[0] == _stamp:
         return known[1]
     try:
-        view = bpy.data.scenes.new("Lappet sampling")
+        matrices = _evaluate(scene, target, frames)
     except (AttributeError, RuntimeError):  # nothing may be made while Blender draws: what was last known, or here
         return known[1] if known is not None else [target.matrix_world.copy()] * len(frames)
+    _evaluated[key] = (_stamp, matrices)
+    return matrices
+
+
+def _evaluate(scene: bpy.types.Scene, target: bpy.types.Object, frames: list[float]) -> list[Matrix]:
+    view = bpy.data.scenes.new("Lappet sampling")
     try:
         view.frame_start, view.frame_end = scene.frame_start, scene.frame_end
         view.render.fps, view.render.fps_base = scene.render.fps, scene.render.fps_base
@@ -166,5 +172,4 @@ def _matrices(scene: bpy.types.Scene, target: bpy.types.Object, frames: list[flo
             matrices.append(evaluated.matrix_world.copy())
     finally:
         bpy.data.scenes.remove(view)
-    _evaluated[key] = (_stamp, matrices)
     return matrices
