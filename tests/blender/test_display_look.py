@@ -8,13 +8,13 @@ import bpy
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from slit_plan import Solved, add_tissue, slit, slit_plan, solved
 
 from lappet_blender.display import skin_display
 from lappet_blender.display.board import ROLE, find_board, find_object
 from lappet_blender.display.color_scale import highest_of
 from lappet_blender.look.quantity_scale import ramp_linear
 from lappet_blender.look.skin_material import FULL_SCALE
+from slit_plan import Solved, add_tissue, slit, slit_plan, solved
 
 __all__ = ["solved"]  # a fixture
 UNITS = 0.1

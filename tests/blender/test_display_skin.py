@@ -9,11 +9,11 @@ import bpy
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from slit_plan import Solved, add_tissue, epoch_shape, slit, slit_plan, solved
 
 from lappet_blender.display import skin_display
 from lappet_blender.display.board import find_board
 from lappet_blender.display.epoch_mesh import KEY, build_epoch_mesh
+from slit_plan import Solved, add_tissue, epoch_shape, slit, slit_plan, solved
 
 __all__ = ["solved"]  # a fixture
 UNITS = 0.1  # the scene's unit is a centimetre
