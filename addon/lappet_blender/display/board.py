@@ -95,13 +95,3 @@ def place(each: bpy.types.Object, location: tuple[float, float, float] = (0.0, 0
         each.scale = (1.0, 1.0, 1.0)
     if any(each.delta_location):
         each.delta_location = (0.0, 0.0, 0.0)
-
-
-def clear_board(board: bpy.types.Collection) -> None:
-    """Delete a display collection and everything that is only in it."""
-    for each in list(board.objects):
-        data = each.data
-        bpy.data.objects.remove(each)
-        if data is not None and data.users == 0:
-            bpy.data.batch_remove([data])
-    bpy.data.collections.remove(board)
