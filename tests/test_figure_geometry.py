@@ -15,7 +15,8 @@ from lappet_blender.figure.sheet_layout import columns_for, sheet_layout
 from lappet_blender.look.dashed_line import DASH, GAP, dashes
 from lappet_blender.look.hook_path import ELEVATION, hook_directions, hook_path
 from lappet_blender.look.skin_fields import SKIN, WOUND_WALL, border_chains, depth_below_skin, uv_scale, vertex_normals
-from lappet_blender.look.skin_read import FigureError, SkinCache, StepEvent
+from lappet_blender.look.skin_read import SkinCache
+from lappet_blender.look.skin_source import FigureError, StepEvent
 from lappet_blender.look.suture_bites import BITE, Bite, Lip, bites_at, buried, find_bites, find_lip, inward
 from lappet_blender.look.suture_path import THREAD_RADIUS, stitch_path
 
@@ -165,8 +166,10 @@ def test_lips_are_told_apart_at_rest_where_the_procedure_says_where_the_anchors_
     usd = pytest.importorskip("pxr.Usd")
     sdf = pytest.importorskip("pxr.Sdf")
     path = synthetic.write_cache(tmp_path, step=5.0)
-    time, ends = SkinCache(path).sutures_told_apart(SkinCache(path).epochs[1], 2)
-    assert time == synthetic.LIFTED + 2  # without labels: where the suture is first active
+    cache = SkinCache(path)
+    points, ends = cache.suture_apart(cache.epochs[1], 2)
+    # Without labels: where the suture is first active.
+    np.testing.assert_array_equal(points, cache.positions(cache.epochs[1], synthetic.LIFTED + 2))
     np.testing.assert_allclose(ends[:, 0], synthetic.SUTURES[2], atol=1e-5)
     stage = usd.Stage.Open(str(path))
     labels = [f"suture_{k + 1}" for k in range(4)]
@@ -176,8 +179,8 @@ def test_lips_are_told_apart_at_rest_where_the_procedure_says_where_the_anchors_
     suture.CreateAttribute("lappet:anchors", sdf.ValueTypeNames.Point3fArray).Set([(4, -0.25, 0), (4, 0.25, 0)])
     stage.GetRootLayer().Save()
     cache = SkinCache(path)
-    time, ends = cache.sutures_told_apart(cache.epochs[1], 2)
-    assert time == synthetic.INCISED
+    points, ends = cache.suture_apart(cache.epochs[1], 2)
+    np.testing.assert_array_equal(points, cache.positions(cache.epochs[1], synthetic.INCISED))
     np.testing.assert_allclose(ends, [[4, -0.25, 0], [4, 0.25, 0]])
 
 

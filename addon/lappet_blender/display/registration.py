@@ -2,10 +2,22 @@
 
 from __future__ import annotations
 
+import bpy
+
+from . import display_operators, look_panel, skin_handlers
+
+_CLASSES = (*display_operators.CLASSES, *look_panel.CLASSES)
+
 
 def register() -> None:
-    """Nothing to register yet."""
+    """Adds operators, panels and handlers."""
+    for each in _CLASSES:
+        bpy.utils.register_class(each)
+    skin_handlers.register()
 
 
 def unregister() -> None:
-    """Nothing to take away yet."""
+    """Takes them away."""
+    skin_handlers.unregister()
+    for each in reversed(_CLASSES):
+        bpy.utils.unregister_class(each)

@@ -12,10 +12,11 @@ import json
 import os
 import signal
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from time import monotonic
+from typing import Any, Protocol
 
 import bpy
 import numpy as np
@@ -38,8 +39,10 @@ from ..look.skin_material import (
     thread_material,
     wall_material,
 )
-from ..look.skin_read import SCALARS, FigureError, SkinCache
+from ..look.skin_read import SkinCache
+from ..look.skin_source import SCALARS, FigureError
 from ..look.suture_thread import SutureThread, buried_sutures
+from ..look.tube import add_tube_object, draw_tubes
 from ..look.wound_edge import WoundEdge
 from .caption import load_picture, save_picture, shrunk
 from .figure_scene import (
@@ -48,6 +51,7 @@ from .figure_scene import (
     add_camera,
     add_lights,
     clear_scene,
+    figure_studio,
     half_angles,
     render_png,
     set_render,
@@ -87,6 +91,25 @@ class FigureRequest:
     threads: int = 0
 
 
+class TubePart(Protocol):
+    """Something that is drawn as tubes."""
+
+    def tubes(self, time: float) -> tuple[Sequence[Any], Sequence[Any]]:
+        """Lines (k, 3) and radii of a frame, mm."""
+
+
+class Drawn:
+    """A part in the scene."""
+
+    def __init__(self, name: str, part: TubePart, material: bpy.types.Material, sides: int) -> None:
+        self._part, self._sides = part, sides
+        self._object = add_tube_object(name, material)
+
+    def show(self, time: float) -> None:
+        """Draw what there is at a frame and nothing else."""
+        draw_tubes(self._object, *self._part.tubes(time), self._sides)
+
+
 class Plate:
     """The scene of one cache: shows a frame and renders it."""
 
@@ -119,18 +142,19 @@ class Plate:
         self._parts = (
             self._skin,
             Bed(cache, bed_material()),
-            WoundEdge(cache, edge_material()),
-            SkinMarks(cache, ink_material()),
-            SutureThread(cache, thread_material(), hidden, 1.0 * seen[0] + 0.6 * seen[1], scale),
-            HookSteel(cache, steel_material(), seen, region.centre, scale),
+            Drawn("Wound edge", WoundEdge(cache), edge_material(), 6),
+            Drawn("Marks", SkinMarks(cache), ink_material(), 6),
+            Drawn("Sutures", SutureThread(cache, 1.0 * seen[0] + 0.6 * seen[1], scale, hidden), thread_material(), 8),
+            Drawn("Hooks", HookSteel(cache, seen, region.centre, scale), steel_material(), 16),
         )
         lowest = min(
             float((cache.positions(cache.epoch_at(t), t) @ region.normal).min()) for t in (cache.frames[0], *frames)
         )
-        add_backdrop(region, lowest - 1.5, backdrop_material())
-        add_lights(region)
-        add_camera(view)
-        set_render(request.engine, request.threads)
+        studio = figure_studio()
+        add_backdrop(region, lowest - 1.5, backdrop_material(), studio)
+        add_lights(region, studio)
+        add_camera(view, studio)
+        set_render(studio.scene, request.engine, request.threads)
 
     def render(self, time: float, size: tuple[int, int], samples: int, path: Path) -> None:
         """Write a PNG of a frame."""

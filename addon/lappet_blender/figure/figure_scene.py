@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 
 import bpy
@@ -10,7 +11,7 @@ from mathutils import Matrix
 from numpy.typing import NDArray
 
 from ..look.skin_import import SCALE
-from ..look.skin_read import FigureError
+from ..look.skin_source import FigureError
 from .framing import Region, Viewpoint
 
 LENS, SENSOR = 90.0, 36.0
@@ -30,24 +31,44 @@ def clear_scene() -> bpy.types.Scene:
     return bpy.context.scene
 
 
-def add_camera(view: Viewpoint) -> bpy.types.Object:
+@dataclass(frozen=True)
+class Studio:
+    """Where a plate is built: the scene that is rendered, the collection of its objects, Blender units per mm."""
+
+    scene: bpy.types.Scene
+    collection: bpy.types.Collection
+    units: float = SCALE
+
+
+def figure_studio() -> Studio:
+    """The scene of the context."""
+    return Studio(bpy.context.scene, bpy.context.scene.collection)
+
+
+def add_camera(view: Viewpoint, studio: Studio) -> bpy.types.Object:
     """A long lens at a viewpoint (mm)."""
     data = bpy.data.cameras.new("Camera")
     data.lens, data.sensor_width, data.sensor_fit = LENS, SENSOR, "AUTO"
-    data.clip_start, data.clip_end = 0.05 * view.distance * SCALE, 40 * view.distance * SCALE
+    data.clip_start, data.clip_end = 0.05 * view.distance * studio.units, 40 * view.distance * studio.units
     camera = bpy.data.objects.new("Camera", data)
-    camera.matrix_world = _placed(view.position, view.axes)
-    bpy.context.scene.collection.objects.link(camera)
-    bpy.context.scene.camera = camera
+    camera.matrix_world = _placed(view.position, view.axes, studio.units)
+    studio.collection.objects.link(camera)
+    studio.scene.camera = camera
     return camera
 
 
-def _placed(position: NDArray[np.float64], axes: NDArray[np.float64]) -> Matrix:
-    return Matrix(np.vstack([np.column_stack([axes.T, position * SCALE]), [0, 0, 0, 1]]).tolist())
+def _placed(position: NDArray[np.float64], axes: NDArray[np.float64], units: float) -> Matrix:
+    return Matrix(np.vstack([np.column_stack([axes.T, position * units]), [0, 0, 0, 1]]).tolist())
 
 
 def _add_light(
-    name: str, region: Region, reach: float, towards: tuple[float, float, float], size: float, power: float
+    name: str,
+    studio: Studio,
+    region: Region,
+    reach: float,
+    towards: tuple[float, float, float],
+    size: float,
+    power: float,
 ) -> None:
     """A square area light that looks at the region's centre; power is scaled so that distance does not matter."""
     frame = np.stack([region.right, region.up, region.normal])
@@ -56,21 +77,23 @@ def _add_light(
     right = np.cross(region.up, back)
     right /= np.linalg.norm(right)
     data = bpy.data.lights.new(name, "AREA")
-    data.shape, data.size = "DISK", size * reach * SCALE
-    data.energy = power * (reach * SCALE) ** 2
+    data.shape, data.size = "DISK", size * reach * studio.units
+    data.energy = power * (reach * studio.units) ** 2
     light = bpy.data.objects.new(name, data)
-    light.matrix_world = _placed(region.centre + reach * back, np.stack([right, np.cross(back, right), back]))
-    bpy.context.scene.collection.objects.link(light)
+    light.matrix_world = _placed(
+        region.centre + reach * back, np.stack([right, np.cross(back, right), back]), studio.units
+    )
+    studio.collection.objects.link(light)
 
 
-def add_lights(region: Region) -> None:
+def add_lights(region: Region, studio: Studio) -> None:
     """Key from the upper left, fill from the right, rim from behind, and an even sky."""
     reach = 4.5 * region.extent
-    _add_light("Key", region, reach, (-0.85, 0.55, 1.0), 0.45, 11.5)
-    _add_light("Fill", region, reach, (1.0, -0.5, 0.8), 1.1, 3.0)
-    _add_light("Rim", region, reach, (0.35, 1.2, 0.5), 0.7, 4.0)
+    _add_light("Key", studio, region, reach, (-0.85, 0.55, 1.0), 0.45, 11.5)
+    _add_light("Fill", studio, region, reach, (1.0, -0.5, 0.8), 1.1, 3.0)
+    _add_light("Rim", studio, region, reach, (0.35, 1.2, 0.5), 0.7, 4.0)
     world = bpy.data.worlds.new("World")
-    bpy.context.scene.world = world
+    studio.scene.world = world
     if not world.use_nodes:
         world.use_nodes = True
     background = next(n for n in world.node_tree.nodes if n.type == "BACKGROUND")
@@ -78,22 +101,21 @@ def add_lights(region: Region) -> None:
     background.inputs["Strength"].default_value = 0.36
 
 
-def add_backdrop(region: Region, lowest: float, material: bpy.types.Material) -> None:
+def add_backdrop(region: Region, lowest: float, material: bpy.types.Material, studio: Studio) -> None:
     """A wide sheet of paper across the region's normal. lowest: mm along the normal, under everything."""
     frame = np.stack([region.right, region.up, region.normal])
     middle = region.centre + (lowest - region.centre @ region.normal) * region.normal
     half = 60.0 * region.extent
     corners = [middle + half * (x * frame[0] + y * frame[1]) for x, y in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
     mesh = bpy.data.meshes.new("Backdrop")
-    mesh.from_pydata([tuple(c * SCALE) for c in corners], [], [(0, 1, 2, 3)])
+    mesh.from_pydata([tuple(c * studio.units) for c in corners], [], [(0, 1, 2, 3)])
     mesh.materials.append(material)
     sheet = bpy.data.objects.new("Backdrop", mesh)
-    bpy.context.scene.collection.objects.link(sheet)
+    studio.collection.objects.link(sheet)
 
 
-def set_render(engine: str, threads: int = 0) -> None:
+def set_render(scene: bpy.types.Scene, engine: str, threads: int = 0) -> None:
     """Engine, quality and colour: Cycles on the processor with denoising, or Workbench for drafts."""
-    scene = bpy.context.scene
     scene.render.engine = ENGINES[engine]
     scene.render.use_persistent_data = True
     scene.render.film_transparent = False
@@ -125,11 +147,11 @@ def set_render(engine: str, threads: int = 0) -> None:
             sheet.hide_render = sheet.hide_render or sheet.name == "Backdrop"
 
 
-def set_size(size: tuple[int, int], samples: int) -> None:
-    """Picture size in pixels and Cycles samples a pixel."""
-    bpy.context.scene.cycles.samples = samples
-    render = bpy.context.scene.render
-    render.resolution_x, render.resolution_y, render.resolution_percentage = size[0], size[1], 100
+def set_size(size: tuple[int, int], samples: int, scene: bpy.types.Scene | None = None) -> None:
+    """Picture size in pixels and Cycles samples a pixel, of the context's scene if none is given."""
+    scene = scene or bpy.context.scene
+    scene.cycles.samples = samples
+    scene.render.resolution_x, scene.render.resolution_y, scene.render.resolution_percentage = size[0], size[1], 100
 
 
 def render_png(path: Path) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from ..look.skin_read import StepEvent
+from ..look.skin_source import StepEvent
 
 MOST_PANELS = 6
 CUTTING = ("Incision", "Excision", "Undermine")

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..look.skin_fields import SKIN, WOUND_WALL
-from ..look.skin_read import SkinCache
+from ..look.skin_source import SkinSource
 
 VIEWS = {"oblique": 50.0, "top": 90.0, "low": 26.0}
 TURN = 9.0
@@ -53,9 +54,9 @@ class Viewpoint:
     distance: float
 
 
-def surgical_region(cache: SkinCache, frames: tuple[float, ...]) -> Region:
+def surgical_region(cache: SkinSource, frames: tuple[float, ...]) -> Region:
     """The region that wound walls, active sutures and hooks cover in any of the frames, or all skin where none is."""
-    found, normals = [], np.zeros(3)
+    found = []
     everything = []
     for time in frames:
         epoch = cache.epoch_at(time)
@@ -65,17 +66,29 @@ def surgical_region(cache: SkinCache, frames: tuple[float, ...]) -> Region:
         for strands in (cache.sutures(time), cache.hooks(time)):
             found.append(strands.ends[strands.active][:, 0].astype(np.float64))
         everything.append(points[np.unique(epoch.triangles)])
-    region = np.concatenate(found)
-    whole = not len(region)
-    if whole:
-        region = np.concatenate(everything)
-    low, high = region.min(axis=0) - MARGIN, region.max(axis=0) + MARGIN
     epoch = cache.epoch_at(frames[0])
     points = cache.positions(epoch, frames[0]).astype(np.float64)
-    skin = points[epoch.triangles[epoch.origin == SKIN]]
-    middle = skin.mean(axis=1)
+    return region_around(np.concatenate(found), points, epoch.triangles[epoch.origin == SKIN], everything)
+
+
+def region_around(
+    found: NDArray[np.float64],
+    points: NDArray[np.float64],
+    skin: NDArray[np.int32],
+    everything: Sequence[NDArray[np.float64]] = (),
+) -> Region:
+    """The region of some points (k, 3) on a skin, seen along its normal there; where there are none, all of it.
+
+    points: (n, 3) mm and skin: (m, 3), the triangles of the skin. everything: (k, 3) each, what all of it is; left out:
+    the skin's points.
+    """
+    whole = not len(found)
+    region = np.concatenate(everything or [points[np.unique(skin)]]) if whole else found
+    low, high = region.min(axis=0) - MARGIN, region.max(axis=0) + MARGIN
+    corners = points[skin]
+    middle = corners.mean(axis=1)
     near = ((middle >= low) & (middle <= high)).all(axis=1)
-    face = np.cross(skin[:, 1] - skin[:, 0], skin[:, 2] - skin[:, 0])
+    face = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     normals = face[near].sum(axis=0) if near.any() else face.sum(axis=0)
     length = float(np.linalg.norm(normals))
     normal = normals / length if length > 1e-9 else np.array([0.0, 0.0, 1.0])
@@ -89,14 +102,15 @@ def surgical_region(cache: SkinCache, frames: tuple[float, ...]) -> Region:
     return Region(region, centre, right, up, normal, WHOLE_FILL if whole else FIELD_FILL)
 
 
-def viewpoint(region: Region, view: str, half_angles: tuple[float, float]) -> Viewpoint:
+def viewpoint(region: Region, view: str, half_angles: tuple[float, float], turned: float = TURN) -> Viewpoint:
     """The nearest camera in a view's direction that holds every point of the region within its share of the picture.
 
-    view: one of `VIEWS`. half_angles: tangents of half the horizontal and vertical field of view.
+    view: one of `VIEWS`. half_angles: tangents of half the horizontal and vertical field of view. turned: degrees to
+    the right, but for a view from above.
     """
     elevation = np.radians(VIEWS[view])
     # An oblique plate looks from below right of the region, so that both lips of a wound show.
-    turn = 0.0 if view == "top" else np.radians(TURN)
+    turn = 0.0 if view == "top" else np.radians(turned)
     ground = -np.cos(turn) * region.up + np.sin(turn) * region.right
     back = np.sin(elevation) * region.normal + np.cos(elevation) * ground
     flat_up = region.up if view == "top" else region.normal

@@ -83,7 +83,7 @@ def _show(scene: bpy.types.Scene, procedure: Procedure, found: FoundFile) -> str
     from lappet.background.plan_store import put_plan
     from lappet.store import StoredFrame
 
-    from ..look.skin_read import FigureError
+    from ..look.skin_source import FigureError
     from ..solving.controller import controller_of, shelf
 
     try:
@@ -116,7 +116,8 @@ def cache_frames(scene: bpy.types.Scene, procedure: Procedure, found: FoundFile)
     from lappet.background.plan import ShownFrame
     from lappet.keys import frame_keys
 
-    from ..look.skin_read import SCALARS, SkinCache
+    from ..look.skin_read import SkinCache
+    from ..look.skin_source import SCALARS
     from ..solving.reconcile import identity
 
     assert found.cache is not None

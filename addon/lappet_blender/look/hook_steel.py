@@ -2,80 +2,66 @@
 
 from __future__ import annotations
 
-import bpy
 import numpy as np
 from numpy.typing import NDArray
 
 from .hook_path import hook_directions, hook_path
-from .skin_fields import SKIN, WOUND_WALL, vertex_normals
-from .skin_read import SkinCache, SkinEpoch
-from .tube import add_tubes, remove_tubes
+from .skin_fields import SKIN, WOUND_WALL, SkinNormals
+from .skin_source import SkinEpoch, SkinSource
 
 
 class HookSteel:
-    """The hooks in the scene; each keeps one direction for its whole life."""
+    """The hooks of a procedure; each keeps one direction for its whole life."""
 
     def __init__(
-        self,
-        cache: SkinCache,
-        material: bpy.types.Material,
-        axes: NDArray[np.float64],
-        centre: NDArray[np.float64],
-        scale: float,
+        self, source: SkinSource, axes: NDArray[np.float64], centre: NDArray[np.float64], scale: float
     ) -> None:
         """axes: (3, 3), rows right, up along the skin and normal, as the picture is seen. centre: (3,) mm, of it."""
-        self._cache, self._material, self._normal, self._scale = cache, material, axes[2], scale
-        courses: dict[int, list[NDArray[np.float64]]] = {}
-        for time in cache.frames:
-            hooks = cache.hooks(time)
-            for index in np.flatnonzero(hooks.active):
-                courses.setdefault(int(index), []).append(hooks.ends[index, 0].astype(np.float64))
-        found = hook_directions([np.array(c) for c in courses.values()], centre, axes)
+        self._source, self._normal, self._scale = source, axes[2], scale
+        courses = source.hook_courses()
+        found = hook_directions(list(courses.values()), centre, axes)
         self._directions = dict(zip(courses, found, strict=True))
-        self._edges = {
-            e.name: np.intersect1d(e.triangles[e.origin == SKIN], e.triangles[e.origin == WOUND_WALL])
-            for e in cache.epochs
-        }
-        self._object: bpy.types.Object | None = None
+        self._held: dict[str, tuple[SkinNormals, NDArray[np.int64], NDArray[np.int32]]] = {}
 
-    def show(self, time: float) -> None:
-        """Draw the hooks that are active at a frame and no others."""
-        remove_tubes(self._object)
-        self._object = None
-        hooks = self._cache.hooks(time)
-        active = np.flatnonzero(hooks.active)
-        if not len(active):
-            return
-        epoch = self._cache.epoch_at(time)
-        points = self._cache.positions(epoch, time)
-        normals = vertex_normals(points, epoch.triangles, epoch.origin, SKIN)
-        lines, radii = [], []
+    def tubes(self, time: float) -> tuple[list[NDArray[np.float64]], list[NDArray[np.float64]]]:
+        """The hooks (k, 3) that are active at a frame and their radii, mm."""
+        hooks = self._source.hooks(time)
+        active = [int(i) for i in np.flatnonzero(hooks.active) if int(i) in self._directions]
+        lines: list[NDArray[np.float64]] = []
+        radii: list[NDArray[np.float64]] = []
+        if not active:
+            return lines, radii
+        epoch = self._source.epoch_at(time)
+        points = self._source.positions(epoch, time)
         for index in active:
             anchor = hooks.ends[index, 0].astype(np.float64)
-            direction = self._directions[int(index)]
-            normal, edge = self._hold(epoch, points, normals, anchor, direction)
+            direction = self._directions[index]
+            normal, edge = self._hold(epoch, points, anchor, direction)
             line, radius = hook_path(anchor, direction, normal, edge, self._scale)
             lines.append(line)
             radii.append(radius)
-        self._object = add_tubes("Hooks", lines, radii, self._material, resolution=4)
+        return lines, radii
 
     def _hold(
         self,
         epoch: SkinEpoch,
         points: NDArray[np.float32],
-        normals: NDArray[np.float32],
         anchor: NDArray[np.float64],
         direction: NDArray[np.float64],
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """The skin's normal at an anchor and the direction to the nearest edge, both (3,) unit."""
-        used = np.flatnonzero(np.abs(normals).any(axis=1))
-        nearest = used[np.argsort(np.linalg.norm(points[used] - anchor, axis=1))[:4]]
-        normal = normals[nearest].sum(axis=0).astype(np.float64)
+        if epoch.name not in self._held:
+            normals = SkinNormals(epoch.triangles, epoch.origin, SKIN, len(points))
+            border = np.intersect1d(epoch.triangles[epoch.origin == SKIN], epoch.triangles[epoch.origin == WOUND_WALL])
+            self._held[epoch.name] = normals, np.flatnonzero(normals.used), border
+        normals, used, border = self._held[epoch.name]
+        away = ((points[used] - anchor.astype(np.float32)) ** 2).sum(axis=1)
+        nearest = used[np.argpartition(away, min(3, len(away) - 1))[:4]]
+        normal = normals.at(points, nearest).sum(axis=0)
         length = float(np.linalg.norm(normal))
         normal = normal / length if length > 1e-6 else self._normal
-        rim = points[self._edges[epoch.name]]
-        away = np.linalg.norm(rim - anchor, axis=1)
-        near = rim[away < 4.0 * self._scale]
+        rim = points[border]
+        near = rim[np.linalg.norm(rim - anchor, axis=1) < 4.0 * self._scale]
         if len(near):
             # The edge that lies most in the direction of the handle, so that the shank does not cross the flap.
             way = near - anchor

@@ -7,13 +7,14 @@ from numpy.typing import NDArray
 
 from lappet.background.skin_shape import depth_below_skin, uv_scale
 
-from .skin_read import ORIGINS
+from .skin_source import ORIGINS
 
 __all__ = [
     "RIM",
     "SKIN",
     "UNDERSIDE",
     "WOUND_WALL",
+    "SkinNormals",
     "border_chains",
     "depth_below_skin",
     "uv_scale",
@@ -34,6 +35,33 @@ def vertex_normals(
         for axis in range(3):
             total[:, axis] += np.bincount(t[:, k], weights=face[:, axis], minlength=len(positions))
     return (total / np.maximum(np.linalg.norm(total, axis=1, keepdims=True), 1e-12)).astype(np.float32)
+
+
+class SkinNormals:
+    """Unit normals of the faces of one origin, at a few vertices at a time."""
+
+    def __init__(self, triangles: NDArray[np.int32], origin: NDArray[np.uint8], label: int, count: int) -> None:
+        """count: number of vertices."""
+        self._triangles = triangles[origin == label]
+        corners = self._triangles.ravel()
+        self._faces = np.argsort(corners, kind="stable") // 3
+        self._first = np.searchsorted(np.sort(corners), np.arange(count + 1))
+
+    @property
+    def used(self) -> NDArray[np.bool_]:
+        """(n,): whether a vertex touches any of the faces."""
+        return np.diff(self._first) > 0
+
+    def at(self, positions: NDArray[np.float32], vertices: NDArray[np.integer]) -> NDArray[np.float64]:
+        """(k, 3): area-weighted unit normals at vertices (k,); 0 where they touch none of the faces."""
+        counts = self._first[vertices + 1] - self._first[vertices]
+        owner = np.repeat(np.arange(len(vertices)), counts)
+        inside = np.arange(len(owner)) - np.repeat(np.cumsum(counts) - counts, counts)
+        t = self._triangles[self._faces[np.repeat(self._first[vertices], counts) + inside]]
+        p = positions[t].astype(np.float64)
+        face = np.cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0])
+        total = np.stack([np.bincount(owner, face[:, k], len(vertices)) for k in range(3)], axis=-1)
+        return total / np.maximum(np.linalg.norm(total, axis=1, keepdims=True), 1e-12)
 
 
 def border_chains(triangles: NDArray[np.int32], origin: NDArray[np.uint8]) -> list[NDArray[np.int32]]:

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import bpy
 import numpy as np
 from numpy.typing import NDArray
 
 from .dashed_line import dashes
 from .skin_fields import SKIN
-from .skin_read import SkinCache
-from .suture_bites import Bite, bites_at
-from .tube import add_tubes, remove_tubes
+from .skin_source import SkinSource
+from .suture_bites import Bite, bites_at, carried
 
 INCISION_RADIUS = 0.24
 UNDERMINE_RADIUS = 0.16
@@ -19,37 +17,35 @@ HELD = ("Hook", "Retractor", "Suture")
 
 
 class SkinMarks:
-    """The pen marks in the scene; they ride on the skin."""
+    """The pen marks; they ride on the skin."""
 
-    def __init__(self, cache: SkinCache, material: bpy.types.Material) -> None:
+    def __init__(self, source: SkinSource) -> None:
         """Incisions are marked while the skin is whole; undermining from its event until hooks or sutures act."""
-        self._cache, self._material = cache, material
-        self._incisions = cache.planned_incisions(STEP)
-        self._dashes = [dash for area in cache.undermined_areas(STEP / 2) for dash in dashes(area)]
-        undermined = [e.start for e in cache.events if e.kind == "Undermine"]
-        held = [e.start for e in cache.events if e.kind in HELD]
+        self._source = source
+        self._incisions = source.planned_incisions(STEP)
+        self._dashes = [dash for area in source.undermined_areas(STEP / 2) for dash in dashes(area)]
+        undermined = [e.start for e in source.events if e.kind == "Undermine"]
+        held = [e.start for e in source.events if e.kind in HELD]
+        self._cut = min((e.start for e in source.events if e.kind == "Incision"), default=np.inf)
         self._from, self._until = min(undermined, default=np.inf), min(held, default=np.inf)
-        self._courses: dict[str, list[list[Bite]]] = {}
-        self._object: bpy.types.Object | None = None
+        self._courses: dict[str, list[Bite]] = {}
 
-    def show(self, time: float) -> None:
-        """Draw the marks of a frame and no others."""
-        remove_tubes(self._object)
-        self._object = None
-        whole = self._cache.epoch_at(time) is self._cache.epochs[0]
-        cut = min((e.start for e in self._cache.events if e.kind == "Incision"), default=np.inf)
-        if whole and time < cut and self._incisions:
-            self._draw(time, "incisions", self._incisions, INCISION_RADIUS)
-        elif self._from <= time < self._until and self._dashes:
-            self._draw(time, "undermining", self._dashes, UNDERMINE_RADIUS)
+    def tubes(self, time: float) -> tuple[list[NDArray[np.float64]], list[float]]:
+        """The marks (k, 3) of a frame and their radii, mm."""
+        whole = self._source.epoch_at(time) is self._source.epochs[0]
+        if whole and time < self._cut and self._incisions:
+            return self._drawn(time, "incisions", self._incisions, INCISION_RADIUS)
+        if self._from <= time < self._until and self._dashes:
+            return self._drawn(time, "undermining", self._dashes, UNDERMINE_RADIUS)
+        return [], []
 
-    def _draw(self, time: float, name: str, lines: list[NDArray[np.float64]], radius: float) -> None:
-        epoch = self._cache.epoch_at(time)
+    def _drawn(
+        self, time: float, name: str, lines: list[NDArray[np.float64]], radius: float
+    ) -> tuple[list[NDArray[np.float64]], list[float]]:
+        epoch = self._source.epoch_at(time)
         key = f"{name} {epoch.name}"
         if key not in self._courses:
-            first = self._cache.positions(epoch, epoch.frames[0])
-            found = iter(bites_at(first, epoch.triangles[epoch.origin == SKIN], np.concatenate(lines)))
-            self._courses[key] = [[next(found) for _ in line] for line in lines]
-        points = self._cache.positions(epoch, time)
-        drawn = [np.array([bite.carried(points) for bite in course]) for course in self._courses[key]]
-        self._object = add_tubes("Marks", drawn, [radius] * len(drawn), self._material, 1)
+            first = self._source.rest(epoch)
+            self._courses[key] = bites_at(first, epoch.triangles[epoch.origin == SKIN], np.concatenate(lines))
+        placed = carried(self._courses[key], self._source.positions(epoch, time))
+        return np.split(placed, np.cumsum([len(line) for line in lines])[:-1]), [radius] * len(lines)

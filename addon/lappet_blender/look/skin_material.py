@@ -5,9 +5,12 @@ Lengths in the shaders are mm through the mesh attributes `grid` (mm on the skin
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
 
 import bpy
+
+from .skin_source import SCALARS
 
 SKIN = (0.80, 0.535, 0.405, 1.0)
 GRID_INK = (0.235, 0.11, 0.085, 1.0)
@@ -22,6 +25,8 @@ STEEL = (0.62, 0.64, 0.66, 1.0)
 GRID_PITCH = 5.0
 TICK_PITCH = 1.0
 INK_SHARE = 0.62
+CHECKER_INK = (0.30, 0.135, 0.10, 1.0)
+CHECKER_SHARE = 0.72
 RAMP = (
     (0.0, (0.13, 0.25, 0.55)),
     (0.25, (0.22, 0.58, 0.68)),
@@ -31,10 +36,24 @@ RAMP = (
 )
 
 
+@dataclass(frozen=True)
+class Space:
+    """Where a material is: Blender units per mm, and whether its mesh has the attribute `rest` (mm), on which blotches
+    then ride."""
+
+    units: float = 0.1
+    rest: bool = False
+
+
+FIGURE = Space()
+FULL_SCALE = "lappet_full_scale"  # the node that divides `quantity`
+
+
 class _Nodes:
     """Adds nodes to a material's tree and links them; values may be constants or sockets."""
 
-    def __init__(self, name: str) -> None:
+    def __init__(self, name: str, space: Space = FIGURE) -> None:
+        self.space = space
         self.material = bpy.data.materials.new(name)
         if not self.material.use_nodes:
             self.material.use_nodes = True
@@ -76,12 +95,23 @@ class _Nodes:
             element.position, element.color = position, (*colour[:3], 1.0)
         return node.outputs[0]
 
+    def position(self) -> Any:
+        """In cm."""
+        if not self.space.rest:
+            return self.add("ShaderNodeTexCoord").outputs["Object"]
+        at = self.attribute("rest").outputs["Vector"]
+        scaled = self.add("ShaderNodeVectorMath", {0: at}, operation="SCALE")
+        scaled.inputs["Scale"].default_value = 0.1
+        return scaled.outputs[0]
+
     def noise(self, scale: float, detail: float = 2.0) -> Any:
-        position = self.add("ShaderNodeTexCoord").outputs["Object"]
+        position = self.position()
         return self.add("ShaderNodeTexNoise", {"Vector": position, "Scale": scale, "Detail": detail}).outputs[0]
 
     def bump(self, height: Any, strength: float, distance: float) -> None:
-        node = self.add("ShaderNodeBump", {"Height": height, "Strength": strength, "Distance": distance})
+        node = self.add(
+            "ShaderNodeBump", {"Height": height, "Strength": strength, "Distance": distance * self.space.units / 0.1}
+        )
         self.put(self.bsdf.inputs["Normal"], node.outputs[0])
 
     def finish(self, colour: Any, **inputs: Any) -> bpy.types.Material:
@@ -118,18 +148,35 @@ def _grid(nodes: _Nodes, pixel: float) -> Any:
     return nodes.math("MAXIMUM", nodes.math("MULTIPLY", wide, INK_SHARE), nodes.math("MULTIPLY", ticks, strength))
 
 
-def skin_material(color: str, pixel: float, highest: float = 1.0) -> bpy.types.Material:
-    """The skin. color: plain, grid, strain, stress or tension; the last three map `quantity` from 0 to highest.
+def _checker(nodes: _Nodes) -> Any:
+    """0 and 1 on the squares of a checkerboard of `GRID_PITCH`."""
+    parts = nodes.add("ShaderNodeSeparateXYZ", {0: nodes.attribute("grid").outputs["Vector"]})
+    u, v = (nodes.math("FLOOR", nodes.math("DIVIDE", parts.outputs[k], GRID_PITCH)) for k in (0, 1))
+    return nodes.math("FLOORED_MODULO", nodes.math("ADD", u, v), 2.0)
+
+
+def set_full_scale(material: bpy.types.Material, highest: float) -> None:
+    """Change the value at the top of the ramp of a material made by `skin_material`; one without a ramp stays."""
+    node = material.node_tree.nodes.get(FULL_SCALE)
+    if node is not None and node.inputs[1].default_value != highest:
+        node.inputs[1].default_value = highest
+
+
+def skin_material(color: str, pixel: float, highest: float = 1.0, space: Space = FIGURE) -> bpy.types.Material:
+    """The skin. color: plain, grid, checker, strain, stress or tension; these three map `quantity` from 0 to highest.
 
     pixel: size of a picture's pixel on the skin, mm.
     """
-    nodes = _Nodes("Skin")
+    nodes = _Nodes("Skin", space)
     mottle = nodes.noise(1.1, 3.0)
     tone = nodes.ramp(mottle, ((0.3, (0.74, 0.455, 0.335)), (0.7, (0.775, 0.50, 0.38))))
-    if color in ("strain", "stress", "tension"):
+    if color in SCALARS:
         share = nodes.math("DIVIDE", nodes.attribute("quantity").outputs["Fac"], max(highest, 1e-9))
+        share.node.name = FULL_SCALE
         tone = nodes.ramp(nodes.math("MINIMUM", share, 1.0), RAMP)
-    if color != "plain":
+    if color == "checker":
+        tone = nodes.mix(nodes.math("MULTIPLY", _checker(nodes), CHECKER_SHARE), tone, CHECKER_INK)
+    elif color != "plain":
         tone = nodes.mix(_grid(nodes, pixel), tone, GRID_INK)
     # Subsurface scattering would cost half of the render time again; warm colour and soft light stand in for it.
     material = nodes.finish(tone, Roughness=0.55, Specular_IOR_Level=0.32)
@@ -137,9 +184,9 @@ def skin_material(color: str, pixel: float, highest: float = 1.0) -> bpy.types.M
     return material
 
 
-def wall_material() -> bpy.types.Material:
+def wall_material(space: Space = FIGURE) -> bpy.types.Material:
     """A wound wall: pale edge, red dermis, towards yellow fat at depth, moist."""
-    nodes = _Nodes("Wound wall")
+    nodes = _Nodes("Wound wall", space)
     blotch = nodes.noise(5.0, 3.0)
     depth = nodes.attribute("depth").outputs["Fac"]
     uneven = nodes.math("MULTIPLY_ADD", nodes.math("SUBTRACT", blotch, 0.5), 1.6, depth)
@@ -152,9 +199,9 @@ def wall_material() -> bpy.types.Material:
     return material
 
 
-def rim_material() -> bpy.types.Material:
+def rim_material(space: Space = FIGURE) -> bpy.types.Material:
     """The cut rim of a patch: a quiet section through dermis and fat."""
-    nodes = _Nodes("Rim")
+    nodes = _Nodes("Rim", space)
     uneven = nodes.math(
         "MULTIPLY_ADD", nodes.math("SUBTRACT", nodes.noise(5.0), 0.5), 0.7, nodes.attribute("depth").outputs["Fac"]
     )
@@ -166,11 +213,10 @@ def rim_material() -> bpy.types.Material:
     return material
 
 
-def fat_material() -> bpy.types.Material:
+def fat_material(space: Space = FIGURE) -> bpy.types.Material:
     """The underside of the skin: lobules of pale yellow fat."""
-    nodes = _Nodes("Underside")
-    position = nodes.add("ShaderNodeTexCoord").outputs["Object"]
-    cells = nodes.add("ShaderNodeTexVoronoi", {"Vector": position, "Scale": 4.5}, feature="SMOOTH_F1").outputs[
+    nodes = _Nodes("Underside", space)
+    cells = nodes.add("ShaderNodeTexVoronoi", {"Vector": nodes.position(), "Scale": 4.5}, feature="SMOOTH_F1").outputs[
         "Distance"
     ]
     colour = nodes.ramp(cells, ((0.1, (0.88, 0.66, 0.27)), (0.75, (0.72, 0.37, 0.13))))
@@ -180,12 +226,12 @@ def fat_material() -> bpy.types.Material:
     return material
 
 
-def bed_material() -> bpy.types.Material:
+def bed_material(space: Space = FIGURE) -> bpy.types.Material:
     """The deep tissue in an open wound: dark red, fibrous, moist.
 
     A little light of its own, here and on the wall, stands in for the bounces that a deep pocket would need.
     """
-    nodes = _Nodes("Bed")
+    nodes = _Nodes("Bed", space)
     colour = nodes.ramp(nodes.noise(3.5, 4.0), ((0.3, BED), (0.72, (0.62, 0.22, 0.17))))
     nodes.bump(nodes.noise(8.0, 4.0), 0.4, 0.05)
     material = nodes.finish(colour, Roughness=0.35, Emission_Color=colour, Emission_Strength=0.10)
@@ -203,6 +249,11 @@ def ink_material() -> bpy.types.Material:
     return _Nodes("Marking ink").finish(VIOLET, Roughness=0.9, Specular_IOR_Level=0.1)
 
 
+def landmark_material() -> bpy.types.Material:
+    """A landmark's bead: surgical blue."""
+    return _Nodes("Landmark").finish((0.02, 0.16, 0.42, 1.0), Roughness=0.4)
+
+
 def thread_material() -> bpy.types.Material:
     """Monofilament nylon, blue-black."""
     return _Nodes("Thread").finish(THREAD, Roughness=0.32)
@@ -211,6 +262,26 @@ def thread_material() -> bpy.types.Material:
 def steel_material() -> bpy.types.Material:
     """Brushed surgical steel."""
     return _Nodes("Steel").finish(STEEL, Metallic=1.0, Roughness=0.36)
+
+
+def glowing_material(name: str, colour: tuple[float, float, float, float] | None) -> bpy.types.Material:
+    """A flat colour that no light changes; None: the mesh's colour attribute `Color`."""
+    material = bpy.data.materials.new(name)
+    if not material.use_nodes:
+        material.use_nodes = True
+    tree = material.node_tree
+    tree.nodes.clear()
+    glow = tree.nodes.new("ShaderNodeEmission")
+    out = tree.nodes.new("ShaderNodeOutputMaterial")
+    tree.links.new(glow.outputs[0], out.inputs[0])
+    if colour is None:
+        attribute = tree.nodes.new("ShaderNodeAttribute")
+        attribute.attribute_name = "Color"
+        tree.links.new(attribute.outputs["Color"], glow.inputs["Color"])
+    else:
+        glow.inputs["Color"].default_value = colour
+        material.diffuse_color = colour
+    return material
 
 
 def backdrop_material() -> bpy.types.Material:

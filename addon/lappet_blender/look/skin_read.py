@@ -3,53 +3,14 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-ORIGINS = ("skin", "woundWall", "underside", "rim")
-SCALARS = ("strain", "stress", "tension")
-
-
-class FigureError(ValueError):
-    """A figure cannot be drawn; the message is one sentence for the user."""
-
-
-@dataclass(frozen=True)
-class StepEvent:
-    """An event of the procedure as far as pictures need it: its kind, name and the time codes it spans."""
-
-    kind: str
-    name: str
-    start: float
-    end: float
-
-
-@dataclass(frozen=True, eq=False)
-class SkinEpoch:
-    """The skin of one epoch: constant topology, its own frames.
-
-    triangles: (m, 3) int32. origin: (m,) uint8, an index into `ORIGINS`. st: (m, 3, 2) float32 or None. frames: time
-    codes at which this epoch is shown.
-    """
-
-    name: str
-    triangles: NDArray[np.int32]
-    origin: NDArray[np.uint8]
-    st: NDArray[np.float32] | None
-    frames: tuple[float, ...]
-    prim: Any
-
-
-@dataclass(frozen=True, eq=False)
-class Strands:
-    """Sutures or hooks at one frame. ends: (n, 2, 3) float32 mm. active: (n,) bool."""
-
-    ends: NDArray[np.float32]
-    active: NDArray[np.bool_]
+from .skin_fields import depth_below_skin
+from .skin_source import ORIGINS, FigureError, SkinEpoch, StepEvent, Strands
 
 
 class SkinCache:
@@ -112,8 +73,16 @@ class SkinCache:
         """The sutures of the procedure at a frame."""
         return self._strands("Sutures", time)
 
-    def sutures_told_apart(self, epoch: SkinEpoch, index: int) -> tuple[float, NDArray[np.float32]]:
-        """A frame of an epoch at which a suture's lips are easy to tell apart, and its ends (2, 3) mm there.
+    def rest(self, epoch: SkinEpoch) -> NDArray[np.float32]:
+        """Vertex positions (n, 3) of an epoch at its first frame, mm."""
+        return self.positions(epoch, epoch.frames[0])
+
+    def depth(self, epoch: SkinEpoch) -> NDArray[np.float32]:
+        """How deep below the edge of the skin the vertices (n,) of walls and rims lie at its first frame, mm."""
+        return depth_below_skin(self.rest(epoch), epoch.triangles, epoch.origin)
+
+    def suture_apart(self, epoch: SkinEpoch, index: int) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+        """Positions (n, 3) at which a suture's lips are easy to tell apart, and its ends (2, 3) there, mm.
 
         Where the epoch begins before anything is held, this is its first frame with the anchors at rest: later, flaps
         that overlap come between. Otherwise it is the first frame at which the suture is active.
@@ -126,13 +95,26 @@ class SkinCache:
             prim = self._stage.GetPrimAtPath(f"/Procedure/Timeline/{labels[index]}")
             anchors = prim.GetAttribute("lappet:anchors").Get() if prim else None
             if anchors is not None and len(anchors) == 2:
-                return first, np.asarray(anchors, np.float32) * np.float32(self._mm)
+                return self.rest(epoch), np.asarray(anchors, np.float32) * np.float32(self._mm)
         active = next(t for t in epoch.frames if self.sutures(t).active[index])
-        return active, self.sutures(active).ends[index]
+        return self.positions(epoch, active), self.sutures(active).ends[index]
 
     def hooks(self, time: float) -> Strands:
         """The hooks of the procedure at a frame: the anchor on the tissue and the target."""
         return self._strands("Hooks", time)
+
+    def hook_courses(self) -> dict[int, NDArray[np.float64]]:
+        """Where the hooks' ends on the tissue go, (k, 3) mm by the hook's index, for those that are ever active."""
+        courses: dict[int, list[NDArray[np.float64]]] = {}
+        for time in self.frames:
+            hooks = self.hooks(time)
+            for index in np.flatnonzero(hooks.active):
+                courses.setdefault(int(index), []).append(hooks.ends[index, 0].astype(np.float64))
+        return {index: np.array(course) for index, course in courses.items()}
+
+    def suture_closed(self, epoch: SkinEpoch, index: int) -> float:
+        """The last frame of an epoch at which a suture is active."""
+        return next(t for t in reversed(epoch.frames) if self.sutures(t).active[index])
 
     def landmarks(self, time: float) -> NDArray[np.float32]:
         """The landmarks (k, 3) at a frame, mm; those whose tissue is gone lie where they were last."""

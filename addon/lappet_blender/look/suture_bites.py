@@ -7,6 +7,7 @@ skin from then on and before; which lip each belongs to is read off the open wou
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -36,6 +37,14 @@ class Bite:
         return self.weights @ values[self.vertices].astype(np.float64)
 
 
+def carried(bites: Sequence[Bite], values: NDArray[np.float32]) -> NDArray[np.float64]:
+    """The values (k, 3) at some bites of a per-vertex array (n, 3)."""
+    vertices = np.array([b.vertices for b in bites], np.int64).reshape(-1, 3)
+    weights = np.array([b.weights for b in bites], np.float64).reshape(-1, 3)
+    placed: NDArray[np.float64] = np.einsum("kc,kci->ki", weights, values[vertices].astype(np.float64))
+    return placed
+
+
 @dataclass(frozen=True, eq=False)
 class Lip:
     """The skin around one end of a suture, joined to it without crossing the wound, and its stretch of wound edge.
@@ -63,11 +72,41 @@ def buried(
     )
 
 
+class TrianglesNear:
+    """Finds the triangles about a point; made once for many points of one surface."""
+
+    def __init__(self, positions: NDArray[np.float32], triangles: NDArray[np.int32]) -> None:
+        first = positions[triangles[:, 0]]
+        self._order = np.argsort(first[:, 0], kind="stable")
+        self._first = first[self._order]
+        self.longest = longest_edge(positions, triangles)
+
+    def around(self, point: NDArray[np.floating[Any]], reach: float) -> NDArray[np.int64]:
+        """Indices (k,), ascending, of the triangles whose first vertex is at most `reach` mm farther from a point (3,)
+        than the nearest; the point lies on the surface, or as near to it as its longest edge, if it can be."""
+        span = reach + self.longest
+        while True:
+            low, high = np.searchsorted(self._first[:, 0], [point[0] - span, point[0] + span])
+            near = self._first[low:high] - point.astype(np.float32)
+            away = np.sqrt(np.einsum("ij,ij->i", near, near))
+            limit = float(away.min(initial=np.inf)) + reach
+            if limit <= span or high - low == len(self._first):
+                return np.sort(self._order[low:high][away <= limit])
+            span *= 2.0
+
+
+def longest_edge(positions: NDArray[np.float32], triangles: NDArray[np.int32]) -> float:
+    """The longest edge of some triangles (m, 3), mm."""
+    corners = positions[triangles]
+    return float(np.sqrt(((corners - np.roll(corners, 1, axis=1)) ** 2).sum(-1).max(initial=0.0)))
+
+
 def bites_at(
     positions: NDArray[np.float32], triangles: NDArray[np.int32], points: NDArray[np.floating[Any]]
 ) -> list[Bite]:
     """The points of some triangles (m, 3) nearest to points (k, 3), mm."""
-    index, closest, _ = ClosestPoint(positions, triangles).query(points)
+    corners = positions[triangles].reshape(-1, 3)  # of these triangles only: most calls are about a few of many
+    index, closest, _ = ClosestPoint(corners, np.arange(len(corners)).reshape(-1, 3)).query(points)
     bites = []
     for triangle, point in zip(triangles[index], closest, strict=True):
         corners = positions[triangle].astype(np.float64)

@@ -13,6 +13,12 @@ KNOT_RADIUS = 0.19
 KNOT_LENGTH = 0.42
 KNOT_AT = 0.2
 TAIL = 1.0
+# Along the thread, the coil and a tail, 0 to 1; stitches are drawn anew in every frame.
+_ALONG = np.linspace(0.0, 1.0, 9)[:, None]
+_ARCH = np.sin(np.pi * _ALONG)
+_COIL = np.linspace(0.0, 2.0, 21)[:, None]
+_COIL_COS, _COIL_SIN = np.cos(2 * np.pi * _COIL), np.sin(2 * np.pi * _COIL)
+_TAIL = np.linspace(0.0, 1.0, 5)[:, None]
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,17 +47,16 @@ def stitch_path(
     summit = lips.mean(axis=0)
     # The thread lies on the skin: as high over the wound as the wound's edge stands over the line between the bites.
     rise = max(float((summit - bites.mean(axis=0)) @ up), 0.0) + 0.5 * radius
-    u = np.linspace(0.0, 1.0, 9)[:, None]
-    over = bites[0] + u * (bites[1] - bites[0]) + (radius + rise * np.sin(np.pi * u)) * up
+    over = bites[0] + _ALONG * (bites[1] - bites[0]) + (radius + rise * _ARCH) * up
     along = _unit(bites[1] - bites[0])
-    sideways = np.cross(up, along)
-    turns = np.linspace(0.0, 2.0, 21)[:, None]
+    sideways = np.array(
+        [up[1] * along[2] - up[2] * along[1], up[2] * along[0] - up[0] * along[2], up[0] * along[1] - up[1] * along[0]]
+    )
     centre = bites[0] + KNOT_AT * (bites[1] - bites[0]) + (radius + rise * np.sin(np.pi * KNOT_AT)) * up
     coil = centre + scale * (
-        (turns / 2.0 - 0.5) * KNOT_LENGTH * along
-        + KNOT_RADIUS * (np.cos(2 * np.pi * turns) * sideways + (0.35 + np.sin(2 * np.pi * turns)) * up)
+        (_COIL / 2.0 - 0.5) * KNOT_LENGTH * along + KNOT_RADIUS * (_COIL_COS * sideways + (0.35 + _COIL_SIN) * up)
     )
-    s = np.linspace(0.0, 1.0, 5)[:, None]
+    s = _TAIL
     tails = tuple(
         centre + scale * (TAIL * s * (0.72 * side * sideways - 0.69 * along) + (0.15 + 0.35 * s - 0.4 * s**2) * up)
         for side in (1.0, -1.0)
@@ -65,5 +70,5 @@ def _entering(over: NDArray[np.float64], normals: NDArray[np.float64], scale: fl
 
 
 def _unit(vector: NDArray[np.float64]) -> NDArray[np.float64]:
-    unit: NDArray[np.float64] = vector / max(float(np.linalg.norm(vector)), 1e-12)
+    unit: NDArray[np.float64] = vector / max(float(vector @ vector) ** 0.5, 1e-12)
     return unit

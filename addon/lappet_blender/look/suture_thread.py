@@ -3,16 +3,24 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from time import monotonic
 
-import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from .skin_fields import SKIN, depth_below_skin, vertex_normals
-from .skin_read import SkinCache
-from .suture_bites import BITE, CLOSED_GAP, Bite, buried, find_bites, find_lip
+from .skin_fields import SKIN, SkinNormals
+from .skin_source import SkinEpoch, SkinSource
+from .suture_bites import (
+    BITE,
+    CLOSED_GAP,
+    Bite,
+    TrianglesNear,
+    buried,
+    carried,
+    find_bites,
+    find_lip,
+)
 from .suture_path import THREAD_RADIUS, stitch_path
-from .tube import add_tubes, remove_tubes
 
 # Stitches stand no closer: two sutures that hold one corner are its one corner stitch, and a dense row is thinned.
 NEAREST = 1.7 * BITE
@@ -30,80 +38,109 @@ class Stitch:
     turned: bool
 
 
-def buried_sutures(cache: SkinCache) -> frozenset[int]:
+def buried_sutures(source: SkinSource) -> frozenset[int]:
     """The indices of the sutures that lie in the depth, judged where each is first active."""
-    found, seen, depths = set(), set(), {}
-    for time in cache.frames:
-        sutures = cache.sutures(time)
+    found: set[int] = set()
+    seen: set[int] = set()
+    for time in source.frames:
+        sutures = source.sutures(time)
         fresh = [int(i) for i in np.flatnonzero(sutures.active) if int(i) not in seen]
-        if not fresh:
-            continue
-        epoch = cache.epoch_at(time)
-        if epoch.name not in depths:
-            first = cache.positions(epoch, epoch.frames[0])
-            depths[epoch.name] = depth_below_skin(first, epoch.triangles, epoch.origin)
-        for index in fresh:
-            apart, anchors = cache.sutures_told_apart(epoch, index)
-            if buried(cache.positions(epoch, apart), epoch.triangles, depths[epoch.name], anchors):
-                found.add(index)
+        found.update(i for i in fresh if suture_buried(source, source.epoch_at(time), i))
         seen.update(fresh)
     return frozenset(found)
 
 
+def suture_buried(source: SkinSource, epoch: SkinEpoch, index: int, near: TrianglesNear | None = None) -> bool:
+    """Whether a suture lies in the depth, judged in one epoch. near: of `source.suture_apart` there."""
+    points, anchors = source.suture_apart(epoch, index)
+    near = near or TrianglesNear(points, epoch.triangles)
+    around = np.unique(np.concatenate([near.around(end, 2.0 * near.longest) for end in anchors]))
+    return buried(points, epoch.triangles[around], source.depth(epoch), anchors)
+
+
 class SutureThread:
-    """The stitches in the scene."""
+    """The stitches of a procedure.
+
+    patience: seconds that `tubes` may take to find new ones, None: as long as it takes; the rest are `unfinished`.
+    """
 
     def __init__(
-        self,
-        cache: SkinCache,
-        material: bpy.types.Material,
-        hidden: frozenset[int],
-        facing: NDArray[np.float64],
-        scale: float,
+        self, source: SkinSource, facing: NDArray[np.float64], scale: float, hidden: frozenset[int] | None = None
     ) -> None:
-        """hidden: sutures not to draw. facing: (3,), the side on which knots are tied. scale: of bites and thread."""
-        self._cache, self._material, self._hidden, self._facing, self._scale = cache, material, hidden, facing, scale
-        self._stitches: dict[tuple[str, int], Stitch] = {}
-        self._object: bpy.types.Object | None = None
+        """facing: (3,), the side on which knots are tied. scale: of bites and thread. hidden: sutures not to draw;
+        None: those that turn out to be buried."""
+        self._source, self._facing, self._scale, self._hidden = source, facing, scale, hidden
+        self._stitches: dict[tuple[str, int], Stitch | None] = {}
+        self._normals: dict[str, SkinNormals] = {}
+        self._near: dict[str, tuple[NDArray[np.float32], TrianglesNear]] = {}
+        self.patience: float | None = None
+        self.unfinished = False
 
-    def show(self, time: float) -> None:
-        """Draw the sutures that are active at a frame and no others."""
-        remove_tubes(self._object)
-        self._object = None
-        sutures = self._cache.sutures(time)
-        active = [int(i) for i in np.flatnonzero(sutures.active) if int(i) not in self._hidden]
+    def tubes(self, time: float) -> tuple[list[NDArray[np.float64]], list[float]]:
+        """The thread and knots (k, 3) of a frame and their radii, mm."""
+        self.unfinished = False
+        sutures = self._source.sutures(time)
+        active = [int(i) for i in np.flatnonzero(sutures.active) if int(i) not in (self._hidden or ())]
         if not active:
-            return
-        epoch = self._cache.epoch_at(time)
-        points = self._cache.positions(epoch, time)
-        normals = vertex_normals(points, epoch.triangles, epoch.origin, SKIN)
-        lines, crossings = [], np.zeros((0, 3))
-        for index in active:
-            stitch = self._find(time, index)
-            if (np.linalg.norm(crossings - stitch.crossing, axis=1) < NEAREST * self._scale).any():
-                continue
-            crossings = np.vstack([crossings, stitch.crossing])
-            bites = np.stack([b.carried(points) for b in stitch.bites])
-            up = np.stack([b.carried(normals) for b in stitch.bites])
-            up /= np.maximum(np.linalg.norm(up, axis=1, keepdims=True), 1e-9)
+            return [], []
+        epoch = self._source.epoch_at(time)
+        until = np.inf if self.patience is None else monotonic() + self.patience
+        shown = self._apart({i: s for i in active if (s := self._find(epoch, i, until)) is not None})
+        if not shown:
+            return [], []
+        points = self._source.positions(epoch, time)
+        if epoch.name not in self._normals:
+            self._normals[epoch.name] = SkinNormals(epoch.triangles, epoch.origin, SKIN, len(points))
+        pairs = [bite for stitch in shown.values() for bite in stitch.bites]
+        bites = carried(pairs, points).reshape(-1, 2, 3)
+        at = np.array([bite.vertices for bite in pairs], np.int64)
+        normals = self._normals[epoch.name].at(points, at.ravel()).reshape(-1, 3, 3)
+        up = np.einsum("kc,kci->ki", np.array([bite.weights for bite in pairs]), normals)
+        up /= np.maximum(np.linalg.norm(up, axis=1, keepdims=True), 1e-9)
+        lines: list[NDArray[np.float64]] = []
+        for k, (index, stitch) in enumerate(shown.items()):
             ends = sutures.ends[index][:: -1 if stitch.turned else 1].astype(np.float64)
             tied = bool(np.linalg.norm(ends[1] - ends[0]) <= CLOSED_GAP)
-            path = stitch_path(bites, ends, up, tied, self._scale)
+            path = stitch_path(bites[k], ends, up[2 * k : 2 * k + 2], tied, self._scale)
             lines += [path.thread, *path.knot]
-        self._object = add_tubes("Sutures", lines, [THREAD_RADIUS * self._scale] * len(lines), self._material, 2)
+        return lines, [THREAD_RADIUS * self._scale] * len(lines)
 
-    def _find(self, time: float, index: int) -> Stitch:
-        epoch = self._cache.epoch_at(time)
-        if (epoch.name, index) not in self._stitches:
-            frames = [t for t in epoch.frames if self._cache.sutures(t).active[index]]
-            apart, anchors = self._cache.sutures_told_apart(epoch, index)
-            points = self._cache.positions(epoch, apart)
-            a, b = (find_lip(points, epoch.triangles, epoch.origin, end, 2.0 * BITE * self._scale) for end in anchors)
-            closed = self._cache.positions(epoch, frames[-1])
-            ends = self._cache.sutures(frames[-1]).ends[index]
-            across = find_bites(closed, (a, b), ends, BITE * self._scale)
-            way = across[1].carried(closed) - across[0].carried(closed)
-            turned = bool(way @ self._facing > 0.0)
-            bites = (across[1], across[0]) if turned else across
-            self._stitches[epoch.name, index] = Stitch(bites, ends.astype(np.float64).mean(axis=0), turned)
-        return self._stitches[epoch.name, index]
+    def _apart(self, stitches: dict[int, Stitch]) -> dict[int, Stitch]:
+        """Those that do not stand too close to one before them."""
+        kept: dict[int, Stitch] = {}
+        crossings = np.zeros((0, 3))
+        for index, stitch in stitches.items():
+            if not (np.linalg.norm(crossings - stitch.crossing, axis=1) < NEAREST * self._scale).any():
+                crossings = np.vstack([crossings, stitch.crossing])
+                kept[index] = stitch
+        return kept
+
+    def _find(self, epoch: SkinEpoch, index: int, until: float) -> Stitch | None:
+        key = (epoch.name, index)
+        if key not in self._stitches:
+            if monotonic() > until:
+                self.unfinished = True
+                return None
+            points, _ = self._source.suture_apart(epoch, index)
+            if epoch.name not in self._near or self._near[epoch.name][0] is not points:
+                self._near[epoch.name] = points, TrianglesNear(points, epoch.triangles)
+            near = self._near[epoch.name][1]
+            deep = self._hidden is None and suture_buried(self._source, epoch, index, near)
+            self._stitches[key] = None if deep else self._made(epoch, index, near)
+        return self._stitches[key]
+
+    def _made(self, epoch: SkinEpoch, index: int, near: TrianglesNear) -> Stitch:
+        points, anchors = self._source.suture_apart(epoch, index)
+        radius = 2.0 * BITE * self._scale
+        lips = []
+        for end in anchors:
+            around = near.around(end, radius + 3.0 * near.longest)
+            lips.append(find_lip(points, epoch.triangles[around], epoch.origin[around], end, radius))
+        last = self._source.suture_closed(epoch, index)
+        closed = self._source.positions(epoch, last)
+        ends = self._source.sutures(last).ends[index]
+        across = find_bites(closed, (lips[0], lips[1]), ends, BITE * self._scale)
+        way = across[1].carried(closed) - across[0].carried(closed)
+        turned = bool(way @ self._facing > 0.0)
+        bites = (across[1], across[0]) if turned else across
+        return Stitch(bites, ends.astype(np.float64).mean(axis=0), turned)

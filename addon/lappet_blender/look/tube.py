@@ -1,4 +1,4 @@
-"""Tubes along polylines, as Blender curves: what thread and instruments are made of."""
+"""Tubes along polylines as one mesh: what thread and instruments are made of. Only positions change while they can."""
 
 from __future__ import annotations
 
@@ -9,34 +9,45 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .skin_import import SCALE
+from .tube_shape import Radius, tube_faces, tube_points
+
+TOPOLOGY = "lappet_tubes"
 
 
-def add_tubes(
-    name: str,
+def draw_tubes(
+    tubes: bpy.types.Object,
     lines: Sequence[NDArray[np.float64]],
-    radii: Sequence[NDArray[np.float64] | float],
-    material: bpy.types.Material,
-    resolution: int = 2,
-) -> bpy.types.Object:
-    """One curve object with a round tube along each polyline (k, 3) in mm; radii in mm, one a line or one a point."""
-    curve = bpy.data.curves.new(name, "CURVE")
-    curve.dimensions = "3D"
-    curve.bevel_depth = SCALE
-    curve.bevel_resolution = resolution
-    curve.use_fill_caps = True
-    for line, radius in zip(lines, radii, strict=True):
-        spline = curve.splines.new("POLY")
-        spline.points.add(len(line) - 1)
-        spline.points.foreach_set("co", np.column_stack([line * SCALE, np.ones(len(line))]).astype(np.float32).ravel())
-        spline.points.foreach_set("radius", np.broadcast_to(np.asarray(radius, np.float32), len(line)).copy())
-        spline.use_smooth = True
-    curve.materials.append(material)
-    tubes = bpy.data.objects.new(name, curve)
+    radii: Sequence[Radius],
+    sides: int = 8,
+    scale: float = SCALE,
+) -> None:
+    """Give a mesh object a round tube along each polyline (k, 3) in mm; radii in mm, one a line or one a point.
+
+    scale: Blender units per mm.
+    """
+    points = (tube_points(lines, radii, sides) * scale).astype(np.float32)
+    topology = f"{sides}:{','.join(str(len(line)) for line in lines)}"
+    mesh = tubes.data
+    if mesh.get(TOPOLOGY) != topology or len(mesh.vertices) != len(points):
+        corners, starts = tube_faces([len(line) for line in lines], sides)
+        mesh.clear_geometry()
+        mesh.vertices.add(len(points))
+        mesh.loops.add(len(corners))
+        mesh.polygons.add(len(starts))
+        mesh.loops.foreach_set("vertex_index", corners)
+        mesh.polygons.foreach_set("loop_start", starts)
+        mesh.vertices.foreach_set("co", points.ravel())
+        mesh.update(calc_edges=True)
+        mesh[TOPOLOGY] = topology
+    else:
+        mesh.attributes["position"].data.foreach_set("vector", points.ravel())
+        mesh.update()
+
+
+def add_tube_object(name: str, material: bpy.types.Material) -> bpy.types.Object:
+    """An object without any tubes yet, in the scene of the context."""
+    mesh = bpy.data.meshes.new(name)
+    mesh.materials.append(material)
+    tubes = bpy.data.objects.new(name, mesh)
     bpy.context.scene.collection.objects.link(tubes)
     return tubes
-
-
-def remove_tubes(tubes: bpy.types.Object | None) -> None:
-    """Delete an object made by `add_tubes`; None is nothing to do."""
-    if tubes is not None:
-        bpy.data.curves.remove(tubes.data)

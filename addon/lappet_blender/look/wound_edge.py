@@ -2,28 +2,27 @@
 
 from __future__ import annotations
 
-import bpy
 import numpy as np
+from numpy.typing import NDArray
 
 from .skin_fields import border_chains
-from .skin_read import SkinCache
-from .tube import add_tubes, remove_tubes
+from .skin_source import SkinSource
 
 EDGE_RADIUS = 0.1
 
 
 class WoundEdge:
-    """The lines along the lips of the wound; they follow the skin."""
+    """The lines along the lips of the wound; they follow the skin. `source` may be changed for one of equal epochs."""
 
-    def __init__(self, cache: SkinCache, material: bpy.types.Material) -> None:
-        self._cache, self._material = cache, material
-        self._chains = {e.name: border_chains(e.triangles, e.origin) for e in cache.epochs}
-        self._object: bpy.types.Object | None = None
+    def __init__(self, source: SkinSource) -> None:
+        self.source = source
+        self._chains: dict[str, list[NDArray[np.int32]]] = {}
 
-    def show(self, time: float) -> None:
-        """Draw the lines of a frame and no others."""
-        remove_tubes(self._object)
-        epoch = self._cache.epoch_at(time)
-        points = self._cache.positions(epoch, time).astype(np.float64)
-        lines = [points[chain] for chain in self._chains[epoch.name]]
-        self._object = add_tubes("Wound edge", lines, [EDGE_RADIUS] * len(lines), self._material, 1) if lines else None
+    def tubes(self, time: float) -> tuple[list[NDArray[np.float64]], list[float]]:
+        """The lines (k, 3) of a frame and their radii, mm."""
+        epoch = self.source.epoch_at(time)
+        if epoch.name not in self._chains:
+            self._chains[epoch.name] = border_chains(epoch.triangles, epoch.origin)
+        points = self.source.positions(epoch, time)
+        lines = [points[chain].astype(np.float64) for chain in self._chains[epoch.name]]
+        return lines, [EDGE_RADIUS] * len(lines)

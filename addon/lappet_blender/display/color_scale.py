@@ -1,0 +1,48 @@
+"""The full value of the colour scale, one for a whole procedure, so that its frames compare."""
+
+from __future__ import annotations
+
+from time import monotonic
+
+import bpy
+
+from lappet.background.plan import Plan, ShownFrame
+
+from ..look.quantity_scale import frame_peak, full_value
+
+_BUDGET = 0.01  # seconds of the main thread that one call may read frames for, in a window
+_peaks: dict[tuple[str, str], float] = {}
+
+
+def peak_of(key: str, quantity: str, frame: ShownFrame) -> float:
+    """What a frame asks of the scale of a quantity, kept by the frame's key."""
+    if (key, quantity) not in _peaks:
+        if len(_peaks) > 50_000:
+            _peaks.clear()
+        values = frame.arrays.get(quantity)
+        _peaks[key, quantity] = 0.0 if values is None else frame_peak(values)
+    return _peaks[key, quantity]
+
+
+def scan_frames(scene: bpy.types.Scene, plan: Plan, quantity: str, patient: bool) -> bool:
+    """Read what solved frames of a plan ask of the scale; False while some are left to a later call.
+
+    patient: read all, however long it takes (renders, scripts).
+    """
+    from ..solving import frames
+
+    begun = monotonic()
+    for planned in plan.frames:
+        if (planned.key, quantity) in _peaks or frames.frame_state(scene, planned.time) != "solved":
+            continue
+        if not patient and monotonic() - begun > _BUDGET:
+            return False
+        shown = frames.shown_at(scene, planned.time)
+        if shown is not None and shown.frame is not None and shown.plan.key == plan.key and not shown.stale:
+            peak_of(planned.key, quantity, shown.frame)
+    return True
+
+
+def highest_of(plans: list[Plan], quantity: str) -> float:
+    """The value at the top of the scale of some plans: of all their frames that were read, rounded up."""
+    return full_value(max((_peaks.get((f.key, quantity), 0.0) for plan in plans for f in plan.frames), default=0.0))

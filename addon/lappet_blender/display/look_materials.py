@@ -1,0 +1,100 @@
+"""The materials of a scene's display, kept by pointers on its collection; units and colour decide which are right."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+
+import bpy
+import numpy as np
+
+from ..look import skin_material
+from ..look.skin_material import GRID_INK, Space
+from ..look.skin_source import SCALARS
+
+PIXEL = 0.12  # mm of skin that a pixel is taken to cover, for the grid's line width
+_MADE_FOR = "lappet_made_for"
+_TILE = 160  # pixels of the tile that Solid shading repeats every 10 mm
+
+
+def quantity_of(look: bpy.types.PropertyGroup) -> str | None:
+    """The quantity that a look colours the skin by, or None."""
+    name = str(look.color).lower()
+    return name if name in SCALARS else None
+
+
+def _kept(
+    board: bpy.types.Collection, role: str, made_for: str, make: Callable[[], bpy.types.Material]
+) -> bpy.types.Material:
+    slot = f"material {role}"
+    material = board.get(slot)
+    if isinstance(material, bpy.types.Material) and material.get(_MADE_FOR) == made_for:
+        return material
+    fresh = make()
+    fresh[_MADE_FOR] = made_for
+    board[slot] = fresh
+    return fresh
+
+
+def skin_materials(
+    board: bpy.types.Collection, color: str, highest: float, units: float
+) -> tuple[bpy.types.Material, ...]:
+    """One material per origin: skin, wound wall, underside, rim. color: of `COLORS`. units: Blender units per mm."""
+    space = Space(units, True)
+    pixel = float(board.get("lappet_pixel", PIXEL))
+    name = color.lower()
+
+    def skin() -> bpy.types.Material:
+        made = skin_material.skin_material(name, pixel, highest, space)
+        if name in ("grid", "checker"):
+            _add_tile(made, name)
+        return made
+
+    first = _kept(board, f"skin {name}", f"{units:g} {pixel:.3f}", skin)
+    if name in SCALARS:
+        skin_material.set_full_scale(first, highest)
+    others = (
+        ("wall", skin_material.wall_material),
+        ("fat", skin_material.fat_material),
+        ("rim", skin_material.rim_material),
+    )
+    return (first, *(_kept(board, role, f"{units:g}", partial(make, space)) for role, make in others))
+
+
+def part_material(board: bpy.types.Collection, role: str, units: float) -> bpy.types.Material:
+    """The material of a part: bed, edge, ink, thread, steel, landmark, or a legend's card or ink."""
+    makers: dict[str, Callable[[], bpy.types.Material]] = {
+        "bed": lambda: skin_material.bed_material(Space(units, True)),
+        "edge": skin_material.edge_material,
+        "ink": skin_material.ink_material,
+        "thread": skin_material.thread_material,
+        "steel": skin_material.steel_material,
+        "landmark": skin_material.landmark_material,
+        "legend": lambda: skin_material.glowing_material("Legend", None),
+        "legend ink": lambda: skin_material.glowing_material("Legend ink", (0.033, 0.03, 0.03, 1.0)),
+    }
+    made_for = f"{units:g}" if role == "bed" else "any"
+    return _kept(board, role, made_for, makers[role])
+
+
+def _add_tile(material: bpy.types.Material, name: str) -> None:
+    """A picture of 10 mm of the grid as the active texture: Solid shading with textures shows it."""
+    image = bpy.data.images.new(f"Lappet {name}", _TILE, _TILE)
+    place = np.arange(_TILE) * 10.0 / _TILE % 5.0
+    colour = np.ones((_TILE, _TILE, 4), np.float32)
+    if name == "grid":
+        line = (place < 0.14) | (place > 4.86)
+        ink = (line[:, None] | line[None, :]).astype(np.float32)
+        dark = np.array(GRID_INK[:3])
+    else:
+        half = np.arange(_TILE) * 10 // _TILE // 5
+        ink = ((half[:, None] + half[None, :]) % 2).astype(np.float32)
+        dark = np.array(skin_material.CHECKER_INK[:3])
+    ink = ink[..., None] * (skin_material.INK_SHARE if name == "grid" else skin_material.CHECKER_SHARE)
+    linear = (1.0 - ink) * np.array(skin_material.SKIN[:3]) + ink * dark
+    colour[..., :3] = np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
+    image.pixels.foreach_set(colour.ravel())
+    image.pack()
+    node = material.node_tree.nodes.new("ShaderNodeTexImage")
+    node.image = image
+    material.node_tree.nodes.active = node

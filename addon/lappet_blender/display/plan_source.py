@@ -1,0 +1,233 @@
+"""A plan and its frames as what the drawing of threads, hooks and marks asks for (`look/skin_source.py`)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+from lappet.background.plan import EpochShape, Plan, ShownFrame
+from lappet.curve import CurveError, sample_curve
+
+from ..look.skin_source import FigureError, SkinEpoch, StepEvent, Strands
+
+Lookup = Callable[[int], ShownFrame | None]
+_BASES = {"LINEAR": "linear", "CATMULL_ROM": "catmullRom", "BSPLINE": "bspline", "BEZIER": "bezier"}
+_KINDS = {"INCISION": "Incision", "EXCISION": "Excision", "UNDERMINE": "Undermine", "HOOK": "Hook"} | {
+    "RETRACTOR": "Retractor",
+    "SUTURE": "Suture",
+    "LANDMARK": "Landmark",
+}
+_COURSE = 5  # frames that tell where a hook goes
+
+
+def _no_strands(count: int) -> Strands:
+    return Strands(np.zeros((count, 2, 3), np.float32), np.zeros(count, bool))
+
+
+class PlanSource:
+    """The frames of a plan, known or not, with what the scene says of its events.
+
+    A frame that is not known shows its epoch at rest, without sutures and hooks.
+    """
+
+    def __init__(self, plan: Plan, scene: bpy.types.Scene, lookup: Lookup) -> None:
+        """lookup: the solved frame of a time code, or None."""
+        self.plan = plan
+        self._lookup = lookup
+        times: dict[int, list[float]] = {}
+        for frame in plan.frames:
+            times.setdefault(frame.epoch, []).append(float(frame.time))
+        self._shapes = plan.epochs
+        self._epochs = tuple(
+            SkinEpoch(f"{k} {s.key}", s.triangles, s.origin, s.grid, tuple(times.get(k, ())))
+            for k, s in enumerate(plan.epochs)
+        )
+        self._shape_of = {e.name: s for e, s in zip(self._epochs, plan.epochs, strict=True)}
+        self._planned = {float(frame.time): frame for frame in plan.frames}
+        self._now: tuple[float, SkinEpoch, ShownFrame | None] | None = None
+        self._last: dict[str, float | None] = {}
+        self.read_events(scene)
+
+    def read_events(self, scene: bpy.types.Scene) -> None:
+        """Take over what the scene says of its events now."""
+        self._curves = [_curve(e) for e in scene.lappet.events if e.enabled and e.kind in ("INCISION", "UNDERMINE")]
+        self._anchors = {
+            e.name: np.array([p.co for p in e.points], np.float32).reshape(-1, 3)
+            for e in scene.lappet.events
+            if e.kind == "SUTURE"
+        }
+        self._events = tuple(sorted((_step(e) for e in scene.lappet.events if e.enabled), key=lambda e: e.start))
+
+    def at(self, time: float, shape: EpochShape, frame: ShownFrame | None) -> None:
+        """From now on a time shows this epoch and frame, whatever the store holds (live frames, stand-ins)."""
+        index = next((k for k, s in enumerate(self._shapes) if s is shape or s.key == shape.key), None)
+        if index is None:
+            raise FigureError(f"The plan has no epoch {shape.key[:12]}; plan the procedure again.")
+        planned = self._planned.get(time)
+        if planned is not None and self._shapes[planned.epoch].key == shape.key:
+            index = planned.epoch
+        self._now = (time, self._epochs[index], fitting(frame, shape))
+
+    @property
+    def epochs(self) -> tuple[SkinEpoch, ...]:
+        """The epochs of the plan."""
+        return self._epochs
+
+    @property
+    def frames(self) -> tuple[float, ...]:
+        """The time codes of all frames."""
+        return tuple(self._planned)
+
+    @property
+    def events(self) -> tuple[StepEvent, ...]:
+        """The scene's events."""
+        return self._events
+
+    def shape(self, epoch: SkinEpoch) -> EpochShape:
+        """The surface of an epoch."""
+        return self._shape_of[epoch.name]
+
+    def frame(self, time: float) -> ShownFrame | None:
+        """The solved frame of a time, or None."""
+        if self._now is not None and self._now[0] == time:
+            return self._now[2]
+        planned = self._planned.get(time)
+        if planned is None:
+            return None
+        return fitting(self._lookup(planned.time), self._shapes[planned.epoch])
+
+    def epoch_at(self, time: float) -> SkinEpoch:
+        """The epoch that is shown at a frame; FigureError where the plan has no such frame."""
+        if self._now is not None and self._now[0] == time:
+            return self._now[1]
+        if time not in self._planned:
+            raise FigureError(f"Frame {time:g} is not in the plan; plan the procedure again.")
+        return self._epochs[self._planned[time].epoch]
+
+    def positions(self, epoch: SkinEpoch, time: float) -> NDArray[np.float32]:
+        """Vertex positions (n, 3), mm."""
+        frame = self.frame(time)
+        return self.rest(epoch) if frame is None else frame.points
+
+    def scalar(self, epoch: SkinEpoch, name: str, time: float) -> NDArray[np.float32] | None:
+        """A vertex quantity (n,), or None where the frame is not known."""
+        frame = self.frame(time)
+        values = None if frame is None else frame.arrays.get(name)
+        return values if values is not None and len(values) == len(self.rest(epoch)) else None
+
+    def sutures(self, time: float) -> Strands:
+        """The sutures of the plan at a frame."""
+        return self._strands(time, "suture_points", "sutures", len(self.plan.sutures))
+
+    def hooks(self, time: float) -> Strands:
+        """The hooks of the plan at a frame; both ends are on the tissue."""
+        return self._strands(time, "hook_points", "hooks", len(self.plan.hooks))
+
+    def hook_courses(self) -> dict[int, NDArray[np.float64]]:
+        """Where the hooks' ends go, (k, 3) mm by the hook's index, as far as a few known frames tell."""
+        courses: dict[int, NDArray[np.float64]] = {}
+        for index in range(len(self.plan.hooks)):
+            times = [t for t, frame in self._planned.items() if index in frame.hooks]
+            if self._now is not None and self._now[0] in times:
+                times = [self._now[0], *times]
+            ends = [
+                hooks.ends[index, 0].astype(np.float64)
+                for t in {times[round(k)] for k in np.linspace(0, len(times) - 1, _COURSE)}
+                if times
+                if (hooks := self.hooks(t)).active[index]
+            ]
+            if ends:
+                courses[index] = np.array(ends)
+        return courses
+
+    def rest(self, epoch: SkinEpoch) -> NDArray[np.float32]:
+        """Vertex positions (n, 3) at rest, mm."""
+        return self._shape_of[epoch.name].rest
+
+    def depth(self, epoch: SkinEpoch) -> NDArray[np.float32]:
+        """How deep below the edge of the skin vertices (n,) lie, mm."""
+        return self._shape_of[epoch.name].depth
+
+    def suture_apart(self, epoch: SkinEpoch, index: int) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+        """Positions (n, 3) at which a suture's lips are easy to tell apart, and its ends (2, 3) there: at rest where
+        the scene still has the event."""
+        anchors = self._anchors.get(self.plan.sutures[index])
+        if anchors is not None and len(anchors) == 2:
+            return self.rest(epoch), anchors
+        time = next(t for t in (*self._near(), *epoch.frames) if t in epoch.frames and self.sutures(t).active[index])
+        return self.positions(epoch, time), self.sutures(time).ends[index]
+
+    def suture_closed(self, epoch: SkinEpoch, index: int) -> float:
+        """The last known frame of an epoch at which a suture is active."""
+        if epoch.name not in self._last:
+            self._last[epoch.name] = self.last_known(epoch)
+        last = self._last[epoch.name]
+        if last is not None and self.sutures(last).active[index]:
+            return last
+        return next(t for t in (*self._near(), *epoch.frames) if t in epoch.frames and self.sutures(t).active[index])
+
+    def frames_changed(self) -> None:
+        """Frames have come or gone."""
+        self._last.clear()
+
+    def last_known(self, epoch: SkinEpoch) -> float | None:
+        """The last frame of an epoch that is known."""
+        return next((t for t in reversed(epoch.frames) if self.frame(t) is not None), None)
+
+    def planned_incisions(self, step: float) -> list[NDArray[np.float64]]:
+        """The scene's incisions, sampled every `step` mm."""
+        return self._lines("INCISION", step)
+
+    def undermined_areas(self, step: float) -> list[NDArray[np.float64]]:
+        """The outlines of the scene's undermined areas, sampled and closed."""
+        return self._lines("UNDERMINE", step)
+
+    def _near(self) -> tuple[float, ...]:
+        return () if self._now is None else (self._now[0],)
+
+    def _lines(self, wanted: str, step: float) -> list[NDArray[np.float64]]:
+        lines = []
+        for kind, points, basis, closed in self._curves:
+            if kind != wanted:
+                continue
+            try:
+                line = sample_curve(points, basis, closed, step)  # type: ignore[arg-type]
+            except CurveError:
+                continue  # the panel says what is wrong with it
+            lines.append(np.vstack([line, line[:1]]) if closed else line)
+        return lines
+
+    def _strands(self, time: float, array: str, which: str, count: int) -> Strands:
+        frame, planned = self.frame(time), self._planned.get(time)
+        points = None if frame is None else frame.arrays.get(array)
+        if points is None or planned is None:
+            return _no_strands(count)
+        indices = np.array(getattr(planned, which), np.int64)
+        if not len(indices) or len(points) != len(indices) or indices.max() >= count:
+            return _no_strands(count)
+        strands = _no_strands(count)
+        strands.ends[indices] = points if points.ndim == 3 else points[:, None]
+        strands.active[indices] = np.isfinite(strands.ends[indices]).all(axis=(1, 2))
+        return strands
+
+
+def fitting(frame: ShownFrame | None, shape: EpochShape) -> ShownFrame | None:
+    """The frame, or None where it is not of this surface or not finite (a damaged store, a lost frame)."""
+    if frame is None or frame.points.shape != shape.rest.shape or not np.isfinite(frame.points).all():
+        return None
+    return frame
+
+
+def _curve(event: bpy.types.PropertyGroup) -> tuple[str, NDArray[np.float64], str, bool]:
+    points = np.array([p.co for p in event.points], np.float64).reshape(-1, 3)
+    return event.kind, points, _BASES[event.basis], event.closed or event.kind == "UNDERMINE"
+
+
+def _step(event: bpy.types.PropertyGroup) -> StepEvent:
+    end = event.start + (event.duration if event.kind == "SUTURE" else 0.0)
+    return StepEvent(
+        _KINDS[event.kind], event.name, event.start, event.end if event.kind in ("HOOK", "RETRACTOR") else end
+    )

@@ -1,0 +1,82 @@
+"""Colours of the skin's vertices for Solid shading and Workbench, which know no shader nodes."""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+from lappet.background.plan import EpochShape
+
+from ..look.quantity_scale import ramp_linear
+from ..look.skin_fields import RIM, SKIN, UNDERSIDE
+from ..look.skin_import import set_attribute
+from ..look.skin_material import DERMIS, DERMIS_PALE, FAT
+from ..look.skin_material import SKIN as SKIN_COLOUR
+
+ATTRIBUTE = "Color"
+_STATE = "lappet_colour"
+_STEPS = 512
+_FAT_DEPTH = 2.9
+_base: dict[str, NDArray[np.float32]] = {}
+_inners: dict[str, NDArray[np.int64]] = {}
+_table: list[NDArray[np.float32]] = []
+
+
+def color_vertices(
+    mesh: bpy.types.Mesh, shape: EpochShape, quantity: NDArray[np.float32] | None, highest: float
+) -> None:
+    """Set the colour attribute: flesh by origin and depth, and on the skin the ramp where a quantity (n,) is given.
+
+    highest: the value at the top of the ramp.
+    """
+    if quantity is None:
+        if mesh.get(_STATE) != "flesh":
+            _set(mesh, _flesh(shape))
+            mesh[_STATE] = "flesh"
+        return
+    if not _table:
+        ramp = np.ones((_STEPS, 4), np.float32)
+        ramp[:, :3] = ramp_linear(np.linspace(0.0, 1.0, _STEPS))
+        _table.append(ramp)
+    share = np.nan_to_num(quantity * np.float32(_STEPS / max(highest, 1e-9)))
+    colours = _table[0][np.clip(share, 0, _STEPS - 1).astype(np.int32)]
+    inner = _inner(shape)
+    colours[inner] = _flesh(shape)[inner]
+    _set(mesh, colours)
+    mesh[_STATE] = "quantity"
+
+
+def _set(mesh: bpy.types.Mesh, colours: NDArray[np.float32]) -> None:
+    fresh = ATTRIBUTE not in mesh.attributes
+    set_attribute(mesh, ATTRIBUTE, "FLOAT_COLOR", "POINT", colours)
+    if fresh:
+        mesh.color_attributes.active_color = mesh.color_attributes[ATTRIBUTE]
+
+
+def _inner(shape: EpochShape) -> NDArray[np.int64]:
+    """The vertices that no skin touches."""
+    if shape.key not in _inners:
+        if len(_inners) > 32:
+            _inners.clear()
+        inner = np.ones(len(shape.rest), bool)
+        inner[shape.triangles[shape.origin == SKIN].ravel()] = False
+        _inners[shape.key] = np.flatnonzero(inner)
+    return _inners[shape.key]
+
+
+def _flesh(shape: EpochShape) -> NDArray[np.float32]:
+    if shape.key not in _base:
+        if len(_base) > 32:
+            _base.clear()
+        deep = np.clip((shape.depth / _FAT_DEPTH)[:, None], 0.0, 1.0) ** 3
+        colours = ((1.0 - deep) * np.array(DERMIS) + deep * np.array(FAT)).astype(np.float32)
+        for label, colour in ((UNDERSIDE, FAT), (RIM, DERMIS_PALE)):
+            only = np.setdiff1d(shape.triangles[shape.origin == label], shape.triangles[shape.origin != label])
+            colours[only] = colour
+        inner = _inner(shape)
+        flesh = colours[inner].copy()
+        colours[:] = SKIN_COLOUR
+        colours[inner] = flesh
+        _base[shape.key] = colours
+    return _base[shape.key]

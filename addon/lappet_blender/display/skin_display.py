@@ -1,0 +1,345 @@
+"""Shows the solved skin of a scene: swaps the epoch's mesh, sets positions and colours, and dresses it.
+
+Everything happens in the scene itself, before Blender evaluates a frame, so that viewports and renders agree.
+"""
+
+from __future__ import annotations
+
+import logging
+from typing import TYPE_CHECKING
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+from ..look.skin_import import set_attribute
+from ..model.units import mm_per_unit
+from . import hidden_objects
+from .board import ROLE, drop_foreign, find_board, find_object, make_board, make_object, place, set_visible
+from .color_scale import highest_of, peak_of, scan_frames
+from .dressing import Dressing, Where
+from .epoch_mesh import remove_unused, take_epoch_mesh
+from .legend import show_legend
+from .look_materials import part_material, quantity_of, skin_materials
+from .plan_source import PlanSource, fitting
+from .skin_colors import color_vertices
+from .solid_shading import suit_shading
+
+if TYPE_CHECKING:
+    from lappet.background.plan import Plan
+
+    from ..solving.shown_frame import Shown
+
+_log = logging.getLogger(__name__)
+_said: set[str] = set()
+_dressings: dict[int, Dressing] = {}
+_boxes: dict[str, NDArray[np.float64]] = {}
+_rendering: set[int] = set()
+PATIENCE = 0.02  # seconds that one frame in a window may spend on finding where new stitches bite
+LABEL_SIZE, LABEL_GAP = 5.0, 4.0  # mm
+
+
+def skin_object(scene: bpy.types.Scene) -> bpy.types.Object | None:
+    """The object that shows the solved skin of a scene; None where none is shown."""
+    board = find_board(scene)
+    if board is None or board.hide_viewport:
+        return None
+    skin = find_object(board, "skin")
+    return None if skin is None or skin.hide_viewport else skin
+
+
+def show(scene: bpy.types.Scene, time: float) -> None:
+    """Show what is known at a time; never raises: what goes wrong is logged once, in one line."""
+    if scene.library is not None:
+        return
+    try:
+        _show(scene, time)
+    except Exception as error:  # a handler that raises would stop a render
+        line = f"The solved skin of {scene.name} cannot be shown at frame {time:g}: {type(error).__name__}: {error}"
+        if line not in _said:
+            _said.add(line)
+            _log.warning("%s", line, exc_info=_log.isEnabledFor(logging.DEBUG))
+
+
+def refresh(scene: bpy.types.Scene) -> None:
+    """What is known has changed, or how it is to look: show the current frame anew, here and where it is compared."""
+    if scene.library is not None:
+        return
+    drop_foreign(scene)
+    _frames_changed(scene)
+    _scan(scene)
+    show(scene, scene.frame_current)
+    suit_shading(scene, find_board(scene))
+    for other in bpy.data.scenes:
+        if other != scene and other.lappet.compare_with == scene and other.library is None:
+            _scan(other)
+            show(other, other.frame_current)
+
+
+def refresh_all() -> None:
+    """`refresh` every scene (after loading, undo or redo), and let go of meshes that no plan needs."""
+    for scene in bpy.data.scenes:
+        refresh(scene)
+    tidy()
+
+
+def tidy() -> None:
+    """Remove epoch meshes that no object shows and no known plan holds."""
+    remove_unused({e.key for dressing in _dressings.values() for e in dressing.source.plan.epochs})
+
+
+def forget_all() -> None:
+    """Before another file is loaded: nothing that is kept here belongs to it."""
+    _dressings.clear()
+    _said.clear()
+
+
+def events_changed(scene: bpy.types.Scene) -> None:
+    """The events of a scene may have changed; marks on the skin follow."""
+    dressing = _dressings.get(scene.session_uid)
+    if dressing is not None:
+        dressing.events_changed(scene)
+
+
+def prepare_render(scene: bpy.types.Scene) -> None:
+    """Before a render: the scale knows all frames, and the objects are there; from now on nothing is put off."""
+    if scene.library is None:
+        _rendering.add(scene.session_uid)
+        _scan(scene, patient=True)
+        show(scene, scene.frame_current)
+
+
+def render_ended(scene: bpy.types.Scene) -> None:
+    """After a render, finished or cancelled."""
+    _rendering.discard(scene.session_uid)
+
+
+def dressing_of(scene: bpy.types.Scene, shown: Shown) -> Dressing:
+    """What the skin of a scene wears, for the plan of what is shown."""
+    before = _dressings.get(scene.session_uid)
+    if before is not None and before.source.plan.key == shown.plan.key:
+        return before
+
+    def lookup(time: int) -> object:
+        from ..solving import frames
+
+        if frames.frame_state(scene, time) != "solved":
+            return None
+        found = frames.shown_at(scene, time)
+        same = found is not None and found.plan.key == shown.plan.key and found.time == time and not found.stale
+        return found.frame if found is not None and same else None
+
+    made = Dressing(PlanSource(shown.plan, scene, lookup), before)  # type: ignore[arg-type]
+    _dressings[scene.session_uid] = made
+    return made
+
+
+def shown_of(scene: bpy.types.Scene, time: float) -> Shown | None:
+    """What the scene's look wants shown at a time: None where the tissue itself is to be seen."""
+    from ..solving import frames
+
+    tissue = scene.lappet.tissue.object
+    if not scene.lappet.look.show_solved or tissue is None or tissue.mode != "OBJECT":
+        return None
+    return frames.shown_at(scene, time)
+
+
+def _show(scene: bpy.types.Scene, time: float) -> None:
+    shown = shown_of(scene, time)
+    board = find_board(scene) if shown is None else make_board(scene)
+    if board is None or shown is None:
+        _show_tissue(scene, board)
+        return
+    set_visible(board, True)
+    units, look = 1.0 / mm_per_unit(scene), scene.lappet.look
+    other = _compared(scene, time)
+    quantity = quantity_of(look)
+    plans = [shown.plan] if other is None else [shown.plan, other[1].plan]
+    if quantity is not None:
+        _take_peak(scene, shown, quantity)
+        if other is not None:
+            _take_peak(other[0], other[1], quantity)
+    highest = highest_of(plans, quantity) if quantity else 1.0
+    skin = _draw_skin(scene, Where(board, "", units, (0.0, 0.0, 0.0)), shown, look, highest)
+    if scene.lappet.skin != skin:
+        scene.lappet.skin = skin
+    box = rest_box(shown.plan)
+    if other is None:
+        _hide_others(board)
+    else:
+        beside = rest_box(other[1].plan)
+        gap = offset_of(scene, box, beside)
+        where = Where(board, "other ", units, (gap * units, 0.0, 0.0))
+        _draw_skin(other[0], where, other[1], look, highest)
+        beside = beside + np.array([gap, 0.0, 0.0])
+        _label(board, "label", scene.name, box, units)
+        _label(board, "other label", other[0].name, beside, units)
+        box = np.stack([np.minimum(box[0], beside[0]), np.maximum(box[1], beside[1])])
+    show_legend(scene, board, quantity if look.show_legend else None, highest, box * units)
+    _hide_tissue(scene)
+    if not scene.render.use_lock_interface:
+        scene.render.use_lock_interface = True
+
+
+def _draw_skin(
+    source_scene: bpy.types.Scene, where: Where, shown: Shown, look: bpy.types.PropertyGroup, highest: float
+) -> bpy.types.Object:
+    """Show a skin; source_scene: whose procedure it is."""
+    skin = make_object(where.board, f"{where.prefix}skin", "Lappet skin" if not where.prefix else "Lappet skin beside")
+    if skin.mode != "OBJECT":
+        return skin  # somebody edits it: what they do is lost at the next frame, but not under their hands
+    shape, frame = shown.epoch, fitting(shown.frame, shown.epoch)
+    mesh = take_epoch_mesh(shape, look.show_walls, where.units, skin.data)
+    if skin.data != mesh:
+        old, skin.data = skin.data, mesh
+        if old is not None and old.users == 0 and len(old.vertices) == 0:
+            bpy.data.meshes.remove(old)
+    points = shape.rest if frame is None else frame.points
+    moved = (points * np.float32(where.units)).astype(np.float32)
+    mesh.attributes["position"].data.foreach_set("vector", moved.ravel())
+    quantity = quantity_of(look)
+    values = None
+    if quantity is not None:
+        found = None if frame is None else frame.arrays.get(quantity)
+        values = np.zeros(len(points), np.float32) if found is None or len(found) != len(points) else found
+        set_attribute(mesh, "quantity", "FLOAT", "POINT", values.astype(np.float32, copy=False))
+    color_vertices(mesh, shape, values, highest)
+    materials = skin_materials(where.board, look.color, highest, where.units)
+    if list(mesh.materials) != list(materials):
+        mesh.materials.clear()
+        for material in materials:
+            mesh.materials.append(material)
+        mesh.polygons.foreach_set("material_index", _origins(mesh))
+    mesh.update()
+    place(skin, where.offset)
+    set_visible(skin, True)
+    if skin.hide_select:
+        skin.hide_select = False
+    dressing = dressing_of(source_scene, shown)
+    dressing.source.at(float(shown.time), shape, shown.frame)
+    put_off = not bpy.app.background and not _rendering
+    dressing.draw(where, float(shown.time), look, PATIENCE if put_off else None)
+    if dressing.unfinished and not bpy.app.timers.is_registered(_show_on):
+        bpy.app.timers.register(_show_on, first_interval=0.02)
+    return skin
+
+
+def _origins(mesh: bpy.types.Mesh) -> NDArray[np.int32]:
+    origin = np.empty(len(mesh.polygons), np.int32)
+    mesh.attributes["origin"].data.foreach_get("value", origin)
+    return origin
+
+
+def _compared(scene: bpy.types.Scene, time: float) -> tuple[bpy.types.Scene, Shown] | None:
+    from ..solving import frames
+
+    other = scene.lappet.compare_with
+    if other is None or other == scene:
+        return None
+    shown = frames.shown_at(other, time)
+    return None if shown is None else (other, shown)
+
+
+def _take_peak(scene: bpy.types.Scene, shown: Shown, quantity: str) -> None:
+    from ..solving import frames
+
+    if shown.stale or shown.frame is None or frames.progress_of(scene).live:
+        return
+    key = next((f.key for f in shown.plan.frames if f.time == shown.time), None)
+    if key is not None:
+        peak_of(key, quantity, shown.frame)
+
+
+def rest_box(plan: Plan) -> NDArray[np.float64]:
+    """Lowest and highest corner (2, 3) of the tissue at rest, mm; of the first epoch, so that nothing jumps."""
+    shape = plan.epochs[0]
+    if shape.key not in _boxes:
+        if len(_boxes) > 64:
+            _boxes.clear()
+        _boxes[shape.key] = np.stack([shape.rest.min(axis=0), shape.rest.max(axis=0)]).astype(np.float64)
+    return _boxes[shape.key].copy()
+
+
+def offset_of(scene: bpy.types.Scene, own: NDArray[np.float64], theirs: NDArray[np.float64]) -> float:
+    """How far along x the other skin is moved to lie beside a scene's own, mm; boxes (2, 3) at rest."""
+    return float(own[1][0] - theirs[0][0]) + float(scene.lappet.compare_gap)
+
+
+def _label(board: bpy.types.Collection, role: str, words: str, box: NDArray[np.float64], units: float) -> None:
+    text = make_object(board, role, "Lappet label", "FONT")
+    if text.data.body != words:
+        text.data.body = words
+    if text.data.align_x != "CENTER":
+        text.data.align_x, text.data.align_y = "CENTER", "BOTTOM"
+        text.data.materials.append(part_material(board, "legend ink", 1.0))
+        text.hide_select = True
+    if text.data.size != np.float32(LABEL_SIZE * units):
+        text.data.size = LABEL_SIZE * units
+    low, high = box * units
+    place(text, (float(0.5 * (low[0] + high[0])), float(high[1] + LABEL_GAP * units), float(high[2])))
+    set_visible(text, True)
+
+
+def _hide_others(board: bpy.types.Collection) -> None:
+    for each in board.objects:
+        if str(each.get(ROLE, "")).startswith("other ") or each.get(ROLE) == "label":
+            set_visible(each, False)
+
+
+def _show_tissue(scene: bpy.types.Scene, board: bpy.types.Collection | None) -> None:
+    if board is not None:
+        set_visible(board, False)
+    if scene.lappet.tissue.object is not None:
+        hidden_objects.bring_back(scene.lappet.tissue.object)
+    _show_bones(scene)
+
+
+def _hide_tissue(scene: bpy.types.Scene) -> None:
+    hidden_objects.hide(scene.lappet.tissue.object)
+    _show_bones(scene)
+
+
+def _show_bones(scene: bpy.types.Scene) -> None:
+    for bone in scene.lappet.bones:
+        if bone.object is not None:
+            (hidden_objects.bring_back if scene.lappet.look.show_bone else hidden_objects.hide)(bone.object)
+
+
+def _frames_changed(scene: bpy.types.Scene) -> None:
+    from ..solving import frames
+
+    dressing = _dressings.get(scene.session_uid)
+    if dressing is not None and not frames.progress_of(scene).running:
+        dressing.frames_changed()
+
+
+def _scan(scene: bpy.types.Scene, patient: bool | None = None) -> None:
+    """Read what frames ask of the colour scale; in a window only a few at a time, and the rest soon."""
+    from ..solving import frames
+
+    quantity = quantity_of(scene.lappet.look)
+    if quantity is None:
+        return
+    if patient is None:
+        patient = bpy.app.background
+    done = True
+    for each in (scene, scene.lappet.compare_with):
+        plan = None if each is None else frames.plan_of(each)
+        if plan is not None:
+            done &= scan_frames(each, plan, quantity, patient)
+    if not done and not bpy.app.timers.is_registered(_scan_on):
+        bpy.app.timers.register(_scan_on, first_interval=0.05)
+
+
+def _show_on() -> None:
+    """Stitches that were put off are found, a few at a time."""
+    for scene in bpy.data.scenes:
+        if find_board(scene) is not None:
+            show(scene, scene.frame_current)
+
+
+def _scan_on() -> None:
+    for scene in bpy.data.scenes:
+        if scene.library is None and quantity_of(scene.lappet.look) is not None:
+            _scan(scene)
+            show(scene, scene.frame_current)

@@ -1,0 +1,105 @@
+"""What draws a solved skin asks of where it comes from: a skin cache (`skin_read.py`) or a plan (`plan_source.py`)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+ORIGINS = ("skin", "woundWall", "underside", "rim")
+SCALARS = ("strain", "stress", "tension")
+
+
+class FigureError(ValueError):
+    """A figure cannot be drawn; the message is one sentence for the user."""
+
+
+@dataclass(frozen=True)
+class StepEvent:
+    """An event of the procedure as far as pictures need it: its kind, name and the time codes it spans."""
+
+    kind: str
+    name: str
+    start: float
+    end: float
+
+
+@dataclass(frozen=True, eq=False)
+class SkinEpoch:
+    """The skin of one epoch: constant topology, its own frames.
+
+    triangles: (m, 3) int32. origin: (m,) uint8, an index into `ORIGINS`. st: (m, 3, 2) float32 or None. frames: time
+    codes at which this epoch is shown. prim: of a cache.
+    """
+
+    name: str
+    triangles: NDArray[np.int32]
+    origin: NDArray[np.uint8]
+    st: NDArray[np.float32] | None
+    frames: tuple[float, ...]
+    prim: Any = None
+
+
+@dataclass(frozen=True, eq=False)
+class Strands:
+    """Sutures or hooks at one frame. ends: (n, 2, 3) float32 mm. active: (n,) bool."""
+
+    ends: NDArray[np.float32]
+    active: NDArray[np.bool_]
+
+
+class SkinSource(Protocol):
+    """A solved procedure, frame by frame; positions in mm.
+
+    epochs, frames and events are in order of time; `frames` are those that can be asked for.
+    """
+
+    @property
+    def epochs(self) -> tuple[SkinEpoch, ...]:
+        """The epochs that have frames."""
+
+    @property
+    def frames(self) -> tuple[float, ...]:
+        """The time codes of all frames."""
+
+    @property
+    def events(self) -> tuple[StepEvent, ...]:
+        """The procedure's events."""
+
+    def epoch_at(self, time: float) -> SkinEpoch:
+        """The epoch that is shown at a frame; FigureError where there is no such frame."""
+
+    def positions(self, epoch: SkinEpoch, time: float) -> NDArray[np.float32]:
+        """Vertex positions (n, 3) of an epoch at one of its frames, mm."""
+
+    def scalar(self, epoch: SkinEpoch, name: str, time: float) -> NDArray[np.float32] | None:
+        """A vertex quantity (n,), one of `SCALARS`, or None where it is not known."""
+
+    def sutures(self, time: float) -> Strands:
+        """The sutures of the procedure at a frame."""
+
+    def hooks(self, time: float) -> Strands:
+        """The hooks of the procedure at a frame: the anchor on the tissue and the target."""
+
+    def hook_courses(self) -> dict[int, NDArray[np.float64]]:
+        """Where the hooks' ends on the tissue go, (k, 3) mm by the hook's index, for those that are ever active."""
+
+    def rest(self, epoch: SkinEpoch) -> NDArray[np.float32]:
+        """Vertex positions (n, 3) of an epoch at rest, or at the first frame that is known, mm."""
+
+    def depth(self, epoch: SkinEpoch) -> NDArray[np.float32]:
+        """How deep below the edge of the skin the vertices (n,) of walls and rims lie, mm; 0 elsewhere."""
+
+    def suture_apart(self, epoch: SkinEpoch, index: int) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+        """Positions (n, 3) at which a suture's lips are easy to tell apart, and its ends (2, 3) there, mm."""
+
+    def suture_closed(self, epoch: SkinEpoch, index: int) -> float:
+        """The last frame of an epoch at which a suture is active."""
+
+    def planned_incisions(self, step: float) -> list[NDArray[np.float64]]:
+        """The incisions at rest, sampled every `step` mm: polylines (k, 3) in mm; closed ones repeat their first."""
+
+    def undermined_areas(self, step: float) -> list[NDArray[np.float64]]:
+        """The outlines of the undermined areas at rest, sampled and closed in the same way."""
