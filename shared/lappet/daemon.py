@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import hashlib
 import os
 import queue
 import secrets
@@ -10,6 +11,7 @@ import signal
 import subprocess
 import threading
 from collections import deque
+from functools import lru_cache
 from pathlib import Path
 from types import TracebackType
 from typing import IO, Self
@@ -54,6 +56,19 @@ def find_daemon() -> Path:
         f"The daemon {BINARY} is not installed; looked for {' and '.join(map(str, places))}. Run `make setup` in a "
         f"source checkout, install the wheel, or set LAPPET_SOLVERD to its path."
     )
+
+
+@lru_cache(maxsize=4)
+def _digest(binary: Path, modified: int) -> str:
+    return hashlib.blake2b(binary.read_bytes(), digest_size=16).hexdigest()
+
+
+def daemon_identity(binary: Path | None = None) -> str:
+    """What tells a daemon's program (found when None) from another: Lappet's version and the program's digest."""
+    from lappet import __version__
+
+    binary = find_daemon() if binary is None else binary
+    return f"{__version__} {_digest(binary, binary.stat().st_mtime_ns)}"
 
 
 class SolverDaemon:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Callable, Mapping
 from typing import Any
 
@@ -10,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lappet.client import SolverClient, SolverState
-from lappet.daemon import find_daemon
+from lappet.daemon import daemon_identity
 from lappet.frame_solver import Connect, FrameRefusedError, Iteration, SolvedFrame
 from lappet.program import Bones, Epoch, FrameConstraints, Landmarks, SolverSettings
 from lappet.wire import WireError
@@ -72,9 +71,9 @@ def solver_identity(address: str | None) -> str:
 
     A daemon at an address is told by the version that it greets with. Raises RefusedError where there is no daemon.
     """
+    if address is None:
+        return daemon_identity()
     from lappet import __version__
 
-    if address is None:
-        return f"{__version__} {hashlib.blake2b(find_daemon().read_bytes(), digest_size=16).hexdigest()}"
     with SolverClient(address) as client:
         return f"{__version__} {client.welcome['version']}"

@@ -267,7 +267,7 @@ class _Session:
             if self._last is None or self._last[0] != previous:
                 raise AssertionError(f"frame {index} is wanted before frame {previous}")
             self._set_epoch(self._solver, self.program.frames[previous].epoch)
-            state = _fitted(self._last[1].arrays, self.program.settings.sutures)
+            state = fitted_state(self._last[1].arrays, self.program.settings.sutures)
             self._solver.set_state(str(self._last[1].header["precision"]), state)
         self._set_epoch(self._solver, self.program.frames[index].epoch)
         return self._solver
@@ -291,7 +291,7 @@ class _Session:
             solver.close()
 
 
-def _fitted(arrays: dict[str, NDArray[Any]], sutures: int) -> dict[str, NDArray[Any]]:
+def fitted_state(arrays: dict[str, NDArray[Any]], sutures: int) -> dict[str, NDArray[Any]]:
     """The state arrays of a frame for a procedure with so many sutures.
 
     Sutures are numbered in order of their start, so those that an edit added or removed after the frame are rows at the

@@ -33,6 +33,13 @@ class Sheet:
     rim_level: NDArray[np.float64]
     top: NDArray[np.int64]
     smoothing: int
+    rim_quads: NDArray[np.int64]
+
+
+def rim_rows(points: NDArray[np.float64], triangles: NDArray[np.int64], thickness: float) -> int:
+    """How many rows of faces the rim needs for them to be about as high as the median edge (mm) is long."""
+    edges = np.linalg.norm(points[triangles] - points[np.roll(triangles, 1, axis=1)], axis=2)
+    return max(1, round(thickness / float(np.median(edges))))
 
 
 def thicken(points: NDArray[np.float64], triangles: NDArray[np.int64], thickness: float, rows: int, name: str) -> Sheet:
@@ -78,6 +85,7 @@ def _sheet(
     n = len(points)
     vertices, tops, levels = [points, under], [np.arange(n), np.arange(n)], [np.zeros(n), np.ones(n)]
     faces = [triangles, triangles[:, ::-1] + n]
+    quads = []
     count = 2 * n
     for loop in border_loops(triangles):
         rails = [loop]
@@ -93,6 +101,7 @@ def _sheet(
             a, b = upper, np.roll(upper, -1)
             c, d = np.roll(lower, -1), lower
             faces.append(np.concatenate([np.stack([b, a, d], 1), np.stack([b, d, c], 1)]))
+            quads.append(np.stack([b, a, d, c], 1))
     kind = np.repeat(np.arange(len(faces)), [len(f) for f in faces])
     return Sheet(
         points=np.concatenate(vertices),
@@ -103,6 +112,7 @@ def _sheet(
         rim_level=np.concatenate(levels),
         top=np.concatenate(tops),
         smoothing=rounds,
+        rim_quads=np.concatenate(quads) if quads else np.zeros((0, 4), np.int64),
     )
 
 

@@ -22,7 +22,7 @@ from lappet.surface_check import (
     place,
     signed_volume,
 )
-from lappet.thicken import Sheet, thicken
+from lappet.thicken import Sheet, rim_rows, thicken
 
 _SMALL_HOLE = 0.15  # of the rim, or of the diagonal of a mesh without one: holes shorter than this are filled
 _CELLS = 40_000
@@ -79,6 +79,12 @@ def new_tissue(
     return tissue, lines
 
 
+def chosen_spacing(volume: float, thickness: float = 0.0) -> float:
+    """A lattice spacing, mm with two digits: about 40 000 cells in `volume` mm³, at least a quarter of a sheet's
+    `thickness` mm."""
+    return float(f"{max(thickness / 4.0, (volume / _CELLS) ** (1.0 / 3.0)):.2g}")
+
+
 def _region(mesh: Mesh, levels: list[Level], edge: float, name: str, lines: list[str]) -> Mesh:
     """The largest connected part of the surface inside the region, refined to edges of `edge` mm and cut cleanly."""
     triangles = near(mesh.points, mesh.triangles, levels)
@@ -125,7 +131,7 @@ def _closed_tissue(mesh: Mesh, spacing: float | None, name: str, lines: list[str
     check_not_self_intersecting(mesh.points, mesh.triangles, name)
     volume = signed_volume(mesh.points, mesh.triangles)
     if spacing is None:
-        spacing = _rounded((volume / _CELLS) ** (1.0 / 3.0))
+        spacing = chosen_spacing(volume)
     lines.append(f"closed tissue: {len(mesh.triangles)} triangles, {volume:.4g} mm³, lattice spacing {spacing:g} mm")
     return Tissue(
         points=_single(mesh.points),
@@ -151,13 +157,12 @@ def _sheet_tissue(mesh: Mesh, thickness: float, spacing: float | None, name: str
         lines.append(f"{len(loops) - len(small)} borders: each becomes a fixed rim")
 
     uv = flatten(mesh.points, mesh.triangles)
-    edges = np.linalg.norm(mesh.points[mesh.triangles] - mesh.points[np.roll(mesh.triangles, 1, axis=1)], axis=2)
-    rows = max(1, round(thickness / float(np.median(edges))))
+    rows = rim_rows(mesh.points, mesh.triangles, thickness)
     sheet = thicken(mesh.points, mesh.triangles, thickness, rows, name)
     check_closed(sheet.points, sheet.triangles, name)
     volume = signed_volume(sheet.points, sheet.triangles)
     if spacing is None:
-        spacing = _rounded(max(thickness / 4.0, (volume / _CELLS) ** (1.0 / 3.0)))
+        spacing = chosen_spacing(volume, thickness)
     distortion = _stretches(mesh, uv)
     lines.append(
         f"thickened by {thickness:g} mm: {len(sheet.triangles)} triangles, {volume:.4g} mm³, "
@@ -200,8 +205,3 @@ def _stretches(mesh: Mesh, uv: NDArray[np.float64]) -> float:
 def _single(points: NDArray[np.float64]) -> NDArray[np.float64]:
     """The points rounded to what USD's float points hold."""
     return points.astype(np.float32).astype(np.float64)
-
-
-def _rounded(length: float) -> float:
-    """A length with two significant digits."""
-    return float(f"{length:.2g}")

@@ -1,11 +1,38 @@
-"""Registers this part of the add-on."""
+"""Registers the operators on events, the timeline panel and the watch over targets."""
 
 from __future__ import annotations
 
+import bpy
+
+from . import (
+    cut_operators,
+    edit_operators,
+    hold_operators,
+    point_operators,
+    suture_operators,
+    target_watch,
+    timeline_panel,
+)
+
+_CLASSES = (
+    *hold_operators.CLASSES,
+    *cut_operators.CLASSES,
+    *suture_operators.CLASSES,
+    *edit_operators.CLASSES,
+    *point_operators.CLASSES,
+    *timeline_panel.CLASSES,
+)
+
 
 def register() -> None:
-    """Nothing to register yet."""
+    """Adds the part."""
+    for each in _CLASSES:
+        bpy.utils.register_class(each)
+    target_watch.register()
 
 
 def unregister() -> None:
-    """Nothing to take away yet."""
+    """Takes it away."""
+    target_watch.unregister()
+    for each in reversed(_CLASSES):
+        bpy.utils.unregister_class(each)

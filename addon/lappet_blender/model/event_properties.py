@@ -47,6 +47,26 @@ class LappetPoint(bpy.types.PropertyGroup):
     )
 
 
+def _title(event: "LappetEvent") -> str:
+    return str(event.name)
+
+
+def _set_title(event: "LappetEvent", title: str) -> None:
+    from .event_list import rename_event
+
+    rename_event(event.id_data, event, title)
+
+
+def _moment(event: "LappetEvent") -> float:
+    return float(event.start)
+
+
+def _set_moment(event: "LappetEvent", start: float) -> None:
+    from .event_list import move_event
+
+    move_event(event.id_data, event, start)
+
+
 class LappetEvent(bpy.types.PropertyGroup):
     """An event; which of the fields count depends on its kind."""
 
@@ -115,6 +135,17 @@ class LappetEvent(bpy.types.PropertyGroup):
         name="Grip", description="The group of the tissue's faces that the retractor holds", update=property_changed
     )
     label: StringProperty(name="Label", description="What reports call the landmark", update=property_changed)
+    # What the interface edits in place of `name` and `start`: the name stays one that USD takes and nothing else has,
+    # and the release and the target's keyframes move with the start.
+    title: StringProperty(name="Name", description="Of the event; double-click to rename", get=_title, set=_set_title)
+    moment: FloatProperty(
+        name="Frame",
+        description="The frame at which it happens or begins; its end and its target's keyframes move with it",
+        precision=2,
+        step=100,
+        get=_moment,
+        set=_set_moment,
+    )
 
 
 CLASSES = (LappetPoint, LappetEvent)

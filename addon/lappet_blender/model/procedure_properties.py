@@ -186,6 +186,9 @@ class LappetSolving(bpy.types.PropertyGroup):
         default=False,
         update=property_changed,
     )
+    last_plan: StringProperty(
+        name="Last plan", description="Key of the plan that was shown when the file was saved", options={"HIDDEN"}
+    )
 
 
 class LappetLook(bpy.types.PropertyGroup):

@@ -11,10 +11,12 @@ from collections.abc import Sequence
 import bpy
 from mathutils import Vector
 
+from .decimals import decimal
+
 
 def mm_per_unit(scene: bpy.types.Scene) -> float:
     """Millimetres per Blender unit."""
-    return 1000.0 * float(scene.unit_settings.scale_length)
+    return 1000.0 * decimal(scene.unit_settings.scale_length)
 
 
 def to_mm(scene: bpy.types.Scene, world: Sequence[float]) -> tuple[float, float, float]:

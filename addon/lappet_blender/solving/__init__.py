@@ -1,1 +1,1 @@
-"""Solving a scene's procedure in the background, and the frames that there are."""
+"""Solving from Blender: the plan of each scene's procedure, its frames as they come, and what is shown at a frame."""

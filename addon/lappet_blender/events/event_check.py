@@ -1,0 +1,72 @@
+"""Whether an event may be added to a scene: what `lappet check` would say of it, before anything is changed."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import bpy
+
+from lappet.anchors import fan_triangles
+from lappet.contradictions import contradictions
+from lappet.event_problems import EventCheck
+from lappet.mesh_problems import mesh_problems
+from lappet.problem import Problem, ProcedureError
+from lappet.procedure import Event, Procedure, Tissue
+from lappet.refused import RefusedError
+from lappet.rest_space import RestSpace
+from lappet.usd_writer import TIMELINE, TISSUE
+
+from ..model.event_values import event_value
+from ..model.tissue_values import tissue_value
+
+_rest: list[tuple[Tissue, RestSpace | None]] = []  # of the tissue that was asked for last
+
+
+def check_events(scene: bpy.types.Scene, values: Sequence[Event]) -> None:
+    """Raises ProcedureError for what is wrong with new or changed events, alone or beside the scene's others.
+
+    Events of the scene that have the name of one of `values` are left out. Raises RefusedError where there is no tissue
+    to place them on.
+    """
+    tissue = tissue_of(scene)
+    names = {value.name for value in values}
+    others = []
+    for event in scene.lappet.events:
+        if event.enabled and event.name not in names:
+            try:
+                others.append(event_value(scene, event))
+            except RefusedError:
+                continue  # a broken event is its own affair
+    procedure = Procedure(
+        tissue, events=(*others, *values), start_time=float(scene.frame_start), end_time=float(scene.frame_end)
+    )
+    checked = EventCheck(procedure, rest_space(tissue))
+    for value in values:
+        checked.check(value, f"{TIMELINE}/{value.name}")
+    paths = {f"{TIMELINE}/{name}" for name in names}
+    problems = [*checked.problems, *(each for each in contradictions(procedure) if each.path in paths)]
+    errors = [_in_blender(each) for each in problems if each.severity == "error"]
+    if errors:
+        raise ProcedureError(errors)
+
+
+def tissue_of(scene: bpy.types.Scene) -> Tissue:
+    """The scene's tissue; raises RefusedError with the reason where it has none that can be used."""
+    tissue, problems = tissue_value(scene)
+    if tissue is None:
+        raise RefusedError(f"{problems[0].sentence} {problems[0].mend}" if problems else "The scene has no tissue.")
+    return tissue
+
+
+def rest_space(tissue: Tissue) -> RestSpace | None:
+    """Distances from the tissue, or None where its mesh is in disorder; kept until the tissue changes."""
+    if not _rest or _rest[0][0] is not tissue:
+        readable = mesh_problems(tissue, TISSUE).readable
+        _rest[:] = [(tissue, RestSpace(tissue.points, fan_triangles(tissue)[0]) if readable else None)]
+    return _rest[0][1]
+
+
+def _in_blender(found: Problem) -> Problem:
+    name = found.path.rpartition("/")[2]
+    mend = found.mend.replace("set endTimeCode later", "set the end of the scene later")
+    return Problem(found.path, found.value, f"{name}: {found.sentence}", mend, found.severity)

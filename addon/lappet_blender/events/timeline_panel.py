@@ -1,0 +1,151 @@
+"""The timeline panel: the events in order of time, and the fields of the active one."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import bpy
+
+from ..model.event_list import event_end, event_time, sorted_events
+from ..model.event_properties import CUT_KINDS, HOLD_KINDS, KINDS
+from ..model.event_target import is_there
+
+ICONS = {kind[0]: kind[3] for kind in KINDS}
+STATES = {"solved": "CHECKMARK", "stale": "FILE_REFRESH", "failed": "ERROR", "missing": "BLANK1"}
+_ADDING = (
+    ("lappet.incision_add", "INCISION"),
+    ("lappet.undermine_add", "UNDERMINE"),
+    ("lappet.hook_add", "HOOK"),
+    ("lappet.suture_add", "SUTURE"),
+)
+
+
+def span_text(event: Any) -> str:
+    """The frames of an event as people read them: "8 – 26", or "3"."""
+    start, end = event_time(event), event_end(event)
+    return f"{start:g} – {end:g}" if end > start else f"{start:g}"
+
+
+def time_order(scene: bpy.types.Scene) -> list[int]:
+    """For each event its row in the list."""
+    rows = [0] * len(scene.lappet.events)
+    for row, index in enumerate(sorted_events(scene)):
+        rows[index] = row
+    return rows
+
+
+def state_of(scene: bpy.types.Scene, event: Any) -> str:
+    """Whether the first frame of an event is solved, stale, failed or missing."""
+    from ..solving.frames import frame_state
+
+    return str(frame_state(scene, max(math.ceil(event_time(event)), scene.frame_start)))
+
+
+class LAPPET_UL_events(bpy.types.UIList):
+    """Events in order of time."""
+
+    bl_idname = "LAPPET_UL_events"
+
+    def draw_item(
+        self,
+        context: bpy.types.Context,
+        layout: bpy.types.UILayout,
+        _data: Any,
+        item: Any,
+        _icon: int,
+        _active_data: Any,
+        _active_property: str,
+        _index: int = 0,
+        _flag: int = 0,
+    ) -> None:
+        row = layout.row(align=True)
+        row.active = item.enabled
+        row.prop(item, "enabled", text="")
+        row.prop(item, "title", text="", emboss=False, icon=ICONS[item.kind])
+        if item.kind != "LANDMARK":
+            time = row.row(align=True)
+            time.ui_units_x = 3.2
+            time.prop(item, "moment", text="", emboss=False)
+            until = row.row(align=True)
+            until.ui_units_x = 2.4
+            end = event_end(item)
+            until.label(text=f"– {end:g}" if end > event_time(item) else "")
+            row.label(text="", icon=STATES[state_of(context.scene, item)])
+        row.operator("lappet.event_jump", text="", icon="PLAY", emboss=False).event = item.uid
+
+    def filter_items(self, context: bpy.types.Context, _data: Any, _property: str) -> tuple[list[int], list[int]]:
+        events = context.scene.lappet.events
+        shown: list[int] = []
+        if self.filter_name:
+            shown = bpy.types.UI_UL_list.filter_items_by_name(self.filter_name, self.bitflag_filter_item, events)
+        return shown, time_order(context.scene)
+
+
+class LAPPET_PT_timeline(bpy.types.Panel):
+    """What is done to the tissue, and when."""
+
+    bl_idname = "LAPPET_PT_timeline"
+    bl_label = "Timeline"
+    bl_space_type = "VIEW_3D"
+    bl_region_type = "UI"
+    bl_category = "Lappet"
+    bl_order = 20
+
+    def draw(self, context: bpy.types.Context) -> None:
+        layout, data = self.layout, context.scene.lappet
+        row = layout.row()
+        row.template_list("LAPPET_UL_events", "", data, "events", data, "active_event", rows=5)
+        side = row.column(align=True)
+        side.operator("lappet.event_duplicate", text="", icon="DUPLICATE")
+        side.operator("lappet.event_remove", text="", icon="REMOVE")
+        side.separator()
+        side.operator("lappet.event_select", text="", icon="RESTRICT_SELECT_OFF")
+        if not len(data.events):
+            layout.label(text="Draw an incision on the tissue to begin.", icon="INFO")
+            return
+        if 0 <= data.active_event < len(data.events):
+            event = data.events[data.active_event]
+            move = layout.row(align=True)
+            for text, shift in (("−1", -1.0), ("+1", 1.0)):
+                step = move.operator("lappet.event_retime", text=text)
+                step.event, step.shift = event.uid, shift
+            draw_fields(layout, context.scene, event)
+
+
+def draw_fields(layout: Any, scene: bpy.types.Scene, event: Any) -> None:
+    """The fields that count for the kind of an event."""
+    fields = layout.column()
+    fields.use_property_split = True
+    fields.use_property_decorate = False
+    fields.prop(event, "title")
+    if event.kind != "LANDMARK":
+        fields.prop(event, "moment")
+    if event.kind in HOLD_KINDS:
+        fields.prop(event, "end")
+        fields.prop(event, "target")
+        if not is_there(scene, event.target):
+            fields.label(text="The target is not in the scene.", icon="ERROR")
+    match event.kind:
+        case "INCISION":
+            fields.prop(event, "through")
+            deep = fields.column()
+            deep.active = not event.through
+            deep.prop(event, "depth")
+            fields.prop(event, "kerf")
+            fields.prop(event, "closed")
+        case "HOOK":
+            fields.prop(event, "stiffness")
+        case "RETRACTOR":
+            fields.prop(event, "grip")
+        case "SUTURE":
+            fields.prop(event, "duration")
+            fields.prop(event, "stiffness")
+        case "LANDMARK":
+            fields.prop(event, "label")
+    if event.kind in CUT_KINDS and event.kind != "EXCISION":
+        fields.prop(event, "basis")
+    fields.label(text=f"{len(event.points)} point{'s' * (len(event.points) != 1)}")
+
+
+CLASSES = (LAPPET_UL_events, LAPPET_PT_timeline)

@@ -1,0 +1,31 @@
+"""What is wrong with the scene of a procedure, and the operator that mends it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from lappet.problem import Problem, Severity
+
+
+@dataclass(frozen=True)
+class SceneProblem(Problem):
+    """A `lappet.problem.Problem` found in a Blender scene; `path` is the name of the object or event.
+
+    operator: the bl_idname of the operator that mends it, called with `arguments`; "" where nothing can.
+    """
+
+    operator: str = ""
+    arguments: tuple[tuple[str, str | int | float], ...] = ()
+
+
+def problem(
+    path: str,
+    value: object,
+    sentence: str,
+    mend: str,
+    operator: str = "",
+    severity: Severity = "error",
+    **arguments: str | int | float,
+) -> SceneProblem:
+    """A `SceneProblem` in one line."""
+    return SceneProblem(path, str(value), sentence, mend, severity, operator, tuple(arguments.items()))

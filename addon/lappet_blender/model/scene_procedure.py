@@ -1,0 +1,66 @@
+"""A scene as a procedure, and a procedure as a scene."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import bpy
+
+from lappet.problem import Problem
+from lappet.procedure import Event, Procedure
+from lappet.refused import RefusedError
+
+from .decimals import decimal
+from .material_values import material_values
+from .scene_problem import problem
+from .tissue_values import bone_values, tissue_value
+
+
+@dataclass(frozen=True)
+class SceneReading:
+    """procedure: None where a problem that is an error stands in the way. problems: those of Blender's side; what the
+    values themselves are wrong about `lappet.check` and the plan say."""
+
+    procedure: Procedure | None
+    problems: tuple[Problem, ...]
+
+
+def read_scene(scene: bpy.types.Scene) -> SceneReading:
+    """The procedure that the scene holds. Never raises; under 2 ms at 20 000 vertices where nothing has changed."""
+    tissue, problems = tissue_value(scene)
+    bones, wrong = bone_values(scene)
+    problems += wrong
+    events = _events(scene, problems)
+    if tissue is None or any(each.severity == "error" for each in problems):
+        return SceneReading(None, tuple(problems))
+    procedure = Procedure(
+        tissue=tissue,
+        materials=material_values(scene),
+        events=events,
+        bones=bones,
+        start_time=float(scene.frame_start),
+        end_time=float(scene.frame_end),
+        fps=scene.render.fps / decimal(scene.render.fps_base),
+    )
+    return SceneReading(procedure, tuple(problems))
+
+
+def _events(scene: bpy.types.Scene, problems: list[Problem]) -> tuple[Event, ...]:
+    if not any(each.enabled for each in scene.lappet.events):
+        return ()
+    from .event_values import event_value
+
+    found = []
+    for each in scene.lappet.events:
+        if not each.enabled:
+            continue
+        try:
+            found.append(event_value(scene, each))
+        except RefusedError as refused:
+            sentence, _, mend = str(refused).partition("; ")
+            problems.append(problem(each.name, each.kind, sentence, mend or "Change the event, or switch it off."))
+        except (ValueError, ReferenceError, TypeError, KeyError, AttributeError) as error:
+            # A scene may hold anything, and panels read it while they draw: say which event, and go on.
+            sentence = f"The event {each.name!r} cannot be read: {error}."
+            problems.append(problem(each.name, each.kind, sentence, "Remove the event and place it anew."))
+    return tuple(found)

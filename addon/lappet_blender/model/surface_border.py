@@ -1,0 +1,24 @@
+"""How many edges of a mesh of polygons belong to one face only."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lappet.surface_check import unique_edges
+
+from .mesh_values import MeshValues
+
+
+def directed_edges(mesh: MeshValues) -> NDArray[np.int64]:
+    """The edges (k, 2) of the faces in their direction, one per corner."""
+    counts, indices = mesh.counts.astype(np.int64), mesh.indices.astype(np.int64)
+    starts = np.repeat(np.cumsum(counts) - counts, counts)
+    within = np.arange(len(indices)) - starts
+    return np.stack([indices, indices[starts + (within + 1) % np.repeat(counts, counts)]], axis=1)
+
+
+def open_edge_count(mesh: MeshValues) -> int:
+    """The number of border edges."""
+    _, _, uses = unique_edges(directed_edges(mesh))
+    return int((uses == 1).sum())

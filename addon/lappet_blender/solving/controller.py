@@ -1,0 +1,234 @@
+"""What is known about the solving of each scene: the plan in force, earlier plans, the job under way, what failed.
+
+A controller holds no Blender data, only values and the scene's identifier: undo may replace every Blender object.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections import deque
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Literal
+
+import bpy
+
+from lappet.background.plan import Plan, PlannedFrame, ShownFrame, SolveSettings
+from lappet.problem import Problem
+from lappet.procedure import Point, Procedure
+from lappet.store import FrameStore, default_folder
+
+from . import workers
+from .pace import Pace
+from .plan_memory import PlanMemory
+from .shelf import Shelf
+from .solve_settings import frame_store, solve_settings
+
+if TYPE_CHECKING:
+    from lappet.background.solver import BackgroundSolver
+
+JobKind = Literal["plan", "solve", "live"]
+PAST_PLANS = 8  # earlier plans whose frames are shown as stale
+NOTES = 4
+
+
+@dataclass(eq=False)
+class Job:
+    """A job of the worker. time: of the frame it is at. frame_seconds: of those it solved itself, not looked up."""
+
+    number: int
+    kind: JobKind
+    key: str
+    procedure: Procedure
+    settings: SolveSettings
+    plan: Plan | None = None
+    started: float = field(default_factory=time.monotonic)
+    until: int | None = None
+    done: int = 0
+    total: int = 0
+    solved: int = 0
+    time: float = math.nan
+    newton: int = 0
+    residual: float = math.nan
+    frame_seconds: deque[float] = field(default_factory=lambda: deque(maxlen=8))
+    frame_started: float = field(default_factory=time.monotonic)
+    cancelled: bool = False
+
+
+@dataclass(eq=False)
+class Live:
+    """A hook is dragged: target in mm as last sent; frame: the latest that came back."""
+
+    hook: str
+    event_uid: str
+    time: int
+    job: int
+    target: Point | None = None
+    frame: ShownFrame | None = None
+    seconds: float = 0.0
+    converged: bool = True
+
+
+@dataclass(frozen=True)
+class Failure:
+    """Why the last job stopped; time: at which frame, None where it was none."""
+
+    time: int | None
+    sentence: str
+
+
+@dataclass(eq=False)
+class Controller:
+    """One scene's solving.
+
+    uid: the scene's. procedure, settings, key: as last read; None and "" where it cannot be solved. plan: that of
+    `key`, None until it is known. past: earlier plans, newest first; past_procedure: what past[0] was made of.
+    changed_from: while `plan` is None, the time before which past[0] still holds. dirty_since, changed_at, read_at:
+    monotonic seconds of the first change not yet read, the last one, and the last reading.
+    """
+
+    uid: int
+    store: FrameStore
+    client: BackgroundSolver | None = None
+    procedure: Procedure | None = None
+    settings: SolveSettings = field(default_factory=SolveSettings)
+    key: str = ""
+    plan: Plan | None = None
+    past: list[Plan] = field(default_factory=list)
+    past_of: tuple[Procedure, SolveSettings] | None = None
+    changed_from: float = -math.inf
+    problems: tuple[Problem, ...] = ()
+    refused: tuple[Problem, ...] = ()
+    job: Job | None = None
+    planning: Job | None = None
+    live: Live | None = None
+    failure: Failure | None = None
+    line: str = ""
+    notes: deque[str] = field(default_factory=lambda: deque(maxlen=NOTES))
+    cells: float = 0.0
+    dirty_since: float | None = 0.0
+    changed_at: float = 0.0
+    read_at: float = -math.inf
+    read_seconds: float = 0.0
+    vitals: tuple[object, ...] = ()
+    seen_frame: int | None = None
+    revision: int = 0  # counts up whenever a state or what is shown may have changed
+    told: int = 0  # the revision that listeners were told of
+    known: set[str] = field(default_factory=set)  # keys of frames that the store or the memory holds
+    states: tuple[int, dict[int, str]] = (-1, {})
+
+    def touch(self) -> None:
+        """The scene may have changed: it is to be read again."""
+        now = time.monotonic()
+        self.changed_at = now
+        if self.dirty_since is None:
+            self.dirty_since = now
+
+    def bump(self) -> None:
+        """What is shown, or a state, may have changed."""
+        self.revision += 1
+
+    def solver(self) -> BackgroundSolver:
+        """The worker of this scene, started when it is first needed."""
+        if self.client is None:
+            self.client = workers.borrow(self.store.folder)
+        return self.client
+
+    def holds(self, key: str) -> bool:
+        """Whether a frame is there, in memory or in the store (asked once; see `look_again`)."""
+        return key in self.known
+
+    def look_again(self, *plans: Plan) -> None:
+        """Asks the store anew which frames of these plans it holds."""
+        for plan in plans:
+            for frame in plan.frames:
+                if frame.key in shelf or frame.key in self.store:
+                    self.known.add(frame.key)
+                else:
+                    self.known.discard(frame.key)
+        self.bump()
+
+    def note(self, sentence: str) -> None:
+        """A sentence for the panel; the same one twice is shown once."""
+        if sentence in self.notes:
+            self.notes.remove(sentence)
+        self.notes.append(sentence)
+        self.bump()
+
+    def newest(self) -> Plan | None:
+        """The plan in force, or while it is not known the one before."""
+        return self.plan or (self.past[0] if self.past else None)
+
+    def jobs(self) -> Iterator[Job]:
+        """The jobs under way."""
+        if self.job is not None:
+            yield self.job
+        if self.planning is not None:
+            yield self.planning
+
+    def release(self) -> None:
+        """Cancels everything and gives the worker back."""
+        if self.client is not None:
+            for job in self.jobs():
+                self.client.cancel(job.number)
+            workers.give_back(self.client)
+        self.client = self.job = self.planning = self.live = None
+
+
+shelf = Shelf()
+plans = PlanMemory()
+_controllers: dict[int, Controller] = {}
+_pace: Pace | None = None
+
+
+def pace() -> Pace:
+    """The measure of this machine, beside the user's store."""
+    global _pace
+    if _pace is None:
+        _pace = Pace(default_folder())
+    return _pace
+
+
+def controller_of(scene: bpy.types.Scene) -> Controller:
+    """The controller of a scene, made where there is none yet."""
+    found = _controllers.get(scene.session_uid)
+    if found is None:
+        found = Controller(scene.session_uid, frame_store(scene), settings=solve_settings(scene))
+        _controllers[found.uid] = found
+    return found
+
+
+def find_controller(scene: bpy.types.Scene) -> Controller | None:
+    """The controller of a scene, or None."""
+    return _controllers.get(scene.session_uid)
+
+
+def scene_of(controller: Controller) -> bpy.types.Scene | None:
+    """The scene of a controller, or None where it is gone."""
+    return next((scene for scene in bpy.data.scenes if scene.session_uid == controller.uid), None)
+
+
+def controllers() -> list[Controller]:
+    """All controllers."""
+    return list(_controllers.values())
+
+
+def forget(controller: Controller) -> None:
+    """Cancels the jobs of a scene and forgets it; frames and plans stay."""
+    controller.release()
+    _controllers.pop(controller.uid, None)
+
+
+def forget_all() -> None:
+    """Cancels the jobs of every scene and forgets them."""
+    for controller in controllers():
+        forget(controller)
+
+
+def frame_at(plan: Plan, time: float) -> PlannedFrame | None:
+    """The frame of a plan at a time code; a plan's frames follow one another by one."""
+    if not plan.frames:
+        return None
+    index = math.floor(time + 1e-6) - plan.frames[0].time
+    return plan.frames[index] if 0 <= index < len(plan.frames) else None

@@ -1,0 +1,94 @@
+"""What other parts of the add-on ask the solving side: plans, states of frames, what is shown, progress."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+from lappet.background.plan import Plan
+from lappet.problem import Problem
+
+from .controller import Controller, controller_of, find_controller, frame_at, plans
+from .frame_states import FrameRun, State, frame_runs_of, frame_states
+from .shown_frame import Shown, find_shown, read_neighbours
+from .solve_progress import Progress, progress
+
+__all__ = ["FrameRun", "Progress", "Shown"]
+
+Listener = Callable[[bpy.types.Scene], None]
+_listeners: list[Listener] = []
+
+
+def plan_of(scene: bpy.types.Scene) -> Plan | None:
+    """The plan of the procedure as it is now; None while it is not known."""
+    return controller_of(scene).plan
+
+
+def frame_state(scene: bpy.types.Scene, time: float) -> State:
+    """"solved", "stale" (an older solve is shown), "failed" or "missing"."""
+    return frame_states(controller_of(scene)).get(math.floor(time + 1e-6), "missing")
+
+
+def frame_runs(scene: bpy.types.Scene) -> tuple[FrameRun, ...]:
+    """The states of all frames as stretches of equal state, in order; cheap enough for every redraw."""
+    return frame_runs_of(controller_of(scene))
+
+
+def frame_reason(scene: bpy.types.Scene, time: float) -> str:
+    """Why the frame at a time failed, a sentence; "" where it did not."""
+    plan = controller_of(scene).newest()
+    frame = None if plan is None else frame_at(plan, time)
+    return "" if frame is None else plans.failures.get(frame.key, "")
+
+
+def shown_at(scene: bpy.types.Scene, time: float) -> Shown | None:
+    """What to show at a time: the frame, an older one in its place (stale), the epoch at rest; None = not planned."""
+    controller = find_controller(scene)
+    if controller is None:
+        controller_of(scene)  # from now on it is read when the timer next comes by
+        return None
+    shown = find_shown(controller, time)
+    read_neighbours(controller, time)
+    return shown
+
+
+def live_points(scene: bpy.types.Scene) -> NDArray[np.float32] | None:
+    """The skin's points (n, 3) in mm for the hook as it is dragged; None where live mode is off or has none yet."""
+    controller = find_controller(scene)
+    live = None if controller is None else controller.live
+    return None if live is None or live.frame is None else live.frame.points
+
+
+def progress_of(scene: bpy.types.Scene) -> Progress:
+    """How the solving of a scene stands."""
+    return progress(controller_of(scene))
+
+
+def problems_of(scene: bpy.types.Scene) -> tuple[Problem, ...]:
+    """What is wrong with the scene's procedure: seen while reading it, and by the solver."""
+    controller = controller_of(scene)
+    return (*controller.problems, *controller.refused)
+
+
+def subscribe(listener: Listener) -> None:
+    """Calls `listener(scene)` on the main thread when what is shown, or a state, may have changed."""
+    if listener not in _listeners:
+        _listeners.append(listener)
+
+
+def unsubscribe(listener: Listener) -> None:
+    """Takes a listener off; one that is not there is no error."""
+    if listener in _listeners:
+        _listeners.remove(listener)
+
+
+def announce(scene: bpy.types.Scene, controller: Controller) -> None:
+    """Tells the listeners, if anything changed since they were told last."""
+    if controller.told != controller.revision:
+        controller.told = controller.revision
+        for listener in list(_listeners):
+            listener(scene)

@@ -1,0 +1,112 @@
+"""Live mode: while a hook's target is dragged, the skin follows as fast as it is solved."""
+
+from __future__ import annotations
+
+import math
+
+import bpy
+
+from lappet.refused import RefusedError
+
+from ..model.decimals import decimal
+from ..model.event_list import find_event
+from ..model.units import mm_per_unit
+from .controller import Controller, Job, Live, controller_of
+from .frames import problems_of
+from .reconcile import reconcile
+from .solve_jobs import first_sentence, refuse_problems
+
+_LEAST_MOVE = 1e-4  # mm
+
+
+def start_live(scene: bpy.types.Scene, hook: str = "") -> Live:
+    """Opens the current frame with the hook of that name or uid (the active event when "") ready to be dragged.
+
+    Raises RefusedError for an event that is no hook, that does not pull at this frame or that has no target.
+    """
+    controller = controller_of(scene)
+    if controller.job is not None and not controller.job.cancelled:
+        raise RefusedError("This scene is being solved; wait for it, or cancel it before a hook is dragged.")
+    reconcile(scene, controller, ask=False)
+    refuse_problems(controller.problems)
+    if controller.procedure is None or not controller.key:
+        raise RefusedError(first_sentence(problems_of(scene)))
+    event = _hook(scene, hook)
+    time = scene.frame_current
+    try:
+        number = controller.solver().live(controller.procedure, controller.settings, time, event.name)
+    except (RuntimeError, OSError) as error:
+        raise RefusedError(f"The solver could not be started: {error}") from error
+    job = Job(number, "live", controller.key, controller.procedure, controller.settings, plan=controller.plan)
+    controller.job, controller.planning, controller.failure = job, None, None
+    controller.live = Live(event.name, event.uid, time, number, target=_place(scene, event.target))
+    scene.lappet.solving.live = True
+    controller.bump()
+    return controller.live
+
+
+def step_live(scene: bpy.types.Scene, controller: Controller) -> None:
+    """Sends the target's place where it has moved; ends live mode where it was switched off or its ground is gone."""
+    live = controller.live
+    if live is None:
+        if scene.lappet.solving.live:
+            scene.lappet.solving.live = False
+        return
+    event = find_event(scene, live.event_uid or live.hook)
+    if not scene.lappet.solving.live or event is None or event.target is None or scene.frame_current != live.time:
+        stop_live(scene, controller)
+        return
+    place = _place(scene, event.target)
+    if live.target is None or math.dist(place, live.target) > _LEAST_MOVE:
+        live.target = place
+        controller.solver().live_target(live.job, place)
+
+
+def stop_live(scene: bpy.types.Scene, controller: Controller, *, may_key: bool = True) -> None:
+    """Ends live mode. The target stays where it was dragged; where it is animated and the user has automatic keyframes
+    on, that place is keyed at the frame (unless `may_key` is off)."""
+    live, controller.live = controller.live, None
+    if live is None:
+        return
+    if controller.client is not None:
+        controller.client.cancel(live.job)
+    if controller.job is not None and controller.job.number == live.job:
+        controller.job.cancelled = True
+    scene.lappet.solving.live = False
+    event = find_event(scene, live.event_uid or live.hook)
+    target = None if event is None else event.target
+    moved = live.frame is not None and target is not None
+    animated = moved and target.animation_data is not None and target.animation_data.action is not None
+    if may_key and animated and scene.tool_settings.use_keyframe_insert_auto:
+        target.keyframe_insert("location", frame=live.time)
+    controller.touch()
+    controller.bump()
+
+
+def _hook(scene: bpy.types.Scene, hook: str):  # type: ignore[no-untyped-def]
+    events = scene.lappet.events
+    active = scene.lappet.active_event
+    event = find_event(scene, hook) if hook else events[active] if 0 <= active < len(events) else None
+    if event is None:
+        what = f"There is no event {hook!r} in the timeline" if hook else "No event is active in the timeline"
+        raise RefusedError(f"{what}; choose the hook to drag there.")
+    if event.kind != "HOOK":
+        raise RefusedError(f"{event.name} is no hook, and only hooks are dragged live; choose one in the timeline.")
+    if not event.enabled or not decimal(event.start) <= scene.frame_current < decimal(event.end):
+        raise RefusedError(
+            f"{event.name} does not pull at frame {scene.frame_current}; go to a frame from {event.start:g} to before "
+            f"{event.end:g}{'' if event.enabled else ', and switch the hook on'}."
+        )
+    if event.target is None:
+        raise RefusedError(f"{event.name} has no target to drag; choose an empty as its target in the timeline.")
+    return event
+
+
+def _place(scene: bpy.types.Scene, target: bpy.types.Object) -> tuple[float, float, float]:
+    """Where a target is, in mm, as evaluated with what it hangs on."""
+    for layer in scene.view_layers:
+        layer.update()
+        place = target.evaluated_get(layer.depsgraph).matrix_world.translation
+        x, y, z = (decimal(v) * mm_per_unit(scene) for v in place)
+        return (x, y, z)
+    raise AssertionError("a scene has a view layer")

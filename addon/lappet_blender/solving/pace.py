@@ -1,0 +1,47 @@
+"""How long a frame takes on this machine: seconds per lattice cell as measured by earlier solves, kept in a file."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+from pathlib import Path
+
+_FILE = "pace.json"
+_WEIGHT = 0.2  # of the newest frame in the running mean
+
+
+class Pace:
+    """Seconds per cell and frame. folder: where the measure is kept between sessions; trouble with it is no error."""
+
+    def __init__(self, folder: Path) -> None:
+        self._file = folder / _FILE
+        self._rate: float | None = None
+        with contextlib.suppress(OSError, ValueError, KeyError, TypeError):
+            rate = float(json.loads(self._file.read_text(encoding="utf-8"))["seconds_per_cell"])
+            self._rate = rate if rate > 0.0 else None
+
+    def measured(self, cells: float, seconds: float) -> None:
+        """A frame of so many cells took so many seconds."""
+        if cells > 0.0 and seconds > 0.0:
+            rate = seconds / cells
+            self._rate = rate if self._rate is None else (1.0 - _WEIGHT) * self._rate + _WEIGHT * rate
+
+    def seconds(self, cells: float) -> float | None:
+        """What a frame of so many cells will take, or None where nothing was measured yet."""
+        return None if self._rate is None or cells <= 0.0 else self._rate * cells
+
+    def keep(self) -> None:
+        """Writes the measure down."""
+        if self._rate is not None:
+            with contextlib.suppress(OSError):
+                self._file.parent.mkdir(parents=True, exist_ok=True)
+                self._file.write_text(json.dumps({"seconds_per_cell": self._rate}), encoding="utf-8")
+
+
+def in_words(seconds: float) -> str:
+    """A duration as people say it: 'about 12 s', 'about 4 min', 'about 2.5 h'."""
+    if seconds < 90.0:
+        return f"about {max(1, round(seconds))} s"
+    if seconds < 90.0 * 60.0:
+        return f"about {round(seconds / 60.0)} min"
+    return f"about {seconds / 3600.0:.1f} h"

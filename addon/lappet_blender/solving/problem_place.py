@@ -1,0 +1,35 @@
+"""Where in the scene a problem is: its event or its object, which a click selects."""
+
+from __future__ import annotations
+
+import bpy
+
+from lappet.problem import Problem
+
+from ..model.event_list import event_index, event_time
+
+_SUBSET = "/Procedure/Tissue"
+
+
+def problem_event(scene: bpy.types.Scene, problem: Problem) -> int:
+    """The index of the event that a problem is about, -1 for none. Paths are prims or names of events and objects."""
+    return event_index(scene, problem.path.split(".")[0].rsplit("/", 1)[-1])
+
+
+def select_problem(scene: bpy.types.Scene, layer: bpy.types.ViewLayer, problem: Problem) -> bool:
+    """Makes the problem's event active and goes to its frame, or selects its object; False where it has none."""
+    index = problem_event(scene, problem)
+    if index >= 0:
+        scene.lappet.active_event = index
+        time = int(event_time(scene.lappet.events[index]))
+        scene.frame_set(min(max(time, scene.frame_start), scene.frame_end))
+        return True
+    obj = scene.objects.get(problem.path)
+    if obj is None and problem.path.startswith(_SUBSET):
+        obj = scene.lappet.tissue.object
+    if obj is None or layer.objects.get(obj.name) is None:
+        return False
+    for each in layer.objects:
+        each.select_set(each == obj)
+    layer.objects.active = obj
+    return True

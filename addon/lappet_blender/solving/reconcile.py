@@ -1,0 +1,210 @@
+"""Brings what is known about a scene's solving up to what the scene holds now.
+
+Reads the scene, names its plan by key and looks it up; only what is nowhere is asked of the worker. So an undo finds its
+frames at once, and a file that is opened again finds those of the day before.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import math
+import time
+
+import bpy
+import numpy as np
+
+from lappet.background.plan import SolveSettings
+from lappet.lattice_size import TissueMeasure
+from lappet.problem import Problem
+from lappet.procedure import Procedure, Tissue
+from lappet.refused import RefusedError
+
+from ..model.migrate import from_newer_version
+from .controller import PAST_PLANS, Controller, Job, plans
+from .first_change import first_change
+from .solve_settings import frame_store, solve_settings
+
+QUIET = 0.1  # seconds without a change before the scene is read
+LONGEST_WAIT = 0.5  # ... while changes keep coming
+LEAST_GAP = 0.2  # between two readings
+_REST = 8.0  # a reading that took s seconds is followed by that many times s without one
+_identity: str | None = None
+
+
+def due(controller: Controller) -> bool:
+    """Whether the scene has changed and it is time to read it."""
+    if controller.dirty_since is None:
+        return False
+    now = time.monotonic()
+    waited = now - controller.changed_at >= QUIET or now - controller.dirty_since >= LONGEST_WAIT
+    return waited and now - controller.read_at >= max(LEAST_GAP, _REST * controller.read_seconds)
+
+
+def reconcile(scene: bpy.types.Scene, controller: Controller, *, ask: bool = True) -> None:
+    """Reads the scene now. ask: have the worker plan what is not known."""
+    from ..model.scene_procedure import read_scene
+
+    started = time.monotonic()
+    controller.dirty_since = None
+    reading = read_scene(scene)
+    settings = solve_settings(scene)
+    store = frame_store(scene)
+    if store is not controller.store:
+        _move(controller, store)
+    _take(controller, reading.procedure, settings, (*reading.problems, *_newer(scene)))
+    if ask:
+        ask_for_plan(controller)
+    controller.read_at = time.monotonic()
+    controller.read_seconds = controller.read_at - started
+
+
+def _newer(scene: bpy.types.Scene) -> tuple[Problem, ...]:
+    if not from_newer_version(scene):
+        return ()
+    sentence = f"The scene {scene.name!r} was saved by a newer Lappet, and parts of it may be missing here."
+    return (Problem(scene.name, str(scene.lappet.version), sentence, "Update Lappet before you save.", "warning"),)
+
+
+def ask_for_plan(controller: Controller) -> None:
+    """Has the worker plan the procedure in the background, where its plan is neither known nor refused."""
+    if controller.procedure is None or not controller.key or controller.plan is not None or controller.refused:
+        return
+    if any(job.key == controller.key and not job.cancelled for job in controller.jobs()):
+        return
+    with reporting(controller):
+        number = controller.solver().plan(controller.procedure, controller.settings)
+        controller.planning = Job(number, "plan", controller.key, controller.procedure, controller.settings)
+        controller.bump()
+
+
+@contextlib.contextmanager
+def reporting(controller: Controller):  # type: ignore[no-untyped-def]
+    """What the worker cannot do becomes a problem of the scene instead of an exception."""
+    try:
+        yield
+    except (RefusedError, RuntimeError, OSError) as error:
+        controller.refused = (Problem("solver", "", str(error), "Then press Solve again."),)
+        controller.bump()
+
+
+def identity() -> str:
+    """What identifies the solver in keys; raises RefusedError where there is none."""
+    global _identity
+    if _identity is None:
+        from lappet.daemon_solver import solver_identity
+
+        _identity = solver_identity(None)
+    return _identity
+
+
+def stop_obsolete(controller: Controller) -> None:
+    """Cancels a solve that has reached what the procedure no longer asks for; what it solved is kept."""
+    job = controller.job
+    if job is None or job.kind != "solve" or job.cancelled or job.key == controller.key or job.plan is None:
+        return
+    if controller.procedure is None or controller.settings != job.settings:
+        valid = -math.inf
+    else:
+        valid = first_change(job.procedure, controller.procedure)
+    following = job.plan.frames[0].time + job.done if job.plan.frames else math.inf
+    if following >= valid and job.done < job.total:
+        controller.solver().cancel(job.number)
+        job.cancelled = True
+        controller.line = f"The procedure changed at or before frame {following:g}: press Solve to go on"
+        controller.note(controller.line + ".")
+
+
+def _take(
+    controller: Controller, procedure: Procedure | None, settings: SolveSettings, problems: tuple[Problem, ...]
+) -> None:
+    if problems != controller.problems:
+        controller.problems = problems
+        controller.bump()
+    if procedure is None or any(problem.severity == "error" for problem in problems):
+        _retire(controller)
+        controller.procedure, controller.key, controller.refused = procedure, "", ()
+        controller.changed_from = _still_holds(controller, procedure, settings)
+        stop_obsolete(controller)
+        controller.bump()
+        return
+    same = controller.key and settings == controller.settings and procedure == controller.procedure
+    if same and (controller.plan is not None or plans.refused(controller.key) is not None):
+        return
+    try:
+        from lappet.background.plan_key import plan_key
+
+        key = plan_key(procedure, settings, identity())
+    except RefusedError as error:
+        _retire(controller)
+        controller.procedure, controller.settings, controller.key = procedure, settings, ""
+        controller.refused = (Problem("solver", "", str(error), "Install Lappet again, or mend its installation."),)
+        controller.bump()
+        return
+    if key != controller.key:
+        _retire(controller)
+        controller.failure = None
+    _measure(controller, procedure.tissue)
+    controller.procedure, controller.settings, controller.key = procedure, settings, key
+    controller.refused = plans.refused(key) or ()
+    controller.plan = plans.find(key, controller.store)
+    if controller.plan is not None:
+        put_in_force(controller)
+    else:
+        controller.changed_from = _still_holds(controller, procedure, settings)
+    stop_obsolete(controller)
+    controller.bump()
+
+
+def put_in_force(controller: Controller) -> None:
+    """The plan of the key is known now: looks which of its frames are there."""
+    assert controller.plan is not None
+    if controller.procedure is not None:
+        controller.past_of = (controller.procedure, controller.settings)
+    controller.look_again(controller.plan)
+
+
+def _retire(controller: Controller) -> None:
+    """The plan in force becomes the newest of the past ones."""
+    plan, controller.plan = controller.plan, None
+    if plan is None:
+        return
+    others = [each for each in controller.past if each.key != plan.key]
+    controller.past = [plan, *others][:PAST_PLANS]
+
+
+def _still_holds(controller: Controller, procedure: Procedure | None, settings: SolveSettings) -> float:
+    """The time before which the newest past plan holds for this procedure."""
+    if procedure is None or not controller.past or controller.past_of is None:
+        return -math.inf
+    before, with_settings = controller.past_of
+    return first_change(before, procedure) if settings == with_settings else -math.inf
+
+
+def _move(controller: Controller, store: object) -> None:
+    """Frames go to another folder from now on; a worker is bound to its folder, so this scene gets another."""
+    controller.release()
+    controller.store = store  # type: ignore[assignment]
+    controller.known.clear()
+    plan = controller.plan
+    controller.look_again(*([plan] if plan else []), *controller.past)
+
+
+_measured: tuple[Tissue, float, float] | None = None
+
+
+def _measure(controller: Controller, tissue: Tissue) -> None:
+    """About how many cells the lattice will have; from the solver's own count as soon as there is one."""
+    global _measured
+    if _measured is None or _measured[0] is not tissue or _measured[1] != tissue.spacing:
+        counts = tissue.face_vertex_counts
+        if len(counts) == 0 or len(tissue.points) == 0 or tissue.spacing <= 0.0:
+            return
+        first = np.cumsum(counts) - counts
+        fans = []
+        for corner in range(1, int(counts.max()) - 1):
+            at = first[counts > corner + 1]
+            index = tissue.face_vertex_indices
+            fans.append(np.stack([index[at], index[at + corner], index[at + corner + 1]], axis=1))
+        measure = TissueMeasure(tissue.points, np.concatenate(fans))
+        _measured = (tissue, tissue.spacing, measure.lattice(tissue.spacing).cells)
+    controller.cells = _measured[2]

@@ -1,0 +1,161 @@
+"""Operators that solve, plan and cancel, and those about solved frames."""
+
+import bpy
+from bpy.props import BoolProperty, IntProperty
+
+from lappet.refused import RefusedError
+
+from .controller import controller_of
+from .frames import problems_of, progress_of
+from .problem_place import select_problem
+from .scene_watch import reading
+from .solve_jobs import cancel_solve, clear_frames, reload_frames, start_plan, start_solve
+from .wait_for_solve import SolveFailedError, wait_for_plan, wait_for_solve
+
+
+class LAPPET_OT_solve(bpy.types.Operator):
+    """Solve every frame that is not solved yet, in the background"""
+
+    bl_idname = "lappet.solve"
+    bl_label = "Solve"
+    bl_options = {"REGISTER"}
+
+    wait: BoolProperty(
+        name="Wait", description="Return when it is done; for scripts, Ctrl-C cancels", options={"SKIP_SAVE"}
+    )
+    until: IntProperty(
+        name="Until", description="The last frame to solve; -1 = all", default=-1, min=-1, options={"SKIP_SAVE"}
+    )
+
+    def execute(self, context):  # noqa: D102
+        scene = context.scene
+        try:
+            with reading():
+                start_solve(scene, None if self.until < 0 else self.until)
+            if self.wait and not wait_for_solve(scene):
+                self.report({"WARNING"}, "The solve was cancelled; what is solved is kept.")
+                return {"CANCELLED"}
+        except (RefusedError, SolveFailedError) as refused:
+            self.report({"ERROR"}, str(refused))
+            return {"CANCELLED"}
+        return {"FINISHED"}
+
+
+class LAPPET_OT_solve_cancel(bpy.types.Operator):
+    """Stop solving; the frames solved so far are kept"""
+
+    bl_idname = "lappet.solve_cancel"
+    bl_label = "Cancel"
+    bl_options = {"REGISTER"}
+
+    @classmethod
+    def poll(cls, context):
+        """Only while there is something to cancel."""
+        return progress_of(context.scene).running
+
+    def execute(self, context):  # noqa: D102
+        return {"FINISHED"} if cancel_solve(context.scene) else {"CANCELLED"}
+
+
+class LAPPET_OT_plan_now(bpy.types.Operator):
+    """Cut the tissue at rest and find out which frames are solved, without solving any"""
+
+    bl_idname = "lappet.plan_now"
+    bl_label = "Plan Now"
+    bl_options = {"REGISTER"}
+
+    wait: BoolProperty(name="Wait", description="Return when it is done", default=True, options={"SKIP_SAVE"})
+
+    def execute(self, context):  # noqa: D102
+        try:
+            with reading():
+                start_plan(context.scene)
+            if self.wait:
+                wait_for_plan(context.scene)
+        except (RefusedError, SolveFailedError) as refused:
+            self.report({"ERROR"}, str(refused))
+            return {"CANCELLED"}
+        return {"FINISHED"}
+
+
+class LAPPET_OT_clear_frames(bpy.types.Operator):
+    """Delete the solved frames of this scene's procedure, in its copies too; undo does not bring them back"""
+
+    bl_idname = "lappet.clear_frames"
+    bl_label = "Clear Solved Frames"
+    bl_options = {"REGISTER"}
+
+    def invoke(self, context, event):  # noqa: D102
+        return context.window_manager.invoke_confirm(self, event)
+
+    def execute(self, context):  # noqa: D102
+        try:
+            with reading():
+                count = clear_frames(context.scene)
+        except RefusedError as refused:
+            self.report({"ERROR"}, str(refused))
+            return {"CANCELLED"}
+        self.report({"INFO"}, f"{count} solved frame{'' if count == 1 else 's'} cleared.")
+        return {"FINISHED"}
+
+
+class LAPPET_OT_reload_frames(bpy.types.Operator):
+    """Look again which frames are solved: another program may have solved some"""
+
+    bl_idname = "lappet.reload_frames"
+    bl_label = "Reload Frames"
+    bl_options = {"REGISTER"}
+
+    def execute(self, context):  # noqa: D102
+        with reading():
+            reload_frames(context.scene)
+        return {"FINISHED"}
+
+
+class LAPPET_OT_failure_show(bpy.types.Operator):
+    """Go to the frame at which the solve stopped"""
+
+    bl_idname = "lappet.failure_show"
+    bl_label = "Go to the Failed Frame"
+    bl_options = {"REGISTER"}
+
+    @classmethod
+    def poll(cls, context):
+        """Only where a frame failed."""
+        failure = controller_of(context.scene).failure
+        return failure is not None and failure.time is not None
+
+    def execute(self, context):  # noqa: D102
+        context.scene.frame_set(controller_of(context.scene).failure.time)
+        return {"FINISHED"}
+
+
+class LAPPET_OT_problem_show(bpy.types.Operator):
+    """Select what this problem is about"""
+
+    bl_idname = "lappet.problem_show"
+    bl_label = "Show"
+    bl_options = {"REGISTER", "UNDO"}
+
+    index: IntProperty(name="Problem", default=0, min=0, options={"SKIP_SAVE"})
+
+    def execute(self, context):  # noqa: D102
+        problems = problems_of(context.scene)
+        if self.index >= len(problems):
+            many = f"There are {len(problems)} problems" if len(problems) != 1 else "There is 1 problem"
+            self.report({"ERROR"}, f"{many}, and none of the index {self.index}; give one from 0.")
+            return {"CANCELLED"}
+        if not select_problem(context.scene, context.view_layer, problems[self.index]):
+            self.report({"INFO"}, f"{problems[self.index].path} is nothing in the scene that could be selected.")
+        return {"FINISHED"}
+
+
+CLASSES = (
+    LAPPET_OT_solve,
+    LAPPET_OT_solve_cancel,
+    LAPPET_OT_plan_now,
+    LAPPET_OT_clear_frames,
+    LAPPET_OT_reload_frames,
+    LAPPET_OT_failure_show,
+    LAPPET_OT_problem_show,
+)

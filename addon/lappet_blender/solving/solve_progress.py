@@ -1,0 +1,95 @@
+"""How a scene's solving stands, in numbers and in a line of plain words."""
+
+from __future__ import annotations
+
+import math
+import time
+from dataclasses import dataclass
+from typing import Literal
+
+from .controller import Controller, Job, pace
+from .frame_states import count_states
+from .pace import in_words
+
+
+@dataclass(frozen=True)
+class Progress:
+    """How it stands.
+
+    running: a solve is under way. live: a hook is dragged. done, total: frames of the job, or of the procedure where
+    there is none. time, newton, residual: where the job is, NaN and 0 where there is none. seconds: those still
+    expected, NaN where nothing tells. line: for people. job_kind: "" where nothing is under way.
+    """
+
+    running: bool
+    live: bool
+    done: int
+    total: int
+    time: float
+    newton: int
+    residual: float
+    seconds: float
+    line: str
+    job_kind: Literal["", "plan", "solve", "live"]
+
+
+def progress(controller: Controller) -> Progress:
+    """How the solving of a scene stands."""
+    job = controller.job
+    if job is not None and job.kind == "solve":
+        return _solving(controller, job)
+    counts = count_states(controller)
+    total = sum(counts.values())
+    unsolved = total - counts["solved"]
+    seconds = _expected(controller, unsolved)
+    live = controller.live is not None
+    kind: Literal["", "plan", "live"] = "live" if live else "plan" if controller.planning is not None else ""
+    line = _live_line(controller) if live else _idle_line(controller, counts, seconds)
+    return Progress(False, live, counts["solved"], total, math.nan, 0, math.nan, seconds, line, kind)
+
+
+def _solving(controller: Controller, job: Job) -> Progress:
+    left = max(job.total - job.done, 0)
+    seconds = math.nan
+    if job.frame_seconds:
+        each = sum(job.frame_seconds) / len(job.frame_seconds)
+        seconds = max(each * left - (time.monotonic() - job.frame_started), 0.0)
+    elif job.plan is not None:
+        seconds = _expected(controller, left)
+    if job.cancelled:
+        line = "Stopping after this iteration; what is solved is kept"
+    elif job.plan is None:
+        line = "Preparing the cuts and the lattice"
+    else:
+        line = f"{job.done} of {job.total} frames"
+        if not math.isnan(job.time):
+            line += f"; frame {job.time:g}, iteration {job.newton}"
+        if not math.isnan(seconds) and left:
+            line += f"; {in_words(seconds)} left"
+    return Progress(True, False, job.done, job.total, job.time, job.newton, job.residual, seconds, line, "solve")
+
+
+def _expected(controller: Controller, frames: int) -> float:
+    each = pace().seconds(controller.cells)
+    return math.nan if each is None or frames == 0 else each * frames
+
+
+def _idle_line(controller: Controller, counts: dict, seconds: float) -> str:
+    if controller.newest() is None:
+        return "Preparing the cuts" if controller.planning is not None else controller.line or "Nothing is solved yet"
+    total = sum(counts.values())
+    words = [f"{counts['solved']} of {total} frames solved"]
+    words += [f"{counts[state]} {state}" for state in ("stale", "failed") if counts[state]]
+    line = ", ".join(words)
+    if not math.isnan(seconds):
+        line += f"; {in_words(seconds)}"
+    return line
+
+
+def _live_line(controller: Controller) -> str:
+    live = controller.live
+    assert live is not None
+    if live.frame is None:
+        return f"Live: move the target of {live.hook}"
+    rate = f"{1.0 / live.seconds:.1f} frames a second" if live.seconds > 0.0 else "at once"
+    return f"Live: {live.hook}, {rate}" + ("" if live.converged else ", still settling")

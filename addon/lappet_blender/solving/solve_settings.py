@@ -1,0 +1,41 @@
+"""How and where a scene is solved: the options of its Solve panel as values."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import bpy
+
+from lappet.background.plan import SolveSettings
+from lappet.store import FrameStore, default_folder
+
+from ..model.decimals import decimal
+
+BESIDE = "lappet_frames"
+_stores: dict[Path, FrameStore] = {}
+
+
+def solve_settings(scene: bpy.types.Scene) -> SolveSettings:
+    """The settings of a scene."""
+    solving = scene.lappet.solving
+    return SolveSettings(
+        tolerance=decimal(solving.tolerance),
+        quadrature=int(solving.quadrature),  # type: ignore[arg-type]
+        precision=solving.precision,
+        threads=solving.threads,
+    )
+
+
+def frame_folder(scene: bpy.types.Scene) -> Path:
+    """Where the scene's frames are kept: the user's cache, or beside the saved .blend where that is asked for."""
+    if scene.lappet.solving.beside_file and bpy.data.filepath:
+        return Path(bpy.data.filepath).parent / BESIDE
+    return default_folder()
+
+
+def frame_store(scene: bpy.types.Scene) -> FrameStore:
+    """The store in that folder."""
+    folder = frame_folder(scene)
+    if folder not in _stores:
+        _stores[folder] = FrameStore(folder)
+    return _stores[folder]

@@ -1,0 +1,156 @@
+"""Compiles procedures for the worker and remembers the last ones: an edit that cuts nothing new makes no Boolean."""
+
+from __future__ import annotations
+
+import threading
+from collections import OrderedDict
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Generic, TypeVar
+
+from lappet.background.make_plan import epoch_shapes, make_plan
+from lappet.background.plan import EpochShape, Plan, SolveSettings
+from lappet.background.plan_key import digest, plan_key
+from lappet.background.plan_store import get_plan, put_plan
+from lappet.compile import compile_program
+from lappet.epochs import build_epochs
+from lappet.keys import frame_keys
+from lappet.problem import Problem, ProcedureError
+from lappet.procedure import CUTS, Procedure
+from lappet.program import Epoch, Program
+from lappet.store import FrameStore
+from lappet.usd_writer import ROOT
+from lappet.validation import check
+
+_KEPT = 4
+
+Value = TypeVar("Value")
+
+
+@dataclass(frozen=True, eq=False)
+class Compiled:
+    """A procedure made ready: its plan and the program that the daemon is told."""
+
+    plan: Plan
+    program: Program
+
+
+class Compilation:
+    """Plans and programs by their key. One thread at a time compiles; others wait for it.
+
+    identity: of the solver, for the keys. store: where plans are kept. epochs_built: how often epochs were built.
+    """
+
+    def __init__(self, identity: str, store: FrameStore) -> None:
+        self.identity = identity
+        self.epochs_built = 0
+        self._store = store
+        self._compiled: _Last[Compiled] = _Last(_KEPT)
+        self._epochs: _Last[tuple[tuple[Epoch, ...], tuple[EpochShape, ...]]] = _Last(_KEPT)
+        self._lock = threading.Lock()
+
+    def plan(self, procedure: Procedure, settings: SolveSettings, step: Callable[[], None]) -> Plan:
+        """The plan of a procedure: remembered, from the store, or compiled."""
+        key = plan_key(procedure, settings, self.identity)
+        known = self._compiled.get(key)
+        if known is not None:
+            return known.plan
+        found = get_plan(self._store, key)
+        return found if found is not None else self.compiled(procedure, settings, step).plan
+
+    def compiled(self, procedure: Procedure, settings: SolveSettings, step: Callable[[], None]) -> Compiled:
+        """The plan and the program of a procedure. step: called between the steps; may raise to stop.
+
+        Raises ProcedureError with every problem where the procedure cannot be solved.
+        """
+        key = plan_key(procedure, settings, self.identity)
+        with self._lock:
+            known = self._compiled.get(key)
+            if known is None:
+                try:
+                    known = self._compile(key, procedure, settings, step)
+                except ValueError as error:
+                    raise _refusal(error) from error
+                self._compiled.put(key, known)
+            return known
+
+    def _compile(self, key: str, procedure: Procedure, settings: SolveSettings, step: Callable[[], None]) -> Compiled:
+        step()
+        problems = check(procedure, spacing=settings.spacing)
+        if any(problem.severity == "error" for problem in problems):
+            raise ProcedureError(sorted(problems, key=lambda problem: problem.severity != "error"))
+        step()
+        spacing = procedure.tissue.spacing if settings.spacing is None else settings.spacing
+        epochs, shapes = self._cut(replace(procedure, tissue=replace(procedure.tissue, spacing=spacing)), step)
+        step()
+        program = compile_program(
+            procedure,
+            epochs,
+            spacing=settings.spacing,
+            tolerance=settings.tolerance,
+            quadrature=settings.quadrature,
+            precision=settings.precision,
+            threads=settings.threads,
+        )
+        step()
+        plan = make_plan(key, program, frame_keys(program, self.identity), shapes, [str(each) for each in problems])
+        put_plan(self._store, plan)
+        return Compiled(plan, program)
+
+    def _cut(self, procedure: Procedure, step: Callable[[], None]) -> tuple[tuple[Epoch, ...], tuple[EpochShape, ...]]:
+        """The epochs of a procedure and what is shown of them: known again by the mesh, the cuts and the spacing."""
+        tissue = procedure.tissue
+        mesh = (tissue.points, tissue.face_vertex_counts, tissue.face_vertex_indices, tissue.uv, tissue.subsets)
+        cuts = tuple(replace(event, name="") for event in procedure.events if isinstance(event, CUTS))
+        key = digest((mesh, tissue.spacing, procedure.start_time, cuts)).hex()
+        known = self._epochs.get(key)
+        if known is None:
+            epochs = tuple(build_epochs(procedure))
+            self.epochs_built += 1
+            step()
+            known = epochs, epoch_shapes(epochs, tissue)
+            self._epochs.put(key, known)
+        return known
+
+
+def up_to(program: Program, last: int | None) -> Program:
+    """The program without the frames after the time code `last`; the keys of the others stay what they are."""
+    if last is None:
+        return program
+    kept = sum(frame.time <= last for frame in program.frames)
+    return replace(program, frames=program.frames[:kept], active_hooks=program.active_hooks[:kept])
+
+
+def _refusal(error: ValueError) -> ProcedureError:
+    """What refuses a procedure as problems; what is no refusal of Lappet's is raised again."""
+    if isinstance(error, ProcedureError):
+        return error
+    if type(error).__module__.partition(".")[0] != "lappet":
+        raise error
+    prim, _, sentence = str(error).partition(": ")
+    if not prim.startswith("/"):
+        prim, sentence = ROOT, str(error)
+    # The sentence of what is refused already ends with its mend.
+    return ProcedureError([Problem(prim, "", sentence, "")])
+
+
+class _Last(Generic[Value]):
+    """The values last used, by key."""
+
+    def __init__(self, most: int) -> None:
+        self._most = most
+        self._values: OrderedDict[str, Value] = OrderedDict()
+        self._lock = threading.Lock()
+
+    def get(self, key: str) -> Value | None:
+        with self._lock:
+            if key in self._values:
+                self._values.move_to_end(key)
+            return self._values.get(key)
+
+    def put(self, key: str, value: Value) -> None:
+        with self._lock:
+            self._values[key] = value
+            self._values.move_to_end(key)
+            while len(self._values) > self._most:
+                self._values.popitem(last=False)

@@ -1,0 +1,42 @@
+"""Messages through a pipe: eight bytes of length, little-endian, then as many bytes."""
+
+from __future__ import annotations
+
+import io
+
+MOST_BYTES = 1 << 32
+
+
+class StreamError(OSError):
+    """What came through the pipe is no message."""
+
+
+def write_frame(pipe: io.RawIOBase, data: bytes) -> None:
+    """Writes a message whole. Raises OSError where nobody reads any more."""
+    for part in (memoryview(len(data).to_bytes(8, "little")), memoryview(data)):
+        rest = part
+        while rest:
+            written = pipe.write(rest)
+            rest = rest[written or 0 :]
+
+
+def read_frame(pipe: io.RawIOBase) -> bytearray | None:
+    """The next message, or None at the end of the stream; a message that breaks off counts as the end."""
+    head = _read(pipe, 8)
+    if head is None:
+        return None
+    size = int.from_bytes(head, "little")
+    if size > MOST_BYTES:
+        raise StreamError(f"The pipe holds a message of {size} bytes; at most {MOST_BYTES} are read.")
+    return _read(pipe, size)
+
+
+def _read(pipe: io.RawIOBase, size: int) -> bytearray | None:
+    data = bytearray(size)
+    rest = memoryview(data)
+    while rest:
+        count = pipe.readinto(rest)
+        if not count:
+            return None
+        rest = rest[count:]
+    return data

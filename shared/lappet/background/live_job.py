@@ -1,0 +1,114 @@
+"""Runs live mode: brings the tissue to a frame, then follows the newest target of a hook."""
+
+from __future__ import annotations
+
+import time
+from typing import NoReturn
+
+import numpy as np
+
+from lappet.background.compilation import Compiled
+from lappet.background.job import CancelledError, Job
+from lappet.background.live_session import LiveSession
+from lappet.background.plan import FrameFailed, IterationDone, LiveFrame, Note, Plan, ShownFrame
+from lappet.background.plan_store import shown_frame
+from lappet.background.solve_job import SolveJobs, stoppable
+from lappet.frame_solver import Iteration, SolvedFrame, SolverDiedError
+from lappet.problem import Problem, ProcedureError
+from lappet.procedure import Point
+from lappet.refused import RefusedError
+from lappet.store import StoredFrame
+from lappet.usd_writer import TIMELINE
+
+_LEFT_OUT = ("strain", "stress", "tension")  # per vertex: not worth sending while the mouse moves
+
+
+class LiveJobs(SolveJobs):
+    """Runs live jobs; each lasts until it is cancelled."""
+
+    def _run(self, job: Job) -> int:
+        plan = self.plan(job)
+        index, row = _place(plan, job)
+        compiled = self.compilation.compiled(job.procedure, job.settings, job.step)
+        try:
+            start = self._start(job, compiled, index)
+        except _UnsolvedError:
+            return 0
+        session = LiveSession(
+            compiled.program,
+            index,
+            row,
+            start,
+            stoppable(self.connect, job),
+            lambda sentence: self.tell(Note(job.number, sentence)),
+        )
+        try:
+            self._follow(job, compiled, index, row, session)
+        except KeyboardInterrupt:
+            raise CancelledError from None
+        except (RefusedError, SolverDiedError) as error:
+            self.tell(FrameFailed(job.number, job.time, f"Frame {job.time} was not solved: {error}"))
+            return 0
+        finally:
+            session.close()
+
+    def _start(self, job: Job, compiled: Compiled, index: int) -> tuple[int, StoredFrame] | None:
+        """The epoch and the state to begin with; None: at rest. Raises _UnsolvedError."""
+        program, planned = compiled.program, compiled.plan.frames
+        for at in (index, index - 1):
+            if at < 0:
+                return None
+            stored = self.store.get(planned[at].key)
+            if stored is None and at < index:
+                if self.solve(job, compiled.plan, planned[at].time) < index:
+                    job.step()
+                    raise _UnsolvedError
+                stored = self.store.get(planned[at].key)
+            if stored is not None:
+                return program.frames[at].epoch, stored
+        raise _UnsolvedError
+
+    def _follow(self, job: Job, compiled: Compiled, index: int, row: int, session: LiveSession) -> NoReturn:
+        frame = compiled.program.frames[index]
+        target: Point = tuple(float(x) for x in frame.hook_targets[row])  # type: ignore[assignment]
+        shown: ShownFrame | None = None
+
+        def progress(iteration: Iteration) -> None:
+            self.tell(IterationDone(job.number, iteration.time, iteration.newton, iteration.residual, iteration.gap))
+
+        while True:
+            begun = time.perf_counter()
+            solved = session.pull(target, progress)
+            if solved.converged or shown is None:
+                shown = _shown(solved)
+            seconds = time.perf_counter() - begun
+            self.tell(LiveFrame(job.number, job.time, target, shown, solved.converged, seconds))
+            target = job.next_target()
+
+
+class _UnsolvedError(Exception):
+    """A frame before the one that is pulled was not found; its FrameFailed says why."""
+
+
+def _place(plan: Plan, job: Job) -> tuple[int, int]:
+    """The index of the frame and the row of the hook in its arrays."""
+    path = f"{TIMELINE}/{job.hook}"
+    index = next((i for i, frame in enumerate(plan.frames) if frame.time == job.time), None)
+    if index is None:
+        sentence = f"There is no frame {job.time} to pull it at; the frames run from "
+        sentence += f"{plan.frames[0].time} to {plan.frames[-1].time}."
+        raise ProcedureError([Problem(path, str(job.time), sentence, "Go to one of these.")])
+    if job.hook not in plan.hooks:
+        raise ProcedureError([Problem(path, job.hook, "There is no hook of that name.", "Name one that is there.")])
+    hook = plan.hooks.index(job.hook)
+    if hook not in plan.frames[index].hooks:
+        times = [frame.time for frame in plan.frames if hook in frame.hooks]
+        when = f"it pulls from {times[0]} to {times[-1]}" if times else "it pulls at no frame"
+        sentence = f"The hook does not pull at frame {job.time}: {when}."
+        raise ProcedureError([Problem(path, str(job.time), sentence, "Go to one of its frames, or move its start.")])
+    return index, plan.frames[index].hooks.index(hook)
+
+
+def _shown(solved: SolvedFrame) -> ShownFrame:
+    arrays = {name: np.asarray(array) for name, array in solved.arrays.items() if name not in _LEFT_OUT}
+    return shown_frame(solved.header, arrays)

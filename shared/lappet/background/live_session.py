@@ -1,0 +1,104 @@
+"""Live mode's session: one frame whose hook is dragged, solved again and again from where the tissue is."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any
+
+from numpy.typing import NDArray
+
+from lappet.frame_solver import Connect, FrameSolver, Iteration, SolvedFrame, SolverDiedError
+from lappet.procedure import Point
+from lappet.program import Program
+from lappet.solve import TRIES, fitted_state
+from lappet.store import StoredFrame
+
+TOLERANCE = 1e-2  # residual over force scale: what is shown while the mouse moves needs no more
+TIME_BUDGET = 2.0  # seconds for a target
+
+
+@dataclass(frozen=True, eq=False)
+class _State:
+    """What a solve starts from, and the epoch that it belongs to."""
+
+    epoch: int
+    precision: str
+    arrays: dict[str, NDArray[Any]]
+
+
+class LiveSession:
+    """A session that holds one frame of a program. What it finds is never stored: it depends on the way there.
+
+    index: of the frame. row: of the hook in its hook arrays. start: (epoch, frame) of the state to begin with, that of
+    the frame itself or of the one before; None: at rest. note: takes a sentence when the solver had to be started
+    again.
+    """
+
+    def __init__(
+        self,
+        program: Program,
+        index: int,
+        row: int,
+        start: tuple[int, StoredFrame] | None,
+        connect: Connect,
+        note: Callable[[str], None],
+    ) -> None:
+        settings = program.settings
+        self._settings = replace(settings, tolerance=max(settings.tolerance, TOLERANCE), time_budget=TIME_BUDGET)
+        self._program = program
+        self._frame = program.frames[index]
+        self._row = row
+        self._connect = connect
+        self._note = note
+        self._solver: FrameSolver | None = None
+        self._state: _State | None = None
+        if start is not None:
+            self._keep(start[0], start[1].header, start[1].arrays)
+
+    def pull(self, target: Point, progress: Callable[[Iteration], None]) -> SolvedFrame:
+        """The equilibrium with the hook pulled to `target`, mm; where it is not found the tissue stays where it was.
+
+        Raises FrameRefusedError, and SolverDiedError after three deaths in a row; what `progress` raises ends it.
+        """
+        targets = self._frame.hook_targets.copy()
+        targets[self._row] = target
+        frame = replace(self._frame, hook_targets=targets)
+        for attempt in range(1, TRIES + 1):
+            try:
+                solved = self._open().solve(frame, progress)
+            except SolverDiedError as error:
+                self.close()
+                if attempt == TRIES:
+                    raise
+                self._note(f"{error} It was pulling {self._frame.time:g} live and is started again.")
+            else:
+                if solved.converged:
+                    self._keep(frame.epoch, solved.header, solved.arrays)
+                return solved
+        raise AssertionError("unreachable")
+
+    def close(self) -> None:
+        """Ends the session."""
+        solver, self._solver = self._solver, None
+        if solver is not None:
+            solver.close()
+
+    def _open(self) -> FrameSolver:
+        if self._solver is None:
+            solver = self._solver = self._connect(self._settings, self._program.bones)
+            state = self._state
+            if state is not None:
+                self._set_epoch(solver, state.epoch)
+                solver.set_state(state.precision, state.arrays)
+            if state is None or state.epoch != self._frame.epoch:
+                self._set_epoch(solver, self._frame.epoch)
+        return self._solver
+
+    def _set_epoch(self, solver: FrameSolver, epoch: int) -> None:
+        program = self._program
+        at = next(i for i, each in enumerate(program.epochs) if each.index == epoch)
+        solver.set_epoch(program.epochs[at], program.grips[at], program.landmarks_at[at])
+
+    def _keep(self, epoch: int, header: dict[str, Any], arrays: dict[str, NDArray[Any]]) -> None:
+        self._state = _State(epoch, str(header["precision"]), fitted_state(arrays, self._program.settings.sutures))

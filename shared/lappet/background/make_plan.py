@@ -1,0 +1,71 @@
+"""Makes the plan of a program: what an owner needs of it to show its frames."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lappet.background.plan import EpochShape, Plan, PlannedFrame
+from lappet.background.skin_shape import depth_below_skin, uv_scale
+from lappet.background.tissue_face import TissueFaces
+from lappet.procedure import Tissue
+from lappet.program import Epoch, FaceOrigin, Program, Surface
+
+
+def make_plan(
+    key: str, program: Program, frames: Sequence[str], shapes: Sequence[EpochShape], notes: Sequence[str] = ()
+) -> Plan:
+    """The plan of a program. frames: the keys of its frames. shapes: those of its epochs. notes: besides its own."""
+    position = {epoch.index: i for i, epoch in enumerate(program.epochs)}
+    return Plan(
+        key=key,
+        epochs=tuple(shapes),
+        frames=tuple(
+            PlannedFrame(
+                round(frame.time),
+                position[frame.epoch],
+                frames[i],
+                tuple(int(hook) for hook in program.active_hooks[i]),
+                tuple(int(suture) for suture in frame.suture_index),
+            )
+            for i, frame in enumerate(program.frames)
+        ),
+        hooks=program.hooks,
+        sutures=program.sutures,
+        landmarks=program.landmarks,
+        landmarks_at=tuple(tuple(int(mark) for mark in marks.index) for marks in program.landmarks_at),
+        notes=(*notes, *program.notes),
+    )
+
+
+def epoch_shapes(epochs: Sequence[Epoch], tissue: Tissue) -> tuple[EpochShape, ...]:
+    """What is shown of the epochs of a tissue. The grid of all of them has the millimetres of the first one's skin."""
+    if not epochs:
+        return ()
+    first = epochs[0].surface
+    skin = first.origin == FaceOrigin.SKIN
+    scale = uv_scale(first.points, first.triangles[skin], first.uv[skin])
+    faces = TissueFaces(tissue)
+    return tuple(_shape(epoch.surface, epoch.start_time, scale, faces) for epoch in epochs)
+
+
+def _shape(surface: Surface, start: float, scale: NDArray[np.float64], faces: TissueFaces) -> EpochShape:
+    rest = np.ascontiguousarray(surface.points, np.float32)
+    triangles = np.ascontiguousarray(surface.triangles, np.int32)
+    arrays: dict[str, NDArray[Any]] = {
+        "rest": rest,
+        "triangles": triangles,
+        "origin": np.ascontiguousarray(surface.origin, np.uint8),
+        "grid": (surface.uv * scale).astype(np.float32),
+        "depth": depth_below_skin(rest, triangles, surface.origin),
+        "face": faces.of(surface),
+    }
+    hasher = hashlib.blake2b(b"lappet epoch shape 1", digest_size=32)
+    for array in arrays.values():
+        little = array.astype(array.dtype.newbyteorder("<"), copy=False)
+        hasher.update(f"{little.dtype.str}{little.shape}".encode() + little.tobytes())
+    return EpochShape(hasher.hexdigest(), float(start), **arrays)

@@ -1,0 +1,48 @@
+"""Quantities of a surface at rest that the look of the skin draws: millimetres of the printed grid, depth of walls."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lappet.program import FaceOrigin
+
+_PAIRS = 2_000_000  # distances at once: 50 MB
+
+
+def uv_scale(positions: NDArray[Any], triangles: NDArray[np.int32], st: NDArray[np.float32]) -> NDArray[np.float64]:
+    """Millimetres per unit of u and of v, (2,): the medians of |∂p/∂u| and |∂p/∂v| over the triangles.
+
+    positions: (n, 3) mm. triangles: (m, 3). st: (m, 3, 2). Triangles without area in the UV plane are left out; where
+    none is left the result is (1, 1).
+    """
+    p = positions[triangles].astype(np.float64)
+    e1, e2 = p[:, 1] - p[:, 0], p[:, 2] - p[:, 0]
+    d1, d2 = (st[:, k].astype(np.float64) - st[:, 0] for k in (1, 2))
+    det = d1[:, 0] * d2[:, 1] - d1[:, 1] * d2[:, 0]
+    good = np.abs(det) > 1e-12 * max(float(np.abs(det).max(initial=0.0)), 1e-300)
+    if not good.any():
+        return np.ones(2)
+    inverse = 1.0 / det[good][:, None]
+    along_u = (e1[good] * d2[good, 1:2] - e2[good] * d1[good, 1:2]) * inverse
+    along_v = (e2[good] * d1[good, 0:1] - e1[good] * d2[good, 0:1]) * inverse
+    return np.array([np.median(np.linalg.norm(g, axis=1)) for g in (along_u, along_v)])
+
+
+def depth_below_skin(
+    positions: NDArray[Any], triangles: NDArray[np.int32], origin: NDArray[np.uint8]
+) -> NDArray[np.float32]:
+    """Distance (n,) in mm of every wall and rim vertex to the nearest edge vertex of the skin; 0 elsewhere."""
+    depth = np.zeros(len(positions), np.float32)
+    skin = np.unique(triangles[origin == FaceOrigin.SKIN])
+    side = np.unique(triangles[(origin == FaceOrigin.WOUND_WALL) | (origin == FaceOrigin.RIM)])
+    border = np.intersect1d(skin, side)
+    inner = np.setdiff1d(side, skin)
+    if not len(border):
+        return depth
+    for part in np.array_split(inner, max(1, len(inner) * len(border) // _PAIRS)):
+        gap = positions[part][:, None] - positions[border][None]
+        depth[part] = np.sqrt((gap**2).sum(-1).min(axis=1))
+    return depth

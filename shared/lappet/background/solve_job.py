@@ -1,0 +1,163 @@
+"""Runs a job of the worker: plans a procedure, or solves its frames and tells of each."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lappet.background.compilation import Compilation, up_to
+from lappet.background.job import CancelledError, Job
+from lappet.background.kept_frames import KeptFrames
+from lappet.background.plan import (
+    Finished,
+    FrameFailed,
+    FrameReady,
+    Happening,
+    IterationDone,
+    Note,
+    Plan,
+    Planned,
+    Refused,
+    ShownFrame,
+)
+from lappet.background.plan_store import shown_frame
+from lappet.frame_solver import Connect, FrameSolver, Iteration, SolvedFrame
+from lappet.problem import ProcedureError
+from lappet.program import Bones, Epoch, FrameConstraints, Landmarks, Program, SolverSettings
+from lappet.solve import FrameResult, Frames, Watcher, solve_program
+
+Tell = Callable[[Happening], None]
+
+
+class SolveJobs:
+    """Runs jobs one after another on the thread that calls it. connect: who solves. tell: takes what happens."""
+
+    def __init__(self, compilation: Compilation, store: KeptFrames, connect: Connect, tell: Tell) -> None:
+        self.compilation = compilation
+        self.store = store
+        self.connect = connect
+        self.tell = tell
+
+    def run(self, job: Job) -> None:
+        """Plans, and solves where that is asked; ends with Finished whatever happens."""
+        begun = time.perf_counter()
+        done = 0
+        try:
+            job.step()
+            self.store.try_again()
+            done = self._run(job)
+        except ProcedureError as error:
+            self.tell(Refused(job.number, error.problems))
+        except CancelledError:
+            pass
+        finally:
+            self.tell(Finished(job.number, done, time.perf_counter() - begun, job.cancelled))
+
+    def _run(self, job: Job) -> int:
+        plan = self.plan(job)
+        return 0 if job.kind == "plan" else self.solve(job, plan, job.until)
+
+    def plan(self, job: Job) -> Plan:
+        """The plan of a job, told to the owner."""
+        well = self.store.trouble is None
+        plan = self.compilation.plan(job.procedure, job.settings, job.step)
+        if well and self.store.trouble is not None:
+            self.tell(Note(job.number, self.store.trouble))
+        self.tell(Planned(job.number, plan, tuple(frame.key in self.store for frame in plan.frames)))
+        return plan
+
+    def solve(self, job: Job, plan: Plan, until: int | None) -> int:
+        """Gets the frames of a plan up to a time code; returns how many are there."""
+        wanted = [frame for frame in plan.frames if until is None or frame.time <= until]
+        if all(frame.key in self.store for frame in wanted):
+            for frame in wanted:
+                job.step()
+                self.tell(FrameReady(job.number, frame.time, frame.key, True, self._held(frame.key)))
+            return len(wanted)
+        program = up_to(self.compilation.compiled(job.procedure, job.settings, job.step).program, until)
+        frames = self.frames(job, program)
+        if frames.reason is not None and not frames.interrupted:
+            self.tell(FrameFailed(job.number, round(program.frames[len(frames.frames)].time), frames.reason))
+        return len(frames.frames)
+
+    def frames(self, job: Job, program: Program) -> Frames:
+        """Solves a program and tells of each frame."""
+        connect = stoppable(self.connect, job)
+        return solve_program(program, self.store, connect, self.compilation.identity, _Telling(job, self))
+
+    def _held(self, key: str) -> ShownFrame | None:
+        """A frame that only this process has."""
+        stored = self.store.get(key) if self.store.holds(key) else None
+        return None if stored is None else shown_frame(stored.header, stored.arrays)
+
+
+class _Telling(Watcher):
+    """Tells the owner how a solve goes, and stops it once it is cancelled."""
+
+    def __init__(self, job: Job, jobs: SolveJobs) -> None:
+        self._job = job
+        self._jobs = jobs
+
+    def iteration(self, iteration: Iteration) -> None:
+        """A Newton iteration is done."""
+        self._stop()
+        self._jobs.tell(
+            IterationDone(self._job.number, iteration.time, iteration.newton, iteration.residual, iteration.gap)
+        )
+
+    def frame(self, frame: FrameResult) -> None:
+        """A frame is there: told whole, unless the owner finds it in the store."""
+        found = frame.looked_up and not self._jobs.store.holds(frame.key)
+        shown = None if found else shown_frame(frame.header, frame.arrays)
+        self._jobs.tell(FrameReady(self._job.number, round(frame.constraints.time), frame.key, frame.looked_up, shown))
+        self._stop()
+
+    def note(self, sentence: str) -> None:
+        """Something that the user should know."""
+        self._jobs.tell(Note(self._job.number, sentence))
+
+    def _stop(self) -> None:
+        if self._job.cancelled:
+            raise KeyboardInterrupt  # what ends a solve and keeps what is done
+
+
+def stoppable(connect: Connect, job: Job) -> Connect:
+    """Sessions that end with KeyboardInterrupt at the next request, or Newton iteration, after a cancel."""
+    return lambda settings, bones: _Stoppable(connect, settings, bones, job)
+
+
+class _Stoppable:
+    """A `FrameSolver` that looks, before each request, whether its job is still wanted."""
+
+    def __init__(self, connect: Connect, settings: SolverSettings, bones: Bones, job: Job) -> None:
+        self._job = job
+        self._stop()
+        self._solver: FrameSolver = connect(settings, bones)
+
+    def set_epoch(self, epoch: Epoch, grip: NDArray[np.int32], landmarks: Landmarks) -> Mapping[str, Any]:
+        self._stop()
+        return self._solver.set_epoch(epoch, grip, landmarks)
+
+    def set_state(self, precision: str, arrays: Mapping[str, NDArray[Any]]) -> None:
+        self._stop()
+        self._solver.set_state(precision, arrays)
+
+    def solve(self, frame: FrameConstraints, progress: Callable[[Iteration], None]) -> SolvedFrame:
+        self._stop()
+
+        def seen(iteration: Iteration) -> None:
+            self._stop()
+            progress(iteration)
+
+        return self._solver.solve(frame, seen)
+
+    def close(self) -> None:
+        self._solver.close()
+
+    def _stop(self) -> None:
+        if self._job.cancelled:
+            raise KeyboardInterrupt

@@ -1,0 +1,294 @@
+"""Solving in the background, as a window uses it: ask, and poll now and then for what has happened."""
+
+from __future__ import annotations
+
+import itertools
+import queue
+import threading
+import time
+from collections.abc import Sequence
+from contextlib import suppress
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Literal
+
+from lappet.background.plan import (
+    Finished,
+    FrameFailed,
+    FrameReady,
+    Happening,
+    IterationDone,
+    LiveFrame,
+    Note,
+    Planned,
+    Refused,
+    SolveSettings,
+)
+from lappet.background.plan_key import plan_key
+from lappet.background.procedure_message import MessageError
+from lappet.background.worker_process import WorkerProcess
+from lappet.daemon import daemon_identity
+from lappet.problem import Problem
+from lappet.procedure import Point, Procedure
+from lappet.refused import RefusedError
+
+_DEATHS = 3  # in a row, then the jobs that were running are given up
+_PATIENCE = 5.0
+
+_Work = tuple[Literal["job", "target", "cancel", "restart"], int]
+
+
+@dataclass(eq=False)
+class _Job:
+    """A job that has not ended yet. done: times of the frames that were told of."""
+
+    number: int
+    kind: Literal["plan", "solve", "live"]
+    what: dict[str, Any]
+    begun: float = field(default_factory=time.perf_counter)
+    target: Point | None = None
+    target_waits: bool = False
+    cancelled: bool = False
+    sent: bool = False
+    planned: Planned | None = None
+    done: dict[int, str] = field(default_factory=dict)
+
+
+class BackgroundSolver:
+    """One worker process; started at the first request, and again when it dies (a Note says so). Thread-safe.
+
+    store: folder of the frames (None: the user's). solverd: the daemon's program (None: found). path: what the worker's
+    sys.path needs besides its interpreter's own folders. Every method returns at once: threads of its own start the
+    process, write to it and read from it.
+    """
+
+    def __init__(self, store: Path | None = None, solverd: Path | None = None, path: Sequence[str] = ()) -> None:
+        self._store = None if store is None else Path(store)
+        self._solverd = None if solverd is None else Path(solverd)
+        self._path = tuple(path)
+        self._numbers = itertools.count(1)
+        self._lock = threading.Lock()
+        self._happenings: list[Happening] = []
+        self._jobs: dict[int, _Job] = {}
+        self._process: WorkerProcess | None = None
+        self._deaths = 0
+        self._closed = False
+        self._work: queue.SimpleQueue[_Work | None] = queue.SimpleQueue()
+        self._sender: threading.Thread | None = None
+
+    def plan(self, procedure: Procedure, settings: SolveSettings) -> int:
+        """Compiles a procedure; returns the job's number. -> Planned or Refused, then Finished.
+
+        A newer plan replaces one that has not begun.
+        """
+        return self._ask("plan", procedure=procedure, settings=settings)
+
+    def solve(self, procedure: Procedure, settings: SolveSettings, until: int | None = None) -> int:
+        """Gets the frames up to the time code `until` (all where None). -> Planned, FrameReady ..., Finished."""
+        return self._ask("solve", procedure=procedure, settings=settings, until=until)
+
+    def live(self, procedure: Procedure, settings: SolveSettings, time: int, hook: str) -> int:
+        """Opens the tissue at the frame `time`, where the hook of that name pulls. -> Planned, LiveFrame ... until it
+        is cancelled, then Finished. The first LiveFrame is for the hook's own target."""
+        return self._ask("live", procedure=procedure, settings=settings, time=time, hook=hook)
+
+    def live_target(self, job: int, target: Point) -> None:
+        """Moves the hook of a live job to `target`, mm; only the latest counts."""
+        x, y, z = target
+        with self._lock:
+            found = self._jobs.get(job)
+            if found is None:
+                return
+            found.target = (float(x), float(y), float(z))
+            waits, found.target_waits = found.target_waits, True
+        if not waits:
+            self._work.put(("target", job))
+
+    def cancel(self, job: int) -> None:
+        """Ends a job at its next Newton iteration; what is done is kept."""
+        with self._lock:
+            found = self._jobs.get(job)
+            if found is None or found.cancelled:
+                return
+            found.cancelled = True
+        self._work.put(("cancel", job))
+
+    def poll(self) -> list[Happening]:
+        """What has happened since the last call, without waiting. Of iterations and live frames in a row only the
+        last is told."""
+        with self._lock:
+            happened, self._happenings = self._happenings, []
+        return happened
+
+    def close(self, wait: float = 0.0) -> None:
+        """Ends the worker and its daemons. wait: seconds until they must have ended, 0: they end by themselves."""
+        with self._lock:
+            self._closed = True
+            sender = self._sender
+        self._work.put(None)
+        if wait > 0.0 and sender is not None:
+            sender.join(wait)
+
+    @property
+    def running(self) -> tuple[int, ...]:
+        """The jobs that have not ended."""
+        with self._lock:
+            return tuple(self._jobs)
+
+    @property
+    def worker(self) -> int | None:
+        """The process id of the worker, or None when none runs."""
+        with self._lock:
+            return None if self._process is None else self._process.pid
+
+    @property
+    def identity(self) -> str:
+        """What tells this solver from another (`plan_key`). Raises RefusedError where there is no daemon, OSError where
+        it cannot be read. Reads the daemon's program once."""
+        return daemon_identity(self._solverd)
+
+    def key(self, procedure: Procedure, settings: SolveSettings) -> str:
+        """The key of the plan that this solver makes of a procedure."""
+        return plan_key(procedure, settings, self.identity)
+
+    def _ask(self, kind: Literal["plan", "solve", "live"], **what: Any) -> int:
+        with self._lock:
+            if self._closed:
+                raise RuntimeError("The background solver is closed; make another one.")
+            number = next(self._numbers)
+            self._jobs[number] = _Job(number, kind, what)
+            if self._sender is None:
+                self._sender = threading.Thread(target=self._send_all, name="lappet-worker-sender", daemon=True)
+                self._sender.start()
+        self._work.put(("job", number))
+        return number
+
+    # On the sending thread: it alone starts the process and writes to it.
+
+    def _send_all(self) -> None:
+        while (work := self._work.get()) is not None:
+            try:
+                self._send(*work)
+            except MessageError as error:
+                self._give_up(str(error), (work[1],))
+            except (RefusedError, OSError) as error:
+                self._give_up(str(error))
+        with self._lock:
+            process, self._process = self._process, None
+        if process is not None:
+            process.stop(_PATIENCE)
+
+    def _send(self, kind: str, number: int) -> None:
+        with self._lock:
+            job = self._jobs.get(number)
+            process = self._process
+            if job is None and kind != "restart":
+                return
+            if process is None and not self._closed:
+                waiting = [each for each in self._jobs.values() if each.sent or each is job]
+            else:
+                waiting = [job] if kind == "job" and job is not None and not job.sent else []
+        if process is None:
+            if not waiting:
+                return
+            process = WorkerProcess(self._store, self._solverd, self._path, self._hear, self._ended)
+            with self._lock:
+                self._process = process
+        for each in waiting:
+            self._begin(process, each)
+        if job is not None and kind == "cancel":
+            process.send({"ask": "cancel", "job": number})
+        elif job is not None and kind == "target":
+            self._aim(process, job)
+
+    def _begin(self, process: WorkerProcess, job: _Job) -> None:
+        identity = None
+        with suppress(RefusedError, OSError):  # the worker says what is wrong
+            identity = self.identity
+        with self._lock:
+            job.sent = True
+        process.send({"ask": job.kind, "job": job.number, "what": job.what, "identity": identity})
+        if job.target is not None:
+            self._aim(process, job)
+        if job.cancelled:
+            process.send({"ask": "cancel", "job": job.number})
+
+    def _aim(self, process: WorkerProcess, job: _Job) -> None:
+        with self._lock:
+            target, job.target_waits = job.target, False
+        process.send({"ask": "target", "job": job.number, "target": target})
+
+    # On the thread that reads from the process.
+
+    def _hear(self, happening: Happening) -> None:
+        with self._lock:
+            job = self._jobs.get(happening.job)
+            if job is None:
+                return
+            if isinstance(happening, Planned):
+                if job.planned is not None:
+                    return  # said again after the worker died
+                job.planned = happening
+            elif isinstance(happening, FrameReady):
+                self._deaths = 0
+                if job.done.get(happening.time) == happening.key:
+                    return
+                job.done[happening.time] = happening.key
+            elif isinstance(happening, LiveFrame):
+                self._deaths = 0
+            elif isinstance(happening, Finished):
+                self._deaths = 0
+                del self._jobs[happening.job]
+            self._tell(happening)
+
+    def _tell(self, happening: Happening) -> None:
+        last = self._happenings[-1] if self._happenings else None
+        if (
+            isinstance(happening, IterationDone | LiveFrame)
+            and type(last) is type(happening)
+            and (last.job == happening.job)
+        ):
+            self._happenings[-1] = happening
+        else:
+            self._happenings.append(happening)
+
+    def _ended(self, process: WorkerProcess) -> None:
+        how = process.death()
+        with self._lock:
+            if self._process is not process:
+                return
+            self._process = None
+            if self._closed or not any(job.sent for job in self._jobs.values()):
+                return
+            self._deaths += 1
+            if self._deaths < _DEATHS:
+                first = min(number for number, job in self._jobs.items() if job.sent)
+                self._tell(Note(first, f"The background solver ended: {how} It is started again."))
+        if self._deaths < _DEATHS:
+            self._work.put(("restart", 0))
+        else:
+            self._give_up(f"The background solver ended {_DEATHS} times in a row: {how}")
+
+    def _give_up(self, sentence: str, numbers: Sequence[int] | None = None) -> None:
+        """Ends these jobs, or all of them, with a sentence."""
+        with self._lock:
+            self._deaths = 0
+            for job in [job for number, job in self._jobs.items() if numbers is None or number in numbers]:
+                if job.cancelled:
+                    pass
+                elif job.planned is None:
+                    self._tell(Refused(job.number, (Problem("/Procedure", "", sentence, ""),)))
+                else:
+                    self._tell(FrameFailed(job.number, _next_time(job), sentence))
+                seconds = time.perf_counter() - job.begun
+                self._tell(Finished(job.number, len(job.done), seconds, job.cancelled))
+                del self._jobs[job.number]
+
+
+def _next_time(job: _Job) -> int:
+    """The frame that a job was at."""
+    if job.kind == "live":
+        return int(job.what["time"])
+    assert job.planned is not None
+    times = [frame.time for frame in job.planned.plan.frames]
+    return next((time for time in times if time not in job.done), times[-1])

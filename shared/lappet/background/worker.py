@@ -1,0 +1,189 @@
+"""The worker's process: `python -m lappet.background.worker [--store FOLDER]`, spoken to by `BackgroundSolver`.
+
+Requests come through standard input, happenings go out through standard output (`frame_stream.py`,
+`procedure_message.py`). A thread reads requests; plans, solves and live mode each have a thread of their own. The
+process ends, and its daemons with it, when standard input ends.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import os
+import queue
+import sys
+import threading
+import traceback
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from lappet.background.frame_stream import read_frame, write_frame
+from lappet.background.job import Job
+from lappet.background.plan import Finished, Happening, Refused
+from lappet.background.procedure_message import MessageError, pack, unpack
+from lappet.problem import Problem
+
+_PATIENCE = 3.0  # seconds for jobs to close their daemons when the owner is gone
+_NICENESS = 5  # so that the window stays lively while all cores solve
+
+
+def main(arguments: list[str]) -> None:
+    """Serves requests until standard input ends; never returns."""
+    requests, answers = _own_pipes()
+    with contextlib.suppress(OSError, AttributeError):
+        os.nice(_NICENESS)
+    folder = Path(arguments[arguments.index("--store") + 1]) if "--store" in arguments else None
+    worker = Worker(folder, answers)
+    with contextlib.suppress(OSError, MessageError):
+        while (data := read_frame(requests)) is not None:
+            worker.take(unpack(data))
+    worker.end()
+
+
+class Worker:
+    """Takes requests and hands each to the thread of its kind. store: folder of the frames. answers: where happenings
+    go."""
+
+    def __init__(self, store: Path | None, answers: io.RawIOBase) -> None:
+        self._folder = store
+        self._answers = answers
+        self._writing = threading.Lock()
+        self._jobs: dict[int, Job] = {}
+        self._guard = threading.Lock()
+        self._services: tuple[Any, Any] | None = None
+        self._serving = threading.Lock()
+        self._lanes = {kind: _Lane(kind, self._run) for kind in ("plan", "solve", "live")}
+
+    def take(self, request: dict[str, Any]) -> None:
+        """Does what a request asks, without waiting for any job."""
+        ask, number = request["ask"], int(request["job"])
+        if ask == "cancel":
+            with self._guard:
+                job = self._jobs.get(number)
+            if job is not None:
+                job.cancel()
+        elif ask == "target":
+            with self._guard:
+                job = self._jobs.get(number)
+            if job is not None:
+                job.aim(request["target"])
+        else:
+            self._begin(Job(number, ask, **request["what"]), request["identity"])
+
+    def _begin(self, job: Job, identity: str | None) -> None:
+        with self._guard:
+            for other in self._jobs.values():
+                # A plan that is overtaken before it began is of no use; a solve makes its own.
+                if other.kind == "plan" and (job.kind == "solve" or (job.kind == "plan" and not other.running)):
+                    other.cancel()
+            self._jobs[job.number] = job
+        self._lanes[job.kind].put(job, identity)
+
+    def _run(self, job: Job, identity: str | None) -> None:
+        job.running = True
+        try:
+            solves, lives = self._serve(identity)
+            (lives if job.kind == "live" else solves).run(job)
+        except _Gone:
+            pass
+        except Exception as error:
+            refusal = _refusal(error)
+            with contextlib.suppress(_Gone):
+                self.tell(Refused(job.number, (refusal,)))
+                self.tell(Finished(job.number, 0, 0.0, job.cancelled))
+        finally:
+            with self._guard:
+                self._jobs.pop(job.number, None)
+
+    def _serve(self, identity: str | None) -> tuple[Any, Any]:
+        """What runs jobs, loaded at the first one: the process answers at once and imports meanwhile."""
+        with self._serving:
+            if self._services is None:
+                from lappet.background.compilation import Compilation
+                from lappet.background.kept_frames import KeptFrames
+                from lappet.background.live_job import LiveJobs
+                from lappet.background.solve_job import SolveJobs
+                from lappet.daemon_solver import connect_to, solver_identity
+
+                store = KeptFrames(self._folder)
+                compilation = Compilation(identity or solver_identity(None), store)
+                parts = compilation, store, connect_to(None), self.tell
+                self._services = SolveJobs(*parts), LiveJobs(*parts)
+            return self._services
+
+    def tell(self, happening: Happening) -> None:
+        """Sends what happened to the owner."""
+        data = pack(happening)
+        try:
+            with self._writing:
+                write_frame(self._answers, data)
+        except OSError:
+            raise _Gone from None
+
+    def end(self) -> None:
+        """Ends all jobs, which end their daemons, and the process; a daemon that is left over sees that it is alone."""
+        with self._guard:
+            for job in self._jobs.values():
+                job.cancel()
+        for lane in self._lanes.values():
+            lane.end()
+        for lane in self._lanes.values():
+            lane.join(_PATIENCE)
+        os._exit(0)
+
+
+class _Gone(BaseException):
+    """The owner does not read any more."""
+
+
+class _Lane:
+    """A thread that runs jobs one after another."""
+
+    def __init__(self, name: str, run: Callable[[Job, str | None], None]) -> None:
+        self._run = run
+        self._queue: queue.SimpleQueue[tuple[Job, str | None] | None] = queue.SimpleQueue()
+        self._thread = threading.Thread(target=self._work, name=f"lappet-{name}", daemon=True)
+        self._thread.start()
+
+    def put(self, job: Job, identity: str | None) -> None:
+        self._queue.put((job, identity))
+
+    def end(self) -> None:
+        self._queue.put(None)
+
+    def join(self, seconds: float) -> None:
+        self._thread.join(seconds)
+
+    def _work(self) -> None:
+        while (item := self._queue.get()) is not None:
+            self._run(*item)
+
+
+def _refusal(error: Exception) -> Problem:
+    """A problem that says why a job could not be run at all."""
+    from lappet.refused import RefusedError
+
+    if isinstance(error, RefusedError):
+        return Problem("/Procedure", "", str(error), "")
+    traceback.print_exception(error)
+    sentence = f"The solve stopped at an error of Lappet's own ({type(error).__name__}: {error})."
+    return Problem("/Procedure", "", sentence, "Please report it with the file; the procedure itself is unharmed.")
+
+
+def _own_pipes() -> tuple[io.RawIOBase, io.RawIOBase]:
+    """Standard input and output for ourselves; what else is printed goes to standard error."""
+    requests, answers = os.dup(0), os.dup(1)
+    with open(os.devnull, "rb") as nothing:  # noqa: PTH123
+        os.dup2(nothing.fileno(), 0)
+    os.dup2(2, 1)
+    if sys.platform == "win32":
+        import msvcrt
+
+        for descriptor in (requests, answers):
+            msvcrt.setmode(descriptor, os.O_BINARY)
+    return io.FileIO(requests, "rb"), io.FileIO(answers, "wb")
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])

@@ -1,0 +1,265 @@
+"""The operators on events, run from Python: what they add, what they refuse, and that each is one step of undo."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import bpy
+import numpy as np
+import pytest
+
+from lappet.patch import flat_patch
+from lappet.procedure import Hook, Incision, Suture
+from lappet_blender.model.event_list import find_event
+from lappet_blender.model.event_values import event_value
+
+TOP = 4.0
+ops = bpy.ops.lappet
+
+
+@pytest.fixture
+def patch(scene: bpy.types.Scene) -> bpy.types.Scene:
+    """A scene in mm, frames 1 to 40, with a patch of 60 x 40 x 4 mm whose top lies at z = 4."""
+    scene.unit_settings.scale_length = 0.001
+    scene.frame_start, scene.frame_end = 1, 40
+    tissue = flat_patch((60.0, 40.0, TOP), resolution=4.0, spacing=1.0)
+    mesh = bpy.data.meshes.new("patch")
+    ends = np.cumsum(tissue.face_vertex_counts)
+    faces = np.split(tissue.face_vertex_indices, ends[:-1])
+    mesh.from_pydata(tissue.points.tolist(), [], [face.tolist() for face in faces])
+    obj = bpy.data.objects.new("patch", mesh)
+    scene.collection.objects.link(obj)
+    for name in ("fixed", "bed"):
+        flags = mesh.attributes.new(f"lappet_{name}", "BOOLEAN", "FACE")
+        values = np.zeros(len(mesh.polygons), bool)
+        values[tissue.subsets[name]] = True
+        flags.data.foreach_set("value", values)
+    scene.lappet.tissue.object = obj
+    scene.lappet.materials.add().name = "skin"
+    bpy.ops.ed.undo_push(message="the patch")
+    return scene
+
+
+def at(*places: tuple[float, float]) -> list[dict[str, Any]]:
+    """Points on the top of the patch as an operator takes them."""
+    return [{"name": "", "co": (x, y, TOP)} for x, y in places]
+
+
+def refused(act: Callable[[], object]) -> str:
+    """The sentence with which an operator refuses; the scene must be left as it was."""
+    scene = bpy.context.scene
+    before = [(event.uid, event.start, event.end, len(event.points)) for event in scene.lappet.events]
+    objects = len(bpy.data.objects)
+    with pytest.raises(RuntimeError) as caught:
+        act()
+    after = [(event.uid, event.start, event.end, len(event.points)) for event in scene.lappet.events]
+    assert (before, objects) == (after, len(bpy.data.objects)), "a refused operator changed the scene"
+    said = str(caught.value).removeprefix("Error: ").strip()
+    assert "Traceback" not in said
+    assert said.endswith((".", "…"))
+    return said
+
+
+def value(name: str) -> Any:
+    """The value of an event."""
+    scene = bpy.context.scene
+    return event_value(scene, find_event(scene, name))
+
+
+ACTS: dict[str, Callable[[], object]] = {
+    "incision_add": lambda: ops.incision_add("EXEC_DEFAULT", True, points=at((-10, 0), (10, 0)), time=3),
+    "undermine_add": lambda: ops.undermine_add("EXEC_DEFAULT", True, points=at((-9, -9), (9, -9), (0, 9)), time=6),
+    "hook_add": lambda: ops.hook_add("EXEC_DEFAULT", True, anchor=(1, 1, TOP), target=(1, 8, 9), start=8, end=20),
+    "retractor_add": lambda: ops.retractor_add("EXEC_DEFAULT", True, grip="bed", shift=(0, 0, 3), start=8, end=20),
+    "suture_add": lambda: ops.suture_add("EXEC_DEFAULT", True, first=(3, 1, TOP), second=(3, -1, TOP), start=9),
+    "suture_run": lambda: ops.suture_run(
+        "EXEC_DEFAULT", True, first_edge=at((-9, 1), (9, 1)), second_edge=at((-9, -1), (9, -1)), count=5, start=9
+    ),
+    "landmark_add": lambda: ops.landmark_add("EXEC_DEFAULT", True, point=(5, 5, TOP), label="here"),
+}
+
+
+@pytest.mark.parametrize("name", ACTS)
+def test_one_undo_undoes_one_act_and_one_redo_does_it_again(patch: bpy.types.Scene, name: str) -> None:
+    ACTS["incision_add"]()
+    objects = len(bpy.data.objects)
+    ACTS[name]() if name != "incision_add" else ops.incision_add(
+        "EXEC_DEFAULT", True, points=at((-10, 5), (10, 5)), time=4
+    )
+    events = [(event.uid, event.name) for event in bpy.context.scene.lappet.events]
+    values = [value(event_name) for _, event_name in events]
+    assert len(events) == (6 if name == "suture_run" else 2)
+    bpy.ops.ed.undo()
+    assert [event.name for event in bpy.context.scene.lappet.events] == ["incision_1"]
+    assert len(bpy.data.objects) == objects
+    bpy.ops.ed.redo()
+    assert [(event.uid, event.name) for event in bpy.context.scene.lappet.events] == events
+    assert [value(event_name) for _, event_name in events] == values
+
+
+def test_editing_an_event_is_one_step_each(patch: bpy.types.Scene) -> None:
+    ACTS["hook_add"]()
+    before = value("hook_1")
+    for act in (
+        lambda: ops.event_retime("EXEC_DEFAULT", True, event="hook_1", time=10),
+        lambda: ops.point_move("EXEC_DEFAULT", True, event="hook_1", index=0, co=(2, 2, TOP)),
+        lambda: ops.event_enable("EXEC_DEFAULT", True, event="hook_1", enabled=False),
+        lambda: ops.event_rename("EXEC_DEFAULT", True, event="hook_1", name="flap"),
+        lambda: ops.event_duplicate("EXEC_DEFAULT", True, event="hook_1"),
+        lambda: ops.event_remove("EXEC_DEFAULT", True, event="hook_1"),
+    ):
+        act()
+        bpy.ops.ed.undo()
+        (event,) = bpy.context.scene.lappet.events
+        assert event.enabled
+        assert value("hook_1") == before
+        assert [each.name for each in bpy.data.objects if each.type == "EMPTY"] == ["hook_1 target"]
+
+
+def test_a_hook_pulls_from_its_anchor_to_its_target_along_straight_keyframes(patch: bpy.types.Scene) -> None:
+    ops.hook_add(anchor=(1, 2, TOP), target=(1, 8, 9), start=8, end=20, arrive=6, stiffness=300)
+    assert value("hook_1") == Hook(
+        "hook_1", (1.0, 2.0, TOP), ((8.0, (1.0, 2.0, TOP)), (14.0, (1.0, 8.0, 9.0))), 8.0, 20.0, 300.0
+    )
+    empty = find_event(patch, "hook_1").target
+    patch.frame_set(11)
+    assert tuple(empty.location) == pytest.approx((1.0, 5.0, 6.5))
+
+
+def test_what_is_left_out_is_taken_from_the_scene(patch: bpy.types.Scene) -> None:
+    patch.frame_set(12)
+    ops.hook_add(anchor=(1, 2, TOP), target=(1, 8, 9))
+    ops.incision_add(points=at((-10, 0), (10, 0)))
+    assert (value("hook_1").start, value("hook_1").release) == (12.0, 41.0)
+    assert value("incision_1") == Incision("incision_1", 12.0, ((-10, 0, TOP), (10, 0, TOP)), kerf=0.05)
+
+
+def test_a_run_of_sutures_pairs_the_edges_by_their_length(patch: bpy.types.Scene) -> None:
+    corner = at((-9, 3), (0, 3), (0, 9))  # 15 mm with a corner
+    straight = at((-12, -3), (12, -3))
+    ops.suture_run(first_edge=corner, second_edge=straight, count=4, start=9, duration=5, name="skin_left")
+    pairs = [value(f"skin_left_{k}").anchors for k in (1, 2, 3, 4)]
+    shares = [0.125, 0.375, 0.625, 0.875]
+    for (first, second), share in zip(pairs, shares, strict=True):
+        reached = 15.0 * share
+        assert first == pytest.approx((-9 + reached, 3, TOP) if reached < 9 else (0, 3 + reached - 9, TOP), abs=1e-5)
+        assert second == pytest.approx((-12 + 24 * share, -3, TOP), abs=1e-5)
+    assert (value("skin_left_1").start, value("skin_left_1").duration) == (9.0, 5.0)
+
+
+def test_the_spacing_gives_the_count_and_a_flipped_edge_is_met_from_its_end(patch: bpy.types.Scene) -> None:
+    ops.suture_run(first_edge=at((-9, 1), (9, 1)), second_edge=at((9, -1), (-9, -1)), spacing=3.0, flip=True)
+    assert len(patch.lappet.events) == 6
+    for event in patch.lappet.events:
+        first, second = value(event.name).anchors
+        assert first[0] == pytest.approx(second[0], abs=1e-5)
+
+
+def test_sutures_across_an_incision_lie_on_both_its_sides_at_its_edges(patch: bpy.types.Scene) -> None:
+    ops.incision_add(points=at((-10, -10), (10, 10)), time=3, kerf=0.2)
+    ops.suture_run(incision="incision_1", count=3, start=5)
+    assert [event.name for event in patch.lappet.events][1:] == ["suture_1", "suture_2", "suture_3"]
+    for k, share in enumerate((1 / 6, 0.5, 5 / 6)):
+        first, second = np.array(value(f"suture_{k + 1}").anchors)
+        middle = -10 + 20 * share
+        np.testing.assert_allclose(0.5 * (first + second), (middle, middle, TOP), atol=1e-5)
+        across = (first - second) / np.linalg.norm(first - second)
+        np.testing.assert_allclose(across, np.array([-1, 1, 0]) / math.sqrt(2), atol=1e-4)
+        assert np.linalg.norm(first - second) == pytest.approx(2 * (0.1 + 0.01), abs=1e-5)
+    ops.suture_run(incision="incision_1", count=1, bite=2.0, depth=1.5, name="deep")
+    first, second = np.array(value("deep_1").anchors)
+    assert np.linalg.norm(first - second) == pytest.approx(4.0, abs=1e-5)
+    assert (first[2], second[2]) == pytest.approx((TOP - 1.5, TOP - 1.5), abs=1e-5)
+
+
+def test_a_retractor_starts_in_the_middle_of_what_it_grips(patch: bpy.types.Scene) -> None:
+    ops.retractor_add(grip="bed", shift=(0, 0, 3), start=8, end=20, arrive=4)
+    (first, start), (second, end) = value("retractor_1").motion
+    assert (first, second) == (8.0, 12.0)
+    np.testing.assert_allclose(np.array(start).reshape(4, 4)[3], (0, 0, 0, 1), atol=1e-6)
+    np.testing.assert_allclose(np.array(end).reshape(4, 4)[3], (0, 0, 3, 1), atol=1e-6)
+
+
+def test_points_of_a_line_can_be_moved_inserted_and_removed(patch: bpy.types.Scene) -> None:
+    ops.incision_add(points=at((-10, 0), (10, 0)), time=3)
+    ops.point_insert(event="incision_1", index=1, co=(0, 5, TOP))
+    ops.point_move(event="incision_1", index=0, co=(-12, 1, TOP))
+    assert value("incision_1").points == ((-12, 1, TOP), (0, 5, TOP), (10, 0, TOP))
+    ops.point_remove(event="incision_1", index=1)
+    assert value("incision_1").points == ((-12, 1, TOP), (10, 0, TOP))
+    assert "needs its 2 points" in refused(lambda: ops.point_remove(event="incision_1", index=0))
+    assert "no point 7" in refused(lambda: ops.point_move(event="incision_1", index=7, co=(0, 0, TOP)))
+    assert "off the tissue" in refused(lambda: ops.excise(point=(0, 0, 90)))
+
+
+def test_a_duplicate_has_an_empty_and_keyframes_of_its_own(patch: bpy.types.Scene) -> None:
+    ACTS["hook_add"]()
+    first = value("hook_1")
+    ops.event_duplicate(event="hook_1", shift=20)
+    copied = value("hook_2")
+    assert (copied.start, copied.release) == (first.start + 20, first.release + 20)
+    assert copied.targets == tuple((time + 20, place) for time, place in first.targets)
+    ops.event_retime(event="hook_2", time=first.start + 21)
+    assert value("hook_1") == first
+    ops.event_remove(event="hook_2")
+    assert value("hook_1") == first
+    assert [each.name for each in bpy.data.objects if each.type == "EMPTY"] == ["hook_1 target"]
+
+
+def test_what_cannot_be_is_refused_in_a_sentence_and_nothing_is_done(patch: bpy.types.Scene) -> None:
+    sentence = refused(lambda: ops.incision_add(points=at((-10, 0), (10, 0)), time=41))
+    assert sentence == (
+        "incision_1: It is made at time 41, after the end of the timeline at 40. "
+        "Move it to 40 or before, or set the end of the scene later."
+    )
+    assert "1 distinct point" in refused(lambda: ops.incision_add(points=at((0, 0)), time=3))
+    assert "off the tissue" in refused(lambda: ops.incision_add(points=at((200, 0), (210, 0)), time=3))
+    assert "discard all tissue" in refused(lambda: ops.excise(point=(0, 0, TOP), time=5))
+    assert "at least 3" in refused(lambda: ops.undermine_add(points=at((0, 0), (1, 0)), time=3))
+    assert "grips the faces 'ear'" in refused(lambda: ops.retractor_add(grip="ear", start=3, end=8))
+    assert "joins a point to itself" in refused(lambda: ops.suture_add(first=(0, 0, TOP), second=(0, 0, TOP)))
+    assert "first edge" in refused(lambda: ops.suture_run(first_edge=at((0, 0)), second_edge=at((0, 1), (1, 1))))
+    assert "no event 'cut'" in refused(lambda: ops.suture_run(incision="cut"))
+    ACTS["hook_add"]()
+    assert "hook_1 holds the same point" in refused(ACTS["hook_add"])
+    assert "not after its start" in refused(lambda: ops.hook_add(anchor=(5, 1, TOP), start=9, end=9))
+    assert "after the end" in refused(lambda: ops.event_retime(event="hook_1", time=80))
+    assert "no event 'x'" in refused(lambda: ops.event_remove(event="x"))
+
+
+def test_without_a_tissue_nothing_can_be_placed_and_the_sentence_says_what_to_do(scene: bpy.types.Scene) -> None:
+    assert refused(lambda: ops.landmark_add(point=(0, 0, 0))).startswith("The scene has no tissue. ")
+
+
+def test_an_event_that_is_off_stays_in_the_list_and_hinders_nothing(patch: bpy.types.Scene) -> None:
+    ACTS["hook_add"]()
+    ops.event_enable(event="hook_1", enabled=False)
+    ACTS["hook_add"]()
+    assert [(event.name, event.enabled) for event in patch.lappet.events] == [("hook_1", False), ("hook_2", True)]
+
+
+def test_choosing_an_event_selects_its_empty_and_jumping_goes_to_its_frame(patch: bpy.types.Scene) -> None:
+    ACTS["hook_add"]()
+    ACTS["incision_add"]()
+    ops.event_select(event="hook_1")
+    assert patch.lappet.active_event == 0
+    assert bpy.context.view_layer.objects.active.name == "hook_1 target"
+    ops.event_jump(event="incision_1")
+    assert (patch.frame_current, patch.lappet.active_event) == (3, 1)
+
+
+def test_saving_and_loading_keeps_every_event(patch: bpy.types.Scene, blend: Path) -> None:
+    for act in ACTS.values():
+        act()
+    before = [value(event.name) for event in patch.lappet.events]
+    uids = [event.uid for event in patch.lappet.events]
+    assert any(isinstance(each, Suture) for each in before)
+    bpy.ops.wm.save_as_mainfile(filepath=str(blend))
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    bpy.ops.wm.open_mainfile(filepath=str(blend))
+    events = bpy.context.scene.lappet.events
+    assert [value(event.name) for event in events] == before
+    assert [event.uid for event in events] == uids
