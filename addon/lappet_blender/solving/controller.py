@@ -6,7 +6,7 @@ A controller holds no Blender data, only values and the scene's identifier: undo
 from __future__ import annotations
 
 import math
-import time
+from time import monotonic
 from collections import deque
 from collections.abc import Iterator
 from dataclasses import dataclass, field
@@ -43,7 +43,7 @@ class Job:
     procedure: Procedure
     settings: SolveSettings
     plan: Plan | None = None
-    started: float = field(default_factory=time.monotonic)
+    started: float = field(default_factory=monotonic)
     until: int | None = None
     done: int = 0
     total: int = 0
@@ -52,7 +52,7 @@ class Job:
     newton: int = 0
     residual: float = math.nan
     frame_seconds: deque[float] = field(default_factory=lambda: deque(maxlen=8))
-    frame_started: float = field(default_factory=time.monotonic)
+    frame_started: float = field(default_factory=monotonic)
     cancelled: bool = False
 
 
@@ -120,7 +120,7 @@ class Controller:
 
     def touch(self) -> None:
         """The scene may have changed: it is to be read again."""
-        now = time.monotonic()
+        now = monotonic()
         self.changed_at = now
         if self.dirty_since is None:
             self.dirty_since = now

@@ -20,7 +20,7 @@ BASIS_OF: dict[str, Basis] = {
 }
 _STEP = 0.6
 _MOST = 400
-# A sample farther than this (mm) from the shown skin at rest lies where tissue was taken away.
+# A sample farther than this (mm) beside the shown skin at rest lies where tissue was taken away.
 _GONE = 1.0
 
 
@@ -54,8 +54,7 @@ def beside(shape: RestShape, points: ArrayLike, basis: str, closed: bool, offset
     if len(samples) < 2:
         return samples
     located = shape.locate(samples)
-    corners = shape.points[shape.triangles[located.triangle]]
-    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normal = shape.normals(located.triangle)
     along = np.gradient(samples, axis=0)
     if closed:
         along[[0, -1]] = samples[1] - samples[-2]
@@ -71,10 +70,13 @@ def world_runs(
     It is broken where a wound gapes across it and where its tissue was taken away.
     """
     rest = surface.rest.at(located)
-    there = np.linalg.norm(rest - samples, axis=1) <= _GONE
+    offset = samples - rest
+    normal = surface.rest.normals(located.triangle)
+    aside = np.linalg.norm(offset - np.einsum("ki,ki->k", offset, normal)[:, None] * normal, axis=1)
+    there = aside <= np.maximum(_GONE, 0.5 * np.linalg.norm(offset, axis=1))  # else it is beside the skin, not over it
     world = surface.carry(located)
     stretch = np.linalg.norm(np.diff(world, axis=0), axis=1) * surface.mm
-    joined = stretch <= 3.0 * np.linalg.norm(np.diff(samples, axis=0), axis=1) + 0.5
+    joined = stretch <= 3.0 * np.linalg.norm(np.diff(rest, axis=0), axis=1) + 0.5
     world = world + surface.normals(located.triangle) * (lift / surface.mm)
     runs: list[NDArray[np.float64]] = []
     begin = 0

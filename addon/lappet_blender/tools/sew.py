@@ -159,12 +159,11 @@ class LAPPET_OT_place_suture(SkinModal, bpy.types.Operator):
         if len(self.first) == len(self.second) == 1:
             ends = {"first": tuple(self.first[0].co), "second": tuple(self.second[0].co)}
             return {"FINISHED"} if run_operator(self, "suture_add", **ends, **shared) else {"CANCELLED"}
-        edges = {
-            "first_edge": co(point.co for point in self.first),
-            "second_edge": co(point.co for point in self.second),
-            "flip": _runs_back(self.first, self.second),
-        }
-        which = {"incision": self.incision, "bite": self.bite} if self.incision else edges
+        if self.incision:
+            which = {"incision": self.incision, "bite": self.bite}
+        else:
+            edges = [co(point.co for point in edge) for edge in (self.first, self.second)]
+            which = {"first_edge": edges[0], "second_edge": edges[1], "flip": _runs_back(self.first, self.second)}
         done = run_operator(self, "suture_run", **which, count=self.count, spacing=self.spacing, **shared)
         return {"FINISHED"} if done else {"CANCELLED"}
 

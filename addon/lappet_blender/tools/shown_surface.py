@@ -76,6 +76,10 @@ class RestShape:
         """The rest places (k, 3), mm, of located points."""
         return np.einsum("kc,kci->ki", located.weights, self.points[self.triangles[located.triangle]])
 
+    def normals(self, triangle: NDArray[np.int64]) -> NDArray[np.float64]:
+        """Unit normals (k, 3) of triangles (k,) at rest."""
+        return _normals(self.points[self.triangles[triangle]])
+
 
 @dataclass(frozen=True, eq=False)
 class ShownSurface:
@@ -99,9 +103,12 @@ class ShownSurface:
 
     def normals(self, triangle: NDArray[np.int64]) -> NDArray[np.float64]:
         """Unit normals (k, 3) of triangles (k,) in the world."""
-        p = self.positions[self.rest.triangles[triangle]]
-        normal = np.cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0])
-        return normal / np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-300)
+        return _normals(self.positions[self.rest.triangles[triangle]])
+
+
+def _normals(corners: NDArray[np.float64]) -> NDArray[np.float64]:
+    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    return normal / np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-300)
 
 
 _rests: dict[tuple[Any, ...], RestShape] = {}
