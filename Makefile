@@ -3,7 +3,7 @@ SHELL := /bin/bash
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: help setup daemon demo test lint format docs bench clean
+.PHONY: help setup daemon demo extension test test-gui lint format docs bench clean
 
 PYTHON := .venv/bin/python
 JOBS ?= $(shell nproc)
@@ -11,7 +11,7 @@ JOBS ?= $(shell nproc)
 WORKERS ?= $(shell n=$$(nproc); echo $$(( n > 4 ? 4 : n )))
 
 help:  ## list the commands
-	@grep -hE '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/^([a-z]+):.*## */make \1\t/' | expand -t 16
+	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## */make \1\t/' | expand -t 16
 
 setup:  ## install what is missing, build the daemon
 	@bash packaging/setup.sh
@@ -22,12 +22,18 @@ daemon:  ## build the daemon and its tests
 demo: setup  ## solve and render the bundled Z-plasty into build/demo
 	@.venv/bin/lappet demo -o build/demo
 
+extension: setup  ## make the zip that Blender installs into dist/
+	@$(PYTHON) packaging/extension.py
+
 test:  ## run every test: the daemon's (ctest), then Python's (pytest)
 	@bash packaging/setup.sh --tests
 	@status=0; \
 	ctest --test-dir build --output-on-failure --no-tests=error --parallel $(JOBS) || status=1; \
 	$(PYTHON) -m pytest -q -n $(WORKERS) --dist loadfile --durations=10 || status=1; \
 	exit $$status
+
+test-gui: setup  ## drive a real Blender window (makes a Debian sid with one first: root, 1.5 GB)
+	@$(PYTHON) tests/gui/run.py
 
 lint:  ## check style, types, import directions and the documents
 	@bash packaging/lint.sh

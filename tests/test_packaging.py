@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import re
 import shutil
 import subprocess
@@ -12,8 +11,10 @@ import venv
 import zipfile
 from pathlib import Path
 
+import click
 import pytest
 
+import lappet_wheel
 from requirements import requirements
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -122,19 +123,7 @@ def test_the_daemon_carries_the_version_of_the_project() -> None:
 @pytest.mark.timeout(600)
 def test_a_wheel_installed_elsewhere_brings_the_command_and_its_daemon(tmp_path: Path) -> None:
     """Build the wheel from a copy without build products, install it in an environment of its own, run both."""
-    copy = tmp_path / "checkout"
-    copy.mkdir()
-    for name in ("pyproject.toml", "CMakeLists.txt", "README.md", "LICENSE"):
-        shutil.copy(ROOT / name, copy / name)
-    for folder in ("shared", "addon", "solverd", "examples"):
-        shutil.copytree(ROOT / folder, copy / folder, ignore=shutil.ignore_patterns("__pycache__"))
-    pip = [sys.executable, "-m", "pip"]
-    build = [*pip, "wheel", "--quiet", "--no-deps", "--no-build-isolation", "--wheel-dir", str(tmp_path), str(copy)]
-    # The same relative paths and compiler as the build of the checkout, so that ccache knows every file already.
-    compiler = {"CC": shutil.which("cc") or "cc", "CXX": shutil.which("c++") or "c++"}
-    settings = "--config-settings=build-dir=build"
-    subprocess.run([*build, settings], check=True, timeout=540, env={**os.environ, **compiler})
-    (wheel,) = tmp_path.glob("lappet-*.whl")
+    wheel = lappet_wheel.built()
     names = zipfile.ZipFile(wheel).namelist()
     for name in ("lappet/bin/lappet-solverd", "lappet/cli.py", "lappet_blender/figure/__main__.py"):
         assert name in names
@@ -147,7 +136,7 @@ def test_a_wheel_installed_elsewhere_brings_the_command_and_its_daemon(tmp_path:
         [sys.executable, "-m", "pip", f"--python={python}", "install", "--quiet", "--no-deps", str(wheel)], check=True
     )
     # The dependencies come from the environment of the tests; its own lappet must not be seen through that path.
-    site = Path(next(p for p in sys.path if p.endswith("site-packages")))
+    site = Path(click.__file__).parent.parent
     runner = f"import lappet, sys; sys.path.append({str(site)!r}); "
     version = subprocess.run(
         [python, "-I", "-c", runner + "from lappet.cli import cli; cli(['--help'])"],

@@ -50,8 +50,8 @@ def find_daemon() -> Path:
     if (checkout / "solverd" / "CMakeLists.txt").is_file():
         places.append(checkout / "build" / "solverd" / BINARY)
     for path in places:
-        if _is_program(path):
-            return path
+        if path.is_file():
+            return _runnable(path)
     raise DaemonMissing(
         f"The daemon {BINARY} is not installed; looked for {' and '.join(map(str, places))}. Run `make setup` in a "
         f"source checkout, install the wheel, or set LAPPET_SOLVERD to its path."
@@ -207,6 +207,20 @@ class SolverDaemon:
 
 def _is_program(path: Path) -> bool:
     return path.is_file() and os.access(path, os.X_OK)
+
+
+def _runnable(path: Path) -> Path:
+    """The path, once it may be executed: Blender unpacks an extension's wheels without the modes of their files."""
+    if not _is_program(path):
+        try:
+            mode = path.stat().st_mode
+            path.chmod(mode | (mode & 0o444) >> 2)  # who may read it may run it
+        except OSError as error:
+            raise DaemonMissing(
+                f"The daemon {path} may not be executed and that cannot be changed ({error.strerror or error}); run "
+                f"`chmod a+x` on it as its owner."
+            ) from error
+    return path
 
 
 def _read_stdout(pipe: IO[bytes], lines: queue.Queue[str | None]) -> None:

@@ -29,26 +29,26 @@ def sheet_tissue(
     "fixed", the underside "bed"; where the surface has faces in one of these itself, the subsets "rim" and "underside"
     say which faces are skin. Raises MeshError or SurfaceError where no sheet can be made, naming the place.
     """
-    counts, indices = np.asarray(counts, np.int64), np.asarray(indices, np.int64)
-    check_finite(points, counts, indices, name)
-    used, indices = np.unique(indices, return_inverse=True)
-    points, indices = points[used], indices.reshape(-1)
-    triangles = triangulate(points, counts, indices)[0]
+    sizes = np.asarray(counts, np.int64)
+    check_finite(points, sizes, np.asarray(indices, np.int64), name)
+    used, compact = np.unique(indices, return_inverse=True)
+    points, corners = points[used], compact.reshape(-1).astype(np.int64)
+    triangles = triangulate(points, sizes, corners)[0]
     check_oriented(points, triangles, name)
     sheet = thicken(points, triangles, thickness, rim_rows(points, triangles, thickness), name)
 
-    back = _reversed_corners(counts)
+    back = _reversed_corners(sizes)
     quads = sheet.rim_quads
-    faces = len(counts)
+    faces = len(sizes)
     rim = np.arange(2 * faces, 2 * faces + len(quads))
     underside = np.arange(faces, 2 * faces)
     corner_uv = None
     if uv is not None:
-        corner_uv = np.concatenate([uv, uv[back], _rim_uv(sheet, points, counts, indices, uv, thickness)])
+        corner_uv = np.concatenate([uv, uv[back], _rim_uv(sheet, points, sizes, corners, uv, thickness)])
     return Tissue(
         points=sheet.points.astype(np.float32).astype(np.float64),
-        face_vertex_counts=np.concatenate([counts, counts, np.full(len(quads), 4)]).astype(np.int32),
-        face_vertex_indices=np.concatenate([indices, indices[back] + len(points), quads.reshape(-1)]).astype(np.int32),
+        face_vertex_counts=np.concatenate([sizes, sizes, np.full(len(quads), 4)]).astype(np.int32),
+        face_vertex_indices=np.concatenate([corners, corners[back] + len(points), quads.reshape(-1)]).astype(np.int32),
         uv=corner_uv,
         subsets=_subsets(subsets or {}, rim, underside),
     )

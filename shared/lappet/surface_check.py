@@ -117,7 +117,14 @@ def check_not_self_intersecting(points: NDArray[np.float64], triangles: NDArray[
 
 
 def first_intersection(points: NDArray[np.float64], triangles: NDArray[np.integer]) -> tuple[int, int] | None:
-    """A pair of triangles without a common vertex that pierce each other, or None.
+    """A pair of triangles without a common vertex that pierce each other, or None; see `intersections`."""
+    for pairs in intersections(points, triangles):
+        return int(pairs[0].min()), int(pairs[0].max())
+    return None
+
+
+def intersections(points: NDArray[np.float64], triangles: NDArray[np.integer]) -> Iterator[NDArray[np.int64]]:
+    """The pairs (k, 2) of triangles without a common vertex that pierce each other, some at a time.
 
     Candidate pairs share a cell of a grid; a pair intersects when an edge of one crosses the inside of the other
     (Möller and Trumbore 1997). A corner that only touches the other triangle does not count.
@@ -130,9 +137,7 @@ def first_intersection(points: NDArray[np.float64], triangles: NDArray[np.intege
         left, right = left[~shared], right[~shared]
         hit = _pierces(corners[left], corners[right]) | _pierces(corners[right], corners[left])
         if hit.any():
-            k = int(np.flatnonzero(hit)[0])
-            return int(min(left[k], right[k])), int(max(left[k], right[k]))
-    return None
+            yield np.stack([left[hit], right[hit]], axis=1)
 
 
 def _overlapping_boxes(

@@ -11,10 +11,10 @@ import bpy
 import numpy as np
 import pytest
 
-from lappet.patch import flat_patch
 from lappet.procedure import Hook, Incision, Suture
 from lappet_blender.model.event_list import find_event
 from lappet_blender.model.event_values import event_value
+from event_patch import co, patch_scene
 
 TOP = 4.0
 ops = bpy.ops.lappet
@@ -23,29 +23,14 @@ ops = bpy.ops.lappet
 @pytest.fixture
 def patch(scene: bpy.types.Scene) -> bpy.types.Scene:
     """A scene in mm, frames 1 to 40, with a patch of 60 x 40 x 4 mm whose top lies at z = 4."""
-    scene.unit_settings.scale_length = 0.001
-    scene.frame_start, scene.frame_end = 1, 40
-    tissue = flat_patch((60.0, 40.0, TOP), resolution=4.0, spacing=1.0)
-    mesh = bpy.data.meshes.new("patch")
-    ends = np.cumsum(tissue.face_vertex_counts)
-    faces = np.split(tissue.face_vertex_indices, ends[:-1])
-    mesh.from_pydata(tissue.points.tolist(), [], [face.tolist() for face in faces])
-    obj = bpy.data.objects.new("patch", mesh)
-    scene.collection.objects.link(obj)
-    for name in ("fixed", "bed"):
-        flags = mesh.attributes.new(f"lappet_{name}", "BOOLEAN", "FACE")
-        values = np.zeros(len(mesh.polygons), bool)
-        values[tissue.subsets[name]] = True
-        flags.data.foreach_set("value", values)
-    scene.lappet.tissue.object = obj
-    scene.lappet.materials.add().name = "skin"
+    patch_scene(scene, (60.0, 40.0, TOP), 40)
     bpy.ops.ed.undo_push(message="the patch")
     return scene
 
 
 def at(*places: tuple[float, float]) -> list[dict[str, Any]]:
     """Points on the top of the patch as an operator takes them."""
-    return [{"name": "", "co": (x, y, TOP)} for x, y in places]
+    return co([(x, y, TOP) for x, y in places])
 
 
 def refused(act: Callable[[], object]) -> str:

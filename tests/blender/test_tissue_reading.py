@@ -2,16 +2,8 @@
 
 from __future__ import annotations
 
-import time
-
 import bpy
-import numpy as np
-import pytest
-from mathutils import Matrix
 
-from lappet.patch import flat_patch
-from lappet.sheet_tissue import sheet_tissue
-from lappet.surface import tissue_surface
 from lappet_blender.model.scene_procedure import read_scene
 
 

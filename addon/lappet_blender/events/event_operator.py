@@ -25,6 +25,9 @@ def attempt(operator: bpy.types.Operator, act: Callable[[], object]) -> set[str]
         return refuse(operator, " ".join(f"{each.sentence} {each.mend}" for each in refused.problems[:3]))
     except RefusedError as refused:
         return refuse(operator, str(refused))
+    except OSError as error:
+        where = f"{error.filename}: " if error.filename else ""
+        return refuse(operator, f"{where}{(error.strerror or str(error)).rstrip('.')}; choose another folder or file.")
     return {"FINISHED"}
 
 

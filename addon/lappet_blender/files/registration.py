@@ -1,11 +1,23 @@
-"""Registers this part of the add-on."""
+"""Registers import and export."""
 
 from __future__ import annotations
 
+import bpy
+
+from .usd_operators import CLASSES, export_entries, import_entries
+
 
 def register() -> None:
-    """Nothing to register yet."""
+    """Adds the operators, the menu entries and the drop of files."""
+    for each in CLASSES:
+        bpy.utils.register_class(each)
+    bpy.types.TOPBAR_MT_file_export.append(export_entries)
+    bpy.types.TOPBAR_MT_file_import.append(import_entries)
 
 
 def unregister() -> None:
-    """Nothing to take away yet."""
+    """Takes them away."""
+    bpy.types.TOPBAR_MT_file_import.remove(import_entries)
+    bpy.types.TOPBAR_MT_file_export.remove(export_entries)
+    for each in reversed(CLASSES):
+        bpy.utils.unregister_class(each)

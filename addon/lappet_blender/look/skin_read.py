@@ -134,6 +134,12 @@ class SkinCache:
         """The hooks of the procedure at a frame: the anchor on the tissue and the target."""
         return self._strands("Hooks", time)
 
+    def landmarks(self, time: float) -> NDArray[np.float32]:
+        """The landmarks (k, 3) at a frame, mm; those whose tissue is gone lie where they were last."""
+        prim = self._stage.GetPrimAtPath("/Procedure/Skin/Landmarks")
+        points = prim.GetAttribute("points").Get(time) if prim else None
+        return np.asarray(points if points is not None else [], np.float32).reshape(-1, 3) * np.float32(self._mm)
+
     def planned_incisions(self, step: float) -> list[NDArray[np.float64]]:
         """The incisions at rest, sampled every `step` mm: polylines (k, 3) in mm; closed ones repeat their first."""
         return self._curves("Incision", step)

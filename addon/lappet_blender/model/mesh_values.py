@@ -9,10 +9,12 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
+from .edit_mode_values import edited_group, edited_uv
 from .world_matrix import object_to_mm
 
 GROUP = "lappet_"  # the prefix of the face attributes that are groups of the tissue's faces
 _MOST_KEPT = 16
+_INDICES, _UV = 2, 4  # in the arrays of `_Raw`
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,12 +50,12 @@ _kept: OrderedDict[tuple[int, int], tuple[_Raw, MeshValues]] = OrderedDict()
 def mesh_values(scene: bpy.types.Scene, obj: bpy.types.Object) -> MeshValues:
     """The mesh of an object; the very same value as long as mesh, groups and place in the world are the same.
 
-    The object must be of type MESH. In edit mode what is edited counts. About 1 ms at 20 000 vertices where nothing has
-    changed.
+    The object must be of type MESH. In edit mode what is edited counts, but for texture coordinates while the faces are
+    the same. About 1 ms at 20 000 vertices where nothing has changed.
     """
-    raw = _read(scene, obj)
     key = (scene.session_uid, obj.session_uid)
     known = _kept.get(key)
+    raw = _read(scene, obj, known[0] if known is not None else None)
     if known is None or not known[0].same(raw):
         known = (raw, _values(raw))
         _kept[key] = known
@@ -72,7 +74,16 @@ def group_names(mesh: bpy.types.Mesh) -> list[str]:
     ]
 
 
-def _read(scene: bpy.types.Scene, obj: bpy.types.Object) -> _Raw:
+def group_faces(obj: bpy.types.Object, name: str) -> NDArray[np.bool_]:
+    """Which faces of the object's mesh, (m,), are in a group."""
+    if obj.mode == "EDIT":
+        return edited_group(obj.data, GROUP + name)
+    inside = np.empty(len(obj.data.polygons), bool)
+    obj.data.attributes[GROUP + name].data.foreach_get("value", inside)
+    return inside
+
+
+def _read(scene: bpy.types.Scene, obj: bpy.types.Object, before: _Raw | None) -> _Raw:
     if obj.mode == "EDIT":
         obj.update_from_editmode()
     mesh = obj.data
@@ -83,16 +94,16 @@ def _read(scene: bpy.types.Scene, obj: bpy.types.Object) -> _Raw:
     mesh.vertices.foreach_get("co", points)
     mesh.loops.foreach_get("vertex_index", indices)
     mesh.polygons.foreach_get("loop_start", starts)
+    names = group_names(mesh)
     layer = mesh.uv_layers.active
     uv = np.empty(2 * corners if layer is not None else 0, np.float32)
-    if layer is not None:
+    if layer is not None and obj.mode != "EDIT":
         layer.uv.foreach_get("vector", uv)
-    names = group_names(mesh)
-    groups = []
-    for name in names:
-        inside = np.empty(faces, bool)
-        mesh.attributes[GROUP + name].data.foreach_get("value", inside)
-        groups.append(inside)
+    elif layer is not None:
+        # Slow to read in edit mode, so taken anew only where faces have changed.
+        kept = before is not None and before.names[0] and np.array_equal(before.arrays[_INDICES], indices)
+        uv = before.arrays[_UV] if kept and before is not None else edited_uv(mesh)
+    groups = [group_faces(obj, name) for name in names]
     has_uv = "uv" if layer is not None else ""
     return _Raw((has_uv, *names), (object_to_mm(scene, obj), points, indices, starts, uv, *groups))
 

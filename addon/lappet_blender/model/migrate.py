@@ -2,18 +2,33 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import bpy
 
 from .procedure_properties import VERSION
 
+# What to do to a scene of the version that is the key, to make it one of the next. Version 1 is the first: files before
+# it hold the same properties without the mark.
+STEPS: dict[int, Callable[[bpy.types.Scene], None]] = {}
 
-def migrate(scene: bpy.types.Scene) -> None:
-    """Marks the scene's procedure as one of this version; a newer one stays as it is (`from_newer_version`).
 
-    Version 1 is the first: files before it hold the same properties without the mark.
+def migrate(scene: bpy.types.Scene) -> bool:
+    """Brings the scene's procedure up to this version, one at a time; whether anything was to be done.
+
+    Scenes of a library, scenes without a procedure and those of a newer version (`from_newer_version`) stay as they are.
     """
-    if scene.library is None and scene.lappet.version < VERSION and scene.lappet.tissue.object is not None:
-        scene.lappet.version = VERSION
+    procedure = scene.lappet
+    if scene.library is not None or procedure.version >= VERSION:
+        return False
+    if procedure.version == 0 and procedure.tissue.object is None and len(procedure.events) == 0:
+        return False
+    while procedure.version < VERSION:
+        step = STEPS.get(procedure.version)
+        if step is not None:
+            step(scene)
+        procedure.version += 1
+    return True
 
 
 def from_newer_version(scene: bpy.types.Scene) -> bool:

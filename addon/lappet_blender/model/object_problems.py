@@ -22,7 +22,7 @@ def object_problems(scene: bpy.types.Scene, obj: bpy.types.Object, role: str) ->
     if scene not in obj.users_scene:
         sentence = f"The {role} {name!r} is not in the scene {scene.name!r}: it was deleted or moved elsewhere."
         mend = "Undo the deletion, link the object to the scene, or choose another one."
-        return [problem(name, scene.name, sentence, mend, f"lappet.{role}_restore", object=name)]
+        return [problem(name, scene.name, sentence, mend, "lappet.tissue_restore", object=name)]
     problems = [*_linked(obj, role), *_shape(obj, role)]
     matrix = world_matrix(obj)
     if not keeps_shape(matrix):

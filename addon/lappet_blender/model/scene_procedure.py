@@ -12,6 +12,7 @@ from lappet.refused import RefusedError
 
 from .decimals import decimal
 from .material_values import material_values
+from .scene_filling import fill_scene
 from .scene_problem import problem
 from .tissue_values import bone_values, tissue_value
 
@@ -64,3 +65,6 @@ def _events(scene: bpy.types.Scene, problems: list[Problem]) -> tuple[Event, ...
             sentence = f"The event {each.name!r} cannot be read: {error}."
             problems.append(problem(each.name, each.kind, sentence, "Remove the event and place it anew."))
     return tuple(found)
+
+
+__all__ = ["SceneReading", "fill_scene", "read_scene"]

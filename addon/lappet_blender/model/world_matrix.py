@@ -32,13 +32,8 @@ def object_to_mm(scene: bpy.types.Scene, obj: bpy.types.Object) -> NDArray[np.fl
     metres has exactly one unit per mm.
     """
     matrix = np.array([decimals(row) for row in world_matrix(obj)])
-    matrix[:3] *= _decimal_scale(scene)
+    matrix[:3] *= mm_per_unit(scene)
     return matrix
-
-
-def _decimal_scale(scene: bpy.types.Scene) -> float:
-    (scale,) = decimals([mm_per_unit(scene) / 1000.0])
-    return 1000.0 * scale
 
 
 def stretch(matrix: Matrix) -> tuple[float, float, float]:

@@ -20,6 +20,7 @@ from lappet.procedure import Point, Procedure
 from lappet.store import FrameStore, default_folder
 
 from . import workers
+from .carry_over import CarryOver
 from .pace import Pace
 from .plan_memory import PlanMemory
 from .shelf import Shelf
@@ -103,6 +104,7 @@ class Controller:
     job: Job | None = None
     planning: Job | None = None
     live: Live | None = None
+    carrying: CarryOver | None = None
     failure: Failure | None = None
     line: str = ""
     notes: deque[str] = field(default_factory=lambda: deque(maxlen=NOTES))

@@ -29,7 +29,7 @@ def plan_of(scene: bpy.types.Scene) -> Plan | None:
 
 
 def frame_state(scene: bpy.types.Scene, time: float) -> State:
-    """"solved", "stale" (an older solve is shown), "failed" or "missing"."""
+    """ "solved", "stale" (an older solve is shown), "failed" or "missing"."""
     return frame_states(controller_of(scene)).get(math.floor(time + 1e-6), "missing")
 
 

@@ -11,7 +11,7 @@ from .controller import Controller, controller_of, controllers, find_controller,
 from .frames import announce
 from .happenings import take_in
 from .live_hook import step_live
-from .reconcile import due
+from .reconcile import due, take_carried
 from .scene_watch import check_vitals, read_now
 
 FIRST_INTERVAL = 0.1
@@ -47,6 +47,7 @@ def _once() -> bool:
             controller = controller_of(scene)
         check_vitals(scene, controller)
         heard = take_in(controller)
+        take_carried(controller)
         step_live(scene, controller)
         if due(controller) and not dragging and controller.live is None:
             read_now(scene)
@@ -62,7 +63,8 @@ def _once() -> bool:
 
 
 def _busy(controller: Controller) -> bool:
-    return any(True for _ in controller.jobs()) or controller.dirty_since is not None
+    waiting = controller.dirty_since is not None or controller.carrying is not None
+    return waiting or any(True for _ in controller.jobs())
 
 
 def _is_dragging() -> bool:

@@ -18,8 +18,10 @@ from lappet.lattice_size import TissueMeasure
 from lappet.problem import Problem
 from lappet.procedure import Procedure, Tissue
 from lappet.refused import RefusedError
+from lappet.store import FrameStore
 
 from ..model.migrate import from_newer_version
+from .carry_over import CarryOver
 from .controller import PAST_PLANS, Controller, Job, plans
 from .first_change import first_change
 from .solve_settings import frame_store, solve_settings
@@ -180,13 +182,26 @@ def _still_holds(controller: Controller, procedure: Procedure | None, settings: 
     return first_change(before, procedure) if settings == with_settings else -math.inf
 
 
-def _move(controller: Controller, store: object) -> None:
-    """Frames go to another folder from now on; a worker is bound to its folder, so this scene gets another."""
+def _move(controller: Controller, store: FrameStore) -> None:
+    """Frames go to another folder from now on, those that are there too; a worker is bound to its folder, so this scene
+    gets another."""
     controller.release()
-    controller.store = store  # type: ignore[assignment]
-    controller.known.clear()
-    plan = controller.plan
-    controller.look_again(*([plan] if plan else []), *controller.past)
+    every = [*([controller.plan] if controller.plan else []), *controller.past]
+    if every:
+        controller.carrying = CarryOver(every, controller.store, store)
+    controller.store = store
+    controller.look_again(*every)
+
+
+def take_carried(controller: Controller) -> None:
+    """Frames that were copied to another folder are there now."""
+    carrying = controller.carrying
+    if carrying is None or not carrying.done:
+        return
+    controller.carrying = None
+    if carrying.trouble:
+        controller.note(carrying.trouble)
+    controller.look_again(*([controller.plan] if controller.plan else []), *controller.past)
 
 
 _measured: tuple[Tissue, float, float] | None = None

@@ -119,7 +119,9 @@ def _depsgraph_updated(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -
                 continue
             if stepped and not update.is_updated_geometry and _moves(item):
                 continue  # the frame went on and took it along
-        elif not (isinstance(item, bpy.types.Action) or (isinstance(item, bpy.types.Mesh) and update.is_updated_geometry)):
+        elif not (
+            isinstance(item, bpy.types.Action) or (isinstance(item, bpy.types.Mesh) and update.is_updated_geometry)
+        ):
             continue
         ids[item.session_uid] = item
     if not ids:

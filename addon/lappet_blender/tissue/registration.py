@@ -1,11 +1,60 @@
-"""Registers this part of the add-on."""
+"""Registers the operators, panels, overlay and handlers of this part."""
 
 from __future__ import annotations
 
+import bpy
+from bpy.app.handlers import persistent
+
+from ..model import tissue_values
+from . import (
+    bone_operators,
+    check_operator,
+    found_problems,
+    group_operators,
+    material_operators,
+    material_panel,
+    mend_operators,
+    overlay,
+    tissue_measure,
+    tissue_operators,
+    tissue_panel,
+)
+
+_CLASSES = tuple(
+    each
+    for module in (
+        tissue_operators,
+        group_operators,
+        bone_operators,
+        material_operators,
+        mend_operators,
+        check_operator,
+        tissue_panel,
+        material_panel,
+    )
+    for each in module.CLASSES
+)
+
+
+@persistent  # type: ignore[untyped-decorator]
+def _on_load_pre(*_: object) -> None:
+    """What is kept of the file before is of no use any more."""
+    for module in (tissue_values, found_problems, tissue_measure):
+        module.forget()
+
 
 def register() -> None:
-    """Nothing to register yet."""
+    """Adds them."""
+    for each in _CLASSES:
+        bpy.utils.register_class(each)
+    overlay.register()
+    bpy.app.handlers.load_pre.append(_on_load_pre)
 
 
 def unregister() -> None:
-    """Nothing to take away yet."""
+    """Takes them away."""
+    if _on_load_pre in bpy.app.handlers.load_pre:
+        bpy.app.handlers.load_pre.remove(_on_load_pre)
+    overlay.unregister()
+    for each in reversed(_CLASSES):
+        bpy.utils.unregister_class(each)

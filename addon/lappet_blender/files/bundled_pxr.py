@@ -1,0 +1,24 @@
+"""Blender's own USD, loaded when it is first needed; the only way by which the extension comes to pxr."""
+
+from __future__ import annotations
+
+import bpy
+
+from lappet.refused import RefusedError
+from lappet.usd_stage import Pxr, pxr
+
+
+def bundled_pxr() -> Pxr:
+    """USD's modules with Lappet's schemas registered.
+
+    Raises RefusedError with a sentence where this Blender comes without USD; nothing but import and export needs it.
+    """
+    if hasattr(bpy.utils, "expose_bundled_modules"):
+        bpy.utils.expose_bundled_modules()  # Blender as a module keeps them out of the way; the program has them there
+    try:
+        return pxr()
+    except ImportError as cause:
+        raise RefusedError(
+            f"This Blender comes without USD ({cause}), so procedures can be neither imported nor exported; "
+            "everything else works. The Blender of blender.org, 4.5 or newer, has it."
+        ) from cause

@@ -1,0 +1,160 @@
+"""Operators, menu entries and the drop of files that import and export procedures and skin caches."""
+
+from pathlib import Path
+from typing import Any
+
+import bpy
+from bpy.props import BoolProperty, StringProperty
+from bpy_extras.io_utils import ExportHelper, ImportHelper
+
+from ..events.event_operator import SHOWN, UNDOABLE, attempt
+from .exported import write_cache, write_scene
+from .imported import look_into, read_into
+
+CLOSED = {"DEFAULT_CLOSED"}
+_GLOB = "*.usda;*.usdc;*.usd"
+
+
+def _path(operator: Any) -> Path:
+    return Path(bpy.path.abspath(operator.filepath))
+
+
+class LAPPET_OT_export_procedure(bpy.types.Operator, ExportHelper):
+    """Writes the procedure as a USD file that the command lappet solve and other programs read"""
+
+    bl_idname = "lappet.export_procedure"
+    bl_label = "Export Lappet Procedure"
+    bl_options = SHOWN
+
+    filename_ext = ".usda"
+    check_extension = None
+    filter_glob: StringProperty(default=_GLOB, options={"HIDDEN"})
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        done = attempt(self, lambda: write_scene(context.scene, _path(self)))
+        if "FINISHED" in done:
+            self.report({"INFO"}, f"Wrote {_path(self).name}.")
+        return done
+
+
+class LAPPET_OT_export_cache(bpy.types.Operator, ExportHelper):
+    """Writes the solved frames as a skin cache, a USD file over the procedure; solves nothing"""
+
+    bl_idname = "lappet.export_cache"
+    bl_label = "Export Lappet Skin Cache"
+    bl_options = SHOWN
+
+    filename_ext = ".usdc"
+    check_extension = None
+    filter_glob: StringProperty(default=_GLOB, options={"HIDDEN"})
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        beside: list[Path] = []
+        done = attempt(self, lambda: beside.append(write_cache(context.scene, _path(self))))
+        if "FINISHED" in done:
+            self.report({"INFO"}, f"Wrote {_path(self).name}, and {beside[0].name} beside it.")
+        return done
+
+
+class LAPPET_OT_import_procedure(bpy.types.Operator, ImportHelper):
+    """Reads a procedure or a skin cache"""
+
+    bl_idname = "lappet.import_procedure"
+    bl_label = "Import Lappet Procedure"
+    bl_options = UNDOABLE
+
+    filter_glob: StringProperty(default=_GLOB, options={"HIDDEN"})
+    new_scene: BoolProperty(
+        name="New Scene",
+        description="Into a scene of its own; left out: where this one already has a tissue or events",
+        default=False,
+    )
+
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        if self.properties.is_property_set("filepath") and self.filepath:  # dropped on the window
+            return self.execute(context)
+        return set(ImportHelper.invoke(self, context, event))
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        path, scene = _path(self), context.scene
+        taken = scene.lappet.tissue.object is not None or len(scene.lappet.events) > 0
+        apart = self.new_scene if self.properties.is_property_set("new_scene") else taken
+        notes: list[str] = []
+
+        def act() -> None:
+            look_into(path)  # refuses what is no USD before a scene is made for it
+            target = _fresh_scene(scene, path.stem) if apart else scene
+            try:
+                notes.extend(read_into(target, path))
+            except BaseException:
+                if apart:
+                    bpy.data.scenes.remove(target)
+                raise
+            if apart and context.window is not None:
+                context.window.scene = target
+
+        done = attempt(self, act)
+        if "FINISHED" in done:
+            self.report({"INFO"}, " ".join([f"Read {path.name}.", *notes]))
+        return done
+
+
+class LAPPET_FH_procedure(bpy.types.FileHandler):
+    """Procedures and skin caches that are dropped on a 3D view."""
+
+    bl_idname = "LAPPET_FH_procedure"
+    bl_label = "Lappet Procedure"
+    bl_import_operator = "lappet.import_procedure"
+    bl_export_operator = "lappet.export_procedure"
+    bl_file_extensions = ".usda;.usdc;.usd"
+
+    @classmethod
+    def poll_drop(cls, context: bpy.types.Context) -> bool:
+        return context.area is not None and context.area.type == "VIEW_3D"
+
+
+def _fresh_scene(like: bpy.types.Scene, name: str) -> bpy.types.Scene:
+    """An empty scene with the units of another."""
+    fresh = bpy.data.scenes.new(name)
+    fresh.unit_settings.system = like.unit_settings.system
+    fresh.unit_settings.scale_length = like.unit_settings.scale_length
+    fresh.unit_settings.length_unit = like.unit_settings.length_unit
+    return fresh
+
+
+def export_entries(menu: Any, _context: bpy.types.Context) -> None:
+    """In File > Export."""
+    menu.layout.operator("lappet.export_procedure", text="Lappet Procedure (.usda)")
+    menu.layout.operator("lappet.export_cache", text="Lappet Skin Cache (.usdc)")
+
+
+def import_entries(menu: Any, _context: bpy.types.Context) -> None:
+    """In File > Import."""
+    menu.layout.operator("lappet.import_procedure", text="Lappet Procedure or Skin Cache (.usda, .usdc)")
+
+
+class LAPPET_PT_files(bpy.types.Panel):
+    """Import and export."""
+
+    bl_idname = "LAPPET_PT_files"
+    bl_label = "Files"
+    bl_space_type = "VIEW_3D"
+    bl_region_type = "UI"
+    bl_category = "Lappet"
+    bl_order = 60
+    bl_options = CLOSED
+
+    def draw(self, _context: bpy.types.Context) -> None:
+        column = self.layout.column(align=True)
+        column.operator("lappet.import_procedure", text="Import Procedure", icon="IMPORT")
+        column.operator("lappet.export_procedure", text="Export Procedure", icon="EXPORT")
+        column.operator("lappet.export_cache", text="Export Skin Cache", icon="EXPORT")
+
+
+CLASSES = (
+    LAPPET_OT_export_procedure,
+    LAPPET_OT_export_cache,
+    LAPPET_OT_import_procedure,
+    LAPPET_FH_procedure,
+    LAPPET_PT_files,
+)

@@ -1,0 +1,72 @@
+"""Makes mesh objects of arrays in mm."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+from lappet.refused import RefusedError
+from lappet.surface_check import check_finite
+
+from .mesh_values import GROUP
+from .units import mm_per_unit
+
+
+def mesh_object(
+    scene: bpy.types.Scene,
+    collection: bpy.types.Collection,
+    name: str,
+    points: NDArray[np.float64],
+    counts: NDArray[np.integer],
+    indices: NDArray[np.integer],
+    uv: NDArray[np.float32] | None = None,
+    groups: Mapping[str, NDArray[np.integer]] | None = None,
+) -> bpy.types.Object:
+    """A new object whose mesh has these polygons; its coordinates are mm, which its scale makes units of the scene.
+
+    points: (n, 3) mm. counts: (m,), indices: (k,). uv: (k, 2). groups: face indices by name. Raises RefusedError for
+    arrays that Blender could not hold.
+    """
+    _check(name, points, counts, indices, uv, groups or {})
+    mesh = bpy.data.meshes.new(name)
+    mesh.vertices.add(len(points))
+    mesh.vertices.foreach_set("co", np.ascontiguousarray(points, np.float32).reshape(-1))
+    mesh.loops.add(len(indices))
+    mesh.loops.foreach_set("vertex_index", np.ascontiguousarray(indices, np.int32))
+    mesh.polygons.add(len(counts))
+    mesh.polygons.foreach_set("loop_start", (np.cumsum(counts) - counts).astype(np.int32))
+    if uv is not None:
+        layer = mesh.uv_layers.new(name="UVMap", do_init=False)
+        layer.uv.foreach_set("vector", np.ascontiguousarray(uv, np.float32).reshape(-1))
+    for group, faces in (groups or {}).items():
+        inside = np.zeros(len(counts), bool)
+        inside[faces] = True
+        mesh.attributes.new(GROUP + group, "BOOLEAN", "FACE").data.foreach_set("value", inside)
+    mesh.update(calc_edges=True)
+    obj = bpy.data.objects.new(name, mesh)
+    obj.scale = [1.0 / mm_per_unit(scene)] * 3
+    collection.objects.link(obj)
+    return obj
+
+
+def _check(
+    name: str,
+    points: NDArray[np.float64],
+    counts: NDArray[np.integer],
+    indices: NDArray[np.integer],
+    uv: NDArray[np.float32] | None,
+    groups: Mapping[str, NDArray[np.integer]],
+) -> None:
+    check_finite(points, counts, indices, name)  # type: ignore[arg-type]
+    if len(counts) and counts.min() < 3:
+        raise RefusedError(f"{name}: a face has {counts.min()} corners; give every face at least 3")
+    if uv is not None and len(uv) != len(indices):
+        raise RefusedError(f"{name}: there are {len(uv)} texture coordinates for {len(indices)} face corners")
+    for group, faces in groups.items():
+        if len(faces) and not 0 <= faces.min() <= faces.max() < len(counts):
+            raise RefusedError(
+                f"{name}: the group {group!r} names face {faces.max()} of {len(counts)}; select it again"
+            )

@@ -1,0 +1,98 @@
+"""Gives a scene the values of a procedure: the inverse of reading it."""
+
+from __future__ import annotations
+
+import math
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+from lappet.procedure import Bone, Procedure, Tissue
+
+from .changes import changed
+from .material_values import set_material, set_region
+from .mesh_objects import mesh_object
+from .procedure_properties import VERSION
+
+
+def fill_scene(scene: bpy.types.Scene, procedure: Procedure, collection: bpy.types.Collection) -> list[str]:
+    """Puts the procedure's tissue, bones, materials, timeline and events into the scene in place of what it had.
+
+    Objects are linked to `collection`; the scene keeps its unit. Objects of the procedure before stay in the scene, but
+    no part of it. Returns a sentence for everything that a scene cannot hold. Raises RefusedError, with the
+    scene as it was, for meshes that Blender cannot hold.
+    """
+    made: list[bpy.types.Object] = []
+    tissue = procedure.tissue
+    try:
+        skin = mesh_object(scene, collection, "Tissue", *_polygons(tissue), uv=tissue.uv, groups=tissue.subsets)
+        made.append(skin)
+        made += [mesh_object(scene, collection, bone.name, *_polygons(bone)) for bone in procedure.bones]
+    except BaseException:
+        for obj in made:
+            bpy.data.meshes.remove(obj.data)
+        raise
+    notes = _timeline(scene, procedure)
+    _clear(scene)
+    _tissue(scene, tissue, skin)
+    for bone, obj in zip(procedure.bones, made[1:], strict=True):
+        entry = scene.lappet.bones.add()
+        entry.name, entry.object = bone.name, obj
+    for material in procedure.materials:
+        set_material(scene, scene.lappet.materials.add(), material)
+    for region in tissue.regions:
+        set_region(scene.lappet.regions.add(), region)
+    _events(scene, procedure)
+    scene.lappet.version = VERSION
+    changed(scene)
+    return notes
+
+
+def _polygons(mesh: Tissue | Bone) -> tuple[NDArray[np.float64], NDArray[np.int32], NDArray[np.int32]]:
+    return mesh.points, mesh.face_vertex_counts, mesh.face_vertex_indices
+
+
+def _clear(scene: bpy.types.Scene) -> None:
+    if len(scene.lappet.events):
+        from .event_list import remove_event
+
+        while len(scene.lappet.events):
+            remove_event(scene, scene.lappet.events[-1])
+    for name in ("bones", "materials", "regions"):
+        getattr(scene.lappet, name).clear()
+
+
+def _tissue(scene: bpy.types.Scene, tissue: Tissue, skin: bpy.types.Object) -> None:
+    settings = scene.lappet.tissue
+    settings.object, settings.thicken = skin, False
+    settings.material, settings.spacing, settings.bed_stiffness = tissue.material, tissue.spacing, tissue.bed_stiffness
+    settings.use_gravity = tissue.gravity is not None
+    if tissue.gravity is not None:
+        settings.gravity = tissue.gravity
+
+
+def _timeline(scene: bpy.types.Scene, procedure: Procedure) -> list[str]:
+    notes = []
+    start, end = math.ceil(procedure.start_time), math.floor(procedure.end_time)
+    if (start, end) != (procedure.start_time, procedure.end_time):
+        notes.append(
+            f"The timeline runs from {procedure.start_time:g} to {procedure.end_time:g}; "
+            f"the scene from frame {start} to {end}."
+        )
+    scene.frame_start, scene.frame_end = start, end
+    if scene.frame_start != start:
+        notes.append(f"The timeline begins at {start}; the scene begins at {scene.frame_start}, its earliest frame.")
+    fps = max(1, round(procedure.fps))
+    scene.render.fps, scene.render.fps_base = fps, fps / procedure.fps
+    return notes
+
+
+def _events(scene: bpy.types.Scene, procedure: Procedure) -> None:
+    if not procedure.events:
+        return
+    from .event_list import add_event
+    from .event_values import set_event
+
+    for value in procedure.events:
+        set_event(scene, add_event(scene, value.kind.upper(), name=value.name), value)

@@ -1,0 +1,67 @@
+"""Operators on the bones: meshes that the tissue may not enter."""
+
+import bpy
+from bpy.props import StringProperty
+
+from lappet.refused import RefusedError
+
+from ..model.tissue_values import identifier
+from .act import UNDOABLE, Act, named_object
+
+
+class LAPPET_OT_bone_add(Act, bpy.types.Operator):
+    """Make a closed mesh a bone, which the tissue may not enter"""
+
+    bl_idname = "lappet.bone_add"
+    bl_label = "Add Bone"
+    bl_options = UNDOABLE
+
+    object: StringProperty(name="Object", description="Its name; empty for the active object")
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return context.scene is not None
+
+    def act(self, context: bpy.types.Context) -> None:
+        procedure = context.scene.lappet
+        obj = named_object(context, self.object)
+        if obj.type != "MESH":
+            raise RefusedError(f"{obj.name!r} is a {obj.type.lower()} and no mesh; select a mesh.")
+        if obj == procedure.tissue.object:
+            raise RefusedError(f"{obj.name!r} is the tissue; a bone is another mesh below it.")
+        if any(bone.object == obj for bone in procedure.bones):
+            raise RefusedError(f"{obj.name!r} is a bone already.")
+        taken = {bone.name for bone in procedure.bones}
+        bone = procedure.bones.add()
+        bone.name, bone.object = identifier(obj.name, taken), obj
+
+
+class LAPPET_OT_bone_remove(Act, bpy.types.Operator):
+    """Take a bone out of the procedure; the object stays"""
+
+    bl_idname = "lappet.bone_remove"
+    bl_label = "Remove Bone"
+    bl_options = UNDOABLE
+
+    object: StringProperty(name="Object", description="Its name; empty for the active object")
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return context.scene is not None
+
+    def act(self, context: bpy.types.Context) -> None:
+        bones = context.scene.lappet.bones
+        active = context.view_layer.objects.active
+        name = self.object or (active.name if active is not None else "")
+        index = next((i for i in range(len(bones) - 1, -1, -1) if _is(bones[i], name)), -1)
+        if index < 0:
+            known = ", ".join(bone.object.name for bone in bones if bone.object) or "none"
+            raise RefusedError(f"{name!r} is no bone; there are: {known}.")
+        bones.remove(index)
+
+
+def _is(bone: bpy.types.PropertyGroup, name: str) -> bool:
+    return bone.name == name if bone.object is None else bone.object.name == name
+
+
+CLASSES = (LAPPET_OT_bone_add, LAPPET_OT_bone_remove)

@@ -1,0 +1,58 @@
+"""Operator: look for what is wrong with the tissue and show it on the mesh."""
+
+import bpy
+from bpy.props import IntProperty
+
+from lappet.refused import RefusedError
+
+from ..model.units import to_world
+from .act import PLAIN, UNDOABLE, Act
+from .found_problems import check_tissue, found_problems
+
+
+class _OnTissue(Act):
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return context.scene is not None and context.scene.lappet.tissue.object is not None
+
+
+class LAPPET_OT_tissue_check(_OnTissue, bpy.types.Operator):
+    """Look for holes, crossings, thin places and everything else that would be refused, and show it on the mesh"""
+
+    bl_idname = "lappet.tissue_check"
+    bl_label = "Check"
+    bl_options = PLAIN
+
+    def act(self, context: bpy.types.Context) -> str:
+        problems = check_tissue(context.scene).problems()
+        errors = sum(each.severity == "error" for each in problems)
+        if not problems:
+            return "Nothing is wrong with the tissue."
+        warnings = len(problems) - errors
+        return (
+            f"{errors} problem{'s' * (errors != 1)}, {warnings} warning{'s' * (warnings != 1)}: {problems[0].sentence}"
+        )
+
+
+class LAPPET_OT_tissue_show_problem(_OnTissue, bpy.types.Operator):
+    """Move the 3D cursor to the problem and look there"""
+
+    bl_idname = "lappet.tissue_show_problem"
+    bl_label = "Show Problem"
+    bl_options = UNDOABLE
+
+    index: IntProperty(name="Problem", default=0, min=0)
+
+    def act(self, context: bpy.types.Context) -> None:
+        found = found_problems(context.scene)
+        if found is None or self.index >= len(found.places):
+            raise RefusedError(f"There is no problem {self.index}; press Check again.")
+        middle = found.places[self.index].middle()
+        if middle is None:
+            raise RefusedError("This problem has no one place on the mesh.")
+        context.scene.cursor.location = to_world(context.scene, middle.tolist())
+        if context.region_data is not None:
+            context.region_data.view_location = context.scene.cursor.location
+
+
+CLASSES = (LAPPET_OT_tissue_check, LAPPET_OT_tissue_show_problem)

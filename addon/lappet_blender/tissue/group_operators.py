@@ -1,0 +1,96 @@
+"""Operators on groups of the tissue's faces."""
+
+import bpy
+from bpy.props import BoolProperty, EnumProperty, StringProperty
+
+from lappet.refused import RefusedError
+
+from ..model.mesh_values import group_names
+from .act import UNDOABLE, Act, tissue_object
+from .face_choice import WHICH, chosen_faces
+from .face_groups import change_group, remove_group, select_group
+
+
+class _OnTissue(Act):
+    """An operator that needs a tissue."""
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return context.scene is not None and context.scene.lappet.tissue.object is not None
+
+
+class LAPPET_OT_faces_assign(_OnTissue, bpy.types.Operator):
+    """Put faces of the tissue into a group: fixed faces are held, bed faces are tied to deep tissue"""
+
+    bl_idname = "lappet.faces_assign"
+    bl_label = "Assign Faces"
+    bl_options = UNDOABLE
+
+    group: StringProperty(name="Group", default="fixed")
+    faces: StringProperty(name="Faces", description='Indices, such as "0,1,5-9"; empty for the choice below')
+    which: EnumProperty(name="Which", items=WHICH, default="SELECTED")
+    action: EnumProperty(
+        name="Action",
+        items=(
+            ("ADD", "Add", "Add to the group"),
+            ("REMOVE", "Remove", "Take out of the group"),
+            ("SET", "Set", "These and no others"),
+        ),
+        default="ADD",
+    )
+
+    def act(self, context: bpy.types.Context) -> str:
+        obj = tissue_object(context.scene)
+        faces = chosen_faces(context.scene, obj, self.faces, self.which)
+        count = change_group(obj, self.group, faces, self.action)
+        return f"The group {self.group!r} has {count} faces."
+
+
+class LAPPET_OT_faces_new(_OnTissue, bpy.types.Operator):
+    """Make a group of the selected faces: for a retractor to grip, or for a region of another material"""
+
+    bl_idname = "lappet.faces_new"
+    bl_label = "New Group"
+    bl_options = UNDOABLE
+
+    group: StringProperty(name="Group", default="grip")
+
+    def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
+        return context.window_manager.invoke_props_dialog(self)
+
+    def act(self, context: bpy.types.Context) -> str:
+        obj = tissue_object(context.scene)
+        if self.group in group_names(obj.data):
+            raise RefusedError(f"{obj.name!r} has a group {self.group!r} already; add to that, or give another name.")
+        count = change_group(obj, self.group, chosen_faces(context.scene, obj, "", "SELECTED"), "SET")
+        return f"The group {self.group!r} has {count} faces."
+
+
+class LAPPET_OT_faces_clear(_OnTissue, bpy.types.Operator):
+    """Take a group away; its faces stay"""
+
+    bl_idname = "lappet.faces_clear"
+    bl_label = "Remove Group"
+    bl_options = UNDOABLE
+
+    group: StringProperty(name="Group", default="fixed")
+
+    def act(self, context: bpy.types.Context) -> None:
+        remove_group(tissue_object(context.scene), self.group)
+
+
+class LAPPET_OT_faces_select(_OnTissue, bpy.types.Operator):
+    """Select the faces of a group"""
+
+    bl_idname = "lappet.faces_select"
+    bl_label = "Select Group"
+    bl_options = UNDOABLE
+
+    group: StringProperty(name="Group", default="fixed")
+    extend: BoolProperty(name="Extend", default=False)
+
+    def act(self, context: bpy.types.Context) -> None:
+        select_group(tissue_object(context.scene), self.group, self.extend)
+
+
+CLASSES = (LAPPET_OT_faces_assign, LAPPET_OT_faces_new, LAPPET_OT_faces_clear, LAPPET_OT_faces_select)

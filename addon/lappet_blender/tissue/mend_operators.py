@@ -1,0 +1,173 @@
+"""Operators that mend what a problem of tissue or bone names."""
+
+import bpy
+import numpy as np
+from bpy.props import BoolProperty, EnumProperty, StringProperty
+
+from lappet.lattice_size import TissueMeasure
+from lappet.refused import RefusedError
+from lappet.surface import triangulate
+from lappet.validation import MEMORY_BUDGET
+
+from ..model.decimals import decimal
+from ..model.scene_procedure import read_scene
+from . import mend_mesh, mend_object
+from .act import UNDOABLE, Act, tissue_object
+
+MENDS = (
+    ("HOLES", "Fill Small Holes", "Close holes that are small against the mesh or its rim"),
+    ("WELD", "Weld", "Merge vertices at one place and remove faces without area"),
+    ("ORIENT", "Turn Faces Alike", "Make all faces look outwards"),
+    ("LOOSE", "Remove Loose Parts", "Remove vertices and edges without a face"),
+    ("THICKEN", "Thicken", "Turn Thicken on for an open surface, off for a closed one"),
+    ("SPACING", "Choose Spacing", "A lattice spacing that fits the tissue and the memory"),
+)
+
+
+class _OnObject(Act):
+    """An operator on a named object: by default the tissue."""
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return context.scene is not None
+
+    def meant(self, context: bpy.types.Context) -> bpy.types.Object:
+        """The object meant. Raises RefusedError where it is not there or no mesh."""
+        if not self.object:  # type: ignore[attr-defined]
+            return tissue_object(context.scene)
+        name = self.object  # type: ignore[attr-defined]
+        procedure = context.scene.lappet
+        own = [procedure.tissue.object, *(bone.object for bone in procedure.bones)]
+        obj = next((each for each in own if each is not None and each.name == name), bpy.data.objects.get(name))
+        if obj is None:
+            raise RefusedError(f"There is no object {name!r}; give the name of one that is.")
+        if obj.type != "MESH":
+            raise RefusedError(f"{name!r} is a {obj.type.lower()} and no mesh; choose a mesh.")
+        return obj
+
+
+class LAPPET_OT_tissue_apply_scale(_OnObject, bpy.types.Operator):
+    """Apply the object's scale to its mesh, which keeps its place and shape"""
+
+    bl_idname = "lappet.tissue_apply_scale"
+    bl_label = "Apply Scale"
+    bl_options = UNDOABLE
+
+    object: StringProperty(name="Object", description="Its name; empty for the tissue")
+
+    def act(self, context: bpy.types.Context) -> None:
+        mend_object.apply_scale(self.meant(context))
+
+
+class LAPPET_OT_tissue_apply_modifiers(_OnObject, bpy.types.Operator):
+    """Make the mesh what its modifiers and shape keys make of it now"""
+
+    bl_idname = "lappet.tissue_apply_modifiers"
+    bl_label = "Apply Modifiers and Shape Keys"
+    bl_options = UNDOABLE
+
+    object: StringProperty(name="Object", description="Its name; empty for the tissue")
+
+    def act(self, context: bpy.types.Context) -> str:
+        return mend_object.apply_shape(context, self.meant(context))
+
+
+class LAPPET_OT_tissue_make_local(_OnObject, bpy.types.Operator):
+    """Copy a linked mesh into this file; the library's file stays as it is"""
+
+    bl_idname = "lappet.tissue_make_local"
+    bl_label = "Make Local"
+    bl_options = UNDOABLE
+
+    object: StringProperty(name="Object", description="Its name; empty for the tissue")
+
+    def act(self, context: bpy.types.Context) -> None:
+        mend_object.make_local(self.meant(context))
+
+
+class LAPPET_OT_tissue_fix_place(_OnObject, bpy.types.Operator):
+    """Leave the object where it stands, without keyframes, drivers, constraints and parent"""
+
+    bl_idname = "lappet.tissue_fix_place"
+    bl_label = "Fix in Place"
+    bl_options = UNDOABLE
+
+    object: StringProperty(name="Object", description="Its name; empty for the tissue")
+
+    def act(self, context: bpy.types.Context) -> None:
+        mend_object.fix_place(self.meant(context))
+
+
+class LAPPET_OT_tissue_restore(_OnObject, bpy.types.Operator):
+    """Link the object into the scene again"""
+
+    bl_idname = "lappet.tissue_restore"
+    bl_label = "Bring Back"
+    bl_options = UNDOABLE
+
+    object: StringProperty(name="Object", description="Its name; empty for the tissue")
+
+    def act(self, context: bpy.types.Context) -> None:
+        mend_object.restore(context.scene, self.meant(context))
+
+
+class LAPPET_OT_tissue_mend(Act, bpy.types.Operator):
+    """Mend the mesh of the tissue"""
+
+    bl_idname = "lappet.tissue_mend"
+    bl_label = "Mend Tissue"
+    bl_options = UNDOABLE
+
+    kind: EnumProperty(name="Mend", items=MENDS, default="WELD")
+    everything: BoolProperty(name="All holes", description="Fill holes of any size", default=False)
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return context.scene is not None and context.scene.lappet.tissue.object is not None
+
+    @classmethod
+    def description(cls, _context: bpy.types.Context, properties: bpy.types.OperatorProperties) -> str:
+        return next(text for key, _, text in MENDS if key == properties.kind)
+
+    def act(self, context: bpy.types.Context) -> str | None:
+        scene = context.scene
+        obj = tissue_object(scene)
+        settings = scene.lappet.tissue
+        match self.kind:
+            case "HOLES":
+                return mend_mesh.fill_holes(scene, obj, settings.thicken, self.everything)
+            case "WELD":
+                return mend_mesh.weld(obj)
+            case "ORIENT":
+                return mend_mesh.turn_alike(scene, obj)
+            case "LOOSE":
+                return mend_mesh.remove_loose(obj)
+            case "THICKEN":
+                settings.thicken = not settings.thicken
+                return None
+            case _:
+                settings.spacing = fitting_spacing(scene)
+                return f"The lattice spacing is {settings.spacing:.3g} mm."
+
+
+def fitting_spacing(scene: bpy.types.Scene) -> float:
+    """A spacing, mm, at which a cell is no larger than the tissue is thick and the lattice fits the memory."""
+    procedure = read_scene(scene).procedure
+    if procedure is None:
+        raise RefusedError("The tissue cannot be read yet; mend its other problems first.")
+    settings, tissue = scene.lappet.tissue, procedure.tissue
+    counts, indices = tissue.face_vertex_counts.astype(np.int64), tissue.face_vertex_indices.astype(np.int64)
+    measure = TissueMeasure(tissue.points, triangulate(tissue.points, counts, indices)[0])
+    thin = decimal(settings.thickness) if settings.thicken else float(measure.size.min())
+    least = measure.least_spacing(MEMORY_BUDGET)
+    return max(least, min(tissue.spacing, thin))
+
+
+CLASSES = (
+    LAPPET_OT_tissue_apply_scale,
+    LAPPET_OT_tissue_apply_modifiers,
+    LAPPET_OT_tissue_make_local,
+    LAPPET_OT_tissue_fix_place,
+    LAPPET_OT_tissue_restore,
+    LAPPET_OT_tissue_mend,
+)

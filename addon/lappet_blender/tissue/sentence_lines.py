@@ -1,0 +1,21 @@
+"""A sentence broken into lines, since a label of Blender has only one."""
+
+from __future__ import annotations
+
+import textwrap
+
+import bpy
+
+_PIXELS_PER_LETTER = 7.0
+
+
+def draw_sentence(layout: bpy.types.UILayout, context: bpy.types.Context, sentence: str, icon: str = "NONE") -> None:
+    """Labels that together say the sentence in the width of the region."""
+    region = context.region
+    scale = context.preferences.system.ui_scale if context.preferences is not None else 1.0
+    width = region.width if region is not None else 300
+    letters = max(20, int((width - 60 * scale) / (_PIXELS_PER_LETTER * scale)))
+    column = layout.column(align=True)
+    column.scale_y = 0.8
+    for number, line in enumerate(textwrap.wrap(sentence, letters)):
+        column.label(text=line, icon=icon if number == 0 else ("BLANK1" if icon != "NONE" else "NONE"))

@@ -1,0 +1,96 @@
+"""Makes an object the tissue of a scene and chooses what it needs: spacing, material, texture, frames."""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+
+from lappet.flatten import flatten
+from lappet.patch import UV_SCALE
+from lappet.presets import PRESETS
+from lappet.refused import RefusedError
+from lappet.surface import triangulate
+from lappet.surface_check import signed_volume
+from lappet.tissue import chosen_spacing
+
+from ..model.material_values import set_material
+from ..model.mesh_values import MeshValues, mesh_values
+from ..model.procedure_properties import VERSION
+from ..model.surface_border import open_edge_count
+
+_UNTOUCHED = (1, 250)  # the frame range of a new scene
+_FRAMES = (1, 40)
+
+
+def set_tissue(
+    scene: bpy.types.Scene, obj: bpy.types.Object, thickness: float, spacing: float, preset: str
+) -> str | None:
+    """Makes the object the scene's tissue.
+
+    thickness: mm of the sheet below an open surface, 0 for a closed one. spacing: mm, 0 = about 40 000 cells.
+    preset: name in `lappet.presets.PRESETS` of the material. Raises RefusedError before anything has
+    changed; returns what is worth saying.
+    """
+    if obj.type != "MESH":
+        raise RefusedError(f"{obj.name!r} is a {obj.type.lower()} and no mesh; select a mesh.")
+    if any(bone.object == obj for bone in scene.lappet.bones):
+        raise RefusedError(f"{obj.name!r} is a bone of this scene; remove it from the bones first.")
+    for name, value in {"thickness": thickness, "spacing": spacing}.items():
+        if not (np.isfinite(value) and value >= 0.0):
+            raise RefusedError(f"The {name} is {value:g} mm; give a length above 0, or 0 to have it chosen.")
+    mesh = mesh_values(scene, obj)
+    if len(mesh.counts) == 0:
+        raise RefusedError(f"{obj.name!r} has {len(mesh.points)} vertices and no face; give it faces.")
+    border = open_edge_count(mesh)
+    if thickness > 0.0 and not border:
+        raise RefusedError(
+            f"The surface of {obj.name!r} is closed, so a thickness of {thickness:g} mm says nothing; leave it 0."
+        )
+    procedure, settings = scene.lappet, scene.lappet.tissue
+    settings.object = obj
+    settings.thicken = thickness > 0.0
+    if thickness > 0.0:
+        settings.thickness = thickness
+        _lay_out(obj, mesh)
+    settings.spacing = spacing or _spacing(mesh, thickness)
+    use_preset(scene, preset)
+    if procedure.version == 0 and (scene.frame_start, scene.frame_end) == _UNTOUCHED:
+        scene.frame_start, scene.frame_end = _FRAMES
+    procedure.version = VERSION
+    if border and thickness == 0.0:
+        return f"The surface of {obj.name!r} is open ({border} border edges): give a thickness, or fill its holes."
+    return None
+
+
+def use_preset(scene: bpy.types.Scene, preset: str) -> None:
+    """Makes the tissue of the preset's material, which is added where no material has its name."""
+    material = PRESETS[preset].material
+    if material.name not in scene.lappet.materials:
+        set_material(scene, scene.lappet.materials.add(), material)
+    scene.lappet.tissue.material = material.name
+
+
+def _triangles(mesh: MeshValues) -> np.ndarray:
+    return triangulate(mesh.points, mesh.counts.astype(np.int64), mesh.indices.astype(np.int64))[0]
+
+
+def _spacing(mesh: MeshValues, thickness: float) -> float:
+    triangles = _triangles(mesh)
+    if thickness > 0.0:
+        corners = mesh.points[triangles]
+        area = 0.5 * np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+        volume = thickness * float(area.sum())
+    else:
+        volume = abs(signed_volume(mesh.points, triangles))
+    return chosen_spacing(volume, thickness) or 1.0
+
+
+def _lay_out(obj: bpy.types.Object, mesh: MeshValues) -> None:
+    """Texture coordinates for an open surface that has none: laid out flat, 1 unit per 100 mm."""
+    if mesh.uv is not None or obj.data.library is not None or obj.mode == "EDIT":
+        return
+    used, compact = np.unique(_triangles(mesh), return_inverse=True)
+    flat = np.zeros((len(mesh.points), 2))
+    flat[used] = UV_SCALE * flatten(mesh.points[used], compact.reshape(-1, 3))
+    layer = obj.data.uv_layers.new(name="UVMap", do_init=False)
+    layer.uv.foreach_set("vector", flat[mesh.indices].astype(np.float32).reshape(-1))

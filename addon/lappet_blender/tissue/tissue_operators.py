@@ -1,0 +1,72 @@
+"""Operators: make an object the tissue, and let go of it."""
+
+import bpy
+from bpy.props import EnumProperty, FloatProperty, StringProperty
+
+from lappet.presets import PRESETS
+
+from .act import UNDOABLE, Act, named_object
+from .set_tissue import set_tissue
+
+PRESET_ITEMS = tuple((name.upper(), name.capitalize(), preset.source) for name, preset in PRESETS.items())
+_OPEN_THICKNESS = 4.0  # mm, proposed for an open surface
+
+
+class LAPPET_OT_tissue_set(Act, bpy.types.Operator):
+    """Make the active mesh the tissue that is operated on"""
+
+    bl_idname = "lappet.tissue_set"
+    bl_label = "Make Tissue"
+    bl_options = UNDOABLE
+
+    object: StringProperty(name="Object", description="Its name; empty for the active object")
+    thickness: FloatProperty(
+        name="Thickness",
+        description="Of the sheet below an open surface, in mm; 0 for a closed surface",
+        default=0.0,
+        min=0.0,
+        soft_max=20.0,
+    )
+    spacing: FloatProperty(
+        name="Lattice spacing",
+        description="In mm; 0 = chosen for about 40 000 cells",
+        default=0.0,
+        min=0.0,
+        precision=3,
+    )
+    preset: EnumProperty(name="Material", items=PRESET_ITEMS, default="SKIN")
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return context.scene is not None
+
+    def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
+        obj = context.active_object
+        if not self.properties.is_property_set("thickness") and obj is not None and obj.type == "MESH":
+            from ..model.mesh_values import mesh_values
+            from ..model.surface_border import open_edge_count
+
+            self.thickness = _OPEN_THICKNESS if open_edge_count(mesh_values(context.scene, obj)) else 0.0
+        return self.execute(context)
+
+    def act(self, context: bpy.types.Context) -> str | None:
+        obj = named_object(context, self.object)
+        return set_tissue(context.scene, obj, self.thickness, self.spacing, self.preset.lower())
+
+
+class LAPPET_OT_tissue_clear(Act, bpy.types.Operator):
+    """Let go of the tissue; the mesh, its groups and the events stay"""
+
+    bl_idname = "lappet.tissue_clear"
+    bl_label = "Let Go of Tissue"
+    bl_options = UNDOABLE
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return context.scene is not None and context.scene.lappet.tissue.object is not None
+
+    def act(self, context: bpy.types.Context) -> None:
+        context.scene.lappet.tissue.object = None
+
+
+CLASSES = (LAPPET_OT_tissue_set, LAPPET_OT_tissue_clear)

@@ -1,0 +1,134 @@
+"""The panel "Tissue": what is operated on, how it is held, its lattice, and what is wrong with it."""
+
+import bpy
+
+from lappet.problem import Problem
+
+from ..model.scene_problem import SceneProblem
+from ..model.scene_procedure import SceneReading, read_scene
+from .face_groups import group_counts
+from .found_problems import found_problems
+from .mend_operators import MENDS
+from .sentence_lines import draw_sentence
+from .tissue_measure import cell_count, expected_seconds, in_words
+
+_HELD = (("fixed", "LOCKED"), ("bed", "LINKED"))
+
+
+class LAPPET_PT_tissue(bpy.types.Panel):
+    """The tissue of the scene"""
+
+    bl_idname = "LAPPET_PT_tissue"
+    bl_label = "Tissue"
+    bl_space_type = "VIEW_3D"
+    bl_region_type = "UI"
+    bl_category = "Lappet"
+    bl_order = 10
+
+    def draw(self, context: bpy.types.Context) -> None:
+        layout, scene = self.layout, context.scene
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        settings = scene.lappet.tissue
+        row = layout.row(align=True)
+        row.prop(settings, "object", text="Mesh")
+        if settings.object is None:
+            layout.operator("lappet.tissue_set", icon="MESH_DATA")
+            return
+        row.operator("lappet.tissue_clear", text="", icon="X")
+        column = layout.column(align=True)
+        column.prop(settings, "thicken")
+        if settings.thicken:
+            column.prop(settings, "thickness")
+        if settings.object.type != "MESH":
+            _problem(layout, context, read_scene(scene).problems[0])
+            return
+        _groups(layout, scene)
+        _lattice(layout, scene)
+        _bones(layout, scene)
+        column = layout.column(align=True)
+        column.prop(settings, "bed_stiffness")
+        row = column.row(heading="Gravity")
+        row.prop(settings, "use_gravity", text="")
+        sub = row.row()
+        sub.active = settings.use_gravity
+        sub.prop(settings, "gravity", text="")
+        _problems(layout, context)
+
+
+def _groups(layout: bpy.types.UILayout, scene: bpy.types.Scene) -> None:
+    obj = scene.lappet.tissue.object
+    counts = dict(group_counts(obj))
+    box = layout.column(align=True)
+    box.label(text="Faces")
+    names = [name for name, _ in _HELD] + [name for name in counts if name not in dict(_HELD)]
+    for name in names:
+        row = box.row(align=True)
+        row.label(text=f"{name}: {counts.get(name, 0)}", icon=dict(_HELD).get(name, "FACESEL"))
+        assign = row.operator("lappet.faces_assign", text="", icon="ADD")
+        assign.group, assign.action = name, "ADD"
+        take = row.operator("lappet.faces_assign", text="", icon="REMOVE")
+        take.group, take.action = name, "REMOVE"
+        row.operator("lappet.faces_select", text="", icon="RESTRICT_SELECT_OFF").group = name
+        row.operator("lappet.faces_clear", text="", icon="X").group = name
+    box.operator("lappet.faces_new", text="New Group from Selection", icon="ADD")
+
+
+def _lattice(layout: bpy.types.UILayout, scene: bpy.types.Scene) -> None:
+    column = layout.column(align=True)
+    row = column.row(align=True)
+    row.prop(scene.lappet.tissue, "spacing")
+    row.prop(scene.lappet.look, "show_lattice", text="", icon="MESH_GRID")
+    if scene.lappet.tissue.object.mode == "EDIT":
+        return
+    cells, seconds = cell_count(scene), expected_seconds(scene)
+    if cells is not None and seconds is not None:
+        frames = scene.frame_end - scene.frame_start + 1
+        column.label(text=f"About {round(cells, -2):,.0f} cells; {frames} frames: {in_words(seconds)}")
+
+
+def _bones(layout: bpy.types.UILayout, scene: bpy.types.Scene) -> None:
+    column = layout.column(align=True)
+    for bone in scene.lappet.bones:
+        row = column.row(align=True)
+        row.prop(bone, "object", text=bone.name or "Bone")
+        row.operator("lappet.bone_remove", text="", icon="X").object = bone.object.name if bone.object else bone.name
+    column.operator("lappet.bone_add", text="Add Active Object as Bone", icon="ADD")
+
+
+def _problems(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
+    layout.operator("lappet.tissue_check", icon="VIEWZOOM")
+    scene = context.scene
+    found = found_problems(scene)
+    if found is not None:
+        for index, each in enumerate(found.places):
+            _problem(layout, context, each.problem, index if each.middle() is not None else -1)
+        if not found.places:
+            layout.label(text="Nothing is wrong.", icon="CHECKMARK")
+    elif scene.lappet.tissue.object.mode != "EDIT":
+        for problem in reading_problems(read_scene(scene)):
+            _problem(layout, context, problem)
+
+
+def reading_problems(reading: SceneReading) -> tuple[Problem, ...]:
+    """The problems of reading a scene, errors first."""
+    return tuple(sorted(reading.problems, key=lambda each: each.severity != "error"))
+
+
+def _problem(layout: bpy.types.UILayout, context: bpy.types.Context, problem: Problem, index: int = -1) -> None:
+    box = layout.box()
+    draw_sentence(box, context, problem.sentence, "ERROR" if problem.severity == "error" else "INFO")
+    row = box.row(align=True)
+    if isinstance(problem, SceneProblem) and problem.operator:
+        arguments = dict(problem.arguments)
+        label = {key: name for key, name, _ in MENDS}.get(str(arguments.get("kind", "")), "")
+        button = row.operator(problem.operator, icon="MODIFIER", **({"text": label} if label else {}))
+        for name, value in arguments.items():
+            setattr(button, name, value)
+    else:
+        draw_sentence(box, context, problem.mend)
+    if index >= 0:
+        row.operator("lappet.tissue_show_problem", text="", icon="ZOOM_SELECTED").index = index
+
+
+CLASSES = (LAPPET_PT_tissue,)

@@ -1,0 +1,157 @@
+"""Makes the zip that Blender installs: `extension.py [--platform P] [--lappet-wheel FILE] [--output DIR]`.
+
+The add-on's sources, its manifest with the list of wheels filled in, and the wheels: Lappet with its daemon, and what
+it imports. Blender's own tool builds and checks it. Without `--lappet-wheel` the daemon is compiled here, for Linux.
+"""
+
+from __future__ import annotations
+
+import argparse
+import hashlib
+import importlib.util
+import json
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import tomllib
+from pathlib import Path
+
+import lappet_wheel
+from lappet_wheel import edited, metadata_folder
+from pypi_wheels import CACHE, PLATFORMS, ROOT, bundled
+
+ADDON = ROOT / "addon" / "lappet_blender"
+MANIFEST = "blender_manifest.toml"
+LEFT_OUT = ("__pycache__", "*.pyc", "tests", ".*")
+
+
+def blender_extension_tool(bpy: Path | None = None) -> Path:
+    """Blender's `blender_ext.py`, which builds and validates extensions without Blender running.
+
+    bpy: the folder of the module (that of this Python when None). Raises FileNotFoundError where there is none.
+    """
+    if bpy is None:
+        spec = importlib.util.find_spec("bpy")
+        if spec is None or spec.origin is None:
+            raise FileNotFoundError("Blender's module bpy is not installed in this Python; run `make setup`.")
+        bpy = Path(spec.origin).parent
+    found = sorted(bpy.glob("*/scripts/addons_core/bl_pkg/cli/blender_ext.py"))
+    if not found:
+        raise FileNotFoundError(f"{bpy} has no */scripts/addons_core/bl_pkg/cli/blender_ext.py; is it Blender's bpy?")
+    return found[-1]
+
+
+def project_version() -> str:
+    """The version in pyproject.toml."""
+    version: str = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]["version"]
+    return version
+
+
+def for_extension(wheel: Path, into: Path) -> Path:
+    """Lappet's wheel without the add-on, which the zip holds beside it; its version tells what is in it.
+
+    Blender extracts a wheel again only when its version changes, so two builds of one version must differ in name.
+    """
+
+    def strip(folder: Path) -> None:
+        shutil.rmtree(folder / "lappet_blender", ignore_errors=True)
+        metadata = metadata_folder(folder)
+        digest = hashlib.sha256()
+        for path in sorted(folder.rglob("*")):
+            if path.is_file() and not path.is_relative_to(metadata):
+                digest.update(f"{path.relative_to(folder).as_posix()}\0".encode() + path.read_bytes())
+        _, version = metadata.name.removesuffix(".dist-info").split("-")
+        told = f"{version}+{digest.hexdigest()[:8]}"
+        text = (metadata / "METADATA").read_text(encoding="utf-8")
+        text = re.sub(r"^Version: .*$", f"Version: {told}", text, count=1, flags=re.MULTILINE)
+        (metadata / "METADATA").write_text(text, encoding="utf-8")
+        metadata.rename(folder / f"lappet-{told}.dist-info")
+
+    return edited(wheel, into, strip)
+
+
+def with_wheels(manifest: str, wheels: list[str], platform: str) -> str:
+    """The manifest's text with `platforms` and `wheels` before its first table, where keys of the whole file stand.
+
+    Raises ValueError where it has them already, or where its version is not the project's.
+    """
+    values = tomllib.loads(manifest)
+    for key in ("platforms", "wheels"):
+        if key in values:
+            raise ValueError(f"{MANIFEST} names {key}; packaging/extension.py writes them, so take that line out.")
+    if values["version"] != project_version():
+        raise ValueError(
+            f"{MANIFEST} says version {values['version']} and pyproject.toml {project_version()}; make them the same."
+        )
+    lines = [f"platforms = {json.dumps([platform])}", "wheels = ["]
+    lines += [f"  {json.dumps(f'./wheels/{name}')}," for name in wheels]
+    head, table, tail = manifest.partition("\n[")
+    return "\n".join([head.rstrip(), *lines, "]", ""]) + table + tail
+
+
+def assemble(platform: str, lappet: Path, output: Path, *, others: list[Path], addon: Path = ADDON) -> Path:
+    """Makes, builds and validates the zip of a platform, and returns its path in the folder `output`.
+
+    platform: Blender's name, a key of PLATFORMS. lappet: the wheel of Lappet for it. others: the wheels of other
+    projects. addon: the add-on's folder. Raises ValueError for a wheel of another platform, CalledProcessError, after
+    Blender's tool has printed why, where that refuses the extension.
+    """
+    tag = lappet.stem.split("-")[-1]
+    runs_on = re.compile({"linux": "manylinux_", "macos": "macosx_", "windows": "win_"}[platform.partition("-")[0]])
+    machine = {"x64": ("x86_64", "amd64"), "arm64": ("aarch64", "arm64")}[platform.partition("-")[2]]
+    if not runs_on.match(tag) or not tag.endswith((*machine, "universal2")):
+        raise ValueError(f"{lappet.name} is a wheel for {tag}, not for {platform}; give one that is.")
+    tool = blender_extension_tool()
+    output.mkdir(parents=True, exist_ok=True)
+    made = output / f"lappet_blender-{project_version()}-{platform}.zip"
+    with tempfile.TemporaryDirectory() as work:
+        staged = Path(work) / "lappet_blender"
+        shutil.copytree(addon, staged, ignore=shutil.ignore_patterns(*LEFT_OUT))
+        shutil.copyfile(ROOT / "LICENSE", staged / "LICENSE")
+        ours = for_extension(lappet, staged / "wheels")
+        for wheel in others:
+            shutil.copyfile(wheel, staged / "wheels" / wheel.name)
+        names = sorted([ours.name, *(wheel.name for wheel in others)])
+        text = (staged / MANIFEST).read_text(encoding="utf-8")
+        (staged / MANIFEST).write_text(with_wheels(text, names, platform), encoding="utf-8")
+        _blender_tool(tool, "build", f"--source-dir={staged}", f"--output-filepath={made}")
+    _blender_tool(tool, "validate", str(made))
+    return made
+
+
+def _blender_tool(tool: Path, *arguments: str) -> None:
+    done = subprocess.run([sys.executable, str(tool), *arguments], capture_output=True, text=True, check=False)
+    if done.returncode:
+        sys.stderr.write(done.stdout + done.stderr)
+        done.check_returncode()
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """The command. Returns the exit status."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
+    parser.add_argument("--platform", choices=sorted(PLATFORMS), default="linux-x64")
+    parser.add_argument("--lappet-wheel", type=Path, help="Lappet's wheel for the platform, built on it")
+    parser.add_argument("--output", type=Path, default=ROOT / "dist")
+    given = parser.parse_args(arguments)
+    try:
+        if given.lappet_wheel is None and given.platform != lappet_wheel.this_platform():
+            raise ValueError(
+                f"The daemon for {given.platform} cannot be compiled here ({lappet_wheel.this_platform()}); build "
+                f"Lappet's wheel there and name it with --lappet-wheel."
+            )
+        lappet = given.lappet_wheel or lappet_wheel.portable(lappet_wheel.built())
+        made = assemble(given.platform, lappet, given.output, others=bundled(given.platform, CACHE))
+    except (ValueError, LookupError, FileNotFoundError) as error:
+        print(f"extension: {error}", file=sys.stderr)
+        return 1
+    except subprocess.CalledProcessError as error:
+        print(f"extension: {Path(error.cmd[1]).name} failed; its message is above.", file=sys.stderr)
+        return 1
+    print(f"{made} ({made.stat().st_size / 1e6:.0f} MB)")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,203 @@
+"""A background solver without a process: it plans and solves by formulas, a step at every poll, as a test wants it.
+
+A frame's key hashes the frame before it and the events that have begun, as the keys of real frames do; its points are
+its epoch's, lifted by the number of frames before it plus that of the events.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+import numpy as np
+
+from lappet.background.plan import (
+    EpochShape,
+    Finished,
+    FrameFailed,
+    FrameReady,
+    Happening,
+    IterationDone,
+    LiveFrame,
+    Plan,
+    Planned,
+    PlannedFrame,
+    Refused,
+    ShownFrame,
+    SolveSettings,
+)
+from lappet.background.plan_key import digest, plan_key
+from lappet.background.plan_store import put_plan
+from lappet.problem import Problem
+from lappet.procedure import CUTS, Event, Hook, Landmark, Procedure
+from lappet.store import FrameStore, StoredFrame
+
+IDENTITY = "fake"
+
+
+@dataclass
+class Script:
+    """What all fake workers of a test do. asked: (kind, plan key) of every request. held: nothing goes on. refusal: of
+    every procedure. failing: frames that fail, with the reason."""
+
+    asked: list[tuple[str, str]] = field(default_factory=list)
+    held: bool = False
+    refusal: tuple[Problem, ...] = ()
+    failing: dict[int, str] = field(default_factory=dict)
+    workers: list[FakeWorker] = field(default_factory=list)
+    points: int = 4
+
+    def create(self, store: Path) -> FakeWorker:
+        """In place of `lappet_blender.solving.workers.create`."""
+        worker = FakeWorker(self, FrameStore(store))
+        self.workers.append(worker)
+        return worker
+
+    def count(self, kind: str) -> int:
+        """How many requests of a kind there were."""
+        return sum(1 for asked, _ in self.asked if asked == kind)
+
+
+class FakeWorker:
+    """The methods of `lappet.background.solver.BackgroundSolver`."""
+
+    def __init__(self, script: Script, store: FrameStore) -> None:
+        self.script = script
+        self.store = store
+        self.closed = False
+        self.targets: list[tuple[float, float, float]] = []
+        self.cancelled: set[int] = set()
+        self._number = 0
+        self._jobs: dict[int, Iterator[Happening]] = {}
+
+    def plan(self, procedure: Procedure, settings: SolveSettings) -> int:
+        return self._ask("plan", procedure, settings, self._planning)
+
+    def solve(self, procedure: Procedure, settings: SolveSettings, until: int | None = None) -> int:
+        return self._ask("solve", procedure, settings, lambda job, p, s: self._solving(job, p, s, until))
+
+    def live(self, procedure: Procedure, settings: SolveSettings, time: int, hook: str) -> int:
+        self.targets.clear()
+        return self._ask("live", procedure, settings, lambda job, p, s: self._pulling(job, p, s, time))
+
+    def live_target(self, job: int, target: tuple[float, float, float]) -> None:
+        self.targets.append(target)
+
+    def cancel(self, job: int) -> None:
+        self.cancelled.add(job)
+
+    def close(self, wait: float = 0.0) -> None:
+        self.closed = True
+        self._jobs.clear()
+
+    def poll(self) -> list[Happening]:
+        """The next step of every job."""
+        if self.script.held:
+            return []
+        happened = []
+        for number, steps in list(self._jobs.items()):
+            happening = next(steps)
+            happened.append(happening)
+            if isinstance(happening, Finished):
+                del self._jobs[number]
+        return happened
+
+    def _ask(self, kind, procedure, settings, steps) -> int:  # type: ignore[no-untyped-def]
+        assert not self.closed, "a closed worker was asked"
+        self._number += 1
+        self.script.asked.append((kind, plan_key(procedure, settings, IDENTITY)))
+        self._jobs[self._number] = self._guarded(self._number, steps(self._number, procedure, settings))
+        return self._number
+
+    def _guarded(self, job: int, steps: Iterator[Happening]) -> Iterator[Happening]:
+        frames = 0
+        for step in steps:
+            if job in self.cancelled:
+                break
+            frames += isinstance(step, FrameReady)
+            yield step
+        yield Finished(job, frames, 0.1, job in self.cancelled)
+
+    def _planning(self, job: int, procedure: Procedure, settings: SolveSettings) -> Iterator[Happening]:
+        if self.script.refusal:
+            yield Refused(job, self.script.refusal)
+            return
+        plan = make_plan(procedure, settings, self.script.points)
+        put_plan(self.store, plan)
+        yield Planned(job, plan, tuple(frame.key in self.store for frame in plan.frames))
+
+    def _solving(
+        self, job: int, procedure: Procedure, settings: SolveSettings, until: int | None
+    ) -> Iterator[Happening]:
+        yield from self._planning(job, procedure, settings)
+        if self.script.refusal:
+            return
+        plan = make_plan(procedure, settings, self.script.points)
+        for index, frame in enumerate(plan.frames):
+            if until is not None and frame.time > until:
+                return
+            if frame.key in self.store:
+                yield FrameReady(job, frame.time, frame.key, True, None)
+                continue
+            yield IterationDone(job, frame.time, 1, 1e-2, 0.0)
+            if frame.time in self.script.failing:
+                yield FrameFailed(job, frame.time, self.script.failing[frame.time])
+                return
+            shown = solved(plan, index, len(procedure.events))
+            self.store.put(frame.key, StoredFrame(shown.header, {"points": shown.points, **shown.arrays}))
+            yield FrameReady(job, frame.time, frame.key, False, shown)
+
+    def _pulling(self, job: int, procedure: Procedure, settings: SolveSettings, time: int) -> Iterator[Happening]:
+        yield from self._planning(job, procedure, settings)
+        plan = make_plan(procedure, settings, self.script.points)
+        rest = plan.epochs[plan.frames[time - plan.frames[0].time].epoch].rest
+        target = next(e for e in procedure.events if isinstance(e, Hook)).targets[0][1]
+        while True:
+            target = self.targets[-1] if self.targets else target
+            yield LiveFrame(job, time, target, ShownFrame(rest + np.float32(target)), True, 0.05)
+
+
+def make_plan(procedure: Procedure, settings: SolveSettings, points: int = 4) -> Plan:
+    """A plan whose keys depend on what the frames of a real one depend on."""
+    start = procedure.start_time
+    cuts = sorted({max(e.time, start) for e in procedure.events if isinstance(e, CUTS)} | {start})
+    epochs = tuple(_epoch(time, index, points) for index, time in enumerate(cuts))
+    frames, previous = [], repr((settings.tolerance, settings.precision, digest(procedure.tissue)))
+    for time in procedure.frames():
+        begun = sorted(repr(replace(e, name="")) for e in procedure.events if _begins(e) <= time)
+        previous = hashlib.blake2b(f"{previous}{begun}{time}".encode(), digest_size=32).hexdigest()
+        frames.append(PlannedFrame(time, sum(cut <= time for cut in cuts) - 1, previous))
+    return Plan(plan_key(procedure, settings, IDENTITY), epochs, tuple(frames), landmarks_at=((),) * len(epochs))
+
+
+def solved(plan: Plan, index: int, events: int) -> ShownFrame:
+    """The frame that the fake solver finds."""
+    rest = plan.epochs[plan.frames[index].epoch].rest
+    header = {"newton": 2, "seconds": {"total": 0.5}, "lattice": {"cells": 1000}}
+    return ShownFrame(rest + np.float32((0.0, 0.0, index + events)), header)
+
+
+def _begins(event: Event) -> float:
+    if isinstance(event, Landmark):
+        return -np.inf
+    return event.time if isinstance(event, CUTS) else event.start
+
+
+def _epoch(time: float, index: int, points: int) -> EpochShape:
+    rest = np.zeros((points, 3), np.float32)
+    rest[:, 0] = np.arange(points)
+    triangles = np.array([(0, 1, 2), (0, 2, 3)], np.int32)
+    key = hashlib.blake2b(f"epoch {index} {points}".encode(), digest_size=32).hexdigest()
+    n, m = len(rest), len(triangles)
+    return EpochShape(
+        key,
+        time,
+        rest,
+        triangles,
+        np.zeros(m, np.uint8),
+        np.zeros((m, 3, 2), np.float32),
+        np.zeros(n, np.float32),
+        np.zeros(m, np.int32),
+    )

@@ -1,0 +1,42 @@
+"""Fixtures of the tests of solving: a worker of formulas that the test drives, and the scene that it solves."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import bpy
+import pytest
+
+import fake_worker
+from fake_worker import Script
+from lappet_blender.solving import controller, reconcile, workers
+from patch_scene import make_patch_scene
+
+
+@pytest.fixture
+def own_store(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Iterator[Path]:
+    """A store and memories of the test's own; no worker outlives it."""
+    monkeypatch.setenv("LAPPET_STORE", str(tmp_path / "store"))
+    monkeypatch.setattr(controller, "_pace", None)
+    controller.forget_all()
+    controller.shelf.clear()
+    controller.plans.clear()
+    yield tmp_path / "store"
+    controller.forget_all()
+    workers.close_all()
+
+
+@pytest.fixture
+def script(monkeypatch: pytest.MonkeyPatch, own_store: Path) -> Script:
+    """What the workers of formulas do."""
+    made = Script()
+    monkeypatch.setattr(workers, "create", made.create)
+    monkeypatch.setattr(reconcile, "_identity", fake_worker.IDENTITY)
+    return made
+
+
+@pytest.fixture
+def patch(scene: bpy.types.Scene, script: Script) -> bpy.types.Scene:
+    """The patch scene, unsolved."""
+    return make_patch_scene(scene)

@@ -1,0 +1,223 @@
+"""Export and import: the procedure and the skin cache as USD, through Blender's own pxr."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import bpy
+import numpy as np
+import pytest
+
+from lappet.client import DaemonMissing
+from lappet.daemon import find_daemon
+from lappet.store import FrameStore
+from lappet_blender.files.bundled_pxr import bundled_pxr
+from lappet_blender.model.scene_procedure import read_scene
+from lappet_blender.solving import frames
+from event_patch import co, patch_scene
+
+TOP = 2.0
+ops = bpy.ops.lappet
+
+KEYS = """
+import sys
+import pxr
+assert "bpy" not in pxr.__file__, pxr.__file__
+from lappet.compile import compile_program
+from lappet.daemon_solver import solver_identity
+from lappet.keys import frame_keys
+from lappet.usd_stage import read_procedure
+print(*frame_keys(compile_program(read_procedure(sys.argv[1])), solver_identity(None)))
+"""
+
+POINTS = """
+import sys
+import numpy as np
+from pxr import Usd, UsdGeom
+stage = Usd.Stage.Open(sys.argv[1])
+for mesh in stage.GetPrimAtPath("/Procedure/Skin").GetChildren():
+    if mesh.IsA(UsdGeom.Mesh):
+        points = UsdGeom.Mesh(mesh).GetPointsAttr()
+        for time in points.GetTimeSamples():
+            print(mesh.GetName(), time, np.asarray(points.Get(time), np.float32).tobytes().hex())
+"""
+
+
+@pytest.fixture
+def slit(scene: bpy.types.Scene) -> bpy.types.Scene:
+    """A patch of 24 x 16 x 2 mm, slit, hooked along a curve and sutured, in 6 frames; made by operators."""
+    patch_scene(scene, (24.0, 16.0, TOP), 6, resolution=2.0)
+    scene.lappet.tissue.spacing = 1.0
+    ops.incision_add(points=co([(-5.7, 0, TOP), (5.7, 0.3, TOP)]), time=2, kerf=0.1)
+    ops.hook_add(anchor=(0.1, 2.2, TOP), target=(0, 3.3, TOP + 1), start=3, end=5, arrive=2)
+    for curve_key in scene.lappet.events[1].target.animation_data.action.layers[0].strips[0].channelbags[0].fcurves:
+        for key in curve_key.keyframe_points:
+            key.interpolation = "BEZIER"
+    ops.suture_run(incision="incision_1", count=2, start=4, duration=2)
+    ops.landmark_add(point=(-8, 4, TOP), label="corner")
+    return scene
+
+
+@pytest.fixture
+def daemon() -> None:
+    """There is a daemon to solve with."""
+    try:
+        find_daemon()
+    except DaemonMissing as reason:
+        pytest.skip(str(reason))
+
+
+def headless(code: str, *arguments: object) -> str:
+    """What Python says in a process with usd-core and without Blender."""
+    run = subprocess.run(
+        [sys.executable, "-c", code, *map(str, arguments)], capture_output=True, text=True, env=os.environ, check=False
+    )
+    assert run.returncode == 0, run.stderr[-2000:]
+    return run.stdout
+
+
+def refused(act: object) -> str:
+    """The sentence with which an operator refuses."""
+    with pytest.raises(RuntimeError) as caught:
+        act()  # type: ignore[operator]
+    said = str(caught.value).removeprefix("Error: ").strip()
+    assert "Traceback" not in said
+    return said
+
+
+def test_pxr_is_blenders_own_with_lappets_schemas(scene: bpy.types.Scene) -> None:
+    usd = bundled_pxr()
+    assert "bpy" in str(usd.Usd.__file__)
+    registry = usd.Usd.SchemaRegistry()
+    assert registry.FindAppliedAPIPrimDefinition("LappetHookAPI")
+
+
+@pytest.mark.usefixtures("daemon")
+def test_an_exported_procedure_is_the_scenes_and_has_its_keys_without_blender(
+    slit: bpy.types.Scene, tmp_path: Path
+) -> None:
+    path = tmp_path / "slit.usda"
+    ops.export_procedure(filepath=str(path))
+    from lappet.usd_stage import read_procedure
+
+    procedure = read_scene(slit).procedure
+    assert read_procedure(path) == procedure
+    assert len(procedure.event("hook_1").targets) == 3, "a curved way is sampled at every frame"
+    ops.plan_now(wait=True)
+    plan = frames.plan_of(slit)
+    assert plan is not None
+    assert headless(KEYS, path).split() == [frame.key for frame in plan.frames]
+
+
+@pytest.mark.usefixtures("daemon")
+def test_the_button_and_the_command_give_the_same_frames_bit_for_bit(slit: bpy.types.Scene, tmp_path: Path) -> None:
+    cache, path = tmp_path / "skin.usdc", tmp_path / "slit.usda"
+    assert "6 frames, from 1 on, are not solved" in refused(lambda: ops.export_cache(filepath=str(cache)))
+    assert not cache.exists()
+    ops.solve(wait=True)
+    ops.export_cache(filepath=str(cache))
+    ops.export_procedure(filepath=str(path))
+    assert (tmp_path / "skin.procedure.usda").read_bytes() == path.read_bytes()
+
+    command = [sys.executable, "-m", "lappet", "solve", str(path), "-o", str(tmp_path / "own.usdc")]
+    report = tmp_path / "report.json"
+    apart = {**os.environ, "LAPPET_STORE": str(tmp_path / "another store")}
+    run = subprocess.run([*command, "--report", str(report)], env=apart, capture_output=True, text=True, check=False)
+    assert run.returncode == 0, run.stderr[-2000:]
+    assert not any(frame["cache_hit"] for frame in json.loads(report.read_text())["frames"])
+    assert headless(POINTS, cache) == headless(POINTS, tmp_path / "own.usdc")
+
+    slit.lappet.events["suture_1"].moment = 5.0
+    assert "not solved as the procedure is now" in refused(lambda: ops.export_cache(filepath=str(cache)))
+
+
+@pytest.mark.usefixtures("daemon")
+def test_a_cache_brings_its_frames_along(slit: bpy.types.Scene, tmp_path: Path) -> None:
+    ops.solve(wait=True)
+    cache = tmp_path / "skin.usdc"
+    ops.export_cache(filepath=str(cache))
+    plan = frames.plan_of(slit)
+    shown = {time: frames.shown_at(slit, time) for time in range(1, 7)}
+
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    bpy.context.scene.unit_settings.scale_length = 0.001
+    from lappet_blender.solving.controller import shelf
+
+    shelf.clear()
+    store = FrameStore()
+    for frame in plan.frames:
+        store.path(frame.key).unlink()
+    ops.import_procedure(filepath=str(cache))
+    scene = bpy.context.scene
+    ops.plan_now(wait=True)
+    assert [frame.key for frame in frames.plan_of(scene).frames] == [frame.key for frame in plan.frames]
+    for time in range(1, 7):
+        again = frames.shown_at(scene, time)
+        assert not again.stale
+        assert frames.frame_state(scene, time) == "solved"
+        np.testing.assert_array_equal(again.frame.points, shown[time].frame.points)
+        for name in ("strain", "stress", "tension"):
+            np.testing.assert_array_equal(again.frame.arrays[name], shown[time].frame.arrays[name])
+        for name in ("suture_points", "hook_points", "landmarks"):
+            np.testing.assert_allclose(again.frame.arrays[name], shown[time].frame.arrays[name], atol=1e-5)
+    assert not any(frame.key in store for frame in plan.frames), "frames without their state would mislead a solve"
+
+
+@pytest.mark.usefixtures("daemon")
+def test_frames_that_were_solved_otherwise_are_shown_as_such(slit: bpy.types.Scene, tmp_path: Path) -> None:
+    slit.lappet.materials[0].youngs_modulus = 47.0  # a tissue that no other test has solved
+    slit.lappet.solving.tolerance = 1e-4
+    ops.solve(wait=True)
+    cache = tmp_path / "skin.usdc"
+    ops.export_cache(filepath=str(cache))
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    ops.import_procedure(filepath=str(cache))
+    scene = bpy.context.scene
+    ops.plan_now(wait=True)
+    assert {frames.frame_state(scene, time) for time in range(1, 7)} == {"stale"}
+    assert frames.shown_at(scene, 5).frame is not None
+
+
+def test_an_import_goes_into_a_scene_of_its_own_where_there_is_a_procedure_already(
+    slit: bpy.types.Scene, tmp_path: Path
+) -> None:
+    path = tmp_path / "slit.usda"
+    ops.export_procedure(filepath=str(path))
+    before = read_scene(slit).procedure
+    ops.import_procedure(filepath=str(path))
+    assert [scene.name for scene in bpy.data.scenes] == ["Scene", "slit"]
+    assert read_scene(bpy.data.scenes["Scene"]).procedure == before
+    again = read_scene(bpy.data.scenes["slit"]).procedure
+    assert [event.name for event in again.events] == [event.name for event in before.events]
+    assert again.events == before.events
+
+
+def test_files_that_cannot_be_read_or_written_are_refused_in_a_sentence(slit: bpy.types.Scene, tmp_path: Path) -> None:
+    broken = tmp_path / "broken.usda"
+    broken.write_text("#usda 1.0\n(")
+    empty = tmp_path / "empty.usda"
+    empty.write_text("#usda 1.0\n")
+    assert "does not exist" in refused(lambda: ops.import_procedure(filepath=str(tmp_path / "none.usda")))
+    assert "cannot be read as USD" in refused(lambda: ops.import_procedure(filepath=str(broken)))
+    assert "The stage has no tissue" in refused(lambda: ops.import_procedure(filepath=str(empty)))
+    assert len(bpy.data.scenes) == 1
+    assert "USD suffix" in refused(lambda: ops.export_procedure(filepath=str(tmp_path / "a.obj")))
+    assert "does not exist" in refused(lambda: ops.export_procedure(filepath=str(tmp_path / "no" / "a.usda")))
+    slit.lappet.tissue.object = None
+    assert "The scene has no tissue" in refused(lambda: ops.export_procedure(filepath=str(tmp_path / "a.usda")))
+
+
+def test_without_pxr_import_and_export_say_so_and_everything_else_works(
+    slit: bpy.types.Scene, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def missing() -> None:
+        raise ModuleNotFoundError("No module named 'pxr'", name="pxr")
+
+    monkeypatch.setattr("lappet_blender.files.bundled_pxr.pxr", missing)
+    for act in (ops.export_procedure, ops.import_procedure, ops.export_cache):
+        assert "comes without USD" in refused(lambda act=act: act(filepath=str(tmp_path / "a.usda")))
+    ops.incision_add(points=co([(-5, 5, TOP), (5, 5, TOP)]), time=2)

@@ -1,0 +1,168 @@
+"""Solving across files, folders and the add-on's own life: saving, loading, older versions, another folder, ending."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import bpy
+import lappet_blender
+from fake_worker import Script
+from lappet_blender.model.event_list import add_event, find_event
+from lappet_blender.model.procedure_properties import VERSION
+from lappet_blender.solving import controller, frames, solve_settings, workers
+from lappet_blender.solving.pump import pump
+from solving_steps import QUIET, solve, states
+
+pytest_plugins = ("solving_fixtures",)
+
+
+def forget_memory() -> None:
+    """As a Blender that has just been started."""
+    controller.shelf.clear()
+    controller.plans.clear()
+
+
+def test_a_saved_file_shows_its_frames_when_it_is_opened_without_a_worker(
+    patch: bpy.types.Scene, script: Script, blend: Path
+) -> None:
+    solve(patch)
+    height = frames.shown_at(patch, 8).frame.points[0, 2]
+    bpy.ops.wm.save_as_mainfile(filepath=str(blend))
+    bpy.ops.wm.read_homefile(use_empty=True)
+    forget_memory()
+    asked = list(script.asked)
+    bpy.ops.wm.open_mainfile(filepath=str(blend))
+    scene = bpy.context.scene
+    assert states(scene) == "ssssssss", "no timer has run yet"
+    shown = frames.shown_at(scene, 8)
+    assert not shown.stale
+    assert shown.frame.points[0, 2] == height
+    pump(QUIET)
+    assert script.asked == asked
+
+
+def test_a_file_that_was_saved_with_stale_frames_shows_them_as_stale(
+    patch: bpy.types.Scene, script: Script, blend: Path
+) -> None:
+    solve(patch)
+    find_event(patch, "hook_1").stiffness = 30.0
+    script.held = True
+    pump(0.5)
+    bpy.ops.wm.save_as_mainfile(filepath=str(blend))
+    bpy.ops.wm.read_homefile(use_empty=True)
+    forget_memory()
+    script.held = False
+    bpy.ops.wm.open_mainfile(filepath=str(blend))
+    scene = bpy.context.scene
+    assert frames.shown_at(scene, 8).stale
+    pump(QUIET)
+    assert states(scene) == "sssttttt"
+
+
+def test_loading_another_file_cancels_the_jobs_of_this_one_and_its_worker_serves_the_next(
+    patch: bpy.types.Scene, script: Script, blend: Path
+) -> None:
+    bpy.ops.wm.save_as_mainfile(filepath=str(blend))
+    bpy.ops.lappet.solve()
+    pump()
+    (worker,) = script.workers
+    bpy.ops.wm.read_homefile(use_empty=True)
+    assert worker.cancelled
+    pump(0.3)
+    bpy.ops.wm.open_mainfile(filepath=str(blend))
+    pump(QUIET)
+    assert states(bpy.context.scene).count("s") <= 2
+    solve(bpy.context.scene)
+    assert script.workers == [worker]
+
+
+def test_a_file_without_the_mark_of_a_version_is_brought_up_to_this_one(
+    patch: bpy.types.Scene, script: Script, blend: Path
+) -> None:
+    solve(patch)
+    patch.lappet.version = 0
+    bpy.ops.wm.save_as_mainfile(filepath=str(blend))
+    bpy.ops.wm.open_mainfile(filepath=str(blend))
+    scene = bpy.context.scene
+    assert scene.lappet.version == VERSION
+    assert states(scene) == "ssssssss"
+    assert frames.problems_of(scene) == ()
+
+
+def test_a_file_of_a_newer_version_opens_with_a_warning_and_still_solves(
+    patch: bpy.types.Scene, script: Script, blend: Path
+) -> None:
+    patch.lappet.version = VERSION + 1
+    bpy.ops.wm.save_as_mainfile(filepath=str(blend))
+    bpy.ops.wm.open_mainfile(filepath=str(blend))
+    scene = bpy.context.scene
+    (problem,) = frames.problems_of(scene)
+    assert problem.severity == "warning"
+    assert "newer Lappet" in problem.sentence
+    solve(scene)
+
+
+def test_frames_can_be_kept_beside_the_file_and_those_solved_before_go_with_it(
+    patch: bpy.types.Scene, script: Script, blend: Path, own_store: Path
+) -> None:
+    solve(patch)
+    patch.lappet.solving.beside_file = True
+    pump(QUIET)
+    assert solve_settings.frame_folder(patch) == own_store, "a file that was never saved has no folder"
+    bpy.ops.wm.save_as_mainfile(filepath=str(blend))
+    pump(QUIET)
+    beside = blend.parent / "lappet_frames"
+    assert solve_settings.frame_folder(patch) == beside
+    assert states(patch) == "ssssssss"
+    forget_memory()
+    keys = [frame.key for frame in frames.plan_of(patch).frames]
+    store = controller.controller_of(patch).store
+    assert store.folder == beside
+    assert all(key in store for key in keys)
+    bpy.ops.wm.open_mainfile(filepath=str(blend))
+    assert states(bpy.context.scene) == "ssssssss"
+    add_event(bpy.context.scene, "SUTURE", start=5, points=[(2, -1, 2), (2, 1, 2)])
+    solve(bpy.context.scene)
+    assert script.workers[-1].store.folder == beside
+
+
+def test_a_folder_that_cannot_be_made_is_a_sentence_and_the_frames_stay_where_they_were(
+    patch: bpy.types.Scene, script: Script, blend: Path
+) -> None:
+    solve(patch)
+    (blend.parent / "lappet_frames").write_text("a file is in the way")
+    patch.lappet.solving.beside_file = True
+    bpy.ops.wm.save_as_mainfile(filepath=str(blend))
+    pump(QUIET)
+    (note,) = controller.controller_of(patch).notes
+    assert note.startswith("Solved frames cannot be kept in ")
+    assert states(patch) == "ssssssss", "they are still in memory"
+    forget_memory()
+    bpy.ops.lappet.reload_frames()
+    pump(QUIET)
+    patch.lappet.solving.beside_file = False
+    pump(QUIET)
+    assert states(patch) == "ssssssss"
+
+
+def test_unregistering_closes_the_workers_and_registering_again_goes_on(
+    patch: bpy.types.Scene, script: Script
+) -> None:
+    bpy.ops.lappet.solve()
+    pump()
+    (worker,) = script.workers
+    lappet_blender.unregister()
+    assert worker.closed
+    assert not hasattr(bpy.types.Scene, "lappet")
+    lappet_blender.register()
+    pump(QUIET)
+    solve(patch)
+    assert script.workers[-1] is not worker
+
+
+def test_the_folders_for_the_workers_path_hold_what_it_imports() -> None:
+    folders = [Path(folder) for folder in workers.import_folders()]
+    for name in ("lappet", "numpy", "zmq", "msgpack", "trimesh"):
+        assert any((folder / name).is_dir() for folder in folders), name
+    assert any(list(folder.glob("manifold3d*")) for folder in folders)
+    assert len(set(folders)) == len(folders)

@@ -1,0 +1,136 @@
+"""Live mode: a hook's target is dragged and the skin follows."""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+import pytest
+
+from fake_worker import Script
+from lappet_blender.model.event_list import add_event, find_event
+from lappet_blender.solving import controller, frames
+from lappet_blender.solving.pump import pump
+from solving_steps import QUIET, states
+
+pytest_plugins = ("solving_fixtures",)
+
+
+def drag(z: float) -> None:
+    """Moves the target as the mouse would."""
+    bpy.data.objects["target"].location.z = z
+    bpy.context.view_layer.update()
+
+
+@pytest.fixture
+def live(patch: bpy.types.Scene, script: Script) -> bpy.types.Scene:
+    """Live mode on at frame 5, the frames solved."""
+    bpy.ops.lappet.solve(wait=True)
+    patch.frame_set(5)
+    patch.lappet.active_event = 1
+    assert bpy.ops.lappet.live() == {"FINISHED"}
+    return patch
+
+
+def test_the_skin_follows_the_target_and_only_the_frame_it_is_dragged_at(
+    live: bpy.types.Scene, script: Script
+) -> None:
+    for _ in range(4):
+        pump()
+    assert frames.progress_of(live).live
+    assert frames.progress_of(live).job_kind == "live"
+    for z in (4.0, 5.5, 7.0):
+        drag(z)
+        for _ in range(3):
+            pump()
+        np.testing.assert_allclose(frames.live_points(live)[0], (0.0, 3.0, z), atol=1e-6)
+        np.testing.assert_array_equal(frames.shown_at(live, 5).frame.points, frames.live_points(live))
+    assert script.workers[-1].targets == [(0.0, 3.0, 4.0), (0.0, 3.0, 5.5), (0.0, 3.0, 7.0)]
+    assert frames.shown_at(live, 6).frame.points[0, 2] == 7.0
+    assert states(live) == "ssssssss", "nothing is read anew while it is dragged"
+
+
+def test_ending_it_leaves_the_target_where_it_is_and_makes_the_frames_stale(
+    live: bpy.types.Scene, script: Script
+) -> None:
+    drag(6.0)
+    for _ in range(4):
+        pump()
+    assert bpy.ops.lappet.live() == {"FINISHED"}
+    assert frames.live_points(live) is None
+    assert not live.lappet.solving.live
+    assert not pump(QUIET)
+    assert bpy.data.objects["target"].location.z == 6.0
+    assert bpy.data.objects["target"].animation_data is None, "what was not animated gets no keyframe"
+    assert states(live) == "sssttttt"
+
+
+def test_switching_the_property_off_going_to_another_frame_or_editing_ends_it(
+    live: bpy.types.Scene, script: Script
+) -> None:
+    live.lappet.solving.live = False
+    pump(QUIET)
+    assert controller.controller_of(live).live is None
+    assert controller.controller_of(live).job is None
+    bpy.ops.lappet.live()
+    live.frame_set(6)
+    pump(QUIET)
+    assert controller.controller_of(live).live is None
+    bpy.ops.lappet.live()
+    find_event(live, "hook_1").stiffness = 70.0
+    pump(QUIET)
+    assert controller.controller_of(live).live is None
+    assert not live.lappet.solving.live
+    assert script.count("live") == 3
+
+
+@pytest.mark.parametrize("automatic", [True, False])
+def test_an_animated_target_is_keyed_where_it_was_dragged_if_automatic_keyframes_are_on(
+    patch: bpy.types.Scene, script: Script, automatic: bool
+) -> None:
+    target = bpy.data.objects["target"]
+    for frame, z in ((4, 2.0), (8, 6.0)):
+        target.location.z = z
+        target.keyframe_insert("location", frame=frame)
+    patch.frame_set(6)
+    patch.tool_settings.use_keyframe_insert_auto = automatic
+    bpy.ops.lappet.live(hook="hook_1")
+    drag(9.0)
+    for _ in range(4):
+        pump()
+    bpy.ops.lappet.live()
+    patch.frame_set(5)
+    patch.frame_set(6)
+    assert (abs(target.location.z - 9.0) < 1e-6) == automatic
+
+
+def test_only_a_hook_that_pulls_at_this_frame_can_be_dragged(patch: bpy.types.Scene, script: Script) -> None:
+    patch.frame_set(2)
+    with pytest.raises(RuntimeError, match="hook_1 does not pull at frame 2; go to a frame from 4 to before 8"):
+        bpy.ops.lappet.live(hook="hook_1")
+    with pytest.raises(RuntimeError, match="incision_1 is no hook"):
+        bpy.ops.lappet.live(hook="incision_1")
+    with pytest.raises(RuntimeError, match="There is no event 'nobody' in the timeline"):
+        bpy.ops.lappet.live(hook="nobody")
+    patch.frame_set(5)
+    find_event(patch, "hook_1").enabled = False
+    with pytest.raises(RuntimeError, match="and switch the hook on"):
+        bpy.ops.lappet.live(hook="hook_1")
+    find_event(patch, "hook_1").enabled = True
+    bpy.ops.lappet.solve()
+    with pytest.raises(RuntimeError, match="is being solved"):
+        bpy.ops.lappet.live(hook="hook_1")
+    assert script.count("live") == 0
+
+
+def test_undo_ends_it(live: bpy.types.Scene, script: Script) -> None:
+    bpy.ops.ed.undo_push(message="one")
+    add_event(live, "SUTURE", start=5, points=[(2, -1, 2), (2, 1, 2)])
+    bpy.ops.ed.undo_push(message="two")
+    pump(QUIET)
+    bpy.ops.lappet.live(hook="hook_1")
+    pump()
+    bpy.ops.ed.undo()
+    scene = bpy.context.scene
+    assert controller.controller_of(scene).live is None
+    pump(QUIET)
+    assert states(scene) == "ssssssss"
