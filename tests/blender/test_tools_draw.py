@@ -293,8 +293,8 @@ def test_what_cannot_be_done_is_said_in_a_sentence_and_changes_nothing(scene: bp
         bpy.ops.lappet.draw_incision(points=points((0, 0, 0)))
     with pytest.raises(RuntimeError, match="give at least one point of each, or an incision"):
         bpy.ops.lappet.place_suture()
-    with pytest.raises(RuntimeError, match="works in a 3D viewport"):
-        bpy.ops.lappet.draw_incision("INVOKE_DEFAULT")
+    with pytest.raises(RuntimeError, match="no point"):
+        bpy.ops.lappet.draw_incision("INVOKE_DEFAULT")  # without a window there is nothing to click on
     assert len(scene.lappet.events) == 0
 
 
