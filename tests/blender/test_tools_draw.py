@@ -8,6 +8,7 @@ from pathlib import Path
 import bpy
 import numpy as np
 import pytest
+from scipy.spatial import cKDTree
 from tool_scenes import flat_tissue, stand_in_display
 
 import lappet_blender
@@ -48,7 +49,7 @@ def drag(drawing: LineDrawing, points: np.ndarray) -> None:
 
 def farthest(points: np.ndarray, line: np.ndarray) -> float:
     """The greatest distance of points from a densely sampled line."""
-    return float(np.linalg.norm(points[:, None] - line[None], axis=2).min(axis=1).max())
+    return float(cKDTree(line).query(points)[0].max())
 
 
 def test_clicks_make_a_straight_line_through_the_points() -> None:

@@ -1,6 +1,6 @@
 """The tools Incision and Undermine: a line clicked or drawn on the skin."""
 
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import bpy
 import numpy as np
@@ -29,6 +29,9 @@ class _DrawLine(SkinModal):
     """What the two tools share: `self.drawing` is the state machine, snapping is here since it is in pixels."""
 
     must_close: ClassVar[bool] = False
+    line: Any
+    tolerance: Any
+    points: Any
 
     def begin(self, context: bpy.types.Context) -> None:
         self.drawing = LineDrawing(self.line == "SMOOTH", self.must_close, self.tolerance)
@@ -63,16 +66,19 @@ class _DrawLine(SkinModal):
             self.drawing.close()
             return self.confirmed(context)
         self._said = "" if self.drawing.press(place, view.mouse) else "The mouse is not on the skin. "
-        return self._show(context)
+        self._show(context)
+        return None
 
     def moved(self, context: bpy.types.Context, view: View | None) -> Result | None:
         if view is not None:
             self.drawing.move(self._place(context, view), view.mouse)
-        return self._show(context)
+        self._show(context)
+        return None
 
     def released(self, context: bpy.types.Context, view: View | None) -> Result | None:
         self.drawing.release()
-        return self._show(context)
+        self._show(context)
+        return None
 
     def double_clicked(self, context: bpy.types.Context, view: View) -> Result | None:
         return self.confirmed(context)
@@ -111,7 +117,9 @@ class _DrawLine(SkinModal):
     def _show(self, context: bpy.types.Context) -> None:
         line = self.drawing.preview()
         dots = [] if self.drawing.dragging else self.drawing.points
-        show_preview(Preview(context.scene.name, lines=[line] if line else [], dots=list(dots), snap=self.snap))
+        preview = Preview(context.scene.name, lines=[line] if line else [], dots=list(dots), snap=self.snap)
+        preview.kind = "UNDERMINE" if self.must_close else "INCISION"
+        show_preview(preview)
 
 
 def incision_ends(scene: bpy.types.Scene) -> list[Point]:
@@ -219,7 +227,7 @@ class LAPPET_OT_draw_undermining(_DrawLine, bpy.types.Operator):
         self.layout.prop(self, "time")
 
 
-def draw_incision_settings(layout: bpy.types.UILayout, owner: object) -> None:
+def draw_incision_settings(layout: bpy.types.UILayout, owner: Any) -> None:
     """Depth and kerf of an incision, in a header or a panel."""
     layout.prop(owner, "through")
     row = layout.row()

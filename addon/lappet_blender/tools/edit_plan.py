@@ -7,7 +7,7 @@ import numpy as np
 from bpy.props import BoolProperty
 from mathutils import Vector
 
-from .drawing import DrawnLine
+from .drawing import DrawnLine, Point
 from .handles import (
     LINE_KINDS,
     TARGET,
@@ -99,7 +99,8 @@ class LAPPET_OT_edit_plan(SkinModal, bpy.types.Operator):
         view = view_under(context, (event.mouse_x, event.mouse_y))
         if view is None:
             return {"CANCELLED", "PASS_THROUGH"}
-        self.uid, self.index, self.rest = "", 0, None
+        self.uid, self.index = "", 0
+        self.rest: Point | None = None
         self.base: Vector | None = None
         self.place: Vector | None = None
         self.changed = False
@@ -166,7 +167,7 @@ class LAPPET_OT_edit_plan(SkinModal, bpy.types.Operator):
         points = event_points(event)
         points[indices_at(event, self.index)] = self.rest
         places = tuple((float(x), float(y), float(z)) for x, y, z in points)
-        preview = Preview(context.scene.name, dots=list(places), snap=self.rest, hides=event.uid)
+        preview = Preview(context.scene.name, dots=list(places), snap=self.rest, hides=event.uid, kind=event.kind)
         if event.kind in LINE_KINDS:
             preview.lines = [DrawnLine(places, event.basis, is_closed(event))]
         elif event.kind == "SUTURE":
@@ -190,7 +191,7 @@ class LAPPET_OT_edit_plan(SkinModal, bpy.types.Operator):
         return {"FINISHED"}  # a click that only selects is a step of undo too, as selecting objects is
 
     def abandoned(self, context: bpy.types.Context) -> None:
-        event = find_event(context.scene, self.uid) if context.scene else None
+        event = find_event(context.scene, self.uid)
         if event is None:
             return
         if self.base is not None and event.target is not None:

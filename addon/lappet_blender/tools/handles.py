@@ -42,9 +42,7 @@ class Handle:
         return self.normal is None or self.normal.dot(toward) > -0.2 * toward.length
 
 
-def handles_of(
-    scene: bpy.types.Scene, time: float, viewport: bpy.types.SpaceView3D | None = None
-) -> list[Handle]:
+def handles_of(scene: bpy.types.Scene, time: float, viewport: bpy.types.SpaceView3D | None = None) -> list[Handle]:
     """The handles of all events of a scene as they are shown at a time.
 
     Points whose tissue is gone from the shown skin have none. Of points at one place (the doubled ends of a smooth

@@ -100,7 +100,7 @@ def _hook(c: _Canvas) -> None:
     bend = _arc((112, 88), 54, 0, -220, 18)
     c.stroke(np.vstack([[(166, 232)], bend]), 22, _LIGHT)
     tip = bend[-1]
-    c.fan([tip + (-30, -6), tip + (24, 12), tip + (-8, 52)], _LIGHT)
+    c.fan(tip + np.array([(-30, -6), (24, 12), (-8, 52)]), _LIGHT)
     c.stroke([(24, 18), (112, 34), (212, 16)], 12, _INK)
 
 

@@ -25,7 +25,7 @@ STEEL: Color = (0.25, 0.28, 0.33, 1.0)
 WARM: Color = (0.90, 0.30, 0.15, 1.0)
 GREEN: Color = (0.10, 0.50, 0.20, 1.0)
 HALO: Color = (1.0, 0.72, 0.20, 0.9)
-_INK = {
+INK_OF = {
     "INCISION": VIOLET,
     "EXCISION": WARM,
     "UNDERMINE": TEAL,
@@ -57,7 +57,7 @@ _located: WeakKeyDictionary[RestShape, dict[Any, tuple[NDArray[np.float64], Loca
 
 def event_color(event: LappetEvent) -> Color:
     """The ink of an event; pale where it is switched off."""
-    red, green, blue, alpha = _INK[event.kind]
+    red, green, blue, alpha = INK_OF[event.kind]
     return (red, green, blue, alpha if event.enabled else 0.3)
 
 
@@ -66,13 +66,13 @@ def event_ink(ink: Ink, surface: ShownSurface, event: LappetEvent, time: float, 
     color, future = event_color(event), time < event.start
     lines: list[NDArray[np.float64]] = []
     if event.kind in LINE_KINDS:
-        offsets = (0.0,)
+        offsets: tuple[float, ...] = (0.0,)
         if event.kind == "INCISION" and not future and surface.solved:
             offsets = (0.5 * event.kerf + _LIP, -0.5 * event.kerf - _LIP)
         for offset in offsets:
             lines += _runs(surface, event_points(event), event.basis, is_closed(event), offset)
     elif event.kind == "SUTURE" and len(event.points) == 2:
-        lines.append(surface.carry(surface.rest.locate(event_points(event), skin_only=False)))
+        lines += thread_lines(surface, event_points(event))
     elif event.kind == "HOOK" and len(event.points) and event.target is not None:
         anchor = surface.carry(surface.rest.locate(event_points(event)[:1], skin_only=False))[0]
         lines += arrow(anchor, np.array(event.target.matrix_world.translation, np.float64))
@@ -89,10 +89,19 @@ def event_ink(ink: Ink, surface: ShownSurface, event: LappetEvent, time: float, 
             ink.line(part / surface.mm, (*color[:3], 0.25 * color[3]) if over else color)
 
 
-def preview_ink(ink: Ink, surface: ShownSurface, line: DrawnLine) -> None:
+def preview_ink(ink: Ink, surface: ShownSurface, line: DrawnLine, color: Color = VIOLET) -> None:
     """Adds a line that is being drawn."""
     for run in _runs(surface, np.array(line.points), line.basis, line.closed, keep=False):
-        ink.line(run, VIOLET, _WIDTH + 0.5)
+        ink.line(run, color, _WIDTH + 0.5)
+
+
+def thread_lines(surface: ShownSurface, ends: NDArray[np.float64]) -> list[NDArray[np.float64]]:
+    """The line between the ends (2, 3) of a suture: along the skin, or straight where a wound gapes between them."""
+    runs = _runs(surface, ends, "LINEAR", False)
+    if len(runs) == 1 and len(runs[0]) == len(rest_samples(ends)):
+        return runs
+    located = surface.rest.locate(ends, skin_only=False)
+    return [surface.carry(located) + surface.normals(located.triangle) * (0.3 / surface.mm)]
 
 
 def arrow(start: NDArray[np.float64], end: NDArray[np.float64]) -> list[NDArray[np.float64]]:

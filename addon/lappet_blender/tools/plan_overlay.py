@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from .edit_plan import HeldHandle
 from .handles import handles_of
-from .plan_ink import HALO, STEEL, THREAD, VIOLET, Color, Ink, arrow, event_color, event_ink, plan_key, preview_ink
+from .plan_ink import HALO, INK_OF, STEEL, THREAD, Color, Ink, arrow, event_color, event_ink, plan_key, preview_ink
 from .preview import Preview, preview_of
 from .shown_surface import ShownSurface, shown_surface
 from .view_under_mouse import project, viewer_of
@@ -92,7 +92,7 @@ def _draw_preview(surface: ShownSurface, preview: Preview) -> None:
         batch_for_shader(shader, "TRIS", {"pos": lifted.reshape(-1, 3).astype(np.float32)}).draw(shader)
     ink = Ink()
     for line in preview.lines:
-        preview_ink(ink, surface, line)
+        preview_ink(ink, surface, line, INK_OF[preview.kind])
     gpu.state.depth_test_set("NONE")
     for a, b in preview.threads:
         ink.line(np.array([a, b], np.float64), THREAD)
@@ -133,12 +133,14 @@ def _draw_points() -> None:
             if math.isfinite(x):
                 _label(x + 8.0 * scale, y + 6.0 * scale, text, color, scale)
     if preview is not None and (preview.dots or preview.snap):
-        places = surface.carry(surface.rest.locate(np.array([*preview.dots, *([preview.snap] if preview.snap else [])])))
+        places = surface.carry(
+            surface.rest.locate(np.array([*preview.dots, *([preview.snap] if preview.snap else [])]))
+        )
         pixels = project(data.perspective_matrix, *size, places)
         for k, pixel in enumerate(pixels):
             snapped = preview.snap is not None and k == len(pixels) - 1
             _disc(pixel, (8.0 if snapped else 5.0) * scale, HALO if snapped else _WHITE)
-            _disc(pixel, 3.5 * scale, VIOLET)
+            _disc(pixel, 3.5 * scale, INK_OF[preview.kind])
     gpu.state.blend_set("NONE")
 
 

@@ -1,6 +1,6 @@
 """The tools Hook and Retractor: press on the skin and drag to where it is pulled."""
 
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import bpy
 import numpy as np
@@ -26,6 +26,8 @@ class _Pull(SkinModal):
     """What both share: where it was taken hold of, and where the mouse has pulled it to."""
 
     hints = _HINTS
+    start: Any
+    end: Any
 
     def begin(self, context: bpy.types.Context) -> None:
         self.hit: SkinHit | None = None
@@ -189,7 +191,7 @@ class LAPPET_OT_place_retractor(_Pull, bpy.types.Operator):
             return say(self, why_nothing_to_draw_on(context))
         start, end = self._times(context)
         grip = self.grip
-        if not grip:
+        if not grip and surface is not None:
             faces = faces_around(surface.rest, self.at, self.radius)
             faces = faces[faces < len(tissue.data.polygons)]
             if len(faces) == 0:

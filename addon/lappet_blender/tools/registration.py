@@ -19,7 +19,7 @@ _CLASSES = (
 )
 
 
-@persistent
+@persistent  # type: ignore[untyped-decorator]
 def _another_file(_path: str) -> None:
     """What is kept or shown belongs to the file that is closed."""
     clear_preview()

@@ -51,7 +51,10 @@ class LAPPET_OT_place_suture(SkinModal, bpy.types.Operator):
     duration: FloatProperty(name="Duration", description="Frames that it takes to close", default=12.0, min=0.0)
     stiffness: FloatProperty(name="Stiffness", description="In mN/mm", default=1000.0, min=0.001, soft_max=5000.0)
     bite: FloatProperty(
-        name="Bite", description="From the middle of an incision to an anchor, in mm; 0: at its edge", default=0.0, min=0.0
+        name="Bite",
+        description="From the middle of an incision to an anchor, in mm; 0: at its edge",
+        default=0.0,
+        min=0.0,
     )
 
     def begin(self, context: bpy.types.Context) -> None:
@@ -82,7 +85,7 @@ class LAPPET_OT_place_suture(SkinModal, bpy.types.Operator):
             return None
         hit = view.pick(context.scene, any_face=True)
         self.hover = None if hit is None else hit.rest
-        preview = Preview(context.scene.name, dots=[*self.edges[0], *self.edges[1]])
+        preview = Preview(context.scene.name, dots=[*self.edges[0], *self.edges[1]], kind="SUTURE")
         for index, edge in enumerate(self.edges):
             live = [*edge, *([self.hover] if self.run and self.hover and index == self.on_second else [])]
             if len(live) > 1:

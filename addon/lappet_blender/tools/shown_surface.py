@@ -129,8 +129,10 @@ def shown_object(scene: bpy.types.Scene, viewport: bpy.types.SpaceView3D | None 
     layer = bpy.context.view_layer if bpy.context.scene == scene else scene.view_layers[0]
     for each in (skin_object(scene), scene.lappet.tissue.object):
         if each is not None and each.type == "MESH" and each.name in layer.objects:
-            visible = each.visible_get(view_layer=layer, viewport=viewport) if viewport else each.visible_get(
-                view_layer=layer
+            visible = (
+                each.visible_get(view_layer=layer, viewport=viewport)
+                if viewport
+                else each.visible_get(view_layer=layer)
             )
             if visible and len(each.data.polygons):
                 return each
@@ -149,7 +151,7 @@ def shown_surface(scene: bpy.types.Scene, viewport: bpy.types.SpaceView3D | None
     mesh.attributes["position"].data.foreach_get("vector", local)
     place = np.array(shown.matrix_world, np.float64)
     groups = "" if solved else _groups_sum(scene, mesh)
-    shape_key = (mesh.session_uid, len(mesh.vertices), len(mesh.loops), len(mesh.polygons), groups)
+    shape_key: tuple[Any, ...] = (mesh.session_uid, len(mesh.vertices), len(mesh.loops), len(mesh.polygons), groups)
     sums = (zlib.crc32(local.tobytes()), zlib.crc32(place.tobytes()), mm)
     if not solved:
         shape_key = (*shape_key, *sums)
@@ -233,4 +235,4 @@ def _groups_sum(scene: bpy.types.Scene, mesh: bpy.types.Mesh) -> str:
 def _tissue_skin(scene: bpy.types.Scene, mesh: bpy.types.Mesh) -> NDArray[np.bool_]:
     count = len(mesh.polygons)
     subsets = {label: np.flatnonzero(mask) for label, mask in _groups(scene, mesh).items() if mask.any()}
-    return skin_faces(Tissue(np.zeros((0, 3)), np.full(count, 3), np.zeros(0), subsets=subsets))
+    return skin_faces(Tissue(np.zeros((0, 3)), np.full(count, 3, np.int32), np.zeros(0, np.int32), subsets=subsets))

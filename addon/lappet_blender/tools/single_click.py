@@ -11,19 +11,29 @@ from .shown_surface import shown_surface
 from .skin_modal import Result, SkinModal, run_operator, say, why_nothing_to_draw_on
 from .view_under_mouse import View
 
-_HINTS = (("MOUSE_LMB", "Click"), ("EVENT_ESC", "Cancel"))
+_HINTS = (("MOUSE_LMB", "Release to place"), ("EVENT_ESC", "Cancel"))
 
 
 class _Click(SkinModal):
+    """Held down it shows what would happen at the mouse; released, it happens there."""
+
     hints = _HINTS
     any_face: ClassVar[bool] = False
 
     def begin(self, context: bpy.types.Context) -> None:
         self._said = ""
+        self._held = False
 
     def pressed(self, context: bpy.types.Context, view: View) -> Result | None:
+        self._held = True
+        return self.moved(context, view)
+
+    def released(self, context: bpy.types.Context, view: View | None) -> Result | None:
+        if not self._held or view is None:
+            return None
         hit = view.pick(context.scene, self.any_face)
         if hit is None:
+            self._held = False
             self._said = "the mouse is not on the tissue; "
             return None
         self.point = hit.rest

@@ -62,6 +62,8 @@ class SkinModal:
     title: ClassVar[str] = ""
     shift = False
     ctrl = False
+    report: Any
+    properties: Any
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
@@ -93,6 +95,10 @@ class SkinModal:
     def key(self, context: bpy.types.Context, key: str) -> Result | None:
         """Another key went down."""
         return None
+
+    def execute(self, context: bpy.types.Context) -> Result:
+        """Does it, from the operator's properties."""
+        return {"CANCELLED"}
 
     def text(self, context: bpy.types.Context) -> str:
         """What the header says."""
@@ -145,7 +151,7 @@ class SkinModal:
 
     def _handle(self, context: bpy.types.Context, event: bpy.types.Event) -> Result | None:
         kind, value = event.type, event.value
-        if kind.startswith(_NAVIGATION) and kind != "NUMPAD_ENTER" or kind in _FRAMES:
+        if (kind.startswith(_NAVIGATION) and kind != "NUMPAD_ENTER") or kind in _FRAMES:
             redraw()
             return {"PASS_THROUGH"}
         if kind.startswith("TIMER") or kind in ("WINDOW_DEACTIVATE", "NONE"):

@@ -19,8 +19,8 @@ from .shown_surface import Located, shown_surface
 class SkinHit:
     """A point of the shown surface. rest: mm. world, normal: where it is now; the normal is unit and points outward.
 
-    origin: `FaceOrigin` of its triangle. triangle: index into the shown mesh's triangles. face: of the tissue's mesh, -1
-    on wound walls.
+    origin: `FaceOrigin` of its triangle. triangle: index into the shown mesh's triangles. face: of the tissue's mesh,
+    -1 on wound walls.
     """
 
     rest: tuple[float, float, float]
@@ -40,8 +40,8 @@ def pick_along_ray(
 ) -> SkinHit | None:
     """The first point of the shown surface along a ray of the world, None where it meets none.
 
-    What lies in front hides what is behind: a ray that first meets a wound wall, the rim or the underside picks nothing,
-    unless `any_face`. viewport: the one whose visible objects count (local view).
+    What lies in front hides what is behind: a ray that first meets a wound wall, the rim or the underside picks
+    nothing, unless `any_face`. viewport: the one whose visible objects count (local view).
     """
     surface = shown_surface(scene, viewport)
     found = surface.ray.first(origin, direction) if surface is not None else None
@@ -63,9 +63,7 @@ def pick_along_ray(
     )
 
 
-def mouse_ray(
-    region: bpy.types.Region, view: bpy.types.RegionView3D, mouse: Sequence[float]
-) -> tuple[Vector, Vector]:
+def mouse_ray(region: bpy.types.Region, view: bpy.types.RegionView3D, mouse: Sequence[float]) -> tuple[Vector, Vector]:
     """Origin and direction in the world of the ray under a place (pixels) of a 3D view's region."""
     direction = view3d_utils.region_2d_to_vector_3d(region, view, mouse)
     return view3d_utils.region_2d_to_origin_3d(region, view, mouse), direction

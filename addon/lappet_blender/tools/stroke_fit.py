@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -39,10 +41,10 @@ def fit_stroke(points: ArrayLike, tolerance: float) -> NDArray[np.float64]:
     line = line[moved]
     if len(line) < 3:
         return line
-    kept = simplify(line, 0.5 * tolerance)
+    kept = simplify(line, tolerance)
     while True:
         added = []
-        for k, (a, b) in enumerate(zip(kept[:-1], kept[1:], strict=True)):
+        for k, (a, b) in enumerate(pairwise(kept)):
             if b - a < 2:
                 continue
             around = line[[kept[max(k - 1, 0)], a, b, kept[min(k + 2, len(kept) - 1)]]]
@@ -71,5 +73,5 @@ def _to_segment(points: NDArray[np.float64], a: NDArray[np.float64], b: NDArray[
 
 def _to_polyline(points: NDArray[np.float64], line: NDArray[np.float64]) -> NDArray[np.float64]:
     """The distance (k,) of points (k, 3) to a polyline (n, 3), n >= 2."""
-    distances = [_to_segment(points, a, b) for a, b in zip(line[:-1], line[1:], strict=True)]
+    distances = [_to_segment(points, a, b) for a, b in pairwise(line)]
     return np.min(distances, axis=0)
