@@ -175,15 +175,19 @@ def scenario(blender: Driver) -> Steps:
     yield from blender.click(at(-20, -8))
     yield 0.1
     blender.expect(scene.lappet.active_event == 0, "a click on its point selects the first incision")
-    print("ACTIVE a", bpy.context.object)
+    blender.expect(bpy.context.object is None, "and not the object of the skin")
+    yield from blender.click(at(-26, 17))
+    yield 0.1
+    blender.expect(bpy.context.object is not None, "a click beside the plan selects the object there")
+    yield from blender.click(blender.within(0.9, 0.1))
+    yield 0.1
+    blender.expect(not bpy.context.selected_objects, "a click beside everything selects none")
     yield from blender.drag([at(-5, 4), at(-4, 12)])
     yield 0.1
-    print("ACTIVE b", bpy.context.object)
     moved = first_points(scene.lappet.events[0])
     blender.expect(near(moved, height(-20, -8), height(-4, 12), height(10, -6)), "a drag moves its second point")
     yield from blender.click(at(3, 3), ctrl=True)
     yield 0.1
-    print("ACTIVE c", bpy.context.object)
     blender.expect(len(scene.lappet.events[0].points) == 4, "Ctrl-click on its line inserts a point")
     yield from blender.screenshot("edited")
     yield from blender.key("X")
@@ -195,9 +199,98 @@ def scenario(blender: Driver) -> Steps:
     yield from blender.wait_until(
         lambda: near(first_points(bpy.context.scene.lappet.events[0]), *wanted),
         2.0,
-        "three Ctrl-Z undo these three acts",
+        "three Ctrl-Z undo the three acts",
     )
     yield from blender.screenshot("undone")
+    yield from target(blender)
+    yield from views(blender)
+    yield from interrupted(blender)
+
+
+def target(blender: Driver) -> Steps:
+    """A hook's target is dragged in the view, keyed where it is let go, and comes back."""
+    scene = bpy.context.scene
+    hook = next(event for event in scene.lappet.events if event.kind == "HOOK")
+    name = hook.target.name
+    scene.frame_set(13)
+    yield 0.3
+    before = bpy.data.objects[name].matrix_world.translation.copy()
+    x, y = blender.at(before)
+    yield from blender.drag([(x, y), (x + 50, y + 20)])
+    yield 0.2
+    u, v = blender.at(bpy.data.objects[name].matrix_world.translation)
+    blender.expect(abs(u - x - 50) < 3 and abs(v - y - 20) < 3, "a drag moves the target of a hook")
+    blender.expect(bpy.context.object.name == name, "and selects it")
+    scene.frame_set(14)
+    scene.frame_set(13)
+    yield 0.1
+    u, v = blender.at(bpy.data.objects[name].matrix_world.translation)
+    blender.expect(abs(u - x - 50) < 3, "it is keyed: another frame and back does not take it")
+    yield from blender.key("Z", ctrl=True)
+    yield from blender.wait_until(
+        lambda: (bpy.data.objects[name].matrix_world.translation - before).length < 0.01, 2.0, "Ctrl-Z brings it back"
+    )
+
+
+def views(blender: Driver) -> Steps:
+    """Drawing in a quad view, an orthographic view and through a camera."""
+    scene = bpy.context.scene
+    yield from blender.set_tool("lappet.landmark")
+    with blender.override():
+        bpy.ops.screen.region_quadview()
+    yield 0.5
+    area = blender.area()
+    windows = [region for region in area.regions if region.type == "WINDOW"]
+    top = max(range(3), key=lambda k: area.spaces.active.region_quadviews[k].view_matrix[2][2])
+    views = area.spaces.active.region_quadviews
+    views[top].view_location, views[top].view_distance = (0, 0, 0), 60.0
+    yield 0.5
+    from bpy_extras.view3d_utils import location_3d_to_region_2d
+
+    for k, point in ((top, height(4.0, -15.0)), (3, height(-8.0, 14.0))):
+        seen = location_3d_to_region_2d(windows[k], views[k], point)
+        yield from blender.click((round(windows[k].x + seen[0]), round(windows[k].y + seen[1])))
+        yield 0.2
+        found = last()
+        held = found.kind == "LANDMARK" and np.abs(first_points(found)[0] - point).max() < 0.8
+        blender.expect(held, f"a click in the view {k} of a quad view is where it was made")
+    yield from blender.screenshot("quad_view")
+    with blender.override():
+        bpy.ops.screen.region_quadview()
+    yield 0.5
+    camera = bpy.data.objects.new("camera", bpy.data.cameras.new("camera"))
+    scene.collection.objects.link(camera)
+    camera.location, camera.rotation_euler = (0.0, -60.0, 70.0), (0.7, 0.0, 0.0)
+    scene.camera = camera
+    blender.area().spaces.active.region_3d.view_perspective = "CAMERA"
+    yield 0.5
+    yield from blender.click(blender.at(height(9.0, 2.0)))
+    yield 0.2
+    blender.expect(np.abs(first_points(last())[0] - height(9.0, 2.0)).max() < 0.8, "so it is through a camera")
+    yield from blender.screenshot("camera")
+    blender.area().spaces.active.region_3d.view_perspective = "PERSP"
+    yield 0.3
+
+
+def interrupted(blender: Driver) -> Steps:
+    """The frame changes while a line is drawn; another file is opened while a line is drawn."""
+    scene = bpy.context.scene
+    scene.frame_set(5)
+    yield from blender.set_tool("lappet.incision")
+    yield from blender.click(blender.at(height(-20, -12)))
+    yield from blender.key("RIGHT_ARROW")
+    yield 0.3
+    blender.expect(scene.frame_current == 6, "the arrow keys change the frame while a line is drawn")
+    yield from blender.click(blender.at(height(20, -14)))
+    yield from blender.key("RET")
+    yield 0.2
+    blender.expect(last().kind == "INCISION" and last().start == 6.0, "and the cut is made at the frame in view")
+    yield from blender.click(blender.at(height(-20, 0)))
+    yield 0.1
+    bpy.ops.wm.read_homefile(use_empty=True)
+    yield 1.0
+    blender.expect(len(bpy.context.scene.lappet.events) == 0, "another file can be opened while a line is drawn")
+    yield from blender.screenshot("another_file")
 
 
 run(scenario)

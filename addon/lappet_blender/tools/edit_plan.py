@@ -94,6 +94,7 @@ class LAPPET_OT_edit_plan(SkinModal, bpy.types.Operator):
 
     grab: BoolProperty(options={"HIDDEN", "SKIP_SAVE"})
     insert: BoolProperty(options={"HIDDEN", "SKIP_SAVE"})
+    extend: BoolProperty(options={"HIDDEN", "SKIP_SAVE"})
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> Result:
         view = view_under(context, (event.mouse_x, event.mouse_y))
@@ -110,8 +111,10 @@ class LAPPET_OT_edit_plan(SkinModal, bpy.types.Operator):
             if held is None:
                 return {"CANCELLED", "PASS_THROUGH"}
             self.uid, self.index = held[0].uid, held[1]
-        elif not self._take(context, view):
-            return {"CANCELLED", "PASS_THROUGH"}
+        elif not self._take(context, view):  # a click beside the plan selects objects, as in Blender's own tools
+            how = {"toggle": True} if self.extend else {"deselect_all": True}
+            chosen = "FINISHED" in bpy.ops.view3d.select("INVOKE_DEFAULT", **how)
+            return {"FINISHED"} if chosen else {"CANCELLED"}
         event_held = find_event(context.scene, self.uid)
         if self.index == TARGET and event_held is not None:
             self.base = event_held.target.matrix_world.translation.copy()

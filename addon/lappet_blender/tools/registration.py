@@ -16,6 +16,7 @@ _CLASSES = (
     *sew.CLASSES,
     *edit_plan.CLASSES,
     *tool_menu.CLASSES,
+    *toolbar.CLASSES,
 )
 
 

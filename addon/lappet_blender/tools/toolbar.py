@@ -1,6 +1,6 @@
 """The tools of the toolbar: what they are called, which key starts which operator, and their settings in the header."""
 
-from typing import Any
+from typing import Any, ClassVar
 
 import bpy
 
@@ -8,6 +8,22 @@ from .draw_line import draw_incision_settings
 from .icon_shapes import icon_path
 
 _PRESS = {"type": "LEFTMOUSE", "value": "PRESS"}
+# When a modal operator ends with the release, Blender still tells of a click, which would select the skin's object.
+_CLICK = ("lappet.ignore_click", {"type": "LEFTMOUSE", "value": "CLICK", "any": True}, None)
+
+
+class LAPPET_OT_ignore_click(bpy.types.Operator):
+    """Does nothing: the press and the release have been answered"""
+
+    bl_idname = "lappet.ignore_click"
+    bl_label = "Ignore Click"
+    bl_options: ClassVar[set[str]] = {"INTERNAL"}
+
+    def execute(self, _context: bpy.types.Context) -> set[str]:
+        return {"FINISHED"}
+
+
+CLASSES = (LAPPET_OT_ignore_click,)
 
 
 class _Tool(bpy.types.WorkSpaceTool):
@@ -19,7 +35,7 @@ class _Tool(bpy.types.WorkSpaceTool):
 
 def _on_press(operator: str) -> tuple[Any, ...]:
     """Press, also with the modifiers that the tools read while they run."""
-    return tuple((operator, {**_PRESS, **keys}, None) for keys in ({}, {"shift": True}, {"ctrl": True}))
+    return (*((operator, {**_PRESS, **keys}, None) for keys in ({}, {"shift": True}, {"ctrl": True})), _CLICK)
 
 
 class EditTool(_Tool):
@@ -32,15 +48,16 @@ class EditTool(_Tool):
     )
     bl_icon = icon_path("edit")
     bl_cursor = "DEFAULT"
+    # No two of these answer the same event: Blender does not keep their order.
     bl_keymap = (
         ("lappet.edit_jump", {"type": "LEFTMOUSE", "value": "DOUBLE_CLICK"}, None),
         ("lappet.edit_plan", {**_PRESS, "ctrl": True}, {"properties": [("insert", True)]}),
         ("lappet.edit_plan", _PRESS, None),
-        ("view3d.select", _PRESS, {"properties": [("deselect_all", True)]}),
-        ("view3d.select", {**_PRESS, "shift": True}, {"properties": [("toggle", True)]}),
+        ("lappet.edit_plan", {**_PRESS, "shift": True}, {"properties": [("extend", True)]}),
         ("lappet.edit_plan", {"type": "G", "value": "PRESS"}, {"properties": [("grab", True)]}),
         ("lappet.edit_delete", {"type": "X", "value": "PRESS"}, None),
         ("lappet.edit_delete", {"type": "DEL", "value": "PRESS"}, None),
+        _CLICK,
     )
 
     @staticmethod
