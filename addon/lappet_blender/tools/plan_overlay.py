@@ -127,7 +127,8 @@ def _draw_points() -> None:
     scale = context.preferences.system.ui_scale
     gpu.state.blend_set("ALPHA")
     if scene.lappet.look.show_plan:
-        _draw_handles(context, size, scale)
+        if not context.screen.is_animation_playing:
+            _draw_handles(context, size, scale)
         for place, text, color in plan_ink(scene, surface, preview.hides if preview else "").labels:
             (x, y) = project(data.perspective_matrix, *size, place)[0]
             if math.isfinite(x):

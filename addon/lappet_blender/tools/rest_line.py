@@ -76,7 +76,7 @@ def world_runs(
     there = aside <= np.maximum(_GONE, 0.5 * np.linalg.norm(offset, axis=1))  # else it is beside the skin, not over it
     world = surface.carry(located)
     stretch = np.linalg.norm(np.diff(world, axis=0), axis=1) * surface.mm
-    joined = stretch <= 3.0 * np.linalg.norm(np.diff(rest, axis=0), axis=1) + 0.5
+    joined = stretch <= 4.0 * np.linalg.norm(np.diff(rest, axis=0), axis=1) + 0.5
     world = world + surface.normals(located.triangle) * (lift / surface.mm)
     runs: list[NDArray[np.float64]] = []
     begin = 0
