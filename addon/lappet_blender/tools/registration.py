@@ -1,11 +1,50 @@
-"""Registers this part of the add-on."""
+"""Registers the tools, their operators, the menu and the overlay."""
 
 from __future__ import annotations
 
+import bpy
+from bpy.app.handlers import persistent
+
+from . import draw_line, edit_plan, plan_overlay, pull, sew, single_click, tool_menu, toolbar
+from .preview import clear_preview
+from .shown_surface import forget
+
+_CLASSES = (
+    *draw_line.CLASSES,
+    *single_click.CLASSES,
+    *pull.CLASSES,
+    *sew.CLASSES,
+    *edit_plan.CLASSES,
+    *tool_menu.CLASSES,
+    *toolbar.CLASSES,
+)
+
+
+@persistent  # type: ignore[untyped-decorator]
+def _another_file(_path: str) -> None:
+    """What is kept or shown belongs to the file that is closed."""
+    clear_preview()
+    forget()
+
 
 def register() -> None:
-    """Nothing to register yet."""
+    """Adds the tools to the toolbar and the menu to the 3D viewport's header."""
+    for each in _CLASSES:
+        bpy.utils.register_class(each)
+    toolbar.register()
+    tool_menu.register()
+    plan_overlay.register()
+    bpy.app.handlers.load_pre.append(_another_file)
 
 
 def unregister() -> None:
-    """Nothing to take away yet."""
+    """Takes everything away again."""
+    if _another_file in bpy.app.handlers.load_pre:
+        bpy.app.handlers.load_pre.remove(_another_file)
+    plan_overlay.unregister()
+    tool_menu.unregister()
+    toolbar.unregister()
+    clear_preview()
+    forget()
+    for each in reversed(_CLASSES):
+        bpy.utils.unregister_class(each)

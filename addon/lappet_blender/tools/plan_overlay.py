@@ -1,0 +1,187 @@
+"""Draws the plan over the skin in 3D viewports, with the handles of the active event and what a tool shows."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import blf
+import bpy
+import gpu
+import numpy as np
+from gpu_extras.batch import batch_for_shader
+from numpy.typing import NDArray
+
+from .edit_plan import HeldHandle
+from .handles import handles_of
+from .plan_ink import HALO, INK_OF, STEEL, THREAD, Color, Ink, arrow, event_color, event_ink, plan_key, preview_ink
+from .preview import Preview, preview_of
+from .shown_surface import ShownSurface, shown_surface
+from .view_under_mouse import project, viewer_of
+
+EDIT_TOOL = "lappet.edit"
+_WHITE: Color = (1.0, 1.0, 1.0, 1.0)
+_TINT: Color = (1.0, 0.45, 0.2, 0.35)
+_handlers: list[Any] = []
+_kept: dict[str, tuple[Any, Ink]] = {}
+
+
+def register() -> None:
+    """Draws from now on; without windows there is nothing to draw into."""
+    if not bpy.app.background and not _handlers:
+        add = bpy.types.SpaceView3D.draw_handler_add
+        _handlers.append(add(_draw_lines, (), "WINDOW", "POST_VIEW"))
+        _handlers.append(add(_draw_points, (), "WINDOW", "POST_PIXEL"))
+
+
+def unregister() -> None:
+    """Draws no more."""
+    for each in _handlers:
+        bpy.types.SpaceView3D.draw_handler_remove(each, "WINDOW")
+    _handlers.clear()
+    _kept.clear()
+
+
+def plan_ink(scene: bpy.types.Scene, surface: ShownSurface, hides: str = "") -> Ink:
+    """The lines of all events as they are shown now; kept until something changes. hides: the uid of one left out."""
+    time = scene.frame_current_final
+    key = (surface.key, plan_key(scene), time, hides)
+    known = _kept.get(scene.name)
+    if known is not None and known[0] == key:
+        return known[1]
+    ink = Ink()
+    for index, event in enumerate(scene.lappet.events):
+        if event.uid != hides:
+            event_ink(ink, surface, event, time, index == scene.lappet.active_event)
+    _kept[scene.name] = (key, ink)
+    return ink
+
+
+def _shows(context: bpy.types.Context) -> bool:
+    space = context.space_data
+    return bool(space is not None and space.type == "VIEW_3D" and space.overlay.show_overlays)
+
+
+def _draw_lines() -> None:
+    context = bpy.context
+    scene = context.scene
+    preview = preview_of(scene)
+    if not _shows(context) or not (scene.lappet.look.show_plan or preview):
+        return
+    surface = shown_surface(scene, context.space_data)
+    if surface is None:
+        return
+    gpu.state.blend_set("ALPHA")
+    gpu.state.depth_test_set("LESS_EQUAL")
+    if scene.lappet.look.show_plan:
+        _draw_ink(plan_ink(scene, surface, preview.hides if preview else ""))
+    if preview is not None:
+        _draw_preview(surface, preview)
+    gpu.state.depth_test_set("NONE")
+    gpu.state.blend_set("NONE")
+
+
+def _draw_preview(surface: ShownSurface, preview: Preview) -> None:
+    if preview.faces is not None and len(preview.faces):
+        corners = preview.faces
+        normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-300)
+        lifted = corners + normal[:, None] * (0.15 / surface.mm)
+        shader = gpu.shader.from_builtin("UNIFORM_COLOR")
+        shader.uniform_float("color", _TINT)
+        batch_for_shader(shader, "TRIS", {"pos": lifted.reshape(-1, 3).astype(np.float32)}).draw(shader)
+    ink = Ink()
+    for line in preview.lines:
+        preview_ink(ink, surface, line, INK_OF[preview.kind])
+    gpu.state.depth_test_set("NONE")
+    for a, b in preview.threads:
+        ink.line(np.array([a, b], np.float64), THREAD)
+    for a, b in preview.arrows:
+        for part in arrow(np.array(a, np.float64), np.array(b, np.float64)):
+            ink.line(part, STEEL)
+    _draw_ink(ink)
+
+
+def _draw_ink(ink: Ink) -> None:
+    shader = gpu.shader.from_builtin("POLYLINE_UNIFORM_COLOR")
+    shader.bind()
+    shader.uniform_float("viewportSize", gpu.state.viewport_get()[2:])
+    scale = bpy.context.preferences.system.ui_scale
+    for (color, width), pieces in sorted(ink.segments.items(), key=lambda item: -item[0][1]):  # halos lie below
+        shader.uniform_float("lineWidth", width * scale)
+        shader.uniform_float("color", color)
+        points = np.concatenate(pieces).astype(np.float32)
+        batch_for_shader(shader, "LINES", {"pos": points}).draw(shader)
+
+
+def _draw_points() -> None:
+    context = bpy.context
+    scene, data, region = context.scene, context.region_data, context.region
+    preview = preview_of(scene)
+    if not _shows(context) or data is None or not (scene.lappet.look.show_plan or preview):
+        return
+    surface = shown_surface(scene, context.space_data)
+    if surface is None:
+        return
+    size = (region.width, region.height)
+    scale = context.preferences.system.ui_scale
+    gpu.state.blend_set("ALPHA")
+    if scene.lappet.look.show_plan:
+        if not context.screen.is_animation_playing:
+            _draw_handles(context, size, scale)
+        for place, text, color in plan_ink(scene, surface, preview.hides if preview else "").labels:
+            (x, y) = project(data.perspective_matrix, *size, place)[0]
+            if math.isfinite(x):
+                _label(x + 8.0 * scale, y + 6.0 * scale, text, color, scale)
+    if preview is not None and (preview.dots or preview.snap):
+        places = surface.carry(
+            surface.rest.locate(np.array([*preview.dots, *([preview.snap] if preview.snap else [])]))
+        )
+        pixels = project(data.perspective_matrix, *size, places)
+        for k, pixel in enumerate(pixels):
+            snapped = preview.snap is not None and k == len(pixels) - 1
+            _disc(pixel, (8.0 if snapped else 5.0) * scale, HALO if snapped else _WHITE)
+            _disc(pixel, 3.5 * scale, INK_OF[preview.kind])
+    gpu.state.blend_set("NONE")
+
+
+def _draw_handles(context: bpy.types.Context, size: tuple[int, int], scale: float) -> None:
+    """The active event's points; with the tool Select/Edit in hand those of all events."""
+    scene, data = context.scene, context.region_data
+    events = scene.lappet.events
+    active = events[scene.lappet.active_event].uid if 0 <= scene.lappet.active_event < len(events) else ""
+    tool = context.workspace.tools.from_space_view3d_mode("OBJECT", create=False)
+    editing = tool is not None and tool.idname == EDIT_TOOL
+    if not (active or editing):
+        return
+    colors = {event.uid: event_color(event) for event in events}
+    viewer = viewer_of(data)
+    for handle in handles_of(scene, scene.frame_current_final, context.space_data):
+        mine = handle.event_uid == active
+        if (mine or editing) and handle.faces(*viewer):
+            (pixel,) = project(data.perspective_matrix, *size, handle.world)
+            held = mine and HeldHandle.uid == active and HeldHandle.index == handle.index
+            _disc(pixel, (6.0 if mine else 4.0) * scale, HALO if held else _WHITE)
+            _disc(pixel, (4.0 if mine else 2.5) * scale, colors[handle.event_uid])
+
+
+def _disc(center: NDArray[np.float64], radius: float, color: Color) -> None:
+    if not np.isfinite(center).all():
+        return
+    angle = np.linspace(0.0, 2.0 * np.pi, 17)
+    rim = center + radius * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    corners = np.stack([np.broadcast_to(center, rim[1:].shape), rim[:-1], rim[1:]], axis=1).reshape(-1, 2)
+    shader = gpu.shader.from_builtin("UNIFORM_COLOR")
+    shader.uniform_float("color", color)
+    flat = np.column_stack([corners, np.zeros(len(corners))]).astype(np.float32)
+    batch_for_shader(shader, "TRIS", {"pos": flat}).draw(shader)
+
+
+def _label(x: float, y: float, text: str, color: Color, scale: float) -> None:
+    blf.size(0, 13.0 * scale)
+    blf.enable(0, blf.SHADOW)
+    blf.shadow(0, 5, 1.0, 1.0, 1.0, 0.9)
+    blf.color(0, *color)
+    blf.position(0, x, y, 0.0)
+    blf.draw(0, text)
+    blf.disable(0, blf.SHADOW)

@@ -1,0 +1,216 @@
+"""The tools Hook and Retractor: press on the skin and drag to where it is pulled."""
+
+from typing import Any, ClassVar
+
+import bpy
+import numpy as np
+from bpy.props import FloatProperty, FloatVectorProperty, IntProperty, StringProperty
+from mathutils import Vector
+
+from ..model.units import to_mm
+from .face_patch import as_ranges, faces_around, free_group_name, group_items
+from .preview import Preview, show_preview
+from .shown_surface import ShownSurface, shown_surface
+from .skin_modal import Result, SkinModal, run_operator, say, why_nothing_to_draw_on
+from .skin_pick import SkinHit
+from .view_under_mouse import View
+
+_HINTS = (
+    ("MOUSE_LMB_DRAG", "Pull from the skin"),
+    ("EVENT_SHIFT", "Along the normal"),
+    ("EVENT_ESC", "Cancel"),
+)
+
+
+class _Pull(SkinModal):
+    """What both share: where it was taken hold of, and where the mouse has pulled it to."""
+
+    hints = _HINTS
+    start: Any
+    end: Any
+
+    def begin(self, context: bpy.types.Context) -> None:
+        self.hit: SkinHit | None = None
+        self.pulled_to: Vector | None = None
+        self._said = ""
+
+    def pressed(self, context: bpy.types.Context, view: View) -> Result | None:
+        self.hit = view.pick(context.scene)
+        self._said = "" if self.hit else "the mouse is not on the skin; "
+        return self.moved(context, view)
+
+    def moved(self, context: bpy.types.Context, view: View | None) -> Result | None:
+        preview = Preview(context.scene.name)
+        if view is None:
+            return None
+        hover = self.hit or view.pick(context.scene)
+        if hover is not None:
+            preview.dots = [hover.rest]
+            self.show_hold(context, view, hover, preview)
+        if self.hit is not None:
+            free = view.on_plane_through(self.hit.world)
+            self.pulled_to = view.along(self.hit.world, self.hit.normal) if self.shift else free
+            preview.arrows = [(self.hit.world, self.pulled_to)]
+        show_preview(preview)
+        return None
+
+    def show_hold(self, context: bpy.types.Context, view: View, hit: SkinHit, preview: Preview) -> None:
+        """Shows what is taken hold of."""
+
+    def text(self, context: bpy.types.Context) -> str:
+        if self.hit is None or self.pulled_to is None:
+            return f"{self.title}: {self._said}press on the skin and drag"
+        way = Vector(to_mm(context.scene, self.pulled_to - self.hit.world))
+        return f"{self.title} from frame {context.scene.frame_current}: {way.length:.1f} mm"
+
+    def _times(self, context: bpy.types.Context) -> tuple[float, float]:
+        """Start and release, as given or from the current frame to after the scene's end."""
+        given = self.properties.is_property_set
+        start = self.start if given("start") else float(context.scene.frame_current)
+        return start, self.end if given("end") else float(max(context.scene.frame_end, start) + 1)
+
+
+def _start() -> object:
+    return FloatProperty(name="Frame", description="The frame at which it begins", options={"SKIP_SAVE"})
+
+
+def _end() -> object:
+    return FloatProperty(name="Release", description="The frame at which it lets go", options={"SKIP_SAVE"})
+
+
+def _frames() -> object:
+    return IntProperty(
+        name="Frames", description="How many frames the pull takes", default=12, min=0, soft_max=100, max=100000
+    )
+
+
+def _place(name: str, words: str) -> object:
+    return FloatVectorProperty(name=name, description=words, size=3, precision=3, options={"SKIP_SAVE"})
+
+
+class LAPPET_OT_place_hook(_Pull, bpy.types.Operator):
+    """Place a hook: press on the skin and drag to where it pulls"""
+
+    bl_idname = "lappet.place_hook"
+    bl_label = "Place Hook"
+    bl_options: ClassVar[set[str]] = {"REGISTER", "UNDO"}
+    title = "Hook"
+
+    anchor: _place("Anchor", "The point of the skin at rest, in mm")
+    begins: _place("From", "Where the target begins, in mm")
+    target: _place("Target", "Where the hook pulls to, in mm")
+    start: _start()
+    end: _end()
+    frames: _frames()
+    stiffness: FloatProperty(name="Stiffness", description="In mN/mm", default=500.0, min=0.001, soft_max=5000.0)
+
+    def released(self, context: bpy.types.Context, view: View | None) -> Result | None:
+        if self.hit is None:
+            return None
+        self.anchor = self.hit.rest
+        self.begins = to_mm(context.scene, self.hit.world)
+        self.target = to_mm(context.scene, self.pulled_to or self.hit.world)
+        self.start, self.end = self._times(context)
+        return self.execute(context)
+
+    def execute(self, context: bpy.types.Context) -> Result:
+        if context.scene.lappet.tissue.object is None:
+            return say(self, why_nothing_to_draw_on(context))
+        start, end = self._times(context)
+        done = run_operator(
+            self,
+            "hook_add",
+            anchor=tuple(self.anchor),
+            begin=tuple(self.begins if self.properties.is_property_set("begins") else self.anchor),
+            target=tuple(self.target),
+            start=start,
+            arrive=min(float(self.frames), max(end - start, 0.0)),
+            end=end,
+            stiffness=self.stiffness,
+        )
+        return {"FINISHED"} if done else {"CANCELLED"}
+
+    def draw(self, _context: bpy.types.Context) -> None:
+        self.layout.use_property_split = True
+        for name in ("start", "end", "frames", "stiffness", "target"):
+            self.layout.prop(self, name)
+
+
+class LAPPET_OT_place_retractor(_Pull, bpy.types.Operator):
+    """Place a retractor: it grips faces of the skin around the mouse, or a group of them, and is dragged"""
+
+    bl_idname = "lappet.place_retractor"
+    bl_label = "Place Retractor"
+    bl_options: ClassVar[set[str]] = {"REGISTER", "UNDO"}
+    title = "Retractor"
+
+    grip: StringProperty(
+        name="Group",
+        description="The group of the tissue's faces that is gripped; empty: the faces around the mouse",
+        search=lambda _self, context, _text: [
+            name for name in group_items(context.scene.lappet.tissue.object) if name not in ("fixed", "bed")
+        ],
+    )
+    radius: FloatProperty(
+        name="Radius", description="Of the faces that are gripped around the mouse, in mm", default=3.0, min=0.1
+    )
+    at: _place("Point", "The point of the skin at rest around which faces are gripped, in mm")
+    way: _place("Way", "How far it is pulled, in mm")
+    start: _start()
+    end: _end()
+    frames: _frames()
+
+    def show_hold(self, context: bpy.types.Context, view: View, hit: SkinHit, preview: Preview) -> None:
+        surface = shown_surface(context.scene, view.space)
+        if surface is not None:
+            preview.faces = self._gripped(context, surface, hit)
+
+    def _gripped(self, context: bpy.types.Context, surface: ShownSurface, hit: SkinHit) -> np.ndarray:
+        """The triangles (k, 3, 3) of the world that the retractor would hold."""
+        shape = surface.rest
+        faces = faces_around(shape, hit.rest, self.radius)
+        attribute = context.scene.lappet.tissue.object.data.attributes.get(f"lappet_{self.grip}")
+        if self.grip and attribute is not None:
+            inside = np.zeros(len(attribute.data), bool)
+            attribute.data.foreach_get("value", inside)
+            faces = np.flatnonzero(inside)
+        held = shape.skin[np.isin(shape.face[shape.skin], faces)]
+        return surface.positions[shape.triangles[held]]
+
+    def released(self, context: bpy.types.Context, view: View | None) -> Result | None:
+        if self.hit is None:
+            return None
+        self.at = self.hit.rest
+        self.way = to_mm(context.scene, (self.pulled_to or self.hit.world) - self.hit.world)
+        self.start, self.end = self._times(context)
+        return self.execute(context)
+
+    def execute(self, context: bpy.types.Context) -> Result:
+        tissue, surface = context.scene.lappet.tissue.object, shown_surface(context.scene)
+        if tissue is None or (surface is None and not self.grip):
+            return say(self, why_nothing_to_draw_on(context))
+        start, end = self._times(context)
+        grip = self.grip
+        if not grip and surface is not None:
+            faces = faces_around(surface.rest, self.at, self.radius)
+            faces = faces[faces < len(tissue.data.polygons)]
+            if len(faces) == 0:
+                return say(self, f"No face of {tissue.name!r} lies around this point; make the radius larger.")
+            grip = free_group_name(tissue)
+            if not run_operator(self, "faces_assign", group=grip, faces=as_ranges(faces), action="SET"):
+                return {"CANCELLED"}
+        arrive = min(float(self.frames), max(end - start, 0.0))
+        way = tuple(self.way)
+        if run_operator(self, "retractor_add", grip=grip, shift=way, start=start, arrive=arrive, end=end):
+            return {"FINISHED"}
+        if not self.grip:  # nothing half done
+            run_operator(self, "faces_clear", group=grip)
+        return {"CANCELLED"}
+
+    def draw(self, _context: bpy.types.Context) -> None:
+        self.layout.use_property_split = True
+        for name in ("grip", "radius", "start", "end", "frames", "way"):
+            self.layout.prop(self, name)
+
+
+CLASSES = (LAPPET_OT_place_hook, LAPPET_OT_place_retractor)

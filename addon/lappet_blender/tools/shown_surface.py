@@ -1,0 +1,238 @@
+"""The surface that is shown at the moment, as arrays: where its points are, and where they lie at rest.
+
+It is the solved skin where there is one, else the tissue at rest. Arrays and trees are kept until the mesh or the place
+of a vertex changes, so that asking costs a check sum.
+"""
+
+from __future__ import annotations
+
+import zlib
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import bpy
+import numpy as np
+from mathutils.bvhtree import BVHTree
+from numpy.typing import NDArray
+
+from lappet.procedure import Tissue
+from lappet.program import FaceOrigin
+from lappet.surface import skin_faces
+
+from ..model.units import mm_per_unit
+from .surface_ray import SurfaceBlocks, SurfaceRay
+
+GROUP_PREFIX = "lappet_"
+_LABELS = ("fixed", "bed", "rim", "underside")
+
+
+@dataclass(frozen=True, eq=False)
+class Located:
+    """Points on a surface: triangle (k,) and barycentric weights (k, 3)."""
+
+    triangle: NDArray[np.int64]
+    weights: NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class RestShape:
+    """A surface at rest. points: (n, 3) mm. triangles: (m, 3). origin, face: (m,), as `EpochShape` has them."""
+
+    points: NDArray[np.float64]
+    triangles: NDArray[np.int32]
+    origin: NDArray[np.uint8]
+    face: NDArray[np.int32]
+
+    @cached_property
+    def blocks(self) -> SurfaceBlocks:
+        """The order in which rays try the triangles."""
+        return SurfaceBlocks(self.points, self.triangles)
+
+    @cached_property
+    def skin(self) -> NDArray[np.int64]:
+        """The triangles (s,) of the skin; all of them where no face is marked as skin."""
+        skin = np.flatnonzero(self.origin == FaceOrigin.SKIN)
+        return skin if len(skin) else np.arange(len(self.triangles))
+
+    @cached_property
+    def _skin_tree(self) -> BVHTree:
+        return _tree(self.points, self.triangles[self.skin])
+
+    @cached_property
+    def _whole_tree(self) -> BVHTree:
+        return _tree(self.points, self.triangles)
+
+    def locate(self, points: NDArray[np.float64], skin_only: bool = True) -> Located:
+        """The nearest places to rest points (k, 3), mm, on the skin or on the whole surface."""
+        tree = self._skin_tree if skin_only else self._whole_tree
+        found = [tree.find_nearest(point) for point in np.asarray(points, np.float64).reshape(-1, 3).tolist()]
+        index = np.array([0 if triangle is None else triangle for _, _, triangle, _ in found], np.int64)
+        place = np.array([(0.0, 0.0, 0.0) if at is None else tuple(at) for at, _, _, _ in found]).reshape(-1, 3)
+        triangle = self.skin[index] if skin_only else index
+        return Located(triangle, barycentric(place, self.points[self.triangles[triangle]]))
+
+    def at(self, located: Located) -> NDArray[np.float64]:
+        """The rest places (k, 3), mm, of located points."""
+        return np.einsum("kc,kci->ki", located.weights, self.points[self.triangles[located.triangle]])
+
+    def normals(self, triangle: NDArray[np.int64]) -> NDArray[np.float64]:
+        """Unit normals (k, 3) of triangles (k,) at rest."""
+        return _normals(self.points[self.triangles[triangle]])
+
+
+@dataclass(frozen=True, eq=False)
+class ShownSurface:
+    """A surface as it is shown. positions: (n, 3) of the world. solved: whether it is a solved skin. key: changes when
+    anything does. mm: millimetres per unit of the world."""
+
+    rest: RestShape
+    positions: NDArray[np.float64]
+    solved: bool
+    key: tuple[Any, ...]
+    mm: float
+
+    @cached_property
+    def ray(self) -> SurfaceRay:
+        """Answers rays of the world."""
+        return SurfaceRay(self.rest.blocks, self.positions)
+
+    def carry(self, located: Located) -> NDArray[np.float64]:
+        """Where located points (k,) are in the world, (k, 3)."""
+        return np.einsum("kc,kci->ki", located.weights, self.positions[self.rest.triangles[located.triangle]])
+
+    def normals(self, triangle: NDArray[np.int64]) -> NDArray[np.float64]:
+        """Unit normals (k, 3) of triangles (k,) in the world."""
+        return _normals(self.positions[self.rest.triangles[triangle]])
+
+
+def _normals(corners: NDArray[np.float64]) -> NDArray[np.float64]:
+    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    return normal / np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-300)
+
+
+_rests: dict[tuple[Any, ...], RestShape] = {}
+_shown: dict[str, ShownSurface] = {}
+_KEPT = 12
+
+
+def forget() -> None:
+    """Drops what is kept; after another file was opened."""
+    _rests.clear()
+    _shown.clear()
+
+
+def shown_object(scene: bpy.types.Scene, viewport: bpy.types.SpaceView3D | None = None) -> bpy.types.Object | None:
+    """The object that is drawn on: the solved skin, or else the tissue; of those that are visible (in a viewport)."""
+    from ..display.skin_display import skin_object
+
+    layer = bpy.context.view_layer if bpy.context.scene == scene else scene.view_layers[0]
+    for each in (skin_object(scene), scene.lappet.tissue.object):
+        if each is not None and each.type == "MESH" and each.name in layer.objects:
+            visible = (
+                each.visible_get(view_layer=layer, viewport=viewport)
+                if viewport
+                else each.visible_get(view_layer=layer)
+            )
+            if visible and len(each.data.polygons):
+                return each
+    return None
+
+
+def shown_surface(scene: bpy.types.Scene, viewport: bpy.types.SpaceView3D | None = None) -> ShownSurface | None:
+    """The surface of `shown_object`; None where nothing is shown."""
+    shown = shown_object(scene, viewport)
+    if shown is None:
+        return None
+    mesh = shown.data
+    solved = "rest" in mesh.attributes
+    mm = mm_per_unit(scene)
+    local = np.empty(3 * len(mesh.vertices), np.float32)
+    mesh.attributes["position"].data.foreach_get("vector", local)
+    place = np.array(shown.matrix_world, np.float64)
+    groups = "" if solved else _groups_sum(scene, mesh)
+    shape_key: tuple[Any, ...] = (mesh.session_uid, len(mesh.vertices), len(mesh.loops), len(mesh.polygons), groups)
+    sums = (zlib.crc32(local.tobytes()), zlib.crc32(place.tobytes()), mm)
+    if not solved:
+        shape_key = (*shape_key, *sums)
+    key = (*shape_key, *sums)
+    known = _shown.get(scene.name)
+    if known is not None and known.key == key:
+        return known
+    positions = local.reshape(-1, 3).astype(np.float64) @ place[:3, :3].T + place[:3, 3]
+    rest = _rests.get(shape_key)
+    if rest is None:
+        rest = _read_rest(scene, mesh, positions * mm)
+        while len(_rests) >= _KEPT:
+            del _rests[next(iter(_rests))]
+        _rests[shape_key] = rest
+    surface = ShownSurface(rest, positions, solved, key, mm)
+    _shown[scene.name] = surface
+    return surface
+
+
+def barycentric(points: NDArray[np.float64], corners: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Barycentric weights (k, 3) of points (k, 3) on triangles (k, 3, 3), clipped to the triangle."""
+    a = corners[:, 0]
+    u, v, w = corners[:, 1] - a, corners[:, 2] - a, points - a
+    uu, uv, vv = (np.einsum("ij,ij->i", p, q) for p, q in ((u, u), (u, v), (v, v)))
+    wu, wv = np.einsum("ij,ij->i", w, u), np.einsum("ij,ij->i", w, v)
+    det = uu * vv - uv * uv
+    safe = np.where(np.abs(det) > 1e-300, det, 1.0)
+    b, c = (vv * wu - uv * wv) / safe, (uu * wv - uv * wu) / safe
+    weights = np.clip(np.stack([1.0 - b - c, b, c], axis=1), 0.0, 1.0)
+    return weights / np.maximum(weights.sum(axis=1, keepdims=True), 1e-300)
+
+
+def _tree(points: NDArray[np.float64], triangles: NDArray[np.int32]) -> BVHTree:
+    return BVHTree.FromPolygons(points.tolist(), triangles.tolist(), all_triangles=True)
+
+
+def _read_rest(scene: bpy.types.Scene, mesh: bpy.types.Mesh, here_mm: NDArray[np.float64]) -> RestShape:
+    """A mesh at rest: as its attributes say, or as it is where it has none."""
+    mesh.calc_loop_triangles()
+    count = len(mesh.loop_triangles)
+    triangles = np.empty(3 * count, np.int32)
+    mesh.loop_triangles.foreach_get("vertices", triangles)
+    owner = np.empty(count, np.int32)
+    mesh.loop_triangles.foreach_get("polygon_index", owner)
+    points = here_mm
+    if "rest" in mesh.attributes:
+        flat = np.empty(3 * len(mesh.vertices), np.float32)
+        mesh.attributes["rest"].data.foreach_get("vector", flat)
+        points = flat.reshape(-1, 3).astype(np.float64)
+        origin = _face_integers(mesh, "origin", 0)[owner].astype(np.uint8)
+        face = _face_integers(mesh, "face", -1)[owner]
+    else:
+        origin = np.where(_tissue_skin(scene, mesh)[owner], FaceOrigin.SKIN, FaceOrigin.UNDERSIDE).astype(np.uint8)
+        face = owner
+    return RestShape(points, triangles.reshape(-1, 3), origin, face)
+
+
+def _face_integers(mesh: bpy.types.Mesh, name: str, missing: int) -> NDArray[np.int32]:
+    values = np.full(len(mesh.polygons), missing, np.int32)
+    attribute = mesh.attributes.get(name)
+    if attribute is not None and attribute.domain == "FACE" and attribute.data_type in ("INT", "INT8"):
+        attribute.data.foreach_get("value", values)
+    return values
+
+
+def _groups(scene: bpy.types.Scene, mesh: bpy.types.Mesh) -> dict[str, NDArray[np.bool_]]:
+    """The groups of a closed tissue's faces that say what is skin; an open surface that is thickened is all skin."""
+    found = {}
+    for label in () if scene.lappet.tissue.thicken else _LABELS:
+        attribute = mesh.attributes.get(GROUP_PREFIX + label)
+        if attribute is not None and attribute.domain == "FACE" and attribute.data_type == "BOOLEAN":
+            found[label] = np.empty(len(mesh.polygons), bool)
+            attribute.data.foreach_get("value", found[label])
+    return found
+
+
+def _groups_sum(scene: bpy.types.Scene, mesh: bpy.types.Mesh) -> str:
+    return ",".join(f"{label}:{zlib.crc32(mask.tobytes())}" for label, mask in _groups(scene, mesh).items())
+
+
+def _tissue_skin(scene: bpy.types.Scene, mesh: bpy.types.Mesh) -> NDArray[np.bool_]:
+    count = len(mesh.polygons)
+    subsets = {label: np.flatnonzero(mask) for label, mask in _groups(scene, mesh).items() if mask.any()}
+    return skin_faces(Tissue(np.zeros((0, 3)), np.full(count, 3, np.int32), np.zeros(0, np.int32), subsets=subsets))

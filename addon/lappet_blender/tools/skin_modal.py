@@ -1,0 +1,205 @@
+"""What all tools that run while the mouse moves have in common: events in, hints out, and a clean end.
+
+A tool fills its operator's properties and ends by `execute`, so that it is one step of undo, can be adjusted in the
+panel of the last operation and runs from Python with arguments.
+"""
+
+from __future__ import annotations
+
+from typing import Any, ClassVar
+
+import bpy
+
+from .preview import clear_preview, redraw
+from .shown_surface import shown_object
+from .view_under_mouse import View, view_under
+
+Result = set[str]
+Hint = tuple[str, str]  # an icon of Blender and a word or two
+RUNNING: Result = {"RUNNING_MODAL"}
+_NAVIGATION = ("MIDDLEMOUSE", "WHEEL", "TRACKPAD", "MOUSEROTATE", "MOUSESMARTZOOM", "NDOF", "NUMPAD_", "BUTTON")
+_FRAMES = frozenset({"LEFT_ARROW", "RIGHT_ARROW", "UP_ARROW", "DOWN_ARROW", "SPACE", "MEDIA_PLAY", "HOME"})
+
+
+def why_nothing_to_draw_on(context: bpy.types.Context) -> str:
+    """The sentence to say where a tool has no skin to work on; empty where it has."""
+    tissue = context.scene.lappet.tissue.object
+    if tissue is None:
+        return "There is no tissue yet; choose a mesh in the sidebar, Lappet > Tissue."
+    if shown_object(context.scene, context.space_data if context.area else None) is None:
+        return f'Neither the tissue "{tissue.name}" nor its solved skin is visible here; show one of them.'
+    return ""
+
+
+def say(operator: bpy.types.Operator, sentence: str) -> Result:
+    """Refuses with a sentence."""
+    operator.report({"ERROR"}, sentence)
+    return {"CANCELLED"}
+
+
+def run_operator(operator: bpy.types.Operator, name: str, **arguments: Any) -> bool:
+    """Runs `bpy.ops.lappet.<name>`; what it refuses is said by this operator instead. Whether it was done."""
+    try:
+        return "FINISHED" in getattr(bpy.ops.lappet, name)(**arguments)
+    except RuntimeError as refusal:
+        lines = [line.removeprefix("Error: ").strip() for line in str(refusal).splitlines()]
+        operator.report({"ERROR"}, " ".join(line for line in lines if line) or str(refusal))
+        return False
+
+
+def co(points: Any) -> list[dict[str, Any]]:
+    """Points as an operator's collection takes them."""
+    return [{"name": "", "co": tuple(float(v) for v in point)} for point in points]
+
+
+class SkinModal:
+    """Mixed into an operator; the operator answers `pressed`, `moved`, `released` and, if it likes, `key`.
+
+    They return None to go on, or what the operator returns to Blender to end.
+    """
+
+    hints: ClassVar[tuple[Hint, ...]] = ()
+    title: ClassVar[str] = ""
+    shift = False
+    ctrl = False
+    report: Any
+    properties: Any
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return context.scene is not None and context.mode == "OBJECT"
+
+    def begin(self, context: bpy.types.Context) -> None:
+        """Makes the tool's state."""
+
+    def pressed(self, context: bpy.types.Context, view: View) -> Result | None:
+        """The left button went down in a view."""
+        return None
+
+    def moved(self, context: bpy.types.Context, view: View | None) -> Result | None:
+        """The mouse moved; view: None off every view."""
+        return None
+
+    def released(self, context: bpy.types.Context, view: View | None) -> Result | None:
+        """The left button went up."""
+        return None
+
+    def double_clicked(self, context: bpy.types.Context, view: View) -> Result | None:
+        """The second press of a double click."""
+        return self.pressed(context, view)
+
+    def confirmed(self, context: bpy.types.Context) -> Result | None:
+        """Return or the right button."""
+        return {"CANCELLED"}
+
+    def key(self, context: bpy.types.Context, key: str) -> Result | None:
+        """Another key went down."""
+        return None
+
+    def execute(self, context: bpy.types.Context) -> Result:
+        """Does it, from the operator's properties."""
+        return {"CANCELLED"}
+
+    def text(self, context: bpy.types.Context) -> str:
+        """What the header says."""
+        return self.title
+
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> Result:
+        if context.area is None or context.area.type != "VIEW_3D":
+            return say(self, f"{self.title} works in a 3D viewport; start it there.")
+        sentence = why_nothing_to_draw_on(context)
+        if sentence:
+            return say(self, sentence)
+        self._scene = context.scene.name
+        self.begin(context)
+        view = view_under(context, (event.mouse_x, event.mouse_y))
+        self._note_keys(event)
+        if event.type == "LEFTMOUSE" and event.value in ("PRESS", "CLICK_DRAG") and view is not None:
+            ended = self.pressed(context, view)
+        else:
+            ended = self.moved(context, view)
+        if ended is not None:
+            clear_preview()
+            return ended
+        context.window_manager.modal_handler_add(self)
+        hints = self.hints
+        context.workspace.status_text_set(lambda bar, _context: _draw_hints(bar.layout, hints))
+        self._say(context)
+        return RUNNING
+
+    def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> Result:
+        if context.area is None or context.scene is None or context.scene.name != self._scene:
+            return self._end(context, {"CANCELLED"})
+        try:
+            ended = self._handle(context, event)
+        except ReferenceError:  # an object was deleted meanwhile
+            self.report({"ERROR"}, f"{self.title}: what was drawn on is gone; start again.")
+            ended = {"CANCELLED"}
+        if ended is None:
+            self._say(context)
+            return RUNNING
+        if ended & {"FINISHED", "CANCELLED"}:
+            return self._end(context, ended)
+        return ended
+
+    def cancel(self, context: bpy.types.Context) -> None:
+        """Blender ends the tool: another file is opened, the window is closed."""
+        self._end(context, {"CANCELLED"})
+
+    def abandoned(self, context: bpy.types.Context) -> None:
+        """The tool ends without having done anything: takes back what it changed while it ran."""
+
+    def _handle(self, context: bpy.types.Context, event: bpy.types.Event) -> Result | None:
+        kind, value = event.type, event.value
+        if (kind.startswith(_NAVIGATION) and kind != "NUMPAD_ENTER") or kind in _FRAMES:
+            redraw()
+            return {"PASS_THROUGH"}
+        if kind.startswith("TIMER") or kind in ("WINDOW_DEACTIVATE", "NONE"):
+            return {"PASS_THROUGH"}
+        self._note_keys(event)
+        view = view_under(context, (event.mouse_x, event.mouse_y))
+        if kind in ("MOUSEMOVE", "INBETWEEN_MOUSEMOVE"):
+            return self.moved(context, view)
+        if kind == "LEFTMOUSE":
+            if value == "RELEASE":
+                return self.released(context, view)
+            if view is None or event.alt:  # a panel, the timeline; Alt turns the view with two buttons
+                return {"PASS_THROUGH"}
+            if value == "DOUBLE_CLICK":
+                return self.double_clicked(context, view)
+            return self.pressed(context, view) if value == "PRESS" else None
+        if kind == "RIGHTMOUSE" and view is None:
+            return {"PASS_THROUGH"}
+        if value != "PRESS":
+            return self.moved(context, view) if kind.endswith(("SHIFT", "CTRL")) else None
+        if kind == "ESC":
+            return {"CANCELLED"}
+        if kind in ("RET", "NUMPAD_ENTER", "RIGHTMOUSE"):
+            return self.confirmed(context)
+        if kind == "Z" and (event.ctrl or event.oskey):
+            kind = "BACK_SPACE"
+        ended = self.key(context, kind)
+        return ended if ended is not None else self.moved(context, view)
+
+    def _note_keys(self, event: bpy.types.Event) -> None:
+        self.shift, self.ctrl = bool(event.shift), bool(event.ctrl or event.oskey)
+
+    def _say(self, context: bpy.types.Context) -> None:
+        if context.area is not None:
+            context.area.header_text_set(self.text(context))
+
+    def _end(self, context: bpy.types.Context, result: Result) -> Result:
+        if "FINISHED" not in result:
+            self.abandoned(context)
+        clear_preview()
+        if context.area is not None:
+            context.area.header_text_set(None)
+        if context.workspace is not None:
+            context.workspace.status_text_set(None)
+        return result
+
+
+def _draw_hints(layout: bpy.types.UILayout, hints: tuple[Hint, ...]) -> None:
+    for icon, words in hints:
+        layout.label(text=words, icon=icon)
+        layout.separator(factor=2.0)

@@ -1,0 +1,201 @@
+"""The tools of the toolbar: what they are called, which key starts which operator, and their settings in the header."""
+
+from typing import Any, ClassVar
+
+import bpy
+
+from .draw_line import draw_incision_settings
+from .icon_shapes import icon_path
+
+_PRESS = {"type": "LEFTMOUSE", "value": "PRESS"}
+# When a modal operator ends with the release, Blender still tells of a click, which would select the skin's object.
+_CLICK = ("lappet.ignore_click", {"type": "LEFTMOUSE", "value": "CLICK", "any": True}, None)
+
+
+class LAPPET_OT_ignore_click(bpy.types.Operator):
+    """Does nothing: the press and the release have been answered"""
+
+    bl_idname = "lappet.ignore_click"
+    bl_label = "Ignore Click"
+    bl_options: ClassVar[set[str]] = {"INTERNAL"}
+
+    def execute(self, _context: bpy.types.Context) -> set[str]:
+        return {"FINISHED"}
+
+
+CLASSES = (LAPPET_OT_ignore_click,)
+
+
+class _Tool(bpy.types.WorkSpaceTool):
+    bl_space_type = "VIEW_3D"
+    bl_context_mode = "OBJECT"
+    bl_cursor = "CROSSHAIR"
+    bl_widget = None
+
+
+def _on_press(operator: str) -> tuple[Any, ...]:
+    """Press, also with the modifiers that the tools read while they run."""
+    return (*((operator, {**_PRESS, **keys}, None) for keys in ({}, {"shift": True}, {"ctrl": True})), _CLICK)
+
+
+class EditTool(_Tool):
+    bl_idname = "lappet.edit"
+    bl_label = "Select and Edit"
+    bl_description = (
+        "Select an event by its points or line and drag its points along the skin.\n"
+        "Ctrl-click on a line inserts a point, X removes one, G moves the last one clicked,\n"
+        "a double click goes to the event's frame"
+    )
+    bl_icon = icon_path("edit")
+    bl_cursor = "DEFAULT"
+    # No two of these answer the same event: Blender does not keep their order.
+    bl_keymap = (
+        ("lappet.edit_jump", {"type": "LEFTMOUSE", "value": "DOUBLE_CLICK"}, None),
+        ("lappet.edit_plan", {**_PRESS, "ctrl": True}, {"properties": [("insert", True)]}),
+        ("lappet.edit_plan", _PRESS, None),
+        ("lappet.edit_plan", {**_PRESS, "shift": True}, {"properties": [("extend", True)]}),
+        ("lappet.edit_plan", {"type": "G", "value": "PRESS"}, {"properties": [("grab", True)]}),
+        ("lappet.edit_delete", {"type": "X", "value": "PRESS"}, None),
+        ("lappet.edit_delete", {"type": "DEL", "value": "PRESS"}, None),
+        _CLICK,
+    )
+
+    @staticmethod
+    def draw_settings(context: bpy.types.Context, layout: bpy.types.UILayout, _tool: Any) -> None:
+        procedure = context.scene.lappet
+        if 0 <= procedure.active_event < len(procedure.events):
+            event = procedure.events[procedure.active_event]
+            layout.label(text=event.name)
+            layout.prop(event, "start")
+            if event.kind in ("HOOK", "RETRACTOR"):
+                layout.prop(event, "end")
+        layout.prop(procedure.look, "show_plan", text="Plan")
+
+
+class IncisionTool(_Tool):
+    bl_idname = "lappet.incision"
+    bl_label = "Incision"
+    bl_description = (
+        "Click points on the skin, or draw with the button down.\nReturn or the right button ends, C closes the line"
+    )
+    bl_icon = icon_path("incision")
+    bl_cursor = "KNIFE"
+    bl_keymap = _on_press("lappet.draw_incision")
+
+    @staticmethod
+    def draw_settings(_context: bpy.types.Context, layout: bpy.types.UILayout, tool: Any) -> None:
+        settings = tool.operator_properties("lappet.draw_incision")
+        layout.prop(settings, "line", expand=True)
+        draw_incision_settings(layout, settings)
+        layout.prop(settings, "tolerance")
+
+
+class ExciseTool(_Tool):
+    bl_idname = "lappet.excise"
+    bl_label = "Excise"
+    bl_description = "Click a piece that incisions have cut out: it is taken away"
+    bl_icon = icon_path("excise")
+    bl_keymap = _on_press("lappet.click_excision")
+
+
+class UndermineTool(_Tool):
+    bl_idname = "lappet.undermine"
+    bl_label = "Undermine"
+    bl_description = "Draw around an area: its skin is freed from its bed"
+    bl_icon = icon_path("undermine")
+    bl_cursor = "KNIFE"
+    bl_keymap = _on_press("lappet.draw_undermining")
+
+    @staticmethod
+    def draw_settings(_context: bpy.types.Context, layout: bpy.types.UILayout, tool: Any) -> None:
+        settings = tool.operator_properties("lappet.draw_undermining")
+        layout.prop(settings, "line", expand=True)
+        layout.prop(settings, "tolerance")
+
+
+class HookTool(_Tool):
+    bl_idname = "lappet.hook"
+    bl_label = "Hook"
+    bl_description = "Press on the skin and drag to where it is pulled.\nShift pulls along the skin's normal"
+    bl_icon = icon_path("hook")
+    bl_keymap = _on_press("lappet.place_hook")
+
+    @staticmethod
+    def draw_settings(_context: bpy.types.Context, layout: bpy.types.UILayout, tool: Any) -> None:
+        settings = tool.operator_properties("lappet.place_hook")
+        layout.prop(settings, "frames")
+        layout.prop(settings, "stiffness")
+
+
+class RetractorTool(_Tool):
+    bl_idname = "lappet.retractor"
+    bl_label = "Retractor"
+    bl_description = (
+        "Press on the skin and drag: the faces around the mouse are gripped,\nor the group that is chosen in the header"
+    )
+    bl_icon = icon_path("retractor")
+    bl_keymap = _on_press("lappet.place_retractor")
+
+    @staticmethod
+    def draw_settings(_context: bpy.types.Context, layout: bpy.types.UILayout, tool: Any) -> None:
+        settings = tool.operator_properties("lappet.place_retractor")
+        layout.prop(settings, "grip")
+        if not settings.grip:
+            layout.prop(settings, "radius")
+        layout.prop(settings, "frames")
+
+
+class SutureTool(_Tool):
+    bl_idname = "lappet.suture"
+    bl_label = "Suture"
+    bl_description = (
+        "Click one edge of the wound, then the other.\nA run: click along one edge, Return, then along the other"
+    )
+    bl_icon = icon_path("suture")
+    bl_keymap = _on_press("lappet.place_suture")
+
+    @staticmethod
+    def draw_settings(_context: bpy.types.Context, layout: bpy.types.UILayout, tool: Any) -> None:
+        settings = tool.operator_properties("lappet.place_suture")
+        layout.prop(settings, "mode", expand=True)
+        if settings.mode != "ONE":
+            layout.prop(settings, "count")
+            row = layout.row()
+            row.enabled = settings.count == 0
+            row.prop(settings, "spacing")
+        if settings.mode == "INCISION":
+            layout.prop(settings, "bite")
+        layout.prop(settings, "duration")
+        layout.prop(settings, "stiffness")
+
+
+class LandmarkTool(_Tool):
+    bl_idname = "lappet.landmark"
+    bl_label = "Landmark"
+    bl_description = "Click a point of the skin to follow and measure"
+    bl_icon = icon_path("landmark")
+    bl_keymap = _on_press("lappet.place_landmark")
+
+    @staticmethod
+    def draw_settings(_context: bpy.types.Context, layout: bpy.types.UILayout, tool: Any) -> None:
+        layout.prop(tool.operator_properties("lappet.place_landmark"), "label")
+
+
+TOOLS = (EditTool, IncisionTool, ExciseTool, UndermineTool, HookTool, RetractorTool, SutureTool, LandmarkTool)
+
+
+def register() -> None:
+    """Puts the tools at the end of the toolbar."""
+    for index, each in enumerate(TOOLS):
+        bpy.utils.register_tool(each, separator=index == 0)
+
+
+def unregister() -> None:
+    """Takes them out; a workspace that has one of them in hand gets Blender's own."""
+    names = {each.bl_idname for each in TOOLS}
+    for workspace in () if bpy.app.background else bpy.data.workspaces:
+        tool = workspace.tools.from_space_view3d_mode("OBJECT", create=False)
+        if tool is not None and tool.idname in names:
+            tool.setup(idname="builtin.select_box")
+    for each in reversed(TOOLS):
+        bpy.utils.unregister_tool(each)
