@@ -10,8 +10,8 @@ from typing import Any
 import bpy
 import numpy as np
 import pytest
-from event_patch import co, patch_scene
 
+from event_patch import co, patch_scene
 from lappet.procedure import Hook, Incision, Suture
 from lappet_blender.model.event_list import find_event
 from lappet_blender.model.event_values import event_value

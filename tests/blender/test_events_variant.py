@@ -6,8 +6,8 @@ from types import SimpleNamespace
 
 import bpy
 import pytest
-from event_patch import co, patch_scene
 
+from event_patch import co, patch_scene
 from lappet_blender.events.variant import copy_scene
 from lappet_blender.model import target_samples
 from lappet_blender.model.event_list import find_event

@@ -11,8 +11,8 @@ from pathlib import Path
 import bpy
 import numpy as np
 import pytest
-from event_patch import co, patch_scene
 
+from event_patch import co, patch_scene
 from lappet.client import DaemonMissing
 from lappet.daemon import find_daemon
 from lappet.store import FrameStore

@@ -9,7 +9,6 @@ import bpy
 import numpy as np
 import pytest
 from scipy.spatial import cKDTree
-from tool_scenes import flat_tissue, stand_in_display
 
 import lappet_blender
 from lappet.curve import sample_curve
@@ -21,6 +20,7 @@ from lappet_blender.tools.icon_file import read_icon, write_icon
 from lappet_blender.tools.icon_shapes import ICONS, draw_icon, icon_path
 from lappet_blender.tools.single_click import next_label
 from lappet_blender.tools.stroke_fit import fit_stroke, simplify, with_ends
+from tool_scenes import flat_tissue, stand_in_display
 
 Point = tuple[float, float, float]
 

@@ -9,7 +9,6 @@ import bpy
 import numpy as np
 import pytest
 from mathutils import Matrix, Vector
-from tool_scenes import dome_tissue, flat_tissue, solved_skin, stand_in_display
 
 from lappet_blender.tools import shown_surface as shown
 from lappet_blender.tools.fragment import fragment_of
@@ -19,6 +18,7 @@ from lappet_blender.tools.rest_line import beside, line_length, rest_line, rest_
 from lappet_blender.tools.skin_pick import pick_along_ray
 from lappet_blender.tools.surface_ray import SurfaceBlocks, SurfaceRay
 from lappet_blender.tools.view_under_mouse import nearest_on_line, project
+from tool_scenes import dome_tissue, flat_tissue, solved_skin, stand_in_display
 
 
 @pytest.fixture(autouse=True)
