@@ -153,6 +153,8 @@ class SolverClient:
                 "threads": int(settings.threads),
                 "sutures": int(settings.sutures),
                 "retractors": int(settings.retractors),
+                "preconditioner": settings.preconditioner,
+                "correction": int(settings.correction),
             },
             "materials": [_material(material) for material in settings.materials],
         }

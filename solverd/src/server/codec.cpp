@@ -166,6 +166,8 @@ SessionSettings decode_open(const Header& header, ArrayFrames frames) {
   settings.threads = integer_field(reader, "threads", 0, 4096);
   settings.sutures = integer_field(reader, "sutures", 0);
   settings.retractors = integer_field(reader, "retractors", 0);
+  if (reader.has("preconditioner")) settings.preconditioner = reader.text("preconditioner");
+  if (reader.has("correction")) settings.correction = integer_field(reader, "correction", 0, 1) == 1;
   reader.finish();
   settings.materials.clear();
   open.maps("materials", [&](FieldReader& material) { settings.materials.push_back(decode_material(material)); });
@@ -368,6 +370,8 @@ std::vector<FrameBytes> encode_frame(ReplyTo to, const FrameOutput& frame) {
   add_rows(writer, "suture_points", frame.suture_points, {2, 3});
   add_rows(writer, "hook_forces", frame.hook_forces, {3});
   add_rows(writer, "hook_points", frame.hook_points, {3});
+  add_rows(writer, "correction", frame.correction, {3});
+  add_rows(writer, "landmark_correction", frame.landmark_correction, {3});
   if (frame.state.is_double) {
     add_rows(writer, "nodes", frame.state.nodes, {3});
   } else {

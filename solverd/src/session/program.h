@@ -29,6 +29,8 @@ struct SessionSettings {
   double time_budget = 0.0;         // seconds per frame, 0: none
   std::size_t memory_budget = std::size_t{8} << 30;
   int threads = 0;              // 0: all
+  std::string preconditioner = "twoLevel";  // or "chebyshev": the smoother alone
+  bool correction = false;      // frames carry the step that Newton-Raphson would take next
   std::int32_t sutures = 0;     // number of sutures in the whole procedure; frames refer to them by index
   std::int32_t retractors = 0;  // likewise
   // materials[0] is what the tissue is made of where no region says otherwise.
@@ -125,6 +127,8 @@ struct FrameOutput {
   std::vector<double> hook_forces;    // 3 per hook, mN, on the tissue
   std::vector<double> hook_points;    // 3 per hook: where the anchor is now, mm
   std::vector<double> suture_points;  // 6 per active suture: both ends, mm
+  std::vector<float> correction;            // 3 per surface vertex, mm: the Newton step left over; empty: not wanted
+  std::vector<double> landmark_correction;  // 3 per landmark, mm
   SolverState state;
 };
 
