@@ -12,6 +12,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from lappet.reports.commands import report_group
+
 if TYPE_CHECKING:
     from lappet.error_estimate import ErrorEstimate
     from lappet.solve import SolveResult
@@ -386,6 +388,8 @@ def error_lines(errors: ErrorEstimate) -> list[str]:
         lines.append(f"Without a discretization error from some frame on. {errors.reason}")
     return lines
 
+
+cli.add_command(report_group(sentences))
 
 if __name__ == "__main__":
     main()

@@ -127,7 +127,7 @@ class SolverClient:
 
     @property
     def welcome(self) -> dict[str, Any]:
-        """The daemon's greeting: `version`, `threads`, `isa`, `max_message_bytes`."""
+        """The daemon's greeting: `version`, `threads`, `isa`, `compiler`, `max_message_bytes`."""
         return self._connection.welcome
 
     def open(self, settings: SolverSettings, bones: Bones | None = None) -> int:

@@ -22,7 +22,7 @@ SKIN = MaterialParameters(model="neoHookean", youngs_modulus=50.0, poissons_rati
 class BoxScene:
     """A scene. size: mm. divisions: of the surface grid along each axis. fixed, gripped: sides, 2 axis + (0 low, 1
     high). motion: of the gripped side, 4x4, column vectors. shape: moves grid points (n, 3) of the box to the tissue.
-    spacings: for the report, mm, each half of another one or of the reference.
+    spacings, reference: mm, see `lappet.reports.error_time.Scene`.
     """
 
     name: str
@@ -36,7 +36,8 @@ class BoxScene:
     material: MaterialParameters = SKIN
     shape: Callable[[NDArray[np.float64]], NDArray[np.float64]] | None = None
     spacings: tuple[float, ...] = (4.0, 2.0, 1.0)
-    finest: float = 0.5
+    reference: tuple[float, float, float] = (1.0, 0.5, 0.25)
+    is_box: bool = True
 
     def program(self, spacing: float, **settings: Any) -> Program:
         """The scene at a spacing; settings: other fields of `SolverSettings`."""

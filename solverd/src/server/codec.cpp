@@ -300,6 +300,7 @@ std::vector<FrameBytes> encode_welcome(ReplyTo to, int threads, std::uint64_t ma
       .field("version", std::string(kVersion))
       .field("threads", std::int64_t{threads})
       .field("isa", std::string(name(choose_instruction_set())))
+      .field("compiler", std::string(kCompiler))
       .field("max_message_bytes", max_message_bytes)
       .finish();
 }
