@@ -194,6 +194,7 @@ EpochInput decode_epoch(const Header& header, ArrayFrames frames, std::int32_t r
   if (reader.has("regions") || arrays.has("skin_points") || arrays.has("skin_triangles"))
     epoch.skin = decode_surface(arrays, "skin_points", "skin_triangles", "skin points");
   if (reader.has("regions")) decode_regions(reader, arrays, materials, epoch);
+  if (reader.has("nodes")) epoch.nodes = integer_field(reader, "nodes", 0, 1) == 1;
   reader.finish();
   epoch.fixed = arrays.read<std::uint8_t>("fixed", {count});
   epoch.bed = arrays.read<std::uint8_t>("bed", {count});
@@ -310,8 +311,8 @@ std::vector<FrameBytes> encode_accepted(ReplyTo to) { return reply("accepted", t
 std::vector<FrameBytes> encode_pong(ReplyTo to) { return reply("pong", to).finish(); }
 
 std::vector<FrameBytes> encode_lattice(ReplyTo to, const EpochReport& report) {
-  return reply("lattice", to)
-      .field("fine_voxels", report.fine_voxels)
+  MessageWriter writer = reply("lattice", to);
+  writer.field("fine_voxels", report.fine_voxels)
       .field("cells", std::int64_t{report.cells})
       .field("grid_cells", std::int64_t{report.grid_cells})
       .field("mesh_cells", std::int64_t{report.mesh_cells})
@@ -320,8 +321,9 @@ std::vector<FrameBytes> encode_lattice(ReplyTo to, const EpochReport& report) {
       .field("blocks", std::int64_t{report.blocks})
       .field("fixed_nodes", std::int64_t{report.fixed_nodes})
       .field("bytes", report.bytes)
-      .field("seconds", report.seconds)
-      .finish();
+      .field("seconds", report.seconds);
+  if (!report.nodes_at_rest.empty()) add_rows(writer, "nodes", report.nodes_at_rest, {3});
+  return writer.finish();
 }
 
 std::vector<FrameBytes> encode_progress(ReplyTo to, const Progress& progress) {

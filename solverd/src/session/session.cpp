@@ -159,6 +159,9 @@ class TypedSession : public Session::Implementation {
     report.mesh_cells = lattice_->mesh_cells;
     report.nodes = static_cast<std::int32_t>(lattice_->node_rest.size());
     report.fragments = lattice_->fragments;
+    if (epoch.nodes)
+      for (const Vec3& rest : lattice_->node_rest)
+        report.nodes_at_rest.insert(report.nodes_at_rest.end(), rest.begin(), rest.end());
     report.blocks = static_cast<std::int32_t>(system_->elastic().layout().blocks);
     report.bytes = static_cast<double>(system_->bytes() + preconditioner_->bytes() + u_.size() * sizeof(Real) +
                                        (bones_ ? bones_->bytes() : 0));

@@ -1,5 +1,5 @@
-// The step that Newton-Raphson would take next: K correction = -gradient, to a few per cent. Near an equilibrium it is the
-// displacement that the residual still stands for, that is, the algebraic error.
+// The step that Newton-Raphson would take next: K correction = -gradient, to a few per cent. Near an equilibrium it is
+// the displacement that the residual still stands for, that is, the algebraic error.
 #pragma once
 #include "solve/conjugate_gradients.h"
 
@@ -24,8 +24,7 @@ void newton_correction(System<Real>& system, TwoLevel<Real>& preconditioner, std
   const auto gradient = system.gradient();
   std::vector<Real> rhs(correction.size());
   for (std::size_t i = 0; i < rhs.size(); ++i) rhs[i] = static_cast<Real>(-gradient[i]);
-  conjugate_gradients<Real>(system, preconditioner, rhs, correction, kReduction, kMostIterations,
-                            [] { return false; });
+  conjugate_gradients<Real>(system, preconditioner, rhs, correction, kReduction, kMostIterations, [] { return false; });
 }
 
 }  // namespace lappet
