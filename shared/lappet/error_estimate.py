@@ -24,7 +24,7 @@ from lappet.store import FrameStore
 RATIO = 2.0  # of the spacings
 # Observed orders of convergence: smooth fields, and fields with wound edges, hooks and sutures (`lappet report
 # error-time` measures them).
-SMOOTH_ORDER, WOUNDED_ORDER = 2.0, 1.0
+SMOOTH_ORDER, WOUNDED_ORDER = 1.5, 1.0
 # The companion only has to be better than its own discretization.
 COMPANION_TOLERANCE, COMPANION_GAP = 3e-3, 1e-2
 

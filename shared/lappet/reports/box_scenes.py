@@ -122,14 +122,18 @@ BAR = BoxScene(
     fixed=(0,),
     gripped=(1,),
     motion=_motion((14.4, 0.0, 0.0), 45.0, (0.0, 6.0, 6.0)),
+    spacings=(3.0, 2.0, 1.5, 1.0),
+    reference=(1.5, 0.75, 0.375),
 )
 CANTILEVER = BoxScene(
     "cantilever",
-    "a beam of 40 x 12 x 12 mm, held at one end, under its own weight",
-    (40.0, 12.0, 12.0),
-    (10, 3, 3),
+    "a beam of 48 x 12 x 12 mm, held at one end, under half its own weight",
+    (48.0, 12.0, 12.0),
+    (16, 4, 4),
     fixed=(0,),
-    gravity=9.81,
+    gravity=9.81 / 2.0,
+    spacings=(3.0, 2.0, 1.5, 1.0),
+    reference=(1.5, 0.75, 0.375),
 )
 COOK = BoxScene(
     "cook",

@@ -378,7 +378,7 @@ class TypedSession : public Session::Implementation {
       output.contacts = contact->count();
     }
     write_fields(frame, output);
-    if (settings_.correction && outcome.converged) write_correction(outcome.newton_iterations > 0, output);
+    if (settings_.correction && outcome.converged) write_correction(output);
     if (!outcome.converged) restore(before);
     output.state.is_double = std::is_same_v<Real, double>;
     output.state.nodes.assign(u_.begin(), u_.end());
@@ -415,9 +415,9 @@ class TypedSession : public Session::Implementation {
     }
   }
 
-  void write_correction(bool linearized, FrameOutput& output) {
+  void write_correction(FrameOutput& output) {
     std::vector<Real> step(u_.size());
-    newton_correction<Real>(*system_, *preconditioner_, u_, linearized, step);
+    newton_correction<Real>(*system_, *preconditioner_, u_, step);
     const auto push = [&](auto& array, const EmbeddedPoint& point) {
       const Vec3 v = displacement<Real>(*lattice_, point, step);
       for (int i = 0; i < 3; ++i)

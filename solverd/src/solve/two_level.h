@@ -1,6 +1,8 @@
 // The two-level preconditioner: Chebyshev smoothing before and after a correction by rigid frames. Symmetric, so that
 // conjugate gradients may use it. With degree d an application takes 2 d products.
 #pragma once
+#include <algorithm>
+
 #include "solve/rigid_frames.h"
 #include "solve/smoother.h"
 
@@ -14,6 +16,7 @@ class TwoLevel {
 
   // Leaves the rigid frames out from now on: the smoother alone, to compare with.
   void smoother_only() { smoother_only_ = true; }
+  bool is_smoother_only() const { return smoother_only_; }
 
   // Takes the current tangent. The coarse operator is assembled anew only where the constraints changed or where the
   // last solve took many more iterations than the first with it.
@@ -39,7 +42,10 @@ class TwoLevel {
 
   void apply(std::span<const Real> b, std::span<Real> x) {
     smoother_.before(b, x);
-    if (!smoother_only_) frames_.correct(smoother_.product(), smoother_.residual(), smoother_.correction());
+    if (smoother_only_)
+      std::ranges::fill(smoother_.correction(), Real(0));
+    else
+      frames_.correct(smoother_.product(), smoother_.residual(), smoother_.correction());
     smoother_.after(x);
   }
   RigidFrames<Real>& frames() { return frames_; }
