@@ -8,6 +8,7 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <optional>
 
 #include "lattice/refused.h"
@@ -19,6 +20,7 @@
 #include "session/reach.h"
 #include "session/surface_fields.h"
 #include "solve/equilibrium.h"
+#include "solve/newton_correction.h"
 
 namespace lappet {
 
@@ -139,6 +141,7 @@ class TypedSession : public Session::Implementation {
                                        settings_.retractors, settings_.bed_stiffness, settings_.gravity);
     system_->set_contact(std::move(contact));
     preconditioner_ = std::make_unique<TwoLevel<Real>>(*system_, kChebyshevDegree);
+    if (settings_.preconditioner == "chebyshev") preconditioner_->smoother_only();
     lowest_ = highest_ = epoch.surface.points.front();
     for (const Vec3& point : epoch.surface.points) {
       lowest_ = lowest_.cwiseMin(point);
@@ -147,6 +150,7 @@ class TypedSession : public Session::Implementation {
     u_ = std::move(u);
     held_multipliers_ = std::move(held);
     landmarks_.clear();
+    bites_.clear();
     for (std::size_t k = 0; k < epoch.landmarks.size(); ++k)
       landmarks_.push_back(
           embed_on_triangle(*lattice_, epoch_->surface, epoch.landmarks[k], epoch.landmark_triangles[k]));
@@ -157,6 +161,9 @@ class TypedSession : public Session::Implementation {
     report.mesh_cells = lattice_->mesh_cells;
     report.nodes = static_cast<std::int32_t>(lattice_->node_rest.size());
     report.fragments = lattice_->fragments;
+    if (epoch.nodes)
+      for (const Vec3& rest : lattice_->node_rest)
+        report.nodes_at_rest.insert(report.nodes_at_rest.end(), rest.begin(), rest.end());
     report.blocks = static_cast<std::int32_t>(system_->elastic().layout().blocks);
     report.bytes = static_cast<double>(system_->bytes() + preconditioner_->bytes() + u_.size() * sizeof(Real) +
                                        (bones_ ? bones_->bytes() : 0));
@@ -197,8 +204,16 @@ class TypedSession : public Session::Implementation {
     return frame.activation.empty() ? std::vector<double>(settings_.materials.size(), 0.0) : frame.activation;
   }
 
-  EmbeddedPoint embed(const Anchor& anchor) const {
-    return embed_on_triangle(*lattice_, epoch_->surface, anchor.point, anchor.triangle);
+  // What is held at an anchor; found once an epoch.
+  const Bite& embed(const Anchor& anchor) const {
+    const std::array<double, 4> key{anchor.point[0], anchor.point[1], anchor.point[2], double(anchor.triangle)};
+    auto found = bites_.find(key);
+    if (found == bites_.end())
+      found = bites_
+                  .emplace(key, bite(*lattice_,
+                                     embed_on_triangle(*lattice_, epoch_->surface, anchor.point, anchor.triangle)))
+                  .first;
+    return found->second;
   }
   Vec3 where(const Anchor& anchor) const { return position<Real>(*lattice_, embed(anchor), u_); }
 
@@ -236,7 +251,7 @@ class TypedSession : public Session::Implementation {
       ties.push_back(make_hook(*lattice_, embed(hook.anchor), hook.target, hook.stiffness));
     const double unit = settings_.materials[0].youngs_modulus * settings_.spacing;
     for (const auto& suture : frame.sutures) {
-      const auto a = embed(suture.a), b = embed(suture.b);
+      const Bite &a = embed(suture.a), &b = embed(suture.b);
       const double* gap = &suture_gaps_[3 * static_cast<std::size_t>(suture.index)];
       const double* multiplier = &suture_multipliers_[3 * static_cast<std::size_t>(suture.index)];
       ties.push_back(make_suture(*lattice_, a, b, (1.0 - suture.closure) * Vec3(gap[0], gap[1], gap[2]),
@@ -344,6 +359,7 @@ class TypedSession : public Session::Implementation {
       outcome = doubtful->first;
       restore(doubtful->second);
       constrain(frame);
+      system_->evaluate(u_);
     } else if (doubtful && !outcome.converged) {
       outcome.reason = fmt::format(
           "{} cells are inverted in the equilibrium found from the frame before, and none is found from rest "
@@ -372,6 +388,7 @@ class TypedSession : public Session::Implementation {
       output.contacts = contact->count();
     }
     write_fields(frame, output);
+    if (settings_.correction && outcome.converged) write_correction(output);
     if (!outcome.converged) restore(before);
     output.state.is_double = std::is_same_v<Real, double>;
     output.state.nodes.assign(u_.begin(), u_.end());
@@ -408,6 +425,18 @@ class TypedSession : public Session::Implementation {
     }
   }
 
+  void write_correction(FrameOutput& output) {
+    std::vector<Real> step(u_.size());
+    newton_correction<Real>(*system_, *preconditioner_, u_, step);
+    const auto push = [&](auto& array, const EmbeddedPoint& point) {
+      const Vec3 v = displacement<Real>(*lattice_, point, step);
+      for (int i = 0; i < 3; ++i)
+        array.push_back(static_cast<typename std::decay_t<decltype(array)>::value_type>(v[i]));
+    };
+    for (const auto& point : lattice_->surface_points) push(output.correction, point);
+    for (const auto& point : landmarks_) push(output.landmark_correction, point);
+  }
+
   SessionSettings settings_;
   tbb::task_arena arena_;
   std::shared_ptr<const SignedDistance> bones_;  // null: none
@@ -417,6 +446,7 @@ class TypedSession : public Session::Implementation {
   std::unique_ptr<TwoLevel<Real>> preconditioner_;
   std::vector<Real> u_;
   std::vector<EmbeddedPoint> landmarks_;
+  mutable std::map<std::array<double, 4>, Bite> bites_;                                   // by rest point and triangle
   Vec3 lowest_ = Vec3::Zero(), highest_ = Vec3::Zero();                                   // of the surface at rest
   std::vector<double> suture_gaps_, suture_multipliers_, held_multipliers_, activation_;  // the last one per material
 };
