@@ -1,4 +1,4 @@
-"""Drawing on solved, deformed skin and excising from it, in a real window: `python tests/gui/run.py tools_deformed.py`."""
+"""Drawing on solved, deformed skin and excising from it in a real window: `tests/gui/run.py tools_deformed.py`."""
 
 from __future__ import annotations
 
