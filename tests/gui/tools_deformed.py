@@ -1,8 +1,4 @@
-<<<<<<< HEAD
 """Drawing on solved, deformed skin and excising from it, in a real window: `run.py tools_deformed.py`."""
-=======
-"""Drawing on solved, deformed skin and excising from it in a real window: `tests/gui/run.py tools_deformed.py`."""
->>>>>>> tools
 
 from __future__ import annotations
 
