@@ -12,7 +12,10 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from lappet.reports.commands import report_group
+
 if TYPE_CHECKING:
+    from lappet.error_estimate import ErrorEstimate
     from lappet.solve import SolveResult
 
 _FILE = click.Path(path_type=Path)
@@ -127,6 +130,12 @@ def solve_options(command: Callable[..., Any]) -> Callable[..., Any]:
             "--store", type=_FILE, help="Folder for solved frames.  [default: LAPPET_STORE or the user's cache]"
         ),
         click.option("--daemon", metavar="ADDR", help="Address of a running daemon, like tcp://127.0.0.1:5555."),
+        click.option(
+            "--error-estimate/--no-error-estimate",
+            default=True,
+            show_default=True,
+            help="Estimate the displacement error with a coarser solve.",
+        ),
     ]
     for option in reversed(options):
         command = option(command)
@@ -355,12 +364,32 @@ def summary(result: SolveResult) -> str:
         f"{total} frame{'' if total == 1 else 's'} done: {result.solved} solved, {result.looked_up} looked up, "
         f"{result.wall_seconds:.1f} s."
     )
+    if result.errors is not None:
+        lines += error_lines(result.errors)
     if result.output is not None:
         lines.append(f"Skin cache: {result.output.resolve()}")
     if result.reason is not None:
         click.echo(result.reason, err=True)
     return "\n".join(lines)
 
+
+def error_lines(errors: ErrorEstimate) -> list[str]:
+    """What the estimate of a solve says, for people."""
+    lines = []
+    known = [error for error in errors.frames if error is not None]
+    if known:
+        worst = max(error.greatest for error in known)
+        last = known[-1]
+        lines.append(
+            f"Estimated displacement error: {last.greatest:.2g} mm at most and {last.rms:.2g} mm root mean square over "
+            f"the skin in the last frame, {worst:.2g} mm at most in all; {errors.seconds:.1f} s for the estimate."
+        )
+    if errors.reason is not None:
+        lines.append(f"Without a discretization error from some frame on. {errors.reason}")
+    return lines
+
+
+cli.add_command(report_group(sentences))
 
 if __name__ == "__main__":
     main()
