@@ -177,9 +177,10 @@ TEST(Contact, AStrapOverARollerHasTheSameTensionOnBothSides) {
     for (std::size_t t = 0; t < strap.triangles.size(); ++t) {
       const Vec3 c = centre(strap, t);
       if (c[0] > 40 - 1e-9)
-        ties.push_back(make_hook(scene.lattice(),
-                                 embed_on_triangle(scene.lattice(), strap, c, static_cast<std::int32_t>(t)),
-                                 Vec3(40 - 0.4 * down, c[1], c[2] - down), 3.0));
+        ties.push_back(
+            make_hook(scene.lattice(),
+                      bite(scene.lattice(), embed_on_triangle(scene.lattice(), strap, c, static_cast<std::int32_t>(t))),
+                      Vec3(40 - 0.4 * down, c[1], c[2] - down), 3.0));
     }
     scene.system().set_ties(ties);
     const auto outcome = settle(scene);

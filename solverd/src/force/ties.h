@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "lattice/lattice.h"
+#include "lattice/bite.h"
 
 namespace lappet {
 
@@ -31,11 +31,11 @@ struct Tie {
   Vec3 force(const Vec3& c) const { return stiffness * c + multiplier; }
 };
 
-// From an embedded point to a place in space.
-Tie make_hook(const Lattice& lattice, const EmbeddedPoint& anchor, const Vec3& target, double stiffness);
-// Between two embedded points, a - b = separation.
-Tie make_suture(const Lattice& lattice, const EmbeddedPoint& a, const EmbeddedPoint& b, const Vec3& separation,
-                double stiffness, const Vec3& multiplier);
+// From what a hook holds to a place in space.
+Tie make_hook(const Lattice& lattice, const Bite& anchor, const Vec3& target, double stiffness);
+// Between what a suture holds at either end, a - b = separation.
+Tie make_suture(const Lattice& lattice, const Bite& a, const Bite& b, const Vec3& separation, double stiffness,
+                const Vec3& multiplier);
 // Where an embedded point is.
 template <class Real>
 Vec3 displacement(const Lattice& lattice, const EmbeddedPoint& point, std::span<const Real> u) {
@@ -55,6 +55,18 @@ Vec3 position(const Lattice& lattice, const EmbeddedPoint& point, std::span<cons
     sum += point.weights[k] *
            (lattice.node_rest[n] +
             Vec3(static_cast<double>(u[3 * n]), static_cast<double>(u[3 * n + 1]), static_cast<double>(u[3 * n + 2])));
+  }
+  return sum;
+}
+// Where what is held is, in the mean.
+template <class Real>
+Vec3 position(const Lattice& lattice, const Bite& bite, std::span<const Real> u) {
+  Vec3 sum = Vec3::Zero();
+  for (std::size_t k = 0; k < bite.nodes.size(); ++k) {
+    const auto n = static_cast<std::size_t>(bite.nodes[k]);
+    sum +=
+        bite.weights[k] * (lattice.node_rest[n] + Vec3(static_cast<double>(u[3 * n]), static_cast<double>(u[3 * n + 1]),
+                                                       static_cast<double>(u[3 * n + 2])));
   }
   return sum;
 }

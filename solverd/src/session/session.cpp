@@ -8,6 +8,7 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <optional>
 
 #include "lattice/refused.h"
@@ -149,6 +150,7 @@ class TypedSession : public Session::Implementation {
     u_ = std::move(u);
     held_multipliers_ = std::move(held);
     landmarks_.clear();
+    bites_.clear();
     for (std::size_t k = 0; k < epoch.landmarks.size(); ++k)
       landmarks_.push_back(
           embed_on_triangle(*lattice_, epoch_->surface, epoch.landmarks[k], epoch.landmark_triangles[k]));
@@ -202,8 +204,16 @@ class TypedSession : public Session::Implementation {
     return frame.activation.empty() ? std::vector<double>(settings_.materials.size(), 0.0) : frame.activation;
   }
 
-  EmbeddedPoint embed(const Anchor& anchor) const {
-    return embed_on_triangle(*lattice_, epoch_->surface, anchor.point, anchor.triangle);
+  // What is held at an anchor; found once an epoch.
+  const Bite& embed(const Anchor& anchor) const {
+    const std::array<double, 4> key{anchor.point[0], anchor.point[1], anchor.point[2], double(anchor.triangle)};
+    auto found = bites_.find(key);
+    if (found == bites_.end())
+      found = bites_
+                  .emplace(key, bite(*lattice_,
+                                     embed_on_triangle(*lattice_, epoch_->surface, anchor.point, anchor.triangle)))
+                  .first;
+    return found->second;
   }
   Vec3 where(const Anchor& anchor) const { return position<Real>(*lattice_, embed(anchor), u_); }
 
@@ -241,7 +251,7 @@ class TypedSession : public Session::Implementation {
       ties.push_back(make_hook(*lattice_, embed(hook.anchor), hook.target, hook.stiffness));
     const double unit = settings_.materials[0].youngs_modulus * settings_.spacing;
     for (const auto& suture : frame.sutures) {
-      const auto a = embed(suture.a), b = embed(suture.b);
+      const Bite &a = embed(suture.a), &b = embed(suture.b);
       const double* gap = &suture_gaps_[3 * static_cast<std::size_t>(suture.index)];
       const double* multiplier = &suture_multipliers_[3 * static_cast<std::size_t>(suture.index)];
       ties.push_back(make_suture(*lattice_, a, b, (1.0 - suture.closure) * Vec3(gap[0], gap[1], gap[2]),
@@ -436,6 +446,7 @@ class TypedSession : public Session::Implementation {
   std::unique_ptr<TwoLevel<Real>> preconditioner_;
   std::vector<Real> u_;
   std::vector<EmbeddedPoint> landmarks_;
+  mutable std::map<std::array<double, 4>, Bite> bites_;                                   // by rest point and triangle
   Vec3 lowest_ = Vec3::Zero(), highest_ = Vec3::Zero();                                   // of the surface at rest
   std::vector<double> suture_gaps_, suture_multipliers_, held_multipliers_, activation_;  // the last one per material
 };

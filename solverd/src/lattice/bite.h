@@ -1,0 +1,33 @@
+// What a suture or a hook holds: the tissue around its anchor, not a point of it.
+//
+// A point force on an elastic solid has no finite displacement (Kelvin: it grows as one over the distance), so one that
+// is tied to a point of the lattice gives way the more the finer the lattice. A bite takes the mean over what lies
+// within kBite of the anchor instead, by the weights of moving least squares (Lancaster and Salkauskas 1981)
+//   w_n = m_n k(r_n) p(x_n)^T A^-1 p(x_0),  A = sum_n m_n k(r_n) p(x_n) p(x_n)^T,  p = (1, x - x_0),  k = 1 -
+//   (r/kBite)^2
+// with the tissue m_n that each node carries: they sum to one and hold x_0 at rest and in every affine motion of it.
+// Nodes come from cells that hang together by whole faces with the anchor's own cell: never from across a cut. Where
+// cells are as large as a bite, one cell's trilinear weights do.
+#pragma once
+#include <cstdint>
+#include <vector>
+
+#include "lattice/lattice.h"
+
+namespace lappet {
+
+// A suture gathers about a millimetre of tissue around its thread and the tine of a skin hook is as long. The trilinear
+// weights of a cell of 1 mm spread a force about as far: results go on smoothly from there to finer lattices.
+inline constexpr double kBite = 1.0;  // mm
+
+struct Bite {
+  std::vector<std::int32_t> nodes;  // distinct
+  std::vector<double> weights;      // sum to one; the first moment is the anchor's
+};
+
+Bite bite(const Lattice& lattice, const EmbeddedPoint& anchor);
+
+// The trilinear weights of a point as they are.
+Bite point_bite(const Lattice& lattice, const EmbeddedPoint& anchor);
+
+}  // namespace lappet
