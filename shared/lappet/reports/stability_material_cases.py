@@ -112,7 +112,14 @@ def inclusion(contrast: float, depth: float = 4.0, **settings: object) -> Progra
 
 def _contrast() -> Iterator[Case]:
     for power in (0, 1, 2, 3, 4, 5, 6):
-        yield Case(f"inclusion 10^{power} times as stiff", "contrast", lambda power=power: inclusion(10.0**power))
+        # A stiff inclusion is carried by 2.4 mm, which float knows to 2e-7 mm: from 10^5 on its forces are rounded to
+        # more than the tolerance.
+        yield Case(
+            f"inclusion 10^{power} times as stiff",
+            "contrast",
+            lambda power=power: inclusion(10.0**power),
+            says=("try precision 'double'",) if power > 4 else (),
+        )
         if power:
             yield Case(f"inclusion 10^-{power} as stiff", "contrast", lambda power=power: inclusion(10.0**-power))
     for power in (6, -6):
@@ -162,9 +169,9 @@ def _models() -> Iterator[Case]:
             yield Case(
                 f"{model}, {precision}, Poisson's ratio 0.4999, pressed by 40 % in 2",
                 "models",
-                lambda near=near, precision=precision: Scene(
+                lambda near=near, precision=precision, model=model: Scene(
                     replace_motions(pressed(0.4, materials=(near,), precision=precision), 2),
-                    check=volume_kept(0.05),
+                    check=None if model == "corotated" else volume_kept(0.05),  # it keeps the sum of the stretches
                 ),
             )
             plain = material(model)
@@ -172,6 +179,7 @@ def _models() -> Iterator[Case]:
                 f"{model}, {precision}, stretched to 300 %",
                 "models",
                 lambda plain=plain, precision=precision: stretched(3.0, materials=(plain,), precision=precision),
+                says=("no equilibrium after",) if model == "corotated" else (),  # see stability_deformation_cases
             )
     stiff, soft = (material("mooneyRivlin", youngs_modulus=e) for e in (1e9, 1e-6))
     yield Case("Young's modulus 10^9 kPa", "models", lambda: stretched(1.3, materials=(stiff,)))

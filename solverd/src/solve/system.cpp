@@ -349,7 +349,7 @@ template <class Real>
 double System<Real>::largest_gap(std::span<const Real> u) const {
   double gap = 0.0;
   for (const auto& tie : ties_)
-    if (tie.exact) gap = std::max(gap, tie.value(u).norm());
+    if (tie.exact) gap = std::max(gap, tie.gap(tie.value(u)));
   if (contact_) gap = std::max(gap, contact_->excess());
   if (!has_held_forms_) return gap;
   for (const auto& form : attachments_.forms) {
@@ -371,7 +371,7 @@ double System<Real>::largest_gap(std::span<const Real> u) const {
 template <class Real>
 void System<Real>::update_multipliers(std::span<const Real> u) {
   for (auto& tie : ties_)
-    if (tie.exact) tie.multiplier += tie.stiffness * tie.value(u);
+    if (tie.exact) tie.update_multiplier(tie.value(u));
   if (contact_) contact_->update_multipliers();
   if (!has_held_forms_) return;
   std::vector<std::uint8_t> done(free_.size(), 0);
