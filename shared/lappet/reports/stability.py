@@ -19,12 +19,13 @@ from numpy.typing import NDArray
 from lappet.client import FrameSolution, SolverClient, SolverState
 from lappet.daemon import SolverDaemon
 from lappet.frame_solver import Iteration, SolverDiedError
-from lappet.program import Epoch, Program
+from lappet.program import Program
 from lappet.refused import RefusedError
 from lappet.wire import WireError
 
 # A float state lies within its tolerance as float sees it; in double precision it may be this much worse.
 VERIFIED = 1.5
+DEEPEST = 0.1  # spacings that tissue may lie in bone
 # A daemon that has not answered this many budgets, and some seconds, after it was asked hangs: it is ended.
 PATIENCE, GRACE = 1.5, 10.0
 
@@ -34,22 +35,23 @@ Start = Callable[[NDArray[np.float64]], NDArray[np.float64]]
 
 @dataclass(frozen=True, eq=False)
 class Solved:
-    """The frames of a case that converged. rest: the last of them again, solved from rest; only where the case has a
-    start of its own."""
+    """The frames of a case that converged. twin: the last frame of its twin."""
 
     program: Program
     frames: tuple[FrameSolution, ...]
-    rest: FrameSolution | None = None
+    twin: FrameSolution | None = None
 
 
 @dataclass(frozen=True, eq=False)
 class Scene:
     """What is solved. start: where the first frame starts from, positions (N, 3) mm for nodes at rest (N, 3) mm. check:
-    what is wrong with the result, a sentence, or an empty text."""
+    what is wrong with the result, a sentence, or an empty text. twin: what the result is compared with, solved before
+    and from rest; the program itself where there is a start."""
 
     program: Program
     start: Start | None = None
     check: Check | None = None
+    twin: Program | None = None
 
 
 @dataclass(frozen=True)
@@ -131,12 +133,13 @@ def run_case(case: Case) -> Row:
 def _solve(client: SolverClient, scene: Scene, case: Case, row: Row) -> Row:
     settings = replace(scene.program.settings, time_budget=case.budget)
     program = replace(scene.program, settings=settings)
-    rest = None
-    if scene.start is not None:  # the equilibrium from rest, to compare with
-        before, reason, _ = _frames(client, program, None)
+    twin = None
+    other = scene.twin or (program if scene.start is not None else None)
+    if other is not None:
+        before, reason, _ = _frames(client, other, None)
         if reason:
-            return replace(row, outcome="refuses", reason=f"From rest already: {reason}")
-        rest = before[-1]
+            return replace(row, outcome="refuses", reason=f"What it is compared with is refused already: {reason}")
+        twin = before[-1]
     frames, reason, cells = _frames(client, program, scene.start)
     finite = [frame for frame in frames if frame.converged]
     row = replace(
@@ -147,7 +150,7 @@ def _solve(client: SolverClient, scene: Scene, case: Case, row: Row) -> Row:
         gap_mm=max((float(frame.header["largest_gap"]) for frame in finite), default=None),
     )
     wrong = next(filter(None, (_disproved(frame, program) for frame in frames)), "")
-    if not wrong and finite and not case.slow and not len(program.bones.triangles):
+    if not wrong and finite and not case.slow and _begins_as_it_ended(program):
         residual, gap = _again(client, program, finite[-1])
         row = replace(row, verified_residual=residual)
         if residual is not None and not residual <= VERIFIED * settings.tolerance:
@@ -155,7 +158,7 @@ def _solve(client: SolverClient, scene: Scene, case: Case, row: Row) -> Row:
         elif gap is not None and not gap <= VERIFIED * settings.gap_tolerance * settings.spacing:
             wrong = f"In double precision its gap is {gap:.3g} mm."
     if not wrong and not reason and scene.check is not None:
-        wrong = scene.check(Solved(program, tuple(frames), rest))
+        wrong = scene.check(Solved(program, tuple(frames), twin))
     if wrong:
         return replace(row, outcome="wrong", reason=wrong)
     return replace(row, outcome="refuses", reason=reason) if reason else row
@@ -210,9 +213,20 @@ def _disproved(frame: FrameSolution, program: Program) -> str:
         return f"Frame {frame.time:g} is called converged at a relative residual of {residual:.2e}."
     if not gap <= settings.gap_tolerance * settings.spacing:
         return f"Frame {frame.time:g} is called converged with a gap of {gap:.3g} mm."
+    deep = float(frame.header["largest_penetration"])
+    if not deep <= DEEPEST * settings.spacing:
+        return f"Frame {frame.time:g} is called converged with tissue {deep:.3g} mm deep in bone."
     if not math.isfinite(float(frame.header["energy"])):
         return f"Frame {frame.time:g} is called converged and its energy is not finite."
     return ""
+
+
+def _begins_as_it_ended(program: Program) -> bool:
+    """Whether a state holds all that a frame ended with: the multipliers of bones and of stiff hooks are not kept."""
+    settings = program.settings
+    stiff = 1000.0 * max(material.youngs_modulus for material in settings.materials) * settings.spacing
+    hooked = max((float(frame.hook_stiffness.max(initial=0.0)) for frame in program.frames), default=0.0)
+    return hooked <= stiff and not len(program.bones.triangles)
 
 
 class _SeenError(Exception):
@@ -257,12 +271,6 @@ class _Watchdog:
             yield
         finally:
             timer.cancel()
-
-
-def epoch_of(program: Program, frame: FrameSolution) -> Epoch:
-    """The epoch that a frame belongs to."""
-    index = next(each.epoch for each in program.frames if each.time == frame.time)
-    return next(epoch for epoch in program.epochs if epoch.index == index)
 
 
 def totals(rows: Sequence[Row]) -> dict[str, dict[str, int]]:

@@ -212,8 +212,8 @@ def as_from_rest(share: float) -> Any:
     """A check: the last frame is the one from rest, to `share` of the spacing."""
 
     def check(solved: Solved) -> str:
-        assert solved.rest is not None
-        off = float(np.abs(solved.frames[-1].points - solved.rest.points).max())
+        assert solved.twin is not None
+        off = float(np.abs(solved.frames[-1].points - solved.twin.points).max())
         if off <= share * solved.program.settings.spacing:
             return ""
         return f"It is another equilibrium than that from rest: {off:.3g} mm away."

@@ -154,8 +154,12 @@ def _scale() -> Iterator[Case]:
                     stretched(1.3, size=s, spacing=2.0 * u, precision=p), check=_as_in_mm(u)
                 ),
             )
-        yield Case(f"patch of 24 {name}, cut, lifted, sewn", "scale", lambda u=unit: scaled_patch(u))
-    yield Case("patch of 24 millimetres, cut, lifted, sewn", "scale", lambda: scaled_patch(1.0))
+    for unit in (1e-3, 1e-2, 0.03, 0.1, 0.3, 1e3, 1e6):
+        yield Case(
+            f"patch of {24 * unit:g} mm, cut, lifted, sewn",
+            "scale",
+            lambda u=unit: Scene(scaled_patch(u), check=_like_twin(u), twin=scaled_patch(1.0)),
+        )
     yield Case(
         "block 1 km from the origin",
         "scale",
@@ -172,6 +176,21 @@ def _as_in_mm(unit: float) -> Check:
         middle = points[np.abs(points[:, 0] - 8.0 * 1.3) < 1.5]
         width = float(np.ptp(middle[:, 1])) / 8.0
         return "" if 0.87 < width < 0.95 else f"In its middle the bar is {width:.3f} times as wide as before."
+
+    return check
+
+
+def _like_twin(unit: float) -> Check:
+    """A check: the hook's anchor and force are those of the twin in mm, with lengths times `unit`."""
+
+    def check(solved: Solved) -> str:
+        assert solved.twin is not None
+        here, there = solved.frames[-1], solved.twin
+        off = float(np.abs(here.hook_points / unit - there.hook_points).max())
+        force = float(np.abs(here.hook_forces / unit**2 - there.hook_forces).max() / np.abs(there.hook_forces).max())
+        if off < 0.01 and force < 0.01:
+            return ""
+        return f"In units of {unit:g} mm the anchor is off by {off:.3g} and the force by {force:.1%}."
 
     return check
 

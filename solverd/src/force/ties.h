@@ -2,8 +2,9 @@
 //
 // A hook is a spring, stiffness/2 |c|^2. A suture demands c = 0 and carries a multiplier lambda besides (augmented
 // Lagrangian, lambda . c + stiffness/2 |c|^2), so that its gap closes whatever the ratio of stiffnesses. A hook that is
-// much stiffer than tissue is such a tie too, with a compliance s: it demands c = s lambda, where the penalty and lambda
-// = c/s together pull as the spring does, (stiffness + 1/s) c. Rounding of displacements is not blown up to forces.
+// much stiffer than tissue is such a tie too, with a compliance s: it demands c = s lambda, where the penalty and
+// lambda = c/s together pull as the spring does, (stiffness + 1/s) c. Rounding of displacements is not blown up to
+// forces.
 #pragma once
 #include <cstdint>
 #include <limits>

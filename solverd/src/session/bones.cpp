@@ -30,8 +30,8 @@ std::unique_ptr<Contact> contact_with_bones(std::shared_ptr<const SignedDistance
   // Bone that tissue encloses touches none of its surface. The middles of full cells are tissue.
   for (std::size_t c = 0; c < lattice.cell_nodes.size(); ++c) {
     if (lattice.cell_fill[c] < 1.0F) continue;
-    const Vec3 middle = lattice.node_rest[static_cast<std::size_t>(lattice.cell_nodes[c][0])] +
-                        Vec3::Constant(0.5 * settings.spacing);
+    const Vec3 middle =
+        lattice.node_rest[static_cast<std::size_t>(lattice.cell_nodes[c][0])] + Vec3::Constant(0.5 * settings.spacing);
     if (const double inside = -bones->at(middle).value; inside > depth) depth = inside, where = middle;
   }
   if (depth > kMostRestPenetration * settings.spacing)

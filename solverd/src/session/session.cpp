@@ -210,11 +210,11 @@ class TypedSession : public Session::Implementation {
   const Bite& embed(const Anchor& anchor) const {
     const std::array<double, 4> key{anchor.point[0], anchor.point[1], anchor.point[2], double(anchor.triangle)};
     auto found = bites_.find(key);
-    if (found == bites_.end())
-      found = bites_
-                  .emplace(key, bite(*lattice_,
-                                     embed_on_triangle(*lattice_, epoch_->surface, anchor.point, anchor.triangle)))
-                  .first;
+    if (found == bites_.end()) {
+      const auto point = embed_on_triangle(*lattice_, epoch_->surface, anchor.point, anchor.triangle);
+      const double reach = std::min(kBite, kBiteShare * (highest_ - lowest_).norm());
+      found = bites_.emplace(key, bite(*lattice_, point, reach)).first;
+    }
     return found->second;
   }
   Vec3 where(const Anchor& anchor) const { return position<Real>(*lattice_, embed(anchor), u_); }

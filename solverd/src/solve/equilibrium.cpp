@@ -110,10 +110,10 @@ class EquilibriumSearch {
                             "bone: move it, or move the bone away",
                             system_.contact()->largest_penetration()));
           else
-            fail(
-                fmt::format("a suture, a held face or a stiff hook keeps a gap of {:.3g} mm (tolerance {:.3g} mm); its demands "
-                            "contradict others or need more force than the tissue bears",
-                            outcome_.gap, options_.gap_tolerance));
+            fail(fmt::format(
+                "a suture, a held face or a stiff hook keeps a gap of {:.3g} mm (tolerance {:.3g} mm); its demands "
+                "contradict others or need more force than the tissue bears",
+                outcome_.gap, options_.gap_tolerance));
           return true;
         case MultiplierLoop::Verdict::kUpdate:
           system_.update_multipliers(u_);
