@@ -12,6 +12,7 @@ import threading
 import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -61,7 +62,7 @@ class Case:
 
     name: str
     group: str
-    scene: Callable[[], Scene | Program]
+    scene: Callable[..., Scene | Program]
     converges: bool = True
     says: tuple[str, ...] = ()
     budget: float = 60.0
@@ -181,7 +182,7 @@ def _frames(client: SolverClient, program: Program, start: Start | None) -> tupl
     return frames, "", cells
 
 
-def _set_epoch(client: SolverClient, program: Program, index: int, nodes: bool = False) -> dict[str, object]:
+def _set_epoch(client: SolverClient, program: Program, index: int, nodes: bool = False) -> dict[str, Any]:
     at = next(i for i, epoch in enumerate(program.epochs) if epoch.index == index)
     return client.set_epoch(program.epochs[at], program.grips[at], program.landmarks_at[at], nodes=nodes)
 

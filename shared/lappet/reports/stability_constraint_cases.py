@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from dataclasses import replace
+from typing import Any
 
 from lappet.procedure import Hook, Incision, Retractor, Suture
 from lappet.program import Program
@@ -39,9 +41,9 @@ def constraint_cases() -> Iterator[Case]:
     yield from _bone()
 
 
-def _pulled(stiffness: float, lift: float = 2.0, **more: object) -> Program:
+def _pulled(stiffness: float, lift: float = 2.0, **more: Any) -> Program:
     hook = (MIDDLE, (6.0, 6.0, 6.0 + lift), stiffness)
-    return block(BLOCK, 1.5, fixed=(BELOW,), hooks=(hook,), **more)  # type: ignore[arg-type]
+    return block(BLOCK, 1.5, fixed=(BELOW,), hooks=(hook,), **more)
 
 
 def _hook_holds(stiffness: float) -> Check:
@@ -166,26 +168,20 @@ def _stays(solved: Solved) -> str:
 
 def _turned() -> Program:
     tissue = patch()
-    grip = [face for face in tissue.subsets["fixed"] if face in set(tissue.subsets["fixed"][:6])]
-    subsets = {
-        "fixed": [face for face in tissue.subsets["fixed"] if face not in grip],
-        "bed": tissue.subsets["bed"],
-        "jaw": grip,
-    }
+    held = tissue.subsets["fixed"]
+    subsets = {"fixed": held[6:], "bed": tissue.subsets["bed"], "jaw": held[:6]}
     samples = []
     for time, degrees in ((1.0, 0.0), (5.0, 180.0)):
         matrix = moved(turn=degrees, centre=(0.0, 0.0, 1.0)).T
         samples.append((time, tuple(matrix.reshape(-1))))
-    from dataclasses import replace
-
     made = procedure(replace(tissue, subsets=subsets), Retractor("jaw", "jaw", tuple(samples), 1.0, 9.0), end=5.0)
     return compiled(made)
 
 
 def _bone() -> Iterator[Case]:
-    def above(top: float, **more: object) -> Program:
+    def above(top: float, **more: Any) -> Program:
         bone = box_bone((-4.0, -4.0, -4.0), (16.0, 16.0, top))
-        return block(BLOCK, 1.5, bones=bone, **more)  # type: ignore[arg-type]
+        return block(BLOCK, 1.5, bones=bone, **more)
 
     yield Case("bone 0.5 mm into tissue of 1.5 mm cells", "bone", lambda: above(0.5, fixed=(ABOVE,)))
     yield Case(
@@ -227,6 +223,4 @@ def _bone() -> Iterator[Case]:
         says=BONE,
     )
     hook = ((6.0, 6.0, 0.0), (6.0, 6.0, -5.0), 500.0)
-    yield Case(
-        "hook pulls into bone", "bone", lambda: above(-0.5, fixed=(ABOVE,), hooks=(hook,)), says=(*BONE, *TORN)
-    )
+    yield Case("hook pulls into bone", "bone", lambda: above(-0.5, fixed=(ABOVE,), hooks=(hook,)), says=(*BONE, *TORN))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from typing import Any
 
 import numpy as np
 
@@ -22,16 +23,16 @@ def cut_cases() -> Iterator[Case]:
     yield from _many()
 
 
-def opened(*cuts: Event, end: float = 4.0, size: Vector = (24.0, 16.0, TOP), **more: object) -> Program:
+def opened(*cuts: Event, end: float = 4.0, size: Vector = (24.0, 16.0, TOP), **more: Any) -> Program:
     """Cuts in a patch that a hook then pulls at, beside the middle."""
     place = (0.5, 1.5, TOP)
     hook = Hook("pull", place, ((end - 1.0, place), (end, (0.5, 3.0, TOP + 1.0))), end - 1.0, end + 1.0, 20.0)
-    return compiled(procedure(patch(size), *cuts, hook, end=end), **more)  # type: ignore[arg-type]
+    return compiled(procedure(patch(size), *cuts, hook, end=end), **more)
 
 
-def line(name: str, time: float, *points: Sequence[float], **more: object) -> Incision:
+def line(name: str, time: float, *points: Sequence[float], **more: Any) -> Incision:
     """An incision through points (x, y) of the skin."""
-    return Incision(name, time, tuple((x, y, TOP) for x, y in points), **more)  # type: ignore[arg-type]
+    return Incision(name, time, tuple((x, y, TOP) for x, y in points), **more)
 
 
 def _few() -> Iterator[Case]:
@@ -52,9 +53,7 @@ def _few() -> Iterator[Case]:
         "cuts",
         lambda: opened(line("a", 1.0, (-6, 0), (6, 0)), line("b", 2.0, (-6, 0.01), (6, 0.01))),
     )
-    yield Case(
-        "cuts cross", "cuts", lambda: opened(line("a", 1.0, (-6, 0), (6, 0)), line("b", 2.0, (0, -6), (0, 6)))
-    )
+    yield Case("cuts cross", "cuts", lambda: opened(line("a", 1.0, (-6, 0), (6, 0)), line("b", 2.0, (0, -6), (0, 6))))
     star = [
         line(f"ray_{k}", 1.0, (0, 0), (6 * math.cos(a), 6 * math.sin(a)))
         for k, a in enumerate(np.linspace(0.0, 2 * np.pi, 12, endpoint=False))
@@ -83,9 +82,7 @@ def _few() -> Iterator[Case]:
     yield Case(
         "excision of an island, the hook on the rest",
         "cuts",
-        lambda: compiled(
-            procedure(patch(), around, Excision("out", 2.0, ((0.0, 0.0, TOP),)), _aside(), end=4.0)
-        ),
+        lambda: compiled(procedure(patch(), around, Excision("out", 2.0, ((0.0, 0.0, TOP),)), _aside(), end=4.0)),
     )
     yield Case(
         "excision of what a hook holds",
@@ -107,7 +104,9 @@ def _few() -> Iterator[Case]:
     yield Case(
         "undermined to the rim and beyond",
         "cuts",
-        lambda: opened(Undermine("free", 1.0, tuple((2.5 * x, 2.5 * y, TOP) for x, y, _ in ring)), Incision("a", 2.0, LONG)),
+        lambda: opened(
+            Undermine("free", 1.0, tuple((2.5 * x, 2.5 * y, TOP) for x, y, _ in ring)), Incision("a", 2.0, LONG)
+        ),
     )
 
 
@@ -116,7 +115,9 @@ def _aside() -> Hook:
     return Hook("pull", place, ((3.0, place), (4.0, (8.0, 5.0, TOP + 1.0))), 3.0, 5.0, 20.0)
 
 
-def scattered(count: int, length: float, size: Vector, *, seed: int, depth: float | None, times: int = 1) -> list[Event]:
+def scattered(
+    count: int, length: float, size: Vector, *, seed: int, depth: float | None, times: int = 1
+) -> list[Event]:
     """Straight cuts of about a length, anywhere in a patch, in any direction, spread over so many frames."""
     random = np.random.default_rng(seed)
     cuts: list[Event] = []

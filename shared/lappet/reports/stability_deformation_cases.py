@@ -42,9 +42,9 @@ def squeezed(length: float, steps: int, skin: MaterialParameters, **settings: An
 
 
 def _stretch(model: str, skin: MaterialParameters) -> Iterator[Case]:
-    # Corotated tissue draws in by lambda (stretch - 1) / (2 lambda + 2 mu): at a Poisson's ratio of 0.45 to nothing at a
-    # stretch of 3.2, and at held ends before. There two singular values cancel, where its energy has a kink: a search
-    # for a vanishing gradient need not end.
+    # Corotated tissue draws in by lambda (stretch - 1) / (2 lambda + 2 mu): at a Poisson's ratio of 0.45 to nothing at
+    # a stretch of 3.2, and at held ends before. There two singular values cancel, where its energy has a kink: a
+    # search for a vanishing gradient need not end.
     says = ("no equilibrium after",) if model == "corotated" else ()
     for factor, steps in ((2.0, 1), (3.0, 1), (3.0, 8)):
         yield Case(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -36,10 +37,10 @@ def material_cases() -> Iterator[Case]:
     yield from _models()
 
 
-def pressed(share: float, **more: object) -> Program:
+def pressed(share: float, **more: Any) -> Program:
     """A block held below, its upper side pressed down by a share of its height."""
     motion = [[moved((0.0, 0.0, -share * BLOCK[2]))]]
-    return block(BLOCK, 2.0, fixed=(BELOW,), gripped=(ABOVE,), motions=motion, **more)  # type: ignore[arg-type]
+    return block(BLOCK, 2.0, fixed=(BELOW,), gripped=(ABOVE,), motions=motion, **more)
 
 
 def volume_kept(share: float) -> Check:
@@ -84,7 +85,7 @@ def _poisson() -> Iterator[Case]:
         )
 
 
-def inclusion(contrast: float, depth: float = 4.0, **settings: object) -> Program:
+def inclusion(contrast: float, depth: float = 4.0, **settings: Any) -> Program:
     """A block stretched by 30 % with an inclusion below the middle of its upper side, so many times as stiff."""
     surface, side = grid_box(BLOCK, (8, 8, 4))
     centre = surface.points[surface.triangles].mean(axis=1)
@@ -106,7 +107,7 @@ def inclusion(contrast: float, depth: float = 4.0, **settings: object) -> Progra
         motions=[[moved((0.3 * BLOCK[0], 0.0, 0.0))]],
         materials=(SKIN, other),
         regions=regions,
-        **settings,  # type: ignore[arg-type]
+        **settings,
     )
 
 
@@ -130,7 +131,7 @@ def _contrast() -> Iterator[Case]:
         )
 
 
-def _fibred(exponent: float, **changes: object) -> MaterialParameters:
+def _fibred(exponent: float, **changes: Any) -> MaterialParameters:
     return material(fibre_k1=10.0, fibre_k2=exponent, **changes)
 
 
@@ -148,12 +149,8 @@ def _fibres() -> Iterator[Case]:
                 "fibres",
                 lambda e=exponent, f=factor, s=steps: bar(f, _fibred(e), s),
             )
-    yield Case(
-        "fibre exponent 50, dispersed", "fibres", lambda: bar(1.2, _fibred(50.0, fibre_dispersion=1.0 / 3.0))
-    )
-    yield Case(
-        "fibre exponent 50, across", "fibres", lambda: bar(1.5, _fibred(50.0, fibre_direction=(0.0, 1.0, 0.0)))
-    )
+    yield Case("fibre exponent 50, dispersed", "fibres", lambda: bar(1.2, _fibred(50.0, fibre_dispersion=1.0 / 3.0)))
+    yield Case("fibre exponent 50, across", "fibres", lambda: bar(1.5, _fibred(50.0, fibre_direction=(0.0, 1.0, 0.0))))
     yield Case("fibre exponent 50, to 3 times the length in 5", "fibres", lambda: bar(3.0, _fibred(50.0), 5))
     yield Case(
         "fibre exponent 50, prestretched 1.3 along",

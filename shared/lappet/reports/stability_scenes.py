@@ -38,7 +38,7 @@ MOST_DIVISIONS = 24
 
 def material(model: str = "neoHookean", **changes: Any) -> MaterialParameters:
     """Skin of another model or with other parameters."""
-    return replace(SKIN, model=model, **({"mooney_ratio": 0.5} if model == "mooneyRivlin" else {}), **changes)
+    return replace(SKIN, model=model, mooney_ratio=0.5 if model == "mooneyRivlin" else 0.0, **changes)
 
 
 def block(

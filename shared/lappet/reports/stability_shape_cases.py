@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -51,10 +52,10 @@ def _thin() -> Iterator[Case]:
     for width in (1.0, 0.5, 2.0):
         yield Case(f"needle flap {width:g} cells wide, lifted", "thin", lambda w=width: needle(w))
 
-    def sheet(**more: object) -> Program:
+    def sheet(**more: Any) -> Program:
         tissue = loose(flat_patch((24.0, 16.0, 1.0), resolution=2.0, spacing=1.0))
         lift = Hook("lift", (0.0, 0.0, 1.0), ((1.0, (0.0, 0.0, 1.0)), (3.0, (0.0, 0.0, 6.0))), 1.0, 9.0, 100.0)
-        return compiled(procedure(tissue, lift), **more)  # type: ignore[arg-type]
+        return compiled(procedure(tissue, lift), **more)
 
     yield Case("sheet one cell thick, lifted", "thin", sheet)
     yield Case("sheet half a cell thick, lifted", "thin", lambda: sheet(spacing=2.0))
@@ -71,13 +72,13 @@ def _thin() -> Iterator[Case]:
     yield Case("island that a single cell holds, lifted", "thin", lambda: island(ring, 20.0))
 
 
-def island(ring: tuple[Vector, ...], stiffness: float, **more: object) -> Program:
+def island(ring: tuple[Vector, ...], stiffness: float, **more: Any) -> Program:
     """A patch in which a ring is cut and what lies inside freed from the bed, a hook lifting its middle by 5 mm."""
     closed = bool(more.pop("closed", False))
     lift = Hook("lift", (0.0, 0.0, 2.0), ((2.0, (0.0, 0.0, 2.0)), (4.0, (0.0, 0.0, 7.0))), 2.0, 9.0, stiffness)
     cut = Incision("ring", 1.0, ring, kerf=0.1, closed=closed)
     free = Undermine("free", 1.0, ring)
-    return compiled(procedure(patch(), cut, free, *([lift] if stiffness else []), end=4.0), **more)  # type: ignore[arg-type]
+    return compiled(procedure(patch(), cut, free, *([lift] if stiffness else []), end=4.0), **more)
 
 
 def _floating() -> Iterator[Case]:
@@ -88,14 +89,15 @@ def _floating() -> Iterator[Case]:
     yield Case("block held by nothing", "floating", lambda: Scene(block(small, 1.0), check=_at_rest))
     hook = (((2.0, 2.0, 4.0), (5.0, 4.0, 9.0), 50.0),)
     yield Case(
-        "block held by a hook only", "floating", lambda: Scene(block(small, 1.0, hooks=hook), check=_follows), says=FALLS
+        "block held by a hook only",
+        "floating",
+        lambda: Scene(block(small, 1.0, hooks=hook), check=_follows),
+        says=FALLS,
     )
     hooks = (*hook, ((0.0, 0.0, 0.0), (1.0, 1.0, 5.0), 50.0), ((4.0, 4.0, 0.0), (5.0, 6.0, 5.0), 50.0))
     yield Case("block held by three hooks", "floating", lambda: block(small, 1.0, hooks=hooks), says=FALLS)
     gravity = (0.0, 0.0, -9.81)
-    yield Case(
-        "block held by nothing, falling", "floating", lambda: block(small, 1.0, gravity=gravity), says=FALLS
-    )
+    yield Case("block held by nothing, falling", "floating", lambda: block(small, 1.0, gravity=gravity), says=FALLS)
     yield Case(
         "block held by a hook, hanging", "floating", lambda: block(small, 1.0, gravity=gravity, hooks=hook), says=FALLS
     )
@@ -125,22 +127,20 @@ def _follows(solved: Solved) -> str:
     return "" if left < 0.05 else f"A loose block stays {left:.3g} mm from the hook that nothing resists."
 
 
-def scaled_patch(unit: float, stiffness: float = 20.0, **more: object) -> Program:
+def scaled_patch(unit: float, stiffness: float = 20.0, **more: Any) -> Program:
     """The slit of 12 mm in a patch of 24 x 16 x 2 mm with a hook and sutures, every length times `unit`."""
 
     def at(*point: float) -> Vector:
         x, y, z = (unit * value for value in point)
         return (x, y, z)
 
-    tissue = flat_patch(
-        at(24.0, 16.0, 2.0), resolution=2.0 * unit, spacing=unit, bed_stiffness=10.0 / unit
-    )
+    tissue = flat_patch(at(24.0, 16.0, 2.0), resolution=2.0 * unit, spacing=unit, bed_stiffness=10.0 / unit)
     events = (
         Incision("slit", 1.0, (at(-6, 0, 2), at(6, 0, 2)), kerf=0.1 * unit),
         Suture("stitch", (at(3, -1.5, 2), at(3, 1.5, 2)), 2.0, 1.0),
         Hook("lift", at(-2, 1, 2), ((2.0, at(-2, 1, 2)), (3.0, at(-2, 2, 4))), 2.0, 9.0, stiffness * unit),
     )
-    return compiled(procedure(tissue, *events), **more)  # type: ignore[arg-type]
+    return compiled(procedure(tissue, *events), **more)
 
 
 def _scale() -> Iterator[Case]:
@@ -239,7 +239,5 @@ def _spacing() -> Iterator[Case]:
     yield Case(
         "bar of 200 x 1 x 1 cells, stretched to twice its length",
         "spacing",
-        lambda: block(
-            (200.0, 1.0, 1.0), 1.0, fixed=(LEFT,), gripped=(RIGHT,), motions=[[moved((200.0, 0.0, 0.0))]]
-        ),
+        lambda: block((200.0, 1.0, 1.0), 1.0, fixed=(LEFT,), gripped=(RIGHT,), motions=[[moved((200.0, 0.0, 0.0))]]),
     )

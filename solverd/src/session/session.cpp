@@ -212,7 +212,7 @@ class TypedSession : public Session::Implementation {
     auto found = bites_.find(key);
     if (found == bites_.end()) {
       const auto point = embed_on_triangle(*lattice_, epoch_->surface, anchor.point, anchor.triangle);
-      const double reach = std::min(kBite, kBiteShare * (highest_ - lowest_).norm());
+      const double reach = std::min(kBite, kBiteShare * (highest_ - lowest_).minCoeff());
       found = bites_.emplace(key, bite(*lattice_, point, reach)).first;
     }
     return found->second;
