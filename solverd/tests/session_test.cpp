@@ -293,6 +293,23 @@ TEST(Session, AHookPullsWithItsSpringForce) {
   EXPECT_GT(force.norm(), 10);
 }
 
+// Found by the stability matrix: the weak bed of floating tissue grew with the number of its cells.
+TEST(Session, AHookCarriesLooseTissueAllTheWayWhateverTheSpacing) {
+  for (const double spacing : {1.0, 0.5, 0.25}) {
+    SessionSettings s;
+    s.spacing = spacing;
+    Session session(s);
+    const EpochInput epoch = make_epoch(box_surface({0, 0, 0}, {4, 4, 4}), {});
+    session.set_epoch(epoch);
+    FrameInput frame;
+    frame.hooks = {{suture(epoch, {2, 2, 4}, {2, 2, 4}, 0).a, Vec3(5, 4, 9), 50.0}};
+    const FrameOutput out = session.solve(frame, {}, kNever);
+    ASSERT_TRUE(out.converged) << out.reason;
+    const Vec3 at(out.hook_points[0], out.hook_points[1], out.hook_points[2]);
+    EXPECT_LT((at - Vec3(5, 4, 9)).norm(), 0.05) << spacing;
+  }
+}
+
 // Found by the stability matrix: rounding of the displacement times such a stiffness was more than the tolerance.
 TEST(Session, AHookFarStifferThanTissueDrawsItsAnchorToTheTargetInSinglePrecision) {
   const auto drawn = [](double stiffness) {

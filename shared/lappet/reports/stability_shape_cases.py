@@ -88,12 +88,13 @@ def _floating() -> Iterator[Case]:
     small = (4.0, 4.0, 4.0)
     yield Case("block held by nothing", "floating", lambda: Scene(block(small, 1.0), check=_at_rest))
     hook = (((2.0, 2.0, 4.0), (5.0, 4.0, 9.0), 50.0),)
-    yield Case(
-        "block held by a hook only",
-        "floating",
-        lambda: Scene(block(small, 1.0, hooks=hook), check=_follows),
-        says=FALLS,
-    )
+    for spacing in (1.0, 0.5, 0.25):
+        yield Case(
+            f"block held by a hook only, cells of {spacing:g} mm",
+            "floating",
+            lambda h=spacing: Scene(block(small, h, hooks=hook), check=_follows),
+            says=FALLS,
+        )
     hooks = (*hook, ((0.0, 0.0, 0.0), (1.0, 1.0, 5.0), 50.0), ((4.0, 4.0, 0.0), (5.0, 6.0, 5.0), 50.0))
     yield Case("block held by three hooks", "floating", lambda: block(small, 1.0, hooks=hooks), says=FALLS)
     gravity = (0.0, 0.0, -9.81)
