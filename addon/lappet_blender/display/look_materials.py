@@ -61,6 +61,11 @@ def skin_materials(
     return (first, *(_kept(board, role, f"{units:g}", partial(make, space)) for role, make in others))
 
 
+def has_materials(board: bpy.types.Collection, color: str) -> bool:
+    """Whether the skin's materials were made for a colour before."""
+    return isinstance(board.get(f"material skin {color.lower()}"), bpy.types.Material)
+
+
 def part_material(board: bpy.types.Collection, role: str, units: float) -> bpy.types.Material:
     """The material of a part: bed, edge, ink, thread, steel, landmark, or a legend's card or ink."""
     makers: dict[str, Callable[[], bpy.types.Material]] = {

@@ -30,20 +30,32 @@ class SkinMarks:
         self._from, self._until = min(undermined, default=np.inf), min(held, default=np.inf)
         self._courses: dict[str, list[Bite]] = {}
 
+    def knows(self, time: float) -> bool:
+        """Whether where the marks of a frame ride was found before, or there are none."""
+        which, lines, _ = self._which(time)
+        return not lines or self._key(which, time) in self._courses
+
     def tubes(self, time: float) -> tuple[list[NDArray[np.float64]], list[float]]:
         """The marks (k, 3) of a frame and their radii, mm."""
+        which, lines, radius = self._which(time)
+        return self._drawn(time, which, lines, radius) if lines else ([], [])
+
+    def _which(self, time: float) -> tuple[str, list[NDArray[np.float64]], float]:
         whole = self._source.epoch_at(time) is self._source.epochs[0]
         if whole and time < self._cut and self._incisions:
-            return self._drawn(time, "incisions", self._incisions, INCISION_RADIUS)
+            return "incisions", self._incisions, INCISION_RADIUS
         if self._from <= time < self._until and self._dashes:
-            return self._drawn(time, "undermining", self._dashes, UNDERMINE_RADIUS)
-        return [], []
+            return "undermining", self._dashes, UNDERMINE_RADIUS
+        return "", [], 0.0
+
+    def _key(self, name: str, time: float) -> str:
+        return f"{name} {self._source.epoch_at(time).name}"
 
     def _drawn(
         self, time: float, name: str, lines: list[NDArray[np.float64]], radius: float
     ) -> tuple[list[NDArray[np.float64]], list[float]]:
         epoch = self._source.epoch_at(time)
-        key = f"{name} {epoch.name}"
+        key = self._key(name, time)
         if key not in self._courses:
             first = self._source.rest(epoch)
             self._courses[key] = bites_at(first, epoch.triangles[epoch.origin == SKIN], np.concatenate(lines))
