@@ -63,7 +63,7 @@ def press(blender: Driver, operator: str, **how: object) -> None:
 def scenario(blender: Driver) -> Steps:
     """Marks, cuts, pulls, sews, solves, scrubs, changes, undoes, varies, saves."""
     yield from bare_mesh(blender)
-    pulse = Pulse()
+    pulse = Pulse(blender)
     yield from tissue(blender)
     yield from draw(blender)
     yield from solve(blender, pulse)
@@ -115,7 +115,9 @@ def tissue(blender: Driver) -> Steps:
     scene.lappet.tissue.spacing = 2.0
     bpy.ops.ed.undo_push(message="Spacing")
     scene.lappet.look.show_lattice = True
-    yield 1.0
+    display = import_module(f"{MODULE}.display.skin_display")
+    yield from blender.wait_until(lambda: display.skin_object(scene) is not None, 10.0, "its sheet is shown as skin")
+    yield 0.5
     yield from blender.screenshot("02_tissue_and_lattice")
     scene.lappet.look.show_lattice = False
     yield 0.2
@@ -210,6 +212,7 @@ def solve(blender: Driver, pulse: Pulse) -> Steps:
 def scrub(blender: Driver, pulse: Pulse) -> Steps:
     """Goes through the frames by key, and plays them."""
     scene = bpy.context.scene
+    yield from blender.set_tool("builtin.select_box")
     pulse.begin()
     moved = {}
     for frame in (PULL + 4, 14, SEW, SEW + 6, END):
@@ -235,6 +238,7 @@ def looks(blender: Driver) -> Steps:
     """Colours of the skin."""
     scene = bpy.context.scene
     scene.frame_set(14)
+    scene.lappet.active_event = -1
     for color in ("STRAIN", "CHECKER", "PLAIN"):
         scene.lappet.look.color = color
         yield 0.6
@@ -309,8 +313,14 @@ def live(blender: Driver, pulse: Pulse) -> Steps:
     yield 1.0
     blender.expect(not frames().progress_of(scene).live, "Esc ends live mode")
     yield from blender.screenshot("16_after_live")
+    scene.frame_set(15)
+    scene.frame_set(14)
+    u, v = blender.at(hook.target.matrix_world.translation)
+    blender.expect(abs(u - x - 96) < 3 and abs(v - y - 48) < 3, "the target is keyed where it was let go")
     yield from blender.key("Z", ctrl=True)
-    yield 1.0
+    yield 0.3
+    yield from blender.key("Z", ctrl=True)
+    yield from blender.wait_until(all_solved, 3.0, "Ctrl-Z takes the drag back, and the solved frames are there")
 
 
 def variant(blender: Driver) -> Steps:
@@ -328,6 +338,9 @@ def variant(blender: Driver) -> Steps:
         bpy.ops.view3d.view_all()
     yield 0.8
     yield from blender.screenshot("17_compared")
+    display = import_module(f"{MODULE}.display.board")
+    beside = display.find_object(display.find_board(scene), "other skin")
+    blender.expect(beside is not None and not beside.hide_viewport, "the first procedure is seen beside it")
 
 
 def reload(blender: Driver) -> Steps:

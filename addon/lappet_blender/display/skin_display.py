@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from ..look.skin_import import set_attribute
 from ..model.units import mm_per_unit
 from . import hidden_objects
-from .board import ROLE, drop_foreign, find_board, find_object, make_board, make_object, place, set_visible
+from .board import ROLE, drop_foreign, find_board, find_object, has_stage, make_board, make_object, place, set_visible
 from .color_scale import highest_of, peak_of, scan_frames
 from .dressing import Dressing, Where
 from .epoch_mesh import find_epoch_mesh, remove_unused, take_epoch_mesh
@@ -210,8 +210,9 @@ def _show(scene: bpy.types.Scene, time: float, turn: Turn) -> None:
         where = Where(board, "other ", units, (gap * units, 0.0, 0.0))
         _draw_skin(other[0], where, other[1], look, highest, turn)
         beside = beside + np.array([gap, 0.0, 0.0])
-        _label(board, "label", scene.name, box, units)
-        _label(board, "other label", other[0].name, beside, units)
+        paper = has_stage(scene)
+        _label(board, "label", scene.name, box, units, paper)
+        _label(board, "other label", other[0].name, beside, units, paper)
         box = np.stack([np.minimum(box[0], beside[0]), np.maximum(box[1], beside[1])])
     show_legend(scene, board, quantity if look.show_legend else None, highest, box * units)
     _hide_tissue(scene)
@@ -310,14 +311,20 @@ def offset_of(scene: bpy.types.Scene, own: NDArray[np.float64], theirs: NDArray[
     return float(own[1][0] - theirs[0][0]) + float(scene.lappet.compare_gap)
 
 
-def _label(board: bpy.types.Collection, role: str, words: str, box: NDArray[np.float64], units: float) -> None:
+def _label(
+    board: bpy.types.Collection, role: str, words: str, box: NDArray[np.float64], units: float, paper: bool
+) -> None:
+    """paper: it is read before the light paper of a figure, not before a dark viewport."""
     text = make_object(board, role, "Lappet label", "FONT")
     if text.data.body != words:
         text.data.body = words
     if text.data.align_x != "CENTER":
         text.data.align_x, text.data.align_y = "CENTER", "BOTTOM"
-        text.data.materials.append(part_material(board, "legend ink", 1.0))
+        text.data.materials.append(None)
         text.hide_select = True
+    ink = part_material(board, "legend ink" if paper else "label", 1.0)
+    if text.data.materials[0] != ink:
+        text.data.materials[0] = ink
     if text.data.size != np.float32(LABEL_SIZE * units):
         text.data.size = LABEL_SIZE * units
     low, high = box * units
