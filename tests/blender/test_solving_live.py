@@ -96,9 +96,7 @@ def test_switching_the_property_off_going_to_another_frame_or_editing_ends_it(
 
 
 @pytest.mark.parametrize("leaves", [True, False], ids=["going to another frame ends it", "the button ends it"])
-def test_an_animated_target_is_keyed_where_it_was_dragged(
-    patch: bpy.types.Scene, script: Script, leaves: bool
-) -> None:
+def test_an_animated_target_is_keyed_where_it_was_dragged(patch: bpy.types.Scene, script: Script, leaves: bool) -> None:
     target = bpy.data.objects["target"]
     for frame, z in ((4, 2.0), (8, 6.0)):
         target.location.z = z

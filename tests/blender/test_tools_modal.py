@@ -7,7 +7,6 @@ from typing import Any
 
 import bpy
 import pytest
-from tool_scenes import flat_tissue, stand_in_display
 
 from lappet_blender.tools import shown_surface as shown
 from lappet_blender.tools import skin_modal
@@ -15,6 +14,7 @@ from lappet_blender.tools.draw_line import _DrawLine
 from lappet_blender.tools.preview import clear_preview, preview_of
 from lappet_blender.tools.skin_modal import RUNNING, SkinModal
 from lappet_blender.tools.skin_pick import pick_along_ray
+from tool_scenes import flat_tissue, stand_in_display
 
 
 class FakeView:

@@ -112,7 +112,7 @@ def tissue(blender: Driver) -> Steps:
     yield 0.3
     blender.expect(scene.lappet.tissue.object is not None, "the button makes the mesh the tissue")
     blender.expect(scene.lappet.tissue.thicken, "an open surface is given a thickness")
-    scene.lappet.tissue.spacing = 2.0
+    scene.lappet.tissue.spacing = 1.0
     bpy.ops.ed.undo_push(message="Spacing")
     scene.lappet.look.show_lattice = True
     display = import_module(f"{MODULE}.display.skin_display")
@@ -189,7 +189,9 @@ def draw(blender: Driver) -> Steps:
 def solve(blender: Driver, pulse: Pulse) -> Steps:
     """Solves while Blender answers."""
     scene = bpy.context.scene
-    yield from blender.wait_until(lambda: frames().plan_of(scene) is not None, 30.0, "the procedure is planned by itself")
+    yield from blender.wait_until(
+        lambda: frames().plan_of(scene) is not None, 30.0, "the procedure is planned by itself"
+    )
     scene.frame_set(CUT)
     yield 0.5
     yield from blender.screenshot("07_cut_at_rest")

@@ -57,7 +57,7 @@ class Dressing:
         self._edge.source = source
         if self._bed is not None:
             self._bed.source = source
-        self._marks = SkinMarks(source)
+        self._marks: SkinMarks = SkinMarks(source, kept._marks if kept else None)
         self._thread = self._new_thread()
         self._hooks: HookSteel | None = None
         self._known: tuple[float | None, ...] = ()
@@ -65,7 +65,7 @@ class Dressing:
     def events_changed(self, scene: bpy.types.Scene) -> None:
         """The scene's events are others now: the pen marks follow."""
         self.source.read_events(scene)
-        self._marks = SkinMarks(self.source)
+        self._marks = SkinMarks(self.source, self._marks)
 
     def frames_changed(self) -> None:
         """Frames have come or gone: where stitches bite and hooks point is found anew if that tells something new."""
@@ -80,9 +80,9 @@ class Dressing:
         epoch = self.source.epoch_at(time)
         ready = turn.begins(not self._edge.knows(epoch))
         self._tubes(where, "edge", "Wound edge", 6, ready, lambda: self._edge.tubes(time))
-        wanted = look.show_plan and turn.begins(not self._marks.knows(time))
-        self._tubes(where, "ink", "Marks", 6, wanted, lambda: self._marks.tubes(time))
-        self._thread.until = turn.until
+        self._marks.until = self._thread.until = turn.until
+        self._tubes(where, "ink", "Marks", 6, look.show_plan, lambda: self._marks.tubes(time))
+        turn.unfinished |= look.show_plan and self._marks.unfinished
         self._tubes(where, "thread", "Sutures", 6, look.show_sutures, lambda: self._thread.tubes(time))
         turn.unfinished |= self._thread.unfinished
         wanted = look.show_hooks and turn.begins(self._hooks is None or not self._hooks.knows(epoch))

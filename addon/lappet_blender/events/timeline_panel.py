@@ -13,6 +13,7 @@ from ..model.event_target import is_there
 
 ICONS = {kind[0]: kind[3] for kind in KINDS}
 STATES = {"solved": "CHECKMARK", "stale": "FILE_REFRESH", "failed": "ERROR", "missing": "BLANK1"}
+_WIDE = 300  # pixels at a scale of 1; a sidebar as it opens is narrower
 # The tool that places an event of each kind.
 TOOLS = {
     "INCISION": "lappet.incision",
@@ -46,6 +47,11 @@ def state_of(scene: bpy.types.Scene, event: Any) -> str:
     return str(frame_state(scene, max(math.ceil(event_time(event)), scene.frame_start)))
 
 
+def _is_wide(context: bpy.types.Context) -> bool:
+    """Whether the sidebar has room for when events end; names come first."""
+    return context.region is None or context.region.width > _WIDE * (context.preferences.system.ui_scale or 1.0)
+
+
 class LAPPET_UL_events(bpy.types.UIList):
     """Events in order of time."""
 
@@ -70,12 +76,13 @@ class LAPPET_UL_events(bpy.types.UIList):
         row.prop(item, "title", text="", emboss=False)  # takes what the others leave of a narrow sidebar
         if item.kind != "LANDMARK":
             time = row.row(align=True)
-            time.ui_units_x = 1.7
+            time.ui_units_x = 2.3
             time.prop(item, "moment", text="", emboss=False)
-            until = row.row(align=True)
-            until.ui_units_x = 1.5
-            end = event_end(item)
-            until.label(text=f"–{end:g}" if end > event_time(item) else "")
+            if _is_wide(context):
+                until = row.row(align=True)
+                until.ui_units_x = 1.9
+                end = event_end(item)
+                until.label(text=f"– {end:g}" if end > event_time(item) else "")
             row.label(text="", icon=STATES[state_of(context.scene, item)])
 
     def filter_items(self, context: bpy.types.Context, _data: Any, _property: str) -> tuple[list[int], list[int]]:
