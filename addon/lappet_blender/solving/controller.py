@@ -59,7 +59,7 @@ class Job:
 
 @dataclass(eq=False)
 class Live:
-    """A hook is dragged: target in mm as last sent; moved: it was, since live mode began; frame: the latest that came back."""
+    """A hook is dragged: target in mm as last sent, moved: since live mode began; frame: the latest that came back."""
 
     hook: str
     event_uid: str

@@ -105,7 +105,7 @@ def unsubscribe(listener: Listener) -> None:
 
 
 def add_follow_up(step: FollowUp) -> None:
-    """Calls `step()` whenever the timer comes by: what a listener puts off, a little at a time; True = there is more."""
+    """Calls `step()` when the timer comes by, for what a listener puts off; it does a little, True = there is more."""
     if step not in _follow_ups:
         _follow_ups.append(step)
 
@@ -118,7 +118,8 @@ def remove_follow_up(step: FollowUp) -> None:
 
 def follow_up() -> bool:
     """Does a little of what listeners put off; whether there is more."""
-    return any([step() for step in list(_follow_ups)])
+    more = [step() for step in list(_follow_ups)]  # every one gets its turn
+    return any(more)
 
 
 def announce(scene: bpy.types.Scene, controller: Controller) -> None:
