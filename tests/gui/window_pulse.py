@@ -12,17 +12,25 @@ from event_driver import Driver
 
 MODULE = "bl_ext.user_default.lappet_blender"
 _BEAT = 0.005
+_WATCHED = (("solving.pump", "pump"), ("display.skin_display", "show"), ("tools.plan_overlay", "plan_ink"))
 
 
 class Pulse:
-    """Measures from `begin` on: `gap`, the longest time between two turns of Blender's loop, drawing included, and by
-    name the longest call of Lappet's timer and of its drawing of a frame; wall clock and the thread's own time, s."""
+    """Measures from `begin` on.
+
+    gap: the longest time between two turns of Blender's loop, drawing included, wall clock, s. longest: by name the
+    longest call of Lappet's timer, of showing a frame, of the lines of the plan and of undo, the thread's own time, s.
+    """
 
     def __init__(self, blender: Driver) -> None:
         self._blender = blender
         self.begin()
-        for module, name in (("solving.pump", "pump"), ("display.skin_display", "show")):
+        for module, name in _WATCHED:
             self._watch(import_module(f"{MODULE}.{module}"), name)
+        for handlers in (bpy.app.handlers.undo_post, bpy.app.handlers.redo_post):
+            for index, handler in enumerate(handlers):
+                if handler.__module__.startswith(MODULE):
+                    handlers[index] = bpy.app.handlers.persistent(self._timed(handler, "undo"))
         bpy.app.timers.register(self._beat, persistent=True)
 
     def begin(self) -> None:
@@ -45,8 +53,9 @@ class Pulse:
         return _BEAT
 
     def _watch(self, module: Any, name: str) -> None:
-        call: Callable[..., Any] = getattr(module, name)
+        setattr(module, name, self._timed(getattr(module, name), name))
 
+    def _timed(self, call: Callable[..., Any], name: str) -> Callable[..., Any]:
         def timed(*given: Any, **named: Any) -> Any:
             begun = time.thread_time()
             try:
@@ -54,4 +63,4 @@ class Pulse:
             finally:
                 self.longest[name] = max(self.longest.get(name, 0.0), time.thread_time() - begun)
 
-        setattr(module, name, timed)
+        return timed

@@ -58,7 +58,7 @@ def build_epoch_mesh(shape: EpochShape, walls: bool = True, units: float = 0.001
     triangles, origin, grid = shape.triangles[kept], shape.origin[kept], shape.grid[kept]
     mesh = build_mesh(mesh_name(shape), shape.rest, triangles, units)
     mesh[KEY] = shape.key if walls else f"{shape.key} without walls"
-    mesh.polygons.foreach_set("material_index", origin.astype(np.int32))
+    set_attribute(mesh, "material_index", "INT", "FACE", origin.astype(np.int32))
     mark_sharp_borders(mesh, origin)
     set_attribute(mesh, "rest", "FLOAT_VECTOR", "POINT", shape.rest)
     set_attribute(mesh, "depth", "FLOAT", "POINT", shape.depth)

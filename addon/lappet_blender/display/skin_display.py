@@ -257,7 +257,7 @@ def _draw_skin(
         mesh.materials.clear()
         for material in materials:
             mesh.materials.append(material)
-        mesh.polygons.foreach_set("material_index", _origins(mesh))
+        set_attribute(mesh, "material_index", "INT", "FACE", _origins(mesh))
     mesh.update()
     place(skin, where.offset)
     set_visible(skin, True)

@@ -45,9 +45,11 @@ class DeepBed:
         for k, point in enumerate(self.rest):
             self._tree.insert(point, k)
         self._tree.balance()
-        pairs = np.concatenate([corners[:, [a, b]] for a in range(3) for b in range(3)])
-        pairs = np.unique(pairs, axis=0) if len(pairs) else np.zeros((0, 2), np.int64)
-        self._ring, self._begin = pairs[:, 1], np.searchsorted(pairs[:, 0], np.arange(len(used)))
+        count = max(len(used), 1)
+        ways = ((0, 1), (1, 2), (2, 0), (1, 0), (2, 1), (0, 2))
+        own = np.arange(len(used)) * (count + 1)
+        pairs = np.unique(np.concatenate([own, *(corners[:, a] * count + corners[:, b] for a, b in ways)]))
+        self._ring, self._begin = pairs % count, np.searchsorted(pairs // count, np.arange(len(used)))
         self._cells, self._nearest = np.zeros(0, np.int64), np.zeros(0, np.int64)
 
     def __len__(self) -> int:
