@@ -26,7 +26,7 @@ PANELS = ("Tissue", "Materials", "Timeline", "Solve", "Look", "Compare", "Files"
 # The Z on the skin, mm: the ends of the central limb are B and C, those of the others A and D.
 A, B, C, D = (np.array(corner) for corner in ((0.0, 17.3), (10.0, 0.0), (-10.0, 0.0), (0.0, -17.3)))
 UPPER, LOWER = (A + B + C) / 3, (B + C + D) / 3
-BESIDE = 0.5  # mm from the cut to a stitch
+BESIDE = 0.3  # mm from the cut to a stitch
 # Edges that meet: from, to, and a place on the side of the line that is clicked.
 SEAMS = (
     ((B, C, UPPER), (D, C, 2 * C - LOWER)),
@@ -53,10 +53,10 @@ def events(kind: str = "") -> list[Any]:
     return [event for event in bpy.context.scene.lappet.events if kind in ("", event.kind)]
 
 
-def window_call(blender: Driver, name: str, region: str = "WINDOW", **arguments: Any) -> None:
+def window_call(blender: Driver, button: str, **arguments: Any) -> None:
     """Presses a button: its operator, as the button calls it, with a step of undo."""
-    group, _, operator = name.partition(".")
-    with blender.override(region):
+    group, _, operator = button.partition(".")
+    with blender.override():
         getattr(getattr(bpy.ops, group), operator)("INVOKE_DEFAULT", True, **arguments)
 
 
@@ -229,6 +229,13 @@ def sew(blender: Driver, height: float, picture: str) -> Steps:
     blender.expect(made == 18, f"three runs are {made} sutures")
 
 
+def places(blender: Driver, height: float, name: str) -> Steps:
+    """A picture of where to click, whose places `tutorial_pictures.py` numbers."""
+    yield from blender.screenshot(name)
+    spots = [blender.at((x, y, height)) for seam in SEAMS for edge in seam for x, y in beside(edge)]
+    blender.notes[name] = spots
+
+
 def stitches(blender: Driver) -> Steps:
     """The deep row from below, through X-ray; the row in the skin from above. Both at frame 26."""
     scene = bpy.context.scene
@@ -236,14 +243,12 @@ def stitches(blender: Driver) -> Steps:
     shading = blender.area().spaces.active.shading
     yield from view(blender, "BOTTOM", 62.0)
     shading.show_xray = True
+    yield from places(blender, -4.0, "places_deep")
     yield from sew(blender, -4.0, "sew_deep")
     shading.show_xray = False
     yield from view(blender, "TOP", 62.0)
+    yield from places(blender, 0.0, "places_skin")
     yield from sew(blender, 0.0, "sew_skin")
-    yield from blender.screenshot("sewn")
-    # In the pictures of the page the places to click are numbered; where they are.
-    spots = [blender.at((x, y, 0.0)) for seam in SEAMS for edge in seam for x, y in beside(edge)]
-    blender.notes["spots"] = spots
 
 
 def watched(blender: Driver) -> Steps:
@@ -291,6 +296,9 @@ def second_thoughts(blender: Driver) -> Steps:
     )
     blender.expect(solving().plan_of(bpy.context.scene).key != lifted, "they are those without the lift")
     yield from blender.screenshot("undone")
+    yield 4.0
+    bpy.context.scene.frame_set(17)
+    yield from blender.screenshot("undone_17")
     for _ in range(2):
         yield from blender.key("Z", ctrl=True, shift=True)
         yield 0.5
