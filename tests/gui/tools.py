@@ -203,7 +203,9 @@ def scenario(blender: Driver) -> Steps:
     )
     yield from blender.screenshot("undone")
     yield from target(blender)
+    yield from runs(blender)
     yield from views(blender)
+    yield from without_toolbar(blender)
     yield from interrupted(blender)
 
 
@@ -231,6 +233,69 @@ def target(blender: Driver) -> Steps:
     bpy.context.scene.frame_set(13)  # undo has gone back to the frame of the step before
     there = bpy.data.objects[name].matrix_world.translation
     blender.expect((there - before).length < 0.01, "Ctrl-Z brings it back in one step")
+
+
+def setting(operator: str) -> bpy.types.OperatorProperties:
+    """The settings of the tool in hand."""
+    return bpy.context.workspace.tools.from_space_view3d_mode("OBJECT").operator_properties(operator)
+
+
+def runs(blender: Driver) -> Steps:
+    """Runs of sutures: along an incision, and between two edges."""
+    yield from blender.set_tool("lappet.suture")
+    setting("lappet.place_suture").mode = "INCISION"
+    setting("lappet.place_suture").spacing = 5.0
+    before = len(events())
+    yield from blender.click(blender.at(height(-12, -1.8)))
+    yield 0.2
+    sewn = bpy.context.scene.lappet.events[before:]
+    blender.expect(
+        len(sewn) in (7, 8) and all(event.kind == "SUTURE" for event in sewn),
+        f"a click on an incision of 37 mm sews it with one suture in 5 mm: {len(sewn)}",
+    )
+    setting("lappet.place_suture").mode = "RUN"
+    setting("lappet.place_suture").count = 3
+    before = len(events())
+    for place in ((-8, -16), (8, -16)):
+        yield from blender.click(blender.at(height(*place)))
+    yield from blender.key("RET")
+    for place in ((8, -18), (-8, -18)):
+        yield from blender.click(blender.at(height(*place)))
+    yield from blender.screenshot("run_preview")
+    yield from blender.key("RET")
+    yield 0.2
+    sewn = [first_points(event) for event in bpy.context.scene.lappet.events[before:]]
+    blender.expect(len(sewn) == 3, "two edges and Return make a run of three sutures")
+    blender.expect(
+        all(abs(ends[0][0] - ends[1][0]) < 0.5 for ends in sewn),
+        "which do not cross, though one edge was clicked backwards",
+    )
+    yield from blender.screenshot("runs")
+
+
+def without_toolbar(blender: Driver) -> Steps:
+    """A tool that is started from the menu, with another in hand; nothing to draw on."""
+    yield from blender.set_tool("builtin.select_box")
+    before = len(events())
+    with blender.override():
+        bpy.ops.lappet.draw_incision("INVOKE_DEFAULT")
+    yield 0.1
+    yield from blender.click(blender.at(height(-25, 15)))
+    yield from blender.click(blender.at(height(-15, 16)))
+    yield from blender.click(blender.at(height(-15, 16)), button="RIGHTMOUSE")
+    yield 0.2
+    blender.expect(len(events()) == before + 1, "a tool works from the menu; the right button ends it")
+    skin = bpy.context.scene.lappet.skin
+    skin.hide_set(True)
+    yield 0.3
+    yield from blender.set_tool("lappet.landmark")
+    yield from blender.click(blender.at(height(5, 5)))
+    yield 0.2
+    blender.expect(len(events()) == before + 1, "nothing is drawn on skin that is hidden")
+    yield from blender.screenshot("hidden")
+    skin.hide_set(False)
+    yield from blender.key("ESC")  # the sentence that said so
+    yield 0.3
 
 
 def views(blender: Driver) -> Steps:

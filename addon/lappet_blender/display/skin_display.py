@@ -120,9 +120,14 @@ def dressing_of(scene: bpy.types.Scene, shown: Shown) -> Dressing:
     if before is not None and before.source.plan.key == shown.plan.key:
         return before
 
+    uid = scene.session_uid  # undo replaces the scene's data: it is looked for anew each time
+
     def lookup(time: int) -> object:
         from ..solving import frames
 
+        scene = next((each for each in bpy.data.scenes if each.session_uid == uid), None)
+        if scene is None:
+            return None
         if frames.frame_state(scene, time) != "solved":
             return None
         found = frames.shown_at(scene, time)

@@ -108,12 +108,18 @@ def nearest_handle(
 
 
 def nearest_line(
-    scene: bpy.types.Scene, surface: ShownSurface, project: Project, mouse: Sequence[float], radius: float
+    scene: bpy.types.Scene,
+    surface: ShownSurface,
+    project: Project,
+    mouse: Sequence[float],
+    radius: float,
+    kinds: Sequence[str] = (*LINE_KINDS, "SUTURE"),
 ) -> str | None:
-    """The uid of the event whose line is nearest to the mouse (pixels) within a radius; None for none."""
+    """The uid of the event, of some kinds, whose line is nearest to the mouse (pixels) within a radius; None for
+    none."""
     best, found = radius, None
     for event in scene.lappet.events:
-        if event.kind not in (*LINE_KINDS, "SUTURE") or len(event.points) < 2:
+        if event.kind not in kinds or len(event.points) < 2:
             continue
         basis, closed = ("LINEAR", False) if event.kind == "SUTURE" else (event.basis, is_closed(event))
         samples = rest_samples(event_points(event), basis, closed)

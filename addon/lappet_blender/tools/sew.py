@@ -136,8 +136,8 @@ class LAPPET_OT_place_suture(SkinModal, bpy.types.Operator):
     def _sew_incision(self, context: bpy.types.Context, view: View) -> Result | None:
         surface = shown_surface(context.scene, view.space)
         radius = 20.0 * context.preferences.system.ui_scale
-        uid = surface and nearest_line(context.scene, surface, view.project, view.mouse, radius)
-        event = next((e for e in context.scene.lappet.events if e.uid == uid and e.kind == "INCISION"), None)
+        uid = surface and nearest_line(context.scene, surface, view.project, view.mouse, radius, ("INCISION",))
+        event = next((e for e in context.scene.lappet.events if e.uid == uid), None)
         if surface is None or event is None:
             self._said = "no incision is near the mouse; "
             return None
