@@ -6,7 +6,7 @@ import numpy as np
 from mathutils.kdtree import KDTree
 from numpy.typing import NDArray
 
-from .skin_fields import UNDERSIDE, WOUND_WALL, vertex_normals
+from .skin_fields import RIM, UNDERSIDE, WOUND_WALL, vertex_normals
 from .skin_source import SkinSource
 
 BED_GAP = 0.35
@@ -29,6 +29,9 @@ class DeepBed:
         points = source.rest(epoch)
         faces = epoch.triangles[epoch.origin == UNDERSIDE]
         faces = faces[self._near_wounds(points[faces].mean(axis=1))] if len(faces) else faces
+        # At the tissue's cut rim it would look out from under it.
+        inner = ~np.isin(faces, epoch.triangles[epoch.origin == RIM]).any(axis=1)
+        faces = faces[inner] if inner.any() else faces
         used, corners = np.unique(faces, return_inverse=True)
         corners = corners.reshape(-1, 3)
         self.triangles = corners[:, ::-1].astype(np.int32)

@@ -23,6 +23,10 @@ class HookSteel:
         self._directions = dict(zip(courses, found, strict=True))
         self._held: dict[str, tuple[SkinNormals, NDArray[np.int64], NDArray[np.int32]]] = {}
 
+    def knows(self, epoch: SkinEpoch) -> bool:
+        """Whether a hook was drawn in an epoch before."""
+        return epoch.name in self._held
+
     def tubes(self, time: float) -> tuple[list[NDArray[np.float64]], list[NDArray[np.float64]]]:
         """The hooks (k, 3) that are active at a frame and their radii, mm."""
         hooks = self._source.hooks(time)
