@@ -289,8 +289,10 @@ def second_thoughts(blender: Driver) -> Steps:
         yield from blender.key("Z", ctrl=True)
         yield 0.5
     yield from blender.wait_until(
-        lambda: solving().plan_of(bpy.context.scene) is not None
-        and [run.state for run in solving().frame_runs(bpy.context.scene)] == ["solved"],
+        lambda: (
+            solving().plan_of(bpy.context.scene) is not None
+            and [run.state for run in solving().frame_runs(bpy.context.scene)] == ["solved"]
+        ),
         6.0,
         "two Ctrl-Z: the frames from before are there again, all solved",
     )
@@ -303,8 +305,7 @@ def second_thoughts(blender: Driver) -> Steps:
         yield from blender.key("Z", ctrl=True, shift=True)
         yield 0.5
     yield from blender.wait_until(
-        lambda: solving().plan_of(bpy.context.scene) is not None
-        and solving().plan_of(bpy.context.scene).key == lifted,
+        lambda: solving().plan_of(bpy.context.scene) is not None and solving().plan_of(bpy.context.scene).key == lifted,
         6.0,
         "Ctrl-Shift-Z brings the lift back",
     )
