@@ -249,7 +249,7 @@ def _unfolded(path: _Path, kerf: float) -> list[Ribbon]:
     breaks = (turn > np.radians(150.0)) | (0.5 * kerf * np.tan(np.minimum(turn, 3.0) / 2.0) > _FOLD * shortest)
 
     ribbons = []
-    for chain, whole, begins, ends in _chains(path, breaks, lengths, kerf):
+    for chain, whole, begins, ends in _chains(path, breaks, turn, lengths, kerf):
         into, out = directions_in[chain].copy(), directions_out[chain].copy()
         if not whole:
             into[0], out[-1] = out[0], into[-1]
@@ -267,7 +267,7 @@ def _unfolded(path: _Path, kerf: float) -> list[Ribbon]:
 
 
 def _chains(
-    path: _Path, breaks: NDArray[np.bool_], lengths: NDArray[np.float64], kerf: float
+    path: _Path, breaks: NDArray[np.bool_], turn: NDArray[np.float64], lengths: NDArray[np.float64], kerf: float
 ) -> list[tuple[NDArray[np.int64], bool, float, float]]:
     """Vertex chains without folds and self-overlap: (vertices, closed, reach before, reach after), in units of kerf."""
     n = len(path.points)
@@ -290,6 +290,10 @@ def _chains(
         current.append(segment)
     last = 0.5 if broke else (0.0 if path.closed else _OVERLAP)
     chains.append((np.array([*current, current[-1] + 1]) % n, False, reach, last))
+    if path.closed and len(chains) == 1:  # its two ends would overlap at the one sharp corner: part it where it is flat
+        ((chain, _, before, after),) = chains
+        at = 1 + int(turn[chain[1:-1]].argmin())
+        return [(chain[: at + 1], False, before, 0.5), (chain[at:], False, 0.5, after)]
     return chains
 
 

@@ -100,6 +100,13 @@ def _few() -> Iterator[Case]:
         converges=False,
         says=("discards the last",),
     )
+    needle = ((5.0, 0.0, TOP), (-3.0, 0.5, TOP), (-3.0, 0.0, TOP))
+    sharp = Incision("sharp", 1.0, needle, closed=True)
+    out = Excision("out", 2.0, ((-2.0, 0.2, TOP),))
+    yield Case("excision of a wedge with a tip of 4°", "cuts", lambda: opened(sharp, out))
+    yield Case("undermined wedge with a tip of 4°", "cuts", lambda: opened(Undermine("free", 1.0, needle)))
+    dot = tuple((0.5 + 0.05 * x, 0.5 + 0.05 * y, TOP) for x, y, _ in ring)
+    yield Case("undermined area of 0.2 mm", "cuts", lambda: opened(Undermine("free", 1.0, dot)))
     yield Case("undermined, then cut", "cuts", lambda: opened(Undermine("free", 1.0, ring), Incision("a", 2.0, LONG)))
     yield Case(
         "undermined to the rim and beyond",
