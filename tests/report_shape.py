@@ -26,7 +26,7 @@ FRAME: dict[str, Any] = {
     "suture_forces_mn": dict,
     "hook_forces_mn": dict,
     "landmarks": dict,
-    "estimated_error_mm": type(None),
+    "estimated_error_mm": (dict, type(None)),
     "cache_hit": bool,
     "key": str,
 }
@@ -51,6 +51,7 @@ REPORT: dict[str, Any] = {
     "interrupted": bool,
     "reason": (str, type(None)),
     "notes": list,
+    "error_estimate": (dict, type(None)),
     "frames": [FRAME],
     "failed": (dict, type(None)),
     "frames_solved": int,

@@ -64,13 +64,17 @@ def contents(store: Path, keys: list[str]) -> list[dict[str, bytes]]:
 def foreground(tmp_path_factory: pytest.TempPathFactory, binary: Path) -> Path:
     """The store of `lappet solve` for the long procedure."""
     folder = tmp_path_factory.mktemp("foreground")
-    result = solve_procedure(long_procedure(), folder / "c.usdc", store=FrameStore(folder / "store"))
+    result = solve_procedure(
+        long_procedure(), folder / "c.usdc", store=FrameStore(folder / "store"), error_estimate=False
+    )
     assert result.complete
     return folder / "store"
 
 
 def test_a_background_solve_has_the_keys_and_the_bits_of_lappet_solve(tmp_path: Path, binary: Path) -> None:
-    result = solve_procedure(small_procedure(), tmp_path / "c.usdc", store=FrameStore(tmp_path / "foreground"))
+    result = solve_procedure(
+        small_procedure(), tmp_path / "c.usdc", store=FrameStore(tmp_path / "foreground"), error_estimate=False
+    )
     with owner(tmp_path / "background") as own:
         job = own.solver.solve(small_procedure(), SETTINGS)
         ended = own.finished(job)
@@ -93,7 +97,9 @@ def test_a_background_solve_has_the_keys_and_the_bits_of_lappet_solve(tmp_path: 
 def test_the_other_way_round_lappet_solve_finds_every_frame_of_the_background(tmp_path: Path, binary: Path) -> None:
     with owner(tmp_path / "store") as own:
         own.finished(own.solver.solve(small_procedure(), SETTINGS))
-    result = solve_procedure(small_procedure(), tmp_path / "c.usdc", store=FrameStore(tmp_path / "store"))
+    result = solve_procedure(
+        small_procedure(), tmp_path / "c.usdc", store=FrameStore(tmp_path / "store"), error_estimate=False
+    )
     assert (result.solved, result.looked_up) == (0, 8)
 
 

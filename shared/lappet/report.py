@@ -76,10 +76,7 @@ def report(result: SolveResult) -> dict[str, Any]:
             "seconds": result.errors.seconds,
             "reason": result.errors.reason,
         },
-        "frames": [
-            {**_frame(program, frame), "estimated_error_mm": _error(program, frame, error)}
-            for frame, error in zip(result.frames, _errors(result), strict=True)
-        ],
+        "frames": [_frame(program, frame, error) for frame, error in zip(result.frames, _errors(result), strict=True)],
         "failed": None if result.failed is None else _frame(program, result.failed),
         "frames_solved": result.solved,
         "cache_hits": result.looked_up,
@@ -108,7 +105,7 @@ def write_report(result: SolveResult, path: Path | str) -> None:
         raise
 
 
-def _frame(program: Program, frame: FrameResult) -> dict[str, Any]:
+def _frame(program: Program, frame: FrameResult, error: FrameError | None = None) -> dict[str, Any]:
     header, arrays, constraints = frame.header, frame.arrays, frame.constraints
     position = next(i for i, each in enumerate(program.frames) if each is constraints)
     epoch = next(i for i, each in enumerate(program.epochs) if each.index == constraints.epoch)
@@ -136,6 +133,7 @@ def _frame(program: Program, frame: FrameResult) -> dict[str, Any]:
         "suture_forces_mn": _named(sutures, arrays["suture_forces"]),
         "hook_forces_mn": _named(hooks, arrays["hook_forces"]),
         "landmarks": _named(landmarks, arrays["landmarks"]),
+        "estimated_error_mm": _error(program, frame, error),
         "cache_hit": frame.looked_up,
         "key": frame.key,
     }

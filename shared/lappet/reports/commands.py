@@ -36,6 +36,36 @@ def report_group(sentences: Sentences) -> click.Group:
             for path in run_error_time(scenes, folder, quick, say=_say):
                 click.echo(path)
 
+    @report.command("stability")
+    @_output("stability")
+    @click.option("--only", multiple=True, metavar="GROUP", help="Only this group of cases; may be given again.")
+    @click.option("--quick", is_flag=True, help="Without the slow cases.")
+    @click.option(
+        "--fuzz",
+        type=click.IntRange(min=1),
+        metavar="N",
+        help="Instead, solve N small procedures made at random, the same ones every time.",
+    )
+    @click.pass_context
+    def stability(
+        context: click.Context, /, folder: Path, only: tuple[str, ...], quick: bool, fuzz: int | None
+    ) -> None:
+        """Solve stiff and extreme cases and hold each against the outcome that is right: it converges, or is refused
+        with a reason. Exit status 1 where one does neither.
+        """
+        with sentences(context):
+            from lappet.reports.stability_run import chosen_cases, run_fuzz, run_stability
+
+            if fuzz is not None:
+                text, right, files = run_fuzz(folder, fuzz, _say)
+            else:
+                text, right, files = run_stability(folder, chosen_cases(only, quick), _say)
+            click.echo(text)
+            for path in files:
+                click.echo(path)
+            if not right:
+                context.exit(1)
+
     return report
 
 

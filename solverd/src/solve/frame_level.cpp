@@ -142,7 +142,9 @@ void FrameLevel<Real>::assemble_next() {
     std::array<bool, 64> used{};
   };
   const std::size_t cells = coarse_->cell_nodes.size();
-  std::vector<std::vector<Neighbour>> couplings(cells);
+  // A neighbour takes 18 kB: a batch of cells at a time.
+  constexpr std::size_t kBatch = 64;
+  std::vector<std::vector<Neighbour>> couplings(std::min(kBatch, cells));
   std::vector<std::int32_t> owner(lattice_.nodes);
   for (std::size_t c = 0; c < cells; ++c)
     for (auto s = coarse_->slot_start[c]; s < coarse_->slot_start[c + 1]; ++s)
@@ -150,8 +152,8 @@ void FrameLevel<Real>::assemble_next() {
   const auto weight_of = [&](std::size_t slot) -> const std::array<double, 8>& {
     return weights_[static_cast<std::size_t>(coarse_->weight_index(coarse_->local[slot]))];
   };
-  tbb::parallel_for(std::size_t{0}, cells, [&](std::size_t c) {
-    auto& list = couplings[c];
+  const auto couple = [&](std::size_t c, std::vector<Neighbour>& list) {
+    list.clear();
     struct Row {  // of one node: its couplings summed over the nodes of a neighbour
       std::size_t cell;
       std::array<Block, 8> blocks;
@@ -204,17 +206,21 @@ void FrameLevel<Real>::assemble_next() {
           if (neighbour.used[8 * k + l])
             neighbour.blocks[8 * k + l] =
                 shift_of(c, k).transpose() * neighbour.blocks[8 * k + l] * shift_of(neighbour.cell, l);
-  });
+  };
   auto& to = next_->matrix();
   to.set_zero();
-  for (std::size_t c = 0; c < cells; ++c)
-    for (const auto& neighbour : couplings[c])
-      for (std::size_t k = 0; k < 8; ++k)
-        for (std::size_t l = 0; l < 8; ++l)
-          if (neighbour.used[8 * k + l])
-            Eigen::Map<Eigen::Matrix<Real, 6, 6, Eigen::RowMajor>>(
-                to.block(to.slot(coarse_->cell_nodes[c][k], coarse_->cell_nodes[neighbour.cell][l]))) +=
-                neighbour.blocks[8 * k + l].template cast<Real>();
+  for (std::size_t first = 0; first < cells; first += kBatch) {
+    const std::size_t count = std::min(kBatch, cells - first);
+    tbb::parallel_for(std::size_t{0}, count, [&](std::size_t k) { couple(first + k, couplings[k]); });
+    for (std::size_t c = first; c < first + count; ++c)
+      for (const auto& neighbour : couplings[c - first])
+        for (std::size_t k = 0; k < 8; ++k)
+          for (std::size_t l = 0; l < 8; ++l)
+            if (neighbour.used[8 * k + l])
+              Eigen::Map<Eigen::Matrix<Real, 6, 6, Eigen::RowMajor>>(
+                  to.block(to.slot(coarse_->cell_nodes[c][k], coarse_->cell_nodes[neighbour.cell][l]))) +=
+                  neighbour.blocks[8 * k + l].template cast<Real>();
+  }
 }
 
 template <class Real>

@@ -109,7 +109,7 @@ class System {
   std::vector<Push> pushes_;
   std::vector<std::int32_t> fragment_of_node_;
   std::vector<std::int32_t> floating_cells_;
-  double drift_stiffness_;  // mN/mm on a corner of a floating cell
+  double drift_stiffness_ = 0.0;  // mN/mm on a corner of a floating cell
   std::vector<std::uint8_t> free_;
   std::size_t free_count_ = 0;
   std::vector<std::int32_t> prescribed_nodes_;
