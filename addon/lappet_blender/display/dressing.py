@@ -58,8 +58,9 @@ class Dressing:
         if self._bed is not None:
             self._bed.source = source
         self._marks: SkinMarks = SkinMarks(source, kept._marks if kept else None)
-        self._thread = self._new_thread()
+        self._thread: SutureThread = self._new_thread(kept._thread if kept else None)
         self._hooks: HookSteel | None = None
+        self._old_hooks: HookSteel | None = (kept._hooks or kept._old_hooks) if kept else None
         self._known: tuple[float | None, ...] = ()
 
     def events_changed(self, scene: bpy.types.Scene) -> None:
@@ -73,7 +74,8 @@ class Dressing:
         known = tuple(self.source.last_known(epoch) for epoch in self.source.epochs)
         if known != self._known:
             self._known = known
-            self._thread, self._hooks = self._new_thread(), None
+            self._thread = self._new_thread(self._thread)
+            self._hooks, self._old_hooks = None, self._hooks or self._old_hooks
 
     def draw(self, where: Where, time: float, look: bpy.types.PropertyGroup, turn: Turn) -> None:
         """Draw a frame; a part that cannot be drawn is left out, and so is, for now, one that the turn puts off."""
@@ -91,12 +93,13 @@ class Dressing:
             self._draw_bed(where, time)
         self._draw_landmarks(where, time, look.show_landmarks)
 
-    def _new_thread(self) -> SutureThread:
-        return SutureThread(self.source, self._axes[0] + 0.6 * self._axes[1], self._scale)
+    def _new_thread(self, before: SutureThread | None) -> SutureThread:
+        return SutureThread(self.source, self._axes[0] + 0.6 * self._axes[1], self._scale, before=before)
 
     def _steel(self) -> HookSteel:
         if self._hooks is None:
-            self._hooks = HookSteel(self.source, self._axes, self.region.centre, self._scale)
+            known = self._old_hooks
+            self._hooks = HookSteel(self.source, self._axes, self.region.centre, self._scale, known)
         return self._hooks
 
     def _tubes(self, where: Where, role: str, name: str, sides: int, wanted: bool, tubes: Callable[[], Tubes]) -> None:

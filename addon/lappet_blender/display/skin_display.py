@@ -232,12 +232,17 @@ def _draw_skin(
     if not turn.begins(not has_materials(where.board, look.color)):
         return None
     materials = skin_materials(where.board, look.color, highest, where.units)
-    skin = make_object(where.board, f"{where.prefix}skin", "Lappet skin" if not where.prefix else "Lappet skin beside")
-    if skin.mode != "OBJECT":
-        return skin  # somebody edits it: what they do is lost at the next frame, but not under their hands
+    role = f"{where.prefix}skin"
+    before = find_object(where.board, role)
+    if before is not None and before.mode != "OBJECT":
+        return before  # somebody edits it: what they do is lost at the next frame, but not under their hands
     shape, frame = shown.epoch, fitting(shown.frame, shown.epoch)
-    if not turn.begins(find_epoch_mesh(shape, look.show_walls, skin.data) is None):
-        return skin if len(skin.data.vertices) else None
+    known = find_epoch_mesh(
+        shape, look.show_walls, before.data if before is not None and before.type == "MESH" else None
+    )
+    if not turn.begins(known is None):
+        return before
+    skin = make_object(where.board, role, "Lappet skin" if not where.prefix else "Lappet skin beside")
     mesh = take_epoch_mesh(shape, look.show_walls, where.units, skin.data)
     if skin.data != mesh:
         old, skin.data = skin.data, mesh

@@ -65,15 +65,22 @@ class SutureThread:
     """
 
     def __init__(
-        self, source: SkinSource, facing: NDArray[np.float64], scale: float, hidden: frozenset[int] | None = None
+        self,
+        source: SkinSource,
+        facing: NDArray[np.float64],
+        scale: float,
+        hidden: frozenset[int] | None = None,
+        before: SutureThread | None = None,
     ) -> None:
         """facing: (3,), the side on which knots are tied. scale: of bites and thread. hidden: sutures not to draw;
-        None: those that turn out to be buried."""
+        None: those that turn out to be buried. before: of the same epochs; what was found of them is kept."""
         self._source, self._facing, self._scale, self._hidden = source, facing, scale, hidden
         self._stitches: dict[tuple[str, int], Stitch | None] = {}
         self._normals: dict[str, SkinNormals] = {}
         self._near: dict[str, tuple[NDArray[np.float32], TrianglesNear]] = {}
         self.until: float | None = None
+        if before is not None:
+            self._normals, self._near = before._normals, before._near
         self.unfinished = self._fresh = False
 
     def tubes(self, time: float) -> tuple[list[NDArray[np.float64]], list[float]]:
