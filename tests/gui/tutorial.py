@@ -134,6 +134,8 @@ def install(blender: Driver) -> Steps:
     yield from blender.show_tab("Lappet")
     side = blender.region("UI")
     yield from blender.drag([(side.x + 1, side.y + 300), (side.x - 90, side.y + 300)])
+    side = blender.region("UI")
+    blender.notes["sidebar"] = (side.x, side.y, side.width, side.height)
     yield from blender.screenshot("tab")
 
 
@@ -259,7 +261,7 @@ def watched(blender: Driver) -> Steps:
     scene.lappet.look.show_plan = False
     for frame in (17, 26, 32, 40):
         scene.frame_set(frame)
-        yield 6.0  # the stitches of a frame are found a few at a time
+        yield 8.0  # the stitches of a frame are found a few at a time
         yield from blender.screenshot(f"solved_{frame}")
     scene.lappet.look.show_plan = True
 
@@ -289,8 +291,10 @@ def second_thoughts(blender: Driver) -> Steps:
         yield from blender.key("Z", ctrl=True)
         yield 0.5
     yield from blender.wait_until(
-        lambda: solving().plan_of(bpy.context.scene) is not None
-        and [run.state for run in solving().frame_runs(bpy.context.scene)] == ["solved"],
+        lambda: (
+            solving().plan_of(bpy.context.scene) is not None
+            and [run.state for run in solving().frame_runs(bpy.context.scene)] == ["solved"]
+        ),
         6.0,
         "two Ctrl-Z: the frames from before are there again, all solved",
     )
@@ -303,8 +307,7 @@ def second_thoughts(blender: Driver) -> Steps:
         yield from blender.key("Z", ctrl=True, shift=True)
         yield 0.5
     yield from blender.wait_until(
-        lambda: solving().plan_of(bpy.context.scene) is not None
-        and solving().plan_of(bpy.context.scene).key == lifted,
+        lambda: solving().plan_of(bpy.context.scene) is not None and solving().plan_of(bpy.context.scene).key == lifted,
         6.0,
         "Ctrl-Shift-Z brings the lift back",
     )

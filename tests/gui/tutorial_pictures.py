@@ -12,30 +12,31 @@ ROOT = Path(__file__).resolve().parent.parent.parent
 RESULTS = ROOT / "build" / "gui" / "results"
 IMAGES = ROOT / "docs" / "images"
 LARGEST = 200_000  # bytes of a picture
-WINDOW = (0, 0, 1280, 800)
-SIDEBAR = (900, 82, 1280, 722)
+WINDOW = None
+SIDEBAR, SPOTS = "sidebar", "spots"  # found in the notes of the run
+AROUND = 110  # pixels about the places to click
 # name in the documents: the screenshot, what of it, its width
 PICTURES = {
-    "tab": ("tab", WINDOW, 1000),
+    "tab": ("tab", WINDOW, 1200),
     "panel_tissue": ("tissue_scale", SIDEBAR, 380),
-    "tissue": ("tissue", WINDOW, 1000),
-    "incision": ("incision", WINDOW, 1000),
-    "undermine": ("undermine", WINDOW, 1000),
-    "hook": ("hook", WINDOW, 1000),
-    "sew_deep": ("sew_deep", WINDOW, 1000),
-    "sew_skin": ("sew_skin", WINDOW, 1000),
-    "solving": ("solving", WINDOW, 1000),
-    "solved": ("solved_40", WINDOW, 1000),
-    "lift": ("lift", WINDOW, 1000),
-    "lifted": ("lifted", WINDOW, 1000),
-    "compare": ("compare", WINDOW, 1000),
-    "strain": ("strain", WINDOW, 1000),
-    "stage": ("stage", WINDOW, 1000),
-    "render": ("render", None, 1000),
+    "tissue": ("tissue", WINDOW, 1200),
+    "incision": ("incision", WINDOW, 1200),
+    "undermine": ("undermine", WINDOW, 1200),
+    "hook": ("hook", WINDOW, 1200),
+    "sew_deep": ("sew_deep", WINDOW, 1200),
+    "sew_skin": ("sew_skin", WINDOW, 1200),
+    "solving": ("solving", WINDOW, 1200),
+    "solved": ("solved_40", WINDOW, 1200),
+    "lift": ("lift", WINDOW, 1200),
+    "lifted": ("lifted", WINDOW, 1200),
+    "compare": ("compare", WINDOW, 1200),
+    "strain": ("strain", WINDOW, 1200),
+    "stage": ("stage", WINDOW, 1200),
+    "render": ("render", WINDOW, 1000),
     "timeline": ("stale", SIDEBAR, 380),
-    "tools": ("sew_skin", (0, 27, 760, 800), 760),
-    "places_deep": ("places_deep", (210, 82, 810, 722), 600),
-    "places_skin": ("places_skin", (210, 82, 810, 722), 600),
+    "tools": ("sew_skin", (0, 27, 900, 1000), 800),
+    "places_deep": ("places_deep", SPOTS, 640),
+    "places_skin": ("places_skin", SPOTS, 640),
 }
 
 
@@ -64,6 +65,13 @@ def main() -> int:
         picture = Image.open(RESULTS / f"{source}.png").convert("RGB")
         if source in notes:
             numbered(picture, [tuple(spot) for spot in notes[source]])
+        if box == SPOTS:
+            across, up = zip(*notes[source], strict=True)
+            down = [picture.height - y for y in up]
+            box = (min(across) - AROUND, min(down) - AROUND, max(across) + AROUND, max(down) + AROUND)
+        elif box == SIDEBAR:
+            left, bottom, width_of, height = notes["sidebar"]
+            box = (left, picture.height - bottom - height, left + width_of, picture.height - bottom)
         picture = picture.crop(box) if box else picture
         if picture.width > width:
             picture = picture.resize((width, round(picture.height * width / picture.width)), Image.Resampling.LANCZOS)
