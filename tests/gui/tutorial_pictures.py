@@ -13,12 +13,13 @@ RESULTS = ROOT / "build" / "gui" / "results"
 IMAGES = ROOT / "docs" / "images"
 LARGEST = 200_000  # bytes of a picture
 WINDOW = None
-SIDEBAR, SPOTS = "sidebar", "spots"  # found in the notes of the run
-AROUND = 110  # pixels about the places to click
-# name in the documents: the screenshot, what of it, its width
+SPOTS = "spots"  # found in the notes of the run, as the sidebar's place is
+SEAMS = ("#b3261e", "#1d6f42", "#1b4f9c")
+AROUND = 70  # pixels about the places to click
+# name in the documents: the screenshot, what of it (a number: so many pixels of the sidebar), its width
 PICTURES = {
     "tab": ("tab", WINDOW, 1200),
-    "panel_tissue": ("tissue_scale", SIDEBAR, 380),
+    "panel_tissue": ("tissue_scale", 323, 380),
     "tissue": ("tissue", WINDOW, 1200),
     "incision": ("incision", WINDOW, 1200),
     "undermine": ("undermine", WINDOW, 1200),
@@ -31,9 +32,8 @@ PICTURES = {
     "lifted": ("lifted", WINDOW, 1200),
     "compare": ("compare", WINDOW, 1200),
     "strain": ("strain", WINDOW, 1200),
-    "stage": ("stage", WINDOW, 1200),
-    "render": ("render", WINDOW, 1000),
-    "timeline": ("stale", SIDEBAR, 380),
+    "render": ("render", WINDOW, 760),
+    "timeline": ("stale", 590, 380),
     "tools": ("sew_skin", (0, 27, 900, 1000), 800),
     "places_deep": ("places_deep", SPOTS, 640),
     "places_skin": ("places_skin", SPOTS, 640),
@@ -41,17 +41,18 @@ PICTURES = {
 
 
 def numbered(picture: Image.Image, spots: list[tuple[int, int]]) -> None:
-    """Writes 1, 2, 3 ... beside places (x, y from the lower left corner), away from the middle of their seam."""
+    """Draws the seams, each in a colour: along their two edges a line from number to number.
+
+    spots: x, y from the lower left corner, four for each seam.
+    """
     draw = ImageDraw.Draw(picture)
-    font = ImageFont.load_default(15)
-    for number, (x, y) in enumerate(spots, 1):
-        place = (x, picture.height - y)
-        draw.ellipse([place[0] - 3, place[1] - 3, place[0] + 3, place[1] + 3], fill="black", outline="white")
-        other = spots[(number - 1) ^ 2]  # the place of the other edge that it is joined to
-        way = (x - other[0], other[1] - y)
-        size = max((way[0] ** 2 + way[1] ** 2) ** 0.5, 1.0)
-        at = (place[0] + 15 * way[0] / size, place[1] + 15 * way[1] / size)
-        draw.text(at, str(number), fill="white", stroke_width=2, stroke_fill="black", font=font, anchor="mm")
+    font = ImageFont.load_default(17)
+    places = [(x, picture.height - y) for x, y in spots]
+    for first in range(0, len(places), 2):
+        draw.line(places[first : first + 2], fill=SEAMS[first // 4], width=3)
+    for number, (x, y) in enumerate(places, 1):
+        draw.ellipse([x - 11, y - 11, x + 11, y + 11], fill=SEAMS[(number - 1) // 4], outline="white", width=2)
+        draw.text((x, y), str(number), fill="white", font=font, anchor="mm")
 
 
 def main() -> int:
@@ -69,9 +70,10 @@ def main() -> int:
             across, up = zip(*notes[source], strict=True)
             down = [picture.height - y for y in up]
             box = (min(across) - AROUND, min(down) - AROUND, max(across) + AROUND, max(down) + AROUND)
-        elif box == SIDEBAR:
-            left, bottom, width_of, height = notes["sidebar"]
-            box = (left, picture.height - bottom - height, left + width_of, picture.height - bottom)
+        elif isinstance(box, int):
+            left, bottom, across, height = notes["sidebar"]
+            top = picture.height - bottom - height
+            box = (left, top, left + across, top + box)
         picture = picture.crop(box) if box else picture
         if picture.width > width:
             picture = picture.resize((width, round(picture.height * width / picture.width)), Image.Resampling.LANCZOS)
