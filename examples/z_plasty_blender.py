@@ -153,10 +153,10 @@ def main() -> None:
     build(options.spacing)
     if options.solve:
         bpy.ops.lappet.solve(wait=True)
-    if options.export:
-        bpy.ops.lappet.export_procedure(filepath=options.export)
     if options.save:
         bpy.ops.wm.save_as_mainfile(filepath=options.save)
+    if options.export:
+        bpy.ops.lappet.export_procedure(filepath=options.export)
 
 
 if __name__ == "__main__":

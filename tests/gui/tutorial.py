@@ -331,8 +331,8 @@ def compared(blender: Driver) -> Steps:
         yield from blender.click(header(blender, name))
         yield 0.4
     variant.lappet.look.show_plan = False
-    yield from turn(blender, 0.6, 0.0, 172.0)
-    blender.area().spaces.active.region_3d.view_location = (75.0, 0.0, 0.0)
+    yield from turn(blender, 0.6, 0.0, 215.0)
+    blender.area().spaces.active.region_3d.view_location = (95.0, 0.0, 0.0)
     yield 8.0
     yield from blender.screenshot("compare")
     yield from blender.click(header(blender, "Compare"))
@@ -341,7 +341,8 @@ def compared(blender: Driver) -> Steps:
     blender.window.scene = bpy.data.scenes["Z-plasty"]
     scene = bpy.data.scenes["Z-plasty"]
     window_call(blender, "lappet.look_preset", preset="STRAIN")
-    yield from turn(blender, 0.5, 0.0, 125.0)
+    yield from turn(blender, 0.4, 0.0, 165.0)
+    blender.area().spaces.active.region_3d.view_location = (12.0, -12.0, 0.0)
     yield 6.0
     yield from blender.screenshot("strain")
     window_call(blender, "lappet.look_preset", preset="OPERATION")

@@ -32,9 +32,8 @@ PICTURES = {
     "lifted": ("lifted", WINDOW, 1200),
     "compare": ("compare", WINDOW, 1200),
     "strain": ("strain", WINDOW, 1200),
-    "render": ("render", WINDOW, 760),
-    "timeline": ("stale", 590, 380),
-    "tools": ("sew_skin", (0, 27, 900, 1000), 800),
+    "render": ("render", WINDOW, 720),
+    "timeline": ("stale", 566, 380),
     "places_deep": ("places_deep", SPOTS, 640),
     "places_skin": ("places_skin", SPOTS, 640),
 }
