@@ -35,13 +35,13 @@ SEAMS = (
 )
 
 
-def beside(edge: tuple[Any, Any, Any], first: float = 0.05, last: float = 0.95) -> list[tuple[float, float]]:
-    """The two places to click along an edge of the wound."""
-    start, end, inside = edge
-    along = (end - start) / np.linalg.norm(end - start)
+def beside(edge: tuple[Any, Any, Any], away: float = BESIDE, end: float = 0.05) -> list[tuple[float, float]]:
+    """The two places to click along an edge of the wound: mm beside it, and that share of it from its ends."""
+    start, stop, inside = edge
+    along = (stop - start) / np.linalg.norm(stop - start)
     across = (inside - start) - along * ((inside - start) @ along)
-    across *= BESIDE / np.linalg.norm(across)
-    return [tuple(start + share * (end - start) + across) for share in (first, last)]
+    across *= away / np.linalg.norm(across)
+    return [tuple(start + share * (stop - start) + across) for share in (end, 1.0 - end)]
 
 
 def solving() -> Any:
@@ -134,6 +134,8 @@ def install(blender: Driver) -> Steps:
     yield from blender.show_tab("Lappet")
     side = blender.region("UI")
     yield from blender.drag([(side.x + 1, side.y + 300), (side.x - 90, side.y + 300)])
+    side = blender.region("UI")
+    blender.notes["sidebar"] = (side.x, side.y, side.width, side.height)
     yield from blender.screenshot("tab")
 
 
@@ -230,9 +232,9 @@ def sew(blender: Driver, height: float, picture: str) -> Steps:
 
 
 def places(blender: Driver, height: float, name: str) -> Steps:
-    """A picture of where to click, whose places `tutorial_pictures.py` numbers."""
+    """A picture of where to click; `tutorial_pictures.py` numbers the places, a little off the line to be read."""
     yield from blender.screenshot(name)
-    spots = [blender.at((x, y, height)) for seam in SEAMS for edge in seam for x, y in beside(edge)]
+    spots = [blender.at((x, y, height)) for seam in SEAMS for edge in seam for x, y in beside(edge, 1.1, 0.16)]
     blender.notes[name] = spots
 
 
@@ -241,13 +243,14 @@ def stitches(blender: Driver) -> Steps:
     scene = bpy.context.scene
     scene.frame_set(26)
     shading = blender.area().spaces.active.shading
+    yield from view(blender, "TOP", 62.0)
+    yield from places(blender, 0.0, "places_skin")
     yield from view(blender, "BOTTOM", 62.0)
     shading.show_xray = True
     yield from places(blender, -4.0, "places_deep")
     yield from sew(blender, -4.0, "sew_deep")
     shading.show_xray = False
     yield from view(blender, "TOP", 62.0)
-    yield from places(blender, 0.0, "places_skin")
     yield from sew(blender, 0.0, "sew_skin")
 
 
@@ -259,7 +262,7 @@ def watched(blender: Driver) -> Steps:
     scene.lappet.look.show_plan = False
     for frame in (17, 26, 32, 40):
         scene.frame_set(frame)
-        yield 6.0  # the stitches of a frame are found a few at a time
+        yield 8.0  # the stitches of a frame are found a few at a time
         yield from blender.screenshot(f"solved_{frame}")
     scene.lappet.look.show_plan = True
 
@@ -283,7 +286,9 @@ def second_thoughts(blender: Driver) -> Steps:
     yield from blender.screenshot("stale")
     yield from solve(blender)
     yield from turn(blender, 0.9, 0.3, 75.0)
+    scene.lappet.look.show_plan = False
     yield from blender.screenshot("lifted")
+    scene.lappet.look.show_plan = True
     lifted = solving().plan_of(scene).key
     for _ in range(2):
         yield from blender.key("Z", ctrl=True)
@@ -326,8 +331,8 @@ def compared(blender: Driver) -> Steps:
         yield from blender.click(header(blender, name))
         yield 0.4
     variant.lappet.look.show_plan = False
-    yield from turn(blender, 0.7, 0.0, 190.0)
-    blender.area().spaces.active.region_3d.view_location = (75.0, 0.0, 0.0)
+    yield from turn(blender, 0.6, 0.0, 215.0)
+    blender.area().spaces.active.region_3d.view_location = (95.0, 0.0, 0.0)
     yield 8.0
     yield from blender.screenshot("compare")
     yield from blender.click(header(blender, "Compare"))
@@ -336,11 +341,12 @@ def compared(blender: Driver) -> Steps:
     blender.window.scene = bpy.data.scenes["Z-plasty"]
     scene = bpy.data.scenes["Z-plasty"]
     window_call(blender, "lappet.look_preset", preset="STRAIN")
-    yield from turn(blender, 0.6, 0.2, 95.0)
+    yield from turn(blender, 0.4, 0.0, 165.0)
+    blender.area().spaces.active.region_3d.view_location = (12.0, -12.0, 0.0)
     yield 6.0
     yield from blender.screenshot("strain")
     window_call(blender, "lappet.look_preset", preset="OPERATION")
-    scene.lappet.look.color = "GRID"
+    scene.lappet.look.color, scene.lappet.look.show_plan = "GRID", False
     yield 4.0
 
 
@@ -350,10 +356,6 @@ def rendered(blender: Driver) -> Steps:
     window_call(blender, "lappet.set_stage", engine="WORKBENCH")
     yield 1.0
     blender.expect(scene.camera is not None, "there is a stage with a camera")
-    with blender.override():
-        bpy.ops.view3d.view_camera()
-    yield 3.0
-    yield from blender.screenshot("stage")
     scene.render.resolution_x, scene.render.resolution_y, scene.render.resolution_percentage = 1200, 800, 100
     path = blender.folder / "render.png"
     bpy.ops.lappet.render_still(filepath=str(path))

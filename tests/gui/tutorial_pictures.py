@@ -12,45 +12,46 @@ ROOT = Path(__file__).resolve().parent.parent.parent
 RESULTS = ROOT / "build" / "gui" / "results"
 IMAGES = ROOT / "docs" / "images"
 LARGEST = 200_000  # bytes of a picture
-WINDOW = (0, 0, 1280, 800)
-SIDEBAR = (900, 82, 1280, 722)
-# name in the documents: the screenshot, what of it, its width
+WINDOW = None
+SPOTS = "spots"  # found in the notes of the run, as the sidebar's place is
+SEAMS = ("#b3261e", "#1d6f42", "#1b4f9c")
+AROUND = 70  # pixels about the places to click
+# name in the documents: the screenshot, what of it (a number: so many pixels of the sidebar), its width
 PICTURES = {
-    "tab": ("tab", WINDOW, 1000),
-    "panel_tissue": ("tissue_scale", SIDEBAR, 380),
-    "tissue": ("tissue", WINDOW, 1000),
-    "incision": ("incision", WINDOW, 1000),
-    "undermine": ("undermine", WINDOW, 1000),
-    "hook": ("hook", WINDOW, 1000),
-    "sew_deep": ("sew_deep", WINDOW, 1000),
-    "sew_skin": ("sew_skin", WINDOW, 1000),
-    "solving": ("solving", WINDOW, 1000),
-    "solved": ("solved_40", WINDOW, 1000),
-    "lift": ("lift", WINDOW, 1000),
-    "lifted": ("lifted", WINDOW, 1000),
-    "compare": ("compare", WINDOW, 1000),
-    "strain": ("strain", WINDOW, 1000),
-    "stage": ("stage", WINDOW, 1000),
-    "render": ("render", None, 1000),
-    "timeline": ("stale", SIDEBAR, 380),
-    "tools": ("sew_skin", (0, 27, 760, 800), 760),
-    "places_deep": ("places_deep", (210, 82, 810, 722), 600),
-    "places_skin": ("places_skin", (210, 82, 810, 722), 600),
+    "tab": ("tab", WINDOW, 1200),
+    "panel_tissue": ("tissue_scale", 323, 380),
+    "tissue": ("tissue", WINDOW, 1200),
+    "incision": ("incision", WINDOW, 1200),
+    "undermine": ("undermine", WINDOW, 1200),
+    "hook": ("hook", WINDOW, 1200),
+    "sew_deep": ("sew_deep", WINDOW, 1200),
+    "sew_skin": ("sew_skin", WINDOW, 1200),
+    "solving": ("solving", WINDOW, 1200),
+    "solved": ("solved_40", WINDOW, 1200),
+    "lift": ("lift", WINDOW, 1200),
+    "lifted": ("lifted", WINDOW, 1200),
+    "compare": ("compare", WINDOW, 1200),
+    "strain": ("strain", WINDOW, 1200),
+    "render": ("render", WINDOW, 720),
+    "timeline": ("stale", 566, 380),
+    "places_deep": ("places_deep", SPOTS, 640),
+    "places_skin": ("places_skin", SPOTS, 640),
 }
 
 
 def numbered(picture: Image.Image, spots: list[tuple[int, int]]) -> None:
-    """Writes 1, 2, 3 ... beside places (x, y from the lower left corner), away from the middle of their seam."""
+    """Draws the seams, each in a colour: along their two edges a line from number to number.
+
+    spots: x, y from the lower left corner, four for each seam.
+    """
     draw = ImageDraw.Draw(picture)
-    font = ImageFont.load_default(15)
-    for number, (x, y) in enumerate(spots, 1):
-        place = (x, picture.height - y)
-        draw.ellipse([place[0] - 3, place[1] - 3, place[0] + 3, place[1] + 3], fill="black", outline="white")
-        other = spots[(number - 1) ^ 2]  # the place of the other edge that it is joined to
-        way = (x - other[0], other[1] - y)
-        size = max((way[0] ** 2 + way[1] ** 2) ** 0.5, 1.0)
-        at = (place[0] + 15 * way[0] / size, place[1] + 15 * way[1] / size)
-        draw.text(at, str(number), fill="white", stroke_width=2, stroke_fill="black", font=font, anchor="mm")
+    font = ImageFont.load_default(17)
+    places = [(x, picture.height - y) for x, y in spots]
+    for first in range(0, len(places), 2):
+        draw.line(places[first : first + 2], fill=SEAMS[first // 4], width=3)
+    for number, (x, y) in enumerate(places, 1):
+        draw.ellipse([x - 11, y - 11, x + 11, y + 11], fill=SEAMS[(number - 1) // 4], outline="white", width=2)
+        draw.text((x, y), str(number), fill="white", font=font, anchor="mm")
 
 
 def main() -> int:
@@ -64,6 +65,14 @@ def main() -> int:
         picture = Image.open(RESULTS / f"{source}.png").convert("RGB")
         if source in notes:
             numbered(picture, [tuple(spot) for spot in notes[source]])
+        if box == SPOTS:
+            across, up = zip(*notes[source], strict=True)
+            down = [picture.height - y for y in up]
+            box = (min(across) - AROUND, min(down) - AROUND, max(across) + AROUND, max(down) + AROUND)
+        elif isinstance(box, int):
+            left, bottom, across, height = notes["sidebar"]
+            top = picture.height - bottom - height
+            box = (left, top, left + across, top + box)
         picture = picture.crop(box) if box else picture
         if picture.width > width:
             picture = picture.resize((width, round(picture.height * width / picture.width)), Image.Resampling.LANCZOS)
