@@ -8,12 +8,11 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
-if TYPE_CHECKING:
-    from lappet.solve import SolveResult
+from lappet.reports.commands import report_group
 
 _FILE = click.Path(path_type=Path)
 
@@ -127,6 +126,12 @@ def solve_options(command: Callable[..., Any]) -> Callable[..., Any]:
             "--store", type=_FILE, help="Folder for solved frames.  [default: LAPPET_STORE or the user's cache]"
         ),
         click.option("--daemon", metavar="ADDR", help="Address of a running daemon, like tcp://127.0.0.1:5555."),
+        click.option(
+            "--error-estimate/--no-error-estimate",
+            default=True,
+            show_default=True,
+            help="Estimate the displacement error with a coarser solve.",
+        ),
     ]
     for option in reversed(options):
         command = option(command)
@@ -138,6 +143,12 @@ def solve_options(command: Callable[..., Any]) -> Callable[..., Any]:
 @click.option("-o", "--output", type=_FILE, help="The skin cache.  [default: PROCEDURE.cache.usdc]")
 @click.option("--report", "report_path", type=_FILE, help="Write what the solve took as JSON.")
 @click.option("--frames", type=FrameRange(), help="Solve up to B and write A to B.")
+@click.option(
+    "--target-error",
+    type=click.FloatRange(min=0, min_open=True),
+    metavar="MM",
+    help="Choose spacing, quadrature and tolerance for this root mean square displacement error of the skin.",
+)
 @solve_options
 @click.pass_context
 def solve(
@@ -147,12 +158,25 @@ def solve(
     output: Path | None,
     report_path: Path | None,
     frames: tuple[int | None, int | None] | None,
+    target_error: float | None,
     **options: Any,
 ) -> None:
     """Solve a procedure and write its skin cache."""
     with sentences(context):
+        from lappet.solve_command import run_solve, run_to_target, summary
+
         cache = output or procedure.with_suffix(".cache.usdc")
-        result = run_solve(procedure, cache, report_path, frames=frames or (None, None), **options)
+        options["frames"] = frames or (None, None)
+        if target_error is None:
+            result = run_solve(procedure, cache, report_path, **options)
+        else:
+            given = [
+                name for name in ("spacing", "quadrature", "tolerance", "error_estimate") if is_given(context, name)
+            ]
+            if given:
+                option = "--" + given[0].replace("_", "-")
+                raise click.UsageError(f"--target-error chooses {option} itself; leave {option} out.")
+            result = run_to_target(procedure, cache, report_path, target_error, **options)
         click.echo(summary(result))
     if not result.complete:
         context.exit(1)
@@ -177,6 +201,7 @@ def demo(context: click.Context, /, folder: Path, **options: Any) -> None:
     with sentences(context):
         from lappet.demo import SPACING, figures_of, z_plasty
         from lappet.render import render_cache
+        from lappet.solve_command import run_solve, summary
 
         options["spacing"] = options["spacing"] or SPACING
 
@@ -330,37 +355,13 @@ def sentence(error: Exception) -> str:
     return f"Lappet failed ({said}); run it as `lappet --debug ...` and report what it shows."
 
 
-def run_solve(procedure: Path, cache: Path, report_path: Path | None, **options: Any) -> SolveResult:
-    """Solves with progress on standard error and writes the report; options are those of `solve_options`."""
-    from lappet.solve import solve_procedure
-    from lappet.solve_progress import solve_progress
-    from lappet.store import FrameStore
-
-    options["quadrature"] = int(options["quadrature"])
-    options["store"] = FrameStore(options["store"])
-    with solve_progress() as watcher:
-        result = solve_procedure(procedure, cache, watcher=watcher, **options)
-    if report_path is not None:
-        from lappet.report import write_report
-
-        write_report(result, report_path)
-    return result
+def is_given(context: click.Context, name: str) -> bool:
+    """Whether the user gave the option."""
+    source = context.get_parameter_source(name)
+    return source is not None and source.name == "COMMANDLINE"
 
 
-def summary(result: SolveResult) -> str:
-    """What a solve gave, in a line or three."""
-    lines = []
-    total = len(result.frames)
-    lines.append(
-        f"{total} frame{'' if total == 1 else 's'} done: {result.solved} solved, {result.looked_up} looked up, "
-        f"{result.wall_seconds:.1f} s."
-    )
-    if result.output is not None:
-        lines.append(f"Skin cache: {result.output.resolve()}")
-    if result.reason is not None:
-        click.echo(result.reason, err=True)
-    return "\n".join(lines)
-
+cli.add_command(report_group(sentences))
 
 if __name__ == "__main__":
     main()

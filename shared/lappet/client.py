@@ -127,7 +127,7 @@ class SolverClient:
 
     @property
     def welcome(self) -> dict[str, Any]:
-        """The daemon's greeting: `version`, `threads`, `isa`, `max_message_bytes`."""
+        """The daemon's greeting: `version`, `threads`, `isa`, `compiler`, `max_message_bytes`."""
         return self._connection.welcome
 
     def open(self, settings: SolverSettings, bones: Bones | None = None) -> int:
@@ -153,6 +153,8 @@ class SolverClient:
                 "threads": int(settings.threads),
                 "sutures": int(settings.sutures),
                 "retractors": int(settings.retractors),
+                "preconditioner": settings.preconditioner,
+                "correction": int(settings.correction),
             },
             "materials": [_material(material) for material in settings.materials],
         }
@@ -165,11 +167,17 @@ class SolverClient:
         return int(opened.session or 0)
 
     def set_epoch(
-        self, epoch: Epoch, grip: NDArray[np.int32] | None = None, landmarks: Landmarks | None = None
+        self,
+        epoch: Epoch,
+        grip: NDArray[np.int32] | None = None,
+        landmarks: Landmarks | None = None,
+        *,
+        nodes: bool = False,
     ) -> dict[str, Any]:
         """Installs an epoch, carrying the state over by rest position; returns the counts of the message `lattice`.
 
-        grip: (m,) index of the retractor that grips each triangle, or -1 (none is gripped when left out).
+        grip: (m,) index of the retractor that grips each triangle, or -1 (none is gripped when left out). nodes: the
+        result also holds `nodes`, (N, 3) float64, the lattice's nodes at rest in mm, in the order of a state.
         """
         surface = epoch.surface
         marks = landmarks if landmarks is not None else Landmarks()
@@ -184,7 +192,7 @@ class SolverClient:
             "landmarks": np.asarray(marks.points, np.float64).reshape(-1, 3),
             "landmark_triangles": np.asarray(marks.triangles, np.int32),
         }
-        fields: dict[str, Any] = {"index": int(epoch.index)}
+        fields: dict[str, Any] = {"index": int(epoch.index), **({"nodes": 1} if nodes else {})}
         if len(epoch.regions.skin_triangles):
             arrays["skin_points"] = np.asarray(epoch.regions.skin_points, np.float64)
             arrays["skin_triangles"] = np.asarray(epoch.regions.skin_triangles, np.int32)
@@ -194,7 +202,7 @@ class SolverClient:
         self._epoch = None
         reply = expect(self._connection.request("epoch", fields, arrays), "lattice")
         self._epoch = epoch.index
-        return reply.fields
+        return {**reply.fields, **reply.arrays}
 
     def set_state(self, state: SolverState) -> None:
         """Replaces the state of the epoch by that of an earlier frame: the solve then goes on bit for bit."""

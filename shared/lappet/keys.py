@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from lappet.program import Bones, Epoch, FrameConstraints, Landmarks, Program, SolverSettings
 
-NOT_IN_KEY = frozenset({"sutures", "retractors", "threads", "time_budget", "memory_budget"})
+NOT_IN_KEY = frozenset({"sutures", "retractors", "threads", "time_budget", "memory_budget", "correction"})
 _SIZE = 32
 
 

@@ -128,7 +128,8 @@ class SolverSettings:
     per cell (1, 4 or 8). precision: "float" or "double". tolerance: residual over force scale. gap_tolerance: largest
     suture and grip gap as a fraction of the spacing. bed_stiffness: kPa/mm. gravity: m/s². time_budget: s per frame, 0
     = none. memory_budget: bytes. threads: 0 = all. sutures, retractors: their numbers in the whole procedure.
-    materials: the tissue's first, then those of its regions.
+    preconditioner: "chebyshev" leaves out the coarse space. correction: frames carry the Newton step left over, from
+    which the algebraic error is estimated. materials: the tissue's first, then those of its regions.
     """
 
     spacing: float = 1.0
@@ -146,6 +147,8 @@ class SolverSettings:
     threads: int = 0
     sutures: int = 0
     retractors: int = 0
+    preconditioner: Literal["twoLevel", "chebyshev"] = "twoLevel"
+    correction: bool = False
     materials: tuple[MaterialParameters, ...] = (MaterialParameters(),)
 
 

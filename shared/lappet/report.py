@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from lappet.error_estimate import FrameError
 from lappet.program import Program
 from lappet.solve import FrameResult, SolveResult
 from lappet.storyboard import scene_profile
@@ -52,7 +53,7 @@ def report(result: SolveResult) -> dict[str, Any]:
         **scene_profile(result.procedure),
         "self_contact": False,
         "explicit_mesh": any(counts.get("mesh_cells", 0) > 0 for counts in lattices.values()),
-        "error_estimate": False,
+        "error_estimate": result.errors is not None,
     }
     peaks = [frame.header["peak_bytes"] for frame in result.frames if frame.header.get("peak_bytes")]
     values = {
@@ -67,7 +68,18 @@ def report(result: SolveResult) -> dict[str, Any]:
         "interrupted": result.interrupted,
         "reason": result.reason,
         "notes": list(result.notes),
-        "frames": [_frame(program, frame) for frame in result.frames],
+        "error_estimate": None
+        if result.errors is None
+        else {
+            "companion_spacing_mm": result.errors.spacing,
+            "order": result.errors.order,
+            "seconds": result.errors.seconds,
+            "reason": result.errors.reason,
+        },
+        "frames": [
+            {**_frame(program, frame), "estimated_error_mm": _error(program, frame, error)}
+            for frame, error in zip(result.frames, _errors(result), strict=True)
+        ],
         "failed": None if result.failed is None else _frame(program, result.failed),
         "frames_solved": result.solved,
         "cache_hits": result.looked_up,
@@ -124,9 +136,26 @@ def _frame(program: Program, frame: FrameResult) -> dict[str, Any]:
         "suture_forces_mn": _named(sutures, arrays["suture_forces"]),
         "hook_forces_mn": _named(hooks, arrays["hook_forces"]),
         "landmarks": _named(landmarks, arrays["landmarks"]),
-        "estimated_error_mm": None,
         "cache_hit": frame.looked_up,
         "key": frame.key,
+    }
+
+
+def _errors(result: SolveResult) -> tuple[FrameError | None, ...]:
+    return (None,) * len(result.frames) if result.errors is None else result.errors.frames
+
+
+def _error(program: Program, frame: FrameResult, error: FrameError | None) -> dict[str, Any] | None:
+    if error is None:
+        return None
+    epoch = next(i for i, each in enumerate(program.epochs) if each.index == frame.constraints.epoch)
+    landmarks = [program.landmarks[i] for i in program.landmarks_at[epoch].index]
+    return {
+        "max": error.greatest,
+        "rms": error.rms,
+        "algebraic": {"max": error.algebraic_greatest, "rms": error.algebraic_rms},
+        "discretization": {"max": error.discretization_greatest, "rms": error.discretization_rms},
+        "landmarks": _named(landmarks, error.landmarks),
     }
 
 

@@ -6,7 +6,7 @@ import tempfile
 import time
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,6 +24,9 @@ from lappet.procedure import Procedure
 from lappet.program import FrameConstraints, Program
 from lappet.refused import RefusedError
 from lappet.store import FrameStore, StoredFrame
+
+if TYPE_CHECKING:
+    from lappet.error_estimate import ErrorEstimate
 
 TRIES = 3
 
@@ -65,6 +68,7 @@ class SolveResult:
     """What a solve gave. frames: those done, from the first one of the procedure on. reason: why it ended before its
     last frame, a sentence, or None. interrupted: the user stopped it. output: the skin cache, or None where no frame of
     the wanted range is done. failed: the unconverged frame that stopped it. notes: what the user was told meanwhile.
+    errors: of `frames`, None where no estimate was wanted.
     """
 
     procedure: Procedure
@@ -76,6 +80,7 @@ class SolveResult:
     output: Path | None = None
     wall_seconds: float = 0.0
     notes: tuple[str, ...] = ()
+    errors: ErrorEstimate | None = None
 
     @property
     def complete(self) -> bool:
@@ -107,13 +112,15 @@ def solve_procedure(
     watcher: Watcher | None = None,
     connect: Connect | None = None,
     solver: str | None = None,
+    error_estimate: bool = True,
 ) -> SolveResult:
     """Solves a procedure and writes its skin cache to `output` (.usdc, .usda or .usd).
 
     source: a USD file, or a Procedure, which is then written beside the cache as `<output>.procedure.usda`. spacing:
     mm (the tissue's when None). frames: first and last time code to write; everything up to the last one is solved.
     daemon: the address of a running daemon. store: where frames are kept. connect, solver: who solves, and what
-    identifies it (the daemon that is installed when None).
+    identifies it (the daemon that is installed when None). error_estimate: also solve on a coarser lattice, to say how
+    large the error is (`lappet.error_estimate`).
 
     A frame that does not converge, a daemon that cannot be kept alive and Ctrl-C end the solve early and keep what is
     done: see `SolveResult.reason`. Raises RefusedError or ProcedureError with a sentence for what cannot be solved at
@@ -127,7 +134,13 @@ def solve_procedure(
     _check(procedure, spacing)
     first, last = _range(procedure, frames)
     program = compile_program(
-        procedure, spacing=spacing, tolerance=tolerance, quadrature=quadrature, precision=precision, until=last
+        procedure,
+        spacing=spacing,
+        tolerance=tolerance,
+        quadrature=quadrature,
+        precision=precision,
+        until=last,
+        correction=error_estimate,
     )
     for sentence in program.notes:
         watch.note(sentence)
@@ -136,7 +149,8 @@ def solve_procedure(
 
         connect = connect or connect_to(daemon)
         solver = solver or solver_identity(daemon)
-    result = solve_program(program, store or FrameStore(), connect, solver, watch)
+    store = store or FrameStore()
+    result = solve_program(program, store, connect, solver, watch)
     wanted = [frame for frame in result.frames if frame.constraints.time >= first]
     written = None
     if wanted:
@@ -146,6 +160,11 @@ def solve_procedure(
         written = output
     elif result.reason is not None and result.failed is None:
         raise RefusedError(result.reason)
+    errors = None
+    if error_estimate and result.frames and not result.interrupted:
+        from lappet.error_estimate import estimate_errors
+
+        errors = estimate_errors(program, result.frames, store, connect, solver)
     return SolveResult(
         procedure,
         program,
@@ -156,6 +175,7 @@ def solve_procedure(
         written,
         time.perf_counter() - started,
         tuple(watch.sentences),
+        errors,
     )
 
 

@@ -38,6 +38,16 @@ Tie make_suture(const Lattice& lattice, const EmbeddedPoint& a, const EmbeddedPo
                 double stiffness, const Vec3& multiplier);
 // Where an embedded point is.
 template <class Real>
+Vec3 displacement(const Lattice& lattice, const EmbeddedPoint& point, std::span<const Real> u) {
+  Vec3 sum = Vec3::Zero();
+  for (std::size_t k = 0; k < 8; ++k) {
+    const auto n = static_cast<std::size_t>(lattice.cell_nodes[static_cast<std::size_t>(point.cell)][k]);
+    sum += point.weights[k] *
+           Vec3(static_cast<double>(u[3 * n]), static_cast<double>(u[3 * n + 1]), static_cast<double>(u[3 * n + 2]));
+  }
+  return sum;
+}
+template <class Real>
 Vec3 position(const Lattice& lattice, const EmbeddedPoint& point, std::span<const Real> u) {
   Vec3 sum = Vec3::Zero();
   for (std::size_t k = 0; k < 8; ++k) {

@@ -166,6 +166,8 @@ SessionSettings decode_open(const Header& header, ArrayFrames frames) {
   settings.threads = integer_field(reader, "threads", 0, 4096);
   settings.sutures = integer_field(reader, "sutures", 0);
   settings.retractors = integer_field(reader, "retractors", 0);
+  if (reader.has("preconditioner")) settings.preconditioner = reader.text("preconditioner");
+  if (reader.has("correction")) settings.correction = integer_field(reader, "correction", 0, 1) == 1;
   reader.finish();
   settings.materials.clear();
   open.maps("materials", [&](FieldReader& material) { settings.materials.push_back(decode_material(material)); });
@@ -192,6 +194,7 @@ EpochInput decode_epoch(const Header& header, ArrayFrames frames, std::int32_t r
   if (reader.has("regions") || arrays.has("skin_points") || arrays.has("skin_triangles"))
     epoch.skin = decode_surface(arrays, "skin_points", "skin_triangles", "skin points");
   if (reader.has("regions")) decode_regions(reader, arrays, materials, epoch);
+  if (reader.has("nodes")) epoch.nodes = integer_field(reader, "nodes", 0, 1) == 1;
   reader.finish();
   epoch.fixed = arrays.read<std::uint8_t>("fixed", {count});
   epoch.bed = arrays.read<std::uint8_t>("bed", {count});
@@ -298,6 +301,7 @@ std::vector<FrameBytes> encode_welcome(ReplyTo to, int threads, std::uint64_t ma
       .field("version", std::string(kVersion))
       .field("threads", std::int64_t{threads})
       .field("isa", std::string(name(choose_instruction_set())))
+      .field("compiler", std::string(kCompiler))
       .field("max_message_bytes", max_message_bytes)
       .finish();
 }
@@ -307,8 +311,8 @@ std::vector<FrameBytes> encode_accepted(ReplyTo to) { return reply("accepted", t
 std::vector<FrameBytes> encode_pong(ReplyTo to) { return reply("pong", to).finish(); }
 
 std::vector<FrameBytes> encode_lattice(ReplyTo to, const EpochReport& report) {
-  return reply("lattice", to)
-      .field("fine_voxels", report.fine_voxels)
+  MessageWriter writer = reply("lattice", to);
+  writer.field("fine_voxels", report.fine_voxels)
       .field("cells", std::int64_t{report.cells})
       .field("grid_cells", std::int64_t{report.grid_cells})
       .field("mesh_cells", std::int64_t{report.mesh_cells})
@@ -317,8 +321,9 @@ std::vector<FrameBytes> encode_lattice(ReplyTo to, const EpochReport& report) {
       .field("blocks", std::int64_t{report.blocks})
       .field("fixed_nodes", std::int64_t{report.fixed_nodes})
       .field("bytes", report.bytes)
-      .field("seconds", report.seconds)
-      .finish();
+      .field("seconds", report.seconds);
+  if (!report.nodes_at_rest.empty()) add_rows(writer, "nodes", report.nodes_at_rest, {3});
+  return writer.finish();
 }
 
 std::vector<FrameBytes> encode_progress(ReplyTo to, const Progress& progress) {
@@ -368,6 +373,8 @@ std::vector<FrameBytes> encode_frame(ReplyTo to, const FrameOutput& frame) {
   add_rows(writer, "suture_points", frame.suture_points, {2, 3});
   add_rows(writer, "hook_forces", frame.hook_forces, {3});
   add_rows(writer, "hook_points", frame.hook_points, {3});
+  add_rows(writer, "correction", frame.correction, {3});
+  add_rows(writer, "landmark_correction", frame.landmark_correction, {3});
   if (frame.state.is_double) {
     add_rows(writer, "nodes", frame.state.nodes, {3});
   } else {

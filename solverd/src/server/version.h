@@ -6,6 +6,14 @@
 #define LAPPET_VERSION "0.0.0+unknown"
 #endif
 
+#if defined(__clang__)
+#define LAPPET_COMPILED_BY "clang " __clang_version__
+#elif defined(__GNUC__)
+#define LAPPET_COMPILED_BY "g++ " __VERSION__
+#else
+#define LAPPET_COMPILED_BY "unknown"
+#endif
+
 namespace lappet {
-inline constexpr std::string_view kVersion = LAPPET_VERSION;
+inline constexpr std::string_view kVersion = LAPPET_VERSION, kCompiler = LAPPET_COMPILED_BY;
 }

@@ -142,6 +142,8 @@ void check_settings(const SessionSettings& s) {
           "the tolerance {} is below what float reaches (1e-5); use precision 'double'", s.tolerance);
   require(std::isfinite(s.gap_tolerance) && s.gap_tolerance > 0, "the gap tolerance is {}; it must be positive",
           s.gap_tolerance);
+  require(s.preconditioner == "twoLevel" || s.preconditioner == "chebyshev",
+          "the preconditioner is '{}'; give 'twoLevel' or 'chebyshev'", s.preconditioner);
   require(s.max_newton > 0, "at most {} Newton iterations are allowed; give at least 1", s.max_newton);
   require(std::isfinite(s.bed_stiffness) && s.bed_stiffness >= 0,
           "the bed stiffness is {} kPa/mm; it must not be negative", s.bed_stiffness);

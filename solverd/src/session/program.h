@@ -28,9 +28,11 @@ struct SessionSettings {
   Vec3 gravity = Vec3::Zero();      // m/s^2
   double time_budget = 0.0;         // seconds per frame, 0: none
   std::size_t memory_budget = std::size_t{8} << 30;
-  int threads = 0;              // 0: all
-  std::int32_t sutures = 0;     // number of sutures in the whole procedure; frames refer to them by index
-  std::int32_t retractors = 0;  // likewise
+  int threads = 0;                          // 0: all
+  std::string preconditioner = "twoLevel";  // or "chebyshev": the smoother alone
+  bool correction = false;                  // frames carry the step that Newton-Raphson would take next
+  std::int32_t sutures = 0;                 // number of sutures in the whole procedure; frames refer to them by index
+  std::int32_t retractors = 0;              // likewise
   // materials[0] is what the tissue is made of where no region says otherwise.
   std::vector<MaterialParameters> materials{MaterialParameters{}};
   Surface bones;  // all of them as one closed surface; empty: none
@@ -48,14 +50,16 @@ struct EpochInput {
   // empty without regions; directions are then taken as they are, in tissue whose skin is upright to z.
   Surface skin;
   std::vector<MaterialRegion> regions;
+  bool nodes = false;  // the report gives the lattice's nodes
 };
 
 struct EpochReport {
   std::int64_t fine_voxels = 0;
   std::int32_t cells = 0, grid_cells = 0, mesh_cells = 0, nodes = 0, fragments = 0, blocks = 0;
   std::int32_t fixed_nodes = 0;
-  double bytes = 0.0;    // what the session holds now
-  double seconds = 0.0;  // to build it
+  double bytes = 0.0;                 // what the session holds now
+  double seconds = 0.0;               // to build it
+  std::vector<double> nodes_at_rest;  // 3 per node, mm; empty: not wanted
 };
 
 struct Anchor {
@@ -114,17 +118,19 @@ struct FrameOutput {
   std::int32_t contacts = 0;         // points of its surface that touch bone
   double seconds_update = 0.0, seconds_linear = 0.0, seconds_setup = 0.0, seconds_total = 0.0;
   Work work;
-  double peak_bytes = 0.0;            // of the process
-  std::vector<float> points;          // 3 per surface vertex, mm
-  std::vector<float> strain;          // largest principal stretch - 1, per surface vertex
-  std::vector<float> stress;          // von Mises Cauchy, kPa
-  std::vector<float> tension;         // largest principal Cauchy stress, kPa
-  std::vector<double> landmarks;      // 3 per landmark, mm
-  std::vector<double> suture_gaps;    // per active suture: distance from its demanded separation, mm
-  std::vector<double> suture_forces;  // per active suture, mN
-  std::vector<double> hook_forces;    // 3 per hook, mN, on the tissue
-  std::vector<double> hook_points;    // 3 per hook: where the anchor is now, mm
-  std::vector<double> suture_points;  // 6 per active suture: both ends, mm
+  double peak_bytes = 0.0;                  // of the process
+  std::vector<float> points;                // 3 per surface vertex, mm
+  std::vector<float> strain;                // largest principal stretch - 1, per surface vertex
+  std::vector<float> stress;                // von Mises Cauchy, kPa
+  std::vector<float> tension;               // largest principal Cauchy stress, kPa
+  std::vector<double> landmarks;            // 3 per landmark, mm
+  std::vector<double> suture_gaps;          // per active suture: distance from its demanded separation, mm
+  std::vector<double> suture_forces;        // per active suture, mN
+  std::vector<double> hook_forces;          // 3 per hook, mN, on the tissue
+  std::vector<double> hook_points;          // 3 per hook: where the anchor is now, mm
+  std::vector<double> suture_points;        // 6 per active suture: both ends, mm
+  std::vector<float> correction;            // 3 per surface vertex, mm: the Newton step left over; empty: not wanted
+  std::vector<double> landmark_correction;  // 3 per landmark, mm
   SolverState state;
 };
 

@@ -19,6 +19,7 @@
 #include "session/reach.h"
 #include "session/surface_fields.h"
 #include "solve/equilibrium.h"
+#include "solve/newton_correction.h"
 
 namespace lappet {
 
@@ -139,6 +140,7 @@ class TypedSession : public Session::Implementation {
                                        settings_.retractors, settings_.bed_stiffness, settings_.gravity);
     system_->set_contact(std::move(contact));
     preconditioner_ = std::make_unique<TwoLevel<Real>>(*system_, kChebyshevDegree);
+    if (settings_.preconditioner == "chebyshev") preconditioner_->smoother_only();
     lowest_ = highest_ = epoch.surface.points.front();
     for (const Vec3& point : epoch.surface.points) {
       lowest_ = lowest_.cwiseMin(point);
@@ -157,6 +159,9 @@ class TypedSession : public Session::Implementation {
     report.mesh_cells = lattice_->mesh_cells;
     report.nodes = static_cast<std::int32_t>(lattice_->node_rest.size());
     report.fragments = lattice_->fragments;
+    if (epoch.nodes)
+      for (const Vec3& rest : lattice_->node_rest)
+        report.nodes_at_rest.insert(report.nodes_at_rest.end(), rest.begin(), rest.end());
     report.blocks = static_cast<std::int32_t>(system_->elastic().layout().blocks);
     report.bytes = static_cast<double>(system_->bytes() + preconditioner_->bytes() + u_.size() * sizeof(Real) +
                                        (bones_ ? bones_->bytes() : 0));
@@ -344,6 +349,7 @@ class TypedSession : public Session::Implementation {
       outcome = doubtful->first;
       restore(doubtful->second);
       constrain(frame);
+      system_->evaluate(u_);
     } else if (doubtful && !outcome.converged) {
       outcome.reason = fmt::format(
           "{} cells are inverted in the equilibrium found from the frame before, and none is found from rest "
@@ -372,6 +378,7 @@ class TypedSession : public Session::Implementation {
       output.contacts = contact->count();
     }
     write_fields(frame, output);
+    if (settings_.correction && outcome.converged) write_correction(outcome.newton_iterations > 0, output);
     if (!outcome.converged) restore(before);
     output.state.is_double = std::is_same_v<Real, double>;
     output.state.nodes.assign(u_.begin(), u_.end());
@@ -406,6 +413,18 @@ class TypedSession : public Session::Implementation {
       push(output.suture_points, where(frame.sutures[k].a));
       push(output.suture_points, where(frame.sutures[k].b));
     }
+  }
+
+  void write_correction(bool linearized, FrameOutput& output) {
+    std::vector<Real> step(u_.size());
+    newton_correction<Real>(*system_, *preconditioner_, u_, linearized, step);
+    const auto push = [&](auto& array, const EmbeddedPoint& point) {
+      const Vec3 v = displacement<Real>(*lattice_, point, step);
+      for (int i = 0; i < 3; ++i)
+        array.push_back(static_cast<typename std::decay_t<decltype(array)>::value_type>(v[i]));
+    };
+    for (const auto& point : lattice_->surface_points) push(output.correction, point);
+    for (const auto& point : landmarks_) push(output.landmark_correction, point);
   }
 
   SessionSettings settings_;

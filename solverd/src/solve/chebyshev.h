@@ -22,6 +22,11 @@ class Chebyshev {
   BlockJacobi<Real, Size>& diagonal() { return diagonal_; }
   int degree() const { return degree_; }
   double largest_eigenvalue() const { return largest_; }
+  // A known bound on the eigenvalues of D^-1 K.
+  void set_largest_eigenvalue(double largest) {
+    resize();
+    largest_ = largest;
+  }
 
   // Estimates the largest eigenvalue of D^-1 K by `steps` of the Lanczos process (conjugate gradients from a fixed
   // start); is_free(node).

@@ -8,7 +8,7 @@ namespace lappet {
 namespace {
 
 constexpr int kRatio = 2;
-constexpr int kDegree = 3;
+constexpr int kDegree = 4;
 constexpr int kLanczosSteps = 8;
 constexpr double kMargin = 1.1, kMostEigenvalue = 27.0;
 // Relative shift of the diagonal. At rest turning all frames alike moves nothing, sum_k w_k (x - x_k) = 0, and frames
@@ -240,49 +240,13 @@ void FrameLevel<Real>::set_diagonal() {
   auto& diagonal = chebyshev_.diagonal();
   diagonal.resize(lattice_.nodes);
   const double floor = kShift<Real> * std::max(matrix_.largest_diagonal(), 1e-30);
-  const auto block_of = [&](std::size_t row, std::size_t slot, bool on_diagonal) {
-    Block block =
-        Eigen::Map<const Eigen::Matrix<Real, 6, 6, Eigen::RowMajor>>(matrix_.block(slot)).template cast<double>();
-    if (on_diagonal) block.diagonal().array() += floor;
-    return std::pair{row, block};
-  };
   for_each_row(lattice_.nodes, [&](std::size_t n) {
-    const auto row = static_cast<std::int32_t>(n);
-    diagonal.set(n, block_of(n, matrix_.slot(row, row), true).second);
+    Block block =
+        Eigen::Map<const Eigen::Matrix<Real, 6, 6, Eigen::RowMajor>>(matrix_.diagonal(n)).template cast<double>();
+    block.diagonal().array() += floor;
+    diagonal.set(n, block);
   });
-
-  std::vector<std::int32_t> tied;
-  for (const auto& tie : ties_) tied.insert(tied.end(), tie.nodes.begin(), tie.nodes.end());
-  std::sort(tied.begin(), tied.end());
-  tied.erase(std::unique(tied.begin(), tied.end()), tied.end());
-  const auto local = [&](std::int32_t node) -> Eigen::Index {
-    const auto found = std::lower_bound(tied.begin(), tied.end(), node);
-    return found != tied.end() && *found == node ? found - tied.begin() : -1;
-  };
-  std::vector<Eigen::Triplet<double>> entries;  // the lower half
-  const auto add = [&](Eigen::Index row, Eigen::Index column, const Block& block) {
-    for (int i = 0; i < 6; ++i)
-      for (int j = 0; j < 6; ++j)
-        if (6 * row + i >= 6 * column + j)
-          entries.emplace_back(static_cast<int>(6 * row + i), static_cast<int>(6 * column + j), block(i, j));
-  };
-  for (std::size_t t = 0; t < tied.size(); ++t) {
-    std::size_t at = matrix_.first(static_cast<std::size_t>(tied[t]));
-    for (const std::int32_t column : matrix_.columns(static_cast<std::size_t>(tied[t]))) {
-      const Eigen::Index index = local(column);
-      if (index >= 0 && index <= static_cast<Eigen::Index>(t))
-        add(static_cast<Eigen::Index>(t), index, block_of(t, at, column == tied[t]).second);
-      ++at;
-    }
-  }
-  for (const auto& tie : ties_)
-    for (std::size_t a = 0; a < tie.nodes.size(); ++a)
-      for (std::size_t b = 0; b <= a; ++b)
-        add(local(tie.nodes[a]), local(tie.nodes[b]), tie.stiffness * tie.rows[a].transpose() * tie.rows[b]);
-  const auto size = static_cast<Eigen::Index>(6 * tied.size());
-  Eigen::SparseMatrix<double> matrix(size, size);
-  matrix.setFromTriplets(entries.begin(), entries.end());
-  diagonal.set_tied(tied, matrix, false);
+  diagonal.set_ties(ties_);
   chebyshev_.estimate([this](std::span<const Real> v, std::span<Real> y) { multiply(v, y); },
                       [](std::size_t) { return true; }, kLanczosSteps, kMargin, kMostEigenvalue);
 }

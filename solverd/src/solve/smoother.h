@@ -1,5 +1,4 @@
-// The fine level's smoother: Chebyshev on 3x3 block-Jacobi of the system's tangent, with the tied nodes as one exact
-// block.
+// The fine level's smoother: Chebyshev on 3x3 block-Jacobi of the system's tangent, with the ties exact.
 #pragma once
 #include <vector>
 
@@ -27,22 +26,12 @@ class Smoother {
   std::size_t bytes() const { return chebyshev_.bytes(); }
 
  private:
-  void find_tied_nodes();
-  void factor_tied_nodes(bool same_pattern);
-
-  struct TiedCell {
-    std::int32_t cell;
-    std::array<std::int32_t, 8> index;  // among the tied nodes, or -1
-  };
   const System<Real>& system_;
   Chebyshev<Real, 3> chebyshev_;
   struct Product {
     const System<Real>& system;
     void operator()(std::span<const Real> x, std::span<Real> y) const { system.multiply(x, y); }
   } product_{system_};
-  std::uint64_t revision_ = ~std::uint64_t{0};  // of the constraints that the tied nodes were found for
-  std::vector<std::int32_t> tied_nodes_;
-  std::vector<TiedCell> tied_cells_;
 };
 
 extern template class Smoother<float>;

@@ -12,10 +12,14 @@ class TwoLevel {
   TwoLevel(const System<Real>& system, int degree, std::size_t most_direct = kMostDirect)
       : system_(system), smoother_(system, degree), frames_(system.lattice(), most_direct) {}
 
+  // Leaves the rigid frames out from now on: the smoother alone, to compare with.
+  void smoother_only() { smoother_only_ = true; }
+
   // Takes the current tangent. The coarse operator is assembled anew only where the constraints changed or where the
   // last solve took many more iterations than the first with it.
   void update(std::span<const Real> u) {
     smoother_.update();
+    if (smoother_only_) return;
     if (stale_ || system_.constraint_revision() != revision_) {
       frames_.assemble(system_, u);
       revision_ = system_.constraint_revision();
@@ -35,7 +39,7 @@ class TwoLevel {
 
   void apply(std::span<const Real> b, std::span<Real> x) {
     smoother_.before(b, x);
-    frames_.correct(smoother_.product(), smoother_.residual(), smoother_.correction());
+    if (!smoother_only_) frames_.correct(smoother_.product(), smoother_.residual(), smoother_.correction());
     smoother_.after(x);
   }
   RigidFrames<Real>& frames() { return frames_; }
@@ -46,7 +50,7 @@ class TwoLevel {
   const System<Real>& system_;
   Smoother<Real> smoother_;
   RigidFrames<Real> frames_;
-  bool stale_ = true;
+  bool stale_ = true, smoother_only_ = false;
   double first_iterations_ = 0.0;
   std::uint64_t revision_ = 0;
 };

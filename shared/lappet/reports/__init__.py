@@ -1,0 +1,1 @@
+"""Reports that others can check: error against run time, stability, economy. Each writes JSON, CSV and pictures."""

@@ -1,0 +1,153 @@
+"""Scenes whose tissue is a box or a tapered plate, told to a session directly: no cut, one frame from rest.
+
+The surface is a fixed grid whatever the lattice, so that displacements at its vertices compare between spacings.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lappet.program import Epoch, FrameConstraints, Landmarks, MaterialParameters, Program, SolverSettings, Surface
+
+SKIN = MaterialParameters(model="neoHookean", youngs_modulus=50.0, poissons_ratio=0.45)
+
+
+@dataclass(frozen=True)
+class BoxScene:
+    """A scene. size: mm. divisions: of the surface grid along each axis. fixed, gripped: sides, 2 axis + (0 low, 1
+    high). motion: of the gripped side, 4x4, column vectors. shape: moves grid points (n, 3) of the box to the tissue.
+    spacings, reference: mm, see `lappet.reports.error_time.Scene`.
+    """
+
+    name: str
+    what: str
+    size: tuple[float, float, float]
+    divisions: tuple[int, int, int]
+    fixed: tuple[int, ...]
+    gripped: tuple[int, ...] = ()
+    motion: NDArray[np.float64] | None = None
+    gravity: float = 0.0
+    material: MaterialParameters = SKIN
+    shape: Callable[[NDArray[np.float64]], NDArray[np.float64]] | None = None
+    spacings: tuple[float, ...] = (4.0, 2.0, 1.0)
+    reference: tuple[float, float, float] = (1.0, 0.5, 0.25)
+    is_box: bool = True
+
+    def program(self, spacing: float, **settings: Any) -> Program:
+        """The scene at a spacing; settings: other fields of `SolverSettings`."""
+        surface, side = grid_box(self.size, self.divisions)
+        points = surface.points if self.shape is None else self.shape(surface.points)
+        surface = replace(surface, points=points, fixed=np.isin(side, self.fixed))
+        grip = np.where(np.isin(side, self.gripped), 0, -1).astype(np.int32)
+        frame = FrameConstraints(1.0, 0)
+        if self.motion is not None:
+            frame = replace(frame, retractor_index=np.zeros(1, np.int32), retractor_motion=self.motion[None])
+        chosen = SolverSettings(
+            spacing=spacing,
+            origin=(float(points[:, 0].min()), float(points[:, 1].min()), float(points[:, 2].min())),
+            gravity=(0.0, 0.0, -self.gravity),
+            retractors=int(self.motion is not None),
+            materials=(self.material,),
+            **settings,
+        )
+        return Program(
+            epochs=(Epoch(0, 1.0, surface, 1),),
+            frames=(frame,),
+            settings=chosen,
+            retractors=("grip",) if self.motion is not None else (),
+            active_hooks=(np.zeros(0, np.int32),),
+            grips=(grip,),
+            landmarks_at=(Landmarks(),),
+        )
+
+
+def grid_box(size: Sequence[float], divisions: Sequence[int]) -> tuple[Surface, NDArray[np.int64]]:
+    """A closed box with a corner at the origin whose sides are grids of triangles, and each triangle's side."""
+    index: dict[tuple[int, int, int], int] = {}
+
+    def vertex(i: int, j: int, k: int) -> int:
+        return index.setdefault((i, j, k), len(index))
+
+    triangles, side = [], []
+    for axis in range(3):
+        along, across = (axis + 1) % 3, (axis + 2) % 3
+        for high in (0, 1):
+            for p in range(divisions[along]):
+                for q in range(divisions[across]):
+                    corners = []
+                    for dp, dq in ((0, 0), (1, 0), (1, 1), (0, 1)):
+                        place = [0, 0, 0]
+                        place[axis], place[along], place[across] = high * divisions[axis], p + dp, q + dq
+                        corners.append(vertex(place[0], place[1], place[2]))
+                    a, b, c, d = corners if high else corners[::-1]
+                    triangles += [(a, b, c), (a, c, d)]
+                    side += 2 * [2 * axis + high]
+    points = np.array(list(index), float) / divisions * size
+    m = len(triangles)
+    none = np.zeros(m, np.bool_)
+    surface = Surface(
+        points, np.array(triangles, np.int32), np.zeros((m, 3, 2), np.float32), np.zeros(m, np.uint8), none, none
+    )
+    return surface, np.array(side)
+
+
+def _motion(shift: Sequence[float], turn: float = 0.0, centre: Sequence[float] = (0.0, 0.0, 0.0)) -> NDArray[Any]:
+    """Turns about the x axis through `centre` by `turn` degrees, then shifts by mm."""
+    angle = math.radians(turn)
+    motion = np.eye(4)
+    motion[1:3, 1:3] = [[math.cos(angle), -math.sin(angle)], [math.sin(angle), math.cos(angle)]]
+    middle = np.asarray(centre, float)
+    motion[:3, 3] = middle - motion[:3, :3] @ middle + shift
+    return motion
+
+
+def _cook(points: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Cook's tapered panel: from a height of 44 mm at x = 0 to 16 mm at x = 48 mm, its foot rising to 44 mm."""
+    x, t = points[:, 0], points[:, 2] / 44.0
+    foot, head = 44.0 * x / 48.0, 44.0 + 16.0 * x / 48.0
+    return np.column_stack([x, points[:, 1], foot + t * (head - foot)])
+
+
+BAR = BoxScene(
+    "bar",
+    "a bar of 48 x 12 x 12 mm, one end held, the other pulled by 30 % and turned by 45°",
+    (48.0, 12.0, 12.0),
+    (16, 4, 4),
+    fixed=(0,),
+    gripped=(1,),
+    motion=_motion((14.4, 0.0, 0.0), 45.0, (0.0, 6.0, 6.0)),
+)
+CANTILEVER = BoxScene(
+    "cantilever",
+    "a beam of 40 x 12 x 12 mm, held at one end, under its own weight",
+    (40.0, 12.0, 12.0),
+    (10, 3, 3),
+    fixed=(0,),
+    gravity=9.81,
+)
+COOK = BoxScene(
+    "cook",
+    "Cook's panel, 48 mm long, 44 to 16 mm high and 8 mm thick, one end held, the other lifted by 8 mm",
+    (48.0, 8.0, 44.0),
+    (12, 2, 11),
+    fixed=(0,),
+    gripped=(1,),
+    motion=_motion((0.0, 0.0, 8.0)),
+    shape=_cook,
+)
+BLOCK = BoxScene(
+    "block",
+    "a block of 16 mm, held below, its upper side pressed down by 20 %",
+    (16.0, 16.0, 16.0),
+    (8, 8, 8),
+    fixed=(4,),
+    gripped=(5,),
+    motion=_motion((0.0, 0.0, -3.2)),
+)
+BOXES = (BAR, CANTILEVER, COOK, BLOCK)

@@ -1,0 +1,55 @@
+"""`lappet report`: measurements as JSON, CSV, Markdown and pictures."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from contextlib import AbstractContextManager
+from pathlib import Path
+from typing import Any
+
+import click
+
+Sentences = Callable[[click.Context], AbstractContextManager[None]]
+
+
+def report_group(sentences: Sentences) -> click.Group:
+    """The group of commands; `sentences` ends a command with a sentence where it is refused."""
+
+    @click.group()
+    def report() -> None:
+        """Measure error against run time, stability and economy."""
+
+    @report.command("error-time")
+    @click.argument("scenes", nargs=-1)
+    @_output("error-time")
+    @click.option("--quick", is_flag=True, help="Coarser spacings, each setting varied alone: a minute or two.")
+    @click.pass_context
+    def error_time(context: click.Context, /, scenes: tuple[str, ...], folder: Path, quick: bool) -> None:
+        """Hold the displacement error of SCENES against the seconds it takes, setting by setting.
+
+        SCENES: bar, cantilever, cook, block, z-plasty, scalp-flap, or procedures (.usda); all of the named ones by
+        default.
+        """
+        with sentences(context):
+            from lappet.reports.error_time_run import run_error_time
+
+            for path in run_error_time(scenes, folder, quick, say=_say):
+                click.echo(path)
+
+    return report
+
+
+def _output(name: str) -> Callable[[Any], Any]:
+    return click.option(
+        "-o",
+        "--output",
+        "folder",
+        type=click.Path(path_type=Path),
+        default=Path("reports") / name,
+        show_default=True,
+        help="Folder for the results.",
+    )
+
+
+def _say(line: str) -> None:
+    click.echo(line, err=True)

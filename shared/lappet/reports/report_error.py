@@ -1,0 +1,9 @@
+"""The error that a report refuses with."""
+
+from __future__ import annotations
+
+from lappet.refused import RefusedError
+
+
+class ReportError(RefusedError):
+    """A report cannot be made; the message is a sentence."""

@@ -1,0 +1,71 @@
+"""Files of a report: JSON, CSV and Markdown, each with what the numbers were taken on."""
+
+from __future__ import annotations
+
+import csv
+import json
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, is_dataclass
+from pathlib import Path
+from typing import Any
+
+from lappet.bench.circumstances import circumstances, cores
+from lappet.bench.tables import markdown_table
+from lappet.reports.report_error import ReportError
+
+__all__ = ["described", "head", "make_folder", "markdown_table", "write_csv", "write_json"]
+
+
+def head() -> dict[str, Any]:
+    """Machine, compiler, instruction set, threads, revision and date, as the daemon that is installed says."""
+    from lappet.client import SolverClient
+
+    with SolverClient() as client:
+        welcome = client.welcome
+    return circumstances({name: str(welcome[name]) for name in ("compiler", "isa")}, cores())
+
+
+def described(head: Mapping[str, Any]) -> str:
+    """The same for people, a line."""
+    machine = head["machine"]
+    return (
+        f"{machine['processor']}, {machine['cores']} cores, {machine['memory_bytes'] / 2**30:.0f} GiB; "
+        f"{head['compiler']}; {head['isa']}, {head['threads']} threads; revision {head['revision']}; {head['date']}."
+    )
+
+
+def make_folder(folder: Path) -> None:
+    """Makes the folder of a report. Raises ReportError where it cannot be."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise ReportError(f"The folder {folder} cannot be made ({error.strerror}); choose another.") from error
+
+
+def write_json(path: Path, head: Mapping[str, Any], rows: Sequence[Any], **more: Any) -> None:
+    """`head`, then `rows` as maps, then what else there is; numbers that are not finite become null."""
+    values = _plain({**head, "rows": list(rows), **more})
+    path.write_text(json.dumps(values, indent=1, ensure_ascii=False, allow_nan=False) + "\n", encoding="utf-8")
+
+
+def write_csv(path: Path, rows: Sequence[Any]) -> None:
+    """The rows (of one dataclass), a line each."""
+    with path.open("w", newline="", encoding="utf-8") as file:
+        lines = [_plain(row) for row in rows]
+        if lines:
+            writer = csv.DictWriter(file, list(lines[0]))
+            writer.writeheader()
+            writer.writerows(lines)
+
+
+def _plain(value: Any) -> Any:
+    if is_dataclass(value) and not isinstance(value, type):
+        value = asdict(value)
+    if isinstance(value, Mapping):
+        return {str(name): _plain(each) for name, each in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_plain(each) for each in value]
+    if hasattr(value, "item") and not hasattr(value, "__len__"):
+        value = value.item()
+    return None if isinstance(value, float) and not math.isfinite(value) else value
