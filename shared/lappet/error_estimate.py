@@ -82,6 +82,7 @@ def companion(program: Program) -> Program:
             tolerance=max(settings.tolerance, COMPANION_TOLERANCE),
             gap_tolerance=max(settings.gap_tolerance, COMPANION_GAP),
             correction=False,
+            strain=False,
         ),
     )
 
