@@ -44,7 +44,7 @@ def scene_reasons(procedure: Procedure) -> dict[str, str]:
         count = len(tissue.subsets.get(subset, ()))
         return f"{count} face{'' if count == 1 else 's'} in /Procedure/Tissue/{subset}" if count else ""
 
-    def events(kind: type[Event]) -> str:  # type: ignore[valid-type]
+    def events(kind: type[Event]) -> str:
         return _named(f"/Procedure/Timeline/{event.name}" for event in procedure.events if isinstance(event, kind))
 
     def of_materials(chosen: Sequence[Material]) -> str:

@@ -82,7 +82,7 @@ def economy(
     rows = []
     for feature in features:
         say(feature.name)
-        base = feature.around(plain())
+        base = plain()
         rows.append(_cost(feature, False, (base,), reasons))
         if feature.put_into is None:
             continue

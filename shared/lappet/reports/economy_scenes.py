@@ -41,13 +41,12 @@ BAR = BoxScene(
 class Feature:
     """A feature: how to put it into the plain program, or why there is nothing to put in.
 
-    around: what the plain program is given with and without the feature. companion: the program solved besides.
+    companion: the program that is solved besides.
     """
 
     name: str
     what: str
     put_into: Callable[[Program], Program] | None
-    around: Callable[[Program], Program] = lambda program: program
     companion: Callable[[Program], Program] | None = None
 
 
@@ -62,15 +61,11 @@ def _material(program: Program, **changes: object) -> Program:
 
 
 def _contact(program: Program) -> Program:
-    """A ledge of bone 0.1 mm below the bar's middle."""
+    """A ledge of bone under the bar's middle, which pushes it up by 0.5 mm."""
     ledge, _ = grid_box((24.0, 30.0, 4.0), (4, 4, 1))
     below = program.epochs[0].surface.points[:, 2].min()
-    points = ledge.points + np.array([12.0, -9.0, below - 0.1 - 4.0])
+    points = ledge.points + np.array([12.0, -9.0, below + 0.5 - 4.0])
     return replace(program, bones=Bones(points, ledge.triangles))
-
-
-def _heavy(program: Program) -> Program:
-    return replace(program, settings=replace(program.settings, gravity=(0.0, 0.0, -9.81)))
 
 
 def _muscle(program: Program) -> Program:
@@ -145,7 +140,7 @@ def _companion(program: Program) -> Program:
 
 
 FEATURES = (
-    Feature("contact", "a ledge of bone under the bar, which its own weight presses on", _contact, _heavy),
+    Feature("contact", "a ledge of bone that pushes the bar up by 0.5 mm", _contact),
     Feature("self_contact", "not in this version: nothing to switch on, nothing to pay for", None),
     Feature("fibres", "one family along the bar, k1 2 kPa, k2 1", lambda p: _material(p, fibre_k1=2.0, fibre_k2=1.0)),
     Feature("muscle", "a muscle along the bar, 5 kPa, active by a fifth", _muscle),

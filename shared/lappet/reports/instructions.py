@@ -66,10 +66,14 @@ def count_instructions(program: Program, binary: Path | None = None) -> Instruct
         out = Path(name) / "callgrind.out"
         wrapper = _wrapper(Path(name), find_daemon() if binary is None else binary, out)
         daemon = SolverDaemon(wrapper, start_timeout=_PATIENCE)
-        with SolverClient(daemon=daemon, silence=_PATIENCE) as client:
-            client.open(replace(program.settings, threads=1), program.bones)
-            client.set_epoch(program.epochs[0], program.grips[0], program.landmarks_at[0])
-            frame = client.solve(program.frames[0])
+        try:
+            daemon.start()
+            with SolverClient(daemon.address, daemon.token, silence=_PATIENCE) as client:
+                client.open(replace(program.settings, threads=1), program.bones)
+                client.set_epoch(program.epochs[0], program.grips[0], program.landmarks_at[0])
+                frame = client.solve(program.frames[0])
+        finally:
+            daemon.stop(_PATIENCE)  # callgrind writes as the daemon ends
         if not frame.header["converged"]:
             raise ReportError(f"The scene did not converge under callgrind: {frame.reason}")
         if not out.is_file():
