@@ -8,6 +8,7 @@ import shutil
 import subprocess
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -55,7 +56,7 @@ def test_costs_of_callgrind_are_told_apart_into_those_of_a_function_and_those_in
     assert inside == {"lappet::find_equilibrium<float>(int)": 300, "memset": 180}
 
 
-def solved(program: Program, frames: int = 1) -> tuple[dict[str, object], list[object]]:
+def solved(program: Program, frames: int = 1) -> tuple[dict[str, Any], list[Any]]:
     """The lattice's counts, and the program's first frame solved so many times over, each from the one before."""
     with SolverClient() as client:
         client.open(replace(program.settings, threads=1), program.bones)
@@ -105,6 +106,19 @@ def test_cells_that_cannot_move_are_not_in_the_system() -> None:
     # What does not move is as it was laid in: stretched by a tenth.
     np.testing.assert_allclose(found.strain[surface.points[:, 0] < 6 * h], 0.1, atol=1e-6)
     assert found.stress[surface.points[:, 0] < 6 * h].min() > 1.0
+
+
+@pytest.mark.slow
+def test_a_second_material_without_a_direction_takes_three_numbers_a_cell() -> None:
+    lanes = {"scalar": 1, "sse42": 4, "avx2": 8, "avx512": 16, "neon": 4}
+    two_materials = next(each for each in FEATURES if each.name == "heterogeneity")
+    assert two_materials.put_into is not None
+    bare, _ = solved(plain())
+    mixed, _ = solved(two_materials.put_into(plain()))
+    with SolverClient() as client:
+        width = lanes[str(client.welcome["isa"])]
+    # mu, lambda and mu01/mu10 as floats for each cell, and not once for all lanes.
+    assert mixed["bytes"] - bare["bytes"] == 4 * 3 * (mixed["cells"] - width)
 
 
 @pytest.mark.slow

@@ -40,7 +40,8 @@ def inspect_procedure(
             notes.append(f"No lattice counts: {error}")
     costs = {"error_estimate": f"every frame once more at {2.0 * program.settings.spacing:g} mm"}
     if economy is not None:
-        costs |= measured_costs(economy)
+        for name, share in measured_costs(economy).items():
+            costs[name] = f"{costs[name]}, {share}" if name in costs else share
     return inspection(procedure, [_epoch_line(epoch, program) for epoch in program.epochs], counts, notes, costs)
 
 

@@ -7,7 +7,7 @@ of native solves of the same frame on one thread; bytes are what the session hol
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from statistics import median
 
@@ -80,19 +80,21 @@ def economy(
     """
     reasons: list[str] = []
     rows = []
+    base = plain()
+    say("the plain bar")
+    absent = _cost(features[0], False, (base,), reasons)
     for feature in features:
-        say(feature.name)
-        base = plain()
-        rows.append(_cost(feature, False, (base,), reasons))
+        rows.append(replace(absent, feature=feature.name, note=feature.what))
         if feature.put_into is None:
             continue
+        say(feature.name)
         program = feature.put_into(base)
         programs = (program,) if feature.companion is None else (program, feature.companion(program))
         rows.append(_cost(feature, True, programs, reasons))
     absences = []
     for binary in yardsticks:
         say(f"yardstick {binary}")
-        absences.append(absence(plain(), "the plain bar", binary))
+        absences.append(absence(base, "the plain bar", binary))
     return EconomyReport(tuple(rows), tuple(absences), reasons[0] if reasons else None)
 
 
