@@ -6,7 +6,7 @@ of native solves of the same frame on one thread; bytes are what the session hol
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from statistics import median
@@ -47,12 +47,16 @@ class Cost:
 
 @dataclass(frozen=True)
 class Absence:
-    """A scene without some features on the daemon, and on a yardstick that was built without them."""
+    """A scene without some features on the daemon, and on a yardstick that was built without them.
+
+    instructions: of the hot loops, the search for the equilibrium. kernels: of the fused passes, here and there.
+    """
 
     left_out: str
     scene: str
     instructions: int
     yardstick_instructions: int
+    kernels: Mapping[str, tuple[int, int]]
 
     @property
     def share(self) -> float:
@@ -94,12 +98,12 @@ def economy(
     absences = []
     for binary in yardsticks:
         say(f"yardstick {binary}")
-        absences.append(absence(base, "the plain bar", binary))
+        absences.append(absence(base, "the plain bar", binary, str(binary)))
     return EconomyReport(tuple(rows), tuple(absences), reasons[0] if reasons else None)
 
 
-def absence(program: Program, scene: str, yardstick: Path, left_out: str = "") -> Absence:
-    """Counts the hot loops of a program on the daemon that is installed and on a yardstick.
+def absence(program: Program, scene: str, yardstick: Path, left_out: str) -> Absence:
+    """Counts the hot loops of a program on the daemon that is installed and on a yardstick. left_out: what it lacks.
 
     Raises ReportError where the two did not take the same iterations: then the counts do not compare.
     """
@@ -109,7 +113,8 @@ def absence(program: Program, scene: str, yardstick: Path, left_out: str = "") -
         raise ReportError(
             f"The daemon and the yardstick {yardstick} took other iterations; build both of one revision."
         )
-    return Absence(left_out or yardstick.parent.name, scene, whole.search, bare.search)
+    kernels = {name: (whole.kernels[name], bare.kernels[name]) for name in whole.kernels}
+    return Absence(left_out, scene, whole.search, bare.search, kernels)
 
 
 def _cost(feature: Feature, present: bool, programs: tuple[Program, ...], reasons: list[str]) -> Cost:
