@@ -66,6 +66,27 @@ def report_group(sentences: Sentences) -> click.Group:
             if not right:
                 context.exit(1)
 
+    @report.command("economy")
+    @_output("economy")
+    @click.option(
+        "--yardstick",
+        "yardsticks",
+        multiple=True,
+        type=click.Path(path_type=Path, exists=True, dir_okay=False),
+        help="A daemon built with -DLAPPET_LEAVE_OUT=..., to hold the plain scene against.",
+    )
+    @click.pass_context
+    def economy(context: click.Context, /, folder: Path, yardsticks: tuple[Path, ...]) -> None:
+        """Count what each feature costs, where a scene needs it and where none does."""
+        with sentences(context):
+            from lappet.reports.economy import economy as measure
+            from lappet.reports.economy_files import write_economy
+            from lappet.reports.report_files import head, make_folder
+
+            make_folder(folder)
+            for path in write_economy(folder, head(), measure(yardsticks, say=_say)):
+                click.echo(path)
+
     return report
 
 

@@ -12,6 +12,7 @@
 #include <optional>
 
 #include "lattice/refused.h"
+#include "math/features.h"
 #include "session/attempts.h"
 #include "session/bones.h"
 #include "session/checks.h"
@@ -401,7 +402,7 @@ class TypedSession : public Session::Implementation {
       output.contacts = contact->count();
     }
     write_fields(frame, output);
-    if (settings_.correction && outcome.converged) write_correction(output);
+    if (kHasErrorEstimate && settings_.correction && outcome.converged) write_correction(output);
     if (!outcome.converged) restore(before);
     output.state.is_double = std::is_same_v<Real, double>;
     output.state.nodes.assign(u_.begin(), u_.end());
@@ -421,8 +422,9 @@ class TypedSession : public Session::Implementation {
         array.push_back(static_cast<typename std::decay_t<decltype(array)>::value_type>(v[i]));
     };
     for (const auto& point : lattice_->surface_points) push(output.points, position<Real>(*lattice_, point, u_));
-    for (const auto& point : landmarks_) push(output.landmarks, position<Real>(*lattice_, point, u_));
-    write_surface_fields<Real>(system_->elastic(), u_, output);
+    if constexpr (kHasLandmarks)
+      for (const auto& point : landmarks_) push(output.landmarks, position<Real>(*lattice_, point, u_));
+    if (kHasStrain && settings_.strain) write_surface_fields<Real>(system_->elastic(), u_, output);
     for (std::size_t k = 0; k < frame.hooks.size(); ++k) {
       const Tie& tie = system_->ties()[k];
       push(output.hook_forces, -tie.force(tie.value<Real>(u_)));

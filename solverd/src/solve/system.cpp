@@ -25,12 +25,18 @@ Vec3 at(std::span<const Real> u, std::size_t node) {
   return {static_cast<double>(u[3 * node]), static_cast<double>(u[3 * node + 1]), static_cast<double>(u[3 * node + 2])};
 }
 
+std::vector<std::uint8_t> fixed_nodes(const Attachments& attachments) {
+  std::vector<std::uint8_t> fixed;
+  for (const std::int32_t group : attachments.node_group) fixed.push_back(group == kFixedGroup);
+  return fixed;
+}
+
 }  // namespace
 
 template <class Real>
 System<Real>::System(const Lattice& lattice, CellMaterials materials, int quadrature, Attachments attachments,
                      std::int32_t retractors, double bed_stiffness, const Vec3& gravity)
-    : elastic_(lattice, std::move(materials), quadrature),
+    : elastic_(lattice, std::move(materials), quadrature, choose_instruction_set(), fixed_nodes(attachments)),
       attachments_(std::move(attachments)),
       bed_stiffness_(bed_stiffness),
       held_stiffness_(kHeldStiffness * elastic_.materials().table[0].youngs_modulus / lattice.settings.spacing),
@@ -236,7 +242,7 @@ Evaluation System<Real>::evaluate(std::span<const Real> u) {
         gradient_[3 * static_cast<std::size_t>(nodes[k]) + static_cast<std::size_t>(i)] +=
             stiffness * height * face.weights[k] * face.inward[i];
   }
-  if (contact_) result.energy += contact_->evaluate<Real>(u, free_, gradient_, pushes_);
+  if (contact()) result.energy += contact()->template evaluate<Real>(u, free_, gradient_, pushes_);
   for (const auto& tie : ties_) {
     const Vec3 c = tie.value(u), force = tie.force(c);
     result.energy += c.dot(0.5 * tie.stiffness * c + tie.multiplier);
@@ -352,7 +358,7 @@ double System<Real>::largest_gap(std::span<const Real> u) const {
   double gap = 0.0;
   for (const auto& tie : ties_)
     if (tie.exact) gap = std::max(gap, tie.gap(tie.value(u)));
-  if (contact_) gap = std::max(gap, contact_->excess());
+  if (contact()) gap = std::max(gap, contact()->excess());
   if (!has_held_forms_) return gap;
   for (const auto& form : attachments_.forms) {
     if (form.group == kBedGroup || !acts(form)) continue;
@@ -374,7 +380,7 @@ template <class Real>
 void System<Real>::update_multipliers(std::span<const Real> u) {
   for (auto& tie : ties_)
     if (tie.exact) tie.update_multiplier(tie.value(u));
-  if (contact_) contact_->update_multipliers();
+  if (contact()) contact()->update_multipliers();
   if (!has_held_forms_) return;
   std::vector<std::uint8_t> done(free_.size(), 0);
   for (const auto& form : attachments_.forms) {
