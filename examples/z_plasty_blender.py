@@ -150,13 +150,16 @@ def main() -> None:
     own = sys.argv[sys.argv.index("--") + 1 :] if "--" in sys.argv else [] if inside else sys.argv[1:]
     options = parser.parse_args(own)
     have_lappet()
+    if not bpy.data.filepath:  # the cube, the light and the camera of a new file
+        for each in list(bpy.context.scene.objects):
+            bpy.data.objects.remove(each)
     build(options.spacing)
     if options.solve:
         bpy.ops.lappet.solve(wait=True)
-    if options.export:
-        bpy.ops.lappet.export_procedure(filepath=options.export)
     if options.save:
         bpy.ops.wm.save_as_mainfile(filepath=options.save)
+    if options.export:
+        bpy.ops.lappet.export_procedure(filepath=options.export)
 
 
 if __name__ == "__main__":

@@ -202,7 +202,7 @@ def test_a_killed_daemon_costs_one_note_and_no_frame(foreground: Path, tmp_path:
 
 
 def test_a_worker_that_dies_three_times_in_a_row_ends_its_jobs_with_a_sentence(tmp_path: Path, binary: Path) -> None:
-    (tmp_path / "lappet.py").write_text("import sys; sys.exit('this is no Lappet')")
+    (tmp_path / "msgpack.py").write_text("import sys; sys.exit('this is no Lappet')")
     solver = BackgroundSolver(store=tmp_path / "store", path=[str(tmp_path)])
     own = Owner(solver)
     job = solver.plan(small_procedure(), SETTINGS)

@@ -362,7 +362,7 @@ def test_a_frame_that_cannot_converge_exits_with_1_naming_frame_and_reason(tmp_p
     write_procedure(small_procedure().with_events(across_the_rim), tmp_path / "p.usda")
     run = solve(tmp_path)
     assert run.status == 1
-    assert "Frame 5 did not converge: a suture or a held face keeps a gap" in run.stderr
+    assert "Frame 5 did not converge: a suture, a held face or a stiff hook keeps a gap" in run.stderr
     assert run.report["failed"]["time_code"] == 5
     assert run.report["failed"]["reason"] in run.report["reason"]
     assert run.report["reason"] in run.stderr

@@ -91,6 +91,28 @@ def test_undermining_frees_the_area_of_the_curve(resolution):
     assert np.linalg.norm((freed_points[..., :2] - [1.3, -0.7]) / [11.0, 7.0], axis=-1).max() < 1.03
 
 
+# Found by the fuzz: both ends of the line met in the one sharp corner and left a hole there.
+@pytest.mark.parametrize("width", [0.5, 1.0, 2.0, 8.0])
+def test_a_curve_with_one_sharp_corner_parts_what_it_surrounds(width):
+    wedge = ((5.0, 0.0, 2.0), (-3.0, width, 2.0), (-3.0, 0.0, 2.0))
+    tissue = flat_patch((16.0, 12.0, 2.0), resolution=1.0, spacing=1.0)
+    freed = epochs(Undermine("u", 1.0, wedge), tissue=tissue)[-1].surface
+    area = areas(freed)[freed.resting].sum()
+    assert area == pytest.approx(4.0 * width, rel=0.15)
+    cut = epochs(Incision("i", 1.0, wedge, closed=True), Excision("e", 1.0, ((-2.0, 0.4 * width, 2.0),)), tissue=tissue)
+    assert volume(cut[-1].surface) == pytest.approx(16 * 12 * 2 - 2 * 4.0 * width, rel=0.01)
+
+
+# Found by the fuzz: no vertex of the underside lay in the area.
+@pytest.mark.parametrize("radius", [0.2, 0.5, 0.9])
+def test_an_area_smaller_than_the_faces_of_the_underside_is_undermined(radius):
+    tissue = flat_patch((16.0, 12.0, 2.0), resolution=2.0, spacing=2.0)
+    around = tuple((0.9 + x, 0.9 + y, 2.0) for x, y, _ in ring(0.0, 0.0, radius, radius, 12))
+    freed = epochs(Undermine("u", 1.0, around), tissue=tissue)[-1].surface
+    area = areas(freed)[freed.resting].sum()
+    assert area == pytest.approx(polygon_area(around), rel=0.3)
+
+
 def test_undermining_a_cut_tissue_twice_adds_up_and_ignores_the_direction():
     first, second = ring(-8.0, 0.0, 6.0, 6.0), ring(8.0, 0.0, 5.0, 5.0)[::-1]
     found = epochs(

@@ -55,7 +55,7 @@ def test_the_tested_versions_are_pinned_for_every_requirement() -> None:
 
 
 def test_an_unknown_extra_is_refused_by_name() -> None:
-    with pytest.raises(ValueError, match="no extra 'rendr'; it has dev, examples, render, test"):
+    with pytest.raises(ValueError, match="no extra 'rendr'; it has dev, examples, render, report, test"):
         requirements(["rendr"])
 
 

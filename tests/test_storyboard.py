@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
+import json
 import re
 from dataclasses import replace
+from pathlib import Path
+
+import pytest
 
 from lappet.patch import flat_patch
 from lappet.procedure import Bone, Hook, Incision, Landmark, Material, Procedure, Region, Retractor, Suture, Undermine
-from lappet.storyboard import inspection, scene_profile
+from lappet.refused import RefusedError
+from lappet.scene_profile import measured_costs, profile_lines, scene_profile, scene_reasons
+from lappet.storyboard import inspection
 
 STILL = (1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0)
 TURNED = (0.0, 1.0, 0.0, 0.0, -1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 3.0, 0.0, 4.0, 1.0)
@@ -48,6 +54,51 @@ def test_the_profile_names_what_the_scene_needs_and_nothing_else() -> None:
     assert {name for name, present in scene_profile(layered).items() if present} - needed == {"materials", "muscle"}
     unused = replace(layered, tissue=replace(layered.tissue, regions=()))
     assert scene_profile(unused) == scene_profile(BOARD)
+
+
+def test_the_profile_says_which_prims_ask_for_a_feature() -> None:
+    reasons = scene_reasons(_layered())
+    assert reasons["muscle"] == "/Procedure/Materials/lip"
+    assert reasons["materials"] == "/Procedure/Materials/skin, /Procedure/Materials/lip"
+    assert reasons["sutures"] == "/Procedure/Timeline/stitch"
+    assert reasons["fixed"] == f"{len(BOARD.tissue.subsets['fixed'])} faces in /Procedure/Tissue/fixed"
+    assert reasons["contact"] == ""
+    many = BOARD.with_events(*(Landmark(f"m{k}", ((0, 1, 4),), "") for k in range(5)))
+    assert (
+        scene_reasons(many)["landmarks"]
+        == ", ".join(f"/Procedure/Timeline/{name}" for name in ("tip", "m0", "m1")) + " and 3 more"
+    )
+
+
+def test_the_profile_has_a_line_for_each_feature_that_is_on_and_one_for_all_that_are_off() -> None:
+    lines = profile_lines(BOARD, {"hooks": "nothing to speak of"})
+    needs = [line for line in lines if line.startswith("needs")]
+    assert len(needs) == sum(scene_profile(BOARD).values())
+    assert "needs    hooks: /Procedure/Timeline/hook; nothing to speak of" in needs
+    (without,) = [line for line in lines if line.startswith("without")]
+    off = without.removeprefix("without  ").split(", ")
+    assert set(off) == {name for name, on in scene_profile(BOARD).items() if not on} | {"self_contact"}
+
+
+def test_costs_are_those_of_the_report_of_economy(tmp_path: Path) -> None:
+    def row(feature: str, present: bool, instructions: int | None, seconds: float) -> dict[str, object]:
+        return {"feature": feature, "present": present, "instructions": instructions, "seconds": seconds, "bytes": 1}
+
+    rows = [row("fibres", False, 100, 1.0), row("fibres", True, 125, 9.0)]
+    rows += [
+        row("heterogeneity", False, None, 1.0),
+        row("heterogeneity", True, None, 1.5),
+        row("followers", False, 1, 1),
+    ]
+    file = tmp_path / "economy.json"
+    file.write_text(json.dumps({"rows": rows}))
+    costs = measured_costs(file)
+    assert set(costs) == {"fibres", "materials"}
+    assert costs["fibres"].startswith("+25 % instructions")
+    assert costs["materials"].startswith("+50 % seconds")
+    file.write_text("[]")
+    with pytest.raises(RefusedError, match=r"give its economy\.json"):
+        measured_costs(file)
 
 
 def test_regions_and_muscles_are_told() -> None:

@@ -132,6 +132,12 @@ def solve_options(command: Callable[..., Any]) -> Callable[..., Any]:
             show_default=True,
             help="Estimate the displacement error with a coarser solve.",
         ),
+        click.option(
+            "--strain/--no-strain",
+            default=True,
+            show_default=True,
+            help="Compute strain, stress and tension on the surface.",
+        ),
     ]
     for option in reversed(options):
         command = option(command)
@@ -253,15 +259,24 @@ def check(context: click.Context, /, procedure: Path) -> None:
 @click.option("--spacing", type=click.FloatRange(min=0, min_open=True), help="Lattice edge in mm.")
 @click.option("--no-lattice", is_flag=True, help="Leave out the lattice counts (they need the daemon).")
 @click.option("--daemon", metavar="ADDR", help="Address of a running daemon.")
+@click.option("--economy", type=_FILE, metavar="FILE", help="Costs from this economy.json of `lappet report economy`.")
 @click.pass_context
 def inspect(
-    context: click.Context, /, procedure: Path, spacing: float | None, no_lattice: bool, daemon: str | None
+    context: click.Context,
+    /,
+    procedure: Path,
+    spacing: float | None,
+    no_lattice: bool,
+    daemon: str | None,
+    economy: Path | None,
 ) -> None:
     """Print a procedure's storyboard, epochs, scene profile and lattice counts."""
     with sentences(context):
         from lappet.inspect_procedure import inspect_procedure
 
-        click.echo(inspect_procedure(procedure, spacing=spacing, lattice=not no_lattice, daemon=daemon))
+        click.echo(
+            inspect_procedure(procedure, spacing=spacing, lattice=not no_lattice, daemon=daemon, economy=economy)
+        )
 
 
 @cli.command()

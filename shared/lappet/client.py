@@ -44,9 +44,9 @@ class SolverState:
 class FrameSolution(SolvedFrame):
     """A frame that came back: the fields (`header`) and `arrays` of the message `frame`, also as attributes.
 
-    points (n, 3) mm; strain, stress, tension (n,): largest principal stretch - 1, von Mises and largest principal
-    Cauchy stress in kPa; landmarks (k, 3) mm; suture_gaps (A,) mm; suture_forces (A,) mN; suture_points (A, 2, 3) mm;
-    hook_forces (H, 3) mN; hook_points (H, 3) mm.
+    points (n, 3) mm; strain, stress, tension (n,), empty where the settings leave `strain` out: largest principal
+    stretch - 1, von Mises and largest principal Cauchy stress in kPa; landmarks (k, 3) mm; suture_gaps (A,) mm;
+    suture_forces (A,) mN; suture_points (A, 2, 3) mm; hook_forces (H, 3) mN; hook_points (H, 3) mm.
     """
 
     @property
@@ -107,6 +107,7 @@ class SolverClient:
     ) -> None:
         self._connection = DaemonConnection(address, token, daemon=daemon, name=name, silence=silence)
         self._epoch: int | None = None
+        self._strain = True
 
     def connect(self) -> Self:
         """Starts the daemon where there is none, connects and says hello."""
@@ -155,6 +156,7 @@ class SolverClient:
                 "retractors": int(settings.retractors),
                 "preconditioner": settings.preconditioner,
                 "correction": int(settings.correction),
+                "strain": int(settings.strain),
             },
             "materials": [_material(material) for material in settings.materials],
         }
@@ -164,6 +166,7 @@ class SolverClient:
             arrays["bone_triangles"] = np.asarray(bones.triangles, np.int32)
         opened = expect(self._connection.request("open", fields, arrays), "opened")
         self._connection.session = opened.session
+        self._strain = settings.strain
         return int(opened.session or 0)
 
     def set_epoch(
@@ -240,12 +243,13 @@ class SolverClient:
         nodes = "f8" if reply.fields.get("precision") == "double" else "f4"
         hooks, sutures = len(frame.hook_stiffness), len(frame.suture_index)
         n = len(reply.arrays.get("points", ()))
+        measured = n if self._strain else 0
         require(
             reply,
             points=("f4", (n, 3)),
-            strain=("f4", (n,)),
-            stress=("f4", (n,)),
-            tension=("f4", (n,)),
+            strain=("f4", (measured,)),
+            stress=("f4", (measured,)),
+            tension=("f4", (measured,)),
             landmarks=("f8", (None, 3)),
             suture_gaps=("f8", (sutures,)),
             suture_forces=("f8", (sutures,)),

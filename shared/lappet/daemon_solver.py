@@ -18,8 +18,10 @@ from lappet.wire import WireError
 class DaemonSolver:
     """A session with a daemon, of its own or at an address. Raises as `lappet.frame_solver.FrameSolver` says."""
 
-    def __init__(self, settings: SolverSettings, bones: Bones, address: str | None = None) -> None:
-        self._client = SolverClient(address)
+    def __init__(
+        self, settings: SolverSettings, bones: Bones, address: str | None = None, token: str | None = None
+    ) -> None:
+        self._client = SolverClient(address, token)
         self._client.connect()
         try:
             self._client.open(settings, bones)

@@ -85,6 +85,7 @@ def companion(program: Program) -> Program:
             tolerance=max(settings.tolerance, SUTURED_TOLERANCE if sutured else COMPANION_TOLERANCE),
             gap_tolerance=max(settings.gap_tolerance, SUTURED_GAP if sutured else COMPANION_GAP),
             correction=False,
+            strain=False,
         ),
     )
 

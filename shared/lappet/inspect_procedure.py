@@ -8,6 +8,7 @@ from lappet.compile import compile_program
 from lappet.frame_solver import Connect
 from lappet.program import Epoch, FaceOrigin, Program
 from lappet.refused import RefusedError
+from lappet.scene_profile import measured_costs
 from lappet.storyboard import inspection
 from lappet.usd_stage import read_procedure
 
@@ -19,12 +20,13 @@ def inspect_procedure(
     lattice: bool = True,
     daemon: str | None = None,
     connect: Connect | None = None,
+    economy: Path | None = None,
 ) -> str:
     """The text of `lappet inspect`.
 
     spacing: mm (the tissue's when None). lattice: ask the daemon for the counts of every epoch's lattice; where it
-    cannot be had a note says why. Raises ProcedureError and RefusedError for a procedure that cannot be read or
-    compiled.
+    cannot be had a note says why. economy: the file of `lappet report economy` that costs are taken from. Raises
+    ProcedureError and RefusedError for a procedure that cannot be read or compiled, or a file that is no such report.
     """
     notes: list[str] = []
     procedure = read_procedure(path, notes)
@@ -36,7 +38,11 @@ def inspect_procedure(
             counts = _lattice_lines(program, daemon, connect)
         except (RefusedError, RuntimeError) as error:
             notes.append(f"No lattice counts: {error}")
-    return inspection(procedure, [_epoch_line(epoch, program) for epoch in program.epochs], counts, notes)
+    costs = {"error_estimate": f"every frame once more at {2.0 * program.settings.spacing:g} mm"}
+    if economy is not None:
+        for name, share in measured_costs(economy).items():
+            costs[name] = f"{costs[name]}, {share}" if name in costs else share
+    return inspection(procedure, [_epoch_line(epoch, program) for epoch in program.epochs], counts, notes, costs)
 
 
 def _epoch_line(epoch: Epoch, program: Program) -> str:
@@ -64,7 +70,8 @@ def _lattice_lines(program: Program, daemon: str | None, connect: Connect | None
             lines.append(
                 f"epoch {epoch.index}: {counts['cells']} cells "
                 f"({counts['grid_cells']} grid, {counts['mesh_cells']} mesh), "
-                f"{counts['nodes']} nodes, {counts['blocks']} blocks, {counts['fine_voxels']} fine voxels"
+                f"{counts['nodes']} nodes, {counts['blocks']} blocks, {counts['fine_voxels']} fine voxels, "
+                f"{counts['bytes'] / 2**20:.1f} MiB"
             )
     finally:
         solver.close()

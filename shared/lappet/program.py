@@ -129,7 +129,8 @@ class SolverSettings:
     suture and grip gap as a fraction of the spacing. bed_stiffness: kPa/mm. gravity: m/s². time_budget: s per frame, 0
     = none. memory_budget: bytes. threads: 0 = all. sutures, retractors: their numbers in the whole procedure.
     preconditioner: "chebyshev" leaves out the coarse space. correction: frames carry the Newton step left over, from
-    which the algebraic error is estimated. materials: the tissue's first, then those of its regions.
+    which the algebraic error is estimated. strain: frames carry strain, stress and tension. materials: the
+    tissue's first, then those of its regions.
     """
 
     spacing: float = 1.0
@@ -149,6 +150,7 @@ class SolverSettings:
     retractors: int = 0
     preconditioner: Literal["twoLevel", "chebyshev"] = "twoLevel"
     correction: bool = False
+    strain: bool = True
     materials: tuple[MaterialParameters, ...] = (MaterialParameters(),)
 
 

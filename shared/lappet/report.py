@@ -17,8 +17,8 @@ import numpy as np
 
 from lappet.error_estimate import FrameError
 from lappet.program import Program
+from lappet.scene_profile import scene_profile
 from lappet.solve import FrameResult, SolveResult
-from lappet.storyboard import scene_profile
 
 REPORT_VERSION = 1
 LATTICE_COUNTS = ("fine_voxels", "cells", "grid_cells", "mesh_cells", "nodes", "blocks")

@@ -17,6 +17,8 @@ from lappet.refused import RefusedError
 from lappet.rest_skin import RestSkin, SkinPoints
 from lappet.surface_check import place
 
+_STEP = 1.0  # mm
+_MOST_STEPS = 400
 _OVERLAP = 0.1  # of the kerf: how far open ends reach on, so that curves that touch are joined at any kerf
 _FOLD = 0.45  # of a segment: how far a mitre may reach back before the ribbon is broken at the corner
 
@@ -69,7 +71,8 @@ def skin_ribbons(
 ) -> list[Ribbon]:
     """The ribbons of a curve on the skin.
 
-    The curve is sampled at `step` (default: the lattice spacing, at most 1 mm), its samples are dropped onto the
+    The curve is sampled at `step` (default: the lattice spacing, at most 1 mm or, for tissue of metres, a 400th of the
+    curve), its samples are dropped onto the
     skin; what lies past the skin's border stays there, and an end near the border runs on past it. depth: mm along
     the skin normal, or None for the whole thickness (measured by a ray per sample). A curve is broken into several
     ribbons where it leaves the tissue, turns too sharply for a mitre, or meets itself. Raises IncisionError for a
@@ -79,7 +82,9 @@ def skin_ribbons(
         raise IncisionError(f"{prim}: the kerf is {kerf:g} mm; give a width above 0, for instance 0.05")
     if depth is not None and not (np.isfinite(depth) and depth > 0.0):
         raise IncisionError(f"{prim}: the depth is {depth:g} mm; give a depth above 0, or none to cut through")
-    step = min(spacing, 1.0) if step is None else step
+    if step is None:
+        way = np.linalg.norm(np.diff(np.asarray(points, np.float64).reshape(-1, 3), axis=0), axis=1).sum()
+        step = min(spacing, max(_STEP, float(way) / _MOST_STEPS))
     try:
         samples = sample_curve(points, basis, closed, step)
     except CurveError as error:
@@ -244,7 +249,7 @@ def _unfolded(path: _Path, kerf: float) -> list[Ribbon]:
     breaks = (turn > np.radians(150.0)) | (0.5 * kerf * np.tan(np.minimum(turn, 3.0) / 2.0) > _FOLD * shortest)
 
     ribbons = []
-    for chain, whole, begins, ends in _chains(path, breaks, lengths, kerf):
+    for chain, whole, begins, ends in _chains(path, breaks, turn, lengths, kerf):
         into, out = directions_in[chain].copy(), directions_out[chain].copy()
         if not whole:
             into[0], out[-1] = out[0], into[-1]
@@ -262,7 +267,7 @@ def _unfolded(path: _Path, kerf: float) -> list[Ribbon]:
 
 
 def _chains(
-    path: _Path, breaks: NDArray[np.bool_], lengths: NDArray[np.float64], kerf: float
+    path: _Path, breaks: NDArray[np.bool_], turn: NDArray[np.float64], lengths: NDArray[np.float64], kerf: float
 ) -> list[tuple[NDArray[np.int64], bool, float, float]]:
     """Vertex chains without folds and self-overlap: (vertices, closed, reach before, reach after), in units of kerf."""
     n = len(path.points)
@@ -285,6 +290,10 @@ def _chains(
         current.append(segment)
     last = 0.5 if broke else (0.0 if path.closed else _OVERLAP)
     chains.append((np.array([*current, current[-1] + 1]) % n, False, reach, last))
+    if path.closed and len(chains) == 1:  # its two ends would overlap at the one sharp corner: part it where it is flat
+        ((chain, _, before, after),) = chains
+        at = 1 + int(turn[chain[1:-1]].argmin())
+        return [(chain[: at + 1], False, before, 0.5), (chain[at:], False, 0.5, after)]
     return chains
 
 

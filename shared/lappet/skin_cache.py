@@ -119,7 +119,8 @@ def _write_epoch(stage: Any, epoch: Epoch, frames: Sequence[FrameResult], times:
     shading = ShadingNormals(surface)
     normals = primvars.CreatePrimvar("normals", types.Normal3fArray, tokens.faceVarying)
     normals.SetIndices(usd.Vt.IntArray.FromNumpy(shading.indices))
-    scalars = {name: primvars.CreatePrimvar(name, types.FloatArray, tokens.vertex) for name in SCALARS}
+    measured = [name for name in SCALARS if all(len(frame.arrays[name]) for frame in frames)]  # --no-strain: none
+    scalars = {name: primvars.CreatePrimvar(name, types.FloatArray, tokens.vertex) for name in measured}
     points, velocities, extent = mesh.CreatePointsAttr(), mesh.CreateVelocitiesAttr(), mesh.CreateExtentAttr()
     moved = [np.asarray(frame.arrays["points"], np.float32) for frame in frames]
     for i, frame in enumerate(frames):

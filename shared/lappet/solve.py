@@ -113,6 +113,7 @@ def solve_procedure(
     connect: Connect | None = None,
     solver: str | None = None,
     error_estimate: bool = True,
+    strain: bool = True,
 ) -> SolveResult:
     """Solves a procedure and writes its skin cache to `output` (.usdc, .usda or .usd).
 
@@ -120,7 +121,7 @@ def solve_procedure(
     mm (the tissue's when None). frames: first and last time code to write; everything up to the last one is solved.
     daemon: the address of a running daemon. store: where frames are kept. connect, solver: who solves, and what
     identifies it (the daemon that is installed when None). error_estimate: also solve on a coarser lattice, to say how
-    large the error is (`lappet.error_estimate`).
+    large the error is (`lappet.error_estimate`). strain: the cache gets strain, stress and tension.
 
     A frame that does not converge, a daemon that cannot be kept alive and Ctrl-C end the solve early and keep what is
     done: see `SolveResult.reason`. Raises RefusedError or ProcedureError with a sentence for what cannot be solved at
@@ -141,6 +142,7 @@ def solve_procedure(
         precision=precision,
         until=last,
         correction=error_estimate,
+        strain=strain,
     )
     for sentence in program.notes:
         watch.note(sentence)

@@ -6,7 +6,7 @@ Lengths are mm, forces mN, moduli kPa; times are time codes.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from itertools import pairwise
 
 import numpy as np
@@ -25,6 +25,7 @@ from lappet.procedure import (
     Suture,
     Undermine,
 )
+from lappet.scene_profile import profile_lines
 
 
 def storyboard(procedure: Procedure) -> str:
@@ -92,56 +93,22 @@ def inspection(
     epochs: Sequence[str] = (),
     lattice: Sequence[str] = (),
     notes: Sequence[str] = (),
+    costs: Mapping[str, str] | None = None,
 ) -> str:
     """What `lappet inspect` prints: storyboard, epochs, scene profile, lattice counts, notes.
 
-    epochs, lattice, notes: a line each, from those who know them.
+    epochs, lattice, notes: a line each, and costs: of features by name, from those who know them.
     """
     parts = [storyboard(procedure)]
     for title, lines in (
         ("Epochs", epochs),
-        ("Scene profile", profile_lines(procedure)),
+        ("Scene profile", profile_lines(procedure, costs)),
         ("Lattice", lattice),
         ("Notes", notes),
     ):
         if lines:
             parts.append("\n".join([title, *(f"  {line}" for line in lines)]))
     return "\n\n".join(parts)
-
-
-def scene_profile(procedure: Procedure) -> dict[str, bool]:
-    """Which features the scene needs, by name; the report and `lappet inspect` share it.
-
-    fixed: faces held in space; contact: bones; fibres, muscle, prestretch: of a material in use; materials: more than
-    one in use; the others: present.
-    """
-    tissue, kinds = procedure.tissue, {type(event) for event in procedure.events}
-    materials = procedure.materials_in_use()
-    return {
-        "fixed": len(tissue.subsets.get("fixed", ())) > 0,
-        "bed": len(tissue.subsets.get("bed", ())) > 0,
-        "undermining": Undermine in kinds,
-        "incisions": Incision in kinds,
-        "excisions": Excision in kinds,
-        "hooks": Hook in kinds,
-        "retractors": Retractor in kinds,
-        "sutures": Suture in kinds,
-        "landmarks": Landmark in kinds,
-        "gravity": bool(tissue.gravity),
-        "contact": len(procedure.bones) > 0,
-        "fibres": any(material.has_fibers for material in materials),
-        "muscle": any(material.has_muscle for material in materials),
-        "prestretch": any(material.has_prestretch for material in materials),
-        "materials": len(materials) > 1,
-    }
-
-
-def profile_lines(procedure: Procedure) -> list[str]:
-    """The scene profile as two lines: what the scene needs, and what it does without."""
-    profile = scene_profile(procedure)
-    needed = [name for name, present in profile.items() if present]
-    absent = [name for name, present in profile.items() if not present]
-    return [f"needs    {', '.join(needed) or 'nothing'}", f"without  {', '.join(absent) or 'nothing'}"]
 
 
 def _timeline(procedure: Procedure) -> str:

@@ -22,6 +22,8 @@ from lappet.solid import Label, LabelledSolid
 from lappet.split_edges import split_edges
 from lappet.surface_check import directed_edges, unique_edges
 
+_FEW = 40  # vertices inside; more follow the curve well enough
+_SHORT, _MANY, _ROUNDS = 0.3, 3000, 40  # edges over the width of an area with few; faces in the box around it
 _KERF = 0.02  # of the lattice spacing: the width of the line that parts inside from outside
 
 
@@ -39,10 +41,10 @@ def undermine(
     parts = _Parts(rest, ribbons, kerf, spacing)
     if not parts.inside.any():
         raise IncisionError(f"{prim}: the closed curve surrounds no tissue; draw it around the skin to undermine")
-    below = np.flatnonzero(surface.bed)
-    inside = np.zeros(len(surface.points), bool)
-    vertices = np.unique(surface.triangles[below])
-    inside[vertices] = parts.contain(surface.points[vertices])
+    below, inside = _inside(surface, parts)
+    if np.count_nonzero(inside) < _FEW:  # most of a small or narrow area lies between the vertices
+        surface = _refined(surface, *parts.box(), parts.width)
+        below, inside = _inside(surface, parts)
 
     t = surface.triangles[below]
     edges = unique_edges(directed_edges(t))[0]
@@ -73,6 +75,38 @@ def undermine(
     )
 
 
+def _inside(surface: Surface, parts: _Parts) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
+    """The bed faces, and which vertices (n,) of theirs lie inside the curve."""
+    below = np.flatnonzero(surface.bed)
+    inside = np.zeros(len(surface.points), bool)
+    vertices = np.unique(surface.triangles[below])
+    inside[vertices] = parts.contain(surface.points[vertices])
+    return below, inside
+
+
+def _refined(surface: Surface, low: NDArray[np.float64], high: NDArray[np.float64], width: float) -> Surface:
+    """The surface with short edges in the bed faces that reach into a box, for an area so wide (mm)."""
+    extent = np.sort(high - low)
+    longest = max(_SHORT * width, float(np.sqrt(extent[1] * extent[2] / _MANY)))
+    for _ in range(_ROUNDS):
+        corners = surface.points[surface.triangles]
+        near = surface.bed & ((corners.min(axis=1) <= high) & (corners.max(axis=1) >= low)).all(axis=1)
+        t = surface.triangles[near]
+        edges = np.sort(np.stack([t, np.roll(t, -1, axis=1)], axis=2), axis=2)
+        length = np.linalg.norm(np.diff(surface.points[edges], axis=2)[:, :, 0], axis=2)
+        # Halve edges that are the longest one of every face here that has them: no face is split twice.
+        key, which = np.unique(edges.reshape(-1, 2), axis=0, return_inverse=True)
+        which = which.reshape(-1, 3)
+        order = np.lexsort((which, length), axis=1)[:, -1]
+        wanted = np.bincount(np.take_along_axis(which, order[:, None], axis=1)[:, 0], minlength=len(key))
+        size = np.linalg.norm(surface.points[key[:, 0]] - surface.points[key[:, 1]], axis=1)
+        chosen = key[(wanted == np.bincount(which.ravel(), minlength=len(key))) & (size > longest)]
+        if len(chosen) == 0:
+            break
+        surface = split_edges(surface, chosen, np.full(len(chosen), 0.5))
+    return surface
+
+
 class _Parts:
     """The parts of the uncut tissue inside and outside of a closed curve."""
 
@@ -85,14 +119,20 @@ class _Parts:
         self.line = _sheet(ribbons)
         turns = _Turns(ribbons, self.line, kerf)
         corners, owner = [], []
-        inside = []
+        inside: list[bool] = []
+        widths: list[float] = []
         for k, part in enumerate(solid.decompose()):
             surface = LabelledSolid(part, {**rest.labels, **walls}, ("left", "right")).surface()
             wall = surface.grips["left"] | surface.grips["right"]
             inside.append(turns.surround(surface.points[surface.triangles[wall]]))
+            if inside[-1]:
+                under = surface.points[surface.triangles[surface.origin == FaceOrigin.UNDERSIDE]]
+                area = 0.5 * np.linalg.norm(np.cross(under[:, 1] - under[:, 0], under[:, 2] - under[:, 0]), axis=1)
+                widths.append(float(area.sum()) / max(float(np.ptp(surface.points, axis=0).max()), 1e-300))
             corners.append(surface.points[surface.triangles])
             owner.append(np.full(len(surface.triangles), k))
         self.inside = np.array(inside, bool)
+        self.width = max(widths, default=0.0)  # mm, of the widest part inside
         self._owner = np.concatenate(owner)
         soup = np.concatenate(corners)
         self._known, first = np.unique(_bytes(soup.reshape(-1, 3)), return_index=True)
@@ -101,6 +141,11 @@ class _Parts:
         chosen = soup[self.inside[self._owner]].reshape(-1, 3)
         margin = 0.01 * spacing
         self._box = (chosen.min(axis=0) - margin, chosen.max(axis=0) + margin) if len(chosen) else None
+
+    def box(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """The lowest and the highest corner of what is inside."""
+        assert self._box is not None
+        return self._box
 
     def contain(self, points: NDArray[np.float64]) -> NDArray[np.bool_]:
         """Whether each point (k, 3) belongs to a part inside the curve."""

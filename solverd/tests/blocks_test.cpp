@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <map>
 #include <set>
 
@@ -167,6 +168,39 @@ TEST_P(CutLattices, ForEachSlabVisitsEverySlabOnce) {
     EXPECT_EQ(end, layout.slab_start[slab + 1]);
   });
   EXPECT_EQ(std::count(visits.begin(), visits.end(), 1), static_cast<std::ptrdiff_t>(layout.slabs()));
+}
+
+TEST_P(CutLattices, BlocksThatCannotMoveAreLeftOutAndNoOthers) {
+  double low = std::numeric_limits<double>::infinity(), high = -low;
+  for (const Vec3& rest : lattice_.node_rest) {
+    low = std::min(low, rest[0]);
+    high = std::max(high, rest[0]);
+  }
+  std::vector<std::uint8_t> still;
+  for (const Vec3& rest : lattice_.node_rest) still.push_back(rest[0] <= 0.5 * (low + high));
+  const BlockLayout layout = lay_out_blocks(lattice_, 4, still), whole = lay_out_blocks(lattice_, 4);
+  const auto moves = [&](std::size_t cell) {
+    return std::ranges::any_of(lattice_.cell_nodes[cell],
+                               [&](std::int32_t n) { return !still[static_cast<std::size_t>(n)]; });
+  };
+  std::size_t left_out = 0;
+  for (std::size_t c = 0; c < cells(); ++c) {
+    if (layout.slot_of_cell[c] >= 0) continue;
+    ++left_out;
+    EXPECT_FALSE(moves(c)) << c;
+  }
+  EXPECT_GT(left_out, cells() / 8);
+  EXPECT_LT(layout.blocks, whole.blocks);
+  // Every block that is there has a cell that moves.
+  std::vector<int> of_lane(static_cast<std::size_t>(4 * layout.groups), -1);
+  for (std::size_t slot = 0; slot < layout.slots(); ++slot) {
+    const std::int32_t cell = layout.cell_of_slot[slot];
+    if (cell < 0) continue;
+    int& found = of_lane[slot / (4 * kBlockCells) * 4 + slot % 4];
+    found = std::max(found, static_cast<int>(moves(static_cast<std::size_t>(cell))));
+  }
+  EXPECT_EQ(std::ranges::count(of_lane, 0), 0);
+  EXPECT_EQ(std::ranges::count(of_lane, 1), layout.blocks);
 }
 
 TEST(BlockLayout, AnUncutSlabOfWholeBlocksIsAllColumns) {

@@ -304,6 +304,34 @@ TEST(Contact, TissueThatStartsInBoneIsPushedOutOrRefusedWithItsDepth) {
   }
 }
 
+// Found by the stability matrix, as the next one: no point of the surface lies in such a bone.
+TEST(Contact, ABoneThatTissueEnclosesIsRefused) {
+  SessionSettings s;
+  s.bones = test::box({4, 4, 1}, {8, 8, 4});
+  Session session(s);
+  try {
+    session.set_epoch(make_epoch(test::box({0, 0, 0}, {12, 12, 6}), [](const Vec3& c) { return c[2] < 1e-9; }));
+    FAIL() << "the epoch was not refused";
+  } catch (const RefusedError& error) {
+    EXPECT_NE(std::string(error.what()).find("deep in bone"), std::string::npos) << error.what();
+  }
+}
+
+TEST(Contact, AFaceThatARetractorCarriesIntoBoneIsNoEquilibrium) {
+  for (const double down : {0.9, 3.0}) {
+    SessionSettings s;
+    s.retractors = 1;
+    s.bones = test::box({-5, -5, -6}, {17, 17, -1});
+    Session session(s);
+    session.set_epoch(make_epoch(
+        sheet({0, 0, 0}, {12, 12, 6}, 2.0), [](const Vec3& c) { return c[2] > 6 - 1e-9; },
+        [](const Vec3& c) { return c[2] < 1e-9 ? 0 : -1; }));
+    const FrameOutput out = session.solve(pulled({Vec3(0, 0, -down)}), {}, kNever);
+    EXPECT_EQ(out.converged, down < 1.0) << out.reason;
+    EXPECT_EQ(out.reason.find("deep into bone") != std::string::npos, down > 1.0) << out.reason;
+  }
+}
+
 TEST(Contact, ABoneThatIsOpenIsRefused) {
   SessionSettings s;
   s.bones = ball();

@@ -277,6 +277,22 @@ TEST(Muscle, EnergyIsTheWorkOfThePublishedCurve) {
   }
 }
 
+TEST(Muscle, ThatPullsNothingIsPassedOverWithTheSameBits) {
+  for (Sample s : samples()) {
+    s.p.muscle = 0.0;
+    const double i1 = s.f.squaredNorm(), i4 = (s.f * s.a).squaredNorm();
+    auto whole = fibre_response(i1, i4, s.p);
+    make_definite(whole, i4, Definiteness::kClamp);
+    s.p.active = false;
+    const auto passed_over = fibre_response(i1, i4, s.p);
+    EXPECT_EQ(passed_over.energy, whole.energy);
+    EXPECT_EQ(passed_over.isotropic, whole.isotropic);
+    EXPECT_EQ(passed_over.along, whole.along);
+    EXPECT_EQ(passed_over.curvature, whole.curvature);
+    EXPECT_EQ(passed_over.muscle_curvature, whole.muscle_curvature);
+  }
+}
+
 TEST(Fibre, TangentOfFibresAloneIsDefiniteAsItIs) {
   for (auto s : samples()) {
     s.p.muscle = 0.0;

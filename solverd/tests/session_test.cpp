@@ -293,6 +293,82 @@ TEST(Session, AHookPullsWithItsSpringForce) {
   EXPECT_GT(force.norm(), 10);
 }
 
+// Found by the stability matrix: the weak bed of floating tissue grew with the number of its cells.
+TEST(Session, AHookCarriesLooseTissueAllTheWayWhateverTheSpacing) {
+  for (const double spacing : {1.0, 0.5, 0.25}) {
+    SessionSettings s;
+    s.spacing = spacing;
+    Session session(s);
+    const EpochInput epoch = make_epoch(box_surface({0, 0, 0}, {4, 4, 4}), {});
+    session.set_epoch(epoch);
+    FrameInput frame;
+    frame.hooks = {{suture(epoch, {2, 2, 4}, {2, 2, 4}, 0).a, Vec3(5, 4, 9), 50.0}};
+    const FrameOutput out = session.solve(frame, {}, kNever);
+    ASSERT_TRUE(out.converged) << out.reason;
+    const Vec3 at(out.hook_points[0], out.hook_points[1], out.hook_points[2]);
+    EXPECT_LT((at - Vec3(5, 4, 9)).norm(), 0.05) << spacing;
+  }
+}
+
+// Found by the stability matrix: rounding of the displacement times such a stiffness was more than the tolerance.
+TEST(Session, AHookFarStifferThanTissueDrawsItsAnchorToTheTargetInSinglePrecision) {
+  const auto drawn = [](double stiffness) {
+    Session session(SessionSettings{});
+    const EpochInput epoch = make_epoch(box_surface({0, 0, 0}, {12, 12, 6}), [](const Vec3& c) { return c[2] < 1e-9; });
+    session.set_epoch(epoch);
+    FrameInput frame;
+    frame.hooks = {{suture(epoch, {6, 6, 6}, {6, 6, 6}, 0).a, Vec3(6, 6, 8), stiffness}};
+    return session.solve(frame, {}, kNever);
+  };
+  const FrameOutput plain = drawn(2e4), stiff = drawn(1e8);
+  ASSERT_TRUE(plain.converged) << plain.reason;
+  ASSERT_TRUE(stiff.converged) << stiff.reason;
+  EXPECT_NEAR(stiff.hook_points[2], 8.0, 1e-3);  // the gap tolerance
+  EXPECT_NEAR(stiff.hook_forces[2], plain.hook_forces[2], 0.01 * plain.hook_forces[2]);
+  EXPECT_GT(stiff.hook_forces[2], 10.0);
+}
+
+// Between the two kinds of hook the force goes on without a step: the compliance is the spring's own.
+TEST(Session, AHookHeldByAMultiplierPullsAsTheSpringItIs) {
+  SessionSettings s;
+  s.precision = "double";
+  s.tolerance = 1e-7;
+  s.gap_tolerance = 1e-7;
+  s.materials[0].youngs_modulus = 0.01;  // makes a hook of 500 mN/mm a stiff one
+  Session session(s);
+  const EpochInput epoch = make_epoch(box_surface({0, 0, 0}, {12, 12, 6}), [](const Vec3& c) { return c[2] < 1e-9; });
+  session.set_epoch(epoch);
+  FrameInput frame;
+  frame.hooks = {{suture(epoch, {6, 6, 6}, {6, 6, 6}, 0).a, Vec3(6, 6, 8), 500.0}};
+  const FrameOutput out = session.solve(frame, {}, kNever);
+  ASSERT_TRUE(out.converged) << out.reason;
+  const double stretch = 8.0 - out.hook_points[2];
+  EXPECT_GT(stretch, 1e-5);
+  EXPECT_NEAR(out.hook_forces[2], 500.0 * stretch, 500.0 * 2e-7);
+}
+
+// Found by the stability matrix: a bite of 1 mm took hold of tissue that is 0.2 mm thick as a whole.
+TEST(Session, ATissueOfATenthTheSizeIsLiftedToATenth) {
+  const auto lifted = [](double unit) {
+    SessionSettings s;
+    s.spacing = unit;
+    Session session(s);
+    const EpochInput epoch = make_epoch(box_surface({0, 0, 0}, unit * Vec3(24, 16, 2)),
+                                        [&](const Vec3& c) { return c[0] < 1e-9 || c[0] > (24 - 1e-9) * unit; });
+    session.set_epoch(epoch);
+    FrameInput frame;
+    const Vec3 at = unit * Vec3(12, 8, 2);
+    frame.hooks = {{suture(epoch, at, at, 0).a, at + unit * Vec3(0, 0, 3), 20.0 * unit}};
+    return session.solve(frame, {}, kNever);
+  };
+  const FrameOutput large = lifted(1.0), small = lifted(0.1);
+  ASSERT_TRUE(large.converged) << large.reason;
+  ASSERT_TRUE(small.converged) << small.reason;
+  EXPECT_GT(large.hook_points[2], 2.5);
+  EXPECT_NEAR(small.hook_points[2] / 0.1, large.hook_points[2], 0.01);
+  EXPECT_NEAR(small.hook_forces[2] / 0.01, large.hook_forces[2], 0.01 * large.hook_forces[2]);
+}
+
 // Found by the end-to-end tests: the coarse operator could not be factored, which ended as a fault.
 TEST(Session, AHookOfAbsurdForceIsReportedAsUnconverged) {
   SessionSettings s;

@@ -8,6 +8,7 @@ import pytest
 
 from fake_worker import Script
 from lappet_blender.model.event_list import add_event, find_event
+from lappet_blender.model.keyframes import curves_of
 from lappet_blender.solving import controller, frames
 from lappet_blender.solving.pump import pump
 from solving_steps import QUIET, states
@@ -94,24 +95,41 @@ def test_switching_the_property_off_going_to_another_frame_or_editing_ends_it(
     assert script.count("live") == 3
 
 
-@pytest.mark.parametrize("automatic", [True, False])
-def test_an_animated_target_is_keyed_where_it_was_dragged_if_automatic_keyframes_are_on(
-    patch: bpy.types.Scene, script: Script, automatic: bool
-) -> None:
+@pytest.mark.parametrize("leaves", [True, False], ids=["going to another frame ends it", "the button ends it"])
+def test_an_animated_target_is_keyed_where_it_was_dragged(patch: bpy.types.Scene, script: Script, leaves: bool) -> None:
     target = bpy.data.objects["target"]
     for frame, z in ((4, 2.0), (8, 6.0)):
         target.location.z = z
         target.keyframe_insert("location", frame=frame)
     patch.frame_set(6)
-    patch.tool_settings.use_keyframe_insert_auto = automatic
     bpy.ops.lappet.live(hook="hook_1")
+    for _ in range(4):
+        pump()
     drag(9.0)
     for _ in range(4):
         pump()
-    bpy.ops.lappet.live()
-    patch.frame_set(5)
+    if leaves:
+        patch.frame_set(5)
+        pump()
+    else:
+        bpy.ops.lappet.live()
+        patch.frame_set(5)
+    assert controller.controller_of(patch).live is None
     patch.frame_set(6)
-    assert (abs(target.location.z - 9.0) < 1e-6) == automatic
+    assert abs(target.location.z - 9.0) < 1e-5
+
+
+def test_a_target_that_was_not_dragged_is_not_keyed(patch: bpy.types.Scene, script: Script) -> None:
+    target = bpy.data.objects["target"]
+    for frame, z in ((4, 2.0), (8, 6.0)):
+        target.location.z = z
+        target.keyframe_insert("location", frame=frame)
+    patch.frame_set(6)
+    bpy.ops.lappet.live(hook="hook_1")
+    for _ in range(4):
+        pump()
+    bpy.ops.lappet.live()
+    assert all(len(curve.keyframe_points) == 2 for curve in curves_of(target))
 
 
 def test_only_a_hook_that_pulls_at_this_frame_can_be_dragged(patch: bpy.types.Scene, script: Script) -> None:

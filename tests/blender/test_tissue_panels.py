@@ -9,7 +9,11 @@ import bpy
 import pytest
 
 from lappet_blender.tissue.material_panel import LAPPET_MT_presets, LAPPET_PT_materials
-from lappet_blender.tissue.tissue_panel import LAPPET_PT_tissue
+from lappet_blender.tissue.tissue_panel import (
+    LAPPET_PT_tissue,
+    LAPPET_PT_tissue_faces,
+    LAPPET_PT_tissue_surroundings,
+)
 from tissue_scenes import add_box, add_sheet, fill_with_patch
 
 
@@ -97,7 +101,7 @@ def test_a_scene_without_tissue_offers_to_make_some(scene: bpy.types.Scene) -> N
 
 def test_the_panel_shows_groups_with_their_counts_cells_and_time(scene: bpy.types.Scene) -> None:
     fill_with_patch(scene)
-    drawn = draw(LAPPET_PT_tissue, scene)
+    drawn = [*draw(LAPPET_PT_tissue, scene), *draw(LAPPET_PT_tissue_faces, scene)]
     assert "fixed: 72" in drawn
     assert "bed: 80" in drawn
     assert "cells; 10 frames: about" in said(drawn)
@@ -132,6 +136,10 @@ def test_the_panel_draws_in_every_state(scene: bpy.types.Scene, kind: str) -> No
     else:
         bpy.ops.object.mode_set(mode="EDIT")
     assert draw(LAPPET_PT_tissue, scene)
+    for part in (LAPPET_PT_tissue_faces, LAPPET_PT_tissue_surroundings):
+        assert part.poll(SimpleNamespace(scene=scene)) == (kind != "light")
+        if kind != "light":
+            assert draw(part, scene)
 
 
 def test_what_a_check_found_is_listed_with_its_places(scene: bpy.types.Scene) -> None:

@@ -47,6 +47,7 @@ class Driver:
         self.expectations: list[dict[str, Any]] = []
         self.screenshots: list[str] = []
         self.notes: dict[str, Any] = {}
+        self.seconds_of_pictures = 0.0  # that Blender stood still for them
         self._mouse: Point = (0, 0)
 
     # --- where ---------------------------------------------------------------------------------------------------
@@ -159,9 +160,10 @@ class Driver:
         self._picture(name)
 
     def _picture(self, name: str) -> None:
-        path = self.folder / f"{name}.png"
+        path, begun = self.folder / f"{name}.png", time.monotonic()
         subprocess.run(["import", "-window", "root", str(path)], check=True, timeout=30)
         self.screenshots.append(path.name)
+        self.seconds_of_pictures += time.monotonic() - begun
 
     # --- what Blender offers -------------------------------------------------------------------------------------
 

@@ -20,14 +20,14 @@ ROOT = Path(__file__).resolve().parent.parent.parent
 RESULTS = ROOT / "build" / "gui" / "results"
 CHROOT = ["bash", str(ROOT / "packaging" / "gui_chroot.sh")]
 INSIDE = Path("/lappet")  # the checkout, seen from the chroot
-SCREEN = "1280x800"
+SCREEN = "1600x1000"
 
 
 def main() -> int:
     """Sets everything up and runs the part that is in the chroot, which ends with everything that it started."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
     parser.add_argument("scenario", nargs="?", default="drive.py")
-    parser.add_argument("--limit", type=float, default=300.0, help="seconds until the run has failed")
+    parser.add_argument("--limit", type=float, default=420.0, help="seconds until the run has failed")
     given = parser.parse_args()
     if subprocess.run(CHROOT, check=False).returncode:
         return 1

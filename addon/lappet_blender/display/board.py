@@ -11,6 +11,7 @@ import bpy
 
 OWNER = "lappet_scene"
 ROLE = "lappet_role"
+STAGE_OWNER = "lappet_stage"
 NAME = "Lappet display"
 
 
@@ -20,6 +21,11 @@ def find_board(scene: bpy.types.Scene) -> bpy.types.Collection | None:
         if OWNER in child and child[OWNER] == scene:
             return child
     return None
+
+
+def has_stage(scene: bpy.types.Scene) -> bool:
+    """Whether the scene has the paper, light and camera of a figure."""
+    return any(STAGE_OWNER in child and child[STAGE_OWNER] == scene for child in scene.collection.children)
 
 
 def make_board(scene: bpy.types.Scene) -> bpy.types.Collection:

@@ -16,6 +16,7 @@ from ..look.hook_steel import HookSteel
 from ..look.skin_fields import SKIN, WOUND_WALL
 from ..look.skin_import import set_attribute
 from ..look.skin_marks import SkinMarks
+from ..look.skin_source import SkinEpoch
 from ..look.suture_thread import SutureThread
 from ..look.tube import TOPOLOGY, draw_tubes
 from ..look.wound_edge import WoundEdge
@@ -23,6 +24,7 @@ from .board import find_object, make_object, place, set_visible
 from .look_materials import part_material
 from .plan_source import PlanSource
 from .sphere_shape import spheres
+from .turn import Turn
 
 _log = logging.getLogger(__name__)
 BEAD_RADIUS = 0.45
@@ -55,15 +57,16 @@ class Dressing:
         self._edge.source = source
         if self._bed is not None:
             self._bed.source = source
-        self._marks = SkinMarks(source)
-        self._thread = self._new_thread()
+        self._marks: SkinMarks = SkinMarks(source, kept._marks if kept else None)
+        self._thread: SutureThread = self._new_thread(kept._thread if kept else None)
         self._hooks: HookSteel | None = None
+        self._old_hooks: HookSteel | None = (kept._hooks or kept._old_hooks) if kept else None
         self._known: tuple[float | None, ...] = ()
 
     def events_changed(self, scene: bpy.types.Scene) -> None:
         """The scene's events are others now: the pen marks follow."""
         self.source.read_events(scene)
-        self._marks = SkinMarks(self.source)
+        self._marks = SkinMarks(self.source, self._marks)
 
     def frames_changed(self) -> None:
         """Frames have come or gone: where stitches bite and hooks point is found anew if that tells something new."""
@@ -71,29 +74,32 @@ class Dressing:
         known = tuple(self.source.last_known(epoch) for epoch in self.source.epochs)
         if known != self._known:
             self._known = known
-            self._thread, self._hooks = self._new_thread(), None
+            self._thread = self._new_thread(self._thread)
+            self._hooks, self._old_hooks = None, self._hooks or self._old_hooks
 
-    @property
-    def unfinished(self) -> bool:
-        """Whether stitches were put off at the last frame drawn."""
-        return self._thread.unfinished
-
-    def draw(self, where: Where, time: float, look: bpy.types.PropertyGroup, patience: float | None = None) -> None:
-        """Draw a frame; a part that cannot be drawn is left out. patience: seconds for finding new stitches."""
-        self._thread.patience = patience
-        self._tubes(where, "edge", "Wound edge", 6, True, lambda: self._edge.tubes(time))
+    def draw(self, where: Where, time: float, look: bpy.types.PropertyGroup, turn: Turn) -> None:
+        """Draw a frame; a part that cannot be drawn is left out, and so is, for now, one that the turn puts off."""
+        epoch = self.source.epoch_at(time)
+        ready = turn.begins(not self._edge.knows(epoch))
+        self._tubes(where, "edge", "Wound edge", 6, ready, lambda: self._edge.tubes(time))
+        self._marks.until = self._thread.until = turn.until
         self._tubes(where, "ink", "Marks", 6, look.show_plan, lambda: self._marks.tubes(time))
+        turn.unfinished |= look.show_plan and self._marks.unfinished
         self._tubes(where, "thread", "Sutures", 6, look.show_sutures, lambda: self._thread.tubes(time))
-        self._tubes(where, "steel", "Hooks", 12, look.show_hooks, lambda: self._steel().tubes(time))
-        self._draw_bed(where, time)
+        turn.unfinished |= self._thread.unfinished
+        wanted = look.show_hooks and turn.begins(self._hooks is None or not self._hooks.knows(epoch))
+        self._tubes(where, "steel", "Hooks", 12, wanted, lambda: self._steel().tubes(time))
+        if turn.begins(self._bed is None and has_wound(epoch)):
+            self._draw_bed(where, time)
         self._draw_landmarks(where, time, look.show_landmarks)
 
-    def _new_thread(self) -> SutureThread:
-        return SutureThread(self.source, self._axes[0] + 0.6 * self._axes[1], self._scale)
+    def _new_thread(self, before: SutureThread | None) -> SutureThread:
+        return SutureThread(self.source, self._axes[0] + 0.6 * self._axes[1], self._scale, before=before)
 
     def _steel(self) -> HookSteel:
         if self._hooks is None:
-            self._hooks = HookSteel(self.source, self._axes, self.region.centre, self._scale)
+            known = self._old_hooks
+            self._hooks = HookSteel(self.source, self._axes, self.region.centre, self._scale, known)
         return self._hooks
 
     def _tubes(self, where: Where, role: str, name: str, sides: int, wanted: bool, tubes: Callable[[], Tubes]) -> None:
@@ -104,7 +110,7 @@ class Dressing:
 
     def _draw_bed(self, where: Where, time: float) -> None:
         epoch = self.source.epoch_at(time)
-        open_wound = bool((epoch.origin == WOUND_WALL).any())
+        open_wound = has_wound(epoch)
         if open_wound and self._bed is None:
             self._bed = DeepBed(self.source)
         target = _part(where, "bed", "Bed", open_wound and self._bed is not None and len(self._bed) > 0)
@@ -124,6 +130,11 @@ class Dressing:
         if target is not None:
             points, triangles = spheres(at, BEAD_RADIUS * self._scale)
             _topology(target.data, f"{len(at)} beads", (points * where.units).astype(np.float32), triangles)
+
+
+def has_wound(epoch: SkinEpoch) -> bool:
+    """Whether an epoch's tissue is cut."""
+    return bool((epoch.origin == WOUND_WALL).any())
 
 
 def plan_region(source: PlanSource) -> Region:

@@ -25,6 +25,12 @@ def take_epoch_mesh(shape: EpochShape, walls: bool, units: float, current: bpy.t
 
     walls: whether it has the faces of wound walls. units: Blender units per mm, of a new one's positions.
     """
+    found = find_epoch_mesh(shape, walls, current)
+    return build_epoch_mesh(shape, walls, units) if found is None else found
+
+
+def find_epoch_mesh(shape: EpochShape, walls: bool, current: bpy.types.Mesh | None) -> bpy.types.Mesh | None:
+    """The mesh that `take_epoch_mesh` takes, None where it must make one."""
     key = shape.key if walls else f"{shape.key} without walls"
     if current is not None and current.get(KEY) == key and current.users == 1 and _whole(current, shape):
         return current
@@ -32,7 +38,7 @@ def take_epoch_mesh(shape: EpochShape, walls: bool, units: float, current: bpy.t
     for mesh in bpy.data.meshes:
         if mesh.users == 0 and mesh.name.startswith(name) and mesh.get(KEY) == key and _whole(mesh, shape):
             return mesh
-    return build_epoch_mesh(shape, walls, units)
+    return None
 
 
 def mesh_name(shape: EpochShape) -> str:
@@ -52,7 +58,7 @@ def build_epoch_mesh(shape: EpochShape, walls: bool = True, units: float = 0.001
     triangles, origin, grid = shape.triangles[kept], shape.origin[kept], shape.grid[kept]
     mesh = build_mesh(mesh_name(shape), shape.rest, triangles, units)
     mesh[KEY] = shape.key if walls else f"{shape.key} without walls"
-    mesh.polygons.foreach_set("material_index", origin.astype(np.int32))
+    set_attribute(mesh, "material_index", "INT", "FACE", origin.astype(np.int32))
     mark_sharp_borders(mesh, origin)
     set_attribute(mesh, "rest", "FLOAT_VECTOR", "POINT", shape.rest)
     set_attribute(mesh, "depth", "FLOAT", "POINT", shape.depth)

@@ -14,6 +14,7 @@ from .board import ROLE, find_object, make_object, remove_object, set_visible
 from .look_materials import part_material
 
 _MADE_FOR = "lappet_legend"
+_AT = "lappet_at"  # on a text: its place on the card
 _STEPS = 48
 _TICKS = 5
 # The card is 1 wide and this high; the bar's box in it.
@@ -48,6 +49,11 @@ def show_legend(
     for each in (card, *_texts(board)):
         set_visible(each, True)
     _place(scene, card, beside)
+    for each in _texts(board):  # not parented to the card: Blender would draw dashed lines to it
+        if each.parent != card.parent:
+            each.parent = card.parent
+            each.matrix_parent_inverse = Matrix()
+        _set_matrix(each, card.matrix_basis @ Matrix.Translation(each[_AT]))
 
 
 def _texts(board: bpy.types.Collection) -> list[bpy.types.Object]:
@@ -105,8 +111,7 @@ def _write(
     text = make_object(board, f"legend text {number}", "Legend text", "FONT")
     text.data.body, text.data.size, text.data.align_x = words, size, align
     text.data.materials.append(part_material(board, "legend ink", 1.0))
-    text.parent = card
-    text.location = (*at, 0.002)
+    text[_AT] = (*at, 0.002)
     _unlit(text)
 
 

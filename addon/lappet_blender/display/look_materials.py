@@ -61,8 +61,13 @@ def skin_materials(
     return (first, *(_kept(board, role, f"{units:g}", partial(make, space)) for role, make in others))
 
 
+def has_materials(board: bpy.types.Collection, color: str) -> bool:
+    """Whether the skin's materials were made for a colour before."""
+    return isinstance(board.get(f"material skin {color.lower()}"), bpy.types.Material)
+
+
 def part_material(board: bpy.types.Collection, role: str, units: float) -> bpy.types.Material:
-    """The material of a part: bed, edge, ink, thread, steel, landmark, or a legend's card or ink."""
+    """The material of a part: bed, edge, ink, thread, steel, landmark, a legend's card or ink, a label on no paper."""
     makers: dict[str, Callable[[], bpy.types.Material]] = {
         "bed": lambda: skin_material.bed_material(Space(units, True)),
         "edge": skin_material.edge_material,
@@ -71,6 +76,7 @@ def part_material(board: bpy.types.Collection, role: str, units: float) -> bpy.t
         "steel": skin_material.steel_material,
         "landmark": skin_material.landmark_material,
         "legend": lambda: skin_material.glowing_material("Legend", None),
+        "label": lambda: skin_material.glowing_material("Label", (0.75, 0.75, 0.75, 1.0)),
         "legend ink": lambda: skin_material.glowing_material("Legend ink", (0.033, 0.03, 0.03, 1.0)),
     }
     made_for = f"{units:g}" if role == "bed" else "any"

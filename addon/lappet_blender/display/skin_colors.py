@@ -17,6 +17,7 @@ from ..look.skin_material import SKIN as SKIN_COLOUR
 ATTRIBUTE = "Color"
 _STATE = "lappet_colour"
 _STEPS = 512
+_LUMINANCE = np.array((0.2126, 0.7152, 0.0722), np.float32)
 _FAT_DEPTH = 2.9
 _base: dict[str, NDArray[np.float32]] = {}
 _inners: dict[str, NDArray[np.int64]] = {}
@@ -26,7 +27,8 @@ _table: list[NDArray[np.float32]] = []
 def color_vertices(
     mesh: bpy.types.Mesh, shape: EpochShape, quantity: NDArray[np.float32] | None, highest: float
 ) -> None:
-    """Set the colour attribute: flesh by origin and depth, and on the skin the ramp where a quantity (n,) is given.
+    """Set the colour attribute: flesh by origin and depth; where a quantity (n,) is given, the ramp on the skin and
+    grey below it.
 
     highest: the value at the top of the ramp.
     """
@@ -42,7 +44,8 @@ def color_vertices(
     share = np.nan_to_num(quantity * np.float32(_STEPS / max(highest, 1e-9)))
     colours = _table[0][np.clip(share, 0, _STEPS - 1).astype(np.int32)]
     inner = _inner(shape)
-    colours[inner] = _flesh(shape)[inner]
+    flesh = _flesh(shape)[inner]
+    colours[inner, :3] = (flesh[:, :3] @ _LUMINANCE)[:, None]  # in its own colours it would read as high values
     _set(mesh, colours)
     mesh[_STATE] = "quantity"
 

@@ -15,15 +15,16 @@ from numpy.typing import NDArray
 from ..look.skin_import import set_attribute
 from ..model.units import mm_per_unit
 from . import hidden_objects
-from .board import ROLE, drop_foreign, find_board, find_object, make_board, make_object, place, set_visible
+from .board import ROLE, drop_foreign, find_board, find_object, has_stage, make_board, make_object, place, set_visible
 from .color_scale import highest_of, peak_of, scan_frames
 from .dressing import Dressing, Where
-from .epoch_mesh import remove_unused, take_epoch_mesh
+from .epoch_mesh import find_epoch_mesh, remove_unused, take_epoch_mesh
 from .legend import show_legend
-from .look_materials import part_material, quantity_of, skin_materials
+from .look_materials import has_materials, part_material, quantity_of, skin_materials
 from .plan_source import PlanSource, fitting
 from .skin_colors import color_vertices
 from .solid_shading import suit_shading
+from .turn import Turn
 
 if TYPE_CHECKING:
     from lappet.background.plan import Plan
@@ -35,7 +36,7 @@ _said: set[str] = set()
 _dressings: dict[int, Dressing] = {}
 _boxes: dict[str, NDArray[np.float64]] = {}
 _rendering: set[int] = set()
-PATIENCE = 0.02  # seconds that one frame in a window may spend on finding where new stitches bite
+_unfinished: set[int] = set()
 LABEL_SIZE, LABEL_GAP = 5.0, 4.0  # mm
 
 
@@ -48,12 +49,21 @@ def skin_object(scene: bpy.types.Scene) -> bpy.types.Object | None:
     return None if skin is None or skin.hide_viewport else skin
 
 
-def show(scene: bpy.types.Scene, time: float) -> None:
-    """Show what is known at a time; never raises: what goes wrong is logged once, in one line."""
+def show(scene: bpy.types.Scene, time: float, soon: bool | None = None) -> None:
+    """Show what is known at a time; never raises: what goes wrong is logged once, in one line.
+
+    soon: what takes long is left to `carry_on`; None: in a window, unless it renders.
+    """
     if scene.library is not None:
         return
+    if soon is None:
+        soon = not bpy.app.background and not _rendering
+    turn = Turn(soon)
+    _unfinished.discard(scene.session_uid)
     try:
-        _show(scene, time)
+        _show(scene, time, turn)
+        if turn.unfinished:
+            _unfinished.add(scene.session_uid)
     except Exception as error:  # a handler that raises would stop a render
         line = f"The solved skin of {scene.name} cannot be shown at frame {time:g}: {type(error).__name__}: {error}"
         if line not in _said:
@@ -61,19 +71,33 @@ def show(scene: bpy.types.Scene, time: float) -> None:
             _log.warning("%s", line, exc_info=_log.isEnabledFor(logging.DEBUG))
 
 
-def refresh(scene: bpy.types.Scene) -> None:
+def carry_on() -> bool:
+    """Does a turn of what was put off; whether some is left."""
+    for scene in bpy.data.scenes:
+        if scene.session_uid in _unfinished:
+            show(scene, scene.frame_current, soon=True)
+    _unfinished.intersection_update(scene.session_uid for scene in bpy.data.scenes)
+    return bool(_unfinished)
+
+
+def refresh_soon(scene: bpy.types.Scene) -> None:
+    """`refresh`, and leave to `carry_on` what takes long."""
+    refresh(scene, soon=True)
+
+
+def refresh(scene: bpy.types.Scene, soon: bool | None = None) -> None:
     """What is known has changed, or how it is to look: show the current frame anew, here and where it is compared."""
     if scene.library is not None:
         return
     drop_foreign(scene)
     _frames_changed(scene)
     _scan(scene)
-    show(scene, scene.frame_current)
+    show(scene, scene.frame_current, soon)
     suit_shading(scene, find_board(scene))
     for other in bpy.data.scenes:
         if other != scene and other.lappet.compare_with == scene and other.library is None:
             _scan(other)
-            show(other, other.frame_current)
+            show(other, other.frame_current, soon)
 
 
 def refresh_all() -> None:
@@ -92,6 +116,7 @@ def forget_all() -> None:
     """Before another file is loaded: nothing that is kept here belongs to it."""
     _dressings.clear()
     _said.clear()
+    _unfinished.clear()
 
 
 def events_changed(scene: bpy.types.Scene) -> None:
@@ -112,6 +137,12 @@ def prepare_render(scene: bpy.types.Scene) -> None:
 def render_ended(scene: bpy.types.Scene) -> None:
     """After a render, finished or cancelled."""
     _rendering.discard(scene.session_uid)
+
+
+def is_dressed(scene: bpy.types.Scene, shown: Shown) -> bool:
+    """Whether what the skin of a scene wears was made for the plan of what is shown."""
+    before = _dressings.get(scene.session_uid)
+    return before is not None and before.source.plan.key == shown.plan.key
 
 
 def dressing_of(scene: bpy.types.Scene, shown: Shown) -> Dressing:
@@ -149,7 +180,7 @@ def shown_of(scene: bpy.types.Scene, time: float) -> Shown | None:
     return frames.shown_at(scene, time)
 
 
-def _show(scene: bpy.types.Scene, time: float) -> None:
+def _show(scene: bpy.types.Scene, time: float, turn: Turn) -> None:
     shown = shown_of(scene, time)
     board = find_board(scene) if shown is None else make_board(scene)
     if board is None or shown is None:
@@ -165,7 +196,9 @@ def _show(scene: bpy.types.Scene, time: float) -> None:
         if other is not None:
             _take_peak(other[0], other[1], quantity)
     highest = highest_of(plans, quantity) if quantity else 1.0
-    skin = _draw_skin(scene, Where(board, "", units, (0.0, 0.0, 0.0)), shown, look, highest)
+    skin = _draw_skin(scene, Where(board, "", units, (0.0, 0.0, 0.0)), shown, look, highest, turn)
+    if skin is None:
+        return
     if scene.lappet.skin != skin:
         scene.lappet.skin = skin
     box = rest_box(shown.plan)
@@ -175,10 +208,11 @@ def _show(scene: bpy.types.Scene, time: float) -> None:
         beside = rest_box(other[1].plan)
         gap = offset_of(scene, box, beside)
         where = Where(board, "other ", units, (gap * units, 0.0, 0.0))
-        _draw_skin(other[0], where, other[1], look, highest)
+        _draw_skin(other[0], where, other[1], look, highest, turn)
         beside = beside + np.array([gap, 0.0, 0.0])
-        _label(board, "label", scene.name, box, units)
-        _label(board, "other label", other[0].name, beside, units)
+        paper = has_stage(scene)
+        _label(board, "label", scene.name, box, units, paper)
+        _label(board, "other label", other[0].name, beside, units, paper)
         box = np.stack([np.minimum(box[0], beside[0]), np.maximum(box[1], beside[1])])
     show_legend(scene, board, quantity if look.show_legend else None, highest, box * units)
     _hide_tissue(scene)
@@ -187,13 +221,28 @@ def _show(scene: bpy.types.Scene, time: float) -> None:
 
 
 def _draw_skin(
-    source_scene: bpy.types.Scene, where: Where, shown: Shown, look: bpy.types.PropertyGroup, highest: float
-) -> bpy.types.Object:
-    """Show a skin; source_scene: whose procedure it is."""
-    skin = make_object(where.board, f"{where.prefix}skin", "Lappet skin" if not where.prefix else "Lappet skin beside")
-    if skin.mode != "OBJECT":
-        return skin  # somebody edits it: what they do is lost at the next frame, but not under their hands
+    source_scene: bpy.types.Scene,
+    where: Where,
+    shown: Shown,
+    look: bpy.types.PropertyGroup,
+    highest: float,
+    turn: Turn,
+) -> bpy.types.Object | None:
+    """Show a skin; source_scene: whose procedure it is. None where its first picture was put off."""
+    if not turn.begins(not has_materials(where.board, look.color)):
+        return None
+    materials = skin_materials(where.board, look.color, highest, where.units)
+    role = f"{where.prefix}skin"
+    before = find_object(where.board, role)
+    if before is not None and before.mode != "OBJECT":
+        return before  # somebody edits it: what they do is lost at the next frame, but not under their hands
     shape, frame = shown.epoch, fitting(shown.frame, shown.epoch)
+    known = find_epoch_mesh(
+        shape, look.show_walls, before.data if before is not None and before.type == "MESH" else None
+    )
+    if not turn.begins(known is None):
+        return before
+    skin = make_object(where.board, role, "Lappet skin" if not where.prefix else "Lappet skin beside")
     mesh = take_epoch_mesh(shape, look.show_walls, where.units, skin.data)
     if skin.data != mesh:
         old, skin.data = skin.data, mesh
@@ -209,23 +258,20 @@ def _draw_skin(
         values = np.zeros(len(points), np.float32) if found is None or len(found) != len(points) else found
         set_attribute(mesh, "quantity", "FLOAT", "POINT", values.astype(np.float32, copy=False))
     color_vertices(mesh, shape, values, highest)
-    materials = skin_materials(where.board, look.color, highest, where.units)
     if list(mesh.materials) != list(materials):
         mesh.materials.clear()
         for material in materials:
             mesh.materials.append(material)
-        mesh.polygons.foreach_set("material_index", _origins(mesh))
+        set_attribute(mesh, "material_index", "INT", "FACE", _origins(mesh))
     mesh.update()
     place(skin, where.offset)
     set_visible(skin, True)
     if skin.hide_select:
         skin.hide_select = False
-    dressing = dressing_of(source_scene, shown)
-    dressing.source.at(float(shown.time), shape, shown.frame)
-    put_off = not bpy.app.background and not _rendering
-    dressing.draw(where, float(shown.time), look, PATIENCE if put_off else None)
-    if dressing.unfinished and not bpy.app.timers.is_registered(_show_on):
-        bpy.app.timers.register(_show_on, first_interval=0.02)
+    if turn.begins(not is_dressed(source_scene, shown)):
+        dressing = dressing_of(source_scene, shown)
+        dressing.source.at(float(shown.time), shape, shown.frame)
+        dressing.draw(where, float(shown.time), look, turn)
     return skin
 
 
@@ -270,14 +316,20 @@ def offset_of(scene: bpy.types.Scene, own: NDArray[np.float64], theirs: NDArray[
     return float(own[1][0] - theirs[0][0]) + float(scene.lappet.compare_gap)
 
 
-def _label(board: bpy.types.Collection, role: str, words: str, box: NDArray[np.float64], units: float) -> None:
+def _label(
+    board: bpy.types.Collection, role: str, words: str, box: NDArray[np.float64], units: float, paper: bool
+) -> None:
+    """paper: it is read before the light paper of a figure, not before a dark viewport."""
     text = make_object(board, role, "Lappet label", "FONT")
     if text.data.body != words:
         text.data.body = words
     if text.data.align_x != "CENTER":
         text.data.align_x, text.data.align_y = "CENTER", "BOTTOM"
-        text.data.materials.append(part_material(board, "legend ink", 1.0))
+        text.data.materials.append(None)
         text.hide_select = True
+    ink = part_material(board, "legend ink" if paper else "label", 1.0)
+    if text.data.materials[0] != ink:
+        text.data.materials[0] = ink
     if text.data.size != np.float32(LABEL_SIZE * units):
         text.data.size = LABEL_SIZE * units
     low, high = box * units
@@ -334,13 +386,6 @@ def _scan(scene: bpy.types.Scene, patient: bool | None = None) -> None:
             done &= scan_frames(each, plan, quantity, patient)
     if not done and not bpy.app.timers.is_registered(_scan_on):
         bpy.app.timers.register(_scan_on, first_interval=0.05)
-
-
-def _show_on() -> None:
-    """Stitches that were put off are found, a few at a time."""
-    for scene in bpy.data.scenes:
-        if find_board(scene) is not None:
-            show(scene, scene.frame_current)
 
 
 def _scan_on() -> None:

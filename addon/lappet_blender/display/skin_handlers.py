@@ -95,7 +95,8 @@ def register() -> None:
     for name, handler in _HANDLERS:
         getattr(bpy.app.handlers, name).append(handler)
     changes.subscribe(_procedure_changed)
-    frames.subscribe(skin_display.refresh)
+    frames.subscribe(skin_display.refresh_soon)
+    frames.add_follow_up(skin_display.carry_on)
     _watch_windows()
 
 
@@ -104,7 +105,8 @@ def unregister() -> None:
     from ..solving import frames
 
     bpy.msgbus.clear_by_owner(_WINDOWS)
-    frames.unsubscribe(skin_display.refresh)
+    frames.unsubscribe(skin_display.refresh_soon)
+    frames.remove_follow_up(skin_display.carry_on)
     changes.unsubscribe(_procedure_changed)
     for name, handler in _HANDLERS:
         handlers = getattr(bpy.app.handlers, name)

@@ -14,10 +14,10 @@ from ..figure.framing import TURN, WHOLE_FILL, Region, surgical_region, viewpoin
 from ..look.skin_material import backdrop_material
 from ..model.units import mm_per_unit
 from . import skin_display
+from .board import STAGE_OWNER as OWNER
 from .board import find_board
 from .solid_shading import shading_for
 
-OWNER = "lappet_stage"
 NAME = "Lappet stage"
 _FRAMES = 9  # of a procedure, that the camera must hold
 

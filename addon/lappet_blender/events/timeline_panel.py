@@ -13,6 +13,7 @@ from ..model.event_target import is_there
 
 ICONS = {kind[0]: kind[3] for kind in KINDS}
 STATES = {"solved": "CHECKMARK", "stale": "FILE_REFRESH", "failed": "ERROR", "missing": "BLANK1"}
+_WIDE = 300  # pixels at a scale of 1; a sidebar as it opens is narrower
 # The tool that places an event of each kind.
 TOOLS = {
     "INCISION": "lappet.incision",
@@ -46,6 +47,11 @@ def state_of(scene: bpy.types.Scene, event: Any) -> str:
     return str(frame_state(scene, max(math.ceil(event_time(event)), scene.frame_start)))
 
 
+def _is_wide(context: bpy.types.Context) -> bool:
+    """Whether the sidebar has room for when events end; names come first."""
+    return context.region is None or context.region.width > _WIDE * (context.preferences.system.ui_scale or 1.0)
+
+
 class LAPPET_UL_events(bpy.types.UIList):
     """Events in order of time."""
 
@@ -66,17 +72,18 @@ class LAPPET_UL_events(bpy.types.UIList):
         row = layout.row(align=True)
         row.active = item.enabled
         row.prop(item, "enabled", text="")
-        row.prop(item, "title", text="", emboss=False, icon=ICONS[item.kind])
+        row.operator("lappet.event_jump", text="", icon=ICONS[item.kind], emboss=False).event = item.uid
+        row.prop(item, "title", text="", emboss=False)  # takes what the others leave of a narrow sidebar
         if item.kind != "LANDMARK":
             time = row.row(align=True)
-            time.ui_units_x = 3.2
+            time.ui_units_x = 2.3
             time.prop(item, "moment", text="", emboss=False)
-            until = row.row(align=True)
-            until.ui_units_x = 2.4
-            end = event_end(item)
-            until.label(text=f"– {end:g}" if end > event_time(item) else "")
+            if _is_wide(context):
+                until = row.row(align=True)
+                until.ui_units_x = 1.9
+                end = event_end(item)
+                until.label(text=f"– {end:g}" if end > event_time(item) else "")
             row.label(text="", icon=STATES[state_of(context.scene, item)])
-        row.operator("lappet.event_jump", text="", icon="PLAY", emboss=False).event = item.uid
 
     def filter_items(self, context: bpy.types.Context, _data: Any, _property: str) -> tuple[list[int], list[int]]:
         events = context.scene.lappet.events
@@ -118,15 +125,10 @@ class LAPPET_PT_timeline(bpy.types.Panel):
         side.separator()
         side.operator("lappet.event_select", text="", icon="RESTRICT_SELECT_OFF")
         if not len(data.events):
-            layout.label(text="Draw an incision on the tissue to begin.", icon="INFO")
+            layout.label(text="Draw an incision to begin.", icon="INFO")
             return
         if 0 <= data.active_event < len(data.events):
-            event = data.events[data.active_event]
-            move = layout.row(align=True)
-            for text, shift in (("−1", -1.0), ("+1", 1.0)):
-                step = move.operator("lappet.event_retime", text=text)
-                step.event, step.shift = event.uid, shift
-            draw_fields(layout, context.scene, event)
+            draw_fields(layout, context.scene, data.events[data.active_event])
 
 
 def draw_fields(layout: Any, scene: bpy.types.Scene, event: Any) -> None:
@@ -136,7 +138,13 @@ def draw_fields(layout: Any, scene: bpy.types.Scene, event: Any) -> None:
     fields.use_property_decorate = False
     fields.prop(event, "title")
     if event.kind != "LANDMARK":
-        fields.prop(event, "moment")
+        row = fields.row(align=True)
+        row.prop(event, "moment")
+        for text, shift in (("−1", -1.0), ("+1", 1.0)):
+            part = row.row(align=True)
+            part.ui_units_x = 1.2
+            step = part.operator("lappet.event_retime", text=text)
+            step.event, step.shift = event.uid, shift
     if event.kind in HOLD_KINDS:
         fields.prop(event, "end")
         fields.prop(event, "target")
@@ -161,7 +169,7 @@ def draw_fields(layout: Any, scene: bpy.types.Scene, event: Any) -> None:
             fields.prop(event, "label")
     if event.kind in CUT_KINDS and event.kind != "EXCISION":
         fields.prop(event, "basis")
-    fields.label(text=f"{len(event.points)} point{'s' * (len(event.points) != 1)}")
+        fields.label(text=f"{len(event.points)} point{'s' * (len(event.points) != 1)}")
 
 
 CLASSES = (LAPPET_UL_events, LAPPET_MT_event_add, LAPPET_PT_timeline)

@@ -6,7 +6,7 @@ import numpy as np
 from mathutils.kdtree import KDTree
 from numpy.typing import NDArray
 
-from .skin_fields import UNDERSIDE, WOUND_WALL, vertex_normals
+from .skin_fields import RIM, UNDERSIDE, WOUND_WALL, vertex_normals
 from .skin_source import SkinSource
 
 BED_GAP = 0.35
@@ -29,6 +29,9 @@ class DeepBed:
         points = source.rest(epoch)
         faces = epoch.triangles[epoch.origin == UNDERSIDE]
         faces = faces[self._near_wounds(points[faces].mean(axis=1))] if len(faces) else faces
+        # At the tissue's cut rim it would look out from under it.
+        inner = ~np.isin(faces, epoch.triangles[epoch.origin == RIM]).any(axis=1)
+        faces = faces[inner] if inner.any() else faces
         used, corners = np.unique(faces, return_inverse=True)
         corners = corners.reshape(-1, 3)
         self.triangles = corners[:, ::-1].astype(np.int32)
@@ -42,9 +45,11 @@ class DeepBed:
         for k, point in enumerate(self.rest):
             self._tree.insert(point, k)
         self._tree.balance()
-        pairs = np.concatenate([corners[:, [a, b]] for a in range(3) for b in range(3)])
-        pairs = np.unique(pairs, axis=0) if len(pairs) else np.zeros((0, 2), np.int64)
-        self._ring, self._begin = pairs[:, 1], np.searchsorted(pairs[:, 0], np.arange(len(used)))
+        count = max(len(used), 1)
+        ways = ((0, 1), (1, 2), (2, 0), (1, 0), (2, 1), (0, 2))
+        own = np.arange(len(used)) * (count + 1)
+        pairs = np.unique(np.concatenate([own, *(corners[:, a] * count + corners[:, b] for a, b in ways)]))
+        self._ring, self._begin = pairs % count, np.searchsorted(pairs // count, np.arange(len(used)))
         self._cells, self._nearest = np.zeros(0, np.int64), np.zeros(0, np.int64)
 
     def __len__(self) -> int:

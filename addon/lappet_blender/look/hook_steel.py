@@ -14,14 +14,26 @@ class HookSteel:
     """The hooks of a procedure; each keeps one direction for its whole life."""
 
     def __init__(
-        self, source: SkinSource, axes: NDArray[np.float64], centre: NDArray[np.float64], scale: float
+        self,
+        source: SkinSource,
+        axes: NDArray[np.float64],
+        centre: NDArray[np.float64],
+        scale: float,
+        before: HookSteel | None = None,
     ) -> None:
-        """axes: (3, 3), rows right, up along the skin and normal, as the picture is seen. centre: (3,) mm, of it."""
+        """axes: (3, 3), rows right, up along the skin and normal, as the picture is seen. centre: (3,) mm, of it.
+        before: of the same epochs; what was found of them is kept."""
         self._source, self._normal, self._scale = source, axes[2], scale
         courses = source.hook_courses()
         found = hook_directions(list(courses.values()), centre, axes)
         self._directions = dict(zip(courses, found, strict=True))
-        self._held: dict[str, tuple[SkinNormals, NDArray[np.int64], NDArray[np.int32]]] = {}
+        self._held: dict[str, tuple[SkinNormals, NDArray[np.int64], NDArray[np.int32]]] = (
+            {} if before is None else before._held
+        )
+
+    def knows(self, epoch: SkinEpoch) -> bool:
+        """Whether a hook was drawn in an epoch before."""
+        return epoch.name in self._held
 
     def tubes(self, time: float) -> tuple[list[NDArray[np.float64]], list[NDArray[np.float64]]]:
         """The hooks (k, 3) that are active at a frame and their radii, mm."""

@@ -24,9 +24,10 @@ def build_mesh(
     mesh.vertices.add(len(points))
     mesh.loops.add(3 * len(triangles))
     mesh.polygons.add(len(triangles))
-    mesh.loops.foreach_set("vertex_index", np.ascontiguousarray(triangles, np.int32).ravel())
+    # By attribute: several times as fast as by vertex, corner and face.
+    mesh.attributes[".corner_vert"].data.foreach_set("value", np.ascontiguousarray(triangles, np.int32).ravel())
     mesh.polygons.foreach_set("loop_start", np.arange(0, 3 * len(triangles), 3, dtype=np.int32))
-    mesh.vertices.foreach_set("co", (points * scale).astype(np.float32).ravel())
+    mesh.attributes["position"].data.foreach_set("vector", (points * scale).astype(np.float32).ravel())
     mesh.update(calc_edges=True)
     return mesh
 
@@ -54,7 +55,7 @@ def set_attribute(mesh: bpy.types.Mesh, name: str, kind: str, domain: str, value
 def mark_sharp_borders(mesh: bpy.types.Mesh, origin: NDArray[np.uint8]) -> None:
     """Mark the edges between faces of different origin sharp, so that the wound has a crisp edge on smooth skin."""
     edges = np.empty(len(mesh.loops), np.int32)
-    mesh.loops.foreach_get("edge_index", edges)
+    mesh.attributes[".corner_edge"].data.foreach_get("value", edges)
     label = np.repeat(origin.astype(np.float64), 3)
     faces = np.bincount(edges, minlength=len(mesh.edges))
     total, squares = (np.bincount(edges, values, len(mesh.edges)) for values in (label, label**2))

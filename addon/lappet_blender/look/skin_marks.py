@@ -2,25 +2,36 @@
 
 from __future__ import annotations
 
+from time import monotonic
+from zlib import crc32
+
 import numpy as np
 from numpy.typing import NDArray
 
 from .dashed_line import dashes
 from .skin_fields import SKIN
-from .skin_source import SkinSource
-from .suture_bites import Bite, bites_at, carried
+from .skin_source import SkinEpoch, SkinSource
+from .suture_bites import Bite, BitesInto, carried
 
 INCISION_RADIUS = 0.24
 UNDERMINE_RADIUS = 0.16
 STEP = 0.8
+_AT_ONCE = 8  # places that are found between two looks at the clock
 HELD = ("Hook", "Retractor", "Suture")
 
 
 class SkinMarks:
-    """The pen marks; they ride on the skin."""
+    """The pen marks; they ride on the skin.
 
-    def __init__(self, source: SkinSource) -> None:
-        """Incisions are marked while the skin is whole; undermining from its event until hooks or sutures act."""
+    until: the monotonic second at which `tubes` stops to find where they ride, None: it finds all; the rest is
+    `unfinished`.
+    """
+
+    def __init__(self, source: SkinSource, before: SkinMarks | None = None) -> None:
+        """Incisions are marked while the skin is whole; undermining from its event until hooks or sutures act.
+
+        before: marks of the same epochs; where a line is still the same, where it rides is not searched again.
+        """
         self._source = source
         self._incisions = source.planned_incisions(STEP)
         self._dashes = [dash for area in source.undermined_areas(STEP / 2) for dash in dashes(area)]
@@ -28,24 +39,47 @@ class SkinMarks:
         held = [e.start for e in source.events if e.kind in HELD]
         self._cut = min((e.start for e in source.events if e.kind == "Incision"), default=np.inf)
         self._from, self._until = min(undermined, default=np.inf), min(held, default=np.inf)
-        self._courses: dict[str, list[Bite]] = {}
+        self._courses: dict[str, list[Bite]] = (
+            before._courses if before is not None and len(before._courses) < 32 else {}
+        )
+        self._into: tuple[str, BitesInto] | None = None
+        self.until: float | None = None
+        self.unfinished = False
 
     def tubes(self, time: float) -> tuple[list[NDArray[np.float64]], list[float]]:
-        """The marks (k, 3) of a frame and their radii, mm."""
+        """The marks (k, 3) of a frame and their radii, mm; none while where they ride is not all found."""
+        self.unfinished = False
+        lines, radius = self._which(time)
+        return self._drawn(time, lines, radius) if lines else ([], [])
+
+    def _which(self, time: float) -> tuple[list[NDArray[np.float64]], float]:
         whole = self._source.epoch_at(time) is self._source.epochs[0]
         if whole and time < self._cut and self._incisions:
-            return self._drawn(time, "incisions", self._incisions, INCISION_RADIUS)
+            return self._incisions, INCISION_RADIUS
         if self._from <= time < self._until and self._dashes:
-            return self._drawn(time, "undermining", self._dashes, UNDERMINE_RADIUS)
-        return [], []
+            return self._dashes, UNDERMINE_RADIUS
+        return [], 0.0
 
     def _drawn(
-        self, time: float, name: str, lines: list[NDArray[np.float64]], radius: float
+        self, time: float, lines: list[NDArray[np.float64]], radius: float
     ) -> tuple[list[NDArray[np.float64]], list[float]]:
         epoch = self._source.epoch_at(time)
-        key = f"{name} {epoch.name}"
-        if key not in self._courses:
-            first = self._source.rest(epoch)
-            self._courses[key] = bites_at(first, epoch.triangles[epoch.origin == SKIN], np.concatenate(lines))
-        placed = carried(self._courses[key], self._source.positions(epoch, time))
+        places = np.concatenate(lines)
+        course = self._find(f"{epoch.name} {crc32(places.tobytes())}", epoch, places)
+        if self.unfinished:
+            return [], []
+        placed = carried(course, self._source.positions(epoch, time))
         return np.split(placed, np.cumsum([len(line) for line in lines])[:-1]), [radius] * len(lines)
+
+    def _find(self, key: str, epoch: SkinEpoch, places: NDArray[np.float64]) -> list[Bite]:
+        course = self._courses.setdefault(key, [])
+        if len(course) < len(places) and (self._into is None or self._into[0] != key):
+            skin = epoch.triangles[epoch.origin == SKIN]
+            self._into = key, BitesInto(self._source.rest(epoch), skin)
+        while len(course) < len(places):
+            assert self._into is not None
+            course += self._into[1].at(places[len(course) : len(course) + _AT_ONCE])
+            if self.until is not None and monotonic() > self.until:
+                self.unfinished = len(course) < len(places)
+                break
+        return course

@@ -105,15 +105,27 @@ def bites_at(
     positions: NDArray[np.float32], triangles: NDArray[np.int32], points: NDArray[np.floating[Any]]
 ) -> list[Bite]:
     """The points of some triangles (m, 3) nearest to points (k, 3), mm."""
-    corners = positions[triangles].reshape(-1, 3)  # of these triangles only: most calls are about a few of many
-    index, closest, _ = ClosestPoint(corners, np.arange(len(corners)).reshape(-1, 3)).query(points)
-    bites = []
-    for triangle, point in zip(triangles[index], closest, strict=True):
-        corners = positions[triangle].astype(np.float64)
-        weights, *_ = np.linalg.lstsq(np.vstack([corners.T, np.ones(3)]), np.append(point, 1.0), rcond=None)
-        weights = np.clip(weights, 0.0, None)
-        bites.append(Bite(triangle, weights / weights.sum()))
-    return bites
+    return BitesInto(positions, triangles).at(points)
+
+
+class BitesInto:
+    """Finds the points of some triangles nearest to others; made once for many calls."""
+
+    def __init__(self, positions: NDArray[np.float32], triangles: NDArray[np.int32]) -> None:
+        self._positions, self._triangles = positions, triangles
+        corners = positions[triangles].reshape(-1, 3)  # of these triangles only: most are about a few of many
+        self._closest = ClosestPoint(corners, np.arange(len(corners)).reshape(-1, 3))
+
+    def at(self, points: NDArray[np.floating[Any]]) -> list[Bite]:
+        """Those nearest to points (k, 3), mm."""
+        index, closest, _ = self._closest.query(points)
+        bites = []
+        for triangle, point in zip(self._triangles[index], closest, strict=True):
+            corners = self._positions[triangle].astype(np.float64)
+            weights, *_ = np.linalg.lstsq(np.vstack([corners.T, np.ones(3)]), np.append(point, 1.0), rcond=None)
+            weights = np.clip(weights, 0.0, None)
+            bites.append(Bite(triangle, weights / weights.sum()))
+        return bites
 
 
 def _reachable(

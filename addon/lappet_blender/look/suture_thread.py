@@ -61,20 +61,27 @@ def suture_buried(source: SkinSource, epoch: SkinEpoch, index: int, near: Triang
 class SutureThread:
     """The stitches of a procedure.
 
-    patience: seconds that `tubes` may take to find new ones, None: as long as it takes; the rest are `unfinished`.
+    until: the monotonic second after which `tubes` finds no new ones, None: it finds all; the rest are `unfinished`.
     """
 
     def __init__(
-        self, source: SkinSource, facing: NDArray[np.float64], scale: float, hidden: frozenset[int] | None = None
+        self,
+        source: SkinSource,
+        facing: NDArray[np.float64],
+        scale: float,
+        hidden: frozenset[int] | None = None,
+        before: SutureThread | None = None,
     ) -> None:
         """facing: (3,), the side on which knots are tied. scale: of bites and thread. hidden: sutures not to draw;
-        None: those that turn out to be buried."""
+        None: those that turn out to be buried. before: of the same epochs; what was found of them is kept."""
         self._source, self._facing, self._scale, self._hidden = source, facing, scale, hidden
         self._stitches: dict[tuple[str, int], Stitch | None] = {}
         self._normals: dict[str, SkinNormals] = {}
         self._near: dict[str, tuple[NDArray[np.float32], TrianglesNear]] = {}
-        self.patience: float | None = None
-        self.unfinished = False
+        self.until: float | None = None
+        if before is not None:
+            self._normals, self._near = before._normals, before._near
+        self.unfinished = self._fresh = False
 
     def tubes(self, time: float) -> tuple[list[NDArray[np.float64]], list[float]]:
         """The thread and knots (k, 3) of a frame and their radii, mm."""
@@ -84,7 +91,8 @@ class SutureThread:
         if not active:
             return [], []
         epoch = self._source.epoch_at(time)
-        until = np.inf if self.patience is None else monotonic() + self.patience
+        until = np.inf if self.until is None else self.until
+        self._fresh = False
         shown = self._apart({i: s for i in active if (s := self._find(epoch, i, until)) is not None})
         if not shown:
             return [], []
@@ -118,9 +126,10 @@ class SutureThread:
     def _find(self, epoch: SkinEpoch, index: int, until: float) -> Stitch | None:
         key = (epoch.name, index)
         if key not in self._stitches:
-            if monotonic() > until:
+            if self._fresh and monotonic() > until:
                 self.unfinished = True
                 return None
+            self._fresh = True  # one at least is found every time
             points, _ = self._source.suture_apart(epoch, index)
             if epoch.name not in self._near or self._near[epoch.name][0] is not points:
                 self._near[epoch.name] = points, TrianglesNear(points, epoch.triangles)

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .skin_fields import border_chains
-from .skin_source import SkinSource
+from .skin_source import SkinEpoch, SkinSource
 
 EDGE_RADIUS = 0.1
 
@@ -17,6 +17,10 @@ class WoundEdge:
     def __init__(self, source: SkinSource) -> None:
         self.source = source
         self._chains: dict[str, list[NDArray[np.int32]]] = {}
+
+    def knows(self, epoch: SkinEpoch) -> bool:
+        """Whether the lips of an epoch were found before."""
+        return epoch.name in self._chains
 
     def tubes(self, time: float) -> tuple[list[NDArray[np.float64]], list[float]]:
         """The lines (k, 3) of a frame and their radii, mm."""

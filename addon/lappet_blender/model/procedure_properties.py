@@ -181,7 +181,7 @@ class LappetSolving(bpy.types.PropertyGroup):
     threads: IntProperty(name="Threads", description="0 = all", default=0, min=0, max=256)
     live: BoolProperty(name="Live", description="The skin follows while a hook's target is dragged", default=False)
     beside_file: BoolProperty(
-        name="Frames beside the .blend",
+        name="Beside the .blend",
         description="Keep solved frames in a folder beside the .blend instead of the user's cache",
         default=False,
         update=property_changed,

@@ -27,5 +27,10 @@ def problem(
     severity: Severity = "error",
     **arguments: str | int | float,
 ) -> SceneProblem:
-    """A `SceneProblem` in one line."""
-    return SceneProblem(path, str(value), sentence, mend, severity, operator, tuple(arguments.items()))
+    """A `SceneProblem` in one line. sentence and mend may be halves of one; each becomes a sentence."""
+    what, then = _ended(sentence), _ended(mend[:1].upper() + mend[1:])
+    return SceneProblem(path, str(value), what, then, severity, operator, tuple(arguments.items()))
+
+
+def _ended(words: str) -> str:
+    return words if not words or words.endswith((".", "?", "!")) else f"{words}."

@@ -39,7 +39,7 @@ class CarryOver:
         except OSError as error:
             self.trouble = (
                 f"Solved frames cannot be kept in {self._folder} ({error.strerror or error}); free some space there, "
-                "or switch Frames beside the .blend off."
+                "or switch off Beside the .blend, in the Settings of Solve."
             )
 
 

@@ -59,13 +59,14 @@ class Job:
 
 @dataclass(eq=False)
 class Live:
-    """A hook is dragged: target in mm as last sent; frame: the latest that came back."""
+    """A hook is dragged: target in mm as last sent, moved: since live mode began; frame: the latest that came back."""
 
     hook: str
     event_uid: str
     time: int
     job: int
     target: Point | None = None
+    moved: bool = False
     frame: ShownFrame | None = None
     seconds: float = 0.0
     converged: bool = True

@@ -20,7 +20,9 @@ from .solve_progress import Progress, progress
 __all__ = ["Failure", "FrameRun", "Progress", "Shown"]
 
 Listener = Callable[[bpy.types.Scene], None]
+FollowUp = Callable[[], bool]
 _listeners: list[Listener] = []
+_follow_ups: list[FollowUp] = []
 
 
 def plan_of(scene: bpy.types.Scene) -> Plan | None:
@@ -100,6 +102,24 @@ def unsubscribe(listener: Listener) -> None:
     """Takes a listener off; one that is not there is no error."""
     if listener in _listeners:
         _listeners.remove(listener)
+
+
+def add_follow_up(step: FollowUp) -> None:
+    """Calls `step()` when the timer comes by, for what a listener puts off; it does a little, True = there is more."""
+    if step not in _follow_ups:
+        _follow_ups.append(step)
+
+
+def remove_follow_up(step: FollowUp) -> None:
+    """Takes it off; one that is not there is no error."""
+    if step in _follow_ups:
+        _follow_ups.remove(step)
+
+
+def follow_up() -> bool:
+    """Does a little of what listeners put off; whether there is more."""
+    more = [step() for step in list(_follow_ups)]  # every one gets its turn
+    return any(more)
 
 
 def announce(scene: bpy.types.Scene, controller: Controller) -> None:

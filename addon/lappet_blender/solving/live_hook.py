@@ -67,16 +67,16 @@ def step_live(scene: bpy.types.Scene, controller: Controller) -> None:
             return
     place = _place(scene, event.target)
     if live.target is None or math.dist(place, live.target) > _LEAST_MOVE:
-        live.target = place
+        live.target, live.moved = place, True
         controller.solver().live_target(live.job, place)
 
 
-def stop_live(scene: bpy.types.Scene, controller: Controller, *, may_key: bool = True) -> None:
-    """Ends live mode. The target stays where it was dragged; where it is animated and the user has automatic keyframes
-    on, that place is keyed at the frame (unless `may_key` is off)."""
+def stop_live(scene: bpy.types.Scene, controller: Controller, *, may_key: bool = True) -> bool:
+    """Ends live mode. The target stays where it was dragged: one that is animated is keyed there, at the frame that was
+    shown, unless `may_key` is off. Returns whether a keyframe was set."""
     live, controller.live = controller.live, None
     if live is None:
-        return
+        return False
     if controller.client is not None:
         controller.client.cancel(live.job)
     if controller.job is not None and controller.job.number == live.job:
@@ -84,12 +84,27 @@ def stop_live(scene: bpy.types.Scene, controller: Controller, *, may_key: bool =
     scene.lappet.solving.live = False
     event = find_event(scene, live.event_uid or live.hook)
     target = None if event is None else event.target
-    if may_key and live.frame is not None and target is not None and scene.tool_settings.use_keyframe_insert_auto:
-        data = target.animation_data
-        if data is not None and data.action is not None:
-            target.keyframe_insert("location", frame=live.time)
+    keyed = may_key and live.moved and target is not None and _key(scene, target, live)
     controller.touch()
     controller.bump()
+    return keyed
+
+
+def _key(scene: bpy.types.Scene, target: bpy.types.Object, live: Live) -> bool:
+    """Keys an animated target where it was last dragged; elsewhere than at that frame only one that hangs on nothing,
+    since its place in the world is all that is known by then."""
+    data = target.animation_data
+    if data is None or data.action is None or target.library is not None or live.target is None:
+        return False
+    if scene.frame_current != live.time:
+        if target.parent is not None or len(target.constraints):
+            return False
+        now = target.location.copy()
+        target.location = [value / mm_per_unit(scene) for value in live.target]
+        target.keyframe_insert("location", frame=live.time)
+        target.location = now
+        return True
+    return bool(target.keyframe_insert("location", frame=live.time))
 
 
 def _still_holds(scene: bpy.types.Scene, controller: Controller, live: Live) -> bool:

@@ -13,6 +13,15 @@ from .scene_watch import reading
 _OPTIONS = {"REGISTER"}
 
 
+def _stop(scene: bpy.types.Scene) -> None:
+    """Ends live mode; a keyframe that this sets is an act of its own to undo."""
+    controller = controller_of(scene)
+    keyed = stop_live(scene, controller)
+    announce(scene, controller)
+    if keyed:
+        bpy.ops.ed.undo_push(message="Drag Hook")
+
+
 class LAPPET_OT_live(bpy.types.Operator):
     """Drag the target of the active hook and see the skin follow; again, Return or Esc ends it"""
 
@@ -27,8 +36,7 @@ class LAPPET_OT_live(bpy.types.Operator):
         scene = context.scene
         controller = controller_of(scene)
         if controller.live is not None:
-            stop_live(scene, controller)
-            announce(scene, controller)
+            _stop(scene)
             return {"FINISHED"}
         try:
             with reading():
@@ -54,8 +62,7 @@ class LAPPET_OT_live(bpy.types.Operator):
         if controller is not None and controller.live is not None:
             if event.type not in {"ESC", "RET", "NUMPAD_ENTER"} or event.value != "PRESS":
                 return {"PASS_THROUGH"}
-            stop_live(scene, controller)
-            announce(scene, controller)
+            _stop(scene)
         context.workspace.status_text_set(None)
         return {"FINISHED"}
 

@@ -8,7 +8,7 @@ import traceback
 import bpy
 
 from .controller import Controller, controller_of, controllers, find_controller, forget, scene_of
-from .frames import announce
+from .frames import announce, follow_up
 from .happenings import take_in
 from .live_hook import step_live
 from .reconcile import due, take_carried
@@ -25,7 +25,7 @@ _redraw_wanted = False
 def pump(timeout: float = 0.0) -> bool:
     """Does what the timer does: once, or until nothing is under way or `timeout` seconds have passed.
 
-    Returns whether something is still under way: a job, or a change that was not read yet.
+    Returns whether something is still under way: a job, a change that was not read yet, a picture to be finished.
     """
     end = time.monotonic() + timeout
     while True:
@@ -37,7 +37,7 @@ def pump(timeout: float = 0.0) -> bool:
 
 def _once() -> bool:
     global _redraw_wanted
-    busy = False
+    busy = told = False
     dragging = _is_dragging()
     for scene in list(bpy.data.scenes):
         controller = find_controller(scene)
@@ -52,11 +52,13 @@ def _once() -> bool:
         if due(controller) and not dragging and controller.live is None:
             read_now(scene)
         busy |= _busy(controller)
-        _redraw_wanted |= heard or controller.told != controller.revision
+        told |= controller.told != controller.revision
+        _redraw_wanted |= heard or told
         announce(scene, controller)
     for controller in controllers():
         if scene_of(controller) is None:
             forget(controller)
+    busy |= told or follow_up()  # one of them a turn
     if _redraw_wanted:
         _redraw()
     return busy

@@ -126,7 +126,8 @@ def first_sentence(problems: tuple[Problem, ...]) -> str:
         return "There is no tissue to solve; make a mesh the tissue first."
     more = len(problems) - 1
     tail = f" ({more} more in the Solve panel.)" if more else ""
-    return f"{problems[0]}{tail}"
+    worst = next((problem for problem in problems if problem.severity == "error"), problems[0])
+    return f"{worst}{tail}"
 
 
 def _remove(path: Path) -> None:

@@ -10,7 +10,7 @@ from lappet.refused import RefusedError
 
 from .controller import controller_of
 from .frame_states import count_states
-from .frames import announce
+from .frames import announce, follow_up
 from .happenings import take_in
 from .solve_jobs import cancel_solve, first_sentence
 
@@ -41,6 +41,7 @@ def wait_for_solve(scene: bpy.types.Scene) -> bool:
         except KeyboardInterrupt:
             print("Lappet: cancelling", flush=True)
             cancel_solve(scene)
+    _finish_pictures()
     if controller.refused:
         raise RefusedError(first_sentence(controller.refused))
     if controller.failure is not None:
@@ -59,7 +60,13 @@ def wait_for_plan(scene: bpy.types.Scene) -> None:
         if not take_in(controller):
             time.sleep(_NAP)
     announce(scene, controller)
+    _finish_pictures()
     if controller.refused:
         raise RefusedError(first_sentence(controller.refused))
     if controller.plan is None:
         raise SolveFailedError("The procedure could not be planned; the notes in the Solve panel say why.")
+
+
+def _finish_pictures() -> None:
+    while follow_up():
+        pass

@@ -49,8 +49,44 @@ class LAPPET_PT_tissue(bpy.types.Panel):
         if settings.object.type != "MESH":
             _problem(layout, context, read_scene(scene).problems[0])
             return
-        _groups(layout, scene)
         _lattice(layout, scene)
+        _problems(layout, context)
+
+
+class _Part:
+    """A part of the panel that may be folded away, where there is a tissue."""
+
+    bl_parent_id = "LAPPET_PT_tissue"
+    bl_space_type = "VIEW_3D"
+    bl_region_type = "UI"
+    bl_category = "Lappet"
+    bl_options = {"DEFAULT_CLOSED"}  # noqa: RUF012
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        obj = context.scene.lappet.tissue.object
+        return obj is not None and obj.type == "MESH"
+
+
+class LAPPET_PT_tissue_faces(_Part, bpy.types.Panel):
+    """Groups of faces: which are held, which lie on the bed, which retractors grip"""
+
+    bl_label = "Faces"
+
+    def draw(self, context: bpy.types.Context) -> None:
+        _groups(self.layout, context.scene)
+
+
+class LAPPET_PT_tissue_surroundings(_Part, bpy.types.Panel):
+    """What the tissue lies on: bones, its bed, gravity"""
+
+    bl_label = "Bones, Bed and Gravity"
+
+    def draw(self, context: bpy.types.Context) -> None:
+        layout, scene = self.layout, context.scene
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        settings = scene.lappet.tissue
         _bones(layout, scene)
         column = layout.column(align=True)
         column.prop(settings, "bed_stiffness")
@@ -59,14 +95,12 @@ class LAPPET_PT_tissue(bpy.types.Panel):
         sub = row.row()
         sub.active = settings.use_gravity
         sub.prop(settings, "gravity", text="")
-        _problems(layout, context)
 
 
 def _groups(layout: bpy.types.UILayout, scene: bpy.types.Scene) -> None:
     obj = scene.lappet.tissue.object
     counts = dict(group_counts(obj))
     box = layout.column(align=True)
-    box.label(text="Faces")
     names = [name for name, _ in _HELD] + [name for name in counts if name not in dict(_HELD)]
     for name in names:
         row = box.row(align=True)
@@ -142,4 +176,4 @@ def _problem(layout: bpy.types.UILayout, context: bpy.types.Context, problem: Pr
         row.operator("lappet.tissue_show_problem", text="", icon="ZOOM_SELECTED").index = index
 
 
-CLASSES = (LAPPET_PT_tissue,)
+CLASSES = (LAPPET_PT_tissue, LAPPET_PT_tissue_faces, LAPPET_PT_tissue_surroundings)

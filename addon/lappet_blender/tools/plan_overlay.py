@@ -42,17 +42,22 @@ def unregister() -> None:
     _kept.clear()
 
 
-def plan_ink(scene: bpy.types.Scene, surface: ShownSurface, hides: str = "") -> Ink:
-    """The lines of all events as they are shown now; kept until something changes. hides: the uid of one left out."""
+def plan_ink(scene: bpy.types.Scene, surface: ShownSurface, hides: str = "", done: bool = True) -> Ink:
+    """The lines of all events as they are shown now; kept until something changes.
+
+    hides: the uid of one left out. done: also of those that have begun, which the solved skin shows itself.
+    """
     time = scene.frame_current_final
-    key = (surface.key, plan_key(scene), time, hides)
+    key = (surface.key, plan_key(scene), time, hides, done)
     known = _kept.get(scene.name)
     if known is not None and known[0] == key:
         return known[1]
     ink = Ink()
     for index, event in enumerate(scene.lappet.events):
-        if event.uid != hides:
-            event_ink(ink, surface, event, time, index == scene.lappet.active_event)
+        active = index == scene.lappet.active_event
+        seen = surface.solved and event.kind not in ("LANDMARK", "RETRACTOR") and event.start <= time
+        if event.uid != hides and (done or active or not seen):
+            event_ink(ink, surface, event, time, active)
     _kept[scene.name] = (key, ink)
     return ink
 
@@ -60,6 +65,12 @@ def plan_ink(scene: bpy.types.Scene, surface: ShownSurface, hides: str = "") -> 
 def _shows(context: bpy.types.Context) -> bool:
     space = context.space_data
     return bool(space is not None and space.type == "VIEW_3D" and space.overlay.show_overlays)
+
+
+def _plans(context: bpy.types.Context) -> bool:
+    """Whether one of Lappet's tools is in hand: somebody plans, and does not only look."""
+    tool = context.workspace.tools.from_space_view3d_mode("OBJECT", create=False)
+    return tool is not None and tool.idname.startswith("lappet.") and not context.screen.is_animation_playing
 
 
 def _draw_lines() -> None:
@@ -74,7 +85,7 @@ def _draw_lines() -> None:
     gpu.state.blend_set("ALPHA")
     gpu.state.depth_test_set("LESS_EQUAL")
     if scene.lappet.look.show_plan:
-        _draw_ink(plan_ink(scene, surface, preview.hides if preview else ""))
+        _draw_ink(plan_ink(scene, surface, preview.hides if preview else "", _plans(context)))
     if preview is not None:
         _draw_preview(surface, preview)
     gpu.state.depth_test_set("NONE")
@@ -129,7 +140,7 @@ def _draw_points() -> None:
     if scene.lappet.look.show_plan:
         if not context.screen.is_animation_playing:
             _draw_handles(context, size, scale)
-        for place, text, color in plan_ink(scene, surface, preview.hides if preview else "").labels:
+        for place, text, color in plan_ink(scene, surface, preview.hides if preview else "", _plans(context)).labels:
             (x, y) = project(data.perspective_matrix, *size, place)[0]
             if math.isfinite(x):
                 _label(x + 8.0 * scale, y + 6.0 * scale, text, color, scale)

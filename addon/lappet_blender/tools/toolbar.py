@@ -66,7 +66,7 @@ class EditTool(_Tool):
         if 0 <= procedure.active_event < len(procedure.events):
             event = procedure.events[procedure.active_event]
             layout.label(text=event.name)
-            layout.prop(event, "start")
+            layout.prop(event, "moment")
             if event.kind in ("HOOK", "RETRACTOR"):
                 layout.prop(event, "end")
         layout.prop(procedure.look, "show_plan", text="Plan")

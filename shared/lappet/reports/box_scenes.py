@@ -97,6 +97,11 @@ def grid_box(size: Sequence[float], divisions: Sequence[int]) -> tuple[Surface, 
     return surface, np.array(side)
 
 
+def stretched(by: float) -> NDArray[np.float64]:
+    """The motion, 4x4, of an end drawn `by` mm along x."""
+    return _motion((by, 0.0, 0.0))
+
+
 def _motion(shift: Sequence[float], turn: float = 0.0, centre: Sequence[float] = (0.0, 0.0, 0.0)) -> NDArray[Any]:
     """Turns about the x axis through `centre` by `turn` degrees, then shifts by mm."""
     angle = math.radians(turn)

@@ -36,6 +36,57 @@ def report_group(sentences: Sentences) -> click.Group:
             for path in run_error_time(scenes, folder, quick, say=_say):
                 click.echo(path)
 
+    @report.command("stability")
+    @_output("stability")
+    @click.option("--only", multiple=True, metavar="GROUP", help="Only this group of cases; may be given again.")
+    @click.option("--quick", is_flag=True, help="Without the slow cases.")
+    @click.option(
+        "--fuzz",
+        type=click.IntRange(min=1),
+        metavar="N",
+        help="Instead, solve N small procedures made at random, the same ones every time.",
+    )
+    @click.pass_context
+    def stability(
+        context: click.Context, /, folder: Path, only: tuple[str, ...], quick: bool, fuzz: int | None
+    ) -> None:
+        """Solve stiff and extreme cases and hold each against the outcome that is right: it converges, or is refused
+        with a reason. Exit status 1 where one does neither.
+        """
+        with sentences(context):
+            from lappet.reports.stability_run import chosen_cases, run_fuzz, run_stability
+
+            if fuzz is not None:
+                text, right, files = run_fuzz(folder, fuzz, _say)
+            else:
+                text, right, files = run_stability(folder, chosen_cases(only, quick), _say)
+            click.echo(text)
+            for path in files:
+                click.echo(path)
+            if not right:
+                context.exit(1)
+
+    @report.command("economy")
+    @_output("economy")
+    @click.option(
+        "--yardstick",
+        "yardsticks",
+        multiple=True,
+        type=click.Path(path_type=Path, exists=True, dir_okay=False),
+        help="A daemon built with -DLAPPET_LEAVE_OUT=..., to hold the plain scene against.",
+    )
+    @click.pass_context
+    def economy(context: click.Context, /, folder: Path, yardsticks: tuple[Path, ...]) -> None:
+        """Count what each feature costs, where a scene needs it and where none does."""
+        with sentences(context):
+            from lappet.reports.economy import economy as measure
+            from lappet.reports.economy_files import write_economy
+            from lappet.reports.report_files import head, make_folder
+
+            make_folder(folder)
+            for path in write_economy(folder, head(), measure(yardsticks, say=_say)):
+                click.echo(path)
+
     return report
 
 

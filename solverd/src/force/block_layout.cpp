@@ -7,6 +7,8 @@
 
 #include "force/cell_corners.h"
 #include "lattice/blocks.h"
+#include "lattice/refused.h"
+#include "math/features.h"
 
 namespace lappet {
 
@@ -87,8 +89,15 @@ void append_groups(const Lattice& lattice, std::span<const Block> blocks, bool g
 
 }  // namespace
 
-BlockLayout lay_out_blocks(const Lattice& lattice, int lanes) {
+BlockLayout lay_out_blocks(const Lattice& lattice, int lanes, std::span<const std::uint8_t> still) {
   auto blocks = build_blocks(lattice);
+  const auto moves = [&](const Block& block) {
+    return std::ranges::any_of(nodes_of(lattice, block),
+                               [&](std::int32_t n) { return n >= 0 && !still[static_cast<std::size_t>(n)]; });
+  };
+  // Where nothing moves there is still an energy to tell.
+  if (!still.empty() && std::ranges::any_of(blocks, moves))
+    std::erase_if(blocks, [&](const Block& block) { return !moves(block); });
   const auto axis = static_cast<std::size_t>(longest_axis(blocks));
   std::stable_sort(blocks.begin(), blocks.end(),
                    [&](const Block& a, const Block& b) { return a.position[axis] < b.position[axis]; });
@@ -111,6 +120,10 @@ BlockLayout lay_out_blocks(const Lattice& lattice, int lanes) {
     const auto from = blocks.begin() + begin, to = blocks.begin() + end;
     const auto mesh =
         std::stable_partition(from, to, [&](const Block& b) { return has_columns(nodes_of(lattice, b)); });
+    if constexpr (!kHasMeshCells)
+      if (mesh != to)
+        throw RefusedError(ErrorCode::kInvalidInput,
+                           "this daemon was built without mesh cells, and the tissue is no box of whole blocks");
     append_groups(lattice, {from, mesh}, true, layout);
     append_groups(lattice, {mesh, to}, false, layout);
     layout.slab_start.push_back(layout.groups);

@@ -10,6 +10,7 @@
 #include <tbb/parallel_for.h>
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "lattice/lattice.h"
@@ -22,7 +23,7 @@ struct BlockLayout {
   std::vector<std::int32_t> nodes;         // per group [27][lane], or of a grid group [9][lane]
   std::vector<std::int64_t> node_start;    // where the nodes of each group begin, and the end
   std::vector<std::int32_t> cell_of_slot;  // [group][place][lane]; -1 where missing
-  std::vector<std::int32_t> slot_of_cell;  // index into cell_of_slot
+  std::vector<std::int32_t> slot_of_cell;  // index into cell_of_slot; -1 for a cell of a block that is left out
   std::vector<std::int64_t> slab_start;    // first group of each slab, and the end
 
   std::size_t slots() const { return cell_of_slot.size(); }
@@ -39,6 +40,7 @@ struct BlockLayout {
   }
 };
 
-BlockLayout lay_out_blocks(const Lattice& lattice, int lanes);
+// still: per node, 1 where it never moves; empty: all may. Blocks that no node of theirs moves are left out.
+BlockLayout lay_out_blocks(const Lattice& lattice, int lanes, std::span<const std::uint8_t> still = {});
 
 }  // namespace lappet

@@ -85,6 +85,7 @@ Contact::Depth Contact::deepest_at_rest() const {
 template <class Real>
 double Contact::evaluate(std::span<const Real> u, std::span<const std::uint8_t> free, std::span<double> gradient,
                          std::vector<Push>& pushes) {
+  std::vector<double> carried(found_.size(), 0.0);  // how deep
   for_each_chunk(proxies_.size(), [&](std::size_t chunk, std::size_t begin, std::size_t end) {
     auto& found = found_[chunk];
     found.clear();
@@ -96,7 +97,11 @@ double Contact::evaluate(std::span<const Real> u, std::span<const std::uint8_t> 
       bool moves = false;
       for (std::size_t k = 0; k < 8; ++k)
         moves = moves || (free[static_cast<std::size_t>(nodes[k])] && proxies_[p].point.weights[k] != 0.0);
-      if (moves) found.push_back({static_cast<std::uint32_t>(p), -sample.value, squeezed, sample.gradient});
+      if (moves)
+        found.push_back({static_cast<std::uint32_t>(p), -sample.value, squeezed, sample.gradient});
+      else if (const double sunk = bones_->at(rest_[p]).value - sample.value;
+               sunk > kAllowedPenetration * lattice_.settings.spacing)
+        carried[chunk] = std::max(carried[chunk], -sample.value);
     }
   });
   active_.clear();
@@ -106,6 +111,7 @@ double Contact::evaluate(std::span<const Real> u, std::span<const std::uint8_t> 
   for (std::size_t p = 0; p < multipliers_.size(); ++p)
     energy -= 0.5 * multipliers_[p] * multipliers_[p] / stiffness_ * proxies_[p].area;
   penetration_ = 0.0;
+  for (const double depth : carried) penetration_ = std::max(penetration_, depth);
   force_.setZero();
   for (const Active& active : active_) {
     const Proxy& proxy = proxies_[active.proxy];

@@ -32,7 +32,8 @@ class Contact {
   Depth deepest_at_rest() const;
 
   // Adds the gradient of the energy (3 per node) and appends what pushes; returns the energy. Proxies that hang on
-  // nodes which are not free count for nothing. The same for any number of threads.
+  // nodes which are not free are not pushed, but count as deep if they have been carried into bone. The same for any
+  // number of threads.
   template <class Real>
   double evaluate(std::span<const Real> u, std::span<const std::uint8_t> free, std::span<double> gradient,
                   std::vector<Push>& pushes);

@@ -82,7 +82,7 @@ template <class Number, bool kOnePoint, bool kFibres, bool kPrestretched>
       for (auto& row : node) store(Number(0), row);
     for (int place = 0; place < kBlockCells; ++place) {
       const std::int64_t cell = group * kBlockCells + place;
-      const Real* material = arrays.material + cell * arrays.material_stride;
+      const Real* material = arrays.material_of(cell);
       const auto add = [&](int corner, const Number(&block)[6]) {
         for (int k = 0; k < 6; ++k) {
           Real* to = sum[block_node(place, corner)][k];

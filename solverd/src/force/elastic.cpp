@@ -9,6 +9,8 @@
 #include "force/material_models.h"
 #include "force/prestretch.h"
 #include "force/state_kernel.h"
+#include "lattice/refused.h"
+#include "math/features.h"
 #include "math/parallel.h"
 
 namespace lappet {
@@ -34,15 +36,22 @@ SceneFeatures features_of(const CellMaterials& materials, int quadrature) {
 }  // namespace
 
 template <class Real>
-Elastic<Real>::Elastic(const Lattice& lattice, CellMaterials materials, int quadrature, InstructionSet set)
+Elastic<Real>::Elastic(const Lattice& lattice, CellMaterials materials, int quadrature, InstructionSet set,
+                       std::span<const std::uint8_t> still)
     : lattice_(lattice),
       materials_(std::move(materials)),
       features_(features_of(materials_, quadrature)),
       set_(set),
       kernels_(elastic_kernels<Real>(set, features_)),
-      layout_(lay_out_blocks(lattice, kernels_.lanes)),
+      layout_(lay_out_blocks(lattice, kernels_.lanes, still)),
       quadrature_(quadrature_points(quadrature)),
-      uniform_(materials_.of_cell.empty() && materials_.normal_of_cell.empty()) {
+      uniform_(materials_.of_cell.empty() && materials_.normal_of_cell.empty()),
+      record_fields_(features_.prestretched ? kMaterialFields
+                     : features_.fibres     ? kPrestretch
+                                            : kFibreK1) {
+  if (!kHasHeterogeneity && !uniform_)
+    throw RefusedError(ErrorCode::kInvalidInput,
+                       "this daemon was built without heterogeneity, and the tissue's cells differ");
   for (const auto& point : quadrature_) {
     for (const double g : point.gradient) gradients_.push_back(4.0 * g);
     weights_.push_back(point.weight);
@@ -63,74 +72,74 @@ Elastic<Real>::Elastic(const Lattice& lattice, CellMaterials materials, int quad
   arrays_.volume = volume_.data();
   arrays_.stabilization = stabilization_.data();
   arrays_.material = material_.data();
-  arrays_.material_stride = uniform_ ? 0 : std::int64_t{kMaterialFields} * layout_.lanes;
+  arrays_.material_stride = uniform_ ? 0 : static_cast<std::int64_t>(record_fields_) * layout_.lanes;
   arrays_.tangent = tangent_.data();
   arrays_.sigma = sigma_.data();
   arrays_.fibre_tangent = fibre_tangent_.data();
 }
 
 template <class Real>
+void Elastic<Real>::fill_record(Real* record, std::size_t stride, std::size_t material, const Vec3& normal) const {
+  const MaterialParameters& m = materials_.table[material];
+  const auto put = [&](int field, double value) {
+    record[static_cast<std::size_t>(field) * stride] = static_cast<Real>(value);
+  };
+  put(kMu, m.mu());
+  put(kLambda, m.lambda());
+  put(kMooney, m.mooney_ratio);
+  if (record_fields_ == kFibreK1) return;
+  put(kFibreK1, m.fibre_k1);
+  put(kFibreK2, m.fibre_k2);
+  put(kFibreDispersion, m.fibre_dispersion);
+  put(kMuscle, muscle(material));
+  MaterialParameters turned = m;
+  if (!materials_.normal_of_cell.empty()) turned.fibre_direction = direction_in_plane(m, normal);
+  const Vec3 direction = turned.fibre_direction.normalized();
+  for (int i = 0; i < 3; ++i) put(kFibreDirection + i, direction[i]);
+  if (!features_.prestretched) return;
+  const bool upright = normal.cross(direction).norm() < 1e-3;
+  const Eigen::Matrix3d a =
+      prestretch_matrix(turned, upright ? direction.unitOrthogonal() : normal, third_prestretch_[material]);
+  int k = 0;
+  for (int i = 0; i < 3; ++i)
+    for (int j = i; j < 3; ++j, ++k) put(kPrestretch + k, a(i, j));
+}
+
+template <class Real>
 void Elastic<Real>::fill_cells() {
   const auto lanes = static_cast<std::size_t>(layout_.lanes);
   const double h = lattice_.settings.spacing;
-  material_.assign((uniform_ ? 1 : layout_.slots() / lanes) * kMaterialFields * lanes, Real(0));
-  std::vector<double> third;  // prestretch of each material
-  for (const auto& material : materials_.table) third.push_back(free_prestretch(material));
-  const auto describe = [&](std::size_t place, std::size_t lane, const MaterialParameters& m, const Vec3& normal) {
-    Real* record = &material_[place * kMaterialFields * lanes + lane];
-    const auto put = [&](int field, double value) {
-      record[static_cast<std::size_t>(field) * lanes] = static_cast<Real>(value);
-    };
-    put(kMu, m.mu());
-    put(kLambda, m.lambda());
-    put(kMooney, m.mooney_ratio);
-    put(kFibreK1, m.fibre_k1);
-    put(kFibreK2, m.fibre_k2);
-    put(kFibreDispersion, m.fibre_dispersion);
-    MaterialParameters turned = m;
-    if (!materials_.normal_of_cell.empty()) turned.fibre_direction = direction_in_plane(m, normal);
-    const Vec3 direction = turned.fibre_direction.normalized();
-    for (int i = 0; i < 3; ++i) put(kFibreDirection + i, direction[i]);
-    if (!features_.prestretched) return;
-    const bool upright = normal.cross(direction).norm() < 1e-3;
-    const Eigen::Matrix3d a = prestretch_matrix(turned, upright ? direction.unitOrthogonal() : normal,
-                                                third[static_cast<std::size_t>(&m - materials_.table.data())]);
-    int k = 0;
-    for (int i = 0; i < 3; ++i)
-      for (int j = i; j < 3; ++j, ++k) put(kPrestretch + k, a(i, j));
-  };
+  material_.assign((uniform_ ? 1 : layout_.slots() / lanes) * record_fields_ * lanes, Real(0));
+  for (const auto& material : materials_.table) third_prestretch_.push_back(free_prestretch(material));
   if (uniform_)
-    for (std::size_t lane = 0; lane < lanes; ++lane) describe(0, lane, materials_.table[0], Vec3::UnitZ());
+    for (std::size_t lane = 0; lane < lanes; ++lane) fill_record(&material_[lane], lanes, 0, Vec3::UnitZ());
   double laplacian = 0.0;
   MaterialModels::with(features_.model, [&]<class Model>() { laplacian = Model::kLaplacian; });
   for_each_index(layout_.slots(), [&](std::size_t slot) {
     const std::int32_t cell = layout_.cell_of_slot[slot];
     const auto c = static_cast<std::size_t>(std::max(cell, 0));
-    const auto& material = materials_.of(c);
     if (!uniform_)
-      describe(slot / lanes, slot % lanes, material,
-               materials_.normal_of_cell.empty() ? Vec3::UnitZ() : Vec3(materials_.normal_of_cell[c].cast<double>()));
+      fill_record(&material_[slot / lanes * record_fields_ * lanes + slot % lanes], lanes, material_of(c),
+                  normal_of(c));
     if (cell < 0) return;
     const double volume = h * h * h * static_cast<double>(lattice_.cell_fill[c]);
     volume_[slot] = static_cast<Real>(volume);
     if (features_.one_point)
-      stabilization_[slot] = static_cast<Real>(laplacian * material.mu() * volume * kHourglass[0] / (h * h));
+      stabilization_[slot] = static_cast<Real>(laplacian * materials_.of(c).mu() * volume * kHourglass[0] / (h * h));
   });
 }
 
 template <class Real>
 void Elastic<Real>::set_activation(std::span<const double> activation) {
   if (!features_.fibres) return;
+  activation_.assign(activation.begin(), activation.end());
+  arrays_.active = false;
+  for (std::size_t m = 0; m < materials_.table.size(); ++m) arrays_.active = arrays_.active || muscle(m) > 0.0;
   const auto lanes = static_cast<std::size_t>(layout_.lanes);
-  const auto strength = [&](std::size_t material) {
-    return material < activation.size() ? materials_.table[material].muscle_stress * activation[material] : 0.0;
-  };
   for (std::size_t slot = 0; slot < (uniform_ ? lanes : layout_.slots()); ++slot) {
-    const std::int32_t cell = layout_.cell_of_slot[slot];
-    const std::size_t material =
-        materials_.of_cell.empty() || cell < 0 ? 0 : materials_.of_cell[static_cast<std::size_t>(cell)];
-    material_[(slot / lanes * kMaterialFields + kMuscle) * lanes + slot % lanes] =
-        static_cast<Real>(strength(material));
+    const auto cell = static_cast<std::size_t>(std::max(layout_.cell_of_slot[slot], 0));
+    material_[(slot / lanes * record_fields_ + kMuscle) * lanes + slot % lanes] =
+        static_cast<Real>(muscle(uniform_ ? 0 : material_of(cell)));
   }
 }
 
@@ -202,9 +211,18 @@ CellMeasures Elastic<Real>::measures(std::int32_t cell, std::span<const Real> u)
   const auto& nodes = lattice_.cell_nodes[static_cast<std::size_t>(cell)];
   static const QuadraturePoint centre = quadrature_point(0.5, 0.5, 0.5, 1.0);
   const double inverse_h = 1.0 / lattice_.settings.spacing;
-  const auto lanes = static_cast<std::size_t>(layout_.lanes);
-  const auto slot = static_cast<std::size_t>(layout_.slot_of_cell[static_cast<std::size_t>(cell)]);
-  const Real* material = &material_[(uniform_ ? 0 : slot / lanes) * kMaterialFields * lanes + slot % lanes];
+  const std::int32_t slot = layout_.slot_of_cell[static_cast<std::size_t>(cell)];
+  int lanes = layout_.lanes;
+  Real own[kMaterialFields] = {};
+  const Real* material = own;
+  if (slot < 0) {
+    lanes = 1;
+    fill_record(own, 1, material_of(static_cast<std::size_t>(cell)), normal_of(static_cast<std::size_t>(cell)));
+  } else {
+    material = &material_[static_cast<std::size_t>(uniform_ ? 0 : slot / lanes) * record_fields_ *
+                              static_cast<std::size_t>(lanes) +
+                          static_cast<std::size_t>(slot % lanes)];
+  }
   double f[9], rotation_u[9], rotation_v[9], sigma[3], p_hat[3];
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) {
@@ -216,21 +234,20 @@ CellMeasures Elastic<Real>::measures(std::int32_t cell, std::span<const Real> u)
     }
   if (features_.prestretched) {
     double a[9], unstretched[9];
-    load_symmetric3<double>(material + kPrestretch * layout_.lanes, a, layout_.lanes);
+    load_symmetric3<double>(material + kPrestretch * lanes, a, lanes);
     std::copy(std::begin(f), std::end(f), unstretched);
     multiply3(unstretched, a, f);
   }
   svd3(f, rotation_u, sigma, rotation_v);
-  MaterialModels::with(features_.model, [&]<class Model>() {
-    Model::p_hat(sigma, load_moduli<double>(material, layout_.lanes), p_hat);
-  });
+  MaterialModels::with(features_.model,
+                       [&]<class Model>() { Model::p_hat(sigma, load_moduli<double>(material, lanes), p_hat); });
   // Cauchy stress in the frame of the decomposition: P F^T / J
   const double j = std::max(sigma[0] * sigma[1] * sigma[2], 1e-6);
   Eigen::Matrix3d stress = Eigen::Matrix3d::Zero();
   for (int i = 0; i < 3; ++i) stress(i, i) = sigma[i] * p_hat[i] / j;
   if (features_.fibres) {
-    const auto fibre = fibre_state(material, layout_.lanes, sigma, rotation_v);
-    const auto response = fibre_response(fibre.i1, fibre.i4, load_fibre<double>(material, layout_.lanes));
+    const auto fibre = fibre_state(material, lanes, sigma, rotation_v);
+    const auto response = fibre_response(fibre.i1, fibre.i4, load_fibre<double>(material, lanes, arrays_.active));
     for (int i = 0; i < 3; ++i) {
       stress(i, i) += response.isotropic * sigma[i] * sigma[i] / j;
       for (int k = 0; k < 3; ++k) stress(i, k) += response.along * fibre.fa[i] * fibre.fa[k] / j;

@@ -37,9 +37,10 @@ using Matrix9 = Eigen::Matrix<double, 9, 9>;
 template <class Real>
 class Elastic {
  public:
-  // quadrature: 1, 4 or 8. All materials have the same model. Keeps a reference to the lattice.
+  // quadrature: 1, 4 or 8. All materials have the same model. Keeps a reference to the lattice. still: per node, 1
+  // where it stays at rest; blocks without any other have no forces on what moves, and are not computed. Empty: none.
   Elastic(const Lattice& lattice, CellMaterials materials, int quadrature,
-          InstructionSet set = choose_instruction_set());
+          InstructionSet set = choose_instruction_set(), std::span<const std::uint8_t> still = {});
   Elastic(const Lattice& lattice, const MaterialParameters& material, int quadrature)
       : Elastic(lattice, CellMaterials{{material}}, quadrature) {}
   Elastic(const Elastic&) = delete;
@@ -79,7 +80,16 @@ class Elastic {
 
  private:
   void fill_cells();
-  std::int64_t material_place(std::int64_t place) const { return uniform_ ? 0 : place; }
+  // Writes what a cell is made of, field by field with `stride` between them.
+  void fill_record(Real* record, std::size_t stride, std::size_t material, const Vec3& normal) const;
+  double muscle(std::size_t material) const {
+    return material < activation_.size() ? materials_.table[material].muscle_stress * activation_[material] : 0.0;
+  }
+  std::size_t material_of(std::size_t cell) const { return materials_.of_cell.empty() ? 0 : materials_.of_cell[cell]; }
+  Vec3 normal_of(std::size_t cell) const {
+    return materials_.normal_of_cell.empty() ? Vec3::UnitZ()
+                                             : Vec3(materials_.normal_of_cell[cell].template cast<double>());
+  }
   // d(volume weight P)/dF of a point, 9x9, row-major indices, in mN mm
   Matrix9 point_tangent(std::size_t slot, std::size_t point) const;
   Eigen::Matrix<double, 8, 8> scalar_stiffness(std::size_t slot) const;
@@ -91,7 +101,9 @@ class Elastic {
   ElasticKernels<Real> kernels_;
   BlockLayout layout_;
   std::vector<QuadraturePoint> quadrature_;
-  bool uniform_;  // one record of material for all cells
+  bool uniform_;                                       // one record of material for all cells
+  std::size_t record_fields_;                          // of MaterialField: those that the scene needs
+  std::vector<double> third_prestretch_, activation_;  // of each material
   std::vector<double> gradients_, weights_;
   template <class T>
   using Aligned = std::vector<T, tbb::cache_aligned_allocator<T>>;

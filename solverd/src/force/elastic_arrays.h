@@ -11,6 +11,8 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "math/features.h"
+
 namespace lappet {
 
 // The tangent of a quadrature point: dP = U (T : U^T dF V) V^T, the rotations U and V as quaternions (w x y z).
@@ -20,7 +22,8 @@ enum TangentField { kU = 0, kV = 4, kHessian = 8, kSame = 14, kCross = 17, kTang
 // The tangent of fibres and muscle, see force/fibre.h.
 enum FibreField { kIsotropic, kAlong, kCurvature, kMuscleCurvature, kFibreFields };
 
-// What a cell is made of.
+// What a cell is made of. A record ends where what the scene needs ends: before kFibreK1, before kPrestretch or at the
+// end.
 enum MaterialField {
   kMu,
   kLambda,
@@ -63,8 +66,9 @@ struct ElasticArrays {
   const std::int64_t* node_start = nullptr;  // [group] and the end: where its nodes begin
   const Real* volume = nullptr;              // [group][place][lane], mm^3
   const Real* stabilization = nullptr;       // [group][place][lane], laplacian mu volume / (24 h^2), or null
-  const Real* material = nullptr;            // [group][place][kMaterialFields][lane], or one record for all: stride 0
+  const Real* material = nullptr;            // [group][place][field][lane], or one record for all: stride 0
   std::int64_t material_stride = 0;          // from place to place
+  bool active = true;                        // some muscle pulls; else kMuscle is 0 in every record
   Real* tangent = nullptr;                   // [group][place][point][kTangentFields][lane]
   Real* sigma = nullptr;                     // [group][place][point][3][lane]
   Real* fibre_tangent = nullptr;             // [group][place][point][kFibreFields][lane], or null
@@ -75,7 +79,11 @@ struct ElasticArrays {
   // Forced into its callers, since the units of all instruction sets share it.
   [[gnu::always_inline]] GroupNodes nodes_of(std::int64_t group, int lanes) const {
     return {nodes + node_start[group], lanes,
-            node_start[group + 1] - node_start[group] == std::int64_t{kBlockColumns} * lanes};
+            !kHasMeshCells || node_start[group + 1] - node_start[group] == std::int64_t{kBlockColumns} * lanes};
+  }
+  // The record of what a place, [group][place] as one number, is made of.
+  [[gnu::always_inline]] const Real* material_of(std::int64_t place) const {
+    return kHasHeterogeneity ? material + place * material_stride : material;
   }
 };
 

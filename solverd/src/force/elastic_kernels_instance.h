@@ -7,6 +7,7 @@
 #include "force/product_kernel.h"
 #include "force/projected_stiffness_kernel.h"
 #include "force/state_kernel.h"
+#include "math/features.h"
 
 namespace lappet {
 
@@ -14,16 +15,14 @@ namespace lappet {
 template <class Body>
 inline void with_flags(const SceneFeatures& f, const Body& body) {
   const auto third = [&](auto one_point, auto fibres) {
-    if (f.prestretched)
-      body(one_point, fibres, std::true_type{});
-    else
-      body(one_point, fibres, std::false_type{});
+    if constexpr (kHasPrestretch)
+      if (f.prestretched) return body(one_point, fibres, std::true_type{});
+    body(one_point, fibres, std::false_type{});
   };
   const auto second = [&](auto one_point) {
-    if (f.fibres)
-      third(one_point, std::true_type{});
-    else
-      third(one_point, std::false_type{});
+    if constexpr (kHasFibres || kHasMuscle)
+      if (f.fibres) return third(one_point, std::true_type{});
+    third(one_point, std::false_type{});
   };
   if (f.one_point)
     second(std::true_type{});

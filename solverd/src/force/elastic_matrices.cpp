@@ -71,8 +71,10 @@ Eigen::Matrix<double, 8, 8> Elastic<Real>::scalar_stiffness(std::size_t slot) co
 
 template <class Real>
 Matrix24 Elastic<Real>::cell_stiffness(std::int32_t cell) const {
-  const auto slot = static_cast<std::size_t>(layout_.slot_of_cell[static_cast<std::size_t>(cell)]);
+  const std::int32_t found = layout_.slot_of_cell[static_cast<std::size_t>(cell)];
   Matrix24 result = Matrix24::Zero();
+  if (found < 0) return result;
+  const auto slot = static_cast<std::size_t>(found);
   const double inverse_h = 1.0 / lattice_.settings.spacing;
   for (std::size_t q = 0; q < quadrature_.size(); ++q) {
     const Matrix9 tangent = point_tangent(slot, q);
@@ -96,7 +98,8 @@ void Elastic<Real>::add_projected_stiffness(std::span<const std::int32_t> cells,
                                             Real* blocks) const {
   std::array<std::int32_t, kProjectionLanes> slots;
   for (std::size_t lane = 0; lane < slots.size(); ++lane)
-    slots[lane] = layout_.slot_of_cell[static_cast<std::size_t>(cells[std::min(lane, cells.size() - 1)])];
+    // A cell that is not computed has no weight: any slot will do.
+    slots[lane] = std::max(layout_.slot_of_cell[static_cast<std::size_t>(cells[std::min(lane, cells.size() - 1)])], 0);
   kernels_.project(arrays_, slots.data(), weights, arms, blocks);
 }
 

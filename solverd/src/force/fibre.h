@@ -18,14 +18,17 @@
 // f is continuous; its slope steps from 3.2 to 3.6 where the pieces meet, as published.
 #pragma once
 #include "force/material.h"
+#include "math/features.h"
 #include "math/number.h"
 
 namespace lappet {
 
-// k1: kPa. dispersion: kappa. muscle: greatest isometric stress times activation, kPa.
+// k1: kPa. dispersion: kappa. muscle: greatest isometric stress times activation, kPa. active: some muscle is; where
+// none is, `muscle` is 0 and its curve is passed over.
 template <class Number>
 struct FibreParameters {
   Number k1, k2, dispersion, muscle;
+  bool active = true;
 };
 
 // P = isotropic F + along (F a) a^T, and
@@ -92,19 +95,23 @@ inline FibreResponse<Number> fibre_response(Number i1, Number i4, const FibrePar
   const Number curvature = p.k1 * growth * (Number(1) + Number(2) * exponent);
   const Number stress = slope + curvature * beyond;
 
+  FibreResponse<Number> r;
+  r.energy = Number(0.5) * p.k1 * e * e * detail::mean_growth(exponent, growth) +
+             beyond * (slope + Number(0.5) * curvature * beyond);
+  r.isotropic = Number(2) * p.dispersion * stress;
+  r.along = Number(2) * aligned * stress;
+  r.curvature = select(strain > Number(0), Number(4) * curvature, Number(0));
+  r.muscle_curvature = Number(0);
+  if (!kHasMuscle || !p.active) return r;
+
   // Below the curve's end the muscle is slack, so a stretch near 0 needs no division.
   const Number shortest = Number(1.0 - detail::kEnd);
   const Number stretch = max(sqrt(max(i4, Number(0))), shortest), inverse = Number(1) / stretch;
   Number work, force, stiffness;
   detail::muscle_curve(stretch, work, force, stiffness);
-
-  FibreResponse<Number> r;
-  r.energy = Number(0.5) * p.k1 * e * e * detail::mean_growth(exponent, growth) +
-             beyond * (slope + Number(0.5) * curvature * beyond) + p.muscle * work;
   const Number tension = p.muscle * force * inverse;
-  r.isotropic = Number(2) * p.dispersion * stress;
-  r.along = Number(2) * aligned * stress + tension;
-  r.curvature = select(strain > Number(0), Number(4) * curvature, Number(0));
+  r.energy += p.muscle * work;
+  r.along += tension;
   r.muscle_curvature = (p.muscle * stiffness - tension) * inverse * inverse;
   return r;
 }

@@ -59,7 +59,8 @@ struct FibreDifferential {
     const Number work = fa[0] * dfa[0] + fa[1] * dfa[1] + fa[2] * dfa[2];
     const Number b_df = dispersion * (s[0] * hat[0] + s[1] * hat[4] + s[2] * hat[8]) + aligned * work;
     const Number bend = curvature * b_df;
-    const Number pull = bend * aligned + muscle_curvature * work;
+    Number pull = bend * aligned;
+    if constexpr (kHasMuscle) pull += muscle_curvature * work;
     for (int i = 0; i < 3; ++i) {
       dp[4 * i] += bend * dispersion * s[i];
       for (int j = 0; j < 3; ++j) dp[3 * i + j] += isotropic * hat[3 * i + j] + (along * dfa[i] + pull * fa[i]) * a[j];
@@ -141,7 +142,7 @@ template <class Number, bool kOnePoint, bool kFibres, bool kPrestretched>
       for (int i = 0; i < 3; ++i) store(Number(0), sum[n][i]);
     for (int place = 0; place < kBlockCells; ++place) {
       const std::int64_t cell = group * kBlockCells + place;
-      const Scalar* material = arrays.material + cell * arrays.material_stride;
+      const Scalar* material = arrays.material_of(cell);
       Number corners[3][8], result[3][8], df[9];
       for (int i = 0; i < 3; ++i)
         for (int c = 0; c < 8; ++c) corners[i][c] = load<Number>(at[block_node(place, c)][i]);

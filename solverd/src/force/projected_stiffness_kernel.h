@@ -242,8 +242,8 @@ void project_cells(const ElasticArrays<typename NumberTraits<Number>::Scalar>& a
                                 : static_cast<Real>(arrays.gradients[24 * q + i]);
       }
       if constexpr (kFibres) {
-        Number material[kMaterialFields], sigma[3], response[kFibreFields];
-        collect(arrays.material, arrays.material_stride, kMaterialFields, material);
+        Number material[kPrestretch], sigma[3], response[kFibreFields];
+        collect(arrays.material, arrays.material_stride, kPrestretch, material);
         collect(arrays.sigma + q * 3 * w, std::int64_t{points} * 3 * w, 3, sigma);
         collect(arrays.fibre_tangent + q * kFibreFields * w, std::int64_t{points} * kFibreFields * w, kFibreFields,
                 response);

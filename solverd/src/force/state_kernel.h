@@ -24,9 +24,9 @@ inline Moduli<Number> load_moduli(const Real* material, int width) {
           load<Number>(material + kMooney * width)};
 }
 template <class Number, class Real>
-inline FibreParameters<Number> load_fibre(const Real* material, int width) {
+inline FibreParameters<Number> load_fibre(const Real* material, int width, bool active) {
   return {load<Number>(material + kFibreK1 * width), load<Number>(material + kFibreK2 * width),
-          load<Number>(material + kFibreDispersion * width), load<Number>(material + kMuscle * width)};
+          load<Number>(material + kFibreDispersion * width), load<Number>(material + kMuscle * width), active};
 }
 
 // Invariants and pushed-forward direction of the fibres at F = U diag(sigma) V^T, in that frame.
@@ -80,7 +80,7 @@ template <class Number, class Real, int width, class Model, bool kOnePoint, bool
       Number group_energy(0);
       for (int place = 0; place < kBlockCells; ++place) {
         const std::int64_t cell = group * kBlockCells + place;
-        const Real* material = arrays.material + cell * arrays.material_stride + lane;
+        const Real* material = arrays.material_of(cell) + lane;
         const Moduli<Number> moduli = load_moduli<Number>(material, width);
         const Number volume = load<Number>(arrays.volume + cell * width + lane);
         const auto present = volume > Number(0);
@@ -120,7 +120,8 @@ template <class Number, class Real, int width, class Model, bool kOnePoint, bool
           for (int i = 0; i < 9; ++i) p[i] = i % 4 == 0 ? p_hat[i / 4] : Number(0);
           if constexpr (kFibres) {
             const auto fibre = fibre_state(material, width, s, rotation_v);
-            const auto response = fibre_response(fibre.i1, fibre.i4, load_fibre<Number>(material, width));
+            const auto response =
+                fibre_response(fibre.i1, fibre.i4, load_fibre<Number>(material, width, arrays.active));
             density += response.energy;
             for (int i = 0; i < 3; ++i) {
               p[4 * i] += response.isotropic * s[i];
@@ -202,7 +203,7 @@ template <class Number, class Model, bool kOnePoint, bool kFibres>
   const int points = kOnePoint ? 1 : arrays.points;
   const Number scale(static_cast<Real>(1.0 / (16.0 * arrays.spacing * arrays.spacing)));
   for (std::int64_t cell = begin * kBlockCells; cell < end * kBlockCells; ++cell) {
-    const Real* material = arrays.material + cell * arrays.material_stride;
+    const Real* material = arrays.material_of(cell);
     const Moduli<Number> moduli = load_moduli<Number>(material, w);
     const Number volume = load<Number>(arrays.volume + cell * w) * scale;
     for (int q = 0; q < points; ++q) {
@@ -223,8 +224,8 @@ template <class Number, class Model, bool kOnePoint, bool kFibres>
         Number v[9];
         load_rotation(tangent, kV, v);
         const auto fibre = fibre_state(material, w, s, v);
-        auto response = fibre_response(fibre.i1, fibre.i4, load_fibre<Number>(material, w));
-        make_definite(response, fibre.i4, how);
+        auto response = fibre_response(fibre.i1, fibre.i4, load_fibre<Number>(material, w, arrays.active));
+        if (kHasMuscle && arrays.active) make_definite(response, fibre.i4, how);  // fibres alone are convex
         Real* stored = arrays.fibre_tangent + point * kFibreFields * w;
         store(weight * response.isotropic, stored + kIsotropic * w);
         store(weight * response.along, stored + kAlong * w);

@@ -38,9 +38,13 @@ void merge(Tie& tie) {
 
 }  // namespace
 
-Tie make_hook(const Lattice& lattice, const Bite& anchor, const Vec3& target, double stiffness) {
+Tie make_hook(const Lattice& lattice, const Bite& anchor, const Vec3& target, double stiffness, double most) {
   Tie tie;
-  tie.stiffness = stiffness;
+  tie.stiffness = std::min(stiffness, most);
+  if (stiffness > most) {
+    tie.exact = true;
+    tie.compliance = 1.0 / (stiffness - most);
+  }
   tie.offset = -target;
   add(lattice, anchor, 1.0, tie);
   return tie;

@@ -1,9 +1,13 @@
 // Ties: hooks and sutures as linear functionals of the displacements, c(u) = sum_i w_i u_i + offset (mm).
 //
 // A hook is a spring, stiffness/2 |c|^2. A suture demands c = 0 and carries a multiplier lambda besides (augmented
-// Lagrangian, lambda . c + stiffness/2 |c|^2), so that its gap closes whatever the ratio of stiffnesses.
+// Lagrangian, lambda . c + stiffness/2 |c|^2), so that its gap closes whatever the ratio of stiffnesses. A hook that is
+// much stiffer than tissue is such a tie too, with a compliance s: it demands c = s lambda, where the penalty and
+// lambda = c/s together pull as the spring does, (stiffness + 1/s) c. Rounding of displacements is not blown up to
+// forces.
 #pragma once
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -16,8 +20,9 @@ struct Tie {
   std::vector<double> weights;
   Vec3 offset = Vec3::Zero();
   double stiffness = 0.0;          // mN/mm
-  bool exact = false;              // a suture
+  bool exact = false;              // a suture, a stiff hook
   Vec3 multiplier = Vec3::Zero();  // mN
+  double compliance = 0.0;         // mm/mN, of an exact tie: a suture has none
 
   template <class Real>
   Vec3 value(std::span<const Real> u) const {
@@ -29,10 +34,14 @@ struct Tie {
     return sum;
   }
   Vec3 force(const Vec3& c) const { return stiffness * c + multiplier; }
+  // What an exact tie leaves open, mm, and the multiplier that closes it further.
+  double gap(const Vec3& c) const { return (c - compliance * multiplier).norm(); }
+  void update_multiplier(const Vec3& c) { multiplier = force(c) / (1.0 + compliance * stiffness); }
 };
 
-// From what a hook holds to a place in space.
-Tie make_hook(const Lattice& lattice, const Bite& anchor, const Vec3& target, double stiffness);
+// From what a hook holds to a place in space. most: the stiffness up to which it is a plain spring, mN/mm.
+Tie make_hook(const Lattice& lattice, const Bite& anchor, const Vec3& target, double stiffness,
+              double most = std::numeric_limits<double>::infinity());
 // Between what a suture holds at either end, a - b = separation.
 Tie make_suture(const Lattice& lattice, const Bite& a, const Bite& b, const Vec3& separation, double stiffness,
                 const Vec3& multiplier);

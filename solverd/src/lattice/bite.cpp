@@ -50,10 +50,10 @@ Bite point_bite(const Lattice& lattice, const EmbeddedPoint& anchor) {
   return result;
 }
 
-Bite bite(const Lattice& lattice, const EmbeddedPoint& anchor) {
+Bite bite(const Lattice& lattice, const EmbeddedPoint& anchor, double reach) {
   const double h = lattice.settings.spacing;
   const Bite point = point_bite(lattice, anchor);
-  if (h >= kBite) return point;
+  if (h >= reach) return point;
   Vec3 centre = Vec3::Zero();
   for (std::size_t k = 0; k < point.nodes.size(); ++k)
     centre += point.weights[k] * lattice.node_rest[static_cast<std::size_t>(point.nodes[k])];
@@ -71,7 +71,7 @@ Bite bite(const Lattice& lattice, const EmbeddedPoint& anchor) {
       if (place != seen.end() && *place == next) return;
       const auto& p = lattice.cell_position[static_cast<std::size_t>(next)];
       const Vec3 middle = lattice.settings.origin + h * Vec3(p[0] + 0.5, p[1] + 0.5, p[2] + 0.5);
-      if ((middle - centre).norm() > kBite) return;
+      if ((middle - centre).norm() > reach) return;
       seen.insert(place, next);
       cells.push_back(next);
     });
@@ -79,7 +79,7 @@ Bite bite(const Lattice& lattice, const EmbeddedPoint& anchor) {
 
   Eigen::Matrix4d moments = Eigen::Matrix4d::Zero();
   const auto arm = [&](std::int32_t node) -> Eigen::Vector4d {
-    const Vec3 x = (lattice.node_rest[static_cast<std::size_t>(node)] - centre) / kBite;
+    const Vec3 x = (lattice.node_rest[static_cast<std::size_t>(node)] - centre) / reach;
     return {1.0, x[0], x[1], x[2]};
   };
   for (auto& [node, weight] : carried) {

@@ -20,13 +20,16 @@ namespace lappet {
 // skin hook is about as long. One trilinear cell of 1 mm gives a little more: two hooks that lift a rhomboid flap take
 // 13 % more energy with a bite in cells of 0.5 mm than at 1 mm, and 23 % less when tied to points there.
 inline constexpr double kBite = 1.0;  // mm
+// No needle takes more of thin or small tissue: the greatest bite over the thinnest side of the box around it.
+inline constexpr double kBiteShare = 0.5;
 
 struct Bite {
   std::vector<std::int32_t> nodes;  // distinct
   std::vector<double> weights;      // sum to one; the first moment is the anchor's
 };
 
-Bite bite(const Lattice& lattice, const EmbeddedPoint& anchor);
+// reach: mm.
+Bite bite(const Lattice& lattice, const EmbeddedPoint& anchor, double reach = kBite);
 
 // The trilinear weights of a point as they are.
 Bite point_bite(const Lattice& lattice, const EmbeddedPoint& anchor);

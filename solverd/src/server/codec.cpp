@@ -168,6 +168,7 @@ SessionSettings decode_open(const Header& header, ArrayFrames frames) {
   settings.retractors = integer_field(reader, "retractors", 0);
   if (reader.has("preconditioner")) settings.preconditioner = reader.text("preconditioner");
   if (reader.has("correction")) settings.correction = integer_field(reader, "correction", 0, 1) == 1;
+  if (reader.has("strain")) settings.strain = integer_field(reader, "strain", 0, 1) == 1;
   reader.finish();
   settings.materials.clear();
   open.maps("materials", [&](FieldReader& material) { settings.materials.push_back(decode_material(material)); });

@@ -26,7 +26,14 @@ std::unique_ptr<Contact> contact_with_bones(std::shared_ptr<const SignedDistance
                                             const EpochInput& epoch, const SessionSettings& settings) {
   const double stiffness = kContactPenalty * settings.materials[0].youngs_modulus / settings.spacing;
   auto contact = std::make_unique<Contact>(bones, lattice, epoch.surface, epoch.fixed, stiffness);
-  const auto [depth, where] = contact->deepest_at_rest();
+  auto [depth, where] = contact->deepest_at_rest();
+  // Bone that tissue encloses touches none of its surface. The middles of full cells are tissue.
+  for (std::size_t c = 0; c < lattice.cell_nodes.size(); ++c) {
+    if (lattice.cell_fill[c] < 1.0F) continue;
+    const Vec3 middle =
+        lattice.node_rest[static_cast<std::size_t>(lattice.cell_nodes[c][0])] + Vec3::Constant(0.5 * settings.spacing);
+    if (const double inside = -bones->at(middle).value; inside > depth) depth = inside, where = middle;
+  }
   if (depth > kMostRestPenetration * settings.spacing)
     throw RefusedError(
         ErrorCode::kInvalidInput,

@@ -9,6 +9,7 @@
 #include "force/attachments.h"
 #include "force/prestretch.h"
 #include "lattice/refused.h"
+#include "math/features.h"
 
 namespace lappet {
 
@@ -26,6 +27,12 @@ void require(bool condition, fmt::format_string<Arguments...> sentence, Argument
 }
 
 bool finite(const Vec3& v) { return v.allFinite(); }
+
+// Only a yardstick (math/features.h) lacks anything.
+void require_held(bool held, bool wanted, const char* what) {
+  require(held || !wanted, "this daemon was built without {}, which the scene needs; take one that has everything",
+          what);
+}
 
 void check_anchor(const Anchor& anchor, const Surface& surface, const char* what) {
   require(finite(anchor.point), "the anchor of a {} is not finite; give three numbers", what);
@@ -64,6 +71,9 @@ void check_material(const MaterialParameters& m, std::size_t i) {
   for (const double stretch : m.prestretch)
     require(stretch >= kLeastPrestretch && stretch <= kMostPrestretch,
             "a prestretch of material {} is {}; it must be {} to {}", i, stretch, kLeastPrestretch, kMostPrestretch);
+  require_held(kHasFibres, m.has_fibres(), "fibres");
+  require_held(kHasMuscle, m.has_muscle(), "muscle");
+  require_held(kHasPrestretch, m.has_prestretch(), "prestretch");
   try {
     free_prestretch(m);
   } catch (const RefusedError& error) {
@@ -162,11 +172,15 @@ void check_settings(const SessionSettings& s) {
             "material {} is of the model '{}' but material 0 of '{}'; give all materials of one tissue the same model",
             i, s.materials[i].model, s.materials[0].model);
   check_bones(s.bones);
+  require_held(kHasContact, !s.bones.triangles.empty(), "contact");
+  require_held(kHasErrorEstimate, s.correction, "the error estimate");
+  require_held(kHasStrain, s.strain, "strain");
 }
 
 void check_epoch(const EpochInput& epoch, const SessionSettings& settings) {
   const auto& surface = epoch.surface;
   require(!surface.points.empty() && !surface.triangles.empty(), "the surface of epoch {} is empty", epoch.index);
+  require_held(kHasLandmarks, !epoch.landmarks.empty(), "landmarks");
   for (std::size_t i = 0; i < surface.points.size(); ++i)
     require(finite(surface.points[i]), "point {} of the surface of epoch {} is not finite", i, epoch.index);
   for (std::size_t t = 0; t < surface.triangles.size(); ++t)

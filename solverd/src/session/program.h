@@ -31,6 +31,7 @@ struct SessionSettings {
   int threads = 0;                          // 0: all
   std::string preconditioner = "twoLevel";  // or "chebyshev": the smoother alone
   bool correction = false;                  // frames carry the step that Newton-Raphson would take next
+  bool strain = true;                       // frames carry strain, stress and tension on the surface
   std::int32_t sutures = 0;                 // number of sutures in the whole procedure; frames refer to them by index
   std::int32_t retractors = 0;              // likewise
   // materials[0] is what the tissue is made of where no region says otherwise.

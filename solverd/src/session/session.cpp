@@ -12,6 +12,7 @@
 #include <optional>
 
 #include "lattice/refused.h"
+#include "math/features.h"
 #include "session/attempts.h"
 #include "session/bones.h"
 #include "session/checks.h"
@@ -38,6 +39,8 @@ namespace {
 constexpr int kChebyshevDegree = 4;
 // A suture's penalty stays between these multiples of E h; its multiplier closes the gap whatever it is.
 constexpr double kLeastSuturePenalty = 50.0, kMostSuturePenalty = 500.0;
+// A hook stiffer than this multiple of E h, of the stiffest material, is held by a multiplier too.
+constexpr double kMostHookPenalty = 1000.0;
 // All load steps of a frame together may take this many times max_newton iterations, and as many from rest: a frame
 // without an equilibrium ends.
 constexpr int kNewtonBudget = 4;
@@ -208,11 +211,11 @@ class TypedSession : public Session::Implementation {
   const Bite& embed(const Anchor& anchor) const {
     const std::array<double, 4> key{anchor.point[0], anchor.point[1], anchor.point[2], double(anchor.triangle)};
     auto found = bites_.find(key);
-    if (found == bites_.end())
-      found = bites_
-                  .emplace(key, bite(*lattice_,
-                                     embed_on_triangle(*lattice_, epoch_->surface, anchor.point, anchor.triangle)))
-                  .first;
+    if (found == bites_.end()) {
+      const auto point = embed_on_triangle(*lattice_, epoch_->surface, anchor.point, anchor.triangle);
+      const double reach = std::min(kBite, kBiteShare * (highest_ - lowest_).minCoeff());
+      found = bites_.emplace(key, bite(*lattice_, point, reach)).first;
+    }
     return found->second;
   }
   Vec3 where(const Anchor& anchor) const { return position<Real>(*lattice_, embed(anchor), u_); }
@@ -247,8 +250,10 @@ class TypedSession : public Session::Implementation {
     }
     place_sutures(frame);
     std::vector<Tie> ties;
-    for (const auto& hook : frame.hooks)
-      ties.push_back(make_hook(*lattice_, embed(hook.anchor), hook.target, hook.stiffness));
+    for (const auto& hook : frame.hooks) {
+      const Bite& held_by = embed(hook.anchor);
+      ties.push_back(make_hook(*lattice_, held_by, hook.target, hook.stiffness, most_hook_penalty(held_by)));
+    }
     const double unit = settings_.materials[0].youngs_modulus * settings_.spacing;
     for (const auto& suture : frame.sutures) {
       const Bite &a = embed(suture.a), &b = embed(suture.b);
@@ -259,6 +264,15 @@ class TypedSession : public Session::Implementation {
                                  Vec3(multiplier[0], multiplier[1], multiplier[2])));
     }
     system_->set_ties(std::move(ties));
+  }
+
+  // No multiplier moves what is held in space: there the spring is plain.
+  double most_hook_penalty(const Bite& anchor) const {
+    double stiffest = 0.0;
+    for (const auto& material : settings_.materials) stiffest = std::max(stiffest, material.youngs_modulus);
+    const bool moves = std::ranges::any_of(
+        anchor.nodes, [&](std::int32_t n) { return system_->is_free(static_cast<std::size_t>(n)); });
+    return moves ? kMostHookPenalty * stiffest * settings_.spacing : std::numeric_limits<double>::infinity();
   }
 
   void keep_multipliers(const FrameInput& frame) {
@@ -388,7 +402,7 @@ class TypedSession : public Session::Implementation {
       output.contacts = contact->count();
     }
     write_fields(frame, output);
-    if (settings_.correction && outcome.converged) write_correction(output);
+    if (kHasErrorEstimate && settings_.correction && outcome.converged) write_correction(output);
     if (!outcome.converged) restore(before);
     output.state.is_double = std::is_same_v<Real, double>;
     output.state.nodes.assign(u_.begin(), u_.end());
@@ -408,8 +422,9 @@ class TypedSession : public Session::Implementation {
         array.push_back(static_cast<typename std::decay_t<decltype(array)>::value_type>(v[i]));
     };
     for (const auto& point : lattice_->surface_points) push(output.points, position<Real>(*lattice_, point, u_));
-    for (const auto& point : landmarks_) push(output.landmarks, position<Real>(*lattice_, point, u_));
-    write_surface_fields<Real>(system_->elastic(), u_, output);
+    if constexpr (kHasLandmarks)
+      for (const auto& point : landmarks_) push(output.landmarks, position<Real>(*lattice_, point, u_));
+    if (kHasStrain && settings_.strain) write_surface_fields<Real>(system_->elastic(), u_, output);
     for (std::size_t k = 0; k < frame.hooks.size(); ++k) {
       const Tie& tie = system_->ties()[k];
       push(output.hook_forces, -tie.force(tie.value<Real>(u_)));

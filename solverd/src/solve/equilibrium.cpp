@@ -21,6 +21,8 @@ constexpr int kMostLinearIterations = 120;
 constexpr double kCarryTolerance = 1e-4, kFarTolerance = 5e-2, kNearTolerance = 1e-2, kMostTolerance = 0.1;
 constexpr double kForcing = 0.3;
 constexpr double kJump = 1.0;  // spacings that a prescribed node moves at once
+// A residual below that no step lowers may be rounding in float: that of stiff cells which are carried far.
+constexpr double kRoundedResidual = 0.1;
 
 class Stopwatch {
  public:
@@ -108,10 +110,10 @@ class EquilibriumSearch {
                             "bone: move it, or move the bone away",
                             system_.contact()->largest_penetration()));
           else
-            fail(
-                fmt::format("a suture or a held face keeps a gap of {:.3g} mm (tolerance {:.3g} mm); its demands "
-                            "contradict others or need more force than the tissue bears",
-                            outcome_.gap, options_.gap_tolerance));
+            fail(fmt::format(
+                "a suture, a held face or a stiff hook keeps a gap of {:.3g} mm (tolerance {:.3g} mm); its demands "
+                "contradict others or need more force than the tissue bears",
+                outcome_.gap, options_.gap_tolerance));
           return true;
         case MultiplierLoop::Verdict::kUpdate:
           system_.update_multipliers(u_);
@@ -190,7 +192,10 @@ class EquilibriumSearch {
       now_ = taken.reached;
       if (!(taken.alpha > 0.0)) {
         if (tangent_.try_another(used_)) return true;
-        fail(fmt::format("no step lowers the energy at relative residual {:.2e}", outcome_.residual));
+        fail(fmt::format("no step lowers the energy at relative residual {:.2e}{}", outcome_.residual,
+                         std::is_same_v<Real, float> && outcome_.residual < kRoundedResidual
+                             ? "; it may be the rounding of single precision: try precision 'double'"
+                             : ""));
         return false;
       }
       tangent_.agreed(taken.ratio, used_);

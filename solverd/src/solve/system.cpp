@@ -16,12 +16,19 @@ namespace {
 constexpr double kHeldStiffness = 300.0;
 // The least force scale, as a stress of this many Young's moduli on every node.
 constexpr double kScaleFloor = 1e-2;
-// The weak bed of floating fragments, in Young's moduli times spacing.
-constexpr double kDrift = 1e-5;
+// The weak bed of floating fragments, at each corner of so many cells at most, in Young's moduli times spacing. More
+// cells share it: a finer lattice does not hold loose tissue back the more.
+constexpr double kDrift = 1e-5, kDriftCells = 64.0;
 
 template <class Real>
 Vec3 at(std::span<const Real> u, std::size_t node) {
   return {static_cast<double>(u[3 * node]), static_cast<double>(u[3 * node + 1]), static_cast<double>(u[3 * node + 2])};
+}
+
+std::vector<std::uint8_t> fixed_nodes(const Attachments& attachments) {
+  std::vector<std::uint8_t> fixed;
+  for (const std::int32_t group : attachments.node_group) fixed.push_back(group == kFixedGroup);
+  return fixed;
 }
 
 }  // namespace
@@ -29,13 +36,12 @@ Vec3 at(std::span<const Real> u, std::size_t node) {
 template <class Real>
 System<Real>::System(const Lattice& lattice, CellMaterials materials, int quadrature, Attachments attachments,
                      std::int32_t retractors, double bed_stiffness, const Vec3& gravity)
-    : elastic_(lattice, std::move(materials), quadrature),
+    : elastic_(lattice, std::move(materials), quadrature, choose_instruction_set(), fixed_nodes(attachments)),
       attachments_(std::move(attachments)),
       bed_stiffness_(bed_stiffness),
       held_stiffness_(kHeldStiffness * elastic_.materials().table[0].youngs_modulus / lattice.settings.spacing),
       retractor_active_(static_cast<std::size_t>(retractors), 0),
       retractor_motion_(static_cast<std::size_t>(retractors), Eigen::Matrix4d::Identity()),
-      drift_stiffness_(kDrift * elastic_.materials().table[0].youngs_modulus * lattice.settings.spacing),
       free_(lattice.node_rest.size(), 1),
       gradient_(3 * lattice.node_rest.size()),
       node_scale_(lattice.node_rest.size()) {
@@ -88,6 +94,8 @@ void System<Real>::find_floating_cells() {
   for (std::size_t c = 0; c < lattice.cell_nodes.size(); ++c)
     if (!held[static_cast<std::size_t>(fragment_of_node_[static_cast<std::size_t>(lattice.cell_nodes[c][0])])])
       floating_cells_.push_back(static_cast<std::int32_t>(c));
+  drift_stiffness_ = kDrift * elastic_.materials().table[0].youngs_modulus * lattice.settings.spacing *
+                     std::min(1.0, kDriftCells / static_cast<double>(std::max<std::size_t>(floating_cells_.size(), 1)));
 }
 
 template <class Real>
@@ -234,7 +242,7 @@ Evaluation System<Real>::evaluate(std::span<const Real> u) {
         gradient_[3 * static_cast<std::size_t>(nodes[k]) + static_cast<std::size_t>(i)] +=
             stiffness * height * face.weights[k] * face.inward[i];
   }
-  if (contact_) result.energy += contact_->evaluate<Real>(u, free_, gradient_, pushes_);
+  if (contact()) result.energy += contact()->template evaluate<Real>(u, free_, gradient_, pushes_);
   for (const auto& tie : ties_) {
     const Vec3 c = tie.value(u), force = tie.force(c);
     result.energy += c.dot(0.5 * tie.stiffness * c + tie.multiplier);
@@ -349,8 +357,8 @@ template <class Real>
 double System<Real>::largest_gap(std::span<const Real> u) const {
   double gap = 0.0;
   for (const auto& tie : ties_)
-    if (tie.exact) gap = std::max(gap, tie.value(u).norm());
-  if (contact_) gap = std::max(gap, contact_->excess());
+    if (tie.exact) gap = std::max(gap, tie.gap(tie.value(u)));
+  if (contact()) gap = std::max(gap, contact()->excess());
   if (!has_held_forms_) return gap;
   for (const auto& form : attachments_.forms) {
     if (form.group == kBedGroup || !acts(form)) continue;
@@ -371,8 +379,8 @@ double System<Real>::largest_gap(std::span<const Real> u) const {
 template <class Real>
 void System<Real>::update_multipliers(std::span<const Real> u) {
   for (auto& tie : ties_)
-    if (tie.exact) tie.multiplier += tie.stiffness * tie.value(u);
-  if (contact_) contact_->update_multipliers();
+    if (tie.exact) tie.update_multiplier(tie.value(u));
+  if (contact()) contact()->update_multipliers();
   if (!has_held_forms_) return;
   std::vector<std::uint8_t> done(free_.size(), 0);
   for (const auto& form : attachments_.forms) {

@@ -11,6 +11,7 @@
 #include "force/elastic.h"
 #include "force/push.h"
 #include "force/ties.h"
+#include "math/features.h"
 #include "solve/work.h"
 
 namespace lappet {
@@ -36,8 +37,8 @@ class System {
   void set_activation(std::span<const double> activation) { elastic_.set_activation(activation); }
   // Where there are bones; null: none.
   void set_contact(std::unique_ptr<Contact> contact) { contact_ = std::move(contact); }
-  Contact* contact() { return contact_.get(); }
-  const Contact* contact() const { return contact_.get(); }
+  Contact* contact() { return kHasContact ? contact_.get() : nullptr; }
+  const Contact* contact() const { return kHasContact ? contact_.get() : nullptr; }
   const std::vector<Tie>& ties() const { return ties_; }
 
   Evaluation evaluate(std::span<const Real> u);
@@ -62,7 +63,7 @@ class System {
 
   // The part of a step, `most` at most, that takes no tissue through a bone.
   double largest_step(std::span<const Real> u, std::span<const Real> step, double most) const {
-    return contact_ ? contact_->largest_step<Real>(u, step, most) : most;
+    return contact() ? contact()->template largest_step<Real>(u, step, most) : most;
   }
 
   // The largest violation of what must hold exactly, mm: sutures, held faces off the lattice planes (root mean square
@@ -109,7 +110,7 @@ class System {
   std::vector<Push> pushes_;
   std::vector<std::int32_t> fragment_of_node_;
   std::vector<std::int32_t> floating_cells_;
-  double drift_stiffness_;  // mN/mm on a corner of a floating cell
+  double drift_stiffness_ = 0.0;  // mN/mm on a corner of a floating cell
   std::vector<std::uint8_t> free_;
   std::size_t free_count_ = 0;
   std::vector<std::int32_t> prescribed_nodes_;
