@@ -20,9 +20,9 @@ SKIN = MaterialParameters(model="neoHookean", youngs_modulus=50.0, poissons_rati
 
 @dataclass(frozen=True)
 class BoxScene:
-    """A scene. size: mm. divisions: of the surface grid along each axis. fixed, bedded, gripped: sides, 2 axis + (0 low,
-    1 high). bed_stiffness: kPa/mm. motion: of the gripped side, 4x4, column vectors. shape: moves grid points (n, 3) of
-    the box to the tissue. spacings, reference: mm, see `lappet.reports.error_time.Scene`.
+    """A scene. size: mm. divisions: of the surface grid along each axis. fixed, bedded, gripped: sides, 2 axis + (0
+    low, 1 high). bed_stiffness: kPa/mm. motion: of the gripped side, 4x4, column vectors. shape: moves grid points
+    (n, 3) of the box to the tissue. spacings, reference: mm, see `lappet.reports.error_time.Scene`.
     """
 
     name: str
