@@ -331,8 +331,8 @@ def compared(blender: Driver) -> Steps:
         yield from blender.click(header(blender, name))
         yield 0.4
     variant.lappet.look.show_plan = False
-    yield from turn(blender, 0.6, 0.0, 215.0)
-    blender.area().spaces.active.region_3d.view_location = (95.0, 0.0, 0.0)
+    yield from turn(blender, 0.5, 0.0, 240.0)
+    blender.area().spaces.active.region_3d.view_location = (92.0, -6.0, 0.0)
     yield 8.0
     yield from blender.screenshot("compare")
     yield from blender.click(header(blender, "Compare"))

@@ -33,7 +33,7 @@ PICTURES = {
     "compare": ("compare", WINDOW, 1200),
     "strain": ("strain", WINDOW, 1200),
     "render": ("render", WINDOW, 720),
-    "timeline": ("stale", 566, 380),
+    "timeline": ("stale", 550, 380),
     "places_deep": ("places_deep", SPOTS, 640),
     "places_skin": ("places_skin", SPOTS, 640),
 }
