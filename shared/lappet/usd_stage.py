@@ -47,7 +47,8 @@ def pxr() -> Pxr:
     except ImportError as cause:
         raise ModuleNotFoundError(
             f"Procedures are USD files, and USD's Python modules cannot be imported ({cause}). "
-            "Install them with: pip install usd-core. Inside Blender they come with Blender 4.5 or newer.",
+            "In Blender they come with Blender 4.5 or newer from blender.org; elsewhere install them with: pip install "
+            "usd-core.",
             name="pxr",
         ) from cause
     Plug.Registry().RegisterPlugins(str(SCHEMA.resolve()))

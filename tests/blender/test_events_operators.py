@@ -141,6 +141,15 @@ def test_a_run_of_sutures_pairs_the_edges_by_their_length(patch: bpy.types.Scene
     assert (value("skin_left_1").start, value("skin_left_1").duration) == (9.0, 5.0)
 
 
+def test_a_buried_row_lies_as_deep_below_the_skin_as_it_is_told(patch: bpy.types.Scene) -> None:
+    first, second = at((-9, 1), (9, 1)), at((-9, -1), (9, -1))
+    ops.suture_run(first_edge=first, second_edge=second, count=2, start=9, depth=1.5, name="deep")
+    ops.suture_add(first=(3, 1, TOP), second=(3, -1, TOP), start=9, depth=0.5, name="one")
+    assert [end[2] for end in value("deep_2").anchors] == pytest.approx([TOP - 1.5] * 2, abs=1e-5)
+    assert [end[2] for end in value("one").anchors] == pytest.approx([TOP - 0.5] * 2, abs=1e-5)
+    assert value("deep_1").anchors[0][:2] == pytest.approx((-4.5, 1.0), abs=1e-5)
+
+
 def test_the_spacing_gives_the_count_and_a_flipped_edge_is_met_from_its_end(patch: bpy.types.Scene) -> None:
     ops.suture_run(first_edge=at((-9, 1), (9, 1)), second_edge=at((9, -1), (-9, -1)), spacing=3.0, flip=True)
     assert len(patch.lappet.events) == 6

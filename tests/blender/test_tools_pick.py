@@ -218,6 +218,10 @@ def test_every_point_of_the_plan_has_a_handle_where_it_is_shown(scene: bpy.types
     assert nearest_handle([], from_above, mouse, 12.0) is None
     # Where two are as near, the active event's is taken.
     assert nearest_handle([handles[0], handles[3]], lambda p: 0.0 * p[:, :2], (1, 1), 12.0, "b") is handles[3]
+    # A target before the anchor that it hides.
+    target = next(handle for handle in handles if handle.index == TARGET)
+    others = [handle for handle in handles if handle is not target]
+    assert nearest_handle([*others, target], lambda p: 0.0 * p[:, :2], (1, 1), 12.0) is target
 
 
 def test_points_whose_tissue_is_gone_have_no_handle(scene: bpy.types.Scene) -> None:

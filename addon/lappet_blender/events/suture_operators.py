@@ -31,6 +31,7 @@ class LAPPET_OT_suture_add(bpy.types.Operator):
     start: FloatProperty(name="Frame", description="When it is placed; left out: the scene's frame")
     duration: FloatProperty(name="Duration", description="Frames that it takes to close", default=1.0, min=0.0)
     stiffness: FloatProperty(name="Stiffness", description="mN/mm", default=1000.0, min=0.0)
+    depth: FloatProperty(name="Depth", description="Of both ends below the skin, in mm", default=0.0, min=0.0)
     name: StringProperty(name="Name", description="Left out: suture and a number")
 
     def execute(self, context: bpy.types.Context) -> set[str]:
@@ -39,7 +40,8 @@ class LAPPET_OT_suture_add(bpy.types.Operator):
 
         def act() -> None:
             name = free_name(scene, "SUTURE", self.name)
-            value = Suture(name, (tuple(self.first), tuple(self.second)), start, self.duration, self.stiffness)
+            first, second = _sunk(scene, np.array([self.first, self.second], np.float64), self.depth)
+            value = Suture(name, (_point(first), _point(second)), start, self.duration, self.stiffness)
             check_events(scene, [value])
             add_value(scene, value)
 
@@ -66,7 +68,10 @@ class LAPPET_OT_suture_run(bpy.types.Operator):
         min=0.0,
     )
     depth: FloatProperty(
-        name="Depth", description="Of the anchors below the skin, in mm, across an incision", default=0.0, min=0.0
+        name="Depth",
+        description="Of the anchors below the skin, in mm: a buried row holds the walls of the wound together",
+        default=0.0,
+        min=0.0,
     )
     count: IntProperty(name="Sutures", description="How many; 0 = as many as the spacing gives", default=0, min=0)
     spacing: FloatProperty(name="Spacing", description="From suture to suture, in mm", default=4.0, min=0.01)
@@ -90,6 +95,7 @@ class LAPPET_OT_suture_run(bpy.types.Operator):
 
         def act() -> None:
             first, second = self._across(scene) if self.incision else self._between()
+            first, second = _sunk(scene, first, self.depth), _sunk(scene, second, self.depth)
             stem = f"{self.name}_1" if self.name else ""
             values: list[Suture] = []
             taken: set[str] = set()
@@ -118,20 +124,10 @@ class LAPPET_OT_suture_run(bpy.types.Operator):
         value = event_value(scene, event)
         if not isinstance(value, Incision):
             raise RefusedError(f"{event.name} is no incision; name one, or give two edges.")
-        tissue = tissue_of(scene)
-        triangles, _ = fan_triangles(tissue)
-        corners = tissue.points[triangles]
-        normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-        normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
-        skin = ClosestPoint(tissue.points, triangles)
+        skin, normals = _skin(scene)
         bite = self.bite if self.bite > 0.0 else 0.5 * value.kerf + BESIDE
         shares = self._shares(length(incision_line(value)))
-        first, second = across_incision(value, shares, bite, skin, normals)
-
-        def sunk(points: NDArray[np.float64]) -> NDArray[np.float64]:
-            return np.asarray(points - self.depth * normals[skin.query(points)[0]], np.float64)
-
-        return sunk(first), sunk(second)
+        return across_incision(value, shares, bite, skin, normals)
 
     def _shares(self, size: float) -> NDArray[np.float64]:
         set_start, set_end = (self.properties.is_property_set(name) for name in ("inset_start", "inset_end"))
@@ -140,6 +136,24 @@ class LAPPET_OT_suture_run(bpy.types.Operator):
             self.inset_start if set_start else None,
             self.inset_end if set_end else None,
         )
+
+
+def _skin(scene: bpy.types.Scene) -> tuple[ClosestPoint, NDArray[np.float64]]:
+    """The tissue's surface at rest and the normals (m, 3) of its triangles."""
+    tissue = tissue_of(scene)
+    triangles, _ = fan_triangles(tissue)
+    corners = tissue.points[triangles]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
+    return ClosestPoint(tissue.points, triangles), normals
+
+
+def _sunk(scene: bpy.types.Scene, points: NDArray[np.float64], depth: float) -> NDArray[np.float64]:
+    """Points (n, 3) on the skin moved into the tissue by `depth` mm."""
+    if depth <= 0.0:
+        return points
+    skin, normals = _skin(scene)
+    return np.asarray(points - depth * normals[skin.query(points)[0]], np.float64)
 
 
 def _point(values: NDArray[np.float64]) -> Point:

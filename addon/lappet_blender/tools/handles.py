@@ -96,13 +96,14 @@ def nearest_handle(
     handles: Sequence[Handle], project: Project, mouse: Sequence[float], radius: float, prefer: str = ""
 ) -> Handle | None:
     """The handle nearest to the mouse (pixels) within a radius; `project` takes places (k, 3) to pixels (k, 2), NaN
-    where they are behind the viewer. Of handles as near to within 2 pixels one of the event `prefer` is taken."""
+    where they are behind the viewer. Of handles as near to within 2 pixels one of the event `prefer` is taken, then a
+    target before the anchor that it hides."""
     if not handles:
         return None
     pixels = project(np.array([handle.world for handle in handles], np.float64))
     away = np.linalg.norm(pixels - np.asarray(mouse, np.float64)[:2], axis=1)
     away = np.where(np.isfinite(away), away, np.inf)
-    favour = np.array([2.0 if handle.event_uid == prefer else 0.0 for handle in handles])
+    favour = np.array([2.0 * (handle.event_uid == prefer) + 1.0 * (handle.index == TARGET) for handle in handles])
     best = int((away - favour).argmin())
     return handles[best] if away[best] <= radius else None
 

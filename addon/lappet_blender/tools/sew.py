@@ -57,6 +57,14 @@ class LAPPET_OT_place_suture(SkinModal, bpy.types.Operator):
         min=0.0,
     )
 
+    depth: FloatProperty(
+        name="Depth",
+        description="Of the anchors below the skin, in mm: a buried row holds the walls of the wound together",
+        default=0.0,
+        min=0.0,
+        soft_max=10.0,
+    )
+
     def begin(self, context: bpy.types.Context) -> None:
         self.edges: list[list[Point]] = [[], []]
         self.on_second = False
@@ -158,7 +166,7 @@ class LAPPET_OT_place_suture(SkinModal, bpy.types.Operator):
         if not self.incision and not (self.first and self.second):
             return say(self, "A suture joins two edges; give at least one point of each, or an incision.")
         time = self.time if self.properties.is_property_set("time") else context.scene.frame_current
-        shared = {"start": time, "duration": self.duration, "stiffness": self.stiffness}
+        shared = {"start": time, "duration": self.duration, "stiffness": self.stiffness, "depth": self.depth}
         if len(self.first) == len(self.second) == 1:
             ends = {"first": tuple(self.first[0].co), "second": tuple(self.second[0].co)}
             return {"FINISHED"} if run_operator(self, "suture_add", **ends, **shared) else {"CANCELLED"}
@@ -176,6 +184,7 @@ class LAPPET_OT_place_suture(SkinModal, bpy.types.Operator):
         if self.incision or len(self.first) > 1:
             self.layout.prop(self, "count")
             self.layout.prop(self, "spacing")
+        self.layout.prop(self, "depth")
         self.layout.prop(self, "duration")
         self.layout.prop(self, "stiffness")
 

@@ -165,6 +165,7 @@ class SutureTool(_Tool):
             row.prop(settings, "spacing")
         if settings.mode == "INCISION":
             layout.prop(settings, "bite")
+        layout.prop(settings, "depth")
         layout.prop(settings, "duration")
         layout.prop(settings, "stiffness")
 
