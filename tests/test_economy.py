@@ -87,7 +87,7 @@ def test_cells_that_cannot_move_are_not_in_the_system() -> None:
     motion[:2, 3] = (4.0, 1.0)
     stiff = MaterialParameters(prestretch=(1.1, 1.1), fibre_k1=5.0, fibre_k2=1.0)
     exact = {"precision": "double", "tolerance": 1e-7, "gap_tolerance": 1e-6}
-    whole = BoxScene("whole", "", (16 * h, h, h), (16, 1, 1), (0,), (1,), motion, material=stiff)
+    whole = BoxScene("whole", "", (16 * h, h, h), (16, 1, 1), fixed=(0,), gripped=(1,), motion=motion, material=stiff)
     half = replace(whole, size=(8 * h, h, h), divisions=(8, 1, 1))
     program = whole.program(h, **exact)
     surface = program.epochs[0].surface

@@ -23,7 +23,7 @@ pytestmark = [pytest.mark.slow, pytest.mark.timeout(1800)]
 COUNT = int(os.environ.get("LAPPET_FUZZ", "200"))
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture
 def running(binary: Path) -> Iterator[SolverDaemon]:
     with SolverDaemon(binary) as daemon:
         yield daemon
