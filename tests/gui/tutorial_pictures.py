@@ -32,7 +32,7 @@ PICTURES = {
     "lifted": ("lifted", WINDOW, 1200),
     "compare": ("compare", WINDOW, 1200),
     "strain": ("strain", WINDOW, 1200),
-    "render": ("render", WINDOW, 720),
+    "render": ("render", WINDOW, 1000),
     "timeline": ("stale", 550, 380),
     "places_deep": ("places_deep", SPOTS, 640),
     "places_skin": ("places_skin", SPOTS, 640),
@@ -78,7 +78,7 @@ def main() -> int:
             picture = picture.resize((width, round(picture.height * width / picture.width)), Image.Resampling.LANCZOS)
         path = IMAGES / f"blender_{name}.png"
         for colours in (256, 128, 64):
-            picture.quantize(colours, dither=Image.Dither.NONE).save(path, optimize=True)
+            picture.quantize(colours, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE).save(path, optimize=True)
             if path.stat().st_size <= LARGEST:
                 break
         print(f"{path.relative_to(ROOT)}: {picture.width} x {picture.height}, {path.stat().st_size / 1000:.0f} kB")
