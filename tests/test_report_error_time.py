@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import tempfile
 from dataclasses import replace
 from pathlib import Path
 
@@ -13,10 +14,12 @@ from click.testing import CliRunner
 
 from lappet.cli import cli
 from lappet.daemon_solver import connect_to
-from lappet.reports.box_scenes import BLOCK, BOXES, grid_box
-from lappet.reports.error_time import CHOICES, DEFAULT, combinations, error_time
+from lappet.reports.box_scenes import BLOCK, BOXES, SHELF, grid_box
+from lappet.reports.error_time import CHOICES, DEFAULT, EXACT, combinations, error_time
 from lappet.reports.error_time_files import write_error_time
 from lappet.reports.reference import fitted_order, observed_orders, richardson, rms
+from lappet.solve import Watcher, solve_program
+from lappet.store import FrameStore
 from lappet.surface_check import check_closed, signed_volume
 from lappet.usd_stage import write_procedure
 from small_procedure import small_procedure
@@ -62,6 +65,17 @@ def test_the_boxes_are_closed_and_their_halves_are_the_companions_of_others(scen
     assert sorted(set(side)) == [0, 1, 2, 3, 4, 5]
     surface = scene.program(2.0).epochs[0].surface  # type: ignore[attr-defined]
     check_closed(surface.points, surface.triangles, "scene")
+
+
+@pytest.mark.slow
+def test_a_smooth_solution_converges_with_second_order() -> None:
+    found = []
+    for spacing in (6.0, 3.0, 1.5):
+        program = SHELF.program(spacing, **EXACT)
+        with tempfile.TemporaryDirectory() as store:
+            solved = solve_program(program, FrameStore(Path(store)), connect_to(None), "test", Watcher())
+        found.append(solved.frames[-1].arrays["points"].astype(float))
+    assert richardson(*found).order > 1.8
 
 
 @pytest.mark.slow

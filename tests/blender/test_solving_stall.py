@@ -11,11 +11,14 @@ from collections.abc import Callable
 from pathlib import Path
 
 import bpy
+import numpy as np
 import pytest
 
 from lappet.daemon import DaemonMissing, find_daemon
 from lappet.patch import flat_patch
 from lappet_blender.model.event_list import add_event, find_event
+from lappet_blender.model.scene_procedure import read_scene
+from lappet_blender.model.tissue_values import tissue_value
 from lappet_blender.solving import controller, frames, scene_watch
 from lappet_blender.solving.frames import FrameRun
 from lappet_blender.solving.pump import pump
@@ -85,6 +88,31 @@ def test_nothing_that_solving_does_stalls_blender_at_20_000_vertices(sheet: bpy.
     took["reading an edited mesh"] = longest_pump()
     assert frames.frame_runs(sheet) == (FrameRun("stale", 1, 6),)
     took["what a panel asks"] = seconds(lambda: frames.progress_of(sheet))
+    assert max(took.values()) < STALL, took
+
+
+def test_editing_an_open_surface_that_is_thickened_does_not_stall(scene: bpy.types.Scene, own_store: Path) -> None:
+    scene.unit_settings.scale_length = 0.001
+    scene.frame_start, scene.frame_end = 1, 2
+    scene.lappet.materials.add().name = "skin"
+    bpy.ops.mesh.primitive_grid_add(x_subdivisions=144, y_subdivisions=144, size=120.0)
+    tissue = bpy.context.object
+    lappet = scene.lappet.tissue
+    lappet.object, lappet.thicken, lappet.thickness, lappet.spacing = tissue, True, 3.0, 3.0
+    assert len(tissue.data.vertices) > 20_000
+    took = {"the first reading": longest_pump()}
+    before = tissue_value(scene)[0]
+    tissue.data.vertices[0].co.z += 0.5
+    tissue.data.update()
+    bpy.context.view_layer.update()
+    took["an edit"] = longest_pump()
+    assert tissue_value(scene)[0] is not before
+    assert read_scene(scene).problems == ()
+    tissue.data.vertices[0].co.z -= 0.5
+    tissue.data.update()
+    bpy.context.view_layer.update()
+    took["the edit taken back"] = seconds(lambda: tissue_value(scene))
+    np.testing.assert_array_equal(tissue_value(scene)[0].points, before.points)
     assert max(took.values()) < STALL, took
 
 

@@ -59,6 +59,8 @@ def scenario(blender: Driver) -> Steps:
     for x in (0.0, 4.0, 8.0):
         bpy.ops.lappet.suture_add(first=height(x, 7.6), second=height(x, 8.4), start=5, duration=3)
     bpy.ops.ed.undo_push(message="Procedure")
+    yield from blender.show_tab("Lappet")
+    pulse.begin()
     yield from blender.wait_until(lambda: frames.plan_of(scene) is not None, 90.0, "it is planned")
     yield from blender.wait_until(lambda: display.skin_object(scene) is not None, 30.0, "its skin is shown")
     yield 3.0
@@ -77,6 +79,7 @@ def scenario(blender: Driver) -> Steps:
     noted("scrubbing")
     yield from blender.screenshot("large")
     bpy.ops.ed.undo_push(message="Solved")
+    pulse.begin()
     next(event for event in scene.lappet.events if event.kind == "HOOK").stiffness = 90.0
     bpy.ops.ed.undo_push(message="Softer")
     yield from blender.wait_until(lambda: "stale" in states(), 60.0, "an edit makes frames stale")

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import hashlib
 import re
+import threading
+from collections import OrderedDict
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -34,7 +37,38 @@ class _Kept:
     problems: tuple[Problem, ...]
 
 
+class _Making:
+    """A tissue that is made on a thread of its own."""
+
+    def __init__(self, mesh: MeshValues, thickness: float, name: str) -> None:
+        self._of = (mesh, thickness, name)
+        self._made: _Kept | None = None
+        self._thread = threading.Thread(target=self._make, name="lappet sheet", daemon=True)
+        self._thread.start()
+
+    def is_of(self, mesh: MeshValues, thickness: float, name: str) -> bool:
+        """Whether it is made of these values."""
+        return self._of[0] is mesh and self._of[1:] == (thickness, name)
+
+    @property
+    def done(self) -> bool:
+        """Whether it is made."""
+        return not self._thread.is_alive()
+
+    def take(self) -> _Kept:
+        """What was made, waited for."""
+        self._thread.join()
+        return self._made if self._made is not None else _made(*self._of)
+
+    def _make(self) -> None:
+        self._made = _made(*self._of)
+
+
+_LARGE = 4000  # vertices of an open surface from which on giving it a thickness is to be waited for
+_MOST_SHEETS = 6
 _kept: dict[int, _Kept] = {}
+_making: dict[int, _Making] = {}
+_sheets: OrderedDict[bytes, Tissue] = OrderedDict()
 _bones: dict[int, tuple[MeshValues, str, Bone]] = {}
 
 
@@ -53,13 +87,33 @@ def tissue_value(scene: bpy.types.Scene) -> tuple[Tissue | None, list[Problem]]:
     key = scene.session_uid
     kept = _kept.get(key)
     if kept is None or kept.mesh is not mesh or kept.thickness != thickness:
-        kept = _made(mesh, thickness, obj.name)
+        making = _making.pop(key, None)
+        known = making is not None and making.is_of(mesh, thickness, obj.name)
+        kept = making.take() if making is not None and known else _made(mesh, thickness, obj.name)
     if kept.tissue is not None:
         tissue = _with_settings(kept.tissue, settings, region_values(scene))
         if tissue is not kept.tissue:
             kept = replace(kept, tissue=tissue)
     _kept[key] = kept
     return kept.tissue, list(kept.problems)
+
+
+def tissue_at_hand(scene: bpy.types.Scene) -> bool:
+    """Whether `tissue_value` answers at once; where it would not, what it waits for is begun on a thread."""
+    settings = scene.lappet.tissue
+    obj = settings.object
+    if obj is None or not settings.thicken or obj.type != "MESH" or len(obj.data.vertices) < _LARGE:
+        return True
+    if object_problems(scene, obj, "tissue"):
+        return True
+    mesh, thickness, key = mesh_values(scene, obj), decimal(settings.thickness), scene.session_uid
+    kept = _kept.get(key)
+    if kept is not None and kept.mesh is mesh and kept.thickness == thickness:
+        return True
+    making = _making.get(key)
+    if making is None or not making.is_of(mesh, thickness, obj.name):
+        _making[key] = making = _Making(mesh, thickness, obj.name)
+    return making.done
 
 
 def bone_values(scene: bpy.types.Scene) -> tuple[tuple[Bone, ...], list[Problem]]:
@@ -142,7 +196,24 @@ def _capital(text: str) -> str:
 
 
 def _sheet(mesh: MeshValues, thickness: float, name: str) -> Tissue:
-    return sheet_tissue(mesh.points, mesh.counts, mesh.indices, thickness, mesh.uv, mesh.groups, name)
+    """Those made last are kept by what they were made of: an undo finds its sheet again."""
+    digest = hashlib.blake2b(f"{name} {thickness!r} {sorted(mesh.groups)}".encode())
+    for array in (
+        mesh.points,
+        mesh.counts,
+        mesh.indices,
+        mesh.uv,
+        *(mesh.groups[each] for each in sorted(mesh.groups)),
+    ):
+        digest.update(b"-" if array is None else f"{array.shape}".encode() + array.tobytes())
+    key = digest.digest()
+    tissue = _sheets.get(key)
+    if tissue is None:
+        tissue = sheet_tissue(mesh.points, mesh.counts, mesh.indices, thickness, mesh.uv, mesh.groups, name)
+        _sheets[key] = tissue
+        while len(_sheets) > _MOST_SHEETS:
+            _sheets.pop(next(iter(_sheets)), None)
+    return tissue
 
 
 def _closed_tissue(mesh: MeshValues) -> Tissue:
@@ -164,4 +235,6 @@ def _with_settings(tissue: Tissue, settings: bpy.types.PropertyGroup, regions: S
 def forget() -> None:
     """Lets go of everything that is kept (a new file was loaded)."""
     _kept.clear()
+    _making.clear()
+    _sheets.clear()
     _bones.clear()

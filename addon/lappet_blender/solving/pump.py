@@ -7,6 +7,7 @@ import traceback
 
 import bpy
 
+from ..model.tissue_values import tissue_at_hand
 from .controller import Controller, controller_of, controllers, find_controller, forget, scene_of
 from .frames import announce, follow_up
 from .happenings import take_in
@@ -49,7 +50,7 @@ def _once() -> bool:
         heard = take_in(controller)
         take_carried(controller)
         step_live(scene, controller)
-        if due(controller) and not dragging and controller.live is None:
+        if due(controller) and not dragging and controller.live is None and tissue_at_hand(scene):
             read_now(scene)
         busy |= _busy(controller)
         told |= controller.told != controller.revision

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..model.decimals import decimal
-from ..model.tissue_values import tissue_value
+from ..model.tissue_values import tissue_at_hand, tissue_value
 from ..model.units import mm_per_unit
 from .found_problems import found_problems
 from .lattice_cells import lattice_lines
@@ -53,7 +53,7 @@ def _draw() -> None:
     if scene is None or scene.lappet.tissue.object is None or not context.space_data.overlay.show_overlays:
         return
     scale = mm_per_unit(scene)
-    if scene.lappet.look.show_lattice and scene.lappet.tissue.object.mode != "EDIT":
+    if scene.lappet.look.show_lattice and scene.lappet.tissue.object.mode != "EDIT" and tissue_at_hand(scene):
         tissue, _ = tissue_value(scene)
         _draw_kept(f"lattice {scene.session_uid}", (tissue, scale), lambda: _lattice_batches(scene, scale))
     found = found_problems(scene)

@@ -6,6 +6,7 @@ from lappet.problem import Problem
 
 from ..model.scene_problem import SceneProblem
 from ..model.scene_procedure import SceneReading, read_scene
+from ..model.tissue_values import tissue_at_hand
 from .face_groups import group_counts
 from .found_problems import found_problems
 from .mend_operators import MENDS
@@ -126,6 +127,9 @@ def _lattice(layout: bpy.types.UILayout, scene: bpy.types.Scene) -> None:
     row.prop(scene.lappet.look, "show_lattice", text="", icon="MESH_GRID")
     if scene.lappet.tissue.object.mode == "EDIT":
         return
+    if not tissue_at_hand(scene):
+        column.label(text="The sheet is being made")
+        return
     cells, seconds = cell_count(scene), expected_seconds(scene)
     if cells is not None and seconds is not None:
         frames = scene.frame_end - scene.frame_start + 1
@@ -150,7 +154,7 @@ def _problems(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
             _problem(layout, context, each.problem, index if each.middle() is not None else -1)
         if not found.places:
             layout.label(text="Nothing is wrong.", icon="CHECKMARK")
-    elif scene.lappet.tissue.object.mode != "EDIT":
+    elif scene.lappet.tissue.object.mode != "EDIT" and tissue_at_hand(scene):
         for problem in reading_problems(read_scene(scene)):
             _problem(layout, context, problem)
 

@@ -20,9 +20,9 @@ SKIN = MaterialParameters(model="neoHookean", youngs_modulus=50.0, poissons_rati
 
 @dataclass(frozen=True)
 class BoxScene:
-    """A scene. size: mm. divisions: of the surface grid along each axis. fixed, gripped: sides, 2 axis + (0 low, 1
-    high). motion: of the gripped side, 4x4, column vectors. shape: moves grid points (n, 3) of the box to the tissue.
-    spacings, reference: mm, see `lappet.reports.error_time.Scene`.
+    """A scene. size: mm. divisions: of the surface grid along each axis. fixed, bedded, gripped: sides, 2 axis + (0
+    low, 1 high). bed_stiffness: kPa/mm. motion: of the gripped side, 4x4, column vectors. shape: moves grid points
+    (n, 3) of the box to the tissue. spacings, reference: mm, see `lappet.reports.error_time.Scene`.
     """
 
     name: str
@@ -30,6 +30,8 @@ class BoxScene:
     size: tuple[float, float, float]
     divisions: tuple[int, int, int]
     fixed: tuple[int, ...]
+    bedded: tuple[int, ...] = ()
+    bed_stiffness: float = 10.0
     gripped: tuple[int, ...] = ()
     motion: NDArray[np.float64] | None = None
     gravity: float = 0.0
@@ -43,7 +45,7 @@ class BoxScene:
         """The scene at a spacing; settings: other fields of `SolverSettings`."""
         surface, side = grid_box(self.size, self.divisions)
         points = surface.points if self.shape is None else self.shape(surface.points)
-        surface = replace(surface, points=points, fixed=np.isin(side, self.fixed))
+        surface = replace(surface, points=points, fixed=np.isin(side, self.fixed), bed=np.isin(side, self.bedded))
         grip = np.where(np.isin(side, self.gripped), 0, -1).astype(np.int32)
         frame = FrameConstraints(1.0, 0)
         if self.motion is not None:
@@ -52,6 +54,7 @@ class BoxScene:
             spacing=spacing,
             origin=(float(points[:, 0].min()), float(points[:, 1].min()), float(points[:, 2].min())),
             gravity=(0.0, 0.0, -self.gravity),
+            bed_stiffness=self.bed_stiffness,
             retractors=int(self.motion is not None),
             materials=(self.material,),
             **settings,
@@ -159,4 +162,16 @@ BLOCK = BoxScene(
     gripped=(5,),
     motion=_motion((0.0, 0.0, -3.2)),
 )
-BOXES = (BAR, CANTILEVER, COOK, BLOCK)
+SHELF = BoxScene(
+    "shelf",
+    "a beam of 48 x 12 x 12 mm, one end on a stiff bed instead of held, under a tenth of its weight",
+    (48.0, 12.0, 12.0),
+    (16, 4, 4),
+    fixed=(),
+    bedded=(0,),
+    bed_stiffness=5.0,
+    gravity=9.81 / 10.0,
+    spacings=(3.0, 2.0, 1.5, 1.0),
+    reference=(1.5, 0.75, 0.375),
+)
+BOXES = (BAR, CANTILEVER, COOK, BLOCK, SHELF)

@@ -27,8 +27,8 @@ def report_group(sentences: Sentences) -> click.Group:
     def error_time(context: click.Context, /, scenes: tuple[str, ...], folder: Path, quick: bool) -> None:
         """Hold the displacement error of SCENES against the seconds it takes, setting by setting.
 
-        SCENES: bar, cantilever, cook, block, z-plasty, scalp-flap, or procedures (.usda); all of the named ones by
-        default.
+        SCENES: bar, cantilever, cook, block, shelf, z-plasty, scalp-flap, or procedures (.usda); all of the named ones
+        by default.
         """
         with sentences(context):
             from lappet.reports.error_time_run import run_error_time
