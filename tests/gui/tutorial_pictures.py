@@ -32,7 +32,7 @@ PICTURES = {
     "lifted": ("lifted", WINDOW, 1200),
     "compare": ("compare", WINDOW, 1200),
     "strain": ("strain", WINDOW, 1200),
-    "render": ("render", WINDOW, 720),
+    "render": ("render", WINDOW, 900),
     "timeline": ("stale", 550, 380),
     "places_deep": ("places_deep", SPOTS, 640),
     "places_skin": ("places_skin", SPOTS, 640),
@@ -52,6 +52,15 @@ def numbered(picture: Image.Image, spots: list[tuple[int, int]]) -> None:
     for number, (x, y) in enumerate(places, 1):
         draw.ellipse([x - 11, y - 11, x + 11, y + 11], fill=SEAMS[(number - 1) // 4], outline="white", width=2)
         draw.text((x, y), str(number), fill="white", font=font, anchor="mm")
+
+
+def few_colours(picture: Image.Image, colours: int) -> Image.Image:
+    """The picture in so many colours: most for its large areas, a quarter for small things of another colour."""
+    large = picture.quantize(colours * 3 // 4, Image.Quantize.MEDIANCUT).getpalette() or []
+    small = picture.quantize(colours // 4, Image.Quantize.MAXCOVERAGE).getpalette() or []
+    both = Image.new("P", (1, 1))
+    both.putpalette(large[: colours * 9 // 4] + small[: colours * 3 // 4])
+    return picture.quantize(palette=both, dither=Image.Dither.NONE)
 
 
 def main() -> int:
@@ -78,7 +87,7 @@ def main() -> int:
             picture = picture.resize((width, round(picture.height * width / picture.width)), Image.Resampling.LANCZOS)
         path = IMAGES / f"blender_{name}.png"
         for colours in (256, 128, 64):
-            picture.quantize(colours, dither=Image.Dither.NONE).save(path, optimize=True)
+            few_colours(picture, colours).save(path, optimize=True)
             if path.stat().st_size <= LARGEST:
                 break
         print(f"{path.relative_to(ROOT)}: {picture.width} x {picture.height}, {path.stat().st_size / 1000:.0f} kB")
