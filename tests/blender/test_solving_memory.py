@@ -16,9 +16,10 @@ from lappet.patch import flat_patch
 from lappet.problem import Problem
 from lappet.procedure import Incision, Procedure
 from lappet.store import FrameStore, StoredFrame
+from lappet_blender.model.duration_words import in_words
 from lappet_blender.solving.carry_over import CarryOver
 from lappet_blender.solving.lattice_cells import lattice_cells
-from lappet_blender.solving.pace import Pace, in_words
+from lappet_blender.solving.pace import Pace
 from lappet_blender.solving.plan_memory import PlanMemory
 from lappet_blender.solving.shelf import Shelf
 

@@ -7,9 +7,10 @@ import numpy as np
 import pytest
 
 from lappet_blender.model.decimals import decimal
+from lappet_blender.model.duration_words import in_words
 from lappet_blender.tissue.lattice_cells import MOST_LINES, box_lines, cell_lines, lattice_lines, touched_cells
 from lappet_blender.tissue.overlay import _lattice_batches, lattice_of
-from lappet_blender.tissue.tissue_measure import cell_count, expected_seconds, in_words
+from lappet_blender.tissue.tissue_measure import cell_count, expected_seconds
 from tissue_scenes import add_box, add_sheet, fill_with_patch
 
 SQUARE = np.array([[0.1, 0.1, 0.5], [9.9, 0.1, 0.5], [9.9, 9.9, 0.5], [0.1, 9.9, 0.5]])

@@ -41,12 +41,3 @@ class Pace:
             with contextlib.suppress(OSError):
                 self._file.parent.mkdir(parents=True, exist_ok=True)
                 self._file.write_text(json.dumps({"seconds_per_cell": self._rate}), encoding="utf-8")
-
-
-def in_words(seconds: float) -> str:
-    """A duration as people say it: 'about 12 s', 'about 4 min', 'about 2.5 h'."""
-    if seconds < 90.0:
-        return f"about {max(1, round(seconds))} s"
-    if seconds < 90.0 * 60.0:
-        return f"about {round(seconds / 60.0)} min"
-    return f"about {seconds / 3600.0:.1f} h"

@@ -7,10 +7,10 @@ import time
 from dataclasses import dataclass
 from typing import Literal
 
+from ..model.duration_words import in_words
 from .controller import Controller, Job, pace
 from .frame_states import count_states
 from .lattice_cells import lattice_cells
-from .pace import in_words
 
 
 @dataclass(frozen=True)

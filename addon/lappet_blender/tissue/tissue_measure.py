@@ -59,15 +59,6 @@ def expected_seconds(scene: bpy.types.Scene) -> float | None:
     return per_frame * (scene.frame_end - scene.frame_start + 1)
 
 
-def in_words(seconds: float) -> str:
-    """A duration as people say it."""
-    if seconds < 90.0:
-        return f"about {max(1, round(seconds))} s"
-    if seconds < 90.0 * 60.0:
-        return f"about {round(seconds / 60.0)} min"
-    return f"about {seconds / 3600.0:.1f} h"
-
-
 def _measured(scene: bpy.types.Scene, tissue: Tissue) -> _Kept:
     kept = _kept.get(scene.session_uid)
     if kept is None or not _same(kept.points, tissue.points):

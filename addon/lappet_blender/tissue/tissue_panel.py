@@ -4,6 +4,7 @@ import bpy
 
 from lappet.problem import Problem
 
+from ..model.duration_words import in_words
 from ..model.scene_problem import SceneProblem
 from ..model.scene_procedure import SceneReading, read_scene
 from ..model.tissue_values import tissue_at_hand
@@ -11,7 +12,7 @@ from .face_groups import group_counts
 from .found_problems import found_problems
 from .mend_operators import MENDS
 from .sentence_lines import draw_sentence
-from .tissue_measure import cell_count, expected_seconds, in_words
+from .tissue_measure import cell_count, expected_seconds
 
 _HELD = (("fixed", "LOCKED"), ("bed", "LINKED"))
 
