@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lappet.program import Epoch, FrameConstraints, Landmarks, MaterialParameters, Program, SolverSettings, Surface
+from lappet.reports.clamped_edge import edge_exponent
 
 SKIN = MaterialParameters(model="neoHookean", youngs_modulus=50.0, poissons_ratio=0.45)
 
@@ -22,7 +23,8 @@ SKIN = MaterialParameters(model="neoHookean", youngs_modulus=50.0, poissons_rati
 class BoxScene:
     """A scene. size: mm. divisions: of the surface grid along each axis. fixed, bedded, gripped: sides, 2 axis + (0
     low, 1 high). bed_stiffness: kPa/mm. motion: of the gripped side, 4x4, column vectors. shape: moves grid points
-    (n, 3) of the box to the tissue. spacings, reference: mm, see `lappet.reports.error_time.Scene`.
+    (n, 3) of the box to the tissue. widest_edge: degrees, the widest angle between a clamped side and a free one.
+    spacings, reference, smooth, every_combination: see `lappet.reports.error_time.Scene`, mm.
     """
 
     name: str
@@ -39,7 +41,26 @@ class BoxScene:
     shape: Callable[[NDArray[np.float64]], NDArray[np.float64]] | None = None
     spacings: tuple[float, ...] = (4.0, 2.0, 1.0)
     reference: tuple[float, float, float] = (1.0, 0.5, 0.25)
+    widest_edge: float = 90.0
     is_box: bool = True
+    smooth: bool = False
+    every_combination: bool = True
+
+    @property
+    def edge_exponent(self) -> float | None:
+        """Of the displacement where a clamped side meets a free one; None where nothing is clamped."""
+        if not self.fixed and not self.gripped:
+            return None
+        return edge_exponent(self.material.poissons_ratio, self.widest_edge)
+
+    def away(self, points: NDArray[np.float64]) -> NDArray[np.bool_]:
+        """Which points (n, 3) are a quarter of the length or more away from every held, bedded or gripped side."""
+        far = np.ones(len(points), np.bool_)
+        for side in (*self.fixed, *self.bedded, *self.gripped):
+            length = self.size[side // 2]
+            from_side = points[:, side // 2] if side % 2 == 0 else length - points[:, side // 2]
+            far &= from_side > length / 4.0 - 1e-9
+        return far
 
     def program(self, spacing: float, **settings: Any) -> Program:
         """The scene at a spacing; settings: other fields of `SolverSettings`."""
@@ -152,6 +173,7 @@ COOK = BoxScene(
     gripped=(1,),
     motion=_motion((0.0, 0.0, 8.0)),
     shape=_cook,
+    widest_edge=132.5,  # at the lifted end, below
 )
 BLOCK = BoxScene(
     "block",
@@ -173,5 +195,47 @@ SHELF = BoxScene(
     gravity=9.81 / 10.0,
     spacings=(3.0, 2.0, 1.5, 1.0),
     reference=(1.5, 0.75, 0.375),
+    smooth=True,
 )
-BOXES = (BAR, CANTILEVER, COOK, BLOCK, SHELF)
+
+# The same without lateral contraction: then held edges are not singular, and what else lowers the order is left. A
+# twist against held ends stays singular in the warping of the section, so the bar is bent instead, and pressing a block
+# is an affine motion, so it is sheared. Spacings are those whose nodes the grid's points lie on: between nodes there is
+# the error of interpolation besides.
+_SLACK = replace(SKIN, poissons_ratio=0.0)
+BAR_SLACK = replace(
+    BAR,
+    name="bar-nu0",
+    what="the bar at a Poisson's ratio of 0, pulled by 15 % and lifted by 7.2 mm",
+    material=_SLACK,
+    motion=_motion((7.2, 0.0, 7.2)),
+    spacings=(3.0, 1.5, 0.75),
+    smooth=True,
+    every_combination=False,
+)
+CANTILEVER_SLACK = replace(
+    CANTILEVER,
+    name="cantilever-nu0",
+    what="the cantilever at a Poisson's ratio of 0",
+    material=_SLACK,
+    spacings=(3.0, 1.5, 0.75),
+    smooth=True,
+    every_combination=False,
+)
+COOK_SLACK = replace(
+    COOK,
+    name="cook-nu0",
+    what="Cook's panel at a Poisson's ratio of 0: its partial cells remain",
+    material=_SLACK,
+    every_combination=False,
+)
+BLOCK_SLACK = replace(
+    BLOCK,
+    name="block-nu0",
+    what="the block at a Poisson's ratio of 0, its upper side pressed and sheared by 2 %",
+    material=_SLACK,
+    motion=_motion((0.32, 0.0, -0.32)),
+    smooth=True,
+    every_combination=False,
+)
+BOXES = (BAR, CANTILEVER, COOK, BLOCK, SHELF, BAR_SLACK, CANTILEVER_SLACK, COOK_SLACK, BLOCK_SLACK)

@@ -27,13 +27,15 @@ def report_group(sentences: Sentences) -> click.Group:
     def error_time(context: click.Context, /, scenes: tuple[str, ...], folder: Path, quick: bool) -> None:
         """Hold the displacement error of SCENES against the seconds it takes, setting by setting.
 
-        SCENES: bar, cantilever, cook, block, shelf, z-plasty, scalp-flap, or procedures (.usda); all of the named ones
-        by default.
+        SCENES: bar, cantilever, cook, block, shelf; these without lateral contraction: bar-nu0, cantilever-nu0,
+        cook-nu0, block-nu0; z-plasty, scalp-flap; or procedures (.usda). All of the named ones by default.
         """
         with sentences(context):
             from lappet.reports.error_time_run import run_error_time
 
-            for path in run_error_time(scenes, folder, quick, say=_say):
+            text, files = run_error_time(scenes, folder, quick, say=_say)
+            click.echo(text)
+            for path in files:
                 click.echo(path)
 
     @report.command("stability")

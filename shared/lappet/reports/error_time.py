@@ -17,7 +17,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from lappet.error_estimate import companion, expected_order, frame_error
+from lappet.error_estimate import companion, expected_order, far_companion, frame_error
 from lappet.frame_solver import Connect
 from lappet.program import FaceOrigin, Program
 from lappet.reports.reference import Reference, fitted_order, greatest, observed_orders, richardson, rms
@@ -33,10 +33,15 @@ CHOICES: dict[str, tuple[Any, ...]] = {
     "preconditioner": ("twoLevel", "chebyshev"),
 }
 EXACT: dict[str, Any] = {**DEFAULT, "tolerance": 1e-6, "precision": "double"}
+FACTOR = 3.0  # that estimates must be within
+LEAST_ORDER = 1.8  # that displacements must converge with where nothing lowers it
 
 
 class Scene(Protocol):
-    """What is solved. `reference`: three spacings, each half of the one before, finer than those of the report."""
+    """What is solved. `reference`: three spacings, each half of the one before, finer than those of the report.
+    `smooth`: nothing lowers its order. `every_combination`: settings are not only varied alone. `edge_exponent`: of the
+    displacement at its held edges, or None. `away`: which of these places (n, 3) are well away from what is held.
+    """
 
     @property
     def name(self) -> str: ...
@@ -53,6 +58,17 @@ class Scene(Protocol):
     @property
     def is_box(self) -> bool: ...
 
+    @property
+    def smooth(self) -> bool: ...
+
+    @property
+    def every_combination(self) -> bool: ...
+
+    @property
+    def edge_exponent(self) -> float | None: ...
+
+    def away(self, points: NDArray[np.float64]) -> NDArray[np.bool_]: ...
+
     def program(self, spacing: float, **settings: Any) -> Program: ...
 
 
@@ -60,8 +76,10 @@ class Scene(Protocol):
 class Measure:
     """One row: the last frame's error against the reference and its estimate, over the skin's vertices, in mm.
 
-    error_mm, estimate_mm: root mean square; the others the greatest. seconds: all frames; estimate_seconds: what the
-    estimate takes besides. Where the scene did not converge errors are None and `reason` says why.
+    error_mm, estimate_mm: root mean square; the others the greatest. within_3, max_within_3: the estimate is within a
+    factor 3 of the error; None where there is no telling: nothing converged, or the error is below the uncertainty of
+    the reference. seconds: all frames; estimate_seconds: what the estimate takes besides. Where the scene did not
+    converge errors are None and `reason` says why.
     """
 
     scene: str
@@ -81,12 +99,15 @@ class Measure:
     error_max_mm: float | None
     estimate_mm: float | None
     estimate_max_mm: float | None
+    within_3: bool | None = None
+    max_within_3: bool | None = None
     reason: str | None = None
 
 
 @dataclass(frozen=True)
 class Convergence:
-    """How a scene converges at one quadrature with the tolerance out of the way. orders: from spacing to spacing."""
+    """How a scene converges at one quadrature with the tolerance out of the way. orders: from spacing to spacing. away:
+    well away from what is held, else over the whole skin; None where nothing is."""
 
     scene: str
     quadrature: int
@@ -94,6 +115,8 @@ class Convergence:
     errors_mm: tuple[float, ...]
     orders: tuple[float, ...]
     fitted: float
+    away_errors_mm: tuple[float, ...] | None
+    away_fitted: float | None
 
 
 @dataclass(frozen=True, eq=False)
@@ -170,7 +193,13 @@ def _reference(scene: Scene, connect: Connect) -> Reference:
     one = _limit(scene, EXACT, connect)
     eight = _limit(scene, {**EXACT, "quadrature": 8}, connect)
     apart = rms(one.points - eight.points)
-    return Reference((one.points + eight.points) / 2.0, one.order, max(apart / 2.0, one.uncertainty / 2.0))
+    far_apart = greatest(one.points - eight.points)
+    return Reference(
+        (one.points + eight.points) / 2.0,
+        one.order,
+        max(apart / 2.0, one.uncertainty / 2.0),
+        max(far_apart / 2.0, one.uncertainty_max / 2.0),
+    )
 
 
 def _limit(scene: Scene, settings: dict[str, Any], connect: Connect) -> Reference:
@@ -210,26 +239,45 @@ def _measure(scene: Scene, spacing: float, chosen: dict[str, Any], reference: Re
     off = frames[-1].arrays["points"][skin] - reference.points
     partners, failure = _solve(companion(program), connect)
     partner = partners[-1] if failure is None else None
-    estimate = frame_error(frames[-1], partner, skin, expected_order(program))
-    return replace(
+    other = far_companion(program)
+    others, failure = ((), "") if other is None else _solve(other, connect)
+    far = others[-1] if failure is None else None
+    estimate = frame_error(frames[-1], partner, skin, expected_order(program), far)
+    row = replace(
         row,
         error_mm=rms(off),
         error_max_mm=greatest(off),
-        estimate_mm=None if estimate is None or partner is None else estimate.rms,
-        estimate_max_mm=None if estimate is None or partner is None else estimate.greatest,
-        estimate_seconds=_seconds(partners),
+        estimate_seconds=_seconds(partners) + _seconds(others),
     )
+    if estimate is None or partner is None:
+        return row
+    return replace(
+        row,
+        estimate_mm=estimate.rms,
+        estimate_max_mm=estimate.greatest,
+        within_3=_within(estimate.rms, rms(off), reference.uncertainty),
+        max_within_3=_within(estimate.greatest, greatest(off), reference.uncertainty_max),
+    )
+
+
+def _within(estimate: float, error: float, uncertainty: float) -> bool | None:
+    return error / FACTOR <= estimate <= FACTOR * error if error > uncertainty else None
 
 
 def _convergence(scene: Scene, quadrature: int, reference: Reference, connect: Connect) -> Convergence | None:
     settings = {**(EXACT if scene.is_box else {**DEFAULT, "tolerance": 1e-4}), "quadrature": quadrature}
-    errors = []
+    errors: list[float] = []
+    away_errors: list[float] = []
     for spacing in scene.spacings:
         program = scene.program(spacing, **settings)
+        skin = skin_of(program)
         frames, reason = _solve(program, connect)
         if reason is not None:
             return None
-        errors.append(rms(frames[-1].arrays["points"][skin_of(program)] - reference.points))
+        off = frames[-1].arrays["points"][skin] - reference.points
+        errors.append(rms(off))
+        away = scene.away(program.epochs[-1].surface.points[skin])
+        away_errors.append(rms(off[away]))
     return Convergence(
         scene.name,
         quadrature,
@@ -237,4 +285,6 @@ def _convergence(scene: Scene, quadrature: int, reference: Reference, connect: C
         tuple(errors),
         tuple(observed_orders(scene.spacings, errors)),
         fitted_order(scene.spacings, errors),
+        tuple(away_errors) if scene.is_box else None,
+        fitted_order(scene.spacings, away_errors) if scene.is_box else None,
     )

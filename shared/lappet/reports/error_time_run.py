@@ -9,6 +9,7 @@ from pathlib import Path
 from lappet.reports.box_scenes import BOXES
 from lappet.reports.error_time import Scene, error_time
 from lappet.reports.error_time_files import write_error_time
+from lappet.reports.error_time_totals import totals
 from lappet.reports.procedure_scenes import ProcedureScene, scalp_flap, z_plasty_scene
 from lappet.reports.report_error import ReportError
 from lappet.reports.report_files import head, make_folder
@@ -18,8 +19,8 @@ NAMES = (*(scene.name for scene in BOXES), "z-plasty", "scalp-flap")
 
 def run_error_time(
     names: Sequence[str], folder: Path, quick: bool, say: Callable[[str], None] = lambda _: None
-) -> list[Path]:
-    """Measures the scenes (all where none is named) and writes the files; returns them.
+) -> tuple[str, list[Path]]:
+    """Measures the scenes (all where none is named) and writes the files. Returns the totals, sentences, and the files.
 
     quick: a coarser reference, and each setting varied alone. Raises ReportError for a name that is none, and where a
     reference cannot be solved.
@@ -36,8 +37,8 @@ def run_error_time(
             chosen = replace(scene, reference=tuple(2.0 * h for h in scene.reference), spacings=scene.spacings[:2])  # type: ignore[type-var]
         elif quick:
             chosen.spacings = scene.spacings[:2]  # type: ignore[misc]
-        reports.append(error_time(chosen, connect_to(None), product=scene.is_box and not quick, say=say))
-    return write_error_time(folder, circumstances, reports)
+        reports.append(error_time(chosen, connect_to(None), product=scene.every_combination and not quick, say=say))
+    return totals(reports), write_error_time(folder, circumstances, reports)
 
 
 def find_scene(name: str) -> Scene:

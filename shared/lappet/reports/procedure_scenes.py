@@ -5,6 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from lappet.procedure import Procedure
 from lappet.program import Program
 
@@ -22,7 +25,14 @@ class ProcedureScene:
     reference: tuple[float, float, float]
     surface_spacing: float = 1.0
     is_box: bool = False
+    smooth: bool = False
+    every_combination: bool = False
+    edge_exponent: float | None = None
     _program: Program | None = field(default=None, repr=False)
+
+    def away(self, points: NDArray[np.float64]) -> NDArray[np.bool_]:
+        """Everywhere: what is held is cut and sutured besides."""
+        return np.ones(len(points), np.bool_)
 
     def program(self, spacing: float, **settings: Any) -> Program:
         """The whole procedure at a spacing."""

@@ -15,12 +15,13 @@ LEAST_ORDER, GREATEST_ORDER = 0.8, 2.5
 @dataclass(frozen=True, eq=False)
 class Reference:
     """Positions (s, 3) in mm that errors are measured against. order: observed between the three spacings.
-    uncertainty: root mean square in mm, of how far the extrapolation may be off.
+    uncertainty, uncertainty_max: root mean square and greatest, in mm, of how far the extrapolation may be off.
     """
 
     points: NDArray[np.float64]
     order: float
     uncertainty: float
+    uncertainty_max: float
 
 
 def rms(vectors: NDArray[np.floating]) -> float:
@@ -44,7 +45,8 @@ def richardson(coarse: NDArray[np.float64], middle: NDArray[np.float64], fine: N
     order = min(max(observed, LEAST_ORDER), GREATEST_ORDER)
     added = (fine - middle) / (2.0**order - 1.0)
     regular = observed >= LEAST_ORDER
-    return Reference(fine + added, observed, rms(added) if regular else max(second, rms(added)))
+    off = added if regular or rms(added) > second else fine - middle
+    return Reference(fine + added, observed, rms(off), greatest(off))
 
 
 def observed_orders(spacings: Sequence[float], errors: Sequence[float]) -> list[float]:
