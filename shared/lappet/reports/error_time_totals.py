@@ -26,9 +26,9 @@ def totals(reports: Sequence[SceneReport]) -> str:
             f"{len(held) - len(judged)} cannot be judged."
         )
     lines += [
-        f"Outside: {row.scene} {row.spacing_mm:.3g} mm, quadrature {row.quadrature}, tolerance {row.tolerance:g}, {row.precision}, "
-        f"{row.preconditioner}: estimated {row.estimate_mm:.2g} (at most {row.estimate_max_mm:.2g}) mm, true "
-        f"{row.error_mm:.2g} (at most {row.error_max_mm:.2g}) mm."
+        f"Outside: {row.scene} {row.spacing_mm:.3g} mm, quadrature {row.quadrature}, tolerance {row.tolerance:g}, "
+        f"{row.precision}, {row.preconditioner}: {row.estimate_mm:.2g} mm rms and {row.estimate_max_mm:.2g} mm at most "
+        f"are estimated, {row.error_mm:.2g} mm and {row.error_max_mm:.2g} mm are true."
         for row in outside(rows)
     ]
     smooth = [found for report in reports if report.scene.smooth for found in report.convergence]
