@@ -30,8 +30,6 @@ BLOCK: Vector = (12.0, 12.0, 6.0)
 MIDDLE: Vector = (6.0, 6.0, 6.0)
 GAP = ("keeps a gap of",)
 BONE = ("deep into bone", "deep in bone")
-# What point loads that tear the tissue may end in.
-TORN = ("are inverted", "stiffness of a hook", "no equilibrium after", "no step lowers", "keeps a gap of")
 
 
 def constraint_cases() -> Iterator[Case]:
@@ -108,8 +106,8 @@ def _fights() -> Iterator[Case]:
 
     yield Case("hooks fight 3 mm apart", "fights", lambda: opposed(3.0, 2.0, 200.0))
     yield Case("hooks fight on one point", "fights", lambda: Scene(opposed(0.0, 4.0, 200.0), check=_stays))
-    yield Case("hooks of 10^6 mN/mm fight 3 mm apart", "fights", lambda: opposed(3.0, 5.0, 1e6), says=TORN)
-    yield Case("hooks cross over", "fights", lambda: opposed(6.0, -6.0, 200.0), says=TORN)
+    yield Case("hooks of 10^6 mN/mm fight 3 mm apart", "fights", lambda: opposed(3.0, 5.0, 1e6))
+    yield Case("hooks cross over", "fights", lambda: opposed(6.0, -6.0, 200.0))
     across = (((3.0, 6.0, 6.0), (9.0, 6.0, 6.0), 1000.0),)
     yield Case("suture over whole skin", "fights", lambda: block(BLOCK, 1.5, fixed=(BELOW,), sutures=across))
     held = (((0.0, 3.0, 3.0), (12.0, 3.0, 3.0), 1000.0),)
@@ -128,7 +126,7 @@ def _fights() -> Iterator[Case]:
         says=GAP,
     )
     fan = (((6.0, 6.0, 6.0), (8.0, 6.0, 6.0), 1e3), ((6.0, 6.0, 6.0), (4.0, 6.0, 6.0), 1e3))
-    yield Case("one point is sewn to two", "fights", lambda: block(BLOCK, 1.5, fixed=(BELOW,), sutures=fan), says=TORN)
+    yield Case("one point is sewn to two", "fights", lambda: block(BLOCK, 1.5, fixed=(BELOW,), sutures=fan))
     onto = (((6.0, 6.0, 6.0), (6.0, 6.0, 6.0), 1e3),)
     yield Case("a suture of a point to itself", "fights", lambda: block(BLOCK, 1.5, fixed=(BELOW,), sutures=onto))
 
@@ -137,7 +135,7 @@ def _fights() -> Iterator[Case]:
         pairs = [Suture(f"x_{k}", ((a, -1.5, 2.0), (b, 1.5, 2.0)), 2.0, 1.0) for k, (a, b) in enumerate(ends)]
         return _slit(*pairs)
 
-    yield Case("sutures cross", "fights", crossed, says=TORN)
+    yield Case("sutures cross", "fights", crossed)
 
     def pulled_apart(stiffness: float) -> Program:
         hooks = [
@@ -147,7 +145,7 @@ def _fights() -> Iterator[Case]:
         return _slit(*hooks, end=4.0)
 
     yield Case("hooks pull sutured edges apart", "fights", lambda: pulled_apart(200.0))
-    yield Case("hooks of 10^6 mN/mm pull sutured edges apart", "fights", lambda: pulled_apart(1e6), says=TORN)
+    yield Case("hooks of 10^6 mN/mm pull sutured edges apart", "fights", lambda: pulled_apart(1e6))
     fixed_hook = (((6.0, 6.0, 0.0), (6.0, 6.0, -4.0), 500.0),)
     yield Case("hook on a fixed face", "fights", lambda: block(BLOCK, 1.5, fixed=(BELOW,), hooks=fixed_hook))
     far = (((6.0, 6.0, 6.0), (6.0, 6.0, 1e6), 1e6),)
@@ -207,7 +205,7 @@ def _bone() -> Iterator[Case]:
         return above(0.0, gripped=(ABOVE,), motions=motion)
 
     yield Case("tissue pressed by 20 % onto bone", "bone", lambda: pressed(1.2))
-    yield Case("tissue pressed by 50 % onto bone", "bone", lambda: pressed(3.0), says=(*BONE, *TORN))
+    yield Case("tissue pressed by 50 % onto bone", "bone", lambda: pressed(3.0))
     yield Case(
         "a face held by a retractor is carried into bone",
         "bone",
@@ -223,4 +221,4 @@ def _bone() -> Iterator[Case]:
         says=BONE,
     )
     hook = ((6.0, 6.0, 0.0), (6.0, 6.0, -5.0), 500.0)
-    yield Case("hook pulls into bone", "bone", lambda: above(-0.5, fixed=(ABOVE,), hooks=(hook,)), says=(*BONE, *TORN))
+    yield Case("hook pulls into bone", "bone", lambda: above(-0.5, fixed=(ABOVE,), hooks=(hook,)))
