@@ -103,8 +103,8 @@ def sew(a: Vector, b: Vector, c: Vector, d: Vector) -> None:
         ("middle", (b, a, across(a - b, flap_1 - b)), (d, c, across(d - c, flap_2 - d)), 0.05, 0.95),
     )
     for row, height, count in ROWS:
-        for name, first_edge, second_edge, first, last in seams:
-            edges = [[at_height(p + BESIDE * side, height) for p in (p0, p1)] for p0, p1, side in (first_edge, second_edge)]
+        for name, one, other, first, last in seams:
+            edges = [[at_height(p + BESIDE * side, height) for p in (p0, p1)] for p0, p1, side in (one, other)]
             bpy.ops.lappet.suture_run(
                 name=f"{row}_{name}",
                 first_edge=points(edges[0]),

@@ -24,11 +24,11 @@ from lappet.store import FrameStore
 RATIO = 2.0  # of the spacings
 # Observed orders of convergence: smooth fields, and fields with wound edges, hooks and sutures (`lappet report
 # error-time` measures them).
-SMOOTH_ORDER, WOUNDED_ORDER = 1.5, 1.0
+SMOOTH_ORDER, WOUNDED_ORDER = 1.5, 1.25
 # The companion only has to be better than its own discretization. Sutures that are nearer to each other than its cells
 # contradict each other a little there: they get more room.
 COMPANION_TOLERANCE, COMPANION_GAP = 3e-3, 1e-2
-SUTURED_TOLERANCE, SUTURED_GAP = 1e-2, 5e-2
+SUTURED_TOLERANCE, SUTURED_GAP = 1e-2, 1e-1
 
 
 @dataclass(frozen=True)

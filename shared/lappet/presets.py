@@ -36,8 +36,8 @@ SKIN = Preset(
 )
 TAUT_SKIN = Preset(
     replace(SKIN.material, name="taut_skin", prestretch=(1.1, 1.05)),
-    "Not measured: skin under a mild tension, stretched in vivo by a tenth along its direction and half as much across. "
-    "Skin parts when it is cut, and what a flap gives up its tension takes up. Turn the direction to Langer's lines.",
+    "Not measured: skin under a mild tension, stretched in vivo by a tenth along its direction, half as much "
+    "across. It parts when it is cut, and takes up what a flap gives. Turn the direction to Langer's lines.",
     measured=False,
 )
 DERMIS_OF_THE_BACK = Preset(
