@@ -23,7 +23,7 @@ Vector = NDArray[np.float64]
 LIMB, ANGLE, THICKNESS, KERF = 20.0, 60.0, 4.0, 0.05  # mm, degrees, mm, mm
 INCISE, UNDERMINE, LIFT, TRANSPOSED, CLOSED, RELEASE, END = 3, 6, 8, 26, 36, 38, 40  # frames
 # Rows of sutures: name, height of the anchors above the underside (mm), stitches along a limb.
-ROWS = (("deep", 0.8, 7), ("dermal", 3.4, 14), ("skin", THICKNESS, 6))
+ROWS = (("deep", 0.8, 10), ("dermal", 3.4, 14), ("skin", THICKNESS, 10))
 BESIDE = KERF / 2 + 0.01  # mm from the middle of the cut to an anchor
 EAST, NORTH, UP = np.eye(3)
 
@@ -53,7 +53,7 @@ def build(spacing: float = 1.0) -> None:
     bpy.context.object.scale = (100.0, 80.0, 1.0)
     bpy.ops.object.transform_apply(location=False, rotation=False, scale=True)
     lappet = bpy.ops.lappet
-    lappet.tissue_set(object="Skin", thickness=THICKNESS, spacing=spacing, preset="SKIN")
+    lappet.tissue_set(object="Skin", thickness=THICKNESS, spacing=spacing, preset="TAUT_SKIN")
 
     design = z_plasty((0.0, 0.0, THICKNESS), (1.0, 0.0, 0.0), LIMB, ANGLE)
     a, b, c, d = (np.array(corner) for corner in design.curve)
@@ -94,22 +94,23 @@ def hook(name: str, tip: Vector, base: Vector, to: Vector, height: float) -> Non
 def sew(a: Vector, b: Vector, c: Vector, d: Vector) -> None:
     """Three rows of sutures along each of the three limbs of the closed Z."""
     flap_1, flap_2 = (a + b + c) / 3, (b + c + d) / 3
-    # The edges that meet: from, to, which way their tissue lies. The outer limbs end at a flap's base, where the skin
-    # was never cut; the new central limb ends at two tips.
+    # The edges that meet: from, to, which way their tissue lies; shares of them to the first and the last suture. The
+    # outer limbs begin at the tip of a flap, which their first suture holds, and end at its base, where the skin was
+    # never cut; the new central limb ends at two tips.
     seams = (
-        ("left", (b, c, across(c - b, flap_1 - b)), (d, c, -across(c - d, flap_2 - d)), 0.9),
-        ("right", (c, b, across(b - c, flap_2 - c)), (a, b, -across(b - a, flap_1 - a)), 0.9),
-        ("middle", (b, a, across(a - b, flap_1 - b)), (d, c, across(d - c, flap_2 - d)), 0.97),
+        ("left", (b, c, across(c - b, flap_1 - b)), (d, c, -across(c - d, flap_2 - d)), 0.03, 0.9),
+        ("right", (c, b, across(b - c, flap_2 - c)), (a, b, -across(b - a, flap_1 - a)), 0.03, 0.9),
+        ("middle", (b, a, across(a - b, flap_1 - b)), (d, c, across(d - c, flap_2 - d)), 0.05, 0.95),
     )
     for row, height, count in ROWS:
-        for name, first, second, last in seams:
-            edges = [[at_height(p + BESIDE * side, height) for p in (p0, p1)] for p0, p1, side in (first, second)]
+        for name, one, other, first, last in seams:
+            edges = [[at_height(p + BESIDE * side, height) for p in (p0, p1)] for p0, p1, side in (one, other)]
             bpy.ops.lappet.suture_run(
                 name=f"{row}_{name}",
                 first_edge=points(edges[0]),
                 second_edge=points(edges[1]),
                 count=count,
-                inset_start=0.03,
+                inset_start=first,
                 inset_end=1.0 - last,
                 start=TRANSPOSED,
                 duration=CLOSED - TRANSPOSED,

@@ -184,6 +184,33 @@ def test_lips_are_told_apart_at_rest_where_the_procedure_says_where_the_anchors_
     np.testing.assert_allclose(ends, [[4, -0.25, 0], [4, 0.25, 0]])
 
 
+def test_taut_skin_that_parts_as_it_is_cut_is_read_at_the_rest_that_its_cache_holds(tmp_path: Path) -> None:
+    usd = pytest.importorskip("pxr.Usd")
+    sdf = pytest.importorskip("pxr.Sdf")
+    usd_geom = pytest.importorskip("pxr.UsdGeom")
+    path = synthetic.write_cache(tmp_path, step=5.0)
+    stage = usd.Stage.Open(str(path))
+    mesh = usd_geom.Mesh(stage.GetPrimAtPath("/Procedure/Skin/epoch_01"))
+    rest = np.array(mesh.GetPointsAttr().Get(float(synthetic.INCISED)))
+    gaping = lips_apart(rest.astype(np.float64), 6.0)
+    mesh.GetPointsAttr().Set(rest)
+    mesh.GetPointsAttr().Set(gaping, float(synthetic.INCISED))
+    skin = stage.GetPrimAtPath("/Procedure/Skin/Sutures")
+    skin.CreateAttribute("primvars:label", sdf.ValueTypeNames.StringArray).Set([f"suture_{k + 1}" for k in range(4)])
+    anchors = [(4, -0.02, 0), (4, 0.02, 0)]
+    suture = stage.GetPrimAtPath("/Procedure/Timeline/suture_3")
+    suture.CreateAttribute("lappet:anchors", sdf.ValueTypeNames.Point3fArray).Set(anchors)
+    stage.GetRootLayer().Save()
+    cache = SkinCache(path)
+    epoch = cache.epochs[1]
+    assert np.abs(cache.positions(epoch, epoch.frames[0]) - gaping).max() < 1e-5
+    np.testing.assert_array_equal(cache.rest(epoch), rest)
+    points, ends = cache.suture_apart(epoch, 2)
+    np.testing.assert_array_equal(points, rest)
+    np.testing.assert_allclose(ends, anchors, atol=1e-6)
+    assert not buried(points, epoch.triangles, cache.depth(epoch), ends)
+
+
 def test_the_nearest_points_of_the_skin_to_points_above_it_are_below_them() -> None:
     rest, triangles, origin = synthetic.patch(4.0, False)
     points = rest.astype(np.float32)

@@ -94,6 +94,13 @@ def test_one_epoch_shows_at_every_frame_with_the_points_that_were_solved(
             assert np.array_equal(np.array(primvar.Get(time)), np.full(len(points), value, np.float32))
 
 
+def test_without_a_time_the_points_are_those_at_rest(cache: Path, program: Program) -> None:
+    stage = Usd.Stage.Open(str(cache))
+    for epoch in program.epochs:
+        points = mesh_at(stage, epoch.index).GetPointsAttr().Get()
+        assert np.array_equal(np.array(points), epoch.surface.points.astype(np.float32))
+
+
 def test_between_two_frames_an_epoch_is_shown_whole_or_not_at_all(cache: Path) -> None:
     stage = Usd.Stage.Open(str(cache))
     for time, index in ((1.0, 0), (2.0, 0), (2.5, 0), (2.99, 0), (3.0, 1), (3.5, 1), (8.0, 1)):

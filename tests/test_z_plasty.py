@@ -1,4 +1,4 @@
-"""The bundled Z-plasty at 1 mm, from its file through the real daemon: closed, flat, transposed, lengthened."""
+"""The bundled Z-plasty, from its file through the real daemon: closed, flat, transposed, lengthened."""
 
 from __future__ import annotations
 
@@ -8,9 +8,15 @@ import numpy as np
 import pytest
 from pxr import Usd, UsdGeom
 
+from lappet.daemon_solver import connect_to
 from lappet.demo import z_plasty
+from lappet.error_estimate import companion, expected_order, frame_error
+from lappet.program import Program
 from lappet.report import report
-from lappet.solve import solve_procedure
+from lappet.reports.error_time import DEFAULT, skin_of
+from lappet.reports.procedure_scenes import z_plasty_scene
+from lappet.reports.reference import greatest, rms
+from lappet.solve import FrameResult, Watcher, solve_procedure, solve_program
 from lappet.store import FrameStore
 
 THICKNESS = 4.0  # mm
@@ -60,3 +66,39 @@ def test_the_z_plasty_closes_lies_flat_and_turns_its_limb_by_90_degrees(tmp_path
     apart[normals @ normals.T > -0.3] = np.inf  # only walls that face each other
     assert np.median(apart.min(axis=1)) < 0.6
     assert np.quantile(apart.min(axis=1), 0.95) < 1.5
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(900)
+def test_the_z_plasty_rests_in_one_way_on_every_lattice_and_its_error_is_estimated_within_a_factor_of_three(
+    tmp_path: Path,
+) -> None:
+    scene = z_plasty_scene()
+    skin = skin_of(scene.program(2.0))
+
+    def last(program: Program) -> FrameResult:
+        found = solve_program(program, FrameStore(tmp_path), connect_to(None), "test", Watcher())
+        assert found.reason is None
+        return found.frames[-1]
+
+    def points(frame: FrameResult) -> np.ndarray:
+        return frame.arrays["points"][skin].astype(float)
+
+    # The truth: extrapolated from a halved spacing by the order that `lappet report error-time z-plasty` observes.
+    coarse, fine = (points(last(scene.program(spacing, **DEFAULT))) for spacing in (1.6, 0.8))
+    truth = fine + (fine - coarse) / (2.0**1.4 - 1.0)
+    for spacing, changed in ((2.0, {}), (2.0, {"quadrature": 4}), (2.0, {"tolerance": 1e-2}), (4.0 / 3.0, {})):
+        program = scene.program(spacing, **{**DEFAULT, **changed, "correction": True})
+        frame = last(program)
+        off = points(frame) - truth
+        # Slack skin rests 0.6 mm from the truth wherever it buckles the other way.
+        assert rms(off) < 0.1, (spacing, changed)
+        estimate = frame_error(frame, last(companion(program)), skin, expected_order(program))
+        assert estimate is not None
+        assert rms(off) / 3.0 < estimate.rms < 3.0 * rms(off), (spacing, changed, rms(off), estimate.rms)
+        assert greatest(off) / 3.0 < estimate.greatest < 3.0 * greatest(off), (
+            spacing,
+            changed,
+            greatest(off),
+            estimate.greatest,
+        )

@@ -1,4 +1,4 @@
-"""Builds z_plasty.usda: two 60° flaps with limbs of 20 mm on a flat patch of 100 x 80 x 4 mm, transposed and sutured.
+"""Builds z_plasty.usda: two 60° flaps with limbs of 20 mm on taut skin of 100 x 80 x 4 mm, transposed and sutured.
 
 Usage: python build.py [z_plasty.usda]
 """
@@ -12,7 +12,8 @@ import numpy as np
 
 from lappet.designs import ZPlasty, z_plasty
 from lappet.patch import flat_patch
-from lappet.procedure import Event, Hook, Incision, Landmark, Material, Point, Procedure, Suture, Undermine
+from lappet.presets import TAUT_SKIN
+from lappet.procedure import Event, Hook, Incision, Landmark, Point, Procedure, Suture, Undermine
 from lappet.usd_stage import write_procedure
 
 LIMB, ANGLE, THICKNESS = 20.0, 60.0, 4.0  # mm, degrees, mm
@@ -20,7 +21,7 @@ KERF = 0.05
 INCISE, UNDERMINE, LIFT, TRANSPOSED, CLOSED, RELEASE, END = 3, 6, 8, 26, 36, 38, 40  # time codes
 # Rows of sutures: name, height of the anchors above the underside (mm), stitches along a limb, first frame.
 # The buried rows hold the walls of the wound together, so that the stitches on the skin only have to meet its edges.
-ROWS = (("deep", 0.8, 7, TRANSPOSED), ("dermal", 3.4, 14, TRANSPOSED), ("skin", THICKNESS, 6, TRANSPOSED))
+ROWS = (("deep", 0.8, 10, TRANSPOSED), ("dermal", 3.4, 14, TRANSPOSED), ("skin", THICKNESS, 10, TRANSPOSED))
 BESIDE = KERF / 2 + 0.01  # mm from the middle of the cut to an anchor
 
 
@@ -40,17 +41,18 @@ def sutures(design: ZPlasty) -> list[Event]:
     """Three rows of sutures along each of the three limbs of the closed Z."""
     a, b, c, d = (np.array(p) for p in design.curve)
     flap_1, flap_2 = (a + b + c) / 3, (b + c + d) / 3
-    # The edges that meet: from, to, which way their tissue lies. The outer limbs end at a flap's base, where the skin
-    # was never cut; the new central limb ends at two tips.
+    # The edges that meet: from, to, which way their tissue lies; shares of them to the first and the last suture. The
+    # outer limbs begin at the tip of a flap, which their first suture holds, and end at its base, where the skin was
+    # never cut; the new central limb ends at two tips.
     seams = (
-        ("left", (b, c, across(c - b, flap_1 - b)), (d, c, -across(c - d, flap_2 - d)), 0.9),
-        ("right", (c, b, across(b - c, flap_2 - c)), (a, b, -across(b - a, flap_1 - a)), 0.9),
-        ("middle", (b, a, across(a - b, flap_1 - b)), (d, c, across(d - c, flap_2 - d)), 0.97),
+        ("left", (b, c, across(c - b, flap_1 - b)), (d, c, -across(c - d, flap_2 - d)), 0.03, 0.9),
+        ("right", (c, b, across(b - c, flap_2 - c)), (a, b, -across(b - a, flap_1 - a)), 0.03, 0.9),
+        ("middle", (b, a, across(a - b, flap_1 - b)), (d, c, across(d - c, flap_2 - d)), 0.05, 0.95),
     )
     events: list[Event] = []
     for row, height, count, start in ROWS:
-        for name, (p0, p1, p_side), (q0, q1, q_side), last in seams:
-            for k, share in enumerate(np.linspace(0.03, last, count)):
+        for name, (p0, p1, p_side), (q0, q1, q_side), first, last in seams:
+            for k, share in enumerate(np.linspace(first, last, count)):
                 ends = [p0 + share * (p1 - p0) + BESIDE * p_side, q0 + share * (q1 - q0) + BESIDE * q_side]
                 anchors = tuple((float(e[0]), float(e[1]), height) for e in ends)
                 events.append(
@@ -93,8 +95,8 @@ def build() -> Procedure:
         Landmark("flap_middles", (point((a + b + c) / 3), point((b + c + d) / 3)), "flap middle"),
     ]
     return Procedure(
-        tissue=flat_patch((100.0, 80.0, THICKNESS), resolution=2.0, spacing=1.0),
-        materials=(Material("skin", model="neoHookean", youngs_modulus=50.0, poissons_ratio=0.45),),
+        tissue=flat_patch((100.0, 80.0, THICKNESS), resolution=2.0, material="taut_skin", spacing=1.0),
+        materials=(TAUT_SKIN.material,),
         events=tuple(events),
         start_time=1,
         end_time=END,

@@ -31,14 +31,14 @@ RATIO = 2.0  # of the spacings
 # Orders of convergence: where nothing is held; where a held side meets a free one, whose stress is singular (between
 # the 1.2 that it leaves in the limit and 2); with wound edges, hooks and sutures. `lappet report error-time` measures
 # them.
-FREE_ORDER, HELD_ORDER, WOUNDED_ORDER = 2.0, 1.5, 1.0
+FREE_ORDER, HELD_ORDER, WOUNDED_ORDER = 2.0, 1.5, 1.25
 # What the second indicator is worth: in all boxes of the report the error of one point is 0.7 to 19 % of its distance
 # to full quadrature at four times the spacing.
 FAR_RATIO, FAR_QUADRATURE, ONE_POINT_SHARE = 4.0, 4, 0.022
 # The companion only has to be better than its own discretization. Sutures that are nearer to each other than its cells
 # contradict each other a little there: they get more room.
 COMPANION_TOLERANCE, COMPANION_GAP = 3e-3, 1e-2
-SUTURED_TOLERANCE, SUTURED_GAP = 1e-2, 5e-2
+SUTURED_TOLERANCE, SUTURED_GAP = 1e-2, 1e-1
 
 
 @dataclass(frozen=True)

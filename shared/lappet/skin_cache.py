@@ -122,6 +122,7 @@ def _write_epoch(stage: Any, epoch: Epoch, frames: Sequence[FrameResult], times:
     measured = [name for name in SCALARS if all(len(frame.arrays[name]) for frame in frames)]  # --no-strain: none
     scalars = {name: primvars.CreatePrimvar(name, types.FloatArray, tokens.vertex) for name in measured}
     points, velocities, extent = mesh.CreatePointsAttr(), mesh.CreateVelocitiesAttr(), mesh.CreateExtentAttr()
+    points.Set(_vectors(surface.points))  # at no time: at rest, which taut tissue leaves as soon as it is cut
     moved = [np.asarray(frame.arrays["points"], np.float32) for frame in frames]
     for i, frame in enumerate(frames):
         time = frame.constraints.time

@@ -86,7 +86,7 @@ def test_the_script_runs_by_itself_and_saves_what_it_made(tmp_path: Path) -> Non
         check=False,
     )
     assert run.returncode == 0, run.stderr[-2000:]
-    assert usd.read_text().count("LappetSutureAPI") == 81
+    assert usd.read_text().count("LappetSutureAPI") == 102
     bpy.ops.wm.open_mainfile(filepath=str(blend))
-    assert len(bpy.context.scene.lappet.events) == 89
+    assert len(bpy.context.scene.lappet.events) == 110
     assert bpy.context.scene.lappet.tissue.spacing == 2.0

@@ -167,4 +167,5 @@ def test_materials_show_what_they_have_and_where_a_presets_numbers_come_from(sce
     assert "fiber_k2" in drawn
     assert "activation" in drawn
     menu = draw(LAPPET_MT_presets, scene)
-    assert [each.given for each in menu] == [{"name": "fat", "preset": preset} for preset in ("SKIN", "DERMIS", "FAT")]
+    names = ("SKIN", "TAUT_SKIN", "DERMIS", "FAT")
+    assert [each.given for each in menu] == [{"name": "fat", "preset": preset} for preset in names]

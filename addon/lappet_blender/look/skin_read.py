@@ -40,6 +40,8 @@ class SkinCache:
                 f"{path} holds no skin (/Procedure/Skin/epoch_00); it is not a cache made by lappet solve."
             )
         self.epochs = tuple(e for e in (self._epoch(prim) for prim in meshes) if e.frames)
+        self._rest: dict[str, NDArray[np.float32]] = {}
+        self._at_rest: set[str] = set()  # epochs whose rest the cache holds
         self.frames = tuple(sorted({t for epoch in self.epochs for t in epoch.frames}))
         if not self.frames:
             raise FigureError(f"{path} holds a skin without frames; solve the procedure again (lappet solve).")
@@ -74,28 +76,35 @@ class SkinCache:
         return self._strands("Sutures", time)
 
     def rest(self, epoch: SkinEpoch) -> NDArray[np.float32]:
-        """Vertex positions (n, 3) of an epoch at its first frame, mm."""
-        return self.positions(epoch, epoch.frames[0])
+        """Vertex positions (n, 3) of an epoch at rest, mm; at its first frame where the cache does not hold them."""
+        if epoch.name not in self._rest:
+            points = np.asarray(epoch.prim.GetAttribute("points").Get() or (), np.float32).reshape(-1, 3) * self._mm
+            whole = len(points) > int(epoch.triangles.max(initial=-1)) and bool(np.isfinite(points).all())
+            if whole:
+                self._at_rest.add(epoch.name)
+            self._rest[epoch.name] = points if whole else self.positions(epoch, epoch.frames[0])
+        return self._rest[epoch.name]
 
     def depth(self, epoch: SkinEpoch) -> NDArray[np.float32]:
-        """How deep below the edge of the skin the vertices (n,) of walls and rims lie at its first frame, mm."""
+        """How deep below the edge of the skin the vertices (n,) of walls and rims lie at rest, mm."""
         return depth_below_skin(self.rest(epoch), epoch.triangles, epoch.origin)
 
     def suture_apart(self, epoch: SkinEpoch, index: int) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
         """Positions (n, 3) at which a suture's lips are easy to tell apart, and its ends (2, 3) there, mm.
 
-        Where the epoch begins before anything is held, this is its first frame with the anchors at rest: later, flaps
-        that overlap come between. Otherwise it is the first frame at which the suture is active.
+        This is at rest, where the cache holds that or the epoch begins before anything is held: later, flaps that
+        overlap come between. Otherwise it is the first frame at which the suture is active.
         """
         first = epoch.frames[0]
         skin = self._stage.GetPrimAtPath("/Procedure/Skin/Sutures")
         labels = skin.GetAttribute("primvars:label").Get() if skin else None
         held = min((e.start for e in self.events if e.kind in ("Hook", "Retractor", "Suture")), default=first)
-        if labels is not None and index < len(labels) and first <= held:
+        rest = self.rest(epoch)
+        if labels is not None and index < len(labels) and (first <= held or epoch.name in self._at_rest):
             prim = self._stage.GetPrimAtPath(f"/Procedure/Timeline/{labels[index]}")
             anchors = prim.GetAttribute("lappet:anchors").Get() if prim else None
             if anchors is not None and len(anchors) == 2:
-                return self.rest(epoch), np.asarray(anchors, np.float32) * np.float32(self._mm)
+                return rest, np.asarray(anchors, np.float32) * np.float32(self._mm)
         active = next(t for t in epoch.frames if self.sutures(t).active[index])
         return self.positions(epoch, active), self.sutures(active).ends[index]
 

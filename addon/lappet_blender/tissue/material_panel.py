@@ -84,7 +84,8 @@ def _material(layout: bpy.types.UILayout, context: bpy.types.Context, material: 
     column.prop(material, "fiber_direction")
     preset = PRESETS.get(material.name)
     if preset is not None:
-        draw_sentence(layout.box(), context, f"{preset.material.name.capitalize()} as preset: {preset.source}")
+        name = preset.material.name.capitalize().replace("_", " ")
+        draw_sentence(layout.box(), context, f"{name} as preset: {preset.source}")
 
 
 def _regions(layout: bpy.types.UILayout, procedure: bpy.types.PropertyGroup) -> None:

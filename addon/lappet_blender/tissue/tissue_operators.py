@@ -8,7 +8,9 @@ from lappet.presets import PRESETS
 from .act import UNDOABLE, Act, named_object
 from .set_tissue import set_tissue
 
-PRESET_ITEMS = tuple((name.upper(), name.capitalize(), preset.source) for name, preset in PRESETS.items())
+PRESET_ITEMS = tuple(
+    (name.upper(), name.capitalize().replace("_", " "), preset.source) for name, preset in PRESETS.items()
+)
 _OPEN_THICKNESS = 4.0  # mm, proposed for an open surface
 
 

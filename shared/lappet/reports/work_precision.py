@@ -46,7 +46,9 @@ def plot_scene(report: SceneReport, path: Path) -> None:
                     f"{row.spacing_mm:.3g} mm",
                     (row.seconds, row.error_mm or 0.0),
                     textcoords="offset points",
-                    xytext=(7, 6),
+                    xytext=(-7, -6),
+                    ha="right",
+                    va="top",
                     fontsize=8,
                 )
             estimated = [(row.seconds, row.estimate_mm) for row in curve if row.estimate_mm]
@@ -63,11 +65,13 @@ def plot_scene(report: SceneReport, path: Path) -> None:
             axes.plot(x, y, "-", color="0.82", lw=0.7, zorder=1)
     uncertain = report.reference.uncertainty
     axes.axhspan(1e-12, max(uncertain, 1e-12), color="0.93", zorder=0, lw=0)
+    axes.margins(x=0.1)  # room for the labels of the spacings
     axes.set_xscale("log")
     axes.set_yscale("log")
     errors = [row.error_mm for row in report.rows if row.error_mm]
     if errors:
-        axes.set_ylim(min(min(errors) / 2.0, max(uncertain, min(errors) / 10.0)), 2.0 * max(errors))
+        highest = max([*errors, *(row.estimate_mm for row in report.rows if row.default and row.estimate_mm)])
+        axes.set_ylim(min(min(errors) / 2.0, max(uncertain, min(errors) / 10.0)), 2.0 * highest)
     axes.set_xlabel("seconds of the daemon, lattice included")
     axes.set_ylabel("root mean square error of the skin, mm")
     axes.set_title(report.scene.what[0].upper() + report.scene.what[1:], fontsize=10, wrap=True)
