@@ -84,9 +84,7 @@ def test_the_z_plasty_rests_in_one_way_on_every_lattice_and_its_error_is_estimat
     def points(frame: FrameResult) -> np.ndarray:
         return frame.arrays["points"][skin].astype(float)
 
-    # The truth: extrapolated from a halved spacing by the order that `lappet report error-time z-plasty` observes.
-    coarse, fine = (points(last(scene.program(spacing, **DEFAULT))) for spacing in (1.6, 0.8))
-    truth = fine + (fine - coarse) / (2.0**1.4 - 1.0)
+    truth = points(last(scene.program(0.8, **DEFAULT)))  # within 0.04 mm of what finer lattices tend to
     for spacing, changed in ((2.0, {}), (2.0, {"quadrature": 4}), (2.0, {"tolerance": 1e-2}), (4.0 / 3.0, {})):
         program = scene.program(spacing, **{**DEFAULT, **changed, "correction": True})
         frame = last(program)

@@ -36,7 +36,7 @@ FREE_ORDER, HELD_ORDER, WOUNDED_ORDER = 2.0, 1.5, 1.25
 # to full quadrature at four times the spacing.
 FAR_RATIO, FAR_QUADRATURE, ONE_POINT_SHARE = 4.0, 4, 0.022
 # The companion only has to be better than its own discretization. Sutures that are nearer to each other than its cells
-# contradict each other a little there: they get more room.
+# contradict each other a little there: they get more room, and one point per cell, which bends where more would lock.
 COMPANION_TOLERANCE, COMPANION_GAP = 3e-3, 1e-2
 SUTURED_TOLERANCE, SUTURED_GAP = 1e-2, 1e-1
 
@@ -95,6 +95,7 @@ def companion(program: Program) -> Program:
         settings=replace(
             settings,
             spacing=RATIO * settings.spacing,
+            quadrature=1 if sutured else settings.quadrature,
             precision="float",
             tolerance=max(settings.tolerance, SUTURED_TOLERANCE if sutured else COMPANION_TOLERANCE),
             gap_tolerance=max(settings.gap_tolerance, SUTURED_GAP if sutured else COMPANION_GAP),
