@@ -58,7 +58,7 @@ from .figure_scene import (
     set_render,
     set_size,
 )
-from .figure_steps import Step, step_captions, story_steps
+from .figure_steps import Step, hook_height, step_captions, story_steps
 from .filmstrip import write_filmstrip
 from .framing import VIEWS, Region, surgical_region, viewpoint
 from .movie import encode_mp4
@@ -245,15 +245,10 @@ def _shrinks(size: tuple[int, int], panel: tuple[int, int]) -> bool:
 
 
 def _steps(cache: SkinCache, request: FigureRequest, normal: NDArray[np.float64], buried: int) -> list[Step]:
-    """The panels; normal: (3,), outwards from the skin at the wound, along which hooks lift."""
+    """The panels; normal: (3,), outwards from the skin at the wound."""
     if request.frames is not None and len(request.frames) > 1:
         return step_captions(cache.events, request.frames)
-
-    def height(time: float) -> float:
-        hooks = cache.hooks(time)
-        return float((hooks.ends[hooks.active, 0] @ normal).mean()) if hooks.active.any() else -np.inf
-
-    return story_steps(cache.events, cache.frames, height, buried)
+    return story_steps(cache.events, cache.frames, hook_height(cache, normal), buried)
 
 
 def _make_folder(folder: Path) -> None:
