@@ -119,7 +119,8 @@ def test_scenes_come_from_the_list_of_sizes(tmp_path: Path) -> None:
 def test_the_suite_holds_the_scenes_of_the_examples() -> None:
     listed = scenes.suite(Path(__file__).resolve().parents[1] / "examples")
     assert {"z_plasty", "rhomboid", "dual_s_plasty"} <= {scene.procedure.stem for scene in listed}
-    assert all(scene.fine is not None and scene.fine < scene.moderate for scene in listed)
+    assert all(scene.fine is None or scene.fine < scene.moderate for scene in listed)
+    assert {scene.procedure.stem for scene in listed if scene.fine is None} <= {"dufourmentel_mouly_head"}
 
 
 @pytest.mark.slow

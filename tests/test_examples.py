@@ -21,6 +21,7 @@ from lappet.full_check import full_check
 from lappet.lattice_size import TissueMeasure
 from lappet.procedure import Incision, Procedure
 from lappet.report import report
+from lappet.skin_sheet import SkinSheet
 from lappet.solve import solve_procedure
 from lappet.store import FrameStore
 from lappet.usd_stage import read_procedure
@@ -34,6 +35,7 @@ FOLDERS = (
     "dufourmentel_mouly",
     "rhomboid_scalp",
     "dufourmentel_mouly_scalp",
+    "dufourmentel_mouly_head",
     "dual_s_plasty",
     "prestretched_incision",
 )
@@ -41,7 +43,7 @@ FOLDERS = (
 
 def need(folder: str) -> None:
     """Skips where the head is not installed; CI installs it."""
-    if folder == "scalp_ellipse":
+    if folder in ("scalp_ellipse", "dufourmentel_mouly_head"):
         pytest.importorskip("mne", reason="the scalp is that of MNE's head: pip install 'lappet[examples]'")
 
 
@@ -115,6 +117,44 @@ def test_the_scalp_lies_on_the_skin_of_the_head_and_is_5_mm_thick() -> None:
     assert distance.max() < 1.02 * module.THICKNESS
 
 
+def test_the_bone_of_the_head_reaches_from_just_below_the_scalp_to_the_inner_surface_of_the_skull() -> None:
+    module = script("dufourmentel_mouly_head")
+    procedure = read_procedure(EXAMPLES / "dufourmentel_mouly_head" / "dufourmentel_mouly_head.usda")
+    (bone,) = procedure.bones
+    triangles = bone.face_vertex_indices.reshape(-1, 3)
+    edges = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
+    assert len(np.unique(edges, axis=0)) == len(edges)  # closed, all faces turned alike: each edge once each way
+    assert {tuple(edge) for edge in edges.tolist()} == {tuple(edge) for edge in edges[:, ::-1].tolist()}
+
+    outer, inner = np.split(bone.points, 2)
+    assert ClosestPoint(*module.surface("fsaverage-inner_skull-bem.fif")).query(inner)[2].max() < 0.1
+    # A parietal bone is 3 to 10 mm thick, the squama of the temporal one 2 mm: what the scalp leaves of the head's own
+    # distance between its skin and its brain is that.
+    thickness = np.linalg.norm(outer - inner, axis=1)
+    assert thickness.min() > 2.0
+    assert 5.0 < np.median(thickness) < 8.0
+
+    under = np.unique(procedure.tissue.face_vertex_indices.reshape(-1, 3)[procedure.tissue.subsets["bed"]])
+    corners = bone.points[triangles]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    face, closest, distance = ClosestPoint(bone.points, triangles).query(procedure.tissue.points[under])
+    apart = np.einsum("ij,ij->i", procedure.tissue.points[under] - closest, normals[face])
+    assert (apart > 0.0).all()  # outside of the bone
+    assert distance.min() > 0.5 * module.CLEARANCE
+    assert distance.max() < 2.0 * module.CLEARANCE
+
+
+def test_the_flap_on_the_head_is_as_large_on_its_curved_skin_as_it_was_drawn() -> None:
+    module = script("dufourmentel_mouly_head")
+    procedure = read_procedure(EXAMPLES / "dufourmentel_mouly_head" / "dufourmentel_mouly_head.usda")
+    defect = next(event for event in procedure.events if isinstance(event, Incision) and event.closed)
+    outline = np.array([*defect.points, defect.points[0]])
+    # What is drawn in a plane shrinks around its middle on a surface that curves both ways, at a distance r and a
+    # radius R of the head by r² / 6 R²: up to 1 % here.
+    assert 0.985 * 4 * module.SIDE < length(outline) < 1.001 * 4 * module.SIDE
+    assert np.abs(heights(procedure, outline)).max() < 1e-3
+
+
 @pytest.mark.slow
 @pytest.mark.timeout(600)
 @pytest.mark.parametrize(("folder", "spacing"), [("ellipse", 2.0), ("scalp_ellipse", 2.5)])
@@ -154,10 +194,9 @@ def test_an_excised_ellipse_closes_to_a_scar_as_long_as_its_arc(folder: str, spa
 
 
 def heights(procedure: Procedure, points: NDArray[np.float64]) -> NDArray[np.float64]:
-    """How far points (k, 3) stand above the skin at rest, mm; domes are about the origin."""
-    top = float(procedure.tissue.points[:, 2].max())
-    dome = len(procedure.bones) > 0
-    return np.asarray(np.linalg.norm(points, axis=1) - top if dome else points[:, 2] - top)
+    """How far points (k, 3) stand above the skin at rest, mm."""
+    closest, normals = SkinSheet.of(procedure.tissue).at(points)
+    return np.asarray(np.einsum("ij,ij->i", points - closest, normals))
 
 
 def area(outline: NDArray[np.float64]) -> float:
@@ -173,6 +212,7 @@ FLAPS = [
     ("dufourmentel_mouly", 2.0, 0.6),
     ("rhomboid_scalp", 2.0, 0.6),
     ("dufourmentel_mouly_scalp", 2.0, 0.6),
+    ("dufourmentel_mouly_head", 2.0, 0.6),
     ("dual_s_plasty", 1.8, 0.6),
 ]
 
@@ -223,10 +263,9 @@ def test_flaps_lie_in_the_defect_corner_in_corner_with_all_walls_closed(
     assert opening(first) > area(np.array(defect.points))
     assert opening(last) < 0.05 * area(np.array(defect.points))
 
-    thickness = -heights(procedure, procedure.tissue.points).min() if not procedure.bones else 0.0
-    if procedure.bones:
-        sizes = np.linalg.norm(procedure.tissue.points, axis=1)
-        thickness = float(sizes.max() - sizes.min())
+    triangles, faces = fan_triangles(procedure.tissue)
+    bed = np.unique(triangles[np.isin(faces, procedure.tissue.subsets["bed"])])
+    thickness = -heights(procedure, procedure.tissue.points[bed]).min()
     for seam in seams:
         for what in ("flap", "wound"):
             before, after = (heights(procedure, chain(frame, f"{seam} {what} edge")) for frame in (first, last))
@@ -245,12 +284,7 @@ def test_flaps_lie_in_the_defect_corner_in_corner_with_all_walls_closed(
     start = next(frame["time_code"] for frame in frames if frame["epoch"] == last["epoch"])
     before, after = (np.array(mesh.GetPointsAttr().Get(time))[rim] for time in (start, last["time_code"]))
     assert np.abs(after - before).max() < 1e-3
-    counts = procedure.tissue.face_vertex_counts
-    starts = np.concatenate([[0], np.cumsum(counts)[:-1]])
-    fixed = procedure.tissue.subsets["fixed"]
-    quads = procedure.tissue.face_vertex_indices[starts[fixed][:, None] + np.arange(4)]
-    assert (counts[fixed] == 4).all()
-    sides = np.vstack([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])
+    sides = triangles[np.isin(faces, procedure.tissue.subsets["fixed"])]
     assert ClosestPoint(procedure.tissue.points, sides).query(after)[2].max() < 0.02
 
 
@@ -263,7 +297,7 @@ def test_a_scene_has_the_cells_that_the_table_of_sizes_promises(folder: str) -> 
     triangles, _ = fan_triangles(procedure.tissue)
     measure = TissueMeasure(procedure.tissue.points, triangles)
     assert 42_000 < sizes["moderate"]["cells"] < 66_000
-    assert 280_000 < sizes["fine"]["cells"] < 970_000
+    assert "fine" not in sizes or 280_000 < sizes["fine"]["cells"] < 970_000
     for size in sizes.values():
         # No fewer than would fill the volume, less the defect; no more than `check` foretells.
         assert 0.95 * measure.volume / size["spacing"] ** 3 < size["cells"]

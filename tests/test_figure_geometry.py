@@ -4,19 +4,20 @@ from __future__ import annotations
 
 from itertools import pairwise
 from pathlib import Path
+from typing import cast
 
 import numpy as np
 import pytest
 
 import synthetic_skin_cache as synthetic
-from lappet_blender.figure.figure_steps import MOST_PANELS, step_captions, story_steps
+from lappet_blender.figure.figure_steps import MOST_PANELS, hook_height, step_captions, story_steps
 from lappet_blender.figure.framing import FIELD_FILL, surgical_region, viewpoint
 from lappet_blender.figure.sheet_layout import columns_for, sheet_layout
 from lappet_blender.look.dashed_line import DASH, GAP, dashes
 from lappet_blender.look.hook_path import ELEVATION, hook_directions, hook_path
 from lappet_blender.look.skin_fields import SKIN, WOUND_WALL, border_chains, depth_below_skin, uv_scale, vertex_normals
 from lappet_blender.look.skin_read import SkinCache
-from lappet_blender.look.skin_source import FigureError, StepEvent
+from lappet_blender.look.skin_source import FigureError, SkinSource, StepEvent, Strands
 from lappet_blender.look.suture_bites import BITE, Bite, Lip, bites_at, buried, find_bites, find_lip, inward
 from lappet_blender.look.suture_path import THREAD_RADIUS, stitch_path
 
@@ -332,6 +333,22 @@ def test_the_filmstrip_tells_the_operation_in_order(cache: SkinCache) -> None:
     assert all(a.frame < b.frame for a, b in pairwise(steps))
     assert steps[1].detail == "central limb"
     assert steps[4].detail == "4 sutures"
+
+
+def test_a_flap_on_the_side_of_a_head_is_lifted_most_where_it_stands_out_most_from_the_skin_there() -> None:
+    class Sideways:
+        """A hook that rises along x, up to frame 9, while it goes along z; another one that is never active."""
+
+        def hooks(self, time: float) -> Strands:
+            held = [[8.0 - abs(time - 9.0), 0.0, -100.0 + 3.0 * time], [0.0, 0.0, 0.0]]
+            ends = np.repeat(np.array(held, np.float32)[:, None], 2, axis=1)
+            return Strands(ends, np.array([6 <= time < 14, False]))
+
+    height = hook_height(cast(SkinSource, Sideways()), np.array([1.0, 0.0, 0.0]))
+    assert height(5.0) == -np.inf
+    hook, closing = StepEvent("Hook", "tip", 6, 14), StepEvent("Suture", "corner", 12, 16)
+    steps = story_steps([StepEvent("Incision", "limb", 2, 2), hook, closing], [float(t) for t in range(1, 18)], height)
+    assert [step.frame for step in steps if step.caption == "Lifted with hooks"] == [9.0]
 
 
 def test_a_flap_is_transposed_into_what_was_excised_and_the_edges_of_a_mere_excision_are_advanced() -> None:

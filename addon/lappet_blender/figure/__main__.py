@@ -20,6 +20,7 @@ from typing import Any, Protocol
 
 import bpy
 import numpy as np
+from numpy.typing import NDArray
 
 if hasattr(bpy.utils, "expose_bundled_modules"):
     bpy.utils.expose_bundled_modules()
@@ -57,7 +58,7 @@ from .figure_scene import (
     set_render,
     set_size,
 )
-from .figure_steps import Step, step_captions, story_steps
+from .figure_steps import Step, hook_height, step_captions, story_steps
 from .filmstrip import write_filmstrip
 from .framing import VIEWS, Region, surgical_region, viewpoint
 from .movie import encode_mp4
@@ -181,7 +182,7 @@ def draw_figures(
     for frame in stills:
         cache.epoch_at(frame)
     hidden = buried_sutures(cache)
-    steps = _steps(cache, request, len(hidden)) if request.filmstrip else []
+    steps = _steps(cache, request, surgical_region(cache, stills).normal, len(hidden)) if request.filmstrip else []
     movie = cache.frames if request.animation != "none" else ()
     shown = tuple(sorted({*stills, *(s.frame for s in steps), *movie, cache.frames[-1]}))
     region = surgical_region(cache, shown)
@@ -243,15 +244,11 @@ def _shrinks(size: tuple[int, int], panel: tuple[int, int]) -> bool:
     return size[0] >= panel[0] and abs(size[1] * panel[0] / size[0] - panel[1]) < 1.0
 
 
-def _steps(cache: SkinCache, request: FigureRequest, buried: int) -> list[Step]:
+def _steps(cache: SkinCache, request: FigureRequest, normal: NDArray[np.float64], buried: int) -> list[Step]:
+    """The panels; normal: (3,), outwards from the skin at the wound."""
     if request.frames is not None and len(request.frames) > 1:
         return step_captions(cache.events, request.frames)
-
-    def height(time: float) -> float:
-        hooks = cache.hooks(time)
-        return float(hooks.ends[hooks.active, 0, 2].mean()) if hooks.active.any() else 0.0
-
-    return story_steps(cache.events, cache.frames, height, buried)
+    return story_steps(cache.events, cache.frames, hook_height(cache, normal), buried)
 
 
 def _make_folder(folder: Path) -> None:

@@ -5,7 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from ..look.skin_source import StepEvent
+import numpy as np
+from numpy.typing import NDArray
+
+from ..look.skin_source import SkinSource, StepEvent
 
 MOST_PANELS = 6
 CUTTING = ("Incision", "Excision", "Undermine")
@@ -25,6 +28,16 @@ class Step:
 def spoken(name: str) -> str:
     """A prim name as a reader sees it: `central_limb` becomes `central limb`."""
     return name.replace("_", " ").strip()
+
+
+def hook_height(source: SkinSource, normal: NDArray[np.float64]) -> Callable[[float], float]:
+    """How far, in mm, the tissue that hooks hold stands out along a normal (3,) at a frame; -inf where none holds."""
+
+    def height(time: float) -> float:
+        hooks = source.hooks(time)
+        return float((hooks.ends[hooks.active, 0] @ normal).mean()) if hooks.active.any() else -np.inf
+
+    return height
 
 
 def _named(events: Sequence[StepEvent], most: int = 3) -> str:
