@@ -263,8 +263,8 @@ def test_flaps_lie_in_the_defect_corner_in_corner_with_all_walls_closed(
     assert opening(first) > area(np.array(defect.points))
     assert opening(last) < 0.05 * area(np.array(defect.points))
 
-    triangles, faces = fan_triangles(procedure.tissue)
-    bed = np.unique(triangles[np.isin(faces, procedure.tissue.subsets["bed"])])
+    triangles, face_of = fan_triangles(procedure.tissue)
+    bed = np.unique(triangles[np.isin(face_of, procedure.tissue.subsets["bed"])])
     thickness = -heights(procedure, procedure.tissue.points[bed]).min()
     for seam in seams:
         for what in ("flap", "wound"):
@@ -284,7 +284,7 @@ def test_flaps_lie_in_the_defect_corner_in_corner_with_all_walls_closed(
     start = next(frame["time_code"] for frame in frames if frame["epoch"] == last["epoch"])
     before, after = (np.array(mesh.GetPointsAttr().Get(time))[rim] for time in (start, last["time_code"]))
     assert np.abs(after - before).max() < 1e-3
-    sides = triangles[np.isin(faces, procedure.tissue.subsets["fixed"])]
+    sides = triangles[np.isin(face_of, procedure.tissue.subsets["fixed"])]
     assert ClosestPoint(procedure.tissue.points, sides).query(after)[2].max() < 0.02
 
 
