@@ -5,7 +5,6 @@
 #include "cell_kernels.h"
 #include "force/cell_corners.h"
 #include "force/material.h"
-#include "force/node_lanes_kernel.h"
 #include "force/product_kernel.h"
 #include "math/svd3.h"
 
@@ -166,16 +165,12 @@ struct CellParts {
   static void gather(const ElasticArrays<float>& arrays, std::int64_t begin, std::int64_t end, const float* field,
                      float* at) {
     for (std::int64_t group = begin; group < end; ++group)
-      arrays.nodes_of(group, w).for_each([&](int n, const std::int32_t* row, int shift) {
-        NodeLanes<Number>::gather(field + 3 * shift, row, at + (group * kBlockNodes + n) * 3 * w);
-      });
+      gather_block<Number>(arrays.nodes_of(group, w), field, at + group * kNumbers, [] {});
   }
   static void scatter(const ElasticArrays<float>& arrays, std::int64_t begin, std::int64_t end, const float* sum,
                       float* field) {
     for (std::int64_t group = begin; group < end; ++group)
-      arrays.nodes_of(group, w).for_each([&](int n, const std::int32_t* row, int shift) {
-        NodeLanes<Number>::scatter_add(field + 3 * shift, row, sum + (group * kBlockNodes + n) * 3 * w);
-      });
+      scatter_block<Number>(arrays.nodes_of(group, w), sum + group * kNumbers, field, [](int) {});
   }
 };
 

@@ -212,6 +212,29 @@ TEST(BlockLayout, AnUncutSlabOfWholeBlocksIsAllColumns) {
   EXPECT_EQ(layout.nodes.size(), 32U * 9 * 8);
 }
 
+TEST(BlockLayout, NeighboursAlongAColumnAreHalfTheLanesApart) {
+  LatticeSettings settings;
+  settings.fine_ratio = 2;
+  const Lattice lattice = build_lattice(test::box(Vec3::Zero(), Vec3(64, 8, 8)), settings);
+  for (const int lanes : {1, 2, 4, 8, 16}) {
+    const BlockLayout layout = lay_out_blocks(lattice, lanes);
+    std::size_t pairs = 0;
+    for (std::size_t group = 0; group < static_cast<std::size_t>(layout.groups); ++group)
+      for (int a = 0; a < lanes; ++a)
+        for (int b = 0; b < lanes; ++b) {
+          const auto node = [&](std::size_t n, int lane) {
+            return test::node_of(layout, group, n, static_cast<std::size_t>(lane));
+          };
+          if (node(2, a) != node(0, b)) continue;
+          ++pairs;
+          // the first of a pair where the second is; else the next pair's first is one lane on and half the lanes back
+          EXPECT_TRUE(b == a + lanes / 2 || b == a - lanes / 2 + 1) << lanes << " lanes: " << a << " and " << b;
+          EXPECT_GE(std::abs(b - a), lanes / 2 - 1);
+        }
+    EXPECT_EQ(pairs > 0, lanes > 1);
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(RandomCuts, CutLattices, ::testing::ValuesIn(test::kCutLattices),
                          [](const auto& info) { return test::name(info.param); });
 

@@ -3,6 +3,7 @@
 #pragma once
 #include <cstdint>
 
+#include "force/elastic_arrays.h"
 #include "math/instruction_set.h"
 
 namespace lappet {
@@ -30,6 +31,8 @@ struct KernelTwins {
   Function quadratic = nullptr;      // matrix (36), x (24) -> y (24)
   void (*gather)(const Real* field, const std::int32_t* index, Real* out) = nullptr;
   void (*scatter_add)(Real* field, const std::int32_t* index, const Real* values) = nullptr;
+  void (*gather_block)(const GroupNodes&, const Real* field, Real* at) = nullptr;
+  int (*scatter_block)(const GroupNodes&, const Real* sum, Real* field) = nullptr;  // how many lanes it told of
 };
 
 #define LAPPET_TWINS_OF(set)                         \

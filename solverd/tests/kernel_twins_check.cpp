@@ -523,6 +523,43 @@ TwinResult compare_nodes(const KernelTwins<Real>& twins) {
   return result;
 }
 
+// The same of whole blocks: columns of the grid, which may overlap by one or two nodes in any two lanes, and nodes each
+// on its own. What lanes share is added in no promised order: sums of whole numbers are exact in any.
+template <class Real>
+TwinResult compare_blocks(const KernelTwins<Real>& twins, bool grid) {
+  TwinResult result{grid ? "blocks of overlapping columns" : "blocks of single nodes", 0.0};
+  Random random;
+  const auto lanes = static_cast<std::size_t>(twins.lanes);
+  const auto rows = static_cast<std::size_t>(grid ? kBlockColumns : kBlockNodes);
+  constexpr std::size_t kNodes = 57, kNumbers = 3 * std::size_t{kBlockNodes};
+  for (std::size_t distinct = 1; distinct <= kNodes - 2; ++distinct, ++result.samples) {
+    alignas(64) Real values[kNumbers * 16], gathered[kNumbers * 16];
+    std::vector<Real> field(3 * kNodes), expected;  // exactly as long as the nodes, see above
+    std::vector<std::int32_t> index(rows * lanes);
+    const auto whole = [&] { return static_cast<Real>(std::floor(random.uniform(-99.0, 99.0))); };
+    for (auto& value : field) value = whole();
+    for (auto& node : index) node = static_cast<std::int32_t>(random.uniform(0.0, static_cast<double>(distinct)));
+    index.back() = static_cast<std::int32_t>(grid ? kNodes - 3 : kNodes - 1);
+    for (std::size_t i = 0; i < kNumbers * lanes; ++i) values[i] = whole();
+    expected = field;
+    const GroupNodes nodes{index.data(), twins.lanes, grid};
+    twins.gather_block(nodes, field.data(), gathered);
+    bool right = true;
+    for (std::size_t n = 0; n < kBlockNodes; ++n)
+      for (std::size_t lane = 0; lane < lanes; ++lane)
+        for (std::size_t i = 0; i < 3; ++i) {
+          const auto node = static_cast<std::size_t>(index[(grid ? n / 3 : n) * lanes + lane]) + (grid ? n % 3 : 0);
+          right = right && gathered[(3 * n + i) * lanes + lane] == field[3 * node + i];
+          expected[3 * node + i] += values[(3 * n + i) * lanes + lane];
+        }
+    const int told = twins.scatter_block(nodes, values, field.data());
+    if (right && field == expected && told == kBlockColumns * twins.lanes) continue;
+    result.worst = 1;
+    result.where = std::to_string(distinct) + " distinct rows";
+  }
+  return result;
+}
+
 }  // namespace
 
 template <class Real>
@@ -533,6 +570,7 @@ std::vector<TwinResult> compare_kernel_twins(const KernelTwins<Real>& twins, con
   compare_fibres(c, twins, reference);
   compare_cells(c, twins, reference);
   c.all.push_back(compare_nodes(twins));
+  for (const bool grid : {true, false}) c.all.push_back(compare_blocks(twins, grid));
   return c.all;
 }
 

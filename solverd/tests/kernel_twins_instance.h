@@ -157,8 +157,17 @@ struct TwinInstance {
     for (auto& row : x) take(in, row);
     for (auto& row : y)
       for (auto& value : row) value = Number(0);
-    add_quadratic(matrix, x, y);
+    for (int i = 0; i < 3; ++i) add_quadratic(matrix, x[i], y[i]);
     for (const auto& row : y) give(out, row);
+  }
+
+  static void gather(const GroupNodes& nodes, const Real* field, Real* at) {
+    gather_block<Number>(nodes, field, at, [] {});
+  }
+  static int scatter(const GroupNodes& nodes, const Real* sum, Real* field) {
+    int steps = 0;
+    scatter_block<Number>(nodes, sum, field, [&](int lanes) { steps += lanes; });
+    return steps;
   }
 
   static void fill(KernelTwins<Real>& twins) {
@@ -189,6 +198,8 @@ struct TwinInstance {
     twins.quadratic = &quadratic;
     twins.gather = &NodeLanes<Number>::gather;
     twins.scatter_add = &NodeLanes<Number>::scatter_add;
+    twins.gather_block = &gather;
+    twins.scatter_block = &scatter;
   }
 };
 

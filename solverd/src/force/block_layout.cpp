@@ -57,6 +57,13 @@ bool has_columns(const BlockNodes& nodes) {
   return true;
 }
 
+// Which of a group's blocks a lane takes. Blocks that follow one another are neighbours along a column: half the lanes
+// lie between them (column_lanes_kernel.h).
+std::size_t block_of_lane(std::size_t lane, std::size_t lanes) {
+  const std::size_t half = (lanes + 1) / 2;
+  return lane % half * 2 + lane / half;
+}
+
 // Appends groups of these blocks; the lanes that the last has too many repeat the first block, without cells.
 void append_groups(const Lattice& lattice, std::span<const Block> blocks, bool grid, BlockLayout& layout) {
   const auto lanes = static_cast<std::size_t>(layout.lanes);
@@ -67,8 +74,9 @@ void append_groups(const Lattice& lattice, std::span<const Block> blocks, bool g
     layout.node_start.push_back(static_cast<std::int64_t>(layout.nodes.size()));
     layout.cell_of_slot.resize((group + 1) * kBlockCells * lanes, -1);
     for (std::size_t lane = 0; lane < lanes; ++lane) {
-      const bool spare = first + lane >= blocks.size();
-      const Block& block = blocks[spare ? first : first + lane];
+      const std::size_t own = first + block_of_lane(lane, lanes);
+      const bool spare = own >= blocks.size();
+      const Block& block = blocks[spare ? first : own];
       const BlockNodes nodes = nodes_of(lattice, block);
       const std::int32_t any = *std::max_element(nodes.begin(), nodes.end());
       if (grid)

@@ -1,8 +1,10 @@
 // The tangent product, fused: gather the nodes of the blocks, differential and stabilization of each cell, scatter.
 //   dF = du grad N,   dP = U (T : U^T dF V) V^T,   y += dP grad N + hourglass terms
 #pragma once
+#include <algorithm>
+
 #include "force/cell_corners.h"
-#include "force/node_lanes_kernel.h"
+#include "force/column_lanes_kernel.h"
 #include "math/matrix3.h"
 
 namespace lappet {
@@ -104,19 +106,44 @@ inline void differential(const typename NumberTraits<Number>::Scalar* tangent,
   }
 }
 
-// y += Q x of the cells of a place, one symmetric 8x8 matrix per lane.
+// y += Q x of one component of the cells of a place, one symmetric 8x8 matrix per lane.
 template <class Number>
-inline void add_quadratic(const typename NumberTraits<Number>::Scalar* matrix, const Number (&x)[3][8],
-                          Number (&y)[3][8]) {
+inline void add_quadratic(const typename NumberTraits<Number>::Scalar* matrix, const Number (&x)[8], Number (&y)[8]) {
   int entry = 0;
   for (int a = 0; a < 8; ++a)
     for (int b = a; b < 8; ++b, ++entry) {
       const Number value = load<Number>(matrix + entry * kLanes<Number>);
-      for (int i = 0; i < 3; ++i) {
-        y[i][a] += value * x[i][b];
-        if (a != b) y[i][b] += value * x[i][a];
-      }
+      y[a] += value * x[b];
+      if (a != b) y[b] += value * x[a];
     }
+}
+
+// Memory and arithmetic take a product of a large tissue about as long as each other, and what a processor foresees by
+// itself is too little to overlap them: its prefetchers end at every page of 4 KiB, and rest while a group is gathered
+// and scattered (docs/performance.md).
+inline constexpr int kCacheLine = 64, kBytesAhead = 2560;
+
+// Walks through the tangents, kBytesAhead before their use, a few lines at each step that a group takes.
+struct TangentAhead {
+  const char* next;
+
+  [[gnu::always_inline]] void fetch(int lines) {
+    for (; lines > 0; --lines, next += kCacheLine) __builtin_prefetch(next);
+  }
+};
+
+// The nodes of the next group, half a column at each place: of the columns that no group before it has touched, since
+// blocks come in the order of their positions.
+template <class Number, class Scalar>
+[[gnu::always_inline]] inline void fetch_nodes(const GroupNodes& next, int place, const Scalar* x, const Scalar* y) {
+  constexpr int w = kLanes<Number>;
+  constexpr int kNewColumns[4] = {4, 5, 7, 8};
+  const int column = kNewColumns[place / 2];
+  const std::int32_t* row = next.nodes + (next.grid ? column : 3 * column) * w;
+  for (int lane = place % 2 * w / 2; lane < (place % 2 + 1) * w / 2; ++lane) {
+    __builtin_prefetch(x + 3 * static_cast<std::ptrdiff_t>(row[lane]));
+    __builtin_prefetch(y + 3 * static_cast<std::ptrdiff_t>(row[lane]));
+  }
 }
 
 // y += K x of the groups begin..end; x and y hold 3 numbers per node. Flattened, here and in the other fused kernels:
@@ -129,24 +156,31 @@ template <class Number, bool kOnePoint, bool kFibres, bool kPrestretched>
   using Scalar = typename NumberTraits<Number>::Scalar;
   constexpr int w = kLanes<Number>;
   const int points = kOnePoint ? 1 : arrays.points;
+  // Lines of tangents: of a point, and to fetch at each column, once when it is gathered and once when it is scattered,
+  // and at each place. Together they are a group's.
+  constexpr int point_lines = (kTangentFields * w * int{sizeof(Scalar)} + kCacheLine - 1) / kCacheLine;
+  constexpr int column_lines = kOnePoint ? w * int{sizeof(Scalar)} / 16 : 0;
+  constexpr int place_lines = point_lines - 2 * kBlockColumns * column_lines / kBlockCells;
   alignas(64) Scalar at[kBlockNodes][3][w];
   alignas(64) Scalar sum[kBlockNodes][3][w];
   for (std::int64_t group = begin; group < end; ++group) {
-    const GroupNodes nodes = arrays.nodes_of(group, w);
-    if (nodes.grid)
-      for (int c = 0; c < kBlockColumns; ++c)
-        for (int z = 0; z < 3; ++z) NodeLanes<Number>::gather(x + 3 * z, nodes.nodes + c * w, &at[3 * c + z][0][0]);
-    else
-      for (int n = 0; n < kBlockNodes; ++n) NodeLanes<Number>::gather(x, nodes.nodes + n * w, &at[n][0][0]);
+    const GroupNodes nodes = arrays.nodes_of(group, w), next = arrays.nodes_of(std::min(group + 1, end - 1), w);
+    TangentAhead tangents{
+        reinterpret_cast<const char*>(arrays.tangent + group * kBlockCells * points * kTangentFields * w) +
+        kBytesAhead};
+    gather_block<Number>(nodes, x, &at[0][0][0],
+                         [&]() __attribute__((always_inline)) { tangents.fetch(column_lines); });
     for (int n = 0; n < kBlockNodes; ++n)
       for (int i = 0; i < 3; ++i) store(Number(0), sum[n][i]);
     for (int place = 0; place < kBlockCells; ++place) {
       const std::int64_t cell = group * kBlockCells + place;
       const Scalar* material = arrays.material_of(cell);
+      fetch_nodes<Number>(next, place, x, y);
       Number corners[3][8], result[3][8], df[9];
       for (int i = 0; i < 3; ++i)
         for (int c = 0; c < 8; ++c) corners[i][c] = load<Number>(at[block_node(place, c)][i]);
       if constexpr (kOnePoint) {
+        tangents.fetch(place_lines);
         Number modes[3][4];
         for (int i = 0; i < 3; ++i) corner_sums(corners[i], df[3 * i], df[3 * i + 1], df[3 * i + 2], modes[i]);
         differential<kFibres, kPrestretched>(arrays.tangent + cell * kTangentFields * w, arrays.sigma + cell * 3 * w,
@@ -164,6 +198,7 @@ template <class Number, bool kOnePoint, bool kFibres, bool kPrestretched>
         for (auto& row : result)
           for (auto& value : row) value = Number(0);
         for (int q = 0; q < points; ++q) {
+          tangents.fetch(point_lines);
           const double* gradient = arrays.gradients + 24 * q;
           const std::int64_t point = cell * points + q;
           for (int i = 0; i < 3; ++i)
@@ -181,20 +216,26 @@ template <class Number, bool kOnePoint, bool kFibres, bool kPrestretched>
                 result[i][c] += df[3 * i + j] * Number(static_cast<Scalar>(gradient[8 * j + c]));
         }
       }
-      if (arrays.quadratic_of != nullptr && arrays.quadratic_of[cell] >= 0)
-        add_quadratic(arrays.quadratics + std::int64_t{arrays.quadratic_of[cell]} * 36 * w, corners, result);
       for (int i = 0; i < 3; ++i)
         for (int c = 0; c < 8; ++c) {
           Scalar* to = sum[block_node(place, c)][i];
           store(load<Number>(to) + result[i][c], to);
         }
+      // From memory to memory: registers that hold the corners for the few cells with a matrix are missed by all
+      // others.
+      if (arrays.quadratic_of != nullptr && arrays.quadratic_of[cell] >= 0)
+        for (int i = 0; i < 3; ++i) {
+          Number from[8], to[8];
+          for (int c = 0; c < 8; ++c) {
+            from[c] = load<Number>(at[block_node(place, c)][i]);
+            to[c] = load<Number>(sum[block_node(place, c)][i]);
+          }
+          add_quadratic(arrays.quadratics + std::int64_t{arrays.quadratic_of[cell]} * 36 * w, from, to);
+          for (int c = 0; c < 8; ++c) store(to[c], sum[block_node(place, c)][i]);
+        }
     }
-    if (nodes.grid)
-      for (int c = 0; c < kBlockColumns; ++c)
-        for (int z = 0; z < 3; ++z)
-          NodeLanes<Number>::scatter_add(y + 3 * z, nodes.nodes + c * w, &sum[3 * c + z][0][0]);
-    else
-      for (int n = 0; n < kBlockNodes; ++n) NodeLanes<Number>::scatter_add(y, nodes.nodes + n * w, &sum[n][0][0]);
+    scatter_block<Number>(nodes, &sum[0][0][0], y,
+                          [&](int lanes) __attribute__((always_inline)) { tangents.fetch(column_lines * lanes / w); });
   }
 }
 
