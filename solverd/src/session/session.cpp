@@ -106,6 +106,10 @@ class TypedSession : public Session::Implementation {
   EpochReport install(const EpochInput& epoch) {
     const auto start = std::chrono::steady_clock::now();
     check_epoch(epoch, settings_);
+    // After an epoch that is refused the session has none: the solver of the one before makes room.
+    epoch_.reset();
+    preconditioner_.reset();
+    system_.reset();
     LatticeSettings lattice_settings;
     lattice_settings.spacing = settings_.spacing;
     lattice_settings.fine_ratio = settings_.fine_ratio;
@@ -135,10 +139,10 @@ class TypedSession : public Session::Implementation {
     std::unique_ptr<Contact> contact = bones_ ? contact_with_bones(bones_, *lattice, epoch, settings_) : nullptr;
     EpochReport report;
     for (const std::int32_t group : attachments.node_group) report.fixed_nodes += group == kFixedGroup;
-    system_.reset();
-    preconditioner_.reset();
     lattice_ = std::move(lattice);
-    epoch_ = epoch;
+    epoch_.emplace();  // the surface alone: what else it says has gone into what was made of it
+    epoch_->index = epoch.index;
+    epoch_->surface = epoch.surface;
     system_ =
         std::make_unique<System<Real>>(*lattice_, std::move(materials), settings_.quadrature, std::move(attachments),
                                        settings_.retractors, settings_.bed_stiffness, settings_.gravity);

@@ -1,5 +1,7 @@
 #include "solve/frame_level.h"
 
+#include <tbb/task_arena.h>
+
 #include <algorithm>
 #include <limits>
 
@@ -142,9 +144,9 @@ void FrameLevel<Real>::assemble_next() {
     std::array<bool, 64> used{};
   };
   const std::size_t cells = coarse_->cell_nodes.size();
-  // A neighbour takes 18 kB: a batch of cells at a time.
-  constexpr std::size_t kBatch = 64;
-  std::vector<std::vector<Neighbour>> couplings(std::min(kBatch, cells));
+  // A neighbour takes 18 kB and a cell has up to 27: a batch of cells at a time, some for each thread.
+  const std::size_t batch = 4 * static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
+  std::vector<std::vector<Neighbour>> couplings(std::min(batch, cells));
   std::vector<std::int32_t> owner(lattice_.nodes);
   for (std::size_t c = 0; c < cells; ++c)
     for (auto s = coarse_->slot_start[c]; s < coarse_->slot_start[c + 1]; ++s)
@@ -209,8 +211,8 @@ void FrameLevel<Real>::assemble_next() {
   };
   auto& to = next_->matrix();
   to.set_zero();
-  for (std::size_t first = 0; first < cells; first += kBatch) {
-    const std::size_t count = std::min(kBatch, cells - first);
+  for (std::size_t first = 0; first < cells; first += batch) {
+    const std::size_t count = std::min(batch, cells - first);
     tbb::parallel_for(std::size_t{0}, count, [&](std::size_t k) { couple(first + k, couplings[k]); });
     for (std::size_t c = first; c < first + count; ++c)
       for (const auto& neighbour : couplings[c - first])

@@ -34,13 +34,25 @@ std::size_t FrameMatrix<Real>::slot(std::int32_t row, std::int32_t column) const
 }
 
 template <class Real>
-void FrameMatrix<Real>::gather(const CoarseLattice& lattice, std::span<const Real> cell_blocks) {
-  for_each_row(rows(), [&](std::size_t n) {
-    std::fill(block(first(n)), block(first(n)) + 36 * columns(n).size(), Real(0));
+void FrameMatrix<Real>::set_zero() {
+  for_each_index(blocks_.size(), [&](std::size_t i) { blocks_[i] = Real(0); });
+}
+
+template <class Real>
+void FrameMatrix<Real>::add(const CoarseLattice& lattice, std::size_t first_cell, std::span<const Real> cell_blocks) {
+  const std::size_t end_cell = first_cell + cell_blocks.size() / kFramePairSize;
+  std::vector<std::int32_t> touched;
+  for (std::size_t c = first_cell; c < end_cell; ++c)
+    touched.insert(touched.end(), lattice.cell_nodes[c].begin(), lattice.cell_nodes[c].end());
+  std::sort(touched.begin(), touched.end());
+  touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
+  for_each_row(touched.size(), [&](std::size_t row) {
+    const auto n = static_cast<std::size_t>(touched[row]);
     for (auto i = lattice.corner_start[n]; i < lattice.corner_start[n + 1]; ++i) {
       const auto cell = static_cast<std::size_t>(lattice.corners[static_cast<std::size_t>(i)] / 8);
+      if (cell < first_cell || cell >= end_cell) continue;
       const int k = lattice.corners[static_cast<std::size_t>(i)] % 8;
-      const Real* pairs = &cell_blocks[kFramePairSize * cell];
+      const Real* pairs = &cell_blocks[kFramePairSize * (cell - first_cell)];
       for (int l = 0; l < 8; ++l) {
         Real* to = block(slot(static_cast<std::int32_t>(n), lattice.cell_nodes[cell][static_cast<std::size_t>(l)]));
         if (l <= k) {

@@ -60,10 +60,10 @@ class FrameMatrix {
   const Real* diagonal(std::size_t row) const {
     return block(slot(static_cast<std::int32_t>(row), static_cast<std::int32_t>(row)));
   }
-  // Sets it to the sum over coarse cells of their blocks (kFramePairSize numbers each, as in
-  // projected_stiffness_kernel.h).
-  void gather(const CoarseLattice& lattice, std::span<const Real> cell_blocks);
-  void set_zero() { std::fill(blocks_.begin(), blocks_.end(), Real(0)); }
+  void set_zero();
+  // Adds the blocks (kFramePairSize numbers each, as in projected_stiffness_kernel.h) of the coarse cells from
+  // `first_cell` on. What is added cell after cell, in whatever batches, has the same bits.
+  void add(const CoarseLattice& lattice, std::size_t first_cell, std::span<const Real> cell_blocks);
   void multiply(std::span<const Real> x, std::span<Real> y) const;
   double largest_diagonal() const;
   std::size_t bytes() const { return blocks_.size() * sizeof(Real) + 4 * (row_start_.size() + column_.size()); }

@@ -7,6 +7,8 @@ namespace lappet {
 namespace {
 
 constexpr int kCoarsening = 4;
+// Coarse cells whose blocks (5 kB each in float) are held before they go into the matrix.
+constexpr std::size_t kBatch = 256;
 
 template <class Real>
 Vec3 now(const Lattice& lattice, std::span<const Real> u, std::size_t n) {
@@ -95,8 +97,8 @@ void RigidFrames<Real>::assemble_cells(const System<Real>& system, std::span<con
   constexpr std::size_t kLanes = Elastic<Real>::kProjectionLanes;
   const double inverse = 1.0 / (kCoarsening * lattice_.settings.spacing);
   const std::size_t coarse_cells = coarse_.cell_nodes.size();
-  std::vector<Real> pairs(kFramePairSize * coarse_cells);
-  tbb::parallel_for(std::size_t{0}, coarse_cells, [&](std::size_t coarse) {
+  std::vector<Real> pairs(kFramePairSize * std::min(kBatch, coarse_cells));
+  const auto project = [&](std::size_t coarse, Real* out) {
     alignas(64) Real weights[64 * kLanes], arms[24 * kLanes], blocks[kFramePairSize * kLanes] = {};
     const auto corner_weights = [&](std::size_t cell, int corner) -> const std::array<Real, 8>& {
       const auto n = static_cast<std::size_t>(lattice_.cell_nodes[cell][static_cast<std::size_t>(corner)]);
@@ -125,7 +127,6 @@ void RigidFrames<Real>::assemble_cells(const System<Real>& system, std::span<con
       }
       system.elastic().add_projected_stiffness(batch, weights, arms, blocks);
     }
-    Real* out = &pairs[kFramePairSize * coarse];
     for (std::size_t i = 0; i < kFramePairSize; ++i) {
       Real sum = 0;
       for (std::size_t lane = 0; lane < kLanes; ++lane) sum += blocks[kLanes * i + lane];
@@ -144,8 +145,14 @@ void RigidFrames<Real>::assemble_cells(const System<Real>& system, std::span<con
         Eigen::Map<Block> block(out + 36 * pair_of(k, l));
         block = (shift[k].transpose() * block * shift[l]).eval();
       }
-  });
-  level_.matrix().gather(coarse_, pairs);
+  };
+  auto& matrix = level_.matrix();
+  matrix.set_zero();
+  for (std::size_t first = 0; first < coarse_cells; first += kBatch) {
+    const std::size_t count = std::min(kBatch, coarse_cells - first);
+    tbb::parallel_for(std::size_t{0}, count, [&](std::size_t k) { project(first + k, &pairs[kFramePairSize * k]); });
+    matrix.add(coarse_, first, std::span(pairs).first(kFramePairSize * count));
+  }
 }
 
 template <class Real>

@@ -76,23 +76,28 @@ void System<Real>::find_fragments() {
       const std::int32_t a = find(nodes[0]), b = find(n);
       if (a != b) root[static_cast<std::size_t>(std::max(a, b))] = std::min(a, b);
     }
-  for (std::size_t n = 0; n < root.size(); ++n) root[n] = find(static_cast<std::int32_t>(n));
+  bool one = true;
+  for (std::size_t n = 0; n < root.size(); ++n) {
+    root[n] = find(static_cast<std::int32_t>(n));
+    one = one && root[n] == root[0];
+  }
+  if (one) root = {};
 }
 
 template <class Real>
 void System<Real>::find_floating_cells() {
   const Lattice& lattice = elastic_.lattice();
-  std::vector<std::uint8_t> held(free_.size(), 0);  // by root node
+  std::vector<std::uint8_t> held(free_.size(), 0);  // by fragment
   for (std::size_t n = 0; n < free_.size(); ++n)
-    if (!free_[n]) held[static_cast<std::size_t>(fragment_of_node_[n])] = 1;
+    if (!free_[n]) held[fragment(n)] = 1;
   for (const auto& form : attachments_.forms) {
     if (!acts(form) || (form.group == kBedGroup && !(bed_stiffness_ > 0.0))) continue;
     const std::int32_t node = lattice.cell_nodes[static_cast<std::size_t>(form.cell)][0];
-    held[static_cast<std::size_t>(fragment_of_node_[static_cast<std::size_t>(node)])] = 1;
+    held[fragment(static_cast<std::size_t>(node))] = 1;
   }
   floating_cells_.clear();
   for (std::size_t c = 0; c < lattice.cell_nodes.size(); ++c)
-    if (!held[static_cast<std::size_t>(fragment_of_node_[static_cast<std::size_t>(lattice.cell_nodes[c][0])])])
+    if (!held[fragment(static_cast<std::size_t>(lattice.cell_nodes[c][0]))])
       floating_cells_.push_back(static_cast<std::int32_t>(c));
   drift_stiffness_ = kDrift * elastic_.materials().table[0].youngs_modulus * lattice.settings.spacing *
                      std::min(1.0, kDriftCells / static_cast<double>(std::max<std::size_t>(floating_cells_.size(), 1)));
