@@ -172,8 +172,8 @@ class TypedSession : public Session::Implementation {
       for (const Vec3& rest : lattice_->node_rest)
         report.nodes_at_rest.insert(report.nodes_at_rest.end(), rest.begin(), rest.end());
     report.blocks = static_cast<std::int32_t>(system_->elastic().layout().blocks);
-    report.bytes = static_cast<double>(system_->bytes() + preconditioner_->bytes() + u_.size() * sizeof(Real) +
-                                       (bones_ ? bones_->bytes() : 0));
+    report.bytes = static_cast<double>(lattice_->bytes() + system_->bytes() + preconditioner_->bytes() +
+                                       u_.size() * sizeof(Real) + (bones_ ? bones_->bytes() : 0));
     release_freed_memory();
     report.seconds = seconds_since(start);
     return report;

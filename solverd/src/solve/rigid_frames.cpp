@@ -20,7 +20,7 @@ Vec3 now(const Lattice& lattice, std::span<const Real> u, std::size_t n) {
 template <class Real>
 RigidFrames<Real>::RigidFrames(const Lattice& lattice, std::size_t most_direct)
     : lattice_(lattice),
-      coarse_(coarsen(lattice.cell_nodes, lattice.cell_position, lattice.node_rest.size(), kCoarsening)),
+      coarse_(coarsen(lattice.cell_nodes, lattice.cell_positions(), lattice.node_rest.size(), kCoarsening)),
       level_(coarse_, most_direct) {
   for (const auto& entry : coarse_.weights()) {
     auto& to = weights_.emplace_back();
@@ -86,6 +86,7 @@ void RigidFrames<Real>::place_frames(const System<Real>& system, std::span<const
 
 template <class Real>
 void RigidFrames<Real>::assemble(const System<Real>& system, std::span<const Real> u) {
+  level_.release();
   place_frames(system, u);
   assemble_cells(system, u);
   assemble_ties(system);
@@ -102,7 +103,7 @@ void RigidFrames<Real>::assemble_cells(const System<Real>& system, std::span<con
     alignas(64) Real weights[64 * kLanes], arms[24 * kLanes], blocks[kFramePairSize * kLanes] = {};
     const auto corner_weights = [&](std::size_t cell, int corner) -> const std::array<Real, 8>& {
       const auto n = static_cast<std::size_t>(lattice_.cell_nodes[cell][static_cast<std::size_t>(corner)]);
-      const auto place = coarse_.corner_place(lattice_.cell_position[cell], coarse, corner);
+      const auto place = coarse_.corner_place(lattice_.cell_position(cell), coarse, corner);
       return system.is_free(n) ? weights_[static_cast<std::size_t>(coarse_.weight_index(place))] : weights_.back();
     };
     const std::span<const std::int32_t> cells =
@@ -189,7 +190,7 @@ void RigidFrames<Real>::assemble_ties(const System<Real>& system) {
       add_rows(lattice_.cell_nodes[static_cast<std::size_t>(pushed.cell)][k], pushed.weights[k], rows);
     const FrameTie push = rows.tie(pushed.stiffness);
     for (std::size_t a = 0; a < push.nodes.size(); ++a)
-      for (std::size_t b = 0; b < push.nodes.size(); ++b) {
+      for (std::size_t b = a; b < push.nodes.size(); ++b) {  // ascending
         const Eigen::Matrix<double, 6, 1> left = push.rows[a].transpose() * pushed.direction,
                                           right = push.rows[b].transpose() * pushed.direction;
         Eigen::Map<Eigen::Matrix<Real, 6, 6, Eigen::RowMajor>>(matrix.block(matrix.slot(
