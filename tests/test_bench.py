@@ -305,6 +305,16 @@ def test_the_twisted_sheet_is_pulled_as_far_as_it_says_on_any_number_of_threads(
     assert one.product_ms > 0
 
 
+@pytest.mark.slow
+@pytest.mark.timeout(300)
+def test_the_twisted_sheet_of_192_000_cells_takes_at_most_750_bytes_a_cell_at_its_peak(binary: Path) -> None:
+    fine = sheets.twisted(0.5, 1e-3, threads=2)
+    assert fine.converged
+    assert fine.cells == 200 * 120 * 8
+    assert 300 < fine.bytes_per_cell <= 750
+    assert fine.session_bytes_per_cell < fine.bytes_per_cell
+
+
 # --- files -------------------------------------------------------------------------------------------------------
 
 

@@ -43,7 +43,7 @@ class TissueMeasure:
         crossings = self.projected_area * (fine_ratio / spacing) ** 2
         lines = box / float(extent.min()) * fine_ratio**2
         masks = fine_ratio**3 / 2.0 + 64.0
-        rasterization = 4.0 * box + 8.0 * lines + 32.0 * crossings + masks * touched + 224.0 * occupied
+        rasterization = 4.0 * box + 8.0 * lines + 26.0 * crossings + masks * touched + 224.0 * occupied
         return LatticeSize(float(cells), float(rasterization + BYTES_PER_CELL * cells))
 
     def least_spacing(self, memory_budget: float, fine_ratio: int = 4) -> float:

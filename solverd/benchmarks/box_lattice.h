@@ -9,11 +9,10 @@ inline Lattice box_lattice(std::int32_t x, std::int32_t y, std::int32_t z) {
   const auto node = [&](std::int32_t i, std::int32_t j, std::int32_t k) { return (i * (y + 1) + j) * (z + 1) + k; };
   for (std::int32_t i = 0; i <= x; ++i)
     for (std::int32_t j = 0; j <= y; ++j)
-      for (std::int32_t k = 0; k <= z; ++k) lattice.node_rest.emplace_back(i, j, k);
+      for (std::int32_t k = 0; k <= z; ++k) lattice.node_rest.push_back({i, j, k});
   for (std::int32_t i = 0; i < x; ++i)
     for (std::int32_t j = 0; j < y; ++j)
       for (std::int32_t k = 0; k < z; ++k) {
-        lattice.cell_position.push_back({i, j, k});
         std::array<std::int32_t, 8> nodes{};
         for (std::int32_t c = 0; c < 8; ++c)
           nodes[static_cast<std::size_t>(c)] = node(i + (c >> 2), j + (c >> 1 & 1), k + (c & 1));

@@ -39,13 +39,13 @@ TEST_P(CutLattices, GridCellsConsistOfGridNodesAndMeshCellsHoldAMeshNode) {
   const auto copies_of = copies();
   std::int32_t grid = 0, mesh = 0;
   std::map<std::array<std::int32_t, 3>, int> at;
-  for (const auto& position : lattice_.cell_position) ++at[position];
+  for (const auto& position : lattice_.cell_positions()) ++at[position];
   for (std::size_t c = 0; c < cells(); ++c) {
     const bool on_grid = std::all_of(lattice_.cell_nodes[c].begin(), lattice_.cell_nodes[c].end(),
                                      [&](std::int32_t n) { return copies_of[static_cast<std::size_t>(n)] == 1; });
     ++(on_grid ? grid : mesh);
     if (on_grid) {
-      EXPECT_EQ(at[lattice_.cell_position[c]], 1) << "two cells at the place of a grid cell";
+      EXPECT_EQ(at[lattice_.cell_position(c)], 1) << "two cells at the place of a grid cell";
     }
     EXPECT_EQ(std::set<std::int32_t>(lattice_.cell_nodes[c].begin(), lattice_.cell_nodes[c].end()).size(), 8U);
   }
@@ -67,7 +67,7 @@ TEST_P(CutLattices, EveryCellIsInOneBlockAndNoPlaceOfABlockHasTwoCellsOrTwoNodes
       const std::int32_t cell = block.cells[static_cast<std::size_t>(place)];
       if (cell < 0) continue;
       ++seen[static_cast<std::size_t>(cell)];
-      const auto& p = lattice_.cell_position[static_cast<std::size_t>(cell)];
+      const auto& p = lattice_.cell_position(static_cast<std::size_t>(cell));
       EXPECT_EQ(p[0], 2 * block.position[0] + (place >> 2));
       EXPECT_EQ(p[1], 2 * block.position[1] + (place >> 1 & 1));
       EXPECT_EQ(p[2], 2 * block.position[2] + (place & 1));

@@ -44,7 +44,7 @@ MaterialRegion region(const Surface& skin, std::int32_t material, double from, d
 std::vector<MaterialParameters> table(std::size_t count) { return std::vector<MaterialParameters>(count); }
 
 Vec3 middle(const Lattice& lattice, std::size_t c) {
-  const auto& p = lattice.cell_position[c];
+  const auto& p = lattice.cell_position(c);
   return lattice.settings.origin + lattice.settings.spacing * Vec3(p[0] + 0.5, p[1] + 0.5, p[2] + 0.5);
 }
 
@@ -91,7 +91,7 @@ TEST(CellMaterials, ACutChangesNoMaterialAndBothCopiesOfACellAtAWoundHaveTheSame
     const CellMaterials materials = assign_materials(lattice, table(3), skin, regions);
     std::map<std::array<std::int32_t, 3>, int> found;
     for (std::size_t c = 0; c < lattice.cell_nodes.size(); ++c) {
-      const auto [at, fresh] = found.emplace(lattice.cell_position[c], materials.of_cell[c]);
+      const auto [at, fresh] = found.emplace(lattice.cell_position(c), materials.of_cell[c]);
       EXPECT_TRUE(fresh || at->second == materials.of_cell[c]);
     }
     return found;
@@ -136,9 +136,9 @@ TEST(CellMaterials, CellsOfADirectedMaterialHaveTheNormalOfTheSkinAboveThem) {
   directed[1].fibre_k1 = 10;
   EXPECT_TRUE(assign_materials(lattice, table(2), ball, {}).normal_of_cell.empty());
   const CellMaterials materials = assign_materials(lattice, directed, ball, {});
-  ASSERT_EQ(materials.normal_of_cell.size(), lattice.cell_position.size());
+  ASSERT_EQ(materials.normal_of_cell.size(), lattice.cell_nodes.size());
   EXPECT_TRUE(materials.of_cell.empty());
-  for (std::size_t c = 0; c < lattice.cell_position.size(); ++c) {
+  for (std::size_t c = 0; c < lattice.cell_nodes.size(); ++c) {
     const Vec3 radius = middle(lattice, c);
     if (radius.norm() < 3) continue;  // further in a facet's width counts
     EXPECT_GT(materials.normal_of_cell[c].cast<double>().dot(radius.normalized()), std::cos(2.5 * 3.1416 / 180));

@@ -38,6 +38,7 @@ inline CutSheet make_cut_sheet(int nx, int ny, int nz, int half_limb, double sti
   const auto cell = [&](int i, int j, int k) { return static_cast<std::size_t>((i * ny + j) * nz + k); };
   const std::size_t cells = cell(nx - 1, ny - 1, nz - 1) + 1;
   std::vector<std::size_t> root(8 * cells);
+  std::vector<GridPoint> position;
   std::iota(root.begin(), root.end(), std::size_t{0});
   const auto find = [&](std::size_t a) {
     while (root[a] != a) a = root[a] = root[root[a]];
@@ -46,7 +47,7 @@ inline CutSheet make_cut_sheet(int nx, int ny, int nz, int half_limb, double sti
   for (int i = 0; i < nx; ++i)
     for (int j = 0; j < ny; ++j)
       for (int k = 0; k < nz; ++k) {
-        lattice.cell_position.push_back({i, j, k});
+        position.push_back({i, j, k});
         const std::array<int, 3> next[3] = {{i + 1, j, k}, {i, j + 1, k}, {i, j, k + 1}};
         for (int axis = 0; axis < 3; ++axis) {
           if (next[axis][0] >= nx || next[axis][1] >= ny || next[axis][2] >= nz || is_cut(axis, i, j)) continue;
@@ -67,8 +68,8 @@ inline CutSheet make_cut_sheet(int nx, int ny, int nz, int half_limb, double sti
       auto& id = number[find(8 * c + k)];
       if (id < 0) {
         id = static_cast<std::int32_t>(lattice.node_rest.size());
-        const auto& p = lattice.cell_position[c];
-        lattice.node_rest.emplace_back(p[0] + int(k >> 2 & 1), p[1] + int(k >> 1 & 1), p[2] + int(k & 1));
+        const auto& p = position[c];
+        lattice.node_rest.push_back({p[0] + int(k >> 2 & 1), p[1] + int(k >> 1 & 1), p[2] + int(k & 1)});
       }
       lattice.cell_nodes[c][k] = id;
     }

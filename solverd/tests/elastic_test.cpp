@@ -59,7 +59,7 @@ class ElasticCells : public ::testing::TestWithParam<Case> {
     if (!has(kMixed)) return;
     materials_.table.push_back(second);
     for (std::size_t c = 0; c < lattice_.cell_nodes.size(); ++c) {
-      materials_.of_cell.push_back(lattice_.cell_position[c][2] == 0 ? 1 : 0);
+      materials_.of_cell.push_back(lattice_.cell_position(c)[2] == 0 ? 1 : 0);
       materials_.normal_of_cell.push_back(Eigen::Vector3f(0.1F, 0.2F * static_cast<float>(c % 3), 1.0F).normalized());
     }
   }

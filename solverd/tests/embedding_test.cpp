@@ -32,7 +32,7 @@ TEST(Embedding, EverySurfaceVertexReproducesItsPosition) {
   const Lattice lattice = build_lattice(ball, s);
   ASSERT_EQ(lattice.surface_points.size(), ball.points.size());
   for (std::size_t p = 0; p < ball.points.size(); ++p) {
-    EXPECT_LT((evaluate(lattice, lattice.surface_points[p], lattice.node_rest) - ball.points[p]).norm(), 1e-9);
+    EXPECT_LT((evaluate(lattice, lattice.surface_points[p], lattice.node_rest.all()) - ball.points[p]).norm(), 1e-9);
     for (const double w : lattice.surface_points[p].weights) EXPECT_LT(std::abs(w), 2.0);  // within a voxel of its cell
   }
 }
@@ -102,7 +102,7 @@ TEST(Embedding, MovingOneSideOfAWoundMovesOnlyThePointsOfThatSide) {
             grew = true;
           }
         }
-        std::vector<Vec3> positions = lattice.node_rest;
+        std::vector<Vec3> positions = lattice.node_rest.all();
         const Vec3 push(-3, 0.5, 1);
         for (std::size_t n = 0; n < positions.size(); ++n)
           if (moved[n]) positions[n] += push;
@@ -133,7 +133,7 @@ TEST(Embedding, BesideASlotThatEndsInsideEachWallFollowsItsOwnSide) {
         for (bool grew = true; grew;) {
           grew = false;
           for (std::size_t cell = 0; cell < lattice.cell_nodes.size(); ++cell) {
-            if (lattice.cell_position[cell][1] >= 6) continue;
+            if (lattice.cell_position(cell)[1] >= 6) continue;
             const auto& nodes = lattice.cell_nodes[cell];
             const auto count =
                 std::count_if(nodes.begin(), nodes.end(), [&](auto n) { return left[static_cast<std::size_t>(n)]; });
@@ -174,10 +174,10 @@ TEST(Embedding, AnAnchorTakesTheSideOfItsTriangle) {
         const EmbeddedPoint e = embed_on_triangle(lattice, slab.surface, Vec3(6.2, y, z), static_cast<std::int32_t>(t));
         const bool left = static_cast<std::size_t>(tri[0]) < slab.left_points;
         const auto cell = static_cast<std::size_t>(e.cell);
-        EXPECT_EQ(lattice.cell_position[cell][0], 6);
+        EXPECT_EQ(lattice.cell_position(cell)[0], 6);
         // The two copies of that cell share no node; the left one has the smaller volume (a quarter of the cell).
         EXPECT_EQ(lattice.cell_fill[cell] < 0.5F, left);
-        EXPECT_LT((evaluate(lattice, e, lattice.node_rest) - Vec3(6.2, y, z)).norm(), 1e-9);
+        EXPECT_LT((evaluate(lattice, e, lattice.node_rest.all()) - Vec3(6.2, y, z)).norm(), 1e-9);
       }
   }
   EXPECT_EQ(walls, 4);
@@ -189,7 +189,7 @@ TEST(Embedding, ACrumbWithoutAVoxelIsCarriedByTheNearestTissue) {
   const Lattice lattice = build_lattice(two, settings(1.0, 4));
   EXPECT_EQ(lattice.fragments, 1);
   for (std::size_t p = 8; p < 16; ++p) {
-    EXPECT_EQ(lattice.cell_position[static_cast<std::size_t>(lattice.surface_points[p].cell)],
+    EXPECT_EQ(lattice.cell_position(static_cast<std::size_t>(lattice.surface_points[p].cell)),
               (std::array<std::int32_t, 3>{3, 2, 2}));
   }
 }

@@ -63,7 +63,7 @@ void expect_sound(const Lattice& lattice) {
     for (std::size_t c = 0; c < 8; ++c) {
       const auto n = static_cast<std::size_t>(lattice.cell_nodes[cell][c]);
       used[n] = 1;
-      const auto& at = lattice.cell_position[cell];
+      const auto& at = lattice.cell_position(cell);
       const Vec3 corner(at[0] + double(c >> 2 & 1), at[1] + double(c >> 1 & 1), at[2] + double(c & 1));
       EXPECT_EQ(lattice.node_rest[n], lattice.settings.origin + lattice.settings.spacing * corner);
       const Vec3& p = lattice.node_rest[n];
@@ -98,7 +98,7 @@ TEST(Nonmanifold, ABoxBelowTheOriginHasNegativePositions) {
   const Lattice lattice = build_lattice(test::box(Vec3(-3, -2, -1), Vec3(1, 1, 1)), settings(1.0, 4));
   expect_sound(lattice);
   EXPECT_EQ(lattice.cell_nodes.size(), 4U * 3 * 2);
-  EXPECT_EQ(lattice.cell_position.front(), (std::array<std::int32_t, 3>{-3, -2, -1}));
+  EXPECT_EQ(lattice.cell_position(0), (std::array<std::int32_t, 3>{-3, -2, -1}));
 }
 
 TEST(Nonmanifold, TheVolumeOfABallByFillConverges) {
@@ -123,7 +123,7 @@ TEST(Nonmanifold, TheNumberingIsInGridOrderWithDuplicatesSideBySide) {
   };
   for (std::size_t n = 1; n < lattice.node_rest.size(); ++n)
     EXPECT_TRUE(less(lattice.node_rest[n - 1], lattice.node_rest[n]));
-  EXPECT_TRUE(std::is_sorted(lattice.cell_position.begin(), lattice.cell_position.end()));
+  EXPECT_TRUE(std::ranges::is_sorted(lattice.cell_positions()));
 }
 
 struct Cut {
@@ -205,7 +205,7 @@ TEST(Nonmanifold, ACutThatEndsInsideLeavesOnePieceWithMeshCellsAtTheCut) {
       EXPECT_EQ(lattice.fragments, 1);
       EXPECT_GE(lattice.mesh_cells, 7 * 3);
       EXPECT_GT(lattice.grid_cells, 12 * 10 * 3 / 2);
-      for (std::size_t cell = 0; cell < lattice.cell_nodes.size(); ++cell) EXPECT_LE(lattice.cell_position[cell][1], 9);
+      for (std::size_t cell = 0; cell < lattice.cell_nodes.size(); ++cell) EXPECT_LE(lattice.cell_position(cell)[1], 9);
       // Past the end of the cut nothing is duplicated.
       std::map<std::array<double, 3>, int> duplicates;
       for (const Vec3& p : lattice.node_rest) ++duplicates[{p.x(), p.y(), p.z()}];

@@ -125,7 +125,7 @@ TEST(Voxelize, EveryInnerVoxelIsInsideAndOnTheInnerSideOfItsTriangle) {
     const auto& tri = ball.triangles[static_cast<std::size_t>(t)];
     const Vec3 a = ball.points[static_cast<std::size_t>(tri[0])], b = ball.points[static_cast<std::size_t>(tri[1])],
                c = ball.points[static_cast<std::size_t>(tri[2])];
-    for (const Voxel& voxel : fine.inner_voxels(t)) {
+    for (const Voxel voxel : fine.inner_voxels(t)) {
       if (voxel[0] < 0) continue;
       ++seen;
       EXPECT_TRUE(fine.inside(voxel));

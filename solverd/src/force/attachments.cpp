@@ -14,7 +14,7 @@ namespace {
 // Samples of one face group in one cell that lie on the same lattice plane (side 0 to 5) or on none (side 6).
 struct Bucket {
   double area = 0.0;
-  std::array<double, 64> gram{};
+  std::array<double, 36> gram{};
 };
 
 struct RestingBucket {
@@ -82,16 +82,17 @@ Attachments attach(const Lattice& lattice, const Surface& surface, std::span<con
         for (int g = 0; g < count; ++g) {
           auto& bucket = buckets[{point.cell, groups[g], side}];
           bucket.area += sample_area;
+          double* entry = bucket.gram.data();
           for (std::size_t p = 0; p < 8; ++p)
-            for (std::size_t q = 0; q < 8; ++q)
-              bucket.gram[8 * p + q] += sample_area * point.weights[p] * point.weights[q];
+            for (std::size_t q = p; q < 8; ++q) *entry++ += sample_area * point.weights[p] * point.weights[q];
         }
       }
   }
 
   Attachments result;
   result.node_group.assign(lattice.node_rest.size(), kFree);
-  for (const auto& [key, bucket] : buckets) {
+  for (; !buckets.empty(); buckets.erase(buckets.begin())) {  // what has become a form makes room
+    const auto& [key, bucket] = *buckets.begin();
     const auto [cell, group, side] = key;
     if (group != kBedGroup && side != kNoSide && bucket.area >= 0.5 * h * h) {
       const int axis = side / 2, value = side % 2;

@@ -8,6 +8,7 @@
 // fast. Bed faces are the same form with the bed's stiffness and no multipliers. Undermined faces rest: they may lift
 // off and slide, but where they sink below the plane of their rest position the bed pushes back with its stiffness.
 #pragma once
+#include <Eigen/Core>
 #include <array>
 #include <cstdint>
 #include <span>
@@ -24,8 +25,17 @@ inline constexpr std::int32_t kFree = -3;
 struct FaceForm {
   std::int32_t cell;
   std::int32_t group;
-  double area;                  // what the form integrates 1 to, mm^2
-  std::array<double, 64> gram;  // integral of W^T W over the face inside the cell; held: scaled to the area h^2; mm^2
+  double area;  // what the form integrates 1 to, mm^2
+  // Integral of W^T W over the face inside the cell; held: scaled to the area h^2; mm^2. The upper triangle by rows.
+  std::array<double, 36> gram;
+
+  Eigen::Matrix<double, 8, 8> matrix() const {
+    Eigen::Matrix<double, 8, 8> m;
+    const double* entry = gram.data();
+    for (int p = 0; p < 8; ++p)
+      for (int q = p; q < 8; ++q) m(p, q) = m(q, p) = *entry++;
+    return m;
+  }
 };
 
 // The mean height n . sum_k weights_k u_k of a resting face inside a cell above its rest position, n inwards.

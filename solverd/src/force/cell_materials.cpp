@@ -119,16 +119,16 @@ CellMaterials assign_materials(const Lattice& lattice, std::vector<MaterialParam
   }
   const Tree tree(triangles.begin(), triangles.end(), boxes.begin(), boxes.end());
 
-  if (!regions.empty()) result.of_cell.assign(lattice.cell_position.size(), 0);
+  if (!regions.empty()) result.of_cell.assign(lattice.cell_nodes.size(), 0);
   std::vector<Vec3> normals;
   if (directional) {
-    result.normal_of_cell.resize(lattice.cell_position.size());
+    result.normal_of_cell.resize(lattice.cell_nodes.size());
     normals = point_normals(skin);
   }
   const double h = lattice.settings.spacing;
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, lattice.cell_position.size(), 256), [&](const auto& range) {
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, lattice.cell_nodes.size(), 256), [&](const auto& range) {
     for (std::size_t c = range.begin(); c != range.end(); ++c) {
-      const auto& [x, y, z] = lattice.cell_position[c];
+      const auto& [x, y, z] = lattice.cell_position(c);
       Closest closest{skin, lattice.settings.origin + h * Vec3(x + 0.5, y + 0.5, z + 0.5)};
       Eigen::BVMinimize(tree, closest);
       if (directional) {

@@ -14,15 +14,16 @@ constexpr double kLeastSpan = 1e-4;
 // Calls body(cell) for the cells that share a whole face with one. Cells lie in grid order.
 template <class Body>
 void for_each_neighbour(const Lattice& lattice, std::int32_t cell, const Body& body) {
-  const auto& positions = lattice.cell_position;
   const auto& nodes = lattice.cell_nodes[static_cast<std::size_t>(cell)];
   for (std::size_t axis = 0; axis < 3; ++axis)
     for (const int direction : {-1, 1}) {
-      auto place = positions[static_cast<std::size_t>(cell)];
+      GridPoint place = lattice.cell_position(static_cast<std::size_t>(cell));
       place[axis] += direction;
-      const auto [begin, end] = std::equal_range(positions.begin(), positions.end(), place);
+      const auto [begin, end] = std::ranges::equal_range(lattice.cell_nodes, place, {}, [&](const auto& corners) {
+        return lattice.node_rest.grid_point(static_cast<std::size_t>(corners[0]));
+      });
       for (auto found = begin; found != end; ++found) {
-        const auto other = static_cast<std::size_t>(found - positions.begin());
+        const auto other = static_cast<std::size_t>(found - lattice.cell_nodes.begin());
         const std::size_t bit = std::size_t{4} >> axis;
         bool whole = true;
         for (std::size_t c = 0; c < 8 && whole; ++c)
@@ -69,7 +70,7 @@ Bite bite(const Lattice& lattice, const EmbeddedPoint& anchor, double reach) {
     for_each_neighbour(lattice, cell, [&](std::int32_t next) {
       const auto place = std::lower_bound(seen.begin(), seen.end(), next);
       if (place != seen.end() && *place == next) return;
-      const auto& p = lattice.cell_position[static_cast<std::size_t>(next)];
+      const auto& p = lattice.cell_position(static_cast<std::size_t>(next));
       const Vec3 middle = lattice.settings.origin + h * Vec3(p[0] + 0.5, p[1] + 0.5, p[2] + 0.5);
       if ((middle - centre).norm() > reach) return;
       seen.insert(place, next);

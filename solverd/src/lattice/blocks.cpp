@@ -60,9 +60,9 @@ void collapse(const Lattice& lattice, std::vector<Block>& blocks) {
 }  // namespace
 
 std::vector<Block> build_blocks(const Lattice& lattice) {
-  const std::size_t count = lattice.cell_position.size();
+  const std::size_t count = lattice.cell_nodes.size();
   const auto region_of = [&](std::int32_t cell) {
-    const auto& p = lattice.cell_position[static_cast<std::size_t>(cell)];
+    const auto& p = lattice.cell_position(static_cast<std::size_t>(cell));
     return std::array<std::int32_t, 3>{half(p[0]), half(p[1]), half(p[2])};
   };
   std::vector<std::pair<std::array<std::int32_t, 3>, std::int32_t>> cells(count);
@@ -78,7 +78,7 @@ std::vector<Block> build_blocks(const Lattice& lattice) {
     std::size_t end = begin;
     for (; end < count && cells[end].first == region; ++end) {
       const std::int32_t cell = cells[end].second;
-      const auto& p = lattice.cell_position[static_cast<std::size_t>(cell)];
+      const auto& p = lattice.cell_position(static_cast<std::size_t>(cell));
       Block block{region, {-1, -1, -1, -1, -1, -1, -1, -1}};
       const int place = (p[0] - 2 * region[0]) << 2 | (p[1] - 2 * region[1]) << 1 | (p[2] - 2 * region[2]);
       block.cells[static_cast<std::size_t>(place)] = cell;

@@ -29,6 +29,17 @@ void check_volume(const Surface& surface, const LatticeSettings& settings, std::
 
 }  // namespace
 
+std::vector<GridPoint> Lattice::cell_positions() const {
+  std::vector<GridPoint> positions(cells());
+  for (std::size_t c = 0; c < positions.size(); ++c) positions[c] = cell_position(c);
+  return positions;
+}
+
+std::size_t Lattice::bytes() const {
+  return cells() * (sizeof(cell_nodes[0]) + sizeof(cell_fill[0])) + node_rest.size() * sizeof(GridPoint) +
+         surface_points.size() * sizeof(EmbeddedPoint) + (fine ? fine->bytes() : 0);
+}
+
 Lattice build_lattice(const Surface& surface, const LatticeSettings& settings) {
   Lattice lattice;
   lattice.settings = settings;

@@ -21,6 +21,7 @@ namespace {
 // it.
 constexpr double kRounding = 1e-7;
 constexpr int kMostVoxelsWalked = 256;
+constexpr std::size_t kRun = 32, kManyVoxels = 512;
 
 Vec3 centre(const Voxel& voxel) { return Vec3(voxel[0] + 0.5, voxel[1] + 0.5, voxel[2] + 0.5); }
 
@@ -58,6 +59,19 @@ Vec3 Embedder::surface_point(std::int32_t index) const {
          fine_.box().ratio * Vec3(low[0], low[1], low[2]);
 }
 
+// A triangle of many voxels has them looked through run by run: they follow the lines of the grid.
+std::span<const Eigen::AlignedBox3d> Embedder::runs_of(std::int32_t triangle) {
+  const auto voxels = fine_.inner_voxels(triangle);
+  if (voxels.size() < kManyVoxels) return {};
+  const auto [found, fresh] = runs_.try_emplace(triangle);
+  if (fresh)
+    for (std::size_t i = 0; i < voxels.size(); ++i) {
+      if (i % kRun == 0) found->second.emplace_back();
+      if (const Voxel voxel = voxels[i]; voxel[0] >= 0) found->second.back().extend(centre(voxel));
+    }
+  return found->second;
+}
+
 // The inside voxel on the inner side of the surface that is nearest to the point *along the surface*: a triangle
 // reached over an edge counts as at least as far as that edge is from the point, so the far wall of a narrow cut is as
 // far as the end of the cut.
@@ -79,12 +93,18 @@ Voxel Embedder::inner_voxel(const Vec3& point, std::span<const std::int32_t> tri
     auto& seen = seen_[static_cast<std::size_t>(triangle)];
     if (seen == search_) continue;
     seen = search_;
-    for (const Voxel& voxel : fine_.inner_voxels(triangle)) {
-      if (voxel[0] < 0) continue;
-      const double far = std::max(reach, (centre(voxel) - point).norm());
-      if ((far < best || (far == best && voxel < result)) && fine_.lattice_cell(voxel) >= 0) {
-        best = far;
-        result = voxel;
+    const auto voxels = fine_.inner_voxels(triangle);
+    const auto runs = runs_of(triangle);
+    for (std::size_t first = 0; first < voxels.size(); first += kRun) {
+      // Nudged down, so that a run that only touches the least distance is still looked at.
+      if (!runs.empty() && runs[first / kRun].squaredExteriorDistance(point) * (1.0 - 1e-12) > best * best) continue;
+      for (const Voxel voxel : voxels.subspan(first, std::min(kRun, voxels.size() - first))) {
+        if (voxel[0] < 0) continue;
+        const double far = std::max(reach, (centre(voxel) - point).norm());
+        if ((far < best || (far == best && voxel < result)) && fine_.lattice_cell(voxel) >= 0) {
+          best = far;
+          result = voxel;
+        }
       }
     }
     const auto& neighbours = fine_.neighbours(triangle);
@@ -103,7 +123,7 @@ Voxel Embedder::nearest_of_all(const Vec3& point) const {
   double best = std::numeric_limits<double>::infinity();
   Voxel result{-1, -1, -1};
   for (std::int32_t t = 0; t < fine_.triangle_count(); ++t)
-    for (const Voxel& voxel : fine_.inner_voxels(t)) {
+    for (const Voxel voxel : fine_.inner_voxels(t)) {
       const double far = (centre(voxel) - point).squaredNorm();
       if ((far < best || (far == best && voxel < result)) && fine_.lattice_cell(voxel) >= 0) {
         best = far;
@@ -162,7 +182,7 @@ EmbeddedPoint Embedder::embed(const Vec3& point, std::span<const std::int32_t> t
   if (voxel[0] < 0) voxel = nearest_of_all(at);
   EmbeddedPoint result;
   result.cell = walk_to_cell(at, voxel);
-  const auto& position = lattice_.cell_position[static_cast<std::size_t>(result.cell)];
+  const auto& position = lattice_.cell_position(static_cast<std::size_t>(result.cell));
   Vec3 local = grid - Vec3(position[0], position[1], position[2]);
   for (double& x : local)
     if (std::abs(x - std::round(x)) < kRounding) x = std::round(x);

@@ -12,6 +12,7 @@
 #include <span>
 #include <vector>
 
+#include "lattice/rest_positions.h"
 #include "lattice/surface.h"
 
 namespace lappet {
@@ -34,10 +35,9 @@ class FineVoxels;  // the rasterization behind a lattice, see voxelize.h
 
 struct Lattice {
   LatticeSettings settings;
-  std::vector<std::array<std::int32_t, 3>> cell_position;
   std::vector<std::array<std::int32_t, 8>> cell_nodes;
   std::vector<float> cell_fill;  // volume fraction, in [fill_floor, 1]
-  std::vector<Vec3> node_rest;   // mm
+  RestPositions node_rest;       // mm
 
   std::int64_t fine_voxels = 0;     // inside voxels
   std::int64_t dropped_voxels = 0;  // specks at sharp tips that the voxels do not hold together; the tissue around
@@ -48,6 +48,14 @@ struct Lattice {
 
   std::shared_ptr<const FineVoxels> fine;     // kept for embedding and for state transfer
   std::vector<EmbeddedPoint> surface_points;  // one per surface vertex, side decided by fine-voxel connectivity
+
+  std::size_t cells() const { return cell_nodes.size(); }
+  // The grid point of a cell's corner 0.
+  const GridPoint& cell_position(std::size_t cell) const {
+    return node_rest.grid_point(static_cast<std::size_t>(cell_nodes[cell][0]));
+  }
+  std::vector<GridPoint> cell_positions() const;
+  std::size_t bytes() const;
 };
 
 // Builds the lattice of a closed surface, and embeds its vertices. Throws RefusedError (see refused.h) naming the

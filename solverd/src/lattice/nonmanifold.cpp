@@ -110,8 +110,14 @@ std::vector<CopyLink> find_links(const FineVoxels& fine) {
       }
     }
   });
+  std::size_t count = 0;
+  for (const auto& chunk : chunks) count += chunk.size();
   std::vector<CopyLink> links;
-  for (const auto& chunk : chunks) links.insert(links.end(), chunk.begin(), chunk.end());
+  links.reserve(count);
+  for (auto& chunk : chunks) {
+    links.insert(links.end(), chunk.begin(), chunk.end());
+    chunk = {};
+  }
   return links;
 }
 
@@ -141,7 +147,7 @@ std::int64_t drop_specks(const FineVoxels& fine, Fragments& fragments) {
   // Which fragments each part of the surface bounds, and the largest of them.
   std::vector<std::pair<std::int32_t, std::int32_t>> bounds;  // part, fragment
   for (std::int32_t t = 0; t < fine.triangle_count(); ++t)
-    for (const Voxel& voxel : fine.inner_voxels(t)) {
+    for (const Voxel voxel : fine.inner_voxels(t)) {
       const std::int32_t copy = fine.copy_of(voxel);
       if (copy < 0) continue;
       const std::pair pair{fine.part_of(t), fragments.of_copy[static_cast<std::size_t>(copy)]};
@@ -203,6 +209,7 @@ void build_cells(FineVoxels& fine, std::span<const CopyLink> links, const Fragme
   std::vector<std::int32_t> cell_of_copy(static_cast<std::size_t>(copies), -1);
   std::vector<std::int32_t> first_copy_of_cell;
   std::vector<std::int64_t> voxels;
+  std::vector<GridPoint> position;  // by cell
   for (std::int32_t cell = 0; cell < fine.occupied_count(); ++cell) {
     const std::size_t start = voxels.size();
     for (std::int32_t copy = fine.first_copy(cell); copy < fine.first_copy(cell + 1); ++copy) {
@@ -218,7 +225,7 @@ void build_cells(FineVoxels& fine, std::span<const CopyLink> links, const Fragme
         voxels.push_back(0);
         first_copy_of_cell.push_back(copy);
         const auto& at = fine.position(cell);
-        lattice.cell_position.push_back({box.low[0] + at[0], box.low[1] + at[1], box.low[2] + at[2]});
+        position.push_back({box.low[0] + at[0], box.low[1] + at[1], box.low[2] + at[2]});
       }
       voxels[match] += fine.voxels_of_copy(copy);
       cell_of_copy[static_cast<std::size_t>(copy)] = static_cast<std::int32_t>(match);
@@ -232,8 +239,8 @@ void build_cells(FineVoxels& fine, std::span<const CopyLink> links, const Fragme
     bool operator<(const Node& other) const { return place != other.place ? place < other.place : root < other.root; }
   };
   const auto grid_point = [&](std::size_t cell, std::int32_t c) {
-    const auto& p = lattice.cell_position[cell];
-    return std::array<std::int32_t, 3>{p[0] + (c >> 2 & 1), p[1] + (c >> 1 & 1), p[2] + (c & 1)};
+    const auto& p = position[cell];
+    return GridPoint{p[0] + (c >> 2 & 1), p[1] + (c >> 1 & 1), p[2] + (c & 1)};
   };
   std::vector<Node> nodes;
   for (std::size_t cell = 0; cell < voxels.size(); ++cell)
@@ -258,6 +265,7 @@ void build_cells(FineVoxels& fine, std::span<const CopyLink> links, const Fragme
   const double cell_voxels = double(r) * r * r;
   lattice.cell_nodes.resize(voxels.size());
   lattice.cell_fill.resize(voxels.size());
+  lattice.node_rest = RestPositions(lattice.settings.origin, lattice.settings.spacing);
   lattice.node_rest.resize(nodes.size());
   for (std::size_t cell = 0; cell < voxels.size(); ++cell) {
     bool on_grid = true;
@@ -265,8 +273,7 @@ void build_cells(FineVoxels& fine, std::span<const CopyLink> links, const Fragme
       const auto node = static_cast<std::size_t>(
           node_of_root[static_cast<std::size_t>(corners.root(8 * first_copy_of_cell[cell] + c))]);
       lattice.cell_nodes[cell][static_cast<std::size_t>(c)] = static_cast<std::int32_t>(node);
-      const auto p = grid_point(cell, c);
-      lattice.node_rest[node] = lattice.settings.origin + lattice.settings.spacing * Vec3(p[0], p[1], p[2]);
+      lattice.node_rest.grid_point(node) = grid_point(cell, c);
       on_grid = on_grid && !has_duplicate[node];
     }
     ++(on_grid ? lattice.grid_cells : lattice.mesh_cells);

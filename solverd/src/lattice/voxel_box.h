@@ -14,7 +14,25 @@ inline constexpr std::int64_t kSteps = std::int64_t{1} << kStepBits;  // integer
 // Coordinates stay below 2^30 steps: edge functions then fit 64 bits, plane functions 128.
 inline constexpr std::int64_t kMostVoxelsPerAxis = (std::int64_t{1} << 30) / kSteps;
 
-using Voxel = std::array<std::int32_t, 3>;      // relative to the box
+using Voxel = std::array<std::int32_t, 3>;  // relative to the box
+
+// A voxel of a box, or none, {-1, -1, -1}, in half the memory: a box has fewer than 2^16 voxels along an axis.
+class PackedVoxel {
+ public:
+  PackedVoxel() = default;
+  explicit PackedVoxel(const Voxel& voxel)
+      : at_{static_cast<std::uint16_t>(voxel[0]), static_cast<std::uint16_t>(voxel[1]),
+            static_cast<std::uint16_t>(voxel[2])} {}
+  operator Voxel() const {
+    if ((at_[0] & at_[1] & at_[2]) == kNone) return {-1, -1, -1};
+    return {at_[0], at_[1], at_[2]};
+  }
+
+ private:
+  static constexpr std::uint16_t kNone = 0xFFFF;
+  std::uint16_t at_[3]{kNone, kNone, kNone};
+};
+
 using StepPoint = std::array<std::int64_t, 3>;  // steps, relative to the box
 
 struct VoxelBox {

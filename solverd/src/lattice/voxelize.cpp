@@ -80,6 +80,10 @@ struct FineVoxels::Builder {
 
   void number_cells() {
     std::int32_t blocks = 0;
+    const auto occupied = static_cast<std::size_t>(
+        std::ranges::count_if(out.occupied_, [](std::int32_t number) { return number != kEmpty; }));
+    out.block_.reserve(occupied);
+    out.position_.reserve(occupied);
     for (std::int32_t x = 0; x < out.box_.cells[0]; ++x)
       for (std::int32_t y = 0; y < out.box_.cells[1]; ++y)
         for (std::int32_t z = 0; z < out.box_.cells[2]; ++z) {
@@ -87,7 +91,7 @@ struct FineVoxels::Builder {
           if (number == kEmpty) continue;
           out.block_.push_back(number == kTouched ? blocks++ : -1);
           number = static_cast<std::int32_t>(out.position_.size());
-          out.position_.push_back({x, y, z});
+          out.position_.push_back(PackedVoxel({x, y, z}));
         }
     const auto r = static_cast<std::size_t>(out.box_.ratio);
     out.words_ = (r * r * r + 63) / 64;
@@ -141,14 +145,14 @@ struct FineVoxels::Builder {
           if (before > 0)
             for (const std::uint32_t i : list)
               if (crossings.all[i].winding < 0) {
-                out.inner_[i] = voxel;
+                out.inner_[i] = PackedVoxel(voxel);
                 break;
               }
           if (after > 0)
             for (std::size_t k = list.size(); k-- > 0;)
               if (crossings.all[list[k]].winding > 0) {
                 ++voxel[axis];
-                out.inner_[list[k]] = voxel;
+                out.inner_[list[k]] = PackedVoxel(voxel);
                 break;
               }
         };
@@ -250,7 +254,7 @@ FineVoxels::FineVoxels(const Surface& surface, const LatticeSettings& settings) 
     throw RefusedError(ErrorCode::kMemoryBudget, "The surface crosses the fine grid " + number(double(first.back())) +
                                                      " times; use a larger spacing or a smaller fine ratio.");
   builder.crossings = find_crossings(quantized.points, surface.triangles, box_, std::move(first));
-  inner_.assign(builder.crossings.all.size(), Voxel{-1, -1, -1});
+  inner_.assign(builder.crossings.all.size(), PackedVoxel());
   builder.mark_touched();
   for (const std::size_t axis : {std::size_t{2}, std::size_t{1}, std::size_t{0}}) {
     const CentreLines lines(builder.crossings, axis, box_);
@@ -276,7 +280,6 @@ FineVoxels::FineVoxels(const Surface& surface, const LatticeSettings& settings) 
   inner_first_ = std::move(builder.crossings.first);
   builder.crossings.all = {};
   builder.make_copies();
-  lattice_cell_.assign(static_cast<std::size_t>(copy_count()), -1);
 
   SurfaceParts parts = find_parts(surface);
   neighbours_ = std::move(parts.neighbours);

@@ -32,9 +32,7 @@ class FineVoxels {
     if (x < 0 || y < 0 || z < 0 || x >= box_.cells[0] || y >= box_.cells[1] || z >= box_.cells[2]) return -1;
     return occupied_[static_cast<std::size_t>(box_.cell_index(x, y, z))];
   }
-  const std::array<std::int32_t, 3>& position(std::int32_t cell) const {  // in the box, cells
-    return position_[static_cast<std::size_t>(cell)];
-  }
+  Voxel position(std::int32_t cell) const { return position_[static_cast<std::size_t>(cell)]; }  // in the box, cells
   // No triangle near: all r^3 voxels inside, none cut from its neighbours.
   bool is_whole(std::int32_t cell) const { return block_[static_cast<std::size_t>(cell)] < 0; }
 
@@ -52,8 +50,12 @@ class FineVoxels {
   std::int32_t copy_of(const Voxel& voxel) const;  // -1: outside
   std::int32_t voxels_of_copy(std::int32_t copy) const { return copy_voxels_[static_cast<std::size_t>(copy)]; }
 
-  // Lattice cell that a copy became; -1 where it was dropped. Set once by the construction of the lattice.
-  void set_lattice_cells(std::vector<std::int32_t> cell_of_copy) { lattice_cell_ = std::move(cell_of_copy); }
+  // Lattice cell that a copy became; -1 where it was dropped. Set once by the construction of the lattice, which alone
+  // asks how many voxels a copy has.
+  void set_lattice_cells(std::vector<std::int32_t> cell_of_copy) {
+    lattice_cell_ = std::move(cell_of_copy);
+    copy_voxels_ = {};
+  }
   std::int32_t lattice_cell(const Voxel& voxel) const {
     const std::int32_t copy = copy_of(voxel);
     return copy < 0 ? -1 : lattice_cell_[static_cast<std::size_t>(copy)];
@@ -61,7 +63,7 @@ class FineVoxels {
 
   // --- the tissue's side of the surface: for each crossing of a triangle with a line of centres, the inside voxel next
   // to it on the inner side. Voxel {-1, -1, -1}: none (a sheet thinner than a voxel).
-  std::span<const Voxel> inner_voxels(std::int32_t triangle) const {
+  std::span<const PackedVoxel> inner_voxels(std::int32_t triangle) const {
     const auto t = static_cast<std::size_t>(triangle);
     return {inner_.data() + inner_first_[t], static_cast<std::size_t>(inner_first_[t + 1] - inner_first_[t])};
   }
@@ -92,19 +94,19 @@ class FineVoxels {
   }
 
   VoxelBox box_;
-  std::size_t words_ = 1;                              // 64-bit words per block: r^3 bits
-  std::vector<std::int32_t> occupied_;                 // per place of the box
-  std::vector<std::array<std::int32_t, 3>> position_;  // per occupied cell
-  std::vector<std::int32_t> block_;                    // per occupied cell: its masks, or -1 for a whole cell
-  std::vector<std::uint64_t> inside_;                  // per block
-  std::array<std::vector<std::uint64_t>, 3> cut_;      // per block; bit of the lower voxel
-  std::vector<std::int32_t> copy_first_;               // per occupied cell, and one past the last
-  std::vector<std::int32_t> copy_voxels_;              // per copy
-  std::vector<std::int64_t> label_first_;              // per block: labels of a cell with several copies, or -1
-  std::vector<std::uint16_t> labels_;                  // r^3 per such cell
-  std::vector<std::int32_t> lattice_cell_;             // per copy
-  std::vector<std::int64_t> inner_first_;              // per triangle
-  std::vector<Voxel> inner_;
+  std::size_t words_ = 1;                          // 64-bit words per block: r^3 bits
+  std::vector<std::int32_t> occupied_;             // per place of the box
+  std::vector<PackedVoxel> position_;              // per occupied cell
+  std::vector<std::int32_t> block_;                // per occupied cell: its masks, or -1 for a whole cell
+  std::vector<std::uint64_t> inside_;              // per block
+  std::array<std::vector<std::uint64_t>, 3> cut_;  // per block; bit of the lower voxel
+  std::vector<std::int32_t> copy_first_;           // per occupied cell, and one past the last
+  std::vector<std::int32_t> copy_voxels_;          // per copy
+  std::vector<std::int64_t> label_first_;          // per block: labels of a cell with several copies, or -1
+  std::vector<std::uint16_t> labels_;              // r^3 per such cell
+  std::vector<std::int32_t> lattice_cell_;         // per copy
+  std::vector<std::int64_t> inner_first_;          // per triangle
+  std::vector<PackedVoxel> inner_;
   std::vector<std::array<std::int32_t, 3>> neighbours_;
   std::vector<std::int32_t> part_;
   std::int32_t part_count_ = 0;

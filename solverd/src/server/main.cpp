@@ -16,6 +16,7 @@
 #include "math/instruction_set.h"
 #include "server/server.h"
 #include "server/version.h"
+#include "session/process_memory.h"
 #include "session/session.h"
 
 namespace lappet {
@@ -55,6 +56,7 @@ int serve(ServerOptions options) {
 }  // namespace lappet
 
 int main(int argc, char** argv) {
+  lappet::return_large_blocks();
   CLI::App app("Solves the tissue mechanics of Lappet procedures for clients on this machine (PROTOCOL.md).",
                "lappet-solverd");
   lappet::ServerOptions options;

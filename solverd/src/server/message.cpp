@@ -5,6 +5,7 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <iterator>
 #include <limits>
 #include <msgpack.hpp>
 
@@ -343,7 +344,7 @@ void MessageWriter::add_array(std::string name, ElementType type, std::span<cons
   frames_.emplace_back(bytes.begin(), bytes.end());
 }
 
-std::vector<FrameBytes> MessageWriter::finish() const {
+std::vector<FrameBytes> MessageWriter::finish() {
   msgpack::sbuffer buffer;
   msgpack::packer<msgpack::sbuffer> packer(buffer);
   packer.pack_map(static_cast<std::uint32_t>(4 + (header_.session ? 1 : 0) + header_.fields.size()));
@@ -366,7 +367,7 @@ std::vector<FrameBytes> MessageWriter::finish() const {
   frames.reserve(1 + frames_.size());
   const auto header = std::as_bytes(std::span(buffer.data(), buffer.size()));
   frames.emplace_back(header.begin(), header.end());
-  frames.insert(frames.end(), frames_.begin(), frames_.end());
+  std::ranges::move(frames_, std::back_inserter(frames));
   return frames;
 }
 

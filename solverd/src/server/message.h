@@ -111,7 +111,7 @@ class MessageWriter {
     add_array(std::move(name), kElementOf<T>, std::as_bytes(elements), std::move(shape));
     return *this;
   }
-  std::vector<FrameBytes> finish() const;
+  std::vector<FrameBytes> finish();  // once: the arrays are moved out
 
  private:
   void add_array(std::string name, ElementType type, std::span<const std::byte> bytes,

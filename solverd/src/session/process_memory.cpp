@@ -17,6 +17,12 @@ double peak_bytes() {
 #endif
 }
 
+void return_large_blocks() {
+#if defined(__GLIBC__)
+  mallopt(M_MMAP_THRESHOLD, 1 << 20);
+#endif
+}
+
 void release_freed_memory() {
 #if defined(__GLIBC__)
   malloc_trim(0);

@@ -106,6 +106,10 @@ class TypedSession : public Session::Implementation {
   EpochReport install(const EpochInput& epoch) {
     const auto start = std::chrono::steady_clock::now();
     check_epoch(epoch, settings_);
+    // After an epoch that is refused the session has none: the solver of the one before makes room.
+    epoch_.reset();
+    preconditioner_.reset();
+    system_.reset();
     LatticeSettings lattice_settings;
     lattice_settings.spacing = settings_.spacing;
     lattice_settings.fine_ratio = settings_.fine_ratio;
@@ -135,10 +139,10 @@ class TypedSession : public Session::Implementation {
     std::unique_ptr<Contact> contact = bones_ ? contact_with_bones(bones_, *lattice, epoch, settings_) : nullptr;
     EpochReport report;
     for (const std::int32_t group : attachments.node_group) report.fixed_nodes += group == kFixedGroup;
-    system_.reset();
-    preconditioner_.reset();
     lattice_ = std::move(lattice);
-    epoch_ = epoch;
+    epoch_.emplace();  // the surface alone: what else it says has gone into what was made of it
+    epoch_->index = epoch.index;
+    epoch_->surface = epoch.surface;
     system_ =
         std::make_unique<System<Real>>(*lattice_, std::move(materials), settings_.quadrature, std::move(attachments),
                                        settings_.retractors, settings_.bed_stiffness, settings_.gravity);
@@ -168,8 +172,8 @@ class TypedSession : public Session::Implementation {
       for (const Vec3& rest : lattice_->node_rest)
         report.nodes_at_rest.insert(report.nodes_at_rest.end(), rest.begin(), rest.end());
     report.blocks = static_cast<std::int32_t>(system_->elastic().layout().blocks);
-    report.bytes = static_cast<double>(system_->bytes() + preconditioner_->bytes() + u_.size() * sizeof(Real) +
-                                       (bones_ ? bones_->bytes() : 0));
+    report.bytes = static_cast<double>(lattice_->bytes() + system_->bytes() + preconditioner_->bytes() +
+                                       u_.size() * sizeof(Real) + (bones_ ? bones_->bytes() : 0));
     release_freed_memory();
     report.seconds = seconds_since(start);
     return report;

@@ -21,15 +21,34 @@ class BlockJacobi {
   static constexpr std::size_t kSize = Size, kPacked = Size * (Size + 1) / 2;
   using Block = Eigen::Matrix<double, Size, Size>;
 
-  void resize(std::size_t nodes) { inverse_.assign(kPacked * nodes, Real(0)); }
+  void resize(std::size_t nodes) { inverse_.resize(kPacked * nodes); }
   std::size_t nodes() const { return inverse_.size() / kPacked; }
-  // Blocks never set divide to zero. All before set_ties.
+  // All of them before set_ties.
   void set(std::size_t node, const Block& block) {
     const Block inverse = block.inverse();
     std::size_t k = kPacked * node;
     for (int i = 0; i < Size; ++i)
       for (int j = 0; j <= i; ++j) inverse_[k++] = static_cast<Real>(0.5 * (inverse(i, j) + inverse(j, i)));
   }
+  // Inverts the blocks that storage() holds by upper triangles, 00 01 02 11 12 22 each; those of nodes that are not
+  // free divide to zero.
+  template <class IsFree>
+  void set_from_storage(const IsFree& is_free)
+    requires(Size == 3)
+  {
+    for_each_index(nodes(), [&](std::size_t n) {
+      const Real* entry = &inverse_[kPacked * n];
+      if (!is_free(n)) {
+        std::fill_n(&inverse_[kPacked * n], kPacked, Real(0));
+        return;
+      }
+      Block block;
+      for (int i = 0; i < 3; ++i)
+        for (int j = i; j < 3; ++j) block(i, j) = block(j, i) = static_cast<double>(*entry++);
+      set(n, block);
+    });
+  }
+  std::span<Real> storage() { return inverse_; }
   // Ties with members `nodes` (distinct), `rows` (3 x Size each) and `stiffness`.
   template <class Ties>
   void set_ties(const Ties& ties) {
@@ -98,12 +117,13 @@ class BlockJacobi {
          });
     solve_tied(scale, r, d, x);
   }
-  // r -= q; d = scale D^-1 r; x += e + d
-  void resume(Real scale, const Real* q, const Real* e, Real* r, Real* d, Real* x) const {
+  // r -= q; e = d, d = scale D^-1 r; x += e + d
+  void resume(Real scale, const Real* q, Real* r, Real* d, Real* x) const {
     pass([=](std::size_t i) { return r[i] -= q[i]; },
          [=](std::size_t i, Real z) {
+           const Real e = d[i];
            d[i] = scale * z;
-           x[i] += e[i] + d[i];
+           x[i] += e + d[i];
          });
     solve_tied(scale, r, d, x);
   }

@@ -41,9 +41,10 @@ class Chebyshev {
         r_[i] = is_free(n) ? static_cast<Real>((hash ^ (hash >> 13)) >> 8) / Real(1u << 24) - Real(0.5) : Real(0);
       }
     });
-    diagonal_.divide(r_.data(), e_.data());
-    copy<Real>(e_, d_);
-    double rho = dot<Real>(r_, e_), before = 0.0;  // before: beta / alpha of the last step
+    std::vector<Real> z(r_.size());
+    diagonal_.divide(r_.data(), z.data());
+    copy<Real>(z, d_);
+    double rho = dot<Real>(r_, z), before = 0.0;  // before: beta / alpha of the last step
     Eigen::VectorXd diagonal(steps), beside(steps);
     Eigen::Index size = 0;
     while (size < steps && rho > 0.0) {
@@ -52,13 +53,13 @@ class Chebyshev {
       if (!(curvature > 0.0)) break;
       const double alpha = rho / curvature;
       add<Real>(static_cast<Real>(-alpha), q_, r_);
-      diagonal_.divide(r_.data(), e_.data());
-      const double rho_next = dot<Real>(r_, e_), beta = rho_next / rho;
+      diagonal_.divide(r_.data(), z.data());
+      const double rho_next = dot<Real>(r_, z), beta = rho_next / rho;
       diagonal[size] = 1.0 / alpha + before;
       beside[size] = std::sqrt(std::max(beta, 0.0)) / alpha;
       ++size;
       before = beta / alpha;
-      combine<Real>(static_cast<Real>(beta), Real(1), e_, d_);
+      combine<Real>(static_cast<Real>(beta), Real(1), z, d_);
       rho = rho_next;
     }
     if (size == 0) {
@@ -82,13 +83,14 @@ class Chebyshev {
   template <class Multiply>
   void after(const Multiply& multiply, std::span<Real> x) {
     const Recurrence c(*this);
-    diagonal_.resume(c.start, q_.data(), e_.data(), r_.data(), d_.data(), x.data());
+    diagonal_.resume(c.start, q_.data(), r_.data(), d_.data(), x.data());
     continue_(multiply, c, x);
   }
   std::span<Real> residual() { return r_; }
   std::span<Real> product() { return q_; }
-  std::span<Real> correction() { return e_; }
-  std::size_t bytes() const { return diagonal_.bytes() + 4 * r_.size() * sizeof(Real); }
+  // The direction, which is of no use between before() and after().
+  std::span<Real> correction() { return d_; }
+  std::size_t bytes() const { return diagonal_.bytes() + 3 * r_.size() * sizeof(Real); }
 
  private:
   static constexpr double kRange = 4.0;
@@ -103,7 +105,7 @@ class Chebyshev {
     Real start;
   };
   void resize() {
-    for (auto* v : {&r_, &d_, &q_, &e_}) v->resize(Size * diagonal_.nodes());
+    for (auto* v : {&r_, &d_, &q_}) v->resize(Size * diagonal_.nodes());
   }
   template <class Multiply>
   void continue_(const Multiply& multiply, const Recurrence& c, std::span<Real> x) {
@@ -121,7 +123,7 @@ class Chebyshev {
   int degree_;
   double largest_ = 0.0;
   BlockJacobi<Real, Size> diagonal_;
-  std::vector<Real> r_, d_, q_, e_;
+  std::vector<Real> r_, d_, q_;
 };
 
 }  // namespace lappet

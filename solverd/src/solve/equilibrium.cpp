@@ -48,16 +48,14 @@ class EquilibriumSearch {
         options_(options),
         watcher_(watcher),
         multipliers_(options.tolerance, options.gap_tolerance),
-        line_(system, options.inverts),
-        increment_(u.size()),
         step_(u.size()),
-        rhs_(u.size()),
-        product_(u.size()) {}
+        linear_vectors_(u.size()),
+        line_(system, options.inverts, linear_vectors_.p) {}
 
   EquilibriumOutcome run() {
     now_ = system_.evaluate(u_);
     while (true) {
-      const bool carries = system_.prescribed_increment(u_, increment_);
+      const bool carries = system_.prescribed_increment(u_, increment());
       record();
       watcher_.progress(outcome_.newton_iterations, outcome_.residual, outcome_.gap);
       if (!std::isfinite(outcome_.residual)) return fail("the residual is not a finite number");
@@ -123,6 +121,8 @@ class EquilibriumSearch {
     }
   }
 
+  std::span<Real> increment() { return linear_vectors_.z; }
+
   // K step = -gradient - K increment on free nodes; false if the equations cannot be solved.
   bool solve_tangent(bool carries) {
     outcome_.seconds_update += watch_.lap();
@@ -145,13 +145,16 @@ class EquilibriumSearch {
         continue;
       }
       outcome_.seconds_setup += watch_.lap();
-      if (carries)
-        system_.multiply(increment_, rhs_);
-      else
-        std::fill(rhs_.begin(), rhs_.end(), Real(0));
-      for (std::size_t i = 0; i < rhs_.size(); ++i) rhs_[i] = static_cast<Real>(-gradient[i]) - rhs_[i];
-      linear_ = conjugate_gradients<Real>(system_, preconditioner_, rhs_, step_, target, kMostLinearIterations,
-                                          watcher_.stop);
+      auto& rhs = linear_vectors_.r;
+      if (carries) {
+        system_.prescribed_increment(u_, increment());
+        system_.multiply(increment(), rhs);
+      } else {
+        std::fill(rhs.begin(), rhs.end(), Real(0));
+      }
+      for (std::size_t i = 0; i < rhs.size(); ++i) rhs[i] = static_cast<Real>(-gradient[i]) - rhs[i];
+      linear_ = conjugate_gradients<Real>(system_, preconditioner_, linear_vectors_, step_, target,
+                                          kMostLinearIterations, watcher_.stop);
       outcome_.pcg_iterations += linear_.iterations;
       outcome_.seconds_linear += watch_.lap();
       if (!linear_.indefinite || used_ != Definiteness::kExact) break;
@@ -168,14 +171,16 @@ class EquilibriumSearch {
     const Evaluation before = now_;
     StepTaken taken;
     if (carries) {
-      add<Real>(Real(1), increment_, step_);
-      taken = line_.carry(u_, step_, increment_, before);
+      system_.prescribed_increment(u_, increment());
+      const double jump = largest<Real>(increment());
+      add<Real>(Real(1), increment(), step_);
+      taken = line_.carry(u_, step_, increment(), before);
       now_ = taken.reached;
       if (!(taken.alpha > 0.0)) {
         fail("the retractors' motion turns cells inside out however small the step; move them less between frames");
         return false;
       }
-      if (largest<Real>(increment_) > kJump * system_.lattice().settings.spacing) {
+      if (jump > kJump * system_.lattice().settings.spacing) {
         tangent_.jumped();
         jumped_ = true;
       }
@@ -187,8 +192,9 @@ class EquilibriumSearch {
         fail("the linear solve gave no descent direction");
         return false;
       }
-      system_.multiply(step_, product_);
-      taken = line_.descend(u_, step_, before, slope, dot<Real>(step_, product_));
+      auto& product = linear_vectors_.q;
+      system_.multiply(step_, product);
+      taken = line_.descend(u_, step_, before, slope, dot<Real>(step_, product));
       now_ = taken.reached;
       if (!(taken.alpha > 0.0)) {
         if (tangent_.try_another(used_)) return true;
@@ -213,8 +219,10 @@ class EquilibriumSearch {
   const EquilibriumWatch& watcher_;
   MultiplierLoop multipliers_;
   TangentChoice tangent_;
+  std::vector<Real> step_;
+  // Between linear solves r is the right-hand side, z the way that prescribed nodes have to go, p the line search's.
+  LinearVectors<Real> linear_vectors_;
   LineSearch<Real> line_;
-  std::vector<Real> increment_, step_, rhs_, product_;
   Evaluation now_;
   bool jumped_ = false;
   Definiteness used_ = Definiteness::kExact;

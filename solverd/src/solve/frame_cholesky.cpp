@@ -82,7 +82,7 @@ void FrameCholesky::analyse(std::size_t nodes) {
 }
 
 template <class Real>
-void FrameCholesky::factor(const FrameMatrix<Real>& matrix, std::span<const FrameTie> ties, double shift) {
+void FrameCholesky::factor(FrameMatrix<Real>& matrix, std::span<const FrameTie> ties, double shift) {
   const std::size_t nodes = matrix.rows();
   std::vector<std::int32_t> tie_nodes;
   for (const auto& tie : ties) {
@@ -101,8 +101,7 @@ void FrameCholesky::factor(const FrameMatrix<Real>& matrix, std::span<const Fram
     row_.clear();
     for (std::size_t n = 0; n < nodes; ++n) {
       auto& rows = extra[n];
-      for (const std::int32_t c : matrix.columns(n))
-        if (c >= static_cast<std::int32_t>(n)) rows.push_back(c);
+      for (const std::int32_t c : matrix.columns(n)) rows.push_back(c);
       std::sort(rows.begin(), rows.end());
       row_.insert(row_.end(), rows.begin(), std::unique(rows.begin(), rows.end()));
       start_.push_back(static_cast<std::int32_t>(row_.size()));
@@ -121,7 +120,6 @@ void FrameCholesky::factor(const FrameMatrix<Real>& matrix, std::span<const Fram
     auto at = static_cast<std::size_t>(start_[n]);
     for (const std::int32_t column : matrix.columns(n)) {
       const Real* block = matrix.block(slot++);
-      if (column < static_cast<std::int32_t>(n)) continue;
       while (row_[at] != column) ++at;
       // the block (n, column) is the transpose of (column, n)
       for (int c = 0; c < 6; ++c)
@@ -139,12 +137,18 @@ void FrameCholesky::factor(const FrameMatrix<Real>& matrix, std::span<const Fram
           for (int r = a == b ? c : 0; r < 6; ++r) values[place(column, c, at, r)] += block(r, c);
       }
   const double largest = std::max(matrix.largest_diagonal(), 1e-30);
+  matrix.release();
   for (double added = shift; added <= kMostShift; added = std::max(kNextShift, kShiftFactor * added)) {
     for (std::size_t i = 0; i < 6 * nodes; ++i) values[p[i]] += added * largest;
     cholmod_factorize(matrix_.get(), factor_.get(), &common_);
     if (common_.status == CHOLMOD_OK && factor_->minor == factor_->n) return;
   }
   throw NotDefiniteError("the coarse operator is not positive definite");
+}
+
+void FrameCholesky::release() {
+  if (factor_ && factor_->xtype != CHOLMOD_PATTERN)
+    cholmod_change_factor(CHOLMOD_PATTERN, 1, 1, 1, 1, factor_.get(), &common_);
 }
 
 template <class Real>
@@ -157,8 +161,8 @@ void FrameCholesky::solve(std::span<const Real> b, std::span<Real> x) {
 
 std::size_t FrameCholesky::bytes() const { return factor_ ? static_cast<std::size_t>(8 * common_.lnz) : 0; }
 
-template void FrameCholesky::factor(const FrameMatrix<float>&, std::span<const FrameTie>, double);
-template void FrameCholesky::factor(const FrameMatrix<double>&, std::span<const FrameTie>, double);
+template void FrameCholesky::factor(FrameMatrix<float>&, std::span<const FrameTie>, double);
+template void FrameCholesky::factor(FrameMatrix<double>&, std::span<const FrameTie>, double);
 template void FrameCholesky::solve(std::span<const float>, std::span<float>);
 template void FrameCholesky::solve(std::span<const double>, std::span<double>);
 

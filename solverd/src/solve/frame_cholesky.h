@@ -24,12 +24,14 @@ class FrameCholesky {
   FrameCholesky& operator=(const FrameCholesky&) = delete;
 
   // Factors matrix + ties + shift times the largest diagonal of the matrix, with a larger shift where that is not
-  // definite. Throws NotDefiniteError if none helps.
+  // definite, and releases the matrix's numbers. Throws NotDefiniteError if none helps.
   template <class Real>
-  void factor(const FrameMatrix<Real>& matrix, std::span<const FrameTie> ties, double shift);
+  void factor(FrameMatrix<Real>& matrix, std::span<const FrameTie> ties, double shift);
   // Six numbers a node.
   template <class Real>
   void solve(std::span<const Real> b, std::span<Real> x);
+  // Forgets the numbers of the factor, not the analysis.
+  void release();
   std::size_t analyses() const { return analyses_; }
   std::size_t bytes() const;
 

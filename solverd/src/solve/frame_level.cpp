@@ -1,5 +1,7 @@
 #include "solve/frame_level.h"
 
+#include <tbb/task_arena.h>
+
 #include <algorithm>
 #include <limits>
 
@@ -42,6 +44,14 @@ FrameLevel<Real>::FrameLevel(const CoarseLattice& lattice, std::size_t most_dire
     coarse_.reset();  // cuts keep it from becoming smaller
   }
   direct_.emplace();
+}
+
+template <class Real>
+void FrameLevel<Real>::release() {
+  if (direct_)
+    direct_->release();
+  else
+    next_->release();
 }
 
 template <class Real>
@@ -142,9 +152,9 @@ void FrameLevel<Real>::assemble_next() {
     std::array<bool, 64> used{};
   };
   const std::size_t cells = coarse_->cell_nodes.size();
-  // A neighbour takes 18 kB: a batch of cells at a time.
-  constexpr std::size_t kBatch = 64;
-  std::vector<std::vector<Neighbour>> couplings(std::min(kBatch, cells));
+  // A neighbour takes 18 kB and a cell has up to 27: a batch of cells at a time, some for each thread.
+  const std::size_t batch = 2 * static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
+  std::vector<std::vector<Neighbour>> couplings(std::min(batch, cells));
   std::vector<std::int32_t> owner(lattice_.nodes);
   for (std::size_t c = 0; c < cells; ++c)
     for (auto s = coarse_->slot_start[c]; s < coarse_->slot_start[c + 1]; ++s)
@@ -165,8 +175,7 @@ void FrameLevel<Real>::assemble_next() {
       const auto i = static_cast<std::size_t>(coarse_->slot_node[slot]);
       const Block left = frame_of(slot).transpose();
       row.clear();
-      std::size_t at = matrix_.first(i);
-      for (const std::int32_t j : matrix_.columns(i)) {
+      matrix_.for_each(i, [&](std::int32_t j, const Real* entries, bool turned) {
         const auto cell = static_cast<std::size_t>(owner[static_cast<std::size_t>(j)]);
         auto found = std::find_if(row.begin(), row.end(), [&](const Row& r) { return r.cell == cell; });
         if (found == row.end()) {
@@ -174,17 +183,16 @@ void FrameLevel<Real>::assemble_next() {
           found->blocks.fill(Block::Zero());
         }
         const auto other = static_cast<std::size_t>(coarse_->slot_of[static_cast<std::size_t>(j)]);
-        const Block block =
-            left *
-            Eigen::Map<const Eigen::Matrix<Real, 6, 6, Eigen::RowMajor>>(matrix_.block(at++)).template cast<double>() *
-            frame_of(other);
+        const Block entry =
+            Eigen::Map<const Eigen::Matrix<Real, 6, 6, Eigen::RowMajor>>(entries).template cast<double>();
+        const Block block = left * (turned ? Block(entry.transpose()) : entry) * frame_of(other);
         const auto& weight = weight_of(other);
         for (std::size_t l = 0; l < 8; ++l)
           if (weight[l] != 0.0) {
             found->blocks[l] += weight[l] * block;
             found->used[l] = true;
           }
-      }
+      });
       const auto& weight = weight_of(slot);
       for (const Row& r : row) {
         auto found = std::find_if(list.begin(), list.end(), [&](const Neighbour& n) { return n.cell == r.cell; });
@@ -202,15 +210,19 @@ void FrameLevel<Real>::assemble_next() {
     }
     for (auto& neighbour : list)
       for (std::size_t k = 0; k < 8; ++k)
-        for (std::size_t l = 0; l < 8; ++l)
+        for (std::size_t l = 0; l < 8; ++l) {
+          // of the upper triangle
+          neighbour.used[8 * k + l] =
+              neighbour.used[8 * k + l] && coarse_->cell_nodes[c][k] <= coarse_->cell_nodes[neighbour.cell][l];
           if (neighbour.used[8 * k + l])
             neighbour.blocks[8 * k + l] =
                 shift_of(c, k).transpose() * neighbour.blocks[8 * k + l] * shift_of(neighbour.cell, l);
+        }
   };
   auto& to = next_->matrix();
   to.set_zero();
-  for (std::size_t first = 0; first < cells; first += kBatch) {
-    const std::size_t count = std::min(kBatch, cells - first);
+  for (std::size_t first = 0; first < cells; first += batch) {
+    const std::size_t count = std::min(batch, cells - first);
     tbb::parallel_for(std::size_t{0}, count, [&](std::size_t k) { couple(first + k, couplings[k]); });
     for (std::size_t c = first; c < first + count; ++c)
       for (const auto& neighbour : couplings[c - first])

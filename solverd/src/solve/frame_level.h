@@ -24,7 +24,10 @@ class FrameLevel {
 
   FrameMatrix<Real>& matrix() { return matrix_; }
   std::vector<FrameTie>& ties() { return ties_; }
-  // Takes matrix() and ties(); places of the nodes, mm, and the spacing of this level. Throws NotDefiniteError.
+  // Makes room before matrix() is filled anew: the inverse is gone until prepare.
+  void release();
+  // Takes matrix(), whose numbers may go where they are not needed further, and ties(); places of the nodes, mm, and
+  // the spacing of this level. Throws NotDefiniteError.
   void prepare(std::span<const Vec3> places, double spacing);
   // x = an approximate inverse of the operator times b, symmetric positive (semi)definite; six numbers a node.
   void solve(std::span<const Real> b, std::span<Real> x);

@@ -9,8 +9,9 @@ namespace lappet {
 
 template <class Real>
 FrameMatrix<Real>::FrameMatrix(const CoarseLattice& lattice) {
-  row_start_.push_back(0);
-  std::vector<std::int32_t> row;
+  start_.push_back(0);
+  left_start_.push_back(0);
+  std::vector<std::int32_t> row, lefts(lattice.nodes, 0);
   for (std::size_t n = 0; n < lattice.nodes; ++n) {
     row.clear();
     for (auto i = lattice.corner_start[n]; i < lattice.corner_start[n + 1]; ++i) {
@@ -20,29 +21,54 @@ FrameMatrix<Real>::FrameMatrix(const CoarseLattice& lattice) {
     }
     std::sort(row.begin(), row.end());
     row.erase(std::unique(row.begin(), row.end()), row.end());
-    column_.insert(column_.end(), row.begin(), row.end());
-    row_start_.push_back(static_cast<std::int32_t>(column_.size()));
+    const auto diagonal = std::lower_bound(row.begin(), row.end(), static_cast<std::int32_t>(n));
+    column_.insert(column_.end(), diagonal, row.end());
+    start_.push_back(static_cast<std::int32_t>(column_.size()));
+    left_start_.push_back(left_start_.back() + static_cast<std::int32_t>(diagonal - row.begin()));
   }
-  blocks_.assign(36 * column_.size(), Real(0));
+  column_.shrink_to_fit();
+  left_.resize(static_cast<std::size_t>(left_start_.back()));
+  std::vector<std::int32_t> next(left_start_.begin(), left_start_.end() - 1);
+  for (std::size_t n = 0; n < lattice.nodes; ++n)
+    for (auto s = start_[n] + 1; s < start_[n + 1]; ++s) {
+      const auto to = static_cast<std::size_t>(column_[static_cast<std::size_t>(s)]);
+      left_[static_cast<std::size_t>(next[to]++)] = {static_cast<std::int32_t>(n), s};
+    }
 }
 
 template <class Real>
 std::size_t FrameMatrix<Real>::slot(std::int32_t row, std::int32_t column) const {
-  const auto begin = column_.begin() + row_start_[static_cast<std::size_t>(row)],
-             end = column_.begin() + row_start_[static_cast<std::size_t>(row) + 1];
+  const auto begin = column_.begin() + start_[static_cast<std::size_t>(row)],
+             end = column_.begin() + start_[static_cast<std::size_t>(row) + 1];
   return static_cast<std::size_t>(std::lower_bound(begin, end, column) - column_.begin());
 }
 
 template <class Real>
-void FrameMatrix<Real>::gather(const CoarseLattice& lattice, std::span<const Real> cell_blocks) {
-  for_each_row(rows(), [&](std::size_t n) {
-    std::fill(block(first(n)), block(first(n)) + 36 * columns(n).size(), Real(0));
-    for (auto i = lattice.corner_start[n]; i < lattice.corner_start[n + 1]; ++i) {
+void FrameMatrix<Real>::set_zero() {
+  blocks_.resize(36 * column_.size());
+  for_each_index(blocks_.size(), [&](std::size_t i) { blocks_[i] = Real(0); });
+}
+
+template <class Real>
+void FrameMatrix<Real>::add(const CoarseLattice& lattice, std::size_t first_cell, std::span<const Real> cell_blocks) {
+  const std::size_t end_cell = first_cell + cell_blocks.size() / kFramePairSize;
+  std::vector<std::int32_t> touched;
+  for (std::size_t c = first_cell; c < end_cell; ++c)
+    touched.insert(touched.end(), lattice.cell_nodes[c].begin(), lattice.cell_nodes[c].end());
+  std::sort(touched.begin(), touched.end());
+  touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
+  for_each_row(touched.size(), [&](std::size_t row) {
+    const std::int32_t n = touched[row];
+    for (auto i = lattice.corner_start[static_cast<std::size_t>(n)];
+         i < lattice.corner_start[static_cast<std::size_t>(n) + 1]; ++i) {
       const auto cell = static_cast<std::size_t>(lattice.corners[static_cast<std::size_t>(i)] / 8);
+      if (cell < first_cell || cell >= end_cell) continue;
       const int k = lattice.corners[static_cast<std::size_t>(i)] % 8;
-      const Real* pairs = &cell_blocks[kFramePairSize * cell];
+      const Real* pairs = &cell_blocks[kFramePairSize * (cell - first_cell)];
       for (int l = 0; l < 8; ++l) {
-        Real* to = block(slot(static_cast<std::int32_t>(n), lattice.cell_nodes[cell][static_cast<std::size_t>(l)]));
+        const std::int32_t column = lattice.cell_nodes[cell][static_cast<std::size_t>(l)];
+        if (column < n) continue;
+        Real* to = block(slot(n, column));
         if (l <= k) {
           const Real* from = pairs + 36 * pair_of(k, l);
           for (int e = 0; e < 36; ++e) to[e] += from[e];
@@ -59,16 +85,23 @@ void FrameMatrix<Real>::gather(const CoarseLattice& lattice, std::span<const Rea
 template <class Real>
 void FrameMatrix<Real>::multiply(std::span<const Real> x, std::span<Real> y) const {
   for_each_row(rows(), [&](std::size_t n) {
-    Real sum[6][6] = {};
-    std::size_t at = first(n);
-    for (const std::int32_t c : columns(n)) {
-      const Real* b = block(at++);
-      const Real* v = &x[6 * static_cast<std::size_t>(c)];
+    Real turned[6][6] = {}, sum[6][6] = {};
+    for (auto l = left_start_[n]; l < left_start_[n + 1]; ++l) {
+      const Left& left = left_[static_cast<std::size_t>(l)];
+      const Real* b = block(static_cast<std::size_t>(left.slot));
+      const Real* v = &x[6 * static_cast<std::size_t>(left.row)];
+      for (int i = 0; i < 6; ++i)
+        for (int j = 0; j < 6; ++j) turned[i][j] += b[6 * i + j] * v[i];
+    }
+    for (auto s = start_[n]; s < start_[n + 1]; ++s) {
+      const Real* b = block(static_cast<std::size_t>(s));
+      const Real* v = &x[6 * static_cast<std::size_t>(column_[static_cast<std::size_t>(s)])];
       for (int i = 0; i < 6; ++i)
         for (int j = 0; j < 6; ++j) sum[i][j] += b[6 * i + j] * v[j];
     }
     for (std::size_t i = 0; i < 6; ++i)
-      y[6 * n + i] = sum[i][0] + sum[i][1] + sum[i][2] + sum[i][3] + sum[i][4] + sum[i][5];
+      y[6 * n + i] = (((turned[0][i] + turned[1][i]) + (turned[2][i] + turned[3][i])) + (turned[4][i] + turned[5][i])) +
+                     (sum[i][0] + sum[i][1] + sum[i][2] + sum[i][3] + sum[i][4] + sum[i][5]);
   });
 }
 

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <span>
-#include <vector>
 
 #include "solve/system.h"
 #include "solve/vectors.h"
@@ -21,7 +20,9 @@ struct StepTaken {
 template <class Real>
 class LineSearch {
  public:
-  LineSearch(System<Real>& system, bool inverts) : system_(system), inverts_(inverts), trial_(3 * system.nodes()) {}
+  // trial: 3 per node, for the search to write in.
+  LineSearch(System<Real>& system, bool inverts, std::span<Real> trial)
+      : system_(system), inverts_(inverts), trial_(trial) {}
 
   // Moves u along the step of a definite or exact tangent. slope: gradient . step, negative; curvature: step . K step.
   StepTaken descend(std::span<Real> u, std::span<const Real> step, const Evaluation& before, double slope,
@@ -110,7 +111,7 @@ class LineSearch {
 
   System<Real>& system_;
   bool inverts_;
-  std::vector<Real> trial_;
+  std::span<Real> trial_;
 };
 
 }  // namespace lappet

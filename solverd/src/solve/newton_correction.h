@@ -13,8 +13,7 @@ void newton_correction(System<Real>& system, TwoLevel<Real>& preconditioner, std
   constexpr double kReduction = 0.05;
   const int most = preconditioner.is_smoother_only() ? 100 : 4;
   const auto gradient = system.gradient();
-  std::vector<Real> rhs(correction.size());
-  for (std::size_t i = 0; i < rhs.size(); ++i) rhs[i] = static_cast<Real>(-gradient[i]);
+  LinearVectors<Real> work(correction.size());
   // The exact tangent knows soft modes best; where it curves downwards at once the definite one stands in.
   for (const Definiteness how : {Definiteness::kExact, Definiteness::kClamp}) {
     std::ranges::fill(correction, Real(0));
@@ -24,8 +23,9 @@ void newton_correction(System<Real>& system, TwoLevel<Real>& preconditioner, std
     } catch (const NotDefiniteError&) {
       continue;
     }
+    for_each_index(work.r.size(), [&](std::size_t i) { work.r[i] = static_cast<Real>(-gradient[i]); });
     const LinearOutcome outcome =
-        conjugate_gradients<Real>(system, preconditioner, rhs, correction, kReduction, most, [] { return false; });
+        conjugate_gradients<Real>(system, preconditioner, work, correction, kReduction, most, [] { return false; });
     if (outcome.iterations > 0 || !outcome.indefinite) return;
   }
 }

@@ -7,6 +7,8 @@ namespace lappet {
 namespace {
 
 constexpr int kCoarsening = 4;
+// Coarse cells whose blocks (5 kB each in float) are held before they go into the matrix.
+constexpr std::size_t kBatch = 256;
 
 template <class Real>
 Vec3 now(const Lattice& lattice, std::span<const Real> u, std::size_t n) {
@@ -18,7 +20,7 @@ Vec3 now(const Lattice& lattice, std::span<const Real> u, std::size_t n) {
 template <class Real>
 RigidFrames<Real>::RigidFrames(const Lattice& lattice, std::size_t most_direct)
     : lattice_(lattice),
-      coarse_(coarsen(lattice.cell_nodes, lattice.cell_position, lattice.node_rest.size(), kCoarsening)),
+      coarse_(coarsen(lattice.cell_nodes, lattice.cell_positions(), lattice.node_rest.size(), kCoarsening)),
       level_(coarse_, most_direct) {
   for (const auto& entry : coarse_.weights()) {
     auto& to = weights_.emplace_back();
@@ -84,6 +86,7 @@ void RigidFrames<Real>::place_frames(const System<Real>& system, std::span<const
 
 template <class Real>
 void RigidFrames<Real>::assemble(const System<Real>& system, std::span<const Real> u) {
+  level_.release();
   place_frames(system, u);
   assemble_cells(system, u);
   assemble_ties(system);
@@ -95,12 +98,12 @@ void RigidFrames<Real>::assemble_cells(const System<Real>& system, std::span<con
   constexpr std::size_t kLanes = Elastic<Real>::kProjectionLanes;
   const double inverse = 1.0 / (kCoarsening * lattice_.settings.spacing);
   const std::size_t coarse_cells = coarse_.cell_nodes.size();
-  std::vector<Real> pairs(kFramePairSize * coarse_cells);
-  tbb::parallel_for(std::size_t{0}, coarse_cells, [&](std::size_t coarse) {
+  std::vector<Real> pairs(kFramePairSize * std::min(kBatch, coarse_cells));
+  const auto project = [&](std::size_t coarse, Real* out) {
     alignas(64) Real weights[64 * kLanes], arms[24 * kLanes], blocks[kFramePairSize * kLanes] = {};
     const auto corner_weights = [&](std::size_t cell, int corner) -> const std::array<Real, 8>& {
       const auto n = static_cast<std::size_t>(lattice_.cell_nodes[cell][static_cast<std::size_t>(corner)]);
-      const auto place = coarse_.corner_place(lattice_.cell_position[cell], coarse, corner);
+      const auto place = coarse_.corner_place(lattice_.cell_position(cell), coarse, corner);
       return system.is_free(n) ? weights_[static_cast<std::size_t>(coarse_.weight_index(place))] : weights_.back();
     };
     const std::span<const std::int32_t> cells =
@@ -125,7 +128,6 @@ void RigidFrames<Real>::assemble_cells(const System<Real>& system, std::span<con
       }
       system.elastic().add_projected_stiffness(batch, weights, arms, blocks);
     }
-    Real* out = &pairs[kFramePairSize * coarse];
     for (std::size_t i = 0; i < kFramePairSize; ++i) {
       Real sum = 0;
       for (std::size_t lane = 0; lane < kLanes; ++lane) sum += blocks[kLanes * i + lane];
@@ -144,8 +146,14 @@ void RigidFrames<Real>::assemble_cells(const System<Real>& system, std::span<con
         Eigen::Map<Block> block(out + 36 * pair_of(k, l));
         block = (shift[k].transpose() * block * shift[l]).eval();
       }
-  });
-  level_.matrix().gather(coarse_, pairs);
+  };
+  auto& matrix = level_.matrix();
+  matrix.set_zero();
+  for (std::size_t first = 0; first < coarse_cells; first += kBatch) {
+    const std::size_t count = std::min(kBatch, coarse_cells - first);
+    tbb::parallel_for(std::size_t{0}, count, [&](std::size_t k) { project(first + k, &pairs[kFramePairSize * k]); });
+    matrix.add(coarse_, first, std::span(pairs).first(kFramePairSize * count));
+  }
 }
 
 template <class Real>
@@ -182,7 +190,7 @@ void RigidFrames<Real>::assemble_ties(const System<Real>& system) {
       add_rows(lattice_.cell_nodes[static_cast<std::size_t>(pushed.cell)][k], pushed.weights[k], rows);
     const FrameTie push = rows.tie(pushed.stiffness);
     for (std::size_t a = 0; a < push.nodes.size(); ++a)
-      for (std::size_t b = 0; b < push.nodes.size(); ++b) {
+      for (std::size_t b = a; b < push.nodes.size(); ++b) {  // ascending
         const Eigen::Matrix<double, 6, 1> left = push.rows[a].transpose() * pushed.direction,
                                           right = push.rows[b].transpose() * pushed.direction;
         Eigen::Map<Eigen::Matrix<Real, 6, 6, Eigen::RowMajor>>(matrix.block(matrix.slot(

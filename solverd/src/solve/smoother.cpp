@@ -16,7 +16,10 @@ constexpr double kLargestEigenvalue = 8.0;
 template <class Real>
 void Smoother<Real>::update() {
   const std::size_t nodes = system_.nodes();
-  std::vector<Real> blocks(6 * nodes);
+  // The blocks are gathered where their inverses go.
+  auto& diagonal = chebyshev_.diagonal();
+  diagonal.resize(nodes);
+  const auto blocks = diagonal.storage();
   system_.elastic().diagonal_blocks(blocks);
   system_.for_each_push([&](const Push& push) {
     const auto& corners = system_.lattice().cell_nodes[static_cast<std::size_t>(push.cell)];
@@ -28,16 +31,7 @@ void Smoother<Real>::update() {
         for (int j = i; j < 3; ++j) *block++ += static_cast<Real>(weight * d[i] * d[j]);
     }
   });
-  auto& diagonal = chebyshev_.diagonal();
-  diagonal.resize(nodes);
-  for_each_index(nodes, [&](std::size_t n) {
-    if (!system_.is_free(n)) return;
-    Eigen::Matrix3d block;
-    const Real* entry = &blocks[6 * n];
-    for (int i = 0; i < 3; ++i)
-      for (int j = i; j < 3; ++j) block(i, j) = block(j, i) = static_cast<double>(*entry++);
-    diagonal.set(n, block);
-  });
+  diagonal.set_from_storage([this](std::size_t n) { return system_.is_free(n); });
   struct Rows {
     std::span<const std::int32_t> nodes;
     std::vector<Eigen::Matrix3d> rows;

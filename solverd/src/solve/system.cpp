@@ -76,23 +76,28 @@ void System<Real>::find_fragments() {
       const std::int32_t a = find(nodes[0]), b = find(n);
       if (a != b) root[static_cast<std::size_t>(std::max(a, b))] = std::min(a, b);
     }
-  for (std::size_t n = 0; n < root.size(); ++n) root[n] = find(static_cast<std::int32_t>(n));
+  bool one = true;
+  for (std::size_t n = 0; n < root.size(); ++n) {
+    root[n] = find(static_cast<std::int32_t>(n));
+    one = one && root[n] == root[0];
+  }
+  if (one) root = {};
 }
 
 template <class Real>
 void System<Real>::find_floating_cells() {
   const Lattice& lattice = elastic_.lattice();
-  std::vector<std::uint8_t> held(free_.size(), 0);  // by root node
+  std::vector<std::uint8_t> held(free_.size(), 0);  // by fragment
   for (std::size_t n = 0; n < free_.size(); ++n)
-    if (!free_[n]) held[static_cast<std::size_t>(fragment_of_node_[n])] = 1;
+    if (!free_[n]) held[fragment(n)] = 1;
   for (const auto& form : attachments_.forms) {
     if (!acts(form) || (form.group == kBedGroup && !(bed_stiffness_ > 0.0))) continue;
     const std::int32_t node = lattice.cell_nodes[static_cast<std::size_t>(form.cell)][0];
-    held[static_cast<std::size_t>(fragment_of_node_[static_cast<std::size_t>(node)])] = 1;
+    held[fragment(static_cast<std::size_t>(node))] = 1;
   }
   floating_cells_.clear();
   for (std::size_t c = 0; c < lattice.cell_nodes.size(); ++c)
-    if (!held[static_cast<std::size_t>(fragment_of_node_[static_cast<std::size_t>(lattice.cell_nodes[c][0])])])
+    if (!held[fragment(static_cast<std::size_t>(lattice.cell_nodes[c][0]))])
       floating_cells_.push_back(static_cast<std::int32_t>(c));
   drift_stiffness_ = kDrift * elastic_.materials().table[0].youngs_modulus * lattice.settings.spacing *
                      std::min(1.0, kDriftCells / static_cast<double>(std::max<std::size_t>(floating_cells_.size(), 1)));
@@ -128,8 +133,9 @@ void System<Real>::rebuild_constraints() {
     const bool held = form.group != kBedGroup;
     has_held_forms_ = has_held_forms_ || held;
     const std::size_t first = matrix_of(form.cell);
+    const Eigen::Matrix<double, 8, 8> gram = form.matrix();
     for (std::size_t k = 0; k < 64; ++k)
-      matrices[first + k] += static_cast<Real>((held ? held_stiffness_ : bed_stiffness_) * form.gram[k]);
+      matrices[first + k] += static_cast<Real>((held ? held_stiffness_ : bed_stiffness_) * gram.data()[k]);
   }
   for (const std::int32_t cell : floating_cells_) {
     const std::size_t first = matrix_of(cell);
@@ -211,7 +217,7 @@ void System<Real>::evaluate_form(const FaceForm& form, std::span<const Real> u, 
     demand.col(k) = stiffness * off.col(k);
     if (held) demand.col(k) += Vec3::Map(&held_multipliers_[3 * n]);
   }
-  const Eigen::Map<const Eigen::Matrix<double, 8, 8>> gram(form.gram.data());
+  const Eigen::Matrix<double, 8, 8> gram = form.matrix();
   Eigen::Map<Eigen::Matrix<double, 3, 8>>(out.data()) = demand * gram;
   out[24] = (off.cwiseProduct((demand - 0.5 * stiffness * off) * gram)).sum();
 }
@@ -364,13 +370,15 @@ double System<Real>::largest_gap(std::span<const Real> u) const {
     if (form.group == kBedGroup || !acts(form)) continue;
     const auto& nodes = elastic_.lattice().cell_nodes[static_cast<std::size_t>(form.cell)];
     double squared = 0.0;
+    const Eigen::Matrix<double, 8, 8> gram = form.matrix();
     Vec3 off[8];
     for (std::size_t k = 0; k < 8; ++k) {
       const auto n = static_cast<std::size_t>(nodes[k]);
       off[k] = at(u, n) - held_displacement(form.group, n);
     }
     for (std::size_t a = 0; a < 8; ++a)
-      for (std::size_t b = 0; b < 8; ++b) squared += form.gram[8 * a + b] * off[a].dot(off[b]);
+      for (std::size_t b = 0; b < 8; ++b)
+        squared += gram(static_cast<int>(a), static_cast<int>(b)) * off[a].dot(off[b]);
     gap = std::max(gap, std::sqrt(std::max(squared, 0.0) / form.area));
   }
   return gap;

@@ -96,6 +96,9 @@ class System {
   double add_forms(std::span<const Real> u);
   void evaluate_form(const FaceForm& form, std::span<const Real> u, std::array<double, 25>& out) const;
   void find_fragments();
+  std::size_t fragment(std::size_t node) const {
+    return fragment_of_node_.empty() ? 0 : static_cast<std::size_t>(fragment_of_node_[node]);
+  }
   void find_floating_cells();
   void rebuild_constraints();
 
@@ -108,7 +111,7 @@ class System {
   std::vector<Tie> ties_;
   std::unique_ptr<Contact> contact_;
   std::vector<Push> pushes_;
-  std::vector<std::int32_t> fragment_of_node_;
+  std::vector<std::int32_t> fragment_of_node_;  // its lowest node; empty: all hang together
   std::vector<std::int32_t> floating_cells_;
   double drift_stiffness_ = 0.0;  // mN/mm on a corner of a floating cell
   std::vector<std::uint8_t> free_;
