@@ -20,7 +20,7 @@ from lappet.error_estimate import (
     frame_error,
 )
 from lappet.program import FaceOrigin
-from lappet.reports.box_scenes import BAR, BLOCK, CANTILEVER, COOK, SHELF, BoxScene
+from lappet.reports.box_scenes import BAR, BLOCK, BLOCK_SLACK, CANTILEVER, COOK, SHELF, BoxScene
 from lappet.reports.error_time import DEFAULT, EXACT, skin_of
 from lappet.reports.reference import greatest, richardson, rms
 from lappet.solve import FrameResult, Watcher, solve_procedure, solve_program
@@ -43,6 +43,7 @@ SETTINGS: tuple[dict[str, Any], ...] = (
 SPACINGS = {
     "bar": (2.0, 1.5, 1.0),
     "block": (2.0, 1.0),
+    "block-nu0": (2.0, 1.0),
     "cantilever": (3.0, 2.0, 1.5, 1.0),
     "cook": (2.0,),
     "shelf": (2.0,),
@@ -68,7 +69,7 @@ def estimated(scene: BoxScene, spacing: float, store: Path, **settings: Any) -> 
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("scene", [BAR, BLOCK, CANTILEVER, COOK, SHELF], ids=lambda scene: scene.name)
+@pytest.mark.parametrize("scene", [BAR, BLOCK, BLOCK_SLACK, CANTILEVER, COOK, SHELF], ids=lambda scene: scene.name)
 def test_the_estimate_lies_within_a_factor_of_three_of_the_true_error_at_every_setting(
     scene: BoxScene, tmp_path: Path
 ) -> None:
@@ -193,8 +194,11 @@ def test_a_second_indicator_is_asked_for_one_point_per_cell_without_wounds() -> 
 
 def test_holding_lowers_the_order_that_is_reckoned_with_and_wounds_hooks_and_sutures_more() -> None:
     smooth = BLOCK.program(4.0)
-    assert expected_order(SHELF.program(4.0)) == 2.0
-    assert expected_order(smooth) == 1.5
+    whole = {"cells": 64, "fine_voxels": 64 * smooth.settings.fine_ratio**3}
+    assert expected_order(SHELF.program(4.0), whole) == 2.0
+    assert expected_order(SHELF.program(4.0), {**whole, "fine_voxels": 4000}) == 1.5
+    assert expected_order(smooth, whole) == expected_order(smooth) == 1.5
+    assert expected_order(BLOCK_SLACK.program(4.0), whole) == 2.0
     epoch = smooth.epochs[0]
     walls = epoch.surface.origin.copy()
     walls[0] = FaceOrigin.WOUND_WALL

@@ -17,7 +17,7 @@ from lappet.daemon import SolverDaemon
 from lappet.procedure import Procedure
 from lappet.refused import RefusedError
 from lappet.reports import stability_fuzz
-from lappet.reports.stability_fuzz import fuzz, judge, procedures, told
+from lappet.reports.stability_fuzz import PATIENT, fuzz, judge, procedures, told
 
 pytestmark = [pytest.mark.slow, pytest.mark.timeout(1800)]
 COUNT = int(os.environ.get("LAPPET_FUZZ", "200"))
@@ -25,7 +25,7 @@ COUNT = int(os.environ.get("LAPPET_FUZZ", "200"))
 
 @pytest.fixture
 def running(binary: Path) -> Iterator[SolverDaemon]:
-    with SolverDaemon(binary) as daemon:
+    with SolverDaemon(binary, arguments=PATIENT) as daemon:
         yield daemon
 
 

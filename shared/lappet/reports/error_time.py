@@ -242,7 +242,7 @@ def _measure(scene: Scene, spacing: float, chosen: dict[str, Any], reference: Re
     other = far_companion(program)
     others, failure = ((), "") if other is None else _solve(other, connect)
     far = others[-1] if failure is None else None
-    estimate = frame_error(frames[-1], partner, skin, expected_order(program), far)
+    estimate = frame_error(frames[-1], partner, skin, expected_order(program, frames[0].header["lattice"]), far)
     row = replace(
         row,
         error_mm=rms(off),

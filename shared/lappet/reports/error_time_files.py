@@ -99,7 +99,7 @@ def _about_order(report: SceneReport) -> str:
             f"an order of {2.0 * exponent:.2f} in the limit, away from there too."
         )
     if report.scene.smooth:
-        sentences.append(f"Nothing lowers the order: it must be {LEAST_ORDER:g}.")
+        sentences.append(f"Nothing lowers the order: it must be at least {LEAST_ORDER:g}.")
     return " ".join(sentences) + "\n"
 
 
