@@ -21,6 +21,7 @@ namespace lappet {
 inline constexpr std::int32_t kBedGroup = -2;
 inline constexpr std::int32_t kFixedGroup = -1;  // groups from 0 on: retractors
 inline constexpr std::int32_t kFree = -3;
+inline constexpr std::int32_t kStillGroup = -4;  // stays where it is, wherever that is: the rim of a part
 
 struct FaceForm {
   std::int32_t cell;

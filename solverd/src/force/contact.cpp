@@ -63,6 +63,19 @@ Contact::Contact(std::shared_ptr<const SignedDistance> bones, const Lattice& lat
   found_.resize((proxies_.size() + kChunk - 1) / kChunk);
 }
 
+Contact::Contact(const Contact& whole, const Lattice& lattice, std::span<const std::int32_t> place)
+    : bones_(whole.bones_), lattice_(lattice), stiffness_(whole.stiffness_) {
+  for (std::size_t p = 0; p < whole.proxies_.size(); ++p) {
+    Proxy proxy = whole.proxies_[p];
+    proxy.point.cell = place[static_cast<std::size_t>(proxy.point.cell)];
+    if (proxy.point.cell < 0) continue;
+    proxies_.push_back(proxy);
+    rest_.push_back(whole.rest_[p]);
+    if (!whole.multipliers_.empty()) multipliers_.push_back(whole.multipliers_[p]);
+  }
+  found_.resize((proxies_.size() + kChunk - 1) / kChunk);
+}
+
 template <class Real>
 Vec3 Contact::displacement(const Proxy& proxy, std::span<const Real> u) const {
   Vec3 sum = Vec3::Zero();

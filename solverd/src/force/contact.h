@@ -24,6 +24,10 @@ class Contact {
   Contact(std::shared_ptr<const SignedDistance> bones, const Lattice& lattice, const Surface& surface,
           std::span<const std::uint8_t> fixed, double stiffness);
 
+  // The proxies of some cells of a lattice as those of another lattice, with their pressures; place: per cell, its
+  // index there or -1.
+  Contact(const Contact& whole, const Lattice& lattice, std::span<const std::int32_t> place);
+
   // How deep the tissue lies in bone at rest, and where; mm.
   struct Depth {
     double depth = 0.0;

@@ -48,6 +48,7 @@ class Elastic {
 
   // How far each material's muscle is active, 0 to 1 (empty: not at all). Holds from the next evaluation on.
   void set_activation(std::span<const double> activation);
+  std::span<const double> activation() const { return activation_; }
   // Energy and gradient (3 per node, written) at u; remembers the decomposition for linearize. node_scale (1 per node,
   // written): the sum of the magnitudes of the cells' forces on the node.
   ElasticState evaluate(std::span<const Real> u, std::span<double> gradient, std::span<double> node_scale);
@@ -76,6 +77,7 @@ class Elastic {
   const SceneFeatures& features() const { return features_; }
   const ElasticArrays<Real>& arrays() const { return arrays_; }
   const ElasticKernels<Real>& kernels() const { return kernels_; }
+  int points() const { return static_cast<int>(quadrature_.size()); }  // of quadrature
   InstructionSet instruction_set() const { return set_; }
 
  private:

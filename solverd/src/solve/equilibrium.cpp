@@ -7,6 +7,7 @@
 
 #include "solve/conjugate_gradients.h"
 #include "solve/line_search.h"
+#include "solve/local_relaxation.h"
 #include "solve/multiplier_loop.h"
 #include "solve/tangent_choice.h"
 
@@ -69,6 +70,7 @@ class EquilibriumSearch {
       if (!solve_tangent(carries)) return outcome_;
       if (watcher_.stop()) return fail("stopped");
       if (!take_step(carries)) return outcome_;
+      if (options_.relaxes && !carries && !jumped_ && used_ != Definiteness::kExact) relax();
     }
   }
 
@@ -206,10 +208,24 @@ class EquilibriumSearch {
       }
       tangent_.agreed(taken.ratio, used_);
     }
+    if (!options_.relaxes) return true;
     spdlog::debug("newton {}: residual {:.2e} gap {:.2e} J {:.2f} | pcg {} to {:.1e} {} | alpha {:.3g} ratio {:.3g}",
                   outcome_.newton_iterations, outcome_.residual, outcome_.gap, before.minimum_j, linear_.iterations,
                   linear_.reduction, used_ == Definiteness::kExact ? "exact" : "definite", taken.alpha, taken.ratio);
     return true;
+  }
+
+  // What a definite tangent is too stiff for is often a matter of a few nodes: they go ahead.
+  void relax() {
+    if (now_.residual <= options_.tolerance * now_.force_scale) return;
+    const LocalRelaxation relaxed =
+        relax_locally<Real>(system_, u_, now_, options_.tolerance, options_.inverts, watcher_.stop);
+    if (relaxed.nodes == 0) return;
+    const double before = now_.residual;
+    now_ = system_.evaluate(u_);
+    spdlog::debug("  {} nodes relaxed in {} clusters and {} iterations: residual {:.2e} to {:.2e}", relaxed.nodes,
+                  relaxed.clusters, relaxed.newton_iterations, before / now_.force_scale,
+                  now_.residual / now_.force_scale);
   }
 
   System<Real>& system_;

@@ -17,6 +17,7 @@ struct EquilibriumOptions {
   double gap_tolerance = 1e-3;  // mm
   int max_newton = 100;
   bool inverts = false;  // the material describes J < 0
+  bool relaxes = true;   // where a few nodes hold the rest up, they go ahead (local_relaxation.h)
 };
 
 struct EquilibriumOutcome {

@@ -315,7 +315,7 @@ bool System<Real>::prescribed_increment(std::span<const Real> u, std::span<Real>
   bool any = false;
   for (std::size_t n = 0; n < free_.size(); ++n) {
     for (std::size_t i = 0; i < 3; ++i) increment[3 * n + i] = Real(0);
-    if (free_[n]) continue;
+    if (free_[n] || attachments_.node_group[n] == kStillGroup) continue;
     const Vec3 target = held_displacement(attachments_.node_group[n], n);
     for (std::size_t i = 0; i < 3; ++i) {
       increment[3 * n + i] = static_cast<Real>(target[static_cast<int>(i)]) - u[3 * n + i];

@@ -30,6 +30,13 @@ class System {
   System(const Lattice& lattice, CellMaterials materials, int quadrature, Attachments attachments,
          std::int32_t retractors, double bed_stiffness, const Vec3& gravity);
 
+  // A part of the whole, of which only some nodes move: its energy falls by what the whole's falls when they do.
+  // part: cells of the whole's lattice, all around every node that moves; cells, nodes: their indices in the whole;
+  // moves: per node of the part; u: of the whole, whose other nodes stay where they are. Keeps a reference to `part`.
+  static std::unique_ptr<System> part_of(const System& whole, const Lattice& part, std::span<const std::int32_t> cells,
+                                         std::span<const std::int32_t> nodes, std::span<const std::uint8_t> moves,
+                                         std::span<const Real> u);
+
   // Rigid motions (4x4, column vectors) of the retractors that grip now; the others let go.
   void set_retractors(std::span<const std::int32_t> active, std::span<const Eigen::Matrix4d> motions);
   void set_ties(std::vector<Tie> ties);
