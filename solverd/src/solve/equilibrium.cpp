@@ -208,7 +208,7 @@ class EquilibriumSearch {
       }
       tangent_.agreed(taken.ratio, used_);
     }
-    if (!options_.relaxes) return true;
+    if (!options_.relaxes) return true;  // the many small searches of a relaxation are not logged
     spdlog::debug("newton {}: residual {:.2e} gap {:.2e} J {:.2f} | pcg {} to {:.1e} {} | alpha {:.3g} ratio {:.3g}",
                   outcome_.newton_iterations, outcome_.residual, outcome_.gap, before.minimum_j, linear_.iterations,
                   linear_.reduction, used_ == Definiteness::kExact ? "exact" : "definite", taken.alpha, taken.ratio);

@@ -31,13 +31,13 @@ Part cut_out(const System<Real>& system, std::span<const std::uint8_t> moving) {
   const Lattice& whole = system.lattice();
   Part part;
   part.lattice.settings = whole.settings;
+  part.lattice.node_rest = RestPositions(whole.settings.origin, whole.settings.spacing);
   std::vector<std::uint8_t> held(whole.node_rest.size(), 0);
   for (std::size_t c = 0; c < whole.cell_nodes.size(); ++c) {
     const auto& corners = whole.cell_nodes[c];
     if (std::ranges::none_of(corners, [&](std::int32_t n) { return moving[static_cast<std::size_t>(n)] != 0; }))
       continue;
     part.cells.push_back(static_cast<std::int32_t>(c));
-    part.lattice.cell_position.push_back(whole.cell_position[c]);
     part.lattice.cell_fill.push_back(whole.cell_fill[c]);
     for (const std::int32_t n : corners) held[static_cast<std::size_t>(n)] = 1;
   }
@@ -47,7 +47,7 @@ Part cut_out(const System<Real>& system, std::span<const std::uint8_t> moving) {
     place[n] = static_cast<std::int32_t>(part.nodes.size());
     part.nodes.push_back(static_cast<std::int32_t>(n));
     part.moves.push_back(moving[n]);
-    part.lattice.node_rest.push_back(whole.node_rest[n]);
+    part.lattice.node_rest.push_back(whole.node_rest.grid_point(n));
   }
   for (const std::int32_t cell : part.cells) {
     auto corners = whole.cell_nodes[static_cast<std::size_t>(cell)];
