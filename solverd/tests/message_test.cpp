@@ -342,7 +342,7 @@ TEST(Codec, RegionsComeWithTheSkinThatTheyLieBelow) {
         .array("landmark_triangles", std::span<const std::int32_t>(none), {0});
     return writer;
   };
-  const auto decode = [](const MessageWriter& writer, std::int32_t materials) {
+  const auto decode = [](MessageWriter writer, std::int32_t materials) {
     const auto frames = writer.finish();
     const Views views = array_views(frames);
     return decode_epoch(decode_header(frames[0]), views, 0, materials);
