@@ -11,13 +11,11 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from hypothesis import HealthCheck, given, settings
 
 from lappet.daemon import SolverDaemon
-from lappet.procedure import Procedure
 from lappet.refused import RefusedError
 from lappet.reports import stability_fuzz
-from lappet.reports.stability_fuzz import PATIENT, fuzz, judge, procedures, told
+from lappet.reports.stability_fuzz import PATIENT, fuzz, judge
 
 pytestmark = [pytest.mark.slow, pytest.mark.timeout(1800)]
 COUNT = int(os.environ.get("LAPPET_FUZZ", "200"))
@@ -29,29 +27,12 @@ def running(binary: Path) -> Iterator[SolverDaemon]:
         yield daemon
 
 
-@settings(
-    max_examples=COUNT,
-    derandomize=True,
-    deadline=None,
-    database=None,
-    print_blob=True,
-    suppress_health_check=[HealthCheck.too_slow, HealthCheck.function_scoped_fixture],
-)
-@given(procedure=procedures())
-def test_a_procedure_ends_in_frames_that_hold_or_in_a_sentence(
-    running: SolverDaemon, tmp_path: Path, procedure: Procedure
-) -> None:
-    running.start()
-    verdict = judge(procedure, running, tmp_path)
-    assert not verdict.wrong, f"{verdict.wrong}\n{told(procedure)}"
-
-
-def test_many_of_the_procedures_are_solved_to_the_end(binary: Path) -> None:
-    found = fuzz(40)
-    assert found["procedures"] == 40
-    assert found["solved"] >= 10
-    assert found["solved"] + sum(found["refused"].values()) == 40
-    assert not found["failures"]
+def test_procedures_end_in_frames_that_hold_or_in_a_sentence(binary: Path) -> None:
+    found = fuzz(COUNT)
+    assert not found["failures"], "\n\n".join(f"{each['wrong']}\n{each['procedure']}" for each in found["failures"])
+    assert found["procedures"] == COUNT
+    assert found["solved"] + sum(found["refused"].values()) == COUNT
+    assert found["solved"] >= COUNT / 4
 
 
 def test_a_fault_and_a_false_claim_are_failures(

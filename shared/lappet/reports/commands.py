@@ -48,9 +48,12 @@ def report_group(sentences: Sentences) -> click.Group:
         metavar="N",
         help="Instead, solve N small procedures made at random, the same ones every time.",
     )
+    @click.option(
+        "--jobs", type=click.IntRange(min=1), metavar="N", help="With --fuzz: so many at once; by default one per core."
+    )
     @click.pass_context
     def stability(
-        context: click.Context, /, folder: Path, only: tuple[str, ...], quick: bool, fuzz: int | None
+        context: click.Context, /, folder: Path, only: tuple[str, ...], quick: bool, fuzz: int | None, jobs: int | None
     ) -> None:
         """Solve stiff and extreme cases and hold each against the outcome that is right: it converges, or is refused
         with a reason. Exit status 1 where one does neither.
@@ -59,7 +62,7 @@ def report_group(sentences: Sentences) -> click.Group:
             from lappet.reports.stability_run import chosen_cases, run_fuzz, run_stability
 
             if fuzz is not None:
-                text, right, files = run_fuzz(folder, fuzz, _say)
+                text, right, files = run_fuzz(folder, fuzz, _say, jobs)
             else:
                 text, right, files = run_stability(folder, chosen_cases(only, quick), _say)
             click.echo(text)

@@ -7,18 +7,21 @@ sentence, and the daemon lives on. Needs hypothesis (the extra `test`).
 from __future__ import annotations
 
 import math
+import multiprocessing
 import re
 import tempfile
 import time
-from collections import Counter
+from collections import Counter, deque
 from collections.abc import Callable
+from concurrent.futures import Future, ProcessPoolExecutor
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from lappet.daemon import SolverDaemon
+from lappet.bench.circumstances import cores
+from lappet.daemon import SolverDaemon, find_daemon
 from lappet.daemon_solver import DaemonSolver
 from lappet.frame_solver import FrameSolver
 from lappet.patch import flat_patch
@@ -50,6 +53,7 @@ SIZE = (16.0, 12.0, 2.0)
 TOP = SIZE[2]
 FRAME_BUDGET = 20.0  # s that the daemon may take for a frame
 BUDGET = 120.0  # s for a procedure
+THREADS = 2  # of a daemon, whatever the machine has: the bits of a result depend on them
 # One daemon serves all procedures and hears nothing while one is made and cut, which on a busy machine may take longer
 # than it waits by itself.
 PATIENT = ("--silence", "86400")
@@ -185,7 +189,9 @@ def judge(procedure: Procedure, daemon: SolverDaemon, folder: Path) -> Verdict:
     """Solves a procedure. daemon: runs, and must go on running. folder: for the skin cache."""
 
     def connect(settings: SolverSettings, bones: Bones) -> FrameSolver:
-        return DaemonSolver(replace(settings, time_budget=FRAME_BUDGET), bones, daemon.address, daemon.token)
+        return DaemonSolver(
+            replace(settings, time_budget=FRAME_BUDGET, threads=THREADS), bones, daemon.address, daemon.token
+        )
 
     begun = time.monotonic()
     cache = folder / "cache.usdc"
@@ -231,54 +237,73 @@ def _claims(result: SolveResult) -> str:
     return ""
 
 
-def fuzz(count: int, say: Callable[[str], None] = lambda _: None) -> dict[str, Any]:
-    """Solves so many procedures, the same ones every time. Returns their number `procedures`, how many were `solved` to
-    the end, why others were `refused` (the sentences without their numbers, counted), and the `failures`, each with its
-    `wrong` and its `procedure` (`told`)."""
+def fuzz(count: int, say: Callable[[str], None] = lambda _: None, jobs: int | None = None) -> dict[str, Any]:
+    """Solves so many procedures, the same ones every time. jobs: how many at once, each in a process and with a daemon
+    of its own; one per core by default. Returns their number `procedures`, how many were `solved` to the end, why
+    others were `refused` (the sentences without their numbers, counted), and the `failures`, each with its `wrong` and
+    its `procedure` (`told`). Raises ReportError where hypothesis is missing, DaemonMissing where the daemon is."""
     from hypothesis import HealthCheck, Phase, given, settings
 
+    jobs = jobs or cores()
     strategy = procedures()
+    find_daemon()  # raises here rather than in every process
     failures: list[dict[str, str]] = []
     refused: Counter[str] = Counter()
     done = solved = 0
-    daemon = SolverDaemon(arguments=PATIENT).start()
+    waiting: deque[tuple[Procedure, Future[Verdict]]] = deque()
 
-    @settings(
-        max_examples=count,
-        derandomize=True,
-        deadline=None,
-        database=None,
-        phases=(Phase.generate,),
-        suppress_health_check=list(HealthCheck),
-    )
-    @given(strategy)
-    def run(procedure: Procedure) -> None:
-        nonlocal done, solved, daemon
+    def take() -> None:
+        nonlocal done, solved
+        procedure, future = waiting.popleft()
+        verdict = future.result()
         done += 1
-        with tempfile.TemporaryDirectory() as folder:
-            verdict = judge(procedure, daemon, Path(folder))
         if verdict.reason:
             refused[re.sub(r"[-+]?\d[-+.\de]*", "#", verdict.reason.splitlines()[0])] += 1
         solved += not verdict.reason and not verdict.wrong
         if verdict.wrong:
             failures.append({"wrong": verdict.wrong, "procedure": told(procedure)})
             say(f"{done}: {verdict.wrong}")
-            if not daemon.alive():
-                daemon.stop()
-                daemon = SolverDaemon().start()
         elif done % 100 == 0:
             say(f"{done} procedures, {len(failures)} failures")
 
-    try:
+    # spawned: a fork would copy the locks of whatever threads the caller has
+    with ProcessPoolExecutor(jobs, multiprocessing.get_context("spawn")) as pool:
+
+        @settings(
+            max_examples=count,
+            derandomize=True,
+            deadline=None,
+            database=None,
+            phases=(Phase.generate,),
+            suppress_health_check=list(HealthCheck),
+        )
+        @given(strategy)
+        def run(procedure: Procedure) -> None:
+            waiting.append((procedure, pool.submit(_judge_here, procedure)))
+            if len(waiting) > 4 * jobs:
+                take()
+
         run()
-    finally:
-        daemon.stop()
+        while waiting:
+            take()
     return {
         "procedures": done,
         "solved": solved,
         "refused": dict(refused.most_common()),
         "failures": failures,
     }
+
+
+_daemons: list[SolverDaemon] = []  # of this process: the one that runs
+
+
+def _judge_here(procedure: Procedure) -> Verdict:
+    if _daemons and not _daemons[-1].alive():
+        _daemons.pop().stop()
+    if not _daemons:
+        _daemons.append(SolverDaemon(arguments=PATIENT).start())  # ends with this process
+    with tempfile.TemporaryDirectory() as folder:
+        return judge(procedure, _daemons[-1], Path(folder))
 
 
 def told(procedure: Procedure) -> str:

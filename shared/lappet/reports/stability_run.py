@@ -43,14 +43,17 @@ def run_stability(
     return totals_table(rows), all(row.ok for row in rows), write_stability(folder, circumstances, rows)
 
 
-def run_fuzz(folder: Path, count: int, say: Callable[[str], None] = lambda _: None) -> tuple[str, bool, list[Path]]:
-    """Fuzzes so many procedures and writes stability_fuzz.json. Returns a sentence, whether all hold the property, and
-    the file. Raises RefusedError where there is no daemon, no folder or no hypothesis."""
+def run_fuzz(
+    folder: Path, count: int, say: Callable[[str], None] = lambda _: None, jobs: int | None = None
+) -> tuple[str, bool, list[Path]]:
+    """Fuzzes so many procedures, `jobs` at once (one per core by default), and writes stability_fuzz.json. Returns a
+    sentence, whether all hold the property, and the file. Raises RefusedError where there is no daemon, no folder or no
+    hypothesis."""
     from lappet.reports.stability_fuzz import fuzz
 
     make_folder(folder)
     circumstances = head()
-    found = fuzz(count, say)
+    found = fuzz(count, say, jobs)
     file = folder / "stability_fuzz.json"
     write_json(file, circumstances, [], **found)
     failures = len(found["failures"])
