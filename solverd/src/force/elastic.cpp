@@ -208,57 +208,68 @@ void Elastic<Real>::set_cell_quadratics(std::span<const std::int32_t> of_cell, s
 
 template <class Real>
 CellMeasures Elastic<Real>::measures(std::int32_t cell, std::span<const Real> u) const {
-  const auto& nodes = lattice_.cell_nodes[static_cast<std::size_t>(cell)];
-  static const QuadraturePoint centre = quadrature_point(0.5, 0.5, 0.5, 1.0);
-  const double inverse_h = 1.0 / lattice_.settings.spacing;
   const std::int32_t slot = layout_.slot_of_cell[static_cast<std::size_t>(cell)];
-  int lanes = layout_.lanes;
+  const bool fixed = slot < 0;
+  const int lanes = fixed ? 1 : layout_.lanes;
+  const auto place = fixed ? std::size_t{0} : static_cast<std::size_t>(slot / lanes);
+  const auto lane = fixed ? std::size_t{0} : static_cast<std::size_t>(slot % lanes);
+  const auto width = static_cast<std::size_t>(lanes);
   Real own[kMaterialFields] = {};
   const Real* material = own;
-  if (slot < 0) {
-    lanes = 1;
+  if (fixed)
     fill_record(own, 1, material_of(static_cast<std::size_t>(cell)), normal_of(static_cast<std::size_t>(cell)));
+  else
+    material = &material_[(uniform_ ? 0 : place) * record_fields_ * width + lane];
+
+  double rotation_u[9], rotation_v[9], sigma[3], p_hat[3];
+  if (!fixed && arrays_.points == 1 && !features_.fibres) {
+    for (std::size_t i = 0; i < 3; ++i) sigma[i] = static_cast<double>(sigma_[(3 * place + i) * width + lane]);
   } else {
-    material = &material_[static_cast<std::size_t>(uniform_ ? 0 : slot / lanes) * record_fields_ *
-                              static_cast<std::size_t>(lanes) +
-                          static_cast<std::size_t>(slot % lanes)];
-  }
-  double f[9], rotation_u[9], rotation_v[9], sigma[3], p_hat[3];
-  for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j) {
-      double sum = 0.0;
-      for (std::size_t k = 0; k < 8; ++k)
-        sum += double(u[3 * static_cast<std::size_t>(nodes[k]) + static_cast<std::size_t>(i)]) *
-               centre.gradient[static_cast<std::size_t>(8 * j) + k];
-      f[3 * i + j] = sum * inverse_h + (i == j ? 1.0 : 0.0);
+    double f[9];
+    deformation_gradient(cell, u, f);
+    if (features_.prestretched) {
+      double a[9], unstretched[9];
+      load_symmetric3<double>(material + kPrestretch * lanes, a, lanes);
+      std::copy(std::begin(f), std::end(f), unstretched);
+      multiply3(unstretched, a, f);
     }
-  if (features_.prestretched) {
-    double a[9], unstretched[9];
-    load_symmetric3<double>(material + kPrestretch * lanes, a, lanes);
-    std::copy(std::begin(f), std::end(f), unstretched);
-    multiply3(unstretched, a, f);
+    svd3(f, rotation_u, sigma, rotation_v);
   }
-  svd3(f, rotation_u, sigma, rotation_v);
   MaterialModels::with(features_.model,
                        [&]<class Model>() { Model::p_hat(sigma, load_moduli<double>(material, lanes), p_hat); });
   // Cauchy stress in the frame of the decomposition: P F^T / J
   const double j = std::max(sigma[0] * sigma[1] * sigma[2], 1e-6);
-  Eigen::Matrix3d stress = Eigen::Matrix3d::Zero();
-  for (int i = 0; i < 3; ++i) stress(i, i) = sigma[i] * p_hat[i] / j;
+  double principal[3];
+  for (int i = 0; i < 3; ++i) principal[i] = sigma[i] * p_hat[i] / j;
   if (features_.fibres) {
+    Eigen::Matrix3d stress = Eigen::Vector3d(principal[0], principal[1], principal[2]).asDiagonal();
     const auto fibre = fibre_state(material, lanes, sigma, rotation_v);
     const auto response = fibre_response(fibre.i1, fibre.i4, load_fibre<double>(material, lanes, arrays_.active));
     for (int i = 0; i < 3; ++i) {
       stress(i, i) += response.isotropic * sigma[i] * sigma[i] / j;
       for (int k = 0; k < 3; ++k) stress(i, k) += response.along * fibre.fa[i] * fibre.fa[k] / j;
     }
+    const double packed[6] = {stress(0, 0), stress(0, 1), stress(0, 2), stress(1, 1), stress(1, 2), stress(2, 2)};
+    double axes[9];
+    symmetric_eigen3(packed, principal, axes);
   }
-  const double packed[6] = {stress(0, 0), stress(0, 1), stress(0, 2), stress(1, 1), stress(1, 2), stress(2, 2)};
-  double principal[3], axes[9];
-  symmetric_eigen3(packed, principal, axes);
   const double d01 = principal[0] - principal[1], d12 = principal[1] - principal[2], d20 = principal[2] - principal[0];
   return {sigma[0], std::sqrt(0.5 * (d01 * d01 + d12 * d12 + d20 * d20)),
           std::max({principal[0], principal[1], principal[2]})};
+}
+
+template <class Real>
+void Elastic<Real>::deformation_gradient(std::int32_t cell, std::span<const Real> u, double* f) const {
+  static const QuadraturePoint centre = quadrature_point(0.5, 0.5, 0.5, 1.0);
+  const auto& nodes = lattice_.cell_nodes[static_cast<std::size_t>(cell)];
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) {
+      double sum = 0.0;
+      for (std::size_t k = 0; k < 8; ++k)
+        sum += double(u[3 * static_cast<std::size_t>(nodes[k]) + static_cast<std::size_t>(i)]) *
+               centre.gradient[static_cast<std::size_t>(8 * j) + k];
+      f[3 * i + j] = sum / lattice_.settings.spacing + (i == j ? 1.0 : 0.0);
+    }
 }
 
 template <class Real>

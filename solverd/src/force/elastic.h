@@ -68,6 +68,7 @@ class Elastic {
   static constexpr int kProjectionLanes = 16;
   void add_projected_stiffness(std::span<const std::int32_t> cells, const Real* weights, const Real* arms,
                                Real* blocks) const;
+  // Of the middle of a cell; u: the displacements last evaluated, whose singular values are at hand.
   CellMeasures measures(std::int32_t cell, std::span<const Real> u) const;
 
   std::size_t bytes() const;
@@ -92,6 +93,8 @@ class Elastic {
     return materials_.normal_of_cell.empty() ? Vec3::UnitZ()
                                              : Vec3(materials_.normal_of_cell[cell].template cast<double>());
   }
+  // Of the middle of a cell, 3x3 by rows.
+  void deformation_gradient(std::int32_t cell, std::span<const Real> u, double* f) const;
   // d(volume weight P)/dF of a point, 9x9, row-major indices, in mN mm
   Matrix9 point_tangent(std::size_t slot, std::size_t point) const;
   Eigen::Matrix<double, 8, 8> scalar_stiffness(std::size_t slot) const;

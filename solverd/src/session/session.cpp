@@ -405,6 +405,7 @@ class TypedSession : public Session::Implementation {
       output.largest_penetration = contact->largest_penetration();
       output.contacts = contact->count();
     }
+    if (!outcome.converged) system_->evaluate(u_);  // strain is that of the last evaluation
     write_fields(frame, output);
     if (kHasErrorEstimate && settings_.correction && outcome.converged) write_correction(output);
     if (!outcome.converged) restore(before);
