@@ -119,6 +119,12 @@ def far_companion(program: Program) -> Program | None:
     return replace(near, settings=replace(near.settings, spacing=spacing, quadrature=FAR_QUADRATURE))
 
 
+def companions(program: Program) -> tuple[Program, ...]:
+    """All programs that the estimate solves besides."""
+    far = far_companion(program)
+    return (companion(program),) if far is None else (companion(program), far)
+
+
 def estimate_errors(
     program: Program,
     frames: Sequence[FrameResult],

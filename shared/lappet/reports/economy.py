@@ -93,7 +93,7 @@ def economy(
             continue
         say(feature.name)
         program = feature.put_into(base)
-        programs = (program,) if feature.companion is None else (program, feature.companion(program))
+        programs = (program,) if feature.companions is None else (program, *feature.companions(program))
         rows.append(_cost(feature, True, programs, reasons))
     absences = []
     for binary in yardsticks:

@@ -41,13 +41,13 @@ BAR = BoxScene(
 class Feature:
     """A feature: how to put it into the plain program, or why there is nothing to put in.
 
-    companion: the program that is solved besides.
+    companions: the programs that are solved besides.
     """
 
     name: str
     what: str
     put_into: Callable[[Program], Program] | None
-    companion: Callable[[Program], Program] | None = None
+    companions: Callable[[Program], tuple[Program, ...]] | None = None
 
 
 def plain(spacing: float = SPACING) -> Program:
@@ -133,10 +133,10 @@ def _error_estimate(program: Program) -> Program:
     return replace(program, settings=replace(program.settings, correction=True))
 
 
-def _companion(program: Program) -> Program:
-    from lappet.error_estimate import companion
+def _companions(program: Program) -> tuple[Program, ...]:
+    from lappet.error_estimate import companions
 
-    return replace(companion(program), settings=replace(companion(program).settings, threads=1))
+    return tuple(replace(each, settings=replace(each.settings, threads=1)) for each in companions(program))
 
 
 FEATURES = (
@@ -150,9 +150,9 @@ FEATURES = (
     Feature("landmarks", "64 of them", _landmarks),
     Feature(
         "error_estimate",
-        "the Newton step left over, and a solve at twice the spacing",
+        "the Newton step left over, and solves at twice and four times the spacing",
         _error_estimate,
-        companion=_companion,
+        companions=_companions,
     ),
     Feature(
         "strain",
