@@ -66,12 +66,14 @@ struct EpochReport {
 struct Anchor {
   Vec3 point;             // rest
   std::int32_t triangle;  // of the epoch's surface
+  bool operator==(const Anchor&) const = default;
 };
 
 struct HookState {
   Anchor anchor;
   Vec3 target;
   double stiffness;  // mN/mm
+  bool operator==(const HookState&) const = default;
 };
 
 struct SutureState {
@@ -79,11 +81,13 @@ struct SutureState {
   Anchor a, b;
   double closure;    // 0: as it was when the suture was placed; 1: drawn together
   double stiffness;  // mN/mm; the penalty the multiplier method starts from
+  bool operator==(const SutureState&) const = default;
 };
 
 struct RetractorState {
   std::int32_t index;
   Eigen::Matrix4d motion;  // relative to its start; column-vector convention
+  bool operator==(const RetractorState&) const = default;
 };
 
 struct FrameInput {
@@ -92,6 +96,7 @@ struct FrameInput {
   std::vector<SutureState> sutures;
   std::vector<RetractorState> retractors;  // the active ones
   std::vector<double> activation;          // of the muscles, per material, in [0, 1]; empty: all 0
+  bool operator==(const FrameInput&) const = default;
 };
 
 // Everything a later frame depends on: give it back with set_state and the solve goes on bit for bit.
@@ -104,7 +109,23 @@ struct SolverState {
   std::vector<double> activation;          // per material, as the last frame had it
 };
 
-struct FrameOutput {
+// What a frame says of the tissue: its surface, landmarks and constraints.
+struct FrameFields {
+  std::vector<float> points;                // 3 per surface vertex, mm
+  std::vector<float> strain;                // largest principal stretch - 1, per surface vertex
+  std::vector<float> stress;                // von Mises Cauchy, kPa
+  std::vector<float> tension;               // largest principal Cauchy stress, kPa
+  std::vector<double> landmarks;            // 3 per landmark, mm
+  std::vector<double> suture_gaps;          // per active suture: distance from its demanded separation, mm
+  std::vector<double> suture_forces;        // per active suture, mN
+  std::vector<double> hook_forces;          // 3 per hook, mN, on the tissue
+  std::vector<double> hook_points;          // 3 per hook: where the anchor is now, mm
+  std::vector<double> suture_points;        // 6 per active suture: both ends, mm
+  std::vector<float> correction;            // 3 per surface vertex, mm: the Newton step left over; empty: not wanted
+  std::vector<double> landmark_correction;  // 3 per landmark, mm
+};
+
+struct FrameOutput : FrameFields {
   double time = 0.0;
   bool converged = false;
   std::string reason;  // empty when converged: otherwise one sentence
@@ -119,19 +140,7 @@ struct FrameOutput {
   std::int32_t contacts = 0;         // points of its surface that touch bone
   double seconds_update = 0.0, seconds_linear = 0.0, seconds_setup = 0.0, seconds_total = 0.0;
   Work work;
-  double peak_bytes = 0.0;                  // of the process
-  std::vector<float> points;                // 3 per surface vertex, mm
-  std::vector<float> strain;                // largest principal stretch - 1, per surface vertex
-  std::vector<float> stress;                // von Mises Cauchy, kPa
-  std::vector<float> tension;               // largest principal Cauchy stress, kPa
-  std::vector<double> landmarks;            // 3 per landmark, mm
-  std::vector<double> suture_gaps;          // per active suture: distance from its demanded separation, mm
-  std::vector<double> suture_forces;        // per active suture, mN
-  std::vector<double> hook_forces;          // 3 per hook, mN, on the tissue
-  std::vector<double> hook_points;          // 3 per hook: where the anchor is now, mm
-  std::vector<double> suture_points;        // 6 per active suture: both ends, mm
-  std::vector<float> correction;            // 3 per surface vertex, mm: the Newton step left over; empty: not wanted
-  std::vector<double> landmark_correction;  // 3 per landmark, mm
+  double peak_bytes = 0.0;  // of the process
   SolverState state;
 };
 

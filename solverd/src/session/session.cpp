@@ -17,6 +17,7 @@
 #include "session/bones.h"
 #include "session/checks.h"
 #include "session/fit_to_start.h"
+#include "session/last_frame.h"
 #include "session/process_memory.h"
 #include "session/reach.h"
 #include "session/surface_fields.h"
@@ -77,6 +78,7 @@ class TypedSession : public Session::Implementation {
     suture_multipliers_ = state.suture_multipliers;
     held_multipliers_ = state.grip_multipliers;
     activation_ = state.activation;
+    last_frame_.forget();
   }
 
   FrameOutput solve(const FrameInput& frame, const ProgressCallback& progress,
@@ -108,6 +110,7 @@ class TypedSession : public Session::Implementation {
     check_epoch(epoch, settings_);
     // After an epoch that is refused the session has none: the solver of the one before makes room.
     epoch_.reset();
+    last_frame_.forget();
     preconditioner_.reset();
     system_.reset();
     LatticeSettings lattice_settings;
@@ -405,10 +408,19 @@ class TypedSession : public Session::Implementation {
       output.largest_penetration = contact->largest_penetration();
       output.contacts = contact->count();
     }
-    if (!outcome.converged) system_->evaluate(u_);  // strain is that of the last evaluation
-    write_fields(frame, output);
-    if (kHasErrorEstimate && settings_.correction && outcome.converged) write_correction(output);
-    if (!outcome.converged) restore(before);
+    const FrameFields* same = outcome.converged && output.newton_iterations == 0 ? last_frame_.of(frame) : nullptr;
+    if (same) {
+      static_cast<FrameFields&>(output) = *same;
+    } else {
+      if (!outcome.converged) system_->evaluate(u_);  // strain is that of the last evaluation
+      write_fields(frame, output);
+      if (kHasErrorEstimate && settings_.correction && outcome.converged) write_correction(output);
+      last_frame_.keep(frame, output);
+    }
+    if (!outcome.converged) {
+      restore(before);
+      last_frame_.forget();
+    }
     output.state.is_double = std::is_same_v<Real, double>;
     output.state.nodes.assign(u_.begin(), u_.end());
     output.state.suture_gaps = suture_gaps_;
@@ -465,6 +477,7 @@ class TypedSession : public Session::Implementation {
   std::unique_ptr<System<Real>> system_;
   std::unique_ptr<TwoLevel<Real>> preconditioner_;
   std::vector<Real> u_;
+  LastFrame last_frame_;
   std::vector<EmbeddedPoint> landmarks_;
   mutable std::map<std::array<double, 4>, Bite> bites_;                                   // by rest point and triangle
   Vec3 lowest_ = Vec3::Zero(), highest_ = Vec3::Zero();                                   // of the surface at rest

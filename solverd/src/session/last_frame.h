@@ -1,0 +1,28 @@
+// The frame solved last, for the next one: where neither constraints nor tissue moved, all that it said holds on.
+#pragma once
+#include <optional>
+
+#include "session/program.h"
+
+namespace lappet {
+
+class LastFrame {
+ public:
+  // What it left is no longer the state that the next frame starts from.
+  void forget() { fields_.reset(); }
+  void keep(const FrameInput& frame, const FrameFields& fields) {
+    frame_ = frame;
+    fields_ = fields;
+  }
+  // What it said, if `frame` asks for the same; else null.
+  const FrameFields* of(FrameInput frame) const {
+    frame.time = frame_.time;
+    return fields_ && frame == frame_ ? &*fields_ : nullptr;
+  }
+
+ private:
+  FrameInput frame_;
+  std::optional<FrameFields> fields_;
+};
+
+}  // namespace lappet
