@@ -14,8 +14,8 @@ file(CREATE_LINK "${LAPPET_XSIMD_INCLUDE}/xsimd" "${neon_directory}/include/xsim
 
 set(neon_objects)
 foreach(source tests/neon_twins tests/kernel_twins tests/kernel_twins_scalar tests/kernel_twins_neon
-        tests/kernel_twins_check tests/fused_twins_check src/force/elastic_kernels src/force/elastic_kernels_scalar
-        src/force/elastic_kernels_neon)
+        tests/kernel_twins_check tests/kernel_twins_nodes tests/fused_twins_check src/force/elastic_kernels
+        src/force/elastic_kernels_scalar src/force/elastic_kernels_neon)
   cmake_path(GET source FILENAME stem)
   set(object "${neon_directory}/${stem}.cpp.o")
   add_custom_command(

@@ -1,28 +1,20 @@
 #include "kernel_twins_check.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdio>
 #include <functional>
 #include <limits>
-#include <random>
 
 #include "force/elastic_arrays.h"
 #include "force/fibre.h"
 #include "force/material.h"
+#include "kernel_twins_inputs.h"
 
 namespace lappet {
 
 namespace {
 
-using Values = std::vector<double>;
-
-double norm(const double* from, std::size_t count) {
-  double sum = 0;
-  for (std::size_t i = 0; i < count; ++i) sum += from[i] * from[i];
-  return std::sqrt(sum);
-}
 double distance(const double* a, const double* b, std::size_t count) {
   double sum = 0;
   for (std::size_t i = 0; i < count; ++i) sum += (a[i] - b[i]) * (a[i] - b[i]);
@@ -45,133 +37,6 @@ double rotation_error(const double* m) {
       sum += dot * dot;
     }
   return determinant(m) > 0.5 ? std::sqrt(sum) : std::numeric_limits<double>::infinity();
-}
-
-class Random {
- public:
-  double uniform(double low, double high) { return low + (high - low) * unit_(engine_); }
-  double normal() { return normal_(engine_); }
-  Values normals(std::size_t count) {
-    Values values(count);
-    for (double& value : values) value = normal();
-    return values;
-  }
-  std::array<double, 9> rotation() {
-    double q[4];
-    for (double& value : q) value = normal();
-    const double length = norm(q, 4);
-    for (double& value : q) value /= length;
-    std::array<double, 9> r{};
-    const double w = q[0], x = q[1], y = q[2], z = q[3];
-    r = {1 - 2 * (y * y + z * z), 2 * (x * y - w * z),     2 * (x * z + w * y),
-         2 * (x * y + w * z),     1 - 2 * (x * x + z * z), 2 * (y * z - w * x),
-         2 * (x * z - w * y),     2 * (y * z + w * x),     1 - 2 * (x * x + y * y)};
-    return r;
-  }
-  // Singular values in the order of svd3: every kind that a cell may have.
-  std::array<double, 3> stretches(int kind) {
-    std::array<double, 3> s = {uniform(0.3, 2.0), uniform(0.3, 2.0), uniform(0.3, 2.0)};
-    switch (kind % 12) {
-      case 0:
-        s = {1, 1, 1};
-        break;
-      case 1:
-        s = {1 + 1e-3 * normal(), 1 + 1e-3 * normal(), 1 + 1e-3 * normal()};
-        break;
-      case 2:
-        s[1] = s[0];
-        break;
-      case 3:
-        s[2] = s[1];
-        break;
-      case 4:
-        s[1] = s[2] = s[0];
-        break;
-      case 5:
-        s[2] *= 1e-6 * normal();
-        break;
-      case 6:
-        s[1] *= 1e-5, s[2] *= 1e-6;
-        break;
-      case 7:
-        s[2] = 0;
-        break;
-      case 8:
-        s[2] = -s[2];
-        break;
-      case 9:
-        s[0] *= 4, s[2] *= -0.2;
-        break;
-      case 10:
-        s = {s[0] * 1e-4, s[1] * 1e-4, s[2] * 1e-4};
-        break;
-      default:
-        break;
-    }
-    std::sort(s.begin(), s.end(), [](double a, double b) { return std::abs(a) > std::abs(b); });
-    const bool inverted = s[0] * s[1] * s[2] < 0;
-    for (double& value : s) value = std::abs(value);
-    if (inverted) s[2] = -s[2];
-    return s;
-  }
-  double log_uniform(double low, double high) { return std::exp(uniform(std::log(low), std::log(high))); }
-
- private:
-  std::mt19937 engine_{20240611};
-  std::uniform_real_distribution<double> unit_{0.0, 1.0};
-  std::normal_distribution<double> normal_;
-};
-
-std::vector<Values> deformation_gradients(Random& random) {
-  std::vector<Values> all;
-  for (int k = 0; k < 4000; ++k) {
-    Values f(9);
-    const auto u = random.rotation(), v = random.rotation();
-    const auto s = random.stretches(k);
-    for (std::size_t i = 0; i < 3; ++i)
-      for (std::size_t j = 0; j < 3; ++j)
-        for (std::size_t a = 0; a < 3; ++a) f[3 * i + j] += u[3 * i + a] * s[a] * v[3 * j + a];
-    if (k % 7 == 0) f = random.normals(9);
-    if (k % 7 == 1)  // rank one
-      for (std::size_t i = 0; i < 9; ++i) f[i] = u[i / 3] * v[i % 3];
-    if (k % 7 == 2)  // axes of its own: zeros, and exactly repeated values
-      for (std::size_t i = 0; i < 9; ++i) f[i] = i % 4 == 0 ? s[i / 4] : 0.0;
-    if (k % 7 == 3)  // a shear that Jacobi rotations see late
-      f = {1, random.normal() * 1e-4, random.normal() * 30, 0, 1, random.normal(), 0, 0, random.log_uniform(1e-6, 1)};
-    if (k % 5 == 4) {  // tiny
-      const double scale = random.log_uniform(1e-16, 1e-2);
-      for (double& value : f) value *= scale;
-    }
-    all.push_back(f);
-  }
-  all.push_back(Values(9, 0.0));
-  all.push_back({-1, 0, 0, 0, -1, 0, 0, 0, -1});
-  all.push_back({0, 0, 1, 1, 0, 0, 0, 1, 0});
-  all.push_back(Values(9, 1.0));
-  return all;
-}
-
-std::vector<Values> symmetric_matrices(Random& random) {
-  std::vector<Values> all;
-  for (int k = 0; k < 3000; ++k) {
-    Values a(6);
-    const auto v = random.rotation();
-    Values values = random.normals(3);
-    if (k % 5 == 1) values[1] = values[0];
-    if (k % 5 == 2) values[2] = values[1] = values[0];
-    if (k % 5 == 3) values[0] *= 1e5;
-    if (k % 5 == 4) values[2] *= 1e-6;
-    if (k % 3 == 0)
-      for (double& value : values) value *= random.log_uniform(1e-4, 1e6);
-    std::size_t entry = 0;
-    for (std::size_t i = 0; i < 3; ++i)
-      for (std::size_t j = i; j < 3; ++j, ++entry)
-        for (std::size_t m = 0; m < 3; ++m) a[entry] += v[3 * i + m] * values[m] * v[3 * j + m];
-    if (k % 11 == 0) a[1] = a[2] = a[4] = 0;
-    all.push_back(a);
-  }
-  all.push_back(Values(6, 0.0));
-  return all;
 }
 
 // error(input, got, expected): over the size of the kernel's terms.
@@ -486,80 +351,6 @@ void compare_cells(Comparison<Real>& c, const KernelTwins<Real>& twins, const Ke
     }
 }
 
-// Gather and scatter move and add numbers: exactly, also where lanes share nodes.
-template <class Real>
-TwinResult compare_nodes(const KernelTwins<Real>& twins) {
-  TwinResult result{"gather and scatter with shared nodes", 0.0};
-  Random random;
-  const auto lanes = static_cast<std::size_t>(twins.lanes);
-  constexpr std::size_t kNodes = 21;
-  for (std::size_t distinct = 1; distinct <= kNodes; ++distinct)
-    for (int repeat = 0; repeat < 40; ++repeat, ++result.samples) {
-      alignas(64) Real values[3 * 64], gathered[3 * 64];
-      // exactly as long as the nodes: a checker of addresses sees what reaches beyond
-      std::vector<Real> field(3 * kNodes), expected;
-      std::vector<std::int32_t> index(lanes);
-      for (auto& value : field) value = static_cast<Real>(random.normal());
-      for (std::size_t lane = 0; lane < lanes; ++lane)
-        index[lane] = static_cast<std::int32_t>(random.uniform(0.0, static_cast<double>(distinct)));
-      if (repeat == 0) index[lanes - 1] = kNodes - 1;
-      for (std::size_t i = 0; i < 3 * lanes; ++i) values[i] = static_cast<Real>(random.normal());
-      twins.gather(field.data(), index.data(), gathered);
-      bool right = true;
-      for (std::size_t lane = 0; lane < lanes; ++lane)
-        for (std::size_t i = 0; i < 3; ++i)
-          right = right && gathered[i * lanes + lane] == field[3 * static_cast<std::size_t>(index[lane]) + i];
-      expected = field;
-      for (std::size_t lane = 0; lane < lanes; ++lane)
-        for (std::size_t i = 0; i < 3; ++i)
-          expected[3 * static_cast<std::size_t>(index[lane]) + i] += values[i * lanes + lane];
-      twins.scatter_add(field.data(), index.data(), values);
-      right = right && field == expected;
-      if (!right) {
-        result.worst = 1;
-        result.where = std::to_string(distinct) + " distinct nodes";
-      }
-    }
-  return result;
-}
-
-// The same of whole blocks: columns of the grid, which may overlap by one or two nodes in any two lanes, and nodes each
-// on its own. What lanes share is added in no promised order: sums of whole numbers are exact in any.
-template <class Real>
-TwinResult compare_blocks(const KernelTwins<Real>& twins, bool grid) {
-  TwinResult result{grid ? "blocks of overlapping columns" : "blocks of single nodes", 0.0};
-  Random random;
-  const auto lanes = static_cast<std::size_t>(twins.lanes);
-  const auto rows = static_cast<std::size_t>(grid ? kBlockColumns : kBlockNodes);
-  constexpr std::size_t kNodes = 57, kNumbers = 3 * std::size_t{kBlockNodes};
-  for (std::size_t distinct = 1; distinct <= kNodes - 2; ++distinct, ++result.samples) {
-    alignas(64) Real values[kNumbers * 16], gathered[kNumbers * 16];
-    std::vector<Real> field(3 * kNodes), expected;  // exactly as long as the nodes, see above
-    std::vector<std::int32_t> index(rows * lanes);
-    const auto whole = [&] { return static_cast<Real>(std::floor(random.uniform(-99.0, 99.0))); };
-    for (auto& value : field) value = whole();
-    for (auto& node : index) node = static_cast<std::int32_t>(random.uniform(0.0, static_cast<double>(distinct)));
-    index.back() = static_cast<std::int32_t>(grid ? kNodes - 3 : kNodes - 1);
-    for (std::size_t i = 0; i < kNumbers * lanes; ++i) values[i] = whole();
-    expected = field;
-    const GroupNodes nodes{index.data(), twins.lanes, grid};
-    twins.gather_block(nodes, field.data(), gathered);
-    bool right = true;
-    for (std::size_t n = 0; n < kBlockNodes; ++n)
-      for (std::size_t lane = 0; lane < lanes; ++lane)
-        for (std::size_t i = 0; i < 3; ++i) {
-          const auto node = static_cast<std::size_t>(index[(grid ? n / 3 : n) * lanes + lane]) + (grid ? n % 3 : 0);
-          right = right && gathered[(3 * n + i) * lanes + lane] == field[3 * node + i];
-          expected[3 * node + i] += values[(3 * n + i) * lanes + lane];
-        }
-    const int told = twins.scatter_block(nodes, values, field.data());
-    if (right && field == expected && told == kBlockColumns * twins.lanes) continue;
-    result.worst = 1;
-    result.where = std::to_string(distinct) + " distinct rows";
-  }
-  return result;
-}
-
 }  // namespace
 
 template <class Real>
@@ -569,8 +360,7 @@ std::vector<TwinResult> compare_kernel_twins(const KernelTwins<Real>& twins, con
   compare_materials(c, twins, reference);
   compare_fibres(c, twins, reference);
   compare_cells(c, twins, reference);
-  c.all.push_back(compare_nodes(twins));
-  for (const bool grid : {true, false}) c.all.push_back(compare_blocks(twins, grid));
+  for (auto& result : compare_node_kernels(twins)) c.all.push_back(std::move(result));
   return c.all;
 }
 

@@ -21,6 +21,10 @@ struct TwinResult {
 template <class Real>
 inline constexpr double kTwinTolerance = sizeof(Real) == 4 ? 4e-6 : 1e-13;
 
+// Part of the next one: gather and scatter, which move numbers without rounding.
+template <class Real>
+std::vector<TwinResult> compare_node_kernels(const KernelTwins<Real>& twins);
+
 template <class Real>
 std::vector<TwinResult> compare_kernel_twins(const KernelTwins<Real>& twins, const KernelTwins<double>& reference);
 
