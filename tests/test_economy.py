@@ -70,7 +70,7 @@ def solved(program: Program, frames: int = 1) -> tuple[dict[str, Any], list[Any]
 )
 def test_a_frame_whose_constraints_did_not_change_costs_one_residual(feature: Feature) -> None:
     assert feature.put_into is not None
-    program = feature.put_into(plain())
+    program = feature.put_into(plain() if feature.base is None else feature.base())
     program = replace(program, settings=replace(program.settings, correction=False))
     _, (first, again) = solved(program, 2)
     assert first.converged

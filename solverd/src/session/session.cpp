@@ -317,12 +317,14 @@ class TypedSession : public Session::Implementation {
       for (int step = 1; step < steps; ++step) path.push_back(partway(frame, static_cast<double>(step) / steps));
       path.push_back(frame);
       output.load_steps = steps;
+      options.region_first = settings_.region == "auto" && !preconditioner_->is_smoother_only() && steps == 1;
       for (int step = 0; step < steps; ++step) {
         constrain(path[static_cast<std::size_t>(step)]);
         options.max_newton = std::min(settings_.max_newton, budget - output.newton_iterations);
         outcome = find_equilibrium<Real>(*system_, *preconditioner_, u_, options, watcher);
         output.newton_iterations += outcome.newton_iterations;
         output.pcg_iterations += outcome.pcg_iterations;
+        output.active_cells = std::max(output.active_cells, outcome.active_cells);
         output.seconds_update += outcome.seconds_update;
         output.seconds_linear += outcome.seconds_linear;
         output.seconds_setup += outcome.seconds_setup;
