@@ -26,7 +26,7 @@ from lappet.usd_stage import write_procedure
 pytestmark = pytest.mark.slow
 
 SPACING, TOLERANCE, END = 3.0, 1e-3, 7
-LEFT_OVER = 2.0 * TOLERANCE * SPACING  # mm, what PROTOCOL.md lets stay
+LEFT_OPEN = 2.0 * TOLERANCE * SPACING  # mm, what the tolerance of the residual leaves open in a whole solve too
 
 
 def wide_patch() -> Procedure:
@@ -69,13 +69,13 @@ def test_a_wide_patch_is_solved_in_part_and_its_skin_is_where_solving_all_of_it_
     active = {int(frame["time_code"]): frame["active_cells"] for frame in in_part["frames"]}
     assert in_part["settings"]["region"] == "auto"
     assert whole["settings"]["region"] == "whole"
-    # Nothing acts before the hook; then its reach, and once it lets go as well.
+    # Nothing acts before the hook; then its reach, and once it lets go as well. The first pull may reach further.
     assert [active[time] for time in (1, 2, 3)] == [0, 0, 0]
-    assert all(0 < active[time] < cells / 2 for time in (4, 5, 6, 7)), active
+    assert all(0 < active[time] < cells / 2 for time in (5, 6, 7)), active
     assert {frame["active_cells"] for frame in whole["frames"]} == {0, cells}
     assert np.abs(expected[-2] - expected[0]).max() > 1.0
     for one, other in zip(found, expected, strict=True):
-        assert np.linalg.norm(one - other, axis=1).max() < 2.0 * LEFT_OVER
+        assert np.linalg.norm(one - other, axis=1).max() < LEFT_OPEN
 
 
 def nodes(program: Program, store: FrameStore) -> list[NDArray[Any]]:

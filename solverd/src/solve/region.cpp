@@ -11,12 +11,13 @@ namespace lappet {
 
 namespace {
 
-constexpr int kDegree = 4;          // of the smoother
-constexpr double kMostShare = 0.4;  // of the cells: a larger region saves less than it may cost
+constexpr int kDegree = 4;  // of the smoother
+// Of the cells: a larger region saves less than it may cost, and a smaller one may as well be larger.
+constexpr double kMostShare = 0.4, kLeastShare = 0.2;
 // Spacings by which a node is displaced, or one cell would be by the force on its node, that make it a part of the
 // region.
 constexpr double kDisplaced = 1e-2;
-constexpr double kReach = 2.0;             // decay lengths around that
+constexpr double kLeastReach = 2.0, kMostReach = 4.0;  // decay lengths around that
 constexpr double kShareOfTolerance = 0.5;  // for the residual of the region; the reactions at its rim take the rest
 
 template <class Real>
@@ -66,10 +67,10 @@ template <class Real>
 std::vector<std::uint8_t> region(const System<Real>& system, const CoarseLattice& tiles, std::span<const Real> u) {
   const auto& cell_nodes = system.lattice().cell_nodes;
   std::vector<std::uint8_t> nodes = affected(system, u);
-  const auto most = [](std::size_t all) { return kMostShare * static_cast<double>(all); };
-  if (static_cast<double>(std::ranges::count(nodes, std::uint8_t{1})) > most(nodes.size())) return {};
-  const double reach = kReach * decay_length(system);
-  if (!(reach > 0.0)) return {};
+  const auto all_nodes = static_cast<double>(nodes.size()), all_cells = static_cast<double>(cell_nodes.size());
+  if (static_cast<double>(std::ranges::count(nodes, std::uint8_t{1})) > kMostShare * all_nodes) return {};
+  const double decay = decay_length(system);
+  if (!(decay > 0.0)) return {};
 
   const auto is_in = [](const auto& marked) {
     return [&](std::int32_t n) { return marked[static_cast<std::size_t>(n)] != 0; };
@@ -84,15 +85,16 @@ std::vector<std::uint8_t> region(const System<Real>& system, const CoarseLattice
   for (std::size_t t = 0; t < taken.size(); ++t)
     taken[t] = std::ranges::any_of(
         cells_of(t), [&](std::int32_t cell) { return std::ranges::any_of(corners_of(cell), is_in(nodes)); });
-  const auto rings = static_cast<int>(std::ceil(reach / (tiles.ratio * system.lattice().settings.spacing)));
-  std::size_t count = 0;
-  for (int ring = 0; ring <= rings; ++ring) {
+  double count = 0;
+  const double tile = tiles.ratio * system.lattice().settings.spacing;
+  for (double reach = 0.0; reach < kMostReach * decay + tile; reach += tile) {
+    if (reach >= kLeastReach * decay + tile && count > kLeastShare * all_cells) break;
     count = 0;
     for (std::size_t t = 0; t < taken.size(); ++t) {
       taken[t] = taken[t] || std::ranges::any_of(tiles.cell_nodes[t], is_in(corners));
-      if (taken[t]) count += cells_of(t).size();
+      if (taken[t]) count += static_cast<double>(cells_of(t).size());
     }
-    if (static_cast<double>(count) > most(cell_nodes.size())) return {};
+    if (count > kMostShare * all_cells) return {};
     for (std::size_t t = 0; t < taken.size(); ++t)
       if (taken[t])
         for (const std::int32_t corner : tiles.cell_nodes[t]) corners[static_cast<std::size_t>(corner)] = 1;
