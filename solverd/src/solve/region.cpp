@@ -66,11 +66,11 @@ std::vector<std::uint8_t> affected(const System<Real>& system, std::span<const R
 template <class Real>
 std::vector<std::uint8_t> region(const System<Real>& system, const CoarseLattice& tiles, std::span<const Real> u) {
   const auto& cell_nodes = system.lattice().cell_nodes;
+  const double decay = decay_length(system);
+  if (!(decay > 0.0)) return {};
   std::vector<std::uint8_t> nodes = affected(system, u);
   const auto all_nodes = static_cast<double>(nodes.size()), all_cells = static_cast<double>(cell_nodes.size());
   if (static_cast<double>(std::ranges::count(nodes, std::uint8_t{1})) > kMostShare * all_nodes) return {};
-  const double decay = decay_length(system);
-  if (!(decay > 0.0)) return {};
 
   const auto is_in = [](const auto& marked) {
     return [&](std::int32_t n) { return marked[static_cast<std::size_t>(n)] != 0; };
