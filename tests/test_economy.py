@@ -213,7 +213,9 @@ def test_fibres_without_muscle_take_the_instructions_of_a_daemon_built_without_m
 @pytest.mark.slow
 @pytest.mark.timeout(3000)
 @pytest.mark.parametrize(
-    "feature", [each for each in FEATURES if each.put_into is not None and each.base is None], ids=lambda each: each.name
+    "feature",
+    [each for each in FEATURES if each.put_into is not None and each.base is None],
+    ids=lambda each: each.name,
 )
 def test_a_daemon_built_without_a_feature_refuses_a_scene_that_needs_it(feature: Feature) -> None:
     assert feature.put_into is not None

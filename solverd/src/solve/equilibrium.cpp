@@ -63,7 +63,7 @@ class EquilibriumSearch {
       if (!std::isfinite(outcome_.residual)) return fail("the residual is not a finite number");
       if (!carries && settle()) return outcome_;
       if (options_.region_first && !region_tried_ && region_goes_ahead()) continue;
-      if (outcome_.newton_iterations >= options_.max_newton)
+      if (outcome_.newton_iterations - newton_in_region_ >= options_.max_newton)
         return fail(
             fmt::format("no equilibrium after {} Newton iterations: relative residual {:.2e} (tolerance {:.1e}), gap "
                         "{:.3g} mm",
@@ -223,7 +223,7 @@ class EquilibriumSearch {
     region_tried_ = true;
     const EquilibriumOutcome region =
         solve_region<Real>(system_, preconditioner_.frames().coarse_lattice(), u_, options_, watcher_);
-    outcome_.newton_iterations += region.newton_iterations;
+    outcome_.newton_iterations += newton_in_region_ = region.newton_iterations;
     outcome_.pcg_iterations += region.pcg_iterations;
     outcome_.seconds_update += region.seconds_update;
     outcome_.seconds_linear += region.seconds_linear;
@@ -263,6 +263,7 @@ class EquilibriumSearch {
   LineSearch<Real> line_;
   Evaluation now_;
   bool jumped_ = false, region_tried_ = false;
+  int newton_in_region_ = 0;  // these leave those of the whole as many as ever
   Definiteness used_ = Definiteness::kExact;
   LinearOutcome linear_;
   EquilibriumOutcome outcome_;

@@ -19,6 +19,7 @@ constexpr double kMostShare = 0.4, kLeastShare = 0.2;
 constexpr double kDisplaced = 1e-2;
 constexpr double kLeastReach = 2.0, kMostReach = 4.0;  // decay lengths around that
 constexpr double kShareOfTolerance = 0.5;  // for the residual of the region; the reactions at its rim take the rest
+constexpr int kMostNewton = 20;            // what takes more is for the whole
 
 template <class Real>
 double length(std::span<const Real> v, std::size_t n) {
@@ -118,6 +119,7 @@ EquilibriumOutcome solve_region(System<Real>& system, const CoarseLattice& tiles
   TwoLevel<Real> preconditioner(*part.system, kDegree);
   EquilibriumOptions own = options;
   own.tolerance *= kShareOfTolerance;
+  own.max_newton = std::min(own.max_newton, kMostNewton);
   own.region_first = false;
   EquilibriumOutcome outcome = find_equilibrium<Real>(*part.system, preconditioner, part.u, own, watcher);
   outcome.active_cells = static_cast<std::int64_t>(part.cells.size());
