@@ -17,7 +17,7 @@ constexpr double kMostShare = 0.4, kLeastShare = 0.2;
 // Spacings by which a node is displaced, or one cell would be by the force on its node, that make it a part of the
 // region.
 constexpr double kDisplaced = 1e-2;
-constexpr double kLeastReach = 2.0, kMostReach = 4.0;  // decay lengths around that
+constexpr double kLeastReach = 1.0, kMostReach = 4.0;  // decay lengths around that
 constexpr double kShareOfTolerance = 0.5;  // for the residual of the region; the reactions at its rim take the rest
 constexpr int kMostNewton = 20;            // what takes more is for the whole
 
