@@ -13,6 +13,7 @@ FRAME: dict[str, Any] = {
     "newton_iterations": int,
     "pcg_iterations": int,
     "load_steps": int,
+    "active_cells": int,
     "residual": NUMBER,
     "force_scale_mn": NUMBER,
     "largest_gap_mm": NUMBER,

@@ -120,6 +120,7 @@ class FakeSession:
             "newton": 3,
             "pcg": 40,
             "load_steps": 1,
+            "active_cells": 8,
             "residual": 1e-4,
             "force_scale": 10.0,
             "largest_gap": 0.0,

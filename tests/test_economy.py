@@ -70,10 +70,10 @@ def solved(program: Program, frames: int = 1) -> tuple[dict[str, Any], list[Any]
 )
 def test_a_frame_whose_constraints_did_not_change_costs_one_residual(feature: Feature) -> None:
     assert feature.put_into is not None
-    program = feature.put_into(plain())
+    program = feature.put_into(plain() if feature.base is None else feature.base())
     _, (first, again) = solved(program, 2)
     assert first.converged
-    assert first.work["products"] > 10
+    assert first.header["pcg"] > 1
     assert (again.work["evaluations"], again.work["linearizations"], again.work["products"]) == (1, 0, 0)
     assert again.arrays.keys() == first.arrays.keys()
     for name, array in first.arrays.items():
@@ -214,7 +214,9 @@ def test_fibres_without_muscle_take_the_instructions_of_a_daemon_built_without_m
 @pytest.mark.slow
 @pytest.mark.timeout(3000)
 @pytest.mark.parametrize(
-    "feature", [each for each in FEATURES if each.put_into is not None], ids=lambda each: each.name
+    "feature",
+    [each for each in FEATURES if each.put_into is not None and each.base is None],
+    ids=lambda each: each.name,
 )
 def test_a_daemon_built_without_a_feature_refuses_a_scene_that_needs_it(feature: Feature) -> None:
     assert feature.put_into is not None

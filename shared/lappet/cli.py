@@ -138,6 +138,9 @@ def solve_options(command: Callable[..., Any]) -> Callable[..., Any]:
             show_default=True,
             help="Compute strain, stress and tension on the surface.",
         ),
+        click.option(
+            "--whole", is_flag=True, help="Solve every frame everywhere, also where its changes do not reach."
+        ),
     ]
     for option in reversed(options):
         command = option(command)

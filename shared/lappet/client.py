@@ -157,6 +157,7 @@ class SolverClient:
                 "preconditioner": settings.preconditioner,
                 "correction": int(settings.correction),
                 "strain": int(settings.strain),
+                "region": settings.region,
             },
             "materials": [_material(material) for material in settings.materials],
         }

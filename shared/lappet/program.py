@@ -129,8 +129,9 @@ class SolverSettings:
     suture and grip gap as a fraction of the spacing. bed_stiffness: kPa/mm. gravity: m/s². time_budget: s per frame, 0
     = none. memory_budget: bytes. threads: 0 = all. sutures, retractors: their numbers in the whole procedure.
     preconditioner: "chebyshev" leaves out the coarse space. correction: frames carry the Newton step left over, from
-    which the algebraic error is estimated. strain: frames carry strain, stress and tension. materials: the
-    tissue's first, then those of its regions.
+    which the algebraic error is estimated. strain: frames carry strain, stress and tension. region: "auto"
+    solves a frame where its changes reach, "whole" everywhere. materials: the tissue's first, then those of its
+    regions.
     """
 
     spacing: float = 1.0
@@ -151,6 +152,7 @@ class SolverSettings:
     preconditioner: Literal["twoLevel", "chebyshev"] = "twoLevel"
     correction: bool = False
     strain: bool = True
+    region: Literal["auto", "whole"] = "auto"
     materials: tuple[MaterialParameters, ...] = (MaterialParameters(),)
 
 

@@ -120,6 +120,7 @@ def _frame(program: Program, frame: FrameResult, error: FrameError | None = None
         "newton_iterations": header["newton"],
         "pcg_iterations": header["pcg"],
         "load_steps": header["load_steps"],
+        "active_cells": header["active_cells"],
         "residual": header["residual"],
         "force_scale_mn": header["force_scale"],
         "largest_gap_mm": header["largest_gap"],

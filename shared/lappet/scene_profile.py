@@ -22,11 +22,13 @@ from lappet.refused import RefusedError
 
 # Features of the report of economy, and their names here.
 _MEASURED = {
-    **{name: name for name in ("contact", "fibres", "muscle", "prestretch", "landmarks", "error_estimate", "strain")},
-    "heterogeneity": "materials",
-}
+    name: name
+    for name in ("contact", "fibres", "muscle", "prestretch", "landmarks", "error_estimate", "strain", "region")
+} | {"heterogeneity": "materials"}
+# Those that are measured on a wide patch, all others on a bar.
+_ON_A_PATCH = frozenset({"region"})
 # What no prim asks for: computed unless an option of `lappet solve` says otherwise.
-BY_OPTION = {"error_estimate": "--no-error-estimate", "strain": "--no-strain"}
+BY_OPTION = {"error_estimate": "--no-error-estimate", "strain": "--no-strain", "region": "--whole"}
 
 _SHOWN = 3  # prims named in a reason; the others are counted
 
@@ -107,7 +109,8 @@ def measured_costs(path: Path) -> dict[str, str]:
                 continue
             unit = "instructions" if absent["instructions"] and present["instructions"] else "seconds"
             share = 100.0 * (present[unit] / absent[unit] - 1.0)
-            costs[name] = f"{share:+.0f} % {unit} in the bar of `lappet report economy`"
+            scene = "patch" if feature in _ON_A_PATCH else "bar"
+            costs[name] = f"{share:+.0f} % {unit} in the {scene} of `lappet report economy`"
         return costs
     except (OSError, ValueError, KeyError, TypeError, ZeroDivisionError) as error:
         raise RefusedError(

@@ -114,6 +114,7 @@ def solve_procedure(
     solver: str | None = None,
     error_estimate: bool = True,
     strain: bool = True,
+    whole: bool = False,
 ) -> SolveResult:
     """Solves a procedure and writes its skin cache to `output` (.usdc, .usda or .usd).
 
@@ -121,7 +122,8 @@ def solve_procedure(
     mm (the tissue's when None). frames: first and last time code to write; everything up to the last one is solved.
     daemon: the address of a running daemon. store: where frames are kept. connect, solver: who solves, and what
     identifies it (the daemon that is installed when None). error_estimate: also solve on a coarser lattice, to say how
-    large the error is (`lappet.error_estimate`). strain: the cache gets strain, stress and tension.
+    large the error is (`lappet.error_estimate`). strain: the cache gets strain, stress and tension. whole: every
+    frame is solved everywhere, also where its changes do not reach.
 
     A frame that does not converge, a daemon that cannot be kept alive and Ctrl-C end the solve early and keep what is
     done: see `SolveResult.reason`. Raises RefusedError or ProcedureError with a sentence for what cannot be solved at
@@ -143,6 +145,7 @@ def solve_procedure(
         until=last,
         correction=error_estimate,
         strain=strain,
+        region="whole" if whole else "auto",
     )
     for sentence in program.notes:
         watch.note(sentence)

@@ -10,6 +10,7 @@
 #include "box.h"
 #include "cut_sheet.h"
 #include "solve/equilibrium.h"
+#include "solve/part.h"
 #include "test_surfaces.h"
 
 namespace lappet {
@@ -91,31 +92,10 @@ TEST(LocalRelaxation, ThePartsEnergyForcesAndTangentAreThoseOfTheWholeWhenOnlyIt
   std::vector<std::uint8_t> moving(whole.nodes(), 0);
   for (std::size_t n = 0; n < moving.size(); ++n)
     moving[n] = whole.is_free(n) && (scene.lattice.node_rest[n] - Vec3(4, 4, 2)).norm() < 2.6;
-  Lattice part;
-  part.settings = scene.lattice.settings;
-  part.node_rest = RestPositions(part.settings.origin, part.settings.spacing);
-  std::vector<std::int32_t> cells, nodes, place(whole.nodes(), -1);
-  for (std::size_t c = 0; c < scene.lattice.cell_nodes.size(); ++c) {
-    auto corners = scene.lattice.cell_nodes[c];
-    bool near = false;
-    for (const std::int32_t n : corners) near = near || moving[static_cast<std::size_t>(n)];
-    if (!near) continue;
-    for (std::int32_t& n : corners) {
-      auto& at = place[static_cast<std::size_t>(n)];
-      if (at < 0) {
-        at = static_cast<std::int32_t>(nodes.size());
-        nodes.push_back(n);
-        part.node_rest.push_back(scene.lattice.node_rest.grid_point(static_cast<std::size_t>(n)));
-      }
-      n = at;
-    }
-    cells.push_back(static_cast<std::int32_t>(c));
-    part.cell_nodes.push_back(corners);
-    part.cell_fill.push_back(scene.lattice.cell_fill[c]);
-  }
-  std::vector<std::uint8_t> moves;
-  for (const std::int32_t n : nodes) moves.push_back(moving[static_cast<std::size_t>(n)]);
-  const auto local = System<double>::part_of(whole, part, cells, nodes, moves, scene.u);
+  const Part<double> part(whole, moving, scene.u);
+  System<double>* local = part.system.get();
+  const auto& nodes = part.nodes;
+  const auto& moves = part.moves;
   EXPECT_EQ(local->ties().size(), 2u);
   EXPECT_LT(local->nodes(), whole.nodes() / 2);
 

@@ -88,11 +88,13 @@ def economy(
     say("the plain bar")
     absent = _cost(features[0], False, (base,), reasons)
     for feature in features:
-        rows.append(replace(absent, feature=feature.name, note=feature.what))
+        own = base if feature.base is None else feature.base()
+        without = absent if feature.base is None else _cost(feature, False, (own,), reasons)
+        rows.append(replace(without, feature=feature.name, note=feature.what))
         if feature.put_into is None:
             continue
         say(feature.name)
-        program = feature.put_into(base)
+        program = feature.put_into(own)
         programs = (program,) if feature.companions is None else (program, *feature.companions(program))
         rows.append(_cost(feature, True, programs, reasons))
     absences = []

@@ -37,22 +37,51 @@ BAR = BoxScene(
 )
 
 
+PATCH = BoxScene(
+    "economy patch",
+    "a patch of 192 x 192 x 6 mm on its bed, lifted by a hook in its middle",
+    (192.0, 192.0, 6.0),
+    (64, 64, 2),
+    fixed=(0, 1, 2, 3),
+    bedded=(4,),
+    material=MATERIAL,
+)
+
+
 @dataclass(frozen=True)
 class Feature:
     """A feature: how to put it into the plain program, or why there is nothing to put in.
 
-    companions: the programs that are solved besides.
+    companions: the programs that are solved besides. base: what it is put into instead of the bar.
     """
 
     name: str
     what: str
     put_into: Callable[[Program], Program] | None
     companions: Callable[[Program], tuple[Program, ...]] | None = None
+    base: Callable[[], Program] | None = None
 
 
 def plain(spacing: float = SPACING) -> Program:
     """The bar with none of the features."""
     return BAR.program(spacing, strain=False, threads=1)
+
+
+def patch(spacing: float = SPACING) -> Program:
+    """A wide patch that one hook lifts by 1.5 mm; all of it is solved."""
+    program = PATCH.program(spacing, strain=False, threads=1, region="whole")
+    surface = program.epochs[0].surface
+    above = surface.points[surface.triangles].mean(axis=1) - np.array([96.0, 96.0, 6.0])
+    triangle = int(np.argmin(np.linalg.norm(above, axis=1)))
+    anchor = surface.points[surface.triangles[triangle]].mean(axis=0)
+    hook = replace(
+        program.frames[0],
+        hook_anchors=anchor[None],
+        hook_triangles=np.array([triangle], np.int32),
+        hook_targets=anchor[None] + np.array([0.0, 0.0, 1.5]),
+        hook_stiffness=np.array([300.0]),
+    )
+    return replace(program, frames=(hook,), hooks=("hook",), active_hooks=(np.zeros(1, np.int32),))
 
 
 def _material(program: Program, **changes: object) -> Program:
@@ -158,6 +187,12 @@ FEATURES = (
         "strain",
         "strain, stress and tension on the surface",
         lambda p: replace(p, settings=replace(p.settings, strain=True)),
+    ),
+    Feature(
+        "region",
+        "what the hook in the middle of a wide patch does not reach stays at rest (absent: all of it is solved)",
+        lambda p: replace(p, settings=replace(p.settings, region="auto")),
+        base=patch,
     ),
     Feature("followers", "the daemon has no PUB socket: nobody follows a solve, and nothing is published", None),
 )

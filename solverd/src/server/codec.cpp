@@ -166,6 +166,7 @@ SessionSettings decode_open(const Header& header, ArrayFrames frames) {
   settings.threads = integer_field(reader, "threads", 0, 4096);
   settings.sutures = integer_field(reader, "sutures", 0);
   settings.retractors = integer_field(reader, "retractors", 0);
+  if (reader.has("region")) settings.region = reader.text("region");
   if (reader.has("preconditioner")) settings.preconditioner = reader.text("preconditioner");
   if (reader.has("correction")) settings.correction = integer_field(reader, "correction", 0, 1) == 1;
   if (reader.has("strain")) settings.strain = integer_field(reader, "strain", 0, 1) == 1;
@@ -344,6 +345,7 @@ std::vector<FrameBytes> encode_frame(ReplyTo to, const FrameOutput& frame) {
       .field("newton", std::int64_t{frame.newton_iterations})
       .field("pcg", std::int64_t{frame.pcg_iterations})
       .field("load_steps", std::int64_t{frame.load_steps})
+      .field("active_cells", frame.active_cells)
       .field("residual", frame.residual)
       .field("force_scale", frame.force_scale)
       .field("largest_gap", frame.largest_gap)

@@ -152,6 +152,7 @@ void check_settings(const SessionSettings& s) {
           "the tolerance {} is below what float reaches (1e-5); use precision 'double'", s.tolerance);
   require(std::isfinite(s.gap_tolerance) && s.gap_tolerance > 0, "the gap tolerance is {}; it must be positive",
           s.gap_tolerance);
+  require(s.region == "auto" || s.region == "whole", "the region is '{}'; give 'auto' or 'whole'", s.region);
   require(s.preconditioner == "twoLevel" || s.preconditioner == "chebyshev",
           "the preconditioner is '{}'; give 'twoLevel' or 'chebyshev'", s.preconditioner);
   require(s.max_newton > 0, "at most {} Newton iterations are allowed; give at least 1", s.max_newton);

@@ -30,6 +30,7 @@ struct SessionSettings {
   std::size_t memory_budget = std::size_t{8} << 30;
   int threads = 0;                          // 0: all
   std::string preconditioner = "twoLevel";  // or "chebyshev": the smoother alone
+  std::string region = "auto";              // or "whole": frames are solved everywhere (solve/region.h)
   bool correction = false;                  // frames carry the step that Newton-Raphson would take next
   bool strain = true;                       // frames carry strain, stress and tension on the surface
   std::int32_t sutures = 0;                 // number of sutures in the whole procedure; frames refer to them by index
@@ -130,9 +131,10 @@ struct FrameOutput : FrameFields {
   bool converged = false;
   std::string reason;  // empty when converged: otherwise one sentence
   int newton_iterations = 0, pcg_iterations = 0, load_steps = 0;
-  double residual = 0.0;     // relative to the force scale
-  double force_scale = 0.0;  // mN
-  double largest_gap = 0.0;  // mm, over sutures and grips
+  std::int64_t active_cells = 0;  // that were solved for; all others stayed where they were
+  double residual = 0.0;          // relative to the force scale
+  double force_scale = 0.0;       // mN
+  double largest_gap = 0.0;       // mm, over sutures and grips
   double minimum_j = 0.0;
   std::int32_t inverted_cells = 0;
   double energy = 0.0;               // mN mm

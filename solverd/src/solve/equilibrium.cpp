@@ -9,6 +9,7 @@
 #include "solve/line_search.h"
 #include "solve/local_relaxation.h"
 #include "solve/multiplier_loop.h"
+#include "solve/region.h"
 #include "solve/tangent_choice.h"
 
 namespace lappet {
@@ -61,7 +62,8 @@ class EquilibriumSearch {
       watcher_.progress(outcome_.newton_iterations, outcome_.residual, outcome_.gap);
       if (!std::isfinite(outcome_.residual)) return fail("the residual is not a finite number");
       if (!carries && settle()) return outcome_;
-      if (outcome_.newton_iterations >= options_.max_newton)
+      if (options_.region_first && !region_tried_ && region_goes_ahead()) continue;
+      if (outcome_.newton_iterations - newton_in_region_ >= options_.max_newton)
         return fail(
             fmt::format("no equilibrium after {} Newton iterations: relative residual {:.2e} (tolerance {:.1e}), gap "
                         "{:.3g} mm",
@@ -163,6 +165,7 @@ class EquilibriumSearch {
       used_ = tangent_.replace_exact();
     }
     tangent_.iteration_done();
+    outcome_.active_cells = static_cast<std::int64_t>(system_.lattice().cells());
     ++outcome_.newton_iterations;
     if (linear_.reduction < 1.0 && linear_.iterations > 0)
       preconditioner_.observe(linear_.iterations / std::max(-std::log10(linear_.reduction), 0.5));
@@ -215,6 +218,25 @@ class EquilibriumSearch {
     return true;
   }
 
+  // What the changes reach goes to its equilibrium, before anything else is done; false where all is for the whole.
+  bool region_goes_ahead() {
+    region_tried_ = true;
+    const EquilibriumOutcome region =
+        solve_region<Real>(system_, preconditioner_.frames().coarse_lattice(), u_, options_, watcher_);
+    outcome_.newton_iterations += newton_in_region_ = region.newton_iterations;
+    outcome_.pcg_iterations += region.pcg_iterations;
+    outcome_.seconds_update += region.seconds_update;
+    outcome_.seconds_linear += region.seconds_linear;
+    outcome_.seconds_setup += region.seconds_setup;
+    watch_.lap();
+    if (!region.converged) return false;
+    outcome_.active_cells = region.active_cells;
+    now_ = system_.evaluate(u_);
+    spdlog::debug("  {} cells went ahead: newton {} residual {:.2e}", region.active_cells, region.newton_iterations,
+                  now_.residual / now_.force_scale);
+    return true;
+  }
+
   // What a definite tangent is too stiff for is often a matter of a few nodes: they go ahead.
   void relax() {
     if (now_.residual <= options_.tolerance * now_.force_scale) return;
@@ -240,7 +262,8 @@ class EquilibriumSearch {
   LinearVectors<Real> linear_vectors_;
   LineSearch<Real> line_;
   Evaluation now_;
-  bool jumped_ = false;
+  bool jumped_ = false, region_tried_ = false;
+  int newton_in_region_ = 0;  // these leave those of the whole as many as ever
   Definiteness used_ = Definiteness::kExact;
   LinearOutcome linear_;
   EquilibriumOutcome outcome_;

@@ -16,14 +16,16 @@ struct EquilibriumOptions {
   double tolerance = 1e-3;
   double gap_tolerance = 1e-3;  // mm
   int max_newton = 100;
-  bool inverts = false;  // the material describes J < 0
-  bool relaxes = true;   // where a few nodes hold the rest up, they go ahead (local_relaxation.h)
+  bool inverts = false;       // the material describes J < 0
+  bool relaxes = true;        // where a few nodes hold the rest up, they go ahead (local_relaxation.h)
+  bool region_first = false;  // what the changes reach goes ahead (region.h)
 };
 
 struct EquilibriumOutcome {
   bool converged = false;
   std::string reason;
   int newton_iterations = 0, pcg_iterations = 0;
+  std::int64_t active_cells = 0;  // that were solved for; 0: nothing was to be done
   double residual = 0.0, force_scale = 0.0, gap = 0.0, energy = 0.0, minimum_j = 1.0;
   std::int32_t inverted = 0;
   double seconds_update = 0.0, seconds_linear = 0.0, seconds_setup = 0.0;

@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "solve/equilibrium.h"
+#include "solve/part.h"
 
 namespace lappet {
 
@@ -18,44 +19,6 @@ constexpr double kMostMoving = 0.05;  // of the free nodes
 constexpr double kReduction = 0.1;    // of the residual
 constexpr double kTighter = 0.3;      // than the tolerance need nothing be
 constexpr int kMostNewton = 40;       // for each cluster
-
-struct Part {
-  Lattice lattice;
-  std::vector<std::int32_t> cells, nodes;
-  std::vector<std::uint8_t> moves;
-};
-
-// The cells around every node that moves.
-template <class Real>
-Part cut_out(const System<Real>& system, std::span<const std::uint8_t> moving) {
-  const Lattice& whole = system.lattice();
-  Part part;
-  part.lattice.settings = whole.settings;
-  part.lattice.node_rest = RestPositions(whole.settings.origin, whole.settings.spacing);
-  std::vector<std::uint8_t> held(whole.node_rest.size(), 0);
-  for (std::size_t c = 0; c < whole.cell_nodes.size(); ++c) {
-    const auto& corners = whole.cell_nodes[c];
-    if (std::ranges::none_of(corners, [&](std::int32_t n) { return moving[static_cast<std::size_t>(n)] != 0; }))
-      continue;
-    part.cells.push_back(static_cast<std::int32_t>(c));
-    part.lattice.cell_fill.push_back(whole.cell_fill[c]);
-    for (const std::int32_t n : corners) held[static_cast<std::size_t>(n)] = 1;
-  }
-  std::vector<std::int32_t> place(whole.node_rest.size(), -1);
-  for (std::size_t n = 0; n < held.size(); ++n) {
-    if (!held[n]) continue;
-    place[n] = static_cast<std::int32_t>(part.nodes.size());
-    part.nodes.push_back(static_cast<std::int32_t>(n));
-    part.moves.push_back(moving[n]);
-    part.lattice.node_rest.push_back(whole.node_rest.grid_point(n));
-  }
-  for (const std::int32_t cell : part.cells) {
-    auto corners = whole.cell_nodes[static_cast<std::size_t>(cell)];
-    for (std::int32_t& n : corners) n = place[static_cast<std::size_t>(n)];
-    part.lattice.cell_nodes.push_back(corners);
-  }
-  return part;
-}
 
 // The free nodes whose forces are the largest, and some rings of cells around them; empty where they are too many, or
 // where what is left of the residual is elsewhere.
@@ -125,20 +88,6 @@ std::vector<std::int32_t> clusters(const System<Real>& system, std::span<const s
   return number;
 }
 
-template <class Real>
-std::vector<Real> taken(std::span<const Real> u, std::span<const std::int32_t> nodes) {
-  std::vector<Real> v;
-  v.reserve(3 * nodes.size());
-  for (const std::int32_t n : nodes)
-    for (std::size_t i = 0; i < 3; ++i) v.push_back(u[3 * static_cast<std::size_t>(n) + i]);
-  return v;
-}
-template <class Real>
-void put_back(std::span<const Real> v, std::span<const std::int32_t> nodes, std::span<Real> u) {
-  for (std::size_t n = 0; n < nodes.size(); ++n)
-    for (std::size_t i = 0; i < 3; ++i) u[3 * static_cast<std::size_t>(nodes[n]) + i] = v[3 * n + i];
-}
-
 }  // namespace
 
 template <class Real>
@@ -148,20 +97,16 @@ LocalRelaxation relax_locally(const System<Real>& system, std::span<Real> u, con
   const auto moving = around_what_is_off(system, now.residual);
   if (moving.empty()) return result;
   // First all together, so that each cluster is cut out of something small.
-  const Part all = cut_out(system, moving);
-  const auto together = System<Real>::part_of(system, all.lattice, all.cells, all.nodes, all.moves, u);
-  auto moved = taken<Real>(u, all.nodes);
+  Part<Real> all(system, moving, u);
   int count = 0;
-  const auto cluster_of = clusters(*together, all.moves, count);
+  const auto cluster_of = clusters(*all.system, all.moves, count);
   const double target = std::max(kReduction * now.residual, kTighter * tolerance * now.force_scale);
   for (int cluster = 1; cluster <= count && !stop(); ++cluster) {
     std::vector<std::uint8_t> own(all.moves.size());
     for (std::size_t n = 0; n < own.size(); ++n) own[n] = cluster_of[n] == cluster;
-    const Part part = cut_out(*together, own);
-    const auto local = System<Real>::part_of(*together, part.lattice, part.cells, part.nodes, part.moves, moved);
-    TwoLevel<Real> preconditioner(*local, kDegree);
-    auto v = taken<Real>(moved, part.nodes);
-    const Evaluation start = local->evaluate(v);
+    Part<Real> part(*all.system, own, all.u);
+    TwoLevel<Real> preconditioner(*part.system, kDegree);
+    const Evaluation start = part.system->evaluate(part.u);
     EquilibriumOptions options;
     options.tolerance = target / start.force_scale;
     options.gap_tolerance = std::numeric_limits<double>::infinity();  // multipliers are the whole's
@@ -169,14 +114,14 @@ LocalRelaxation relax_locally(const System<Real>& system, std::span<Real> u, con
     options.inverts = inverts;
     options.relaxes = false;
     const EquilibriumOutcome outcome =
-        find_equilibrium<Real>(*local, preconditioner, v, options, {[](int, double, double) {}, stop});
+        find_equilibrium<Real>(*part.system, preconditioner, part.u, options, {[](int, double, double) {}, stop});
     if (!(outcome.energy < start.energy)) continue;
-    put_back<Real>(v, part.nodes, moved);
+    part.put_back(all.u);
     ++result.clusters;
     result.newton_iterations += outcome.newton_iterations;
     result.nodes += static_cast<std::size_t>(std::ranges::count(own, std::uint8_t{1}));
   }
-  if (result.nodes > 0) put_back<Real>(moved, all.nodes, u);
+  if (result.nodes > 0) all.put_back(u);
   return result;
 }
 

@@ -32,10 +32,13 @@ class System {
 
   // A part of the whole, of which only some nodes move: its energy falls by what the whole's falls when they do.
   // part: cells of the whole's lattice, all around every node that moves; cells, nodes: their indices in the whole;
-  // moves: per node of the part; u: of the whole, whose other nodes stay where they are. Keeps a reference to `part`.
+  // moves: per node of the part, only of those that are free; u: of the whole, whose other nodes stay where they are.
+  // Keeps a reference to `part`.
   static std::unique_ptr<System> part_of(const System& whole, const Lattice& part, std::span<const std::int32_t> cells,
                                          std::span<const std::int32_t> nodes, std::span<const std::uint8_t> moves,
                                          std::span<const Real> u);
+  // The multipliers of a part of this, as they are now; nodes: as for part_of.
+  void take_multipliers(const System& part, std::span<const std::int32_t> nodes);
 
   // Rigid motions (4x4, column vectors) of the retractors that grip now; the others let go.
   void set_retractors(std::span<const std::int32_t> active, std::span<const Eigen::Matrix4d> motions);
@@ -87,6 +90,8 @@ class System {
     for (const Push& push : pushes_) body(push);
   }
   const Elastic<Real>& elastic() const { return elastic_; }
+  const Attachments& attachments() const { return attachments_; }
+  double bed_stiffness() const { return bed_stiffness_; }
   const Lattice& lattice() const { return elastic_.lattice(); }
   // Changes whenever free nodes, ties or active attachments change: preconditioners look at it.
   std::uint64_t constraint_revision() const { return revision_; }

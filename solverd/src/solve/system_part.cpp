@@ -30,7 +30,12 @@ std::unique_ptr<System<Real>> System<Real>::part_of(const System& whole, const L
     place_of_node[static_cast<std::size_t>(nodes[n])] = static_cast<std::int32_t>(n);
 
   Attachments attachments;
-  for (const std::uint8_t moving : moves) attachments.node_group.push_back(moving ? kFree : kStillGroup);
+  for (std::size_t n = 0; n < nodes.size(); ++n) {
+    const auto at = static_cast<std::size_t>(nodes[n]);
+    const std::int32_t group = whole.attachments_.node_group[at];
+    const bool carried = group >= 0 && !whole.free_[at];
+    attachments.node_group.push_back(moves[n] ? kFree : carried ? group : kStillGroup);
+  }
   const auto take = [&](const auto& from, auto& to) {
     for (auto face : from)
       if ((face.cell = place_of_cell[static_cast<std::size_t>(face.cell)]) >= 0) to.push_back(face);
@@ -78,6 +83,26 @@ std::unique_ptr<System<Real>> System<Real>::part_of(const System& whole, const L
   return result;
 }
 
+template <class Real>
+void System<Real>::take_multipliers(const System& part, std::span<const std::int32_t> nodes) {
+  std::vector<std::int32_t> place_of_node(free_.size(), -1);
+  for (std::size_t n = 0; n < nodes.size(); ++n) {
+    const auto at = static_cast<std::size_t>(nodes[n]);
+    place_of_node[at] = static_cast<std::int32_t>(n);
+    if (!part.held_multipliers_.empty())
+      for (std::size_t i = 0; i < 3; ++i) held_multipliers_[3 * at + i] = part.held_multipliers_[3 * n + i];
+  }
+  auto local = part.ties_.begin();
+  for (Tie& tie : ties_)
+    if (std::ranges::any_of(tie.nodes, [&](std::int32_t n) {
+          const std::int32_t at = place_of_node[static_cast<std::size_t>(n)];
+          return at >= 0 && part.is_free(static_cast<std::size_t>(at));
+        }))
+      tie.multiplier = (local++)->multiplier;
+}
+
+template void System<float>::take_multipliers(const System&, std::span<const std::int32_t>);
+template void System<double>::take_multipliers(const System&, std::span<const std::int32_t>);
 template std::unique_ptr<System<float>> System<float>::part_of(const System&, const Lattice&,
                                                                std::span<const std::int32_t>,
                                                                std::span<const std::int32_t>,

@@ -1,0 +1,137 @@
+#include "session/frame_constraints.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace lappet {
+
+namespace {
+
+// A suture's penalty stays between these multiples of E h; its multiplier closes the gap whatever it is.
+constexpr double kLeastSuturePenalty = 50.0, kMostSuturePenalty = 500.0;
+// A hook stiffer than this multiple of E h, of the stiffest material, is held by a multiplier too.
+constexpr double kMostHookPenalty = 1000.0;
+
+}  // namespace
+
+template <class Real>
+FrameConstraints<Real>::FrameConstraints(const SessionSettings& settings, const Lattice& lattice,
+                                         const Surface& surface, System<Real>& system, TissueState<Real>& state)
+    : settings_(settings),
+      lattice_(lattice),
+      surface_(surface),
+      system_(system),
+      state_(state),
+      lowest_(surface.points.front()),
+      highest_(lowest_) {
+  for (const Vec3& point : surface.points) {
+    lowest_ = lowest_.cwiseMin(point);
+    highest_ = highest_.cwiseMax(point);
+  }
+}
+
+template <class Real>
+FrameInput FrameConstraints<Real>::partway(const FrameInput& frame, double s) const {
+  FrameInput result = frame;
+  for (auto& hook : result.hooks) hook.target = (1 - s) * where(hook.anchor) + s * hook.target;
+  for (auto& suture : result.sutures) {
+    const double* gap = &state_.suture_gaps[3 * static_cast<std::size_t>(suture.index)];
+    if (std::isnan(gap[0])) {
+      suture.closure *= s;
+      continue;
+    }
+    const Vec3 placed(gap[0], gap[1], gap[2]);
+    const double now = (where(suture.a) - where(suture.b)).dot(placed) / std::max(placed.squaredNorm(), 1e-300);
+    suture.closure = (1 - s) * std::clamp(1.0 - now, 0.0, 1.0) + s * suture.closure;
+  }
+  for (auto& retractor : result.retractors)
+    retractor.motion = system_.motion_towards(retractor.motion, s, retractor.index, state_.u);
+  result.activation = activation_of(frame);
+  for (std::size_t m = 0; m < state_.activation.size(); ++m)
+    result.activation[m] = (1 - s) * state_.activation[m] + s * result.activation[m];
+  return result;
+}
+
+// What is held at an anchor; found once an epoch.
+template <class Real>
+const Bite& FrameConstraints<Real>::embed(const Anchor& anchor) const {
+  const std::array<double, 4> key{anchor.point[0], anchor.point[1], anchor.point[2], double(anchor.triangle)};
+  auto found = bites_.find(key);
+  if (found == bites_.end()) {
+    const auto point = embed_on_triangle(lattice_, surface_, anchor.point, anchor.triangle);
+    const double reach = std::min(kBite, kBiteShare * (highest_ - lowest_).minCoeff());
+    found = bites_.emplace(key, bite(lattice_, point, reach)).first;
+  }
+  return found->second;
+}
+template <class Real>
+void FrameConstraints<Real>::place_sutures(const FrameInput& frame) {
+  for (const auto& suture : frame.sutures) {
+    double* gap = &state_.suture_gaps[3 * static_cast<std::size_t>(suture.index)];
+    if (!std::isnan(gap[0])) continue;
+    const Vec3 now = where(suture.a) - where(suture.b);
+    for (int i = 0; i < 3; ++i) gap[i] = now[i];
+  }
+}
+
+template <class Real>
+void FrameConstraints<Real>::apply(const FrameInput& frame) {
+  std::vector<std::int32_t> active;
+  std::vector<Eigen::Matrix4d> motions;
+  for (const auto& retractor : frame.retractors) {
+    active.push_back(retractor.index);
+    motions.push_back(retractor.motion);
+  }
+  system_.set_retractors(active, motions);
+  system_.set_activation(activation_of(frame));
+  if (Contact* contact = system_.contact()) contact->reset_multipliers();
+  auto& held = system_.held_multipliers();
+  if (!held.empty()) {
+    if (state_.held_multipliers.size() == held.size())
+      held = state_.held_multipliers;
+    else
+      std::fill(held.begin(), held.end(), 0.0);
+  }
+  place_sutures(frame);
+  std::vector<Tie> ties;
+  for (const auto& hook : frame.hooks) {
+    const Bite& held_by = embed(hook.anchor);
+    ties.push_back(make_hook(lattice_, held_by, hook.target, hook.stiffness, most_hook_penalty(held_by)));
+  }
+  const double unit = settings_.materials[0].youngs_modulus * settings_.spacing;
+  for (const auto& suture : frame.sutures) {
+    const Bite &a = embed(suture.a), &b = embed(suture.b);
+    const double* gap = &state_.suture_gaps[3 * static_cast<std::size_t>(suture.index)];
+    const double* multiplier = &state_.suture_multipliers[3 * static_cast<std::size_t>(suture.index)];
+    ties.push_back(make_suture(lattice_, a, b, (1.0 - suture.closure) * Vec3(gap[0], gap[1], gap[2]),
+                               std::clamp(suture.stiffness, kLeastSuturePenalty * unit, kMostSuturePenalty * unit),
+                               Vec3(multiplier[0], multiplier[1], multiplier[2])));
+  }
+  system_.set_ties(std::move(ties));
+}
+
+// No multiplier moves what is held in space: there the spring is plain.
+template <class Real>
+double FrameConstraints<Real>::most_hook_penalty(const Bite& anchor) const {
+  double stiffest = 0.0;
+  for (const auto& material : settings_.materials) stiffest = std::max(stiffest, material.youngs_modulus);
+  const bool moves =
+      std::ranges::any_of(anchor.nodes, [&](std::int32_t n) { return system_.is_free(static_cast<std::size_t>(n)); });
+  return moves ? kMostHookPenalty * stiffest * settings_.spacing : std::numeric_limits<double>::infinity();
+}
+
+template <class Real>
+void FrameConstraints<Real>::keep_multipliers(const FrameInput& frame) {
+  for (std::size_t k = 0; k < frame.sutures.size(); ++k)
+    for (int i = 0; i < 3; ++i)
+      state_.suture_multipliers[3 * static_cast<std::size_t>(frame.sutures[k].index) + static_cast<std::size_t>(i)] =
+          system_.ties()[frame.hooks.size() + k].multiplier[i];
+  state_.held_multipliers = system_.held_multipliers();
+  state_.activation = activation_of(frame);
+}
+
+template class FrameConstraints<float>;
+template class FrameConstraints<double>;
+
+}  // namespace lappet
