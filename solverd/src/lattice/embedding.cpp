@@ -163,8 +163,9 @@ std::int32_t Embedder::walk_to_cell(const Vec3& point, const Voxel& start) {
       for (const int direction : {-1, 1}) {
         Voxel next = voxel;
         next[static_cast<std::size_t>(axis)] += direction;
-        if (!fine_.connected_above(direction > 0 ? voxel : next, axis) ||
-            (VoxelTree::centre(next) - point).norm() > reach || std::find(seen.begin(), seen.end(), next) != seen.end())
+        if ((VoxelTree::centre(next) - point).norm() > reach ||
+            std::find(seen.begin(), seen.end(), next) != seen.end() ||
+            !fine_.connected_above(direction > 0 ? voxel : next, axis))
           continue;
         seen.push_back(next);
         front.push(rank(next));
