@@ -42,7 +42,12 @@ double distance_to_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const V
 }  // namespace
 
 Embedder::Embedder(const Lattice& lattice, const Surface& surface)
-    : lattice_(lattice), surface_(surface), fine_(*lattice.fine), seen_(surface.triangles.size(), 0) {
+    : lattice_(lattice),
+      surface_(surface),
+      fine_(*lattice.fine),
+      voxels_per_mm_(fine_.box().ratio / lattice.settings.spacing),
+      none_dropped_(lattice.dropped_voxels == 0),
+      seen_(surface.triangles.size(), 0) {
   if (static_cast<std::size_t>(fine_.triangle_count()) != surface.triangles.size())
     throw RefusedError(ErrorCode::kInternal, "The surface given to embed points has " +
                                                  std::to_string(surface.triangles.size()) +
@@ -51,9 +56,8 @@ Embedder::Embedder(const Lattice& lattice, const Surface& surface)
 }
 
 Vec3 Embedder::surface_point(std::int32_t index) const {
-  const double voxels_per_mm = fine_.box().ratio / lattice_.settings.spacing;
   const auto& low = fine_.box().low;
-  return (surface_.points[static_cast<std::size_t>(index)] - lattice_.settings.origin) * voxels_per_mm -
+  return (surface_.points[static_cast<std::size_t>(index)] - lattice_.settings.origin) * voxels_per_mm_ -
          fine_.box().ratio * Vec3(low[0], low[1], low[2]);
 }
 
@@ -93,7 +97,7 @@ Voxel Embedder::inner_voxel(const Vec3& point, std::span<const std::int32_t> tri
     seen = search_;
     const auto look = [&, least = reach](const Voxel& voxel) {
       const double far = std::max(least, (VoxelTree::centre(voxel) - point).norm());
-      if ((far < best || (far == best && voxel < result)) && fine_.lattice_cell(voxel) >= 0) {
+      if ((far < best || (far == best && voxel < result)) && (none_dropped_ || fine_.lattice_cell(voxel) >= 0)) {
         best = far;
         result = voxel;
       }
@@ -102,7 +106,7 @@ Voxel Embedder::inner_voxel(const Vec3& point, std::span<const std::int32_t> tri
     const auto voxels = fine_.inner_voxels(triangle);
     if (voxels.size() < kManyVoxels) {
       for (const Voxel voxel : voxels)
-        if (voxel[0] >= 0) look(voxel);
+        if (voxel[0] >= 0 && !VoxelTree::beyond((VoxelTree::centre(voxel) - point).squaredNorm(), best)) look(voxel);
     } else {
       tree_of(triangle).visit_nearest(voxels, point, best, look);
     }

@@ -35,6 +35,8 @@ class Embedder {
   const Lattice& lattice_;
   const Surface& surface_;
   const FineVoxels& fine_;
+  double voxels_per_mm_;
+  bool none_dropped_;                // every inside voxel has a cell
   std::vector<std::uint32_t> seen_;  // per triangle: the search that met it last
   std::uint32_t search_ = 0;
   std::vector<std::pair<double, std::int32_t>> front_;  // of a search: how far the point is at least, triangle

@@ -33,6 +33,9 @@ class VoxelTree {
 
   static Vec3 centre(const Voxel& voxel) { return Vec3(voxel[0] + 0.5, voxel[1] + 0.5, voxel[2] + 0.5); }
 
+  // Nudged down, so that what only touches the distance is still looked at.
+  static bool beyond(double squared, double within) { return squared * (1.0 - 1e-12) > within * within; }
+
   // Calls look(voxel), which returns the distance beyond which nothing matters any longer, for all voxels whose centres
   // lie within that distance of the point, near ones first as far as the boxes tell. `voxels`: as they were given.
   template <class Look>
@@ -77,8 +80,6 @@ class VoxelTree {
     for (std::size_t i = 0; i < count && !beyond(order[i].first, within); ++i)
       visit(level - 1, order[i].second, voxels, point, within, look);
   }
-  // Nudged down, so that what only touches the distance is still looked at.
-  static bool beyond(double squared, double within) { return squared * (1.0 - 1e-12) > within * within; }
 
   std::vector<std::vector<Box>> levels_;  // from the leaves up
 };
