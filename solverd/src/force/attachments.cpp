@@ -101,7 +101,7 @@ class Samples {
   }
 
  private:
-  static constexpr std::size_t kBatch = 8192;
+  static constexpr std::size_t kBatch = 2048;
   struct Sample {
     Vec3 point;
     std::size_t face;

@@ -118,6 +118,7 @@ std::vector<Block> build_blocks(const Lattice& lattice) {
       chunks[chunk].insert(chunks[chunk].end(), blocks.begin(), blocks.end());
     }
   });
+  cells = {};
   std::size_t total = 0;
   for (const auto& chunk : chunks) total += chunk.size();
   std::vector<Block> result;
