@@ -84,7 +84,8 @@ class Distance {
 };
 
 // Distances of neighbouring points to the triangles near them, which the tree gives in an order that keeps neighbours
-// together: runs of them are left out by the ball around each. What one point is near to is tried first for the next.
+// together: runs of them, and single ones, are left out by the ball around each. What one point is near to is tried
+// first for the next.
 class NearbyDistance {
  public:
   explicit NearbyDistance(std::vector<Corners> triangles) : triangles_(std::move(triangles)) {
@@ -94,15 +95,17 @@ class NearbyDistance {
       for (std::size_t t = first; t < last; ++t) box.extend(bounding_box(triangles_[t]));
       runs_.push_back({box.center(), 0.5 * box.diagonal().norm()});
     }
+    for (const Corners& triangle : triangles_) balls_.push_back(ball_around(triangle));
   }
   // The distance, or `most` where that is less.
   double at(const Vec3& point, double most) {
     if (triangles_.empty()) return most;
     double best = std::min(most, std::sqrt(squared_to_triangle(point, triangles_[last_])));
+    const std::size_t tried = last_;
     for (std::size_t run = 0; run < runs_.size(); ++run) {
-      const double reach = best + runs_[run].radius;
-      if ((runs_[run].middle - point).squaredNorm() >= reach * reach) continue;
+      if (runs_[run].is_beyond(best, point)) continue;
       for (std::size_t t = kRun * run; t < std::min(kRun * (run + 1), triangles_.size()); ++t) {
+        if (t == tried || balls_[t].is_beyond(best, point)) continue;
         const double distance = std::sqrt(squared_to_triangle(point, triangles_[t]));
         if (distance < best) {
           best = distance;
@@ -118,9 +121,23 @@ class NearbyDistance {
   struct Ball {
     Vec3 middle;
     double radius;
+    bool is_beyond(double distance, const Vec3& point) const {
+      const double reach = distance + radius;
+      return (middle - point).squaredNorm() >= reach * reach;
+    }
   };
+  // About the middle of the longest edge: the least one, unless all angles are acute.
+  static Ball ball_around(const Corners& triangle) {
+    const auto& corner = triangle.at;
+    std::size_t longest = 0;
+    const auto edge = [&](std::size_t k) { return (corner[(k + 1) % 3] - corner[k]).squaredNorm(); };
+    for (std::size_t k = 1; k < 3; ++k)
+      if (edge(k) > edge(longest)) longest = k;
+    const Vec3 middle = 0.5 * (corner[longest] + corner[(longest + 1) % 3]);
+    return {middle, std::sqrt(std::max(0.25 * edge(longest), (corner[(longest + 2) % 3] - middle).squaredNorm()))};
+  }
   std::vector<Corners> triangles_;
-  std::vector<Ball> runs_;
+  std::vector<Ball> runs_, balls_;
   std::size_t last_ = 0;
 };
 

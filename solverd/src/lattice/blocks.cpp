@@ -1,6 +1,10 @@
 #include "lattice/blocks.h"
 
+#include <tbb/parallel_sort.h>
+
 #include <algorithm>
+
+#include "math/parallel.h"
 
 namespace lappet {
 
@@ -57,6 +61,29 @@ void collapse(const Lattice& lattice, std::vector<Block>& blocks) {
   }
 }
 
+// Cells at eight places, with one node at each: whatever the order they collapse to one block, as any two parts of the
+// eight have a face between them. Says whether that is so.
+bool join_at_once(const Lattice& lattice, std::vector<Block>& blocks) {
+  if (blocks.size() != 8) return false;
+  Block all = blocks[0];
+  for (const Block& block : blocks)
+    for (std::size_t i = 0; i < 8; ++i)
+      if (block.cells[i] >= 0) all.cells[i] = block.cells[i];
+  std::array<std::int32_t, 27> nodes;
+  nodes.fill(-1);
+  for (std::size_t i = 0; i < 8; ++i) {
+    if (all.cells[i] < 0) return false;
+    const auto& corners = lattice.cell_nodes[static_cast<std::size_t>(all.cells[i])];
+    for (std::size_t c = 0; c < 8; ++c) {
+      std::int32_t& node = nodes[9 * ((i >> 2) + (c >> 2)) + 3 * ((i >> 1 & 1) + (c >> 1 & 1)) + (i & 1) + (c & 1)];
+      if (node >= 0 && node != corners[c]) return false;
+      node = corners[c];
+    }
+  }
+  blocks.assign(1, all);
+  return true;
+}
+
 }  // namespace
 
 std::vector<Block> build_blocks(const Lattice& lattice) {
@@ -66,27 +93,39 @@ std::vector<Block> build_blocks(const Lattice& lattice) {
     return std::array<std::int32_t, 3>{half(p[0]), half(p[1]), half(p[2])};
   };
   std::vector<std::pair<std::array<std::int32_t, 3>, std::int32_t>> cells(count);
-  for (std::size_t c = 0; c < count; ++c) {
+  for_each_index(count, [&](std::size_t c) {
     const auto cell = static_cast<std::int32_t>(c);
     cells[c] = {region_of(cell), cell};
-  }
-  std::sort(cells.begin(), cells.end());
-  std::vector<Block> result, blocks;
-  for (std::size_t begin = 0; begin < count;) {
-    const auto region = cells[begin].first;
-    blocks.clear();
-    std::size_t end = begin;
-    for (; end < count && cells[end].first == region; ++end) {
-      const std::int32_t cell = cells[end].second;
-      const auto& p = lattice.cell_position(static_cast<std::size_t>(cell));
-      Block block{region, {-1, -1, -1, -1, -1, -1, -1, -1}};
-      const int place = (p[0] - 2 * region[0]) << 2 | (p[1] - 2 * region[1]) << 1 | (p[2] - 2 * region[2]);
-      block.cells[static_cast<std::size_t>(place)] = cell;
-      blocks.push_back(block);
+  });
+  tbb::parallel_sort(cells.begin(), cells.end());
+  // A chunk takes the regions that begin in it.
+  std::vector<std::vector<Block>> chunks((count + kChunk - 1) / kChunk);
+  for_each_chunk(count, [&](std::size_t chunk, std::size_t begin, std::size_t chunk_end) {
+    while (begin > 0 && begin < chunk_end && cells[begin].first == cells[begin - 1].first) ++begin;
+    std::vector<Block> blocks;
+    while (begin < chunk_end) {
+      const auto region = cells[begin].first;
+      blocks.clear();
+      for (; begin < count && cells[begin].first == region; ++begin) {
+        const std::int32_t cell = cells[begin].second;
+        const auto& p = lattice.cell_position(static_cast<std::size_t>(cell));
+        Block block{region, {-1, -1, -1, -1, -1, -1, -1, -1}};
+        const int place = (p[0] - 2 * region[0]) << 2 | (p[1] - 2 * region[1]) << 1 | (p[2] - 2 * region[2]);
+        block.cells[static_cast<std::size_t>(place)] = cell;
+        blocks.push_back(block);
+      }
+      if (!join_at_once(lattice, blocks)) collapse(lattice, blocks);
+      chunks[chunk].insert(chunks[chunk].end(), blocks.begin(), blocks.end());
     }
-    collapse(lattice, blocks);
-    result.insert(result.end(), blocks.begin(), blocks.end());
-    begin = end;
+  });
+  cells = {};
+  std::size_t total = 0;
+  for (const auto& chunk : chunks) total += chunk.size();
+  std::vector<Block> result;
+  result.reserve(total);
+  for (auto& chunk : chunks) {
+    result.insert(result.end(), chunk.begin(), chunk.end());
+    chunk = {};
   }
   return result;
 }

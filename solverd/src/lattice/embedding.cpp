@@ -21,9 +21,7 @@ namespace {
 // it.
 constexpr double kRounding = 1e-7;
 constexpr int kMostVoxelsWalked = 256;
-constexpr std::size_t kRun = 32, kManyVoxels = 512;
-
-Vec3 centre(const Voxel& voxel) { return Vec3(voxel[0] + 0.5, voxel[1] + 0.5, voxel[2] + 0.5); }
+constexpr std::size_t kManyVoxels = 48;  // of a triangle: from here on they are looked up in a tree
 
 double distance_to_segment(const Vec3& p, const Vec3& a, const Vec3& b) {
   const Vec3 along = b - a;
@@ -44,7 +42,12 @@ double distance_to_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const V
 }  // namespace
 
 Embedder::Embedder(const Lattice& lattice, const Surface& surface)
-    : lattice_(lattice), surface_(surface), fine_(*lattice.fine), seen_(surface.triangles.size(), 0) {
+    : lattice_(lattice),
+      surface_(surface),
+      fine_(*lattice.fine),
+      voxels_per_mm_(fine_.box().ratio / lattice.settings.spacing),
+      none_dropped_(lattice.dropped_voxels == 0),
+      seen_(surface.triangles.size(), 0) {
   if (static_cast<std::size_t>(fine_.triangle_count()) != surface.triangles.size())
     throw RefusedError(ErrorCode::kInternal, "The surface given to embed points has " +
                                                  std::to_string(surface.triangles.size()) +
@@ -53,22 +56,14 @@ Embedder::Embedder(const Lattice& lattice, const Surface& surface)
 }
 
 Vec3 Embedder::surface_point(std::int32_t index) const {
-  const double voxels_per_mm = fine_.box().ratio / lattice_.settings.spacing;
   const auto& low = fine_.box().low;
-  return (surface_.points[static_cast<std::size_t>(index)] - lattice_.settings.origin) * voxels_per_mm -
+  return (surface_.points[static_cast<std::size_t>(index)] - lattice_.settings.origin) * voxels_per_mm_ -
          fine_.box().ratio * Vec3(low[0], low[1], low[2]);
 }
 
-// A triangle of many voxels has them looked through run by run: they follow the lines of the grid.
-std::span<const Eigen::AlignedBox3d> Embedder::runs_of(std::int32_t triangle) {
-  const auto voxels = fine_.inner_voxels(triangle);
-  if (voxels.size() < kManyVoxels) return {};
-  const auto [found, fresh] = runs_.try_emplace(triangle);
-  if (fresh)
-    for (std::size_t i = 0; i < voxels.size(); ++i) {
-      if (i % kRun == 0) found->second.emplace_back();
-      if (const Voxel voxel = voxels[i]; voxel[0] >= 0) found->second.back().extend(centre(voxel));
-    }
+const VoxelTree& Embedder::tree_of(std::int32_t triangle) {
+  const auto [found, fresh] = trees_.try_emplace(triangle);
+  if (fresh) found->second = VoxelTree(fine_.inner_voxels(triangle));
   return found->second;
 }
 
@@ -77,42 +72,51 @@ std::span<const Eigen::AlignedBox3d> Embedder::runs_of(std::int32_t triangle) {
 // far as the end of the cut.
 Voxel Embedder::inner_voxel(const Vec3& point, std::span<const std::int32_t> triangles) {
   ++search_;
-  using Entry = std::pair<double, std::int32_t>;  // how far the point is, at least; triangle
-  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> front;
-  const auto corner = [&](std::int32_t triangle, std::size_t k) {
-    return surface_point(surface_.triangles[static_cast<std::size_t>(triangle)][k % 3]);
+  front_.clear();
+  const auto reach_later = [&](double reach, std::int32_t triangle) {
+    front_.emplace_back(reach, triangle);
+    std::push_heap(front_.begin(), front_.end(), std::greater<>());
   };
-  for (const std::int32_t t : triangles)
-    front.emplace(distance_to_triangle(point, corner(t, 0), corner(t, 1), corner(t, 2)), t);
   double best = std::numeric_limits<double>::infinity();
   Voxel result{-1, -1, -1};
-  while (!front.empty()) {
-    const auto [reach, triangle] = front.top();
-    front.pop();
+  const auto corners_of = [&](std::int32_t triangle) {
+    const auto& corners = surface_.triangles[static_cast<std::size_t>(triangle)];
+    return std::array<Vec3, 3>{surface_point(corners[0]), surface_point(corners[1]), surface_point(corners[2])};
+  };
+  for (const std::int32_t t : triangles) {
+    const auto [a, b, c] = corners_of(t);
+    reach_later(distance_to_triangle(point, a, b, c), t);
+  }
+  while (!front_.empty()) {
+    const auto [reach, triangle] = front_.front();
+    std::pop_heap(front_.begin(), front_.end(), std::greater<>());
+    front_.pop_back();
     if (reach >= best) break;
     auto& seen = seen_[static_cast<std::size_t>(triangle)];
     if (seen == search_) continue;
     seen = search_;
-    const auto voxels = fine_.inner_voxels(triangle);
-    const auto runs = runs_of(triangle);
-    for (std::size_t first = 0; first < voxels.size(); first += kRun) {
-      // Nudged down, so that a run that only touches the least distance is still looked at.
-      if (!runs.empty() && runs[first / kRun].squaredExteriorDistance(point) * (1.0 - 1e-12) > best * best) continue;
-      for (const Voxel voxel : voxels.subspan(first, std::min(kRun, voxels.size() - first))) {
-        if (voxel[0] < 0) continue;
-        const double far = std::max(reach, (centre(voxel) - point).norm());
-        if ((far < best || (far == best && voxel < result)) && fine_.lattice_cell(voxel) >= 0) {
-          best = far;
-          result = voxel;
-        }
+    const auto look = [&, least = reach](const Voxel& voxel) {
+      const double far = std::max(least, (VoxelTree::centre(voxel) - point).norm());
+      if ((far < best || (far == best && voxel < result)) && (none_dropped_ || fine_.lattice_cell(voxel) >= 0)) {
+        best = far;
+        result = voxel;
       }
+      return best;
+    };
+    const auto voxels = fine_.inner_voxels(triangle);
+    if (voxels.size() < kManyVoxels) {
+      for (const Voxel voxel : voxels)
+        if (voxel[0] >= 0 && !VoxelTree::beyond((VoxelTree::centre(voxel) - point).squaredNorm(), best)) look(voxel);
+    } else {
+      tree_of(triangle).visit_nearest(voxels, point, best, look);
     }
     const auto& neighbours = fine_.neighbours(triangle);
+    const auto corner = corners_of(triangle);
     for (std::size_t k = 0; k < 3; ++k) {
       const std::int32_t next = neighbours[k];
       if (next < 0 || seen_[static_cast<std::size_t>(next)] == search_) continue;
-      const double edge = distance_to_segment(point, corner(triangle, k), corner(triangle, k + 1));
-      if (std::max(reach, edge) < best) front.emplace(std::max(reach, edge), next);
+      const double edge = distance_to_segment(point, corner[k], corner[(k + 1) % 3]);
+      if (std::max(reach, edge) < best) reach_later(std::max(reach, edge), next);
     }
   }
   return result;
@@ -124,7 +128,7 @@ Voxel Embedder::nearest_of_all(const Vec3& point) const {
   Voxel result{-1, -1, -1};
   for (std::int32_t t = 0; t < fine_.triangle_count(); ++t)
     for (const Voxel voxel : fine_.inner_voxels(t)) {
-      const double far = (centre(voxel) - point).squaredNorm();
+      const double far = (VoxelTree::centre(voxel) - point).squaredNorm();
       if ((far < best || (far == best && voxel < result)) && fine_.lattice_cell(voxel) >= 0) {
         best = far;
         result = voxel;
@@ -146,13 +150,14 @@ std::int32_t Embedder::walk_to_cell(const Vec3& point, const Voxel& start) {
       out[axis] = std::max({0.0, low - point[axis], point[axis] - low - r});
     }
     const double cell = out.norm();
-    return Rank{cell < kRounding ? 0.0 : cell, (centre(voxel) - point).norm(), voxel};
+    return Rank{cell < kRounding ? 0.0 : cell, (VoxelTree::centre(voxel) - point).norm(), voxel};
   };
-  const double reach = (centre(start) - point).norm() + 1.5;
+  Rank best = rank(start);
+  if (!(std::get<0>(best) > 0.0)) return fine_.lattice_cell(start);
+  const double reach = (VoxelTree::centre(start) - point).norm() + 1.5;
   std::priority_queue<Rank, std::vector<Rank>, std::greater<>> front;
   std::vector<Voxel> seen{start};
-  front.push(rank(start));
-  Rank best = front.top();
+  front.push(best);
   for (int steps = 0; !front.empty() && steps < kMostVoxelsWalked && std::get<0>(best) > 0.0; ++steps) {
     const Rank here = front.top();
     front.pop();
@@ -162,8 +167,9 @@ std::int32_t Embedder::walk_to_cell(const Vec3& point, const Voxel& start) {
       for (const int direction : {-1, 1}) {
         Voxel next = voxel;
         next[static_cast<std::size_t>(axis)] += direction;
-        if (!fine_.connected_above(direction > 0 ? voxel : next, axis) || (centre(next) - point).norm() > reach ||
-            std::find(seen.begin(), seen.end(), next) != seen.end())
+        if ((VoxelTree::centre(next) - point).norm() > reach ||
+            std::find(seen.begin(), seen.end(), next) != seen.end() ||
+            !fine_.connected_above(direction > 0 ? voxel : next, axis))
           continue;
         seen.push_back(next);
         front.push(rank(next));

@@ -5,13 +5,14 @@
 // next to that crossing lies on the point's side. From there a walk over connected voxels finds the cell that holds the
 // point.
 #pragma once
-#include <Eigen/Geometry>
 #include <cstdint>
 #include <span>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "lattice/lattice.h"
+#include "lattice/voxel_tree.h"
 #include "lattice/voxelize.h"
 
 namespace lappet {
@@ -26,7 +27,7 @@ class Embedder {
 
  private:
   Voxel inner_voxel(const Vec3& point, std::span<const std::int32_t> triangles);
-  std::span<const Eigen::AlignedBox3d> runs_of(std::int32_t triangle);
+  const VoxelTree& tree_of(std::int32_t triangle);
   Voxel nearest_of_all(const Vec3& point) const;
   std::int32_t walk_to_cell(const Vec3& point, const Voxel& start);
   Vec3 surface_point(std::int32_t index) const;  // in voxels, relative to the box
@@ -34,9 +35,12 @@ class Embedder {
   const Lattice& lattice_;
   const Surface& surface_;
   const FineVoxels& fine_;
+  double voxels_per_mm_;
+  bool none_dropped_;                // every inside voxel has a cell
   std::vector<std::uint32_t> seen_;  // per triangle: the search that met it last
   std::uint32_t search_ = 0;
-  std::unordered_map<std::int32_t, std::vector<Eigen::AlignedBox3d>> runs_;  // boxes around voxels of large triangles
+  std::vector<std::pair<double, std::int32_t>> front_;  // of a search: how far the point is at least, triangle
+  std::unordered_map<std::int32_t, VoxelTree> trees_;   // of triangles with many voxels
 };
 
 // Every surface vertex, in order.

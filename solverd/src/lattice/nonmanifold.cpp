@@ -76,6 +76,7 @@ void renumber(Fragments& fragments, std::span<const char> dropped) {
 std::vector<CopyLink> find_links(const FineVoxels& fine) {
   constexpr std::int32_t kChunk = 1024;
   const std::int32_t r = fine.box().ratio, cells = fine.occupied_count();
+  const auto copies_of = [&](std::int32_t cell) { return fine.first_copy(cell + 1) - fine.first_copy(cell); };
   std::vector<std::vector<CopyLink>> chunks(static_cast<std::size_t>((cells + kChunk - 1) / kChunk));
   tbb::parallel_for(std::size_t{0}, chunks.size(), [&](std::size_t chunk) {
     std::vector<CopyLink>& links = chunks[chunk];
@@ -92,11 +93,13 @@ std::vector<CopyLink> find_links(const FineVoxels& fine) {
           continue;
         }
         const std::size_t start = links.size();
+        const bool one_each = copies_of(cell) == 1 && copies_of(other) == 1;
         const auto a = static_cast<std::size_t>(axis), u = (a + 1) % 3, v = (a + 2) % 3;
         Voxel lower;
         lower[a] = (at[a] + 1) * r - 1;
         for (std::int32_t i = 0; i < r; ++i)
           for (std::int32_t j = 0; j < r; ++j) {
+            if (one_each && links.size() > start) break;
             lower[u] = at[u] * r + i;
             lower[v] = at[v] * r + j;
             Voxel upper = lower;

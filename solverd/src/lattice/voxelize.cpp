@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <bit>
 #include <cstdio>
 #include <limits>
 #include <string>
@@ -167,6 +168,31 @@ struct FineVoxels::Builder {
     return open_line == lines.count();
   }
 
+  // Whether the inside voxels of a cell of at most 64 voxels are one component at most: it grows from the first voxel,
+  // from all that it has reached at once. upper_end: per axis, the voxels that have no neighbour above in the cell.
+  bool is_connected(std::int32_t block, const std::array<std::uint64_t, 3>& upper_end) const {
+    const auto r = static_cast<unsigned>(out.box_.ratio);
+    const std::array<unsigned, 3> stride{r * r, r, 1};
+    const auto word = static_cast<std::size_t>(block);
+    const std::uint64_t inside = out.inside_[word];
+    std::array<std::uint64_t, 3> open;  // the lower ends of links
+    for (std::size_t a = 0; a < 3; ++a) open[a] = inside & (inside >> stride[a]) & ~upper_end[a] & ~out.cut_[a][word];
+    std::uint64_t reached = inside & (~inside + 1), before = 0;
+    while (reached != before) {
+      before = reached;
+      for (std::size_t a = 0; a < 3; ++a)
+        reached |= ((reached & open[a]) << stride[a]) | ((reached >> stride[a]) & open[a]);
+    }
+    return reached == inside;
+  }
+
+  std::int32_t inside_voxels(std::int32_t block) const {
+    std::int32_t count = 0;
+    for (std::size_t w = 0; w < out.words_; ++w)
+      count += std::popcount(out.inside_[static_cast<std::size_t>(block) * out.words_ + w]);
+    return count;
+  }
+
   // Labels the components of the inside voxels of one cell; returns how many there are.
   std::int32_t label(std::int32_t block, std::vector<std::uint16_t>& labels, std::vector<std::uint32_t>& stack,
                      std::vector<std::int32_t>& sizes) const {
@@ -217,8 +243,18 @@ struct FineVoxels::Builder {
           if (out.block_[c] >= 0) body(c, out.block_[c], local);
       });
     };
+    std::array<std::uint64_t, 3> upper_end{};
+    if (out.words_ == 1)
+      for (std::int32_t x = 0; x < r; ++x)
+        for (std::int32_t y = 0; y < r; ++y)
+          for (std::int32_t z = 0; z < r; ++z)
+            for (std::size_t a = 0; a < 3; ++a)
+              if (const Voxel at{x, y, z}; at[a] + 1 == r) upper_end[a] |= std::uint64_t{1} << out.bit(at);
     each_touched([&](std::size_t c, std::int32_t block, Scratch& local) {
-      count[c] = label(block, local.labels, local.stack, local.sizes);
+      if (out.words_ == 1 && is_connected(block, upper_end))
+        count[c] = inside_voxels(block) > 0;
+      else
+        count[c] = label(block, local.labels, local.stack, local.sizes);
     });
     out.copy_first_.assign(cells + 1, 0);
     std::int64_t labelled = 0;
@@ -230,10 +266,13 @@ struct FineVoxels::Builder {
     out.copy_voxels_.assign(static_cast<std::size_t>(out.copy_first_.back()), r * r * r);
     out.labels_.resize(static_cast<std::size_t>(std::int64_t{r} * r * r * labelled));
     each_touched([&](std::size_t c, std::int32_t block, Scratch& local) {
+      const auto sizes = out.copy_voxels_.begin() + out.copy_first_[c];
+      if (count[c] == 1) *sizes = inside_voxels(block);
+      if (count[c] <= 1) return;
       label(block, local.labels, local.stack, local.sizes);
-      std::copy(local.sizes.begin(), local.sizes.end(), out.copy_voxels_.begin() + out.copy_first_[c]);
-      const std::int64_t first = out.label_first_[static_cast<std::size_t>(block)];
-      if (first >= 0) std::copy(local.labels.begin(), local.labels.end(), out.labels_.begin() + first);
+      std::copy(local.sizes.begin(), local.sizes.end(), sizes);
+      std::copy(local.labels.begin(), local.labels.end(),
+                out.labels_.begin() + out.label_first_[static_cast<std::size_t>(block)]);
     });
   }
 };
@@ -312,9 +351,23 @@ bool FineVoxels::cut_above(const Voxel& voxel, int axis) const {
 }
 
 bool FineVoxels::connected_above(const Voxel& voxel, int axis) const {
-  Voxel next = voxel;
-  ++next[static_cast<std::size_t>(axis)];
-  return inside(voxel) && inside(next) && !cut_above(voxel, axis);
+  if (!box_.contains(voxel)) return false;
+  const auto a = static_cast<std::size_t>(axis);
+  const std::int32_t r = box_.ratio;
+  const Voxel at{voxel[0] / r, voxel[1] / r, voxel[2] / r};
+  Voxel local{voxel[0] - at[0] * r, voxel[1] - at[1] * r, voxel[2] - at[2] * r};
+  if (local[a] + 1 == r) {  // over to the next cell
+    Voxel next = voxel;
+    ++next[a];
+    return inside(voxel) && inside(next) && !cut_above(voxel, axis);
+  }
+  const std::int32_t cell = occupied_at(at[0], at[1], at[2]);
+  if (cell < 0) return false;
+  const std::int32_t block = block_[static_cast<std::size_t>(cell)];
+  if (block < 0) return true;
+  const std::size_t lower = bit(local);
+  ++local[a];
+  return get(inside_, block, lower) && get(inside_, block, bit(local)) && !get(cut_[a], block, lower);
 }
 
 std::vector<std::int8_t> FineVoxels::winding_numbers(const Surface& surface, const LatticeSettings& settings,

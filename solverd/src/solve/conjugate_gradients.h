@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "solve/two_level.h"
+#include "solve/vectors.h"
 
 namespace lappet {
 
@@ -30,7 +31,7 @@ LinearOutcome conjugate_gradients(const System<Real>& system, TwoLevel<Real>& pr
                                   std::span<Real> x, double tolerance, int most, const std::function<bool()>& stop) {
   auto& [r, z, p, q] = work;
   const std::size_t size = r.size();
-  std::fill(x.begin(), x.end(), Real(0));
+  set_zero<Real>(x);
   const double start = std::sqrt(dot<Real>(r, r));
   LinearOutcome outcome;
   if (!(start > 0.0)) return outcome;

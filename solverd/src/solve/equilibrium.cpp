@@ -154,9 +154,9 @@ class EquilibriumSearch {
         system_.prescribed_increment(u_, increment());
         system_.multiply(increment(), rhs);
       } else {
-        std::fill(rhs.begin(), rhs.end(), Real(0));
+        set_zero<Real>(rhs);
       }
-      for (std::size_t i = 0; i < rhs.size(); ++i) rhs[i] = static_cast<Real>(-gradient[i]) - rhs[i];
+      for_each_index(rhs.size(), [&](std::size_t i) { rhs[i] = static_cast<Real>(-gradient[i]) - rhs[i]; });
       linear_ = conjugate_gradients<Real>(system_, preconditioner_, linear_vectors_, step_, target,
                                           kMostLinearIterations, watcher_.stop);
       outcome_.pcg_iterations += linear_.iterations;
@@ -191,8 +191,9 @@ class EquilibriumSearch {
       }
     } else {
       const auto gradient = system_.gradient();
-      double slope = 0.0;
-      for (std::size_t i = 0; i < step_.size(); ++i) slope += gradient[i] * static_cast<double>(step_[i]);
+      const double slope = reduce<1>(step_.size(), [g = gradient.data(), s = step_.data()](std::size_t i, double* out) {
+        out[0] = g[i] * static_cast<double>(s[i]);
+      })[0];
       if (!(slope < 0.0)) {
         fail("the linear solve gave no descent direction");
         return false;

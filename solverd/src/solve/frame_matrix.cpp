@@ -8,7 +8,7 @@
 namespace lappet {
 
 template <class Real>
-FrameMatrix<Real>::FrameMatrix(const CoarseLattice& lattice) {
+FrameMatrix<Real>::FrameMatrix(const CoarseLattice& lattice) : product_(frame_product<Real>(choose_instruction_set())) {
   start_.push_back(0);
   left_start_.push_back(0);
   std::vector<std::int32_t> row, lefts(lattice.nodes, 0);
@@ -45,7 +45,7 @@ std::size_t FrameMatrix<Real>::slot(std::int32_t row, std::int32_t column) const
 
 template <class Real>
 void FrameMatrix<Real>::set_zero() {
-  blocks_.resize(36 * column_.size());
+  blocks_.resize(36 * column_.size() + kFramePadding);
   for_each_index(blocks_.size(), [&](std::size_t i) { blocks_[i] = Real(0); });
 }
 
@@ -84,25 +84,12 @@ void FrameMatrix<Real>::add(const CoarseLattice& lattice, std::size_t first_cell
 
 template <class Real>
 void FrameMatrix<Real>::multiply(std::span<const Real> x, std::span<Real> y) const {
-  for_each_row(rows(), [&](std::size_t n) {
-    Real turned[6][6] = {}, sum[6][6] = {};
-    for (auto l = left_start_[n]; l < left_start_[n + 1]; ++l) {
-      const Left& left = left_[static_cast<std::size_t>(l)];
-      const Real* b = block(static_cast<std::size_t>(left.slot));
-      const Real* v = &x[6 * static_cast<std::size_t>(left.row)];
-      for (int i = 0; i < 6; ++i)
-        for (int j = 0; j < 6; ++j) turned[i][j] += b[6 * i + j] * v[i];
-    }
-    for (auto s = start_[n]; s < start_[n + 1]; ++s) {
-      const Real* b = block(static_cast<std::size_t>(s));
-      const Real* v = &x[6 * static_cast<std::size_t>(column_[static_cast<std::size_t>(s)])];
-      for (int i = 0; i < 6; ++i)
-        for (int j = 0; j < 6; ++j) sum[i][j] += b[6 * i + j] * v[j];
-    }
-    for (std::size_t i = 0; i < 6; ++i)
-      y[6 * n + i] = (((turned[0][i] + turned[1][i]) + (turned[2][i] + turned[3][i])) + (turned[4][i] + turned[5][i])) +
-                     (sum[i][0] + sum[i][1] + sum[i][2] + sum[i][3] + sum[i][4] + sum[i][5]);
-  });
+  constexpr std::size_t kRows = 16;
+  const FrameRows<Real> matrix{rows(), start_.data(), column_.data(), left_start_.data(), left_.data(), blocks_.data()};
+  for_each_chunk(
+      rows(),
+      [&](std::size_t, std::size_t begin, std::size_t end) { product_(matrix, begin, end, x.data(), y.data()); },
+      kRows);
 }
 
 template <class Real>

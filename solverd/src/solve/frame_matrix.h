@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "solve/coarse_lattice.h"
+#include "solve/frame_product.h"
 
 namespace lappet {
 
@@ -54,7 +55,7 @@ class FrameMatrix {
   template <class Body>
   void for_each(std::size_t row, const Body& body) const {
     for (auto l = left_start_[row]; l < left_start_[row + 1]; ++l) {
-      const Left& left = left_[static_cast<std::size_t>(l)];
+      const FrameLeft& left = left_[static_cast<std::size_t>(l)];
       body(left.row, block(static_cast<std::size_t>(left.slot)), true);
     }
     for (auto s = start_[row]; s < start_[row + 1]; ++s)
@@ -84,13 +85,11 @@ class FrameMatrix {
   }
 
  private:
-  struct Left {
-    std::int32_t row, slot;
-  };
   std::vector<std::int32_t> start_, column_;  // by rows, from the diagonal on
   std::vector<std::int32_t> left_start_;      // by rows, what stands left of the diagonal: blocks of other rows
-  std::vector<Left> left_;
-  std::vector<Real> blocks_;
+  std::vector<FrameLeft> left_;
+  std::vector<Real> blocks_;  // and kFramePadding more
+  FrameProduct<Real> product_;
 };
 
 extern template class FrameMatrix<float>;

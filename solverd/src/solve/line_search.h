@@ -65,9 +65,10 @@ class LineSearch {
     while (true) {
       for_each_index(u.size(), [&](std::size_t i) { trial_[i] = u[i] + static_cast<Real>(taken.alpha) * step[i]; });
       if (taken.alpha == 1.0)  // land exactly
-        for (std::size_t n = 0; n < system_.nodes(); ++n)
+        for_each_index(system_.nodes(), [&](std::size_t n) {
           if (!system_.is_free(n))
             for (std::size_t i = 3 * n; i < 3 * n + 3; ++i) trial_[i] = u[i] + increment[i];
+        });
       taken.reached = system_.evaluate(trial_);
       if (std::isfinite(taken.reached.energy) && stays_upright(before, taken.reached, taken.alpha)) break;
       if (taken.alpha < kLeastStep) {

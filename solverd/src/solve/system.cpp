@@ -316,10 +316,11 @@ void System<Real>::multiply(std::span<const Real> x, std::span<Real> y) const {
 
 template <class Real>
 bool System<Real>::prescribed_increment(std::span<const Real> u, std::span<Real> increment) const {
+  set_zero<Real>(increment);
   bool any = false;
-  for (std::size_t n = 0; n < free_.size(); ++n) {
-    for (std::size_t i = 0; i < 3; ++i) increment[3 * n + i] = Real(0);
-    if (free_[n] || attachments_.node_group[n] == kStillGroup) continue;
+  for (const std::int32_t node : prescribed_nodes_) {
+    const auto n = static_cast<std::size_t>(node);
+    if (attachments_.node_group[n] == kStillGroup) continue;
     const Vec3 target = held_displacement(attachments_.node_group[n], n);
     for (std::size_t i = 0; i < 3; ++i) {
       increment[3 * n + i] = static_cast<Real>(target[static_cast<int>(i)]) - u[3 * n + i];

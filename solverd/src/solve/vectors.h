@@ -63,9 +63,20 @@ void copy(std::span<const Real> from, std::span<Real> to) {
 
 template <class Real>
 double largest(std::span<const Real> a) {
-  double most = 0.0;
-  for (const Real x : a) most = std::max(most, std::abs(static_cast<double>(x)));
-  return most;
+  std::vector<double> most((a.size() + 3 * kChunk - 1) / (3 * kChunk), 0.0);
+  for_each_chunk(
+      a.size(),
+      [&](std::size_t chunk, std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i)
+          most[chunk] = std::max(most[chunk], std::abs(static_cast<double>(a[i])));
+      },
+      3 * kChunk);
+  return most.empty() ? 0.0 : *std::ranges::max_element(most);
+}
+
+template <class Real>
+void set_zero(std::span<Real> a) {
+  for_each_index(a.size(), [a = a.data()](std::size_t i) { a[i] = Real(0); });
 }
 
 // y += a x
