@@ -17,7 +17,8 @@ constexpr double kMostShare = 0.4, kLeastShare = 0.2;
 // Spacings by which a node is displaced, or one cell would be by the force on its node, that make it a part of the
 // region.
 constexpr double kDisplaced = 1e-2;
-constexpr double kLeastReach = 1.0, kMostReach = 4.0;  // decay lengths around that
+// Decay lengths around that; where nothing is displaced yet it shows least how far the changes reach: the most.
+constexpr double kLeastReach = 1.0, kMostReach = 4.0;
 constexpr double kShareOfTolerance = 0.5;  // for the residual of the region; the reactions at its rim take the rest
 constexpr int kMostNewton = 20;            // what takes more is for the whole
 
@@ -88,8 +89,10 @@ std::vector<std::uint8_t> region(const System<Real>& system, const CoarseLattice
         cells_of(t), [&](std::int32_t cell) { return std::ranges::any_of(corners_of(cell), is_in(nodes)); });
   double count = 0;
   const double tile = tiles.ratio * system.lattice().settings.spacing;
+  const double least =
+      decay * (largest<Real>(u) > kDisplaced * system.lattice().settings.spacing ? kLeastReach : kMostReach);
   for (double reach = 0.0; reach < kMostReach * decay + tile; reach += tile) {
-    if (reach >= kLeastReach * decay + tile && count > kLeastShare * all_cells) break;
+    if (reach >= least + tile && count > kLeastShare * all_cells) break;
     count = 0;
     for (std::size_t t = 0; t < taken.size(); ++t) {
       taken[t] = taken[t] || std::ranges::any_of(tiles.cell_nodes[t], is_in(corners));
