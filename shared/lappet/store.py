@@ -101,7 +101,7 @@ class FrameStore:
             return False
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
-            before = path.stat().st_size if path.exists() else 0
+            before = _size(path)
             handle, name = tempfile.mkstemp(prefix=".writing-", dir=path.parent)
             try:
                 with os.fdopen(handle, "wb") as file:
@@ -155,6 +155,14 @@ class FrameStore:
             with contextlib.suppress(OSError):
                 if path.stat().st_mtime < long_ago:
                     path.unlink()
+
+
+def _size(path: Path) -> int:
+    """Bytes; 0 for a file that is not there, or that another process takes away meanwhile."""
+    try:
+        return path.stat().st_size
+    except FileNotFoundError:
+        return 0
 
 
 def _pack(frame: StoredFrame) -> bytes:

@@ -28,6 +28,7 @@ from solving_steps import solve, states
 
 pytest_plugins = ("solving_fixtures",)
 PATIENCE = 120.0
+SLOW = 0.3  # mm, at which a frame takes long enough to do something meanwhile
 
 
 @pytest.fixture(scope="session", autouse=True)
@@ -131,7 +132,7 @@ def test_a_saved_file_opens_with_its_frames_and_starts_no_worker(patch: bpy.type
 
 
 def test_cancel_keeps_what_is_solved_and_a_solve_goes_on_from_there(patch: bpy.types.Scene) -> None:
-    patch.lappet.tissue.spacing = 0.5
+    patch.lappet.tissue.spacing = SLOW
     bpy.ops.lappet.solve()
     pump_until(lambda: states(patch).count("s") >= 2, "two frames are there")
     bpy.ops.lappet.solve_cancel()
@@ -146,7 +147,7 @@ def test_cancel_keeps_what_is_solved_and_a_solve_goes_on_from_there(patch: bpy.t
 
 
 def test_a_worker_that_is_killed_is_started_again_with_one_line(patch: bpy.types.Scene) -> None:
-    patch.lappet.tissue.spacing = 0.5
+    patch.lappet.tissue.spacing = SLOW
     bpy.ops.lappet.solve()
     pump_until(lambda: states(patch).count("s") >= 1, "a frame is there")
     os.kill(controller.controller_of(patch).client.worker, signal.SIGKILL)
@@ -159,7 +160,7 @@ def test_a_worker_that_is_killed_is_started_again_with_one_line(patch: bpy.types
 
 @pytest.mark.skipif(not Path("/proc/self/task").is_dir(), reason="finds the daemon in /proc")
 def test_a_daemon_that_is_killed_is_started_again_with_one_line(patch: bpy.types.Scene) -> None:
-    patch.lappet.tissue.spacing = 0.5
+    patch.lappet.tissue.spacing = SLOW
     bpy.ops.lappet.solve()
     pump_until(lambda: states(patch).count("s") >= 1, "a frame is there")
     worker = controller.controller_of(patch).client.worker
