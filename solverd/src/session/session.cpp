@@ -220,6 +220,7 @@ class TypedSession : public Session::Implementation {
     };
     const bool fit = fit_to_start<Real>(*lattice_, state_.u);
     const bool moved = std::any_of(state_.u.begin(), state_.u.end(), [](Real x) { return x != Real(0); });
+    options.moves_first = !moved && settings_.gravity != Vec3::Zero();
     if (!fit) spdlog::info("frame {:g} starts from rest: too many cells of its start are inverted or flat", frame.time);
     Attempts attempts(fit && moved);
     int budget = kNewtonBudget * settings_.max_newton;

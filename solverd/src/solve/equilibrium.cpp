@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <cmath>
+#include <utility>
 
 #include "solve/conjugate_gradients.h"
 #include "solve/line_search.h"
@@ -56,22 +57,29 @@ class EquilibriumSearch {
 
   EquilibriumOutcome run() {
     now_ = system_.evaluate(u_);
+    bool moves_first = options_.moves_first && now_.residual > 0.0;
     while (true) {
       const bool carries = system_.prescribed_increment(u_, increment());
       record();
       watcher_.progress(outcome_.newton_iterations, outcome_.residual, outcome_.gap);
       if (!std::isfinite(outcome_.residual)) return fail("the residual is not a finite number");
-      if (!carries && settle()) return outcome_;
-      if (options_.region_first && !region_tried_ && region_goes_ahead()) continue;
+      const bool asked = std::exchange(moves_first, false) && !carries && outcome_.residual <= options_.tolerance;
+      if (!carries && !asked && settle()) return outcome_;
+      if (options_.region_first && !asked && !region_tried_ && region_goes_ahead()) continue;
       if (outcome_.newton_iterations - newton_in_region_ >= options_.max_newton)
         return fail(
             fmt::format("no equilibrium after {} Newton iterations: relative residual {:.2e} (tolerance {:.1e}), gap "
                         "{:.3g} mm",
                         outcome_.newton_iterations, outcome_.residual, options_.tolerance, outcome_.gap));
       if (watcher_.stop()) return fail("stopped");
-      if (!solve_tangent(carries)) return outcome_;
+      const bool solved = solve_tangent(carries);
       if (watcher_.stop()) return fail("stopped");
-      if (!take_step(carries)) return outcome_;
+      if (!solved || !take_step(carries)) {
+        if (!asked) return outcome_;
+        outcome_.reason.clear();
+        now_ = system_.evaluate(u_);
+        continue;
+      }
       if (options_.relaxes && !carries && !jumped_ && used_ != Definiteness::kExact) relax();
     }
   }

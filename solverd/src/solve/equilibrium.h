@@ -19,6 +19,9 @@ struct EquilibriumOptions {
   bool inverts = false;       // the material describes J < 0
   bool relaxes = true;        // where a few nodes hold the rest up, they go ahead (local_relaxation.h)
   bool region_first = false;  // what the changes reach goes ahead (region.h)
+  // The start is at rest and loaded: one iteration is taken though its residual be within the tolerance. What bends a
+  // slender piece is far below its modulus, which the force scale begins with.
+  bool moves_first = false;
 };
 
 struct EquilibriumOutcome {

@@ -25,10 +25,8 @@ class LineSearch {
   LineSearch(System<Real>& system, bool inverts, std::span<Real> trial)
       : system_(system), inverts_(inverts), trial_(trial) {
     const Lattice& lattice = system.lattice();
-    double stiffest = 0.0;
-    for (const auto& material : system.elastic().materials().table)
-      stiffest = std::max(stiffest, material.youngs_modulus);
-    rounding_ = 8.0 * std::numeric_limits<double>::epsilon() * stiffest * static_cast<double>(lattice.cells()) *
+    rounding_ = 8.0 * std::numeric_limits<double>::epsilon() *
+                system.elastic().materials().table[0].youngs_modulus * static_cast<double>(lattice.cells()) *
                 std::pow(lattice.settings.spacing, 3);
   }
 

@@ -123,7 +123,7 @@ EquilibriumOutcome solve_region(System<Real>& system, const CoarseLattice& tiles
   EquilibriumOptions own = options;
   own.tolerance *= kShareOfTolerance;
   own.max_newton = std::min(own.max_newton, kMostNewton);
-  own.region_first = false;
+  own.region_first = own.moves_first = false;
   EquilibriumOutcome outcome = find_equilibrium<Real>(*part.system, preconditioner, part.u, own, watcher);
   outcome.active_cells = static_cast<std::int64_t>(part.cells.size());
   if (!outcome.converged) return outcome;

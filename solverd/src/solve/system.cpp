@@ -14,8 +14,7 @@ namespace {
 
 // The penalty of held faces, in Young's moduli per spacing; the multipliers do the rest.
 constexpr double kHeldStiffness = 300.0;
-// The least force scale, as a stress of this many Young's moduli on every node, or the weight of free nodes where that
-// is less: what bends a slender piece is far below its modulus.
+// The least force scale, as a stress of this many Young's moduli on every node.
 constexpr double kScaleFloor = 1e-2;
 // The weak bed of floating fragments, at each corner of so many cells at most, in Young's moduli times spacing. More
 // cells share it: a finer lattice does not hold loose tissue back the more.
@@ -270,19 +269,16 @@ Evaluation System<Real>::evaluate(std::span<const Real> u) {
       out[0] = gravity_force_[i] * static_cast<double>(u[i]);
       gradient_[i] -= gravity_force_[i];
     })[0];
-  const auto [residual, scale, weight] = reduce<3>(free_.size(), [&](std::size_t n, double* out) {
+  const auto [residual, scale] = reduce<2>(free_.size(), [&](std::size_t n, double* out) {
     double* g = &gradient_[3 * n];
     if (!free_[n]) g[0] = g[1] = g[2] = 0.0;
     out[0] = g[0] * g[0] + g[1] * g[1] + g[2] * g[2];
     out[1] = free_[n] ? node_scale_[n] * node_scale_[n] : 0.0;
-    const double* w = gravity_force_.empty() || !free_[n] ? nullptr : &gravity_force_[3 * n];
-    out[2] = w ? w[0] * w[0] + w[1] * w[1] + w[2] * w[2] : 0.0;
   });
   const double h = lattice.settings.spacing;
   result.residual = std::sqrt(residual);
-  const double least = kScaleFloor * elastic_.materials().table[0].youngs_modulus * h * h *
-                       std::sqrt(static_cast<double>(std::max<std::size_t>(free_count_, 1)));
-  result.force_scale = std::sqrt(scale) + (weight > 0.0 ? std::min(least, std::sqrt(weight)) : least);
+  result.force_scale = std::sqrt(scale) + kScaleFloor * elastic_.materials().table[0].youngs_modulus * h * h *
+                                              std::sqrt(static_cast<double>(std::max<std::size_t>(free_count_, 1)));
   return result;
 }
 
