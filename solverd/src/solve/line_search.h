@@ -25,9 +25,8 @@ class LineSearch {
   LineSearch(System<Real>& system, bool inverts, std::span<Real> trial)
       : system_(system), inverts_(inverts), trial_(trial) {
     const Lattice& lattice = system.lattice();
-    rounding_ = 8.0 * std::numeric_limits<double>::epsilon() *
-                system.elastic().materials().table[0].youngs_modulus * static_cast<double>(lattice.cells()) *
-                std::pow(lattice.settings.spacing, 3);
+    rounding_ = 8.0 * std::numeric_limits<double>::epsilon() * system.elastic().materials().table[0].youngs_modulus *
+                static_cast<double>(lattice.cells()) * std::pow(lattice.settings.spacing, 3);
   }
 
   // Moves u along the step of a definite or exact tangent. slope: gradient . step, negative; curvature: step . K step.
