@@ -158,7 +158,7 @@ def test_counts_of_instructions_repeat_and_are_those_of_the_passes_that_the_head
 @pytest.mark.slow
 @needs_valgrind
 def test_the_report_of_economy_has_a_row_with_and_without_each_feature(tmp_path: Path) -> None:
-    chosen = tuple(each for each in FEATURES if each.name in ("fibres", "landmarks", "strain", "followers"))
+    chosen = tuple(each for each in FEATURES if each.name in ("fibres", "landmarks", "strain", "region", "followers"))
     report = economy(features=chosen)
     files = write_economy(tmp_path, head(), report)
     assert [file.name for file in files] == ["economy.json", "economy.csv", "economy.md"]
@@ -174,6 +174,7 @@ def test_the_report_of_economy_has_a_row_with_and_without_each_feature(tmp_path:
     fibres = rows["fibres", True], rows["fibres", False]
     assert fibres[0]["product_per_cell"] > 1.05 * fibres[1]["product_per_cell"]
     assert fibres[0]["bytes"] > fibres[1]["bytes"]
+    assert rows["region", True]["instructions"] < 0.7 * rows["region", False]["instructions"]
     # What is done once a frame is seen there, and not in the search.
     for name in ("landmarks", "strain"):
         with_it, without = rows[name, True], rows[name, False]

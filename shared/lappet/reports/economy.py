@@ -136,10 +136,8 @@ def _cost(feature: Feature, present: bool, programs: tuple[Program, ...], reason
         instructions=sum(count.frame for count in counts) if counts else None,
         bytes=sum(each.bytes for each in found),
         search_instructions=sum(count.search for count in counts) if counts else None,
-        product_per_cell=counts[0].kernels["product"] / counts[0].work["products"] / first.cells if counts else None,
-        evaluation_per_cell=counts[0].kernels["evaluate"] / counts[0].work["evaluations"] / first.cells
-        if counts
-        else None,
+        product_per_cell=_per_cell(counts, "product", "products", first),
+        evaluation_per_cell=_per_cell(counts, "evaluate", "evaluations", first),
         cells=first.cells,
         newton_iterations=first.newton_iterations,
         evaluations=int(work["evaluations"]),
@@ -148,11 +146,19 @@ def _cost(feature: Feature, present: bool, programs: tuple[Program, ...], reason
     )
 
 
+def _per_cell(counts: list[Instructions], kernel: str, passes: str, first: _Native) -> float | None:
+    """Instructions of a pass; None where nothing was counted, or where passes were over a region of the cells."""
+    if not counts or first.active_cells < first.cells:
+        return None
+    return counts[0].kernels[kernel] / counts[0].work[passes] / first.cells
+
+
 @dataclass(frozen=True)
 class _Native:
     seconds: float
     bytes: int
     cells: int
+    active_cells: int
     newton_iterations: int
     work: dict[str, float]
 
@@ -173,6 +179,7 @@ def _native(program: Program) -> _Native:
         median(seconds),
         int(lattice["bytes"]) + carried,
         int(lattice["cells"]),
+        int(frame.header["active_cells"]),
         int(frame.header["newton"]),
         dict(frame.header["work"]),
     )
