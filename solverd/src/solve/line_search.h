@@ -4,7 +4,6 @@
 #pragma once
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <span>
 
 #include "solve/system.h"
@@ -23,11 +22,7 @@ class LineSearch {
  public:
   // trial: 3 per node, for the search to write in.
   LineSearch(System<Real>& system, bool inverts, std::span<Real> trial)
-      : system_(system), inverts_(inverts), trial_(trial) {
-    const Lattice& lattice = system.lattice();
-    rounding_ = 8.0 * std::numeric_limits<double>::epsilon() * system.elastic().materials().table[0].youngs_modulus *
-                static_cast<double>(lattice.cells()) * std::pow(lattice.settings.spacing, 3);
-  }
+      : system_(system), inverts_(inverts), trial_(trial) {}
 
   // Moves u along the step of a definite or exact tangent. slope: gradient . step, negative; curvature: step . K step.
   StepTaken descend(std::span<Real> u, std::span<const Real> step, const Evaluation& before, double slope,
@@ -39,10 +34,7 @@ class LineSearch {
     while (true) {
       const Evaluation now = at(u, step, alpha);
       const bool upright = stays_upright(before, now, alpha);
-      const bool falls = now.energy <= before.energy + kArmijo * alpha * slope + slack;
-      // The energy of hardly strained tissue is a difference of larger numbers: what is left to gain may be less than
-      // their rounding, and then the residual tells (Hager and Zhang 2005, approximate Wolfe conditions).
-      if (upright && (falls || (-alpha * slope < rounding_ && now.residual < before.residual))) {
+      if (upright && now.energy <= before.energy + kArmijo * alpha * slope + slack) {
         taken.reached = now;
         break;
       }
@@ -59,7 +51,7 @@ class LineSearch {
     }
     copy<Real>(trial_, u);
     const double predicted = std::max(-alpha * slope - 0.5 * alpha * alpha * curvature, 1e-300);
-    taken.ratio = predicted < rounding_ ? 1.0 : (before.energy - taken.reached.energy) / predicted;
+    taken.ratio = (before.energy - taken.reached.energy) / predicted;
     if (alpha == 1.0 && taken.ratio > kSoftening) go_further(u, step, taken.reached, alpha);
     taken.alpha = alpha;
     return taken;
@@ -121,7 +113,6 @@ class LineSearch {
   System<Real>& system_;
   bool inverts_;
   std::span<Real> trial_;
-  double rounding_;  // of an energy, mN mm
 };
 
 }  // namespace lappet
