@@ -1,0 +1,138 @@
+"""Check the sections of docstrings: `check_docstrings.py [PACKAGE ...]`.
+
+Every name in the `__all__` of `lappet` and its packages, with its public methods, is held to numpydoc's rules: a first line
+that is one sentence, every parameter described, what is returned described. In the packages of `HELD` (or those named)
+every public name of every module is, and ruff finds each `raise` that the docstring leaves out. Types are in the
+signatures and not asked for here. Prints every breach and exits with 1 if there is one.
+"""
+
+from __future__ import annotations
+
+import importlib
+import inspect
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from types import ModuleType
+
+from numpydoc.validate import validate
+
+from website.api_pages import PACKAGE, api_packages, offered_names
+
+ROOT = Path(__file__).resolve().parent.parent
+FOLDER = ROOT / "shared" / PACKAGE
+# Packages whose every public name is held to the rule. A package joins when it passes; none leaves.
+HELD: tuple[str, ...] = ()
+# numpydoc's codes. Not asked for: types (PR04, RT02), longer summaries, examples, references, the place of quotes.
+RULES = frozenset(
+    "GL03 GL06 GL07 GL08 SS01 SS02 SS03 SS05 SS06 PR01 PR02 PR03 PR06 PR07 PR08 PR09 PR10 RT01 RT03 RT04 RT05 YD01".split()
+)
+RAISES = "DOC102,DOC201,DOC402,DOC501"
+
+
+def modules_of(package: str) -> list[str]:
+    """List a package's modules.
+
+    Parameters
+    ----------
+    package
+        Name of a folder in `shared/lappet`.
+
+    Returns
+    -------
+    list of str
+        Dotted names of the package and of every module below it that can be imported without being run.
+    """
+    names = []
+    for file in sorted((FOLDER / package).rglob("*.py")):
+        parts = file.relative_to(FOLDER.parent).with_suffix("").parts
+        if parts[-1] != "__main__":
+            names.append(".".join(parts[:-1] if parts[-1] == "__init__" else parts))
+    return names
+
+
+def public_names(module: ModuleType) -> list[str]:
+    """List the public functions and classes that a module defines itself."""
+    return [
+        name
+        for name, value in vars(module).items()
+        if not name.startswith("_")
+        and (inspect.isclass(value) or inspect.isfunction(value))
+        and value.__module__ == module.__name__
+    ]
+
+
+def with_methods(full_name: str, value: object) -> Iterator[str]:
+    """Full names of a function or class and, for a class, of the public methods that it defines itself."""
+    yield full_name
+    if inspect.isclass(value):
+        for name, member in vars(value).items():
+            if not name.startswith("_") and isinstance(
+                member, (classmethod, staticmethod, property, type(with_methods))
+            ):
+                yield f"{full_name}.{name}"
+
+
+def checked_names(held: tuple[str, ...]) -> list[str]:
+    """Every name that is checked.
+
+    Parameters
+    ----------
+    held
+        Packages whose every public name is checked.
+
+    Returns
+    -------
+    list of str
+        Full names of functions, classes and methods, each once, by the module that defines it.
+    """
+    found: dict[str, None] = {}
+
+    def add(value: object) -> None:
+        if inspect.isclass(value) or inspect.isfunction(value):
+            found.update(dict.fromkeys(with_methods(f"{value.__module__}.{value.__qualname__}", value)))
+
+    for package in map(importlib.import_module, api_packages(FOLDER)):
+        for name in offered_names(package):
+            add(getattr(package, name))
+    for module in map(importlib.import_module, (name for package in held for name in modules_of(package))):
+        for name in public_names(module):
+            add(getattr(module, name))
+    return list(found)
+
+
+def breaches(full_name: str) -> Iterator[str]:
+    """One line for each rule that a name's docstring breaks."""
+    found = validate(full_name)
+    for code, sentence in found["errors"]:
+        if code in RULES:
+            where = Path(found["file"]).resolve()
+            place = where.relative_to(ROOT) if where.is_relative_to(ROOT) else where
+            yield f"{place}:{found['file_line']}: {full_name}: {code} {sentence}"
+
+
+def undocumented_raises(held: tuple[str, ...]) -> list[str]:
+    """Ruff's findings in the packages held to the full rule: sections that do not agree with the function's body."""
+    if not held:
+        return []
+    options = ["check", "--quiet", "--preview", "--output-format", "concise", "--select", RAISES]
+    folders = [str(FOLDER / package) for package in held]
+    done = subprocess.run(
+        [sys.executable, "-m", "ruff", *options, *folders], cwd=ROOT, capture_output=True, text=True, check=False
+    )
+    return (done.stdout + done.stderr).splitlines()
+
+
+def main(arguments: list[str]) -> int:
+    """Print every breach; 1 if there is one."""
+    held = tuple(arguments) or HELD
+    names = checked_names(held)
+    found = [breach for name in names for breach in breaches(name)] + undocumented_raises(held)
+    print("\n".join(found))
+    print(f"{len(names)} docstrings checked, {len(found)} breaches.")
+    return 1 if found else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
