@@ -1,9 +1,10 @@
 """Check that imports run one way only: `check_imports.py [ROOT]`.
 
-Python: addon -> lappet -> its dependencies. `lappet` imports neither bpy nor the add-on, only `lappet/usd_stage.py`
-imports pxr, and only the add-on imports bpy. C++: server -> session -> solve -> force -> lattice -> math; SIMD
-intrinsics and xsimd appear in `solverd/src/math` and in kernel files (`*_kernel*`, `*_avx2.cpp`, ...) only; the daemon
-includes neither Python nor USD. Prints every breach with its line and exits with 1 if there is one.
+Python: addon -> lappet -> its dependencies. `lappet` imports neither bpy nor the add-on, only `lappet/usd/stage.py`
+imports pxr, and only the add-on imports bpy. Inside `lappet` a folder imports only from the folders above it in
+`FOLDERS`, and no modules import each other in a circle, also not by a late import inside a function.
+C++: server -> session -> solve -> force -> lattice -> math; SIMD intrinsics and xsimd appear in
+`solverd/src/math` and in kernel files (`*_kernel*`, `*_avx2.cpp`, ...) only; the daemon includes neither Python nor USD. Prints every breach with its line and exits with 1 if there is one.
 """
 
 from __future__ import annotations
@@ -18,7 +19,27 @@ from pathlib import Path
 LAYERS = ("math", "lattice", "force", "solve", "session", "server")
 BLENDER = {"bpy", "bmesh", "mathutils", "gpu", "gpu_extras", "bpy_extras", "bl_ui"}
 ADDON = "lappet_blender"
-PXR_MODULE = Path("shared/lappet/usd_stage.py")
+PXR_MODULE = Path("shared/lappet/usd/stage.py")
+# The folders of `shared/lappet` in the order in which data passes through them.
+FOLDERS = (
+    "core",
+    "procedure",
+    "geometry",
+    "usd",
+    "tissue",
+    "checks",
+    "designs",
+    "cutting",
+    "program",
+    "daemon",
+    "solve",
+    "background",
+    "output",
+    "bench",
+    "demo",
+    "reports",
+    "commands",
+)
 INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]')
 INTRINSICS = re.compile(r"^(xsimd/|[a-z0-9]*mmintrin\.h$|immintrin\.h$|x86intrin\.h$|arm_neon\.h$|arm_sve\.h$)")
 FOREIGN = re.compile(r"^(Python\.h$|pybind11/|nanobind/|pxr/)")
@@ -76,6 +97,92 @@ def python_breaches(root: Path) -> Iterator[Breach]:
                     yield Breach(path, line, f"{name} is imported outside {PXR_MODULE}; ask that module for it.")
 
 
+def is_type_checking(node: ast.AST) -> bool:
+    """Whether a statement is `if TYPE_CHECKING:`, whose imports no program runs."""
+    return isinstance(node, ast.If) and isinstance(node.test, ast.Name) and node.test.id == "TYPE_CHECKING"
+
+
+def lappet_imports(root: Path) -> dict[str, dict[str, int]]:
+    """For each module of `shared/lappet` by dotted name: the modules of lappet that it imports, with the line.
+
+    What is imported for type checkers alone is left out. `from lappet.procedure import Hook` is an import of the
+    package `lappet.procedure`, `from lappet.daemon import client` one of the module `lappet.daemon.client`.
+    """
+    files = {}
+    for file in sorted((root / "shared" / "lappet").rglob("*.py")):
+        parts = file.relative_to(root / "shared").with_suffix("").parts
+        files[".".join(parts[:-1] if parts[-1] == "__init__" else parts)] = file
+    found: dict[str, dict[str, int]] = {}
+    for module, file in files.items():
+        edges = found.setdefault(module, {})
+        pending: list[ast.AST] = [ast.parse(file.read_text(encoding="utf-8"), filename=str(file))]
+        while pending:
+            node = pending.pop()
+            if isinstance(node, ast.Import):
+                names = [alias.name for alias in node.names]
+            elif isinstance(node, ast.ImportFrom) and node.level == 0 and node.module:
+                names = [f"{node.module}.{alias.name}" for alias in node.names]
+            else:
+                names = []
+            for name in names:
+                target = name if name in files else name.rpartition(".")[0]
+                if target in files and target != module:
+                    edges.setdefault(target, node.lineno)
+            pending += [each for each in ast.iter_child_nodes(node) if not is_type_checking(each)]
+    return found
+
+
+def folder_of(module: str) -> str:
+    """The folder of `shared/lappet` that a module lies in; empty for `lappet` and `lappet.__main__`."""
+    parts = module.split(".")
+    return parts[1] if len(parts) > 1 and not parts[1].startswith("__") else ""
+
+
+def folder_breaches(root: Path) -> Iterator[Breach]:
+    """Imports inside `shared/lappet` that run against `FOLDERS`, and modules that import each other."""
+    imports = lappet_imports(root)
+
+    def breach(module: str, target: str, sentence: str) -> Breach:
+        file = root / "shared" / Path(*module.split("."))
+        path = file / "__init__.py" if file.is_dir() else file.with_suffix(".py")
+        return Breach(path.relative_to(root), imports[module][target], sentence)
+
+    for module, targets in imports.items():
+        here = folder_of(module)
+        for target in targets:
+            there = folder_of(target)
+            if here and here not in FOLDERS:
+                yield breach(module, target, f"{here}/ is none of the folders {', '.join(FOLDERS)}.")
+            elif here and there not in FOLDERS:
+                yield breach(module, target, f"{target} lies in none of the folders {', '.join(FOLDERS)}.")
+            elif here and FOLDERS.index(there) > FOLDERS.index(here):
+                yield breach(module, target, f"{here}/ imports {target}, but {there}/ comes after it.")
+    yield from (breach(*circle) for circle in circles(imports))
+
+
+def circles(imports: dict[str, dict[str, int]]) -> Iterator[tuple[str, str, str]]:
+    """One (module, target, sentence) for each import that closes a circle; a package and its own modules are one circle
+    only where a module imports the package by name."""
+    done: set[str] = set()
+    for start in imports:
+        path: list[str] = []
+        stack = [(start, iter(imports[start]))]
+        path.append(start)
+        while stack:
+            module, targets = stack[-1]
+            target = next(targets, None)
+            if target is None:
+                done.add(module)
+                stack.pop()
+                path.pop()
+            elif target in path:
+                around = " -> ".join([*path[path.index(target) :], target])
+                yield module, target, f"{around} is a circle; pass the service in, or move what both need."
+            elif target not in done:
+                path.append(target)
+                stack.append((target, iter(imports.get(target, {}))))
+
+
 def include_breaches(root: Path) -> Iterator[Breach]:
     """Breaches of the include direction under `root/solverd/src`."""
     source = root / "solverd" / "src"
@@ -101,7 +208,7 @@ def include_breaches(root: Path) -> Iterator[Breach]:
 
 def breaches(root: Path) -> list[Breach]:
     """Every breach under the repository root `root`."""
-    return [*python_breaches(root), *include_breaches(root)]
+    return [*python_breaches(root), *folder_breaches(root), *include_breaches(root)]
 
 
 def main(arguments: list[str]) -> int:

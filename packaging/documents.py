@@ -86,7 +86,7 @@ def main(arguments: list[str]) -> int:
     if arguments not in (["--write"], ["--check"]):
         print(__doc__.splitlines()[0], file=sys.stderr)
         return 2
-    from lappet.cli import cli
+    from lappet.commands.cli import cli
 
     page, text = ROOT / PAGE, command_line_page(cli)
     problems = []

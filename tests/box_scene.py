@@ -11,9 +11,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from lappet.client import SolverClient
-from lappet.frame_solver import Iteration
-from lappet.program import Epoch, FrameConstraints, SolverSettings, Surface
+from lappet.cutting.epoch import Epoch
+from lappet.daemon.client import SolverClient
+from lappet.daemon.frame_solver import Iteration
+from lappet.geometry.labelled_surface import Surface
+from lappet.program.program import FrameConstraints, SolverSettings
 
 
 def box(size: tuple[float, float, float] = (4.0, 4.0, 2.0)) -> Surface:

@@ -9,9 +9,9 @@ from pathlib import Path
 
 import pytest
 
-from lappet.client import DaemonMissing
-from lappet.daemon import SolverDaemon, find_daemon
-from lappet.usd_stage import pxr
+from lappet.daemon.client import DaemonMissing
+from lappet.daemon.process import SolverDaemon, find_daemon
+from lappet.usd.stage import pxr
 from raw_peer import Raw
 
 # What a shell starts in the background ignores SIGINT, and with it every test of Ctrl-C.

@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 from hypothesis import strategies as st
 
-from lappet.patch import flat_patch
 from lappet.procedure import (
     MODELS,
     Bone,
@@ -22,6 +21,7 @@ from lappet.procedure import (
     Tissue,
     Undermine,
 )
+from lappet.tissue.patch import flat_patch
 
 numbers = st.floats(allow_nan=False, allow_infinity=False, width=64, min_value=-1e9, max_value=1e9)
 points = st.tuples(numbers, numbers, numbers)

@@ -6,8 +6,8 @@ from typing import Any
 
 import zmq
 
-from lappet.daemon import SolverDaemon
-from lappet.wire import Message, decode, encode
+from lappet.daemon.process import SolverDaemon
+from lappet.daemon.wire import Message, decode, encode
 
 
 class Raw:

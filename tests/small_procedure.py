@@ -9,12 +9,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from lappet.frame_solver import Iteration, SolvedFrame, SolverDiedError
-from lappet.patch import flat_patch
-from lappet.procedure import Hook, Incision, Landmark, Procedure, Suture
-from lappet.program import Bones, Epoch, FrameConstraints, Landmarks, SolverSettings
+from lappet.cutting.epoch import Epoch
+from lappet.daemon.frame_solver import Iteration, SolvedFrame, SolverDiedError
+from lappet.procedure import Excision, Hook, Incision, Landmark, Procedure, Suture
+from lappet.program.program import Bones, FrameConstraints, Landmarks, SolverSettings
+from lappet.tissue.patch import flat_patch
 
 TOP = 2.0
+LENS = Incision("around", 3.0, ((-5.0, 0.0, TOP), (0.0, -3.0, TOP), (5.0, 0.0, TOP), (0.0, 3.0, TOP)), closed=True)
+EXCISED = (LENS, Excision("lens", 3.0, ((0.0, 0.0, TOP),)))
 
 
 def small_procedure(**changes: Any) -> Procedure:
@@ -48,7 +51,7 @@ class FakeSolver:
     closed: int = 0
 
     def connect(self, settings: SolverSettings, bones: Bones) -> FakeSession:
-        """A new session, like `lappet.daemon_solver.connect_to` gives."""
+        """A new session, like `lappet.daemon.daemon_solver.connect_to` gives."""
         self.opened += 1
         return FakeSession(self, settings)
 

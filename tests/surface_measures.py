@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from lappet.geometry.labelled_surface import Surface
 from lappet.procedure import Tissue
-from lappet.program import Surface
 
 
 def assert_closed(surface: Surface) -> None:

@@ -18,15 +18,13 @@ import numpy as np
 import trimesh
 from numpy.typing import NDArray
 
-from lappet.closest_point import ClosestPoint
-from lappet.geodesic_drape import draped_on
-from lappet.mesh_repair import border_loops
+from lappet.designs import Row, Schedule, Technique, draped_on, dufourmentel, flap_operation
+from lappet.geometry.closest_point import ClosestPoint
 from lappet.procedure import Bone, Material, Procedure, Tissue
-from lappet.rhombic_flap import dufourmentel
-from lappet.skin_sheet import SkinSheet
-from lappet.tissue import new_tissue
-from lappet.transposition import Row, Schedule, Technique, flap_operation
-from lappet.usd_stage import write_procedure
+from lappet.tissue.mesh_repair import border_loops
+from lappet.tissue.new_tissue import new_tissue
+from lappet.tissue.skin_sheet import SkinSheet
+from lappet.usd.stage import write_procedure
 
 ABOVE = (69.0, -42.0, 60.0)  # mm: the design lies on the skin closest to this point, over the right parietal bone
 DIRECTION = (0.0, 0.0, -1.0)  # from the defect to the flap: towards the ear

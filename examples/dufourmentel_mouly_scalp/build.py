@@ -8,12 +8,11 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
-from lappet.dome import dome_bone, dome_scalp, draped
+from lappet.designs import Row, Schedule, Technique, dufourmentel, flap_operation
 from lappet.procedure import Material, Procedure
-from lappet.rhombic_flap import dufourmentel
-from lappet.skin_sheet import SkinSheet
-from lappet.transposition import Row, Schedule, Technique, flap_operation
-from lappet.usd_stage import write_procedure
+from lappet.tissue.dome import dome_bone, dome_scalp, draped
+from lappet.tissue.skin_sheet import SkinSheet
+from lappet.usd.stage import write_procedure
 
 SIDE, ANGLE = 12.0, 66.0  # mm, degrees
 # The dome: radius of the head, the scalp's reach along it from the middle to the rim, its thickness, mm.

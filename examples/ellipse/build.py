@@ -11,9 +11,9 @@ from pathlib import Path
 import numpy as np
 
 from lappet.designs import Fusiform, fusiform
-from lappet.patch import flat_patch
 from lappet.procedure import Event, Excision, Hook, Incision, Landmark, Material, Point, Procedure, Suture, Undermine
-from lappet.usd_stage import write_procedure
+from lappet.tissue.patch import flat_patch
+from lappet.usd.stage import write_procedure
 
 LENGTH, WIDTH, THICKNESS = 36.0, 12.0, 4.0  # mm
 SPACING = 1.25  # mm, of the lattice

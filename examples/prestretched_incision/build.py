@@ -9,10 +9,10 @@ import sys
 from dataclasses import replace
 from pathlib import Path
 
-from lappet.patch import flat_patch
-from lappet.presets import SKIN, skin_over_fat
 from lappet.procedure import Event, Incision, Landmark, Point, Procedure
-from lappet.usd_stage import write_procedure
+from lappet.tissue.patch import flat_patch
+from lappet.tissue.presets import SKIN, skin_over_fat
+from lappet.usd.stage import write_procedure
 
 SIZE = (100.0, 60.0, 4.0)  # mm
 SKIN_THICKNESS = 2.0  # mm; fat below

@@ -8,12 +8,11 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
-from lappet.patch import flat_patch
+from lappet.designs import Schedule, flap_operation, limberg
 from lappet.procedure import Material, Procedure
-from lappet.rhombic_flap import limberg
-from lappet.skin_sheet import SkinSheet
-from lappet.transposition import Schedule, flap_operation
-from lappet.usd_stage import write_procedure
+from lappet.tissue.patch import flat_patch
+from lappet.tissue.skin_sheet import SkinSheet
+from lappet.usd.stage import write_procedure
 
 SIDE, THICKNESS = 18.0, 4.0  # mm
 SPACING = 1.0  # mm, of the lattice

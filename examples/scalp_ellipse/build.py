@@ -17,8 +17,9 @@ import numpy as np
 import trimesh
 from numpy.typing import NDArray
 
-from lappet.closest_point import ClosestPoint
 from lappet.designs import Fusiform, fusiform
+from lappet.geometry.closest_point import ClosestPoint
+from lappet.geometry.triangulation import triangulate
 from lappet.procedure import (
     Event,
     Excision,
@@ -32,9 +33,8 @@ from lappet.procedure import (
     Tissue,
     Undermine,
 )
-from lappet.surface import triangulate
-from lappet.tissue import new_tissue
-from lappet.usd_stage import write_procedure
+from lappet.tissue.new_tissue import new_tissue
+from lappet.usd.stage import write_procedure
 
 LENGTH, WIDTH, THICKNESS = 30.0, 10.0, 5.0  # mm
 ABOVE = (45.0, -35.0, 90.0)  # mm: the design lies on the skin closest to this point, on the right parietal scalp

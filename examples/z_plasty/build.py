@@ -11,10 +11,10 @@ from pathlib import Path
 import numpy as np
 
 from lappet.designs import ZPlasty, z_plasty
-from lappet.patch import flat_patch
-from lappet.presets import TAUT_SKIN
 from lappet.procedure import Event, Hook, Incision, Landmark, Point, Procedure, Suture, Undermine
-from lappet.usd_stage import write_procedure
+from lappet.tissue.patch import flat_patch
+from lappet.tissue.presets import TAUT_SKIN
+from lappet.usd.stage import write_procedure
 
 LIMB, ANGLE, THICKNESS = 20.0, 60.0, 4.0  # mm, degrees, mm
 KERF = 0.05

@@ -8,8 +8,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from lappet.history import History
-    from lappet.problem import Problem, ProcedureError
+    from lappet.checks.validation import check
+    from lappet.core.problem import Problem, ProcedureError
+    from lappet.core.refused import RefusedError
+    from lappet.output.solve_procedure import SolveResult, solve_procedure
     from lappet.procedure import (
         Bone,
         Excision,
@@ -24,35 +26,33 @@ if TYPE_CHECKING:
         Tissue,
         Undermine,
     )
-    from lappet.refused import RefusedError
-    from lappet.solve import SolveResult, solve_procedure
-    from lappet.store import FrameStore
-    from lappet.usd_stage import read_procedure, write_procedure
-    from lappet.validation import check
+    from lappet.procedure.history import History
+    from lappet.solve.store import FrameStore
+    from lappet.usd.stage import read_procedure, write_procedure
 
 _HOMES = {
     "Bone": "procedure",
     "Excision": "procedure",
-    "FrameStore": "store",
-    "History": "history",
+    "FrameStore": "solve.store",
+    "History": "procedure.history",
     "Hook": "procedure",
     "Incision": "procedure",
     "Landmark": "procedure",
     "Material": "procedure",
-    "Problem": "problem",
+    "Problem": "core.problem",
     "Procedure": "procedure",
-    "ProcedureError": "problem",
+    "ProcedureError": "core.problem",
     "Region": "procedure",
-    "RefusedError": "refused",
+    "RefusedError": "core.refused",
     "Retractor": "procedure",
-    "SolveResult": "solve",
+    "SolveResult": "output.solve_procedure",
     "Suture": "procedure",
     "Tissue": "procedure",
     "Undermine": "procedure",
-    "check": "validation",
-    "read_procedure": "usd_stage",
-    "solve_procedure": "solve",
-    "write_procedure": "usd_stage",
+    "check": "checks.validation",
+    "read_procedure": "usd.stage",
+    "solve_procedure": "output.solve_procedure",
+    "write_procedure": "usd.stage",
 }
 
 __all__ = [
@@ -84,7 +84,9 @@ __all__ = [
 
 def __getattr__(name: str) -> Any:
     if name == "__version__":
-        return _version()
+        from lappet.core.version import version
+
+        return version()
     home = _HOMES.get(name)
     if home is None:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
@@ -97,12 +99,3 @@ def __getattr__(name: str) -> Any:
 
 def __dir__() -> list[str]:
     return sorted({*globals(), *__all__})
-
-
-def _version() -> str:
-    from importlib.metadata import PackageNotFoundError, version
-
-    try:
-        return version("lappet")
-    except PackageNotFoundError:  # a checkout that is not installed
-        return "0+unknown"

@@ -1,5 +1,5 @@
 """`python -m lappet` is the command `lappet`."""
 
-from lappet.cli import main
+from lappet.commands.cli import main
 
 main()

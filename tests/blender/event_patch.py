@@ -8,7 +8,7 @@ from typing import Any
 import bpy
 import numpy as np
 
-from lappet.patch import flat_patch
+from lappet.tissue.patch import flat_patch
 
 
 def patch_scene(scene: bpy.types.Scene, size: tuple[float, float, float], end: int, resolution: float = 4.0) -> None:

@@ -30,9 +30,9 @@ from lappet.background.plan import (
 )
 from lappet.background.plan_key import digest, plan_key
 from lappet.background.plan_store import put_plan
-from lappet.problem import Problem
+from lappet.core.problem import Problem
 from lappet.procedure import CUTS, Event, Hook, Landmark, Procedure
-from lappet.store import FrameStore, StoredFrame
+from lappet.solve.store import FrameStore, StoredFrame
 
 IDENTITY = "fake"
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import bpy
 import numpy as np
 
-from lappet.patch import flat_patch
 from lappet.procedure import Tissue
+from lappet.tissue.patch import flat_patch
 from lappet_blender.model.event_list import add_event
 
 TOP = 2.0

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from mathutils import Matrix
 
+from lappet.core.refused import RefusedError
+from lappet.geometry.rigid_motion import RigidMotion
 from lappet.procedure import Excision, Hook, Incision, Landmark, Retractor, Suture, Undermine
-from lappet.refused import RefusedError
-from lappet.rigid_motion import RigidMotion
 from lappet_blender.model import event_list, target_samples
 from lappet_blender.model.event_list import add_event, find_event, move_event, remove_event, rename_event
 from lappet_blender.model.event_target import all_fcurves

@@ -13,9 +13,9 @@ import numpy as np
 import pytest
 
 from event_patch import co, patch_scene
-from lappet.client import DaemonMissing
-from lappet.daemon import find_daemon
-from lappet.store import FrameStore
+from lappet.daemon.client import DaemonMissing
+from lappet.daemon.process import find_daemon
+from lappet.solve.store import FrameStore
 from lappet_blender.files.bundled_pxr import bundled_pxr
 from lappet_blender.model.scene_procedure import read_scene
 from lappet_blender.solving import frames
@@ -27,10 +27,10 @@ KEYS = """
 import sys
 import pxr
 assert "bpy" not in pxr.__file__, pxr.__file__
-from lappet.compile import compile_program
-from lappet.daemon_solver import solver_identity
-from lappet.keys import frame_keys
-from lappet.usd_stage import read_procedure
+from lappet.program.compile import compile_program
+from lappet.daemon.daemon_solver import solver_identity
+from lappet.program.keys import frame_keys
+from lappet.usd.stage import read_procedure
 print(*frame_keys(compile_program(read_procedure(sys.argv[1])), solver_identity(None)))
 """
 
@@ -102,7 +102,7 @@ def test_an_exported_procedure_is_the_scenes_and_has_its_keys_without_blender(
 ) -> None:
     path = tmp_path / "slit.usda"
     ops.export_procedure(filepath=str(path))
-    from lappet.usd_stage import read_procedure
+    from lappet.usd.stage import read_procedure
 
     procedure = read_scene(slit).procedure
     assert read_procedure(path) == procedure

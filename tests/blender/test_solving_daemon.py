@@ -12,12 +12,12 @@ import numpy as np
 import pytest
 
 from lappet.background.plan_key import plan_key
-from lappet.compile import compile_program
-from lappet.daemon import DaemonMissing, find_daemon
-from lappet.daemon_solver import connect_to, solver_identity
-from lappet.keys import frame_keys
-from lappet.solve import Watcher, solve_program
-from lappet.store import FrameStore
+from lappet.daemon.daemon_solver import connect_to, solver_identity
+from lappet.daemon.process import DaemonMissing, find_daemon
+from lappet.program.compile import compile_program
+from lappet.program.keys import frame_keys
+from lappet.solve.solve_program import Watcher, solve_program
+from lappet.solve.store import FrameStore
 from lappet_blender.model.event_list import add_event, find_event
 from lappet_blender.model.scene_procedure import read_scene
 from lappet_blender.solving import controller, frames

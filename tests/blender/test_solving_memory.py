@@ -12,10 +12,10 @@ import pytest
 from fake_worker import make_plan
 from lappet.background.plan import ShownFrame, SolveSettings
 from lappet.background.plan_store import put_plan
-from lappet.patch import flat_patch
-from lappet.problem import Problem
+from lappet.core.problem import Problem
 from lappet.procedure import Incision, Procedure
-from lappet.store import FrameStore, StoredFrame
+from lappet.solve.store import FrameStore, StoredFrame
+from lappet.tissue.patch import flat_patch
 from lappet_blender.model.duration_words import in_words
 from lappet_blender.solving.carry_over import CarryOver
 from lappet_blender.solving.lattice_cells import lattice_cells

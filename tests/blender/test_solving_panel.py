@@ -9,8 +9,8 @@ import bpy
 import pytest
 
 from fake_worker import Script
-from lappet.problem import Problem
-from lappet.refused import RefusedError
+from lappet.core.problem import Problem
+from lappet.core.refused import RefusedError
 from lappet_blender.model.event_list import find_event
 from lappet_blender.solving import controller, frames, reconcile
 from lappet_blender.solving.pump import pump

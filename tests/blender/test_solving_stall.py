@@ -14,8 +14,8 @@ import bpy
 import numpy as np
 import pytest
 
-from lappet.daemon import DaemonMissing, find_daemon
-from lappet.patch import flat_patch
+from lappet.daemon.process import DaemonMissing, find_daemon
+from lappet.tissue.patch import flat_patch
 from lappet_blender.model.event_list import add_event, find_event
 from lappet_blender.model.scene_procedure import read_scene
 from lappet_blender.model.tissue_values import tissue_value

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from fake_worker import Script
-from lappet.problem import Problem
+from lappet.core.problem import Problem
 from lappet.procedure import Landmark
 from lappet_blender.model import changes
 from lappet_blender.model.event_list import add_event, find_event, remove_event

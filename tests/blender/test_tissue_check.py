@@ -7,7 +7,7 @@ import bpy
 import numpy as np
 import pytest
 
-from lappet.surface import tissue_surface
+from lappet.tissue.surface import tissue_surface
 from lappet_blender.model.mesh_values import mesh_values
 from lappet_blender.model.surface_border import open_edge_count
 from lappet_blender.tissue.found_problems import check_tissue, found_problems

@@ -6,8 +6,8 @@ import bpy
 import numpy as np
 import pytest
 
-from lappet.presets import PRESETS
 from lappet.procedure import Region
+from lappet.tissue.presets import PRESETS
 from tissue_scenes import add_box, add_sheet, fill_with_patch, read
 
 

@@ -112,8 +112,8 @@ def test_an_applied_scale_leaves_the_tissue_where_it_is_seen_and_outside_out(
     x, y, z = (given.tissue.points * 1000.0 * scale).T
     found = read(scene).tissue
     np.testing.assert_allclose(found.points, np.stack([10.0 - y, x, z], axis=1), atol=1e-4)
-    from lappet.surface import triangulate
-    from lappet.surface_check import signed_volume
+    from lappet.geometry.surface_check import signed_volume
+    from lappet.geometry.triangulation import triangulate
 
     triangles = triangulate(found.points, found.face_vertex_counts.astype(int), found.face_vertex_indices.astype(int))
     assert signed_volume(found.points, triangles[0]) > 0.0

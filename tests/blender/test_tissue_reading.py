@@ -11,10 +11,10 @@ import numpy as np
 import pytest
 from mathutils import Matrix
 
-from lappet.patch import flat_patch
+from lappet.geometry.surface_check import signed_volume
 from lappet.procedure import Material, Procedure, Region, Tissue
-from lappet.surface import tissue_surface
-from lappet.surface_check import signed_volume
+from lappet.tissue.patch import flat_patch
+from lappet.tissue.surface import tissue_surface
 from lappet_blender.model.scene_procedure import fill_scene, read_scene
 from tissue_scenes import SIZE, add_sheet, fill_with_patch, read
 
@@ -209,7 +209,7 @@ def test_polygons_of_any_number_of_corners_are_kept(scene: bpy.types.Scene) -> N
 
 
 def test_the_meshes_of_a_broken_procedure_are_refused_and_the_scene_stays_as_it_was(scene: bpy.types.Scene) -> None:
-    from lappet.refused import RefusedError
+    from lappet.core.refused import RefusedError
 
     given = fill_with_patch(scene)
     meshes = len(bpy.data.meshes)

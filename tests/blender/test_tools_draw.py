@@ -11,7 +11,7 @@ import pytest
 from scipy.spatial import cKDTree
 
 import lappet_blender
-from lappet.curve import sample_curve
+from lappet.geometry.curve import sample_curve
 from lappet_blender.tools import registration, toolbar
 from lappet_blender.tools import shown_surface as shown
 from lappet_blender.tools.drawing import LineDrawing

@@ -7,8 +7,8 @@ import itertools
 import bpy
 import numpy as np
 
-from lappet.patch import flat_patch
 from lappet.procedure import Procedure, Tissue
+from lappet.tissue.patch import flat_patch
 from lappet_blender.model.scene_procedure import fill_scene, read_scene
 
 SIZE = (20.0, 16.0, 4.0)

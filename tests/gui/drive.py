@@ -128,7 +128,7 @@ def draw(blender: Driver) -> Steps:
     scene = bpy.context.scene
     at = lambda x, y: blender.at((x, y, 0.0))  # noqa: E731
     scene.frame_set(CUT)
-    yield from blender.set_tool("lappet.incision")
+    yield from blender.set_tool("lappet.cutting.incision")
     for place in FLAP:
         yield from blender.click(at(*place))
     yield from blender.screenshot("03_drawing_the_incision")
@@ -136,7 +136,7 @@ def draw(blender: Driver) -> Steps:
     yield from blender.wait_until(lambda: events() == ["incision_1"], 3.0, "clicks and Return draw an incision")
 
     scene.frame_set(UNDERMINE)
-    yield from blender.set_tool("lappet.undermine")
+    yield from blender.set_tool("lappet.cutting.undermining")
     for place in (*UNDERMINED, UNDERMINED[0]):
         yield from blender.click(at(*place))
     yield from blender.wait_until(lambda: len(events()) == 2, 3.0, "a closed area is undermined")

@@ -25,7 +25,7 @@ def scenario(blender: Driver) -> Steps:
     yield 0.5
     blender.expect(addon_utils.check(MODULE) == (True, True), "the zip is installed and enabled")
     import lappet
-    from lappet.daemon import SolverDaemon
+    from lappet.daemon.process import SolverDaemon
 
     blender.expect("/extensions/.local/" in lappet.__file__, "lappet comes from the extension's wheels")
     with SolverDaemon() as daemon:

@@ -88,7 +88,7 @@ def scenario(blender: Driver) -> Steps:
     tools = [name for name in blender.tools() if name.startswith("lappet.")]
     blender.expect(len(tools) == 8, f"the toolbar has {len(tools)} tools of Lappet")
 
-    yield from blender.set_tool("lappet.incision")
+    yield from blender.set_tool("lappet.cutting.incision")
     yield from blender.click(at(-20, -8))
     yield from blender.click(at(-5, 4))
     yield from blender.move(at(10, -6))
@@ -117,7 +117,7 @@ def scenario(blender: Driver) -> Steps:
     yield 0.2
     blender.expect(len(events()) == 2, "Esc leaves nothing behind")
 
-    yield from blender.set_tool("lappet.undermine")
+    yield from blender.set_tool("lappet.cutting.undermining")
     corners = [(-24, -14), (-2, -14), (-2, 10), (-24, 10)]
     for corner in corners:
         yield from blender.click(at(*corner))
@@ -342,7 +342,7 @@ def interrupted(blender: Driver) -> Steps:
     """The frame changes while a line is drawn; another file is opened while a line is drawn."""
     scene = bpy.context.scene
     scene.frame_set(5)
-    yield from blender.set_tool("lappet.incision")
+    yield from blender.set_tool("lappet.cutting.incision")
     yield from blender.click(blender.at(height(-20, -12)))
     yield from blender.key("RIGHT_ARROW")
     yield 0.3

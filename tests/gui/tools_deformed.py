@@ -38,7 +38,7 @@ def scenario(blender: Driver) -> Steps:
     blender.expect(surface.solved and moved > 8.0, f"the skin that is drawn on has moved by {moved:.1f} mm")
     wanted = [height(-6, -4), height(0, 4), height(8, 4)]
     shown = [tuple(place) for place in surface.carry(surface.rest.locate(np.array(wanted)))]
-    yield from blender.set_tool("lappet.incision")
+    yield from blender.set_tool("lappet.cutting.incision")
     yield from blender.click(blender.at(shown[0]))
     yield from blender.click(blender.at(shown[1]))
     yield from blender.move(blender.at(shown[2]))

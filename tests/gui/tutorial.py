@@ -174,7 +174,7 @@ def cut(blender: Driver) -> Steps:
     scene = bpy.context.scene
     yield from view(blender, "TOP", 100.0, 6.0)
     scene.frame_set(3)
-    yield from blender.set_tool("lappet.incision")
+    yield from blender.set_tool("lappet.cutting.incision")
     for corner in (A, B, C):
         yield from blender.click(blender.at((*corner, 0.0)))
     yield from blender.move(blender.at((*D, 0.0)))
@@ -183,7 +183,7 @@ def cut(blender: Driver) -> Steps:
     yield from blender.key("RET")
     yield from blender.wait_until(lambda: len(events("INCISION")) == 1, 2.0, "four clicks and Return cut the Z")
     scene.frame_set(6)
-    yield from blender.set_tool("lappet.undermine")
+    yield from blender.set_tool("lappet.cutting.undermining")
     circle = [blender.at((15 * np.cos(t), 24 * np.sin(t), 0.0)) for t in np.linspace(0, 6.1, 40)]
     yield from blender.move(circle[0])
     blender.event("LEFTMOUSE", "PRESS")

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lappet.background.plan import EpochShape, Plan, ShownFrame
-from lappet.curve import CurveError, sample_curve
+from lappet.geometry.curve import CurveError, sample_curve
 
 from ..look.skin_source import FigureError, SkinEpoch, StepEvent, Strands
 

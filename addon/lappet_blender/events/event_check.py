@@ -6,15 +6,15 @@ from collections.abc import Sequence
 
 import bpy
 
-from lappet.anchors import fan_triangles
-from lappet.contradictions import contradictions
-from lappet.event_problems import EventCheck
-from lappet.mesh_problems import mesh_problems
-from lappet.problem import Problem, ProcedureError
+from lappet.checks.event_conflicts import contradictions
+from lappet.checks.event_problems import EventCheck
+from lappet.checks.mesh_problems import mesh_problems
+from lappet.core.problem import Problem, ProcedureError
+from lappet.core.refused import RefusedError
 from lappet.procedure import Event, Procedure, Tissue
-from lappet.refused import RefusedError
-from lappet.rest_space import RestSpace
-from lappet.usd_writer import TIMELINE, TISSUE
+from lappet.procedure.prim_paths import TIMELINE, TISSUE
+from lappet.tissue.fan_triangles import fan_triangles
+from lappet.tissue.rest_space import RestSpace
 
 from ..model.event_values import event_value
 from ..model.tissue_values import tissue_value

@@ -7,8 +7,8 @@ from typing import Any
 
 import bpy
 
-from lappet.problem import ProcedureError
-from lappet.refused import RefusedError
+from lappet.core.problem import ProcedureError
+from lappet.core.refused import RefusedError
 
 from ..model.event_list import event_index
 

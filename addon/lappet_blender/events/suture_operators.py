@@ -5,10 +5,10 @@ import numpy as np
 from bpy.props import BoolProperty, CollectionProperty, FloatProperty, FloatVectorProperty, IntProperty, StringProperty
 from numpy.typing import NDArray
 
-from lappet.anchors import fan_triangles
-from lappet.closest_point import ClosestPoint
+from lappet.core.refused import RefusedError
+from lappet.geometry.closest_point import ClosestPoint
 from lappet.procedure import Incision, Point, Suture
-from lappet.refused import RefusedError
+from lappet.tissue.fan_triangles import fan_triangles
 
 from ..model.event_properties import LappetPoint
 from ..model.event_values import add_value, event_value, free_name

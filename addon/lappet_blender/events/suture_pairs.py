@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from lappet.closest_point import ClosestPoint
-from lappet.curve import sample_curve
+from lappet.core.refused import RefusedError
+from lappet.geometry.closest_point import ClosestPoint
+from lappet.geometry.curve import sample_curve
 from lappet.procedure import Incision
-from lappet.refused import RefusedError
 
 BESIDE = 0.01  # mm from the wall of the cut to a suture's anchor: at the wound's edge, and off its middle
 

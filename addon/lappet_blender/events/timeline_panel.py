@@ -16,9 +16,9 @@ STATES = {"solved": "CHECKMARK", "stale": "FILE_REFRESH", "failed": "ERROR", "mi
 _WIDE = 300  # pixels at a scale of 1; a sidebar as it opens is narrower
 # The tool that places an event of each kind.
 TOOLS = {
-    "INCISION": "lappet.incision",
+    "INCISION": "lappet.cutting.incision",
     "EXCISION": "lappet.excise",
-    "UNDERMINE": "lappet.undermine",
+    "UNDERMINE": "lappet.cutting.undermining",
     "HOOK": "lappet.hook",
     "RETRACTOR": "lappet.retractor",
     "SUTURE": "lappet.suture",

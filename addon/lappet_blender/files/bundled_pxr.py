@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import bpy
 
-from lappet.refused import RefusedError
-from lappet.usd_stage import Pxr, pxr
+from lappet.core.refused import RefusedError
+from lappet.usd.stage import Pxr, pxr
 
 
 def bundled_pxr() -> Pxr:

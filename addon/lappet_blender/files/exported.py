@@ -7,14 +7,14 @@ from typing import TYPE_CHECKING
 
 import bpy
 
-from lappet.refused import RefusedError
+from lappet.core.refused import RefusedError
 
 from .bundled_pxr import bundled_pxr
 
 if TYPE_CHECKING:
     from lappet.procedure import Procedure
-    from lappet.program import Program
-    from lappet.store import FrameStore, StoredFrame
+    from lappet.program.program import Program
+    from lappet.solve.store import FrameStore, StoredFrame
 
 
 def procedure_of(scene: bpy.types.Scene) -> Procedure:
@@ -34,7 +34,7 @@ def write_scene(scene: bpy.types.Scene, path: Path) -> None:
     Raises RefusedError where it cannot be written as USD, OSError where the file system refuses.
     """
     bundled_pxr()
-    from lappet.usd_stage import write_procedure
+    from lappet.usd.stage import write_procedure
 
     write_procedure(procedure_of(scene), path)
 
@@ -46,10 +46,10 @@ def write_cache(scene: bpy.types.Scene, path: Path) -> Path:
     file system refuses.
     """
     bundled_pxr()
-    from lappet.keys import frame_keys
-    from lappet.skin_cache import write_skin_cache
-    from lappet.solve import FrameResult
-    from lappet.usd_stage import SUFFIXES, write_procedure
+    from lappet.output.skin_cache import write_skin_cache
+    from lappet.program.keys import frame_keys
+    from lappet.solve.solve_program import FrameResult
+    from lappet.usd.stage import SUFFIXES, write_procedure
 
     from ..solving.reconcile import identity
     from ..solving.solve_settings import frame_store
@@ -71,7 +71,7 @@ def write_cache(scene: bpy.types.Scene, path: Path) -> Path:
 
 def compiled(scene: bpy.types.Scene, procedure: Procedure, spacing: float | None = None) -> Program:
     """The program of a procedure with the settings of a scene's Solve panel."""
-    from lappet.compile import compile_program
+    from lappet.program.compile import compile_program
 
     from ..solving.solve_settings import solve_settings
 

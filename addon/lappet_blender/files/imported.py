@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import bpy
 import numpy as np
 
-from lappet.refused import RefusedError
+from lappet.core.refused import RefusedError
 
 from .bundled_pxr import bundled_pxr
 from .exported import compiled
@@ -42,7 +42,7 @@ class CacheFrames:
 def look_into(path: Path) -> FoundFile:
     """What a USD file holds. Raises ProcedureError where it cannot be opened."""
     bundled_pxr()
-    from lappet.usd_stage import open_stage
+    from lappet.usd.stage import open_stage
 
     stage = open_stage(path)
     if not stage.GetPrimAtPath("/Procedure/Skin"):
@@ -59,7 +59,7 @@ def read_into(scene: bpy.types.Scene, path: Path) -> list[str]:
     Returns a sentence for everything that was converted or left aside. Raises RefusedError or ProcedureError, with the
     scene as it was.
     """
-    from lappet.usd_stage import read_procedure
+    from lappet.usd.stage import read_procedure
 
     from ..model.scene_filling import fill_scene
 
@@ -81,7 +81,7 @@ def _collection(scene: bpy.types.Scene, name: str) -> bpy.types.Collection:
 def _show(scene: bpy.types.Scene, procedure: Procedure, found: FoundFile) -> str:
     """Gives the frames of a cache to the solving side, and says which they are."""
     from lappet.background.plan_store import put_plan
-    from lappet.store import StoredFrame
+    from lappet.solve.store import StoredFrame
 
     from ..look.skin_source import FigureError
     from ..solving.controller import controller_of, shelf
@@ -114,7 +114,7 @@ def cache_frames(scene: bpy.types.Scene, procedure: Procedure, found: FoundFile)
     """
     from lappet.background.make_plan import epoch_shapes, make_plan
     from lappet.background.plan import ShownFrame
-    from lappet.keys import frame_keys
+    from lappet.program.keys import frame_keys
 
     from ..look.skin_read import SkinCache
     from ..look.skin_source import SCALARS

@@ -140,7 +140,7 @@ class SkinCache:
         return self._curves("Undermine", step)
 
     def _curves(self, kind: str, step: float) -> list[NDArray[np.float64]]:
-        from lappet.curve import CurveError, sample_curve
+        from lappet.geometry.curve import CurveError, sample_curve
 
         lines = []
         timeline = self._stage.GetPrimAtPath("/Procedure/Timeline")

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from lappet.closest_point import ClosestPoint
+from lappet.geometry.closest_point import ClosestPoint
 
 from .skin_fields import SKIN, WOUND_WALL
 

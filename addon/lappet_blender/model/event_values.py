@@ -1,4 +1,4 @@
-"""An event of a scene as the value that a procedure holds (`lappet.procedure`), and back."""
+"""An event of a scene as the value that a procedure holds (`lappet.procedure.procedure`), and back."""
 
 from __future__ import annotations
 
@@ -10,20 +10,9 @@ import bpy
 import numpy as np
 from mathutils import Matrix
 
-from lappet.procedure import (
-    Basis,
-    Event,
-    Excision,
-    Hook,
-    Incision,
-    Landmark,
-    Point,
-    Retractor,
-    Suture,
-    Undermine,
-)
-from lappet.refused import RefusedError
-from lappet.rigid_motion import RigidMotion
+from lappet.core.refused import RefusedError
+from lappet.geometry.rigid_motion import RigidMotion
+from lappet.procedure import Basis, Event, Excision, Hook, Incision, Landmark, Point, Retractor, Suture, Undermine
 
 from .changes import changed
 from .decimals import decimal
@@ -38,7 +27,7 @@ TARGET_MM = 1.0  # radius at which a target is drawn
 
 
 def event_value(scene: bpy.types.Scene, event: Any) -> Event:
-    """The value of an event; whether it makes sense is for `lappet.validation` to say.
+    """The value of an event; whether it makes sense is for `lappet.checks.validation` to say.
 
     Raises RefusedError ("what is wrong; the mend") where the target of a hook or retractor is not in the scene, or a
     hook or suture has not the points that it needs.

@@ -8,8 +8,8 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from lappet.refused import RefusedError
-from lappet.surface_check import check_finite
+from lappet.core.refused import RefusedError
+from lappet.geometry.surface_check import check_finite
 
 from .mesh_values import GROUP
 from .units import mm_per_unit

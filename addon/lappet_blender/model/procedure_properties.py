@@ -34,7 +34,7 @@ COLORS = (
 
 
 class LappetMaterial(bpy.types.PropertyGroup):
-    """A material (`lappet.procedure.Material`); `name` is its name."""
+    """A material (`lappet.procedure.procedure.Material`); `name` is its name."""
 
     model: EnumProperty(name="Model", items=MODELS, default="neoHookean", update=property_changed)
     youngs_modulus: FloatProperty(

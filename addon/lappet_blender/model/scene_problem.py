@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from lappet.problem import Problem, Severity
+from lappet.core.problem import Problem, Severity
 
 
 @dataclass(frozen=True)
 class SceneProblem(Problem):
-    """A `lappet.problem.Problem` found in a Blender scene; `path` is the name of the object or event.
+    """A `lappet.core.problem.Problem` found in a Blender scene; `path` is the name of the object or event.
 
     operator: the bl_idname of the operator that mends it, called with `arguments`; "" where nothing can.
     """

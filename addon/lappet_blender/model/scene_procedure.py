@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import bpy
 
-from lappet.problem import Problem
+from lappet.core.problem import Problem
+from lappet.core.refused import RefusedError
 from lappet.procedure import Event, Procedure
-from lappet.refused import RefusedError
 
 from .decimals import decimal
 from .material_values import material_values

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from lappet.surface_check import unique_edges
+from lappet.geometry.surface_check import unique_edges
 
 from .mesh_values import MeshValues
 

@@ -12,10 +12,10 @@ from dataclasses import dataclass, replace
 import bpy
 import numpy as np
 
-from lappet.problem import Problem
+from lappet.core.problem import Problem
+from lappet.core.refused import RefusedError
 from lappet.procedure import Bone, Region, Tissue
-from lappet.refused import RefusedError
-from lappet.sheet_tissue import sheet_tissue
+from lappet.tissue.sheet_tissue import sheet_tissue
 
 from .decimals import decimal
 from .material_values import region_values

@@ -8,7 +8,7 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from lappet.background.plan import Plan
-from lappet.store import FrameStore
+from lappet.solve.store import FrameStore
 
 
 class CarryOver:

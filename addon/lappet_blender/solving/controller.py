@@ -15,9 +15,9 @@ from typing import TYPE_CHECKING, Literal
 import bpy
 
 from lappet.background.plan import Plan, PlannedFrame, ShownFrame, SolveSettings
-from lappet.problem import Problem
+from lappet.core.problem import Problem
 from lappet.procedure import Point, Procedure
-from lappet.store import FrameStore, default_folder
+from lappet.solve.store import FrameStore, default_folder
 
 from . import workers
 from .carry_over import CarryOver

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lappet.background.plan import Plan
-from lappet.problem import Problem
+from lappet.core.problem import Problem
 
 from .controller import Controller, Failure, controller_of, find_controller, frame_at, plans
 from .frame_states import FrameRun, State, frame_runs_of, frame_states

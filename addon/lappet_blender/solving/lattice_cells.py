@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from lappet.lattice_size import TissueMeasure
+from lappet.checks.lattice_size import TissueMeasure
 from lappet.procedure import Tissue
 
 _measured: tuple[Tissue, float] | None = None

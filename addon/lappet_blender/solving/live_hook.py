@@ -7,8 +7,8 @@ from dataclasses import replace
 
 import bpy
 
+from lappet.core.refused import RefusedError
 from lappet.procedure import Hook, Procedure
-from lappet.refused import RefusedError
 
 from ..model.decimals import decimal
 from ..model.event_list import find_event

@@ -3,7 +3,7 @@
 import bpy
 from bpy.props import StringProperty
 
-from lappet.refused import RefusedError
+from lappet.core.refused import RefusedError
 
 from .controller import controller_of, find_controller
 from .frames import announce

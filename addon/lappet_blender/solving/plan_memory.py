@@ -6,8 +6,8 @@ from collections import OrderedDict
 from dataclasses import replace
 
 from lappet.background.plan import EpochShape, Plan
-from lappet.problem import Problem
-from lappet.store import FrameStore
+from lappet.core.problem import Problem
+from lappet.solve.store import FrameStore
 
 LIMIT = 64
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import bpy
 
-from lappet.problem import Problem
+from lappet.core.problem import Problem
 
 from ..model.event_list import event_index, event_time
 

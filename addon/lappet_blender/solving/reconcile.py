@@ -15,10 +15,10 @@ from collections.abc import Iterator
 import bpy
 
 from lappet.background.plan import SolveSettings
-from lappet.problem import Problem
+from lappet.core.problem import Problem
+from lappet.core.refused import RefusedError
 from lappet.procedure import Procedure
-from lappet.refused import RefusedError
-from lappet.store import FrameStore
+from lappet.solve.store import FrameStore
 
 from ..model.migrate import from_newer_version
 from .carry_over import CarryOver
@@ -93,7 +93,7 @@ def identity() -> str:
     """What identifies the solver in keys; raises RefusedError or OSError where there is none that can be read."""
     if _warming is not None and _warming is not threading.current_thread():
         _warming.join()
-    from lappet.daemon import daemon_identity
+    from lappet.daemon.process import daemon_identity
 
     return daemon_identity()
 

@@ -11,7 +11,7 @@ from collections import OrderedDict
 from collections.abc import Sequence
 
 from lappet.background.plan import ShownFrame
-from lappet.store import FrameStore
+from lappet.solve.store import FrameStore
 
 LIMIT = 512 << 20
 

@@ -3,7 +3,7 @@
 import bpy
 from bpy.props import BoolProperty, IntProperty
 
-from lappet.refused import RefusedError
+from lappet.core.refused import RefusedError
 
 from .frames import failure_of, problems_of, progress_of
 from .problem_place import select_problem

@@ -7,7 +7,7 @@ from pathlib import Path
 import bpy
 
 from lappet.background.plan import SolveSettings
-from lappet.store import FrameStore, default_folder
+from lappet.solve.store import FrameStore, default_folder
 
 from ..model.decimals import decimal
 

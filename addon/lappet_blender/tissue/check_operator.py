@@ -3,7 +3,7 @@
 import bpy
 from bpy.props import IntProperty
 
-from lappet.refused import RefusedError
+from lappet.core.refused import RefusedError
 
 from ..model.units import to_world
 from .act import PLAIN, UNDOABLE, Act

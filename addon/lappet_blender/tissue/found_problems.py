@@ -6,9 +6,9 @@ from dataclasses import dataclass, replace
 
 import bpy
 
-from lappet.problem import Problem
-from lappet.usd_writer import TISSUE
-from lappet.validation import check
+from lappet.checks.validation import check
+from lappet.core.problem import Problem
+from lappet.procedure.prim_paths import TISSUE
 
 from ..model.decimals import decimal
 from ..model.mesh_values import MeshValues, mesh_values

@@ -6,9 +6,9 @@ import re
 import bpy
 from bpy.props import EnumProperty, FloatProperty, StringProperty
 
-from lappet.presets import PRESETS
+from lappet.core.refused import RefusedError
 from lappet.procedure import Region
-from lappet.refused import RefusedError
+from lappet.tissue.presets import PRESETS
 
 from ..model.keyframes import curves_of
 from ..model.material_values import set_material, set_region

@@ -2,7 +2,7 @@
 
 import bpy
 
-from lappet.presets import PRESETS
+from lappet.tissue.presets import PRESETS
 
 from .sentence_lines import draw_sentence
 from .tissue_operators import PRESET_ITEMS

@@ -6,10 +6,10 @@ import bmesh
 import bpy
 import numpy as np
 
-from lappet.mesh_file import Mesh
-from lappet.mesh_repair import border_loops, orient, perimeter
-from lappet.refused import RefusedError
-from lappet.surface import clip_ears, triangulate
+from lappet.core.refused import RefusedError
+from lappet.geometry.triangulation import clip_ears, triangulate
+from lappet.tissue.mesh_file import Mesh
+from lappet.tissue.mesh_repair import border_loops, orient, perimeter
 
 from ..model.mesh_values import MeshValues, mesh_values
 from .edited_mesh import edited_mesh

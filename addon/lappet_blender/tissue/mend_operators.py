@@ -4,10 +4,10 @@ import bpy
 import numpy as np
 from bpy.props import BoolProperty, EnumProperty, StringProperty
 
-from lappet.lattice_size import TissueMeasure
-from lappet.refused import RefusedError
-from lappet.surface import triangulate
-from lappet.validation import MEMORY_BUDGET
+from lappet.checks.lattice_size import TissueMeasure
+from lappet.checks.validation import MEMORY_BUDGET
+from lappet.core.refused import RefusedError
+from lappet.geometry.triangulation import triangulate
 
 from ..model.decimals import decimal
 from ..model.scene_procedure import read_scene

@@ -8,11 +8,11 @@ import numpy as np
 from mathutils.bvhtree import BVHTree
 from numpy.typing import NDArray
 
-from lappet.mesh_repair import border_loops, perimeter
-from lappet.problem import Problem, Severity
+from lappet.core.problem import Problem, Severity
+from lappet.geometry.surface_check import intersections, place, signed_volume, unique_edges
+from lappet.geometry.triangulation import triangulate
 from lappet.procedure import Tissue
-from lappet.surface import triangulate
-from lappet.surface_check import intersections, place, signed_volume, unique_edges
+from lappet.tissue.mesh_repair import border_loops, perimeter
 
 from ..model.mesh_values import MeshValues
 from ..model.scene_problem import problem

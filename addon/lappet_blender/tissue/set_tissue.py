@@ -5,13 +5,13 @@ from __future__ import annotations
 import bpy
 import numpy as np
 
-from lappet.flatten import flatten
-from lappet.patch import UV_SCALE
-from lappet.presets import PRESETS
-from lappet.refused import RefusedError
-from lappet.surface import triangulate
-from lappet.surface_check import signed_volume
-from lappet.tissue import chosen_spacing
+from lappet.core.refused import RefusedError
+from lappet.geometry.flatten import flatten
+from lappet.geometry.surface_check import signed_volume
+from lappet.geometry.triangulation import triangulate
+from lappet.tissue.new_tissue import chosen_spacing
+from lappet.tissue.patch import UV_SCALE
+from lappet.tissue.presets import PRESETS
 
 from ..model.material_values import set_material
 from ..model.mesh_values import MeshValues, mesh_values
@@ -28,7 +28,7 @@ def set_tissue(
     """Makes the object the scene's tissue.
 
     thickness: mm of the sheet below an open surface, 0 for a closed one. spacing: mm, 0 = about 40 000 cells.
-    preset: name in `lappet.presets.PRESETS` of the material. Raises RefusedError before anything has
+    preset: name in `lappet.tissue.presets.PRESETS` of the material. Raises RefusedError before anything has
     changed; returns what is worth saying.
     """
     if obj.type != "MESH":

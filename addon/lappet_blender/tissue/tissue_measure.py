@@ -8,9 +8,9 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from lappet.lattice_size import TissueMeasure
+from lappet.checks.lattice_size import TissueMeasure
+from lappet.geometry.triangulation import triangulate
 from lappet.procedure import Tissue
-from lappet.surface import triangulate
 
 from ..model.tissue_values import tissue_value
 

@@ -3,7 +3,7 @@
 import bpy
 from bpy.props import EnumProperty, FloatProperty, StringProperty
 
-from lappet.presets import PRESETS
+from lappet.tissue.presets import PRESETS
 
 from .act import UNDOABLE, Act, named_object
 from .set_tissue import set_tissue

@@ -2,7 +2,7 @@
 
 import bpy
 
-from lappet.problem import Problem
+from lappet.core.problem import Problem
 
 from ..model.duration_words import in_words
 from ..model.scene_problem import SceneProblem

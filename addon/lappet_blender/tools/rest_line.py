@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from lappet.curve import CurveError, sample_curve
+from lappet.geometry.curve import CurveError, sample_curve
 from lappet.procedure import Basis
 
 from .shown_surface import Located, RestShape, ShownSurface

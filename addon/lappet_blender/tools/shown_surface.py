@@ -16,9 +16,9 @@ import numpy as np
 from mathutils.bvhtree import BVHTree
 from numpy.typing import NDArray
 
+from lappet.geometry.labelled_surface import FaceOrigin
 from lappet.procedure import Tissue
-from lappet.program import FaceOrigin
-from lappet.surface import skin_faces
+from lappet.tissue.surface import skin_faces
 
 from ..model.units import mm_per_unit
 from .surface_ray import SurfaceBlocks, SurfaceRay

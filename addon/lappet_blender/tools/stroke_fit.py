@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from lappet.curve import sample_curve
+from lappet.geometry.curve import sample_curve
 
 
 def simplify(points: ArrayLike, tolerance: float) -> list[int]:

@@ -73,7 +73,7 @@ class EditTool(_Tool):
 
 
 class IncisionTool(_Tool):
-    bl_idname = "lappet.incision"
+    bl_idname = "lappet.cutting.incision"
     bl_label = "Incision"
     bl_description = (
         "Click points on the skin, or draw with the button down.\nReturn or the right button ends, C closes the line"
@@ -99,7 +99,7 @@ class ExciseTool(_Tool):
 
 
 class UndermineTool(_Tool):
-    bl_idname = "lappet.undermine"
+    bl_idname = "lappet.cutting.undermining"
     bl_label = "Undermine"
     bl_description = "Draw around an area: its skin is freed from its bed"
     bl_icon = icon_path("undermine")

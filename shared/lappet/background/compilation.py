@@ -12,15 +12,16 @@ from lappet.background.make_plan import epoch_shapes, make_plan
 from lappet.background.plan import EpochShape, Plan, SolveSettings
 from lappet.background.plan_key import digest, plan_key
 from lappet.background.plan_store import get_plan, put_plan
-from lappet.compile import compile_program
-from lappet.epochs import build_epochs
-from lappet.keys import frame_keys
-from lappet.problem import Problem, ProcedureError
+from lappet.checks.validation import check
+from lappet.core.problem import Problem, ProcedureError
+from lappet.cutting.epoch import Epoch
+from lappet.cutting.epochs import build_epochs
 from lappet.procedure import CUTS, Procedure
-from lappet.program import Epoch, Program
-from lappet.store import FrameStore
-from lappet.usd_writer import ROOT
-from lappet.validation import check
+from lappet.procedure.prim_paths import ROOT
+from lappet.program.compile import compile_program
+from lappet.program.keys import frame_keys
+from lappet.program.program import Program
+from lappet.solve.store import FrameStore
 
 _KEPT = 4
 

@@ -6,7 +6,7 @@ import threading
 from collections import OrderedDict
 from pathlib import Path
 
-from lappet.store import FrameStore, StoredFrame
+from lappet.solve.store import FrameStore, StoredFrame
 
 MOST_BYTES = 1 << 30
 

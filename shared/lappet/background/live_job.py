@@ -14,12 +14,12 @@ from lappet.background.live_session import LiveSession
 from lappet.background.plan import FrameFailed, LiveFrame, Note, Plan, ShownFrame
 from lappet.background.plan_store import shown_frame
 from lappet.background.solve_job import SolveJobs, stoppable
-from lappet.frame_solver import FrameRefusedError, SolvedFrame, SolverDiedError
-from lappet.problem import Problem, ProcedureError
+from lappet.core.problem import Problem, ProcedureError
+from lappet.core.refused import RefusedError
+from lappet.daemon.frame_solver import FrameRefusedError, SolvedFrame, SolverDiedError
 from lappet.procedure import Point
-from lappet.refused import RefusedError
-from lappet.store import StoredFrame
-from lappet.usd_writer import TIMELINE
+from lappet.procedure.prim_paths import TIMELINE
+from lappet.solve.store import StoredFrame
 
 _LEFT_OUT = ("strain", "stress", "tension")  # per vertex: not worth sending while the mouse moves
 

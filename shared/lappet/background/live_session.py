@@ -8,11 +8,11 @@ from typing import Any
 
 from numpy.typing import NDArray
 
-from lappet.frame_solver import Connect, FrameSolver, Iteration, SolvedFrame, SolverDiedError
+from lappet.daemon.frame_solver import Connect, FrameSolver, Iteration, SolvedFrame, SolverDiedError
 from lappet.procedure import Point
-from lappet.program import Program
-from lappet.solve import TRIES, fitted_state
-from lappet.store import StoredFrame
+from lappet.program.program import Program
+from lappet.solve.solve_program import TRIES, fitted_state
+from lappet.solve.store import StoredFrame
 
 TOLERANCE = 1e-2  # residual over force scale: what is shown while the mouse moves needs no more
 TIME_BUDGET = 2.0  # seconds for a target

@@ -12,8 +12,10 @@ from numpy.typing import NDArray
 from lappet.background.plan import EpochShape, Plan, PlannedFrame
 from lappet.background.skin_shape import depth_below_skin, uv_scale
 from lappet.background.tissue_face import TissueFaces
+from lappet.cutting.epoch import Epoch
+from lappet.geometry.labelled_surface import FaceOrigin, Surface
 from lappet.procedure import Tissue
-from lappet.program import Epoch, FaceOrigin, Program, Surface
+from lappet.program.program import Program
 
 
 def make_plan(

@@ -8,7 +8,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from lappet.problem import Problem
+from lappet.core.problem import Problem
 
 
 @dataclass(frozen=True)

@@ -24,8 +24,9 @@ def plan_key(procedure: Procedure, settings: SolveSettings, solver_identity: str
     """64 hexadecimal digits: a hash of every value of the procedure and of what of the settings changes a frame.
 
     The names of events, materials and subsets and the order of the events take part; numbers count by value (1 as 1.0,
-    -0 as 0), and the threads, which change no frame, not at all. solver_identity: as for `lappet.keys.frame_keys`. The
-    tissue and the bones are hashed once per object.
+    -0 as 0), and the threads, which change no frame, not at all.
+    solver_identity: as for `lappet.program.keys.frame_keys`.
+    The tissue and the bones are hashed once per object.
     """
     spacing = procedure.tissue.spacing if settings.spacing is None else settings.spacing
     choice = (spacing, settings.tolerance, settings.quadrature, settings.precision)

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 from lappet.background.plan import EpochShape, Plan, PlannedFrame, ShownFrame
-from lappet.frame_solver import STATE_ARRAYS
-from lappet.store import FrameStore, StoredFrame
+from lappet.daemon.frame_solver import STATE_ARRAYS
+from lappet.solve.store import FrameStore, StoredFrame
 
 _FORMAT = 1
 _SHAPE_ARRAYS = ("rest", "triangles", "origin", "grid", "depth", "face")

@@ -14,7 +14,7 @@ import msgpack
 import numpy as np
 
 from lappet.background import plan
-from lappet.problem import Problem
+from lappet.core.problem import Problem
 from lappet.procedure import (
     Bone,
     Excision,

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from lappet.program import FaceOrigin
+from lappet.geometry.labelled_surface import FaceOrigin
 
 _PAIRS = 2_000_000  # distances at once: 50 MB
 

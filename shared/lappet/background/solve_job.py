@@ -26,12 +26,13 @@ from lappet.background.plan import (
     ShownFrame,
 )
 from lappet.background.plan_store import shown_frame
-from lappet.frame_solver import Connect, FrameSolver, Iteration, SolvedFrame, SolverDiedError
-from lappet.problem import Problem, ProcedureError
-from lappet.program import Bones, Epoch, FrameConstraints, Landmarks, Program, SolverSettings
-from lappet.refused import RefusedError
-from lappet.solve import FrameResult, Frames, Watcher, solve_program
-from lappet.usd_writer import ROOT
+from lappet.core.problem import Problem, ProcedureError
+from lappet.core.refused import RefusedError
+from lappet.cutting.epoch import Epoch
+from lappet.daemon.frame_solver import Connect, FrameSolver, Iteration, SolvedFrame, SolverDiedError
+from lappet.procedure.prim_paths import ROOT
+from lappet.program.program import Bones, FrameConstraints, Landmarks, Program, SolverSettings
+from lappet.solve.solve_program import FrameResult, Frames, Watcher, solve_program
 
 Tell = Callable[[Happening], None]
 

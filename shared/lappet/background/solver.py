@@ -27,10 +27,10 @@ from lappet.background.plan import (
 from lappet.background.plan_key import plan_key
 from lappet.background.procedure_message import MessageError
 from lappet.background.worker_process import WorkerProcess
-from lappet.daemon import daemon_identity
-from lappet.problem import Problem
+from lappet.core.problem import Problem
+from lappet.core.refused import RefusedError
+from lappet.daemon.process import daemon_identity
 from lappet.procedure import Point, Procedure
-from lappet.refused import RefusedError
 
 _DEATHS = 3  # in a row, then the jobs that were running are given up
 _PATIENCE = 5.0

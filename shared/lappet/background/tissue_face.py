@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from lappet.closest_point import ClosestPoint
+from lappet.geometry.closest_point import ClosestPoint
+from lappet.geometry.labelled_surface import FaceOrigin, Surface
+from lappet.geometry.triangulation import triangulate
 from lappet.procedure import Tissue
-from lappet.program import FaceOrigin, Surface
-from lappet.surface import triangulate
 
 _PAIRS = 1_000_000  # point and triangle at once
 

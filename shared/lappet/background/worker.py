@@ -22,7 +22,7 @@ from lappet.background.frame_stream import read_frame, write_frame
 from lappet.background.job import Job
 from lappet.background.plan import Finished, Happening, Refused
 from lappet.background.procedure_message import MessageError, pack, unpack
-from lappet.problem import Problem
+from lappet.core.problem import Problem
 
 _PATIENCE = 3.0  # seconds for jobs to close their daemons when the owner is gone
 _NICENESS = 5  # so that the window stays lively while all cores solve
@@ -105,7 +105,7 @@ class Worker:
                 from lappet.background.kept_frames import KeptFrames
                 from lappet.background.live_job import LiveJobs
                 from lappet.background.solve_job import SolveJobs
-                from lappet.daemon_solver import connect_to, solver_identity
+                from lappet.daemon.daemon_solver import connect_to, solver_identity
 
                 store = KeptFrames(self._folder)
                 compilation = Compilation(identity or solver_identity(None), store)

@@ -8,14 +8,15 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
+from lappet.core.machine import machine
+from lappet.core.version import version
+
 
 def circumstances(context: dict[str, str], threads: int) -> dict[str, Any]:
     """The keys that each file of results starts with.
 
     context: what solverd_benchmarks says of itself (`lappet.bench.kernels.context`). threads: of the measurement.
     """
-    from lappet import __version__
-    from lappet.machine import machine
 
     return {
         "machine": machine(),
@@ -23,7 +24,7 @@ def circumstances(context: dict[str, str], threads: int) -> dict[str, Any]:
         "isa": context.get("isa"),
         "threads": threads,
         "environment": environment(),
-        "lappet": __version__,
+        "lappet": version(),
         "revision": revision(),
         "date": datetime.now(UTC).isoformat(timespec="seconds"),
     }

@@ -26,7 +26,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from lappet.refused import RefusedError
+from lappet.core.refused import RefusedError
+from lappet.daemon.process import find_daemon
 
 BINARY = "solverd_benchmarks"
 REPETITIONS, SECONDS = 9, 0.02  # of each measurement; at least so long in cache
@@ -98,7 +99,6 @@ class Suite:
 
 def find_benchmarks() -> Path:
     """solverd_benchmarks: LAPPET_BENCHMARKS, or beside the daemon. Raises RefusedError where there is none."""
-    from lappet.daemon import find_daemon
 
     named = os.environ.get("LAPPET_BENCHMARKS")
     path = Path(named) if named else find_daemon().with_name(BINARY)

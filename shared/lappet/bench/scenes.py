@@ -14,9 +14,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lappet.bench.circumstances import cores
-from lappet.program import Program
-from lappet.refused import RefusedError
-from lappet.solve import FrameResult
+from lappet.core.refused import RefusedError
+from lappet.daemon.client import SolverClient
+from lappet.output.solve_procedure import solve_procedure
+from lappet.program.program import Program
+from lappet.solve.solve_program import FrameResult
+from lappet.solve.store import FrameStore
 
 STATE_GRAIN = 0.01  # mm
 
@@ -148,7 +151,6 @@ def state_hash(displacements: NDArray[Any]) -> str:
 
 def daemon_isa() -> str:
     """The instruction set that the daemon chooses here."""
-    from lappet.client import SolverClient
 
     with SolverClient() as client:
         return str(client.welcome["isa"])
@@ -159,8 +161,6 @@ def solve_scene(procedure: Path, spacing: float, folder: Path) -> SceneMeasure:
 
     Raises RefusedError or ProcedureError where the procedure cannot be solved at all.
     """
-    from lappet.solve import solve_procedure
-    from lappet.store import FrameStore
 
     cache = folder / f"{procedure.stem}.usdc"
     with tempfile.TemporaryDirectory(prefix="lappet-bench-") as store:

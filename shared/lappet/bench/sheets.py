@@ -22,8 +22,10 @@ from numpy.typing import NDArray
 
 from lappet.bench.circumstances import cores
 from lappet.bench.scenes import pass_times, state_hash
-from lappet.client import SolverClient
-from lappet.program import Epoch, FrameConstraints, MaterialParameters, SolverSettings, Surface
+from lappet.cutting.epoch import Epoch
+from lappet.daemon.client import SolverClient
+from lappet.geometry.labelled_surface import Surface
+from lappet.program.program import FrameConstraints, MaterialParameters, SolverSettings
 
 SHEET = (100.0, 60.0, 4.0)  # mm
 PATCH = (100.0, 80.0, 4.0)

@@ -7,7 +7,8 @@ import json
 from collections.abc import Callable
 from pathlib import Path
 
-from lappet.refused import RefusedError
+from lappet.core.refused import RefusedError
+from lappet.core.version import version
 
 SPACING = 4.0 / 3.0  # mm: three cells through the skin, a few seconds a step
 
@@ -24,13 +25,12 @@ def z_plasty() -> Path:
 def figures_of(cache: Path, folder: Path, render: Callable[[Path, Path], list[Path]]) -> list[Path]:
     """The pictures of a skin cache in `folder`: those of an earlier run where cache and program are the same.
 
-    render: draws a cache into a folder and returns the pictures, as `lappet.render.render_cache` does.
+    render: draws a cache into a folder and returns the pictures, as `lappet.output.render.render_cache` does.
     """
-    from lappet import __version__
 
     folder = folder.resolve()
     stamp = folder / "rendered.json"
-    drawn = f"{__version__} {hashlib.blake2b(cache.read_bytes(), digest_size=16).hexdigest()}"
+    drawn = f"{version()} {hashlib.blake2b(cache.read_bytes(), digest_size=16).hexdigest()}"
     try:
         before = json.loads(stamp.read_text(encoding="utf-8"))
         pictures = [folder / name for name in before["pictures"]]

@@ -13,7 +13,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from lappet.program import Epoch, FrameConstraints, Landmarks, MaterialParameters, Program, SolverSettings, Surface
+from lappet.cutting.epoch import Epoch
+from lappet.geometry.labelled_surface import Surface
+from lappet.program.program import FrameConstraints, Landmarks, MaterialParameters, Program, SolverSettings
 from lappet.reports.clamped_edge import edge_exponent
 
 SKIN = MaterialParameters(model="neoHookean", youngs_modulus=50.0, poissons_ratio=0.45)
@@ -24,7 +26,7 @@ class BoxScene:
     """A scene. size: mm. divisions: of the surface grid along each axis. fixed, bedded, gripped: sides, 2 axis + (0
     low, 1 high). bed_stiffness: kPa/mm. motion: of the gripped side, 4x4, column vectors. shape: moves grid points
     (n, 3) of the box to the tissue. widest_edge: degrees, the widest angle between a clamped side and a free one.
-    spacings, reference, smooth, every_combination: see `lappet.reports.error_time.Scene`, mm.
+    spacings, reference, smooth, every_combination: see `lappet.reports.error_time.measurement.Scene`, mm.
     """
 
     name: str

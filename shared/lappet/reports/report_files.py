@@ -12,6 +12,7 @@ from typing import Any
 
 from lappet.bench.circumstances import circumstances, cores
 from lappet.bench.tables import markdown_table
+from lappet.daemon.client import SolverClient
 from lappet.reports.report_error import ReportError
 
 __all__ = ["described", "head", "make_folder", "markdown_table", "write_csv", "write_json"]
@@ -19,7 +20,6 @@ __all__ = ["described", "head", "make_folder", "markdown_table", "write_csv", "w
 
 def head() -> dict[str, Any]:
     """Machine, compiler, instruction set, threads, revision and date, as the daemon that is installed says."""
-    from lappet.client import SolverClient
 
     with SolverClient() as client:
         welcome = client.welcome

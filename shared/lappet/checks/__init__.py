@@ -1,0 +1,1 @@
+"""What is wrong with a procedure before anything is cut."""

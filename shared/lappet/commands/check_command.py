@@ -1,0 +1,31 @@
+"""`lappet check`: every problem of a procedure, each with its remedy."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from lappet.commands.parameters import FILE
+from lappet.commands.refusals import sentences
+
+
+@click.command()
+@click.argument("procedure", type=FILE)
+@click.pass_context
+def check(context: click.Context, /, procedure: Path) -> None:
+    """Validate a procedure: every problem, each with its mend."""
+    with sentences(context):
+        from lappet.program.full_check import full_check
+
+        notes: list[str] = []
+        problems = full_check(procedure, notes)
+        for note in notes:
+            click.echo(f"note: {note}")
+        for problem in problems:
+            click.echo(f"{problem.severity}: {problem}")
+        errors = sum(problem.severity == "error" for problem in problems)
+        if not problems:
+            click.echo(f"{procedure}: no problem found.")
+    if errors:
+        context.exit(1)

@@ -1,0 +1,52 @@
+"""The command `lappet`: thin, each subcommand loads what it needs when it runs.
+
+Exit status: 0 done, 1 refused or not converged, 2 usage.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import click
+
+from lappet.commands.check_command import check
+from lappet.commands.demo_command import demo
+from lappet.commands.inspect_command import inspect
+from lappet.commands.new_command import new
+from lappet.commands.render_command import render
+from lappet.commands.report_command import report
+from lappet.commands.solve_command import solve
+
+
+class _Version(click.Option):
+    """`--version`, which looks the version up only when it is asked for."""
+
+    def __init__(self, *declarations: Any, **attributes: Any) -> None:
+        attributes.update(is_flag=True, expose_value=False, is_eager=True, help="Show the version and exit.")
+        super().__init__(*declarations, callback=self._show, **attributes)
+
+    @staticmethod
+    def _show(context: click.Context, _: click.Parameter, value: bool) -> None:
+        if value and not context.resilient_parsing:
+            from lappet.core.version import version
+
+            click.echo(f"lappet {version()}")
+            context.exit()
+
+
+@click.group(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
+@click.option("--version", cls=_Version)
+@click.option("--debug", is_flag=True, help="Show the traceback of an error.")
+@click.pass_context
+def cli(context: click.Context, debug: bool) -> None:
+    """Plan a skin-flap operation, solve how the tissue moves, and render figures of it."""
+    context.obj = debug
+
+
+def main() -> None:
+    """Run the console script."""
+    cli.main(prog_name="lappet")
+
+
+for _command in (solve, demo, check, inspect, render, new, report):
+    cli.add_command(_command)

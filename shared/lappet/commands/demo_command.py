@@ -1,0 +1,57 @@
+"""`lappet demo`: solve and render the bundled Z-plasty."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import click
+
+from lappet.commands.parameters import FILE
+from lappet.commands.refusals import sentences
+from lappet.commands.solve_options import solve_options
+
+
+@click.command()
+@click.option(
+    "-o",
+    "--output",
+    "folder",
+    type=FILE,
+    default=Path("lappet-demo"),
+    show_default=True,
+    help="Folder for the results.",
+)
+@solve_options
+@click.pass_context
+def demo(context: click.Context, /, folder: Path, **options: Any) -> None:
+    """Solve and render the bundled Z-plasty, at a lattice spacing of 1.33 mm where none is given."""
+    import shutil
+
+    with sentences(context):
+        from lappet.commands.run_solve import run_solve, summary
+        from lappet.demo import SPACING, figures_of, z_plasty
+        from lappet.output.render import render_cache
+
+        options["spacing"] = options["spacing"] or SPACING
+
+        folder.mkdir(parents=True, exist_ok=True)
+        procedure = folder / "z_plasty.usda"
+        shutil.copyfile(z_plasty(), procedure)
+        cache = folder / "z_plasty.cache.usdc"
+        result = run_solve(procedure, cache, folder / "z_plasty.report.json", **options)
+        click.echo(summary(result))
+        if result.complete:
+
+            def draw(cache: Path, figures: Path) -> list[Path]:
+                click.echo("Rendering figures with Blender.", err=True)
+                return render_cache(cache, figures, progress=lambda line: click.echo(line, err=True))
+
+            pictures = figures_of(cache, folder / "figures", draw)
+            click.echo("Pictures:")
+            for picture in pictures:
+                click.echo(f"  {picture}")
+            click.echo(f"Skin cache: {cache.resolve()}")
+            click.echo(f"Report:     {(folder / 'z_plasty.report.json').resolve()}")
+    if not result.complete:
+        context.exit(1)

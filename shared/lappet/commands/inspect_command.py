@@ -1,0 +1,35 @@
+"""`lappet inspect`: storyboard, epochs, scene profile and lattice counts."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from lappet.commands.parameters import FILE
+from lappet.commands.refusals import sentences
+
+
+@click.command()
+@click.argument("procedure", type=FILE)
+@click.option("--spacing", type=click.FloatRange(min=0, min_open=True), help="Lattice edge in mm.")
+@click.option("--no-lattice", is_flag=True, help="Leave out the lattice counts (they need the daemon).")
+@click.option("--daemon", metavar="ADDR", help="Address of a running daemon.")
+@click.option("--economy", type=FILE, metavar="FILE", help="Costs from this economy.json of `lappet report economy`.")
+@click.pass_context
+def inspect(
+    context: click.Context,
+    /,
+    procedure: Path,
+    spacing: float | None,
+    no_lattice: bool,
+    daemon: str | None,
+    economy: Path | None,
+) -> None:
+    """Print a procedure's storyboard, epochs, scene profile and lattice counts."""
+    with sentences(context):
+        from lappet.output.inspect_procedure import inspect_procedure
+
+        click.echo(
+            inspect_procedure(procedure, spacing=spacing, lattice=not no_lattice, daemon=daemon, economy=economy)
+        )

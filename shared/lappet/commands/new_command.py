@@ -1,0 +1,47 @@
+"""`lappet new`: a procedure whose tissue is a mesh."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import click
+
+from lappet.commands.parameters import FILE
+from lappet.commands.refusals import sentences
+
+
+@click.command()
+@click.argument("mesh", type=FILE)
+@click.option("-o", "--output", type=FILE, required=True, help="The procedure (.usda or .usdc).")
+@click.option("--thickness", type=float, help="Thicken an open surface inwards by this many mm.")
+@click.option("--spacing", type=click.FloatRange(min=0, min_open=True), help="Lattice edge in mm.")
+@click.option("--units", help="The mesh's unit of length (mm, cm, m, inch); guessed when left out.")
+@click.option("--sphere", nargs=4, type=float, metavar="X Y Z R", help="Take the part inside a sphere, in mm.")
+@click.option("--box", nargs=6, type=float, metavar="X Y Z X Y Z", help="Take the part inside a box (two corners, mm).")
+@click.pass_context
+def new(
+    context: click.Context,
+    /,
+    mesh: Path,
+    output: Path,
+    sphere: tuple[float, ...] | None,
+    box: tuple[float, ...] | None,
+    **options: Any,
+) -> None:
+    """Make a procedure whose tissue is a mesh (OBJ, STL, PLY, glTF, USD)."""
+    with sentences(context):
+        from lappet.procedure import Procedure
+        from lappet.tissue.new_tissue import new_tissue
+        from lappet.usd.stage import write_procedure
+
+        tissue, found = new_tissue(
+            mesh,
+            sphere=(sphere[:3], sphere[3]) if sphere else None,
+            box=(box[:3], box[3:]) if box else None,
+            **options,
+        )
+        write_procedure(Procedure(tissue), output)
+        for line in found:
+            click.echo(line)
+        click.echo(f"Written: {output}")

@@ -1,0 +1,108 @@
+"""`lappet report`: measurements as JSON, CSV, Markdown and pictures."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import click
+
+from lappet.commands.refusals import sentences
+
+
+def _output(name: str) -> Callable[[Any], Any]:
+    return click.option(
+        "-o",
+        "--output",
+        "folder",
+        type=click.Path(path_type=Path),
+        default=Path("reports") / name,
+        show_default=True,
+        help="Folder for the results.",
+    )
+
+
+def _say(line: str) -> None:
+    click.echo(line, err=True)
+
+
+@click.group()
+def report() -> None:
+    """Measure error against run time, stability and economy."""
+
+
+@report.command("error-time")
+@click.argument("scenes", nargs=-1)
+@_output("error-time")
+@click.option("--quick", is_flag=True, help="Coarser spacings, each setting varied alone: a minute or two.")
+@click.pass_context
+def error_time(context: click.Context, /, scenes: tuple[str, ...], folder: Path, quick: bool) -> None:
+    """Hold the displacement error of SCENES against the seconds it takes, setting by setting.
+
+    SCENES: bar, cantilever, cook, block, shelf; these without lateral contraction: bar-nu0, cantilever-nu0,
+    cook-nu0, block-nu0; z-plasty, scalp-flap; or procedures (.usda). All of the named ones by default.
+    """
+    with sentences(context):
+        from lappet.reports.error_time.run import run_error_time
+
+        text, files = run_error_time(scenes, folder, quick, say=_say)
+        click.echo(text)
+        for path in files:
+            click.echo(path)
+
+
+@report.command("stability")
+@_output("stability")
+@click.option("--only", multiple=True, metavar="GROUP", help="Only this group of cases; may be given again.")
+@click.option("--quick", is_flag=True, help="Without the slow cases.")
+@click.option(
+    "--fuzz",
+    type=click.IntRange(min=1),
+    metavar="N",
+    help="Instead, solve N small procedures made at random, the same ones every time.",
+)
+@click.option(
+    "--jobs", type=click.IntRange(min=1), metavar="N", help="With --fuzz: so many at once; by default one per core."
+)
+@click.pass_context
+def stability(
+    context: click.Context, /, folder: Path, only: tuple[str, ...], quick: bool, fuzz: int | None, jobs: int | None
+) -> None:
+    """Solve stiff and extreme cases and hold each against the outcome that is right: it converges, or is refused
+    with a reason. Exit status 1 where one does neither.
+    """
+    with sentences(context):
+        from lappet.reports.stability.run import chosen_cases, run_fuzz, run_stability
+
+        if fuzz is not None:
+            text, right, files = run_fuzz(folder, fuzz, _say, jobs)
+        else:
+            text, right, files = run_stability(folder, chosen_cases(only, quick), _say)
+        click.echo(text)
+        for path in files:
+            click.echo(path)
+        if not right:
+            context.exit(1)
+
+
+@report.command("economy")
+@_output("economy")
+@click.option(
+    "--yardstick",
+    "yardsticks",
+    multiple=True,
+    type=click.Path(path_type=Path, exists=True, dir_okay=False),
+    help="A daemon built with -DLAPPET_LEAVE_OUT=..., to hold the plain scene against.",
+)
+@click.pass_context
+def economy(context: click.Context, /, folder: Path, yardsticks: tuple[Path, ...]) -> None:
+    """Count what each feature costs, where a scene needs it and where none does."""
+    with sentences(context):
+        from lappet.reports.economy.files import write_economy
+        from lappet.reports.economy.measurement import economy as measure
+        from lappet.reports.report_files import head, make_folder
+
+        make_folder(folder)
+        for path in write_economy(folder, head(), measure(yardsticks, say=_say)):
+            click.echo(path)

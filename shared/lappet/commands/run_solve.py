@@ -1,0 +1,100 @@
+"""What `lappet solve` does once its options are read: solves with a progress bar, writes the report, sums up."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+if TYPE_CHECKING:
+    from lappet.output.solve_procedure import SolveResult
+    from lappet.solve.error_estimate import ErrorEstimate
+
+
+def run_solve(procedure: Path, cache: Path, report_path: Path | None, **options: Any) -> SolveResult:
+    """Solves with progress on standard error and writes the report; options are those of `solve_options`."""
+    from lappet.commands.solve_progress import solve_progress
+    from lappet.output.solve_procedure import solve_procedure
+    from lappet.solve.store import FrameStore
+
+    options["quadrature"] = int(options["quadrature"])
+    options["store"] = FrameStore(options["store"])
+    with solve_progress() as watcher:
+        result = solve_procedure(procedure, cache, watcher=watcher, **options)
+    if report_path is not None:
+        from lappet.output.report import write_report
+
+        write_report(result, report_path)
+    return result
+
+
+def run_to_target(procedure: Path, cache: Path, report_path: Path | None, target: float, **options: Any) -> SolveResult:
+    """Solves with the settings that a target error needs, and says which; options are those of `solve_options`.
+
+    Raises RefusedError where the target is not reached.
+    """
+    from lappet.core.refused import RefusedError
+    from lappet.daemon.daemon_solver import connect_to, solver_identity
+    from lappet.solve.error_estimate import expected_order
+    from lappet.solve.store import FrameStore
+    from lappet.solve.target_error import TRIES, choose, finer, worst_rms
+    from lappet.usd.stage import read_procedure
+
+    daemon = options["daemon"]
+    choice = choose(
+        read_procedure(procedure),
+        target,
+        connect_to(daemon),
+        solver_identity(daemon),
+        FrameStore(options["store"]),
+        precision=options["precision"],
+        until=options["frames"][1],
+        say=lambda line: click.echo(line, err=True),
+    )
+    for attempt in range(1, TRIES + 1):
+        click.echo(choice.sentence)
+        chosen = {"spacing": choice.spacing, "quadrature": choice.quadrature, "tolerance": choice.tolerance}
+        result = run_solve(procedure, cache, report_path, **{**options, **chosen})
+        if not result.complete or result.errors is None or worst_rms(result.errors) <= target:
+            return result
+        if attempt < TRIES:
+            choice = finer(choice, worst_rms(result.errors), target, expected_order(result.program))
+    assert result.errors is not None
+    raise RefusedError(
+        f"The estimated error is {worst_rms(result.errors):.2g} mm at a spacing of {choice.spacing:g} mm, still above "
+        f"{target:g} mm; {cache} holds that solve. Give a larger target, or a smaller --spacing by hand."
+    )
+
+
+def summary(result: SolveResult) -> str:
+    """What a solve gave, in a line or three."""
+    lines = []
+    total = len(result.frames)
+    lines.append(
+        f"{total} frame{'' if total == 1 else 's'} done: {result.solved} solved, {result.looked_up} looked up, "
+        f"{result.wall_seconds:.1f} s."
+    )
+    if result.errors is not None:
+        lines += error_lines(result.errors)
+    if result.output is not None:
+        lines.append(f"Skin cache: {result.output.resolve()}")
+    if result.reason is not None:
+        click.echo(result.reason, err=True)
+    return "\n".join(lines)
+
+
+def error_lines(errors: ErrorEstimate) -> list[str]:
+    """What the estimate of a solve says, for people."""
+    lines = []
+    known = [error for error in errors.frames if error is not None]
+    if known:
+        worst = max(error.greatest for error in known)
+        last = known[-1]
+        lines.append(
+            f"Estimated displacement error: {last.greatest:.2g} mm at most and {last.rms:.2g} mm root mean square over "
+            f"the skin in the last frame, {worst:.2g} mm at most in all; {errors.seconds:.1f} s for the estimate."
+        )
+    if errors.reason is not None:
+        lines.append(f"Without a discretization error from some frame on. {errors.reason}")
+    return lines

@@ -1,0 +1,56 @@
+"""`lappet solve`: solve a procedure and write its skin cache."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import click
+
+from lappet.commands.parameters import FILE, FrameRange
+from lappet.commands.refusals import sentences
+from lappet.commands.solve_options import is_given, solve_options
+
+
+@click.command()
+@click.argument("procedure", type=FILE)
+@click.option("-o", "--output", type=FILE, help="The skin cache.  [default: PROCEDURE.cache.usdc]")
+@click.option("--report", "report_path", type=FILE, help="Write what the solve took as JSON.")
+@click.option("--frames", type=FrameRange(), help="Solve up to B and write A to B.")
+@click.option(
+    "--target-error",
+    type=click.FloatRange(min=0, min_open=True),
+    metavar="MM",
+    help="Choose spacing, quadrature and tolerance for this root mean square displacement error of the skin.",
+)
+@solve_options
+@click.pass_context
+def solve(
+    context: click.Context,
+    /,
+    procedure: Path,
+    output: Path | None,
+    report_path: Path | None,
+    frames: tuple[int | None, int | None] | None,
+    target_error: float | None,
+    **options: Any,
+) -> None:
+    """Solve a procedure and write its skin cache."""
+    with sentences(context):
+        from lappet.commands.run_solve import run_solve, run_to_target, summary
+
+        cache = output or procedure.with_suffix(".cache.usdc")
+        options["frames"] = frames or (None, None)
+        if target_error is None:
+            result = run_solve(procedure, cache, report_path, **options)
+        else:
+            given = [
+                name for name in ("spacing", "quadrature", "tolerance", "error_estimate") if is_given(context, name)
+            ]
+            if given:
+                option = "--" + given[0].replace("_", "-")
+                raise click.UsageError(f"--target-error chooses {option} itself; leave {option} out.")
+            result = run_to_target(procedure, cache, report_path, target_error, **options)
+        click.echo(summary(result))
+    if not result.complete:
+        context.exit(1)

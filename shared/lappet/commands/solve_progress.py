@@ -1,0 +1,100 @@
+"""Shows how a solve goes: a bar on a terminal, a line per frame elsewhere."""
+
+from __future__ import annotations
+
+import sys
+import time
+from types import TracebackType
+from typing import Any, TextIO
+
+from lappet.daemon.frame_solver import Iteration
+from lappet.solve.solve_program import FrameResult, Watcher
+
+
+class PlainProgress(Watcher):
+    """A line per frame on a stream that is no terminal."""
+
+    def __init__(self, stream: TextIO | None = None) -> None:
+        self._stream = stream or sys.stderr
+        self._frames = 0
+        self._done = 0
+
+    def __enter__(self) -> PlainProgress:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, value: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        pass
+
+    def begin(self, frames: int) -> None:
+        self._frames = frames
+
+    def frame(self, frame: FrameResult) -> None:
+        self._done += 1
+        print(f"{describe(frame)} ({self._done}/{self._frames})", file=self._stream, flush=True)
+
+    def note(self, sentence: str) -> None:
+        print(sentence, file=self._stream, flush=True)
+
+
+class BarProgress(Watcher):
+    """A bar on a terminal, with the frame and the residual it stands at; used as a context."""
+
+    def __init__(self) -> None:
+        from rich.console import Console
+        from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+
+        self._bar: Any = Progress(
+            TextColumn("{task.description}"),
+            BarColumn(),
+            MofNCompleteColumn(),
+            TimeElapsedColumn(),
+            TextColumn("{task.fields[state]}"),
+            console=Console(stderr=True),
+        )
+        self._task: Any = None
+        self._shown = 0.0
+
+    def __enter__(self) -> BarProgress:
+        self._bar.start()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, value: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._bar.stop()
+
+    def begin(self, frames: int) -> None:
+        self._task = self._bar.add_task("frames", total=frames, state="")
+
+    def iteration(self, iteration: Iteration) -> None:
+        if time.monotonic() - self._shown < 0.1 or self._task is None:
+            return
+        self._shown = time.monotonic()
+        state = f"frame {iteration.time:g}: iteration {iteration.newton}, residual {iteration.residual:.1e}"
+        if iteration.gap > 0.0:
+            state += f", gap {iteration.gap:.2g} mm"
+        self._bar.update(self._task, state=state)
+
+    def frame(self, frame: FrameResult) -> None:
+        self._bar.update(self._task, advance=1, state=describe(frame))
+
+    def note(self, sentence: str) -> None:
+        self._bar.console.print(sentence, markup=False, highlight=False)
+
+
+def solve_progress(plain: bool = False) -> PlainProgress | BarProgress:
+    """The bar where standard error is a terminal, else lines."""
+    return PlainProgress() if plain or not sys.stderr.isatty() else BarProgress()
+
+
+def describe(frame: FrameResult) -> str:
+    """A frame in a line: where it came from and what it took."""
+    if frame.looked_up:
+        return f"frame {frame.constraints.time:g}: looked up"
+    header = frame.header
+    return (
+        f"frame {frame.constraints.time:g}: {header['newton']} Newton, {header['pcg']} PCG iterations, "
+        f"residual {header['residual']:.1e}, {frame.wall_seconds:.1f} s"
+    )

@@ -1,0 +1,1 @@
+"""What every other folder may use: problems, refusals, the machine, the version."""

@@ -1,0 +1,38 @@
+"""What is wrong with a procedure: one `Problem` each, and the error that carries all of them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+from lappet.core.refused import RefusedError
+
+Severity = Literal["error", "warning"]
+
+
+@dataclass(frozen=True)
+class Problem:
+    """One thing that is wrong.
+
+    path: the prim's path ("/Procedure/Timeline/hook_1"), or the file's where there is no prim. value: what was found,
+    as text. sentence: what is wrong, naming the thing and the value. mend: what to do about it, a sentence. An "error"
+    is refused before solving; a "warning" is solved nevertheless.
+    """
+
+    path: str
+    value: str
+    sentence: str
+    mend: str
+    severity: Severity = "error"
+
+    def __str__(self) -> str:
+        return f"{self.path}: {self.sentence} {self.mend}"
+
+
+class ProcedureError(RefusedError):
+    """A procedure that cannot be read, written, edited or solved; `problems` holds every reason."""
+
+    def __init__(self, problems: Sequence[Problem]) -> None:
+        super().__init__("\n".join(str(problem) for problem in problems))
+        self.problems = tuple(problems)

@@ -1,0 +1,1 @@
+"""From incisions to the surfaces of the epochs."""

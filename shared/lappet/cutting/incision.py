@@ -1,0 +1,129 @@
+"""Incisions: ribbons on the skin thickened to solids and subtracted from the tissue in one Boolean."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import manifold3d
+import numpy as np
+from numpy.typing import NDArray
+
+from lappet.cutting.ribbon import IncisionError, Ribbon, skin_ribbons
+from lappet.geometry.flat_triangles import turn_flat_triangles
+from lappet.geometry.labelled_surface import FaceOrigin
+from lappet.geometry.short_edges import collapse_short_edges
+from lappet.geometry.solid import Label, LabelledSolid
+from lappet.procedure import Incision
+from lappet.tissue.patch import UV_SCALE
+from lappet.tissue.rest_skin import RestSkin
+
+__all__ = ["IncisionError", "cut", "cutter", "fragments", "incise", "tidy"]
+
+_WALL = Label(FaceOrigin.WOUND_WALL)
+
+
+def cutter(ribbon: Ribbon, kerf: float, above: float, ids: tuple[int, int, int]) -> manifold3d.Manifold:
+    """The solid that a ribbon sweeps: kerf wide, from `above` the skin down to its depth; all in mm.
+
+    ids: the run ids of its left and right wall and of the rest (roof, floor, ends). UVs are (arc length, depth), 1 unit
+    per 100 mm, on the left wall; the right wall's are moved on by the kerf, so that the floor has an area too.
+    """
+    half = 0.5 * kerf * ribbon.sides
+    top, low = ribbon.points + above * ribbon.normals, ribbon.points - ribbon.depth[:, None] * ribbon.normals
+    position = np.stack([top + half, top - half, low + half, low - half], axis=1)  # left, right, left, right
+    along, depth = ribbon.along, ribbon.depth
+    if ribbon.closed:
+        position = np.concatenate([position, position[:1]])
+        along = np.append(along, ribbon.length)
+        depth = np.append(depth, depth[0])
+    count = len(position)
+    uv = np.zeros((count, 4, 2))
+    uv[:, :, 0] = along[:, None] + [0.0, kerf, 0.0, kerf]
+    uv[:, :, 1] = np.stack([np.full(count, -above), np.full(count, kerf - above), depth, depth + kerf], axis=1)
+
+    a = 4 * np.arange(count - 1)
+    b = a + 4
+
+    def quads(i: int, j: int) -> NDArray[np.int64]:
+        """Two triangles per section between the rails i and j, outward when j follows i around the section."""
+        return np.concatenate([np.stack([a + i, b + i, b + j], 1), np.stack([a + i, b + j, a + j], 1)])
+
+    left, right = quads(0, 2), quads(3, 1)
+    rest = [quads(1, 0), quads(2, 3)]
+    if not ribbon.closed:
+        z = 4 * (count - 1)
+        rest.append(np.array([[0, 2, 3], [0, 3, 1]]))
+        rest.append(np.array([[0, 3, 2], [0, 1, 3]]) + z)
+    triangles = np.concatenate([left, right, *rest])
+    sizes = np.cumsum([0, len(left), len(right), sum(len(r) for r in rest)])
+    seam = np.arange(4) if ribbon.closed else np.arange(0)
+    mesh = manifold3d.Mesh64(
+        vert_properties=np.ascontiguousarray(np.concatenate([position, UV_SCALE * uv], axis=2).reshape(-1, 5)),
+        tri_verts=triangles.astype(np.uint64),
+        merge_from_vert=(seam + 4 * (count - 1)).astype(np.uint64),
+        merge_to_vert=seam.astype(np.uint64),
+        run_index=(3 * sizes).astype(np.uint64),
+        run_original_id=np.array(ids, np.uint32),
+        face_id=np.arange(len(triangles), dtype=np.uint64),  # so that long walls keep their sections
+    )
+    return manifold3d.Manifold(mesh)
+
+
+def cut(
+    tissue: LabelledSolid, skin: RestSkin, incisions: Sequence[Incision], spacing: float, timeline: str
+) -> LabelledSolid:
+    """The tissue after these incisions, made in one Boolean; their walls are labelled WOUND_WALL.
+
+    skin: the uncut skin that the curves were drawn on. spacing: mm, the lattice's. timeline: the path of the prims'
+    parent, for messages. Raises IncisionError, naming the prim, for a curve that cannot be cut or leaves nothing.
+    """
+    wall = manifold3d.Manifold.reserve_ids(1)
+    cutters = []
+    for incision in incisions:
+        prim = f"{timeline}/{incision.name}"
+        cutters += incise(skin, incision, spacing, prim, (wall, wall, wall))
+    solid = manifold3d.Manifold.batch_boolean([tissue.solid, *cutters], manifold3d.OpType.Subtract)
+    if solid.status() != manifold3d.Error.NoError or solid.is_empty():
+        names = ", ".join(f"{timeline}/{i.name}" for i in incisions)
+        raise IncisionError(f"{names}: nothing of the tissue is left after the cut; make the kerf smaller")
+    return tissue.with_solid(solid, {wall: _WALL})
+
+
+def incise(
+    skin: RestSkin, incision: Incision, spacing: float, prim: str, ids: tuple[int, int, int]
+) -> list[manifold3d.Manifold]:
+    """The solids to subtract for one incision; see `skin_ribbons` for what is refused."""
+    ribbons = skin_ribbons(
+        skin,
+        incision.points,
+        prim=prim,
+        basis=incision.basis,
+        closed=incision.closed,
+        depth=incision.depth,
+        kerf=incision.kerf,
+        spacing=spacing,
+    )
+    above = max(0.5 * min(spacing, 1.0), incision.kerf)
+    return [cutter(ribbon, incision.kerf, above, ids) for ribbon in ribbons]
+
+
+def tidy(tissue: LabelledSolid, spacing: float, tolerance: float) -> LabelledSolid:
+    """Removes edges and heights below `tolerance` (mm) and refines edges longer than 1.5 lattice spacings (mm).
+
+    Triangles that no cut has touched stay as they are, to the bit.
+    """
+    if tolerance > 0.0:
+        simple = tissue.surface()
+        for _ in range(3):  # what one step is kept from, the other may make possible
+            simple = turn_flat_triangles(collapse_short_edges(simple, tolerance), tolerance)
+        tissue = LabelledSolid.from_surface(simple)
+    fine = tissue.with_solid(tissue.solid.refine_to_length(1.5 * spacing))
+    # Every triangle becomes a face of its own, so that no later step merges what was refined.
+    return LabelledSolid.from_surface(fine.surface())
+
+
+def fragments(tissue: LabelledSolid) -> list[LabelledSolid]:
+    """The parts of the tissue that do not hang together, largest volume first."""
+    parts = tissue.solid.decompose()
+    order = sorted(range(len(parts)), key=lambda k: -parts[k].volume())
+    return [tissue.with_solid(parts[k]) for k in order]

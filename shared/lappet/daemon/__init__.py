@@ -1,0 +1,1 @@
+"""The daemon as a process, its connection, wire format and client."""

@@ -1,0 +1,249 @@
+"""The connection to a daemon: requests and their replies, heartbeats, and the discovery that the daemon is dead."""
+
+from __future__ import annotations
+
+import contextlib
+import itertools
+import os
+import threading
+import time
+from collections.abc import Callable
+from typing import Any, Self
+
+import zmq
+from numpy.typing import NDArray
+
+from lappet.daemon.frame_solver import FrameRefusedError
+from lappet.daemon.process import DaemonDied, DaemonMissing, SolverDaemon
+from lappet.daemon.wire import DEFAULT_MAX_MESSAGE_BYTES, Message, WireError, decode, encode
+
+_POLL_MS = 50
+_PING_SECONDS = 2.0
+_CANCEL_SECONDS = 3.0
+_HEARTBEAT_SECONDS = 5.0
+
+
+class SolverRefused(FrameRefusedError):
+    """The daemon answered with an error. code: as in PROTOCOL.md, "Errors"."""
+
+    def __init__(self, code: str, sentence: str) -> None:
+        super().__init__(sentence)
+        self.code = code
+
+
+class SolveCancelled(SolverRefused):
+    """The solve was cancelled; the session keeps the state from before it."""
+
+
+class DaemonConnection:
+    """Requests to one daemon and their replies.
+
+    address, token, daemon, name, silence: as in `lappet.daemon.client.SolverClient`. welcome: the fields of the
+    daemon's greeting. session: the number that goes into every header, or None. One thread at a time makes
+    requests; `cancel` may be called from any.
+    """
+
+    def __init__(
+        self,
+        address: str | None = None,
+        token: str | None = None,
+        *,
+        daemon: SolverDaemon | None = None,
+        name: str = "lappet",
+        silence: float = 20.0,
+    ) -> None:
+        self._daemon = daemon if daemon is not None or address is not None else SolverDaemon()
+        self._owns_daemon = daemon is None and address is None
+        self._address = address
+        self._token = token
+        self._name = name
+        self._silence = silence
+        self._lock = threading.RLock()
+        self._ids = itertools.count(1)
+        self._context: zmq.Context[Any] | None = None
+        self._socket: zmq.Socket[Any] | None = None
+        self._stop = threading.Event()
+        self._cancel_wanted = threading.Event()
+        self._heartbeat: threading.Thread | None = None
+        self._unanswered_since: float | None = None
+        self._pinged = 0.0
+        self._max_message_bytes = DEFAULT_MAX_MESSAGE_BYTES
+        self.session: int | None = None
+        self.welcome: dict[str, Any] = {}
+
+    def connect(self) -> Self:
+        """Starts the daemon where there is none, connects and says hello."""
+        if self._socket is not None:
+            return self
+        try:
+            if self._daemon is not None:
+                self._daemon.start()
+                self._address = self._daemon.address
+                self._token = self._daemon.token
+            self._context = zmq.Context()
+            self._socket = self._context.socket(zmq.DEALER)
+            self._socket.setsockopt(zmq.LINGER, 0)
+            try:
+                self._socket.connect(str(self._address))
+            except zmq.ZMQError as error:
+                raise DaemonMissing(
+                    f"'{self._address}' is no address of a daemon ({error}); use tcp://127.0.0.1:PORT."
+                ) from error
+            self._pinged = time.monotonic()
+            token = self._token or os.environ.get("LAPPET_TOKEN", "")
+            hello = self.request("hello", {"token": token, "client": self._name})
+            self.welcome = expect(hello, "welcome").fields
+            self._max_message_bytes = int(self.welcome["max_message_bytes"])
+            self._heartbeat = threading.Thread(target=self._beat, name="lappet-heartbeat", daemon=True)
+            self._heartbeat.start()
+        except BaseException:
+            self.close()
+            raise
+        return self
+
+    def close(self) -> None:
+        """Takes leave, and ends the daemon that was started here. May be called twice."""
+        self._stop.set()
+        if self._heartbeat is not None and self._heartbeat is not threading.current_thread():
+            self._heartbeat.join(timeout=2.0)
+            self._heartbeat = None
+        with self._lock:
+            if self._socket is not None:
+                if not self._owns_daemon and self.welcome:
+                    self._socket.setsockopt(zmq.LINGER, 200)
+                    with contextlib.suppress(DaemonDied, zmq.ZMQError):
+                        self._send("bye", next(self._ids))
+                self._socket.close()
+                self._socket = None
+            if self._context is not None:
+                self._context.term()
+                self._context = None
+        if self._owns_daemon and self._daemon is not None:
+            self._daemon.stop()
+
+    def cancel(self) -> None:
+        """Cancels the solve that runs; from any thread."""
+        self._cancel_wanted.set()
+
+    def request(
+        self,
+        kind: str,
+        fields: dict[str, Any] | None = None,
+        arrays: dict[str, NDArray[Any]] | None = None,
+        on_progress: Callable[[Message], None] | None = None,
+    ) -> Message:
+        """Sends a message and waits for the last reply to it. Replies to earlier ones that were given up are dropped.
+
+        Raises DaemonDied, SolverRefused or WireError; whatever `on_progress` raises, and Ctrl-C, cancels the request
+        first.
+        """
+        with self._lock:
+            if self._socket is None:
+                raise DaemonDied("The client is closed; connect it first.")
+            identifier = next(self._ids)
+            self._cancel_wanted.clear()
+            try:
+                self._send(kind, identifier, fields, arrays)
+                reply = self._wait(identifier, on_progress)
+            except (DaemonDied, WireError):
+                raise
+            except BaseException:
+                self._give_up(identifier)
+                raise
+        if reply.type == "error":
+            code = str(reply.fields.get("code", "internal"))
+            sentence = str(reply.fields.get("message", "The daemon gave no reason."))
+            raise SolveCancelled(code, sentence) if code == "cancelled" else SolverRefused(code, sentence)
+        return reply
+
+    def _send(
+        self,
+        kind: str,
+        identifier: int,
+        fields: dict[str, Any] | None = None,
+        arrays: dict[str, NDArray[Any]] | None = None,
+    ) -> None:
+        message = Message(kind, identifier, self.session, fields or {}, arrays or {})
+        frames = encode(message, self._max_message_bytes)
+        assert self._socket is not None
+        try:
+            self._socket.send_multipart(frames, zmq.DONTWAIT, copy=False)
+        except zmq.Again:
+            raise DaemonDied(f"The daemon at {self._address} takes no more messages.") from None
+        if self._unanswered_since is None:
+            self._unanswered_since = time.monotonic()
+
+    def _wait(self, identifier: int, on_progress: Callable[[Message], None] | None) -> Message:
+        cancelled = False
+        while True:
+            message = self._receive(_POLL_MS)
+            if message is None:
+                self._check_alive()
+            elif message.id == identifier or (message.type == "error" and message.id == 0):
+                if message.type != "progress":
+                    return message
+                if on_progress is not None:
+                    on_progress(message)
+            if self._cancel_wanted.is_set() and not cancelled:
+                cancelled = True
+                self._send("cancel", next(self._ids))
+            self._ping_if_due(_PING_SECONDS)
+
+    def _receive(self, timeout_ms: int) -> Message | None:
+        assert self._socket is not None
+        if not self._socket.poll(timeout_ms):
+            return None
+        frames = self._socket.recv_multipart(zmq.DONTWAIT)
+        self._unanswered_since = None
+        return decode(frames, self._max_message_bytes)
+
+    def _check_alive(self) -> None:
+        if self._daemon is not None and not self._daemon.alive():
+            raise DaemonDied(f"The daemon died: {self._daemon.death()}")
+        if self._unanswered_since is not None and time.monotonic() - self._unanswered_since > self._silence:
+            raise DaemonDied(
+                f"The daemon at {self._address} has not answered for {self._silence:g} s; is it running there?"
+            )
+
+    def _ping_if_due(self, interval: float) -> None:
+        now = time.monotonic()
+        if now - self._pinged >= interval:
+            self._pinged = now
+            self._send("ping", next(self._ids))
+
+    def _give_up(self, identifier: int) -> None:
+        """Cancels a request and waits a moment for its end, so that the session can go on."""
+        try:
+            self._send("cancel", next(self._ids))
+            end = time.monotonic() + _CANCEL_SECONDS
+            while time.monotonic() < end:
+                message = self._receive(_POLL_MS)
+                if message is None:
+                    self._check_alive()
+                elif message.id == identifier and message.type != "progress":
+                    return
+        except (DaemonDied, WireError, zmq.ZMQError):
+            return
+
+    def _beat(self) -> None:
+        """Keeps the daemon from ending while nothing is asked of it; a request that runs pings by itself."""
+        while not self._stop.wait(_HEARTBEAT_SECONDS):
+            if not self._lock.acquire(blocking=False):
+                continue
+            try:
+                if self._socket is None:
+                    return
+                self._ping_if_due(_PING_SECONDS)
+                while self._receive(0) is not None:
+                    pass
+            except (DaemonDied, WireError, zmq.ZMQError):
+                continue  # the next request says so
+            finally:
+                self._lock.release()
+
+
+def expect(message: Message, kind: str) -> Message:
+    """The message, if it is of this kind; otherwise WireError."""
+    if message.type != kind:
+        raise WireError(f"The daemon answered '{message.type}' where '{kind}' was due; install both from one release.")
+    return message

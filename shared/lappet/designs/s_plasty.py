@@ -1,0 +1,155 @@
+"""The dual S-plasty: two opposed flaps with S-shaped incisions, turned into an oval defect from either side.
+
+The defect is an ellipse. From each end of its long axis an incision leaves along the axis and runs as an S: an arc that
+turns around the flap, then a shorter one that turns back and leaves the flap a broad base. The one half of the defect's
+rim is the leading edge of the first flap and the other half that of the second; the design is its own image when
+turned by 180° about the middle. In the design's plane, x along the long axis:
+
+          _____________
+         /   flap 2
+        |   ...
+         `-Q  defect  P-.
+                   ...   |
+                flap 1  /
+          _____________/
+
+Flap 1 lies below the defect, its tip at the right end P; flap 2 above, its tip at the left end Q. Each tip goes up its
+neighbour's half of the rim by the `advance` s, each flap slides along its own incision by as much, less and less
+towards the end of the cut, and the two leading edges meet in the middle.
+
+What meets, as lengths along the curves: the first s of flap 2's rim at P and then the outer lip of incision 1 meet the
+inner lip of incision 1 (a length ratio of 1 + s / length of the incision, spread evenly, as surgeons suture it by
+halves); so at Q; and the rest of one half of the rim meets the rest of the other.
+
+The operation is named in N. Mitchell, C. Cutting, E. Sifakis, "GRIDiron", ACM Trans. Graph. 34 (2015), figure 4 ("a
+large oval-shape defect is patched by transposing two S-shaped flaps"), without measures. The construction here is
+that of opposed double rotation flaps (O to Z, O to S; S. R. Baker, "Local Flaps in Facial Reconstruction").
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from lappet.core.refused import RefusedError
+from lappet.designs.design_frame import placed_on, skin_frame
+from lappet.designs.flap_design import Carry, Corner, Edge, FlapDesign, Seam, Spot
+from lappet.procedure import Point
+from lappet.tissue.placement import Place
+
+STEP = 1.0  # mm between the points of a curve
+NICK = 0.3  # mm by which an incision begins inside the defect
+
+
+def dual_s_plasty(
+    center: ArrayLike,
+    direction: ArrayLike,
+    length: float,
+    width: float,
+    incision: float,
+    advance: float,
+    turns: tuple[float, float] = (130.0, 50.0),
+    *,
+    normal: ArrayLike = (0.0, 0.0, 1.0),
+    mirrored: bool = False,
+    project: Place | None = None,
+) -> FlapDesign:
+    """A dual S-plasty for an oval of `length` by `width` mm, its long axis along `direction`.
+
+    incision: length of each S, mm. advance: how far each tip goes along the other flap's rim, mm. turns: degrees by
+    which the S turns around its flap, and back. Other arguments as in `lappet.designs.rhombic_flap.limberg`. Raises
+    RefusedError for lengths that are not positive, a width above the length and an advance beyond half of the half rim.
+    """
+    lengths = {"length": length, "width": width, "incision": incision, "advance": advance}
+    for name, value in lengths.items():
+        if not (np.isfinite(value) and value > 0.0):
+            raise RefusedError(f"dual_s_plasty: the {name} is {value:g} mm; give a length above 0")
+    if width > length:
+        raise RefusedError(f"dual_s_plasty: the width {width:g} mm is above the length {length:g} mm; turn the oval")
+    rim = _half_rim(length, width)
+    whole = _length(rim)
+    if advance > 0.5 * whole:
+        raise RefusedError(
+            f"dual_s_plasty: an advance of {advance:g} mm is more than half of the half rim, {0.5 * whole:.4g} mm; "
+            "shorten it"
+        )
+    along, across = skin_frame(direction, normal, "dual_s_plasty")
+    if mirrored:
+        across = -across
+    origin = np.asarray(center, np.float64)
+
+    def put(flat: NDArray[np.float64]) -> tuple[Point, ...]:
+        """Points (k, 2) of the design's plane on the skin."""
+        return placed_on(origin + flat[:, :1] * along + flat[:, 1:] * across, project)
+
+    def one(x: float, y: float) -> Point:
+        return put(np.array([[x, y]]))[0]
+
+    def edge(flat: NDArray[np.float64], side: int) -> Edge:
+        return Edge(put(flat), -side if mirrored else side)
+
+    cut = np.array([0.5 * length, 0.0]) + _s_curve(incision, *turns)
+    count = max(2, round(advance / STEP))
+    reached = _at(rim, np.linspace(0.0, advance, count + 1) / whole)  # of the lower half rim, from Q on
+    rest = _at(rim, np.linspace(advance / whole, 1.0, max(2, round((whole - advance) / STEP)) + 1))
+    # Half a turn takes what is said of flap 1 to flap 2. The upper half rim from P on is the lower one from Q turned.
+    lip = np.vstack([-reached[::-1], cut[1:]])
+    met = _at(rim, np.array([advance / whole]))[0]
+    flap = np.array([0.1 * length, -0.5 * width - 0.25 * incision])
+    seams, corners, carries = [], [], []
+    for name, turn in (("first", 1.0), ("second", -1.0)):
+        # Flap 1 lies to the right of its incision, seen from P.
+        seams.append(Seam(f"{name}", (edge(turn * cut, -1), edge(turn * lip, 1)), (False, True)))
+        tip, tissue = turn * np.array([0.5 * length, 0.0]), turn * np.array([0.5 * length + 3.0, -3.0])
+        spot = Spot(one(*tip), one(*tissue))
+        there, beyond = -turn * met, -turn * met * 1.4
+        corners.append(Corner(name, spot, Spot(one(*there), one(*beyond))))
+        middle = 0.5 * (there + tip)
+        pivot = turn * np.array([-0.5 * length, -0.5 * width - 0.3 * incision])
+        carries.append(Carry(name, spot, one(*pivot), Spot(one(*middle), one(*(middle + tissue - tip)))))
+    # The middle: flap 1's leading edge from its tip at P to where flap 2's tip comes, and the other's likewise.
+    lower = rest[::-1]
+    seams.append(Seam("middle", (edge(lower, 1), edge(-lower[::-1], -1)), (False, False)))
+    outline = np.vstack([rim[:-1], -rim[:-1]])
+    start = np.array([[0.5 * length - NICK, 0.0]])
+    defect = put(outline)
+    return FlapDesign(
+        defect=defect[::-1] if mirrored else defect,
+        seed=one(0.0, 0.0),
+        incisions=tuple(put(turn * np.vstack([start, cut])) for turn in (1.0, -1.0)),
+        seams=tuple(seams),
+        corners=tuple(corners),
+        carries=tuple(carries),
+        flaps=(one(*flap), one(*-flap)),
+    )
+
+
+def _half_rim(length: float, width: float) -> NDArray[np.float64]:
+    """The lower half of the oval from its left end Q to its right end P, points (k, 2) at equal distances."""
+    turn = np.linspace(np.pi, 2.0 * np.pi, 1001)
+    fine = 0.5 * np.column_stack([length * np.cos(turn), width * np.sin(turn)])
+    return _at(fine, np.linspace(0.0, 1.0, max(4, round(_length(fine) / STEP)) + 1))
+
+
+def _s_curve(length: float, around: float, back: float) -> NDArray[np.float64]:
+    """An S from (0, 0) that leaves along x: it turns right by `around` degrees, then left by `back`, points (k, 2).
+
+    Both arcs have the curvature that makes the length; curvature changes over evenly in the middle tenth.
+    """
+    count = max(8, round(length / STEP))
+    fine = np.linspace(0.0, 1.0, 40 * count + 1)
+    first = around / (around + back)
+    curvature = np.interp(fine, [0.0, first - 0.05, first + 0.05, 1.0], [-1.0, -1.0, 1.0, 1.0])
+    heading = np.cumsum(curvature) / len(fine) * np.radians(around + back)
+    step = length / (40 * count) * np.column_stack([np.cos(heading), np.sin(heading)])
+    return np.vstack([np.zeros((1, 2)), np.cumsum(step, axis=0)[39::40]])
+
+
+def _at(curve: NDArray[np.float64], shares: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The points (k, 2) at these shares of a polyline's length."""
+    along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(curve, axis=0), axis=1))])
+    return np.column_stack([np.interp(shares * along[-1], along, curve[:, k]) for k in range(2)])
+
+
+def _length(curve: NDArray[np.float64]) -> float:
+    return float(np.linalg.norm(np.diff(curve, axis=0), axis=1).sum())

@@ -1,0 +1,216 @@
+"""The operation of a flap design: incise, excise, undermine, carry the flap over with hooks, suture, let go."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lappet.designs.flap_design import Carry, Edge, FlapDesign
+from lappet.procedure import Event, Excision, Hook, Incision, Landmark, Point, Suture, Undermine
+from lappet.tissue.skin_sheet import SkinSheet
+
+
+@dataclass(frozen=True)
+class Schedule:
+    """Time codes: when what is done. carried: the hooks have laid the flap down. let_go: the hooks are released."""
+
+    incise: float = 2
+    excise: float = 4
+    undermine: float = 6
+    lift: float = 8
+    carried: float = 24
+    donor_from: float = 24
+    donor_to: float = 32
+    suture_from: float = 26
+    suture_to: float = 37
+    let_go: float = 35
+    end: float = 40
+
+
+@dataclass(frozen=True)
+class Row:
+    """A row of sutures: depth of the anchors below the skin, mm; shift: of its sutures along the seam, in distances."""
+
+    name: str
+    depth: float
+    shift: float = 0.0
+
+
+@dataclass(frozen=True)
+class Technique:
+    """How the surgeon works; mm, and mN/mm for the hooks' stiffness.
+
+    kerf: of the cuts. beyond: how far around the design the skin is undermined. apart: from suture to suture. margin:
+    from the first suture of a seam to its end. rows: of sutures; the corners are held in each. height: to which the
+    hooks lift the flap. inside: from a flap's corner to its hook. follow: between two points of an edge that are
+    measured.
+    """
+
+    kerf: float = 0.05
+    beyond: float = 15.0
+    apart: float = 2.8
+    margin: float = 2.0
+    rows: tuple[Row, ...] = (Row("deep", 3.2), Row("dermal", 0.6, 0.5), Row("skin", 0.0))
+    height: float = 10.0
+    inside: float = 2.0
+    stiffness: float = 300.0
+    follow: float = 1.0
+
+
+def flap_operation(
+    design: FlapDesign,
+    skin: SkinSheet,
+    when: Schedule = Schedule(),
+    how: Technique = Technique(),
+) -> tuple[Event, ...]:
+    """The events of the operation, with the landmarks to judge it by.
+
+    Landmarks, in pairs that lie on each other when all is well: "<corner> flap" and "<corner> wound" for every corner
+    of the design, "<seam> flap edge" and "<seam> wound edge" with points along the edges of every seam; and "flap
+    middle".
+    """
+    incisions = [
+        Incision(_numbered("limbs", k, len(design.incisions)), when.incise, curve, kerf=how.kerf)
+        for k, curve in enumerate(design.incisions)
+    ]
+    return (
+        Incision("defect", when.incise, design.defect, kerf=how.kerf, closed=True),
+        *incisions,
+        Excision("excision", when.excise, (design.seed,)),
+        Undermine("undermining", when.undermine, outline(design, skin, how.beyond)),
+        *(carry_hook(carry, skin, when, how) for carry in design.carries),
+        *sutures(design, skin, when, how),
+        *landmarks(design, skin, how),
+    )
+
+
+def outline(design: FlapDesign, skin: SkinSheet, beyond: float) -> tuple[Point, ...]:
+    """A convex line around all cuts of the design, `beyond` mm outside them, on the skin."""
+    drawn = np.array([*design.defect, *(point for curve in design.incisions for point in curve)])
+    middle, normal = skin.at(drawn.mean(axis=0))
+    first = np.cross(normal[0], (0.0, 1.0, 0.0) if abs(normal[0][1]) < 0.9 else (1.0, 0.0, 0.0))
+    first /= np.linalg.norm(first)
+    frame = np.stack([first, np.cross(normal[0], first)])
+    flat = (drawn - middle[0]) @ frame.T
+    # On curved skin the plane sees lengths shortened: measured from the middle they are those of the skin again.
+    height = np.einsum("ij,j->i", drawn - middle[0], normal[0])
+    size = np.linalg.norm(flat, axis=1)
+    flat *= (np.hypot(size, height) / np.maximum(size, 1e-300))[:, None]
+    turn = 2.0 * np.pi * np.arange(48) / 48
+    rays = np.stack([np.cos(turn), np.sin(turn)], axis=1)
+    around = flat[(flat @ rays.T).argmax(axis=0)] + beyond * rays
+    return tuple(skin.below(point, 0.0) for point in middle[0] + around @ frame)
+
+
+def carry_hook(carry: Carry, skin: SkinSheet, when: Schedule, how: Technique) -> Hook:
+    """A hook that lifts the flap near its corner, turns it about the pivot and lays it down where it belongs."""
+    anchor = np.array(skin.towards(carry.corner.point, carry.corner.towards, how.inside))
+    lay = np.array(skin.towards(carry.lay.point, carry.lay.towards, how.inside))
+    pivot, normal = (value[0] for value in skin.at(carry.pivot))
+    first = anchor - pivot
+    first -= (first @ normal) * normal
+    frame = np.stack([first / np.linalg.norm(first), np.cross(normal, first / np.linalg.norm(first))])
+    begin, end = (frame @ (point - pivot) for point in (anchor, lay))
+    turn = float(np.arctan2(end[1], end[0]))
+    sizes = np.linalg.norm(begin), np.linalg.norm(end)
+
+    def over(turned: float) -> NDArray[np.float64]:
+        """The skin below the way at this share of the turn."""
+        size = sizes[0] + turned * (sizes[1] - sizes[0])
+        flat = pivot + size * (np.cos(turned * turn) * frame[0] + np.sin(turned * turn) * frame[1])
+        return skin.place(flat)[0]
+
+    # On curved skin the pivot's plane misses the ends by a little, which is spread along the way.
+    misses = anchor - over(0.0), lay - over(1.0)
+    targets = []
+    # Up, over, down: shares of the time, of the turn and of the height.
+    for time, turned, lifted in (
+        (0.0, 0.0, 0.0),
+        (0.2, 0.08, 0.7),
+        (0.4, 0.35, 1.0),
+        (0.6, 0.7, 1.0),
+        (0.8, 0.95, 0.6),
+        (1.0, 1.0, 0.03),
+    ):
+        on_skin, up = skin.at(over(turned) + (1.0 - turned) * misses[0] + turned * misses[1])
+        x, y, z = np.round(on_skin[0] + lifted * how.height * up[0], 4)
+        targets.append((float(round(when.lift + time * (when.carried - when.lift))), (float(x), float(y), float(z))))
+    return Hook(
+        f"hook_{carry.name}",
+        skin.below(anchor, 0.0),
+        tuple(targets),
+        start=when.lift,
+        release=when.let_go,
+        stiffness=how.stiffness,
+    )
+
+
+def sutures(design: FlapDesign, skin: SkinSheet, when: Schedule, how: Technique) -> list[Suture]:
+    """A suture per row in every corner, and rows of them along every seam; those of the donor site begin first."""
+    found = []
+    beside = 0.5 * how.kerf + 0.01
+    for row in how.rows:
+        for corner in design.corners:
+            ends = [
+                skin.towards(spot.point, spot.towards, 2.0 * beside, row.depth) for spot in (corner.flap, corner.wound)
+            ]
+            found.append(_suture(f"{row.name}_{corner.name}_corner", ends, corner.name, when))
+        for seam in design.seams:
+            length = 0.5 * sum(_length(edge) for edge in seam.edges)
+            first, last = how.margin, length - how.margin
+            gaps = max(1, int((last - first) / how.apart + 1e-6))
+            at = np.linspace(first, last, gaps + 1)
+            if row.shift:
+                at = at[:-1] + row.shift * np.diff(at)
+            for k, share in enumerate(at / length):
+                ends = [beside_edge(skin, edge, share, beside, row.depth) for edge in seam.edges]
+                found.append(_suture(f"{row.name}_{seam.name}_{k + 1}", ends, seam.name, when))
+    return found
+
+
+def landmarks(design: FlapDesign, skin: SkinSheet, how: Technique) -> list[Landmark]:
+    """Both corners of every pair, the edges of every seam, the middles of the flaps and the ends of the field."""
+    marks = []
+    beside = 0.5 * how.kerf + 0.05
+    for corner in design.corners:
+        for what, spot in (("flap", corner.flap), ("wound", corner.wound)):
+            at = skin.towards(spot.point, spot.towards, 2.0 * beside)
+            marks.append(Landmark(f"{corner.name}_{what}_corner", (at,), f"{corner.name} {what}"))
+    for seam in design.seams:
+        count = max(3, round(0.5 * sum(_length(edge) for edge in seam.edges) / how.follow))
+        shares = (np.arange(count) + 0.5) / count
+        for what, edge in zip(("flap", "wound"), seam.edges, strict=True):
+            points = tuple(beside_edge(skin, edge, share, beside) for share in shares)
+            marks.append(Landmark(f"{seam.name}_{what}_edge", points, f"{seam.name} {what} edge"))
+    middles = tuple(skin.below(middle, 0.0) for middle in design.flaps)
+    marks.append(Landmark("flap_middle", middles, "flap middle"))
+    return marks
+
+
+def beside_edge(skin: SkinSheet, edge: Edge, share: float, distance: float, depth: float = 0.0) -> Point:
+    """The point at a share of an edge's length, so far (mm) inside its tissue and so deep below the skin."""
+    points = np.array(edge.points)
+    along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
+    at = share * along[-1]
+    k = min(int(np.searchsorted(along, at, side="right")), len(points) - 1)
+    on_edge = points[k - 1] + (at - along[k - 1]) / (along[k] - along[k - 1]) * (points[k] - points[k - 1])
+    low, high = max(k - 2, 0), min(k + 1, len(points) - 1)  # the direction of a curved edge, over its neighbours too
+    return skin.beside(on_edge, points[high] - points[low], edge.side * distance, depth)
+
+
+def _suture(name: str, ends: Sequence[Point], part: str, when: Schedule) -> Suture:
+    donor = part.startswith("donor")
+    start, to = (when.donor_from, when.donor_to) if donor else (when.suture_from, when.suture_to)
+    return Suture(name, (ends[0], ends[1]), start=start, duration=to - start)
+
+
+def _length(edge: Edge) -> float:
+    return float(sum(np.linalg.norm(np.subtract(b, a)) for a, b in pairwise(edge.points)))
+
+
+def _numbered(name: str, k: int, count: int) -> str:
+    return name if count == 1 else f"{name}_{k + 1}"

@@ -1,0 +1,1 @@
+"""Curves, triangle surfaces and solids, without knowledge of procedures' meaning."""

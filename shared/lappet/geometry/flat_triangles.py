@@ -1,0 +1,98 @@
+"""Removes flat triangles (three corners almost on a line) from a labelled surface by turning their long edges."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lappet.geometry.labelled_surface import Surface
+
+_ROUNDS = 8
+
+
+def turn_flat_triangles(surface: Surface, height: float) -> Surface:
+    """The surface with the longest edge of each triangle lower than `height` (mm) turned, where that helps.
+
+    The triangle abc, flat over its longest edge ab, and its neighbour bad become adc and dbc: both take the neighbour's
+    label and UVs, so the surface moves by less than `height` and nothing opens. Vertices stay as they are. A turn that
+    would make an edge twice, or a flatter triangle, is left out.
+    """
+    triangles = surface.triangles.astype(np.int64)
+    uv = surface.uv.astype(np.float64)
+    source = np.arange(len(triangles))
+    points = surface.points
+    changed = False
+    for _ in range(_ROUNDS):
+        low = _heights(points, triangles)
+        flat = np.flatnonzero(low < height)
+        if len(flat) == 0:
+            break
+        turned = 0
+        owner = _edge_owner(triangles, np.unique(triangles[flat]))
+        for face in flat[np.argsort(low[flat], kind="stable")].tolist():
+            if _heights(points, triangles[face : face + 1])[0] >= height:
+                continue
+            corners = points[triangles[face]]
+            lengths = np.linalg.norm(np.roll(corners, -1, axis=0) - corners, axis=1)
+            first = int(lengths.argmax())
+            a, b, c = (int(v) for v in np.roll(triangles[face], -first))
+            other = owner.get((b, a))
+            if other is None or other == face:
+                continue
+            row = triangles[other].tolist()
+            if a not in row or b not in row:
+                continue
+            at = row.index(b)
+            d = row[(at + 2) % 3]
+            if d == c or (c, d) in owner or (d, c) in owner:
+                continue
+            fresh = np.array([[a, d, c], [d, b, c]])
+            before = _heights(points, triangles[[face, other]]).min()
+            if _heights(points, fresh).min() <= before:
+                continue
+            uv_b, uv_a, uv_d = (uv[other, (at + k) % 3].copy() for k in range(3))
+            t = float(np.clip(np.dot(points[c] - points[a], points[b] - points[a]) / lengths[first] ** 2, 0.0, 1.0))
+            uv_c = uv_a + t * (uv_b - uv_a)
+            triangles[face], triangles[other] = fresh
+            uv[face], uv[other] = (uv_a, uv_d, uv_c), (uv_d, uv_b, uv_c)
+            source[face] = source[other]
+            del owner[(a, b)], owner[(b, a)]
+            for which in (face, other):
+                x, y, z = triangles[which].tolist()
+                owner.update({(x, y): which, (y, z): which, (z, x): which})
+            turned += 1
+        changed |= turned > 0
+        if turned == 0:
+            break
+    if not changed:
+        return surface
+    return Surface(
+        points=points,
+        triangles=triangles.astype(np.int32),
+        uv=uv.astype(np.float32),
+        origin=surface.origin[source],
+        fixed=surface.fixed[source],
+        bed=surface.bed[source],
+        grips={name: mask[source] for name, mask in surface.grips.items()},
+    )
+
+
+def _heights(points: NDArray[np.float64], triangles: NDArray[np.int64]) -> NDArray[np.float64]:
+    """The height (k,) of each triangle over its longest edge."""
+    corners = points[triangles]
+    double = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+    longest = np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2).max(axis=1)
+    return np.asarray(double / np.maximum(longest, 1e-300))
+
+
+def _edge_owner(triangles: NDArray[np.int64], vertices: NDArray[np.int64]) -> dict[tuple[int, int], int]:
+    """The triangle of each directed edge near some vertices: of all triangles that share a vertex with theirs."""
+    mark = np.zeros(int(triangles.max()) + 1, bool)
+    mark[vertices] = True
+    for _ in range(2):
+        mark[triangles[mark[triangles].any(axis=1)]] = True
+    owner = {}
+    for face in np.flatnonzero(mark[triangles].any(axis=1)).tolist():
+        a, b, c = triangles[face].tolist()
+        owner.update({(a, b): face, (b, c): face, (c, a): face})
+    return owner

@@ -1,0 +1,36 @@
+"""Normals at the corners of triangles, smooth but across sharp edges."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+_CREASE = np.cos(np.radians(60.0))
+
+
+def corner_normals(points: NDArray[np.float64], triangles: NDArray[np.int64]) -> NDArray[np.float64]:
+    """Unit normals per triangle corner (m, 3, 3): the angle-weighted mean over the faces around the vertex that
+    turn less than 60° from the corner's own face, so that sharp edges stay sharp."""
+    corners = points[triangles]
+    face = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    face /= np.maximum(np.linalg.norm(face, axis=1, keepdims=True), 1e-300)
+    to_next = np.roll(corners, -1, axis=1) - corners
+    to_last = np.roll(corners, 1, axis=1) - corners
+    sine = np.linalg.norm(np.cross(to_next, to_last), axis=2)
+    angle = np.arctan2(sine, np.einsum("mci,mci->mc", to_next, to_last)).reshape(-1)
+
+    vertex = triangles.reshape(-1)
+    order = np.argsort(vertex, kind="stable")
+    starts = np.searchsorted(vertex[order], vertex, side="left")
+    stops = np.searchsorted(vertex[order], vertex, side="right")
+    count = stops - starts
+    corner = np.repeat(np.arange(len(vertex)), count)
+    rank = np.arange(len(corner)) - np.repeat(np.cumsum(count) - count, count)
+    neighbour = order[np.repeat(starts, count) + rank]
+    own, other = face[corner // 3], face[neighbour // 3]
+    alike = np.einsum("ij,ij->i", own, other) >= _CREASE
+    normals = np.zeros((len(vertex), 3))
+    np.add.at(normals, corner[alike], (angle[neighbour, None] * other)[alike])
+    length = np.linalg.norm(normals, axis=1, keepdims=True)
+    normals = np.where(length > 1e-12, normals / np.maximum(length, 1e-300), np.repeat(face, 3, axis=0))
+    return normals.reshape(-1, 3, 3)

@@ -1,0 +1,83 @@
+"""Normals for shading a deforming surface: smooth over the skin, sharp at wound edges and rims.
+
+The corners of faces at a vertex fall into groups across whose edges the surface is smooth: both faces have the same
+origin, and at rest they meet at less than the crease angle. Every group has one normal per frame: the mean of its
+faces' normals weighted by the angle of the face at the vertex (Thürmer and Wüthrich, Computing vertex normals from
+polygonal facets, 1998).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from lappet.geometry.labelled_surface import Surface
+
+CREASE_DEGREES = 50.0
+
+
+class ShadingNormals:
+    """The smooth groups of one surface. groups: how many. indices: (3 m,) int32, the group of every face corner."""
+
+    def __init__(self, surface: Surface, crease_degrees: float = CREASE_DEGREES) -> None:
+        self._triangles = np.asarray(surface.triangles, np.int64)
+        labels = _smooth_groups(
+            np.asarray(surface.points, np.float64), self._triangles, surface.origin, np.cos(np.radians(crease_degrees))
+        )
+        _, indices = np.unique(labels, return_inverse=True)
+        self.indices: NDArray[np.int32] = indices.reshape(-1).astype(np.int32)
+        self.groups = int(self.indices.max()) + 1 if len(self.indices) else 0
+
+    def at(self, points: ArrayLike) -> NDArray[np.float32]:
+        """Unit normals (groups, 3) of the deformed points (n, 3); a group of vanished faces gets (0, 0, 1)."""
+        corners: NDArray[np.float64] = np.asarray(points, np.float64)[self._triangles]
+        edges: NDArray[np.float64] = np.roll(corners, -1, axis=1) - corners
+        normals = _unit(np.cross(edges[:, 0], edges[:, 1]))
+        ahead, back = _unit(edges), _unit(-np.roll(edges, 1, axis=1))
+        angles = np.arccos(np.clip(np.einsum("fij,fij->fi", ahead, back), -1.0, 1.0))
+        weighted = (angles[:, :, None] * normals[:, None, :]).reshape(-1, 3)
+        total = np.zeros((self.groups, 3))
+        for axis in range(3):
+            total[:, axis] = np.bincount(self.indices, weighted[:, axis], minlength=self.groups)
+        total[np.linalg.norm(total, axis=1) == 0.0] = (0.0, 0.0, 1.0)
+        return _unit(total).astype(np.float32)
+
+
+def _smooth_groups(
+    points: NDArray[np.float64], triangles: NDArray[np.int64], origin: NDArray[np.uint8], least_cosine: float
+) -> NDArray[np.int64]:
+    """A label per face corner (3 m,): equal at one vertex where smooth edges join the faces."""
+    count = len(triangles)
+    corner = np.arange(3 * count).reshape(count, 3)
+    start = triangles.ravel()
+    end = np.roll(triangles, -1, axis=1).ravel()
+    face = np.repeat(np.arange(count), 3)
+    vertices = int(start.max()) + 1 if count else 0
+    forward, backward = start * vertices + end, end * vertices + start
+    order = np.argsort(forward, kind="stable")
+    found = order[np.minimum(np.searchsorted(forward[order], backward), len(order) - 1)] if count else order
+    twin = forward[found] == backward
+    a, b = np.flatnonzero(twin), found[twin]
+    first = points[triangles]
+    normals = _unit(np.cross(first[:, 1] - first[:, 0], first[:, 2] - first[:, 0]))
+    cosine = np.einsum("ij,ij->i", normals[face[a]], normals[face[b]])
+    smooth = (origin[face[a]] == origin[face[b]]) & (cosine >= least_cosine)
+    a, b = a[smooth], b[smooth]
+    # Half-edge a runs from its own corner to the next one of its face; its twin runs the other way.
+    following = np.roll(corner, -1, axis=1).ravel()
+    left, right = np.concatenate([a, following[a]]), np.concatenate([following[b], b])
+    labels = corner.ravel().copy()
+    while True:
+        low = np.minimum(labels[left], labels[right])
+        fresh = labels.copy()
+        np.minimum.at(fresh, left, low)
+        np.minimum.at(fresh, right, low)
+        fresh = fresh[fresh]
+        if np.array_equal(fresh, labels):
+            return labels
+        labels = fresh
+
+
+def _unit(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
+    length = np.linalg.norm(vectors, axis=-1, keepdims=True)
+    return np.divide(vectors, length, out=np.zeros_like(vectors), where=length > 0.0)

@@ -1,0 +1,107 @@
+"""Collapses very short edges of a labelled surface; nothing opens and no triangle turns over."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lappet.geometry.labelled_surface import Surface
+from lappet.geometry.surface_check import directed_edges, unique_edges
+
+
+def collapse_short_edges(surface: Surface, length: float) -> Surface:
+    """The surface with edges shorter than `length` (mm) shrunk to one of their ends, where that keeps it manifold.
+
+    An edge stays when its ends have more than two neighbours in common, or when a triangle that is not itself lower
+    than `length` would turn by more than 60°. Triangles keep their labels and their corners' UVs.
+    """
+    points = surface.points
+    edges = unique_edges(directed_edges(surface.triangles))[0]
+    sizes = np.linalg.norm(points[edges[:, 0]] - points[edges[:, 1]], axis=1)
+    short = np.flatnonzero(sizes < length)
+    if len(short) == 0:
+        return surface
+    triangles = surface.triangles.astype(np.int64)
+    around = _faces_around(triangles, np.unique(edges[short]))
+    dead = np.zeros(len(triangles), bool)
+    merged: dict[int, int] = {}
+    for edge in short[np.argsort(sizes[short], kind="stable")].tolist():
+        gone, kept = (_final(int(v), merged) for v in edges[edge])
+        if gone == kept or not _can_collapse(points, triangles, around, gone, kept, length):
+            gone, kept = kept, gone
+            if gone == kept or not _can_collapse(points, triangles, around, gone, kept, length):
+                continue
+        for face in sorted(around[gone]):
+            if kept in triangles[face]:
+                dead[face] = True
+                for vertex in triangles[face].tolist():
+                    around[vertex].discard(face)
+            else:
+                triangles[face][triangles[face] == gone] = kept
+                around[kept].add(face)
+        around[gone] = set()
+        merged[gone] = kept
+    if not merged:
+        return surface
+    keep = ~dead
+    used, compact = np.unique(triangles[keep], return_inverse=True)
+    return Surface(
+        points=points[used],
+        triangles=compact.reshape(-1, 3).astype(np.int32),
+        uv=surface.uv[keep],
+        origin=surface.origin[keep],
+        fixed=surface.fixed[keep],
+        bed=surface.bed[keep],
+        grips={name: mask[keep] for name, mask in surface.grips.items()},
+    )
+
+
+def _final(vertex: int, merged: dict[int, int]) -> int:
+    while vertex in merged:
+        vertex = merged[vertex]
+    return vertex
+
+
+def _faces_around(triangles: NDArray[np.int64], vertices: NDArray[np.int64]) -> dict[int, set[int]]:
+    """The faces of each vertex that is at most two edges away from some vertices."""
+    mark = np.zeros(int(triangles.max()) + 1, bool)
+    mark[vertices] = True
+    for _ in range(2):
+        mark[triangles[mark[triangles].any(axis=1)]] = True
+    around: dict[int, set[int]] = {}
+    for face in np.flatnonzero(mark[triangles].any(axis=1)).tolist():
+        for vertex in triangles[face].tolist():
+            around.setdefault(vertex, set()).add(face)
+    return around
+
+
+def _can_collapse(
+    points: NDArray[np.float64],
+    triangles: NDArray[np.int64],
+    around: dict[int, set[int]],
+    gone: int,
+    kept: int,
+    length: float,
+) -> bool:
+    """Whether the vertex `gone` may move into `kept` (the link condition, and no triangle turned over)."""
+    mine, other = around[gone], around[kept]
+    shared = mine & other
+    if len(shared) != 2:
+        return False
+    near_gone = {v for face in mine for v in triangles[face].tolist()}
+    near_kept = {v for face in other for v in triangles[face].tolist()}
+    opposite = {v for face in shared for v in triangles[face].tolist()} - {gone, kept}
+    if (near_gone & near_kept) - {gone, kept} != opposite or len(opposite) != 2:
+        return False
+    if any(len(around[v]) <= 3 for v in opposite):
+        return False
+    faces = triangles[sorted(mine - shared)]
+    before = points[faces]
+    after = np.where((faces == gone)[:, :, None], points[kept], before)
+    old = np.cross(before[:, 1] - before[:, 0], before[:, 2] - before[:, 0])
+    new = np.cross(after[:, 1] - after[:, 0], after[:, 2] - after[:, 0])
+    size_old, size_new = np.linalg.norm(old, axis=1), np.linalg.norm(new, axis=1)
+    longest = np.linalg.norm(np.roll(before, -1, axis=1) - before, axis=2).max(axis=1)
+    flat = size_old < length * longest
+    alike = np.einsum("ij,ij->i", old, new) >= 0.5 * size_old * size_new
+    return bool((flat | (alike & (size_new > 1e-3 * length * length))).all())

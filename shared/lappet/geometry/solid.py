@@ -1,0 +1,144 @@
+"""A labelled tissue as a manifold3d solid and back: labels ride as run ids, UVs as vertex properties."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import manifold3d
+import numpy as np
+from numpy.typing import NDArray
+
+from lappet.core.refused import RefusedError
+from lappet.geometry.labelled_surface import FaceOrigin, Surface
+from lappet.geometry.surface_check import SurfaceError, signed_volume
+
+
+@dataclass(frozen=True)
+class Label:
+    """What the triangles of one run have in common."""
+
+    origin: FaceOrigin
+    fixed: bool = False
+    bed: bool = False
+    grips: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class LabelledSolid:
+    """Tissue in a Boolean: the solid, what each run id means, and the subset names in use."""
+
+    solid: manifold3d.Manifold
+    labels: dict[int, Label]
+    grips: tuple[str, ...] = field(default=())
+
+    @staticmethod
+    def from_surface(surface: Surface, tolerance: float = 0.0) -> LabelledSolid:
+        """The solid of a closed surface. Raises SurfaceError where manifold3d refuses it."""
+        names = tuple(surface.grips)
+        codes = np.stack(
+            [surface.origin, surface.fixed, surface.bed, *(surface.grips[n] for n in names)], axis=1
+        ).astype(np.int64)
+        kinds, kind = np.unique(codes, axis=0, return_inverse=True)
+        kind = kind.reshape(-1)
+        first = manifold3d.Manifold.reserve_ids(len(kinds))
+        labels = {
+            first + k: Label(
+                FaceOrigin(int(row[0])),
+                bool(row[1]),
+                bool(row[2]),
+                tuple(n for n, on in zip(names, row[3:], strict=True) if on),
+            )
+            for k, row in enumerate(kinds)
+        }
+        order = np.argsort(kind, kind="stable")
+        triangles, uv = surface.triangles[order].astype(np.int64), surface.uv[order].astype(np.float64)
+        vertices, corners, from_vertex, to_vertex = _split_by_uv(surface.points, triangles, uv)
+        mesh = manifold3d.Mesh64(
+            vert_properties=vertices,
+            tri_verts=corners.astype(np.uint64),
+            merge_from_vert=from_vertex,
+            merge_to_vert=to_vertex,
+            run_index=np.searchsorted(kind[order], np.arange(len(kinds) + 1)).astype(np.uint64) * np.uint64(3),
+            run_original_id=np.arange(first, first + len(kinds), dtype=np.uint32),
+            face_id=np.arange(len(triangles), dtype=np.uint64),
+            tolerance=tolerance,
+        )
+        solid = manifold3d.Manifold(mesh)
+        if solid.status() != manifold3d.Error.NoError:
+            raise SurfaceError(f"the tissue's surface is no closed solid ({solid.status().name}); repair the mesh")
+        return LabelledSolid(solid, labels, names)
+
+    def with_solid(self, solid: manifold3d.Manifold, extra: dict[int, Label] | None = None) -> LabelledSolid:
+        """The same labels, and `extra` ones, for another solid."""
+        return LabelledSolid(solid, {**self.labels, **(extra or {})}, self.grips)
+
+    def surface(self) -> Surface:
+        """The labelled surface; vertices in the order in which the triangles name them."""
+        mesh = self.solid.to_mesh64()
+        vertices = np.asarray(mesh.vert_properties)
+        corners = np.asarray(mesh.tri_verts).astype(np.int64).reshape(-1, 3)
+        target = np.arange(len(vertices))
+        target[np.asarray(mesh.merge_from_vert, np.int64)] = np.asarray(mesh.merge_to_vert, np.int64)
+        while not np.array_equal(target, target[target]):
+            target = target[target]
+        kind = np.repeat(np.asarray(mesh.run_original_id, np.int64), np.diff(np.asarray(mesh.run_index, np.int64)) // 3)
+        named = target[corners]
+        used, first = np.unique(named.reshape(-1), return_index=True)
+        rank = np.empty(len(vertices), np.int64)
+        by_first_use = used[np.argsort(first, kind="stable")]
+        rank[by_first_use] = np.arange(len(by_first_use))
+        uv = vertices[:, 3:5] if vertices.shape[1] >= 5 else np.zeros((len(vertices), 2))
+        ids, place = np.unique(kind, return_inverse=True)
+        table = [self.labels[int(i)] for i in ids]
+        place = place.reshape(-1)
+
+        def column(values: list[bool]) -> NDArray[np.bool_]:
+            return np.array(values, bool)[place]
+
+        return Surface(
+            points=np.ascontiguousarray(vertices[by_first_use, :3]),
+            triangles=rank[named].astype(np.int32),
+            uv=np.ascontiguousarray(uv[corners], np.float32),
+            origin=np.array([int(label.origin) for label in table], np.uint8)[place],
+            fixed=column([label.fixed for label in table]),
+            bed=column([label.bed for label in table]),
+            grips={n: column([n in label.grips for label in table]) for n in self.grips},
+        )
+
+
+def _split_by_uv(
+    points: NDArray[np.float64], triangles: NDArray[np.int64], uv: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.int64], NDArray[np.uint64], NDArray[np.uint64]]:
+    """One property vertex (x, y, z, u, v) per point and UV; the copies of a point are merged into its first one."""
+    flat = triangles.reshape(-1)
+    rows = np.concatenate([flat[:, None].astype(np.float64), uv.reshape(-1, 2)], axis=1)
+    unique, inverse = np.unique(rows, axis=0, return_inverse=True)
+    owner = unique[:, 0].astype(np.int64)
+    vertices = np.concatenate([points[owner], unique[:, 1:]], axis=1)
+    first = np.searchsorted(owner, owner)
+    copies = np.flatnonzero(first != np.arange(len(owner)))
+    return (
+        np.ascontiguousarray(vertices),
+        inverse.reshape(-1, 3),
+        copies.astype(np.uint64),
+        first[copies].astype(np.uint64),
+    )
+
+
+def closed_solid(points: NDArray[np.float64], triangles: NDArray[np.integer], path: str) -> manifold3d.Manifold:
+    if signed_volume(points, triangles) < 0.0:
+        triangles = triangles[:, ::-1]
+    mesh = manifold3d.Mesh64(
+        vert_properties=np.array(points, np.float64, order="C"),
+        tri_verts=np.array(triangles, np.uint64, order="C"),
+    )
+    solid = manifold3d.Manifold(mesh)
+    if solid.status() != manifold3d.Error.NoError:
+        raise RefusedError(f"{path}: its surface is no closed solid ({solid.status().name}); repair the mesh.")
+    return solid
+
+
+def solid_surface(solid: manifold3d.Manifold) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
+    mesh = solid.to_mesh64()
+    points = np.ascontiguousarray(np.asarray(mesh.vert_properties, np.float64)[:, :3])
+    return points, np.asarray(mesh.tri_verts).astype(np.int32).reshape(-1, 3)

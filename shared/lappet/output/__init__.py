@@ -1,0 +1,1 @@
+"""What a solve leaves: skin cache, report, pictures."""

@@ -1,0 +1,79 @@
+"""What `lappet inspect` tells about a procedure: storyboard, epochs, scene profile, lattice counts."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from lappet.core.refused import RefusedError
+from lappet.cutting.epoch import Epoch
+from lappet.daemon.daemon_solver import connect_to
+from lappet.daemon.frame_solver import Connect
+from lappet.geometry.labelled_surface import FaceOrigin
+from lappet.procedure.scene_profile import measured_costs
+from lappet.procedure.storyboard import inspection
+from lappet.program.compile import compile_program
+from lappet.program.program import Program
+from lappet.usd.stage import read_procedure
+
+
+def inspect_procedure(
+    path: Path,
+    *,
+    spacing: float | None = None,
+    lattice: bool = True,
+    daemon: str | None = None,
+    connect: Connect | None = None,
+    economy: Path | None = None,
+) -> str:
+    """The text of `lappet inspect`.
+
+    spacing: mm (the tissue's when None). lattice: ask the daemon for the counts of every epoch's lattice; where it
+    cannot be had a note says why. economy: the file of `lappet report economy` that costs are taken from. Raises
+    ProcedureError and RefusedError for a procedure that cannot be read or compiled, or a file that is no such report.
+    """
+    notes: list[str] = []
+    procedure = read_procedure(path, notes)
+    program = compile_program(procedure, spacing=spacing)
+    notes += program.notes
+    counts: list[str] = []
+    if lattice:
+        try:
+            counts = _lattice_lines(program, daemon, connect)
+        except (RefusedError, RuntimeError) as error:
+            notes.append(f"No lattice counts: {error}")
+    costs = {"error_estimate": f"every frame once more at {2.0 * program.settings.spacing:g} mm"}
+    if economy is not None:
+        for name, share in measured_costs(economy).items():
+            costs[name] = f"{costs[name]}, {share}" if name in costs else share
+    return inspection(procedure, [_epoch_line(epoch, program) for epoch in program.epochs], counts, notes, costs)
+
+
+def _epoch_line(epoch: Epoch, program: Program) -> str:
+    surface = epoch.surface
+    frames = [frame.time for frame in program.frames if frame.epoch == epoch.index]
+    when = f"frames {frames[0]:g} to {frames[-1]:g}" if frames else f"from {epoch.start_time:g}, no frame of its own"
+    origins = {name.name.lower().replace("_", " "): int((surface.origin == name).sum()) for name in FaceOrigin}
+    faces = ", ".join(f"{count} {name}" for name, count in origins.items() if count)
+    return (
+        f"epoch {epoch.index}: {when}; {epoch.fragments} fragment{'' if epoch.fragments == 1 else 's'}, "
+        f"{len(surface.triangles)} triangles ({faces})"
+    )
+
+
+def _lattice_lines(program: Program, daemon: str | None, connect: Connect | None) -> list[str]:
+    if connect is None:
+        connect = connect_to(daemon)
+    solver = connect(program.settings, program.bones)
+    lines = [f"spacing {program.settings.spacing:g} mm"]
+    try:
+        for epoch, grip, landmarks in zip(program.epochs, program.grips, program.landmarks_at, strict=True):
+            counts = solver.set_epoch(epoch, grip, landmarks)
+            lines.append(
+                f"epoch {epoch.index}: {counts['cells']} cells "
+                f"({counts['grid_cells']} grid, {counts['mesh_cells']} mesh), "
+                f"{counts['nodes']} nodes, {counts['blocks']} blocks, {counts['fine_voxels']} fine voxels, "
+                f"{counts['bytes'] / 2**20:.1f} MiB"
+            )
+    finally:
+        solver.close()
+    return lines

@@ -1,0 +1,227 @@
+"""Draws a skin cache: starts one process of a Python that has bpy, which runs the add-on's figure module.
+
+lappet itself never imports bpy: Blender takes a second and 400 MB to load, and clashes with usd-core in one process.
+"""
+
+from __future__ import annotations
+
+import importlib.util
+import json
+import os
+import subprocess
+import sys
+import tempfile
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+from lappet.core.refused import RefusedError
+
+PYTHON_VARIABLE = "LAPPET_BLENDER_PYTHON"
+ANIMATIONS = ("none", "png", "mp4")
+ENGINES = ("cycles", "workbench")
+VIEWS = ("oblique", "top", "low")
+SAMPLES, MOVIE_SAMPLES = 6, 4
+COLORS = ("grid", "plain", "strain", "stress", "tension")
+INSTALL = "pip install 'lappet[render]'"
+SYSTEM_PACKAGES = "libx11-6 libxrender1 libxfixes3 libxi6 libxkbcommon0 libsm6 libgl1"
+
+Progress = Callable[[str], None]
+
+
+class RenderError(RefusedError):
+    """Pictures could not be drawn; the message is a sentence with the cause and the mend."""
+
+
+def blender_python() -> str:
+    """The Python that has bpy: `LAPPET_BLENDER_PYTHON`, else the current one."""
+    return os.environ.get(PYTHON_VARIABLE) or sys.executable
+
+
+def addon_folder() -> Path:
+    """The folder that holds the package of the add-on: installed beside lappet, or `addon/` of a source tree.
+
+    Raises RenderError where neither is there.
+    """
+    spec = importlib.util.find_spec("lappet_blender")
+    if spec is not None and spec.origin is not None:
+        return Path(spec.origin).parent.parent
+    source = Path(__file__).resolve().parents[3] / "addon"
+    if (source / "lappet_blender" / "figure" / "__main__.py").is_file():
+        return source
+    raise RenderError(f"The package lappet_blender, which draws the pictures, is not installed; {INSTALL}.")
+
+
+def render_command(
+    cache: Path,
+    out_dir: Path,
+    frames: Sequence[float] | None,
+    filmstrip: bool,
+    animation: str,
+    size: tuple[int, int],
+    samples: int,
+    panel: tuple[int, int] | None,
+    engine: str,
+    view: str,
+    color: str,
+    threads: int,
+    movie: tuple[int, int] | None = None,
+    movie_samples: int = MOVIE_SAMPLES,
+) -> list[str]:
+    """The command line of the figure process; raises RenderError where a value makes no sense."""
+    for name, value, known in (
+        ("animation", animation, ANIMATIONS),
+        ("engine", engine, ENGINES),
+        ("view", view, VIEWS),
+        ("color", color, COLORS),
+    ):
+        if value not in known:
+            raise RenderError(f"{name} is {value!r}; it must be one of {', '.join(known)}.")
+    for name, count in (("samples", samples), ("movie_samples", movie_samples)):
+        if not 1 <= count <= 65536:
+            raise RenderError(f"{name} is {count}; it must be between 1 and 65536.")
+    for name, pixels in (("size", size), ("panel", panel), ("movie_size", movie)):
+        if pixels is not None and not all(16 <= side <= 16384 for side in pixels):
+            raise RenderError(f"{name} is {pixels[0]}x{pixels[1]}; each side must be 16 to 16384 pixels.")
+    if frames is not None and not frames:
+        raise RenderError("The list of frames is empty; name at least one frame or leave it out.")
+    command = [blender_python(), "-m", "lappet_blender.figure", str(cache), "-o", str(out_dir)]
+    if frames is not None:
+        command.append("--frames=" + ",".join(f"{float(f):.17g}" for f in frames))
+    command += ["--filmstrip" if filmstrip else "--no-filmstrip", "--animation", animation, "--engine", engine]
+    command += ["--size", f"{size[0]}x{size[1]}", "--samples", str(samples), "--view", view, "--color", color]
+    command += ["--movie-samples", str(movie_samples)]
+    for option, pixels in (("--panel", panel), ("--movie", movie)):
+        if pixels is not None:
+            command += [option, f"{pixels[0]}x{pixels[1]}"]
+    return [*command, "--threads", str(threads)] if threads > 0 else command
+
+
+def render_cache(
+    cache: Path,
+    out_dir: Path,
+    frames: Sequence[float] | None = None,
+    filmstrip: bool = True,
+    animation: str = "none",
+    size: tuple[int, int] = (1280, 960),
+    samples: int = SAMPLES,
+    *,
+    panel: tuple[int, int] | None = None,
+    engine: str = "cycles",
+    view: str = "oblique",
+    color: str = "grid",
+    threads: int = 0,
+    movie_size: tuple[int, int] | None = None,
+    movie_samples: int = MOVIE_SAMPLES,
+    progress: Progress | None = None,
+) -> list[Path]:
+    """Draw a skin cache as pictures in one Blender process and return the files, in the order they were written.
+
+    cache: the `.usdc` that `lappet solve` wrote. frames: time codes of the stills, None: the last one. filmstrip:
+    write `filmstrip.png`, the steps of the operation (or the chosen frames, where there are several) captioned on one
+    sheet. animation: "none", "png" (a numbered sequence) or "mp4". size, panel: pixels of stills and of filmstrip
+    panels (None: 7/16 of size). movie_size: pixels of an animation (None: half of size). samples, movie_samples: Cycles
+    samples a pixel of stills and panels, and of an animation, denoised. view, color, engine: see `VIEWS`, `COLORS`,
+    `ENGINES`.
+    threads: 0 is all. progress: called with a line of text for every file, and with how long an animation will take.
+
+    Raises RenderError when bpy is missing, the cache cannot be drawn or the process dies. On KeyboardInterrupt the
+    process is ended and the pictures that are done stay.
+    """
+    cache, out_dir = Path(cache).resolve(), Path(out_dir).resolve()
+    if not cache.is_file():
+        raise RenderError(f"There is no skin cache at {cache}; solve the procedure first (lappet solve).")
+    command = render_command(
+        cache,
+        out_dir,
+        frames,
+        filmstrip,
+        animation,
+        size,
+        samples,
+        panel,
+        engine,
+        view,
+        color,
+        threads,
+        movie_size,
+        movie_samples,
+    )
+    environment = dict(os.environ)
+    own = str(Path(__file__).resolve().parents[2])
+    paths = [str(addon_folder()), own, *filter(None, [environment.get("PYTHONPATH")])]
+    environment["PYTHONPATH"] = os.pathsep.join(paths)
+    say = progress or (lambda line: None)
+    with tempfile.TemporaryFile("w+", encoding="utf-8", errors="replace") as chatter:
+        try:
+            process = subprocess.Popen(
+                command,
+                env=environment,
+                stdin=subprocess.DEVNULL,
+                stdout=subprocess.PIPE,
+                stderr=chatter,
+                encoding="utf-8",
+                errors="replace",
+            )
+        except OSError as error:
+            raise RenderError(
+                f"{command[0]} could not be started ({error.strerror}); set {PYTHON_VARIABLE} to a Python that has bpy."
+            ) from error
+        try:
+            written, refusal, finished = _follow(process, say)
+            status = process.wait()
+        except BaseException:
+            _end(process)
+            raise
+        if refusal:
+            raise RenderError(refusal)
+        if status != 0 or not finished:
+            chatter.seek(0)
+            raise RenderError(_reason(status, chatter.read(), command[0]))
+    return written
+
+
+def _follow(process: subprocess.Popen[str], say: Progress) -> tuple[list[Path], str, bool]:
+    """Read the figure process's messages to the end: files written, its refusal, whether it said it was done."""
+    written: list[Path] = []
+    refusal, finished = "", False
+    assert process.stdout is not None
+    for line in process.stdout:
+        try:
+            message = json.loads(line)
+        except json.JSONDecodeError:
+            continue
+        if not isinstance(message, dict):
+            continue
+        if "picture" in message:
+            path = Path(message["picture"])
+            written.append(path)
+            say(f"picture {message['number']} of {message['of']}: {path.name}")
+        if "note" in message:
+            say(str(message["note"]))
+        refusal = message.get("error", refusal)
+        finished = finished or bool(message.get("done"))
+    return written, refusal, finished
+
+
+def _end(process: subprocess.Popen[str]) -> None:
+    process.terminate()
+    try:
+        process.wait(timeout=5)
+    except subprocess.TimeoutExpired:
+        process.kill()
+        process.wait()
+
+
+def _reason(status: int, chatter: str, python: str) -> str:
+    """One sentence on why the figure process failed, from its exit status and its standard error."""
+    if "No module named 'bpy'" in chatter:
+        return (
+            f"The Python {python} has no bpy (Blender as a module), which draws the pictures; install it with "
+            f"{INSTALL}, or set {PYTHON_VARIABLE} to a Python that has it."
+        )
+    lines = [line.strip() for line in chatter.splitlines() if line.strip()]
+    last = lines[-1] if lines else "it said nothing"
+    if "cannot open shared object file" in chatter:
+        return f"Blender lacks a system library ({last}); install it with: apt-get install {SYSTEM_PACKAGES}."
+    how = f"was ended by signal {-status}" if status < 0 else f"ended with status {status}"
+    return f"The figure process {how}: {last}"

@@ -1,0 +1,184 @@
+"""The report of a solve (`lappet solve --report`): JSON with the settings, the scene and what every frame took.
+
+Lengths are mm, forces mN, stresses kPa, times seconds, memory bytes. Numbers that are not finite are written as null.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import tempfile
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from lappet.core.machine import machine
+from lappet.core.version import version
+from lappet.output.solve_procedure import SolveResult
+from lappet.procedure.scene_profile import scene_profile
+from lappet.program.program import Program
+from lappet.solve.error_estimate import FrameError
+from lappet.solve.solve_program import FrameResult
+
+REPORT_VERSION = 1
+LATTICE_COUNTS = ("fine_voxels", "cells", "grid_cells", "mesh_cells", "nodes", "blocks")
+
+
+def report(result: SolveResult) -> dict[str, Any]:
+    """The report of a solve as JSON-able values.
+
+    `lattice` holds the counts of the epoch with the most cells, `epochs` those of every epoch that was solved.
+    `cache_hit` says that it came from the store, its iterations and seconds by stage then being those of when it was
+    solved.
+    """
+
+    program = result.program
+    lattices = {frame.constraints.epoch: frame.header.get("lattice") or {} for frame in result.frames}
+    epochs = [
+        {
+            "index": epoch.index,
+            "start_time": epoch.start_time,
+            "fragments": epoch.fragments,
+            "surface_points": len(epoch.surface.points),
+            "triangles": len(epoch.surface.triangles),
+            "lattice": lattices[epoch.index],
+        }
+        for epoch in program.epochs
+        if epoch.index in lattices
+    ]
+    largest = max(lattices.values(), key=lambda counts: (counts.get("cells", 0), counts.get("nodes", 0)), default={})
+    profile = {
+        **scene_profile(result.procedure),
+        "self_contact": False,
+        "explicit_mesh": any(counts.get("mesh_cells", 0) > 0 for counts in lattices.values()),
+        "error_estimate": result.errors is not None,
+    }
+    peaks = [frame.header["peak_bytes"] for frame in result.frames if frame.header.get("peak_bytes")]
+    values = {
+        "version": REPORT_VERSION,
+        "lappet": version(),
+        "machine": machine(),
+        "settings": asdict(program.settings),
+        "scene_profile": profile,
+        "lattice": {name: largest.get(name) for name in LATTICE_COUNTS},
+        "epochs": epochs,
+        "complete": result.complete,
+        "interrupted": result.interrupted,
+        "reason": result.reason,
+        "notes": list(result.notes),
+        "error_estimate": None
+        if result.errors is None
+        else {
+            "companion_spacing_mm": result.errors.spacing,
+            "order": result.errors.order,
+            "seconds": result.errors.seconds,
+            "reason": result.errors.reason,
+        },
+        "frames": [_frame(program, frame, error) for frame, error in zip(result.frames, _errors(result), strict=True)],
+        "failed": None if result.failed is None else _frame(program, result.failed),
+        "frames_solved": result.solved,
+        "cache_hits": result.looked_up,
+        "wall_seconds": result.wall_seconds,
+        "peak_memory_bytes": max(peaks, default=None),
+        "own_peak_memory_bytes": _own_peak(),
+    }
+    cleaned: dict[str, Any] = _clean(values)
+    return cleaned
+
+
+def write_report(result: SolveResult, path: Path | str) -> None:
+    """Writes the report atomically; makes its folder. Raises OSError."""
+    path = Path(path)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    text = json.dumps(report(result), indent=1, allow_nan=False) + "\n"
+    handle, name = tempfile.mkstemp(prefix=".report-", dir=path.parent)
+    try:
+        with os.fdopen(handle, "w", encoding="utf-8") as file:
+            file.write(text)
+        fresh = Path(name)
+        fresh.chmod(0o644)
+        fresh.replace(path)
+    except BaseException:
+        Path(name).unlink(missing_ok=True)
+        raise
+
+
+def _frame(program: Program, frame: FrameResult, error: FrameError | None = None) -> dict[str, Any]:
+    header, arrays, constraints = frame.header, frame.arrays, frame.constraints
+    position = next(i for i, each in enumerate(program.frames) if each is constraints)
+    epoch = next(i for i, each in enumerate(program.epochs) if each.index == constraints.epoch)
+    hooks = [program.hooks[i] for i in program.active_hooks[position]]
+    sutures = [program.sutures[i] for i in constraints.suture_index]
+    landmarks = [program.landmarks[i] for i in program.landmarks_at[epoch].index]
+    return {
+        "time_code": constraints.time,
+        "epoch": constraints.epoch,
+        "converged": bool(header["converged"]),
+        "reason": header.get("reason") or None,
+        "newton_iterations": header["newton"],
+        "pcg_iterations": header["pcg"],
+        "load_steps": header["load_steps"],
+        "active_cells": header["active_cells"],
+        "residual": header["residual"],
+        "force_scale_mn": header["force_scale"],
+        "largest_gap_mm": header["largest_gap"],
+        "minimum_j": header["minimum_j"],
+        "inverted_cells": header["inverted_cells"],
+        "energy_mn_mm": header["energy"],
+        "largest_penetration_mm": header["largest_penetration"],
+        "contacts": header["contacts"],
+        "seconds": {**header["seconds"], "wall": frame.wall_seconds},
+        "suture_gaps_mm": _named(sutures, arrays["suture_gaps"]),
+        "suture_forces_mn": _named(sutures, arrays["suture_forces"]),
+        "hook_forces_mn": _named(hooks, arrays["hook_forces"]),
+        "landmarks": _named(landmarks, arrays["landmarks"]),
+        "estimated_error_mm": _error(program, frame, error),
+        "cache_hit": frame.looked_up,
+        "key": frame.key,
+    }
+
+
+def _errors(result: SolveResult) -> tuple[FrameError | None, ...]:
+    return (None,) * len(result.frames) if result.errors is None else result.errors.frames
+
+
+def _error(program: Program, frame: FrameResult, error: FrameError | None) -> dict[str, Any] | None:
+    if error is None:
+        return None
+    epoch = next(i for i, each in enumerate(program.epochs) if each.index == frame.constraints.epoch)
+    landmarks = [program.landmarks[i] for i in program.landmarks_at[epoch].index]
+    return {
+        "max": error.greatest,
+        "rms": error.rms,
+        "algebraic": {"max": error.algebraic_greatest, "rms": error.algebraic_rms},
+        "discretization": {"max": error.discretization_greatest, "rms": error.discretization_rms},
+        "landmarks": _named(landmarks, error.landmarks),
+    }
+
+
+def _named(names: list[str], values: Any) -> dict[str, Any]:
+    return {name: np.asarray(value).tolist() for name, value in zip(names, values, strict=True)}
+
+
+def _clean(value: Any) -> Any:
+    """The value with NumPy's numbers as Python's and None for what is not finite."""
+    if isinstance(value, dict):
+        return {str(name): _clean(each) for name, each in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_clean(each) for each in value]
+    if isinstance(value, np.generic):
+        value = value.item()
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value
+
+
+def _own_peak() -> int | None:
+    try:
+        import resource
+    except ImportError:
+        return None
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024

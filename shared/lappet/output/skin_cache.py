@@ -1,0 +1,247 @@
+"""Writes solved frames as a USD layer over the procedure (the layout is in ARCHITECTURE.md, "The skin cache").
+
+One mesh prim per epoch, with constant topology and time-sampled points; an animated visibility shows the one whose
+frame it is.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lappet.core.version import version
+from lappet.cutting.epoch import Epoch
+from lappet.geometry.labelled_surface import FaceOrigin
+from lappet.geometry.shading_normals import ShadingNormals
+from lappet.procedure import Hook, Landmark, Procedure, Suture
+from lappet.program.program import Program
+from lappet.usd.stage import pxr, save_layer
+
+if TYPE_CHECKING:
+    from lappet.solve.solve_program import FrameResult
+
+SUBSETS = {
+    FaceOrigin.SKIN: "skin",
+    FaceOrigin.WOUND_WALL: "woundWall",
+    FaceOrigin.UNDERSIDE: "underside",
+    FaceOrigin.RIM: "rim",
+}
+# What viewers show without materials: skin, flesh, fat, fat.
+_COLOURS = np.array([(0.80, 0.58, 0.48), (0.62, 0.16, 0.14), (0.85, 0.66, 0.42), (0.85, 0.66, 0.42)], np.float32)
+_THREAD_MM, _STEEL_MM, _MARK_MM = 0.3, 0.5, 1.0
+_INSTANT = 1.0 / 1024.0  # of a frame
+SCALARS = ("strain", "stress", "tension")
+
+
+def write_skin_cache(
+    output: Path, procedure_path: Path, procedure: Procedure, program: Program, frames: Sequence[FrameResult]
+) -> None:
+    """Writes the skin cache of consecutive frames, atomically.
+
+    output: .usdc, .usda or .usd; its folder is made. procedure_path: the file that it goes over, referred to by a path
+    relative to `output`. Raises ProcedureError for another suffix, OSError where the file system refuses.
+    """
+    output = Path(output)
+    output.parent.mkdir(parents=True, exist_ok=True)
+    layer = pxr().Sdf.Layer.CreateAnonymous(".usda")
+    _author(layer, procedure, program, frames)
+    # Only now that no stage is open on it: the path means nothing to a layer in memory.
+    below = os.path.relpath(Path(procedure_path).resolve(), output.resolve().parent)
+    layer.subLayerPaths.append(below if below.startswith(".") else f"./{below}")
+    save_layer(layer, output)
+
+
+def _author(layer: Any, procedure: Procedure, program: Program, frames: Sequence[FrameResult]) -> None:
+    usd = pxr()
+    stage = usd.Usd.Stage.Open(layer)
+    stage.OverridePrim("/Procedure")
+    _metadata(stage, procedure, program, frames)
+    usd.UsdGeom.Imageable(stage.OverridePrim("/Procedure/Tissue")).CreateVisibilityAttr("invisible")
+    usd.UsdGeom.Xform.Define(stage, "/Procedure/Skin")
+    times = [frame.constraints.time for frame in frames]
+    shown = {frame.constraints.epoch for frame in frames}
+    for epoch in program.epochs:
+        if epoch.index in shown:
+            own = [frame for frame in frames if frame.constraints.epoch == epoch.index]
+            _write_epoch(stage, epoch, own, times, program.fps)
+    _write_sutures(stage, procedure, program, frames)
+    _write_hooks(stage, procedure, program, frames)
+    _write_landmarks(stage, procedure, program, frames)
+
+
+def _metadata(stage: Any, procedure: Procedure, program: Program, frames: Sequence[FrameResult]) -> None:
+
+    usd = pxr()
+    usd.UsdGeom.SetStageMetersPerUnit(stage, 0.001)
+    usd.UsdGeom.SetStageUpAxis(stage, usd.UsdGeom.Tokens.z)
+    stage.SetStartTimeCode(frames[0].constraints.time)
+    stage.SetEndTimeCode(frames[-1].constraints.time)
+    stage.SetTimeCodesPerSecond(procedure.fps)
+    stage.SetFramesPerSecond(procedure.fps)
+    stage.SetDefaultPrim(stage.GetPrimAtPath("/Procedure"))
+    layer = stage.GetRootLayer()
+    layer.comment = "A skin cache, written by lappet solve. Do not edit: it is written anew."
+    layer.customLayerData = {
+        "lappet": {"version": version(), "spacing": program.settings.spacing, "lastKey": frames[-1].key}
+    }
+
+
+def _write_epoch(stage: Any, epoch: Epoch, frames: Sequence[FrameResult], times: Sequence[float], fps: float) -> None:
+    usd = pxr()
+    surface = epoch.surface
+    types, tokens = usd.Sdf.ValueTypeNames, usd.UsdGeom.Tokens
+    mesh = usd.UsdGeom.Mesh.Define(stage, f"/Procedure/Skin/epoch_{epoch.index:02d}")
+    mesh.CreateFaceVertexCountsAttr(usd.Vt.IntArray.FromNumpy(np.full(len(surface.triangles), 3, np.int32)))
+    mesh.CreateFaceVertexIndicesAttr(
+        usd.Vt.IntArray.FromNumpy(np.ascontiguousarray(surface.triangles.ravel(), np.int32))
+    )
+    mesh.CreateSubdivisionSchemeAttr(usd.UsdGeom.Tokens.none)
+    for origin, name in SUBSETS.items():
+        faces = np.flatnonzero(surface.origin == origin).astype(np.int32)
+        usd.UsdGeom.Subset.CreateGeomSubset(
+            mesh,
+            name,
+            usd.UsdGeom.Tokens.face,
+            usd.Vt.IntArray.FromNumpy(faces),
+            "lappet",
+            usd.UsdGeom.Tokens.partition,
+        )
+    primvars = usd.UsdGeom.PrimvarsAPI(mesh)
+    types, tokens = usd.Sdf.ValueTypeNames, usd.UsdGeom.Tokens
+    st = primvars.CreatePrimvar("st", types.TexCoord2fArray, tokens.faceVarying)
+    st.Set(usd.Vt.Vec2fArray.FromNumpy(np.require(surface.uv.reshape(-1, 2), np.float32, ["C", "A"])))
+    colour = primvars.CreatePrimvar("displayColor", types.Color3fArray, tokens.uniform)
+    colour.Set(_vectors(_COLOURS))
+    colour.SetIndices(usd.Vt.IntArray.FromNumpy(surface.origin.astype(np.int32)))
+    shading = ShadingNormals(surface)
+    normals = primvars.CreatePrimvar("normals", types.Normal3fArray, tokens.faceVarying)
+    normals.SetIndices(usd.Vt.IntArray.FromNumpy(shading.indices))
+    measured = [name for name in SCALARS if all(len(frame.arrays[name]) for frame in frames)]  # --no-strain: none
+    scalars = {name: primvars.CreatePrimvar(name, types.FloatArray, tokens.vertex) for name in measured}
+    points, velocities, extent = mesh.CreatePointsAttr(), mesh.CreateVelocitiesAttr(), mesh.CreateExtentAttr()
+    points.Set(_vectors(surface.points))  # at no time: at rest, which taut tissue leaves as soon as it is cut
+    moved = [np.asarray(frame.arrays["points"], np.float32) for frame in frames]
+    for i, frame in enumerate(frames):
+        time = frame.constraints.time
+        points.Set(_vectors(moved[i]), time)
+        normals.Set(_vectors(shading.at(moved[i])), time)
+        velocities.Set(_vectors(_velocity(moved, i, fps)), time)
+        extent.Set(_vectors(np.stack([moved[i].min(axis=0), moved[i].max(axis=0)])), time)
+        for name, primvar in scalars.items():
+            primvar.Set(usd.Vt.FloatArray.FromNumpy(np.require(frame.arrays[name], np.float32, ["C", "A"])), time)
+    own = {frame.constraints.time for frame in frames}
+    visibility = mesh.CreateVisibilityAttr()
+    # Blender reads no animated visibility, but it reads an animated scale. Nothing is shown in part between two frames.
+    scale = mesh.AddScaleOp()
+    before: bool | None = None
+    for time in times:
+        shown = time in own
+        visibility.Set(tokens.inherited if shown else tokens.invisible, time)
+        if before is not None and shown is not before:
+            scale.Set(usd.Gf.Vec3f(float(before)), time - _INSTANT)
+        scale.Set(usd.Gf.Vec3f(float(shown)), time)
+        before = shown
+
+
+def _velocity(points: Sequence[NDArray[np.float32]], i: int, fps: float) -> NDArray[np.float32]:
+    """Velocity (n, 3) in mm/s at frame i of an epoch: central differences, one-sided at its ends, 0 for a single
+    frame."""
+    before, after = max(i - 1, 0), min(i + 1, len(points) - 1)
+    if before == after:
+        return np.zeros_like(points[i])
+    return ((points[after] - points[before]) * np.float32(fps / (after - before))).astype(np.float32)
+
+
+def _write_sutures(stage: Any, procedure: Procedure, program: Program, frames: Sequence[FrameResult]) -> None:
+    """Two points per suture, in the order in which they are placed; on one spot until then."""
+    if not program.sutures:
+        return
+    first = {event.name: event.anchors[0] for event in procedure.events if isinstance(event, Suture)}
+    held = np.array([[first[name]] * 2 for name in program.sutures], np.float64)
+    curves = _curves(stage, "/Procedure/Skin/Sutures", program.sutures, _THREAD_MM, (0.08, 0.12, 0.35))
+    for frame in frames:
+        active = np.zeros(len(program.sutures), np.int32)
+        placed = frame.constraints.suture_index
+        active[placed] = 1
+        held[placed] = frame.arrays["suture_points"].reshape(-1, 2, 3)
+        _set_curves(curves, held, active, frame.constraints.time)
+
+
+def _write_hooks(stage: Any, procedure: Procedure, program: Program, frames: Sequence[FrameResult]) -> None:
+    """Two points per hook, on the tissue and where it pulls to; on one spot while it does not act."""
+    if not program.hooks:
+        return
+    acting = {frame.time: hooks for frame, hooks in zip(program.frames, program.active_hooks, strict=True)}
+    anchors = {event.name: event.anchor for event in procedure.events if isinstance(event, Hook)}
+    held = np.array([[anchors[name]] * 2 for name in program.hooks], np.float64)
+    curves = _curves(stage, "/Procedure/Skin/Hooks", program.hooks, _STEEL_MM, (0.55, 0.57, 0.6))
+    for frame in frames:
+        active = np.zeros(len(program.hooks), np.int32)
+        hooks = acting[frame.constraints.time]
+        active[hooks] = 1
+        held[:, 1] = held[:, 0]
+        held[hooks, 0] = frame.arrays["hook_points"].reshape(-1, 3)
+        held[hooks, 1] = frame.constraints.hook_targets
+        _set_curves(curves, held, active, frame.constraints.time)
+
+
+def _write_landmarks(stage: Any, procedure: Procedure, program: Program, frames: Sequence[FrameResult]) -> None:
+    """The landmarks; one whose tissue is excised stays where it was last and is marked inactive."""
+    if not program.landmarks:
+        return
+    usd = pxr()
+    count = len(program.landmarks)
+    positions = np.array([point for event in procedure.events if isinstance(event, Landmark) for point in event.points])
+    indices = {epoch.index: at.index for epoch, at in zip(program.epochs, program.landmarks_at, strict=True)}
+    marks = usd.UsdGeom.Points.Define(stage, "/Procedure/Skin/Landmarks")
+    marks.CreateWidthsAttr(usd.Vt.FloatArray.FromNumpy(np.full(count, _MARK_MM, np.float32)))
+    types, tokens = usd.Sdf.ValueTypeNames, usd.UsdGeom.Tokens
+    marks.SetWidthsInterpolation(tokens.vertex)
+    primvars = usd.UsdGeom.PrimvarsAPI(marks)
+    primvars.CreatePrimvar("label", types.StringArray, tokens.vertex).Set(list(program.landmarks))
+    active = primvars.CreatePrimvar("active", types.IntArray, tokens.vertex)
+    primvars.CreatePrimvar("displayColor", types.Color3fArray, tokens.constant).Set([(0.1, 0.1, 0.1)])
+    for frame in frames:
+        index, time = indices[frame.constraints.epoch], frame.constraints.time
+        positions[index] = frame.arrays["landmarks"].reshape(-1, 3)
+        flags = np.zeros(count, np.int32)
+        flags[index] = 1
+        marks.CreatePointsAttr().Set(_vectors(positions), time)
+        active.Set(usd.Vt.IntArray.FromNumpy(flags), time)
+        marks.CreateExtentAttr().Set(_box(positions, _MARK_MM), time)
+
+
+def _curves(stage: Any, path: str, names: Sequence[str], width: float, colour: tuple[float, float, float]) -> Any:
+    usd = pxr()
+    curves = usd.UsdGeom.BasisCurves.Define(stage, path)
+    curves.CreateTypeAttr(usd.UsdGeom.Tokens.linear)
+    curves.CreateCurveVertexCountsAttr(usd.Vt.IntArray.FromNumpy(np.full(len(names), 2, np.int32)))
+    curves.CreateWidthsAttr([width])
+    curves.SetWidthsInterpolation(usd.UsdGeom.Tokens.constant)
+    types, tokens = usd.Sdf.ValueTypeNames, usd.UsdGeom.Tokens
+    primvars = usd.UsdGeom.PrimvarsAPI(curves)
+    primvars.CreatePrimvar("label", types.StringArray, tokens.uniform).Set(list(names))
+    primvars.CreatePrimvar("displayColor", types.Color3fArray, tokens.constant).Set([colour])
+    primvars.CreatePrimvar("active", types.IntArray, tokens.uniform)
+    return curves
+
+
+def _set_curves(curves: Any, ends: NDArray[np.float64], active: NDArray[np.int32], time: float) -> None:
+    usd = pxr()
+    points = ends.reshape(-1, 3)
+    curves.GetPointsAttr().Set(_vectors(points), time)
+    curves.CreateExtentAttr().Set(_box(points, float(curves.GetWidthsAttr().Get()[0])), time)
+    usd.UsdGeom.PrimvarsAPI(curves).GetPrimvar("active").Set(usd.Vt.IntArray.FromNumpy(active), time)
+
+
+def _box(points: NDArray[np.float64], width: float) -> Any:
+    return _vectors(np.stack([points.min(axis=0) - width / 2, points.max(axis=0) + width / 2]))
+
+
+def _vectors(values: NDArray[Any]) -> Any:
+    return pxr().Vt.Vec3fArray.FromNumpy(np.require(values, np.float32, ["C", "A"]))

@@ -1,0 +1,17 @@
+"""Where the parts of a procedure lie on its USD stage: prim paths."""
+
+from __future__ import annotations
+
+ROOT = "/Procedure"
+
+
+TISSUE = f"{ROOT}/Tissue"
+
+
+BONE = f"{ROOT}/Bone"
+
+
+MATERIALS = f"{ROOT}/Materials"
+
+
+TIMELINE = f"{ROOT}/Timeline"

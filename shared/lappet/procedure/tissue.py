@@ -1,0 +1,163 @@
+"""What an operation is done on: tissue with its materials and material regions, and bones. Units are mm and kPa."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lappet.procedure.exact_values import Point, double_point, frozen, same_array, set_fields
+
+MODELS = ("corotated", "neoHookean", "stableNeoHookean", "mooneyRivlin")
+
+
+@dataclass(frozen=True)
+class Material:
+    """A hyperelastic material (`LappetMaterialAPI`); moduli in kPa, density in kg/m³.
+
+    fiber_k1: kPa, 0 = no fibres. prestretch: in-vivo stretch along and across the fibre direction. muscle_stress: kPa,
+    the greatest isometric stress of muscle along the fibre direction, 0 = no muscle. muscle_activation: (time, 0 to 1)
+    samples, linear between and held at the ends; none = never active.
+    """
+
+    name: str = "skin"
+    model: str = "neoHookean"
+    youngs_modulus: float = 50.0
+    poissons_ratio: float = 0.45
+    mooney_ratio: float = 0.0
+    fiber_k1: float = 0.0
+    fiber_k2: float = 0.0
+    fiber_dispersion: float = 0.0
+    fiber_direction: Point = (1.0, 0.0, 0.0)
+    prestretch: tuple[float, float] = (1.0, 1.0)
+    density: float = 1100.0
+    muscle_stress: float = 0.0
+    muscle_activation: tuple[tuple[float, float], ...] = ()
+
+    def __post_init__(self) -> None:
+        across = tuple(float(v) for v in self.prestretch)
+        active = tuple((float(time) + 0.0, float(value) + 0.0) for time, value in self.muscle_activation)
+        set_fields(
+            self, fiber_direction=double_point(self.fiber_direction), prestretch=across, muscle_activation=active
+        )
+
+    @property
+    def has_fibers(self) -> bool:
+        """Whether fibres stiffen it."""
+        return self.fiber_k1 > 0.0
+
+    @property
+    def has_muscle(self) -> bool:
+        """Whether it holds muscle, active or not."""
+        return self.muscle_stress > 0.0
+
+    @property
+    def has_prestretch(self) -> bool:
+        """Whether it is stretched in vivo."""
+        return self.prestretch != (1.0, 1.0)
+
+    @property
+    def has_direction(self) -> bool:
+        """Whether `fiber_direction` has an effect: it runs along the skin."""
+        return self.has_fibers or self.has_muscle or self.has_prestretch
+
+
+@dataclass(frozen=True)
+class Region:
+    """A part of the tissue that is of another material (`LappetRegionAPI` on a face subset).
+
+    faces: the name of a subset of the tissue; of its faces those on the skin count. The region is what lies below them,
+    from `depth_from` (included) to `depth_to` mm under the skin before any cut.
+    """
+
+    faces: str
+    material: str
+    depth_from: float = 0.0
+    depth_to: float = math.inf
+
+
+@dataclass(frozen=True, eq=False)
+class Tissue:
+    """A closed skin mesh at rest (`/Procedure/Tissue`).
+
+    points: (n, 3) float64 in mm (float32-representable). face_vertex_counts: (m,) int32.
+    face_vertex_indices: (k,) int32. uv: (k, 2) float32 per face corner, or None. subsets: face
+    index arrays by name ("fixed", "bed", and those that retractors grip). spacing: lattice edge in
+    mm. gravity: m/s² along -z, or None. bed_stiffness: kPa/mm (mN/mm³), the tie of bed faces to
+    their rest position. regions: parts of other materials than `material`, one per subset, kept in the order of the
+    subsets; where several hold a place, the last one does.
+    """
+
+    points: NDArray[np.float64]
+    face_vertex_counts: NDArray[np.int32]
+    face_vertex_indices: NDArray[np.int32]
+    uv: NDArray[np.float32] | None = None
+    subsets: dict[str, NDArray[np.int32]] = field(default_factory=dict)
+    material: str = "skin"
+    spacing: float = 1.0
+    gravity: float | None = None
+    bed_stiffness: float = 10.0
+    regions: tuple[Region, ...] = ()
+
+    def __post_init__(self) -> None:
+        uv = None if self.uv is None else frozen(self.uv, np.float32, 2)
+        subsets = {name: frozen(faces, np.int32) for name, faces in self.subsets.items()}
+        _freeze_mesh(self)
+        order = {name: i for i, name in enumerate(subsets)}  # as a stage has them: each on its subset's prim
+        regions = tuple(sorted(self.regions, key=lambda region: order.get(region.faces, len(order))))
+        set_fields(self, uv=uv, subsets=subsets, regions=regions)
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Tissue):
+            return NotImplemented
+        return (
+            (self.material, self.spacing, self.gravity, self.bed_stiffness, self.regions)
+            == (other.material, other.spacing, other.gravity, other.bed_stiffness, other.regions)
+            and _same_mesh(self, other)
+            and same_array(self.uv, other.uv)
+            and list(self.subsets) == list(other.subsets)
+            and all(same_array(faces, other.subsets[name]) for name, faces in self.subsets.items())
+        )
+
+    def __hash__(self) -> int:
+        return hash((self.points.shape, self.points.tobytes(), self.material, self.spacing))
+
+
+@dataclass(frozen=True, eq=False)
+class Bone:
+    """A rigid mesh that the tissue may not enter (`/Procedure/Bone/<name>`)."""
+
+    name: str
+    points: NDArray[np.float64]
+    face_vertex_counts: NDArray[np.int32]
+    face_vertex_indices: NDArray[np.int32]
+
+    def __post_init__(self) -> None:
+        _freeze_mesh(self)
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Bone):
+            return NotImplemented
+        return self.name == other.name and _same_mesh(self, other)
+
+    def __hash__(self) -> int:
+        return hash((self.name, self.points.shape, self.points.tobytes()))
+
+
+def _freeze_mesh(mesh: Tissue | Bone) -> None:
+    set_fields(
+        mesh,
+        points=frozen(mesh.points, np.float64, 3),
+        face_vertex_counts=frozen(mesh.face_vertex_counts, np.int32),
+        face_vertex_indices=frozen(mesh.face_vertex_indices, np.int32),
+    )
+
+
+def _same_mesh(a: Tissue | Bone, b: Tissue | Bone) -> bool:
+    return (
+        same_array(a.points, b.points)
+        and same_array(a.face_vertex_counts, b.face_vertex_counts)
+        and same_array(a.face_vertex_indices, b.face_vertex_indices)
+    )

@@ -1,0 +1,84 @@
+"""Ties the anchors of events (rest points) to the triangles of an epoch's surface."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from lappet.geometry.labelled_surface import FaceOrigin, Surface
+from lappet.geometry.remembered_closest_point import remembered_closest_point
+from lappet.procedure import Incision, Point, Procedure
+from lappet.tissue.fan_triangles import fan_triangles
+
+# How far an anchor may be from the uncut tissue, as a fraction of the tissue's diagonal.
+OFF_TISSUE = 0.05
+
+
+@dataclass(frozen=True)
+class Tied:
+    """Anchors on a surface: point (q, 3) float64 mm on the triangle (q,) int32, distance (q,) mm from what was
+    asked."""
+
+    point: NDArray[np.float64]
+    triangle: NDArray[np.int32]
+    distance: NDArray[np.float64]
+
+
+class AnchorTie:
+    """Finds the triangle under each anchor of one epoch's surface.
+
+    A face of the skin, the underside or the rim is preferred to a wound wall unless the wall is nearer by more than
+    `margin` mm: what is drawn at a wound's edge belongs to the skin.
+    """
+
+    def __init__(self, surface: Surface, margin: float) -> None:
+        wall = surface.origin == FaceOrigin.WOUND_WALL
+        self._margin = margin
+        self._parts = [
+            (faces, remembered_closest_point(surface.points, surface.triangles[faces]))
+            for faces in (np.flatnonzero(~wall), np.flatnonzero(wall))
+            if len(faces)
+        ]
+
+    def tie(self, points: ArrayLike) -> Tied:
+        """Ties rest points (q, 3), mm."""
+        found = []
+        for faces, closest in self._parts:
+            index, point, distance = closest.query(points)
+            found.append((faces[index], point, distance))
+        triangle, point, distance = found[0]
+        if len(found) == 2:
+            on_wall, wall_point, wall_distance = found[1]
+            nearer = wall_distance + self._margin < distance
+            triangle = np.where(nearer, on_wall, triangle)
+            point = np.where(nearer[:, None], wall_point, point)
+            distance = np.where(nearer, wall_distance, distance)
+        return Tied(point, triangle.astype(np.int32), distance)
+
+
+class TissueLoss:
+    """Tells whether the tissue under an anchor has been cut away.
+
+    An anchor may be farther from an epoch's surface than from the uncut tissue by the widest kerf (it may lie in it)
+    and by rounding; beyond that the tissue under it is gone.
+    """
+
+    def __init__(self, procedure: Procedure) -> None:
+        tissue = procedure.tissue
+        triangles, _ = fan_triangles(tissue)
+        self._tissue = remembered_closest_point(tissue.points, triangles)
+        self.diagonal = float(np.linalg.norm(np.ptp(tissue.points, axis=0)))
+        kerf = max((event.kerf for event in procedure.events if isinstance(event, Incision)), default=0.0)
+        self.margin = kerf + 1e-4 * self.diagonal
+
+    def is_off(self, points: Sequence[Point]) -> NDArray[np.float64] | None:
+        """The distances (q,) from the uncut tissue in mm where one is too far to be meant, else None."""
+        distance = self._tissue.query(points)[2]
+        return distance if not (distance <= OFF_TISSUE * self.diagonal).all() else None
+
+    def is_lost(self, points: Sequence[Point], tied: Tied) -> NDArray[np.bool_]:
+        """Which of the points (q, 3) have lost their tissue, given how they were tied to an epoch."""
+        return tied.distance > self._tissue.query(points)[2] + self.margin

@@ -1,0 +1,58 @@
+"""The bones of a procedure as the one closed surface that the daemon is told, and what is wrong with where they lie."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import manifold3d
+import numpy as np
+from numpy.typing import NDArray
+
+from lappet.geometry.closest_point import ClosestPoint
+from lappet.geometry.labelled_surface import Surface
+from lappet.geometry.solid import closed_solid, solid_surface
+from lappet.geometry.triangulation import triangulate
+from lappet.procedure import Bone
+from lappet.procedure.prim_paths import BONE
+from lappet.program.program import Bones
+
+NEAR = 1.0  # mm that tissue may sink before bone bears it
+
+
+def united_bones(bones: Sequence[Bone]) -> Bones:
+    """All bones as one closed surface without faces inside: those that touch or overlap become one.
+
+    Raises RefusedError, naming the prim, for a bone that is not closed.
+    """
+    if not bones:
+        return Bones()
+    solids = [closed_solid(*_triangles(bone), f"{BONE}/{bone.name}") for bone in bones]
+    return Bones(*solid_surface(manifold3d.Manifold.batch_boolean(solids, manifold3d.OpType.Add)))
+
+
+def over_bone(surface: Surface, bones: Bones) -> NDArray[np.bool_]:
+    """The resting faces, (m,), at most `NEAR` mm from a face of bone that looks at them; none where there are no bones.
+
+    They need no plane to rest on, and on curved bone it would be wrong: tissue that slides by s over a radius R is held
+    s² / 2R above the bone.
+    """
+    if len(bones.triangles) == 0:
+        return np.zeros(0, bool)
+    resting = np.flatnonzero(surface.resting)
+    corners = surface.points[surface.triangles[resting]]
+    nearest, _, distance = ClosestPoint(bones.points, bones.triangles).query(corners.mean(axis=1))
+    facing = np.einsum("ij,ij->i", _across(corners), _across(bones.points[bones.triangles[nearest]])) < 0.0
+    result = np.zeros(len(surface.triangles), bool)
+    result[resting] = facing & (distance <= NEAR)
+    return result
+
+
+def _across(corners: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The normals of triangles (k, 3, 3), of any length."""
+    return np.asarray(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]))
+
+
+def _triangles(bone: Bone) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    counts, indices = bone.face_vertex_counts.astype(np.int64), bone.face_vertex_indices.astype(np.int64)
+    triangles, _, _ = triangulate(bone.points, counts, indices)
+    return bone.points, triangles

@@ -1,0 +1,320 @@
+"""Compiles a procedure and its epochs to the program that the daemon is told: per frame, the constraints."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lappet.core.refused import RefusedError
+from lappet.cutting.epoch import Epoch
+from lappet.cutting.epochs import build_epochs
+from lappet.geometry.rigid_motion import RigidMotion
+from lappet.procedure import Event, Hook, Landmark, Point, Procedure, Retractor, Suture
+from lappet.program.anchors import AnchorTie, Tied, TissueLoss
+from lappet.program.bones import over_bone, united_bones
+from lappet.program.materials import activation, materials_in_use, parameters, region_program
+from lappet.program.program import FrameConstraints, Landmarks, Program, SolverSettings
+
+
+def compile_program(
+    procedure: Procedure,
+    epochs: Sequence[Epoch] | None = None,
+    *,
+    spacing: float | None = None,
+    tolerance: float = 1e-3,
+    quadrature: int = 1,
+    precision: Literal["float", "double"] = "float",
+    until: float | None = None,
+    **settings: Any,
+) -> Program:
+    """The program of a procedure: a frame for every integer time code from its start to its end.
+
+    epochs: those of `lappet.cutting.epochs`, in order (made here when None). spacing: lattice edge in mm (the tissue's
+    when None). until: leave out frames after this time code. settings: other fields of `SolverSettings`. A frame
+    belongs to the last epoch that starts at or before it. Hook targets are linear between samples and held at the
+    ends; a hook or
+    retractor acts from `start` until before `release`; a suture from `start` on, its closure growing linearly over
+    `duration`.
+
+    Raises RefusedError naming the prim where an anchor is off the tissue or its tissue is excised, two retractors grip
+    one face, a motion is not rigid, a bone is not closed, the timeline has no frame, or a material or the faces of a
+    region are not there.
+    """
+    if spacing is None:
+        spacing = procedure.tissue.spacing
+    if epochs is None:
+        # The spacing also says how finely the surface is divided.
+        epochs = build_epochs(replace(procedure, tissue=replace(procedure.tissue, spacing=spacing)))
+    materials = materials_in_use(procedure)
+    regions = region_program(procedure, materials)
+    bones = united_bones(procedure.bones)
+    epochs = [replace(epoch, regions=regions, over_bone=over_bone(epoch.surface, bones)) for epoch in epochs]
+    times = frame_times(procedure)
+    if until is not None:
+        times = [time for time in times if time <= until]
+    belongs = [_epoch_at(epochs, time) for time in times]
+    hooks = [event for event in procedure.events if isinstance(event, Hook)]
+    sutures = sorted((event for event in procedure.events if isinstance(event, Suture)), key=lambda event: event.start)
+    retractors = sorted(
+        (event for event in procedure.events if isinstance(event, Retractor)), key=lambda event: event.start
+    )
+    marks = [(event, point) for event in procedure.events if isinstance(event, Landmark) for point in event.points]
+    motions = [_motion(retractor) for retractor in retractors]
+    _refuse_off_tissue(procedure)
+
+    loss = TissueLoss(procedure)
+    frames: list[FrameConstraints] = []
+    active_hooks: list[NDArray[np.int32]] = []
+    grips: list[NDArray[np.int32]] = []
+    landmarks: list[Landmarks] = []
+    for epoch in epochs:
+        own = [time for time, index in zip(times, belongs, strict=True) if index == epoch.index]
+        grips.append(_grips(epoch, retractors, own))
+        tie = AnchorTie(epoch.surface, loss.margin)
+        landmarks.append(_landmarks([point for _, point in marks], tie, loss))
+        hook_ties = {
+            i: _tied(hook, [hook.anchor], hook.start, hook.release, epoch, own, tie, loss)
+            for i, hook in enumerate(hooks)
+        }
+        suture_ties = {
+            i: _tied(suture, suture.anchors, suture.start, math.inf, epoch, own, tie, loss)
+            for i, suture in enumerate(sutures)
+        }
+        for time in own:
+            pulled = [i for i, hook in enumerate(hooks) if hook.start <= time < hook.release]
+            active_hooks.append(np.array(pulled, np.int32))
+            frames.append(
+                FrameConstraints(
+                    time=float(time),
+                    epoch=epoch.index,
+                    **_hook_arrays(hooks, pulled, hook_ties, time),
+                    **_suture_arrays(sutures, suture_ties, time),
+                    **_retractor_arrays(retractors, motions, time),
+                    activation=activation(materials, time),
+                )
+            )
+    gravity = procedure.tissue.gravity
+    origin = np.asarray(procedure.tissue.points, np.float64).min(axis=0)
+    return Program(
+        epochs=tuple(epochs),
+        frames=tuple(frames),
+        settings=SolverSettings(
+            spacing=spacing,
+            origin=(float(origin[0]), float(origin[1]), float(origin[2])),
+            quadrature=quadrature,
+            precision=precision,
+            tolerance=tolerance,
+            bed_stiffness=procedure.tissue.bed_stiffness,
+            gravity=(0.0, 0.0, -gravity if gravity else 0.0),
+            sutures=len(sutures),
+            retractors=len(retractors),
+            materials=tuple(parameters(material) for material in materials),
+            **settings,
+        ),
+        fps=procedure.fps,
+        hooks=tuple(hook.name for hook in hooks),
+        sutures=tuple(suture.name for suture in sutures),
+        retractors=tuple(retractor.name for retractor in retractors),
+        landmarks=_labels(marks),
+        active_hooks=tuple(active_hooks),
+        grips=tuple(grips),
+        landmarks_at=tuple(landmarks),
+        bones=bones,
+    )
+
+
+def frame_times(procedure: Procedure) -> list[int]:
+    """The integer time codes from the procedure's start to its end; raises RefusedError where there are none."""
+    first, last = math.ceil(procedure.start_time), math.floor(procedure.end_time)
+    if first > last:
+        raise RefusedError(
+            f"The timeline has no frame: it runs from {procedure.start_time:g} to {procedure.end_time:g}; "
+            "set endTimeCode to startTimeCode or later."
+        )
+    return list(range(first, last + 1))
+
+
+def _epoch_at(epochs: Sequence[Epoch], time: float) -> int:
+    """The index of the last epoch that starts at or before `time`; the first one before that."""
+    past = [epoch.index for epoch in epochs if epoch.start_time <= time]
+    return past[-1] if past else epochs[0].index
+
+
+def _refuse_off_tissue(procedure: Procedure) -> None:
+    loss = TissueLoss(procedure)
+    for event in procedure.events:
+        points: Sequence[Point]
+        if isinstance(event, Hook):
+            points = [event.anchor]
+        elif isinstance(event, Suture):
+            points = event.anchors
+        elif isinstance(event, Landmark):
+            points = event.points
+        else:
+            continue
+        distances = loss.is_off(points) if len(points) else None
+        if distances is not None:
+            worst = int(np.argmax(distances))
+            raise RefusedError(
+                f"{_path(event)}: the point {_mm(points[worst])} is {distances[worst]:.3g} mm off the tissue; "
+                "move it onto the rest surface."
+            )
+
+
+def _tied(
+    event: Hook | Suture,
+    anchors: Iterable[Point],
+    start: float,
+    release: float,
+    epoch: Epoch,
+    own: Sequence[int],
+    tie: AnchorTie,
+    loss: TissueLoss,
+) -> Tied | None:
+    """The anchors of an event on an epoch's surface, or None where the event does not act in the epoch's frames."""
+    acts = [time for time in own if start <= time < release]
+    if not acts:
+        return None
+    points = list(anchors)
+    tied = tie.tie(points)
+    lost = np.flatnonzero(loss.is_lost(points, tied))
+    if len(lost):
+        where = _mm(points[lost[0]])
+        mend = "start it before and release it by then" if isinstance(event, Hook) else "move the anchor or delete it"
+        raise RefusedError(
+            f"{_path(event)}: its anchor {where} lies in tissue that is excised by time {acts[0]}; {mend}."
+        )
+    if len(points) == 2 and float(np.linalg.norm(tied.point[0] - tied.point[1])) == 0.0:
+        raise RefusedError(
+            f"{_path(event)}: both anchors fall on the point {_mm(tied.point[0])} of the tissue; "
+            "put them on the two edges of the wound."
+        )
+    return tied
+
+
+def _hook_arrays(
+    hooks: Sequence[Hook], pulled: Sequence[int], ties: dict[int, Tied | None], time: float
+) -> dict[str, NDArray[Any]]:
+    tied = [found for i in pulled if (found := ties[i]) is not None]
+    if not tied:
+        return {}
+    return {
+        "hook_anchors": np.concatenate([found.point for found in tied]),
+        "hook_triangles": np.concatenate([found.triangle for found in tied]),
+        "hook_targets": np.array([_target(hooks[i], time) for i in pulled], np.float64),
+        "hook_stiffness": np.array([hooks[i].stiffness for i in pulled], np.float64),
+    }
+
+
+def _target(hook: Hook, time: float) -> NDArray[np.float64]:
+    if not hook.targets:
+        raise RefusedError(f"{_path(hook)}: it has no target; author a translate for it.")
+    samples = sorted(hook.targets)
+    when = [sample[0] for sample in samples]
+    where = np.array([sample[1] for sample in samples], np.float64)
+    return np.array([np.interp(time, when, where[:, axis]) for axis in range(3)])
+
+
+def _suture_arrays(sutures: Sequence[Suture], ties: dict[int, Tied | None], time: float) -> dict[str, NDArray[Any]]:
+    placed = [(i, found) for i, suture in enumerate(sutures) if suture.start <= time and (found := ties[i]) is not None]
+    if not placed:
+        return {}
+    return {
+        "suture_index": np.array([i for i, _ in placed], np.int32),
+        "suture_anchors": np.array([found.point for _, found in placed], np.float64),
+        "suture_triangles": np.array([found.triangle for _, found in placed], np.int32),
+        "suture_closure": np.array([_closure(sutures[i], time) for i, _ in placed], np.float64),
+        "suture_stiffness": np.array([sutures[i].stiffness for i, _ in placed], np.float64),
+    }
+
+
+def _closure(suture: Suture, time: float) -> float:
+    if suture.duration <= 0.0:
+        return 1.0
+    return min(max((time - suture.start) / suture.duration, 0.0), 1.0)
+
+
+def _motion(retractor: Retractor) -> RigidMotion:
+    try:
+        return RigidMotion(retractor.motion)
+    except ValueError as error:
+        raise RefusedError(f"{_path(retractor)}: {error}") from error
+
+
+def _retractor_arrays(
+    retractors: Sequence[Retractor], motions: Sequence[RigidMotion], time: float
+) -> dict[str, NDArray[Any]]:
+    held = [i for i, retractor in enumerate(retractors) if retractor.start <= time < retractor.release]
+    if not held:
+        return {}
+    return {
+        "retractor_index": np.array(held, np.int32),
+        "retractor_motion": np.array([motions[i].between(retractors[i].start, time) for i in held], np.float64),
+    }
+
+
+def _grips(epoch: Epoch, retractors: Sequence[Retractor], own: Sequence[int]) -> NDArray[np.int32]:
+    """The retractor that grips each triangle of an epoch, or -1; only those that act in one of its frames."""
+    surface = epoch.surface
+    grip = np.full(len(surface.triangles), -1, np.int32)
+    for i, retractor in enumerate(retractors):
+        acts = [time for time in own if retractor.start <= time < retractor.release]
+        if not acts:
+            continue
+        mask = surface.grips.get(retractor.grip)
+        if mask is None:
+            raise RefusedError(
+                f"{_path(retractor)}: it grips the subset {retractor.grip!r}, which the tissue does not have; "
+                "name one of its GeomSubsets."
+            )
+        if not mask.any():
+            raise RefusedError(
+                f"{_path(retractor)}: no face of its subset {retractor.grip!r} is left at time {acts[0]}; "
+                "release it before its tissue is excised."
+            )
+        taken = np.unique(grip[mask & (grip >= 0)])
+        if len(taken):
+            raise RefusedError(
+                f"{_path(retractor)}: it grips faces that {_path(retractors[int(taken[0])])} grips too while the "
+                "tissue's topology is the same; give each a subset of its own."
+            )
+        grip[mask] = i
+    return grip
+
+
+def _landmarks(points: Sequence[Point], tie: AnchorTie, loss: TissueLoss) -> Landmarks:
+    if not points:
+        return Landmarks()
+    tied = tie.tie(points)
+    kept = np.flatnonzero(~loss.is_lost(points, tied))
+    return Landmarks(kept.astype(np.int32), tied.point[kept], tied.triangle[kept])
+
+
+def _labels(marks: Sequence[tuple[Landmark, Point]]) -> tuple[str, ...]:
+    """A label per landmark point: no two alike.
+
+    A label that several prims share gets the prim's name, and the points of a prim with several are numbered from 1.
+    """
+    prims = {mark.name: mark for mark, _ in marks}
+    shared = Counter(mark.label or mark.name for mark in prims.values())
+    labels = []
+    for mark in prims.values():
+        label = mark.label or mark.name
+        if shared[label] > 1:
+            label = f"{label} ({mark.name})"
+        labels += [label] if len(mark.points) == 1 else [f"{label} {i + 1}" for i in range(len(mark.points))]
+    return tuple(labels)
+
+
+def _path(event: Event) -> str:
+    return f"/Procedure/Timeline/{event.name}"
+
+
+def _mm(point: Sequence[float] | NDArray[np.float64]) -> str:
+    return "(" + ", ".join(f"{float(value):.4g}" for value in point) + ") mm"

@@ -1,0 +1,1 @@
+"""What each feature costs, and that it costs nothing where it is absent."""

@@ -1,0 +1,154 @@
+"""Instructions of the daemon's hot loops, counted by callgrind while it solves one frame.
+
+The daemon runs under valgrind on one thread; collection is on inside `Session::solve` alone, so that neither its start
+nor its sockets count. Valgrind knows no AVX-512: where the processor would choose it, AVX2 is counted.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import shlex
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from lappet.daemon.client import SolverClient
+from lappet.daemon.process import SolverDaemon, find_daemon
+from lappet.program.program import Program
+from lappet.reports.report_error import ReportError
+
+FRAME, SEARCH = "lappet::Session::solve(", "lappet::find_equilibrium<"
+KERNELS = {"evaluate": "evaluate_groups<", "linearize": "linearize_groups<", "product": "multiply_groups<"}
+_PATIENCE = 300.0  # seconds that valgrind may take to bring the daemon up
+_COST = re.compile(r"^[+\-*]?\d* ?(\d+)$")
+
+
+class NoCounterError(ReportError):
+    """Instructions cannot be counted here; the sentence says why."""
+
+
+@dataclass(frozen=True)
+class Instructions:
+    """What one frame took. frame: all of it. search: of these inside the search for the equilibrium, the hot loops.
+    kernels: of these in the fused passes themselves, by the names of `KERNELS`. work: the header's counts.
+    """
+
+    frame: int
+    search: int
+    kernels: Mapping[str, int]
+    work: Mapping[str, float]
+
+
+def why_not() -> str | None:
+    """Why instructions cannot be counted on this machine, a sentence; None where they can."""
+    if shutil.which("valgrind") is None:
+        return "valgrind is not installed, so no instruction was counted."
+    if sys.platform != "linux":
+        return f"Callgrind's counts are taken on Linux only; this is {sys.platform}."
+    return None
+
+
+def count_instructions(program: Program, binary: Path | None = None) -> Instructions:
+    """Solves the program's first frame under callgrind, on one thread. binary: the daemon (found when None).
+
+    Raises NoCounterError where valgrind is not there or the daemon has no symbols, ReportError for a frame that does
+    not converge.
+    """
+    reason = why_not()
+    if reason is not None:
+        raise NoCounterError(reason)
+    with tempfile.TemporaryDirectory() as name:
+        out = Path(name) / "callgrind.out"
+        wrapper = _wrapper(Path(name), find_daemon() if binary is None else binary, out)
+        daemon = SolverDaemon(wrapper, start_timeout=_PATIENCE)
+        try:
+            daemon.start()
+            with SolverClient(daemon.address, daemon.token, silence=_PATIENCE) as client:
+                client.open(replace(program.settings, threads=1), program.bones)
+                client.set_epoch(program.epochs[0], program.grips[0], program.landmarks_at[0])
+                frame = client.solve(program.frames[0])
+        finally:
+            daemon.stop(_PATIENCE)  # callgrind writes as the daemon ends
+        if not frame.header["converged"]:
+            raise ReportError(f"The scene did not converge under callgrind: {frame.reason}")
+        if not out.is_file():
+            raise NoCounterError("Callgrind left no counts behind; run the report again.")
+        return _totals(out.read_text(encoding="utf-8", errors="replace"), frame.header["work"])
+
+
+def isa_to_count() -> str | None:
+    """The instruction set to ask for under valgrind: LAPPET_ISA where it is set; avx2 where AVX-512 would be chosen."""
+    named = os.environ.get("LAPPET_ISA")
+    if named and named != "avx512":
+        return named
+    try:
+        flags = Path("/proc/cpuinfo").read_text(encoding="utf-8", errors="replace")
+    except OSError:
+        return None
+    return "avx2" if " avx2 " in flags else None
+
+
+def _wrapper(folder: Path, binary: Path, out: Path) -> Path:
+    """A program that runs the daemon under callgrind."""
+    isa = isa_to_count()
+    command = [
+        "valgrind", "--tool=callgrind", f"--callgrind-out-file={out}", "--collect-atstart=no",
+        f"--toggle-collect={FRAME}*", str(binary.resolve()),
+    ]  # fmt: skip
+    setting = f"export LAPPET_ISA={isa}\n" if isa else ""
+    path = folder / "daemon_under_callgrind"
+    path.write_text(f'#!/bin/sh\n{setting}exec {shlex.join(command)} "$@"\n', encoding="utf-8")
+    path.chmod(0o700)
+    return path
+
+
+def _totals(text: str, work: Mapping[str, float]) -> Instructions:
+    own, inside = callgrind_costs(text)
+    frame = sum(own.values())
+    search = sum(cost for name, cost in inside.items() if SEARCH in name)
+    if not frame or not search:
+        raise NoCounterError("The daemon has no symbols to count by (it was stripped); build one in a source checkout.")
+    kernels = {
+        kernel: sum(cost for name, cost in own.items() if f"lappet::{mark}" in name) for kernel, mark in KERNELS.items()
+    }
+    return Instructions(frame, search, kernels, dict(work))
+
+
+def callgrind_costs(text: str) -> tuple[dict[str, int], dict[str, int]]:
+    """The instructions of each function itself, and those inside calls of it, from a file that callgrind wrote."""
+    names: dict[str, str] = {}
+    own: dict[str, int] = {}
+    inside: dict[str, int] = {}
+    function = callee = ""
+    called = False
+
+    def named(value: str) -> str:
+        number, _, name = value.partition(" ")
+        if name:
+            names[number] = name
+        return names.get(number, number)
+
+    for line in text.splitlines():
+        if line.startswith("fn="):
+            function = named(line[3:])
+        elif line.startswith("cfn="):
+            callee = named(line[4:])
+        elif line.startswith("calls="):
+            called = True
+        elif (found := _COST.match(line)) is not None:
+            into, name = (inside, callee) if called else (own, function)
+            into[name] = into.get(name, 0) + int(found[1])
+            called = False
+    return own, inside
+
+
+def valgrind_version() -> str | None:
+    """What `valgrind --version` says, None where there is none."""
+    if shutil.which("valgrind") is None:
+        return None
+    return subprocess.run(["valgrind", "--version"], capture_output=True, text=True, check=False).stdout.strip() or None

@@ -1,0 +1,59 @@
+"""Runs the report of error against time: which scenes there are, and at which spacings."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from pathlib import Path
+
+from lappet.daemon.daemon_solver import connect_to
+from lappet.reports.box_scenes import BOXES
+from lappet.reports.error_time.files import write_error_time
+from lappet.reports.error_time.measurement import Scene, error_time
+from lappet.reports.error_time.procedure_scenes import ProcedureScene, scalp_flap, z_plasty_scene
+from lappet.reports.error_time.totals import totals
+from lappet.reports.report_error import ReportError
+from lappet.reports.report_files import head, make_folder
+from lappet.usd.stage import read_procedure
+
+NAMES = (*(scene.name for scene in BOXES), "z-plasty", "scalp-flap")
+
+
+def run_error_time(
+    names: Sequence[str], folder: Path, quick: bool, say: Callable[[str], None] = lambda _: None
+) -> tuple[str, list[Path]]:
+    """Measures the scenes (all where none is named) and writes the files. Returns the totals, sentences, and the files.
+
+    quick: a coarser reference, and each setting varied alone. Raises ReportError for a name that is none, and where a
+    reference cannot be solved.
+    """
+
+    scenes = [find_scene(name) for name in names or NAMES]
+    make_folder(folder)
+    circumstances = head()
+    reports = []
+    for scene in scenes:
+        chosen = scene
+        if quick and scene.is_box:
+            chosen = replace(scene, reference=tuple(2.0 * h for h in scene.reference), spacings=scene.spacings[:2])  # type: ignore[type-var]
+        elif quick:
+            chosen.spacings = scene.spacings[:2]  # type: ignore[misc]
+        reports.append(error_time(chosen, connect_to(None), product=scene.every_combination and not quick, say=say))
+    return totals(reports), write_error_time(folder, circumstances, reports)
+
+
+def find_scene(name: str) -> Scene:
+    """The scene of that name, or the procedure in that file."""
+    for box in BOXES:
+        if box.name == name:
+            return box
+    if name == "z-plasty":
+        return z_plasty_scene()
+    if name == "scalp-flap":
+        return scalp_flap()
+    path = Path(name)
+    if path.suffix in (".usda", ".usdc", ".usd"):
+        procedure = read_procedure(path)
+        h = procedure.tissue.spacing
+        return ProcedureScene(path.stem, path.name, procedure, (2 * h, 1.5 * h, h), (2 * h, h, h / 2), h)
+    raise ReportError(f"There is no scene {name!r}; there are {', '.join(NAMES)}, or give a procedure (.usda).")

@@ -1,0 +1,224 @@
+"""Cases of what acts on the tissue: stiff and soft hooks and sutures, demands that fight each other, bone."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import Any
+
+from lappet.procedure import Hook, Incision, Retractor, Suture
+from lappet.program.program import Program
+from lappet.reports.stability.measurement import Case, Check, Scene, Solved
+from lappet.reports.stability.scenes import (
+    ABOVE,
+    BELOW,
+    LEFT,
+    RIGHT,
+    Pull,
+    Vector,
+    block,
+    box_bone,
+    compiled,
+    moved,
+    patch,
+    procedure,
+    stretched,
+)
+
+BLOCK: Vector = (12.0, 12.0, 6.0)
+MIDDLE: Vector = (6.0, 6.0, 6.0)
+GAP = ("keeps a gap of",)
+BONE = ("deep into bone", "deep in bone")
+
+
+def constraint_cases() -> Iterator[Case]:
+    """Groups stiffness, fights and bone."""
+    yield from _stiffness()
+    yield from _fights()
+    yield from _bone()
+
+
+def _pulled(stiffness: float, lift: float = 2.0, **more: Any) -> Program:
+    hook = (MIDDLE, (6.0, 6.0, 6.0 + lift), stiffness)
+    return block(BLOCK, 1.5, fixed=(BELOW,), hooks=(hook,), **more)
+
+
+def _hook_holds(stiffness: float) -> Check:
+    """A check: the force is the spring's, to the gap tolerance where it is stiff, and the tissue gives way to it."""
+
+    def check(solved: Solved) -> str:
+        frame = solved.frames[-1]
+        left = float(6.0 + 2.0 - frame.hook_points[0, 2])
+        force = float(frame.hook_forces[0, 2])
+        gap = 1e-3 * solved.program.settings.spacing if stiffness > 1e4 else 1e-6
+        if not -gap <= left <= 2.0 + 1e-6:
+            return f"The hook pulls its anchor to {2.0 - left:.3g} mm, not between 0 and 2 mm."
+        return "" if math.isclose(force, stiffness * left, rel_tol=1e-3, abs_tol=gap * stiffness) else (
+            f"A hook of {stiffness:g} mN/mm pulls with {force:.4g} mN over {left:.4g} mm."
+        )  # fmt: skip
+
+    return check
+
+
+def _slit(*events: Hook | Suture, stiffness: float = 1000.0, end: float = 3.0) -> Program:
+    slit = Incision("slit", 1.0, ((-6.0, 0.0, 2.0), (6.0, 0.0, 2.0)), kerf=0.1)
+    stitches = [
+        Suture(f"stitch_{k}", ((x, -1.5, 2.0), (x, 1.5, 2.0)), 2.0, 1.0, stiffness) for k, x in enumerate((-3.0, 3.0))
+    ]
+    return compiled(procedure(patch(), slit, *stitches, *events, end=end))
+
+
+def _stiffness() -> Iterator[Case]:
+    for power in (-2, 0, 2, 4, 6, 8):
+        stiffness = 10.0**power
+        yield Case(
+            f"hook of 10^{power} mN/mm", "stiffness", lambda k=stiffness: Scene(_pulled(k), check=_hook_holds(k))
+        )
+        yield Case(f"sutures of 10^{power} mN/mm", "stiffness", lambda k=stiffness: _slit(stiffness=k))
+    yield Case(
+        "hook of 10^8 mN/mm, double",
+        "stiffness",
+        lambda: Scene(_pulled(1e8, precision="double"), check=_hook_holds(1e8)),
+    )
+    yield Case("hook of 10^8 mN/mm beside one of 10^-2", "stiffness", lambda: _two_hooks(1e8, 1e-2))
+    yield Case("bed of 10^8 kPa/mm", "stiffness", lambda: compiled(procedure(patch(bed_stiffness=1e8), _lift(50.0))))
+    yield Case("bed of 10^-8 kPa/mm", "stiffness", lambda: compiled(procedure(patch(bed_stiffness=1e-8), _lift(50.0))))
+
+
+def _lift(stiffness: float, by: float = 2.0) -> Hook:
+    return Hook("lift", (0.0, 4.0, 2.0), ((1.0, (0.0, 4.0, 2.0)), (3.0, (0.0, 4.0, 2.0 + by))), 1.0, 9.0, stiffness)
+
+
+def _two_hooks(first: float, second: float) -> Program:
+    hooks = (((3.0, 6.0, 6.0), (3.0, 6.0, 7.0), first), ((9.0, 6.0, 6.0), (9.0, 6.0, 7.0), second))
+    return block(BLOCK, 1.5, fixed=(BELOW,), hooks=hooks)
+
+
+def _fights() -> Iterator[Case]:
+    def opposed(apart: float, by: float, stiffness: float) -> Program:
+        left, right = 6.0 - apart / 2, 6.0 + apart / 2
+        hooks: tuple[Pull, ...] = (
+            ((left, 6.0, 6.0), (left - by, 6.0, 6.0), stiffness),
+            ((right, 6.0, 6.0), (right + by, 6.0, 6.0), stiffness),
+        )
+        return block(BLOCK, 1.5, fixed=(BELOW,), hooks=hooks)
+
+    yield Case("hooks fight 3 mm apart", "fights", lambda: opposed(3.0, 2.0, 200.0))
+    yield Case("hooks fight on one point", "fights", lambda: Scene(opposed(0.0, 4.0, 200.0), check=_stays))
+    yield Case("hooks of 10^6 mN/mm fight 3 mm apart", "fights", lambda: opposed(3.0, 5.0, 1e6))
+    yield Case("hooks cross over", "fights", lambda: opposed(6.0, -6.0, 200.0))
+    across = (((3.0, 6.0, 6.0), (9.0, 6.0, 6.0), 1000.0),)
+    yield Case("suture over whole skin", "fights", lambda: block(BLOCK, 1.5, fixed=(BELOW,), sutures=across))
+    held = (((0.0, 3.0, 3.0), (12.0, 3.0, 3.0), 1000.0),)
+    yield Case(
+        "suture between two held sides",
+        "fights",
+        lambda: block(BLOCK, 1.5, fixed=(LEFT, RIGHT), sutures=held),
+        converges=False,
+        says=GAP,
+    )
+    yield Case(
+        "suture between what retractors pull apart",
+        "fights",
+        lambda: stretched(1.5, size=BLOCK, spacing=1.5, sutures=held),
+        converges=False,
+        says=GAP,
+    )
+    fan = (((6.0, 6.0, 6.0), (8.0, 6.0, 6.0), 1e3), ((6.0, 6.0, 6.0), (4.0, 6.0, 6.0), 1e3))
+    yield Case("one point is sewn to two", "fights", lambda: block(BLOCK, 1.5, fixed=(BELOW,), sutures=fan))
+    onto = (((6.0, 6.0, 6.0), (6.0, 6.0, 6.0), 1e3),)
+    yield Case("a suture of a point to itself", "fights", lambda: block(BLOCK, 1.5, fixed=(BELOW,), sutures=onto))
+
+    def crossed() -> Program:
+        ends = ((-1.0, 1.0), (1.0, -1.0))
+        pairs = [Suture(f"x_{k}", ((a, -1.5, 2.0), (b, 1.5, 2.0)), 2.0, 1.0) for k, (a, b) in enumerate(ends)]
+        return _slit(*pairs)
+
+    yield Case("sutures cross", "fights", crossed)
+
+    def pulled_apart(stiffness: float) -> Program:
+        hooks = [
+            Hook(f"pull_{k}", (0.0, y, 2.0), ((2.0, (0.0, y, 2.0)), (4.0, (0.0, 4.0 * y, 2.0))), 2.0, 9.0, stiffness)
+            for k, y in enumerate((-1.0, 1.0))
+        ]
+        return _slit(*hooks, end=4.0)
+
+    yield Case("hooks pull sutured edges apart", "fights", lambda: pulled_apart(200.0))
+    yield Case("hooks of 10^6 mN/mm pull sutured edges apart", "fights", lambda: pulled_apart(1e6))
+    fixed_hook = (((6.0, 6.0, 0.0), (6.0, 6.0, -4.0), 500.0),)
+    yield Case("hook on a fixed face", "fights", lambda: block(BLOCK, 1.5, fixed=(BELOW,), hooks=fixed_hook))
+    far = (((6.0, 6.0, 6.0), (6.0, 6.0, 1e6), 1e6),)
+    yield Case(
+        "hook with a target 1 km away",
+        "fights",
+        lambda: block(BLOCK, 1.5, fixed=(BELOW,), hooks=far),
+        converges=False,
+        says=("move the target nearer",),
+    )
+    yield Case("retractor turns its faces by 180° in 4", "fights", _turned)
+
+
+def _stays(solved: Solved) -> str:
+    off = float(abs(solved.frames[-1].hook_points[0] - MIDDLE).max())
+    return "" if off < 0.02 else f"Equal hooks on one point move it by {off:.3g} mm."
+
+
+def _turned() -> Program:
+    tissue = patch()
+    held = tissue.subsets["fixed"]
+    subsets = {"fixed": held[6:], "bed": tissue.subsets["bed"], "jaw": held[:6]}
+    samples = []
+    for time, degrees in ((1.0, 0.0), (5.0, 180.0)):
+        matrix = moved(turn=degrees, centre=(0.0, 0.0, 1.0)).T
+        samples.append((time, tuple(matrix.reshape(-1))))
+    made = procedure(replace(tissue, subsets=subsets), Retractor("jaw", "jaw", tuple(samples), 1.0, 9.0), end=5.0)
+    return compiled(made)
+
+
+def _bone() -> Iterator[Case]:
+    def above(top: float, **more: Any) -> Program:
+        bone = box_bone((-4.0, -4.0, -4.0), (16.0, 16.0, top))
+        return block(BLOCK, 1.5, bones=bone, **more)
+
+    yield Case("bone 0.5 mm into tissue of 1.5 mm cells", "bone", lambda: above(0.5, fixed=(ABOVE,)))
+    yield Case(
+        "bone 2 mm into tissue", "bone", lambda: above(2.0, fixed=(ABOVE,)), converges=False, says=("deep in bone",)
+    )
+    yield Case(
+        "bone through the whole tissue",
+        "bone",
+        lambda: above(20.0, fixed=(ABOVE,)),
+        converges=False,
+        says=("deep in bone",),
+    )
+    yield Case(
+        "bone that the tissue encloses",
+        "bone",
+        lambda: block(BLOCK, 1.5, fixed=(BELOW,), bones=box_bone((4.0, 4.0, 1.0), (8.0, 8.0, 4.0))),
+        converges=False,
+        says=("bone",),
+    )
+
+    def pressed(by: float) -> Program:
+        motion = [[moved((0.0, 0.0, -by))]]
+        return above(0.0, gripped=(ABOVE,), motions=motion)
+
+    yield Case("tissue pressed by 20 % onto bone", "bone", lambda: pressed(1.2))
+    yield Case("tissue pressed by 50 % onto bone", "bone", lambda: pressed(3.0))
+    yield Case(
+        "a face held by a retractor is carried into bone",
+        "bone",
+        lambda: block(
+            BLOCK,
+            1.5,
+            fixed=(ABOVE,),
+            gripped=(BELOW,),
+            motions=[[moved((0.0, 0.0, -3.0))]],
+            bones=box_bone((-4.0, -4.0, -6.0), (16.0, 16.0, -1.0)),
+        ),
+        converges=False,
+        says=BONE,
+    )
+    hook = ((6.0, 6.0, 0.0), (6.0, 6.0, -5.0), 500.0)
+    yield Case("hook pulls into bone", "bone", lambda: above(-0.5, fixed=(ABOVE,), hooks=(hook,)))

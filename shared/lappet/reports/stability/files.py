@@ -1,0 +1,56 @@
+"""Writes the report of stability: stability.json, .csv and .md."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from lappet.reports.report_files import described, markdown_table, write_csv, write_json
+from lappet.reports.stability.measurement import Row, totals
+
+
+def write_stability(folder: Path, head: Mapping[str, Any], rows: Sequence[Row]) -> list[Path]:
+    """Writes the files into `folder`, which is there, and returns them."""
+    files = [folder / f"stability.{suffix}" for suffix in ("json", "csv", "md")]
+    write_json(files[0], head, rows, totals=totals(rows))
+    write_csv(files[1], rows)
+    files[2].write_text(markdown(head, rows), encoding="utf-8")
+    return files
+
+
+def totals_table(rows: Sequence[Row]) -> str:
+    """The groups' totals, a table."""
+    return markdown_table(
+        ["group", "cases", "as expected", "converged", "refused with the reason"],
+        [[group, t["cases"], t["ok"], t["converged"], t["refused"]] for group, t in totals(rows).items()],
+    )
+
+
+def markdown(head: Mapping[str, Any], rows: Sequence[Row]) -> str:
+    """The report for people."""
+    failures = [row for row in rows if not row.ok]
+    parts = ["# Stability\n", described(head) + "\n", totals_table(rows)]
+    if failures:
+        parts.append("## Not as expected\n")
+        parts.append("\n".join(f"- **{row.case}**: {row.outcome}. {row.reason}" for row in failures) + "\n")
+    parts.append("## Cases\n")
+    parts.append(
+        markdown_table(
+            ["case", "expected", "outcome", "residual", "gap mm", "cells", "seconds", "ok"],
+            [
+                [
+                    f"{row.group}: {row.case}",
+                    row.expected,
+                    row.outcome,
+                    "" if row.residual is None else row.residual,
+                    "" if row.gap_mm is None else row.gap_mm,
+                    row.cells,
+                    row.seconds,
+                    "yes" if row.ok else "NO",
+                ]
+                for row in rows
+            ],
+        )
+    )
+    return "\n".join(parts)

@@ -1,0 +1,288 @@
+"""The stability matrix: each case is solved by a daemon of its own and held against the outcome that physics asks for.
+
+A converged frame is not believed: its arrays must be finite, its residual and gap within their tolerances also when the
+double precision kernels evaluate them at the state that came back, and the case may check the shape itself.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import math
+import threading
+import time
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lappet.core.refused import RefusedError
+from lappet.daemon.client import FrameSolution, SolverClient, SolverState
+from lappet.daemon.frame_solver import Iteration, SolverDiedError
+from lappet.daemon.process import SolverDaemon
+from lappet.daemon.wire import WireError
+from lappet.program.program import Program
+
+# A float state lies within its tolerance as float sees it; in double precision it may be this much worse.
+VERIFIED = 1.5
+DEEPEST = 0.1  # spacings that tissue may lie in bone
+# A daemon that has not answered this many budgets, and some seconds, after it was asked hangs: it is ended.
+PATIENCE, GRACE = 1.5, 10.0
+
+Check = Callable[["Solved"], str]
+Start = Callable[[NDArray[np.float64]], NDArray[np.float64]]
+
+
+@dataclass(frozen=True, eq=False)
+class Solved:
+    """The frames of a case that converged. twin: the last frame of its twin."""
+
+    program: Program
+    frames: tuple[FrameSolution, ...]
+    twin: FrameSolution | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """What is solved. start: where the first frame starts from, positions (N, 3) mm for nodes at rest (N, 3) mm. check:
+    what is wrong with the result, a sentence, or an empty text. twin: what the result is compared with, solved before
+    and from rest; the program itself where there is a start."""
+
+    program: Program
+    start: Start | None = None
+    check: Check | None = None
+    twin: Program | None = None
+
+
+@dataclass(frozen=True)
+class Case:
+    """A case. scene: makes it; may refuse. converges: an equilibrium is a right outcome. says: so is a refusal with one
+    of these in its reason. budget: seconds. slow: left out of the quick report."""
+
+    name: str
+    group: str
+    scene: Callable[..., Scene | Program]
+    converges: bool = True
+    says: tuple[str, ...] = ()
+    budget: float = 60.0
+    slow: bool = False
+
+    @property
+    def expected(self) -> str:
+        """The outcomes that are right, for people."""
+        refuses = "refuses: " + " | ".join(self.says) if self.says else ""
+        return " or ".join(part for part in ("converges" if self.converges else "", refuses) if part)
+
+
+@dataclass(frozen=True)
+class Row:
+    """What became of a case. outcome: converges, refuses, wrong (a claim that does not hold), crashes or hangs. reason:
+    why, a sentence; empty where it converged. residual, gap_mm: the greatest of all frames as the daemon says;
+    verified_residual: of the last frame in double precision. ok: the outcome is expected, within the budget."""
+
+    case: str
+    group: str
+    expected: str
+    outcome: str
+    reason: str
+    residual: float | None
+    verified_residual: float | None
+    gap_mm: float | None
+    frames: int
+    cells: int
+    seconds: float
+    budget: float
+    ok: bool
+
+
+def run_cases(cases: Iterable[Case], say: Callable[[str], None] = lambda _: None) -> Iterator[Row]:
+    """Runs cases one after the other."""
+    for case in cases:
+        row = run_case(case)
+        say(f"{'ok ' if row.ok else 'NOT'} {row.case}: {row.outcome} in {row.seconds:.1f} s. {row.reason}".rstrip())
+        yield row
+
+
+def run_case(case: Case) -> Row:
+    """Runs a case; never raises but for what ends the program."""
+    begun = time.perf_counter()
+    row = Row(case.name, case.group, case.expected, "converges", "", None, None, None, 0, 0, 0.0, case.budget, False)
+    watchdog = _Watchdog(PATIENCE * case.budget + GRACE)
+    try:
+        made = case.scene()
+        scene = made if isinstance(made, Scene) else Scene(made)
+        with SolverDaemon() as daemon, watchdog.over(daemon), SolverClient(daemon=daemon) as client:
+            row = _solve(client, scene, case, row)
+    except SolverDiedError as error:
+        row = replace(row, outcome="hangs" if watchdog.bit else "crashes", reason=str(error))
+    except RefusedError as error:
+        row = replace(row, outcome="refuses", reason=str(error))
+    except WireError as error:
+        row = replace(row, outcome="wrong", reason=f"The daemon's answer is no answer: {error}")
+    except Exception as error:
+        row = replace(row, outcome="crashes", reason=f"{type(error).__name__}: {error}".splitlines()[0])
+    seconds = time.perf_counter() - begun
+    right = (row.outcome == "converges" and case.converges) or (
+        row.outcome == "refuses" and any(part in row.reason for part in case.says)
+    )
+    if right and seconds > case.budget:
+        row = replace(row, reason=f"{row.reason} It took {seconds:.0f} s, more than its budget.".strip())
+    return replace(row, seconds=seconds, ok=right and seconds <= case.budget)
+
+
+def _solve(client: SolverClient, scene: Scene, case: Case, row: Row) -> Row:
+    settings = replace(scene.program.settings, time_budget=case.budget)
+    program = replace(scene.program, settings=settings)
+    twin = None
+    other = scene.twin or (program if scene.start is not None else None)
+    if other is not None:
+        before, reason, _ = _frames(client, other, None)
+        if reason:
+            return replace(row, outcome="refuses", reason=f"What it is compared with is refused already: {reason}")
+        twin = before[-1]
+    frames, reason, cells = _frames(client, program, scene.start)
+    finite = [frame for frame in frames if frame.converged]
+    row = replace(
+        row,
+        frames=len(finite),
+        cells=cells,
+        residual=max((float(frame.header["residual"]) for frame in finite), default=None),
+        gap_mm=max((float(frame.header["largest_gap"]) for frame in finite), default=None),
+    )
+    wrong = next(filter(None, (_disproved(frame, program) for frame in frames)), "")
+    if not wrong and finite and not case.slow and _begins_as_it_ended(program):
+        residual, gap = _again(client, program, finite[-1])
+        row = replace(row, verified_residual=residual)
+        if residual is not None and not residual <= VERIFIED * settings.tolerance:
+            wrong = f"In double precision its relative residual is {residual:.2e}."
+        elif gap is not None and not gap <= VERIFIED * settings.gap_tolerance * settings.spacing:
+            wrong = f"In double precision its gap is {gap:.3g} mm."
+    if not wrong and not reason and scene.check is not None:
+        wrong = scene.check(Solved(program, tuple(frames), twin))
+    if wrong:
+        return replace(row, outcome="wrong", reason=wrong)
+    return replace(row, outcome="refuses", reason=reason) if reason else row
+
+
+def _frames(client: SolverClient, program: Program, start: Start | None) -> tuple[list[FrameSolution], str, int]:
+    """The frames up to the first one that fails (included), why it failed, and the most cells of an epoch."""
+    client.open(program.settings, program.bones)
+    frames: list[FrameSolution] = []
+    at, cells = None, 0
+    for frame in program.frames:
+        if frame.epoch != at:
+            lattice = _set_epoch(client, program, frame.epoch, start is not None and at is None)
+            cells, at = max(cells, int(lattice["cells"])), frame.epoch
+            if start is not None and not frames:
+                client.set_state(_state(program, start(lattice["nodes"]) - lattice["nodes"]))
+        frames.append(client.solve(frame))
+        if not frames[-1].converged:
+            return frames, frames[-1].reason or "It did not converge and does not say why.", cells
+    return frames, "", cells
+
+
+def _set_epoch(client: SolverClient, program: Program, index: int, nodes: bool = False) -> dict[str, Any]:
+    at = next(i for i, epoch in enumerate(program.epochs) if epoch.index == index)
+    return client.set_epoch(program.epochs[at], program.grips[at], program.landmarks_at[at], nodes=nodes)
+
+
+def _state(program: Program, displacements: NDArray[np.float64]) -> SolverState:
+    """A state with these displacements (N, 3) in which nothing has acted yet."""
+    settings = program.settings
+    return SolverState(
+        settings.precision,
+        displacements,
+        np.full((settings.sutures, 3), np.nan),
+        np.zeros((settings.sutures, 3)),
+        np.zeros(0),
+        np.zeros(len(settings.materials)),
+    )
+
+
+def _disproved(frame: FrameSolution, program: Program) -> str:
+    """What a frame's own numbers say against it, a sentence; empty if nothing."""
+    for name, array in frame.arrays.items():
+        unknown = name == "state_suture_gaps"  # not a number before a suture is placed
+        if array.dtype.kind == "f" and not unknown and not np.isfinite(array).all():
+            return f"Frame {frame.time:g} holds numbers in '{name}' that are not finite."
+    if not frame.converged:
+        return ""
+    settings = program.settings
+    residual, gap = float(frame.header["residual"]), float(frame.header["largest_gap"])
+    if not residual <= settings.tolerance:
+        return f"Frame {frame.time:g} is called converged at a relative residual of {residual:.2e}."
+    if not gap <= settings.gap_tolerance * settings.spacing:
+        return f"Frame {frame.time:g} is called converged with a gap of {gap:.3g} mm."
+    deep = float(frame.header["largest_penetration"])
+    if not deep <= DEEPEST * settings.spacing:
+        return f"Frame {frame.time:g} is called converged with tissue {deep:.3g} mm deep in bone."
+    if not math.isfinite(float(frame.header["energy"])):
+        return f"Frame {frame.time:g} is called converged and its energy is not finite."
+    return ""
+
+
+def _begins_as_it_ended(program: Program) -> bool:
+    """Whether a state holds all that a frame ended with: the multipliers of bones and of stiff hooks are not kept."""
+    settings = program.settings
+    stiff = 1000.0 * max(material.youngs_modulus for material in settings.materials) * settings.spacing
+    hooked = max((float(frame.hook_stiffness.max(initial=0.0)) for frame in program.frames), default=0.0)
+    return hooked <= stiff and not len(program.bones.triangles)
+
+
+class _SeenError(Exception):
+    """The first iteration has been told."""
+
+
+def _again(client: SolverClient, program: Program, frame: FrameSolution) -> tuple[float | None, float | None]:
+    """The relative residual and the gap (mm) of a converged frame in double precision; None where nothing is said."""
+    client.open(replace(program.settings, precision="double"), program.bones)
+    constraints = next(each for each in program.frames if each.time == frame.time)
+    _set_epoch(client, program, constraints.epoch)
+    client.set_state(replace(frame.state, precision="double", nodes=np.asarray(frame.state.nodes, np.float64)))
+    told: list[Iteration] = []
+
+    def first(iteration: Iteration) -> None:
+        told.append(iteration)
+        raise _SeenError
+
+    with contextlib.suppress(_SeenError, RefusedError):
+        client.solve(constraints, first)
+    return (told[0].residual, told[0].gap) if told and told[0].newton == 0 else (None, None)
+
+
+class _Watchdog:
+    """Ends a daemon that does not answer in time. bit: it has."""
+
+    def __init__(self, seconds: float) -> None:
+        self.bit = False
+        self._seconds = seconds
+
+    @contextlib.contextmanager
+    def over(self, daemon: SolverDaemon) -> Iterator[None]:
+        """Watches over a daemon that runs."""
+
+        def bite() -> None:
+            self.bit = True
+            daemon.stop(patience=0.5)
+
+        timer = threading.Timer(self._seconds, bite)
+        timer.start()
+        try:
+            yield
+        finally:
+            timer.cancel()
+
+
+def totals(rows: Sequence[Row]) -> dict[str, dict[str, int]]:
+    """How many cases there are, as expected, converged and refused, by group and in all."""
+    groups = {group: [row for row in rows if row.group == group] for group in dict.fromkeys(row.group for row in rows)}
+    return {
+        group: {
+            "cases": len(of),
+            "ok": sum(row.ok for row in of),
+            "converged": sum(row.outcome == "converges" for row in of),
+            "refused": sum(row.outcome == "refuses" for row in of),
+        }
+        for group, of in {**groups, "all": list(rows)}.items()
+    }

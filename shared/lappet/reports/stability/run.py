@@ -1,0 +1,65 @@
+"""Runs the stability matrix: which cases there are, and the files of their report."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+from lappet.reports.report_error import ReportError
+from lappet.reports.report_files import head, make_folder, write_json
+from lappet.reports.stability.constraint_cases import constraint_cases
+from lappet.reports.stability.cut_cases import cut_cases
+from lappet.reports.stability.deformation_cases import deformation_cases
+from lappet.reports.stability.files import totals_table, write_stability
+from lappet.reports.stability.material_cases import material_cases
+from lappet.reports.stability.measurement import Case, run_cases
+from lappet.reports.stability.shape_cases import shape_cases
+
+
+def all_cases() -> list[Case]:
+    """The matrix."""
+    return [*material_cases(), *deformation_cases(), *constraint_cases(), *shape_cases(), *cut_cases()]
+
+
+def chosen_cases(only: Sequence[str], quick: bool) -> list[Case]:
+    """The cases of these groups (all where none is named), without the slow ones where it is to be quick. Raises
+    ReportError for a name that is none."""
+    cases = all_cases()
+    groups = list(dict.fromkeys(case.group for case in cases))
+    for name in only:
+        if name not in groups:
+            raise ReportError(f"There is no group {name!r} of cases; there are {', '.join(groups)}.")
+    return [case for case in cases if (not only or case.group in only) and not (quick and case.slow)]
+
+
+def run_stability(
+    folder: Path, cases: Sequence[Case], say: Callable[[str], None] = lambda _: None
+) -> tuple[str, bool, list[Path]]:
+    """Runs the cases and writes the files. Returns the table of totals, whether every case is ok, and the files.
+    Raises RefusedError where there is no daemon or no folder."""
+    make_folder(folder)
+    circumstances = head()
+    rows = list(run_cases(cases, say))
+    return totals_table(rows), all(row.ok for row in rows), write_stability(folder, circumstances, rows)
+
+
+def run_fuzz(
+    folder: Path, count: int, say: Callable[[str], None] = lambda _: None, jobs: int | None = None
+) -> tuple[str, bool, list[Path]]:
+    """Fuzzes so many procedures, `jobs` at once (one per core by default), and writes stability_fuzz.json. Returns a
+    sentence, whether all hold the property, and the file. Raises RefusedError where there is no daemon, no folder or no
+    hypothesis."""
+    from lappet.reports.stability.fuzz import fuzz
+
+    make_folder(folder)
+    circumstances = head()
+    found = fuzz(count, say, jobs)
+    file = folder / "stability_fuzz.json"
+    write_json(file, circumstances, [], **found)
+    failures = len(found["failures"])
+    return (
+        f"{found['procedures']} procedures: {found['solved']} solved to the end, "
+        f"{sum(found['refused'].values())} refused with a reason, {failures} failures.",
+        not failures,
+        [file],
+    )

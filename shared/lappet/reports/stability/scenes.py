@@ -1,0 +1,213 @@
+"""What the stability cases are made of: blocks that are held, moved and pulled, and small procedures on a patch."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lappet.checks.validation import check
+from lappet.core.problem import ProcedureError
+from lappet.cutting.epoch import Epoch, Regions
+from lappet.procedure import Event, Material, Procedure, Tissue
+from lappet.program.anchors import AnchorTie
+from lappet.program.compile import compile_program
+from lappet.program.program import Bones, FrameConstraints, Landmarks, MaterialParameters, Program, SolverSettings
+from lappet.reports.box_scenes import grid_box
+from lappet.reports.stability.measurement import Solved, Start
+from lappet.tissue.patch import flat_patch
+
+SKIN = MaterialParameters(model="neoHookean", youngs_modulus=50.0, poissons_ratio=0.45)
+MODELS = ("corotated", "neoHookean", "stableNeoHookean", "mooneyRivlin")
+Vector = tuple[float, float, float]
+Pull = tuple[Vector, Vector, float]  # anchor, target or other anchor, stiffness
+# The low and high side of each axis, as `grid_box` numbers them.
+LEFT, RIGHT, FRONT, BACK, BELOW, ABOVE = range(6)
+MOST_DIVISIONS = 24
+
+
+def material(model: str = "neoHookean", **changes: Any) -> MaterialParameters:
+    """Skin of another model or with other parameters."""
+    return replace(SKIN, model=model, mooney_ratio=0.5 if model == "mooneyRivlin" else 0.0, **changes)
+
+
+def block(
+    size: Vector,
+    spacing: float,
+    *,
+    fixed: Sequence[int] = (),
+    gripped: Sequence[int] = (),
+    motions: Sequence[Sequence[NDArray[np.float64]]] = ((),),
+    hooks: Sequence[Pull] = (),
+    sutures: Sequence[Pull] = (),
+    materials: Sequence[MaterialParameters] = (SKIN,),
+    regions: Regions | None = None,
+    bones: Bones | None = None,
+    **settings: Any,
+) -> Program:
+    """A box with a corner at the origin. fixed: sides held. gripped: a side for each retractor. motions: for each frame
+    a motion (4, 4) for each retractor. hooks, sutures: the same in every frame, all sutures drawn together. settings:
+    other fields of `SolverSettings`.
+    """
+    divisions = [max(1, min(MOST_DIVISIONS, round(length / spacing))) for length in size]
+    surface, side = grid_box(size, divisions)
+    surface = replace(surface, fixed=np.isin(side, fixed))
+    grip = np.full(len(side), -1, np.int32)
+    for index, each in enumerate(gripped):
+        grip[side == each] = index
+    tie = AnchorTie(surface, 1e-6 * max(size))
+    pulled = tie.tie(np.array([pull[0] for pull in hooks]).reshape(-1, 3))
+    ends = tie.tie(np.array([end for pull in sutures for end in pull[:2]]).reshape(-1, 3))
+    count = len(sutures)
+    frames = [
+        FrameConstraints(
+            float(time),
+            0,
+            hook_anchors=pulled.point,
+            hook_triangles=pulled.triangle,
+            hook_targets=np.array([pull[1] for pull in hooks], float).reshape(-1, 3),
+            hook_stiffness=np.array([pull[2] for pull in hooks], float),
+            suture_index=np.arange(count, dtype=np.int32),
+            suture_anchors=ends.point.reshape(-1, 2, 3),
+            suture_triangles=ends.triangle.reshape(-1, 2),
+            suture_closure=np.ones(count),
+            suture_stiffness=np.array([pull[2] for pull in sutures], float),
+            retractor_index=np.arange(len(motion), dtype=np.int32),
+            retractor_motion=np.array(list(motion), float).reshape(-1, 4, 4),
+        )
+        for time, motion in enumerate(motions, start=1)
+    ]
+    chosen = SolverSettings(
+        spacing=spacing, sutures=count, retractors=len(gripped), materials=tuple(materials), **settings
+    )
+    return Program(
+        epochs=(Epoch(0, 1.0, surface, 1, regions if regions is not None else Regions()),),
+        frames=tuple(frames),
+        settings=chosen,
+        bones=bones if bones is not None else Bones(),
+        grips=(grip,),
+        landmarks_at=(Landmarks(),),
+    )
+
+
+def moved(shift: Vector = (0.0, 0.0, 0.0), turn: float = 0.0, centre: Vector = (0.0, 0.0, 0.0)) -> NDArray[np.float64]:
+    """A motion: about the x axis through `centre` (mm) by `turn` degrees, then by `shift` mm."""
+    angle = math.radians(turn)
+    motion = np.eye(4)
+    motion[1:3, 1:3] = [[math.cos(angle), -math.sin(angle)], [math.sin(angle), math.cos(angle)]]
+    middle = np.asarray(centre, float)
+    motion[:3, 3] = middle - motion[:3, :3] @ middle + shift
+    return motion
+
+
+def stretched(
+    factor: float, *, steps: int = 1, size: Vector = (16.0, 8.0, 8.0), spacing: float = 2.0, **more: Any
+) -> Program:
+    """A bar held at one end whose other end is moved along it, in equal steps, until it is `factor` times as long."""
+    shifts = [size[0] * (factor - 1.0) * (step + 1) / steps for step in range(steps)]
+    motions = [[moved((shift, 0.0, 0.0))] for shift in shifts]
+    return block(size, spacing, fixed=(LEFT,), gripped=(RIGHT,), motions=motions, **more)
+
+
+def twisted(degrees: float, steps: int, **more: Any) -> Program:
+    """A bar of 32 x 8 x 8 mm held at one end whose other end is turned, in equal steps."""
+    motions = [[moved(turn=degrees * (step + 1) / steps, centre=(0.0, 4.0, 4.0))] for step in range(steps)]
+    return block((32.0, 8.0, 8.0), 2.0, fixed=(LEFT,), gripped=(RIGHT,), motions=motions, **more)
+
+
+def box_bone(low: Vector, high: Vector) -> Bones:
+    """A bone that fills a box, mm."""
+    size = (high[0] - low[0], high[1] - low[1], high[2] - low[2])
+    surface, _ = grid_box(size, (2, 2, 2))
+    return Bones(surface.points + low, surface.triangles)
+
+
+def procedure(tissue: Tissue, *events: Event, end: float = 3.0, **more: Any) -> Procedure:
+    """Events on a tissue, from frame 1 on."""
+    return Procedure(tissue=tissue, events=events, start_time=1.0, end_time=end, **more)
+
+
+def compiled(made: Procedure, **settings: Any) -> Program:
+    """The program of a procedure. Raises ProcedureError, RefusedError as `lappet solve` does."""
+
+    errors = [problem for problem in check(made) if problem.severity == "error"]
+    if errors:
+        raise ProcedureError(errors)
+    return compile_program(made, **settings)
+
+
+def patch(size: Vector = (24.0, 16.0, 2.0), spacing: float = 1.0, **more: Any) -> Tissue:
+    """A flat patch about the origin, its skin at z = thickness, its rim fixed, its underside on a bed."""
+    return flat_patch(size, resolution=2.0 * spacing, spacing=spacing, **more)
+
+
+def loose(tissue: Tissue, *, rim: bool = True) -> Tissue:
+    """A tissue without a bed, and where `rim` is false without anything that is fixed."""
+    kept = {name: faces for name, faces in tissue.subsets.items() if name != "bed" and (rim or name != "fixed")}
+    return replace(tissue, subsets=kept)
+
+
+def skin_material(**changes: Any) -> tuple[Material, ...]:
+    """The materials of a procedure whose skin has these parameters."""
+    return (replace(Material(), **changes),)
+
+
+# Starts -------------------------------------------------------------------------------------------------------------
+
+
+def at_rest(rest: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Where it is."""
+    return rest
+
+
+def collapsed(rest: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Everything in one point."""
+    return np.broadcast_to(rest.mean(axis=0), rest.shape)
+
+
+def flattened(rest: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Pressed into the plane half way up."""
+    return np.column_stack([rest[:, :2], np.full(len(rest), rest[:, 2].mean())])
+
+
+def inverted(rest: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Turned inside out through its middle."""
+    return 2.0 * rest.mean(axis=0) - rest
+
+
+def mirrored(rest: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Upside down without having been turned."""
+    return np.column_stack([rest[:, :2], rest[:, 2].max() + rest[:, 2].min() - rest[:, 2]])
+
+
+def scattered(rest: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Every node anywhere in the box of the tissue."""
+    low, high = rest.min(axis=0), rest.max(axis=0)
+    return low + (high - low) * np.random.default_rng(5).random(rest.shape)
+
+
+STARTS: dict[str, Start] = {
+    "rest": at_rest,
+    "collapsed": collapsed,
+    "flattened": flattened,
+    "inverted": inverted,
+    "mirrored": mirrored,
+    "random": scattered,
+}
+
+
+def as_from_rest(share: float) -> Any:
+    """A check: the last frame is the one from rest, to `share` of the spacing."""
+
+    def check(solved: Solved) -> str:
+        assert solved.twin is not None
+        off = float(np.abs(solved.frames[-1].points - solved.twin.points).max())
+        if off <= share * solved.program.settings.spacing:
+            return ""
+        return f"It is another equilibrium than that from rest: {off:.3g} mm away."
+
+    return check

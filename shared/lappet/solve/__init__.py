@@ -1,0 +1,1 @@
+"""Solving a program, the frame store and the estimate of the error."""

@@ -1,0 +1,150 @@
+"""Chooses lattice spacing, quadrature and tolerance so that the displacement error meets a target.
+
+A pilot at twice the tissue's own spacing is solved with each quadrature that may pay; its estimated error e at the
+spacing h says the spacing that the target needs, h (target / e)^(1/p), and its seconds what that will cost. The
+cheapest is solved in full, and refined again where its own estimate misses the target.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from lappet.core.refused import RefusedError
+from lappet.daemon.frame_solver import Connect
+from lappet.procedure import Procedure
+from lappet.program.compile import compile_program
+from lappet.solve.error_estimate import ErrorEstimate, estimate_errors, expected_order
+from lappet.solve.solve_program import Watcher, solve_program
+from lappet.solve.store import FrameStore
+
+PILOT = 2.0  # of the tissue's spacing
+CAUTION = 0.85  # of the spacing that the pilot asks for
+ALGEBRAIC_SHARE = 0.25  # of the target that stopping early may take
+TOLERANCE = 1e-3
+LEAST_TOLERANCE = {"float": 1e-5, "double": 1e-9}
+QUADRATURES = (1, 4)
+TRIES = 3
+COST_ORDER = 3.0  # seconds grow as h^-3
+
+
+@dataclass(frozen=True)
+class Choice:
+    """What to solve with. expected: the root mean square error in mm that the pilot foresees. sentence: for people."""
+
+    spacing: float
+    quadrature: int
+    tolerance: float
+    expected: float
+    sentence: str
+
+
+@dataclass(frozen=True)
+class _Pilot:
+    quadrature: int
+    spacing: float
+    needed: float
+    error: float
+    algebraic: float
+    order: float
+    cost: float
+
+
+def worst_rms(errors: ErrorEstimate) -> float:
+    """The greatest root mean square error of all frames, mm; infinite where a frame has no discretization part."""
+    if errors.reason is not None or any(error is None for error in errors.frames):
+        return float("inf")
+    return max((error.rms for error in errors.frames if error is not None), default=0.0)
+
+
+def choose(
+    procedure: Procedure,
+    target: float,
+    connect: Connect,
+    solver: str,
+    store: FrameStore,
+    *,
+    precision: str = "float",
+    until: float | None = None,
+    say: Callable[[str], None] = lambda _: None,
+) -> Choice:
+    """The settings that a target (mm, root mean square over the skin in the worst frame) needs.
+
+    Raises RefusedError where no pilot can be solved.
+    """
+    if not target > 0.0:
+        raise RefusedError(f"The target error is {target:g} mm; give a length above 0.")
+    spacing = PILOT * procedure.tissue.spacing
+    pilots: list[_Pilot] = []
+    reasons: list[str] = []
+    while not pilots:
+        for quadrature in QUADRATURES:
+            pilot = _pilot(procedure, spacing, quadrature, target, connect, solver, store, until)
+            if isinstance(pilot, str):
+                reasons.append(pilot)
+            else:
+                pilots.append(pilot)
+                say(
+                    f"Pilot at {spacing:.3g} mm with {quadrature} point{'s' * (quadrature > 1)}: {pilot.error:.2g} mm; "
+                    f"the target needs {pilot.needed:.3g} mm."
+                )
+        spacing /= 2.0
+        if not pilots and spacing < procedure.tissue.spacing / 4.0:
+            raise RefusedError(f"No error can be estimated: {reasons[-1]}")
+    best = min(pilots, key=lambda pilot: pilot.cost)
+    tolerance = TOLERANCE
+    if best.algebraic > ALGEBRAIC_SHARE * target:
+        tolerance = max(TOLERANCE * ALGEBRAIC_SHARE * target / best.algebraic, LEAST_TOLERANCE[precision])
+    expected = best.error * (best.needed / best.spacing) ** best.order
+    return Choice(
+        best.needed,
+        best.quadrature,
+        tolerance,
+        expected,
+        f"Chosen for an error of {target:g} mm: spacing {best.needed:.3g} mm, {best.quadrature} quadrature "
+        f"point{'s' * (best.quadrature > 1)}, tolerance {tolerance:.1e}.",
+    )
+
+
+def finer(choice: Choice, reached: float, target: float, order: float) -> Choice:
+    """The next choice after a solve that reached only `reached` mm."""
+    spacing = _round(CAUTION * choice.spacing * (target / reached) ** (1.0 / order))
+    sentence = f"The estimate is {reached:.2g} mm, above {target:g} mm: once more with a spacing of {spacing:.3g} mm."
+    return Choice(spacing, choice.quadrature, choice.tolerance, target, sentence)
+
+
+def _pilot(
+    procedure: Procedure,
+    spacing: float,
+    quadrature: int,
+    target: float,
+    connect: Connect,
+    solver: str,
+    store: FrameStore,
+    until: float | None,
+) -> _Pilot | str:
+    """The pilot, or why there is none."""
+
+    program = compile_program(
+        procedure, spacing=spacing, quadrature=quadrature, tolerance=TOLERANCE, until=until, correction=True
+    )
+    solved = solve_program(program, store, connect, solver, Watcher())
+    if solved.interrupted:
+        raise KeyboardInterrupt
+    if solved.reason is not None:
+        return solved.reason
+    errors = estimate_errors(program, solved.frames, store, connect, solver)
+    error = worst_rms(errors)
+    if error == float("inf"):
+        return errors.reason or "a frame has no estimate."
+    algebraic = max((each.algebraic_rms or 0.0 for each in errors.frames if each is not None), default=0.0)
+    order = expected_order(program)
+    needed = _round(CAUTION * spacing * (target / error) ** (1.0 / order)) if error > 0.0 else spacing
+    needed = min(needed, 2.0 * spacing)
+    seconds = sum(float(frame.header["seconds"]["total"]) for frame in solved.frames)
+    return _Pilot(quadrature, spacing, needed, error, algebraic, order, seconds * (spacing / needed) ** COST_ORDER)
+
+
+def _round(spacing: float) -> float:
+    """To three significant digits, so that the choice can be typed."""
+    return float(f"{spacing:.3g}")

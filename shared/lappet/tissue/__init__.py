@@ -1,0 +1,1 @@
+"""Tissue from meshes and patches, and where points lie on its skin."""

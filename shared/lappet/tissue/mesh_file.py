@@ -1,0 +1,121 @@
+"""Reads a triangle mesh from any file that trimesh or USD reads, in mm with Z up."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lappet.core.refused import RefusedError
+from lappet.geometry.triangulation import triangulate
+from lappet.usd.stage import open_stage, pxr
+
+UNITS = {"m": 1000.0, "cm": 10.0, "mm": 1.0, "in": 25.4}
+_USD = (".usd", ".usda", ".usdc", ".usdz")
+
+
+class MeshError(RefusedError):
+    """A mesh file that cannot become tissue; the sentence names the file, the value and the mend."""
+
+
+@dataclass(frozen=True, eq=False)
+class Mesh:
+    """Triangles as a file has them: points (n, 3) mm, triangles (m, 3), uv (m, 3, 2) or None."""
+
+    points: NDArray[np.float64]
+    triangles: NDArray[np.int64]
+    uv: NDArray[np.float64] | None = None
+
+
+def read_mesh(path: str | Path, units: str | None = None) -> tuple[Mesh, list[str]]:
+    """The mesh of a file, in mm, and what was found (lines for a report).
+
+    units: "m", "cm", "mm" or "in"; by default those that the file states (USD, glTF), or else a guess from its size.
+    Several meshes in one file become one. What states that Y is up (glTF, USD) is turned to have Z up. Raises
+    MeshError for a file that is missing or unreadable, holds no triangles or points that are not finite, and for
+    unknown units.
+    """
+    path = Path(path)
+    if units is not None and units not in UNITS:
+        raise MeshError(f'{path}: the units "{units}" are unknown; use one of {", ".join(UNITS)}')
+    if not path.is_file():
+        raise MeshError(f"{path}: there is no such file; give the path of a mesh")
+    if path.suffix.lower() in _USD:
+        mesh, scale, turn = _read_usd(path)
+        stated = f"the stage says {scale / 1000.0:g} m per unit"
+    else:
+        mesh = _read_trimesh(path)
+        turn = path.suffix.lower() in (".glb", ".gltf")
+        scale, stated = (1000.0, "glTF is in metres") if turn else (0.0, "")
+    if len(mesh.triangles) == 0:
+        raise MeshError(f"{path}: the file holds no triangles; give a surface mesh")
+    bad = np.flatnonzero(~np.isfinite(mesh.points).all(axis=1))
+    if len(bad):
+        raise MeshError(f"{path}: point {bad[0]} is {mesh.points[bad[0]].tolist()}; export the mesh with finite points")
+    extent = float(np.ptp(mesh.points[np.unique(mesh.triangles)], axis=0).max())
+    if units is not None:
+        scale, stated = UNITS[units], "as asked"
+    elif scale == 0.0:
+        guess = "m" if extent < 2.0 else "cm" if extent < 35.0 else "mm"
+        scale, stated = UNITS[guess], f"units guessed: {guess}, from a size of {extent:.4g}; say --units otherwise"
+    points = mesh.points * scale
+    if turn:
+        points = np.stack([points[:, 0], -points[:, 2], points[:, 1]], axis=1)
+    size = np.ptp(points[np.unique(mesh.triangles)], axis=0)
+    lines = [
+        f"{path.name}: {len(points)} points, {len(mesh.triangles)} triangles",
+        f"size: {size[0]:.4g} x {size[1]:.4g} x {size[2]:.4g} mm ({stated})",
+    ]
+    if turn:
+        lines.append("turned from Y up to Z up: (x, y, z) is now (x, -z, y)")
+    return Mesh(points, mesh.triangles, mesh.uv), lines
+
+
+def _read_trimesh(path: Path) -> Mesh:
+    import trimesh
+
+    try:
+        scene = trimesh.load_scene(path, process=False)
+        geometry = scene.to_mesh()
+    except Exception as error:  # trimesh's readers raise anything on broken files
+        raise MeshError(f"{path}: cannot be read as a mesh ({error}); give OBJ, STL, PLY, glTF or USD") from error
+    triangles = np.asarray(geometry.faces, np.int64).reshape(-1, 3)
+    uv = getattr(geometry.visual, "uv", None)
+    corner_uv = np.asarray(uv, np.float64)[triangles] if uv is not None and len(uv) == len(geometry.vertices) else None
+    return Mesh(np.asarray(geometry.vertices, np.float64).reshape(-1, 3), triangles, corner_uv)
+
+
+def _read_usd(path: Path) -> tuple[Mesh, float, bool]:
+    """The meshes of a stage at its default time, mm per unit, and whether Y is up."""
+
+    usd = pxr()
+    stage = open_stage(path)
+    cache = usd.UsdGeom.XformCache()
+    points, triangles, count = [], [], 0
+    for prim in stage.Traverse():
+        if not prim.IsA(usd.UsdGeom.Mesh):
+            continue
+        mesh = usd.UsdGeom.Mesh(prim)
+        local = np.asarray(mesh.GetPointsAttr().Get() or np.zeros((0, 3)), np.float64).reshape(-1, 3)
+        counts = np.asarray(mesh.GetFaceVertexCountsAttr().Get() or [], np.int64)
+        indices = np.asarray(mesh.GetFaceVertexIndicesAttr().Get() or [], np.int64)
+        if len(local) == 0 or len(counts) == 0:
+            continue
+        if counts.sum() != len(indices) or indices.min() < 0 or indices.max() >= len(local):
+            raise MeshError(f"{path}: the faces of {prim.GetPath()} do not fit its points; export the mesh again")
+        faces = triangulate(local, counts, indices)[0]
+        if mesh.GetOrientationAttr().Get() == "leftHanded":
+            faces = faces[:, ::-1]
+        matrix = np.asarray(cache.GetLocalToWorldTransform(prim), np.float64).reshape(4, 4)
+        if np.linalg.det(matrix[:3, :3]) < 0.0:
+            faces = faces[:, ::-1]
+        points.append(local @ matrix[:3, :3] + matrix[3, :3])
+        triangles.append(faces + count)
+        count += len(local)
+    scale = 1000.0 * float(usd.UsdGeom.GetStageMetersPerUnit(stage))
+    y_up = str(usd.UsdGeom.GetStageUpAxis(stage)) == "Y"
+    if not points:
+        return Mesh(np.zeros((0, 3)), np.zeros((0, 3), np.int64)), scale, y_up
+    return Mesh(np.concatenate(points), np.concatenate(triangles)), scale, y_up

@@ -1,0 +1,157 @@
+"""Repairs of a triangle mesh: welds, drops, turns and fills, and says what it did."""
+
+from __future__ import annotations
+
+from collections import deque
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lappet.geometry.surface_check import directed_edges, open_edges, signed_volume, unique_edges
+from lappet.geometry.triangulation import clip_ears
+from lappet.tissue.mesh_file import Mesh
+
+_WELD = 1e-6  # of the mesh's diagonal
+
+
+def weld(mesh: Mesh) -> tuple[Mesh, list[str]]:
+    """One vertex per position (to 10⁻⁶ of the diagonal); faces without area of their own and doubles dropped."""
+    used = np.unique(mesh.triangles)
+    grid = _WELD * max(float(np.linalg.norm(np.ptp(mesh.points[used], axis=0))), 1e-300)
+    _, first, inverse = np.unique(np.round(mesh.points[used] / grid), axis=0, return_index=True, return_inverse=True)
+    order = np.argsort(first, kind="stable")
+    rank = np.empty(len(order), np.int64)
+    rank[order] = np.arange(len(order))
+    renamed = np.full(len(mesh.points), -1, np.int64)
+    renamed[used] = rank[inverse.reshape(-1)]
+    points = mesh.points[used][first[order]]
+    triangles = renamed[mesh.triangles]
+    a, b, c = triangles.T
+    keep = (a != b) & (b != c) & (c != a)
+    _, unique = np.unique(np.sort(triangles, axis=1), axis=0, return_index=True)
+    single = np.zeros(len(triangles), bool)
+    single[unique] = True
+    lines = []
+    if len(points) < len(used):
+        lines.append(f"merged {len(used) - len(points)} vertices at the same place")
+    if len(used) < len(mesh.points):
+        lines.append(f"left out {len(mesh.points) - len(used)} points without a face")
+    if not keep.all():
+        lines.append(f"removed {int((~keep).sum())} degenerate faces")
+    if (keep & ~single).any():
+        lines.append(f"removed {int((keep & ~single).sum())} faces that were there twice")
+    keep &= single
+    return Mesh(points, triangles[keep], None if mesh.uv is None else mesh.uv[keep]), lines
+
+
+def orient(mesh: Mesh) -> tuple[Mesh, list[str]]:
+    """Neighbouring faces turned alike; closed parts outwards, open parts as most of their faces were.
+
+    Faces that meet along an edge of three or more are not compared. A surface that cannot be turned alike (a Möbius
+    strip) is left with its seam, which the later check names.
+    """
+    edges = directed_edges(mesh.triangles)
+    count = len(mesh.triangles)
+    _, inverse, times = unique_edges(edges)
+    order = np.argsort(inverse, kind="stable")
+    starts = np.concatenate([[0], np.cumsum(times)[:-1]])[times == 2]
+    one, two = order[starts], order[starts + 1]
+    same = edges[one, 0] == edges[two, 0]
+    neighbours: list[list[tuple[int, bool]]] = [[] for _ in range(count)]
+    for f, g, s in zip((one % count).tolist(), (two % count).tolist(), same.tolist(), strict=True):
+        neighbours[f].append((g, s))
+        neighbours[g].append((f, s))
+    turned = np.zeros(count, bool)
+    part = np.full(count, -1)
+    parts = 0
+    for seed in range(count):
+        if part[seed] >= 0:
+            continue
+        part[seed] = parts
+        queue = deque([seed])
+        while queue:
+            f = queue.popleft()
+            for g, s in neighbours[f]:
+                if part[g] < 0:
+                    part[g] = parts
+                    turned[g] = turned[f] ^ s
+                    queue.append(g)
+        parts += 1
+    flipped = mesh.triangles.copy()
+    flipped[turned] = flipped[turned][:, ::-1]
+    inside_out = 0
+    for k in range(parts):
+        faces = np.flatnonzero(part == k)
+        if len(open_edges(flipped[faces])) == 0:
+            if signed_volume(mesh.points, flipped[faces]) < 0.0:
+                turned[faces] = ~turned[faces]
+                inside_out += 1
+        elif turned[faces].mean() > 0.5:
+            turned[faces] = ~turned[faces]
+    triangles, uv = mesh.triangles.copy(), None if mesh.uv is None else mesh.uv.copy()
+    triangles[turned] = triangles[turned][:, ::-1]
+    if uv is not None:
+        uv[turned] = uv[turned][:, ::-1]
+    lines = [f"turned {int(turned.sum())} faces whose normals pointed the wrong way"] if turned.any() else []
+    if inside_out:
+        lines.append(f"of them those of {inside_out} closed part{'s' * (inside_out != 1)} turned inside out")
+    return Mesh(mesh.points, triangles, uv), lines
+
+
+def border_loops(triangles: NDArray[np.int64]) -> list[NDArray[np.int64]]:
+    """The closed loops of border vertices, each in the direction of its faces; longest first."""
+    border = open_edges(triangles)
+    following: dict[int, list[int]] = {}
+    for a, b in border.tolist():
+        following.setdefault(a, []).append(b)
+    loops = []
+    while following:
+        start = min(following)
+        loop = [start]
+        while True:
+            nexts = following[loop[-1]]
+            step = nexts.pop()
+            if not nexts:
+                del following[loop[-1]]
+            if step == start or step not in following:
+                break
+            loop.append(step)
+        loops.append(np.array(loop, np.int64))
+    return sorted(loops, key=lambda loop: (-len(loop), int(loop[0])))
+
+
+def perimeter(points: NDArray[np.float64], loop: NDArray[np.int64]) -> float:
+    """The length of a loop in mm."""
+    return float(np.linalg.norm(points[np.roll(loop, -1)] - points[loop], axis=1).sum())
+
+
+def fill(mesh: Mesh, loops: list[NDArray[np.int64]]) -> Mesh:
+    """The mesh with these border loops closed by triangles; the UVs there are those of the loop's vertices."""
+    pieces, uvs = [mesh.triangles], [mesh.uv]
+    uv_at = None
+    if mesh.uv is not None:
+        uv_at = np.zeros((len(mesh.points), 2))
+        uv_at[mesh.triangles.reshape(-1)] = mesh.uv.reshape(-1, 2)
+    for loop in loops:
+        back = loop[::-1]
+        triangles = back[clip_ears(mesh.points[back])]
+        pieces.append(triangles)
+        if uv_at is not None:
+            uvs.append(uv_at[triangles])
+    uv = None if mesh.uv is None else np.concatenate([u for u in uvs if u is not None])
+    return Mesh(mesh.points, np.concatenate(pieces), uv)
+
+
+def parts_of(triangles: NDArray[np.int64], size: int) -> NDArray[np.int64]:
+    """The connected part (m,) of each triangle, numbered by their first vertex; size: number of points."""
+    label = np.arange(size)
+    t = triangles
+    while True:
+        low = label[t].min(axis=1)
+        following = label.copy()
+        for k in range(3):
+            np.minimum.at(following, t[:, k], low)
+        following = following[following]
+        if np.array_equal(following, label):
+            return np.unique(label[t[:, 0]], return_inverse=True)[1].reshape(-1)
+        label = following

@@ -1,0 +1,18 @@
+"""How points drawn in space come to lie on a skin: a `Place` maps points (k, 3) to points (k, 3), mm."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from lappet.geometry.closest_point import ClosestPoint
+
+Place = Callable[[NDArray[np.float64]], NDArray[np.float64]]
+
+
+def onto(points: ArrayLike, triangles: ArrayLike) -> Place:
+    """A `project` for the designs above: to the closest point of a surface, points (n, 3) and triangles (m, 3)."""
+    surface = ClosestPoint(points, triangles)
+    return lambda drawn: surface.query(drawn)[1]

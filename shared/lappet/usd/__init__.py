@@ -1,0 +1,1 @@
+"""Procedures as USD files; the only importer of pxr."""

@@ -1,0 +1,319 @@
+"""A USD stage as a procedure: what carries Lappet's schemas, wherever it stands on the stage.
+
+`usd` is `lappet.usd.stage.pxr()` throughout; this module imports nothing of USD itself. Only authored values count, so
+a stage reads the same whether or not the schemas were registered in time.
+"""
+
+from __future__ import annotations
+
+from typing import Any, cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lappet.core.problem import Problem, ProcedureError
+from lappet.procedure import (
+    Basis,
+    Bone,
+    Event,
+    Excision,
+    Hook,
+    Incision,
+    Landmark,
+    Material,
+    Point,
+    Procedure,
+    Region,
+    Retractor,
+    Suture,
+    Tissue,
+    Undermine,
+)
+from lappet.usd.values import Reader
+
+PRIM_TYPES = {
+    "LappetTissueAPI": "Mesh",
+    "LappetRegionAPI": "GeomSubset",
+    "LappetBoneAPI": "Mesh",
+    "LappetMaterialAPI": None,
+    "LappetIncisionAPI": "BasisCurves",
+    "LappetExcisionAPI": "Points",
+    "LappetUndermineAPI": "BasisCurves",
+    "LappetHookAPI": "Xform",
+    "LappetRetractorAPI": "Xform",
+    "LappetSutureAPI": "BasisCurves",
+    "LappetLandmarkAPI": "Points",
+}
+
+
+def read(stage: Any, usd: Any, notes: list[str]) -> Procedure:
+    """The procedure on an open stage; `notes` gets a sentence for what was converted or left aside.
+
+    Raises ProcedureError with every problem that kept something from being read.
+    """
+    procedure, problems = read_what_can_be(stage, usd, notes)
+    if procedure is None or problems:
+        raise ProcedureError(problems)
+    return procedure
+
+
+def read_what_can_be(stage: Any, usd: Any, notes: list[str]) -> tuple[Procedure | None, list[Problem]]:
+    """The procedure on an open stage, as far as it can be read, and every problem that kept something from being read.
+
+    A value that could not be read is NaN or empty in the procedure; without a tissue there is no procedure.
+    """
+    reader = Reader(stage, usd, notes)
+    found = _find(reader)
+    tissues = found["LappetTissueAPI"]
+    if len(tissues) != 1:
+        paths = ", ".join(str(prim.GetPath()) for prim in tissues) or "none"
+        sentence = f"There are {len(tissues)} tissues: {paths}." if tissues else "The stage has no tissue."
+        mend = "Apply LappetTissueAPI to one closed mesh, /Procedure/Tissue; lappet new makes one from a mesh file."
+        reader.problem("/Procedure/Tissue", paths, sentence, mend)
+    tissue = _tissue(reader, tissues[0], found["LappetRegionAPI"]) if tissues else None
+    materials = tuple(_material(reader, prim) for prim in found["LappetMaterialAPI"])
+    bones = tuple(_bone(reader, prim) for prim in found["LappetBoneAPI"])
+    events = tuple(_event(reader, prim, schema, tissues) for prim, schema in found["events"])
+    start, end = float(stage.GetStartTimeCode()), float(stage.GetEndTimeCode())
+    if not stage.HasAuthoredTimeCodeRange():
+        sentence = "The stage has no startTimeCode and endTimeCode."
+        reader.problem("/Procedure", "no value", sentence, "Author both; frames are the whole time codes between them.")
+        start, end = -np.inf, np.inf
+    if tissue is None:
+        return None, reader.problems
+    procedure = Procedure(
+        tissue=tissue,
+        materials=materials,
+        events=events,
+        bones=bones,
+        start_time=start,
+        end_time=end,
+        fps=float(stage.GetTimeCodesPerSecond()),
+    )
+    return procedure, reader.problems
+
+
+def _find(reader: Reader) -> dict[str, list[Any]]:
+    """The prims by schema; "events" holds (prim, schema) of all seven kinds in the order of the stage."""
+    found: dict[str, list[Any]] = {"LappetTissueAPI": [], "LappetMaterialAPI": [], "LappetBoneAPI": []}
+    found |= {"LappetRegionAPI": [], "events": []}
+    for prim in reader.stage.Traverse():
+        schemas = [str(s) for s in prim.GetPrimTypeInfo().GetAppliedAPISchemas() if str(s).startswith("Lappet")]
+        for schema in schemas:
+            if schema not in PRIM_TYPES:
+                mend = f"Remove {schema}, or use a newer Lappet."
+                reader.problem(prim.GetPath(), schema, f"{schema} is not a schema that this Lappet knows.", mend)
+        schemas = [schema for schema in schemas if schema in PRIM_TYPES]
+        if len(schemas) > 1:
+            sentence = f"The prim carries {len(schemas)} of Lappet's schemas: {', '.join(schemas)}."
+            reader.problem(prim.GetPath(), ", ".join(schemas), sentence, "Leave one, and make a prim for each other.")
+        for schema in schemas[:1]:
+            wanted, kind = PRIM_TYPES[schema], str(prim.GetTypeName())
+            if wanted is not None and kind != wanted:
+                sentence = f"The prim carries {schema} but is a {kind or 'prim without a type'}, not a {wanted}."
+                reader.problem(prim.GetPath(), kind, sentence, f"Make it a {wanted}, or remove {schema}.")
+            elif schema in found:
+                found[schema].append(prim)
+            else:
+                found["events"].append((prim, schema))
+    return found
+
+
+def _tissue(reader: Reader, prim: Any, regions: list[Any]) -> Tissue:
+    points, counts, indices, corners = _mesh(reader, prim)
+    subsets: dict[str, NDArray[np.int32]] = {}
+    for subset in reader.usd.UsdGeom.Subset.GetGeomSubsets(reader.usd.UsdGeom.Imageable(prim), "", "lappet"):
+        child = subset.GetPrim()
+        element = str(subset.GetElementTypeAttr().Get())
+        if element != "face":
+            sentence = f"The subset {child.GetName()!r} is of {element}s, not of faces."
+            reader.problem(child.GetPath(), element, sentence, "Set its elementType to face.")
+            continue
+        subsets[child.GetName()] = reader.integers(child, "indices")
+    material = reader.target(prim, "lappet:material")
+    if not material:
+        mend = "Point lappet:material to a prim with LappetMaterialAPI."
+        reader.problem(prim.GetPath(), "no material", "The tissue has no material.", mend)
+    gravity = reader.number(prim, "lappet:gravity", np.inf)
+    return Tissue(
+        points=points,
+        face_vertex_counts=counts,
+        face_vertex_indices=indices,
+        uv=_uv(reader, prim, indices, corners),
+        subsets=subsets,
+        material=material.rpartition("/")[2],
+        spacing=reader.number(prim, "lappet:spacing", Tissue.spacing),
+        gravity=None if np.isposinf(gravity) else gravity,
+        bed_stiffness=reader.number(prim, "lappet:bedStiffness", Tissue.bed_stiffness),
+        regions=tuple(_region(reader, region, prim, subsets) for region in regions),
+    )
+
+
+def _region(reader: Reader, prim: Any, tissue: Any, subsets: dict[str, NDArray[np.int32]]) -> Region:
+    name = prim.GetName()
+    if prim.GetParent() != tissue or name not in subsets:
+        sentence = "The region is no face subset of the tissue of the family lappet."
+        mend = f"Put it below {tissue.GetPath()} with familyName lappet and elementType face."
+        reader.problem(prim.GetPath(), name, sentence, mend)
+    material = reader.target(prim, "lappet:material")
+    if not material:
+        mend = "Point lappet:material to a prim with LappetMaterialAPI, or remove LappetRegionAPI."
+        reader.problem(prim.GetPath(), "no material", "The region has no material.", mend)
+    return Region(
+        name,
+        material.rpartition("/")[2],
+        reader.number(prim, "lappet:depthFrom", Region.depth_from),
+        reader.number(prim, "lappet:depthTo", Region.depth_to),
+    )
+
+
+def _mesh(
+    reader: Reader, prim: Any
+) -> tuple[NDArray[np.float64], NDArray[np.int32], NDArray[np.int32], NDArray[np.intp]]:
+    """Points, counts, indices, and for each corner which corner of the file it is (left-handed faces are turned)."""
+    points = reader.points(prim)
+    counts, indices = reader.integers(prim, "faceVertexCounts"), reader.integers(prim, "faceVertexIndices")
+    corners = np.arange(len(indices))
+    matrix = reader.to_rest(prim)
+    mirrored = matrix is not None and np.linalg.det(matrix[:3, :3]) < 0.0
+    left = str(prim.GetAttribute("orientation").Get() or "rightHanded") == "leftHanded"
+    if left != mirrored and (counts > 0).all() and counts.sum() == len(indices):
+        starts = np.repeat(np.cumsum(counts) - counts, counts)
+        corners = 2 * starts + np.repeat(counts, counts) - 1 - corners
+        reader.notes.append(f"{prim.GetPath()}: its faces were turned from left-handed to right-handed.")
+    if len(reader.integers(prim, "holeIndices", optional=True)):
+        reader.notes.append(f"{prim.GetPath()}: holeIndices are ignored; the faces count as surface.")
+    scheme = prim.GetAttribute("subdivisionScheme").Get()
+    if scheme not in (None, "none"):
+        reader.notes.append(f"{prim.GetPath()}: subdivision ({scheme}) is ignored; its control cage is the surface.")
+    return points, counts, indices[corners] if len(indices) else indices, corners
+
+
+def _uv(reader: Reader, prim: Any, indices: NDArray[np.int32], corners: NDArray[np.intp]) -> NDArray[np.float32] | None:
+    primvar = reader.usd.UsdGeom.PrimvarsAPI(prim).GetPrimvar("st")
+    if not primvar or not primvar.HasValue():
+        return None
+    interpolation = str(primvar.GetInterpolation())
+    values = np.array(primvar.ComputeFlattened(reader.usd.Usd.TimeCode.EarliestTime()), np.float32)
+    if values.ndim == 2 and values.shape[1] == 2:
+        if interpolation == "faceVarying" and len(values) == len(corners):
+            return values[corners]
+        if (
+            interpolation in ("vertex", "varying")
+            and len(indices)
+            and 0 <= indices.min() <= indices.max() < len(values)
+        ):
+            return values[indices]
+    sentence = f"primvars:st has {len(values)} {interpolation} values for {len(corners)} face corners."
+    mend = "Author one texture coordinate for each face corner (faceVarying), or remove primvars:st."
+    reader.problem(prim.GetPath(), len(values), sentence, mend)
+    return None
+
+
+def _bone(reader: Reader, prim: Any) -> Bone:
+    points, counts, indices, _ = _mesh(reader, prim)
+    return Bone(prim.GetName(), points, counts, indices)
+
+
+def _material(reader: Reader, prim: Any) -> Material:
+    def number(name: str, default: float) -> float:
+        return reader.number(prim, f"lappet:{name}", default)
+
+    along, across = reader.vector(prim, "lappet:prestretch", 2, Material.prestretch)
+    return Material(
+        name=prim.GetName(),
+        model=reader.text(prim, "lappet:model", Material.model),
+        youngs_modulus=number("youngsModulus", Material.youngs_modulus),
+        poissons_ratio=number("poissonsRatio", Material.poissons_ratio),
+        mooney_ratio=number("mooneyRatio", Material.mooney_ratio),
+        fiber_k1=number("fiber:k1", Material.fiber_k1),
+        fiber_k2=number("fiber:k2", Material.fiber_k2),
+        fiber_dispersion=number("fiber:dispersion", Material.fiber_dispersion),
+        fiber_direction=cast(Point, reader.vector(prim, "lappet:fiber:direction", 3, Material.fiber_direction)),
+        prestretch=(along, across),
+        density=number("density", Material.density),
+        muscle_stress=number("muscleStress", Material.muscle_stress),
+        muscle_activation=reader.samples(prim, "lappet:muscleActivation"),
+    )
+
+
+def _event(reader: Reader, prim: Any, schema: str, tissues: list[Any]) -> Event:
+    name = prim.GetName()
+    match schema:
+        case "LappetIncisionAPI":
+            points, basis, closed = _curve(reader, prim)
+            through = reader.flag(prim, "lappet:through", True)
+            time, kerf = reader.number(prim, "lappet:time"), reader.number(prim, "lappet:kerf", Incision.kerf)
+            return Incision(
+                name, time, points, None if through else reader.number(prim, "lappet:depth"), kerf, basis, closed
+            )
+        case "LappetExcisionAPI":
+            return Excision(name, reader.number(prim, "lappet:time"), _tuples(reader.points(prim)))
+        case "LappetUndermineAPI":
+            points, basis, closed = _curve(reader, prim)
+            if not closed:
+                sentence = "The area is undermined inside an open curve."
+                reader.problem(prim.GetPath(), "nonperiodic", sentence, "Close the curve: set its wrap to periodic.")
+            return Undermine(name, reader.number(prim, "lappet:time"), points, basis)
+        case "LappetHookAPI":
+            start, release = reader.number(prim, "lappet:start"), reader.number(prim, "lappet:release")
+            anchor = reader.placed(np.array([reader.vector(prim, "lappet:anchor", 3)]), prim.GetParent())
+            moves = tuple((time, cast(Point, tuple(m[3, :3]))) for time, m in reader.motion(prim, start))
+            stiffness = reader.number(prim, "lappet:stiffness", Hook.stiffness)
+            return Hook(name, _tuples(anchor)[0], moves, start, release, stiffness)
+        case "LappetRetractorAPI":
+            start, release = reader.number(prim, "lappet:start"), reader.number(prim, "lappet:release")
+            motion = tuple((time, tuple(m.ravel())) for time, m in reader.motion(prim, start))
+            return Retractor(name, _grip(reader, prim, tissues), motion, start, release)
+        case "LappetSutureAPI":
+            start = reader.number(prim, "lappet:start")
+            anchors = _tuples(reader.placed(reader.vectors(prim, "lappet:anchors"), prim.GetParent()))
+            if len(anchors) != 2:
+                sentence = f"The suture has {len(anchors)} anchors."
+                reader.problem(prim.GetPath(), len(anchors), sentence, "Give lappet:anchors two rest points.")
+                anchors = ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
+            duration = reader.number(prim, "lappet:duration", Suture.duration)
+            stiffness = reader.number(prim, "lappet:stiffness", Suture.stiffness)
+            return Suture(name, (anchors[0], anchors[1]), start, duration, stiffness)
+        case _:
+            return Landmark(name, _tuples(reader.points(prim)), reader.text(prim, "lappet:label", name))
+
+
+def _grip(reader: Reader, prim: Any, tissues: list[Any]) -> str:
+    target = reader.target(prim, "lappet:grip")
+    parent, _, name = target.rpartition("/")
+    if not target:
+        mend = "Point lappet:grip to a face subset of the tissue."
+        reader.problem(prim.GetPath(), "no grip", "The retractor grips nothing.", mend)
+    elif tissues and parent != str(tissues[0].GetPath()):
+        sentence = f"The retractor grips {target}, which is no face subset of the tissue."
+        mend = f"Point lappet:grip to a subset below {tissues[0].GetPath()}."
+        reader.problem(prim.GetPath(), target, sentence, mend)
+    return name
+
+
+def _curve(reader: Reader, prim: Any) -> tuple[tuple[Point, ...], Basis, bool]:
+    """Points, basis and closedness of a prim with one curve; a pinned curve gets its phantom points."""
+    points = reader.points(prim)
+    counts = reader.integers(prim, "curveVertexCounts")
+    if len(counts) != 1:
+        sentence = f"The prim holds {len(counts)} curves."
+        reader.problem(prim.GetPath(), len(counts), sentence, "Make one prim for each curve.")
+    elif counts[0] != len(points):
+        sentence = f"curveVertexCounts is {counts[0]}, but the curve has {len(points)} points."
+        reader.problem(prim.GetPath(), int(counts[0]), sentence, f"Set curveVertexCounts to [{len(points)}].")
+    kind = str(prim.GetAttribute("type").Get() or "cubic")
+    basis = "linear" if kind == "linear" else str(prim.GetAttribute("basis").Get() or "bezier")
+    if basis not in ("linear", "bspline", "catmullRom", "bezier"):
+        mend = "Use linear, bspline, catmullRom or bezier."
+        reader.problem(prim.GetPath(), basis, f"The basis {basis!r} of the curve is not known.", mend)
+        basis = "linear"
+    wrap = str(prim.GetAttribute("wrap").Get() or "nonperiodic")
+    if wrap == "pinned" and basis in ("bspline", "catmullRom") and len(points) >= 2:
+        points = np.concatenate([[2 * points[0] - points[1]], points, [2 * points[-1] - points[-2]]])
+        reader.notes.append(f"{prim.GetPath()}: the pinned curve got a phantom point at each end.")
+    return _tuples(points), cast(Basis, basis), wrap == "periodic"
+
+
+def _tuples(points: NDArray[np.float64]) -> tuple[Point, ...]:
+    return tuple((float(x), float(y), float(z)) for x, y, z in points)

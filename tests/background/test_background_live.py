@@ -1,0 +1,254 @@
+"""Live mode: the skin follows a hook's target, and nothing of it is kept."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from background_owner import SETTINGS, Owner, daemon_of, kill, owner
+from lappet.background.live_session import LiveSession
+from lappet.background.plan import Finished, FrameFailed, FrameReady, Happening, LiveFrame, Refused
+from lappet.background.plan_store import get_shown
+from lappet.daemon.frame_solver import SolvedFrame, SolverDiedError
+from lappet.output.solve_procedure import solve_procedure
+from lappet.procedure import Hook, Incision, Point
+from lappet.program.compile import compile_program
+from lappet.program.program import Bones, SolverSettings
+from lappet.solve.store import FrameStore, StoredFrame
+from small_procedure import TOP, FakeSolver, small_procedure
+
+
+def pulled(own: Owner, job: int, target: Point) -> LiveFrame:
+    """Moves the hook and waits for the skin at that target."""
+    own.solver.live_target(job, target)
+
+    def there(each: Happening) -> bool:
+        return isinstance(each, LiveFrame) and each.job == job and each.target == target
+
+    found = own.until(there)
+    assert isinstance(found, LiveFrame)
+    return found
+
+
+def opened(own: Owner, job: int) -> LiveFrame:
+    """Waits for the first live frame."""
+    found = own.until(lambda each: isinstance(each, LiveFrame | Finished) and each.job == job)
+    assert isinstance(found, LiveFrame), own.happened
+    return found
+
+
+@pytest.mark.slow
+def test_the_hooked_point_follows_the_target_until_it_is_let_go(tmp_path: Path, binary: Path) -> None:
+    with owner(tmp_path) as own:
+        job = own.solver.live(small_procedure(), SETTINGS, 5, "hook")
+        first = opened(own, job)
+        assert first.time == 5
+        # The frames before were solved on the way, and told as such; the frame itself was not.
+        assert list(own.frames(job)) == [1, 2, 3, 4]
+        assert first.converged
+        reached = [first.frame.arrays["hook_points"][0]]
+        for k in range(1, 9):
+            live = pulled(own, job, (0.0, 3.0 + 0.25 * k, 3.0 + 0.25 * k))
+            assert live.converged
+            assert live.frame.points.shape == first.frame.points.shape
+            reached.append(live.frame.arrays["hook_points"][0])
+        way = np.array(reached)
+        assert (np.diff(way[:, 1:], axis=0) > 0.1).all()
+        assert np.linalg.norm(way[-1] - [0.0, 5.0, 5.0]) < 1.0
+        moved = np.linalg.norm(live.frame.points - first.frame.points, axis=1)
+        assert moved.max() > 1.0
+        assert not {"strain", "stress", "tension"} & set(live.frame.arrays)
+        own.solver.cancel(job)
+        assert own.finished(job).cancelled
+        assert own.solver.running == ()
+
+
+@pytest.mark.slow
+def test_live_mode_finds_the_frame_that_a_solve_finds(tmp_path: Path, binary: Path) -> None:
+    """Away and back again: an elastic tissue has one equilibrium, whatever the way there."""
+    result = solve_procedure(small_procedure(), tmp_path / "c.usdc", store=FrameStore(tmp_path / "store"))
+    solved = result.frames[5].arrays["points"]
+    target = (0.0, 4.0, TOP + 2.0)
+    with owner(tmp_path / "store") as own:
+        job = own.solver.live(small_procedure(), SETTINGS, 6, "hook")
+        first = opened(own, job)
+        assert not own.of(FrameReady, job)
+        np.testing.assert_allclose(first.frame.points, solved, atol=0.02)
+        away = pulled(own, job, (1.0, 1.0, TOP + 4.0))
+        assert np.abs(away.frame.points - solved).max() > 1.0
+        back = pulled(own, job, target)
+        np.testing.assert_allclose(back.frame.points, solved, atol=0.05)
+
+
+@pytest.mark.slow
+def test_live_states_never_enter_the_store(tmp_path: Path, binary: Path) -> None:
+    with owner(tmp_path) as own:
+        job = own.solver.live(small_procedure(), SETTINGS, 5, "hook")
+        opened(own, job)
+        files = {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()}
+        pulled(own, job, (0.0, 5.0, 5.0))
+        pulled(own, job, (0.0, 5.0, 6.0))
+        own.solver.cancel(job)
+        own.finished(job)
+        assert {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()} == files
+        assert get_shown(FrameStore(tmp_path), own.plan(job).plan.frames[4].key) is None
+
+
+@pytest.mark.slow
+def test_a_target_out_of_reach_leaves_the_tissue_where_it_was(tmp_path: Path, binary: Path) -> None:
+    with owner(tmp_path) as own:
+        job = own.solver.live(small_procedure(), SETTINGS, 5, "hook")
+        opened(own, job)
+        good = pulled(own, job, (0.0, 4.0, 4.0))
+        for target in ((0.0, 1e5, 4.0), (float("inf"), 0.0, 0.0)):
+            bad = pulled(own, job, target)
+            assert not bad.converged
+            assert bad.frame.header["reason"]
+            np.testing.assert_array_equal(bad.frame.points, good.frame.points)
+        again = pulled(own, job, (0.0, 4.0, 4.5))
+        assert again.converged
+        assert again.frame.arrays["hook_points"][0, 2] > good.frame.arrays["hook_points"][0, 2]
+
+
+@pytest.mark.slow
+def test_live_mode_outlives_its_daemon_and_its_worker(tmp_path: Path, binary: Path) -> None:
+    with owner(tmp_path) as own:
+        job = own.solver.live(small_procedure(), SETTINGS, 5, "hook")
+        opened(own, job)
+        before = pulled(own, job, (0.0, 4.0, 4.0))
+        worker = own.solver.worker
+        assert worker is not None
+        kill(daemon_of(worker))
+        after = pulled(own, job, (0.0, 4.0, 4.1))
+        assert after.converged
+        assert np.abs(after.frame.points - before.frame.points).max() < 0.5
+        assert len(own.notes(job)) == 1
+        kill(worker)
+        last = pulled(own, job, (0.0, 4.0, 4.2))
+        assert last.converged
+        assert len(own.notes(job)) == 2
+        assert len(own.of(Finished, job)) == 0
+
+
+@pytest.mark.slow
+def test_live_mode_waits_for_no_solve_and_only_the_newest_one_runs(tmp_path: Path, binary: Path) -> None:
+    samples = tuple((float(t), (0.3 * (-1) ** t, 3.0, TOP + 1.0)) for t in range(3, 301))
+    busy = small_procedure(
+        events=(
+            Incision("slit", 1.0, ((-6.0, 0.0, TOP), (6.0, 0.0, TOP)), kerf=0.1),
+            Hook("hook", (0.0, 2.0, TOP), samples, 3.0, 1e6),
+        ),
+        end_time=300.0,
+    )
+    with owner(tmp_path) as own:
+        solve = own.solver.solve(busy, SETTINGS)
+        own.until(lambda each: isinstance(each, FrameReady))
+        live = own.solver.live(small_procedure(), SETTINGS, 5, "hook")
+        opened(own, live)
+        newer = own.solver.live(small_procedure(), SETTINGS, 6, "hook")
+        opened(own, newer)
+        assert own.of(Finished, live)[0].cancelled
+        assert solve in own.solver.running
+        for job in (solve, newer):
+            own.solver.cancel(job)
+            own.finished(job)
+
+
+@pytest.mark.slow
+def test_a_hook_that_does_not_pull_there_is_refused_with_its_frames(tmp_path: Path, binary: Path) -> None:
+    with owner(tmp_path) as own:
+        for time, hook, says in ((7, "hook", "from 4 to 6"), (99, "hook", "from 1 to 8"), (5, "other", "no hook")):
+            job = own.solver.live(small_procedure(), SETTINGS, time, hook)
+            own.finished(job)
+            (refused,) = own.of(Refused, job)
+            assert refused.problems[0].path == f"/Procedure/Timeline/{hook}"
+            assert says in refused.problems[0].sentence
+
+
+@pytest.mark.slow
+def test_a_frame_before_that_fails_ends_live_mode_with_its_reason(tmp_path: Path, binary: Path) -> None:
+    far = Hook("far", (4.0, 2.0, TOP), ((3.0, (4.0, 2.0, 1e6)),), 3.0, 4.0)
+    with owner(tmp_path) as own:
+        job = own.solver.live(small_procedure().with_events(far), SETTINGS, 5, "hook")
+        assert not own.finished(job).cancelled
+        (failed,) = own.of(FrameFailed, job)
+        assert failed.time == 3
+        assert not own.of(LiveFrame, job)
+
+
+def session(solver: FakeSolver, notes: list[str]) -> LiveSession:
+    """A session at the slit's first pulled frame, from the frame before it."""
+    return LiveSession(compile_program(small_procedure()), 3, 0, None, solver.connect, notes.append)
+
+
+def test_a_session_solves_one_frame_at_a_relaxed_tolerance_with_the_hook_moved() -> None:
+    asked: list[Any] = []
+
+    class Recording(FakeSolver):
+        def connect(self, settings: SolverSettings, bones: Bones) -> Any:
+            asked.append(settings)
+            inner = super().connect(settings, bones)
+            solve = inner.solve
+
+            def recorded(frame: Any, progress: Any) -> SolvedFrame:
+                asked.append(frame)
+                return solve(frame, progress)
+
+            inner.solve = recorded  # type: ignore[method-assign]
+            return inner
+
+    live = session(Recording(), [])
+    live.pull((1.0, 2.0, 3.0), lambda _: None)
+    live.pull((4.0, 5.0, 6.0), lambda _: None)
+    settings, *frames = asked
+    assert settings.tolerance == 1e-2
+    assert [frame.hook_targets.tolist() for frame in frames] == [[[1.0, 2.0, 3.0]], [[4.0, 5.0, 6.0]]]
+    assert replace(frames[0], hook_targets=frames[1].hook_targets).time == 4.0
+
+
+def test_a_session_whose_solver_died_goes_on_from_the_last_good_state() -> None:
+    solver, notes = FakeSolver(), []
+    live = session(solver, notes)
+    value = float(live.pull((1.0, 2.0, 3.0), lambda _: None).arrays["nodes"][0, 0])
+    deaths = [SolverDiedError("The daemon died: it was ended by SIGKILL.")]
+
+    def dies_once(_: float) -> None:
+        if deaths:
+            raise deaths.pop()
+
+    solver.before = dies_once
+    live.pull((1.0, 2.0, 4.0), lambda _: None)
+    assert ("state", value) in solver.log
+    (note,) = notes
+    assert "SIGKILL" in note
+    live.close()
+    assert solver.opened == solver.closed == 2
+
+
+def test_a_session_whose_solver_dies_three_times_gives_up() -> None:
+    def dies(_: float) -> None:
+        raise SolverDiedError("The daemon died.")
+
+    solver = FakeSolver(before=dies)
+    with pytest.raises(SolverDiedError):
+        session(solver, []).pull((1.0, 2.0, 3.0), lambda _: None)
+    assert solver.opened == solver.closed == 3
+
+
+def test_a_state_of_the_epoch_before_is_carried_into_the_frames_own() -> None:
+    program = compile_program(small_procedure(start_time=2.0))
+    solver = FakeSolver()
+    frame = solver.connect(program.settings, program.bones)
+    frame.set_epoch(program.epochs[0], program.grips[0], program.landmarks_at[0])
+    before = frame.solve(program.frames[0], lambda _: None)
+    solver.log.clear()
+
+    moved = replace(program, frames=(program.frames[0], *program.frames[2:]))
+    stored = StoredFrame(before.header, before.arrays)
+    live = LiveSession(moved, 1, 0, (0, stored), solver.connect, lambda _: None)
+    live.pull((0.0, 3.0, 3.0), lambda _: None)
+    assert [what for what, _ in solver.log] == ["epoch", "state", "epoch", "solve"]

@@ -1,0 +1,454 @@
+"""The background solver with the real worker and daemon: the frames of `lappet solve`, whatever dies meanwhile."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from background_owner import SETTINGS, Owner, alive, daemon_of, kill, owner, wait_gone
+from lappet.background.plan import (
+    Finished,
+    FrameFailed,
+    FrameReady,
+    Happening,
+    IterationDone,
+    Planned,
+    Refused,
+    SolveSettings,
+)
+from lappet.background.plan_store import get_plan, get_shown
+from lappet.background.solver import BackgroundSolver
+from lappet.daemon.frame_solver import STATE_ARRAYS
+from lappet.output.solve_procedure import solve_procedure
+from lappet.procedure import Hook, Incision, Procedure, Suture
+from lappet.solve.store import FrameStore
+from small_procedure import TOP, small_procedure
+
+pytestmark = pytest.mark.slow
+
+MISSING = Path("no such folder")
+
+
+def long_procedure(frames: int = 24) -> Procedure:
+    """A slit pulled open by a hook that moves in every frame."""
+    samples = tuple((float(t), (0.3 * t * (-1) ** t, 2.0 + 0.1 * t, TOP + 0.1 * t)) for t in range(2, frames + 1))
+    return small_procedure(
+        events=(
+            Incision("slit", 1.0, ((-6.0, 0.0, TOP), (6.0, 0.0, TOP)), kerf=0.1),
+            Hook("hook", (0.0, 2.0, TOP), samples, 2.0, 1e6),
+        ),
+        end_time=float(frames),
+    )
+
+
+def is_frame(time: int) -> Callable[[Happening], bool]:
+    return lambda each: isinstance(each, FrameReady) and each.time == time
+
+
+def contents(store: Path, keys: list[str]) -> list[dict[str, bytes]]:
+    """The arrays of frames in a store, the state among them."""
+    frames = [FrameStore(store).get(key) for key in keys]
+    assert all(frame is not None and set(STATE_ARRAYS) <= set(frame.arrays) for frame in frames)
+    return [{name: array.tobytes() for name, array in frame.arrays.items()} for frame in frames if frame is not None]
+
+
+@pytest.fixture(scope="module")
+def foreground(tmp_path_factory: pytest.TempPathFactory, binary: Path) -> Path:
+    """The store of `lappet solve` for the long procedure."""
+    folder = tmp_path_factory.mktemp("foreground")
+    result = solve_procedure(
+        long_procedure(), folder / "c.usdc", store=FrameStore(folder / "store"), error_estimate=False
+    )
+    assert result.complete
+    return folder / "store"
+
+
+def test_a_background_solve_has_the_keys_and_the_bits_of_lappet_solve(tmp_path: Path, binary: Path) -> None:
+    result = solve_procedure(
+        small_procedure(), tmp_path / "c.usdc", store=FrameStore(tmp_path / "foreground"), error_estimate=False
+    )
+    with owner(tmp_path / "background") as own:
+        job = own.solver.solve(small_procedure(), SETTINGS)
+        ended = own.finished(job)
+        assert (ended.frames, ended.cancelled) == (8, False)
+        frames = own.frames(job)
+        assert own.plan(job).known == (False,) * 8
+    keys = [frame.key for frame in result.frames]
+    assert [frames[time].key for time in range(1, 9)] == keys
+    assert contents(tmp_path / "background", keys) == contents(tmp_path / "foreground", keys)
+    for frame, told in zip(result.frames, frames.values(), strict=True):
+        assert not told.looked_up
+        assert told.frame is not None
+        assert told.frame.points.tobytes() == frame.arrays["points"].tobytes()
+        assert set(told.frame.arrays) == set(frame.arrays) - {"points"}
+        shown = get_shown(FrameStore(tmp_path / "background"), frame.key)
+        assert shown is not None
+        assert shown.points.tobytes() == told.frame.points.tobytes()
+
+
+def test_the_other_way_round_lappet_solve_finds_every_frame_of_the_background(tmp_path: Path, binary: Path) -> None:
+    with owner(tmp_path / "store") as own:
+        own.finished(own.solver.solve(small_procedure(), SETTINGS))
+    result = solve_procedure(
+        small_procedure(), tmp_path / "c.usdc", store=FrameStore(tmp_path / "store"), error_estimate=False
+    )
+    assert (result.solved, result.looked_up) == (0, 8)
+
+
+def test_frames_arrive_while_the_solve_goes_on_and_polling_costs_next_to_nothing(tmp_path: Path, binary: Path) -> None:
+    with owner(tmp_path) as own:
+        job = own.solver.solve(long_procedure(), SETTINGS)
+        own.until(is_frame(1))
+        first = time.perf_counter()
+        own.finished(job)
+        assert time.perf_counter() > first
+        kinds = [type(each) for each in own.happened]
+        assert kinds.index(Planned) < kinds.index(FrameReady) < len(kinds) - 1
+        assert IterationDone in kinds
+        assert kinds[-1] is Finished
+        assert own.slowest < 0.02
+
+
+def test_a_cancelled_solve_keeps_what_is_done_and_the_next_one_looks_it_up(
+    foreground: Path, tmp_path: Path, binary: Path
+) -> None:
+    procedure = long_procedure()
+    with owner(tmp_path) as own:
+        job = own.solver.solve(procedure, SETTINGS)
+        own.until(is_frame(3))
+        own.solver.cancel(job)
+        ended = own.finished(job)
+        assert ended.cancelled
+        done = own.frames(job)
+        assert 3 <= len(done) == ended.frames < 24
+        assert not own.of(FrameFailed, job)
+
+        again = own.solver.solve(procedure, SETTINGS)
+        assert own.finished(again).frames == 24
+        frames = own.frames(again)
+        assert [frame.looked_up for frame in frames.values()] == [True] * len(done) + [False] * (24 - len(done))
+        assert all(frame.frame is None for frame in frames.values() if frame.looked_up)
+        assert sum(own.plan(again).known) == len(done)
+        keys = [frame.key for frame in frames.values()]
+    assert contents(tmp_path, keys) == contents(foreground, keys)
+
+
+def test_an_edit_solves_only_the_frames_after_it_and_an_undo_none(tmp_path: Path, binary: Path) -> None:
+    base = small_procedure()
+    edited = base.with_events(Suture("second", ((-2.0, -1.0, TOP), (-2.0, 1.0, TOP)), 7.0))
+    with owner(tmp_path) as own:
+        own.finished(own.solver.solve(base, SETTINGS))
+        job = own.solver.solve(edited, SETTINGS)
+        own.finished(job)
+        assert own.plan(job).known == (True,) * 6 + (False,) * 2
+        assert [frame.looked_up for frame in own.frames(job).values()] == [True] * 6 + [False] * 2
+        undone = own.solver.solve(base, SETTINGS)
+        own.finished(undone)
+        assert own.plan(undone).known == (True,) * 8
+        assert all(frame.looked_up for frame in own.frames(undone).values())
+
+
+def test_a_solve_ends_at_the_frame_that_is_asked_for(tmp_path: Path, binary: Path) -> None:
+    with owner(tmp_path) as own:
+        job = own.solver.solve(small_procedure(), SETTINGS, until=3)
+        assert own.finished(job).frames == 3
+        assert list(own.frames(job)) == [1, 2, 3]
+        assert len(own.plan(job).plan.frames) == 8
+        assert own.finished(own.solver.solve(small_procedure(), SETTINGS, until=0)).frames == 0
+
+
+def test_a_killed_worker_is_started_again_and_nothing_is_lost(foreground: Path, tmp_path: Path, binary: Path) -> None:
+    with owner(tmp_path) as own:
+        job = own.solver.solve(long_procedure(), SETTINGS)
+        own.until(is_frame(4))
+        worker = own.solver.worker
+        assert worker is not None
+        daemon = daemon_of(worker)
+        kill(worker)
+        assert own.finished(job).frames == 24
+        wait_gone(daemon)
+        assert own.solver.worker != worker
+        (note,) = own.notes(job)
+        assert "SIGKILL" in note
+        assert "started again" in note
+        frames = own.frames(job)
+        assert own.plan(job).plan.frames[3].key == frames[4].key
+        keys = [frame.key for frame in frames.values()]
+    assert len(keys) == 24
+    assert contents(tmp_path, keys) == contents(foreground, keys)
+
+
+def test_a_killed_daemon_costs_one_note_and_no_frame(foreground: Path, tmp_path: Path, binary: Path) -> None:
+    with owner(tmp_path) as own:
+        job = own.solver.solve(long_procedure(), SETTINGS)
+        own.until(is_frame(4))
+        worker = own.solver.worker
+        assert worker is not None
+        kill(daemon_of(worker))
+        assert own.finished(job).frames == 24
+        assert own.solver.worker == worker
+        (note,) = own.notes(job)
+        assert "SIGKILL" in note
+        keys = [frame.key for frame in own.frames(job).values()]
+    assert contents(tmp_path, keys) == contents(foreground, keys)
+
+
+def test_a_worker_that_dies_three_times_in_a_row_ends_its_jobs_with_a_sentence(tmp_path: Path, binary: Path) -> None:
+    (tmp_path / "msgpack.py").write_text("import sys; sys.exit('this is no Lappet')")
+    solver = BackgroundSolver(store=tmp_path / "store", path=[str(tmp_path)])
+    own = Owner(solver)
+    job = solver.plan(small_procedure(), SETTINGS)
+    assert not own.finished(job).cancelled
+    (refused,) = own.of(Refused, job)
+    assert "3 times in a row" in refused.problems[0].sentence
+    assert "this is no Lappet" in refused.problems[0].sentence
+    assert len(own.notes(job)) == 2
+    assert solver.running == ()
+    solver.close(wait=5.0)
+
+
+def test_a_plan_is_found_in_the_store_after_a_restart_without_compiling(tmp_path: Path, binary: Path) -> None:
+    with owner(tmp_path) as own:
+        job = own.solver.plan(small_procedure(), SETTINGS)
+        own.finished(job)
+        first = own.plan(job).plan
+        assert first.key == own.solver.key(small_procedure(), SETTINGS)
+    assert get_plan(FrameStore(tmp_path), first.key) is not None
+    # Compiled again the plan would have notes of its own; that of the store is told as it lies there.
+    store = FrameStore(tmp_path)
+    stored = store.get(first.key)
+    assert stored is not None
+    store.put(first.key, replace(stored, header={**stored.header, "notes": ["from the store"]}))
+    with owner(tmp_path) as own:
+        job = own.solver.plan(small_procedure(), SETTINGS)
+        own.finished(job)
+        assert own.plan(job).plan.notes == ("from the store",)
+        assert own.plan(job).plan.frames == first.frames
+
+
+def test_a_procedure_that_cannot_be_solved_is_refused_with_its_sentences(tmp_path: Path, binary: Path) -> None:
+    hook = Hook("hook", (0.0, 90.0, TOP), ((1.0, (0.0, 0.0, 9.0)),), 1.0, 3.0)
+    excised = small_procedure(events=(Incision("slit", 2.0, ((50.0, 0.0, TOP), (60.0, 0.0, TOP))),))
+    with owner(tmp_path) as own:
+        for procedure, path in ((small_procedure(events=(hook,)), "hook"), (excised, "slit")):
+            job = own.solver.solve(procedure, SETTINGS)
+            assert own.finished(job).frames == 0
+            (refused,) = own.of(Refused, job)
+            assert f"/Procedure/Timeline/{path}" in [problem.path for problem in refused.problems]
+            assert all(problem.sentence for problem in refused.problems)
+            assert not own.of(Planned, job)
+        job = own.solver.solve(small_procedure(), SolveSettings(spacing=-1.0))
+        own.finished(job)
+        (refused,) = own.of(Refused, job)
+        assert "-1" in refused.problems[0].sentence
+        assert own.finished(own.solver.solve(small_procedure(), SETTINGS)).frames == 8
+
+
+def test_a_frame_that_cannot_converge_fails_with_its_reason(tmp_path: Path, binary: Path) -> None:
+    far = Hook("hook", (0.0, 2.0, TOP), ((3.0, (0.0, 2.0, TOP)), (4.0, (0.0, 2.0, 1e6))), 3.0, 7.0)
+    with owner(tmp_path) as own:
+        job = own.solver.solve(small_procedure(events=(far,)), SETTINGS)
+        assert own.finished(job).frames == 3
+        (failed,) = own.of(FrameFailed, job)
+        assert failed.time == 4
+        assert "Frame 4" in failed.reason
+
+
+def test_without_a_daemon_the_refusal_says_so(tmp_path: Path) -> None:
+    with owner(tmp_path, MISSING) as own:
+        job = own.solver.plan(small_procedure(), SETTINGS)
+        own.finished(job)
+        (refused,) = own.of(Refused, job)
+        assert str(MISSING) in refused.problems[0].sentence
+
+
+def test_a_store_that_cannot_be_written_costs_a_note_and_no_frame(tmp_path: Path, binary: Path) -> None:
+    (tmp_path / "file").write_text("no folder")
+    with owner(tmp_path / "file" / "store") as own:
+        job = own.solver.solve(small_procedure(), SETTINGS)
+        assert own.finished(job).frames == 8
+        (note,) = own.notes(job)
+        assert "cannot be written" in note
+        assert all(frame.frame is not None for frame in own.frames(job).values())
+        # What is not on the disk the worker remembers, and tells it whole.
+        again = own.solver.solve(small_procedure(), SETTINGS)
+        own.finished(again)
+        frames = own.frames(again)
+        assert all(frame.looked_up and frame.frame is not None for frame in frames.values())
+        for time_code, frame in own.frames(job).items():
+            told = frames[time_code].frame
+            assert frame.frame is not None
+            assert told is not None
+            assert told.points.tobytes() == frame.frame.points.tobytes()
+
+
+def test_two_owners_solve_into_one_store_at_once(foreground: Path, tmp_path: Path, binary: Path) -> None:
+    with owner(tmp_path) as one, owner(tmp_path) as two:
+        jobs = one.solver.solve(long_procedure(), SETTINGS), two.solver.solve(long_procedure(), SETTINGS)
+        assert one.finished(jobs[0]).frames == two.finished(jobs[1]).frames == 24
+        keys = [frame.key for frame in one.frames(jobs[0]).values()]
+        assert keys == [frame.key for frame in two.frames(jobs[1]).values()]
+    assert contents(tmp_path, keys) == contents(foreground, keys)
+
+
+def test_a_plan_does_not_wait_for_a_solve_and_a_newer_plan_replaces_those_that_wait(
+    tmp_path: Path, binary: Path
+) -> None:
+    with owner(tmp_path) as own:
+        solve = own.solver.solve(long_procedure(), SolveSettings(spacing=0.7))
+        own.until(is_frame(1))
+        plans = [
+            own.solver.plan(replace(small_procedure(), fps=float(fps)), SolveSettings(spacing=0.7))
+            for fps in range(1, 6)
+        ]
+        ended = own.finished(plans[-1])
+        assert not ended.cancelled
+        assert solve in own.solver.running
+        assert own.plan(plans[-1]).plan.key == own.solver.key(
+            replace(small_procedure(), fps=5.0), SolveSettings(spacing=0.7)
+        )
+        assert all(own.of(Finished, plan) for plan in plans)
+        assert sum(end.cancelled for plan in plans for end in own.of(Finished, plan)) >= 2
+        own.solver.cancel(solve)
+        assert own.finished(solve).cancelled
+
+
+OWNER = """
+import json, sys, time
+sys.path[:0] = json.loads(sys.argv[1])
+from pathlib import Path
+from lappet.background.plan import FrameReady
+from lappet.background.solver import BackgroundSolver
+from background_owner import SETTINGS, daemon_of
+from test_background_solver import long_procedure
+solver = BackgroundSolver(store=Path(sys.argv[2]))
+job = solver.solve(long_procedure(400), SETTINGS)
+while not any(isinstance(each, FrameReady) for each in solver.poll()):
+    time.sleep(0.005)
+print(solver.worker, daemon_of(solver.worker), flush=True)
+time.sleep(60)
+"""
+
+
+def test_worker_and_daemon_end_with_their_owner(tmp_path: Path, binary: Path) -> None:
+    folders = json.dumps([folder for folder in sys.path if folder])
+    with subprocess.Popen(
+        [sys.executable, "-c", OWNER, folders, str(tmp_path)], stdout=subprocess.PIPE, text=True
+    ) as process:
+        assert process.stdout is not None
+        worker, daemon = map(int, process.stdout.readline().split())
+        assert alive(worker)
+        assert alive(daemon)
+        process.kill()
+    wait_gone(worker)
+    wait_gone(daemon)
+
+
+def test_closing_ends_worker_and_daemon_in_the_middle_of_a_solve(tmp_path: Path, binary: Path) -> None:
+    with owner(tmp_path) as own:
+        own.solver.solve(long_procedure(400), SETTINGS)
+        own.until(is_frame(2))
+        worker = own.solver.worker
+        assert worker is not None
+        daemon = daemon_of(worker)
+        begun = time.perf_counter()
+        own.solver.close()
+        assert time.perf_counter() - begun < 0.05
+        wait_gone(worker)
+        wait_gone(daemon)
+
+
+def test_asking_costs_the_window_next_to_nothing_at_twenty_thousand_vertices(tmp_path: Path, binary: Path) -> None:
+    from lappet.tissue.patch import flat_patch
+
+    base = small_procedure()
+    large = replace(base, tissue=flat_patch((100.0, 100.0, 2.0), resolution=1.0, spacing=2.0))
+    assert len(large.tissue.points) > 20_000
+    with owner(tmp_path) as own:
+        costs = []
+        for _ in range(5):
+            begun = time.perf_counter()
+            job = own.solver.plan(large, SETTINGS)
+            own.solver.cancel(job)
+            costs.append(time.perf_counter() - begun)
+        own.finished(job)
+    assert min(costs) < 0.002
+
+
+def test_the_worker_imports_neither_usd_nor_blender_nor_the_command_line(binary: Path) -> None:
+    program = (
+        "import sys, lappet.background.worker, lappet.background.solve_job, lappet.background.live_job\n"
+        "import lappet.daemon.daemon_solver\n"
+        "print(*sorted({name.partition('.')[0] for name in sys.modules} & {'bpy', 'pxr', 'click', 'rich', 'trimesh'}))"
+    )
+    from lappet.background.interpreter import worker_environment
+
+    done = subprocess.run(
+        [sys.executable, "-s", "-P", "-c", program],
+        env=worker_environment({}, [], None),
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert done.stdout.strip() == ""
+
+
+def test_an_error_of_our_own_ends_the_job_and_not_the_worker(tmp_path: Path, binary: Path) -> None:
+    broken = replace(small_procedure(), events=("no event",))
+    with owner(tmp_path) as own:
+        job = own.solver.plan(broken, SETTINGS)
+        own.finished(job)
+        (refused,) = own.of(Refused, job)
+        assert "error of Lappet's own" in refused.problems[0].sentence
+        worker = own.solver.worker
+        assert own.finished(own.solver.solve(small_procedure(), SETTINGS)).frames == 8
+        assert own.solver.worker == worker
+
+
+def test_what_happened_in_a_closed_or_unknown_job_is_nothing(tmp_path: Path) -> None:
+    solver = BackgroundSolver(store=tmp_path)
+    solver.cancel(7)
+    solver.live_target(7, (0.0, 0.0, 0.0))
+    assert solver.poll() == []
+    solver.close()
+    solver.close()
+    with pytest.raises(RuntimeError, match="closed"):
+        solver.plan(small_procedure(), SETTINGS)
+
+
+def test_iterations_that_nobody_polled_for_do_not_pile_up(tmp_path: Path, binary: Path) -> None:
+    with owner(tmp_path) as own:
+        job = own.solver.solve(long_procedure(6), SETTINGS)
+        end = time.monotonic() + 60.0
+        while own.solver.running and time.monotonic() < end:
+            time.sleep(0.01)
+        own.happened += own.solver.poll()
+        pairs = zip(own.happened, own.happened[1:], strict=False)
+        assert not any(isinstance(a, IterationDone) and isinstance(b, IterationDone) for a, b in pairs)
+        assert len(own.frames(job)) == 6
+
+
+def test_frames_of_a_plan_fit_the_surface_of_their_epoch(tmp_path: Path, binary: Path) -> None:
+    with owner(tmp_path) as own:
+        job = own.solver.solve(small_procedure(), SETTINGS)
+        own.finished(job)
+        plan = own.plan(job).plan
+        for planned, told in zip(plan.frames, own.frames(job).values(), strict=True):
+            assert told.frame is not None
+            arrays = told.frame.arrays
+            assert told.frame.points.shape == plan.epochs[planned.epoch].rest.shape
+            assert len(arrays["hook_points"]) == len(planned.hooks)
+            assert len(arrays["suture_points"]) == len(planned.sutures)
+            assert len(arrays["landmarks"]) == len(plan.landmarks_at[planned.epoch])
+        rest = plan.epochs[0].rest
+        whole = own.frames(job)[1].frame
+        assert whole is not None
+        np.testing.assert_allclose(whole.points, rest, atol=1e-4)

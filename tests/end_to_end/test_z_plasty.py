@@ -1,0 +1,103 @@
+"""The bundled Z-plasty, from its file through the real daemon: closed, flat, transposed, lengthened."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from pxr import Usd, UsdGeom
+
+from lappet.daemon.daemon_solver import connect_to
+from lappet.demo import z_plasty
+from lappet.output.report import report
+from lappet.output.solve_procedure import solve_procedure
+from lappet.program.program import Program
+from lappet.reports.error_time.measurement import DEFAULT, skin_of
+from lappet.reports.error_time.procedure_scenes import z_plasty_scene
+from lappet.reports.error_time.reference import greatest, rms
+from lappet.solve.error_estimate import companion, expected_order, frame_error
+from lappet.solve.solve_program import FrameResult, Watcher, solve_program
+from lappet.solve.store import FrameStore
+
+THICKNESS = 4.0  # mm
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(900)
+def test_the_z_plasty_closes_lies_flat_and_turns_its_limb_by_90_degrees(tmp_path: Path) -> None:
+    cache = tmp_path / "z_plasty.usdc"
+    result = solve_procedure(z_plasty(), cache, spacing=1.0, store=FrameStore(tmp_path / "store"))
+    assert result.complete, result.reason
+    values = report(result)
+    frames = values["frames"]
+    first, last = frames[0], frames[-1]
+    assert 30_000 < values["lattice"]["cells"] < 35_000
+    assert all(frame["converged"] and frame["residual"] <= 1e-3 for frame in frames)
+    assert sum(frame["inverted_cells"] for frame in frames) == 0
+    assert last["minimum_j"] > 0.5
+    assert max(last["suture_gaps_mm"].values()) < 0.1
+
+    def at(frame: dict, label: str) -> np.ndarray:
+        return np.array([frame["landmarks"][f"{label} {k}"] for k in (1, 2)])
+
+    # The central limb ran along x; the new one, from tip to tip, runs along y: 60° flaps turn it by 90°.
+    tips = at(last, "flap tip")
+    limb = tips[1] - tips[0]
+    assert np.degrees(np.arctan2(abs(limb[1]), abs(limb[0]))) == pytest.approx(90.0, abs=5.0)
+    # Held at its border, the sheet lengthens along the old central limb and narrows across it.
+    before, after = at(first, "scar end"), at(last, "scar end")
+    assert np.linalg.norm(after[0] - after[1]) > 1.1 * np.linalg.norm(before[0] - before[1])
+    before, after = at(first, "scar side"), at(last, "scar side")
+    assert np.linalg.norm(after[0] - after[1]) < 0.95 * np.linalg.norm(before[0] - before[1])
+    # The flaps lie in the sheet, less than half their thickness above or below it.
+    assert np.abs(at(last, "flap middle")[:, 2] - THICKNESS).max() < THICKNESS / 2
+
+    # The wound is closed: below the skin's edge no wall is far from the other (the caches' own points, not anchors).
+    stage = Usd.Stage.Open(str(cache))
+    mesh = UsdGeom.Mesh(stage.GetPrimAtPath(f"/Procedure/Skin/epoch_{last['epoch']:02d}"))
+    points = np.array(mesh.GetPointsAttr().Get(last["time_code"]))
+    faces = np.array(mesh.GetFaceVertexIndicesAttr().Get()).reshape(-1, 3)
+    wall = faces[np.array(UsdGeom.Subset(stage.GetPrimAtPath(f"{mesh.GetPath()}/woundWall")).GetIndicesAttr().Get())]
+    corners = points[wall]
+    centres = corners.mean(axis=1)
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
+    apart = np.linalg.norm(centres[:, None] - centres[None], axis=2)
+    apart[normals @ normals.T > -0.3] = np.inf  # only walls that face each other
+    assert np.median(apart.min(axis=1)) < 0.6
+    assert np.quantile(apart.min(axis=1), 0.95) < 1.5
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(900)
+def test_the_z_plasty_rests_in_one_way_on_every_lattice_and_its_error_is_estimated_within_a_factor_of_three(
+    tmp_path: Path,
+) -> None:
+    scene = z_plasty_scene()
+    skin = skin_of(scene.program(2.0))
+
+    def last(program: Program) -> FrameResult:
+        found = solve_program(program, FrameStore(tmp_path), connect_to(None), "test", Watcher())
+        assert found.reason is None
+        return found.frames[-1]
+
+    def points(frame: FrameResult) -> np.ndarray:
+        return frame.arrays["points"][skin].astype(float)
+
+    truth = points(last(scene.program(0.8, **DEFAULT)))  # within 0.04 mm of what finer lattices tend to
+    for spacing, changed in ((2.0, {}), (2.0, {"quadrature": 4}), (2.0, {"tolerance": 1e-2}), (4.0 / 3.0, {})):
+        program = scene.program(spacing, **{**DEFAULT, **changed, "correction": True})
+        frame = last(program)
+        off = points(frame) - truth
+        # Slack skin rests 0.6 mm from the truth wherever it buckles the other way.
+        assert rms(off) < 0.1, (spacing, changed)
+        estimate = frame_error(frame, last(companion(program)), skin, expected_order(program))
+        assert estimate is not None
+        assert rms(off) / 3.0 < estimate.rms < 3.0 * rms(off), (spacing, changed, rms(off), estimate.rms)
+        assert greatest(off) / 3.0 < estimate.greatest < 3.0 * greatest(off), (
+            spacing,
+            changed,
+            greatest(off),
+            estimate.greatest,
+        )

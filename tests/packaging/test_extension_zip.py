@@ -1,0 +1,293 @@
+"""The zip that Blender installs: what is in it, and its life in a Blender that has nothing else."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import os
+import re
+import subprocess
+import sys
+import tomllib
+import venv
+import zipfile
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import extension
+import lappet_wheel
+import pypi_wheels
+from box_scene import box, pull
+from extension import assemble, with_wheels
+from lappet.cutting.epoch import Epoch
+from lappet.daemon.client import SolverClient
+from lappet.daemon.process import SolverDaemon, find_daemon
+from lappet.program.program import SolverSettings
+
+ROOT = Path(__file__).resolve().parents[2]
+LIFE = Path(__file__).with_name("extension_life.py")
+# Blender's module and what its wheel asks for; neither Lappet nor anything that Lappet asks for but numpy.
+BLENDER_PACKAGES = (
+    "bpy", "numpy", "numpy.libs", "requests", "urllib3", "idna", "certifi", "charset_normalizer", "zstandard",
+)  # fmt: skip
+BLENDER_45 = ROOT / "build" / "bpy-4.5"
+# What a Linux with Blender has: the run time of C and C++.
+RUN_TIME = re.compile(
+    r"/(ld-linux-x86-64|libc|libdl|libgcc_s|libm|libpthread|libresolv|librt|libstdc\+\+)\.so\.[\d.]+$"
+)
+
+
+# --- the parts -----------------------------------------------------------------------------------------------------
+
+
+def small_wheel(folder: Path, tag: str, **more: str) -> Path:
+    """A wheel of `lappet` with the add-on in it, as scikit-build-core would tag it; more: modules and their text."""
+    version = extension.project_version()
+    info = f"lappet-{version}.dist-info"
+    files = {
+        "lappet/__init__.py": "",
+        "lappet/bin/lappet-solverd.exe": "the daemon",
+        "lappet_blender/__init__.py": "",
+        f"{info}/METADATA": f"Metadata-Version: 2.1\nName: lappet\nVersion: {version}\n",
+        f"{info}/WHEEL": f"Wheel-Version: 1.0\nRoot-Is-Purelib: false\nTag: py3-none-{tag}\n",
+        **{f"lappet/{module}.py": text for module, text in more.items()},
+    }
+    tree = folder / "tree"
+    for name, text in files.items():
+        (tree / name).parent.mkdir(parents=True, exist_ok=True)
+        (tree / name).write_text(text)
+    pack = [sys.executable, "-m", "wheel", "pack", "--dest-dir", str(folder), str(tree)]
+    subprocess.run(pack, check=True, capture_output=True)
+    (made,) = folder.glob("lappet-*.whl")
+    return made
+
+
+def test_a_wheel_built_elsewhere_becomes_the_zip_of_its_platform(tmp_path: Path) -> None:
+    other = tmp_path / "pyzmq-27.3.0-cp312-abi3-win_amd64.whl"
+    other.write_bytes(b"")
+    made = assemble("windows-x64", small_wheel(tmp_path, "win_amd64"), tmp_path / "dist", others=[other])
+    assert made.name == f"lappet_blender-{extension.project_version()}-windows-x64.zip"
+    with zipfile.ZipFile(made) as archive:
+        names = archive.namelist()
+        manifest = tomllib.loads(archive.read("blender_manifest.toml").decode())
+        (ours,) = (name for name in names if name.startswith("wheels/lappet-"))
+        with zipfile.ZipFile(archive.open(ours)) as wheel:
+            held = wheel.namelist()
+            metadata = wheel.read(next(name for name in held if name.endswith("METADATA"))).decode()
+    assert manifest["platforms"] == ["windows-x64"]
+    assert sorted(manifest["wheels"]) == sorted(f"./{name}" for name in names if name.startswith("wheels/"))
+    assert {"__init__.py", "LICENSE", "wheels/" + other.name} <= set(names)
+    assert not [name for name in names if "__pycache__" in name or name.startswith("tests/")]
+    assert "lappet/bin/lappet-solverd.exe" in held
+    assert not [name for name in held if name.startswith("lappet_blender")]
+    version = re.search(r"^Version: (.*)$", metadata, re.MULTILINE)
+    assert version is not None
+    assert re.fullmatch(re.escape(extension.project_version()) + r"\+[0-9a-f]{8}", version.group(1))
+
+
+def test_two_builds_of_one_version_differ_in_the_wheels_version(tmp_path: Path) -> None:
+    """Else Blender would keep the files of the build that was installed first."""
+    first = small_wheel(tmp_path / "a", "win_amd64")
+    changed = small_wheel(tmp_path / "b", "win_amd64", new="more = 1")
+    again = extension.for_extension(first, tmp_path / "again")
+    assert extension.for_extension(first, tmp_path / "first").read_bytes() == again.read_bytes()
+    assert extension.for_extension(changed, tmp_path / "other").name != again.name
+
+
+@pytest.mark.parametrize(("platform", "tag"), [("macos-arm64", "macosx_11_0_x86_64"), ("linux-x64", "linux_x86_64")])
+def test_a_wheel_of_another_platform_is_refused(tmp_path: Path, platform: str, tag: str) -> None:
+    with pytest.raises(ValueError, match=f"is a wheel for {tag}, not for {platform}"):
+        assemble(platform, small_wheel(tmp_path, tag), tmp_path, others=[])
+
+
+def test_a_platform_whose_daemon_cannot_be_compiled_here_asks_for_the_wheel(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    assert extension.main(["--platform", "windows-x64"]) == 1
+    assert "windows-x64 cannot be compiled here" in capsys.readouterr().err
+
+
+def test_the_manifest_states_what_the_project_does_and_every_key_stays() -> None:
+    text = (extension.ADDON / extension.MANIFEST).read_text(encoding="utf-8")
+    manifest = tomllib.loads(text)
+    assert manifest["license"] == ["SPDX:GPL-3.0-or-later"]
+    assert manifest["blender_version_min"] == "4.5.0"
+    assert all(len(reason) <= 64 and reason[-1].isalnum() for reason in manifest["permissions"].values())
+    filled = tomllib.loads(with_wheels(text, ["a.whl"], "linux-x64"))
+    assert filled == {**manifest, "platforms": ["linux-x64"], "wheels": ["./wheels/a.whl"]}
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "says"),
+    [
+        ('type = "add-on"', 'type = "add-on"\nwheels = []', "names wheels"),
+        (f'"{extension.project_version()}"', '"99.0.0"', "says version 99.0.0"),
+    ],
+)
+def test_a_manifest_that_disagrees_with_the_project_is_refused(old: str, new: str, says: str) -> None:
+    text = (extension.ADDON / extension.MANIFEST).read_text(encoding="utf-8")
+    assert old in text
+    with pytest.raises(ValueError, match=says):
+        with_wheels(text.replace(old, new), [], "linux-x64")
+
+
+def test_every_bundled_package_is_pinned_and_none_is_blenders_own() -> None:
+    assert [pypi_wheels.pinned(name) for name in pypi_wheels.BUNDLED]
+    assert not {"numpy", "usd-core", "usd_core", "scipy", "bpy"} & set(pypi_wheels.BUNDLED)
+    with pytest.raises(LookupError, match="pins no version of leftpad; add a line"):
+        pypi_wheels.pinned("leftpad")
+
+
+def test_the_add_on_never_names_itself_for_an_extension_has_another_name() -> None:
+    """Blender imports it as `bl_ext.<repository>.lappet_blender`."""
+    named = re.compile(r"^\s*(?:from|import)\s+lappet_blender\b", re.MULTILINE)
+    sources = sorted(extension.ADDON.rglob("*.py"))
+    assert sources
+    assert [path.name for path in sources if named.search(path.read_text(encoding="utf-8"))] == []
+
+
+def test_a_daemon_that_was_unpacked_without_its_modes_is_made_executable(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    daemon = tmp_path / "lappet" / "bin" / "lappet-solverd"
+    daemon.parent.mkdir(parents=True)
+    daemon.write_text("#!/bin/sh\n")
+    daemon.chmod(0o640)
+    monkeypatch.delenv("LAPPET_SOLVERD", raising=False)
+    monkeypatch.setattr("lappet.daemon.process.__file__", str(tmp_path / "lappet" / "daemon" / "process.py"))
+    assert find_daemon() == daemon
+    assert daemon.stat().st_mode & 0o777 == 0o750
+
+
+# --- the whole -----------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def zip_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The zip for this machine."""
+    wheel = lappet_wheel.portable(lappet_wheel.built())
+    platform = lappet_wheel.this_platform()
+    return assemble(platform, wheel, tmp_path_factory.mktemp("dist"), others=pypi_wheels.bundled(platform))
+
+
+def lonely_blender(folder: Path) -> Path:
+    """A Python whose only packages are Blender's module and what that needs."""
+    venv.create(folder, with_pip=False)
+    (site,) = (folder / "lib").glob("python3.*/site-packages")
+    home = Path(np.__file__).parent.parent
+    for name in BLENDER_PACKAGES:
+        if (home / name).exists():
+            (site / name).symlink_to(home / name)
+    return folder / "bin" / "python"
+
+
+def life(python: Path, zip_file: Path, folder: Path) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
+    """Runs extension_life.py; returns what it saw and the arrays of its frame."""
+    surface = [getattr(box(), field.name) for field in dataclasses.fields(box()) if field.name != "grips"]
+    hook = {name: value for name, value in vars(pull()).items() if name.startswith("hook_")}
+    np.savez(folder / "given.npz", **{f"surface{i}": array for i, array in enumerate(surface)}, **hook)
+    environment = {name: os.environ[name] for name in ("PATH", "LANG") if name in os.environ}
+    done = subprocess.run(
+        [python, "-I", str(LIFE), str(zip_file), str(folder / "given.npz"), str(folder / "result.npz")],
+        env={**environment, "HOME": str(folder), "BLENDER_USER_RESOURCES": str(folder / "blender")},
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=240,
+    )
+    printed = done.stdout + done.stderr
+    assert done.returncode == 0, printed
+    assert "Traceback" not in printed
+    assert not re.search(r"^(Error|Warning|RuntimeError)\b", printed, re.MULTILINE), printed
+    with np.load(folder / "result.npz") as result:
+        return json.loads(done.stdout.strip().splitlines()[-1]), dict(result)
+
+
+def check_life(seen: dict[str, Any], arrays: dict[str, np.ndarray]) -> None:
+    """Everything of the zip was used, nothing else, and nothing is left."""
+    assert seen["strangers"] == []
+    assert seen["installed"] == ["FINISHED"]
+    assert seen["enabled"] == [True, True]
+    assert seen["scene has lappet"]
+    site = re.fullmatch(r"(\.local/lib/python3\.\d+/site-packages/)lappet/__init__\.py", seen["lappet"])
+    assert site is not None
+    assert re.fullmatch(r"[0-9.]+\+[0-9a-f]{8}", seen["version"])
+    assert [folder.endswith(site.group(1).removesuffix("site-packages/")) for folder in seen["imported"]] == [True]
+    assert seen["cannot be imported"] == []
+    assert site.group(1) + "lappet/bin/lappet-solverd" in seen["daemon"]
+    foreign = [name for name in seen["libraries"] if "/lappet.libs/" not in name and not RUN_TIME.search(name)]
+    assert foreign == []
+    assert any("/lappet.libs/libzmq" in name for name in seen["libraries"])
+    assert seen["converged"]
+    assert not seen["alive after"]
+    assert seen["disabled"] == [False, False]
+    assert not seen["scene has lappet when disabled"]
+    assert seen["uninstalled"] == ["FINISHED"]
+    assert seen["left"] == []
+
+    with SolverDaemon() as daemon, SolverClient(daemon=daemon) as client:
+        client.open(SolverSettings(threads=1))
+        client.set_epoch(Epoch(0, 1.0, box(), 1))
+        expected = client.solve(pull()).arrays
+    assert sorted(arrays) == sorted(expected)
+    for name, array in expected.items():
+        assert arrays[name].tobytes() == array.tobytes(), f"{name} differs from what this checkout's daemon solves"
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(600)
+def test_the_zip_lives_and_dies_in_a_blender_that_has_nothing_else(zip_file: Path, tmp_path: Path) -> None:
+    """Installed, enabled, its own daemon solves the very frame of this checkout's, disabled, uninstalled."""
+    check_life(*life(lonely_blender(tmp_path / "environment"), zip_file, tmp_path))
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(600)
+def test_the_zip_lives_and_dies_in_blender_45(zip_file: Path, tmp_path: Path) -> None:
+    python = BLENDER_45 / "bin" / "python"
+    if not python.exists():
+        pytest.skip(f"{BLENDER_45.relative_to(ROOT)} has no Blender 4.5; packaging/README.md says how to make it.")
+    seen, arrays = life(python, zip_file, tmp_path)
+    assert seen["blender"].startswith("4.5")
+    check_life(seen, arrays)
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(600)
+def test_the_zip_names_the_licence_of_every_library_in_it(zip_file: Path, tmp_path: Path) -> None:
+    with zipfile.ZipFile(zip_file) as archive:
+        (ours,) = (name for name in archive.namelist() if name.startswith("wheels/lappet-"))
+        archive.extract(ours, tmp_path)
+    with zipfile.ZipFile(tmp_path / ours) as wheel:
+        names = wheel.namelist()
+    assert re.search(r"-py3-none-manylinux_2_\d+_(x86_64|aarch64)\.whl$", ours)
+    licensed = {Path(name).stem for name in names if "/licenses/libraries/" in name}
+    said = (ROOT / "packaging/licenses.md").read_text(encoding="utf-8")
+    # libblas and liblapack are OpenBLAS's; a package of Debian is named after its library and the library's version.
+    held = {Path(name).name for name in names if name.startswith("lappet.libs/") and ".so" in name}
+    assert len(held) > 10
+    for library in held:
+        plain = re.sub(r"-.*|\.so.*", "", library)
+        project = {"libblas": "libopenblas", "liblapack": "libopenblas", "libzmq": "zeromq"}.get(plain, plain)
+        assert any(name.startswith(project) or f"lib{name}" == project for name in licensed), library
+        assert project.removeprefix("lib") in said.lower(), f"packaging/licenses.md does not name {library}"
+    assert "GPL-2" in licensed, "CHOLMOD's licence refers to it"
+
+
+def test_the_tool_of_blender_is_asked_for_where_there_is_no_blender(tmp_path: Path) -> None:
+    with pytest.raises(FileNotFoundError, match="is it Blender's bpy"):
+        extension.blender_extension_tool(tmp_path)
+
+
+@pytest.mark.slow
+def test_blender_refuses_a_manifest_that_is_wrong(tmp_path: Path) -> None:
+    addon = tmp_path / "addon"
+    addon.mkdir()
+    (addon / "__init__.py").write_text("")
+    text = (extension.ADDON / extension.MANIFEST).read_text(encoding="utf-8")
+    (addon / extension.MANIFEST).write_text(text.replace('type = "add-on"', 'type = "toy"'))
+    with pytest.raises(subprocess.CalledProcessError):
+        assemble("windows-x64", small_wheel(tmp_path, "win_amd64"), tmp_path, others=[], addon=addon)

@@ -1,0 +1,251 @@
+"""What a scene does not need costs nothing: counted where it can be counted, and left out where it can be left out."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import subprocess
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from pxr import Usd, UsdGeom
+
+from lappet.commands.cli import cli
+from lappet.daemon.client import SolverClient, SolverRefused
+from lappet.daemon.process import SolverDaemon
+from lappet.output.skin_cache import SCALARS
+from lappet.program.program import MaterialParameters, Program
+from lappet.reports.box_scenes import BoxScene
+from lappet.reports.economy.files import write_economy
+from lappet.reports.economy.instructions import callgrind_costs, count_instructions, why_not
+from lappet.reports.economy.measurement import AGREEMENT, absence, economy
+from lappet.reports.economy.scenes import FEATURES, Feature, plain
+from lappet.reports.report_files import head
+from lappet.usd.stage import write_procedure
+from small_procedure import small_procedure
+
+CHECKOUT = Path(__file__).resolve().parents[2]
+needs_valgrind = pytest.mark.skipif(why_not() is not None, reason=why_not() or "")
+
+CALLGRIND = """# callgrind format
+events: Ir
+fn=(1) main
+0 10
+cfn=(2) lappet::find_equilibrium<float>(int)
+calls=2 0
+0 300
++3 5
+
+fn=(2)
+0 100
+-1 20
+cfn=(3) memset
+calls=1 0
+* 180
+"""
+
+
+def test_costs_of_callgrind_are_told_apart_into_those_of_a_function_and_those_inside_it() -> None:
+    own, inside = callgrind_costs(CALLGRIND)
+    assert own == {"main": 15, "lappet::find_equilibrium<float>(int)": 120}
+    assert inside == {"lappet::find_equilibrium<float>(int)": 300, "memset": 180}
+
+
+def solved(program: Program, frames: int = 1) -> tuple[dict[str, Any], list[Any]]:
+    """The lattice's counts, and the program's first frame solved so many times over, each from the one before."""
+    with SolverClient() as client:
+        client.open(replace(program.settings, threads=1), program.bones)
+        lattice = client.set_epoch(program.epochs[0], program.grips[0], program.landmarks_at[0])
+        return lattice, [client.solve(program.frames[0]) for _ in range(frames)]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "feature", [each for each in FEATURES if each.put_into is not None], ids=lambda each: each.name
+)
+def test_a_frame_whose_constraints_did_not_change_costs_one_residual(feature: Feature) -> None:
+    assert feature.put_into is not None
+    program = feature.put_into(plain() if feature.base is None else feature.base())
+    _, (first, again) = solved(program, 2)
+    assert first.converged
+    assert first.header["pcg"] > 1
+    assert (again.work["evaluations"], again.work["linearizations"], again.work["products"]) == (1, 0, 0)
+    assert again.arrays.keys() == first.arrays.keys()
+    for name, array in first.arrays.items():
+        np.testing.assert_array_equal(again.arrays[name], array)
+
+
+@pytest.mark.slow
+def test_cells_that_cannot_move_are_not_in_the_system() -> None:
+    # A bar of 16 x 1 x 1 cells, the surface of whose first half is fixed: that is, all its nodes are.
+    h = 3.0
+    motion = np.eye(4)
+    motion[:2, 3] = (4.0, 1.0)
+    stiff = MaterialParameters(prestretch=(1.1, 1.1), fibre_k1=5.0, fibre_k2=1.0)
+    exact = {"precision": "double", "tolerance": 1e-7, "gap_tolerance": 1e-6}
+    whole = BoxScene("whole", "", (16 * h, h, h), (16, 1, 1), fixed=(0,), gripped=(1,), motion=motion, material=stiff)
+    half = replace(whole, size=(8 * h, h, h), divisions=(8, 1, 1))
+    program = whole.program(h, **exact)
+    surface = program.epochs[0].surface
+    inside = (surface.points[surface.triangles][:, :, 0] < 8 * h + 1e-9).all(axis=1)
+    program = replace(program, epochs=(replace(program.epochs[0], surface=replace(surface, fixed=inside)),))
+    lattice, (found,) = solved(program)
+    of_half, (expected,) = solved(half.program(h, **exact))
+    assert (lattice["cells"], of_half["cells"]) == (16, 8)
+    assert lattice["blocks"] == of_half["blocks"] == 4
+    beyond = surface.points[:, 0] > 8 * h - 1e-9
+    rest = half.program(h).epochs[0].surface.points + np.array([8 * h, 0.0, 0.0])
+    order = np.array([int(np.linalg.norm(rest - p, axis=1).argmin()) for p in surface.points[beyond]])
+    moved = expected.points[order] + np.array([8 * h, 0.0, 0.0])
+    assert np.abs(moved - surface.points[beyond]).max() > 3.0
+    np.testing.assert_allclose(found.points[beyond], moved, atol=1e-4)
+    # What does not move is as it was laid in: stretched by a tenth.
+    np.testing.assert_allclose(found.strain[surface.points[:, 0] < 6 * h], 0.1, atol=1e-6)
+    assert found.stress[surface.points[:, 0] < 6 * h].min() > 1.0
+
+
+@pytest.mark.slow
+def test_a_second_material_without_a_direction_takes_three_numbers_a_cell() -> None:
+    lanes = {"scalar": 1, "sse42": 4, "avx2": 8, "avx512": 16, "neon": 4}
+    two_materials = next(each for each in FEATURES if each.name == "heterogeneity")
+    assert two_materials.put_into is not None
+    bare, _ = solved(plain())
+    mixed, _ = solved(two_materials.put_into(plain()))
+    with SolverClient() as client:
+        width = lanes[str(client.welcome["isa"])]
+    # mu, lambda and mu01/mu10 as floats for each cell, and not once for all lanes.
+    assert mixed["bytes"] - bare["bytes"] == 4 * 3 * (mixed["cells"] - width)
+
+
+@pytest.mark.slow
+def test_a_solve_without_strain_has_the_same_skin_and_no_strain(tmp_path: Path) -> None:
+    procedure = tmp_path / "p.usda"
+    write_procedure(small_procedure(end_time=5.0), procedure)
+    stages = {}
+    for option in ("--strain", "--no-strain"):
+        cache = tmp_path / f"{option}.usdc"
+        arguments = ["solve", str(procedure), "-o", str(cache), "--store", str(tmp_path / option), option]
+        done = CliRunner().invoke(cli, [*arguments, "--no-error-estimate"])
+        assert done.exit_code == 0, done.output
+        stages[option] = Usd.Stage.Open(str(cache))
+    skins = [UsdGeom.Mesh(stage.GetPrimAtPath("/Procedure/Skin/epoch_01")) for stage in stages.values()]
+    points = [np.asarray(skin.GetPointsAttr().Get(5.0)) for skin in skins]
+    np.testing.assert_array_equal(*points)
+    for skin, there in zip(skins, (True, False), strict=True):
+        assert [skin.GetPrim().HasAttribute(f"primvars:{name}") for name in SCALARS] == [there] * 3
+
+
+# --- instructions --------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.slow
+@needs_valgrind
+def test_counts_of_instructions_repeat_and_are_those_of_the_passes_that_the_header_tells() -> None:
+    first, again = count_instructions(plain()), count_instructions(plain())
+    assert first.frame == pytest.approx(again.frame, rel=1e-3)
+    assert 0 < sum(first.kernels.values()) < first.search < first.frame
+    cells = 256
+    product = first.kernels["product"] / first.work["products"] / cells
+    # A product has some 500 operations a cell and sends 8 cells through an instruction of AVX2, 4 through one of SSE.
+    assert 40.0 < product < 400.0
+
+
+@pytest.mark.slow
+@needs_valgrind
+def test_the_report_of_economy_has_a_row_with_and_without_each_feature(tmp_path: Path) -> None:
+    chosen = tuple(each for each in FEATURES if each.name in ("fibres", "landmarks", "strain", "region", "followers"))
+    report = economy(features=chosen)
+    files = write_economy(tmp_path, head(), report)
+    assert [file.name for file in files] == ["economy.json", "economy.csv", "economy.md"]
+    values = json.loads(files[0].read_text())
+    assert {"machine", "compiler", "isa", "threads", "revision", "rows"} <= set(values)
+    rows = {(row["feature"], row["present"]): row for row in values["rows"]}
+    assert set(rows) == {(each.name, on) for each in chosen for on in (False, True)} - {("followers", True)}
+    for row in rows.values():
+        assert {"feature", "present", "seconds", "instructions", "bytes"} <= set(row)
+        assert row["seconds"] > 0
+        assert row["bytes"] > 10_000
+        assert row["instructions"] > 1_000_000
+    fibres = rows["fibres", True], rows["fibres", False]
+    assert fibres[0]["product_per_cell"] > 1.05 * fibres[1]["product_per_cell"]
+    assert fibres[0]["bytes"] > fibres[1]["bytes"]
+    assert rows["region", True]["instructions"] < 0.7 * rows["region", False]["instructions"]
+    # What is done once a frame is seen there, and not in the search.
+    for name in ("landmarks", "strain"):
+        with_it, without = rows[name, True], rows[name, False]
+        assert with_it["instructions"] > without["instructions"] + 1000
+        assert with_it["search_instructions"] == pytest.approx(without["search_instructions"], rel=AGREEMENT)
+    assert "| fibres |" in files[2].read_text()
+
+
+LEFT_OUT = "contact;fibres;muscle;prestretch;heterogeneity;mesh_cells;landmarks;error_estimate;strain"
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(3000)
+@needs_valgrind
+def test_a_plain_scene_takes_the_instructions_of_a_daemon_built_without_any_feature() -> None:
+    found = absence(plain(), "the plain bar", yardstick("plain", LEFT_OUT), LEFT_OUT)
+    assert abs(found.share) <= AGREEMENT, found
+    for kernel in ("evaluate", "product"):
+        here, there = found.kernels[kernel]
+        assert here == pytest.approx(there, rel=AGREEMENT), kernel
+    # Were a feature looked at in every cell, it would show: fibres cost a tenth of a product.
+    with_fibres = next(each for each in FEATURES if each.name == "fibres")
+    assert with_fibres.put_into is not None
+    assert count_instructions(with_fibres.put_into(plain())).search > (1.0 + AGREEMENT) * found.instructions
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(3000)
+@needs_valgrind
+def test_fibres_without_muscle_take_the_instructions_of_a_daemon_built_without_muscle() -> None:
+    with_fibres = next(each for each in FEATURES if each.name == "fibres")
+    assert with_fibres.put_into is not None
+    left_out = "contact;muscle;prestretch;heterogeneity;mesh_cells"
+    found = absence(with_fibres.put_into(plain()), "the bar with fibres", yardstick("fibres", left_out), left_out)
+    assert abs(found.share) <= AGREEMENT, found
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(3000)
+@pytest.mark.parametrize(
+    "feature",
+    [each for each in FEATURES if each.put_into is not None and each.base is None],
+    ids=lambda each: each.name,
+)
+def test_a_daemon_built_without_a_feature_refuses_a_scene_that_needs_it(feature: Feature) -> None:
+    assert feature.put_into is not None
+    program = feature.put_into(plain())
+
+    def ask(client: SolverClient) -> None:
+        client.open(program.settings, program.bones)
+        client.set_epoch(program.epochs[0], program.grips[0], program.landmarks_at[0])
+
+    with (
+        SolverDaemon(yardstick("plain", LEFT_OUT)) as daemon,
+        SolverClient(daemon.address, daemon.token) as client,
+        pytest.raises(SolverRefused, match="was built without"),
+    ):
+        ask(client)
+
+
+def yardstick(name: str, left_out: str) -> Path:
+    """A daemon built without some features, in the checkout's build folder; its compilations are kept by ccache."""
+    if shutil.which("cmake") is None or shutil.which("ninja") is None:
+        pytest.skip("cmake or ninja is not installed, so no yardstick can be built")
+    folder = CHECKOUT / "build" / "yardstick" / name
+    jobs = os.environ.get("CMAKE_BUILD_PARALLEL_LEVEL", str(min(4, os.cpu_count() or 1)))
+    for command in (
+        ["cmake", "-S", str(CHECKOUT), "-B", str(folder), "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release",
+         "-DLAPPET_BUILD_TESTS=OFF", "-DLAPPET_BUILD_BENCHMARKS=OFF", f"-DLAPPET_LEAVE_OUT={left_out}"],
+        ["cmake", "--build", str(folder), "--target", "lappet-solverd", "--parallel", jobs],
+    ):  # fmt: skip
+        done = subprocess.run(command, capture_output=True, text=True, check=False)
+        assert done.returncode == 0, done.stdout + done.stderr
+    return folder / "solverd" / "lappet-solverd"

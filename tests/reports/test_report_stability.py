@@ -1,0 +1,153 @@
+"""The stability report: its files, that a false expectation or a false claim shows, and its exit status."""
+
+from __future__ import annotations
+
+import csv
+import json
+from dataclasses import fields, replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from lappet.commands.cli import cli
+from lappet.daemon.client import FrameSolution
+from lappet.reports import stability_run
+from lappet.reports.stability.files import write_stability
+from lappet.reports.stability.measurement import Case, Row, Scene, run_case, totals
+from lappet.reports.stability.measurement import _disproved as disproved
+from lappet.reports.stability.run import all_cases, chosen_cases
+from lappet.reports.stability.scenes import STARTS, as_from_rest, material, stretched
+
+SETTLES = Case("a bar", "cheap", lambda: stretched(1.2))
+REFUSES = Case(
+    "a bar of what is no skin",
+    "cheap",
+    lambda: stretched(1.2, materials=(material(poissons_ratio=0.6),)),
+    converges=False,
+    says=("it must be 0 to 0.4999",),
+)
+
+
+def test_there_are_at_least_sixty_cases_with_names_of_their_own() -> None:
+    cases = all_cases()
+    assert len(cases) >= 60
+    assert len({(case.group, case.name) for case in cases}) == len(cases)
+    assert all(case.converges or case.says for case in cases)
+    assert {"poisson", "contrast", "fibres", "starts", "floating", "bone", "scale", "cuts"} <= {c.group for c in cases}
+
+
+def test_the_slow_cases_are_left_out_where_it_is_to_be_quick() -> None:
+    assert any(case.slow for case in chosen_cases(("spacing",), quick=False))
+    assert not any(case.slow for case in chosen_cases(("spacing",), quick=True))
+    with pytest.raises(stability_run.ReportError, match=r"no group 'spacings'.*spacing"):
+        chosen_cases(("spacings",), quick=False)
+
+
+@pytest.mark.slow
+def test_what_is_expected_is_ok_and_what_is_not_is_not(binary: Path) -> None:
+    row = run_case(SETTLES)
+    assert (row.ok, row.outcome, row.reason) == (True, "converges", "")
+    assert row.residual is not None
+    assert row.verified_residual == pytest.approx(row.residual, rel=0.05)
+    refused = run_case(REFUSES)
+    assert (refused.ok, refused.outcome) == (True, "refuses")
+    assert "Poisson's ratio" in refused.reason
+    assert not run_case(replace(SETTLES, converges=False, says=("it must be",))).ok
+    assert not run_case(replace(REFUSES, converges=True, says=())).ok
+    assert not run_case(replace(REFUSES, says=("too thin",))).ok
+    assert not run_case(replace(SETTLES, budget=1e-3)).ok
+
+
+@pytest.mark.slow
+def test_a_check_that_fails_is_a_wrong_claim(binary: Path) -> None:
+    case = Case("a bar", "cheap", lambda: Scene(stretched(1.2), check=lambda solved: "It is not a bar."))
+    row = run_case(case)
+    assert (row.ok, row.outcome, row.reason) == (False, "wrong", "It is not a bar.")
+
+
+@pytest.mark.slow
+def test_an_exception_in_a_case_is_a_crash_and_ends_nothing(binary: Path) -> None:
+    def scene() -> Scene:
+        raise KeyError("a fault of ours")
+
+    row = run_case(Case("a fault", "cheap", scene, says=("fault",)))
+    assert (row.ok, row.outcome) == (False, "crashes")
+    assert "KeyError" in row.reason
+
+
+@pytest.mark.slow
+def test_a_mirrored_start_ends_where_rest_does_and_a_shifted_twin_is_noticed(binary: Path) -> None:
+    def scene(share: float, factor: float) -> Scene:
+        program = stretched(1.3, tolerance=1e-4)
+        twin = stretched(factor, tolerance=1e-4)
+        return Scene(program, STARTS["mirrored"], as_from_rest(share), twin)
+
+    assert run_case(Case("as from rest", "cheap", lambda: scene(0.02, 1.3))).ok
+    row = run_case(Case("not as from rest", "cheap", lambda: scene(0.02, 1.31)))
+    assert (row.ok, row.outcome) == (False, "wrong")
+    assert "another equilibrium" in row.reason
+
+
+def solution(**changes: float) -> FrameSolution:
+    header = {"time": 1.0, "converged": True, "residual": 1e-4, "largest_gap": 1e-4, "energy": 1.0,
+              "largest_penetration": 0.0, "reason": ""}  # fmt: skip
+    arrays = {"points": np.zeros((2, 3), np.float32), "state_suture_gaps": np.full((1, 3), np.nan)}
+    return FrameSolution({**header, **changes}, arrays)
+
+
+def test_a_claim_of_convergence_is_held_against_its_own_numbers() -> None:
+    program = stretched(1.2)
+    assert disproved(solution(), program) == ""
+    assert "residual of 2.00e-03" in disproved(solution(residual=2e-3), program)
+    assert "residual of nan" in disproved(solution(residual=np.nan), program)
+    assert "gap of 0.5 mm" in disproved(solution(largest_gap=0.5), program)
+    assert "0.7 mm deep in bone" in disproved(solution(largest_penetration=0.7), program)
+    assert "energy" in disproved(solution(energy=np.inf), program)
+    lost = solution(converged=False, residual=np.inf)
+    assert disproved(lost, program) == ""
+    lost.arrays["points"][0, 0] = np.nan
+    assert "'points'" in disproved(lost, program)
+
+
+ROWS = (
+    Row("one", "a", "converges", "converges", "", 1e-4, 1e-4, 0.0, 1, 10, 0.5, 60.0, True),
+    Row("two", "a", "refuses: thin", "refuses", "too thin", None, None, None, 0, 0, 0.5, 60.0, True),
+    Row("three", "b", "converges", "crashes", "it was ended by SIGSEGV", None, None, None, 0, 0, 0.5, 60.0, False),
+)
+
+
+def test_the_files_hold_every_row_and_the_totals(tmp_path: Path) -> None:
+    head = {"machine": {"processor": "a", "cores": 1, "memory_bytes": 1 << 30}, "compiler": "c", "isa": "scalar",
+            "threads": 1, "revision": "r", "date": "d"}  # fmt: skip
+    files = write_stability(tmp_path, head, ROWS)
+    assert [file.name for file in files] == ["stability.json", "stability.csv", "stability.md"]
+    values = json.loads(files[0].read_text())
+    assert {"machine", "compiler", "isa", "threads", "revision", "rows", "totals"} <= set(values)
+    wanted = {"case", "group", "expected", "outcome", "reason", "residual", "gap_mm", "seconds", "ok"}
+    assert wanted <= set(values["rows"][0])
+    assert [row["ok"] for row in values["rows"]] == [True, True, False]
+    assert values["totals"]["all"] == {"cases": 3, "ok": 2, "converged": 1, "refused": 1}
+    assert totals(ROWS)["b"] == {"cases": 1, "ok": 0, "converged": 0, "refused": 0}
+    with files[1].open(newline="") as file:
+        lines = list(csv.DictReader(file))
+    assert [set(line) for line in lines] == [{field.name for field in fields(Row)}] * 3
+    text = files[2].read_text()
+    assert "**three**: crashes. it was ended by SIGSEGV" in text
+    assert "| all | 3 | 2 | 1 | 1 |" in text
+
+
+@pytest.mark.slow
+def test_the_command_ends_with_1_where_a_case_is_not_ok(
+    binary: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(stability_run, "all_cases", lambda: [SETTLES, REFUSES])
+    run = CliRunner().invoke(cli, ["report", "stability", "-o", str(tmp_path / "good")])
+    assert run.exit_code == 0, run.output
+    assert "| all | 2 | 2 | 1 | 1 |" in run.output
+    assert (tmp_path / "good" / "stability.json").is_file()
+    monkeypatch.setattr(stability_run, "all_cases", lambda: [replace(SETTLES, converges=False, says=("never",))])
+    run = CliRunner().invoke(cli, ["report", "stability", "-o", str(tmp_path / "bad")])
+    assert run.exit_code == 1
+    assert "NOT a bar: converges" in run.output

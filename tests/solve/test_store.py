@@ -1,0 +1,182 @@
+"""The frame store keeps what it was given, or nothing."""
+
+from __future__ import annotations
+
+import errno
+import multiprocessing
+import os
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from lappet.solve.store import FrameStore, StoredFrame, default_folder
+
+KEY = "ab" * 32
+
+
+def frame(seed: int = 0, size: int = 100) -> StoredFrame:
+    rng = np.random.default_rng(seed)
+    return StoredFrame(
+        {"time": float(seed), "lattice": {"cells": 3}, "reason": ""},
+        {
+            "points": rng.random((size, 3)).astype(np.float32),
+            "gaps": np.array([[1.0, np.nan, -0.0]]),
+            "none": np.zeros((0, 2, 3)),
+            "index": np.arange(4, dtype=np.int32),
+        },
+    )
+
+
+def same(a: StoredFrame, b: StoredFrame) -> bool:
+    return (
+        a.header == b.header
+        and a.arrays.keys() == b.arrays.keys()
+        and all(
+            x.dtype == b.arrays[name].dtype
+            and x.shape == b.arrays[name].shape
+            and x.tobytes() == b.arrays[name].tobytes()
+            for name, x in a.arrays.items()
+        )
+    )
+
+
+def test_a_frame_comes_back_bit_for_bit(tmp_path: Path) -> None:
+    store = FrameStore(tmp_path / "not" / "yet")
+    assert store.get(KEY) is None
+    assert KEY not in store
+    assert store.put(KEY, frame())
+    assert KEY in store
+    back = FrameStore(tmp_path / "not" / "yet").get(KEY)
+    assert back is not None
+    assert same(back, frame())
+    assert all(array.flags.aligned and array.flags.writeable for array in back.arrays.values())
+
+
+@pytest.mark.parametrize("where", [0, 10, 60, 200, -1])
+def test_a_flipped_bit_anywhere_makes_an_entry_absent_and_removes_it(tmp_path: Path, where: int) -> None:
+    store = FrameStore(tmp_path)
+    store.put(KEY, frame())
+    data = bytearray(store.path(KEY).read_bytes())
+    data[where] ^= 1
+    store.path(KEY).write_bytes(data)
+    assert store.get(KEY) is None
+    assert not store.path(KEY).exists()
+    assert store.put(KEY, frame())
+    assert store.get(KEY) is not None
+
+
+@pytest.mark.parametrize("length", [0, 7, 39, 48, 300])
+def test_a_truncated_entry_is_absent(tmp_path: Path, length: int) -> None:
+    store = FrameStore(tmp_path)
+    store.put(KEY, frame())
+    data = store.path(KEY).read_bytes()
+    store.path(KEY).write_bytes(data[:length])
+    assert store.get(KEY) is None
+
+
+def test_the_store_keeps_to_its_limit_and_drops_what_was_unused_for_longest(tmp_path: Path) -> None:
+    keys = [f"{i:02x}" * 32 for i in range(20)]
+    one = 1500 * 12
+    store = FrameStore(tmp_path, limit=12 * one)
+    for i, key in enumerate(keys[:10]):
+        store.put(key, frame(i, 1500))
+        os.utime(store.path(key), (1000.0 + i, 1000.0 + i))
+    assert store.get(keys[0]) is not None  # used again just now
+    for i, key in enumerate(keys[10:16]):
+        store.put(key, frame(10 + i, 1500))
+    assert store.size() <= 12 * one
+    kept = [key for key in keys if key in store]
+    assert keys[0] in kept
+    assert keys[1] not in kept
+    assert kept[1:] == keys[:16][-len(kept) + 1 :]
+
+
+def test_a_frame_larger_than_the_limit_does_not_push_itself_out(tmp_path: Path) -> None:
+    store = FrameStore(tmp_path, limit=1000)
+    assert store.put(KEY, frame(0, 1000))
+    assert store.get(KEY) is not None
+
+
+def test_what_crashed_writers_left_is_removed_but_not_what_is_being_written(tmp_path: Path) -> None:
+    store = FrameStore(tmp_path)
+    folder = store.path(KEY).parent
+    folder.mkdir(parents=True)
+    (folder / ".writing-old").write_bytes(b"x")
+    os.utime(folder / ".writing-old", (0.0, 0.0))
+    (folder / ".writing-new").write_bytes(b"x")
+    store.put(KEY, frame())
+    assert not (folder / ".writing-old").exists()
+    assert (folder / ".writing-new").exists()
+
+
+def test_a_full_disk_is_a_sentence_and_the_store_stays_readable(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    store = FrameStore(tmp_path)
+    store.put(KEY, frame())
+
+    def full(*_: object, **__: object) -> None:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr("lappet.solve.store.os.fdopen", full)
+    other = "cd" * 32
+    assert not store.put(other, frame(1))
+    assert store.trouble is not None
+    assert str(tmp_path) in store.trouble
+    assert "No space left" in store.trouble
+    assert "--store" in store.trouble
+    assert other not in store
+    assert store.get(KEY) is not None
+    assert not list(tmp_path.rglob(".writing-*"))
+
+
+def test_a_store_that_cannot_be_made_is_a_sentence(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("in the way")
+    store = FrameStore(tmp_path / "file")
+    assert store.get(KEY) is None
+    assert not store.put(KEY, frame())
+    assert store.trouble is not None
+    assert str(tmp_path / "file") in store.trouble
+
+
+@pytest.mark.parametrize("key", ["", "../../etc/passwd", "AB" * 32, "ab", "g" * 64])
+def test_what_is_no_key_is_refused(tmp_path: Path, key: str) -> None:
+    with pytest.raises(ValueError, match="content key"):
+        FrameStore(tmp_path).get(key)
+
+
+def test_an_array_of_another_kind_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match="'words'"):
+        FrameStore(tmp_path).put(KEY, StoredFrame({}, {"words": np.array(["a"])}))
+
+
+def test_the_folder_is_the_users_unless_it_is_named(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setenv("LAPPET_STORE", str(tmp_path))
+    assert default_folder() == tmp_path
+    monkeypatch.delenv("LAPPET_STORE")
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    assert default_folder() == tmp_path / "cache" / "lappet" / "frames"
+
+
+def _hammer(folder: str, seed: int) -> int:
+    """Writes and reads the same few keys as others do, in a store that is always too small; counts wrong answers."""
+    store = FrameStore(Path(folder), limit=40_000)
+    rng = np.random.default_rng(seed)
+    wrong = 0
+    for _ in range(150):
+        i = int(rng.integers(0, 6))
+        key = f"{i:02x}" * 32
+        if not store.put(key, frame(i, 800)):
+            wrong += 1
+        j = int(rng.integers(0, 6))
+        found = store.get(f"{j:02x}" * 32)
+        if found is not None and not same(found, frame(j, 800)):
+            wrong += 1
+    return wrong
+
+
+def test_processes_that_share_a_store_never_see_half_a_frame(tmp_path: Path) -> None:
+    context = multiprocessing.get_context("spawn")
+    with context.Pool(2) as pool:
+        assert pool.starmap(_hammer, [(str(tmp_path), seed) for seed in range(3)]) == [0, 0, 0]
