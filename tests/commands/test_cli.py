@@ -29,7 +29,8 @@ HEAVY = ("numpy", "pxr", "manifold3d", "trimesh", "zmq", "msgpack", "rich", "net
 def solver(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Iterator[FakeSolver]:
     """A solver that stands in for the daemon, and a store of its own."""
     fake = FakeSolver()
-    monkeypatch.setattr("lappet.output.solve_procedure.connect_to", lambda address: fake.connect)
+    for user in ("output.solve_procedure", "output.inspect_procedure", "daemon.daemon_solver"):
+        monkeypatch.setattr(f"lappet.{user}.connect_to", lambda address: fake.connect)
     monkeypatch.setattr("lappet.output.solve_procedure.solver_identity", lambda address: "fake 1")
     monkeypatch.setenv("LAPPET_STORE", str(tmp_path / "store"))
     return fake
