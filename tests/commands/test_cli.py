@@ -413,8 +413,8 @@ def test_a_terminal_gets_a_bar_and_notes_above_it(
             raise SolverDiedError("The daemon died: it was ended by [SIGKILL].")
 
     solver.before = die
-    with BarProgress() as watcher:
-        solve_procedure(procedure, tmp_path / "c.usdc", watcher=watcher)
+    with BarProgress() as observer:
+        solve_procedure(procedure, tmp_path / "c.usdc", observer=observer)
     shown = capsys.readouterr().err
     assert "8/8" in shown
     assert "ended by [SIGKILL]. It was solving frame 5" in " ".join(shown.split())
