@@ -99,7 +99,7 @@ def test_plans_and_happenings_come_back_with_every_bit() -> None:
     )
     for value in (
         Planned(1, a_plan(), (True, False)),
-        Refused(2, (Problem("/Procedure/Tissue", "1", "It is wrong.", "Mend it.", "warning"),)),
+        Refused(2, (Problem("/Procedure/Tissue", "1", "It is wrong.", "Repair it.", "warning"),)),
         FrameReady(3, 7, "00" * 32, False, shown),
         FrameReady(3, 7, "00" * 32, True, None),
         LiveFrame(4, 7, (0.1, -0.0, 1e308), shown, False, 0.25),

@@ -154,7 +154,7 @@ def test_an_empty_that_rides_on_another_is_followed_without_touching_the_users_f
     assert len(bpy.data.scenes) == 1
 
 
-def test_a_hook_whose_empty_was_deleted_is_refused_with_the_mend(scene: bpy.types.Scene) -> None:
+def test_a_hook_whose_empty_was_deleted_is_refused_with_the_repair(scene: bpy.types.Scene) -> None:
     empty = hook_empty(scene, (2, (0, 0, 4)), (8, (6, 0, 4)))
     scene.collection.objects.unlink(empty)
     with pytest.raises(RefusedError, match=r"The target of hook_1 'mine' is not in the scene any more.*; choose an"):

@@ -16,7 +16,7 @@ from lappet.daemon.daemon_solver import connect_to, solver_identity
 from lappet.daemon.process import DaemonMissing, find_daemon
 from lappet.program.compile import compile_program
 from lappet.program.keys import frame_keys
-from lappet.solve.solve_program import Watcher, solve_program
+from lappet.solve.solve_program import SolveObserver, solve_program
 from lappet.solve.store import FrameStore
 from lappet_blender.model.event_list import add_event, find_event
 from lappet_blender.model.scene_procedure import read_scene
@@ -69,7 +69,7 @@ def test_the_button_gives_the_frames_of_the_command_line_bit_for_bit(patch: bpy.
     assert plan.key == plan_key(procedure, settings, solver_identity(None))
     assert tuple(frame.key for frame in plan.frames) == frame_keys(program, solver_identity(None))
     other = FrameStore(tmp_path / "command line")
-    solved = solve_program(program, other, connect_to(None), solver_identity(None), Watcher())
+    solved = solve_program(program, other, connect_to(None), solver_identity(None), SolveObserver())
     assert solved.reason is None
     for frame, own in zip(solved.frames, plan.frames, strict=True):
         shown = frames.shown_at(patch, own.time).frame

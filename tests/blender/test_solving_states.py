@@ -200,7 +200,7 @@ def test_a_procedure_that_was_refused_is_not_asked_for_again_by_itself(patch: bp
     assert frames.plan_of(patch) is not None
 
 
-def test_a_scene_without_tissue_is_refused_with_the_mend(scene: bpy.types.Scene, script: Script) -> None:
+def test_a_scene_without_tissue_is_refused_with_the_repair(scene: bpy.types.Scene, script: Script) -> None:
     with pytest.raises(RuntimeError, match="The scene has no tissue"):
         bpy.ops.lappet.solve(wait=True)
     assert frames.shown_at(scene, 1) is None

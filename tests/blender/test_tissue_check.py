@@ -1,4 +1,4 @@
-"""What the check finds on a mesh and where; each button mends what it says and loses neither groups nor texture."""
+"""What the check finds on a mesh and where; each button repairs what it says and loses neither groups nor texture."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def edit(obj: bpy.types.Object, change) -> None:  # type: ignore[no-untyped-def]
 
 
 def found(scene: bpy.types.Scene, kind: str) -> ProblemPlace:
-    """The one problem of that kind of mend."""
+    """The one problem of that kind of remedy."""
     places = [
         each for each in check_tissue(scene).places if dict(getattr(each.problem, "arguments", ())) == {"kind": kind}
     ]
@@ -57,16 +57,16 @@ def test_a_small_hole_is_shown_at_its_edges_and_filled_without_losing_groups(sce
     place = found(scene, "HOLES")
     assert "The surface is open: 4 edges" in place.problem.sentence
     assert {tuple(p) for p in place.lines.reshape(-1, 3).tolist()} == {tuple(p) for p in hole.tolist()}
-    assert bpy.ops.lappet.tissue_mend(kind="HOLES") == {"FINISHED"}
+    assert bpy.ops.lappet.tissue_repair(kind="HOLES") == {"FINISHED"}
     assert check_tissue(scene).places == ()
-    mended = read(scene).tissue
-    assert len(mended.face_vertex_counts) == len(given.tissue.face_vertex_counts) + 1  # two triangles for a quad
+    repaired = read(scene).tissue
+    assert len(repaired.face_vertex_counts) == len(given.tissue.face_vertex_counts) + 1  # two triangles for a quad
     for name in ("fixed", "bed"):
-        assert len(mended.subsets[name]) == len(given.tissue.subsets[name])
-    new = mended.uv[-6:]
-    at = mended.points[mended.face_vertex_indices[-6:]][:, :2] / 100.0
+        assert len(repaired.subsets[name]) == len(given.tissue.subsets[name])
+    new = repaired.uv[-6:]
+    at = repaired.points[repaired.face_vertex_indices[-6:]][:, :2] / 100.0
     np.testing.assert_allclose(new, at, atol=1e-6)
-    tissue_surface(mended)
+    tissue_surface(repaired)
 
 
 def test_a_hole_as_large_as_the_mesh_is_not_filled_unless_asked(scene: bpy.types.Scene) -> None:
@@ -75,9 +75,9 @@ def test_a_hole_as_large_as_the_mesh_is_not_filled_unless_asked(scene: bpy.types
     edit(obj, lambda work: bmesh.ops.subdivide_edges(work, edges=work.edges, cuts=1, use_grid_fill=True))
     bpy.ops.lappet.tissue_set()
     with pytest.raises(RuntimeError, match=r"The smallest hole of 'block' is 72 mm around, too large"):
-        bpy.ops.lappet.tissue_mend(kind="HOLES")
+        bpy.ops.lappet.tissue_repair(kind="HOLES")
     assert open_edge_count(mesh_values(scene, obj)) == 8
-    bpy.ops.lappet.tissue_mend(kind="HOLES", everything=True)
+    bpy.ops.lappet.tissue_repair(kind="HOLES", everything=True)
     assert open_edge_count(mesh_values(scene, obj)) == 0
 
 
@@ -89,7 +89,7 @@ def test_a_hole_in_a_sheet_is_told_and_filled_and_the_rim_stays(scene: bpy.types
     assert place.problem.sentence == "The surface has 2 borders; each becomes a fixed rim."
     assert place.problem.severity == "warning"
     assert len(place.lines) == 4  # of the hole; the rim is as it should be
-    bpy.ops.lappet.tissue_mend(kind="HOLES")
+    bpy.ops.lappet.tissue_repair(kind="HOLES")
     assert open_edge_count(mesh_values(scene, obj)) == 64
     assert check_tissue(scene).places == ()
 
@@ -106,7 +106,7 @@ def test_two_holes_that_share_a_corner_are_both_filled(scene: bpy.types.Scene) -
         bmesh.ops.delete(work, geom=[work.faces[int(f)] for f in (middle, corner)], context="FACES_ONLY")
 
     edit(obj, open_both)
-    bpy.ops.lappet.tissue_mend(kind="HOLES")
+    bpy.ops.lappet.tissue_repair(kind="HOLES")
     assert open_edge_count(mesh_values(scene, obj)) == 0
     tissue_surface(read(scene).tissue)
 
@@ -119,11 +119,11 @@ def test_doubled_vertices_are_shown_as_a_border_and_welded(scene: bpy.types.Scen
         lambda work: bmesh.ops.split_edges(work, edges=[edge for edge in work.edges if edge.calc_face_angle(0.0) > 1]),
     )
     assert open_edge_count(mesh_values(scene, obj)) > 0
-    bpy.ops.lappet.tissue_mend(kind="WELD")
+    bpy.ops.lappet.tissue_repair(kind="WELD")
     assert open_edge_count(mesh_values(scene, obj)) == 0
-    mended = read(scene).tissue
-    assert len(mended.points) == len(given.tissue.points)
-    assert {name: len(faces) for name, faces in mended.subsets.items()} == {
+    repaired = read(scene).tissue
+    assert len(repaired.points) == len(given.tissue.points)
+    assert {name: len(faces) for name, faces in repaired.subsets.items()} == {
         name: len(faces) for name, faces in given.tissue.subsets.items()
     }
 
@@ -143,7 +143,7 @@ def test_a_face_without_area_is_shown_and_welded_away(scene: bpy.types.Scene) ->
     place = found(scene, "WELD")
     assert "no area" in place.problem.sentence
     assert len(place.lines) >= 3
-    bpy.ops.lappet.tissue_mend(kind="WELD")
+    bpy.ops.lappet.tissue_repair(kind="WELD")
     assert check_tissue(scene).places == ()
     assert len(read(scene).tissue.points) == 8
 
@@ -159,7 +159,7 @@ def test_turned_faces_are_shown_at_their_edges_and_turned_back(scene: bpy.types.
     place = found(scene, "ORIENT")
     assert "(4 such edges)" in place.problem.sentence
     assert len(place.lines) == 4
-    bpy.ops.lappet.tissue_mend(kind="ORIENT")
+    bpy.ops.lappet.tissue_repair(kind="ORIENT")
     assert check_tissue(scene).places == ()
     corners = given.tissue.face_vertex_indices.reshape(-1, 4)
     np.testing.assert_array_equal(np.sort(read(scene).tissue.face_vertex_indices.reshape(-1, 4)), np.sort(corners))
@@ -171,7 +171,7 @@ def test_a_turned_face_of_a_sheet_is_told_once(scene: bpy.types.Scene) -> None:
     edit(obj, lambda work: work.faces[20].normal_flip())
     (place,) = check_tissue(scene).places
     assert place.problem.sentence.startswith("Neighbouring faces look opposite ways at (")
-    bpy.ops.lappet.tissue_mend(kind="ORIENT")
+    bpy.ops.lappet.tissue_repair(kind="ORIENT")
     assert check_tissue(scene).places == ()
 
 
@@ -181,7 +181,7 @@ def test_a_surface_inside_out_is_a_warning_that_turning_mends(scene: bpy.types.S
     place = found(scene, "ORIENT")
     assert place.problem.severity == "warning"
     assert "inside out" in place.problem.sentence
-    bpy.ops.lappet.tissue_mend(kind="ORIENT")
+    bpy.ops.lappet.tissue_repair(kind="ORIENT")
     assert check_tissue(scene).places == ()
 
 
@@ -196,7 +196,7 @@ def test_vertices_without_a_face_are_shown_and_removed(scene: bpy.types.Scene) -
     place = found(scene, "LOOSE")
     assert place.problem.sentence == "2 vertices belong to no face, the first at (0, 0, 30)."
     np.testing.assert_allclose(place.points, [(0.0, 0.0, 30.0), (0.0, 1.0, 30.0)])
-    bpy.ops.lappet.tissue_mend(kind="LOOSE")
+    bpy.ops.lappet.tissue_repair(kind="LOOSE")
     assert len(read(scene).tissue.points) == len(given.tissue.points)
     assert check_tissue(scene).places == ()
 
@@ -246,7 +246,7 @@ def test_a_lattice_larger_than_the_memory_gets_a_spacing_that_fits(scene: bpy.ty
     held(scene)
     place = found(scene, "SPACING")
     assert "more than the memory budget of 8 GiB" in place.problem.sentence
-    bpy.ops.lappet.tissue_mend(kind="SPACING")
+    bpy.ops.lappet.tissue_repair(kind="SPACING")
     assert read(scene).tissue.spacing > 0.5
     assert check_tissue(scene).places == ()
 

@@ -113,9 +113,9 @@ def test_a_problem_is_said_with_the_button_that_mends_it(scene: bpy.types.Scene)
     scene.lappet.tissue.object = add_sheet(scene)
     drawn = draw(LAPPET_PT_tissue, scene)
     assert "is open: 32 edges belong to one face only." in said(drawn)
-    (mend,) = [each for each in drawn if isinstance(each, Button) and each.name == "lappet.tissue_mend"]
-    assert mend.given == {"kind": "HOLES"}
-    assert mend.text == "Fill Small Holes"
+    (remedy,) = [each for each in drawn if isinstance(each, Button) and each.name == "lappet.tissue_repair"]
+    assert remedy.given == {"kind": "HOLES"}
+    assert remedy.text == "Fill Small Holes"
 
 
 @pytest.mark.parametrize("kind", ["scale", "modifier", "light", "deleted", "bone", "edit"])
@@ -148,7 +148,7 @@ def test_what_a_check_found_is_listed_with_its_places(scene: bpy.types.Scene) ->
     bpy.ops.lappet.tissue_check()
     drawn = draw(LAPPET_PT_tissue, scene)
     assert "inside out" in said(drawn)
-    bpy.ops.lappet.tissue_mend(kind="ORIENT")
+    bpy.ops.lappet.tissue_repair(kind="ORIENT")
     bpy.ops.lappet.tissue_check()
     assert "Nothing is wrong." in draw(LAPPET_PT_tissue, scene)
 

@@ -1,4 +1,4 @@
-"""What stands in the way of an object as tissue or bone: a sentence each, and the operator it names mends it."""
+"""What stands in the way of an object as tissue or bone: a sentence each, and the operator it names repairs it."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def only_problem(scene: bpy.types.Scene) -> SceneProblem:
     return problem
 
 
-def mend(problem: SceneProblem) -> None:
+def repair(problem: SceneProblem) -> None:
     """Presses the problem's button."""
     part, name = problem.operator.split(".")
     assert getattr(getattr(bpy.ops, part), name)(**dict(problem.arguments)) == {"FINISHED"}
@@ -34,7 +34,7 @@ def test_a_tissue_that_was_deleted_can_be_brought_back(scene: bpy.types.Scene) -
     bpy.data.scenes["Scene"].collection.objects.unlink(scene.lappet.tissue.object)
     problem = only_problem(scene)
     assert "The tissue 'Tissue' is not in the scene 'Scene'" in problem.sentence
-    mend(problem)
+    repair(problem)
     assert read(scene) == given
 
 
@@ -66,7 +66,7 @@ def test_an_applied_modifier_gives_the_shape_that_was_seen_and_keeps_the_groups(
     modifier.direction, modifier.strength, modifier.mid_level = "Z", 2.0, 0.0
     problem = only_problem(scene)
     assert problem.sentence == "The tissue 'Tissue' has the modifier Shift: its shape is not its mesh's."
-    mend(problem)
+    repair(problem)
     found = read(scene).tissue
     np.testing.assert_allclose(found.points, given.tissue.points + np.array([0.0, 0.0, 2.0]), atol=1e-5)
     assert {name: faces.tolist() for name, faces in found.subsets.items()} == {
@@ -92,7 +92,7 @@ def test_applied_shape_keys_stay_as_they_are_mixed(scene: bpy.types.Scene) -> No
     key.value = 0.5
     problem = only_problem(scene)
     assert "has 2 shape keys" in problem.sentence
-    mend(problem)
+    repair(problem)
     np.testing.assert_allclose(read(scene).tissue.points, given.tissue.points + np.array([0.0, 0.0, 0.5]), atol=1e-5)
     assert obj.data.shape_keys is None
 
@@ -108,7 +108,7 @@ def test_an_applied_scale_leaves_the_tissue_where_it_is_seen_and_outside_out(
     obj.location, obj.rotation_euler, obj.scale = (0.01, 0.0, 0.0), (0.0, 0.0, np.pi / 2), scale
     problem = only_problem(scene)
     assert f"is {word} by its scale" in problem.sentence
-    mend(problem)
+    repair(problem)
     x, y, z = (given.tissue.points * 1000.0 * scale).T
     found = read(scene).tissue
     np.testing.assert_allclose(found.points, np.stack([10.0 - y, x, z], axis=1), atol=1e-4)
@@ -125,7 +125,7 @@ def test_a_mesh_that_another_object_uses_is_copied_before_a_scale_is_applied(sce
     other = bpy.data.objects.new("other", obj.data)
     before = np.array([vertex.co for vertex in other.data.vertices])
     obj.scale.x *= 2.0
-    mend(only_problem(scene))
+    repair(only_problem(scene))
     np.testing.assert_array_equal([vertex.co for vertex in other.data.vertices], before)
 
 
@@ -135,7 +135,7 @@ def test_a_tissue_that_keyframes_or_a_constraint_move_is_fixed_where_it_stands(s
     obj.keyframe_insert("location", frame=1)
     problem = only_problem(scene)
     assert "is moved by keyframes" in problem.sentence
-    mend(problem)
+    repair(problem)
     assert read(scene) == given
     constraint = obj.constraints.new("COPY_LOCATION")
     constraint.target = bpy.data.objects.new("leader", None)
@@ -144,7 +144,7 @@ def test_a_tissue_that_keyframes_or_a_constraint_move_is_fixed_where_it_stands(s
     bpy.context.view_layer.update()
     problem = only_problem(scene)
     assert "is moved by the constraint Copy Location" in problem.sentence
-    mend(problem)
+    repair(problem)
     np.testing.assert_allclose(read(scene).tissue.points, given.tissue.points + np.array([0.0, 0.0, 50.0]), atol=1e-4)
 
 
@@ -157,7 +157,7 @@ def test_a_tissue_whose_parent_is_keyframed_lets_go_of_it(scene: bpy.types.Scene
     parent.keyframe_insert("rotation_euler", frame=1)
     problem = only_problem(scene)
     assert "through its parent 'parent'" in problem.sentence
-    mend(problem)
+    repair(problem)
     assert scene.lappet.tissue.object.parent is None
     assert read(scene) == given
 
@@ -176,7 +176,7 @@ def test_a_linked_mesh_is_made_local_and_its_library_stays_as_it_was(scene: bpy.
     assert "is linked from" in problem.sentence
     with pytest.raises(RuntimeError, match="make it local first"):
         bpy.ops.lappet.faces_assign(group="fixed", which="ALL")
-    mend(problem)
+    repair(problem)
     found = read(fresh).tissue
     np.testing.assert_array_equal(found.points, given.tissue.points)
     assert fresh.lappet.tissue.object.data.library is None
@@ -190,14 +190,14 @@ def test_a_mesh_cannot_be_tissue_and_bone_or_two_bones(scene: bpy.types.Scene) -
     entry.object = scene.lappet.tissue.object
     problem = only_problem(scene)
     assert problem.sentence == "The mesh 'Tissue' is the tissue and a bone at once."
-    mend(problem)
+    repair(problem)
     assert len(scene.lappet.bones) == 0
     box = add_box(scene, (0.0, 0.0, -0.02), (0.01, 0.01, -0.01), name="skull")
     for _ in range(2):
         scene.lappet.bones.add().object = box
     problem = only_problem(scene)
     assert problem.sentence == "The bone 'skull' is listed twice."
-    mend(problem)
+    repair(problem)
     assert [bone.name for bone in read(scene).bones] == ["skull"]
 
 
@@ -228,7 +228,7 @@ def test_a_thickness_of_a_closed_surface_is_refused_and_switched_off(scene: bpy.
     scene.lappet.tissue.thicken = True
     problem = only_problem(scene)
     assert "is closed; a thickness of 4 mm says nothing" in problem.sentence
-    mend(problem)
+    repair(problem)
     assert read(scene) == given
 
 
@@ -242,7 +242,7 @@ def test_a_sheet_too_thick_for_its_curvature_names_the_place(scene: bpy.types.Sc
     scene.lappet.tissue.object, scene.lappet.tissue.thicken, scene.lappet.tissue.thickness = obj, True, 5.0
     problem = only_problem(scene)
     assert "underside folds or meets the skin near (" in problem.sentence
-    assert "thinner sheet" in problem.mend
+    assert "thinner sheet" in problem.remedy
     scene.lappet.tissue.thickness = 1.0
     read(scene)
 
@@ -272,7 +272,7 @@ def test_a_scale_of_0_is_a_problem_that_cannot_be_applied(scene: bpy.types.Scene
     scene.lappet.tissue.object.scale.z = 0.0
     problem = only_problem(scene)
     with pytest.raises(RuntimeError, match="The scale of 'Tissue' is 0 in some direction"):
-        mend(problem)
+        repair(problem)
 
 
 def test_a_rigid_parent_stays_when_a_scale_is_applied(scene: bpy.types.Scene) -> None:
@@ -283,7 +283,7 @@ def test_a_rigid_parent_stays_when_a_scale_is_applied(scene: bpy.types.Scene) ->
     parent.location = (0.0, 0.02, 0.0)
     obj.parent = parent
     obj.scale = (0.001, 0.001, 0.003)
-    mend(only_problem(scene))
+    repair(only_problem(scene))
     assert obj.parent == parent
     expected = given.tissue.points * (1.0, 1.0, 3.0) + np.array([0.0, 20.0, 0.0])
     np.testing.assert_allclose(read(scene).tissue.points, expected, atol=1e-4)

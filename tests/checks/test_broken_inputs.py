@@ -1,8 +1,8 @@
-"""The corpus `tests/broken_inputs`: what is broken in each file, and what must be said about it.
+"""The corpus `broken_inputs`: what is broken in each file, and what must be said about it.
 
-Beside each file stands `<name>.expected`: a block of lines `prim:`, `says:`, `mend:` (fragments), and `severity:` where
-it is not error, for each problem. Exactly these problems must be reported, no more, no fewer. A case without an input
-file is a file that does not exist. Add a file here for every input that once crashed something.
+Beside each file stands `<name>.expected`: a block of lines `prim:`, `says:`, `remedy:` (fragments), and `severity:`
+where it is not error, for each problem. Exactly these problems must be reported, no more, no fewer. A case without an
+input file is a file that does not exist. Add a file here for every input that once crashed something.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ def _blocks(expected: Path) -> list[dict[str, str]]:
     blocks = []
     for text in expected.read_text(encoding="utf-8").split("\n\n"):
         block = dict(line.split(": ", 1) for line in text.strip().splitlines())
-        assert {"prim", "says", "mend"} <= set(block) <= {"prim", "says", "mend", "severity"}, text
+        assert {"prim", "says", "remedy"} <= set(block) <= {"prim", "says", "remedy", "severity"}, text
         assert all(block.values()), text
         blocks.append(block)
     return blocks
@@ -40,7 +40,7 @@ def _answers(problem: Problem, block: dict[str, str]) -> bool:
     return (
         problem.path.endswith(block["prim"])
         and block["says"] in problem.sentence
-        and block["mend"] in problem.mend
+        and block["remedy"] in problem.remedy
         and problem.severity == block.get("severity", "error")
     )
 
@@ -59,7 +59,7 @@ def test_the_corpus_is_found() -> None:
 
 
 @pytest.mark.parametrize("expected", CASES, ids=lambda path: path.stem)
-def test_exactly_what_is_broken_is_said_with_its_mend(expected: Path) -> None:
+def test_exactly_what_is_broken_is_said_with_its_repair(expected: Path) -> None:
     problems, blocks = _problems(_input(expected)), _blocks(expected)
     said = "\n".join(f"{problem.severity}: {problem}" for problem in problems)
     unanswered = list(problems)
@@ -71,8 +71,8 @@ def test_exactly_what_is_broken_is_said_with_its_mend(expected: Path) -> None:
     for problem in problems:
         assert re.match(r"[A-Z0-9]|lappet:|primvars:|curveVertexCounts", problem.sentence), said
         assert problem.sentence.endswith("."), said
-        assert problem.mend[0].isupper(), said
-        assert problem.mend.endswith("."), said
+        assert problem.remedy[0].isupper(), said
+        assert problem.remedy.endswith("."), said
         assert "\n" not in str(problem), said
 
 

@@ -156,7 +156,7 @@ def test_the_estimate_of_cells_is_exact_for_an_aligned_box_up_to_its_rim() -> No
 def test_a_mended_spacing_is_accepted() -> None:
     fine = replace(GOOD, tissue=replace(GOOD.tissue, spacing=0.02))
     (problem,) = check(fine)
-    least = float(problem.mend.split()[-2])
+    least = float(problem.remedy.split()[-2])
     assert check(fine, spacing=least) == []
 
 

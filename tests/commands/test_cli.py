@@ -29,7 +29,8 @@ HEAVY = ("numpy", "pxr", "manifold3d", "trimesh", "zmq", "msgpack", "rich", "net
 def solver(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Iterator[FakeSolver]:
     """A solver that stands in for the daemon, and a store of its own."""
     fake = FakeSolver()
-    monkeypatch.setattr("lappet.output.solve_procedure.connect_to", lambda address: fake.connect)
+    for user in ("output.solve_procedure", "output.inspect_procedure", "daemon.daemon_solver"):
+        monkeypatch.setattr(f"lappet.{user}.connect_to", lambda address: fake.connect)
     monkeypatch.setattr("lappet.output.solve_procedure.solver_identity", lambda address: "fake 1")
     monkeypatch.setenv("LAPPET_STORE", str(tmp_path / "store"))
     return fake
@@ -412,8 +413,8 @@ def test_a_terminal_gets_a_bar_and_notes_above_it(
             raise SolverDiedError("The daemon died: it was ended by [SIGKILL].")
 
     solver.before = die
-    with BarProgress() as watcher:
-        solve_procedure(procedure, tmp_path / "c.usdc", watcher=watcher)
+    with BarProgress() as observer:
+        solve_procedure(procedure, tmp_path / "c.usdc", observer=observer)
     shown = capsys.readouterr().err
     assert "8/8" in shown
     assert "ended by [SIGKILL]. It was solving frame 5" in " ".join(shown.split())

@@ -209,7 +209,7 @@ def test_it_does_not_start_without_a_token(binary: Path) -> None:
 # --- finding and starting it ---------------------------------------------------------------------------------------
 
 
-def test_a_missing_daemon_is_named_with_the_mend(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+def test_a_missing_daemon_is_named_with_the_repair(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setenv("LAPPET_SOLVERD", str(tmp_path / "nothing"))
     with pytest.raises(DaemonMissing, match=r"LAPPET_SOLVERD names .*nothing.*unset it"):
         find_daemon()

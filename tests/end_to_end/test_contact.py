@@ -92,6 +92,6 @@ def test_without_the_bone_it_would_enter(tmp_path: Path) -> None:
     assert depths(frames)[-1] > 2.0
 
 
-def test_tissue_that_starts_deep_in_bone_is_refused_with_the_depth_and_the_mend(tmp_path: Path) -> None:
+def test_tissue_that_starts_deep_in_bone_is_refused_with_the_depth_and_the_repair(tmp_path: Path) -> None:
     with pytest.raises(RefusedError, match=r"dome.*reach 1\.[67]\d* mm into each other.*Move them apart"):
         solve_procedure(drawn_across(dome(2.0)), tmp_path / "c.usdc", store=FrameStore(tmp_path / "store"))

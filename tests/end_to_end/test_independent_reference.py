@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from lappet.daemon.daemon_solver import connect_to
 from lappet.reports.box_scenes import SKIN, BoxScene
-from lappet.solve.solve_program import Watcher, solve_program
+from lappet.solve.solve_program import SolveObserver, solve_program
 from lappet.solve.store import FrameStore
 
 GRAVITY = 9.81e-2  # m/s²
@@ -46,7 +46,7 @@ def by_lappet(spacing: float, quadrature: int, store: Path) -> NDArray[np.float6
     """The same by the daemon."""
     program = BEAM.program(spacing, quadrature=quadrature, precision="double", tolerance=1e-6)
     rest = program.epochs[0].surface.points
-    frames = solve_program(program, FrameStore(store), connect_to(None), "test", Watcher()).frames
+    frames = solve_program(program, FrameStore(store), connect_to(None), "test", SolveObserver()).frames
     at = [int(np.argmin(np.linalg.norm(rest - place, axis=1))) for place in PLACES]
     return frames[-1].arrays["points"][at, 2].astype(float) - rest[at, 2]
 
@@ -83,7 +83,7 @@ def test_the_beam_is_in_the_linear_range(tmp_path: Path) -> None:
     scene = replace(BEAM, gravity=2.0 * GRAVITY)
     program = scene.program(3.0, precision="double", tolerance=1e-6)
     rest = program.epochs[0].surface.points
-    frame = solve_program(program, FrameStore(tmp_path / "two"), connect_to(None), "test", Watcher()).frames[-1]
+    frame = solve_program(program, FrameStore(tmp_path / "two"), connect_to(None), "test", SolveObserver()).frames[-1]
     at = [int(np.argmin(np.linalg.norm(rest - place, axis=1))) for place in PLACES]
     twice = frame.arrays["points"][at, 2] - rest[at, 2]
     np.testing.assert_allclose(twice, 2.0 * once, rtol=2e-3)

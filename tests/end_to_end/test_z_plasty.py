@@ -16,8 +16,8 @@ from lappet.program.program import Program
 from lappet.reports.error_time.measurement import DEFAULT, skin_of
 from lappet.reports.error_time.procedure_scenes import z_plasty_scene
 from lappet.reports.error_time.reference import greatest, rms
-from lappet.solve.error_estimate import companion, expected_order, frame_error
-from lappet.solve.solve_program import FrameResult, Watcher, solve_program
+from lappet.solve.error_estimate import coarse_program, expected_order, frame_error
+from lappet.solve.solve_program import FrameResult, SolveObserver, solve_program
 from lappet.solve.store import FrameStore
 
 THICKNESS = 4.0  # mm
@@ -78,7 +78,7 @@ def test_the_z_plasty_rests_in_one_way_on_every_lattice_and_its_error_is_estimat
     skin = skin_of(scene.program(2.0))
 
     def last(program: Program) -> FrameResult:
-        found = solve_program(program, FrameStore(tmp_path), connect_to(None), "test", Watcher())
+        found = solve_program(program, FrameStore(tmp_path), connect_to(None), "test", SolveObserver())
         assert found.reason is None
         return found.frames[-1]
 
@@ -92,7 +92,7 @@ def test_the_z_plasty_rests_in_one_way_on_every_lattice_and_its_error_is_estimat
         off = points(frame) - truth
         # Slack skin rests 0.6 mm from the truth wherever it buckles the other way.
         assert rms(off) < 0.1, (spacing, changed)
-        estimate = frame_error(frame, last(companion(program)), skin, expected_order(program))
+        estimate = frame_error(frame, last(coarse_program(program)), skin, expected_order(program))
         assert estimate is not None
         assert rms(off) / 3.0 < estimate.rms < 3.0 * rms(off), (spacing, changed, rms(off), estimate.rms)
         assert greatest(off) / 3.0 < estimate.greatest < 3.0 * greatest(off), (

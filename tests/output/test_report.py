@@ -13,7 +13,7 @@ import pytest
 from lappet.output.report import report, write_report
 from lappet.output.solve_procedure import SolveResult
 from lappet.program.compile import compile_program
-from lappet.solve.solve_program import Watcher, solve_program
+from lappet.solve.solve_program import SolveObserver, solve_program
 from lappet.solve.store import FrameStore
 from report_shape import FRAME, REPORT, misfits
 from small_procedure import FakeSolver, small_procedure
@@ -22,7 +22,7 @@ from small_procedure import FakeSolver, small_procedure
 def result(folder: Path, solver: FakeSolver, procedure: Any = None) -> SolveResult:
     procedure = procedure or small_procedure()
     program = compile_program(procedure)
-    found = solve_program(program, FrameStore(folder), solver.connect, "fake", Watcher())
+    found = solve_program(program, FrameStore(folder), solver.connect, "fake", SolveObserver())
     return SolveResult(procedure, program, found.frames, found.reason, found.interrupted, found.failed)
 
 

@@ -18,7 +18,7 @@ from lappet.output.skin_cache import write_skin_cache
 from lappet.procedure import Procedure
 from lappet.program.compile import compile_program
 from lappet.program.program import Program
-from lappet.solve.solve_program import FrameResult, Watcher, solve_program
+from lappet.solve.solve_program import FrameResult, SolveObserver, solve_program
 from lappet.solve.store import FrameStore
 from lappet.usd.stage import write_procedure
 from small_procedure import FakeSolver, small_procedure
@@ -37,7 +37,7 @@ def program(procedure: Procedure) -> Program:
 @pytest.fixture(scope="module")
 def frames(program: Program, tmp_path_factory: pytest.TempPathFactory) -> tuple[FrameResult, ...]:
     store = FrameStore(tmp_path_factory.mktemp("store"))
-    return solve_program(program, store, FakeSolver().connect, "fake", Watcher()).frames
+    return solve_program(program, store, FakeSolver().connect, "fake", SolveObserver()).frames
 
 
 @pytest.fixture(scope="module", params=[".usdc", ".usda"])

@@ -40,7 +40,7 @@ from lappet.reports.error_time.measurement import (
 )
 from lappet.reports.error_time.reference import Reference, fitted_order, observed_orders, richardson, rms
 from lappet.reports.error_time.totals import totals
-from lappet.solve.solve_program import Watcher, solve_program
+from lappet.solve.solve_program import SolveObserver, solve_program
 from lappet.solve.store import FrameStore
 from lappet.usd.stage import write_procedure
 from small_procedure import small_procedure
@@ -80,7 +80,7 @@ def test_the_product_of_settings_is_complete_and_starts_with_the_default() -> No
 
 
 @pytest.mark.parametrize("scene", BOXES, ids=lambda scene: scene.name)
-def test_the_boxes_are_closed_and_their_halves_are_the_companions_of_others(scene: object) -> None:
+def test_the_boxes_are_closed_and_their_halves_are_the_coarse_programs_of_others(scene: object) -> None:
     surface, side = grid_box((4.0, 3.0, 2.0), (4, 3, 2))
     check_closed(surface.points, surface.triangles, "box")
     assert signed_volume(surface.points, surface.triangles) == pytest.approx(24.0)
@@ -95,7 +95,7 @@ def test_a_smooth_solution_converges_with_second_order() -> None:
     for spacing in (6.0, 3.0, 1.5):
         program = SHELF.program(spacing, **EXACT)
         with tempfile.TemporaryDirectory() as store:
-            solved = solve_program(program, FrameStore(Path(store)), connect_to(None), "test", Watcher())
+            solved = solve_program(program, FrameStore(Path(store)), connect_to(None), "test", SolveObserver())
         found.append(solved.frames[-1].arrays["points"].astype(float))
     assert richardson(*found).order > 1.8
 
@@ -123,7 +123,7 @@ def test_without_lateral_contraction_a_held_end_lowers_the_order_no_more() -> No
         for spacing in (3.0, 1.5, 0.75):
             program = scene.program(spacing, **{**EXACT, "quadrature": quadrature})
             with tempfile.TemporaryDirectory() as store:
-                solved = solve_program(program, FrameStore(Path(store)), connect_to(None), "test", Watcher())
+                solved = solve_program(program, FrameStore(Path(store)), connect_to(None), "test", SolveObserver())
             found.append(solved.frames[-1].arrays["points"].astype(float))
         return richardson(*found).order
 

@@ -18,13 +18,13 @@ from lappet.reports.error_time.reference import greatest, richardson, rms
 from lappet.solve.error_estimate import (
     ONE_POINT_SHARE,
     ErrorEstimate,
-    FrameError,
+    FrameErrorEstimate,
     estimate_errors,
     expected_order,
-    far_companion,
+    far_coarse_program,
     frame_error,
 )
-from lappet.solve.solve_program import FrameResult, Watcher, solve_program
+from lappet.solve.solve_program import FrameResult, SolveObserver, solve_program
 from lappet.solve.store import FrameStore
 from lappet.solve.target_error import worst_rms
 from small_procedure import small_procedure
@@ -38,9 +38,9 @@ SETTINGS: tuple[dict[str, Any], ...] = (
     {"preconditioner": "chebyshev"},
     {"tolerance": 1e-4, "preconditioner": "chebyshev"},
 )
-# Spacings at which one point per cell happens to be much better than its companion foretells (the bar at 1.5 mm), is as
-# far off at twice the spacing (the cantilever), or where what stopping early costs undoes what the lattice costs (the
-# shelf), with others beside them.
+# Spacings at which one point per cell happens to be much better than its coarse program foretells (the bar at 1.5 mm),
+# is as far off at twice the spacing (the cantilever), or where what stopping early costs undoes what the lattice costs
+# (the shelf), with others beside them.
 SPACINGS = {
     "bar": (2.0, 1.5, 1.0),
     "block": (2.0, 1.0),
@@ -53,15 +53,15 @@ SPACINGS = {
 
 def solve(scene: BoxScene, spacing: float, store: Path, **settings: Any) -> FrameResult:
     program = scene.program(spacing, **settings)
-    found = solve_program(program, FrameStore(store), connect_to(None), "test", Watcher())
+    found = solve_program(program, FrameStore(store), connect_to(None), "test", SolveObserver())
     assert found.reason is None
     return found.frames[-1]
 
 
-def estimated(scene: BoxScene, spacing: float, store: Path, **settings: Any) -> tuple[FrameResult, FrameError]:
+def estimated(scene: BoxScene, spacing: float, store: Path, **settings: Any) -> tuple[FrameResult, FrameErrorEstimate]:
     """The frame and its estimate, as every solve makes it."""
     program = scene.program(spacing, **settings, correction=True)
-    solved = solve_program(program, FrameStore(store), connect_to(None), "test", Watcher())
+    solved = solve_program(program, FrameStore(store), connect_to(None), "test", SolveObserver())
     assert solved.reason is None
     errors = estimate_errors(program, solved.frames, FrameStore(store), connect_to(None), "test")
     assert errors.reason is None
@@ -185,12 +185,12 @@ def test_the_second_indicator_is_averaged_with_the_first_one_geometrically() -> 
 
 def test_a_second_indicator_is_asked_for_one_point_per_cell_without_wounds() -> None:
     one = BLOCK.program(1.0)
-    far = far_companion(one)
+    far = far_coarse_program(one)
     assert far is not None
     assert far.settings.spacing == 4.0
     assert far.settings.quadrature > 1
-    assert far_companion(BLOCK.program(1.0, quadrature=8)) is None
-    assert far_companion(replace(one, sutures=("suture",))) is None
+    assert far_coarse_program(BLOCK.program(1.0, quadrature=8)) is None
+    assert far_coarse_program(replace(one, sutures=("suture",))) is None
 
 
 def test_holding_lowers_the_order_that_is_reckoned_with_and_wounds_hooks_and_sutures_more() -> None:
@@ -209,6 +209,6 @@ def test_holding_lowers_the_order_that_is_reckoned_with_and_wounds_hooks_and_sut
 
 
 def test_an_unknown_frame_makes_the_worst_error_infinite() -> None:
-    known = FrameError(0.2, 0.1, None, None, 0.2, 0.1)
+    known = FrameErrorEstimate(0.2, 0.1, None, None, 0.2, 0.1)
     assert worst_rms(ErrorEstimate((known,), 2.0, 1.0, 0.0)) == 0.1
     assert worst_rms(ErrorEstimate((known, None), 2.0, 1.0, 0.0, "why")) == float("inf")

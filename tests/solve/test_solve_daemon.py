@@ -15,7 +15,7 @@ import pytest
 
 from lappet.daemon.frame_solver import Iteration
 from lappet.output.solve_procedure import SolveResult, solve_procedure
-from lappet.solve.solve_program import Watcher
+from lappet.solve.solve_program import SolveObserver
 from lappet.solve.store import FrameStore, StoredFrame
 from lappet.usd.stage import write_procedure
 from small_procedure import small_procedure
@@ -36,7 +36,7 @@ def daemons() -> list[int]:
     return found
 
 
-class DuringFrame(Watcher):
+class DuringFrame(SolveObserver):
     """Does something once, at the first Newton iteration of a frame that the daemon tells of."""
 
     def __init__(self, time: float, signal_daemon: int | None) -> None:
@@ -58,8 +58,8 @@ class DuringFrame(Watcher):
         self.notes.append(sentence)
 
 
-def solved(folder: Path, store: Path, watcher: Watcher | None = None) -> SolveResult:
-    return solve_procedure(small_procedure(), folder / "c.usdc", store=FrameStore(store), watcher=watcher)
+def solved(folder: Path, store: Path, observer: SolveObserver | None = None) -> SolveResult:
+    return solve_procedure(small_procedure(), folder / "c.usdc", store=FrameStore(store), observer=observer)
 
 
 @pytest.fixture(scope="module")

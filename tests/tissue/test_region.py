@@ -18,7 +18,7 @@ from lappet.daemon.daemon_solver import connect_to, solver_identity
 from lappet.procedure import Hook, Incision, Material, Procedure
 from lappet.program.compile import compile_program
 from lappet.program.program import Program
-from lappet.solve.solve_program import Watcher, solve_program
+from lappet.solve.solve_program import SolveObserver, solve_program
 from lappet.solve.store import FrameStore
 from lappet.tissue.patch import flat_patch
 from lappet.usd.stage import write_procedure
@@ -81,7 +81,7 @@ def test_a_wide_patch_is_solved_in_part_and_its_skin_is_where_solving_all_of_it_
 def nodes(program: Program, store: FrameStore) -> list[NDArray[Any]]:
     """The states of the program's frames."""
     solver = solver_identity(None)
-    result = solve_program(program, store, connect_to(None), solver, Watcher())
+    result = solve_program(program, store, connect_to(None), solver, SolveObserver())
     assert result.reason is None
     stored = [store.get(frame.key) for frame in result.frames]
     return [frame.arrays["nodes"] for frame in stored if frame is not None]

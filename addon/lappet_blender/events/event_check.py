@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import bpy
 
-from lappet.checks.event_conflicts import contradictions
+from lappet.checks.event_conflicts import event_conflicts
 from lappet.checks.event_problems import EventCheck
 from lappet.checks.mesh_problems import mesh_problems
 from lappet.core.problem import Problem, ProcedureError
@@ -44,7 +44,7 @@ def check_events(scene: bpy.types.Scene, values: Sequence[Event]) -> None:
     for value in values:
         checked.check(value, f"{TIMELINE}/{value.name}")
     paths = {f"{TIMELINE}/{name}" for name in names}
-    problems = [*checked.problems, *(each for each in contradictions(procedure) if each.path in paths)]
+    problems = [*checked.problems, *(each for each in event_conflicts(procedure) if each.path in paths)]
     errors = [_in_blender(each) for each in problems if each.severity == "error"]
     if errors:
         raise ProcedureError(errors)
@@ -54,7 +54,7 @@ def tissue_of(scene: bpy.types.Scene) -> Tissue:
     """The scene's tissue; raises RefusedError with the reason where it has none that can be used."""
     tissue, problems = tissue_value(scene)
     if tissue is None:
-        raise RefusedError(f"{problems[0].sentence} {problems[0].mend}" if problems else "The scene has no tissue.")
+        raise RefusedError(f"{problems[0].sentence} {problems[0].remedy}" if problems else "The scene has no tissue.")
     return tissue
 
 
@@ -68,5 +68,5 @@ def rest_space(tissue: Tissue) -> RestSpace | None:
 
 def _in_blender(found: Problem) -> Problem:
     name = found.path.rpartition("/")[2]
-    mend = found.mend.replace("set endTimeCode later", "set the end of the scene later")
-    return Problem(found.path, found.value, f"{name}: {found.sentence}", mend, found.severity)
+    remedy = found.remedy.replace("set endTimeCode later", "set the end of the scene later")
+    return Problem(found.path, found.value, f"{name}: {found.sentence}", remedy, found.severity)

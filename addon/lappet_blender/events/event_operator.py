@@ -22,7 +22,7 @@ def attempt(operator: bpy.types.Operator, act: Callable[[], object]) -> set[str]
     try:
         act()
     except ProcedureError as refused:
-        return refuse(operator, " ".join(f"{each.sentence} {each.mend}" for each in refused.problems[:3]))
+        return refuse(operator, " ".join(f"{each.sentence} {each.remedy}" for each in refused.problems[:3]))
     except RefusedError as refused:
         return refuse(operator, str(refused))
     except OSError as error:

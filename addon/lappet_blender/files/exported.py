@@ -24,7 +24,7 @@ def procedure_of(scene: bpy.types.Scene) -> Procedure:
     reading = read_scene(scene)
     if reading.procedure is None:
         first = next((each for each in reading.problems if each.severity == "error"), None)
-        raise RefusedError("The scene holds no procedure." if first is None else f"{first.sentence} {first.mend}")
+        raise RefusedError("The scene holds no procedure." if first is None else f"{first.sentence} {first.remedy}")
     return reading.procedure
 
 

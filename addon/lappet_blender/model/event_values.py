@@ -29,7 +29,7 @@ TARGET_MM = 1.0  # radius at which a target is drawn
 def event_value(scene: bpy.types.Scene, event: Any) -> Event:
     """The value of an event; whether it makes sense is for `lappet.checks.validation` to say.
 
-    Raises RefusedError ("what is wrong; the mend") where the target of a hook or retractor is not in the scene, or a
+    Raises RefusedError ("what is wrong; the remedy") where the target of a hook or retractor is not in the scene, or a
     hook or suture has not the points that it needs.
     """
     name, time = str(event.name), event_time(event)

@@ -1,4 +1,4 @@
-"""What is wrong with an object as tissue or bone, on Blender's side: each with the operator that mends it."""
+"""What is wrong with an object as tissue or bone, on Blender's side: each with the operator that repairs it."""
 
 from __future__ import annotations
 
@@ -21,8 +21,8 @@ def object_problems(scene: bpy.types.Scene, obj: bpy.types.Object, role: str) ->
         return [problem(name, obj.type, sentence, "Choose a mesh object, or convert this one to a mesh.")]
     if scene not in obj.users_scene:
         sentence = f"The {role} {name!r} is not in the scene {scene.name!r}: it was deleted or moved elsewhere."
-        mend = "Undo the deletion, link the object to the scene, or choose another one."
-        return [problem(name, scene.name, sentence, mend, "lappet.tissue_restore", object=name)]
+        remedy = "Undo the deletion, link the object to the scene, or choose another one."
+        return [problem(name, scene.name, sentence, remedy, "lappet.tissue_restore", object=name)]
     problems = [*_linked(obj, role), *_shape(obj, role)]
     matrix = world_matrix(obj)
     if not keeps_shape(matrix):
@@ -31,8 +31,8 @@ def object_problems(scene: bpy.types.Scene, obj: bpy.types.Object, role: str) ->
         sentence = (
             f"The {role} {name!r} is {'mirrored by its scale' if mirrored else 'stretched by its scale'}, ({sizes})."
         )
-        mend = "Apply the scale; the mesh keeps its place and shape."
-        problems.append(problem(name, f"({sizes})", sentence, mend, "lappet.tissue_apply_scale", object=name))
+        remedy = "Apply the scale; the mesh keeps its place and shape."
+        problems.append(problem(name, f"({sizes})", sentence, remedy, "lappet.tissue_apply_scale", object=name))
     return [*problems, *_motion(obj, role)]
 
 
@@ -41,8 +41,8 @@ def _linked(obj: bpy.types.Object, role: str) -> list[SceneProblem]:
     if library is None or role != "tissue":
         return []
     sentence = f"The mesh of the tissue {obj.name!r} is linked from {library.filepath!r} and cannot be changed here."
-    mend = "Make it local; the library's file stays as it is."
-    return [problem(obj.name, library.filepath, sentence, mend, "lappet.tissue_make_local", object=obj.name)]
+    remedy = "Make it local; the library's file stays as it is."
+    return [problem(obj.name, library.filepath, sentence, remedy, "lappet.tissue_make_local", object=obj.name)]
 
 
 def _shape(obj: bpy.types.Object, role: str) -> list[SceneProblem]:
@@ -54,13 +54,13 @@ def _shape(obj: bpy.types.Object, role: str) -> list[SceneProblem]:
         sentence = (
             f"The {role} {name!r} has the modifier{'s' * (len(active) > 1)} {names}: its shape is not its mesh's."
         )
-        mend = "Apply what changes its shape, or switch it off for viewport and render."
-        problems.append(problem(name, names, sentence, mend, "lappet.tissue_apply_modifiers", object=name))
+        remedy = "Apply what changes its shape, or switch it off for viewport and render."
+        problems.append(problem(name, names, sentence, remedy, "lappet.tissue_apply_modifiers", object=name))
     if obj.data.shape_keys is not None:
         count = len(obj.data.shape_keys.key_blocks)
         sentence = f"The {role} {name!r} has {count} shape key{'s' * (count != 1)}: its shape is not its mesh's."
-        mend = "Apply them as they are mixed now."
-        problems.append(problem(name, count, sentence, mend, "lappet.tissue_apply_modifiers", object=name))
+        remedy = "Apply them as they are mixed now."
+        problems.append(problem(name, count, sentence, remedy, "lappet.tissue_apply_modifiers", object=name))
     return problems
 
 
@@ -72,8 +72,8 @@ def _motion(obj: bpy.types.Object, role: str) -> list[SceneProblem]:
         if how:
             whose = "" if each == obj else f" through its parent {each.name!r}"
             sentence = f"The {role} {obj.name!r} is moved by {how}{whose}; a procedure needs it at rest."
-            mend = "Fix it where it stands now."
-            return [problem(obj.name, how, sentence, mend, "lappet.tissue_fix_place", object=obj.name)]
+            remedy = "Fix it where it stands now."
+            return [problem(obj.name, how, sentence, remedy, "lappet.tissue_fix_place", object=obj.name)]
         each = each.parent
     return []
 

@@ -1,4 +1,4 @@
-"""What is wrong with the scene of a procedure, and the operator that mends it."""
+"""What is wrong with the scene of a procedure, and the operator that repairs it."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from lappet.core.problem import Problem, Severity
 class SceneProblem(Problem):
     """A `lappet.core.problem.Problem` found in a Blender scene; `path` is the name of the object or event.
 
-    operator: the bl_idname of the operator that mends it, called with `arguments`; "" where nothing can.
+    operator: the bl_idname of the operator that repairs it, called with `arguments`; "" where nothing can.
     """
 
     operator: str = ""
@@ -22,13 +22,13 @@ def problem(
     path: str,
     value: object,
     sentence: str,
-    mend: str,
+    remedy: str,
     operator: str = "",
     severity: Severity = "error",
     **arguments: str | int | float,
 ) -> SceneProblem:
-    """A `SceneProblem` in one line. sentence and mend may be halves of one; each becomes a sentence."""
-    what, then = _ended(sentence), _ended(mend[:1].upper() + mend[1:])
+    """A `SceneProblem` in one line. sentence and remedy may be halves of one; each becomes a sentence."""
+    what, then = _ended(sentence), _ended(remedy[:1].upper() + remedy[1:])
     return SceneProblem(path, str(value), what, then, severity, operator, tuple(arguments.items()))
 
 

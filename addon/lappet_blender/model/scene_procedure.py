@@ -58,8 +58,8 @@ def _events(scene: bpy.types.Scene, problems: list[Problem]) -> tuple[Event, ...
         try:
             found.append(event_value(scene, each))
         except RefusedError as refused:
-            sentence, _, mend = str(refused).partition("; ")
-            problems.append(problem(each.name, each.kind, sentence, mend or "Change the event, or switch it off."))
+            sentence, _, remedy = str(refused).partition("; ")
+            problems.append(problem(each.name, each.kind, sentence, remedy or "Change the event, or switch it off."))
         except (ValueError, ReferenceError, TypeError, KeyError, AttributeError) as error:
             # A scene may hold anything, and panels read it while they draw: say which event, and go on.
             sentence = f"The event {each.name!r} cannot be read: {error}."

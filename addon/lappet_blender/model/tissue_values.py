@@ -77,8 +77,8 @@ def tissue_value(scene: bpy.types.Scene) -> tuple[Tissue | None, list[Problem]]:
     settings = scene.lappet.tissue
     obj = settings.object
     if obj is None:
-        mend = "Select a mesh and press Make Tissue."
-        return None, [problem(_SLOT, "none", "The scene has no tissue.", mend, "lappet.tissue_set")]
+        remedy = "Select a mesh and press Make Tissue."
+        return None, [problem(_SLOT, "none", "The scene has no tissue.", remedy, "lappet.tissue_set")]
     problems: list[Problem] = list(object_problems(scene, obj, "tissue"))
     if problems:
         return None, problems
@@ -174,19 +174,21 @@ def _made(mesh: MeshValues, thickness: float, name: str) -> _Kept:
     border = open_edge_count(mesh)
     if thickness == 0.0 and border:
         sentence = f"The surface of the tissue {name!r} is open: {border} edges belong to one face only."
-        mend = "Turn Thicken on and give a thickness, or fill the holes."
-        found = problem(name, border, sentence, mend, "lappet.tissue_mend", kind="HOLES")
+        remedy = "Turn Thicken on and give a thickness, or fill the holes."
+        found = problem(name, border, sentence, remedy, "lappet.tissue_repair", kind="HOLES")
         return _Kept(mesh, thickness, None, (found,))
     if thickness > 0.0 and not border:
         sentence = f"The surface of the tissue {name!r} is closed; a thickness of {thickness:g} mm says nothing."
-        found = problem(name, f"{thickness:g} mm", sentence, "Turn Thicken off.", "lappet.tissue_mend", kind="THICKEN")
+        found = problem(
+            name, f"{thickness:g} mm", sentence, "Turn Thicken off.", "lappet.tissue_repair", kind="THICKEN"
+        )
         return _Kept(mesh, thickness, None, (found,))
     try:
         tissue = _sheet(mesh, thickness, name) if thickness > 0.0 else _closed_tissue(mesh)
     except RefusedError as refused:
         sentence = str(refused).removeprefix(f"{name}: ")
-        what, _, mend = sentence.partition("; ")
-        found = problem(name, f"{thickness:g} mm", f"{_capital(what)}.", f"{_capital(mend or 'Check the mesh')}.")
+        what, _, remedy = sentence.partition("; ")
+        found = problem(name, f"{thickness:g} mm", f"{_capital(what)}.", f"{_capital(remedy or 'Check the mesh')}.")
         return _Kept(mesh, thickness, None, (found,))
     return _Kept(mesh, thickness, tissue, ())
 

@@ -153,7 +153,7 @@ def _take(
     except (RefusedError, OSError) as error:
         _retire(controller)
         controller.procedure, controller.settings, controller.key = procedure, settings, ""
-        controller.refused = (Problem("solver", "", str(error), "Install Lappet again, or mend its installation."),)
+        controller.refused = (Problem("solver", "", str(error), "Install Lappet again, or repair its installation."),)
         controller.bump()
         return
     if key != controller.key:

@@ -25,7 +25,7 @@ def start_solve(scene: bpy.types.Scene, until: int | None = None) -> Job:
     procedure = controller.procedure
     if procedure is None or not controller.key:
         raise RefusedError(first_sentence(problems_of(scene)))
-    controller.refused = ()  # what was refused once is asked again: the disk or the installation may be mended
+    controller.refused = ()  # what was refused once is asked again: the disk or the installation may be repaired
     frames = procedure.frames()
     if until is not None and until not in frames:
         raise RefusedError(
@@ -114,7 +114,7 @@ def look_everywhere() -> None:
 
 
 def refuse_problems(problems: tuple[Problem, ...]) -> None:
-    """Raises the first error with its mend, if there is one."""
+    """Raises the first error with its remedy, if there is one."""
     errors = tuple(problem for problem in problems if problem.severity == "error")
     if errors:
         raise RefusedError(first_sentence(errors))

@@ -92,10 +92,10 @@ def _problems(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
         icon = "ERROR" if problem.severity == "error" else "INFO"
         row.operator("lappet.problem_show", text=name, icon=icon, emboss=False).index = index
         if isinstance(problem, SceneProblem) and problem.operator:
-            mend = row.operator(problem.operator, text="Mend", icon="TOOL_SETTINGS")
+            remedy = row.operator(problem.operator, text="Repair", icon="TOOL_SETTINGS")
             for key, value in problem.arguments:
-                setattr(mend, key, value)
-        lines(box, context, f"{problem.sentence} {problem.mend}")
+                setattr(remedy, key, value)
+        lines(box, context, f"{problem.sentence} {problem.remedy}")
     more = len(problems) - _MOST_PROBLEMS
     if more > 0:
         layout.label(text=f"and {more} more")

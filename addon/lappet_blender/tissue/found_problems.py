@@ -62,7 +62,7 @@ def check_tissue(scene: bpy.types.Scene) -> FoundProblems:
             said = thin and "larger than the tissue is thick" in each.sentence
             turned = "inside out" in each.sentence and each.path == TISSUE
             if not said and not turned:
-                places.append(ProblemPlace(_with_mend(each)))
+                places.append(ProblemPlace(_with_repair(each)))
     found = FoundProblems(mesh, settings, tuple(places))
     _found[scene.session_uid] = found
     return found
@@ -90,9 +90,9 @@ def _settings(scene: bpy.types.Scene) -> tuple[bool, float, float]:
     return bool(settings.thicken), decimal(settings.thickness), decimal(settings.spacing)
 
 
-def _with_mend(each: Problem) -> Problem:
-    """A problem of `lappet.check` with the operator of this part that mends it, where there is one."""
-    if each.path == TISSUE and "spacing" in each.mend.lower() and each.value.endswith(" mm"):
-        values = {name: getattr(each, name) for name in ("path", "value", "sentence", "mend", "severity")}
-        return SceneProblem(**values, operator="lappet.tissue_mend", arguments=(("kind", "SPACING"),))
+def _with_repair(each: Problem) -> Problem:
+    """A problem of `lappet.check` with the operator of this part that repairs it, where there is one."""
+    if each.path == TISSUE and "spacing" in each.remedy.lower() and each.value.endswith(" mm"):
+        values = {name: getattr(each, name) for name in ("path", "value", "sentence", "remedy", "severity")}
+        return SceneProblem(**values, operator="lappet.tissue_repair", arguments=(("kind", "SPACING"),))
     return replace(each)

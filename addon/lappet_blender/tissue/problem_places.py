@@ -1,4 +1,4 @@
-"""Where the mesh of a tissue is wrong: edges, faces and points to show, each with what mends it."""
+"""Where the mesh of a tissue is wrong: edges, faces and points to show, each with what repairs it."""
 
 from __future__ import annotations
 
@@ -50,9 +50,9 @@ def mesh_places(mesh: MeshValues, name: str, thicken: bool) -> list[ProblemPlace
     """
     places: list[ProblemPlace] = []
 
-    def add(sentence: str, mend: str, kind: str = "", severity: Severity = "error", **where: NDArray) -> None:
-        operator, arguments = ("lappet.tissue_mend", {"kind": kind}) if kind else ("", {})
-        found = problem(name, kind or "mesh", sentence, mend, operator, severity, **arguments)
+    def add(sentence: str, remedy: str, kind: str = "", severity: Severity = "error", **where: NDArray) -> None:
+        operator, arguments = ("lappet.tissue_repair", {"kind": kind}) if kind else ("", {})
+        found = problem(name, kind or "mesh", sentence, remedy, operator, severity, **arguments)
         places.append(ProblemPlace(found, **where))
 
     points = mesh.points
@@ -107,8 +107,8 @@ def thin_places(tissue: Tissue, name: str, spacing: float) -> list[ProblemPlace]
         f"The tissue is thinner than the lattice spacing of {spacing:g} mm at {int(thin.sum())} triangles: "
         f"{depth[least]:.3g} mm at {place(np.round(corners[least].mean(axis=0), 3))}."
     )
-    mend = f"Use a spacing of {depth[least]:.3g} mm or less there, or make the tissue thicker."
-    found = problem(name, f"{depth[least]:.3g} mm", sentence, mend, severity="warning")
+    remedy = f"Use a spacing of {depth[least]:.3g} mm or less there, or make the tissue thicker."
+    found = problem(name, f"{depth[least]:.3g} mm", sentence, remedy, severity="warning")
     return [ProblemPlace(found, triangles=corners[thin])]
 
 

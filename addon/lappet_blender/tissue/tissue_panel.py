@@ -10,7 +10,7 @@ from ..model.scene_procedure import SceneReading, read_scene
 from ..model.tissue_values import tissue_at_hand
 from .face_groups import group_counts
 from .found_problems import found_problems
-from .mend_operators import MENDS
+from .repair_operators import REPAIRS
 from .sentence_lines import draw_sentence
 from .tissue_measure import cell_count, expected_seconds
 
@@ -171,12 +171,12 @@ def _problem(layout: bpy.types.UILayout, context: bpy.types.Context, problem: Pr
     row = box.row(align=True)
     if isinstance(problem, SceneProblem) and problem.operator:
         arguments = dict(problem.arguments)
-        label = {key: name for key, name, _ in MENDS}.get(str(arguments.get("kind", "")), "")
+        label = {key: name for key, name, _ in REPAIRS}.get(str(arguments.get("kind", "")), "")
         button = row.operator(problem.operator, icon="MODIFIER", **({"text": label} if label else {}))
         for name, value in arguments.items():
             setattr(button, name, value)
     else:
-        draw_sentence(box, context, problem.mend)
+        draw_sentence(box, context, problem.remedy)
     if index >= 0:
         row.operator("lappet.tissue_show_problem", text="", icon="ZOOM_SELECTED").index = index
 

@@ -131,7 +131,7 @@ def _refusal(error: ValueError) -> ProcedureError:
     prim, _, sentence = str(error).partition(": ")
     if not prim.startswith("/"):
         prim, sentence = ROOT, str(error)
-    # The sentence of what is refused already ends with its mend.
+    # The sentence of what is refused already ends with its remedy.
     return ProcedureError([Problem(prim, "", sentence, "")])
 
 

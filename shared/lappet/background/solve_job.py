@@ -32,7 +32,7 @@ from lappet.cutting.epoch import Epoch
 from lappet.daemon.frame_solver import Connect, FrameSolver, Iteration, SolvedFrame, SolverDiedError
 from lappet.procedure.prim_paths import ROOT
 from lappet.program.program import Bones, FrameConstraints, Landmarks, Program, SolverSettings
-from lappet.solve.solve_program import FrameResult, Frames, Watcher, solve_program
+from lappet.solve.solve_program import FrameResult, Frames, SolveObserver, solve_program
 
 Tell = Callable[[Happening], None]
 
@@ -105,7 +105,7 @@ class SolveJobs:
         return None if stored is None else shown_frame(stored.header, stored.arrays)
 
 
-class _Telling(Watcher):
+class _Telling(SolveObserver):
     """Tells the owner how a solve goes, and stops it once it is cancelled."""
 
     def __init__(self, job: Job, jobs: SolveJobs) -> None:

@@ -42,5 +42,5 @@ def overlap_problems(
         return []
     where = place(np.round(corners[deepest], 3))
     sentence = f"The bone and the tissue share space at rest: they reach {depth:.3g} mm into each other at {where}."
-    mend = f"Move them apart; only {PUSHED_OUT * spacing:.3g} mm, half the lattice spacing, are pushed out."
-    return [Problem(path, f"{depth:.3g} mm", sentence, mend)]
+    remedy = f"Move them apart; only {PUSHED_OUT * spacing:.3g} mm, half the lattice spacing, are pushed out."
+    return [Problem(path, f"{depth:.3g} mm", sentence, remedy)]

@@ -15,7 +15,7 @@ from lappet.procedure import Excision, Hook, Incision, Landmark, Procedure, Retr
 from lappet.procedure.prim_paths import TIMELINE
 
 
-def contradictions(procedure: Procedure) -> list[Problem]:
+def event_conflicts(procedure: Procedure) -> list[Problem]:
     """Two hooks on one point at one time, faces that two things hold, an excision of what is not cut, one suture
     twice, one label twice."""
     return [
@@ -35,8 +35,8 @@ def _hooks(procedure: Procedure) -> list[Problem]:
         if math.dist(first.anchor, second.anchor) <= near and _together(first, second):
             time = max(first.start, second.start)
             sentence = f"It holds {at(second.anchor)} at time {time:g}, where {first.name} holds the same point."
-            mend = f"Release {first.name} before {second.start:g}, or move one of the two."
-            problems.append(Problem(f"{TIMELINE}/{second.name}", at(second.anchor), sentence, mend))
+            remedy = f"Release {first.name} before {second.start:g}, or move one of the two."
+            problems.append(Problem(f"{TIMELINE}/{second.name}", at(second.anchor), sentence, remedy))
     return problems
 
 
@@ -48,18 +48,18 @@ def _grips(procedure: Procedure) -> list[Problem]:
         both = np.intersect1d(subsets[event.grip], subsets.get("fixed", np.zeros(0, np.int32)))
         if len(both):
             sentence = f"It grips {len(both)} faces that are also fixed, face {both[0]} among them."
-            mend = f"Take them out of the subset {event.grip!r} or out of 'fixed'."
+            remedy = f"Take them out of the subset {event.grip!r} or out of 'fixed'."
             if event.grip == "fixed":
-                mend = "Grip another subset; fixed faces stay where they are."
-            problems.append(Problem(f"{TIMELINE}/{event.name}", event.grip, sentence, mend))
+                remedy = "Grip another subset; fixed faces stay where they are."
+            problems.append(Problem(f"{TIMELINE}/{event.name}", event.grip, sentence, remedy))
     for first, second in combinations(retractors, 2):
         both = np.intersect1d(subsets[first.grip], subsets[second.grip])
         if len(both) and _together(first, second):
             sentence = (
                 f"It grips {len(both)} faces that {first.name} grips at the same time, face {both[0]} among them."
             )
-            mend = f"Release {first.name} before {second.start:g}, or grip other faces."
-            problems.append(Problem(f"{TIMELINE}/{second.name}", second.grip, sentence, mend))
+            remedy = f"Release {first.name} before {second.start:g}, or grip other faces."
+            problems.append(Problem(f"{TIMELINE}/{second.name}", second.grip, sentence, remedy))
     return problems
 
 
@@ -69,8 +69,8 @@ def _excisions(procedure: Procedure) -> list[Problem]:
     for event in procedure.events:
         if isinstance(event, Excision) and not any(time <= event.time for time in cuts):
             sentence = f"No incision is made by time {event.time:g}, so it would discard all tissue."
-            mend = "Cut around the piece first, or excise later."
-            problems.append(Problem(f"{TIMELINE}/{event.name}", f"{event.time:g}", sentence, mend))
+            remedy = "Cut around the piece first, or excise later."
+            problems.append(Problem(f"{TIMELINE}/{event.name}", f"{event.time:g}", sentence, remedy))
     return problems
 
 

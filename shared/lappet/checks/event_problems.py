@@ -1,4 +1,4 @@
-"""What is wrong with single events: their times, numbers and places. `contradictions` looks at them together."""
+"""What is wrong with single events: their times, numbers and places. `event conflicts` looks at them together."""
 
 from __future__ import annotations
 
@@ -66,8 +66,8 @@ class EventCheck:
                 if self._points("point", event.points):
                     self._on_tissue("point", event.points)
 
-    def _add(self, value: object, sentence: str, mend: str, severity: Severity = "error") -> None:
-        self.problems.append(Problem(self._path, str(value), sentence, mend, severity))
+    def _add(self, value: object, sentence: str, remedy: str, severity: Severity = "error") -> None:
+        self.problems.append(Problem(self._path, str(value), sentence, remedy, severity))
 
     def _finite(self, name: str, value: float) -> bool:
         if math.isfinite(value):
@@ -75,9 +75,9 @@ class EventCheck:
         self._add(f"{value:g}", f"The {name} is {value:g}.", "Give a finite number.")
         return False
 
-    def _positive(self, name: str, value: float, unit: str, mend: str) -> None:
+    def _positive(self, name: str, value: float, unit: str, remedy: str) -> None:
         if not (math.isfinite(value) and value > 0.0):
-            self._add(f"{value:g}", f"The {name} is {value:g} {unit}.", mend)
+            self._add(f"{value:g}", f"The {name} is {value:g} {unit}.", remedy)
 
     def _time(self, verb: str, time: float, name: str = "time") -> None:
         if not self._finite(name, time):
@@ -135,8 +135,8 @@ class EventCheck:
         try:
             samples = sample_curve(points, basis, closed, step)  # type: ignore[arg-type]
         except CurveError as cause:
-            said, _, mend = str(cause).partition("; ")
-            self._add(f"{len(points)} points", _sentence(said), _sentence(mend or "draw the curve again"))
+            said, _, remedy = str(cause).partition("; ")
+            self._add(f"{len(points)} points", _sentence(said), _sentence(remedy or "draw the curve again"))
             return
         if self.rest is None:
             return
@@ -173,8 +173,8 @@ class EventCheck:
         try:
             RigidMotion(event.motion)
         except ValueError as cause:
-            said, _, mend = str(cause).partition("; ")
-            self._add("transform", _sentence(said), _sentence(mend or "replace it by finite numbers"))
+            said, _, remedy = str(cause).partition("; ")
+            self._add("transform", _sentence(said), _sentence(remedy or "replace it by finite numbers"))
 
     def _suture(self, event: Suture) -> None:
         self._time("placed", event.start, "start")

@@ -18,12 +18,12 @@ def material_problems(material: Material, path: str) -> list[Problem]:
     """Every problem of one material."""
     problems: list[Problem] = []
 
-    def add(value: object, sentence: str, mend: str) -> None:
-        problems.append(Problem(path, str(value), sentence, mend))
+    def add(value: object, sentence: str, remedy: str) -> None:
+        problems.append(Problem(path, str(value), sentence, remedy))
 
-    def number(name: str, value: float, allowed: bool, mend: str, unit: str = "") -> None:
+    def number(name: str, value: float, allowed: bool, remedy: str, unit: str = "") -> None:
         if not (math.isfinite(value) and allowed):
-            add(f"{value:g}", f"{name} is {value:g}{unit}.", mend)
+            add(f"{value:g}", f"{name} is {value:g}{unit}.", remedy)
 
     if material.model not in MODELS:
         known = ", ".join(MODELS)
@@ -42,8 +42,8 @@ def material_problems(material: Material, path: str) -> list[Problem]:
     k1, k2, kappa = material.fiber_k1, material.fiber_k2, material.fiber_dispersion
     number("The fibre stiffness k₁", k1, k1 >= 0.0, "Give at least 0, in kPa; 0 means no fibres.", " kPa")
     number("The fibre exponent k₂", k2, k2 >= 0.0, "Give at least 0.")
-    mend = "Give a number between 0 (aligned) and 1/3 (isotropic)."
-    number("The fibre dispersion", kappa, 0.0 <= kappa <= 1.0 / 3.0 + 1e-12, mend)
+    remedy = "Give a number between 0 (aligned) and 1/3 (isotropic)."
+    number("The fibre dispersion", kappa, 0.0 <= kappa <= 1.0 / 3.0 + 1e-12, remedy)
     direction = material.fiber_direction
     length = math.hypot(*direction)
     if not (math.isfinite(length) and length > 0.0):
@@ -51,8 +51,8 @@ def material_problems(material: Material, path: str) -> list[Problem]:
     stretch = material.prestretch
     if not all(LEAST_PRESTRETCH <= v <= MOST_PRESTRETCH for v in stretch):
         sentence = f"The prestretch is {_numbers(stretch)}."
-        mend = f"Give two stretches from {LEAST_PRESTRETCH:g} to {MOST_PRESTRETCH:g}; (1, 1) means none."
-        add(stretch, sentence, mend)
+        remedy = f"Give two stretches from {LEAST_PRESTRETCH:g} to {MOST_PRESTRETCH:g}; (1, 1) means none."
+        add(stretch, sentence, remedy)
     stress = material.muscle_stress
     number("The muscle stress", stress, stress >= 0.0, "Give at least 0, in kPa; 0 means no muscle.", " kPa")
     for time, value in material.muscle_activation:
@@ -66,8 +66,8 @@ def material_problems(material: Material, path: str) -> list[Problem]:
         add(f"{twice:g}", sentence, "Leave one sample for each time.")
     if stress == 0.0 and any(value > 0.0 for _, value in material.muscle_activation):
         sentence = "The muscle activation has no effect: the muscle stress is 0 kPa."
-        mend = "Set lappet:muscleStress, or remove lappet:muscleActivation."
-        problems.append(Problem(path, "0", sentence, mend, "warning"))
+        remedy = "Set lappet:muscleStress, or remove lappet:muscleActivation."
+        problems.append(Problem(path, "0", sentence, remedy, "warning"))
     density = material.density
     number("The density", density, density > 0.0, "Give a density above 0; skin has about 1100.", " kg/m³")
     return problems
@@ -84,13 +84,13 @@ def region_problems(procedure: Procedure) -> list[Problem]:
     for region in tissue.regions:
         path = f"{TISSUE}/{region.faces}"
 
-        def add(value: object, sentence: str, mend: str, path: str = path) -> None:
-            problems.append(Problem(path, str(value), sentence, mend))
+        def add(value: object, sentence: str, remedy: str, path: str = path) -> None:
+            problems.append(Problem(path, str(value), sentence, remedy))
 
         if region.material not in known:
             sentence = f"The region is made of {region.material!r}, which no material is named."
-            mend = f"Point lappet:material to one under {MATERIALS}; there are: {', '.join(known) or 'none'}."
-            add(region.material, sentence, mend)
+            remedy = f"Point lappet:material to one under {MATERIALS}; there are: {', '.join(known) or 'none'}."
+            add(region.material, sentence, remedy)
         top, bottom = region.depth_from, region.depth_to
         if not (math.isfinite(top) and top >= 0.0):
             sentence = f"The region begins {top:g} mm below the skin."

@@ -50,8 +50,8 @@ def _unreadable(mesh: Tissue | Bone, path: str) -> list[Problem]:
     points, counts, indices = mesh.points, mesh.face_vertex_counts, mesh.face_vertex_indices
     problems = []
 
-    def add(value: object, sentence: str, mend: str) -> None:
-        problems.append(Problem(path, str(value), sentence, mend))
+    def add(value: object, sentence: str, remedy: str) -> None:
+        problems.append(Problem(path, str(value), sentence, remedy))
 
     if len(points) == 0 or len(counts) == 0:
         add("empty", f"The mesh has {len(points)} points and {len(counts)} faces.", "Give it points and faces.")
@@ -84,18 +84,18 @@ def _edge_problems(mesh: Tissue | Bone, path: str) -> list[Problem]:
     edges = np.stack([indices, following], axis=1)[indices != following]
     problems: list[Problem] = []
 
-    def add(which: NDArray[np.intp], sentence: str, mend: str) -> None:
+    def add(which: NDArray[np.intp], sentence: str, remedy: str) -> None:
         where = place(mesh.points[pairs[which[0]]].mean(axis=0))
-        problems.append(Problem(path, where, sentence.format(n=len(which), where=where), mend))
+        problems.append(Problem(path, where, sentence.format(n=len(which), where=where), remedy))
 
     pairs, inverse, uses = unique_edges(edges)
     lone = np.flatnonzero(uses == 1)
     if len(lone):
         sentence = "The surface is open: {n} edges belong to one face only, the first at {where}."
-        mend = "Close the mesh" + (
+        remedy = "Close the mesh" + (
             "." if isinstance(mesh, Bone) else ", or make the tissue from it with: lappet new MESH --thickness MM."
         )
-        add(lone, sentence, mend)
+        add(lone, sentence, remedy)
     crowded = np.flatnonzero(uses > 2)
     if len(crowded):
         sentence = (

@@ -1,4 +1,4 @@
-"""Validates a procedure before it is solved: every problem at once, each with its prim, value and mend."""
+"""Validates a procedure before it is solved: every problem at once, each with its prim, value and remedy."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import os
 import numpy as np
 
 from lappet.checks.bone_overlap import overlap_problems
-from lappet.checks.event_conflicts import contradictions
+from lappet.checks.event_conflicts import event_conflicts
 from lappet.checks.event_problems import EventCheck
 from lappet.checks.lattice_size import TissueMeasure
 from lappet.checks.material_problems import material_problems, region_problems
@@ -53,7 +53,7 @@ def check(procedure: Procedure, memory_budget: float = MEMORY_BUDGET, spacing: f
     events = EventCheck(procedure, rest)
     for event in procedure.events:
         events.check(event, f"{TIMELINE}/{event.name}")
-    return [*problems, *events.problems, *contradictions(procedure)]
+    return [*problems, *events.problems, *event_conflicts(procedure)]
 
 
 def check_file(
@@ -84,12 +84,12 @@ def _timeline(procedure: Procedure) -> list[Problem]:
         problems.append(Problem(ROOT, f"{start:g} to {end:g}", sentence, "Give finite start and end time codes."))
     elif math.floor(end) < math.ceil(start):
         sentence = f"The timeline from {start:g} to {end:g} holds no frame."
-        mend = "Set endTimeCode to startTimeCode or later; frames are the whole time codes between them."
-        problems.append(Problem(ROOT, f"{start:g} to {end:g}", sentence, mend))
+        remedy = "Set endTimeCode to startTimeCode or later; frames are the whole time codes between them."
+        problems.append(Problem(ROOT, f"{start:g} to {end:g}", sentence, remedy))
     elif end - start >= MOST_FRAMES:
         sentence = f"The timeline from {start:g} to {end:g} holds {end - start + 1:.3g} frames."
-        mend = f"Keep it below {MOST_FRAMES} frames; frames are the whole time codes."
-        problems.append(Problem(ROOT, f"{start:g} to {end:g}", sentence, mend))
+        remedy = f"Keep it below {MOST_FRAMES} frames; frames are the whole time codes."
+        problems.append(Problem(ROOT, f"{start:g} to {end:g}", sentence, remedy))
     if not (math.isfinite(fps) and fps > 0.0):
         sentence = f"There are {fps:g} time codes per second."
         problems.append(Problem(ROOT, f"{fps:g}", sentence, "Set timeCodesPerSecond above 0; 24 is usual."))
@@ -100,8 +100,8 @@ def _tissue(procedure: Procedure, spacing: float) -> list[Problem]:
     tissue = procedure.tissue
     problems = []
 
-    def add(value: object, sentence: str, mend: str, path: str = TISSUE) -> None:
-        problems.append(Problem(path, str(value), sentence, mend))
+    def add(value: object, sentence: str, remedy: str, path: str = TISSUE) -> None:
+        problems.append(Problem(path, str(value), sentence, remedy))
 
     if tissue.material not in {material.name for material in procedure.materials}:
         known = ", ".join(material.name for material in procedure.materials) or "none"
@@ -134,8 +134,8 @@ def _tissue(procedure: Procedure, spacing: float) -> list[Problem]:
     held = any(len(tissue.subsets.get(name, ())) for name in ("fixed", "bed"))
     if not held and not any(isinstance(event, Retractor) for event in procedure.events):
         sentence = "Nothing holds the tissue: no face is fixed or on the bed, and no retractor grips it."
-        mend = "Put faces into the subset fixed or bed."
-        problems.append(Problem(TISSUE, "no fixed faces", sentence, mend, "warning"))
+        remedy = "Put faces into the subset fixed or bed."
+        problems.append(Problem(TISSUE, "no fixed faces", sentence, remedy, "warning"))
     return problems
 
 
@@ -154,6 +154,6 @@ def _lattice(measure: TissueMeasure, spacing: float, memory_budget: float) -> li
     thickness = float(measure.size.min())
     if spacing > thickness > 0.0:
         sentence = f"The lattice spacing of {spacing:g} mm is larger than the tissue is thick ({thickness:.3g} mm)."
-        mend = f"Use a spacing of {thickness:.3g} mm or less."
-        problems.append(Problem(TISSUE, f"{spacing:g} mm", sentence, mend, "warning"))
+        remedy = f"Use a spacing of {thickness:.3g} mm or less."
+        problems.append(Problem(TISSUE, f"{spacing:g} mm", sentence, remedy, "warning"))
     return problems

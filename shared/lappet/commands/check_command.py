@@ -14,7 +14,7 @@ from lappet.commands.refusals import sentences
 @click.argument("procedure", type=FILE)
 @click.pass_context
 def check(context: click.Context, /, procedure: Path) -> None:
-    """Validate a procedure: every problem, each with its mend."""
+    """Validate a procedure: every problem, each with its remedy."""
     with sentences(context):
         from lappet.program.full_check import full_check
 

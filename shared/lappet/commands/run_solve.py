@@ -20,8 +20,8 @@ def run_solve(procedure: Path, cache: Path, report_path: Path | None, **options:
 
     options["quadrature"] = int(options["quadrature"])
     options["store"] = FrameStore(options["store"])
-    with solve_progress() as watcher:
-        result = solve_procedure(procedure, cache, watcher=watcher, **options)
+    with solve_progress() as observer:
+        result = solve_procedure(procedure, cache, observer=observer, **options)
     if report_path is not None:
         from lappet.output.report import write_report
 

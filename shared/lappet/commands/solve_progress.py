@@ -8,10 +8,10 @@ from types import TracebackType
 from typing import Any, TextIO
 
 from lappet.daemon.frame_solver import Iteration
-from lappet.solve.solve_program import FrameResult, Watcher
+from lappet.solve.solve_program import FrameResult, SolveObserver
 
 
-class PlainProgress(Watcher):
+class PlainProgress(SolveObserver):
     """A line per frame on a stream that is no terminal."""
 
     def __init__(self, stream: TextIO | None = None) -> None:
@@ -38,7 +38,7 @@ class PlainProgress(Watcher):
         print(sentence, file=self._stream, flush=True)
 
 
-class BarProgress(Watcher):
+class BarProgress(SolveObserver):
     """A bar on a terminal, with the frame and the residual it stands at; used as a context."""
 
     def __init__(self) -> None:

@@ -16,18 +16,18 @@ class Problem:
     """One thing that is wrong.
 
     path: the prim's path ("/Procedure/Timeline/hook_1"), or the file's where there is no prim. value: what was found,
-    as text. sentence: what is wrong, naming the thing and the value. mend: what to do about it, a sentence. An "error"
-    is refused before solving; a "warning" is solved nevertheless.
+    as text. sentence: what is wrong, naming the thing and the value. remedy: what to do about it, a sentence. An
+    "error" is refused before solving; a "warning" is solved nevertheless.
     """
 
     path: str
     value: str
     sentence: str
-    mend: str
+    remedy: str
     severity: Severity = "error"
 
     def __str__(self) -> str:
-        return f"{self.path}: {self.sentence} {self.mend}"
+        return f"{self.path}: {self.sentence} {self.remedy}"
 
 
 class ProcedureError(RefusedError):

@@ -1,4 +1,4 @@
-"""Work that is refused, with one sentence that names the thing, its value and the mend."""
+"""Work that is refused, with one sentence that names the thing, its value and the remedy."""
 
 from __future__ import annotations
 

@@ -28,7 +28,7 @@ def build_epochs(procedure: Procedure) -> list[Epoch]:
     Incisions, excisions and undermining at one time make one epoch, in this order; those at or before the start time
     belong to epoch 0. Edges are refined to 1.5 lattice spacings. The same procedure gives the same bytes. Raises
     SurfaceError for a tissue that is no closed surface and IncisionError for an event that cannot act on it, naming the
-    prim, the value and the mend.
+    prim, the value and the remedy.
     """
     spacing = procedure.tissue.spacing
     surface = tissue_surface(procedure.tissue, _TISSUE)

@@ -24,7 +24,7 @@ _FOLD = 0.45  # of a segment: how far a mitre may reach back before the ribbon i
 
 
 class IncisionError(RefusedError):
-    """A curve or seed that cannot act on the tissue; the sentence names the prim, the value and the mend."""
+    """A curve or seed that cannot act on the tissue; the sentence names the prim, the value and the remedy."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -126,7 +126,7 @@ def _check_on_skin(
     if len(off):
         raise IncisionError(
             f"{prim}: the curve's point {place(anchors[off[0]])} is {height[off[0]]:.3g} mm off the skin "
-            f"(at most {reach:.3g} mm is mended); move it onto the rest surface"
+            f"(at most {reach:.3g} mm is repaired); move it onto the rest surface"
         )
 
 

@@ -24,7 +24,7 @@ _FINE = 64
 
 
 class CurveError(RefusedError):
-    """A curve that cannot be followed; the sentence says why and the mend."""
+    """A curve that cannot be followed; the sentence says why and the remedy."""
 
 
 def sample_curve(

@@ -11,7 +11,7 @@ from lappet.core.refused import RefusedError
 
 
 class SurfaceError(RefusedError):
-    """A surface that cannot be tissue; the sentence names the prim, the place and the mend."""
+    """A surface that cannot be tissue; the sentence names the prim, the place and the remedy."""
 
 
 def place(point: NDArray[np.float64]) -> str:

@@ -29,7 +29,7 @@ Progress = Callable[[str], None]
 
 
 class RenderError(RefusedError):
-    """Pictures could not be drawn; the message is a sentence with the cause and the mend."""
+    """Pictures could not be drawn; the message is a sentence with the cause and the remedy."""
 
 
 def blender_python() -> str:

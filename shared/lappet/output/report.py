@@ -20,7 +20,7 @@ from lappet.core.version import version
 from lappet.output.solve_procedure import SolveResult
 from lappet.procedure.scene_profile import scene_profile
 from lappet.program.program import Program
-from lappet.solve.error_estimate import FrameError
+from lappet.solve.error_estimate import FrameErrorEstimate
 from lappet.solve.solve_program import FrameResult
 
 REPORT_VERSION = 1
@@ -106,7 +106,7 @@ def write_report(result: SolveResult, path: Path | str) -> None:
         raise
 
 
-def _frame(program: Program, frame: FrameResult, error: FrameError | None = None) -> dict[str, Any]:
+def _frame(program: Program, frame: FrameResult, error: FrameErrorEstimate | None = None) -> dict[str, Any]:
     header, arrays, constraints = frame.header, frame.arrays, frame.constraints
     position = next(i for i, each in enumerate(program.frames) if each is constraints)
     epoch = next(i for i, each in enumerate(program.epochs) if each.index == constraints.epoch)
@@ -141,11 +141,11 @@ def _frame(program: Program, frame: FrameResult, error: FrameError | None = None
     }
 
 
-def _errors(result: SolveResult) -> tuple[FrameError | None, ...]:
+def _errors(result: SolveResult) -> tuple[FrameErrorEstimate | None, ...]:
     return (None,) * len(result.frames) if result.errors is None else result.errors.frames
 
 
-def _error(program: Program, frame: FrameResult, error: FrameError | None) -> dict[str, Any] | None:
+def _error(program: Program, frame: FrameResult, error: FrameErrorEstimate | None) -> dict[str, Any] | None:
     if error is None:
         return None
     epoch = next(i for i, each in enumerate(program.epochs) if each.index == frame.constraints.epoch)

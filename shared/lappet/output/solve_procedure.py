@@ -18,7 +18,7 @@ from lappet.procedure import Procedure
 from lappet.program.compile import compile_program, frame_times
 from lappet.program.program import Program
 from lappet.solve.error_estimate import ErrorEstimate, estimate_errors
-from lappet.solve.solve_program import FrameResult, Watcher, solve_program
+from lappet.solve.solve_program import FrameResult, SolveObserver, solve_program
 from lappet.solve.store import FrameStore
 from lappet.usd.stage import SUFFIXES, read_procedure, write_procedure
 
@@ -69,7 +69,7 @@ def solve_procedure(
     frames: tuple[int | None, int | None] = (None, None),
     daemon: str | None = None,
     store: FrameStore | None = None,
-    watcher: Watcher | None = None,
+    observer: SolveObserver | None = None,
     connect: Connect | None = None,
     solver: str | None = None,
     error_estimate: bool = True,
@@ -90,7 +90,7 @@ def solve_procedure(
     all.
     """
     started = time.perf_counter()
-    watch = _Noting(watcher or Watcher())
+    watch = _Noting(observer or SolveObserver())
     output = Path(output)
     _refuse_output(output)
     procedure, path = _read(source, output)
@@ -186,11 +186,11 @@ def _range(procedure: Procedure, frames: tuple[int | None, int | None]) -> tuple
     return first, last
 
 
-class _Noting(Watcher):
+class _Noting(SolveObserver):
     """Passes everything on and keeps the notes."""
 
-    def __init__(self, watcher: Watcher) -> None:
-        self._watcher = watcher
+    def __init__(self, observer: SolveObserver) -> None:
+        self._watcher = observer
         self.sentences: list[str] = []
 
     def begin(self, frames: int) -> None:

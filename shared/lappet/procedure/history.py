@@ -183,13 +183,13 @@ class RemoveMaterial:
     def apply(self, procedure: Procedure) -> Procedure:
         if procedure.tissue.material == self.name:
             sentence = f"The tissue is made of {self.name!r}."
-            mend = "Give the tissue another material first."
-            raise ProcedureError([Problem(f"{MATERIALS}/{self.name}", self.name, sentence, mend)])
+            remedy = "Give the tissue another material first."
+            raise ProcedureError([Problem(f"{MATERIALS}/{self.name}", self.name, sentence, remedy)])
         for region in procedure.tissue.regions:
             if region.material == self.name:
                 sentence = f"The region {region.faces!r} is made of {self.name!r}."
-                mend = "Give the region another material first, or remove it."
-                raise ProcedureError([Problem(f"{MATERIALS}/{self.name}", self.name, sentence, mend)])
+                remedy = "Give the region another material first, or remove it."
+                raise ProcedureError([Problem(f"{MATERIALS}/{self.name}", self.name, sentence, remedy)])
         return replace(procedure, materials=_without(procedure.materials, self.name, MATERIALS))
 
 
@@ -208,8 +208,8 @@ class SetRegion:
         if self.region.faces not in tissue.subsets:
             known = ", ".join(tissue.subsets) or "none"
             sentence = f"The tissue has no face subset {self.region.faces!r}."
-            mend = f"Add it first; there are: {known}."
-            raise ProcedureError([Problem(f"{TISSUE}/{self.region.faces}", self.region.faces, sentence, mend)])
+            remedy = f"Add it first; there are: {known}."
+            raise ProcedureError([Problem(f"{TISSUE}/{self.region.faces}", self.region.faces, sentence, remedy)])
         others = tuple(region for region in tissue.regions if region.faces != self.region.faces)
         return replace(procedure, tissue=replace(tissue, regions=(*others, self.region)))
 
@@ -288,8 +288,8 @@ class SetTimeline:
         after = replace(procedure, **changes)
         if not after.start_time <= after.end_time:
             span = f"{after.start_time:g} to {after.end_time:g}"
-            mend = "Let it end at its start or later."
-            raise ProcedureError([Problem(ROOT, span, f"The timeline would run from {span}.", mend)])
+            remedy = "Let it end at its start or later."
+            raise ProcedureError([Problem(ROOT, span, f"The timeline would run from {span}.", remedy)])
         return after
 
 

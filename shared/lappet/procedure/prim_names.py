@@ -22,8 +22,8 @@ def name_problems(procedure: Procedure) -> list[Problem]:
         for name, times in Counter(names).items():
             if not (isinstance(name, str) and name.isidentifier() and name.isascii()):
                 sentence = f"The {kind} is named {name!r}, which cannot be the name of a prim."
-                mend = "Use letters, digits and underscores, and no digit first."
-                problems.append(Problem(f"{place}/{name}", repr(name), sentence, mend))
+                remedy = "Use letters, digits and underscores, and no digit first."
+                problems.append(Problem(f"{place}/{name}", repr(name), sentence, remedy))
             if times > 1:
                 sentence = f"{times} {kind}s are named {name!r}."
                 problems.append(Problem(f"{place}/{name}", repr(name), sentence, "Give each its own name."))

@@ -186,9 +186,9 @@ def _tied(
     lost = np.flatnonzero(loss.is_lost(points, tied))
     if len(lost):
         where = _mm(points[lost[0]])
-        mend = "start it before and release it by then" if isinstance(event, Hook) else "move the anchor or delete it"
+        remedy = "start it before and release it by then" if isinstance(event, Hook) else "move the anchor or delete it"
         raise RefusedError(
-            f"{_path(event)}: its anchor {where} lies in tissue that is excised by time {acts[0]}; {mend}."
+            f"{_path(event)}: its anchor {where} lies in tissue that is excised by time {acts[0]}; {remedy}."
         )
     if len(points) == 2 and float(np.linalg.norm(tied.point[0] - tied.point[1])) == 0.0:
         raise RefusedError(

@@ -28,6 +28,6 @@ def full_check(path: str | os.PathLike[str], notes: list[str] | None = None) -> 
         prim, _, sentence = str(error).partition(": ")
         if not prim.startswith("/"):
             prim, sentence = str(path), str(error)
-        # The sentence of what is refused already ends with its mend.
+        # The sentence of what is refused already ends with its remedy.
         problems.append(Problem(prim, "", sentence, ""))
     return problems

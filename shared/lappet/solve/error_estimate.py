@@ -26,7 +26,7 @@ from lappet.cutting.epoch import Epoch
 from lappet.daemon.frame_solver import Connect
 from lappet.geometry.labelled_surface import FaceOrigin
 from lappet.program.program import Program
-from lappet.solve.solve_program import FrameResult, Watcher, solve_program
+from lappet.solve.solve_program import FrameResult, SolveObserver, solve_program
 from lappet.solve.store import FrameStore
 
 RATIO = 2.0  # of the spacings
@@ -37,14 +37,15 @@ FULL_ORDER, HELD_ORDER, WOUNDED_ORDER = 2.0, 1.5, 1.25
 # What the second indicator is worth: in all boxes of the report the error of one point is 0.7 to 19 % of its distance
 # to full quadrature at four times the spacing.
 FAR_RATIO, FAR_QUADRATURE, ONE_POINT_SHARE = 4.0, 4, 0.022
-# The companion only has to be better than its own discretization. Sutures that are nearer to each other than its cells
-# contradict each other a little there: they get more room, and one point per cell, which bends where more would lock.
-COMPANION_TOLERANCE, COMPANION_GAP = 3e-3, 1e-2
+# The coarse program only has to be better than its own discretization. Sutures that are nearer to each other than its
+# cells contradict each other a little there: they get more room, and one point per cell, which bends where more would
+# lock.
+COARSE_TOLERANCE, COARSE_GAP = 3e-3, 1e-2
 SUTURED_TOLERANCE, SUTURED_GAP = 1e-2, 1e-1
 
 
 @dataclass(frozen=True)
-class FrameError:
+class FrameErrorEstimate:
     """The estimated displacement error of a frame in mm: greatest and root mean square over the skin's vertices.
 
     landmarks: per landmark of the frame, in the order of its array. A part that could not be had is None; the totals
@@ -62,11 +63,11 @@ class FrameError:
 
 @dataclass(frozen=True)
 class ErrorEstimate:
-    """The estimate of a solve. frames: one per frame, None where there is none. spacing: of the companion, mm. order:
-    that was reckoned with. seconds: that it took. reason: why frames lack the discretization part, or None.
+    """The estimate of a solve. frames: one per frame, None where there is none. spacing: of the coarse program, mm.
+    order: that was reckoned with. seconds: that it took. reason: why frames lack the discretization part, or None.
     """
 
-    frames: tuple[FrameError | None, ...]
+    frames: tuple[FrameErrorEstimate | None, ...]
     spacing: float
     order: float
     seconds: float
@@ -94,7 +95,7 @@ def expected_order(program: Program, lattice: Mapping[str, Any] | None = None) -
     return FULL_ORDER if smooth else HELD_ORDER
 
 
-def companion(program: Program) -> Program:
+def coarse_program(program: Program) -> Program:
     """The program on a lattice of `RATIO` times the spacing: the same surfaces and constraints."""
     settings = program.settings
     sutured = bool(program.sutures)
@@ -105,26 +106,26 @@ def companion(program: Program) -> Program:
             spacing=RATIO * settings.spacing,
             quadrature=1 if sutured else settings.quadrature,
             precision="float",
-            tolerance=max(settings.tolerance, SUTURED_TOLERANCE if sutured else COMPANION_TOLERANCE),
-            gap_tolerance=max(settings.gap_tolerance, SUTURED_GAP if sutured else COMPANION_GAP),
+            tolerance=max(settings.tolerance, SUTURED_TOLERANCE if sutured else COARSE_TOLERANCE),
+            gap_tolerance=max(settings.gap_tolerance, SUTURED_GAP if sutured else COARSE_GAP),
             strain=False,
         ),
     )
 
 
-def far_companion(program: Program) -> Program | None:
+def far_coarse_program(program: Program) -> Program | None:
     """The program of the second indicator, or None where the estimate does without."""
     if program.settings.quadrature != 1 or expected_order(program) == WOUNDED_ORDER:
         return None
-    near = companion(program)
+    near = coarse_program(program)
     spacing = FAR_RATIO * program.settings.spacing
     return replace(near, settings=replace(near.settings, spacing=spacing, quadrature=FAR_QUADRATURE))
 
 
-def companions(program: Program) -> tuple[Program, ...]:
+def coarse_programs(program: Program) -> tuple[Program, ...]:
     """All programs that the estimate solves besides."""
-    far = far_companion(program)
-    return (companion(program),) if far is None else (companion(program), far)
+    far = far_coarse_program(program)
+    return (coarse_program(program),) if far is None else (coarse_program(program), far)
 
 
 def estimate_errors(
@@ -133,20 +134,21 @@ def estimate_errors(
     store: FrameStore,
     connect: Connect,
     solver: str,
-    watch: Watcher | None = None,
+    watch: SolveObserver | None = None,
 ) -> ErrorEstimate:
     """The estimate for solved frames of a program, the first ones in order.
 
-    The companions' frames are looked up in and kept in the store like any others. Ctrl-C ends the companion and leaves
-    the rest of the frames without their discretization part. Without its second indicator a frame has the first alone.
+    The coarse programs' frames are looked up in and kept in the store like any others. Ctrl-C ends the coarse program
+    and leaves the rest of the frames without their discretization part. Without its second indicator a frame has the
+    first alone.
     """
     begun = time.perf_counter()
     known = replace(program, frames=program.frames[: len(frames)])
-    partner, other = companion(known), far_companion(known)
-    solved = solve_program(partner, store, connect, solver, watch or Watcher())
+    partner, other = coarse_program(known), far_coarse_program(known)
+    solved = solve_program(partner, store, connect, solver, watch or SolveObserver())
     far: Sequence[FrameResult] = ()
     if other is not None and not solved.interrupted:
-        far = solve_program(other, store, connect, solver, watch or Watcher()).frames
+        far = solve_program(other, store, connect, solver, watch or SolveObserver()).frames
     order = expected_order(program, frames[0].header.get("lattice") if frames else None)
     skins = {epoch.index: _skin(epoch) for epoch in program.epochs}
     errors = [
@@ -165,9 +167,9 @@ def frame_error(
     skin: NDArray[np.integer],
     order: float,
     far: FrameResult | None = None,
-) -> FrameError | None:
-    """The error of one frame. coarse: the same frame of the companion. skin: (s,) the vertices of the skin. far: the
-    same frame of the far companion."""
+) -> FrameErrorEstimate | None:
+    """The error of one frame. coarse: the same frame of the coarse program. skin: (s,) the vertices of the skin. far:
+    the same frame of the far coarse program."""
     algebraic = _left_over(frame, "correction", skin)
     if algebraic is None and coarse is None:
         return None
@@ -180,7 +182,7 @@ def frame_error(
     )
     marks = [_mean(f, n) for f, n in zip(_lengths(at_marks.far), _lengths(at_marks.near), strict=True)]
     landmarks = _lengths(at_marks.left + np.array(marks).reshape(-1, 1) * at_marks.near)
-    return FrameError(
+    return FrameErrorEstimate(
         greatest,
         rms,
         algebraic_greatest=None if algebraic is None else _greatest(algebraic),
@@ -192,8 +194,8 @@ def frame_error(
 
 
 class _Parts(NamedTuple):
-    """At n places, (n, 3) mm: what is left to the equilibrium of the lattice; from there to the truth, by the companion
-    (0 without one) and by the far one (as `near` without one)."""
+    """At n places, (n, 3) mm: what is left to the equilibrium of the lattice; from there to the truth, by the coarse
+    program (0 without one) and by the far one (as `near` without one)."""
 
     left: NDArray[np.float64]
     near: NDArray[np.float64]

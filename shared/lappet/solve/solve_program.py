@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 TRIES = 3
 
 
-class Watcher:
+class SolveObserver:
     """Is told how a solve goes; this one keeps silent."""
 
     def begin(self, frames: int) -> None:
@@ -69,7 +69,7 @@ class Frames:
     failed: FrameResult | None = None
 
 
-def solve_program(program: Program, store: FrameStore, connect: Connect, solver: str, watch: Watcher) -> Frames:
+def solve_program(program: Program, store: FrameStore, connect: Connect, solver: str, watch: SolveObserver) -> Frames:
     """Gets every frame of a program, from the store where it is there, else from a solver that is started when needed.
 
     A solver that dies is started again, at most three times for one frame, from the last frame's state.
@@ -93,7 +93,7 @@ def solve_program(program: Program, store: FrameStore, connect: Connect, solver:
     return Frames(tuple(done))
 
 
-def _frame(session: _Session, index: int, key: str, store: FrameStore, watch: Watcher) -> FrameResult:
+def _frame(session: _Session, index: int, key: str, store: FrameStore, watch: SolveObserver) -> FrameResult:
     """A frame from the store or the solver; what is newly solved is kept."""
     begun = time.perf_counter()
     stored = store.get(key)
@@ -137,7 +137,7 @@ class _Session:
         """Keeps the last frame: the state to go on from."""
         self._last = (index, frame)
 
-    def solve(self, index: int, watch: Watcher) -> StoredFrame:
+    def solve(self, index: int, watch: SolveObserver) -> StoredFrame:
         """Solves a frame whose predecessor has been remembered."""
         frame = self.program.frames[index]
         for attempt in range(1, TRIES + 1):

@@ -15,7 +15,7 @@ from lappet.daemon.frame_solver import Connect
 from lappet.procedure import Procedure
 from lappet.program.compile import compile_program
 from lappet.solve.error_estimate import ErrorEstimate, estimate_errors, expected_order
-from lappet.solve.solve_program import Watcher, solve_program
+from lappet.solve.solve_program import SolveObserver, solve_program
 from lappet.solve.store import FrameStore
 
 PILOT = 2.0  # of the tissue's spacing
@@ -128,7 +128,7 @@ def _pilot(
     program = compile_program(
         procedure, spacing=spacing, quadrature=quadrature, tolerance=TOLERANCE, until=until, correction=True
     )
-    solved = solve_program(program, store, connect, solver, Watcher())
+    solved = solve_program(program, store, connect, solver, SolveObserver())
     if solved.interrupted:
         raise KeyboardInterrupt
     if solved.reason is not None:

@@ -17,7 +17,7 @@ _USD = (".usd", ".usda", ".usdc", ".usdz")
 
 
 class MeshError(RefusedError):
-    """A mesh file that cannot become tissue; the sentence names the file, the value and the mend."""
+    """A mesh file that cannot become tissue; the sentence names the file, the value and the remedy."""
 
 
 @dataclass(frozen=True, eq=False)

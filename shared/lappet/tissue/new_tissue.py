@@ -44,7 +44,7 @@ def new_tissue(
     underside "bed", its UVs lay the skin out flat at 1 unit per 100 mm. spacing: mm; by default a quarter of the
     thickness, and not so fine that there are more than about 40 000 cells. units: of the file, see `read_mesh`.
     resolution: the edges, mm, down to which the triangles of a region are divided (the thickness when None). Raises
-    MeshError or SurfaceError for what cannot be mended, saying where.
+    MeshError or SurfaceError for what cannot be repaired, saying where.
     """
     path = Path(path)
     name = path.name

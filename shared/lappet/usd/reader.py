@@ -68,8 +68,8 @@ def read_what_can_be(stage: Any, usd: Any, notes: list[str]) -> tuple[Procedure 
     if len(tissues) != 1:
         paths = ", ".join(str(prim.GetPath()) for prim in tissues) or "none"
         sentence = f"There are {len(tissues)} tissues: {paths}." if tissues else "The stage has no tissue."
-        mend = "Apply LappetTissueAPI to one closed mesh, /Procedure/Tissue; lappet new makes one from a mesh file."
-        reader.problem("/Procedure/Tissue", paths, sentence, mend)
+        remedy = "Apply LappetTissueAPI to one closed mesh, /Procedure/Tissue; lappet new makes one from a mesh file."
+        reader.problem("/Procedure/Tissue", paths, sentence, remedy)
     tissue = _tissue(reader, tissues[0], found["LappetRegionAPI"]) if tissues else None
     materials = tuple(_material(reader, prim) for prim in found["LappetMaterialAPI"])
     bones = tuple(_bone(reader, prim) for prim in found["LappetBoneAPI"])
@@ -101,8 +101,8 @@ def _find(reader: Reader) -> dict[str, list[Any]]:
         schemas = [str(s) for s in prim.GetPrimTypeInfo().GetAppliedAPISchemas() if str(s).startswith("Lappet")]
         for schema in schemas:
             if schema not in PRIM_TYPES:
-                mend = f"Remove {schema}, or use a newer Lappet."
-                reader.problem(prim.GetPath(), schema, f"{schema} is not a schema that this Lappet knows.", mend)
+                remedy = f"Remove {schema}, or use a newer Lappet."
+                reader.problem(prim.GetPath(), schema, f"{schema} is not a schema that this Lappet knows.", remedy)
         schemas = [schema for schema in schemas if schema in PRIM_TYPES]
         if len(schemas) > 1:
             sentence = f"The prim carries {len(schemas)} of Lappet's schemas: {', '.join(schemas)}."
@@ -132,8 +132,8 @@ def _tissue(reader: Reader, prim: Any, regions: list[Any]) -> Tissue:
         subsets[child.GetName()] = reader.integers(child, "indices")
     material = reader.target(prim, "lappet:material")
     if not material:
-        mend = "Point lappet:material to a prim with LappetMaterialAPI."
-        reader.problem(prim.GetPath(), "no material", "The tissue has no material.", mend)
+        remedy = "Point lappet:material to a prim with LappetMaterialAPI."
+        reader.problem(prim.GetPath(), "no material", "The tissue has no material.", remedy)
     gravity = reader.number(prim, "lappet:gravity", np.inf)
     return Tissue(
         points=points,
@@ -153,12 +153,12 @@ def _region(reader: Reader, prim: Any, tissue: Any, subsets: dict[str, NDArray[n
     name = prim.GetName()
     if prim.GetParent() != tissue or name not in subsets:
         sentence = "The region is no face subset of the tissue of the family lappet."
-        mend = f"Put it below {tissue.GetPath()} with familyName lappet and elementType face."
-        reader.problem(prim.GetPath(), name, sentence, mend)
+        remedy = f"Put it below {tissue.GetPath()} with familyName lappet and elementType face."
+        reader.problem(prim.GetPath(), name, sentence, remedy)
     material = reader.target(prim, "lappet:material")
     if not material:
-        mend = "Point lappet:material to a prim with LappetMaterialAPI, or remove LappetRegionAPI."
-        reader.problem(prim.GetPath(), "no material", "The region has no material.", mend)
+        remedy = "Point lappet:material to a prim with LappetMaterialAPI, or remove LappetRegionAPI."
+        reader.problem(prim.GetPath(), "no material", "The region has no material.", remedy)
     return Region(
         name,
         material.rpartition("/")[2],
@@ -205,8 +205,8 @@ def _uv(reader: Reader, prim: Any, indices: NDArray[np.int32], corners: NDArray[
         ):
             return values[indices]
     sentence = f"primvars:st has {len(values)} {interpolation} values for {len(corners)} face corners."
-    mend = "Author one texture coordinate for each face corner (faceVarying), or remove primvars:st."
-    reader.problem(prim.GetPath(), len(values), sentence, mend)
+    remedy = "Author one texture coordinate for each face corner (faceVarying), or remove primvars:st."
+    reader.problem(prim.GetPath(), len(values), sentence, remedy)
     return None
 
 
@@ -283,12 +283,12 @@ def _grip(reader: Reader, prim: Any, tissues: list[Any]) -> str:
     target = reader.target(prim, "lappet:grip")
     parent, _, name = target.rpartition("/")
     if not target:
-        mend = "Point lappet:grip to a face subset of the tissue."
-        reader.problem(prim.GetPath(), "no grip", "The retractor grips nothing.", mend)
+        remedy = "Point lappet:grip to a face subset of the tissue."
+        reader.problem(prim.GetPath(), "no grip", "The retractor grips nothing.", remedy)
     elif tissues and parent != str(tissues[0].GetPath()):
         sentence = f"The retractor grips {target}, which is no face subset of the tissue."
-        mend = f"Point lappet:grip to a subset below {tissues[0].GetPath()}."
-        reader.problem(prim.GetPath(), target, sentence, mend)
+        remedy = f"Point lappet:grip to a subset below {tissues[0].GetPath()}."
+        reader.problem(prim.GetPath(), target, sentence, remedy)
     return name
 
 
@@ -305,8 +305,8 @@ def _curve(reader: Reader, prim: Any) -> tuple[tuple[Point, ...], Basis, bool]:
     kind = str(prim.GetAttribute("type").Get() or "cubic")
     basis = "linear" if kind == "linear" else str(prim.GetAttribute("basis").Get() or "bezier")
     if basis not in ("linear", "bspline", "catmullRom", "bezier"):
-        mend = "Use linear, bspline, catmullRom or bezier."
-        reader.problem(prim.GetPath(), basis, f"The basis {basis!r} of the curve is not known.", mend)
+        remedy = "Use linear, bspline, catmullRom or bezier."
+        reader.problem(prim.GetPath(), basis, f"The basis {basis!r} of the curve is not known.", remedy)
         basis = "linear"
     wrap = str(prim.GetAttribute("wrap").Get() or "nonperiodic")
     if wrap == "pinned" and basis in ("bspline", "catmullRom") and len(points) >= 2:

@@ -78,20 +78,20 @@ def open_stage(path: str | os.PathLike[str]) -> Any:
         layer = usd.Sdf.Layer.FindOrOpen(str(file.resolve()))
         stage = usd.Usd.Stage.Open(layer) if layer else None
     except usd.Tf.ErrorException as cause:
-        mend = "Give a .usda or .usdc file; a mesh file becomes a procedure with: lappet new MESH -o P.usda."
+        remedy = "Give a .usda or .usdc file; a mesh file becomes a procedure with: lappet new MESH -o P.usda."
         sentence = f"The file {file} cannot be read as USD: {_reason(cause)}."
-        raise _refused(file, file.suffix, sentence, mend) from cause
+        raise _refused(file, file.suffix, sentence, remedy) from cause
     finally:
         del quiet
     if stage is None:
-        mend = "Give a .usda or .usdc file; a mesh file becomes a procedure with: lappet new MESH -o P.usda."
-        raise _refused(file, file.suffix, f"The file {file} is of a kind that USD does not read.", mend)
+        remedy = "Give a .usda or .usdc file; a mesh file becomes a procedure with: lappet new MESH -o P.usda."
+        raise _refused(file, file.suffix, f"The file {file} is of a kind that USD does not read.", remedy)
     errors = [str(error) for error in stage.GetCompositionErrors()]
     if errors:
-        mend = "Put the missing file back, or remove what refers to it."
+        remedy = "Put the missing file back, or remove what refers to it."
         raise ProcedureError(
             [
-                Problem(str(file), "composition", f"The file {file} does not compose: {_one_line(error)}.", mend)
+                Problem(str(file), "composition", f"The file {file} does not compose: {_one_line(error)}.", remedy)
                 for error in errors
             ]
         )
@@ -159,8 +159,8 @@ def write_procedure(procedure: Procedure, path: str | os.PathLike[str]) -> None:
     save_layer(usd_writer.layer(procedure, pxr()), path)
 
 
-def _refused(file: Path, value: str, sentence: str, mend: str) -> ProcedureError:
-    return ProcedureError([Problem(str(file), value, sentence, mend)])
+def _refused(file: Path, value: str, sentence: str, remedy: str) -> ProcedureError:
+    return ProcedureError([Problem(str(file), value, sentence, remedy)])
 
 
 def _one_line(text: object) -> str:

@@ -26,9 +26,9 @@ class Reader:
         self.space = self._stage_space()
         self._rest = usd.UsdGeom.XformCache(usd.Usd.TimeCode(stage.GetStartTimeCode()))
 
-    def problem(self, path: object, value: object, sentence: str, mend: str) -> None:
+    def problem(self, path: object, value: object, sentence: str, remedy: str) -> None:
         """Adds an error."""
-        self.problems.append(Problem(str(path), str(value), sentence, mend))
+        self.problems.append(Problem(str(path), str(value), sentence, remedy))
 
     def number(self, prim: Any, name: str, default: float | None = None) -> float:
         """A number or time code; without a default it must be authored. NaN where it could not be read."""

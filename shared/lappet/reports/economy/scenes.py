@@ -16,7 +16,7 @@ from lappet.cutting.epoch import Regions
 from lappet.geometry.labelled_surface import FaceOrigin, Surface
 from lappet.program.program import Bones, Landmarks, MaterialParameters, Program
 from lappet.reports.box_scenes import BoxScene, grid_box, stretched
-from lappet.solve.error_estimate import companions
+from lappet.solve.error_estimate import coarse_programs
 
 SIZE, SPACING = (48.0, 12.0, 12.0), 3.0  # mm
 MATERIAL = MaterialParameters(model="neoHookean", youngs_modulus=50.0, poissons_ratio=0.45)
@@ -47,13 +47,13 @@ PATCH = BoxScene(
 class Feature:
     """A feature: how to put it into the plain program, or why there is nothing to put in.
 
-    companions: the programs that are solved besides. base: what it is put into instead of the bar.
+    coarse_programs: the programs that are solved besides. base: what it is put into instead of the bar.
     """
 
     name: str
     what: str
     put_into: Callable[[Program], Program] | None
-    companions: Callable[[Program], tuple[Program, ...]] | None = None
+    coarse_programs: Callable[[Program], tuple[Program, ...]] | None = None
     base: Callable[[], Program] | None = None
 
 
@@ -157,9 +157,9 @@ def _error_estimate(program: Program) -> Program:
     return replace(program, settings=replace(program.settings, correction=True))
 
 
-def _companions(program: Program) -> tuple[Program, ...]:
+def _coarse_programs(program: Program) -> tuple[Program, ...]:
 
-    return tuple(replace(each, settings=replace(each.settings, threads=1)) for each in companions(program))
+    return tuple(replace(each, settings=replace(each.settings, threads=1)) for each in coarse_programs(program))
 
 
 FEATURES = (
@@ -175,7 +175,7 @@ FEATURES = (
         "error_estimate",
         "the Newton step left over, and solves at twice and four times the spacing",
         _error_estimate,
-        companions=_companions,
+        coarse_programs=_coarse_programs,
     ),
     Feature(
         "strain",

@@ -22,8 +22,8 @@ from lappet.geometry.labelled_surface import FaceOrigin
 from lappet.program.program import Program
 from lappet.reports.error_time.reference import Reference, fitted_order, greatest, observed_orders, richardson, rms
 from lappet.reports.report_error import ReportError
-from lappet.solve.error_estimate import companion, expected_order, far_companion, frame_error
-from lappet.solve.solve_program import FrameResult, Watcher, solve_program
+from lappet.solve.error_estimate import coarse_program, expected_order, far_coarse_program, frame_error
+from lappet.solve.solve_program import FrameResult, SolveObserver, solve_program
 from lappet.solve.store import FrameStore
 
 DEFAULT: dict[str, Any] = {"quadrature": 1, "tolerance": 1e-3, "precision": "float", "preconditioner": "twoLevel"}
@@ -177,7 +177,7 @@ def skin_of(program: Program) -> NDArray[np.integer]:
 
 def _solve(program: Program, connect: Connect) -> tuple[tuple[FrameResult, ...], str | None]:
     with tempfile.TemporaryDirectory() as folder:  # nothing is looked up
-        found = solve_program(program, FrameStore(Path(folder)), connect, "report", Watcher())
+        found = solve_program(program, FrameStore(Path(folder)), connect, "report", SolveObserver())
     return found.frames, found.reason
 
 
@@ -238,9 +238,9 @@ def _measure(scene: Scene, spacing: float, chosen: dict[str, Any], reference: Re
         return row
     skin = skin_of(program)
     off = frames[-1].arrays["points"][skin] - reference.points
-    partners, failure = _solve(companion(program), connect)
+    partners, failure = _solve(coarse_program(program), connect)
     partner = partners[-1] if failure is None else None
-    other = far_companion(program)
+    other = far_coarse_program(program)
     others, failure = ((), "") if other is None else _solve(other, connect)
     far = others[-1] if failure is None else None
     estimate = frame_error(frames[-1], partner, skin, expected_order(program, frames[0].header["lattice"]), far)

@@ -1,4 +1,4 @@
-"""Operators that mend what a problem of tissue or bone names."""
+"""Operators that repair what a problem of tissue or bone names."""
 
 import bpy
 import numpy as np
@@ -11,10 +11,10 @@ from lappet.geometry.triangulation import triangulate
 
 from ..model.decimals import decimal
 from ..model.scene_procedure import read_scene
-from . import mend_mesh, mend_object
+from . import repair_mesh, repair_object
 from .act import UNDOABLE, Act, tissue_object
 
-MENDS = (
+REPAIRS = (
     ("HOLES", "Fill Small Holes", "Close holes that are small against the mesh or its rim"),
     ("WELD", "Weld", "Merge vertices at one place and remove faces without area"),
     ("ORIENT", "Turn Faces Alike", "Make all faces look outwards"),
@@ -56,7 +56,7 @@ class LAPPET_OT_tissue_apply_scale(_OnObject, bpy.types.Operator):
     object: StringProperty(name="Object", description="Its name; empty for the tissue")
 
     def act(self, context: bpy.types.Context) -> None:
-        mend_object.apply_scale(self.meant(context))
+        repair_object.apply_scale(self.meant(context))
 
 
 class LAPPET_OT_tissue_apply_modifiers(_OnObject, bpy.types.Operator):
@@ -69,7 +69,7 @@ class LAPPET_OT_tissue_apply_modifiers(_OnObject, bpy.types.Operator):
     object: StringProperty(name="Object", description="Its name; empty for the tissue")
 
     def act(self, context: bpy.types.Context) -> str:
-        return mend_object.apply_shape(context, self.meant(context))
+        return repair_object.apply_shape(context, self.meant(context))
 
 
 class LAPPET_OT_tissue_make_local(_OnObject, bpy.types.Operator):
@@ -82,7 +82,7 @@ class LAPPET_OT_tissue_make_local(_OnObject, bpy.types.Operator):
     object: StringProperty(name="Object", description="Its name; empty for the tissue")
 
     def act(self, context: bpy.types.Context) -> None:
-        mend_object.make_local(self.meant(context))
+        repair_object.make_local(self.meant(context))
 
 
 class LAPPET_OT_tissue_fix_place(_OnObject, bpy.types.Operator):
@@ -95,7 +95,7 @@ class LAPPET_OT_tissue_fix_place(_OnObject, bpy.types.Operator):
     object: StringProperty(name="Object", description="Its name; empty for the tissue")
 
     def act(self, context: bpy.types.Context) -> None:
-        mend_object.fix_place(self.meant(context))
+        repair_object.fix_place(self.meant(context))
 
 
 class LAPPET_OT_tissue_restore(_OnObject, bpy.types.Operator):
@@ -108,17 +108,17 @@ class LAPPET_OT_tissue_restore(_OnObject, bpy.types.Operator):
     object: StringProperty(name="Object", description="Its name; empty for the tissue")
 
     def act(self, context: bpy.types.Context) -> None:
-        mend_object.restore(context.scene, self.meant(context))
+        repair_object.restore(context.scene, self.meant(context))
 
 
-class LAPPET_OT_tissue_mend(Act, bpy.types.Operator):
-    """Mend the mesh of the tissue"""
+class LAPPET_OT_tissue_repair(Act, bpy.types.Operator):
+    """Repair the mesh of the tissue"""
 
-    bl_idname = "lappet.tissue_mend"
-    bl_label = "Mend Tissue"
+    bl_idname = "lappet.tissue_repair"
+    bl_label = "Repair Tissue"
     bl_options = UNDOABLE
 
-    kind: EnumProperty(name="Mend", items=MENDS, default="WELD")
+    kind: EnumProperty(name="Repair", items=REPAIRS, default="WELD")
     everything: BoolProperty(name="All holes", description="Fill holes of any size", default=False)
 
     @classmethod
@@ -127,7 +127,7 @@ class LAPPET_OT_tissue_mend(Act, bpy.types.Operator):
 
     @classmethod
     def description(cls, _context: bpy.types.Context, properties: bpy.types.OperatorProperties) -> str:
-        return next(text for key, _, text in MENDS if key == properties.kind)
+        return next(text for key, _, text in REPAIRS if key == properties.kind)
 
     def act(self, context: bpy.types.Context) -> str | None:
         scene = context.scene
@@ -135,13 +135,13 @@ class LAPPET_OT_tissue_mend(Act, bpy.types.Operator):
         settings = scene.lappet.tissue
         match self.kind:
             case "HOLES":
-                return mend_mesh.fill_holes(scene, obj, settings.thicken, self.everything)
+                return repair_mesh.fill_holes(scene, obj, settings.thicken, self.everything)
             case "WELD":
-                return mend_mesh.weld(obj)
+                return repair_mesh.weld(obj)
             case "ORIENT":
-                return mend_mesh.turn_alike(scene, obj)
+                return repair_mesh.turn_alike(scene, obj)
             case "LOOSE":
-                return mend_mesh.remove_loose(obj)
+                return repair_mesh.remove_loose(obj)
             case "THICKEN":
                 settings.thicken = not settings.thicken
                 return None
@@ -154,7 +154,7 @@ def fitting_spacing(scene: bpy.types.Scene) -> float:
     """A spacing, mm, at which a cell is no larger than the tissue is thick and the lattice fits the memory."""
     procedure = read_scene(scene).procedure
     if procedure is None:
-        raise RefusedError("The tissue cannot be read yet; mend its other problems first.")
+        raise RefusedError("The tissue cannot be read yet; repair its other problems first.")
     settings, tissue = scene.lappet.tissue, procedure.tissue
     counts, indices = tissue.face_vertex_counts.astype(np.int64), tissue.face_vertex_indices.astype(np.int64)
     measure = TissueMeasure(tissue.points, triangulate(tissue.points, counts, indices)[0])
@@ -169,5 +169,5 @@ CLASSES = (
     LAPPET_OT_tissue_make_local,
     LAPPET_OT_tissue_fix_place,
     LAPPET_OT_tissue_restore,
-    LAPPET_OT_tissue_mend,
+    LAPPET_OT_tissue_repair,
 )
