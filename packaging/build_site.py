@@ -1,7 +1,7 @@
-"""Build the site of the documents and the API reference: `build_site.py [--output DIR]`, in build/site where none is given.
+"""Build the site of the documents and the API reference: `build_site.py [--output DIR]`.
 
-Sphinx builds it from the repository's Markdown and the docstrings of `lappet`; every warning is an error. The site needs
-no server and no other host: open DIR/index.html.
+Sphinx builds it from the repository's Markdown and the docstrings of `lappet`; every warning is an error. Without
+`--output` it lies in build/site. It needs no server and no other host: open DIR/index.html.
 """
 
 from __future__ import annotations
