@@ -26,10 +26,24 @@ MOST_FRAMES = 1_000_000
 
 
 def check(procedure: Procedure, memory_budget: float = MEMORY_BUDGET, spacing: float | None = None) -> list[Problem]:
-    """Every problem of a procedure; errors are refused before solving, warnings are not.
+    """Find every problem of a procedure.
 
-    memory_budget: bytes. spacing: the lattice spacing in mm, where it is not the tissue's own. Nothing is cut, so what
-    only shows in the cut surface (an anchor whose tissue is excised) is found when the procedure is compiled.
+    Nothing is cut, so what only shows in the cut surface (an anchor whose tissue is excised) is found when the
+    procedure is compiled.
+
+    Parameters
+    ----------
+    procedure
+        The procedure.
+    memory_budget
+        Memory in bytes that the solver may take.
+    spacing
+        Lattice spacing in mm, where it is not the tissue's own.
+
+    Returns
+    -------
+    list[Problem]
+        The problems; errors are refused before solving, warnings are not.
     """
     problems = [*name_problems(procedure), *_timeline(procedure)]
     report = mesh_problems(procedure.tissue, TISSUE)

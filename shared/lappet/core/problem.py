@@ -15,9 +15,18 @@ Severity = Literal["error", "warning"]
 class Problem:
     """One thing that is wrong.
 
-    path: the prim's path ("/Procedure/Timeline/hook_1"), or the file's where there is no prim. value: what was found,
-    as text. sentence: what is wrong, naming the thing and the value. remedy: what to do about it, a sentence. An
-    "error" is refused before solving; a "warning" is solved nevertheless.
+    Parameters
+    ----------
+    path
+        Path of the prim ("/Procedure/Timeline/hook_1"), or of the file where there is no prim.
+    value
+        What was found, as text.
+    sentence
+        What is wrong, naming the thing and the value.
+    remedy
+        What to do about it, a sentence.
+    severity
+        "error", refused before solving, or "warning", solved nevertheless.
     """
 
     path: str
@@ -31,7 +40,13 @@ class Problem:
 
 
 class ProcedureError(RefusedError):
-    """A procedure that cannot be read, written, edited or solved; `problems` holds every reason."""
+    """A procedure that cannot be read, written, edited or solved.
+
+    Parameters
+    ----------
+    problems
+        Every reason; the error has them as `problems`.
+    """
 
     def __init__(self, problems: Sequence[Problem]) -> None:
         super().__init__("\n".join(str(problem) for problem in problems))

@@ -7,7 +7,13 @@ from importlib.metadata import version as installed_version
 
 
 def version() -> str:
-    """The version of the installed package; "0+unknown" in a checkout that is not installed."""
+    """Look up the version of the installed package.
+
+    Returns
+    -------
+    str
+        The version; "0+unknown" in a checkout that is not installed.
+    """
     try:
         return installed_version("lappet")
     except PackageNotFoundError:  # a checkout that is not installed

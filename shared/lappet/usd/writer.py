@@ -34,9 +34,24 @@ LINE_WIDTH = 0.4  # mm, how thick other viewers draw curves and points
 
 
 def layer(procedure: Procedure, usd: Any) -> Any:
-    """An anonymous layer that holds the procedure.
+    """Make an anonymous layer that holds a procedure.
 
-    Raises ProcedureError where a name cannot be the name of a prim or is used twice.
+    Parameters
+    ----------
+    procedure
+        The procedure.
+    usd
+        USD's modules, as `lappet.usd.stage.pxr` gives them.
+
+    Returns
+    -------
+    Any
+        The layer.
+
+    Raises
+    ------
+    ProcedureError
+        If a name cannot be the name of a prim or is used twice.
     """
     problems = name_problems(procedure)
     if problems:
