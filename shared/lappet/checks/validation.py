@@ -73,10 +73,28 @@ def check(procedure: Procedure, memory_budget: float = MEMORY_BUDGET, spacing: f
 def check_file(
     path: str | os.PathLike[str], notes: list[str] | None = None, memory_budget: float = MEMORY_BUDGET
 ) -> list[Problem]:
-    """Every problem of a procedure file: those of reading it and those of `check`, together.
+    """Find every problem of a procedure's file: those of reading it and those of `check`.
 
-    notes: gets a sentence for everything that was converted or left aside while reading. Raises ProcedureError only
-    where the file cannot be opened as USD. A prim that could not be read is not judged a second time.
+    A prim that could not be read is not judged a second time.
+
+    Parameters
+    ----------
+    path
+        The file.
+    notes
+        Gets a sentence for everything that was converted or left aside while reading.
+    memory_budget
+        Memory in bytes that the solver may take.
+
+    Returns
+    -------
+    list[Problem]
+        The problems.
+
+    Raises
+    ------
+    ProcedureError
+        If the file cannot be opened as USD.
     """
 
     procedure, unread = read_what_can_be(path, notes)

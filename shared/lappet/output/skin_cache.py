@@ -41,10 +41,27 @@ SCALARS = ("strain", "stress", "tension")
 def write_skin_cache(
     output: Path, procedure_path: Path, procedure: Procedure, program: Program, frames: Sequence[FrameResult]
 ) -> None:
-    """Writes the skin cache of consecutive frames, atomically.
+    """Write the skin cache of consecutive frames, atomically.
 
-    output: .usdc, .usda or .usd; its folder is made. procedure_path: the file that it goes over, referred to by a path
-    relative to `output`. Raises ProcedureError for another suffix, OSError where the file system refuses.
+    Parameters
+    ----------
+    output
+        The file (.usdc, .usda or .usd); its folder is made.
+    procedure_path
+        The procedure's file, which the cache refers to by a path relative to `output`.
+    procedure
+        The procedure.
+    program
+        What the solver was told.
+    frames
+        The solved frames, one after the other.
+
+    Raises
+    ------
+    ProcedureError
+        If the suffix is another one.
+    OSError
+        If the file system refuses.
     """
     output = Path(output)
     output.parent.mkdir(parents=True, exist_ok=True)
