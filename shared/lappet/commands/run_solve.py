@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 if TYPE_CHECKING:
-    from lappet.output.solve_procedure import SolveResult
+    from lappet.output.solve_to_cache import SolveResult
     from lappet.solve.error_estimate import ErrorEstimate
 
 
@@ -32,7 +32,7 @@ def run_solve(procedure: Path, cache: Path, report_path: Path | None, **options:
         What the solve gave.
     """
     from lappet.commands.solve_progress import solve_progress
-    from lappet.output.solve_procedure import solve_procedure
+    from lappet.output.solve_to_cache import solve_procedure
     from lappet.solve.store import FrameStore
 
     options["quadrature"] = int(options["quadrature"])
