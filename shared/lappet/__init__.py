@@ -12,8 +12,7 @@ from lappet.core.version import version
 
 if TYPE_CHECKING:
     from lappet.checks.validation import check
-    from lappet.core.problem import Problem, ProcedureError
-    from lappet.core.refused import RefusedError
+    from lappet.core.problem import Problem, RefusedError
     from lappet.output.solve_to_cache import SolveResult, solve_procedure
     from lappet.procedure import (
         Bone,
@@ -44,9 +43,8 @@ _HOMES = {
     "Material": "procedure",
     "Problem": "core.problem",
     "Procedure": "procedure",
-    "ProcedureError": "core.problem",
+    "RefusedError": "core.problem",
     "Region": "procedure",
-    "RefusedError": "core.refused",
     "Retractor": "procedure",
     "SolveResult": "output.solve_to_cache",
     "Suture": "procedure",
@@ -69,7 +67,6 @@ __all__ = [
     "Material",
     "Problem",
     "Procedure",
-    "ProcedureError",
     "RefusedError",
     "Region",
     "Retractor",

@@ -13,7 +13,8 @@ from lappet.background.plan import EpochShape, Plan, SolveSettings
 from lappet.background.plan_key import digest, plan_key
 from lappet.background.plan_store import get_plan, put_plan
 from lappet.checks.validation import check
-from lappet.core.problem import Problem, ProcedureError
+from lappet.core.problem import Problem, RefusedError
+from lappet.core.problem_code import ProblemCode
 from lappet.cutting.epoch import Epoch
 from lappet.cutting.epochs import build_epochs
 from lappet.procedure import CUTS, Procedure
@@ -108,7 +109,7 @@ class Compilation:
 
         Raises
         ------
-        ProcedureError
+        RefusedError
             If the procedure cannot be solved; holds every problem.
         """
         key = plan_key(procedure, settings, self.identity)
@@ -126,7 +127,7 @@ class Compilation:
         step()
         problems = check(procedure, spacing=settings.spacing)
         if any(problem.severity == "error" for problem in problems):
-            raise ProcedureError(sorted(problems, key=lambda problem: problem.severity != "error"))
+            raise RefusedError(sorted(problems, key=lambda problem: problem.severity != "error"))
         step()
         spacing = procedure.tissue.spacing if settings.spacing is None else settings.spacing
         epochs, shapes = self._cut(replace(procedure, tissue=replace(procedure.tissue, spacing=spacing)), step)
@@ -182,9 +183,9 @@ def up_to(program: Program, last: int | None) -> Program:
     return replace(program, frames=program.frames[:kept], active_hooks=program.active_hooks[:kept])
 
 
-def _refusal(error: ValueError) -> ProcedureError:
+def _refusal(error: ValueError) -> RefusedError:
     """What refuses a procedure as problems; what is no refusal of Lappet's is raised again."""
-    if isinstance(error, ProcedureError):
+    if isinstance(error, RefusedError):
         return error
     if type(error).__module__.partition(".")[0] != "lappet":
         raise error
@@ -192,7 +193,7 @@ def _refusal(error: ValueError) -> ProcedureError:
     if not prim.startswith("/"):
         prim, sentence = ROOT, str(error)
     # The sentence of what is refused already ends with its remedy.
-    return ProcedureError([Problem(prim, "", sentence, "")])
+    return RefusedError([Problem(ProblemCode.UNSORTED, prim, "", sentence, "")])
 
 
 class _Last(Generic[Value]):

@@ -244,13 +244,13 @@ class FrameFailed:
         Number of the job.
     time
         Time code.
-    reason
-        Why, a sentence.
+    problem
+        Why.
     """
 
     job: int
     time: int
-    reason: str
+    problem: Problem
 
 
 @dataclass(frozen=True)

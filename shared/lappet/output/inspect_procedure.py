@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from lappet.core.refused import RefusedError
+from lappet.core.problem import RefusedError
 from lappet.cutting.epoch import Epoch
 from lappet.daemon.daemon_solver import connect_to
 from lappet.daemon.frame_solver import Connect
@@ -49,10 +49,8 @@ def inspect_procedure(
 
     Raises
     ------
-    ProcedureError
-        If the procedure cannot be read.
     RefusedError
-        If it cannot be compiled, or the file of costs is no such report.
+        If the procedure cannot be read or compiled, or the file of costs is no such report.
     """
     notes: list[str] = []
     procedure = read_procedure(path, notes)

@@ -58,7 +58,7 @@ def write_skin_cache(
 
     Raises
     ------
-    ProcedureError
+    RefusedError
         If the suffix is another one.
     OSError
         If the file system refuses.

@@ -9,8 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 from lappet.checks.validation import check
-from lappet.core.problem import ProcedureError
-from lappet.core.refused import RefusedError
+from lappet.core.problem import RefusedError
 from lappet.daemon.daemon_solver import connect_to, solver_identity
 from lappet.daemon.frame_solver import Connect, Iteration
 from lappet.output.skin_cache import write_skin_cache
@@ -144,9 +143,7 @@ def solve_procedure(
     Raises
     ------
     RefusedError
-        If the procedure cannot be solved at all, or the output cannot be written.
-    ProcedureError
-        If the procedure has errors.
+        If the procedure has errors, cannot be solved at all, or the output cannot be written.
     """
     started = time.perf_counter()
     watch = _Noting(observer or SolveObserver())
@@ -232,7 +229,7 @@ def _check(procedure: Procedure, spacing: float | None) -> None:
 
     errors = [problem for problem in check(procedure, spacing=spacing) if problem.severity == "error"]
     if errors:
-        raise ProcedureError(errors)
+        raise RefusedError(errors)
 
 
 def _range(procedure: Procedure, frames: tuple[int | None, int | None]) -> tuple[int, int]:

@@ -11,7 +11,7 @@ from typing import Any, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from lappet.core.problem import Problem, ProcedureError
+from lappet.core.problem import Problem, RefusedError
 from lappet.procedure import (
     Basis,
     Bone,
@@ -65,12 +65,12 @@ def read(stage: Any, usd: Any, notes: list[str]) -> Procedure:
 
     Raises
     ------
-    ProcedureError
+    RefusedError
         If something could not be read; holds every such problem.
     """
     procedure, problems = read_what_can_be(stage, usd, notes)
     if procedure is None or problems:
-        raise ProcedureError(problems)
+        raise RefusedError(problems)
     return procedure
 
 

@@ -14,7 +14,8 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
-from lappet.core.problem import Problem, ProcedureError
+from lappet.core.problem import Problem, RefusedError
+from lappet.core.problem_code import ProblemCode
 from lappet.procedure import Procedure
 from lappet.usd import reader as usd_reader
 from lappet.usd import writer as usd_writer
@@ -79,7 +80,7 @@ def open_stage(path: str | os.PathLike[str]) -> Any:
 
     Raises
     ------
-    ProcedureError
+    RefusedError
         If the file is missing, cannot be read as USD, or refers to files that are missing.
     """
     file = Path(path)
@@ -110,9 +111,15 @@ def open_stage(path: str | os.PathLike[str]) -> Any:
     errors = [str(error) for error in stage.GetCompositionErrors()]
     if errors:
         remedy = "Put the missing file back, or remove what refers to it."
-        raise ProcedureError(
+        raise RefusedError(
             [
-                Problem(str(file), "composition", f"The file {file} does not compose: {_one_line(error)}.", remedy)
+                Problem(
+                    ProblemCode.UNSORTED,
+                    str(file),
+                    "composition",
+                    f"The file {file} does not compose: {_one_line(error)}.",
+                    remedy,
+                )
                 for error in errors
             ]
         )
@@ -131,7 +138,7 @@ def save_layer(layer: Any, path: str | os.PathLike[str]) -> None:
 
     Raises
     ------
-    ProcedureError
+    RefusedError
         If the suffix is another one or the folder is missing.
     OSError
         If the file system refuses.
@@ -176,7 +183,7 @@ def read_procedure(path: str | os.PathLike[str], notes: list[str] | None = None)
 
     Raises
     ------
-    ProcedureError
+    RefusedError
         If something kept the file from being read; holds every such problem.
     """
     stage = open_stage(path)
@@ -202,7 +209,7 @@ def read_what_can_be(
 
     Raises
     ------
-    ProcedureError
+    RefusedError
         If the file cannot be opened.
     """
     stage = open_stage(path)
@@ -224,14 +231,14 @@ def write_procedure(procedure: Procedure, path: str | os.PathLike[str]) -> None:
 
     Raises
     ------
-    ProcedureError
+    RefusedError
         If a name cannot be the name of a prim or is used twice.
     """
     save_layer(usd_writer.layer(procedure, pxr()), path)
 
 
-def _refused(file: Path, value: str, sentence: str, remedy: str) -> ProcedureError:
-    return ProcedureError([Problem(str(file), value, sentence, remedy)])
+def _refused(file: Path, value: str, sentence: str, remedy: str) -> RefusedError:
+    return RefusedError([Problem(ProblemCode.UNSORTED, str(file), value, sentence, remedy)])
 
 
 def _one_line(text: object) -> str:

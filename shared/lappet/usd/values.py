@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lappet.core.problem import Problem
+from lappet.core.problem_code import ProblemCode
 
 
 class Reader:
@@ -49,7 +50,7 @@ class Reader:
         remedy
             What to do about it.
         """
-        self.problems.append(Problem(str(path), str(value), sentence, remedy))
+        self.problems.append(Problem(ProblemCode.UNSORTED, str(path), str(value), sentence, remedy))
 
     def number(self, prim: Any, name: str, default: float | None = None) -> float:
         """Read a number or time code.

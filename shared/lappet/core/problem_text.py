@@ -1,0 +1,74 @@
+"""The texts of the problems by code: read from `core/texts/*.toml`, filled with the values of one case."""
+
+from __future__ import annotations
+
+import tomllib
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+
+from lappet.core.problem_code import ProblemCode
+
+TEXTS = Path(__file__).with_name("texts")
+
+
+@dataclass(frozen=True)
+class ProblemText:
+    """What is said for a code.
+
+    Parameters
+    ----------
+    title
+        Title for lists.
+    message
+        Sentence with fields in braces.
+    remedy
+        Sentence with fields in braces.
+    """
+
+    title: str
+    message: str
+    remedy: str
+
+
+@cache
+def catalogue() -> dict[ProblemCode, ProblemText]:
+    """Read the texts of every code.
+
+    Returns
+    -------
+    dict[ProblemCode, ProblemText]
+        The texts by code.
+
+    Raises
+    ------
+    KeyError
+        If no file knows a code, or two files know it.
+    """
+    found: dict[ProblemCode, ProblemText] = {}
+    for file in sorted(TEXTS.glob("*.toml")):
+        for value, entry in tomllib.loads(file.read_text(encoding="utf-8")).items():
+            code = ProblemCode(value)
+            if code in found:
+                raise KeyError(f"{file.name}: {value} is there twice")
+            found[code] = ProblemText(**entry)
+    return found
+
+
+def texts(code: ProblemCode, fields: dict[str, object]) -> tuple[str, str]:
+    """Fill in the texts of a code.
+
+    Parameters
+    ----------
+    code
+        The code.
+    fields
+        Values by the names in braces.
+
+    Returns
+    -------
+    tuple[str, str]
+        Message and remedy.
+    """
+    entry = catalogue()[code]
+    return entry.message.format(**fields), entry.remedy.format(**fields)
