@@ -36,11 +36,14 @@ HELD = (
     "checks",
     "designs",
     "cutting",
+    "program",
     "daemon",
     "solve",
     "background",
     "output",
+    "bench",
     "demo",
+    "reports",
     "commands",
 )
 SUMMARY = frozenset(("GL08", "SS01", "SS02", "SS03", "SS05", "SS06"))

@@ -1,5 +1,4 @@
-"""What is wrong with a mesh of polygons as a closed surface, by counting: every kind of fault once, with where and how
-many."""
+"""What is wrong with a mesh of polygons as a closed surface: every kind of fault once, with places and counts."""
 
 from __future__ import annotations
 

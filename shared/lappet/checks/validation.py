@@ -97,7 +97,6 @@ def check_file(
     RefusedError
         If the file cannot be opened as USD.
     """
-
     procedure, unread = read_what_can_be(path, notes)
     if procedure is None:
         return unread

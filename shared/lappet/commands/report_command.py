@@ -69,8 +69,9 @@ def error_time(context: click.Context, /, scenes: tuple[str, ...], folder: Path,
 def stability(
     context: click.Context, /, folder: Path, only: tuple[str, ...], quick: bool, fuzz: int | None, jobs: int | None
 ) -> None:
-    """Solve stiff and extreme cases and hold each against the outcome that is right: it converges, or is refused
-    with a reason. Exit status 1 where one does neither.
+    """Solve stiff and extreme cases and hold each against the outcome that is right.
+
+    A case converges, or is refused with a reason. Exit status 1 where one does neither.
     """
     with sentences(context):
         from lappet.reports.stability.run import chosen_cases, run_fuzz, run_stability

@@ -50,7 +50,6 @@ def figures_of(cache: Path, folder: Path, render: Callable[[Path, Path], list[Pa
     list[Path]
         The pictures.
     """
-
     folder = folder.resolve()
     stamp = folder / "rendered.json"
     drawn = f"{version()} {hashlib.blake2b(cache.read_bytes(), digest_size=16).hexdigest()}"

@@ -1,13 +1,13 @@
-"""Rhombic transposition flaps: Limberg's, and Dufourmentel and Mouly's.
+r"""Rhombic transposition flaps: Limberg's, and Dufourmentel and Mouly's.
 
 The defect is a rhombus with sides a and the acute angle α at the ends A and C of its long diagonal; B and D are the
 ends of the short one. The flap has the corners C, D, E, F: the first limb DE begins at the defect's obtuse corner D,
 the second, EF, ends beside C, and CF is its base. In the design's plane, x along the short diagonal from B to D:
 
             A
-          /   \\                Limberg (α = 60°): DE extends the short diagonal, EF is parallel to DC; |DE| = |EF| = a.
+          /   \                Limberg (α = 60°): DE extends the short diagonal, EF is parallel to DC; |DE| = |EF| = a.
         B       D --- E        Turned by 60° about C the flap covers the defect: D comes to B, E to A, F to D.
-          \\   /      /        Dufourmentel: DE halves the angle between the extended short diagonal and the extended
+          \   /      /        Dufourmentel: DE halves the angle between the extended short diagonal and the extended
             C ... F            side CD, EF is parallel to the long diagonal; |DE| = |EF| = a.
 
 The donor site closes by drawing the corner that DE leaves outside of the flap, D', to F.

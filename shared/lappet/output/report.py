@@ -44,7 +44,6 @@ def report(result: SolveResult) -> dict[str, Any]:
     dict[str, Any]
         Values that JSON can hold.
     """
-
     program = result.program
     lattices = {frame.constraints.epoch: frame.header.get("lattice") or {} for frame in result.frames}
     epochs = [

@@ -166,8 +166,10 @@ def _write_epoch(stage: Any, epoch: Epoch, frames: Sequence[FrameResult], times:
 
 
 def _velocity(points: Sequence[NDArray[np.float32]], i: int, fps: float) -> NDArray[np.float32]:
-    """Velocity (n, 3) in mm/s at frame i of an epoch: central differences, one-sided at its ends, 0 for a single
-    frame."""
+    """Velocity (n, 3) in mm/s at frame i of an epoch.
+
+    Central differences, one-sided at the ends of the epoch, 0 for a single frame.
+    """
     before, after = max(i - 1, 0), min(i + 1, len(points) - 1)
     if before == after:
         return np.zeros_like(points[i])

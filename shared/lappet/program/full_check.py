@@ -30,6 +30,8 @@ def full_check(path: str | os.PathLike[str], notes: list[str] | None = None) -> 
     ------
     RefusedError
         If the file cannot be opened as USD.
+    ValueError
+        If an error arises that is no refusal.
     """
     notes = [] if notes is None else notes
     problems = check_file(path, notes)

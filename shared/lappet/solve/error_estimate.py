@@ -306,8 +306,11 @@ def frame_error(
 
 
 class _Parts(NamedTuple):
-    """At n places, (n, 3) mm: what is left to the equilibrium of the lattice; from there to the truth, by the coarse
-    program (0 without one) and by the far one (as `near` without one)."""
+    """Displacements that are left at n places, each of shape (n, 3), in mm.
+
+    To the equilibrium of the lattice; from there to the truth, by the coarse program (0 without one) and by the far one
+    (as `near` without one).
+    """
 
     left: NDArray[np.float64]
     near: NDArray[np.float64]

@@ -207,8 +207,7 @@ class FrameStore:
         return found
 
     def _prune(self, keep: Path) -> None:
-        """Removes the frames used longest ago until nine tenths of the limit are kept, and what crashed writers
-        left."""
+        """Remove the frames used longest ago until nine tenths of the limit are kept, and what crashed writers left."""
         entries = sorted(self._entries(), key=lambda entry: entry[0])
         total = sum(size for _, size, _ in entries)
         if total > self.limit:

@@ -193,7 +193,6 @@ def _pilot(
     until: float | None,
 ) -> _Pilot | str:
     """The pilot, or why there is none."""
-
     program = compile_program(
         procedure, spacing=spacing, quadrature=quadrature, tolerance=TOLERANCE, until=until, correction=True
     )

@@ -114,7 +114,6 @@ def _read_trimesh(path: Path) -> Mesh:
 
 def _read_usd(path: Path) -> tuple[Mesh, float, bool]:
     """The meshes of a stage at its default time, mm per unit, and whether Y is up."""
-
     usd = pxr()
     stage = open_stage(path)
     cache = usd.UsdGeom.XformCache()
