@@ -1,4 +1,4 @@
-"""Compiles procedures for the worker and remembers the last ones: an edit that cuts nothing new makes no Boolean."""
+"""Compile procedures for the worker and remember the last ones: an edit that cuts nothing new makes no Boolean."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Runs live mode: brings the tissue to a frame, then follows the newest target of a hook."""
+"""Run live mode: bring the tissue to a frame, then follow the newest target of a hook."""
 
 from __future__ import annotations
 

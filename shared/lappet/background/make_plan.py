@@ -1,4 +1,4 @@
-"""Makes the plan of a program: what an owner needs of it to show its frames."""
+"""Make the plan of a program: what an owner needs of it to show its frames."""
 
 from __future__ import annotations
 

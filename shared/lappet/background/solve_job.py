@@ -1,4 +1,4 @@
-"""Runs a job of the worker: plans a procedure, or solves its frames and tells of each."""
+"""Run a job of the worker: plan a procedure, or solve its frames and tell of each."""
 
 from __future__ import annotations
 
@@ -169,7 +169,7 @@ class SolveJobs:
 
 
 class _Telling(SolveObserver):
-    """Tells the owner how a solve goes, and stops it once it is cancelled."""
+    """Tell the owner how a solve goes, and stop it once it is cancelled."""
 
     def __init__(self, job: Job, jobs: SolveJobs) -> None:
         self._job = job

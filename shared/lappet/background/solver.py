@@ -360,7 +360,7 @@ class BackgroundSolver:
             self._give_up(f"The background solver ended {_DEATHS} times in a row: {how}")
 
     def _give_up(self, sentence: str, numbers: Sequence[int] | None = None) -> None:
-        """Ends these jobs, or all of them, with a sentence."""
+        """End these jobs, or all of them, with a sentence."""
         with self._lock:
             self._deaths = 0
             for job in [job for number, job in self._jobs.items() if numbers is None or number in numbers]:

@@ -1,4 +1,4 @@
-"""Validates a procedure before it is solved: every problem at once, each with its prim, value and remedy."""
+"""Validate a procedure before it is solved: every problem at once, each with its prim, value and remedy."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Shows how a solve goes: a bar on a terminal, a line per frame elsewhere."""
+"""Show how a solve goes: a bar on a terminal, a line per frame elsewhere."""
 
 from __future__ import annotations
 

@@ -237,7 +237,7 @@ def _runs(keep: NDArray[np.bool_], closed: bool) -> list[tuple[NDArray[np.int64]
 
 
 def _without_repeats(points: NDArray[np.float64], closed: bool) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-    """Drops samples that fell onto their predecessor."""
+    """Drop samples that fell onto their predecessor."""
     gap = np.linalg.norm(np.diff(points, axis=0), axis=1)
     keep = np.concatenate([[True], gap > 1e-9 * (1.0 + np.abs(points).max())])
     if closed and len(points) > 1 and np.allclose(points[0], points[-1], rtol=0.0, atol=1e-9):
@@ -247,7 +247,7 @@ def _without_repeats(points: NDArray[np.float64], closed: bool) -> tuple[NDArray
 
 
 def _run_off(skin: RestSkin, path: _Path, at_end: bool, reach: float) -> _Path:
-    """Lengthens a path past the skin's border, if its own direction leads there."""
+    """Lengthen a path past the skin's border, if its own direction leads there."""
     a, b = (path.points[-1], path.points[-2]) if at_end else (path.points[0], path.points[1])
     normal = path.normals[-1 if at_end else 0]
     direction = a - b

@@ -269,7 +269,7 @@ class DaemonConnection:
             self._send("ping", next(self._ids))
 
     def _give_up(self, identifier: int) -> None:
-        """Cancels a request and waits a moment for its end, so that the session can go on."""
+        """Cancel a request and wait a moment for its end, so that the session can go on."""
         try:
             self._send("cancel", next(self._ids))
             end = time.monotonic() + _CANCEL_SECONDS
@@ -283,7 +283,7 @@ class DaemonConnection:
             return
 
     def _beat(self) -> None:
-        """Keeps the daemon from ending while nothing is asked of it; a request that runs pings by itself."""
+        """Keep the daemon from ending while nothing is asked of it; a request that runs pings by itself."""
         while not self._stop.wait(_HEARTBEAT_SECONDS):
             if not self._lock.acquire(blocking=False):
                 continue

@@ -1,4 +1,4 @@
-"""Has the daemon solve frames: the `FrameSolver` that `lappet solve` uses."""
+"""Have the daemon solve frames: the `FrameSolver` that `lappet solve` uses."""
 
 from __future__ import annotations
 

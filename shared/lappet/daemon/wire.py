@@ -252,7 +252,7 @@ def _no_extension(code: int, data: bytes) -> Any:
 
 
 def _plain(value: object, depth: int) -> None:
-    """Refuses what is neither number, text, truth value, list nor map."""
+    """Refuse what is neither number, text, truth value, list nor map."""
     if depth > MAX_DEPTH:
         raise WireError(f"The header is nested deeper than {MAX_DEPTH} levels.")
     if isinstance(value, dict):

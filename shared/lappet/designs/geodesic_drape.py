@@ -1,4 +1,4 @@
-"""Drapes a flat design over any skin: straight lines from its middle stay straight and as long as they were."""
+"""Drape a flat design over any skin: straight lines from its middle stay straight and as long as they were."""
 
 from __future__ import annotations
 

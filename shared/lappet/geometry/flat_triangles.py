@@ -1,4 +1,4 @@
-"""Removes flat triangles (three corners almost on a line) from a labelled surface by turning their long edges."""
+"""Remove flat triangles (three corners almost on a line) from a labelled surface by turning their long edges."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Flattens a patch of skin to the plane with little distortion, in mm: texture coordinates for a sheet."""
+"""Flatten a patch of skin to the plane with little distortion, in mm: texture coordinates for a sheet."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Collapses very short edges of a labelled surface; nothing opens and no triangle turns over."""
+"""Collapse very short edges of a labelled surface; nothing opens and no triangle turns over."""
 
 from __future__ import annotations
 

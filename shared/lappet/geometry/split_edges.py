@@ -1,4 +1,4 @@
-"""Splits chosen edges of a labelled surface and the triangles on both sides of them; nothing opens."""
+"""Split chosen edges of a labelled surface and the triangles on both sides of them; nothing opens."""
 
 from __future__ import annotations
 

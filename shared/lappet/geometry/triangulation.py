@@ -1,4 +1,4 @@
-"""Splits polygons into triangles: quads along their shorter diagonal, larger ones by ears."""
+"""Split polygons into triangles: quads along their shorter diagonal, larger ones by ears."""
 
 from __future__ import annotations
 

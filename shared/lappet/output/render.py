@@ -1,4 +1,4 @@
-"""Draws a skin cache: starts one process of a Python that has bpy, which runs the add-on's figure module.
+"""Draw a skin cache: start one process of a Python that has bpy, which runs the add-on's figure module.
 
 lappet itself never imports bpy: Blender takes a second and 400 MB to load, and clashes with usd-core in one process.
 """

@@ -1,4 +1,4 @@
-"""Solves a procedure and writes its skin cache: known frames are looked up, the daemon solves the rest."""
+"""Solve a procedure and write its skin cache: known frames are looked up, the daemon solves the rest."""
 
 from __future__ import annotations
 
@@ -197,7 +197,7 @@ def solve_procedure(
 
 
 def _refuse_output(output: Path) -> None:
-    """Refuses, before anything is solved, a file that the skin cache could not be written to."""
+    """Refuse, before anything is solved, a file that the skin cache could not be written to."""
     if output.suffix not in SUFFIXES:
         raise RefusedError(f"{output} does not end in a USD suffix; name the skin cache .usdc, .usda or .usd.")
     if output.is_dir():
@@ -245,7 +245,7 @@ def _range(procedure: Procedure, frames: tuple[int | None, int | None]) -> tuple
 
 
 class _Noting(SolveObserver):
-    """Passes everything on and keeps the notes."""
+    """Pass everything on and keep the notes."""
 
     def __init__(self, observer: SolveObserver) -> None:
         self._watcher = observer

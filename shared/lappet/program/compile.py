@@ -1,4 +1,4 @@
-"""Compiles a procedure and its epochs to the program that the daemon is told: per frame, the constraints."""
+"""Compile a procedure and its epochs to the program that the daemon is told: per frame, the constraints."""
 
 from __future__ import annotations
 

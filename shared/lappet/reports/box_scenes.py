@@ -213,7 +213,7 @@ def stretched(by: float) -> NDArray[np.float64]:
 
 
 def _motion(shift: Sequence[float], turn: float = 0.0, centre: Sequence[float] = (0.0, 0.0, 0.0)) -> NDArray[Any]:
-    """Turns about the x axis through `centre` by `turn` degrees, then shifts by mm."""
+    """Turn about the x axis through `centre` by `turn` degrees, then shift by mm."""
     angle = math.radians(turn)
     motion = np.eye(4)
     motion[1:3, 1:3] = [[math.cos(angle), -math.sin(angle)], [math.sin(angle), math.cos(angle)]]

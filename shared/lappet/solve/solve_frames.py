@@ -1,4 +1,4 @@
-"""Solves a procedure: looks up the frames that are known, has the daemon solve the rest, and writes the skin cache."""
+"""Solve a program: look up the frames that are known and have the solver find the rest."""
 
 from __future__ import annotations
 
@@ -200,11 +200,11 @@ class _Session:
         self._close()
 
     def remember(self, index: int, frame: StoredFrame) -> None:
-        """Keeps the last frame: the state to go on from."""
+        """Keep the last frame: the state to go on from."""
         self._last = (index, frame)
 
     def solve(self, index: int, watch: SolveObserver) -> StoredFrame:
-        """Solves a frame whose predecessor has been remembered."""
+        """Solve a frame whose predecessor has been remembered."""
         frame = self.program.frames[index]
         for attempt in range(1, TRIES + 1):
             try:

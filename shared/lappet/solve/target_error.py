@@ -1,4 +1,4 @@
-"""Chooses lattice spacing, quadrature and tolerance so that the displacement error meets a target.
+"""Choose lattice spacing, quadrature and tolerance so that the displacement error meets a target.
 
 A pilot at twice the tissue's own spacing is solved with each quadrature that may pay; its estimated error e at the
 spacing h says the spacing that the target needs, h (target / e)^(1/p), and its seconds what that will cost. The

@@ -1,4 +1,4 @@
-"""Cuts a region out of a surface: inside a sphere or a box, with a clean border on its faces."""
+"""Cut a region out of a surface: inside a sphere or a box, with a clean border on its faces."""
 
 from __future__ import annotations
 

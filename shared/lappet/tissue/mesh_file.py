@@ -1,4 +1,4 @@
-"""Reads a triangle mesh from any file that trimesh or USD reads, in mm with Z up."""
+"""Read a triangle mesh from any file that trimesh or USD reads, in mm with Z up."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Repairs of a triangle mesh: welds, drops, turns and fills, and says what it did."""
+"""Repair a triangle mesh: weld, drop, turn and fill, and say what was done."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Makes tissue of an open surface of polygons that keeps its faces, their groups and its texture coordinates."""
+"""Make tissue of an open surface of polygons that keeps its faces, their groups and its texture coordinates."""
 
 from __future__ import annotations
 

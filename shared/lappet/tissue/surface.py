@@ -125,7 +125,7 @@ def _origins(masks: dict[str, NDArray[np.bool_]], count: int) -> NDArray[np.uint
 def _without_collapsed(
     triangles: NDArray[np.int64], corners: NDArray[np.int64], faces: NDArray[np.int64]
 ) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
-    """Drops triangles that name a vertex twice: they are edges and no faces."""
+    """Drop triangles that name a vertex twice: they are edges and no faces."""
     a, b, c = triangles.T
     keep = (a != b) & (b != c) & (c != a)
     return triangles[keep], corners[keep], faces[keep]

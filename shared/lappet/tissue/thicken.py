@@ -1,4 +1,4 @@
-"""Thickens an open surface inwards to a closed sheet: skin, underside and rim."""
+"""Thicken an open surface inwards to a closed sheet: skin, underside and rim."""
 
 from __future__ import annotations
 

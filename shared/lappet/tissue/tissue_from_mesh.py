@@ -1,4 +1,4 @@
-"""Makes tissue from a mesh file: `lappet new`."""
+"""Make tissue from a mesh file: `lappet new`."""
 
 from __future__ import annotations
 

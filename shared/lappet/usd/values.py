@@ -1,4 +1,4 @@
-"""Reads single values from USD prims, with a `Problem` for every value that is missing or has the wrong type.
+"""Read single values from USD prims, with a `Problem` for every value that is missing or has the wrong type.
 
 `usd` is `lappet.usd.stage.pxr()`; this module imports nothing of USD itself.
 """

@@ -187,7 +187,7 @@ def _event(stage: Any, usd: Any, event: Event) -> None:
 
 
 class _Values:
-    """Authors uniform attributes and relationships in the namespace `lappet:` of one prim."""
+    """Author uniform attributes and relationships in the namespace `lappet:` of one prim."""
 
     def __init__(self, prim: Any, usd: Any) -> None:
         self._prim, self._usd = prim, usd

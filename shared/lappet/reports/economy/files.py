@@ -1,4 +1,4 @@
-"""Writes the report of economy: economy.json, .csv and .md."""
+"""Write the report of economy: economy.json, .csv and .md."""
 
 from __future__ import annotations
 

@@ -247,7 +247,7 @@ class _Native:
 
 
 def _native(program: Program) -> _Native:
-    """Solves the first frame as it is solved every day, several times from rest."""
+    """Solve the first frame as it is solved every day, several times from rest."""
     seconds = []
     with SolverDaemon() as daemon, SolverClient(daemon.address, daemon.token) as client:
         for _ in range(REPEATS):

@@ -1,4 +1,4 @@
-"""Writes the report of error against time: error_time.json, .csv, .md and a picture per scene."""
+"""Write the report of error against time: error_time.json, .csv, .md and a picture per scene."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Runs the report of error against time: which scenes there are, and at which spacings."""
+"""Run the report of error against time: which scenes there are, and at which spacings."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Writes the report of stability: stability.json, .csv and .md."""
+"""Write the report of stability: stability.json, .csv and .md."""
 
 from __future__ import annotations
 

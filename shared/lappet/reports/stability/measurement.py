@@ -341,7 +341,7 @@ def _again(client: SolverClient, program: Program, frame: FrameSolution) -> tupl
 
 
 class _Watchdog:
-    """Ends a daemon that does not answer in time. bit: it has."""
+    """End a daemon that does not answer in time. bit: it has."""
 
     def __init__(self, seconds: float) -> None:
         self.bit = False
@@ -349,7 +349,7 @@ class _Watchdog:
 
     @contextlib.contextmanager
     def over(self, daemon: SolverDaemon) -> Iterator[None]:
-        """Watches over a daemon that runs."""
+        """Watch over a daemon that runs."""
 
         def bite() -> None:
             self.bit = True

@@ -1,4 +1,4 @@
-"""Runs the stability matrix: which cases there are, and the files of their report."""
+"""Run the stability matrix: which cases there are, and the files of their report."""
 
 from __future__ import annotations
 
