@@ -9,6 +9,7 @@ import re
 from pathlib import Path
 from types import ModuleType
 
+from check_imports import FOLDERS
 from website.pages import write_if_changed
 
 PACKAGE = "lappet"
@@ -26,10 +27,12 @@ def api_packages(folder: Path) -> list[str]:
     Returns
     -------
     list of str
-        Dotted names of `lappet` and its packages whose `__init__.py` sets `__all__`.
+        Dotted names of `lappet`, then of its packages in the order in which data passes through them, where the
+        `__init__.py` sets `__all__`.
     """
     found = []
-    for file in sorted(folder.rglob("__init__.py")):
+    order = [folder, *(folder / name for name in FOLDERS)]
+    for file in (place / "__init__.py" for place in order):
         tree = ast.parse(file.read_text(encoding="utf-8"))
         targets = [ast.unparse(t) for node in tree.body if isinstance(node, ast.Assign) for t in node.targets]
         if "__all__" in targets:
@@ -71,7 +74,7 @@ def _index_page(top: ModuleType, packages: list[ModuleType]) -> str:
         _heading("Python API", "=")
         + f".. py:module:: {top.__name__}\n\n"
         + f"{inspect.getdoc(top)}\n\n"
-        + _table("Packages that offer names", rows)
+        + _table("", rows)
         + _heading("The names of lappet itself", "-")
         + _table("", names)
         + "".join(_description(top, name) for name, home in homes.items() if home == top.__name__)
@@ -108,7 +111,7 @@ def _value_summary(package: ModuleType, name: str) -> str:
     value = getattr(package, name)
     if inspect.isclass(value) or inspect.isroutine(value):
         return _summary(value)
-    shown = re.sub(r"<class '([\w.]+)'>", r"\1", repr(value))
+    shown = re.sub(r"<class '([\w.]+)'>", r"\1", repr(value)).replace("ndarray[typing.Any, ", "ndarray[")
     shown = re.sub(r"\b[a-z_]\w*\.(?=[\w.]*\w)", "", shown)  # the modules of classes
     return f"``{shown}``" if len(shown) <= LONGEST_VALUE else f"A value of type ``{type(value).__name__}``."
 

@@ -3,7 +3,9 @@
 import re
 from importlib.metadata import version as installed_version
 
+from numpy.typing import ArrayLike
 from sphinx.application import Sphinx
+from sphinx.util.typing import stringify_annotation
 
 project = "Lappet"
 author = "The Lappet authors"
@@ -14,7 +16,7 @@ extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "sphin
 root_doc = "README"
 default_role = "py:obj"  # docstrings put code in single backticks; what has a description becomes a link
 highlight_language = "none"
-smartquotes = False
+smartquotes_action = "D"  # dashes only
 
 myst_heading_anchors = 4  # the anchors of GitHub's Markdown
 myst_enable_extensions = ["attrs_inline"]
@@ -26,6 +28,7 @@ python_maximum_signature_line_length = 88
 napoleon_google_docstring = False
 napoleon_use_rtype = False
 napoleon_preprocess_types = False
+napoleon_attr_annotations = False
 
 # Nothing that the site shows comes from another host: the theme's fonts are the system's.
 html_theme = "furo"
@@ -33,20 +36,20 @@ html_title = f"Lappet {release}"
 html_copy_source = False
 html_show_sphinx = False
 
-_SHORTER = (
-    (re.compile(r"ndarray\[(?:tuple\[Any, \.\.\.\]|Any), dtype\[(\w+)\]\]"), r"NDArray[\1]"),
-    (re.compile(r"tuple\[float, float, float\]"), "Point"),
-)
+# numpy's aliases come here spelled out.
+_ARRAY = re.compile(r"~numpy\.ndarray\[~typing\.Any, ~numpy\.dtype\[(?:~\w+\.)?(\w+)\]\]")
+_ARRAY_LIKE = stringify_annotation(ArrayLike, "smart")
 
 
 def shorten_types(
     app: Sphinx, what: str, name: str, value: object, options: object, signature: str | None, returns: str | None
 ) -> tuple[str | None, str | None]:
     """Write a signature's types with the short names that the sources use."""
-    for pattern, short in _SHORTER:
-        signature = signature and pattern.sub(short, signature)
-        returns = returns and pattern.sub(short, returns)
-    return signature, returns
+
+    def short(text: str | None) -> str | None:
+        return text and _ARRAY.sub(r"NDArray[\1]", text.replace(_ARRAY_LIKE, "ArrayLike"))
+
+    return short(signature), short(returns)
 
 
 def setup(app: Sphinx) -> None:
