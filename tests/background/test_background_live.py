@@ -14,7 +14,7 @@ from lappet.background.live_session import LiveSession
 from lappet.background.plan import Finished, FrameFailed, FrameReady, Happening, LiveFrame, Refused
 from lappet.background.plan_store import get_shown
 from lappet.daemon.frame_solver import SolvedFrame, SolverDiedError
-from lappet.output.solve_procedure import solve_procedure
+from lappet.output.solve_to_cache import solve_procedure
 from lappet.procedure import Hook, Incision, Point
 from lappet.program.compile import compile_program
 from lappet.program.program import Bones, SolverSettings
@@ -165,8 +165,8 @@ def test_a_hook_that_does_not_pull_there_is_refused_with_its_frames(tmp_path: Pa
             job = own.solver.live(small_procedure(), SETTINGS, time, hook)
             own.finished(job)
             (refused,) = own.of(Refused, job)
-            assert refused.problems[0].path == f"/Procedure/Timeline/{hook}"
-            assert says in refused.problems[0].sentence
+            assert refused.problems[0].prim == f"/Procedure/Timeline/{hook}"
+            assert says in refused.problems[0].message
 
 
 @pytest.mark.slow

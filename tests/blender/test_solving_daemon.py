@@ -16,7 +16,7 @@ from lappet.daemon.daemon_solver import connect_to, solver_identity
 from lappet.daemon.process import DaemonMissing, find_daemon
 from lappet.program.compile import compile_program
 from lappet.program.keys import frame_keys
-from lappet.solve.solve_program import SolveObserver, solve_program
+from lappet.solve.solve_frames import SolveObserver, solve_program
 from lappet.solve.store import FrameStore
 from lappet_blender.model.event_list import add_event, find_event
 from lappet_blender.model.scene_procedure import read_scene
@@ -180,7 +180,7 @@ def test_a_procedure_that_makes_no_sense_is_refused_with_the_event_that_is_wrong
     with pytest.raises(RuntimeError, match="hook_1"):
         bpy.ops.lappet.solve(wait=True)
     problems = frames.problems_of(patch)
-    assert any("hook_1" in problem.path for problem in problems)
+    assert any("hook_1" in problem.prim for problem in problems)
     assert bpy.ops.lappet.problem_show(index=0) == {"FINISHED"}
     assert patch.lappet.events[patch.lappet.active_event].name == "hook_1"
     find_event(patch, "hook_1").points[0].co = (0.0, 2.0, 2.0)

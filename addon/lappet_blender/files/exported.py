@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import bpy
 
-from lappet.core.refused import RefusedError
+from lappet.core.problem import RefusedError
 
 from .bundled_pxr import bundled_pxr
 
@@ -24,7 +24,7 @@ def procedure_of(scene: bpy.types.Scene) -> Procedure:
     reading = read_scene(scene)
     if reading.procedure is None:
         first = next((each for each in reading.problems if each.severity == "error"), None)
-        raise RefusedError("The scene holds no procedure." if first is None else f"{first.sentence} {first.remedy}")
+        raise RefusedError("The scene holds no procedure." if first is None else f"{first.message} {first.remedy}")
     return reading.procedure
 
 
@@ -48,7 +48,7 @@ def write_cache(scene: bpy.types.Scene, path: Path) -> Path:
     bundled_pxr()
     from lappet.output.skin_cache import write_skin_cache
     from lappet.program.keys import frame_keys
-    from lappet.solve.solve_program import FrameResult
+    from lappet.solve.solve_frames import FrameResult
     from lappet.usd.stage import SUFFIXES, write_procedure
 
     from ..solving.reconcile import identity

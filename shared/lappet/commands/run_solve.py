@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING, Any
 import click
 
 if TYPE_CHECKING:
-    from lappet.output.solve_procedure import SolveResult
+    from lappet.output.solve_to_cache import SolveResult
     from lappet.solve.error_estimate import ErrorEstimate
 
 
 def run_solve(procedure: Path, cache: Path, report_path: Path | None, **options: Any) -> SolveResult:
     """Solves with progress on standard error and writes the report; options are those of `solve_options`."""
     from lappet.commands.solve_progress import solve_progress
-    from lappet.output.solve_procedure import solve_procedure
+    from lappet.output.solve_to_cache import solve_procedure
     from lappet.solve.store import FrameStore
 
     options["quadrature"] = int(options["quadrature"])
@@ -34,7 +34,7 @@ def run_to_target(procedure: Path, cache: Path, report_path: Path | None, target
 
     Raises RefusedError where the target is not reached.
     """
-    from lappet.core.refused import RefusedError
+    from lappet.core.problem import RefusedError
     from lappet.daemon.daemon_solver import connect_to, solver_identity
     from lappet.solve.error_estimate import expected_order
     from lappet.solve.store import FrameStore

@@ -6,21 +6,22 @@ import tempfile
 import time
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 from lappet.checks.validation import check
-from lappet.core.problem import ProcedureError
-from lappet.core.refused import RefusedError
+from lappet.core.problem import RefusedError
 from lappet.daemon.daemon_solver import connect_to, solver_identity
 from lappet.daemon.frame_solver import Connect, Iteration
 from lappet.output.skin_cache import write_skin_cache
 from lappet.procedure import Procedure
 from lappet.program.compile import compile_program, frame_times
 from lappet.program.program import Program
-from lappet.solve.error_estimate import ErrorEstimate, estimate_errors
-from lappet.solve.solve_program import FrameResult, SolveObserver, solve_program
+from lappet.solve.solve_frames import FrameResult, SolveObserver, solve_program
 from lappet.solve.store import FrameStore
 from lappet.usd.stage import SUFFIXES, read_procedure, write_procedure
+
+if TYPE_CHECKING:
+    from lappet.solve.error_estimate import ErrorEstimate
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,7 +87,7 @@ def solve_procedure(
     frame is solved everywhere, also where its changes do not reach.
 
     A frame that does not converge, a daemon that cannot be kept alive and Ctrl-C end the solve early and keep what is
-    done: see `SolveResult.reason`. Raises RefusedError or ProcedureError with a sentence for what cannot be solved at
+    done: see `SolveResult.reason`. Raises RefusedError or RefusedError with a sentence for what cannot be solved at
     all.
     """
     started = time.perf_counter()
@@ -123,6 +124,8 @@ def solve_procedure(
         raise RefusedError(result.reason)
     errors = None
     if error_estimate and result.frames and not result.interrupted:
+        from lappet.solve.error_estimate import estimate_errors  # a solve without an estimate does not load it
+
         errors = estimate_errors(program, result.frames, store, connect, solver)
     return SolveResult(
         procedure,
@@ -171,7 +174,7 @@ def _check(procedure: Procedure, spacing: float | None) -> None:
 
     errors = [problem for problem in check(procedure, spacing=spacing) if problem.severity == "error"]
     if errors:
-        raise ProcedureError(errors)
+        raise RefusedError(errors)
 
 
 def _range(procedure: Procedure, frames: tuple[int | None, int | None]) -> tuple[int, int]:
