@@ -3,7 +3,7 @@
 import bpy
 from bpy.props import EnumProperty, IntProperty, StringProperty
 
-from lappet.core.refused import RefusedError
+from lappet.core.problem import RefusedError
 
 from ..events.variant import copy_scene
 from ..figure.framing import VIEWS

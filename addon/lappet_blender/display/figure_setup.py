@@ -8,7 +8,7 @@ import bpy
 import numpy as np
 
 from lappet.background.plan import Plan
-from lappet.core.refused import RefusedError
+from lappet.core.problem import RefusedError
 
 from ..figure.figure_scene import Studio, add_backdrop, add_camera, add_lights, half_angles, set_render, set_size
 from ..figure.framing import TURN, WHOLE_FILL, Region, surgical_region, viewpoint

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import bpy
 
-from lappet.core.refused import RefusedError
+from lappet.core.problem import RefusedError
 
 
 def render_still(scene: bpy.types.Scene, filepath: str) -> None:

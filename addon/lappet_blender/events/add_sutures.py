@@ -9,7 +9,7 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from lappet.core.refused import RefusedError
+from lappet.core.problem import RefusedError
 from lappet.geometry.closest_point import ClosestPoint
 from lappet.procedure import Incision, Suture
 from lappet.tissue.fan_triangles import fan_triangles

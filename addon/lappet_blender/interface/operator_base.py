@@ -7,7 +7,7 @@ from typing import Any, ClassVar
 
 import bpy
 
-from lappet.core.refused import RefusedError
+from lappet.core.problem import RefusedError
 
 from ..model.changes import changed
 

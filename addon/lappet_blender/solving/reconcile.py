@@ -15,8 +15,8 @@ from collections.abc import Iterator
 import bpy
 
 from lappet.background.plan import SolveSettings
-from lappet.core.problem import Problem
-from lappet.core.refused import RefusedError
+from lappet.core.problem import Problem, RefusedError
+from lappet.core.problem_code import ProblemCode
 from lappet.procedure import Procedure
 from lappet.solve.store import FrameStore
 
@@ -63,7 +63,16 @@ def _newer(scene: bpy.types.Scene) -> tuple[Problem, ...]:
     if not from_newer_version(scene):
         return ()
     sentence = f"The scene {scene.name!r} was saved by a newer Lappet, and parts of it may be missing here."
-    return (Problem(scene.name, str(scene.lappet.version), sentence, "Update Lappet before you save.", "warning"),)
+    return (
+        Problem(
+            ProblemCode.UNSORTED,
+            scene.name,
+            str(scene.lappet.version),
+            sentence,
+            "Update Lappet before you save.",
+            "warning",
+        ),
+    )
 
 
 def request_plan(controller: Controller) -> None:
@@ -84,7 +93,7 @@ def reporting(controller: Controller) -> Iterator[None]:
     try:
         yield
     except (RefusedError, RuntimeError, OSError) as error:
-        controller.refused = (Problem("solver", "", str(error), "Then press Solve again."),)
+        controller.refused = (Problem(ProblemCode.UNSORTED, "solver", "", str(error), "Then press Solve again."),)
         controller.notify()
 
 
@@ -152,7 +161,11 @@ def _take(
     except (RefusedError, OSError) as error:
         _retire(controller)
         controller.procedure, controller.settings, controller.key = procedure, settings, ""
-        controller.refused = (Problem("solver", "", str(error), "Install Lappet again, or repair its installation."),)
+        controller.refused = (
+            Problem(
+                ProblemCode.UNSORTED, "solver", "", str(error), "Install Lappet again, or repair its installation."
+            ),
+        )
         controller.notify()
         return
     if key != controller.key:

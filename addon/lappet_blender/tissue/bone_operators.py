@@ -3,7 +3,7 @@
 import bpy
 from bpy.props import StringProperty
 
-from lappet.core.refused import RefusedError
+from lappet.core.problem import RefusedError
 
 from ..interface.operator_base import UNDOABLE
 from ..model.tissue_values import identifier

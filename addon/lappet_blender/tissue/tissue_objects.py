@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import bpy
 
-from lappet.core.refused import RefusedError
+from lappet.core.problem import RefusedError
 
 
 def tissue_object(scene: bpy.types.Scene) -> bpy.types.Object:

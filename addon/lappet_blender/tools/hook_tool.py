@@ -7,7 +7,7 @@ import numpy as np
 from bpy.props import FloatProperty, FloatVectorProperty, IntProperty, StringProperty
 from mathutils import Vector
 
-from lappet.core.refused import RefusedError
+from lappet.core.problem import RefusedError
 
 from ..events.add_events import add_hook, add_retractor, straight_motion, straight_targets
 from ..model.mesh_values import GROUP, group_names

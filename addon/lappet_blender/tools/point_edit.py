@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import bpy
 
-from lappet.core.refused import RefusedError
+from lappet.core.problem import RefusedError
 
 from ..events import edit_points
 from .handles import event_points, indices_at, is_closed

@@ -10,7 +10,7 @@ from typing import ClassVar
 
 import bpy
 
-from lappet.core.refused import RefusedError
+from lappet.core.problem import RefusedError
 
 from ..interface.operator_base import OperatorBase
 from .preview import clear_preview, redraw

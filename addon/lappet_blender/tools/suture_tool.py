@@ -7,7 +7,7 @@ import numpy as np
 from bpy.props import CollectionProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
 from mathutils import Vector
 
-from lappet.core.refused import RefusedError
+from lappet.core.problem import RefusedError
 
 from ..events.add_sutures import Spacing, SutureTimes, add_suture, add_suture_run, ends_across, ends_between
 from ..events.operator_values import given, places

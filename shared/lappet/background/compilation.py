@@ -13,7 +13,8 @@ from lappet.background.plan import EpochShape, Plan, SolveSettings
 from lappet.background.plan_key import digest, plan_key
 from lappet.background.plan_store import get_plan, put_plan
 from lappet.checks.validation import check
-from lappet.core.problem import Problem, ProcedureError
+from lappet.core.problem import Problem, RefusedError
+from lappet.core.problem_code import ProblemCode
 from lappet.cutting.epoch import Epoch
 from lappet.cutting.epochs import build_epochs
 from lappet.procedure import CUTS, Procedure
@@ -62,7 +63,7 @@ class Compilation:
     def compiled(self, procedure: Procedure, settings: SolveSettings, step: Callable[[], None]) -> Compiled:
         """The plan and the program of a procedure. step: called between the steps; may raise to stop.
 
-        Raises ProcedureError with every problem where the procedure cannot be solved.
+        Raises RefusedError with every problem where the procedure cannot be solved.
         """
         key = plan_key(procedure, settings, self.identity)
         with self._lock:
@@ -79,7 +80,7 @@ class Compilation:
         step()
         problems = check(procedure, spacing=settings.spacing)
         if any(problem.severity == "error" for problem in problems):
-            raise ProcedureError(sorted(problems, key=lambda problem: problem.severity != "error"))
+            raise RefusedError(sorted(problems, key=lambda problem: problem.severity != "error"))
         step()
         spacing = procedure.tissue.spacing if settings.spacing is None else settings.spacing
         epochs, shapes = self._cut(replace(procedure, tissue=replace(procedure.tissue, spacing=spacing)), step)
@@ -122,9 +123,9 @@ def up_to(program: Program, last: int | None) -> Program:
     return replace(program, frames=program.frames[:kept], active_hooks=program.active_hooks[:kept])
 
 
-def _refusal(error: ValueError) -> ProcedureError:
+def _refusal(error: ValueError) -> RefusedError:
     """What refuses a procedure as problems; what is no refusal of Lappet's is raised again."""
-    if isinstance(error, ProcedureError):
+    if isinstance(error, RefusedError):
         return error
     if type(error).__module__.partition(".")[0] != "lappet":
         raise error
@@ -132,7 +133,7 @@ def _refusal(error: ValueError) -> ProcedureError:
     if not prim.startswith("/"):
         prim, sentence = ROOT, str(error)
     # The sentence of what is refused already ends with its remedy.
-    return ProcedureError([Problem(prim, "", sentence, "")])
+    return RefusedError([Problem(ProblemCode.UNSORTED, prim, "", sentence, "")])
 
 
 class _Last(Generic[Value]):

@@ -134,7 +134,7 @@ class FrameFailed:
 
     job: int
     time: int
-    reason: str
+    problem: Problem
 
 
 @dataclass(frozen=True)

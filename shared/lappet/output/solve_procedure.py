@@ -9,8 +9,7 @@ from pathlib import Path
 from typing import Literal
 
 from lappet.checks.validation import check
-from lappet.core.problem import ProcedureError
-from lappet.core.refused import RefusedError
+from lappet.core.problem import RefusedError
 from lappet.daemon.daemon_solver import connect_to, solver_identity
 from lappet.daemon.frame_solver import Connect, Iteration
 from lappet.output.skin_cache import write_skin_cache
@@ -86,7 +85,7 @@ def solve_procedure(
     frame is solved everywhere, also where its changes do not reach.
 
     A frame that does not converge, a daemon that cannot be kept alive and Ctrl-C end the solve early and keep what is
-    done: see `SolveResult.reason`. Raises RefusedError or ProcedureError with a sentence for what cannot be solved at
+    done: see `SolveResult.reason`. Raises RefusedError or RefusedError with a sentence for what cannot be solved at
     all.
     """
     started = time.perf_counter()
@@ -171,7 +170,7 @@ def _check(procedure: Procedure, spacing: float | None) -> None:
 
     errors = [problem for problem in check(procedure, spacing=spacing) if problem.severity == "error"]
     if errors:
-        raise ProcedureError(errors)
+        raise RefusedError(errors)
 
 
 def _range(procedure: Procedure, frames: tuple[int | None, int | None]) -> tuple[int, int]:
