@@ -16,7 +16,7 @@ from lappet.daemon.daemon_solver import connect_to, solver_identity
 from lappet.daemon.process import DaemonMissing, find_daemon
 from lappet.program.compile import compile_program
 from lappet.program.keys import frame_keys
-from lappet.solve.solve_program import SolveObserver, solve_program
+from lappet.solve.solve_frames import SolveObserver, solve_program
 from lappet.solve.store import FrameStore
 from lappet_blender.model.event_list import add_event, find_event
 from lappet_blender.model.scene_procedure import read_scene

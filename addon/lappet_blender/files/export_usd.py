@@ -49,7 +49,7 @@ def write_cache(scene: bpy.types.Scene, path: Path) -> Path:
     bundled_pxr()
     from lappet.output.skin_cache import write_skin_cache
     from lappet.program.keys import frame_keys
-    from lappet.solve.solve_program import FrameResult
+    from lappet.solve.solve_frames import FrameResult
     from lappet.usd.stage import SUFFIXES, write_procedure
 
     if path.suffix not in SUFFIXES:

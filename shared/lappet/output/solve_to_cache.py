@@ -6,7 +6,7 @@ import tempfile
 import time
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 from lappet.checks.validation import check
 from lappet.core.problem import RefusedError
@@ -16,10 +16,12 @@ from lappet.output.skin_cache import write_skin_cache
 from lappet.procedure import Procedure
 from lappet.program.compile import compile_program, frame_times
 from lappet.program.program import Program
-from lappet.solve.error_estimate import ErrorEstimate, estimate_errors
-from lappet.solve.solve_program import FrameResult, SolveObserver, solve_program
+from lappet.solve.solve_frames import FrameResult, SolveObserver, solve_program
 from lappet.solve.store import FrameStore
 from lappet.usd.stage import SUFFIXES, read_procedure, write_procedure
+
+if TYPE_CHECKING:
+    from lappet.solve.error_estimate import ErrorEstimate
 
 
 @dataclass(frozen=True, eq=False)
@@ -122,6 +124,8 @@ def solve_procedure(
         raise RefusedError(result.reason)
     errors = None
     if error_estimate and result.frames and not result.interrupted:
+        from lappet.solve.error_estimate import estimate_errors  # a solve without an estimate does not load it
+
         errors = estimate_errors(program, result.frames, store, connect, solver)
     return SolveResult(
         procedure,
