@@ -20,7 +20,7 @@ from lappet.solve.solve_frames import SolveObserver, solve_program
 from lappet.solve.store import FrameStore
 from lappet_blender.model.event_list import add_event, find_event
 from lappet_blender.model.scene_procedure import read_scene
-from lappet_blender.solving import controller, frames
+from lappet_blender.solving import controller, frames, speed_estimate
 from lappet_blender.solving.solve_settings import solve_settings
 from lappet_blender.solving.solve_timer import run_timer
 from patch_scene import make_patch_scene
@@ -97,7 +97,7 @@ def test_the_hook_lifts_the_skin_and_a_changed_hook_is_solved_from_its_start_on(
     assert states(patch) == "ssssssss"
     assert height(7) > low + 0.1
     assert frames.progress_of(patch).line == "8 of 8 frames solved"
-    assert controller.speed_estimate().seconds(1000.0) > 0.0
+    assert speed_estimate.speed_estimate().seconds(1000.0) > 0.0
 
 
 def test_undo_brings_solved_frames_back_at_once(patch: bpy.types.Scene) -> None:

@@ -161,7 +161,7 @@ def test_unregistering_closes_the_workers_and_registering_again_goes_on(patch: b
 
 def test_the_folders_for_the_workers_path_hold_what_it_imports() -> None:
     folders = [Path(folder) for folder in workers.import_folders()]
-    for name in ("lappet", "numpy", "zmq", "msgpack", "trimesh"):
+    for name in ("lappet", "numpy", "zmq", "msgpack", "platformdirs"):
         assert any((folder / name).is_dir() for folder in folders), name
     assert any(list(folder.glob("manifold3d*")) for folder in folders)
     assert len(set(folders)) == len(folders)

@@ -12,7 +12,7 @@ from fake_worker import Script
 from lappet.core.problem import Problem, RefusedError
 from lappet.core.problem_code import ProblemCode
 from lappet_blender.model.event_list import find_event
-from lappet_blender.solving import controller, frames, reconcile
+from lappet_blender.solving import controller, frames, reconcile, speed_estimate
 from lappet_blender.solving.solve_panel import LAPPET_PT_solve, LAPPET_PT_solve_settings
 from lappet_blender.solving.solve_timer import run_timer
 from solving_steps import QUIET, solve
@@ -85,7 +85,7 @@ def test_stale_frames_are_counted_with_the_time_that_they_will_take(patch: bpy.t
     solve(patch)
     find_event(patch, "hook_1").stiffness = 10.0
     run_timer(QUIET)
-    assert controller.speed_estimate().known
+    assert speed_estimate.speed_estimate().known
     assert "3 of 8 frames solved, 5 stale; about 3 s" in draw(LAPPET_PT_solve)[0], "0.6 s for each of 5 frames"
 
 
