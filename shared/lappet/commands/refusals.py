@@ -10,7 +10,27 @@ import click
 
 @contextmanager
 def sentences(context: click.Context) -> Iterator[None]:
-    """Ends the command with exit status 1 and a sentence on standard error where work is refused or stopped."""
+    """End the command with exit status 1 and a sentence on standard error where work is refused or stopped.
+
+    Parameters
+    ----------
+    context
+        The command's context.
+
+    Yields
+    ------
+    None
+        Nothing.
+
+    Raises
+    ------
+    ClickException
+        If the command raises one of click's own; click shows it.
+    Exit
+        If the command ends itself.
+    Abort
+        If the user aborts at a prompt.
+    """
     try:
         yield
     except (click.ClickException, click.exceptions.Exit, click.Abort):
@@ -27,7 +47,18 @@ def sentences(context: click.Context) -> Iterator[None]:
 
 
 def sentence(error: Exception) -> str:
-    """What to tell the user about an error: its own sentence where it has one, else a request for a report."""
+    """Tell what to say to the user about an error.
+
+    Parameters
+    ----------
+    error
+        The error.
+
+    Returns
+    -------
+    str
+        Its own sentence where it has one, else a request for a report.
+    """
     own = type(error).__module__.partition(".")[0] == "lappet"
     if own and str(error):
         return str(error)

@@ -14,7 +14,15 @@ Severity = Literal["error", "warning"]
 
 @dataclass(frozen=True)
 class Place:
-    """Where on a mesh a problem is. faces: indices of faces. points: in mm, in the coordinates of the mesh."""
+    """Where on a mesh a problem is.
+
+    Parameters
+    ----------
+    faces
+        Indices of faces.
+    points
+        Points in mm, in the coordinates of the mesh.
+    """
 
     faces: tuple[int, ...] = ()
     points: tuple[tuple[float, float, float], ...] = ()
@@ -24,10 +32,22 @@ class Place:
 class Problem:
     """One thing that is wrong.
 
-    code: which kind of problem. prim: the prim's path ("/Procedure/Timeline/hook_1"), or the file or object where
-    there is no prim, or "". value: what was found, as text. message: what is wrong, one or more sentences. remedy:
-    what to do about it. An "error" is refused before solving; a "warning" is solved nevertheless. place: where on
-    the mesh. Code compares code, prim and severity; message and remedy are for people only.
+    Parameters
+    ----------
+    code
+        What kind of problem it is.
+    prim
+        Path of the prim ("/Procedure/Timeline/hook_1"), or of the file where there is no prim.
+    value
+        What was found, as text.
+    message
+        What is wrong, naming the thing and the value, for people.
+    remedy
+        What to do about it, for people.
+    severity
+        "error", refused before solving, or "warning", solved nevertheless.
+    place
+        Where on a mesh it is, or None.
     """
 
     code: ProblemCode
@@ -44,7 +64,13 @@ class Problem:
 
 
 class RefusedError(ValueError):
-    """Work that is refused; `problems` holds every reason. Its text is made from them."""
+    """Work that is refused; its text is made from its problems.
+
+    Parameters
+    ----------
+    problems
+        Every reason.
+    """
 
     def __init__(self, problems: Sequence[Problem] | str) -> None:
         if isinstance(problems, str):
@@ -69,7 +95,28 @@ def problem(
     place: Place | None = None,
     **fields: object,
 ) -> Problem:
-    """Return the problem of this code, with the texts of the catalogue filled with prim, value and the fields."""
+    """Make the problem of a code, with the texts of the catalogue.
+
+    Parameters
+    ----------
+    code
+        What kind of problem it is.
+    prim
+        Path of the prim or the file.
+    value
+        What was found.
+    severity
+        "error" or "warning".
+    place
+        Where on a mesh it is, or None.
+    **fields
+        What else the texts name.
+
+    Returns
+    -------
+    Problem
+        The problem.
+    """
     message, remedy = problem_text.texts(code, {"prim": prim, "value": value, **fields})
     return Problem(code, str(prim), str(value), message, remedy, severity, place)
 
@@ -77,5 +124,24 @@ def problem(
 def refused(
     code: ProblemCode, prim: object = "", value: object = "", *, place: Place | None = None, **fields: object
 ) -> RefusedError:
-    """Return the error that carries the one problem of this code: `raise refused(ProblemCode.X, prim, value, …)`."""
+    """Make the error that carries the one problem of a code: `raise refused(ProblemCode.X, prim, value, …)`.
+
+    Parameters
+    ----------
+    code
+        What kind of problem it is.
+    prim
+        Path of the prim or the file.
+    value
+        What was found.
+    place
+        Where on a mesh it is, or None.
+    **fields
+        What else the texts name.
+
+    Returns
+    -------
+    RefusedError
+        The error.
+    """
     return RefusedError((problem(code, prim, value, severity="error", place=place, **fields),))

@@ -14,7 +14,17 @@ TEXTS = Path(__file__).with_name("texts")
 
 @dataclass(frozen=True)
 class ProblemText:
-    """What is said for a code. title: for lists. message, remedy: sentences with fields in braces."""
+    """What is said for a code.
+
+    Parameters
+    ----------
+    title
+        Title for lists.
+    message
+        Sentence with fields in braces.
+    remedy
+        Sentence with fields in braces.
+    """
 
     title: str
     message: str
@@ -23,7 +33,18 @@ class ProblemText:
 
 @cache
 def catalogue() -> dict[ProblemCode, ProblemText]:
-    """Return the texts of every code. A code that no file knows, or that two files know, raises KeyError."""
+    """Read the texts of every code.
+
+    Returns
+    -------
+    dict[ProblemCode, ProblemText]
+        The texts by code.
+
+    Raises
+    ------
+    KeyError
+        If no file knows a code, or two files know it.
+    """
     found: dict[ProblemCode, ProblemText] = {}
     for file in sorted(TEXTS.glob("*.toml")):
         for value, entry in tomllib.loads(file.read_text(encoding="utf-8")).items():
@@ -35,6 +56,19 @@ def catalogue() -> dict[ProblemCode, ProblemText]:
 
 
 def texts(code: ProblemCode, fields: dict[str, object]) -> tuple[str, str]:
-    """Return the message and the remedy of a code, filled with these fields."""
+    """Fill in the texts of a code.
+
+    Parameters
+    ----------
+    code
+        The code.
+    fields
+        Values by the names in braces.
+
+    Returns
+    -------
+    tuple[str, str]
+        Message and remedy.
+    """
     entry = catalogue()[code]
     return entry.message.format(**fields), entry.remedy.format(**fields)

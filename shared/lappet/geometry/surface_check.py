@@ -15,19 +15,60 @@ class SurfaceError(RefusedError):
 
 
 def place(point: NDArray[np.float64]) -> str:
-    """A point as people read it: (1.25, 0, -3) in mm."""
+    """Write a point as people read it: (1.25, 0, -3).
+
+    Parameters
+    ----------
+    point
+        A point in mm, shape (3,).
+
+    Returns
+    -------
+    str
+        The text.
+    """
     return "(" + ", ".join(f"{float(c):.6g}" for c in point) + ")"
 
 
 def signed_volume(points: NDArray[np.float64], triangles: NDArray[np.integer]) -> float:
-    """The volume in mm³ enclosed by a closed surface, negative when it is turned inside out."""
+    """Compute the volume that a closed surface encloses.
+
+    Parameters
+    ----------
+    points
+        Vertices in mm, shape (n, 3).
+    triangles
+        Vertex indices, shape (m, 3).
+
+    Returns
+    -------
+    float
+        Volume in mm³, negative where the surface is turned inside out.
+    """
     p = points - points.mean(axis=0)
     a, b, c = (p[triangles[:, k]] for k in range(3))
     return float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6.0)
 
 
 def check_finite(points: NDArray[np.float64], counts: NDArray[np.int64], indices: NDArray[np.int64], prim: str) -> None:
-    """Raises SurfaceError for points that are no numbers and for face indices that do not fit."""
+    """Refuse points that are no numbers and face indices that do not fit.
+
+    Parameters
+    ----------
+    points
+        Vertices in mm, shape (n, 3).
+    counts
+        Corners of each face, shape (m,).
+    indices
+        Vertices of the faces, shape (k,).
+    prim
+        Path of the prim.
+
+    Raises
+    ------
+    SurfaceError
+        If the mesh is empty, a point is not finite, an index is out of range or the counts do not add up.
+    """
     if len(points) == 0 or len(counts) == 0:
         raise SurfaceError(f"{prim}: the mesh is empty; give it points and faces")
     bad = np.flatnonzero(~np.isfinite(points).all(axis=1))
@@ -47,20 +88,54 @@ def check_finite(points: NDArray[np.float64], counts: NDArray[np.int64], indices
 
 
 def directed_edges(triangles: NDArray[np.integer]) -> NDArray[np.int64]:
-    """The three directed edges of each triangle, (3m, 2)."""
+    """List the three directed edges of each triangle.
+
+    Parameters
+    ----------
+    triangles
+        Vertex indices, shape (m, 3).
+
+    Returns
+    -------
+    NDArray[np.int64]
+        Vertex pairs, shape (3m, 2).
+    """
     t = np.asarray(triangles, np.int64)
     return np.vstack([t[:, [0, 1]], t[:, [1, 2]], t[:, [2, 0]]])
 
 
 def open_edges(triangles: NDArray[np.integer]) -> NDArray[np.int64]:
-    """The directed edges (k, 2) that belong to one triangle only."""
+    """Find the directed edges that belong to one triangle only.
+
+    Parameters
+    ----------
+    triangles
+        Vertex indices, shape (m, 3).
+
+    Returns
+    -------
+    NDArray[np.int64]
+        Vertex pairs, shape (k, 2).
+    """
     edges = directed_edges(triangles)
     _, inverse, counts = unique_edges(edges)
     return edges[counts[inverse] == 1]
 
 
 def unique_edges(edges: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
-    """The undirected edges (u, 2), smaller index first, which of them each edge (k, 2) is, and how often they occur."""
+    """Sort directed edges into undirected ones.
+
+    Parameters
+    ----------
+    edges
+        Vertex pairs, shape (k, 2).
+
+    Returns
+    -------
+    tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]
+        The undirected edges, smaller index first, shape (u, 2); which of them each edge is, shape (k,); and how often
+        each occurs, shape (u,).
+    """
     low, high = edges.min(axis=1), edges.max(axis=1)
     size = int(high.max()) + 1 if len(edges) else 1
     key, inverse, counts = np.unique(low * size + high, return_inverse=True, return_counts=True)
@@ -68,7 +143,22 @@ def unique_edges(edges: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[n
 
 
 def check_closed(points: NDArray[np.float64], triangles: NDArray[np.integer], prim: str) -> None:
-    """Raises SurfaceError unless every edge belongs to exactly two triangles that run along it in opposite ways."""
+    """Refuse a surface unless every edge belongs to exactly two triangles that run along it in opposite ways.
+
+    Parameters
+    ----------
+    points
+        Vertices in mm, shape (n, 3).
+    triangles
+        Vertex indices, shape (m, 3).
+    prim
+        Path of the prim.
+
+    Raises
+    ------
+    SurfaceError
+        If the surface is open, not manifold, not oriented alike, or encloses no volume.
+    """
     lone = open_edges(triangles)
     if len(lone):
         raise SurfaceError(
@@ -82,7 +172,22 @@ def check_closed(points: NDArray[np.float64], triangles: NDArray[np.integer], pr
 
 
 def check_oriented(points: NDArray[np.float64], triangles: NDArray[np.integer], prim: str) -> None:
-    """Raises SurfaceError where more than two triangles share an edge, or two face opposite ways; it may be open."""
+    """Refuse a surface, which may be open, that is not manifold or not oriented alike.
+
+    Parameters
+    ----------
+    points
+        Vertices in mm, shape (n, 3).
+    triangles
+        Vertex indices, shape (m, 3).
+    prim
+        Path of the prim.
+
+    Raises
+    ------
+    SurfaceError
+        If more than two triangles share an edge, or two face opposite ways.
+    """
     edges = directed_edges(triangles)
     undirected, inverse, counts = unique_edges(edges)
 
@@ -106,7 +211,22 @@ def check_oriented(points: NDArray[np.float64], triangles: NDArray[np.integer], 
 
 
 def check_not_self_intersecting(points: NDArray[np.float64], triangles: NDArray[np.integer], prim: str) -> None:
-    """Raises SurfaceError when two triangles that share no vertex pass through each other."""
+    """Refuse a surface that passes through itself.
+
+    Parameters
+    ----------
+    points
+        Vertices in mm, shape (n, 3).
+    triangles
+        Vertex indices, shape (m, 3).
+    prim
+        Path of the prim.
+
+    Raises
+    ------
+    SurfaceError
+        If two triangles that share no vertex pass through each other.
+    """
     pair = first_intersection(points, triangles)
     if pair is not None:
         here = points[triangles[list(pair)]].mean(axis=(0, 1))
@@ -117,17 +237,42 @@ def check_not_self_intersecting(points: NDArray[np.float64], triangles: NDArray[
 
 
 def first_intersection(points: NDArray[np.float64], triangles: NDArray[np.integer]) -> tuple[int, int] | None:
-    """A pair of triangles without a common vertex that pierce each other, or None; see `intersections`."""
+    """Find a pair of triangles without a common vertex that pierce each other.
+
+    Parameters
+    ----------
+    points
+        Vertices in mm, shape (n, 3).
+    triangles
+        Vertex indices, shape (m, 3).
+
+    Returns
+    -------
+    tuple[int, int] | None
+        Indices of the two triangles, or None; see `intersections`.
+    """
     for pairs in intersections(points, triangles):
         return int(pairs[0].min()), int(pairs[0].max())
     return None
 
 
 def intersections(points: NDArray[np.float64], triangles: NDArray[np.integer]) -> Iterator[NDArray[np.int64]]:
-    """The pairs (k, 2) of triangles without a common vertex that pierce each other, some at a time.
+    """Find the pairs of triangles without a common vertex that pierce each other, some at a time.
 
     Candidate pairs share a cell of a grid; a pair intersects when an edge of one crosses the inside of the other
     (Möller and Trumbore 1997). A corner that only touches the other triangle does not count.
+
+    Parameters
+    ----------
+    points
+        Vertices in mm, shape (n, 3).
+    triangles
+        Vertex indices, shape (m, 3).
+
+    Yields
+    ------
+    NDArray[np.int64]
+        Pairs of triangle indices, shape (k, 2).
     """
     t = np.asarray(triangles, np.int64)
     corners = points[t]

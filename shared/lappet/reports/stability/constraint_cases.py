@@ -33,7 +33,13 @@ BONE = ("deep into bone", "deep in bone")
 
 
 def constraint_cases() -> Iterator[Case]:
-    """Groups stiffness, fights and bone."""
+    """List the groups stiffness, fights and bone.
+
+    Yields
+    ------
+    Case
+        The cases.
+    """
     yield from _stiffness()
     yield from _fights()
     yield from _bone()

@@ -27,7 +27,13 @@ KINK = ("no equilibrium after", "no step lowers")
 
 
 def deformation_cases() -> Iterator[Case]:
-    """Groups stretch, compression, twist and starts."""
+    """List the groups stretch, compression, twist and starts.
+
+    Yields
+    ------
+    Case
+        The cases.
+    """
     for model in MODELS:
         skin = material(model)
         yield from _stretch(model, skin)
@@ -37,7 +43,24 @@ def deformation_cases() -> Iterator[Case]:
 
 
 def squeezed(length: float, steps: int, skin: MaterialParameters, **settings: Any) -> Program:
-    """A slab of 8 x 16 x 16 mm pressed between two plates that it sticks to, to a share of its thickness."""
+    """Make a slab of 8 x 16 x 16 mm pressed between two plates that it sticks to.
+
+    Parameters
+    ----------
+    length
+        Share of its thickness to which it is pressed.
+    steps
+        Number of frames.
+    skin
+        The material.
+    **settings
+        Other fields of `SolverSettings`.
+
+    Returns
+    -------
+    Program
+        The program.
+    """
     size = (8.0, 16.0, 16.0)
     motions = [[moved((size[0] * (length - 1.0) * (step + 1) / steps, 0.0, 0.0))] for step in range(steps)]
     return block(size, 2.0, fixed=(LEFT,), gripped=(RIGHT,), motions=motions, materials=(skin,), **settings)
