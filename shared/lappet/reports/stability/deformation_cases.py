@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
+from lappet.procedure import MODELS
 from lappet.program.program import MaterialParameters, Program
 from lappet.reports.stability.measurement import Case, Scene
 from lappet.reports.stability.scenes import (
     LEFT,
-    MODELS,
     RIGHT,
     STARTS,
     as_from_rest,

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from lappet.cutting.epoch import Regions
+from lappet.procedure import MODELS
 from lappet.program.program import MaterialParameters, Program
 from lappet.reports.box_scenes import grid_box
 from lappet.reports.stability.deformation_cases import KINK
@@ -17,7 +18,6 @@ from lappet.reports.stability.scenes import (
     ABOVE,
     BELOW,
     LEFT,
-    MODELS,
     RIGHT,
     SKIN,
     Vector,

@@ -22,7 +22,6 @@ from lappet.reports.stability.measurement import Solved, Start
 from lappet.tissue.patch import flat_patch
 
 SKIN = MaterialParameters(model="neoHookean", youngs_modulus=50.0, poissons_ratio=0.45)
-MODELS = ("corotated", "neoHookean", "stableNeoHookean", "mooneyRivlin")
 Vector = tuple[float, float, float]
 Pull = tuple[Vector, Vector, float]  # anchor, target or other anchor, stiffness
 # The low and high side of each axis, as `grid_box` numbers them.
