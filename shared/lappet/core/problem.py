@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from typing import ClassVar, Self
 
 from lappet.core import problem_text
 from lappet.core.problem_code import ProblemCode
@@ -47,12 +48,24 @@ class Problem:
 
 
 class ProblemsError(Exception):
-    """An error that carries what is wrong as values; its text is made from them."""
+    """An error that carries what is wrong as values; its text is made from them.
+
+    A subclass whose errors are all of one kind names its `code` and may be raised with a sentence alone.
+    """
+
+    code_of_sentences: ClassVar[ProblemCode] = ProblemCode.UNSORTED
 
     def __init__(self, problems: Sequence[Problem] | str) -> None:
         if isinstance(problems, str):
-            problems = (problem(ProblemCode.UNSORTED, said=problems),)
+            problems = (problem(self.code_of_sentences, "", problems),)
         super().__init__(tuple(problems))
+
+    @classmethod
+    def of(
+        cls, code: ProblemCode, prim: object = "", value: object = "", *, place: Place | None = None, **fields: object
+    ) -> Self:
+        """Return the error that carries the one problem of this code."""
+        return cls((problem(code, prim, value, place=place, **fields),))
 
     @property
     def problems(self) -> tuple[Problem, ...]:
@@ -81,7 +94,7 @@ def refused(
     code: ProblemCode, prim: object = "", value: object = "", *, place: Place | None = None, **fields: object
 ) -> RefusedError:
     """Return the error that carries the one problem of this code: `raise refused(ProblemCode.X, prim, value, …)`."""
-    return RefusedError((problem(code, prim, value, place=place, **fields),))
+    return RefusedError.of(code, prim, value, place=place, **fields)
 
 
 def file_problem(error: OSError, path: object = "") -> Problem:

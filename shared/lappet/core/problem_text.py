@@ -16,12 +16,17 @@ TEXTS = Path(__file__).with_name("texts")
 
 @dataclass(frozen=True)
 class ProblemText:
-    """What is said for a code. title: for lists. message, remedy: sentences with fields in braces. severity: of it."""
+    """What is said for a code.
+
+    title: for lists. message, remedy: sentences with fields in braces. advice: the remedy for lists, where another
+    program words the message and says the remedy in it.
+    """
 
     title: str
     message: str
     remedy: str
     severity: Severity = "error"
+    advice: str = ""
 
 
 @cache
