@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 
 import bpy
 
@@ -93,8 +93,6 @@ def _settings(scene: bpy.types.Scene) -> tuple[bool, float, float]:
 def _with_repair(each: Problem) -> Problem:
     """A problem of `lappet.check` with the operator of this part that repairs it, where there is one."""
     if each.prim == TISSUE and "spacing" in each.remedy.lower() and each.value.endswith(" mm"):
-        values = {
-            name: getattr(each, name) for name in ("code", "prim", "value", "message", "remedy", "severity", "place")
-        }
+        values = {item.name: getattr(each, item.name) for item in fields(Problem)}
         return SceneProblem(**values, operator="lappet.tissue_repair", arguments=(("kind", "SPACING"),))
     return replace(each)

@@ -36,7 +36,7 @@ class DaemonSolver:
         try:
             return self._client.set_epoch(epoch, grip, landmarks)
         except WireError as error:
-            raise FrameRefusedError(str(error)) from error
+            raise FrameRefusedError(error.problems) from error
 
     def set_state(self, precision: str, arrays: Mapping[str, NDArray[Any]]) -> None:
         """Replaces the state by that of an earlier frame of this epoch."""
@@ -51,14 +51,14 @@ class DaemonSolver:
         try:
             self._client.set_state(state)
         except WireError as error:
-            raise FrameRefusedError(str(error)) from error
+            raise FrameRefusedError(error.problems) from error
 
     def solve(self, frame: FrameConstraints, progress: Callable[[Iteration], None]) -> SolvedFrame:
         """Finds the equilibrium of a frame."""
         try:
             return self._client.solve(frame, progress)
         except WireError as error:
-            raise FrameRefusedError(str(error)) from error
+            raise FrameRefusedError(error.problems) from error
 
     def close(self) -> None:
         """Ends the session, and the daemon where it was started here."""
