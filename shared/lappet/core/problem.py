@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import Literal
 
 from lappet.core import problem_text
 from lappet.core.problem_code import ProblemCode
-
-Severity = Literal["error", "warning"]
+from lappet.core.problem_text import Severity as Severity
 
 
 @dataclass(frozen=True)
@@ -18,6 +16,11 @@ class Place:
 
     faces: tuple[int, ...] = ()
     points: tuple[tuple[float, float, float], ...] = ()
+
+    @staticmethod
+    def at(*points: Iterable[float]) -> Place:
+        """Return the place of these points, mm."""
+        return Place(points=tuple((float(x), float(y), float(z)) for x, y, z in points))
 
 
 @dataclass(frozen=True)
@@ -43,8 +46,8 @@ class Problem:
         return f"{self.prim}: {said}" if self.prim else said
 
 
-class RefusedError(ValueError):
-    """Work that is refused; `problems` holds every reason. Its text is made from them."""
+class ProblemsError(Exception):
+    """An error that carries what is wrong as values; its text is made from them."""
 
     def __init__(self, problems: Sequence[Problem] | str) -> None:
         if isinstance(problems, str):
@@ -60,22 +63,27 @@ class RefusedError(ValueError):
         return "\n".join(str(each) for each in self.problems)
 
 
+class RefusedError(ProblemsError, ValueError):
+    """Work that is refused: what was asked makes no sense, or cannot be done."""
+
+
 def problem(
-    code: ProblemCode,
-    prim: object = "",
-    value: object = "",
-    *,
-    severity: Severity = "error",
-    place: Place | None = None,
-    **fields: object,
+    code: ProblemCode, prim: object = "", value: object = "", *, place: Place | None = None, **fields: object
 ) -> Problem:
-    """Return the problem of this code, with the texts of the catalogue filled with prim, value and the fields."""
-    message, remedy = problem_text.texts(code, {"prim": prim, "value": value, **fields})
-    return Problem(code, str(prim), str(value), message, remedy, severity, place)
+    """Return the problem of this code: its texts in the catalogue, filled with prim, value and the fields."""
+    text = problem_text.text_of(code)
+    known = {"prim": prim, "value": value, **fields}
+    message, remedy = text.message.format(**known), text.remedy.format(**known)
+    return Problem(code, str(prim), str(value), message, remedy, text.severity, place)
 
 
 def refused(
     code: ProblemCode, prim: object = "", value: object = "", *, place: Place | None = None, **fields: object
 ) -> RefusedError:
     """Return the error that carries the one problem of this code: `raise refused(ProblemCode.X, prim, value, …)`."""
-    return RefusedError((problem(code, prim, value, severity="error", place=place, **fields),))
+    return RefusedError((problem(code, prim, value, place=place, **fields),))
+
+
+def file_problem(error: OSError, path: object = "") -> Problem:
+    """Return the problem of an error of the file system. path: of the file, where the error does not name it."""
+    return problem(ProblemCode.FILE_ERROR, error.filename or path, (error.strerror or str(error)).rstrip("."))

@@ -6,19 +6,22 @@ import tomllib
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
+from typing import Literal
 
 from lappet.core.problem_code import ProblemCode
 
+Severity = Literal["error", "warning"]
 TEXTS = Path(__file__).with_name("texts")
 
 
 @dataclass(frozen=True)
 class ProblemText:
-    """What is said for a code. title: for lists. message, remedy: sentences with fields in braces."""
+    """What is said for a code. title: for lists. message, remedy: sentences with fields in braces. severity: of it."""
 
     title: str
     message: str
     remedy: str
+    severity: Severity = "error"
 
 
 @cache
@@ -34,7 +37,6 @@ def catalogue() -> dict[ProblemCode, ProblemText]:
     return found
 
 
-def texts(code: ProblemCode, fields: dict[str, object]) -> tuple[str, str]:
-    """Return the message and the remedy of a code, filled with these fields."""
-    entry = catalogue()[code]
-    return entry.message.format(**fields), entry.remedy.format(**fields)
+def text_of(code: ProblemCode) -> ProblemText:
+    """Return the texts of a code."""
+    return catalogue()[code]

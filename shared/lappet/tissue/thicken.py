@@ -8,9 +8,10 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from lappet.core.problem import Place, refused
+from lappet.core.problem_code import ProblemCode
 from lappet.geometry.normals import corner_normals
 from lappet.geometry.surface_check import directed_edges, first_intersection, place, unique_edges
-from lappet.tissue.mesh_file import MeshError
 from lappet.tissue.mesh_repair import border_loops
 
 _ATTEMPTS = (4, 16, 64, 256)
@@ -47,7 +48,7 @@ def thicken(points: NDArray[np.float64], triangles: NDArray[np.int64], thickness
 
     points: (n, 3) mm, all used. triangles: (m, 3), oriented outwards. rows: of quadrilaterals on the rim. The normals
     are smoothed more, up to 256 rounds, where the underside would fold or pass through the skin; where that does not
-    help MeshError names the place.
+    help RefusedError names the place.
     """
     edges = unique_edges(directed_edges(triangles))[0]
     corner = corner_normals(points, triangles)
@@ -69,10 +70,7 @@ def thicken(points: NDArray[np.float64], triangles: NDArray[np.int64], thickness
         if where is None:
             return sheet
     assert where is not None
-    raise MeshError(
-        f"{name}: at a thickness of {thickness:g} mm the underside folds or meets the skin near {place(where)}; "
-        "give a thinner sheet, or a region without this place"
-    )
+    raise refused(ProblemCode.SHEET_FOLDS, name, f"{thickness:g}", place=Place.at(where), where=place(where))
 
 
 def _unit(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
