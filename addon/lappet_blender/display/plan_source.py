@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lappet.background.plan import EpochShape, Plan, ShownFrame
-from lappet.geometry.curve import CurveError, sample_curve
+from lappet.core.problem import RefusedError
+from lappet.geometry.curve import sample_curve
 
 from ..look.skin_source import FigureError, SkinEpoch, StepEvent, Strands
 from ..model.event_kinds import BASIS_OF
@@ -190,7 +191,7 @@ class PlanSource:
                 continue
             try:
                 line = sample_curve(points, basis, closed, step)
-            except CurveError:
+            except RefusedError:
                 continue  # the panel says what is wrong with it
             lines.append(np.vstack([line, line[:1]]) if closed else line)
         return lines

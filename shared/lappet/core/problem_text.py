@@ -6,9 +6,11 @@ import tomllib
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
+from typing import Literal
 
 from lappet.core.problem_code import ProblemCode
 
+Severity = Literal["error", "warning"]
 TEXTS = Path(__file__).with_name("texts")
 
 
@@ -24,11 +26,17 @@ class ProblemText:
         Sentence with fields in braces.
     remedy
         Sentence with fields in braces.
+    severity
+        "error" or "warning".
+    advice
+        What the documents say besides.
     """
 
     title: str
     message: str
     remedy: str
+    severity: Severity = "error"
+    advice: str = ""
 
 
 @cache
@@ -55,20 +63,17 @@ def catalogue() -> dict[ProblemCode, ProblemText]:
     return found
 
 
-def texts(code: ProblemCode, fields: dict[str, object]) -> tuple[str, str]:
-    """Fill in the texts of a code.
+def text_of(code: ProblemCode) -> ProblemText:
+    """Look up the texts of a code.
 
     Parameters
     ----------
     code
         The code.
-    fields
-        Values by the names in braces.
 
     Returns
     -------
-    tuple[str, str]
-        Message and remedy.
+    ProblemText
+        The texts.
     """
-    entry = catalogue()[code]
-    return entry.message.format(**fields), entry.remedy.format(**fields)
+    return catalogue()[code]

@@ -7,6 +7,8 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from lappet.core.problem import refused
+from lappet.core.problem_code import ProblemCode
 from lappet.procedure import Tissue
 
 UV_SCALE = 0.01  # texture units per mm
@@ -58,7 +60,7 @@ def flat_patch(
         If the size or the resolution is not positive.
     """
     if not all(math.isfinite(v) and v > 0.0 for v in (*size, resolution)):
-        raise ValueError(f"The size {size} mm and the resolution {resolution:g} mm of a patch must be positive.")
+        raise refused(ProblemCode.PATCH_SIZE, "patch", size, resolution=resolution)
     parts = [max(1, round(length / resolution)) for length in size]
     axes = [np.linspace(0.0, length, n + 1) for length, n in zip(size, parts, strict=True)]
     axes[0] += centre[0] - size[0] / 2

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from lappet.geometry.surface_check import check_finite, check_oriented
+from lappet.geometry.mesh_faults import EDGES, refuse_faults, refuse_unreadable
 from lappet.geometry.triangulation import triangulate
 from lappet.procedure import Tissue
 from lappet.tissue.thicken import Sheet, rim_rows, thicken
@@ -52,17 +52,15 @@ def sheet_tissue(
 
     Raises
     ------
-    MeshError
-        If no sheet can be made; the message names the place.
-    SurfaceError
-        If the surface is not manifold or not oriented alike; the message names the place.
+    RefusedError
+        If the surface is not manifold or not oriented alike, or no sheet can be made; names the place.
     """
     sizes = np.asarray(counts, np.int64)
-    check_finite(points, sizes, np.asarray(indices, np.int64), name)
+    refuse_unreadable(name, points, sizes, indices)
     used, compact = np.unique(indices, return_inverse=True)
     points, corners = points[used], compact.reshape(-1).astype(np.int64)
     triangles = triangulate(points, sizes, corners)[0]
-    check_oriented(points, triangles, name)
+    refuse_faults(name, points, triangles, EDGES)
     sheet = thicken(points, triangles, thickness, rim_rows(points, triangles, thickness), name)
 
     back = _reversed_corners(sizes)
