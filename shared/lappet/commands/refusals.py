@@ -13,7 +13,27 @@ from lappet.core.problem_code import ProblemCode
 
 @contextmanager
 def sentences(context: click.Context) -> Iterator[None]:
-    """Ends the command with exit status 1 and a sentence on standard error where work is refused or stopped."""
+    """End the command with exit status 1 and a sentence on standard error where work is refused or stopped.
+
+    Parameters
+    ----------
+    context
+        The command's context.
+
+    Yields
+    ------
+    None
+        Nothing.
+
+    Raises
+    ------
+    ClickException
+        If the command raises one of click's own; click shows it.
+    Exit
+        If the command ends itself.
+    Abort
+        If the user aborts at a prompt.
+    """
     try:
         yield
     except (click.ClickException, click.exceptions.Exit, click.Abort):

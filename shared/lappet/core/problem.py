@@ -13,7 +13,15 @@ from lappet.core.problem_text import Severity as Severity
 
 @dataclass(frozen=True)
 class Place:
-    """Where on a mesh a problem is. faces: indices of faces. points: in mm, in the coordinates of the mesh."""
+    """Where on a mesh a problem is.
+
+    Parameters
+    ----------
+    faces
+        Indices of faces.
+    points
+        Points in mm, in the coordinates of the mesh.
+    """
 
     faces: tuple[int, ...] = ()
     points: tuple[tuple[float, float, float], ...] = ()
@@ -28,10 +36,22 @@ class Place:
 class Problem:
     """One thing that is wrong.
 
-    code: which kind of problem. prim: the prim's path ("/Procedure/Timeline/hook_1"), or the file or object where
-    there is no prim, or "". value: what was found, as text. message: what is wrong, one or more sentences. remedy:
-    what to do about it. An "error" is refused before solving; a "warning" is solved nevertheless. place: where on
-    the mesh. Code compares code, prim and severity; message and remedy are for people only.
+    Parameters
+    ----------
+    code
+        What kind of problem it is.
+    prim
+        Path of the prim ("/Procedure/Timeline/hook_1"), or of the file where there is no prim.
+    value
+        What was found, as text.
+    message
+        What is wrong, naming the thing and the value, for people.
+    remedy
+        What to do about it, for people.
+    severity
+        "error", refused before solving, or "warning", solved nevertheless.
+    place
+        Where on a mesh it is, or None.
     """
 
     code: ProblemCode
