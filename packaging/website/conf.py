@@ -32,6 +32,8 @@ napoleon_attr_annotations = False
 
 # Nothing that the site shows comes from another host: the theme's fonts are the system's.
 html_theme = "furo"
+html_static_path = ["static"]
+html_css_files = ["wide.css"]
 html_title = f"Lappet {release}"
 html_copy_source = False
 html_show_sphinx = False

@@ -25,9 +25,28 @@ CONTENTS = (
     ),
     (
         "In the shell and in Python",
-        ("docs/command_line.md", "docs/python_scripting.md", "examples/README.md", "docs/*.md"),
+        (
+            "docs/command_line.md",
+            "docs/python_scripting.md",
+            "examples/README.md",
+            "docs/materials.md",
+            "docs/problem*.md",
+            "docs/reports.md",
+            "docs/performance.md",
+        ),
     ),
-    ("How it works", ("ARCHITECTURE.md", "GLOSSARY.md", "PROTOCOL.md")),
+    (
+        "How it works",
+        (
+            "ARCHITECTURE.md",
+            "GLOSSARY.md",
+            "docs/solver.md",
+            "docs/background.md",
+            "docs/skin_cache.md",
+            "PROTOCOL.md",
+            "docs/*.md",
+        ),
+    ),
     ("Project", ("CHANGELOG.md", "CONTRIBUTING.md", "SECURITY.md", "*.md", "packaging/*.md", "tests/**/*.md")),
 )
 # Pages below another page, folded away in the sidebar.

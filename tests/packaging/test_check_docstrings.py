@@ -84,4 +84,4 @@ def test_every_docstring_keeps_its_rules() -> None:
 def test_held_packages_are_folders_with_modules() -> None:
     for package in HELD:
         assert (FOLDER / package).is_dir()
-        assert len(modules_of(package)) > 1
+        assert modules_of(package)

@@ -145,7 +145,7 @@ def words_of(line: str) -> list[str]:
 def wrong_call(words: list[str]) -> str | None:
     """What is wrong with the words after `lappet`, if anything: commands and options must exist, choices be offered."""
     command: click.Command = cli
-    context = click.Context(cli, info_name="lappet")
+    context = click.Context(cli, info_name="lappet", **cli.context_settings)
     while isinstance(command, click.Group) and words and not words[0].startswith("-"):
         name, *words = words
         if PLACEHOLDER.fullmatch(name):
@@ -153,7 +153,7 @@ def wrong_call(words: list[str]) -> str | None:
         found = command.get_command(context, name)
         if found is None:
             return f"there is no command {name}"
-        command, context = found, click.Context(found, info_name=name, parent=context)
+        command, context = found, click.Context(found, info_name=name, parent=context, **found.context_settings)
     options = {
         name: option for option in command.get_params(context) for name in (*option.opts, *option.secondary_opts)
     }

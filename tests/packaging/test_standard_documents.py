@@ -6,6 +6,7 @@ import re
 import tomllib
 from pathlib import Path
 
+import pytest
 from cffconvert import Citation
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -39,7 +40,11 @@ def test_every_promise_of_the_security_page_names_tests_that_are_there() -> None
         assert (ROOT / name).is_file() if "/" in name else list((ROOT / "tests").rglob(f"test_{name}.py")), name
 
 
-def test_a_file_that_a_document_names_in_its_list_of_folders_is_there() -> None:
-    folders = re.findall(r"^\| `([\w./]+)` \|", text("README.md"), re.MULTILINE)
-    assert len(folders) > 10
-    assert [folder for folder in folders if not (ROOT / folder).exists()] == []
+@pytest.mark.parametrize("document", ["README.md", "CONTRIBUTING.md", "SECURITY.md", "CHANGELOG.md"])
+def test_every_file_and_folder_that_a_document_names_is_there(document: str) -> None:
+    path = (
+        r"(?:addon|docs|examples|packaging|shared|solverd|tests)/[\w./*-]*|[A-Z]+\.(?:md|cff)|LICENSE|pyproject\.toml"
+    )
+    named = re.findall(rf"(?<=[`\s])({path})(?=[`\s])", text(document))
+    assert named
+    assert [name for name in named if not any(ROOT.glob(name.rstrip("/")))] == []
