@@ -115,18 +115,18 @@ def test_an_epoch_of_equal_shape_at_another_time_keeps_its_time(store: FrameStor
     assert memory.keep(plan).epochs[1].start_time == 4.0
 
 
-def test_the_pace_of_this_machine_is_remembered_and_follows_what_is_measured(tmp_path: Path) -> None:
-    pace = SpeedEstimate(tmp_path / "store")
-    assert not pace.known
-    assert pace.seconds(1000.0) is None
-    pace.measured(1000.0, 2.0)
-    assert pace.seconds(500.0) == pytest.approx(1.0)
+def test_the_speed_of_this_machine_is_remembered_and_follows_what_is_measured(tmp_path: Path) -> None:
+    estimate = SpeedEstimate(tmp_path / "store")
+    assert not estimate.known
+    assert estimate.seconds(1000.0) is None
+    estimate.measured(1000.0, 2.0)
+    assert estimate.seconds(500.0) == pytest.approx(1.0)
     for _ in range(60):
-        pace.measured(1000.0, 4.0)
-    assert pace.seconds(1000.0) == pytest.approx(4.0, rel=1e-3)
-    pace.keep()
+        estimate.measured(1000.0, 4.0)
+    assert estimate.seconds(1000.0) == pytest.approx(4.0, rel=1e-3)
+    estimate.keep()
     assert SpeedEstimate(tmp_path / "store").seconds(1000.0) == pytest.approx(4.0, rel=1e-3)
-    (tmp_path / "store" / "pace.json").write_text("[")
+    (tmp_path / "store" / "speed_estimate.json").write_text("[")
     assert not SpeedEstimate(tmp_path / "store").known
 
 

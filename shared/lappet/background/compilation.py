@@ -13,12 +13,10 @@ from lappet.background.plan import EpochShape, Plan, SolveSettings
 from lappet.background.plan_key import digest, plan_key
 from lappet.background.plan_store import get_plan, put_plan
 from lappet.checks.validation import check
-from lappet.core.problem import Problem, RefusedError
-from lappet.core.problem_code import ProblemCode
+from lappet.core.problem import RefusedError
 from lappet.cutting.epoch import Epoch
 from lappet.cutting.epochs import build_epochs
 from lappet.procedure import CUTS, Procedure
-from lappet.procedure.prim_paths import ROOT
 from lappet.program.compile import compile_program
 from lappet.program.keys import frame_keys
 from lappet.program.program import Program
@@ -116,10 +114,7 @@ class Compilation:
         with self._lock:
             known = self._compiled.get(key)
             if known is None:
-                try:
-                    known = self._compile(key, procedure, settings, step)
-                except ValueError as error:
-                    raise _refusal(error) from error
+                known = self._compile(key, procedure, settings, step)
                 self._compiled.put(key, known)
             return known
 
@@ -181,19 +176,6 @@ def up_to(program: Program, last: int | None) -> Program:
         return program
     kept = sum(frame.time <= last for frame in program.frames)
     return replace(program, frames=program.frames[:kept], active_hooks=program.active_hooks[:kept])
-
-
-def _refusal(error: ValueError) -> RefusedError:
-    """What refuses a procedure as problems; what is no refusal of Lappet's is raised again."""
-    if isinstance(error, RefusedError):
-        return error
-    if type(error).__module__.partition(".")[0] != "lappet":
-        raise error
-    prim, _, sentence = str(error).partition(": ")
-    if not prim.startswith("/"):
-        prim, sentence = ROOT, str(error)
-    # The sentence of what is refused already ends with its remedy.
-    return RefusedError([Problem(ProblemCode.UNSORTED, prim, "", sentence, "")])
 
 
 class _Last(Generic[Value]):

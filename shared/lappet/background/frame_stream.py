@@ -4,11 +4,16 @@ from __future__ import annotations
 
 import io
 
+from lappet.core.problem import ProblemsError
+from lappet.core.problem_code import ProblemCode
+
 MOST_BYTES = 1 << 32
 
 
-class StreamError(OSError):
+class StreamError(ProblemsError, OSError):
     """What came through the pipe is no message."""
+
+    code_of_sentences = ProblemCode.PIPE_MALFORMED
 
 
 def write_frame(pipe: io.RawIOBase, data: bytes) -> None:

@@ -7,7 +7,8 @@ import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from lappet.core.problem import RefusedError
+from lappet.core.problem import refused
+from lappet.core.problem_code import ProblemCode
 
 
 def find_python() -> Path:
@@ -33,10 +34,7 @@ def find_python() -> Path:
     for place in places:
         if place.is_file() and os.access(place, os.X_OK):
             return place
-    raise RefusedError(
-        f"There is no Python to solve in the background with; looked for {version} under {sys.prefix}. "
-        "Install Blender again from blender.org."
-    )
+    raise refused(ProblemCode.BACKGROUND_NO_PYTHON, sys.prefix, version, prefix=sys.prefix)
 
 
 def worker_environment(environment: Mapping[str, str], path: Sequence[str], solverd: Path | None) -> dict[str, str]:

@@ -26,10 +26,10 @@ from lappet.background.plan import (
     ShownFrame,
 )
 from lappet.background.plan_store import shown_frame
-from lappet.core.problem import Problem, RefusedError, problem
+from lappet.core.problem import Problem, ProblemsError, RefusedError, file_problem, problem
 from lappet.core.problem_code import ProblemCode
 from lappet.cutting.epoch import Epoch
-from lappet.daemon.frame_solver import Connect, FrameSolver, Iteration, SolvedFrame, SolverDiedError
+from lappet.daemon.frame_solver import Connect, FrameSolver, Iteration, SolvedFrame
 from lappet.procedure.prim_paths import ROOT
 from lappet.program.program import Bones, FrameConstraints, Landmarks, Program, SolverSettings
 from lappet.solve.solve_frames import FrameResult, Frames, SolveObserver, solve_program
@@ -77,11 +77,11 @@ class SolveJobs:
         except CancelledError:
             pass
         except Exception as error:
-            sentence = _sentence(error)
+            found = _problem(error)
             if job.at is None:
-                self.tell(Refused(job.number, (Problem(ProblemCode.UNSORTED, ROOT, "", sentence, ""),)))
+                self.tell(Refused(job.number, (found,)))
             else:
-                self.tell(FrameFailed(job.number, job.at, problem(ProblemCode.UNSORTED, said=sentence)))
+                self.tell(FrameFailed(job.number, job.at, found))
         self.tell(Finished(job.number, done, time.perf_counter() - begun, job.cancelled))
 
     def _run(self, job: Job) -> int:
@@ -104,7 +104,7 @@ class SolveJobs:
         well = self.store.trouble is None
         plan = self.compilation.plan(job.procedure, job.settings, job.step)
         if well and self.store.trouble is not None:
-            self.tell(Note(job.number, self.store.trouble))
+            self.tell(Note(job.number, str(self.store.trouble)))
         self.tell(Planned(job.number, plan, tuple(frame.key in self.store for frame in plan.frames)))
         job.at = job.time if job.kind == "live" else plan.frames[0].time
         return plan
@@ -135,13 +135,7 @@ class SolveJobs:
         program = up_to(self.compilation.compiled(job.procedure, job.settings, job.step).program, until)
         frames = self.frames(job, program)
         if frames.reason is not None and not frames.interrupted:
-            self.tell(
-                FrameFailed(
-                    job.number,
-                    round(program.frames[len(frames.frames)].time),
-                    problem(ProblemCode.UNSORTED, said=frames.reason),
-                )
-            )
+            self.tell(FrameFailed(job.number, round(program.frames[len(frames.frames)].time), frames.reason))
         return len(frames.frames)
 
     def frames(self, job: Job, program: Program) -> Frames:
@@ -199,15 +193,14 @@ class _Telling(SolveObserver):
             raise KeyboardInterrupt  # what ends a solve and keeps what is done
 
 
-def _sentence(error: Exception) -> str:
-    """What a refusal, or an error of our own, is told as."""
-    if isinstance(error, RefusedError | SolverDiedError):
-        return str(error)
+def _problem(error: Exception) -> Problem:
+    """Return what a refusal, or an error of our own, is told as."""
+    if isinstance(error, ProblemsError):
+        return error.problems[0]
+    if isinstance(error, OSError):
+        return file_problem(error)
     traceback.print_exception(error)
-    return (
-        f"The solve stopped at an error of Lappet's own ({type(error).__name__}: {error}). "
-        "Please report it with the file; the procedure itself is unharmed."
-    )
+    return problem(ProblemCode.BACKGROUND_INTERNAL, ROOT, f"{type(error).__name__}: {error}")
 
 
 def stoppable(connect: Connect, job: Job) -> Connect:

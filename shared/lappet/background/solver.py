@@ -27,7 +27,7 @@ from lappet.background.plan import (
 from lappet.background.plan_key import plan_key
 from lappet.background.procedure_message import MessageError
 from lappet.background.worker_process import WorkerProcess
-from lappet.core.problem import Problem, RefusedError, problem
+from lappet.core.problem import Problem, RefusedError, file_problem, problem
 from lappet.core.problem_code import ProblemCode
 from lappet.daemon.process import daemon_identity
 from lappet.procedure import Point, Procedure
@@ -260,9 +260,11 @@ class BackgroundSolver:
             try:
                 self._send(*work)
             except MessageError as error:
-                self._give_up(str(error), (work[1],))
-            except (RefusedError, OSError) as error:
-                self._give_up(str(error))
+                self._give_up(error.problems[0], (work[1],))
+            except RefusedError as error:
+                self._give_up(error.problems[0])
+            except OSError as error:
+                self._give_up(file_problem(error))
         with self._lock:
             process, self._process = self._process, None
         if process is not None:
@@ -357,19 +359,19 @@ class BackgroundSolver:
         if self._deaths < _DEATHS:
             self._work.put(("restart", 0))
         else:
-            self._give_up(f"The background solver ended {_DEATHS} times in a row: {how}")
+            self._give_up(problem(ProblemCode.BACKGROUND_DIES, "", _DEATHS, how=how))
 
-    def _give_up(self, sentence: str, numbers: Sequence[int] | None = None) -> None:
-        """End these jobs, or all of them, with a sentence."""
+    def _give_up(self, why: Problem, numbers: Sequence[int] | None = None) -> None:
+        """Ends these jobs, or all of them, with what is wrong."""
         with self._lock:
             self._deaths = 0
             for job in [job for number, job in self._jobs.items() if numbers is None or number in numbers]:
                 if job.cancelled:
                     pass
                 elif job.planned is None:
-                    self._tell(Refused(job.number, (Problem(ProblemCode.UNSORTED, "/Procedure", "", sentence, ""),)))
+                    self._tell(Refused(job.number, (why,)))
                 else:
-                    self._tell(FrameFailed(job.number, _next_time(job), problem(ProblemCode.UNSORTED, said=sentence)))
+                    self._tell(FrameFailed(job.number, _next_time(job), why))
                 seconds = time.perf_counter() - job.begun
                 self._tell(Finished(job.number, len(job.done), seconds, job.cancelled))
                 del self._jobs[job.number]

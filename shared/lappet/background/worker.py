@@ -22,7 +22,7 @@ from lappet.background.frame_stream import read_frame, write_frame
 from lappet.background.job import Job
 from lappet.background.plan import Finished, Happening, Refused
 from lappet.background.procedure_message import MessageError, pack, unpack
-from lappet.core.problem import Problem
+from lappet.core.problem import ProblemsError, problem
 from lappet.core.problem_code import ProblemCode
 
 _PATIENCE = 3.0  # seconds for jobs to close their daemons when the owner is gone
@@ -111,7 +111,8 @@ class Worker:
         except Exception as error:  # there is nobody to run it: no daemon, or parts that cannot be imported
             traceback.print_exception(error)
             with contextlib.suppress(_Gone):
-                self.tell(Refused(job.number, (Problem(ProblemCode.UNSORTED, "/Procedure", "", str(error), ""),)))
+                own = problem(ProblemCode.BACKGROUND_INTERNAL, "/Procedure", f"{type(error).__name__}: {error}")
+                self.tell(Refused(job.number, error.problems if isinstance(error, ProblemsError) else (own,)))
                 self.tell(Finished(job.number, 0, 0.0, job.cancelled))
         finally:
             with self._guard:

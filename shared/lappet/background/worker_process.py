@@ -17,7 +17,8 @@ from typing import Any, cast
 from lappet.background.frame_stream import read_frame, write_frame
 from lappet.background.interpreter import find_python, worker_environment
 from lappet.background.procedure_message import MessageError, pack, unpack
-from lappet.core.problem import RefusedError
+from lappet.core.problem import refused
+from lappet.core.problem_code import ProblemCode
 
 _STDERR_LINES = 40
 _LAST_WORDS = 3
@@ -68,10 +69,7 @@ class WorkerProcess:
                 pipesize=_PIPE_BYTES if sys.platform == "linux" else -1,
             )
         except OSError as error:
-            raise RefusedError(
-                f"Solving in the background cannot be started with {python}: {error.strerror or error}; "
-                "install Blender again from blender.org."
-            ) from error
+            raise refused(ProblemCode.BACKGROUND_NOT_STARTED, python, error.strerror or error) from error
         self._stdin = cast(io.RawIOBase, self._process.stdin)
         self._words = threading.Thread(target=self._read_stderr, name="lappet-worker-words", daemon=True)
         self._reader = threading.Thread(target=self._read, name="lappet-worker-reader", daemon=True)

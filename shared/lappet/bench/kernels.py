@@ -26,7 +26,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from lappet.core.problem import RefusedError
+from lappet.core.problem import refused
+from lappet.core.problem_code import ProblemCode
 from lappet.daemon.process import find_daemon
 
 BINARY = "solverd_benchmarks"
@@ -195,7 +196,7 @@ def find_benchmarks() -> Path:
     named = os.environ.get("LAPPET_BENCHMARKS")
     path = Path(named) if named else find_daemon().with_name(BINARY)
     if not path.is_file():
-        raise RefusedError(f"{path} is not there; build it with `bash packaging/setup.sh --benchmarks`.")
+        raise refused(ProblemCode.BENCH_MISSING, path)
     return path
 
 
@@ -253,7 +254,7 @@ def _run(
         command.append(f"--stream-bytes={stream_bytes}")
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     if done.returncode:
-        raise RefusedError(f"{program.name} ended with status {done.returncode}: {done.stderr.strip()[-500:]}")
+        raise refused(ProblemCode.BENCH_FAILED, program.name, done.returncode, words=done.stderr.strip()[-500:])
     values: dict[str, Any] = json.loads(done.stdout)
     return values
 
@@ -280,7 +281,7 @@ def read_suite(values: Mapping[str, Any]) -> Suite:
     copy = {mode: 2.0 * e["cells"] / e["s"] for (kernel, _, _, mode), e in best.items() if kernel == "copy"}
     rates = {(p, isa): e["operations"] / e["s"] for (kernel, p, isa, _), e in best.items() if kernel == "multiply_add"}
     if not rates or set(copy) != {"cache", "stream"}:
-        raise RefusedError("The kernel suite ran without copy or multiply_add, so nothing can be held against them.")
+        raise refused(ProblemCode.BENCH_NO_LIMITS)
     limits = Limits(copy, rates)
     rows = []
     for (kernel, precision, isa, mode), entry in best.items():

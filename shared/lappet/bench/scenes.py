@@ -6,7 +6,7 @@ import hashlib
 import tempfile
 import tomllib
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lappet.bench.circumstances import cores
-from lappet.core.problem import RefusedError
+from lappet.core.problem import RefusedError, refused
+from lappet.core.problem_code import ProblemCode
 from lappet.daemon.client import SolverClient
 from lappet.output.solve_to_cache import solve_procedure
 from lappet.program.program import Program
@@ -163,7 +164,7 @@ def measure(
         If there is no frame.
     """
     if not headers:
-        raise RefusedError(f"{scene}: no frame was solved, so there is nothing to measure.")
+        raise refused(ProblemCode.BENCH_NO_FRAME, scene)
     lattices = [header["lattice"] for header in headers]
     largest = max(lattices, key=lambda lattice: int(lattice["cells"]))
     newton = [int(header["newton"]) for header in headers]
@@ -303,9 +304,9 @@ def solve_scene(procedure: Path, spacing: float, folder: Path) -> SceneMeasure:
         [frame.header for frame in frames],
         state_hash(_displacements(result.program, frames[-1])) if frames else "",
     )
-    if result.complete or not row.converged:
+    if result.reason is None or not row.converged:
         return row
-    raise RefusedError(f"{procedure.stem}: {result.reason or 'the solve was stopped.'}")
+    raise RefusedError([replace(result.reason, prim=procedure.stem)])
 
 
 @dataclass(frozen=True)
@@ -353,7 +354,7 @@ def suite(examples: Path) -> list[Scene]:
     for name, size in sizes.items():
         procedure = examples / name / f"{name}.usda"
         if not procedure.is_file() or "spacing" not in size.get("moderate", {}):
-            raise RefusedError(f"{listed}: [{name}] needs {procedure} and `moderate` with a `spacing` in mm.")
+            raise refused(ProblemCode.BENCH_SIZES, listed, name, file=procedure)
         fine = size.get("fine", {}).get("spacing")
         scenes.append(Scene(procedure, float(size["moderate"]["spacing"]), None if fine is None else float(fine)))
     return scenes

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from lappet.core.problem import Problem
+from lappet.core.problem import Place, Problem, problem
 from lappet.core.problem_code import ProblemCode
 from lappet.geometry.closest_point import ClosestPoint
 from lappet.geometry.solid import closed_solid, solid_surface
@@ -58,7 +58,14 @@ def overlap_problems(
     depth = float(depths[deepest])
     if depth <= PUSHED_OUT * spacing:
         return []
-    where = place(np.round(corners[deepest], 3))
-    sentence = f"The bone and the tissue share space at rest: they reach {depth:.3g} mm into each other at {where}."
-    remedy = f"Move them apart; only {PUSHED_OUT * spacing:.3g} mm, half the lattice spacing, are pushed out."
-    return [Problem(ProblemCode.UNSORTED, path, f"{depth:.3g} mm", sentence, remedy)]
+    where = np.round(corners[deepest], 3)
+    return [
+        problem(
+            ProblemCode.BONE_IN_TISSUE,
+            path,
+            f"{depth:.3g} mm",
+            place=Place.at(where),
+            where=place(where),
+            pushed=PUSHED_OUT * spacing,
+        )
+    ]

@@ -72,7 +72,8 @@ def run_to_target(procedure: Path, cache: Path, report_path: Path | None, target
     RefusedError
         If the target is not reached.
     """
-    from lappet.core.problem import RefusedError
+    from lappet.core.problem import refused
+    from lappet.core.problem_code import ProblemCode
     from lappet.daemon.daemon_solver import connect_to, solver_identity
     from lappet.solve.error_estimate import expected_order
     from lappet.solve.store import FrameStore
@@ -99,10 +100,8 @@ def run_to_target(procedure: Path, cache: Path, report_path: Path | None, target
         if attempt < TRIES:
             choice = finer(choice, worst_rms(result.errors), target, expected_order(result.program))
     assert result.errors is not None
-    raise RefusedError(
-        f"The estimated error is {worst_rms(result.errors):.2g} mm at a spacing of {choice.spacing:g} mm, still above "
-        f"{target:g} mm; {cache} holds that solve. Give a larger target, or a smaller --spacing by hand."
-    )
+    reached, code = worst_rms(result.errors), ProblemCode.TARGET_ERROR_MISSED
+    raise refused(code, cache, f"{target:g}", reached=reached, spacing=choice.spacing)
 
 
 def summary(result: SolveResult) -> str:
@@ -129,7 +128,7 @@ def summary(result: SolveResult) -> str:
     if result.output is not None:
         lines.append(f"Skin cache: {result.output.resolve()}")
     if result.reason is not None:
-        click.echo(result.reason, err=True)
+        click.echo(str(result.reason), err=True)
     return "\n".join(lines)
 
 

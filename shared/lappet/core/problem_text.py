@@ -6,9 +6,11 @@ import tomllib
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
+from typing import Literal
 
 from lappet.core.problem_code import ProblemCode
 
+Severity = Literal["error", "warning"]
 TEXTS = Path(__file__).with_name("texts")
 
 
@@ -29,6 +31,8 @@ class ProblemText:
     title: str
     message: str
     remedy: str
+    severity: Severity = "error"
+    advice: str = ""
 
 
 @cache
@@ -55,20 +59,6 @@ def catalogue() -> dict[ProblemCode, ProblemText]:
     return found
 
 
-def texts(code: ProblemCode, fields: dict[str, object]) -> tuple[str, str]:
-    """Fill in the texts of a code.
-
-    Parameters
-    ----------
-    code
-        The code.
-    fields
-        Values by the names in braces.
-
-    Returns
-    -------
-    tuple[str, str]
-        Message and remedy.
-    """
-    entry = catalogue()[code]
-    return entry.message.format(**fields), entry.remedy.format(**fields)
+def text_of(code: ProblemCode) -> ProblemText:
+    """Return the texts of a code."""
+    return catalogue()[code]

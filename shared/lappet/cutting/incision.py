@@ -8,7 +8,9 @@ import manifold3d
 import numpy as np
 from numpy.typing import NDArray
 
-from lappet.cutting.ribbon import IncisionError, Ribbon, skin_ribbons
+from lappet.core.problem import RefusedError, problem
+from lappet.core.problem_code import ProblemCode
+from lappet.cutting.ribbon import Ribbon, skin_ribbons
 from lappet.geometry.flat_triangles import turn_flat_triangles
 from lappet.geometry.labelled_surface import FaceOrigin
 from lappet.geometry.short_edges import collapse_short_edges
@@ -17,7 +19,7 @@ from lappet.procedure import Incision
 from lappet.tissue.patch import UV_SCALE
 from lappet.tissue.rest_skin import RestSkin
 
-__all__ = ["IncisionError", "cut", "cutter", "fragments", "incise", "tidy"]
+__all__ = ["cut", "cutter", "fragments", "incise", "tidy"]
 
 _WALL = Label(FaceOrigin.WOUND_WALL)
 
@@ -120,8 +122,7 @@ def cut(
         cutters += incise(skin, incision, spacing, prim, (wall, wall, wall))
     solid = manifold3d.Manifold.batch_boolean([tissue.solid, *cutters], manifold3d.OpType.Subtract)
     if solid.status() != manifold3d.Error.NoError or solid.is_empty():
-        names = ", ".join(f"{timeline}/{i.name}" for i in incisions)
-        raise IncisionError(f"{names}: nothing of the tissue is left after the cut; make the kerf smaller")
+        raise RefusedError([problem(ProblemCode.CUT_LEAVES_NOTHING, f"{timeline}/{i.name}", i.kerf) for i in incisions])
     return tissue.with_solid(solid, {wall: _WALL})
 
 

@@ -11,8 +11,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from lappet.core.problem import RefusedError
-from lappet.geometry.curve import CurveError, sample_curve
+from lappet.core.problem import Place, refused
+from lappet.core.problem_code import ProblemCode
+from lappet.geometry.curve import sample_curve
 from lappet.geometry.surface_check import place
 from lappet.procedure import Basis, Point
 from lappet.tissue.rest_skin import RestSkin, SkinPoints
@@ -21,10 +22,6 @@ _STEP = 1.0  # mm
 _MOST_STEPS = 400
 _OVERLAP = 0.1  # of the kerf: how far open ends reach on, so that curves that touch are joined at any kerf
 _FOLD = 0.45  # of a segment: how far a mitre may reach back before the ribbon is broken at the corner
-
-
-class IncisionError(RefusedError):
-    """A curve or seed that cannot act on the tissue; the sentence names the prim, the value and the remedy."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,7 +83,8 @@ def skin_ribbons(
 ) -> list[Ribbon]:
     """Make the ribbons of a curve on the skin.
 
-    The curve is sampled and its samples are dropped onto the skin; what lies past the skin's border stays there, and an
+        The curve is sampled and its samples are dropped onto the skin; what lies past the skin's border stays there,
+        and an
     end near the border runs on past it. A curve is broken into several ribbons where it leaves the tissue, turns too
     sharply for a mitre, or meets itself.
 
@@ -123,25 +121,21 @@ def skin_ribbons(
         If the curve cannot be followed, hovers off the skin or misses the tissue.
     """
     if not (np.isfinite(kerf) and kerf > 0.0):
-        raise IncisionError(f"{prim}: the kerf is {kerf:g} mm; give a width above 0, for instance 0.05")
+        raise refused(ProblemCode.CUT_KERF, prim, f"{kerf:g}")
     if depth is not None and not (np.isfinite(depth) and depth > 0.0):
-        raise IncisionError(f"{prim}: the depth is {depth:g} mm; give a depth above 0, or none to cut through")
+        raise refused(ProblemCode.CUT_DEPTH, prim, f"{depth:g}")
     if step is None:
         way = np.linalg.norm(np.diff(np.asarray(points, np.float64).reshape(-1, 3), axis=0), axis=1).sum()
         step = min(spacing, max(_STEP, float(way) / _MOST_STEPS))
-    try:
-        samples = sample_curve(points, basis, closed, step)
-    except CurveError as error:
-        raise IncisionError(f"{prim}: {error}") from None
+    samples = sample_curve(points, basis, closed, step, prim)
     placed = skin.locate(samples)
     _check_on_skin(skin, np.asarray(points, np.float64), samples, placed, basis, spacing, prim)
     paths = _paths(skin, placed, closed, depth, kerf, spacing, step)
     ribbons = [ribbon for path in paths for ribbon in _unfolded(path, kerf)]
     if not ribbons:
-        raise IncisionError(
-            f"{prim}: the curve from {place(samples[0])} to {place(samples[-1])} has no length on the tissue; "
-            "draw a longer one"
-        )
+        first, last = place(samples[0]), place(samples[-1])
+        at = Place.at(samples[0], samples[-1])
+        raise refused(ProblemCode.CUT_NO_LENGTH, prim, first, place=at, first=first, last=last)
     return ribbons
 
 
@@ -157,20 +151,22 @@ def _check_on_skin(
     reach = max(spacing, 0.02 * float(np.linalg.norm(np.ptp(skin.points, axis=0))))
     near = np.abs(placed.height) <= reach
     if not (near & (placed.beyond == 0.0)).any():
-        gap = float(skin.distance(samples).min())
-        raise IncisionError(
-            f"{prim}: the curve misses the tissue: its nearest point is {gap:.3g} mm away from the skin; "
-            "draw it on the rest surface"
-        )
+        away = skin.distance(samples)
+        at = Place.at(samples[int(away.argmin())])
+        raise refused(ProblemCode.CUT_MISSES_TISSUE, prim, f"{float(away.min()):.3g}", place=at)
     # A chord may dip under a curved skin; the points that the curve passes through may not.
     anchors = {"linear": control, "bezier": control[::3]}.get(basis, samples)
     where = placed if anchors is samples else skin.locate(anchors)
     height = np.abs(where.height)
     off = np.flatnonzero((height > reach) & (where.beyond == 0.0))
     if len(off):
-        raise IncisionError(
-            f"{prim}: the curve's point {place(anchors[off[0]])} is {height[off[0]]:.3g} mm off the skin "
-            f"(at most {reach:.3g} mm is repaired); move it onto the rest surface"
+        raise refused(
+            ProblemCode.CUT_POINT_OFF_SKIN,
+            prim,
+            f"{height[off[0]]:.3g}",
+            place=Place.at(*anchors[off]),
+            where=place(anchors[off[0]]),
+            reach=reach,
         )
 
 

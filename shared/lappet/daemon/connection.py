@@ -13,6 +13,7 @@ from typing import Any, Self
 import zmq
 from numpy.typing import NDArray
 
+from lappet.core.problem_code import ProblemCode
 from lappet.daemon.frame_solver import FrameRefusedError
 from lappet.daemon.process import DaemonDied, DaemonMissing, SolverDaemon
 from lappet.daemon.wire import DEFAULT_MAX_MESSAGE_BYTES, Message, WireError, decode, encode
@@ -23,20 +24,26 @@ _CANCEL_SECONDS = 3.0
 _HEARTBEAT_SECONDS = 5.0
 
 
+ERROR_CODES = {
+    "malformed": ProblemCode.SOLVER_MALFORMED,
+    "out_of_order": ProblemCode.SOLVER_OUT_OF_ORDER,
+    "unauthorized": ProblemCode.SOLVER_UNAUTHORIZED,
+    "invalid_input": ProblemCode.SOLVER_INVALID_INPUT,
+    "memory_budget": ProblemCode.SOLVER_MEMORY_BUDGET,
+    "time_budget": ProblemCode.SOLVER_TIME_BUDGET,
+    "cancelled": ProblemCode.SOLVER_CANCELLED,
+    "internal": ProblemCode.SOLVER_INTERNAL,
+}
+"""What an `error` of PROTOCOL.md is, by its code."""
+
+
 class SolverRefused(FrameRefusedError):
-    """An error that the daemon answered with.
+    """The daemon answered with an error."""
 
-    Parameters
-    ----------
-    code
-        Code of PROTOCOL.md, "Errors".
-    sentence
-        The daemon's sentence.
-    """
-
-    def __init__(self, code: str, sentence: str) -> None:
-        super().__init__(sentence)
-        self.code = code
+    @property
+    def code(self) -> str:
+        """The code of PROTOCOL.md, "Errors"."""
+        return next(code for code, known in ERROR_CODES.items() if known is self.problems[0].code)
 
 
 class SolveCancelled(SolverRefused):
@@ -117,9 +124,7 @@ class DaemonConnection:
             try:
                 self._socket.connect(str(self._address))
             except zmq.ZMQError as error:
-                raise DaemonMissing(
-                    f"'{self._address}' is no address of a daemon ({error}); use tcp://127.0.0.1:PORT."
-                ) from error
+                raise DaemonMissing.of(ProblemCode.DAEMON_ADDRESS, "", self._address, reason=error) from error
             self._pinged = time.monotonic()
             token = self._token or os.environ.get("LAPPET_TOKEN", "")
             hello = self.request("hello", {"token": token, "client": self._name})
@@ -196,7 +201,7 @@ class DaemonConnection:
         """
         with self._lock:
             if self._socket is None:
-                raise DaemonDied("The client is closed; connect it first.")
+                raise DaemonDied.of(ProblemCode.DAEMON_CLOSED)
             identifier = next(self._ids)
             self._cancel_wanted.clear()
             try:
@@ -208,9 +213,9 @@ class DaemonConnection:
                 self._give_up(identifier)
                 raise
         if reply.type == "error":
-            code = str(reply.fields.get("code", "internal"))
-            sentence = str(reply.fields.get("message", "The daemon gave no reason."))
-            raise SolveCancelled(code, sentence) if code == "cancelled" else SolverRefused(code, sentence)
+            code = ERROR_CODES.get(str(reply.fields.get("code")), ProblemCode.SOLVER_INTERNAL)
+            error = SolveCancelled if code is ProblemCode.SOLVER_CANCELLED else SolverRefused
+            raise error.of(code, "", str(reply.fields.get("message", "The daemon gave no reason.")))
         return reply
 
     def _send(
@@ -226,7 +231,7 @@ class DaemonConnection:
         try:
             self._socket.send_multipart(frames, zmq.DONTWAIT, copy=False)
         except zmq.Again:
-            raise DaemonDied(f"The daemon at {self._address} takes no more messages.") from None
+            raise DaemonDied.of(ProblemCode.DAEMON_FULL, "", self._address) from None
         if self._unanswered_since is None:
             self._unanswered_since = time.monotonic()
 
@@ -256,11 +261,9 @@ class DaemonConnection:
 
     def _check_alive(self) -> None:
         if self._daemon is not None and not self._daemon.alive():
-            raise DaemonDied(f"The daemon died: {self._daemon.death()}")
+            raise DaemonDied.of(ProblemCode.DAEMON_DIED, "", self._daemon.death())
         if self._unanswered_since is not None and time.monotonic() - self._unanswered_since > self._silence:
-            raise DaemonDied(
-                f"The daemon at {self._address} has not answered for {self._silence:g} s; is it running there?"
-            )
+            raise DaemonDied.of(ProblemCode.DAEMON_SILENT, "", self._address, seconds=self._silence)
 
     def _ping_if_due(self, interval: float) -> None:
         now = time.monotonic()

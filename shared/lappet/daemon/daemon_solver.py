@@ -68,7 +68,7 @@ class DaemonSolver:
         try:
             return self._client.set_epoch(epoch, grip, landmarks)
         except WireError as error:
-            raise FrameRefusedError(str(error)) from error
+            raise FrameRefusedError(error.problems) from error
 
     def set_state(self, precision: str, arrays: Mapping[str, NDArray[Any]]) -> None:
         """Replace the state by that of an earlier frame of this epoch.
@@ -96,7 +96,7 @@ class DaemonSolver:
         try:
             self._client.set_state(state)
         except WireError as error:
-            raise FrameRefusedError(str(error)) from error
+            raise FrameRefusedError(error.problems) from error
 
     def solve(self, frame: FrameConstraints, progress: Callable[[Iteration], None]) -> SolvedFrame:
         """Find the equilibrium of a frame.
@@ -121,7 +121,7 @@ class DaemonSolver:
         try:
             return self._client.solve(frame, progress)
         except WireError as error:
-            raise FrameRefusedError(str(error)) from error
+            raise FrameRefusedError(error.problems) from error
 
     def close(self) -> None:
         """End the session, and the daemon where it was started here."""

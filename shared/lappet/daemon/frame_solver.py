@@ -9,14 +9,14 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from lappet.core.problem import RefusedError
+from lappet.core.problem import ProblemsError, RefusedError
 from lappet.cutting.epoch import Epoch
 from lappet.program.program import Bones, FrameConstraints, Landmarks, SolverSettings
 
 STATE_ARRAYS = ("nodes", "state_suture_gaps", "suture_multipliers", "grip_multipliers", "activation")
 
 
-class SolverDiedError(RuntimeError):
+class SolverDiedError(ProblemsError, RuntimeError):
     """The daemon ended or fell silent in the middle of its work; the work may be tried again with a new one."""
 
 

@@ -17,6 +17,7 @@ from types import TracebackType
 from typing import IO, Self
 
 from lappet.core.problem import RefusedError
+from lappet.core.problem_code import ProblemCode
 from lappet.core.version import version
 from lappet.daemon.frame_solver import SolverDiedError
 
@@ -49,9 +50,7 @@ def find_daemon() -> Path:
     if named:
         path = Path(named)
         if not _is_program(path):
-            raise DaemonMissing(
-                f"LAPPET_SOLVERD names {named}, which is not a program; set it to the path of {BINARY}, or unset it."
-            )
+            raise DaemonMissing.of(ProblemCode.DAEMON_NOT_A_PROGRAM, named, named)
         return path
     package = Path(__file__).resolve().parent.parent
     checkout = package.parent.parent
@@ -61,10 +60,7 @@ def find_daemon() -> Path:
     for path in places:
         if path.is_file():
             return _runnable(path)
-    raise DaemonMissing(
-        f"The daemon {BINARY} is not installed; looked for {' and '.join(map(str, places))}. Run `make setup` in a "
-        f"source checkout, install the wheel, or set LAPPET_SOLVERD to its path."
-    )
+    raise DaemonMissing.of(ProblemCode.DAEMON_MISSING, BINARY, " and ".join(map(str, places)))
 
 
 @lru_cache(maxsize=4)
@@ -147,9 +143,7 @@ class SolverDaemon:
                 start_new_session=True,
             )
         except OSError as error:
-            raise DaemonMissing(
-                f"The daemon {binary} cannot be started: {error.strerror or error}; reinstall Lappet."
-            ) from error
+            raise DaemonMissing.of(ProblemCode.DAEMON_NOT_STARTED, binary, error.strerror or error) from error
         assert self._process.stdout is not None
         assert self._process.stderr is not None
         lines: queue.Queue[str | None] = queue.Queue()
@@ -170,14 +164,13 @@ class SolverDaemon:
         try:
             line = lines.get(timeout=self._start_timeout)
         except queue.Empty:
-            raise DaemonDied(
-                f"The daemon {binary} did not listen within {self._start_timeout:g} s.{self._last_words()}"
-            ) from None
+            code, words = ProblemCode.DAEMON_SILENT_START, self._last_words()
+            raise DaemonDied.of(code, binary, seconds=self._start_timeout, words=words) from None
         if line is None:
-            raise DaemonDied(f"The daemon {binary} did not start: {self.death()}")
+            raise DaemonDied.of(ProblemCode.DAEMON_DIED_AT_START, binary, self.death())
         word, _, address = line.partition(" ")
         if word != "listening" or not address.startswith("tcp://"):
-            raise DaemonMissing(f"{binary} is not a Lappet daemon: it says '{line:.80}' instead of its address.")
+            raise DaemonMissing.of(ProblemCode.DAEMON_NOT_LAPPET, binary, line)
         return address
 
     @property
@@ -274,10 +267,7 @@ def _runnable(path: Path) -> Path:
             mode = path.stat().st_mode
             path.chmod(mode | (mode & 0o444) >> 2)  # who may read it may run it
         except OSError as error:
-            raise DaemonMissing(
-                f"The daemon {path} may not be executed and that cannot be changed ({error.strerror or error}); run "
-                f"`chmod a+x` on it as its owner."
-            ) from error
+            raise DaemonMissing.of(ProblemCode.DAEMON_NOT_EXECUTABLE, path, error.strerror or error) from error
     return path
 
 

@@ -14,6 +14,9 @@ import msgpack
 import numpy as np
 from numpy.typing import NDArray
 
+from lappet.core.problem import ProblemsError
+from lappet.core.problem_code import ProblemCode
+
 VERSION = 1
 MAX_HEADER_BYTES = 64 * 1024
 MAX_ARRAYS = 32
@@ -35,8 +38,10 @@ _NAMES = {(dtype.kind, dtype.itemsize): name for name, dtype in DTYPES.items()}
 _OWN_FIELDS = frozenset({"v", "type", "id", "session", "arrays"})
 
 
-class WireError(ValueError):
+class WireError(ProblemsError, ValueError):
     """A message that breaks PROTOCOL.md; the sentence names the field, its value and what is expected."""
+
+    code_of_sentences = ProblemCode.WIRE_MALFORMED
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,7 +7,8 @@ import json
 from collections.abc import Callable
 from pathlib import Path
 
-from lappet.core.problem import RefusedError
+from lappet.core.problem import refused
+from lappet.core.problem_code import ProblemCode
 from lappet.core.version import version
 
 SPACING = 4.0 / 3.0  # mm: three cells through the skin, a few seconds a step
@@ -30,7 +31,7 @@ def z_plasty() -> Path:
     for path in (here.with_name("z_plasty.usda"), here.parents[3] / "examples" / "z_plasty" / "z_plasty.usda"):
         if path.is_file():
             return path
-    raise RefusedError(f"The bundled procedure {here.with_name('z_plasty.usda')} is missing; install Lappet again.")
+    raise refused(ProblemCode.DEMO_MISSING, here.with_name("z_plasty.usda"))
 
 
 def figures_of(cache: Path, folder: Path, render: Callable[[Path, Path], list[Path]]) -> list[Path]:

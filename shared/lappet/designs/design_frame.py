@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from lappet.core.problem import RefusedError
+from lappet.core.problem import refused
+from lappet.core.problem_code import ProblemCode
 from lappet.procedure import Point
 from lappet.tissue.placement import Place
 
@@ -38,7 +39,7 @@ def skin_frame(direction: ArrayLike, normal: ArrayLike, what: str) -> tuple[NDAr
     flat = along - np.dot(along, up) * up
     size = float(np.linalg.norm(flat))
     if not size > 1e-9 * float(np.linalg.norm(along)) or not np.isfinite(flat).all():
-        raise RefusedError(f"{what}: the direction {tuple(along.tolist())} does not lie along the skin; turn it")
+        raise refused(ProblemCode.DESIGN_DIRECTION, what, tuple(along.tolist()))
     flat = flat / size
     return flat, np.cross(up, flat)
 

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from lappet.core.problem import RefusedError
+from lappet.core.problem import refused
+from lappet.core.problem_code import ProblemCode
 from lappet.designs.design_frame import placed_on, skin_frame
 from lappet.procedure import Point
 from lappet.tissue.placement import Place
@@ -81,12 +82,9 @@ def fusiform(
         If the length or width is not positive, the width is above the length, or there are fewer than 2 samples.
     """
     if not (np.isfinite(length) and np.isfinite(width) and 0.0 < width <= length):
-        raise RefusedError(
-            f"fusiform: the length is {length:g} mm and the width {width:g} mm; "
-            "give 0 < width <= length, for instance 3 : 1"
-        )
+        raise refused(ProblemCode.DESIGN_OVAL, "fusiform", f"{width:g}", length=length)
     if samples < 2:
-        raise RefusedError(f"fusiform: {samples} samples cannot follow an arc; give at least 2")
+        raise refused(ProblemCode.DESIGN_SAMPLES, "fusiform", samples)
     along, across = skin_frame(direction, normal, "fusiform")
     middle = np.asarray(center, np.float64)
     radius = (length**2 + width**2) / (4.0 * width)

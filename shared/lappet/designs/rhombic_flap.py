@@ -23,7 +23,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from lappet.core.problem import RefusedError
+from lappet.core.problem import refused
+from lappet.core.problem_code import ProblemCode
 from lappet.designs.design_frame import placed_on, skin_frame
 from lappet.designs.flap_design import Carry, Corner, Edge, FlapDesign, Seam, Spot
 from lappet.procedure import Point
@@ -114,7 +115,7 @@ def dufourmentel(
         If the side is not positive or the angle is out of range.
     """
     if not 60.0 <= angle <= 90.0:
-        raise RefusedError(f"dufourmentel: the angle is {angle:g}°; give one from 60° to 90°")
+        raise refused(ProblemCode.DESIGN_ANGLE, "dufourmentel", f"{angle:g}", least=60, most=90)
     limbs = (45.0 - angle / 4.0, 270.0)
     return _rhombic("dufourmentel", center, direction, side, angle, limbs, normal, mirrored, project)
 
@@ -132,7 +133,7 @@ def _rhombic(
 ) -> FlapDesign:
     """The design whose limbs run at these angles (degrees) to the short diagonal."""
     if not (np.isfinite(side) and side > 0.0):
-        raise RefusedError(f"{what}: the side is {side:g} mm; give a length above 0")
+        raise refused(ProblemCode.LENGTH_NOT_POSITIVE, what, f"{side:g}", name="side")
     half = np.radians(angle) / 2.0
     a, c = side * np.array([0.0, np.cos(half)]), side * np.array([0.0, -np.cos(half)])
     b, d = side * np.array([-np.sin(half), 0.0]), side * np.array([np.sin(half), 0.0])

@@ -31,7 +31,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from lappet.core.problem import RefusedError
+from lappet.core.problem import refused
+from lappet.core.problem_code import ProblemCode
 from lappet.designs.design_frame import placed_on, skin_frame
 from lappet.designs.flap_design import Carry, Corner, Edge, FlapDesign, Seam, Spot
 from lappet.procedure import Point
@@ -92,16 +93,13 @@ def dual_s_plasty(
     lengths = {"length": length, "width": width, "incision": incision, "advance": advance}
     for name, value in lengths.items():
         if not (np.isfinite(value) and value > 0.0):
-            raise RefusedError(f"dual_s_plasty: the {name} is {value:g} mm; give a length above 0")
+            raise refused(ProblemCode.LENGTH_NOT_POSITIVE, "dual_s_plasty", f"{value:g}", name=name)
     if width > length:
-        raise RefusedError(f"dual_s_plasty: the width {width:g} mm is above the length {length:g} mm; turn the oval")
+        raise refused(ProblemCode.DESIGN_OVAL, "dual_s_plasty", f"{width:g}", length=length)
     rim = _half_rim(length, width)
     whole = _length(rim)
     if advance > 0.5 * whole:
-        raise RefusedError(
-            f"dual_s_plasty: an advance of {advance:g} mm is more than half of the half rim, {0.5 * whole:.4g} mm; "
-            "shorten it"
-        )
+        raise refused(ProblemCode.DESIGN_ADVANCE, "dual_s_plasty", f"{advance:g}", half=0.5 * whole)
     along, across = skin_frame(direction, normal, "dual_s_plasty")
     if mirrored:
         across = -across

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from lappet.core.problem import RefusedError
+from lappet.core.problem import refused
+from lappet.core.problem_code import ProblemCode
 from lappet.designs.design_frame import placed_on, skin_frame
 from lappet.procedure import Point
 from lappet.tissue.placement import Place
@@ -84,9 +85,9 @@ def z_plasty(
     ((10.0, 0.0, 4.0), (-10.0, 0.0, 4.0))
     """
     if not (np.isfinite(limb) and limb > 0.0):
-        raise RefusedError(f"z_plasty: the limb is {limb:g} mm; give a length above 0")
+        raise refused(ProblemCode.LENGTH_NOT_POSITIVE, "z_plasty", f"{limb:g}", name="limb")
     if not 10.0 <= angle <= 120.0:
-        raise RefusedError(f"z_plasty: the angle is {angle:g}°; give one from 10° to 120°")
+        raise refused(ProblemCode.DESIGN_ANGLE, "z_plasty", f"{angle:g}", least=10, most=120)
     along, across = skin_frame(direction, normal, "z_plasty")
     if mirrored:
         across = -across

@@ -8,9 +8,10 @@ import manifold3d
 import numpy as np
 from numpy.typing import NDArray
 
-from lappet.core.problem import RefusedError
+from lappet.core.problem import refused
+from lappet.core.problem_code import ProblemCode
 from lappet.geometry.labelled_surface import FaceOrigin, Surface
-from lappet.geometry.surface_check import SurfaceError, signed_volume
+from lappet.geometry.surface_check import signed_volume
 
 
 @dataclass(frozen=True)
@@ -105,7 +106,7 @@ class LabelledSolid:
         )
         solid = manifold3d.Manifold(mesh)
         if solid.status() != manifold3d.Error.NoError:
-            raise SurfaceError(f"the tissue's surface is no closed solid ({solid.status().name}); repair the mesh")
+            raise refused(ProblemCode.MESH_NOT_SOLID, "/Procedure/Tissue", solid.status().name)
         return LabelledSolid(solid, labels, names)
 
     def with_solid(self, solid: manifold3d.Manifold, extra: dict[int, Label] | None = None) -> LabelledSolid:
@@ -214,7 +215,7 @@ def closed_solid(points: NDArray[np.float64], triangles: NDArray[np.integer], pa
     )
     solid = manifold3d.Manifold(mesh)
     if solid.status() != manifold3d.Error.NoError:
-        raise RefusedError(f"{path}: its surface is no closed solid ({solid.status().name}); repair the mesh.")
+        raise refused(ProblemCode.MESH_NOT_SOLID, path, solid.status().name)
     return solid
 
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from lappet.geometry.surface_check import SurfaceError
+from lappet.core.problem import refused
+from lappet.core.problem_code import ProblemCode
 
 
 def triangulate(
@@ -52,7 +53,7 @@ def triangulate(
                 pieces.append(row[ears])
                 owners.append(np.full(len(ears), face))
     if not pieces:
-        raise SurfaceError("the mesh has no face of three or more corners; give a closed mesh")
+        raise refused(ProblemCode.MESH_NO_FACE)
     corners: NDArray[np.int64] = np.vstack(pieces)
     owner: NDArray[np.int64] = np.concatenate(owners)
     order = np.argsort(owner, kind="stable")

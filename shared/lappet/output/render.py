@@ -14,7 +14,8 @@ import tempfile
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from lappet.core.problem import RefusedError
+from lappet.core.problem import Problem, RefusedError, problem, refused
+from lappet.core.problem_code import ProblemCode
 
 PYTHON_VARIABLE = "LAPPET_BLENDER_PYTHON"
 ANIMATIONS = ("none", "png", "mp4")
@@ -26,10 +27,6 @@ INSTALL = "pip install 'lappet[render]'"
 SYSTEM_PACKAGES = "libx11-6 libxrender1 libxfixes3 libxi6 libxkbcommon0 libsm6 libgl1"
 
 Progress = Callable[[str], None]
-
-
-class RenderError(RefusedError):
-    """Pictures could not be drawn; the message is a sentence with the cause and the remedy."""
 
 
 def blender_python() -> str:
@@ -62,7 +59,7 @@ def addon_folder() -> Path:
     source = Path(__file__).resolve().parents[3] / "addon"
     if (source / "lappet_blender" / "figure" / "__main__.py").is_file():
         return source
-    raise RenderError(f"The package lappet_blender, which draws the pictures, is not installed; {INSTALL}.")
+    raise refused(ProblemCode.RENDER_NO_ADDON, "lappet_blender", install=INSTALL)
 
 
 def render_command(
@@ -131,15 +128,16 @@ def render_command(
         ("color", color, COLORS),
     ):
         if value not in known:
-            raise RenderError(f"{name} is {value!r}; it must be one of {', '.join(known)}.")
+            raise refused(ProblemCode.RENDER_CHOICE, name, value, name=name, known=", ".join(known))
     for name, count in (("samples", samples), ("movie_samples", movie_samples)):
         if not 1 <= count <= 65536:
-            raise RenderError(f"{name} is {count}; it must be between 1 and 65536.")
+            raise refused(ProblemCode.RENDER_RANGE, name, count, name=name, range="1 to 65536")
     for name, pixels in (("size", size), ("panel", panel), ("movie_size", movie)):
         if pixels is not None and not all(16 <= side <= 16384 for side in pixels):
-            raise RenderError(f"{name} is {pixels[0]}x{pixels[1]}; each side must be 16 to 16384 pixels.")
+            given, allowed = f"{pixels[0]}x{pixels[1]}", "16 to 16384 pixels for each side"
+            raise refused(ProblemCode.RENDER_RANGE, name, given, name=name, range=allowed)
     if frames is not None and not frames:
-        raise RenderError("The list of frames is empty; name at least one frame or leave it out.")
+        raise refused(ProblemCode.RENDER_NO_FRAMES)
     command = [blender_python(), "-m", "lappet_blender.figure", str(cache), "-o", str(out_dir)]
     if frames is not None:
         command.append("--frames=" + ",".join(f"{float(f):.17g}" for f in frames))
@@ -220,7 +218,7 @@ def render_cache(
     """
     cache, out_dir = Path(cache).resolve(), Path(out_dir).resolve()
     if not cache.is_file():
-        raise RenderError(f"There is no skin cache at {cache}; solve the procedure first (lappet solve).")
+        raise refused(ProblemCode.RENDER_NO_CACHE, cache, cache)
     command = render_command(
         cache,
         out_dir,
@@ -254,9 +252,7 @@ def render_cache(
                 errors="replace",
             )
         except OSError as error:
-            raise RenderError(
-                f"{command[0]} could not be started ({error.strerror}); set {PYTHON_VARIABLE} to a Python that has bpy."
-            ) from error
+            raise refused(ProblemCode.RENDER_NO_PYTHON, command[0], command[0], reason=error.strerror) from error
         try:
             written, refusal, finished = _follow(process, say)
             status = process.wait()
@@ -264,10 +260,10 @@ def render_cache(
             _end(process)
             raise
         if refusal:
-            raise RenderError(refusal)
+            raise refused(ProblemCode.RENDER_REFUSED, cache, refusal)
         if status != 0 or not finished:
             chatter.seek(0)
-            raise RenderError(_reason(status, chatter.read(), command[0]))
+            raise RefusedError([_failure(status, chatter.read(), command[0])])
     return written
 
 
@@ -303,16 +299,13 @@ def _end(process: subprocess.Popen[str]) -> None:
         process.wait()
 
 
-def _reason(status: int, chatter: str, python: str) -> str:
-    """One sentence on why the figure process failed, from its exit status and its standard error."""
+def _failure(status: int, chatter: str, python: str) -> Problem:
+    """Return why the figure process failed, from its exit status and what Python and the linker printed."""
     if "No module named 'bpy'" in chatter:
-        return (
-            f"The Python {python} has no bpy (Blender as a module), which draws the pictures; install it with "
-            f"{INSTALL}, or set {PYTHON_VARIABLE} to a Python that has it."
-        )
+        return problem(ProblemCode.RENDER_NO_BPY, python, python, install=INSTALL)
     lines = [line.strip() for line in chatter.splitlines() if line.strip()]
     last = lines[-1] if lines else "it said nothing"
     if "cannot open shared object file" in chatter:
-        return f"Blender lacks a system library ({last}); install it with: apt-get install {SYSTEM_PACKAGES}."
+        return problem(ProblemCode.RENDER_NO_LIBRARY, python, last, packages=SYSTEM_PACKAGES)
     how = f"was ended by signal {-status}" if status < 0 else f"ended with status {status}"
-    return f"The figure process {how}: {last}"
+    return problem(ProblemCode.RENDER_FAILED, python, last, how=how)

@@ -76,7 +76,8 @@ def report(result: SolveResult) -> dict[str, Any]:
         "epochs": epochs,
         "complete": result.complete,
         "interrupted": result.interrupted,
-        "reason": result.reason,
+        "reason": None if result.reason is None else str(result.reason),
+        "code": None if result.reason is None else result.reason.code,
         "notes": list(result.notes),
         "error_estimate": None
         if result.errors is None
@@ -84,7 +85,8 @@ def report(result: SolveResult) -> dict[str, Any]:
             "companion_spacing_mm": result.errors.spacing,
             "order": result.errors.order,
             "seconds": result.errors.seconds,
-            "reason": result.errors.reason,
+            "reason": None if result.errors.reason is None else str(result.errors.reason),
+            "code": None if result.errors.reason is None else result.errors.reason.code,
         },
         "frames": [_frame(program, frame, error) for frame, error in zip(result.frames, _errors(result), strict=True)],
         "failed": None if result.failed is None else _frame(program, result.failed),

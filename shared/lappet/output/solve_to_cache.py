@@ -9,11 +9,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 from lappet.checks.validation import check
-from lappet.core.problem import RefusedError
+from lappet.core.problem import Problem, RefusedError, refused
+from lappet.core.problem_code import ProblemCode
 from lappet.daemon.daemon_solver import connect_to, solver_identity
 from lappet.daemon.frame_solver import Connect, Iteration
 from lappet.output.skin_cache import write_skin_cache
 from lappet.procedure import Procedure
+from lappet.procedure.prim_paths import ROOT
 from lappet.program.compile import compile_program, frame_times
 from lappet.program.program import Program
 from lappet.solve.solve_frames import FrameResult, SolveObserver, solve_program
@@ -55,7 +57,7 @@ class SolveResult:
     procedure: Procedure
     program: Program
     frames: tuple[FrameResult, ...]
-    reason: str | None = None
+    reason: Problem | None = None
     interrupted: bool = False
     failed: FrameResult | None = None
     output: Path | None = None
@@ -176,7 +178,7 @@ def solve_procedure(
         write_skin_cache(output, path, procedure, program, wanted)
         written = output
     elif result.reason is not None and result.failed is None:
-        raise RefusedError(result.reason)
+        raise RefusedError([result.reason])
     errors = None
     if error_estimate and result.frames and not result.interrupted:
         from lappet.solve.error_estimate import estimate_errors  # a solve without an estimate does not load it
@@ -199,18 +201,15 @@ def solve_procedure(
 def _refuse_output(output: Path) -> None:
     """Refuse, before anything is solved, a file that the skin cache could not be written to."""
     if output.suffix not in SUFFIXES:
-        raise RefusedError(f"{output} does not end in a USD suffix; name the skin cache .usdc, .usda or .usd.")
+        raise refused(ProblemCode.CACHE_SUFFIX, output, output.suffix)
     if output.is_dir():
-        raise RefusedError(f"{output} is a folder; name a file for the skin cache.")
+        raise refused(ProblemCode.CACHE_IS_FOLDER, output)
     try:
         output.parent.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=output.parent):
             pass
     except OSError as error:
-        why = error.strerror or str(error)
-        raise RefusedError(
-            f"The skin cache {output} cannot be written ({why}); name a file in a folder that you may write to."
-        ) from error
+        raise refused(ProblemCode.CACHE_NOT_WRITABLE, output, error.strerror or error) from error
 
 
 def _read(source: Path | str | Procedure, output: Path) -> tuple[Procedure, Path]:
@@ -221,13 +220,13 @@ def _read(source: Path | str | Procedure, output: Path) -> tuple[Procedure, Path
         return source, path
     path = Path(source)
     if path.resolve() == output.resolve():
-        raise RefusedError(f"{output} is the procedure itself; name another file for the skin cache.")
+        raise refused(ProblemCode.CACHE_IS_PROCEDURE, output)
     return read_procedure(path), path
 
 
 def _check(procedure: Procedure, spacing: float | None) -> None:
 
-    errors = [problem for problem in check(procedure, spacing=spacing) if problem.severity == "error"]
+    errors = [each for each in check(procedure, spacing=spacing) if each.severity == "error"]
     if errors:
         raise RefusedError(errors)
 
@@ -237,10 +236,7 @@ def _range(procedure: Procedure, frames: tuple[int | None, int | None]) -> tuple
     first = times[0] if frames[0] is None else frames[0]
     last = times[-1] if frames[1] is None else frames[1]
     if not times[0] <= first <= last <= times[-1]:
-        raise RefusedError(
-            f"The frames {first}:{last} are not in the timeline, which runs from {times[0]} to {times[-1]}; "
-            "give a first and a last frame inside it."
-        )
+        raise refused(ProblemCode.FRAMES_OUTSIDE, ROOT, f"{first}:{last}", start=times[0], end=times[-1])
     return first, last
 
 

@@ -10,7 +10,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any, Protocol
 
-from lappet.core.problem import Problem, RefusedError
+from lappet.core.problem import refused
 from lappet.core.problem_code import ProblemCode
 from lappet.procedure.events import Event, Excision, Hook, Incision, Landmark, Retractor, Suture, Undermine
 from lappet.procedure.prim_paths import BONE, MATERIALS, ROOT, TIMELINE, TISSUE
@@ -295,16 +295,11 @@ class RemoveMaterial:
 
     def apply(self, procedure: Procedure) -> Procedure:
         if procedure.tissue.material == self.name:
-            sentence = f"The tissue is made of {self.name!r}."
-            remedy = "Give the tissue another material first."
-            raise RefusedError([Problem(ProblemCode.UNSORTED, f"{MATERIALS}/{self.name}", self.name, sentence, remedy)])
+            raise refused(ProblemCode.MATERIAL_IN_USE, f"{MATERIALS}/{self.name}", self.name, user="The tissue")
         for region in procedure.tissue.regions:
             if region.material == self.name:
-                sentence = f"The region {region.faces!r} is made of {self.name!r}."
-                remedy = "Give the region another material first, or remove it."
-                raise RefusedError(
-                    [Problem(ProblemCode.UNSORTED, f"{MATERIALS}/{self.name}", self.name, sentence, remedy)]
-                )
+                user = f"The region {region.faces!r}"
+                raise refused(ProblemCode.MATERIAL_IN_USE, f"{MATERIALS}/{self.name}", self.name, user=user)
         return replace(procedure, materials=_without(procedure.materials, self.name, MATERIALS))
 
 
@@ -328,11 +323,8 @@ class SetRegion:
         tissue = procedure.tissue
         if self.region.faces not in tissue.subsets:
             known = ", ".join(tissue.subsets) or "none"
-            sentence = f"The tissue has no face subset {self.region.faces!r}."
-            remedy = f"Add it first; there are: {known}."
-            raise RefusedError(
-                [Problem(ProblemCode.UNSORTED, f"{TISSUE}/{self.region.faces}", self.region.faces, sentence, remedy)]
-            )
+            prim = f"{TISSUE}/{self.region.faces}"
+            raise refused(ProblemCode.REGION_NO_SUBSET, prim, repr(self.region.faces), known=known)
         others = tuple(region for region in tissue.regions if region.faces != self.region.faces)
         return replace(procedure, tissue=replace(tissue, regions=(*others, self.region)))
 
@@ -358,10 +350,7 @@ class RemoveRegion:
         others = tuple(region for region in tissue.regions if region.faces != self.faces)
         if len(others) == len(tissue.regions):
             known = ", ".join(region.faces for region in tissue.regions) or "none"
-            sentence = f"The face subset {self.faces!r} has no region."
-            raise RefusedError(
-                [Problem(ProblemCode.UNSORTED, f"{TISSUE}/{self.faces}", self.faces, sentence, f"There are: {known}.")]
-            )
+            raise refused(ProblemCode.REGION_UNKNOWN, f"{TISSUE}/{self.faces}", self.faces, known=known)
         return replace(procedure, tissue=replace(tissue, regions=others))
 
 
@@ -451,10 +440,7 @@ class SetTimeline:
         after = replace(procedure, **changes)
         if not after.start_time <= after.end_time:
             span = f"{after.start_time:g} to {after.end_time:g}"
-            remedy = "Let it end at its start or later."
-            raise RefusedError(
-                [Problem(ProblemCode.UNSORTED, ROOT, span, f"The timeline would run from {span}.", remedy)]
-            )
+            raise refused(ProblemCode.TIMELINE_REVERSED, ROOT, span)
         return after
 
 
@@ -530,14 +516,7 @@ def retimed(event: Event, shift: float) -> Event:
         case Suture():
             return replace(event, start=event.start + shift)
         case Landmark():
-            sentence = f"The landmark {event.name} has no time to move."
-            raise RefusedError(
-                [
-                    Problem(
-                        ProblemCode.UNSORTED, f"{TIMELINE}/{event.name}", "landmark", sentence, "Retime another event."
-                    )
-                ]
-            )
+            raise refused(ProblemCode.LANDMARK_RETIMED, f"{TIMELINE}/{event.name}", "landmark", name=event.name)
 
 
 def _find(things: tuple[Any, ...], name: str, place: str) -> int:
@@ -545,14 +524,12 @@ def _find(things: tuple[Any, ...], name: str, place: str) -> int:
         if thing.name == name:
             return i
     known = ", ".join(thing.name for thing in things) or "nothing"
-    sentence = f"Nothing there is named {name!r}."
-    raise RefusedError([Problem(ProblemCode.UNSORTED, f"{place}/{name}", name, sentence, f"There is {known}.")])
+    raise refused(ProblemCode.NAME_UNKNOWN, f"{place}/{name}", name, known=known)
 
 
 def _refuse_taken(things: tuple[Any, ...], name: str, place: str) -> None:
     if any(thing.name == name for thing in things):
-        sentence = f"The name {name!r} is taken."
-        raise RefusedError([Problem(ProblemCode.UNSORTED, f"{place}/{name}", name, sentence, "Choose another name.")])
+        raise refused(ProblemCode.NAME_TAKEN, f"{place}/{name}", name)
 
 
 def _without(things: tuple[Any, ...], name: str, place: str) -> tuple[Any, ...]:

@@ -7,7 +7,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from lappet.core.problem import RefusedError
+from lappet.core.problem import refused
+from lappet.core.problem_code import ProblemCode
 from lappet.procedure.events import Event, Excision, Hook, Incision, Landmark, Retractor, Suture, Undermine
 from lappet.procedure.tissue import Material
 
@@ -150,9 +151,7 @@ def measured_costs(path: Path) -> dict[str, str]:
             costs[name] = f"{share:+.0f} % {unit} in the {scene} of `lappet report economy`"
         return costs
     except (OSError, ValueError, KeyError, TypeError, ZeroDivisionError) as error:
-        raise RefusedError(
-            f"{path} is no file of `lappet report economy` ({type(error).__name__}); give its economy.json."
-        ) from error
+        raise refused(ProblemCode.ECONOMY_FILE, path, type(error).__name__) from error
 
 
 def _named(paths: Iterable[str]) -> str:

@@ -5,8 +5,7 @@ from __future__ import annotations
 import os
 
 from lappet.checks.validation import check_file
-from lappet.core.problem import Problem
-from lappet.core.problem_code import ProblemCode
+from lappet.core.problem import Problem, RefusedError
 from lappet.program.compile import compile_program
 from lappet.usd.stage import read_procedure
 
@@ -35,16 +34,10 @@ def full_check(path: str | os.PathLike[str], notes: list[str] | None = None) -> 
     """
     notes = [] if notes is None else notes
     problems = check_file(path, notes)
-    if any(problem.severity == "error" for problem in problems):
+    if any(each.severity == "error" for each in problems):
         return problems
     try:
         notes += compile_program(read_procedure(path)).notes
-    except ValueError as error:
-        if type(error).__module__.partition(".")[0] != "lappet":
-            raise
-        prim, _, sentence = str(error).partition(": ")
-        if not prim.startswith("/"):
-            prim, sentence = str(path), str(error)
-        # The sentence of what is refused already ends with its remedy.
-        problems.append(Problem(ProblemCode.UNSORTED, prim, "", sentence, ""))
+    except RefusedError as error:
+        problems += error.problems
     return problems

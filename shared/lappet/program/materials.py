@@ -7,40 +7,25 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from lappet.core.problem import RefusedError
+from lappet.core.problem import refused
+from lappet.core.problem_code import ProblemCode
 from lappet.cutting.epoch import Regions
 from lappet.geometry.labelled_surface import FaceOrigin
 from lappet.procedure import Material, Procedure
+from lappet.procedure.prim_paths import MATERIALS, TISSUE
 from lappet.program.program import MaterialParameters
 from lappet.tissue.surface import tissue_surface
 
-_TISSUE = "/Procedure/Tissue"
-
 
 def materials_in_use(procedure: Procedure) -> tuple[Material, ...]:
-    """List the tissue's material, then those of its regions.
-
-    Parameters
-    ----------
-    procedure
-        The procedure.
-
-    Returns
-    -------
-    tuple[Material, ...]
-        Each material once.
-
-    Raises
-    ------
-    RefusedError
-        If one is not there.
-    """
-    known = {material.name for material in procedure.materials}
-    users = [(_TISSUE, procedure.tissue.material)]
-    users += [(f"{_TISSUE}/{region.faces}", region.material) for region in procedure.tissue.regions]
+    """The tissue's material, then those of its regions, each once. Raises RefusedError for one that is not there."""
+    known = [material.name for material in procedure.materials]
+    users = [(TISSUE, procedure.tissue.material)]
+    users += [(f"{TISSUE}/{region.faces}", region.material) for region in procedure.tissue.regions]
     for path, name in users:
+        code = ProblemCode.TISSUE_MATERIAL_UNKNOWN if path == TISSUE else ProblemCode.REGION_MATERIAL_UNKNOWN
         if name not in known:
-            raise RefusedError(f"{path}: its material {name!r} is not under /Procedure/Materials; add it.")
+            raise refused(code, path, name, materials=MATERIALS, known=", ".join(known) or "none")
     return procedure.materials_in_use()
 
 
@@ -132,10 +117,8 @@ def region_program(procedure: Procedure, materials: Sequence[Material]) -> Regio
     skin = surface.origin == FaceOrigin.SKIN
     for region in tissue.regions:
         if region.faces not in surface.grips:
-            raise RefusedError(
-                f"{_TISSUE}/{region.faces}: a region needs a face subset of its own; name one of "
-                f"{', '.join(surface.grips) or 'those that you add'}."
-            )
+            known = ", ".join(surface.grips) or "none"
+            raise refused(ProblemCode.REGION_NO_SUBSET, f"{TISSUE}/{region.faces}", repr(region.faces), known=known)
     used, triangles = np.unique(surface.triangles[skin], return_inverse=True)
     names = [material.name for material in materials]
     return Regions(

@@ -12,8 +12,9 @@ from typing import Any
 
 from lappet.bench.circumstances import circumstances, cores
 from lappet.bench.tables import markdown_table
+from lappet.core.problem import refused
+from lappet.core.problem_code import ProblemCode
 from lappet.daemon.client import SolverClient
-from lappet.reports.report_error import ReportError
 
 __all__ = ["described", "head", "make_folder", "markdown_table", "write_csv", "write_json"]
 
@@ -67,7 +68,7 @@ def make_folder(folder: Path) -> None:
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise ReportError(f"The folder {folder} cannot be made ({error.strerror}); choose another.") from error
+        raise refused(ProblemCode.REPORT_FOLDER, folder, error.strerror) from error
 
 
 def write_json(path: Path, head: Mapping[str, Any], rows: Sequence[Any], **more: Any) -> None:

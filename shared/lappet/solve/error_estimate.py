@@ -22,6 +22,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from lappet.core.problem import Problem, problem
+from lappet.core.problem_code import ProblemCode
 from lappet.cutting.epoch import Epoch
 from lappet.daemon.frame_solver import Connect
 from lappet.geometry.labelled_surface import FaceOrigin
@@ -99,7 +101,7 @@ class ErrorEstimate:
     spacing: float
     order: float
     seconds: float
-    reason: str | None = None
+    reason: Problem | None = None
 
 
 def expected_order(program: Program, lattice: Mapping[str, Any] | None = None) -> float:
@@ -251,7 +253,8 @@ def estimate_errors(
     ]
     reason = None
     if len(solved.frames) < len(frames):
-        reason = f"At {partner.settings.spacing:g} mm, for the estimate of the error: {solved.reason}"
+        at = partner.settings.spacing
+        reason = problem(ProblemCode.ESTIMATE_MISSING, "", f"{at:g}", spacing=at, said=solved.reason)
     return ErrorEstimate(tuple(errors), partner.settings.spacing, order, time.perf_counter() - begun, reason)
 
 

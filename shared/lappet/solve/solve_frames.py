@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from lappet.core.problem import RefusedError
+from lappet.core.problem import Problem, ProblemsError, RefusedError, problem
+from lappet.core.problem_code import ProblemCode
 from lappet.daemon.frame_solver import (
     STATE_ARRAYS,
     Connect,
@@ -112,7 +114,7 @@ class Frames:
     """
 
     frames: tuple[FrameResult, ...]
-    reason: str | None = None
+    reason: Problem | None = None
     interrupted: bool = False
     failed: FrameResult | None = None
 
@@ -148,15 +150,27 @@ def solve_program(program: Program, store: FrameStore, connect: Connect, solver:
             try:
                 result = _frame(session, index, keys[index], store, watch)
                 if not result.header["converged"]:
-                    why = str(result.header.get("reason") or "the solver gave no reason.")
-                    return Frames(tuple(done), f"Frame {constraints.time:g} did not converge: {why}", failed=result)
+                    return Frames(tuple(done), not_converged(constraints.time, result.header), failed=result)
                 done.append(result)
                 watch.frame(result)
             except KeyboardInterrupt:
-                return Frames(tuple(done), f"Stopped: {len(done)} of {len(keys)} frames are done.", interrupted=True)
+                stopped = problem(ProblemCode.SOLVE_STOPPED, "", len(done), frames=len(keys))
+                return Frames(tuple(done), stopped, interrupted=True)
             except (RefusedError, SolverDiedError) as error:
-                return Frames(tuple(done), f"Frame {constraints.time:g} was not solved: {error}")
+                return Frames(tuple(done), at_frame(constraints.time, error))
     return Frames(tuple(done))
+
+
+def not_converged(time: float, header: Mapping[str, Any]) -> Problem:
+    """Return the problem of a frame that did not converge, from the header of its message `frame`."""
+    said = str(header.get("reason") or "the solver gives no reason.")
+    return problem(ProblemCode.FRAME_NOT_CONVERGED, f"Frame {time:g}", said)
+
+
+def at_frame(time: float, error: ProblemsError) -> Problem:
+    """Return the first problem of what refused or ended the solve of a frame; the frame is its prim if it has none."""
+    first = error.problems[0]
+    return replace(first, prim=first.prim or f"Frame {time:g}")
 
 
 def _frame(session: _Session, index: int, key: str, store: FrameStore, watch: SolveObserver) -> FrameResult:
@@ -213,7 +227,7 @@ class _Session:
             except SolverDiedError as error:
                 self._abandon()
                 if attempt == TRIES:
-                    raise SolverDiedError(f"{error} That was try {TRIES} of {TRIES}.") from error
+                    raise SolverDiedError.of(ProblemCode.DAEMON_DIED_AGAIN, "", TRIES, said=error) from error
                 watch.note(f"{error} It was solving frame {frame.time:g} and is started again.")
             except BaseException:
                 self._abandon()

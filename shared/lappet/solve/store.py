@@ -26,6 +26,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from lappet.core.problem import Problem, problem
+from lappet.core.problem_code import ProblemCode
+
 DEFAULT_LIMIT = 4 << 30
 _MAGIC = b"LAPPETF1"
 _CHECKSUM = 32
@@ -83,7 +86,7 @@ class FrameStore:
     def __init__(self, folder: Path | None = None, limit: int = DEFAULT_LIMIT) -> None:
         self.folder = default_folder() if folder is None else Path(folder)
         self.limit = limit
-        self.trouble: str | None = None
+        self.trouble: Problem | None = None
         self._bytes: int | None = None
 
     def path(self, key: str) -> Path:
@@ -176,10 +179,7 @@ class FrameStore:
                     Path(name).unlink()
                 raise
         except OSError as error:
-            self.trouble = (
-                f"Solved frames are no longer kept: the store {self.folder} cannot be written "
-                f"({error.strerror or error}); free some space, or name another folder with --store."
-            )
+            self.trouble = problem(ProblemCode.STORE_NOT_WRITABLE, self.folder, error.strerror or error)
             return False
         if self._bytes is not None:
             self._bytes += len(data) - before

@@ -10,7 +10,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from lappet.core.problem import RefusedError
+from lappet.core.problem import Problem, problem, refused
+from lappet.core.problem_code import ProblemCode
 from lappet.daemon.frame_solver import Connect
 from lappet.procedure import Procedure
 from lappet.program.compile import compile_program
@@ -125,14 +126,14 @@ def choose(
         If the target is no length or no pilot can be solved.
     """
     if not target > 0.0:
-        raise RefusedError(f"The target error is {target:g} mm; give a length above 0.")
+        raise refused(ProblemCode.TARGET_ERROR_NOT_POSITIVE, "", f"{target:g}")
     spacing = PILOT * procedure.tissue.spacing
     pilots: list[_Pilot] = []
-    reasons: list[str] = []
+    reasons: list[Problem] = []
     while not pilots:
         for quadrature in QUADRATURES:
             pilot = _pilot(procedure, spacing, quadrature, target, connect, solver, store, until)
-            if isinstance(pilot, str):
+            if isinstance(pilot, Problem):
                 reasons.append(pilot)
             else:
                 pilots.append(pilot)
@@ -142,7 +143,7 @@ def choose(
                 )
         spacing /= 2.0
         if not pilots and spacing < procedure.tissue.spacing / 4.0:
-            raise RefusedError(f"No error can be estimated: {reasons[-1]}")
+            raise refused(ProblemCode.TARGET_ERROR_NO_PILOT, "", said=reasons[-1])
     best = min(pilots, key=lambda pilot: pilot.cost)
     tolerance = TOLERANCE
     if best.algebraic > ALGEBRAIC_SHARE * target:
@@ -191,7 +192,7 @@ def _pilot(
     solver: str,
     store: FrameStore,
     until: float | None,
-) -> _Pilot | str:
+) -> _Pilot | Problem:
     """The pilot, or why there is none."""
     program = compile_program(
         procedure, spacing=spacing, quadrature=quadrature, tolerance=TOLERANCE, until=until, correction=True
@@ -204,7 +205,7 @@ def _pilot(
     errors = estimate_errors(program, solved.frames, store, connect, solver)
     error = worst_rms(errors)
     if error == float("inf"):
-        return errors.reason or "a frame has no estimate."
+        return errors.reason or problem(ProblemCode.ESTIMATE_OF_NO_FRAME)
     algebraic = max((each.algebraic_rms or 0.0 for each in errors.frames if each is not None), default=0.0)
     order = expected_order(program)
     needed = _round(CAUTION * spacing * (target / error) ** (1.0 / order)) if error > 0.0 else spacing

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from lappet.core.problem import RefusedError
+from lappet.core.problem import refused
+from lappet.core.problem_code import ProblemCode
 from lappet.procedure import Bone, Tissue
 from lappet.tissue.patch import UV_SCALE
 from lappet.tissue.placement import Place
@@ -159,12 +160,9 @@ def _half_angle(what: str, radius: float, reach: float, thickness: float, resolu
     lengths = {"radius": radius, "reach": reach, "thickness": thickness, "resolution": resolution}
     for name, value in lengths.items():
         if not (np.isfinite(value) and value > 0.0):
-            raise RefusedError(f"{what}: the {name} is {value:g} mm; give a length above 0")
+            raise refused(ProblemCode.LENGTH_NOT_POSITIVE, what, f"{value:g}", name=name)
     if thickness >= radius or reach > 0.5 * np.pi * radius:
-        raise RefusedError(
-            f"{what}: a radius of {radius:g} mm with a thickness of {thickness:g} mm and a reach of {reach:g} mm makes "
-            "no cap; give a thickness below the radius and a reach of at most a quarter of the circumference"
-        )
+        raise refused(ProblemCode.DOME_NO_CAP, what, radius=radius, thickness=thickness, reach=reach)
     return reach / radius
 
 

@@ -7,6 +7,8 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from lappet.core.problem import refused
+from lappet.core.problem_code import ProblemCode
 from lappet.procedure import Tissue
 
 UV_SCALE = 0.01  # texture units per mm
@@ -24,7 +26,7 @@ def flat_patch(
 ) -> Tissue:
     """Make a closed flat sheet, its skin at z = thickness and its underside at z = 0.
 
-    The texture is 1 unit per 100 mm over the unfolded sheet: (0, 0) mm maps to (0, 0) on the skin, and the sides
+        The texture is 1 unit per 100 mm over the unfolded sheet: (0, 0) mm maps to (0, 0) on the skin, and the sides
     continue it. The four sides are the subset "fixed", the underside is the subset "bed".
 
     Parameters
@@ -58,7 +60,7 @@ def flat_patch(
         If the size or the resolution is not positive.
     """
     if not all(math.isfinite(v) and v > 0.0 for v in (*size, resolution)):
-        raise ValueError(f"The size {size} mm and the resolution {resolution:g} mm of a patch must be positive.")
+        raise refused(ProblemCode.PATCH_SIZE, "patch", size, resolution=resolution)
     parts = [max(1, round(length / resolution)) for length in size]
     axes = [np.linspace(0.0, length, n + 1) for length, n in zip(size, parts, strict=True)]
     axes[0] += centre[0] - size[0] / 2

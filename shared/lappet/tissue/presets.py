@@ -9,7 +9,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from lappet.core.problem import refused
+from lappet.core.problem_code import ProblemCode
 from lappet.procedure import Material, Procedure, Region
+from lappet.procedure.prim_paths import MATERIALS
 from lappet.tissue.surface import skin_faces
 
 FAT_FACES = "fat_below"
@@ -83,7 +86,7 @@ def skin_over_fat(
 ) -> Procedure:
     """Lay skin over fat: the tissue is made of one material down to a depth and of another below.
 
-    Materials of these names are replaced. The face subset `FAT_FACES` is added with a region, before all others, so
+        Materials of these names are replaced. The face subset `FAT_FACES` is added with a region, before all others, so
     that those win.
 
     Parameters
@@ -108,9 +111,9 @@ def skin_over_fat(
         If the thickness is not positive or both materials have one name.
     """
     if not (np.isfinite(thickness) and thickness > 0.0):
-        raise ValueError(f"The skin would be {thickness:g} mm thick; give a thickness above 0.")
+        raise refused(ProblemCode.LENGTH_NOT_POSITIVE, skin.name, f"{thickness:g}", name="thickness")
     if skin.name == fat.name:
-        raise ValueError(f"Skin and fat are both named {skin.name!r}; give each its own name.")
+        raise refused(ProblemCode.SKIN_FAT_NAME, MATERIALS, skin.name)
     tissue = procedure.tissue
     others = {name: faces for name, faces in tissue.subsets.items() if name != FAT_FACES}
     regions = [region for region in tissue.regions if region.faces != FAT_FACES]

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from lappet.geometry.surface_check import check_finite, check_oriented
+from lappet.geometry.mesh_faults import EDGES, refuse_faults, refuse_unreadable
 from lappet.geometry.triangulation import triangulate
 from lappet.procedure import Tissue
 from lappet.tissue.thicken import Sheet, rim_rows, thicken
@@ -24,7 +24,7 @@ def sheet_tissue(
 ) -> Tissue:
     """Make a closed sheet below an open surface of polygons; its first faces are those of the surface, in order.
 
-    The rim joins the subset "fixed", the underside "bed"; where the surface has faces in one of these itself, the
+        The rim joins the subset "fixed", the underside "bed"; where the surface has faces in one of these itself, the
     subsets "rim" and "underside" say which faces are no skin.
 
     Parameters
@@ -58,11 +58,11 @@ def sheet_tissue(
         If the surface is not manifold or not oriented alike; the message names the place.
     """
     sizes = np.asarray(counts, np.int64)
-    check_finite(points, sizes, np.asarray(indices, np.int64), name)
+    refuse_unreadable(name, points, sizes, indices)
     used, compact = np.unique(indices, return_inverse=True)
     points, corners = points[used], compact.reshape(-1).astype(np.int64)
     triangles = triangulate(points, sizes, corners)[0]
-    check_oriented(points, triangles, name)
+    refuse_faults(name, points, triangles, EDGES)
     sheet = thicken(points, triangles, thickness, rim_rows(points, triangles, thickness), name)
 
     back = _reversed_corners(sizes)

@@ -9,14 +9,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from lappet.core.problem import refused
+from lappet.core.problem_code import ProblemCode
 from lappet.geometry.labelled_surface import FaceOrigin, Surface
-from lappet.geometry.surface_check import (
-    SurfaceError,
-    check_closed,
-    check_finite,
-    check_not_self_intersecting,
-    signed_volume,
-)
+from lappet.geometry.mesh_faults import SOLID, refuse_faults, refuse_unreadable
+from lappet.geometry.surface_check import signed_volume
 from lappet.geometry.triangulation import triangulate
 from lappet.procedure import Tissue
 from lappet.tissue.patch import UV_SCALE
@@ -28,7 +25,8 @@ def tissue_surface(tissue: Tissue, prim: str = "/Procedure/Tissue") -> Surface:
     """Make the closed, outward oriented, labelled triangle surface of a tissue.
 
     Quads are split along their shorter diagonal, larger polygons by ears. A surface that is closed and consistent but
-    turned inside out is turned around. Without UVs the surface gets its two widest coordinates, one unit per 100 mm.
+        turned inside out is turned around. Without UVs the surface gets its two widest coordinates, one unit per 100
+        mm.
 
     Parameters
     ----------
@@ -51,22 +49,20 @@ def tissue_surface(tissue: Tissue, prim: str = "/Procedure/Tissue") -> Surface:
     points = np.ascontiguousarray(tissue.points, np.float64)
     counts = np.asarray(tissue.face_vertex_counts, np.int64)
     indices = np.asarray(tissue.face_vertex_indices, np.int64)
-    check_finite(points, counts, indices, prim)
+    refuse_unreadable(prim, points, counts, indices)
     triangles, corners, faces = triangulate(points, counts, indices)
     triangles, corners, faces = _without_collapsed(triangles, corners, faces)
-    check_closed(points, triangles, prim)
+    refuse_faults(prim, points, triangles, SOLID)
     if signed_volume(points, triangles) < 0.0:
         triangles, corners = triangles[:, ::-1], corners[:, ::-1]
-    check_not_self_intersecting(points, triangles, prim)
 
     masks = {}
     for name, subset in tissue.subsets.items():
         mask = np.zeros(len(counts), bool)
         picked = np.asarray(subset, np.int64)
         if len(picked) and (picked.min() < 0 or picked.max() >= len(counts)):
-            raise SurfaceError(
-                f'{prim}: the subset "{name}" names face {int(picked.max())}, but the mesh has {len(counts)} faces; '
-                "mark the subset's faces again"
+            raise refused(
+                ProblemCode.SUBSET_INDEX_RANGE, f"{prim}/{name}", int(picked.max()), name=name, faces=len(counts)
             )
         mask[picked] = True
         masks[name] = mask[faces]

@@ -8,9 +8,10 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from lappet.core.problem import Place, refused
+from lappet.core.problem_code import ProblemCode
 from lappet.geometry.normals import corner_normals
 from lappet.geometry.surface_check import directed_edges, first_intersection, place, unique_edges
-from lappet.tissue.mesh_file import MeshError
 from lappet.tissue.mesh_repair import border_loops
 
 _ATTEMPTS = (4, 16, 64, 256)
@@ -77,7 +78,7 @@ def rim_rows(points: NDArray[np.float64], triangles: NDArray[np.int64], thicknes
 def thicken(points: NDArray[np.float64], triangles: NDArray[np.int64], thickness: float, rows: int, name: str) -> Sheet:
     """Make the sheet between an open surface and its offset against smoothed normals.
 
-    The normals are smoothed more, up to 256 rounds, where the underside would fold or pass through the skin.
+        The normals are smoothed more, up to 256 rounds, where the underside would fold or pass through the skin.
 
     Parameters
     ----------
@@ -122,10 +123,7 @@ def thicken(points: NDArray[np.float64], triangles: NDArray[np.int64], thickness
         if where is None:
             return sheet
     assert where is not None
-    raise MeshError(
-        f"{name}: at a thickness of {thickness:g} mm the underside folds or meets the skin near {place(where)}; "
-        "give a thinner sheet, or a region without this place"
-    )
+    raise refused(ProblemCode.SHEET_FOLDS, name, f"{thickness:g}", place=Place.at(where), where=place(where))
 
 
 def _unit(vectors: NDArray[np.float64]) -> NDArray[np.float64]:

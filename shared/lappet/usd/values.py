@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from lappet.core.problem import Problem
+from lappet.core.problem import Problem, problem
 from lappet.core.problem_code import ProblemCode
 
 
@@ -36,21 +36,9 @@ class Reader:
         self.space = self._stage_space()
         self._rest = usd.UsdGeom.XformCache(usd.Usd.TimeCode(stage.GetStartTimeCode()))
 
-    def problem(self, path: object, value: object, sentence: str, remedy: str) -> None:
-        """Add an error.
-
-        Parameters
-        ----------
-        path
-            Path of the prim.
-        value
-            What was found.
-        sentence
-            What is wrong.
-        remedy
-            What to do about it.
-        """
-        self.problems.append(Problem(ProblemCode.UNSORTED, str(path), str(value), sentence, remedy))
+    def problem(self, code: ProblemCode, path: object, value: object, **fields: Any) -> None:
+        """Add what is wrong with a prim."""
+        self.problems.append(problem(code, path, value, **fields))
 
     def number(self, prim: Any, name: str, default: float | None = None) -> float:
         """Read a number or time code.
@@ -263,8 +251,8 @@ class Reader:
         targets = relationship.GetForwardedTargets() if relationship else []
         if len(targets) > 1:
             found = ", ".join(str(target) for target in targets)
-            sentence = f"{name} has {len(targets)} targets: {found}."
-            self.problem(prim.GetPath(), found, sentence, "Leave one target.")
+            code = ProblemCode.RELATIONSHIP_TARGETS
+            self.problem(code, prim.GetPath(), found, name=name, count=len(targets))
         return str(targets[0]) if targets else ""
 
     def points(self, prim: Any) -> NDArray[np.float64]:
@@ -360,21 +348,19 @@ class Reader:
                     f"{prim.GetPath()}: {name} is animated; its first value, {value}, is used throughout."
                 )
         if value is None and required:
-            self.problem(prim.GetPath(), "no value", f"{name} has no value.", f"Author {name}.")
+            self.problem(ProblemCode.ATTRIBUTE_MISSING, prim.GetPath(), "no value", name=name)
         return value
 
     def _wrong_type(self, prim: Any, name: str, value: object, wanted: str) -> None:
         shown = " ".join(str(value).split())
         shown = shown if len(shown) <= 40 else shown[:37] + "..."
-        sentence = f"{name} is {shown!r}, not {wanted}."
-        self.problem(prim.GetPath(), shown, sentence, f"Author {name} as {wanted}.")
+        self.problem(ProblemCode.ATTRIBUTE_TYPE, prim.GetPath(), shown, name=name, wanted=wanted)
 
     def _stage_space(self) -> NDArray[np.float64] | None:
         geom = self.usd.UsdGeom
         units, axis = float(geom.GetStageMetersPerUnit(self.stage)), str(geom.GetStageUpAxis(self.stage))
         if not (np.isfinite(units) and units > 0.0):
-            sentence = f"The stage has {units:g} metres per unit."
-            self.problem("/", f"{units:g}", sentence, "Set metersPerUnit to 0.001 for mm.")
+            self.problem(ProblemCode.STAGE_UNITS, "/", f"{units:g}")
             return None
         matrix = np.eye(4)
         if abs(units - 0.001) > 1e-12:

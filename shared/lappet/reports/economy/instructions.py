@@ -17,10 +17,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from lappet.core.problem import Problem, RefusedError, problem, refused
+from lappet.core.problem_code import ProblemCode
 from lappet.daemon.client import SolverClient
 from lappet.daemon.process import SolverDaemon, find_daemon
 from lappet.program.program import Program
-from lappet.reports.report_error import ReportError
 
 FRAME, SEARCH = "lappet::Session::solve(", "lappet::find_equilibrium<"
 KERNELS = {"evaluate": "evaluate_groups<", "linearize": "linearize_groups<", "product": "multiply_groups<"}
@@ -28,7 +29,7 @@ _PATIENCE = 300.0  # seconds that valgrind may take to bring the daemon up
 _COST = re.compile(r"^[+\-*]?\d* ?(\d+)$")
 
 
-class NoCounterError(ReportError):
+class NoCounterError(RefusedError):
     """Instructions cannot be counted here; the sentence says why."""
 
 
@@ -54,18 +55,12 @@ class Instructions:
     work: Mapping[str, float]
 
 
-def why_not() -> str | None:
-    """Say why instructions cannot be counted on this machine.
-
-    Returns
-    -------
-    str | None
-        A sentence, or None where they can.
-    """
+def why_not() -> Problem | None:
+    """Return why instructions cannot be counted on this machine; None where they can."""
     if shutil.which("valgrind") is None:
-        return "valgrind is not installed, so no instruction was counted."
+        return problem(ProblemCode.COUNTER_NO_VALGRIND)
     if sys.platform != "linux":
-        return f"Callgrind's counts are taken on Linux only; this is {sys.platform}."
+        return problem(ProblemCode.COUNTER_NOT_LINUX, "", sys.platform)
     return None
 
 
@@ -93,7 +88,7 @@ def count_instructions(program: Program, binary: Path | None = None) -> Instruct
     """
     reason = why_not()
     if reason is not None:
-        raise NoCounterError(reason)
+        raise NoCounterError([reason])
     with tempfile.TemporaryDirectory() as name:
         out = Path(name) / "callgrind.out"
         wrapper = _wrapper(Path(name), find_daemon() if binary is None else binary, out)
@@ -107,9 +102,9 @@ def count_instructions(program: Program, binary: Path | None = None) -> Instruct
         finally:
             daemon.stop(_PATIENCE)  # callgrind writes as the daemon ends
         if not frame.header["converged"]:
-            raise ReportError(f"The scene did not converge under callgrind: {frame.reason}")
+            raise refused(ProblemCode.REPORT_NOT_CONVERGED, "callgrind", frame.reason)
         if not out.is_file():
-            raise NoCounterError("Callgrind left no counts behind; run the report again.")
+            raise NoCounterError.of(ProblemCode.COUNTER_NO_COUNTS)
         return _totals(out.read_text(encoding="utf-8", errors="replace"), frame.header["work"])
 
 
@@ -150,7 +145,7 @@ def _totals(text: str, work: Mapping[str, float]) -> Instructions:
     frame = sum(own.values())
     search = sum(cost for name, cost in inside.items() if SEARCH in name)
     if not frame or not search:
-        raise NoCounterError("The daemon has no symbols to count by (it was stripped); build one in a source checkout.")
+        raise NoCounterError.of(ProblemCode.COUNTER_NO_SYMBOLS)
     kernels = {
         kernel: sum(cost for name, cost in own.items() if f"lappet::{mark}" in name) for kernel, mark in KERNELS.items()
     }

@@ -11,12 +11,13 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from statistics import median
 
+from lappet.core.problem import refused
+from lappet.core.problem_code import ProblemCode
 from lappet.daemon.client import SolverClient
 from lappet.daemon.process import SolverDaemon
 from lappet.program.program import Program
 from lappet.reports.economy.instructions import Instructions, NoCounterError, count_instructions
 from lappet.reports.economy.scenes import FEATURES, Feature, plain
-from lappet.reports.report_error import ReportError
 
 REPEATS = 3
 AGREEMENT = 5e-3  # share of the hot loops' instructions that an absent feature may cost
@@ -195,9 +196,7 @@ def absence(program: Program, scene: str, yardstick: Path, left_out: str) -> Abs
     whole, bare = count_instructions(program), count_instructions(program, yardstick)
     passes = ("evaluations", "linearizations", "products")
     if any(whole.work[each] != bare.work[each] for each in passes):
-        raise ReportError(
-            f"The daemon and the yardstick {yardstick} took other iterations; build both of one revision."
-        )
+        raise refused(ProblemCode.REPORT_NOT_COMPARABLE, yardstick)
     kernels = {name: (whole.kernels[name], bare.kernels[name]) for name in whole.kernels}
     return Absence(left_out, scene, whole.search, bare.search, kernels)
 
@@ -255,7 +254,7 @@ def _native(program: Program) -> _Native:
             lattice = client.set_epoch(program.epochs[0], program.grips[0], program.landmarks_at[0])
             frame = client.solve(program.frames[0])
             if not frame.header["converged"]:
-                raise ReportError(f"The scene did not converge: {frame.reason}")
+                raise refused(ProblemCode.REPORT_NOT_CONVERGED, "", frame.reason)
             seconds.append(float(frame.header["seconds"]["total"]))
     carried = sum(array.nbytes for array in frame.arrays.values())
     return _Native(

@@ -17,11 +17,11 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from lappet.core.problem import Problem, RefusedError
 from lappet.daemon.frame_solver import Connect
 from lappet.geometry.labelled_surface import FaceOrigin
 from lappet.program.program import Program
 from lappet.reports.error_time.reference import Reference, fitted_order, greatest, observed_orders, richardson, rms
-from lappet.reports.report_error import ReportError
 from lappet.solve.error_estimate import coarse_program, expected_order, far_coarse_program, frame_error
 from lappet.solve.solve_frames import FrameResult, SolveObserver, solve_program
 from lappet.solve.store import FrameStore
@@ -317,7 +317,7 @@ def skin_of(program: Program) -> NDArray[np.integer]:
     return np.unique(surface.triangles[surface.origin == FaceOrigin.SKIN])
 
 
-def _solve(program: Program, connect: Connect) -> tuple[tuple[FrameResult, ...], str | None]:
+def _solve(program: Program, connect: Connect) -> tuple[tuple[FrameResult, ...], Problem | None]:
     with tempfile.TemporaryDirectory() as folder:  # nothing is looked up
         found = solve_program(program, FrameStore(Path(folder)), connect, "report", SolveObserver())
     return found.frames, found.reason
@@ -351,7 +351,7 @@ def _limit(scene: Scene, settings: dict[str, Any], connect: Connect) -> Referenc
         program = scene.program(spacing, **settings)
         frames, reason = _solve(program, connect)
         if reason is not None:
-            raise ReportError(f"The reference of {scene.name} at {spacing:.3g} mm failed: {reason}")
+            raise RefusedError([replace(reason, prim=f"{scene.name} at {spacing:.3g} mm")])
         positions.append(frames[-1].arrays["points"][skin_of(program)].astype(float))
     return richardson(*positions)
 
@@ -374,7 +374,7 @@ def _measure(scene: Scene, spacing: float, chosen: dict[str, Any], reference: Re
         error_max_mm=None,
         estimate_mm=None,
         estimate_max_mm=None,
-        reason=reason,
+        reason=None if reason is None else str(reason),
     )
     if reason is not None:
         return row
@@ -383,8 +383,11 @@ def _measure(scene: Scene, spacing: float, chosen: dict[str, Any], reference: Re
     partners, failure = _solve(coarse_program(program), connect)
     partner = partners[-1] if failure is None else None
     other = far_coarse_program(program)
-    others, failure = ((), "") if other is None else _solve(other, connect)
-    far = others[-1] if failure is None else None
+    others: tuple[FrameResult, ...] = ()
+    far = None
+    if other is not None:
+        others, failure = _solve(other, connect)
+        far = others[-1] if failure is None else None
     estimate = frame_error(frames[-1], partner, skin, expected_order(program, frames[0].header["lattice"]), far)
     row = replace(
         row,

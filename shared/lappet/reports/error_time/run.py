@@ -6,13 +6,14 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
+from lappet.core.problem import refused
+from lappet.core.problem_code import ProblemCode
 from lappet.daemon.daemon_solver import connect_to
 from lappet.reports.box_scenes import BOXES
 from lappet.reports.error_time.files import write_error_time
 from lappet.reports.error_time.measurement import Scene, error_time
 from lappet.reports.error_time.procedure_scenes import ProcedureScene, scalp_flap, z_plasty_scene
 from lappet.reports.error_time.totals import totals
-from lappet.reports.report_error import ReportError
 from lappet.reports.report_files import head, make_folder
 from lappet.usd.stage import read_procedure
 
@@ -89,4 +90,5 @@ def find_scene(name: str) -> Scene:
         procedure = read_procedure(path)
         h = procedure.tissue.spacing
         return ProcedureScene(path.stem, path.name, procedure, (2 * h, 1.5 * h, h), (2 * h, h, h / 2), h)
-    raise ReportError(f"There is no scene {name!r}; there are {', '.join(NAMES)}, or give a procedure (.usda).")
+    known = f"{', '.join(NAMES)}, or a procedure (.usda)"
+    raise refused(ProblemCode.REPORT_UNKNOWN, "", name, what="scene", known=known)

@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
+from lappet.core.problem import refused
+from lappet.core.problem_code import ProblemCode
 from lappet.reports.error_time.measurement import CHOICES, DEFAULT, Measure, SceneReport
-from lappet.reports.report_error import ReportError
 
 _COLOURS = {"quadrature": "#c1272d", "tolerance": "#0b6e4f", "precision": "#1f4e8c", "preconditioner": "#8a5a00"}
 _DASHES = ("--", ":", "-.")
@@ -23,7 +24,7 @@ _WORDS = {
 def plot_scene(report: SceneReport, path: Path) -> None:
     """Plot one scene: the root mean square error over the daemon's seconds.
 
-    Curves in color vary one setting from the default; all other combinations are gray.
+        Curves in color vary one setting from the default; all other combinations are gray.
 
     Parameters
     ----------
@@ -43,7 +44,9 @@ def plot_scene(report: SceneReport, path: Path) -> None:
         mpl.use("Agg")
         from matplotlib import pyplot
     except ImportError as error:
-        raise ReportError("Plots need matplotlib; install it with: pip install 'lappet[report]'.") from error
+        raise refused(
+            ProblemCode.REPORT_NEEDS, "", error, what="A plot", package="matplotlib", extra="report"
+        ) from error
 
     figure, axes = pyplot.subplots(figsize=(7.2, 5.0), layout="constrained")
     for curve in curves(report.rows):

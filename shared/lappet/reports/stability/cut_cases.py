@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from lappet.core.problem_code import ProblemCode
 from lappet.procedure import Event, Excision, Hook, Incision, Undermine
 from lappet.program.program import Program
 from lappet.reports.stability.measurement import Case
@@ -129,7 +130,7 @@ def _few() -> Iterator[Case]:
         "cuts",
         lambda: opened(around, Excision("out", 2.0, ((0.0, 0.0, TOP),))),
         converges=False,
-        says=("excised",),
+        refuses=(ProblemCode.PROGRAM_HOOK_EXCISED,),
     )
     yield Case(
         "excision of everything",
@@ -138,7 +139,7 @@ def _few() -> Iterator[Case]:
             procedure(patch(), around, Excision("out", 2.0, ((0.0, 0.0, TOP), (10.0, 0.0, TOP))), end=4.0)
         ),
         converges=False,
-        says=("discards the last",),
+        refuses=(ProblemCode.EXCISION_OF_ALL,),
     )
     needle = ((5.0, 0.0, TOP), (-3.0, 0.5, TOP), (-3.0, 0.0, TOP))
     sharp = Incision("sharp", 1.0, needle, closed=True)

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from lappet.core.problem_code import ProblemCode
 from lappet.cutting.epoch import Regions
 from lappet.procedure import MODELS
 from lappet.program.program import MaterialParameters, Program
@@ -167,7 +168,7 @@ def _contrast() -> Iterator[Case]:
             "contrast",
             lambda power=power: inclusion(10.0**power),
             converges=power < 5,
-            says=("try precision 'double'",) if power > 4 else (),
+            refuses=KINK if power > 4 else (),
         )
         if power:
             yield Case(f"inclusion 10^-{power} as stiff", "contrast", lambda power=power: inclusion(10.0**-power))
@@ -225,7 +226,7 @@ def _models() -> Iterator[Case]:
                 "models",
                 lambda plain=plain, precision=precision: stretched(3.0, materials=(plain,), precision=precision),
                 converges=model != "corotated",
-                says=KINK if model == "corotated" else (),
+                refuses=KINK if model == "corotated" else (),
             )
     stiff, soft = (material("mooneyRivlin", youngs_modulus=e) for e in (1e9, 1e-6))
     yield Case("Young's modulus 10^9 kPa", "models", lambda: stretched(1.3, materials=(stiff,)))
@@ -238,7 +239,7 @@ def _models() -> Iterator[Case]:
         "models",
         lambda: stretched(1.5, materials=(beyond,)),
         converges=False,
-        says=("it must be 0 to 0.4999",),
+        refuses=(ProblemCode.SOLVER_INVALID_INPUT,),
     )
 
 

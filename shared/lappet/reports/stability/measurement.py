@@ -17,12 +17,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from lappet.core.problem import RefusedError
+from lappet.core.problem import Problem, RefusedError
+from lappet.core.problem_code import ProblemCode
 from lappet.daemon.client import FrameSolution, SolverClient, SolverState
 from lappet.daemon.frame_solver import Iteration, SolverDiedError
 from lappet.daemon.process import SolverDaemon
 from lappet.daemon.wire import WireError
 from lappet.program.program import Program
+from lappet.solve.solve_frames import not_converged
 
 # A float state lies within its tolerance as float sees it; in double precision it may be this much worse.
 VERIFIED = 1.5
@@ -101,14 +103,14 @@ class Case:
     group: str
     scene: Callable[..., Scene | Program]
     converges: bool = True
-    says: tuple[str, ...] = ()
+    refuses: tuple[ProblemCode, ...] = ()
     budget: float = 60.0
     slow: bool = False
 
     @property
     def expected(self) -> str:
         """The outcomes that are right, for people."""
-        refuses = "refuses: " + " | ".join(self.says) if self.says else ""
+        refuses = "refuses: " + " | ".join(self.refuses) if self.refuses else ""
         return " or ".join(part for part in ("converges" if self.converges else "", refuses) if part)
 
 
@@ -159,6 +161,7 @@ class Row:
     seconds: float
     budget: float
     ok: bool
+    code: ProblemCode | None = None
 
 
 def run_cases(cases: Iterable[Case], say: Callable[[str], None] = lambda _: None) -> Iterator[Row]:
@@ -206,15 +209,13 @@ def run_case(case: Case) -> Row:
     except SolverDiedError as error:
         row = replace(row, outcome="hangs" if watchdog.bit else "crashes", reason=str(error))
     except RefusedError as error:
-        row = replace(row, outcome="refuses", reason=str(error))
+        row = replace(row, outcome="refuses", reason=str(error), code=error.problems[0].code)
     except WireError as error:
         row = replace(row, outcome="wrong", reason=f"The daemon's answer is no answer: {error}")
     except Exception as error:
         row = replace(row, outcome="crashes", reason=f"{type(error).__name__}: {error}".splitlines()[0])
     seconds = time.perf_counter() - begun
-    right = (row.outcome == "converges" and case.converges) or (
-        row.outcome == "refuses" and any(part in row.reason for part in case.says)
-    )
+    right = (row.outcome == "converges" and case.converges) or (row.outcome == "refuses" and row.code in case.refuses)
     if right and seconds > case.budget:
         row = replace(row, reason=f"{row.reason} It took {seconds:.0f} s, more than its budget.".strip())
     return replace(row, seconds=seconds, ok=right and seconds <= case.budget)
@@ -228,7 +229,8 @@ def _solve(client: SolverClient, scene: Scene, case: Case, row: Row) -> Row:
     if other is not None:
         before, reason, _ = _frames(client, other, None)
         if reason:
-            return replace(row, outcome="refuses", reason=f"What it is compared with is refused already: {reason}")
+            said = f"What it is compared with is refused already: {reason}"
+            return replace(row, outcome="refuses", reason=said, code=reason.code)
         twin = before[-1]
     frames, reason, cells = _frames(client, program, scene.start)
     finite = [frame for frame in frames if frame.converged]
@@ -247,14 +249,16 @@ def _solve(client: SolverClient, scene: Scene, case: Case, row: Row) -> Row:
             wrong = f"In double precision its relative residual is {residual:.2e}."
         elif gap is not None and not gap <= VERIFIED * settings.gap_tolerance * settings.spacing:
             wrong = f"In double precision its gap is {gap:.3g} mm."
-    if not wrong and not reason and scene.check is not None:
+    if not wrong and reason is None and scene.check is not None:
         wrong = scene.check(Solved(program, tuple(frames), twin))
     if wrong:
         return replace(row, outcome="wrong", reason=wrong)
-    return replace(row, outcome="refuses", reason=reason) if reason else row
+    return row if reason is None else replace(row, outcome="refuses", reason=str(reason), code=reason.code)
 
 
-def _frames(client: SolverClient, program: Program, start: Start | None) -> tuple[list[FrameSolution], str, int]:
+def _frames(
+    client: SolverClient, program: Program, start: Start | None
+) -> tuple[list[FrameSolution], Problem | None, int]:
     """The frames up to the first one that fails (included), why it failed, and the most cells of an epoch."""
     client.open(program.settings, program.bones)
     frames: list[FrameSolution] = []
@@ -267,8 +271,8 @@ def _frames(client: SolverClient, program: Program, start: Start | None) -> tupl
                 client.set_state(_state(program, start(lattice["nodes"]) - lattice["nodes"]))
         frames.append(client.solve(frame))
         if not frames[-1].converged:
-            return frames, frames[-1].reason or "It did not converge and does not say why.", cells
-    return frames, "", cells
+            return frames, not_converged(frame.time, frames[-1].header), cells
+    return frames, None, cells
 
 
 def _set_epoch(client: SolverClient, program: Program, index: int, nodes: bool = False) -> dict[str, Any]:

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from lappet.reports.report_error import ReportError
+from lappet.core.problem import refused
+from lappet.core.problem_code import ProblemCode
 from lappet.reports.report_files import head, make_folder, write_json
 from lappet.reports.stability.constraint_cases import constraint_cases
 from lappet.reports.stability.cut_cases import cut_cases
@@ -51,7 +52,7 @@ def chosen_cases(only: Sequence[str], quick: bool) -> list[Case]:
     groups = list(dict.fromkeys(case.group for case in cases))
     for name in only:
         if name not in groups:
-            raise ReportError(f"There is no group {name!r} of cases; there are {', '.join(groups)}.")
+            raise refused(ProblemCode.REPORT_UNKNOWN, "", name, what="group of cases", known=", ".join(groups))
     return [case for case in cases if (not only or case.group in only) and not (quick and case.slow)]
 
 

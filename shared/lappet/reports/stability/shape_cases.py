@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from lappet.core.problem_code import ProblemCode
 from lappet.procedure import Hook, Incision, Suture, Undermine
 from lappet.program.program import Program
 from lappet.reports.stability.measurement import Case, Check, Scene, Solved
@@ -81,7 +82,7 @@ def _thin() -> Iterator[Case]:
         "thin",
         lambda: stretched(1.3, size=(16.0, 16.0, 0.02), spacing=2.0),
         converges=False,
-        says=("too thin for this lattice",),
+        refuses=(ProblemCode.SOLVER_INVALID_INPUT,),
     )
     ring = tuple((5.0 * np.cos(a), 5.0 * np.sin(a), 2.0) for a in np.linspace(0.1, 2 * np.pi - 0.1, 24))
     yield Case("island that a single cell holds, lifted", "thin", lambda: island(ring, 20.0))
@@ -261,7 +262,7 @@ def _spacing() -> Iterator[Case]:
         "spacing",
         lambda: stretched(1.3, size=(10.0, 10.0, 10.0), spacing=100.0),
         converges=False,
-        says=("too thin for this lattice",),
+        refuses=(ProblemCode.SOLVER_INVALID_INPUT,),
     )
     for cells, budget in ((46, 120.0), (100, 600.0)):
         yield Case(
@@ -276,7 +277,7 @@ def _spacing() -> Iterator[Case]:
         "spacing",
         lambda: stretched(1.3, size=(10.0, 10.0, 10.0), spacing=1e-3),
         converges=False,
-        says=("memory budget", "GiB", "bytes"),
+        refuses=(ProblemCode.SOLVER_MEMORY_BUDGET,),
     )
     yield Case(
         "slab of 1 x 64 x 64 cells, sheared by its thickness",
