@@ -2,7 +2,7 @@ r"""Rhombic transposition flaps: Limberg's, and Dufourmentel and Mouly's.
 
 The defect is a rhombus with sides a and the acute angle α at the ends A and C of its long diagonal; B and D are the
 ends of the short one. The flap has the corners C, D, E, F: the first limb DE begins at the defect's obtuse corner D,
-the second, EF, ends beside C, and CF is its base. In the design's plane, x along the short diagonal from B to D:
+the second, EF, ends beside C, and CF is its base. In the design's plane, x along the short diagonal from B to D::
 
             A
           /   \                Limberg (α = 60°): DE extends the short diagonal, EF is parallel to DC; |DE| = |EF| = a.

@@ -3,7 +3,7 @@
 The defect is an ellipse. From each end of its long axis an incision leaves along the axis and runs as an S: an arc that
 turns around the flap, then a shorter one that turns back and leaves the flap a broad base. The one half of the defect's
 rim is the leading edge of the first flap and the other half that of the second; the design is its own image when
-turned by 180° about the middle. In the design's plane, x along the long axis:
+turned by 180° about the middle. In the design's plane, x along the long axis::
 
           _____________
          /   flap 2
