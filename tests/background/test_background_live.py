@@ -14,7 +14,7 @@ from lappet.background.live_session import LiveSession
 from lappet.background.plan import Finished, FrameFailed, FrameReady, Happening, LiveFrame, Refused
 from lappet.background.plan_store import get_shown
 from lappet.daemon.frame_solver import SolvedFrame, SolverDiedError
-from lappet.output.solve_procedure import solve_procedure
+from lappet.output.solve_to_cache import solve_procedure
 from lappet.procedure import Hook, Incision, Point
 from lappet.program.compile import compile_program
 from lappet.program.program import Bones, SolverSettings

@@ -27,7 +27,7 @@ from lappet.background.plan import (
 from lappet.background.plan_store import get_plan, get_shown
 from lappet.background.solver import BackgroundSolver
 from lappet.daemon.frame_solver import STATE_ARRAYS
-from lappet.output.solve_procedure import solve_procedure
+from lappet.output.solve_to_cache import solve_procedure
 from lappet.procedure import Hook, Incision, Procedure, Suture
 from lappet.solve.store import FrameStore
 from small_procedure import TOP, small_procedure

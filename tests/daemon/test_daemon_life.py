@@ -131,7 +131,7 @@ def test_the_daemon_ends_with_its_client_even_when_that_is_killed(binary: Path) 
     program = (
         "import sys, time\n"
         "from lappet.daemon.client import SolverClient\n"
-        "from lappet.daemon import SolverDaemon\n"
+        "from lappet.daemon.process import SolverDaemon\n"
         "daemon = SolverDaemon(sys.argv[1]).start()\n"
         "client = SolverClient(daemon=daemon).connect()\n"
         "print(daemon.pid, flush=True)\n"

@@ -39,7 +39,7 @@ def test_procedures_end_in_frames_that_hold_or_in_a_sentence(binary: Path) -> No
 def test_a_fault_and_a_false_claim_are_failures(
     running: SolverDaemon, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from lappet.output.solve_procedure import solve_procedure
+    from lappet.output.solve_to_cache import solve_procedure
     from small_procedure import small_procedure
 
     plain = small_procedure(end_time=2.0, events=())

@@ -125,7 +125,7 @@ def test_a_wheel_installed_elsewhere_brings_the_command_and_its_daemon(tmp_path:
     """Build the wheel from a copy without build products, install it in an environment of its own, run both."""
     wheel = lappet_wheel.built()
     names = zipfile.ZipFile(wheel).namelist()
-    for name in ("lappet/bin/lappet-solverd", "lappet/cli.py", "lappet_blender/figure/__main__.py"):
+    for name in ("lappet/bin/lappet-solverd", "lappet/commands/cli.py", "lappet_blender/figure/__main__.py"):
         assert name in names
     assert any(name.startswith("lappet/schema/") for name in names)
 

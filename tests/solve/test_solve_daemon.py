@@ -14,8 +14,8 @@ import numpy as np
 import pytest
 
 from lappet.daemon.frame_solver import Iteration
-from lappet.output.solve_procedure import SolveResult, solve_procedure
-from lappet.solve.solve_program import SolveObserver
+from lappet.output.solve_to_cache import SolveResult, solve_procedure
+from lappet.solve.solve_frames import SolveObserver
 from lappet.solve.store import FrameStore, StoredFrame
 from lappet.usd.stage import write_procedure
 from small_procedure import small_procedure

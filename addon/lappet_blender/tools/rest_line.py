@@ -9,16 +9,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from lappet.core.problem import RefusedError
 from lappet.geometry.curve import sample_curve
-from lappet.procedure import Basis
 
+from ..model.event_kinds import BASIS_OF
 from .shown_surface import Located, RestShape, ShownSurface
 
-BASIS_OF: dict[str, Basis] = {
-    "LINEAR": "linear",
-    "CATMULL_ROM": "catmullRom",
-    "BSPLINE": "bspline",
-    "BEZIER": "bezier",
-}
 _STEP = 0.6
 _MOST = 400
 # A sample farther than this (mm) beside the shown skin at rest lies where tissue was taken away.

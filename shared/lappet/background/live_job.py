@@ -19,7 +19,7 @@ from lappet.core.problem_code import ProblemCode
 from lappet.daemon.frame_solver import FrameRefusedError, SolvedFrame, SolverDiedError
 from lappet.procedure import Point
 from lappet.procedure.prim_paths import TIMELINE
-from lappet.solve.solve_program import at_frame
+from lappet.solve.solve_frames import at_frame
 from lappet.solve.store import StoredFrame
 
 _LEFT_OUT = ("strain", "stress", "tension")  # per vertex: not worth sending while the mouse moves

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from lappet.daemon.frame_solver import Connect, FrameSolver, Iteration, SolvedFrame, SolverDiedError
 from lappet.procedure import Point
 from lappet.program.program import Program
-from lappet.solve.solve_program import TRIES, fitted_state
+from lappet.solve.solve_frames import TRIES, fitted_state
 from lappet.solve.store import StoredFrame
 
 TOLERANCE = 1e-2  # residual over force scale: what is shown while the mouse moves needs no more

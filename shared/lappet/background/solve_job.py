@@ -32,7 +32,7 @@ from lappet.cutting.epoch import Epoch
 from lappet.daemon.frame_solver import Connect, FrameSolver, Iteration, SolvedFrame
 from lappet.procedure.prim_paths import ROOT
 from lappet.program.program import Bones, FrameConstraints, Landmarks, Program, SolverSettings
-from lappet.solve.solve_program import FrameResult, Frames, SolveObserver, solve_program
+from lappet.solve.solve_frames import FrameResult, Frames, SolveObserver, solve_program
 
 Tell = Callable[[Happening], None]
 

@@ -17,9 +17,9 @@ from lappet.bench.circumstances import cores
 from lappet.core.problem import RefusedError, refused
 from lappet.core.problem_code import ProblemCode
 from lappet.daemon.client import SolverClient
-from lappet.output.solve_procedure import solve_procedure
+from lappet.output.solve_to_cache import solve_procedure
 from lappet.program.program import Program
-from lappet.solve.solve_program import FrameResult
+from lappet.solve.solve_frames import FrameResult
 from lappet.solve.store import FrameStore
 
 STATE_GRAIN = 0.01  # mm

@@ -32,7 +32,7 @@ def new(
     """Make a procedure whose tissue is a mesh (OBJ, STL, PLY, glTF, USD)."""
     with sentences(context):
         from lappet.procedure import Procedure
-        from lappet.tissue.new_tissue import new_tissue
+        from lappet.tissue.tissue_from_mesh import new_tissue
         from lappet.usd.stage import write_procedure
 
         tissue, found = new_tissue(

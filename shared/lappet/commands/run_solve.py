@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING, Any
 import click
 
 if TYPE_CHECKING:
-    from lappet.output.solve_procedure import SolveResult
+    from lappet.output.solve_to_cache import SolveResult
     from lappet.solve.error_estimate import ErrorEstimate
 
 
 def run_solve(procedure: Path, cache: Path, report_path: Path | None, **options: Any) -> SolveResult:
     """Solves with progress on standard error and writes the report; options are those of `solve_options`."""
     from lappet.commands.solve_progress import solve_progress
-    from lappet.output.solve_procedure import solve_procedure
+    from lappet.output.solve_to_cache import solve_procedure
     from lappet.solve.store import FrameStore
 
     options["quadrature"] = int(options["quadrature"])

@@ -8,7 +8,7 @@ from types import TracebackType
 from typing import Any, TextIO
 
 from lappet.daemon.frame_solver import Iteration
-from lappet.solve.solve_program import FrameResult, SolveObserver
+from lappet.solve.solve_frames import FrameResult, SolveObserver
 
 
 class PlainProgress(SolveObserver):

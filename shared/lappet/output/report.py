@@ -17,11 +17,11 @@ import numpy as np
 
 from lappet.core.machine import machine
 from lappet.core.version import version
-from lappet.output.solve_procedure import SolveResult
+from lappet.output.solve_to_cache import SolveResult
 from lappet.procedure.scene_profile import scene_profile
 from lappet.program.program import Program
 from lappet.solve.error_estimate import FrameErrorEstimate
-from lappet.solve.solve_program import FrameResult
+from lappet.solve.solve_frames import FrameResult
 
 REPORT_VERSION = 1
 LATTICE_COUNTS = ("fine_voxels", "cells", "grid_cells", "mesh_cells", "nodes", "blocks")

@@ -23,7 +23,7 @@ from lappet.program.program import Program
 from lappet.usd.stage import pxr, save_layer
 
 if TYPE_CHECKING:
-    from lappet.solve.solve_program import FrameResult
+    from lappet.solve.solve_frames import FrameResult
 
 SUBSETS = {
     FaceOrigin.SKIN: "skin",

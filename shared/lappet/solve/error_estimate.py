@@ -28,7 +28,7 @@ from lappet.cutting.epoch import Epoch
 from lappet.daemon.frame_solver import Connect
 from lappet.geometry.labelled_surface import FaceOrigin
 from lappet.program.program import Program
-from lappet.solve.solve_program import FrameResult, SolveObserver, solve_program
+from lappet.solve.solve_frames import FrameResult, SolveObserver, solve_program
 from lappet.solve.store import FrameStore
 
 RATIO = 2.0  # of the spacings

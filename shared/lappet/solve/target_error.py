@@ -16,7 +16,7 @@ from lappet.daemon.frame_solver import Connect
 from lappet.procedure import Procedure
 from lappet.program.compile import compile_program
 from lappet.solve.error_estimate import ErrorEstimate, estimate_errors, expected_order
-from lappet.solve.solve_program import SolveObserver, solve_program
+from lappet.solve.solve_frames import SolveObserver, solve_program
 from lappet.solve.store import FrameStore
 
 PILOT = 2.0  # of the tissue's spacing

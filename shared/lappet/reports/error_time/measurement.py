@@ -23,7 +23,7 @@ from lappet.geometry.labelled_surface import FaceOrigin
 from lappet.program.program import Program
 from lappet.reports.error_time.reference import Reference, fitted_order, greatest, observed_orders, richardson, rms
 from lappet.solve.error_estimate import coarse_program, expected_order, far_coarse_program, frame_error
-from lappet.solve.solve_program import FrameResult, SolveObserver, solve_program
+from lappet.solve.solve_frames import FrameResult, SolveObserver, solve_program
 from lappet.solve.store import FrameStore
 
 DEFAULT: dict[str, Any] = {"quadrature": 1, "tolerance": 1e-3, "precision": "float", "preconditioner": "twoLevel"}

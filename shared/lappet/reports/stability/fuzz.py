@@ -25,7 +25,7 @@ from lappet.core.problem_code import ProblemCode
 from lappet.daemon.daemon_solver import DaemonSolver
 from lappet.daemon.frame_solver import FrameSolver
 from lappet.daemon.process import SolverDaemon, find_daemon
-from lappet.output.solve_procedure import SolveResult, solve_procedure
+from lappet.output.solve_to_cache import SolveResult, solve_procedure
 from lappet.procedure import (
     MODELS,
     Event,

@@ -24,7 +24,7 @@ from lappet.daemon.frame_solver import Iteration, SolverDiedError
 from lappet.daemon.process import SolverDaemon
 from lappet.daemon.wire import WireError
 from lappet.program.program import Program
-from lappet.solve.solve_program import not_converged
+from lappet.solve.solve_frames import not_converged
 
 # A float state lies within its tolerance as float sees it; in double precision it may be this much worse.
 VERIFIED = 1.5

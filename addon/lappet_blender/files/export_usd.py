@@ -9,6 +9,9 @@ import bpy
 
 from lappet.core.problem import RefusedError
 
+from ..model.scene_procedure import read_scene
+from ..solving import reconcile
+from ..solving.solve_settings import frame_store, solve_settings
 from .bundled_pxr import bundled_pxr
 
 if TYPE_CHECKING:
@@ -19,8 +22,6 @@ if TYPE_CHECKING:
 
 def procedure_of(scene: bpy.types.Scene) -> Procedure:
     """The procedure that a scene holds; raises RefusedError with what stands in the way."""
-    from ..model.scene_procedure import read_scene
-
     reading = read_scene(scene)
     if reading.procedure is None:
         first = next((each for each in reading.problems if each.severity == "error"), None)
@@ -48,17 +49,14 @@ def write_cache(scene: bpy.types.Scene, path: Path) -> Path:
     bundled_pxr()
     from lappet.output.skin_cache import write_skin_cache
     from lappet.program.keys import frame_keys
-    from lappet.solve.solve_program import FrameResult
+    from lappet.solve.solve_frames import FrameResult
     from lappet.usd.stage import SUFFIXES, write_procedure
-
-    from ..solving.reconcile import identity
-    from ..solving.solve_settings import frame_store
 
     if path.suffix not in SUFFIXES:
         raise RefusedError(f"{path.name} does not end in a USD suffix; name it {', '.join(SUFFIXES)}.")
     procedure = procedure_of(scene)
     program = compiled(scene, procedure)
-    found = _stored(program, frame_keys(program, identity()), frame_store(scene))
+    found = _stored(program, frame_keys(program, reconcile.identity()), frame_store(scene))
     frames = [
         FrameResult(constraints, key, stored.header, dict(stored.arrays), True, 0.0)
         for constraints, (key, stored) in zip(program.frames, found, strict=True)
@@ -72,8 +70,6 @@ def write_cache(scene: bpy.types.Scene, path: Path) -> Path:
 def compiled(scene: bpy.types.Scene, procedure: Procedure, spacing: float | None = None) -> Program:
     """The program of a procedure with the settings of a scene's Solve panel."""
     from lappet.program.compile import compile_program
-
-    from ..solving.solve_settings import solve_settings
 
     settings = solve_settings(scene)
     return compile_program(

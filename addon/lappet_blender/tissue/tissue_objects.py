@@ -1,37 +1,10 @@
-"""How the operators of this part refuse: with a sentence, and nothing done."""
+"""The objects that operators work on: the tissue, its mesh, and objects by name."""
 
 from __future__ import annotations
-
-from typing import Any
 
 import bpy
 
 from lappet.core.problem import RefusedError
-
-from ..model.changes import changed
-
-UNDOABLE = {"REGISTER", "UNDO"}
-PLAIN = {"REGISTER"}
-
-
-class Act:
-    """Mixin of an operator: `act` does it, or raises RefusedError with the reason before it has changed anything."""
-
-    def act(self, context: bpy.types.Context) -> str | None:
-        """Does it; the sentence that it returns is shown."""
-        raise NotImplementedError
-
-    def execute(self: Any, context: bpy.types.Context) -> set[str]:
-        """Blender's entry."""
-        try:
-            said = self.act(context)
-        except RefusedError as refused:
-            self.report({"ERROR"}, str(refused))
-            return {"CANCELLED"}
-        if said:
-            self.report({"INFO"}, said)
-        changed(context.scene)
-        return {"FINISHED"}
 
 
 def tissue_object(scene: bpy.types.Scene) -> bpy.types.Object:

@@ -6,13 +6,16 @@ import bpy
 import numpy as np
 from bpy.props import BoolProperty, CollectionProperty, EnumProperty, FloatProperty
 
-from ..model.event_properties import BASES, LappetPoint
+from ..events.add_events import add_incision, add_undermining
+from ..events.operator_values import given, places
+from ..model.event_kinds import BASES, BASIS_OF
+from ..model.event_properties import LappetPoint
 from .drawing import LineDrawing, Point
 from .handles import event_points
 from .preview import Preview, show_preview
 from .rest_line import line_length
 from .shown_surface import shown_surface
-from .skin_modal import Result, SkinModal, co, run_operator, say, why_nothing_to_draw_on
+from .skin_modal import Result, SkinModal, check_tissue
 from .view_under_mouse import View
 
 SNAP_PIXELS = 12.0
@@ -25,7 +28,7 @@ _HINTS = (
 _END_HINTS = (("EVENT_RETURN", "Finish"), ("MOUSE_RMB", "Finish"), ("EVENT_ESC", "Cancel"))
 
 
-class _DrawLine(SkinModal):
+class _LineTool(SkinModal):
     """What the two tools share: `self.drawing` is the state machine, snapping is here since it is in pixels."""
 
     must_close: ClassVar[bool] = False
@@ -152,7 +155,7 @@ def _tolerance_property() -> object:
     )
 
 
-class LAPPET_OT_draw_incision(_DrawLine, bpy.types.Operator):
+class LAPPET_OT_draw_incision(_LineTool, bpy.types.Operator):
     """Draw an incision: click points on the skin, or draw with the button down"""
 
     bl_idname = "lappet.draw_incision"
@@ -175,21 +178,17 @@ class LAPPET_OT_draw_incision(_DrawLine, bpy.types.Operator):
         name="Kerf", description="How wide the cut is, in mm", default=0.05, min=0.001, soft_max=1.0, precision=3
     )
 
-    def execute(self, context: bpy.types.Context) -> Result:
-        if context.scene.lappet.tissue.object is None:
-            return say(self, why_nothing_to_draw_on(context))
-        done = run_operator(
-            self,
-            "incision_add",
-            points=co(point.co for point in self.points),
-            time=_time_of(self, context),
-            depth=self.depth,
-            through=self.through,
+    def run(self, context: bpy.types.Context) -> None:
+        check_tissue(context)
+        add_incision(
+            context.scene,
+            places(self.points),
+            given(self, "time", context.scene.frame_current),
+            depth=None if self.through else self.depth,
             kerf=self.kerf,
-            basis=self.basis,
+            basis=BASIS_OF[self.basis],
             closed=self.closed,
         )
-        return {"FINISHED"} if done else {"CANCELLED"}
 
     def draw(self, _context: bpy.types.Context) -> None:
         self.layout.use_property_split = True
@@ -197,7 +196,7 @@ class LAPPET_OT_draw_incision(_DrawLine, bpy.types.Operator):
         draw_incision_settings(self.layout, self)
 
 
-class LAPPET_OT_draw_undermining(_DrawLine, bpy.types.Operator):
+class LAPPET_OT_draw_undermining(_LineTool, bpy.types.Operator):
     """Draw the outline of an area that is freed from its bed"""
 
     bl_idname = "lappet.draw_undermining"
@@ -214,13 +213,10 @@ class LAPPET_OT_draw_undermining(_DrawLine, bpy.types.Operator):
     line: _line_property()
     tolerance: _tolerance_property()
 
-    def execute(self, context: bpy.types.Context) -> Result:
-        if context.scene.lappet.tissue.object is None:
-            return say(self, why_nothing_to_draw_on(context))
-        points = co(point.co for point in self.points)
-        time = _time_of(self, context)
-        done = run_operator(self, "undermine_add", points=points, time=time, basis=self.basis)
-        return {"FINISHED"} if done else {"CANCELLED"}
+    def run(self, context: bpy.types.Context) -> None:
+        check_tissue(context)
+        time = given(self, "time", context.scene.frame_current)
+        add_undermining(context.scene, places(self.points), time, basis=BASIS_OF[self.basis])
 
     def draw(self, _context: bpy.types.Context) -> None:
         self.layout.use_property_split = True
@@ -234,12 +230,6 @@ def draw_incision_settings(layout: bpy.types.UILayout, owner: Any) -> None:
     row.enabled = not owner.through
     row.prop(owner, "depth")
     layout.prop(owner, "kerf")
-
-
-def _time_of(operator: bpy.types.Operator, context: bpy.types.Context) -> float:
-    """The frame an operator was given, or else the current one."""
-    given = operator.properties.is_property_set("time")
-    return float(operator.time if given else context.scene.frame_current)
 
 
 CLASSES = (LAPPET_OT_draw_incision, LAPPET_OT_draw_undermining)

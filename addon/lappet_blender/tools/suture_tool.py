@@ -7,12 +7,16 @@ import numpy as np
 from bpy.props import CollectionProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
 from mathutils import Vector
 
+from lappet.core.problem import RefusedError
+
+from ..events.add_sutures import Spacing, SutureTimes, add_suture, add_suture_run, ends_across, ends_between
+from ..events.operator_values import given, places
 from ..model.event_properties import LappetPoint
 from .drawing import DrawnLine, Point
 from .handles import nearest_line
 from .preview import Preview, show_preview
 from .shown_surface import shown_surface
-from .skin_modal import Result, SkinModal, co, run_operator, say, why_nothing_to_draw_on
+from .skin_modal import Result, SkinModal, check_tissue
 from .view_under_mouse import View
 
 MODES = (
@@ -68,23 +72,23 @@ class LAPPET_OT_place_suture(SkinModal, bpy.types.Operator):
     def begin(self, context: bpy.types.Context) -> None:
         self.edges: list[list[Point]] = [[], []]
         self.on_second = False
-        self.run = self.mode == "RUN"
+        self.is_run = self.mode == "RUN"
         self.hover: Point | None = None
         self._said = ""
 
     def pressed(self, context: bpy.types.Context, view: View) -> Result | None:
         if self.mode == "INCISION":
-            return self._sew_incision(context, view)
+            return self._suture_incision(context, view)
         hit = view.pick(context.scene, any_face=True)
         if hit is None:
             self._said = "the mouse is not on the tissue; "
             return self.moved(context, view)
         self._said = ""
-        self.run = self.run or (self.shift and not self.on_second)
+        self.is_run = self.is_run or (self.shift and not self.on_second)
         self.edges[self.on_second].append(hit.rest)
-        if not self.run:
+        if not self.is_run:
             if self.on_second:
-                return self._sew(context)
+                return self._place_sutures(context)
             self.on_second = True
         return self.moved(context, view)
 
@@ -95,11 +99,11 @@ class LAPPET_OT_place_suture(SkinModal, bpy.types.Operator):
         self.hover = None if hit is None else hit.rest
         preview = Preview(context.scene.name, dots=[*self.edges[0], *self.edges[1]], kind="SUTURE")
         for index, edge in enumerate(self.edges):
-            live = [*edge, *([self.hover] if self.run and self.hover and index == self.on_second else [])]
+            live = [*edge, *([self.hover] if self.is_run and self.hover and index == self.on_second else [])]
             if len(live) > 1:
                 preview.lines.append(DrawnLine(tuple(live), "LINEAR", False))
         surface = shown_surface(context.scene, view.space)
-        if surface is not None and not self.run and self.edges[0]:
+        if surface is not None and not self.is_run and self.edges[0]:
             start = surface.carry(surface.rest.locate(np.array(self.edges[0]), skin_only=False))[0]
             end = hit.world if hit is not None else view.on_plane_through(Vector(start.tolist()))
             preview.threads.append((Vector(start.tolist()), end))
@@ -109,19 +113,19 @@ class LAPPET_OT_place_suture(SkinModal, bpy.types.Operator):
     def confirmed(self, context: bpy.types.Context) -> Result | None:
         if not self.edges[0]:
             return {"CANCELLED"}
-        if not self.run:
+        if not self.is_run:
             self._said = "click the other edge; "
             return None
         if len(self.edges[self.on_second]) < 2:
             self._said = "an edge needs two points; "
             return None
         if self.on_second:
-            return self._sew(context)
+            return self._place_sutures(context)
         self.on_second = True
         return None
 
     def double_clicked(self, context: bpy.types.Context, view: View) -> Result | None:
-        return self.confirmed(context) if self.run else self.pressed(context, view)
+        return self.confirmed(context) if self.is_run else self.pressed(context, view)
 
     def key(self, context: bpy.types.Context, key: str) -> Result | None:
         if key == "BACK_SPACE":
@@ -137,11 +141,11 @@ class LAPPET_OT_place_suture(SkinModal, bpy.types.Operator):
         if self.mode == "INCISION":
             return f"{self.title} at frame {frame}: {self._said}click an incision to sew it"
         edge = "second" if self.on_second else "first"
-        if self.run:
+        if self.is_run:
             return f"Run of sutures at frame {frame}: {self._said}click along the {edge} edge, then Return"
         return f"{self.title} at frame {frame}: {self._said}click the {edge} edge of the wound"
 
-    def _sew_incision(self, context: bpy.types.Context, view: View) -> Result | None:
+    def _suture_incision(self, context: bpy.types.Context, view: View) -> Result | None:
         surface = shown_surface(context.scene, view.space)
         radius = 20.0 * context.preferences.system.ui_scale
         uid = surface and nearest_line(context.scene, surface, view.project, view.mouse, radius, ("INCISION",))
@@ -150,9 +154,9 @@ class LAPPET_OT_place_suture(SkinModal, bpy.types.Operator):
             self._said = "no incision is near the mouse; "
             return None
         self.incision = event.name
-        return self._sew(context)
+        return self._place_sutures(context)
 
-    def _sew(self, context: bpy.types.Context) -> Result:
+    def _place_sutures(self, context: bpy.types.Context) -> Result:
         for collection, edge in ((self.first, self.edges[0]), (self.second, self.edges[1])):
             collection.clear()
             for point in edge:
@@ -160,23 +164,22 @@ class LAPPET_OT_place_suture(SkinModal, bpy.types.Operator):
         self.time = context.scene.frame_current
         return self.execute(context)
 
-    def execute(self, context: bpy.types.Context) -> Result:
-        if context.scene.lappet.tissue.object is None:
-            return say(self, why_nothing_to_draw_on(context))
+    def run(self, context: bpy.types.Context) -> None:
+        scene = context.scene
+        check_tissue(context)
         if not self.incision and not (self.first and self.second):
-            return say(self, "A suture joins two edges; give at least one point of each, or an incision.")
-        time = self.time if self.properties.is_property_set("time") else context.scene.frame_current
-        shared = {"start": time, "duration": self.duration, "stiffness": self.stiffness, "depth": self.depth}
+            raise RefusedError("A suture joins two edges; give at least one point of each, or an incision.")
+        times = SutureTimes(given(self, "time", scene.frame_current), self.duration, self.stiffness)
         if len(self.first) == len(self.second) == 1:
-            ends = {"first": tuple(self.first[0].co), "second": tuple(self.second[0].co)}
-            return {"FINISHED"} if run_operator(self, "suture_add", **ends, **shared) else {"CANCELLED"}
+            add_suture(scene, self.first[0].co, self.second[0].co, times, depth=self.depth)
+            return
+        spacing = Spacing(self.count, self.spacing)
         if self.incision:
-            which = {"incision": self.incision, "bite": self.bite}
+            ends = ends_across(scene, self.incision, self.bite, spacing)
         else:
-            edges = [co(point.co for point in edge) for edge in (self.first, self.second)]
-            which = {"first_edge": edges[0], "second_edge": edges[1], "flip": _runs_back(self.first, self.second)}
-        done = run_operator(self, "suture_run", **which, count=self.count, spacing=self.spacing, **shared)
-        return {"FINISHED"} if done else {"CANCELLED"}
+            back = _runs_back(self.first, self.second)
+            ends = ends_between(places(self.first), places(self.second), back, spacing)
+        add_suture_run(scene, ends, times, depth=self.depth)
 
     def draw(self, _context: bpy.types.Context) -> None:
         self.layout.use_property_split = True

@@ -1,4 +1,4 @@
-"""How much one turn on the main thread may do: Blender answers between two turns."""
+"""How much the display may draw at a time on the main thread: Blender answers its user between two slices."""
 
 from __future__ import annotations
 
@@ -7,14 +7,14 @@ from time import monotonic
 SECONDS = 0.012
 
 
-class Turn:
-    """Costly pieces are begun only while there is time, the first one always, so that every turn gets on.
+class TimeSlice:
+    """Costly pieces are begun only while there is time; the first one always is, so that every slice makes progress.
 
-    unfinished: whether a piece was put off to the next turn.
+    unfinished: whether a piece was put off to the next slice.
     """
 
     def __init__(self, soon: bool) -> None:
-        """soon: for somebody who looks on; otherwise it takes as long as it takes."""
+        """soon: somebody is looking on; otherwise the slice has no end."""
         self.until = monotonic() + SECONDS if soon else None
         self.unfinished = False
         self._begun = False

@@ -7,13 +7,13 @@ import traceback
 
 import bpy
 
-from ..model.tissue_values import tissue_at_hand
+from ..model.tissue_values import tissue_is_ready
 from .controller import Controller, controller_of, controllers, find_controller, forget, scene_of
-from .frames import announce, follow_up
-from .happenings import take_in
+from .frames import follow_up, notify_listeners
 from .live_hook import step_live
-from .reconcile import due, take_carried
-from .scene_watch import check_vitals, read_now
+from .reconcile import due, finish_copying
+from .scene_watch import check_polled_state, read_now
+from .worker_events import handle_worker_events
 
 FIRST_INTERVAL = 0.1
 _LIVE, _BUSY, _IDLE = 0.01, 0.04, 0.25  # seconds until the timer comes by again
@@ -23,7 +23,7 @@ _drawn_at = 0.0
 _redraw_wanted = False
 
 
-def pump(timeout: float = 0.0) -> bool:
+def run_timer(timeout: float = 0.0) -> bool:
     """Does what the timer does: once, or until nothing is under way or `timeout` seconds have passed.
 
     Returns whether something is still under way: a job, a change that was not read yet, a picture to be finished.
@@ -38,7 +38,7 @@ def pump(timeout: float = 0.0) -> bool:
 
 def _once() -> bool:
     global _redraw_wanted
-    busy = told = False
+    busy = notified = False
     dragging = _is_dragging()
     for scene in list(bpy.data.scenes):
         controller = find_controller(scene)
@@ -46,27 +46,27 @@ def _once() -> bool:
             if scene.lappet.tissue.object is None:
                 continue
             controller = controller_of(scene)
-        check_vitals(scene, controller)
-        heard = take_in(controller)
-        take_carried(controller)
+        check_polled_state(scene, controller)
+        heard = handle_worker_events(controller)
+        finish_copying(controller)
         step_live(scene, controller)
-        if due(controller) and not dragging and controller.live is None and tissue_at_hand(scene):
+        if due(controller) and not dragging and controller.live is None and tissue_is_ready(scene):
             read_now(scene)
         busy |= _busy(controller)
-        told |= controller.told != controller.revision
-        _redraw_wanted |= heard or told
-        announce(scene, controller)
+        notified |= controller.notified != controller.revision
+        _redraw_wanted |= heard or notified
+        notify_listeners(scene, controller)
     for controller in controllers():
         if scene_of(controller) is None:
             forget(controller)
-    busy |= told or follow_up()  # one of them a turn
+    busy |= notified or follow_up()  # one of them per slice
     if _redraw_wanted:
         _redraw()
     return busy
 
 
 def _busy(controller: Controller) -> bool:
-    waiting = controller.dirty_since is not None or controller.carrying is not None
+    waiting = controller.dirty_since is not None or controller.copying is not None
     return waiting or any(True for _ in controller.jobs())
 
 
@@ -97,7 +97,7 @@ def _timer() -> float:
     if bpy.app.is_job_running("RENDER"):
         return _IDLE  # what is rendered must not change under its hands
     try:
-        busy = pump()
+        busy = run_timer()
     except Exception:  # an exception would end the timer, and with it every solve of the session
         traceback.print_exc()
         return 1.0

@@ -20,11 +20,11 @@ from ..look.skin_source import SkinEpoch
 from ..look.suture_thread import SutureThread
 from ..look.tube import TOPOLOGY, draw_tubes
 from ..look.wound_edge import WoundEdge
-from .board import find_object, make_object, place, set_visible
+from .display_collection import find_object, make_object, place, set_visible
 from .look_materials import part_material
 from .plan_source import PlanSource
 from .sphere_shape import spheres
-from .turn import Turn
+from .time_slice import TimeSlice
 
 _log = logging.getLogger(__name__)
 BEAD_RADIUS = 0.45
@@ -35,16 +35,16 @@ Tubes = tuple[list[NDArray[np.float64]], list]
 class Where:
     """Where a skin is drawn. prefix: of the roles of its objects. units: Blender units per mm. offset: in them."""
 
-    board: bpy.types.Collection
+    collection: bpy.types.Collection
     prefix: str
     units: float
     offset: tuple[float, float, float]
 
 
-class Dressing:
+class SkinDecorations:
     """The parts of one plan; what is costly is found once an epoch."""
 
-    def __init__(self, source: PlanSource, before: Dressing | None = None) -> None:
+    def __init__(self, source: PlanSource, before: SkinDecorations | None = None) -> None:
         """before: what was drawn until now; where its epochs are the same, what was found of them is kept."""
         self.source = source
         same = before is not None and [e.name for e in before.source.epochs] == [e.name for e in source.epochs]
@@ -77,19 +77,19 @@ class Dressing:
             self._thread = self._new_thread(self._thread)
             self._hooks, self._old_hooks = None, self._hooks or self._old_hooks
 
-    def draw(self, where: Where, time: float, look: bpy.types.PropertyGroup, turn: Turn) -> None:
+    def draw(self, where: Where, time: float, look: bpy.types.PropertyGroup, time_slice: TimeSlice) -> None:
         """Draw a frame; a part that cannot be drawn is left out, and so is, for now, one that the turn puts off."""
         epoch = self.source.epoch_at(time)
-        ready = turn.begins(not self._edge.knows(epoch))
+        ready = time_slice.begins(not self._edge.knows(epoch))
         self._tubes(where, "edge", "Wound edge", 6, ready, lambda: self._edge.tubes(time))
-        self._marks.until = self._thread.until = turn.until
+        self._marks.until = self._thread.until = time_slice.until
         self._tubes(where, "ink", "Marks", 6, look.show_plan, lambda: self._marks.tubes(time))
-        turn.unfinished |= look.show_plan and self._marks.unfinished
+        time_slice.unfinished |= look.show_plan and self._marks.unfinished
         self._tubes(where, "thread", "Sutures", 6, look.show_sutures, lambda: self._thread.tubes(time))
-        turn.unfinished |= self._thread.unfinished
-        wanted = look.show_hooks and turn.begins(self._hooks is None or not self._hooks.knows(epoch))
+        time_slice.unfinished |= self._thread.unfinished
+        wanted = look.show_hooks and time_slice.begins(self._hooks is None or not self._hooks.knows(epoch))
         self._tubes(where, "steel", "Hooks", 12, wanted, lambda: self._steel().tubes(time))
-        if turn.begins(self._bed is None and has_wound(epoch)):
+        if time_slice.begins(self._bed is None and has_wound(epoch)):
             self._draw_bed(where, time)
         self._draw_landmarks(where, time, look.show_landmarks)
 
@@ -148,16 +148,16 @@ def plan_region(source: PlanSource) -> Region:
 def _part(where: Where, role: str, name: str, wanted: bool) -> bpy.types.Object | None:
     """The object of a part, in its place; None, and hidden, where nothing is to be seen of it."""
     full = f"{where.prefix}{role}"
-    found = find_object(where.board, full)
+    found = find_object(where.collection, full)
     if not wanted:
         if found is not None:
             set_visible(found, False)
         return None
-    target = make_object(where.board, full, name)
+    target = make_object(where.collection, full, name)
     place(target, where.offset)
     set_visible(target, True)
     target.hide_select = True
-    material = part_material(where.board, role, where.units)
+    material = part_material(where.collection, role, where.units)
     if not target.data.materials:
         target.data.materials.append(material)
     elif target.data.materials[0] != material:

@@ -7,6 +7,11 @@ import numpy as np
 from bpy.props import BoolProperty
 from mathutils import Vector
 
+from ..events.edit_events import jump_to_event
+from ..events.edit_points import MIN_POINTS, remove_point
+from ..events.operator_values import named_event
+from ..interface.operator_base import OperatorBase
+from ..model.event_list import find_event, remove_event
 from .drawing import DrawnLine, Point
 from .handles import (
     LINE_KINDS,
@@ -19,14 +24,13 @@ from .handles import (
     nearest_handle,
     nearest_line,
 )
-from .point_edit import distinct_points, insert_point, move_point, remove_point
+from .point_edit import distinct_points, insert_nearest, move_points, remove_points
 from .preview import Preview, redraw, show_preview
 from .shown_surface import shown_surface
-from .skin_modal import Result, SkinModal, run_operator
+from .skin_modal import Result, SkinModal
 from .view_under_mouse import View, view_under
 
 RADIUS = 12.0
-_LEAST = {"INCISION": 2, "UNDERMINE": 3, "EXCISION": 1, "LANDMARK": 1}
 
 
 class HeldHandle:
@@ -48,11 +52,6 @@ class HeldHandle:
             return None
         there = cls.index == TARGET or cls.index < len(events[active].points)
         return (events[active], cls.index) if there else None
-
-
-def find_event(scene: bpy.types.Scene, uid: str) -> bpy.types.PropertyGroup | None:
-    """The event of a uid."""
-    return next((event for event in scene.lappet.events if event.uid == uid), None)
 
 
 def handle_under(context: bpy.types.Context, view: View) -> Handle | None:
@@ -138,11 +137,16 @@ class LAPPET_OT_edit_plan(SkinModal, bpy.types.Operator):
         index = 0
         hit = view.pick(scene, any_face=True)
         if self.insert and event.kind in LINE_KINDS and hit is not None:
-            index = insert_point(self, event, hit.rest)
-            self.changed = index >= 0
+            index = self._insert(event, hit.rest)
         self.uid, self.index = event.uid, max(index, 0) if self.insert else -2
         select(context, self.uid, max(index, 0))
         return True
+
+    def _insert(self, event: bpy.types.PropertyGroup, rest: Point) -> int:
+        """Insert a point into a line; -1 where that is refused."""
+        inserted: list[int] = []
+        self.changed = self.attempt(lambda: inserted.append(insert_nearest(event, rest)))
+        return inserted[0] if self.changed else -1
 
     def pressed(self, context: bpy.types.Context, view: View) -> Result | None:
         return self._finish(context) if self.grab else None
@@ -189,8 +193,10 @@ class LAPPET_OT_edit_plan(SkinModal, bpy.types.Operator):
             return {"CANCELLED"}
         if self.index == TARGET and self._moved:
             key_here(event.target, context.scene.frame_current)
-        elif self.rest is not None and not move_point(self, event, self.index, self.rest):
-            return {"CANCELLED"}
+        elif self.rest is not None:
+            rest = self.rest
+            if not self.attempt(lambda: move_points(event, self.index, rest)):
+                return {"CANCELLED"}
         return {"FINISHED"}  # a click that only selects is a step of undo too, as selecting objects is
 
     def abandoned(self, context: bpy.types.Context) -> None:
@@ -200,14 +206,14 @@ class LAPPET_OT_edit_plan(SkinModal, bpy.types.Operator):
         if self.base is not None and event.target is not None:
             _put(event.target, self.base)
         if self.changed:
-            run_operator(self, "point_remove", event=event.name, index=self.index)
+            self.attempt(lambda: remove_point(context.scene, event, self.index))
 
     def text(self, context: bpy.types.Context) -> str:
         event = find_event(context.scene, self.uid)
         return self.title if event is None else f"Edit {event.name}: drag along the skin"
 
 
-class LAPPET_OT_edit_delete(bpy.types.Operator):
+class LAPPET_OT_edit_delete(OperatorBase, bpy.types.Operator):
     """Remove the point that was clicked last, or its event"""
 
     bl_idname = "lappet.edit_delete"
@@ -219,19 +225,20 @@ class LAPPET_OT_edit_delete(bpy.types.Operator):
         scene = context.scene
         return scene is not None and 0 <= scene.lappet.active_event < len(scene.lappet.events)
 
-    def execute(self, context: bpy.types.Context) -> Result:
+    def run(self, context: bpy.types.Context) -> None:
         scene = context.scene
         active = scene.lappet.events[scene.lappet.active_event]
         held = HeldHandle.of(scene)
-        if held is not None and held[1] >= 0 and distinct_points(active) > _LEAST.get(active.kind, 99):
-            done = remove_point(self, active, held[1])
-        else:
-            done = run_operator(self, "event_remove", event=active.name)
-        redraw()
-        return {"FINISHED"} if done else {"CANCELLED"}
+        try:
+            if held is not None and held[1] >= 0 and distinct_points(active) > MIN_POINTS.get(active.kind, 99):
+                remove_points(active, held[1])
+            else:
+                remove_event(scene, active)
+        finally:
+            redraw()
 
 
-class LAPPET_OT_edit_jump(bpy.types.Operator):
+class LAPPET_OT_edit_jump(OperatorBase, bpy.types.Operator):
     """Go to the frame of the event under the mouse"""
 
     bl_idname = "lappet.edit_jump"
@@ -250,8 +257,8 @@ class LAPPET_OT_edit_jump(bpy.types.Operator):
         select(context, uid, handle.index if handle is not None else 0)
         return self.execute(context)
 
-    def execute(self, context: bpy.types.Context) -> Result:
-        return {"FINISHED"} if run_operator(self, "event_jump") else {"CANCELLED"}
+    def run(self, context: bpy.types.Context) -> None:
+        jump_to_event(context.scene, named_event(context.scene, ""))
 
 
 def key_here(empty: bpy.types.Object, frame: float) -> None:

@@ -15,7 +15,7 @@ STAGE_OWNER = "lappet_stage"
 NAME = "Lappet display"
 
 
-def find_board(scene: bpy.types.Scene) -> bpy.types.Collection | None:
+def find_collection(scene: bpy.types.Scene) -> bpy.types.Collection | None:
     """The display collection that belongs to a scene, or None."""
     for child in scene.collection.children:
         if OWNER in child and child[OWNER] == scene:
@@ -23,20 +23,20 @@ def find_board(scene: bpy.types.Scene) -> bpy.types.Collection | None:
     return None
 
 
-def has_stage(scene: bpy.types.Scene) -> bool:
+def has_figure_setup(scene: bpy.types.Scene) -> bool:
     """Whether the scene has the paper, light and camera of a figure."""
     return any(STAGE_OWNER in child and child[STAGE_OWNER] == scene for child in scene.collection.children)
 
 
-def make_board(scene: bpy.types.Scene) -> bpy.types.Collection:
+def make_collection(scene: bpy.types.Scene) -> bpy.types.Collection:
     """The display collection of a scene, made if it is missing; one that a copied scene brought along is let go."""
-    board = find_board(scene)
-    if board is None:
+    collection = find_collection(scene)
+    if collection is None:
         drop_foreign(scene)
-        board = bpy.data.collections.new(NAME)
-        board[OWNER] = scene
-        scene.collection.children.link(board)
-    return board
+        collection = bpy.data.collections.new(NAME)
+        collection[OWNER] = scene
+        scene.collection.children.link(collection)
+    return collection
 
 
 def drop_foreign(scene: bpy.types.Scene) -> None:
@@ -46,17 +46,17 @@ def drop_foreign(scene: bpy.types.Scene) -> None:
             scene.collection.children.unlink(child)
 
 
-def find_object(board: bpy.types.Collection, role: str) -> bpy.types.Object | None:
+def find_object(collection: bpy.types.Collection, role: str) -> bpy.types.Object | None:
     """The object of a role, or None."""
-    for each in board.objects:
+    for each in collection.objects:
         if each.get(ROLE) == role:
             return each
     return None
 
 
-def make_object(board: bpy.types.Collection, role: str, name: str, kind: str = "MESH") -> bpy.types.Object:
+def make_object(collection: bpy.types.Collection, role: str, name: str, kind: str = "MESH") -> bpy.types.Object:
     """The object of a role, made if it is missing or is of another kind (MESH or FONT)."""
-    found = find_object(board, role)
+    found = find_object(collection, role)
     if found is not None and found.type == kind:
         return found
     if found is not None:
@@ -64,13 +64,13 @@ def make_object(board: bpy.types.Collection, role: str, name: str, kind: str = "
     data = bpy.data.meshes.new(name) if kind == "MESH" else bpy.data.curves.new(name, "FONT")
     made = bpy.data.objects.new(name, data)
     made[ROLE] = role
-    board.objects.link(made)
+    collection.objects.link(made)
     return made
 
 
-def remove_object(board: bpy.types.Collection, role: str) -> None:
+def remove_object(collection: bpy.types.Collection, role: str) -> None:
     """Delete the object of a role and its data; none is no error."""
-    found = find_object(board, role)
+    found = find_object(collection, role)
     if found is not None:
         data = found.data
         bpy.data.objects.remove(found)

@@ -1,4 +1,4 @@
-"""What takes long is done in turns, so that Blender answers in between; in the end nothing is missing."""
+"""What takes long is done in slices, so that Blender answers in between; in the end nothing is missing."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ import time
 import bpy
 import pytest
 
-from lappet_blender.display import skin_display, turn
-from lappet_blender.display.board import ROLE, find_board
+from lappet_blender.display import skin_display, time_slice
+from lappet_blender.display.display_collection import ROLE, find_collection
 from lappet_blender.solving import frames
 from slit_plan import Solved, add_tissue, slit, slit_plan, solved
 
@@ -30,43 +30,43 @@ def planned(scene: bpy.types.Scene, solved: Solved) -> bpy.types.Scene:
 
 def visible(scene: bpy.types.Scene) -> set[str]:
     """The roles of the parts that are seen."""
-    board = find_board(scene)
-    return set() if board is None else {each[ROLE] for each in board.objects if not each.hide_viewport}
+    collection = find_collection(scene)
+    return set() if collection is None else {each[ROLE] for each in collection.objects if not each.hide_viewport}
 
 
-def test_a_turn_begins_one_costly_piece_at_least_and_puts_off_the_next_when_time_is_up() -> None:
-    hurried = turn.Turn(soon=True)
+def test_a_slice_begins_one_costly_piece_at_least_and_puts_off_the_next_when_time_is_up() -> None:
+    hurried = time_slice.TimeSlice(soon=True)
     assert hurried.begins()
-    time.sleep(1.5 * turn.SECONDS)
+    time.sleep(1.5 * time_slice.SECONDS)
     assert hurried.begins(costly=False)
     assert not hurried.unfinished
     assert not hurried.begins()
     assert hurried.unfinished
-    patient = turn.Turn(soon=False)
+    patient = time_slice.TimeSlice(soon=False)
     for _ in range(2):
         assert patient.begins()
-        time.sleep(1.5 * turn.SECONDS)
+        time.sleep(1.5 * time_slice.SECONDS)
     assert patient.begins()
     assert not patient.unfinished
 
 
-def test_the_first_picture_comes_in_turns_and_is_the_one_that_comes_at_once(
+def test_the_first_picture_comes_in_slices_and_is_the_one_that_comes_at_once(
     planned: bpy.types.Scene, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(turn, "SECONDS", 0.0)
+    monkeypatch.setattr(time_slice, "SECONDS", 0.0)
     skin_display.refresh_soon(planned)
     assert skin_display.skin_object(planned) is None
     assert not planned.lappet.tissue.object.hide_viewport, "until there is a picture, the tissue is seen"
     seen = [visible(planned)]
-    while skin_display.carry_on():
+    while skin_display.continue_drawing():
         seen.append(visible(planned))
         assert len(seen) < 100
     assert len(seen) > 3
     assert skin_display.skin_object(planned) is not None
-    in_turns = visible(planned)
-    assert {"skin", "edge", "bed"} <= in_turns
+    in_slices = visible(planned)
+    assert {"skin", "edge", "bed"} <= in_slices
     skin_display.refresh(planned)
-    assert visible(planned) == in_turns
+    assert visible(planned) == in_slices
 
 
 def test_a_script_that_waits_finds_the_picture_finished(planned: bpy.types.Scene) -> None:
@@ -75,15 +75,15 @@ def test_a_script_that_waits_finds_the_picture_finished(planned: bpy.types.Scene
     assert not frames.follow_up()
 
 
-def test_an_undo_between_two_turns_loses_nothing(planned: bpy.types.Scene, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(turn, "SECONDS", 0.0)
+def test_an_undo_between_two_slices_loses_nothing(planned: bpy.types.Scene, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(time_slice, "SECONDS", 0.0)
     bpy.ops.ed.undo_push(message="one")
     planned.lappet.look.color = "CHECKER"
     bpy.ops.ed.undo_push(message="two")
     skin_display.refresh_soon(planned)
     bpy.ops.ed.undo()
     scene = bpy.context.scene
-    while skin_display.carry_on():
+    while skin_display.continue_drawing():
         pass
     skin_display.refresh(scene)
     assert {"skin", "edge", "bed"} <= visible(scene)

@@ -18,11 +18,12 @@ from lappet.background.plan import (
     ShownFrame,
 )
 
-from .controller import Controller, Failure, Job, frame_at, pace, plans, shelf
-from .reconcile import ask_for_plan, put_in_force, stop_obsolete
+from .controller import Controller, Failure, Job, frame_at, frame_cache, plans
+from .reconcile import activate_plan, request_plan, stop_obsolete
+from .speed_estimate import speed_estimate
 
 
-def take_in(controller: Controller) -> bool:
+def handle_worker_events(controller: Controller) -> bool:
     """Applies what has come from the worker since the last call; whether there was anything."""
     if controller.client is None:
         return False
@@ -46,7 +47,7 @@ def _apply(controller: Controller, happening: Happening) -> None:
             plans.refuse(job.key, happening.problems)
             if job.key == controller.key:
                 controller.refused = happening.problems
-            controller.bump()
+            controller.notify()
         case IterationDone():
             if not math.isclose(job.time, happening.time):
                 job.frame_started = time.monotonic()
@@ -69,8 +70,8 @@ def _planned(controller: Controller, job: Job, planned: Planned) -> None:
     if job.key == controller.key:
         controller.plan = plan
         controller.refused = ()
-        put_in_force(controller)
-    controller.bump()
+        activate_plan(controller)
+    controller.notify()
 
 
 def _ready(controller: Controller, job: Job, ready: FrameReady) -> None:
@@ -84,10 +85,10 @@ def _ready(controller: Controller, job: Job, ready: FrameReady) -> None:
         if ready.frame is not None:
             _learn(controller, ready.frame)
     if ready.frame is not None:
-        shelf.put(ready.key, ready.frame)
+        frame_cache.put(ready.key, ready.frame)
     job.frame_started, job.time, job.newton = now, math.nan, 0
     stop_obsolete(controller)
-    controller.bump()
+    controller.notify()
 
 
 def _learn(controller: Controller, frame: ShownFrame) -> None:
@@ -95,7 +96,7 @@ def _learn(controller: Controller, frame: ShownFrame) -> None:
     seconds = frame.header.get("seconds", {})
     total = float(seconds.get("total", 0.0)) if isinstance(seconds, dict) else float(seconds)
     controller.cells = cells or controller.cells
-    pace().measured(cells, total)
+    speed_estimate().measured(cells, total)
 
 
 def _failed(controller: Controller, job: Job, failed: FrameFailed) -> None:
@@ -104,14 +105,14 @@ def _failed(controller: Controller, job: Job, failed: FrameFailed) -> None:
         plans.failures[frame.key] = str(failed.problem)
     if job.key == controller.key or frame is None:
         controller.failure = Failure(failed.time, str(failed.problem))
-    controller.bump()
+    controller.notify()
 
 
 def _live(controller: Controller, frame: LiveFrame) -> None:
     live = controller.live
     if live is not None and live.job == frame.job:
         live.frame, live.seconds, live.converged = frame.frame, frame.seconds, frame.converged
-        controller.bump()
+        controller.notify()
 
 
 def _finished(controller: Controller, job: Job, finished: Finished) -> None:
@@ -122,8 +123,8 @@ def _finished(controller: Controller, job: Job, finished: Finished) -> None:
         if job.kind == "live":
             controller.live = None
         else:
-            pace().keep()
+            speed_estimate().keep()
         if job.kind == "solve" and job.plan is not None:
-            controller.look_again(job.plan)
-    ask_for_plan(controller)  # a solve takes the place of a plan that was being made
-    controller.bump()
+            controller.recheck_frames(job.plan)
+    request_plan(controller)  # a solve takes the place of a plan that was being made
+    controller.notify()

@@ -16,7 +16,7 @@ from lappet.solve.store import FrameStore
 LIMIT = 512 << 20
 
 
-class Shelf:
+class FrameCache:
     """Shown frames by content key. limit: bytes of arrays. Every method may be called from any thread."""
 
     def __init__(self, limit: int = LIMIT) -> None:

@@ -6,7 +6,7 @@ import tempfile
 import time
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 from lappet.checks.validation import check
 from lappet.core.problem import Problem, RefusedError, refused
@@ -18,10 +18,12 @@ from lappet.procedure import Procedure
 from lappet.procedure.prim_paths import ROOT
 from lappet.program.compile import compile_program, frame_times
 from lappet.program.program import Program
-from lappet.solve.error_estimate import ErrorEstimate, estimate_errors
-from lappet.solve.solve_program import FrameResult, SolveObserver, solve_program
+from lappet.solve.solve_frames import FrameResult, SolveObserver, solve_program
 from lappet.solve.store import FrameStore
 from lappet.usd.stage import SUFFIXES, read_procedure, write_procedure
+
+if TYPE_CHECKING:
+    from lappet.solve.error_estimate import ErrorEstimate
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,6 +125,8 @@ def solve_procedure(
         raise RefusedError([result.reason])
     errors = None
     if error_estimate and result.frames and not result.interrupted:
+        from lappet.solve.error_estimate import estimate_errors  # a solve without an estimate does not load it
+
         errors = estimate_errors(program, result.frames, store, connect, solver)
     return SolveResult(
         procedure,

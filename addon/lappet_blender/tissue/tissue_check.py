@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 
 import bpy
 
@@ -15,12 +15,12 @@ from ..model.mesh_values import MeshValues, mesh_values
 from ..model.object_problems import object_problems
 from ..model.scene_problem import SceneProblem
 from ..model.scene_procedure import read_scene
-from .act import tissue_object
 from .problem_places import ProblemPlace, mesh_places, thin_places
+from .tissue_objects import tissue_object
 
 
 @dataclass(frozen=True, eq=False)
-class FoundProblems:
+class TissueCheck:
     """What was checked, and what was found there."""
 
     mesh: MeshValues
@@ -33,10 +33,10 @@ class FoundProblems:
         return tuple(sorted(found, key=lambda each: each.severity != "error"))
 
 
-_found: dict[int, FoundProblems] = {}
+_found: dict[int, TissueCheck] = {}
 
 
-def check_tissue(scene: bpy.types.Scene) -> FoundProblems:
+def check_tissue(scene: bpy.types.Scene) -> TissueCheck:
     """Looks for everything that is wrong with the scene's tissue and procedure, about a second at 20 000 vertices.
 
     Raises RefusedError where there is no tissue.
@@ -63,12 +63,12 @@ def check_tissue(scene: bpy.types.Scene) -> FoundProblems:
             turned = "inside out" in each.message and each.prim == TISSUE
             if not said and not turned:
                 places.append(ProblemPlace(_with_repair(each)))
-    found = FoundProblems(mesh, settings, tuple(places))
+    found = TissueCheck(mesh, settings, tuple(places))
     _found[scene.session_uid] = found
     return found
 
 
-def found_problems(scene: bpy.types.Scene) -> FoundProblems | None:
+def last_check(scene: bpy.types.Scene) -> TissueCheck | None:
     """What the last check found, or None where there was none or the tissue has changed since."""
     found = _found.get(scene.session_uid)
     obj = scene.lappet.tissue.object
@@ -93,6 +93,8 @@ def _settings(scene: bpy.types.Scene) -> tuple[bool, float, float]:
 def _with_repair(each: Problem) -> Problem:
     """A problem of `lappet.check` with the operator of this part that repairs it, where there is one."""
     if each.prim == TISSUE and "spacing" in each.remedy.lower() and each.value.endswith(" mm"):
-        values = {item.name: getattr(each, item.name) for item in fields(Problem)}
+        values = {
+            name: getattr(each, name) for name in ("code", "prim", "value", "message", "remedy", "severity", "place")
+        }
         return SceneProblem(**values, operator="lappet.tissue_repair", arguments=(("kind", "SPACING"),))
     return replace(each)

@@ -12,10 +12,11 @@ from numpy.typing import NDArray
 
 from ..look.dashed_line import dashes
 from ..model.event_properties import LappetEvent
+from ..model.mesh_values import GROUP
 from .drawing import DrawnLine
 from .handles import LINE_KINDS, event_points, is_closed
 from .rest_line import beside, rest_samples, world_runs
-from .shown_surface import GROUP_PREFIX, Located, RestShape, ShownSurface
+from .shown_surface import Located, RestShape, ShownSurface
 
 Color = tuple[float, float, float, float]
 VIOLET: Color = (0.45, 0.18, 0.85, 1.0)
@@ -25,7 +26,7 @@ STEEL: Color = (0.25, 0.28, 0.33, 1.0)
 WARM: Color = (0.90, 0.30, 0.15, 1.0)
 GREEN: Color = (0.10, 0.50, 0.20, 1.0)
 HALO: Color = (1.0, 0.72, 0.20, 0.9)
-INK_OF = {
+EVENT_COLORS = {
     "INCISION": VIOLET,
     "EXCISION": WARM,
     "UNDERMINE": TEAL,
@@ -39,7 +40,7 @@ _WIDTH = 2.5
 
 
 @dataclass
-class Ink:
+class LineSet:
     """Segments (2k, 3) of the world by (colour, width in pixels), and labels (place, text, colour)."""
 
     segments: dict[tuple[Color, float], list[NDArray[np.float64]]] = field(default_factory=dict)
@@ -56,12 +57,12 @@ _located: WeakKeyDictionary[RestShape, dict[Any, tuple[NDArray[np.float64], Loca
 
 
 def event_color(event: LappetEvent) -> Color:
-    """The ink of an event; pale where it is switched off."""
-    red, green, blue, alpha = INK_OF[event.kind]
+    """The line_set of an event; pale where it is switched off."""
+    red, green, blue, alpha = EVENT_COLORS[event.kind]
     return (red, green, blue, alpha if event.enabled else 0.3)
 
 
-def event_ink(ink: Ink, surface: ShownSurface, event: LappetEvent, time: float, active: bool) -> None:
+def add_event_lines(line_set: LineSet, surface: ShownSurface, event: LappetEvent, time: float, active: bool) -> None:
     """Adds what is drawn of an event at a frame: dashed while it is still to come, on both lips once it is cut."""
     color, future = event_color(event), time < event.start
     lines: list[NDArray[np.float64]] = []
@@ -79,20 +80,20 @@ def event_ink(ink: Ink, surface: ShownSurface, event: LappetEvent, time: float, 
     elif event.kind == "RETRACTOR":
         lines += _grip_lines(surface, event)
     elif event.kind in ("EXCISION", "LANDMARK"):
-        lines += _marks(ink, surface, event, color)
+        lines += _marks(line_set, surface, event, color)
     over = event.kind in ("HOOK", "RETRACTOR") and time > event.end
     dashed = (future or event.kind == "UNDERMINE") and event.kind not in ("LANDMARK", "EXCISION")
     for line in lines:
         if active:
-            ink.line(line, HALO, _WIDTH + 3.5)
+            line_set.line(line, HALO, _WIDTH + 3.5)
         for part in dashes(line * surface.mm) if dashed and len(line) > 1 else [line * surface.mm]:
-            ink.line(part / surface.mm, (*color[:3], 0.25 * color[3]) if over else color)
+            line_set.line(part / surface.mm, (*color[:3], 0.25 * color[3]) if over else color)
 
 
-def preview_ink(ink: Ink, surface: ShownSurface, line: DrawnLine, color: Color = VIOLET) -> None:
+def add_preview_lines(line_set: LineSet, surface: ShownSurface, line: DrawnLine, color: Color = VIOLET) -> None:
     """Adds a line that is being drawn."""
     for run in _runs(surface, np.array(line.points), line.basis, line.closed, keep=False):
-        ink.line(run, color, _WIDTH + 0.5)
+        line_set.line(run, color, _WIDTH + 0.5)
 
 
 def thread_lines(surface: ShownSurface, ends: NDArray[np.float64]) -> list[NDArray[np.float64]]:
@@ -141,7 +142,7 @@ def _runs(
     return world_runs(surface, *lines[key])
 
 
-def _marks(ink: Ink, surface: ShownSurface, event: LappetEvent, color: Color) -> list[NDArray[np.float64]]:
+def _marks(line_set: LineSet, surface: ShownSurface, event: LappetEvent, color: Color) -> list[NDArray[np.float64]]:
     """A cross on the skin at each point, with the landmark's label."""
     rest = event_points(event)
     located = surface.rest.locate(rest, skin_only=False)
@@ -156,14 +157,14 @@ def _marks(ink: Ink, surface: ShownSurface, event: LappetEvent, color: Color) ->
             lifted = place + normal * (0.2 / surface.mm)
             lines.append(np.stack([lifted - size * across, lifted + size * across]))
         if event.kind == "LANDMARK":
-            ink.labels.append((place, event.label or event.name, color))
+            line_set.labels.append((place, event.label or event.name, color))
     return lines
 
 
 def _grip_lines(surface: ShownSurface, event: LappetEvent) -> list[NDArray[np.float64]]:
     """The border of the faces that a retractor grips, and an arrow from their middle to its target."""
     tissue = event.id_data.lappet.tissue.object
-    attribute = tissue.data.attributes.get(GROUP_PREFIX + event.grip) if tissue is not None else None
+    attribute = tissue.data.attributes.get(GROUP + event.grip) if tissue is not None else None
     if attribute is None or attribute.data_type != "BOOLEAN" or attribute.domain != "FACE":
         return []
     inside = np.zeros(len(attribute.data), bool)

@@ -6,11 +6,13 @@ import contextlib
 import json
 from pathlib import Path
 
-_FILE = "pace.json"
+from lappet.solve.store import default_folder
+
+_FILE = "speed_estimate.json"
 _WEIGHT = 0.2  # of the newest frame in the running mean
 
 
-class Pace:
+class SpeedEstimate:
     """Seconds per cell and frame. folder: where the measure is kept between sessions; trouble with it is no error."""
 
     def __init__(self, folder: Path) -> None:
@@ -41,3 +43,14 @@ class Pace:
             with contextlib.suppress(OSError):
                 self._file.parent.mkdir(parents=True, exist_ok=True)
                 self._file.write_text(json.dumps({"seconds_per_cell": self._rate}), encoding="utf-8")
+
+
+_speed_estimate: SpeedEstimate | None = None
+
+
+def speed_estimate() -> SpeedEstimate:
+    """The measure of this machine, beside the user's store."""
+    global _speed_estimate
+    if _speed_estimate is None:
+        _speed_estimate = SpeedEstimate(default_folder())
+    return _speed_estimate

@@ -12,8 +12,13 @@ import numpy as np
 
 from lappet.core.problem import RefusedError
 
+from ..look.skin_read import SkinCache
+from ..look.skin_source import SCALARS, FigureError
+from ..model.scene_filling import fill_scene
+from ..solving import reconcile
+from ..solving.controller import controller_of, frame_cache
 from .bundled_pxr import bundled_pxr
-from .exported import compiled
+from .export_usd import compiled
 
 if TYPE_CHECKING:
     from lappet.background.plan import Plan, ShownFrame
@@ -61,8 +66,6 @@ def read_into(scene: bpy.types.Scene, path: Path) -> list[str]:
     """
     from lappet.usd.stage import read_procedure
 
-    from ..model.scene_filling import fill_scene
-
     found = look_into(path)
     notes: list[str] = []
     procedure = read_procedure(found.procedure, notes)
@@ -83,23 +86,20 @@ def _show(scene: bpy.types.Scene, procedure: Procedure, found: FoundFile) -> str
     from lappet.background.plan_store import put_plan
     from lappet.solve.store import StoredFrame
 
-    from ..look.skin_source import FigureError
-    from ..solving.controller import controller_of, shelf
-
     try:
         read = cache_frames(scene, procedure, found)
     except (RefusedError, FigureError, OSError) as refused:
         return f"The frames of the cache cannot be shown, press Solve instead: {refused}"
     controller = controller_of(scene)
     for key, frame in read.frames.items():
-        shelf.put(key, frame)
+        frame_cache.put(key, frame)
         if not read.exact:  # under keys of their own: what lies under a solver's key must hold its state too
             controller.store.put(key, StoredFrame(frame.header, {"points": frame.points, **frame.arrays}))
     if not read.exact:
         put_plan(controller.store, read.plan)
     controller.past.append(read.plan)
-    controller.look_again(read.plan)
-    controller.touch()
+    controller.recheck_frames(read.plan)
+    controller.mark_dirty()
     times = [frame.time for frame in read.plan.frames if frame.key in read.frames]
     said = f"Frames {times[0]} to {times[-1]} of the cache can be scrubbed"
     if read.exact:
@@ -116,10 +116,6 @@ def cache_frames(scene: bpy.types.Scene, procedure: Procedure, found: FoundFile)
     from lappet.background.plan import ShownFrame
     from lappet.program.keys import frame_keys
 
-    from ..look.skin_read import SkinCache
-    from ..look.skin_source import SCALARS
-    from ..solving.reconcile import identity
-
     assert found.cache is not None
     cache = SkinCache(found.cache)
     program = compiled(scene, procedure, found.spacing)
@@ -135,7 +131,7 @@ def cache_frames(scene: bpy.types.Scene, procedure: Procedure, found: FoundFile)
             raise RefusedError("Its surface was cut by another version of Lappet.")
     last = max(indices)
     try:
-        keys = frame_keys(program, identity())
+        keys = frame_keys(program, reconcile.identity())
     except RefusedError:
         keys = ()
     exact = bool(keys) and keys[indices[last]] == found.last_key

@@ -7,11 +7,16 @@ import numpy as np
 from bpy.props import FloatProperty, FloatVectorProperty, IntProperty, StringProperty
 from mathutils import Vector
 
+from lappet.core.problem import RefusedError
+
+from ..events.add_events import add_hook, add_retractor, straight_motion, straight_targets
+from ..model.mesh_values import GROUP, group_names
 from ..model.units import to_mm
-from .face_patch import as_ranges, faces_around, free_group_name, group_items
+from ..tissue.face_groups import change_group, remove_group
+from .face_patch import faces_around, free_group_name
 from .preview import Preview, show_preview
 from .shown_surface import ShownSurface, shown_surface
-from .skin_modal import Result, SkinModal, run_operator, say, why_nothing_to_draw_on
+from .skin_modal import Result, SkinModal, check_shown, check_tissue
 from .skin_pick import SkinHit
 from .view_under_mouse import View
 
@@ -22,7 +27,7 @@ _HINTS = (
 )
 
 
-class _Pull(SkinModal):
+class _DragTool(SkinModal):
     """What both share: where it was taken hold of, and where the mouse has pulled it to."""
 
     hints = _HINTS
@@ -88,7 +93,7 @@ def _place(name: str, words: str) -> object:
     return FloatVectorProperty(name=name, description=words, size=3, precision=3, options={"SKIP_SAVE"})
 
 
-class LAPPET_OT_place_hook(_Pull, bpy.types.Operator):
+class LAPPET_OT_place_hook(_DragTool, bpy.types.Operator):
     """Place a hook: press on the skin and drag to where it pulls"""
 
     bl_idname = "lappet.place_hook"
@@ -113,22 +118,12 @@ class LAPPET_OT_place_hook(_Pull, bpy.types.Operator):
         self.start, self.end = self._times(context)
         return self.execute(context)
 
-    def execute(self, context: bpy.types.Context) -> Result:
-        if context.scene.lappet.tissue.object is None:
-            return say(self, why_nothing_to_draw_on(context))
+    def run(self, context: bpy.types.Context) -> None:
+        check_tissue(context)
         start, end = self._times(context)
-        done = run_operator(
-            self,
-            "hook_add",
-            anchor=tuple(self.anchor),
-            begin=tuple(self.begins if self.properties.is_property_set("begins") else self.anchor),
-            target=tuple(self.target),
-            start=start,
-            arrive=min(float(self.frames), max(end - start, 0.0)),
-            end=end,
-            stiffness=self.stiffness,
-        )
-        return {"FINISHED"} if done else {"CANCELLED"}
+        begins = self.begins if self.properties.is_property_set("begins") else self.anchor
+        targets = straight_targets(begins, self.target, start, min(float(self.frames), max(end - start, 0.0)))
+        add_hook(context.scene, self.anchor, targets, start, end, stiffness=self.stiffness)
 
     def draw(self, _context: bpy.types.Context) -> None:
         self.layout.use_property_split = True
@@ -136,7 +131,14 @@ class LAPPET_OT_place_hook(_Pull, bpy.types.Operator):
             self.layout.prop(self, name)
 
 
-class LAPPET_OT_place_retractor(_Pull, bpy.types.Operator):
+def _grips(tissue: bpy.types.Object | None) -> list[str]:
+    """The groups of the tissue's faces that a retractor may hold."""
+    if tissue is None or tissue.type != "MESH":
+        return []
+    return [name for name in group_names(tissue.data) if name not in ("fixed", "bed")]
+
+
+class LAPPET_OT_place_retractor(_DragTool, bpy.types.Operator):
     """Place a retractor: it grips faces of the skin around the mouse, or a group of them, and is dragged"""
 
     bl_idname = "lappet.place_retractor"
@@ -147,9 +149,7 @@ class LAPPET_OT_place_retractor(_Pull, bpy.types.Operator):
     grip: StringProperty(
         name="Group",
         description="The group of the tissue's faces that is gripped; empty: the faces around the mouse",
-        search=lambda _self, context, _text: [
-            name for name in group_items(context.scene.lappet.tissue.object) if name not in ("fixed", "bed")
-        ],
+        search=lambda _self, context, _text: _grips(context.scene.lappet.tissue.object),
     )
     radius: FloatProperty(
         name="Radius", description="Of the faces that are gripped around the mouse, in mm", default=3.0, min=0.1
@@ -169,7 +169,7 @@ class LAPPET_OT_place_retractor(_Pull, bpy.types.Operator):
         """The triangles (k, 3, 3) of the world that the retractor would hold."""
         shape = surface.rest
         faces = faces_around(shape, hit.rest, self.radius)
-        attribute = context.scene.lappet.tissue.object.data.attributes.get(f"lappet_{self.grip}")
+        attribute = context.scene.lappet.tissue.object.data.attributes.get(GROUP + self.grip)
         if self.grip and attribute is not None:
             inside = np.zeros(len(attribute.data), bool)
             attribute.data.foreach_get("value", inside)
@@ -185,27 +185,34 @@ class LAPPET_OT_place_retractor(_Pull, bpy.types.Operator):
         self.start, self.end = self._times(context)
         return self.execute(context)
 
-    def execute(self, context: bpy.types.Context) -> Result:
-        tissue, surface = context.scene.lappet.tissue.object, shown_surface(context.scene)
-        if tissue is None or (surface is None and not self.grip):
-            return say(self, why_nothing_to_draw_on(context))
+    def run(self, context: bpy.types.Context) -> None:
+        tissue, surface = check_tissue(context), shown_surface(context.scene)
+        if surface is None and not self.grip:
+            check_shown(context)
         start, end = self._times(context)
         grip = self.grip
         if not grip and surface is not None:
-            faces = faces_around(surface.rest, self.at, self.radius)
-            faces = faces[faces < len(tissue.data.polygons)]
-            if len(faces) == 0:
-                return say(self, f"No face of {tissue.name!r} lies around this point; make the radius larger.")
-            grip = free_group_name(tissue)
-            if not run_operator(self, "faces_assign", group=grip, faces=as_ranges(faces), action="SET"):
-                return {"CANCELLED"}
-        arrive = min(float(self.frames), max(end - start, 0.0))
-        way = tuple(self.way)
-        if run_operator(self, "retractor_add", grip=grip, shift=way, start=start, arrive=arrive, end=end):
-            return {"FINISHED"}
-        if not self.grip:  # nothing half done
-            run_operator(self, "faces_clear", group=grip)
-        return {"CANCELLED"}
+            grip = self._new_grip(tissue, surface)
+        try:
+            arrive = min(float(self.frames), max(end - start, 0.0))
+            motion = straight_motion(context.scene, grip, self.way, start, arrive)
+            add_retractor(context.scene, grip, motion, start, end)
+        except RefusedError:
+            if not self.grip:  # nothing is left half done
+                remove_group(tissue, grip)
+            raise
+
+    def _new_grip(self, tissue: bpy.types.Object, surface: ShownSurface) -> str:
+        """Make a group of the faces around the point and return its name."""
+        faces = faces_around(surface.rest, self.at, self.radius)
+        faces = faces[faces < len(tissue.data.polygons)]
+        if len(faces) == 0:
+            raise RefusedError(f"No face of {tissue.name!r} lies around this point; make the radius larger.")
+        chosen = np.zeros(len(tissue.data.polygons), bool)
+        chosen[faces] = True
+        grip = free_group_name(tissue)
+        change_group(tissue, grip, chosen, "SET")
+        return grip
 
     def draw(self, _context: bpy.types.Context) -> None:
         self.layout.use_property_split = True

@@ -5,16 +5,18 @@ from typing import ClassVar
 import bpy
 from bpy.props import FloatProperty, FloatVectorProperty, StringProperty
 
+from ..events.add_events import add_excision, add_landmark
+from ..events.operator_values import given
 from .fragment import fragment_of
 from .preview import Preview, show_preview
 from .shown_surface import shown_surface
-from .skin_modal import Result, SkinModal, run_operator, say, why_nothing_to_draw_on
+from .skin_modal import Result, SkinModal, check_tissue
 from .view_under_mouse import View
 
 _HINTS = (("MOUSE_LMB", "Release to place"), ("EVENT_ESC", "Cancel"))
 
 
-class _Click(SkinModal):
+class _ClickTool(SkinModal):
     """Held down it shows what would happen at the mouse; released, it happens there."""
 
     hints = _HINTS
@@ -54,7 +56,7 @@ def _time() -> object:
     return FloatProperty(name="Frame", options={"SKIP_SAVE"})
 
 
-class LAPPET_OT_click_excision(_Click, bpy.types.Operator):
+class LAPPET_OT_click_excision(_ClickTool, bpy.types.Operator):
     """Take a piece of tissue away: click on a fragment that incisions have cut out"""
 
     bl_idname = "lappet.click_excision"
@@ -78,15 +80,12 @@ class LAPPET_OT_click_excision(_Click, bpy.types.Operator):
         show_preview(preview)
         return None
 
-    def execute(self, context: bpy.types.Context) -> Result:
-        if context.scene.lappet.tissue.object is None:
-            return say(self, why_nothing_to_draw_on(context))
-        time = self.time if self.properties.is_property_set("time") else context.scene.frame_current
-        done = run_operator(self, "excise", point=tuple(self.point), time=time)
-        return {"FINISHED"} if done else {"CANCELLED"}
+    def run(self, context: bpy.types.Context) -> None:
+        check_tissue(context)
+        add_excision(context.scene, self.point, given(self, "time", context.scene.frame_current))
 
 
-class LAPPET_OT_place_landmark(_Click, bpy.types.Operator):
+class LAPPET_OT_place_landmark(_ClickTool, bpy.types.Operator):
     """Place a landmark: a point that is followed and measured"""
 
     bl_idname = "lappet.place_landmark"
@@ -103,12 +102,9 @@ class LAPPET_OT_place_landmark(_Click, bpy.types.Operator):
         show_preview(Preview(context.scene.name, dots=[hit.rest] if hit else []))
         return None
 
-    def execute(self, context: bpy.types.Context) -> Result:
-        if context.scene.lappet.tissue.object is None:
-            return say(self, why_nothing_to_draw_on(context))
-        label = self.label or next_label(context.scene)
-        done = run_operator(self, "landmark_add", point=tuple(self.point), label=label)
-        return {"FINISHED"} if done else {"CANCELLED"}
+    def run(self, context: bpy.types.Context) -> None:
+        check_tissue(context)
+        add_landmark(context.scene, [self.point], label=self.label or next_label(context.scene))
 
 
 def next_label(scene: bpy.types.Scene) -> str:

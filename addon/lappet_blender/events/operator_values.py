@@ -1,8 +1,8 @@
-"""What the operators on events share: which event and which frame are meant, and how they refuse."""
+"""What the properties of an operator on events mean: which event, which frame, which points."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from typing import Any
 
 import bpy
@@ -10,28 +10,6 @@ import bpy
 from lappet.core.problem import RefusedError
 
 from ..model.event_list import event_index
-
-UNDOABLE = {"REGISTER", "UNDO"}
-SHOWN = {"REGISTER"}
-
-
-def attempt(operator: bpy.types.Operator, act: Callable[[], object]) -> set[str]:
-    """Runs an act; one that is refused is reported as an error (from Python: a RuntimeError) and cancels the
-    operator."""
-    try:
-        act()
-    except RefusedError as refused:
-        return refuse(operator, " ".join(f"{each.message} {each.remedy}".strip() for each in refused.problems[:3]))
-    except OSError as error:
-        where = f"{error.filename}: " if error.filename else ""
-        return refuse(operator, f"{where}{(error.strerror or str(error)).rstrip('.')}; choose another folder or file.")
-    return {"FINISHED"}
-
-
-def refuse(operator: bpy.types.Operator, sentence: str) -> set[str]:
-    """Reports a sentence and cancels."""
-    operator.report({"ERROR"}, sentence)
-    return {"CANCELLED"}
 
 
 def named_event(scene: bpy.types.Scene, name: str) -> Any:

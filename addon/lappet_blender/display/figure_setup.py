@@ -8,35 +8,31 @@ import bpy
 import numpy as np
 
 from lappet.background.plan import Plan
+from lappet.core.problem import RefusedError
 
 from ..figure.figure_scene import Studio, add_backdrop, add_camera, add_lights, half_angles, set_render, set_size
 from ..figure.framing import TURN, WHOLE_FILL, Region, surgical_region, viewpoint
 from ..look.skin_material import backdrop_material
 from ..model.units import mm_per_unit
+from ..solving import frames
 from . import skin_display
-from .board import STAGE_OWNER as OWNER
-from .board import find_board
+from .display_collection import STAGE_OWNER as OWNER
+from .display_collection import find_collection
 from .solid_shading import shading_for
 
 NAME = "Lappet stage"
 _FRAMES = 9  # of a procedure, that the camera must hold
 
 
-class StageError(ValueError):
-    """There is nothing to frame; the message is one sentence for the user."""
-
-
 def set_stage(scene: bpy.types.Scene, view: str, engine: str, size: tuple[int, int], samples: int) -> None:
     """Frame what the scene shows, at any frame of its procedure, and set the render.
 
     view: of `figure.framing.VIEWS`. engine: "cycles", "workbench" or "keep". size: pixels; (0, 0) keeps the scene's.
-    A stage that was set before is replaced. Raises StageError where nothing is solved or planned.
+    A stage that was set before is replaced. Raises RefusedError where nothing is solved or planned.
     """
-    from ..solving import frames
-
     shown = skin_display.shown_of(scene, scene.frame_current)
     if shown is None:
-        raise StageError(
+        raise RefusedError(
             f"The scene {scene.name} shows no solved skin that a camera could frame; mark its tissue, switch on Solved "
             "skin and solve it."
         )
@@ -60,9 +56,9 @@ def set_stage(scene: bpy.types.Scene, view: str, engine: str, size: tuple[int, i
     if engine != "keep":
         set_render(scene, engine)
         scene.display.shading.color_type = shading_for(scene.lappet.look)
-    board = find_board(scene)
-    if board is not None:
-        board["lappet_pixel"] = float(2 * seen.distance * half_angles(pixels)[0] / pixels[0])
+    collection = find_collection(scene)
+    if collection is not None:
+        collection["lappet_pixel"] = float(2 * seen.distance * half_angles(pixels)[0] / pixels[0])
     skin_display.refresh(scene)
 
 
@@ -89,11 +85,9 @@ def _empty_stage(scene: bpy.types.Scene) -> bpy.types.Collection:
 
 def _framed(scene: bpy.types.Scene, plan: Plan) -> tuple[Region, float]:
     """The region of a plan over some of its frames, and the lowest point along its normal, mm."""
-    from ..solving import frames
-
     shown = frames.shown_at(scene, scene.frame_current)
     assert shown is not None
-    source = skin_display.dressing_of(scene, shown).source
+    source = skin_display.decorations_of(scene, shown).source
     times = [float(f.time) for f in plan.frames]
     spread = tuple(dict.fromkeys(times[round(k)] for k in np.linspace(0, len(times) - 1, _FRAMES)))
     region = surgical_region(source, spread)

@@ -10,7 +10,7 @@ from lappet.procedure import Tissue
 _measured: tuple[Tissue, float] | None = None
 
 
-def lattice_cells(tissue: Tissue) -> float:
+def cell_count(tissue: Tissue) -> float:
     """The cells, 0 for a mesh without any volume; measured once for the same object."""
     global _measured
     if _measured is None or _measured[0] is not tissue:

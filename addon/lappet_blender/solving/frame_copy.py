@@ -11,7 +11,7 @@ from lappet.background.plan import Plan
 from lappet.solve.store import FrameStore
 
 
-class CarryOver:
+class FrameCopy:
     """Copies the frames, surfaces and plans of some plans, on a thread. done: it has ended; trouble: why it stopped
     before all was copied, a sentence, or ""."""
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 
-def in_words(seconds: float) -> str:
+def duration_text(seconds: float) -> str:
     """A duration as people say it: 'about 12 s', 'about 4 min', 'about 2.5 h'."""
     if seconds < 90.0:
         return f"about {max(1, round(seconds))} s"
