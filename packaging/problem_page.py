@@ -30,8 +30,8 @@ def problem_page() -> str:
     for code, text in entries:
         kind = " (warning)" if text.severity == "warning" else ""
         lines += [f"### {code}", "", f"**{text.title}**{kind}", ""]
-        lines += [f"- Message: {_shown(text.message)}"] if _shown(text.message) else ["- Message: the solver's own
-        words"] lines += [f"- Remedy: {_shown(text.remedy) or text.advice}", ""]
+        message = _shown(text.message) or "in the words of the program that refuses"
+        lines += [f"- Message: {message}", f"- Remedy: {_shown(text.remedy) or text.advice}", ""]
     return "\n".join(lines).rstrip() + "\n"
 
 
