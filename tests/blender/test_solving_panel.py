@@ -12,7 +12,7 @@ from fake_worker import Script
 from lappet.core.problem import Problem, RefusedError
 from lappet.core.problem_code import ProblemCode
 from lappet_blender.model.event_list import find_event
-from lappet_blender.solving import controller, frames, reconcile, speed_estimate
+from lappet_blender.solving import frames, reconcile, speed_estimate
 from lappet_blender.solving.solve_panel import LAPPET_PT_solve, LAPPET_PT_solve_settings
 from lappet_blender.solving.solve_timer import run_timer
 from solving_steps import QUIET, solve

@@ -3,7 +3,8 @@
 import bpy
 from bpy.props import EnumProperty, IntProperty, StringProperty
 
-from lappet.core.problem import RefusedError
+from lappet.core.problem import refused
+from lappet.core.problem_code import ProblemCode
 
 from ..events.variant import copy_scene
 from ..figure.framing import VIEWS
@@ -55,9 +56,9 @@ class LAPPET_OT_compare(OperatorBase, bpy.types.Operator):
         other = bpy.data.scenes.get(self.scene) if self.scene else None
         if self.scene and other is None:
             names = ", ".join(s.name for s in bpy.data.scenes if s != here) or "there is no other"
-            raise RefusedError(f"There is no scene {self.scene!r} to compare with; choose another scene ({names}).")
+            raise refused(ProblemCode.COMPARE_UNKNOWN, "", self.scene, known=names)
         if other == here:
-            raise RefusedError(f"{here.name} cannot be compared with itself; choose another scene or make a variant.")
+            raise refused(ProblemCode.COMPARE_ITSELF, here.name)
         here.lappet.compare_with = other
         skin_display.refresh(here)
 
@@ -122,7 +123,7 @@ class LAPPET_OT_clear_stage(OperatorBase, bpy.types.Operator):
 
     def run(self, context: bpy.types.Context) -> None:
         if not clear_stage(context.scene):
-            raise RefusedError(f"The scene {context.scene.name} has no stage; Set Stage makes one.")
+            raise refused(ProblemCode.FIGURE_NOT_SET, context.scene.name)
 
 
 class LAPPET_OT_render_still(OperatorBase, bpy.types.Operator):

@@ -3,7 +3,8 @@
 import bpy
 from bpy.props import BoolProperty, IntProperty
 
-from lappet.core.problem import RefusedError
+from lappet.core.problem import refused
+from lappet.core.problem_code import ProblemCode
 
 from ..interface.operator_base import NO_UNDO, UNDOABLE, OperatorBase
 from .frames import failure_of, problems_of, progress_of
@@ -133,8 +134,7 @@ class LAPPET_OT_problem_show(OperatorBase, bpy.types.Operator):
     def run(self, context: bpy.types.Context) -> str | None:
         problems = problems_of(context.scene)
         if self.index >= len(problems):
-            many = f"There are {len(problems)} problems" if len(problems) != 1 else "There is 1 problem"
-            raise RefusedError(f"{many}, and none of the index {self.index}; give one from 0.")
+            raise refused(ProblemCode.PROBLEM_UNKNOWN, "", self.index, count=len(problems))
         if not select_problem(context.scene, context.view_layer, problems[self.index]):
             return f"{problems[self.index].prim} is nothing in the scene that could be selected."
         return None

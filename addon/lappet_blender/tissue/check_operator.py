@@ -3,7 +3,8 @@
 import bpy
 from bpy.props import IntProperty
 
-from lappet.core.problem import RefusedError
+from lappet.core.problem import refused
+from lappet.core.problem_code import ProblemCode
 
 from ..interface.operator_base import NO_UNDO, UNDOABLE
 from ..model.units import to_world
@@ -47,10 +48,10 @@ class LAPPET_OT_tissue_show_problem(_OnTissue, bpy.types.Operator):
     def run(self, context: bpy.types.Context) -> None:
         found = last_check(context.scene)
         if found is None or self.index >= len(found.places):
-            raise RefusedError(f"There is no problem {self.index}; press Check again.")
+            raise refused(ProblemCode.PROBLEM_UNKNOWN, "", self.index, count=0 if found is None else len(found.places))
         middle = found.places[self.index].middle()
         if middle is None:
-            raise RefusedError("This problem has no one place on the mesh.")
+            raise refused(ProblemCode.PROBLEM_NOWHERE)
         context.scene.cursor.location = to_world(context.scene, middle.tolist())
         if context.region_data is not None:
             context.region_data.view_location = context.scene.cursor.location

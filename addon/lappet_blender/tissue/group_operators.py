@@ -3,7 +3,8 @@
 import bpy
 from bpy.props import BoolProperty, EnumProperty, StringProperty
 
-from lappet.core.problem import RefusedError
+from lappet.core.problem import refused
+from lappet.core.problem_code import ProblemCode
 
 from ..interface.operator_base import UNDOABLE
 from ..model.mesh_values import group_names
@@ -63,7 +64,7 @@ class LAPPET_OT_faces_new(_OnTissue, bpy.types.Operator):
     def run(self, context: bpy.types.Context) -> str:
         obj = tissue_object(context.scene)
         if self.group in group_names(obj.data):
-            raise RefusedError(f"{obj.name!r} has a group {self.group!r} already; add to that, or give another name.")
+            raise refused(ProblemCode.GROUP_EXISTS, obj.name, self.group)
         count = change_group(obj, self.group, chosen_faces(context.scene, obj, "", "SELECTED"), "SET")
         return f"The group {self.group!r} has {count} faces."
 

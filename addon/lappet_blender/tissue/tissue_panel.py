@@ -5,12 +5,11 @@ import bpy
 from lappet.core.problem import Problem
 
 from ..interface.duration_text import duration_text
+from ..interface.repair_button import draw_repair
 from ..interface.sentence_lines import draw_sentence
-from ..model.scene_problem import SceneProblem
 from ..model.scene_procedure import SceneReading, read_scene
 from ..model.tissue_values import tissue_is_ready
 from .face_groups import group_counts
-from .repair_operators import REPAIRS
 from .tissue_check import last_check
 from .tissue_measure import cell_count, expected_seconds
 
@@ -169,13 +168,7 @@ def _problem(layout: bpy.types.UILayout, context: bpy.types.Context, problem: Pr
     box = layout.box()
     draw_sentence(box, context, problem.message, "ERROR" if problem.severity == "error" else "INFO")
     row = box.row(align=True)
-    if isinstance(problem, SceneProblem) and problem.operator:
-        arguments = dict(problem.arguments)
-        label = {key: name for key, name, _ in REPAIRS}.get(str(arguments.get("kind", "")), "")
-        button = row.operator(problem.operator, icon="MODIFIER", **({"text": label} if label else {}))
-        for name, value in arguments.items():
-            setattr(button, name, value)
-    else:
+    if not draw_repair(row, problem):
         draw_sentence(box, context, problem.remedy)
     if index >= 0:
         row.operator("lappet.tissue_show_problem", text="", icon="ZOOM_SELECTED").index = index

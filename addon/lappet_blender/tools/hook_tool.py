@@ -7,7 +7,8 @@ import numpy as np
 from bpy.props import FloatProperty, FloatVectorProperty, IntProperty, StringProperty
 from mathutils import Vector
 
-from lappet.core.problem import RefusedError
+from lappet.core.problem import RefusedError, refused
+from lappet.core.problem_code import ProblemCode
 
 from ..events.add_events import add_hook, add_retractor, straight_motion, straight_targets
 from ..model.mesh_values import GROUP, group_names
@@ -207,7 +208,7 @@ class LAPPET_OT_place_retractor(_DragTool, bpy.types.Operator):
         faces = faces_around(surface.rest, self.at, self.radius)
         faces = faces[faces < len(tissue.data.polygons)]
         if len(faces) == 0:
-            raise RefusedError(f"No face of {tissue.name!r} lies around this point; make the radius larger.")
+            raise refused(ProblemCode.FACES_NONE_NEAR, tissue.name, f"{self.radius:g}")
         chosen = np.zeros(len(tissue.data.polygons), bool)
         chosen[faces] = True
         grip = free_group_name(tissue)

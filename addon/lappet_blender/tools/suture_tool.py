@@ -7,7 +7,8 @@ import numpy as np
 from bpy.props import CollectionProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
 from mathutils import Vector
 
-from lappet.core.problem import RefusedError
+from lappet.core.problem import refused
+from lappet.core.problem_code import ProblemCode
 
 from ..events.add_sutures import Spacing, SutureTimes, add_suture, add_suture_run, ends_across, ends_between
 from ..events.operator_values import given, places
@@ -168,7 +169,7 @@ class LAPPET_OT_place_suture(SkinModal, bpy.types.Operator):
         scene = context.scene
         check_tissue(context)
         if not self.incision and not (self.first and self.second):
-            raise RefusedError("A suture joins two edges; give at least one point of each, or an incision.")
+            raise refused(ProblemCode.SUTURE_NO_EDGES)
         times = SutureTimes(given(self, "time", scene.frame_current), self.duration, self.stiffness)
         if len(self.first) == len(self.second) == 1:
             add_suture(scene, self.first[0].co, self.second[0].co, times, depth=self.depth)
