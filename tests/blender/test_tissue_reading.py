@@ -16,6 +16,7 @@ from lappet.geometry.surface_check import signed_volume
 from lappet.procedure import Material, Procedure, Region, Tissue
 from lappet.tissue.patch import flat_patch
 from lappet.tissue.surface import tissue_surface
+from lappet_blender.interface.problem_repairs import Repair, repair_of
 from lappet_blender.model.scene_procedure import fill_scene, read_scene
 from tissue_scenes import SIZE, add_sheet, fill_with_patch, read
 
@@ -25,7 +26,7 @@ def test_an_empty_scene_has_no_tissue_and_says_how_to_get_one(scene: bpy.types.S
     assert reading.procedure is None
     (problem,) = reading.problems
     assert problem.code is ProblemCode.TISSUE_NONE
-    assert problem.operator == "lappet.tissue_set"
+    assert repair_of(problem) == Repair("lappet.tissue_set")
 
 
 @pytest.mark.parametrize("metres_per_unit", [1.0, 0.001, 0.01])

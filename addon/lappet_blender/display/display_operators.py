@@ -28,7 +28,7 @@ _PRESET_ITEMS = (
 
 
 class LAPPET_OT_look_preset(OperatorBase, bpy.types.Operator):
-    """Set colour and parts of the display for a purpose"""
+    """Set the colors and the visible parts of the display for a purpose"""
 
     bl_idname = "lappet.look_preset"
     bl_label = "Look Preset"
@@ -49,7 +49,9 @@ class LAPPET_OT_compare(OperatorBase, bpy.types.Operator):
     bl_label = "Compare"
     bl_options = UNDOABLE
 
-    scene: StringProperty(name="Scene", description="Its name; empty = no comparison", options={"SKIP_SAVE"})
+    scene: StringProperty(
+        name="Scene", description="Name of the other scene; empty = no comparison", options={"SKIP_SAVE"}
+    )
 
     def run(self, context: bpy.types.Context) -> None:
         here = context.scene
@@ -64,13 +66,13 @@ class LAPPET_OT_compare(OperatorBase, bpy.types.Operator):
 
 
 class LAPPET_OT_variant_new(OperatorBase, bpy.types.Operator):
-    """Copy this scene with its procedure, go there, and show this one beside it"""
+    """Copy this scene with its procedure, switch to the copy and show this scene beside it"""
 
     bl_idname = "lappet.variant_new"
     bl_label = "New Variant"
     bl_options = UNDOABLE
 
-    name: StringProperty(name="Name", description="Of the new scene; empty = like this one", options={"SKIP_SAVE"})
+    name: StringProperty(name="Name", description="Name of the new scene; empty = from this one", options={"SKIP_SAVE"})
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
@@ -87,7 +89,7 @@ class LAPPET_OT_variant_new(OperatorBase, bpy.types.Operator):
 
 
 class LAPPET_OT_set_stage(OperatorBase, bpy.types.Operator):
-    """Set camera, lights and paper, and the render, for a picture as in a textbook"""
+    """Set up camera, lights, paper and render settings for a textbook picture"""
 
     bl_idname = "lappet.set_stage"
     bl_label = "Set Stage"
@@ -107,7 +109,7 @@ class LAPPET_OT_set_stage(OperatorBase, bpy.types.Operator):
     )
     width: IntProperty(name="Width", description="Pixels; 0 = the scene's", default=0, min=0, max=16384)
     height: IntProperty(name="Height", description="Pixels; 0 = the scene's", default=0, min=0, max=16384)
-    samples: IntProperty(name="Samples", description="Of Cycles, a pixel", default=32, min=1, max=4096)
+    samples: IntProperty(name="Samples", description="Cycles samples per pixel", default=32, min=1, max=4096)
 
     def run(self, context: bpy.types.Context) -> None:
         size = (self.width, self.height) if self.width and self.height else (0, 0)

@@ -14,7 +14,7 @@ _CLOSED = {"DEFAULT_CLOSED"}
 
 
 class LAPPET_PT_solve(bpy.types.Panel):
-    """Solve the procedure and see how far it is."""
+    """Solve the procedure and follow its progress."""
 
     bl_label = "Solve"
     bl_space_type = "VIEW_3D"
@@ -56,7 +56,7 @@ class LAPPET_PT_solve(bpy.types.Panel):
 
 
 class LAPPET_PT_solve_settings(bpy.types.Panel):
-    """How exactly to solve and where frames are kept."""
+    """The accuracy of solving and the folder of solved frames."""
 
     bl_label = "Settings"
     bl_parent_id = "LAPPET_PT_solve"

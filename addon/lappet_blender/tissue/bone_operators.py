@@ -13,13 +13,13 @@ from .tissue_operator import TissueOperator
 
 
 class LAPPET_OT_bone_add(TissueOperator, bpy.types.Operator):
-    """Make a closed mesh a bone, which the tissue may not enter"""
+    """Make a closed mesh a bone, which the tissue cannot enter"""
 
     bl_idname = "lappet.bone_add"
     bl_label = "Add Bone"
     bl_options = UNDOABLE
 
-    object: StringProperty(name="Object", description="Its name; empty for the active object")
+    object: StringProperty(name="Object", description="Name of the object; empty = the active object")
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
@@ -40,13 +40,13 @@ class LAPPET_OT_bone_add(TissueOperator, bpy.types.Operator):
 
 
 class LAPPET_OT_bone_remove(TissueOperator, bpy.types.Operator):
-    """Take a bone out of the procedure; the object stays"""
+    """Remove a bone from the procedure; the object stays"""
 
     bl_idname = "lappet.bone_remove"
     bl_label = "Remove Bone"
     bl_options = UNDOABLE
 
-    object: StringProperty(name="Object", description="Its name; empty for the active object")
+    object: StringProperty(name="Object", description="Name of the object; empty = the active object")
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:

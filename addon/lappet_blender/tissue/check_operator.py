@@ -19,7 +19,7 @@ class _OnTissue(TissueOperator):
 
 
 class LAPPET_OT_tissue_check(_OnTissue, bpy.types.Operator):
-    """Look for holes, crossings, thin places and everything else that would be refused, and show it on the mesh"""
+    """Look for holes, self-intersections, thin places and other problems, and show them on the mesh"""
 
     bl_idname = "lappet.tissue_check"
     bl_label = "Check"
@@ -29,7 +29,7 @@ class LAPPET_OT_tissue_check(_OnTissue, bpy.types.Operator):
         problems = check_tissue(context.scene).problems()
         errors = sum(each.severity == "error" for each in problems)
         if not problems:
-            return "Nothing is wrong with the tissue."
+            return "No problems found."
         warnings = len(problems) - errors
         return (
             f"{errors} problem{'s' * (errors != 1)}, {warnings} warning{'s' * (warnings != 1)}: {problems[0].message}"

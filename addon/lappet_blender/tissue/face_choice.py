@@ -18,9 +18,9 @@ _STEEP = 0.5  # of a normal's height: below this a face is a side
 WHICH = (
     ("SELECTED", "Selected", "The selected faces"),
     ("ALL", "All", "Every face"),
-    ("TOP", "Top", "Faces that look up"),
-    ("BOTTOM", "Bottom", "Faces that look down"),
-    ("SIDES", "Sides", "Faces that look sideways"),
+    ("TOP", "Top", "Faces that point up"),
+    ("BOTTOM", "Bottom", "Faces that point down"),
+    ("SIDES", "Sides", "Faces that point sideways"),
     ("BOUNDARY", "Border", "Faces at the border of an open surface"),
 )
 _CHOSEN = {

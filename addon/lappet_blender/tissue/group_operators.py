@@ -23,14 +23,14 @@ class _OnTissue(TissueOperator):
 
 
 class LAPPET_OT_faces_assign(_OnTissue, bpy.types.Operator):
-    """Put faces of the tissue into a group: fixed faces are held, bed faces are tied to deep tissue"""
+    """Add faces of the tissue to a group: fixed faces are held, bed faces are tied to deep tissue"""
 
     bl_idname = "lappet.faces_assign"
     bl_label = "Assign Faces"
     bl_options = UNDOABLE
 
     group: StringProperty(name="Group", default="fixed")
-    faces: StringProperty(name="Faces", description='Indices, such as "0,1,5-9"; empty for the choice below')
+    faces: StringProperty(name="Faces", description='Indices such as "0,1,5-9"; empty = the choice below')
     which: EnumProperty(name="Which", items=WHICH, default="SELECTED")
     action: EnumProperty(
         name="Action",
@@ -70,7 +70,7 @@ class LAPPET_OT_faces_new(_OnTissue, bpy.types.Operator):
 
 
 class LAPPET_OT_faces_clear(_OnTissue, bpy.types.Operator):
-    """Take a group away; its faces stay"""
+    """Remove a group; its faces stay"""
 
     bl_idname = "lappet.faces_clear"
     bl_label = "Remove Group"

@@ -54,7 +54,7 @@ class LAPPET_OT_material_add(_OnScene, bpy.types.Operator):
     bl_label = "Add Material"
     bl_options = UNDOABLE
 
-    name: StringProperty(name="Name", description="Empty for the preset's own")
+    name: StringProperty(name="Name", description="Empty = the name of the preset")
     preset: EnumProperty(name="Preset", items=PRESET_ITEMS, default="SKIN")
 
     def run(self, context: bpy.types.Context) -> None:
@@ -135,7 +135,7 @@ class LAPPET_OT_material_preset(_OnScene, bpy.types.Operator):
     bl_label = "Use Preset"
     bl_options = UNDOABLE
 
-    name: StringProperty(name="Name", description="Of the material; empty for the tissue's")
+    name: StringProperty(name="Name", description="Name of the material; empty = the material of the tissue")
     preset: EnumProperty(name="Preset", items=PRESET_ITEMS, default="SKIN")
 
     @classmethod
@@ -149,16 +149,18 @@ class LAPPET_OT_material_preset(_OnScene, bpy.types.Operator):
 
 
 class LAPPET_OT_region_add(_OnScene, bpy.types.Operator):
-    """Make the tissue below a group of faces of another material"""
+    """Give the tissue below a group of faces another material"""
 
     bl_idname = "lappet.region_add"
     bl_label = "Add Region"
     bl_options = UNDOABLE
 
-    group: StringProperty(name="Group", description="Of the tissue's faces")
+    group: StringProperty(name="Group", description="A group of faces of the tissue")
     material: StringProperty(name="Material")
-    depth_from: FloatProperty(name="From", description="mm below the skin", default=0.0, min=0.0)
-    depth_to: FloatProperty(name="To", description="mm below the skin; 0 = to the bottom", default=0.0, min=0.0)
+    depth_from: FloatProperty(name="From", description="Depth below the skin, in mm", default=0.0, min=0.0)
+    depth_to: FloatProperty(
+        name="To", description="Depth below the skin, in mm; 0 = to the bottom", default=0.0, min=0.0
+    )
 
     def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
         return context.window_manager.invoke_props_dialog(self)

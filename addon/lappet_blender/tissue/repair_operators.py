@@ -48,20 +48,20 @@ class LAPPET_OT_tissue_apply_scale(_OnObject, bpy.types.Operator):
     bl_label = "Apply Scale"
     bl_options = UNDOABLE
 
-    object: StringProperty(name="Object", description="Its name; empty for the tissue")
+    object: StringProperty(name="Object", description="Name of the object; empty = the tissue")
 
     def run(self, context: bpy.types.Context) -> None:
         repair_object.apply_scale(self.meant(context))
 
 
 class LAPPET_OT_tissue_apply_modifiers(_OnObject, bpy.types.Operator):
-    """Make the mesh what its modifiers and shape keys make of it now"""
+    """Apply the modifiers and the current mix of shape keys to the mesh"""
 
     bl_idname = "lappet.tissue_apply_modifiers"
     bl_label = "Apply Modifiers and Shape Keys"
     bl_options = UNDOABLE
 
-    object: StringProperty(name="Object", description="Its name; empty for the tissue")
+    object: StringProperty(name="Object", description="Name of the object; empty = the tissue")
 
     def run(self, context: bpy.types.Context) -> str:
         return repair_object.apply_shape(context, self.meant(context))
@@ -74,20 +74,20 @@ class LAPPET_OT_tissue_make_local(_OnObject, bpy.types.Operator):
     bl_label = "Make Local"
     bl_options = UNDOABLE
 
-    object: StringProperty(name="Object", description="Its name; empty for the tissue")
+    object: StringProperty(name="Object", description="Name of the object; empty = the tissue")
 
     def run(self, context: bpy.types.Context) -> None:
         repair_object.make_local(self.meant(context))
 
 
 class LAPPET_OT_tissue_fix_place(_OnObject, bpy.types.Operator):
-    """Leave the object where it stands, without keyframes, drivers, constraints and parent"""
+    """Keep the object where it is, without keyframes, drivers, constraints and parent"""
 
     bl_idname = "lappet.tissue_fix_place"
     bl_label = "Fix in Place"
     bl_options = UNDOABLE
 
-    object: StringProperty(name="Object", description="Its name; empty for the tissue")
+    object: StringProperty(name="Object", description="Name of the object; empty = the tissue")
 
     def run(self, context: bpy.types.Context) -> None:
         repair_object.fix_place(self.meant(context))
@@ -97,10 +97,10 @@ class LAPPET_OT_tissue_restore(_OnObject, bpy.types.Operator):
     """Link the object into the scene again"""
 
     bl_idname = "lappet.tissue_restore"
-    bl_label = "Bring Back"
+    bl_label = "Restore to Scene"
     bl_options = UNDOABLE
 
-    object: StringProperty(name="Object", description="Its name; empty for the tissue")
+    object: StringProperty(name="Object", description="Name of the object; empty = the tissue")
 
     def run(self, context: bpy.types.Context) -> None:
         repair_object.restore(context.scene, self.meant(context))

@@ -116,7 +116,7 @@ def _groups(layout: bpy.types.UILayout, scene: bpy.types.Scene) -> None:
         row.operator("lappet.faces_select", text="", icon="RESTRICT_SELECT_OFF").group = name
         row.operator("lappet.faces_clear", text="", icon="X").group = name
     if scene.lappet.tissue.thicken:
-        box.label(text="The rim is fixed, the underside is bed.", icon="INFO")
+        box.label(text="The rim is fixed; the underside is the bed.", icon="INFO")
     box.operator("lappet.faces_new", text="New Group from Selection", icon="ADD")
 
 
@@ -128,7 +128,7 @@ def _lattice(layout: bpy.types.UILayout, scene: bpy.types.Scene) -> None:
     if scene.lappet.tissue.object.mode == "EDIT":
         return
     if not tissue_is_ready(scene):
-        column.label(text="The sheet is being made")
+        column.label(text="Making the sheet…")
         return
     cells, seconds = cell_count(scene), expected_seconds(scene)
     if cells is not None and seconds is not None:
@@ -153,7 +153,7 @@ def _problems(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
         for index, each in enumerate(found.places):
             _problem(layout, context, each.problem, index if each.middle() is not None else -1)
         if not found.places:
-            layout.label(text="Nothing is wrong.", icon="CHECKMARK")
+            layout.label(text="No problems found.", icon="CHECKMARK")
     elif scene.lappet.tissue.object.mode != "EDIT" and tissue_is_ready(scene):
         for problem in reading_problems(read_scene(scene)):
             _problem(layout, context, problem)
