@@ -157,6 +157,6 @@ def test_what_is_copied_to_another_folder_is_all_that_a_plan_needs(
     while not copying.done:
         assert time.monotonic() < end
         time.sleep(0.005)
-    assert copying.trouble is None
+    assert copying.problem is None
     assert PlanMemory().find(plan.key, other).frames == plan.frames
     assert [frame.key in other for frame in plan.frames] == [True] * 3 + [False] * 2

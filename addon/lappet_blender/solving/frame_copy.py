@@ -14,7 +14,7 @@ from lappet.solve.store import FrameStore
 
 
 class FrameCopy:
-    """Copies the frames, surfaces and plans of some plans, on a thread. done: it has ended; trouble: why it stopped
+    """Copies the frames, surfaces and plans of some plans, on a thread. done: it has ended; problem: why it stopped
     before all was copied, or None."""
 
     def __init__(self, plans: Iterable[Plan], old: FrameStore, new: FrameStore) -> None:
@@ -22,7 +22,7 @@ class FrameCopy:
         for plan in plans:
             each = (plan.key, *(epoch.key for epoch in plan.epochs), *(frame.key for frame in plan.frames))
             keys.update(dict.fromkeys(each))
-        self.trouble: Problem | None = None
+        self.problem: Problem | None = None
         self._pairs = [(old.path(key), new.path(key)) for key in keys]
         self._folder = new.folder
         self._thread = threading.Thread(target=self._copy_all, name="lappet copying", daemon=True)
@@ -39,7 +39,7 @@ class FrameCopy:
                 if source.is_file() and not target.is_file():
                     _copy(source, target)
         except OSError as error:
-            self.trouble = problem(ProblemCode.FRAMES_NOT_COPIED, self._folder, error.strerror or error)
+            self.problem = problem(ProblemCode.FRAMES_NOT_COPIED, self._folder, error.strerror or error)
 
 
 def _copy(source: Path, target: Path) -> None:

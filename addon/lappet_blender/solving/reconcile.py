@@ -219,6 +219,6 @@ def finish_copying(controller: Controller) -> None:
     if copying is None or not copying.done:
         return
     controller.copying = None
-    if copying.trouble:
-        controller.note(problem_sentence(copying.trouble))
+    if copying.problem:
+        controller.note(problem_sentence(copying.problem))
     controller.recheck_frames(*([controller.plan] if controller.plan else []), *controller.past)
