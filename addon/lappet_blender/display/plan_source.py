@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from lappet.background.plan import EpochShape, Plan, ShownFrame
 from lappet.core.problem import RefusedError
 from lappet.geometry.curve import sample_curve
-from lappet.procedure import Basis
+from lappet.procedure.events import Basis
 
 from ..look.skin_source import FigureError, SkinEpoch, StepEvent, Strands
 from ..model.event_kinds import BASIS_OF

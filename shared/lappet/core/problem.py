@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from typing import ClassVar, Self
 
 from lappet.core import problem_text
 from lappet.core.problem_code import ProblemCode
@@ -12,7 +13,15 @@ from lappet.core.problem_text import Severity as Severity
 
 @dataclass(frozen=True)
 class Place:
-    """Where on a mesh a problem is. faces: indices of faces. points: in mm, in the coordinates of the mesh."""
+    """Where on a mesh a problem is.
+
+    Parameters
+    ----------
+    faces
+        Indices of faces.
+    points
+        Points in mm, in the coordinates of the mesh.
+    """
 
     faces: tuple[int, ...] = ()
     points: tuple[tuple[float, float, float], ...] = ()
@@ -27,10 +36,22 @@ class Place:
 class Problem:
     """One thing that is wrong.
 
-    code: which kind of problem. prim: the prim's path ("/Procedure/Timeline/hook_1"), or the file or object where
-    there is no prim, or "". value: what was found, as text. message: what is wrong, one or more sentences. remedy:
-    what to do about it. An "error" is refused before solving; a "warning" is solved nevertheless. place: where on
-    the mesh. Code compares code, prim and severity; message and remedy are for people only.
+    Parameters
+    ----------
+    code
+        What kind of problem it is.
+    prim
+        Path of the prim ("/Procedure/Timeline/hook_1"), or of the file where there is no prim.
+    value
+        What was found, as text.
+    message
+        What is wrong, naming the thing and the value, for people.
+    remedy
+        What to do about it, for people.
+    severity
+        "error", refused before solving, or "warning", solved nevertheless.
+    place
+        Where on a mesh it is, or None.
     """
 
     code: ProblemCode
@@ -47,12 +68,24 @@ class Problem:
 
 
 class ProblemsError(Exception):
-    """An error that carries what is wrong as values; its text is made from them."""
+    """An error that carries what is wrong as values; its text is made from them.
+
+    A subclass whose errors are all of one kind names its `code` and may be raised with a sentence alone.
+    """
+
+    code_of_sentences: ClassVar[ProblemCode] = ProblemCode.UNSORTED
 
     def __init__(self, problems: Sequence[Problem] | str) -> None:
         if isinstance(problems, str):
-            problems = (problem(ProblemCode.UNSORTED, said=problems),)
+            problems = (problem(self.code_of_sentences, "", problems),)
         super().__init__(tuple(problems))
+
+    @classmethod
+    def of(
+        cls, code: ProblemCode, prim: object = "", value: object = "", *, place: Place | None = None, **fields: object
+    ) -> Self:
+        """Return the error that carries the one problem of this code."""
+        return cls((problem(code, prim, value, place=place, **fields),))
 
     @property
     def problems(self) -> tuple[Problem, ...]:
@@ -81,7 +114,7 @@ def refused(
     code: ProblemCode, prim: object = "", value: object = "", *, place: Place | None = None, **fields: object
 ) -> RefusedError:
     """Return the error that carries the one problem of this code: `raise refused(ProblemCode.X, prim, value, …)`."""
-    return RefusedError((problem(code, prim, value, place=place, **fields),))
+    return RefusedError.of(code, prim, value, place=place, **fields)
 
 
 def file_problem(error: OSError, path: object = "") -> Problem:

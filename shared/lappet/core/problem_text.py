@@ -16,17 +16,39 @@ TEXTS = Path(__file__).with_name("texts")
 
 @dataclass(frozen=True)
 class ProblemText:
-    """What is said for a code. title: for lists. message, remedy: sentences with fields in braces. severity: of it."""
+    """What is said for a code.
+
+    Parameters
+    ----------
+    title
+        Title for lists.
+    message
+        Sentence with fields in braces.
+    remedy
+        Sentence with fields in braces.
+    """
 
     title: str
     message: str
     remedy: str
     severity: Severity = "error"
+    advice: str = ""
 
 
 @cache
 def catalogue() -> dict[ProblemCode, ProblemText]:
-    """Return the texts of every code. A code that no file knows, or that two files know, raises KeyError."""
+    """Read the texts of every code.
+
+    Returns
+    -------
+    dict[ProblemCode, ProblemText]
+        The texts by code.
+
+    Raises
+    ------
+    KeyError
+        If no file knows a code, or two files know it.
+    """
     found: dict[ProblemCode, ProblemText] = {}
     for file in sorted(TEXTS.glob("*.toml")):
         for value, entry in tomllib.loads(file.read_text(encoding="utf-8")).items():
