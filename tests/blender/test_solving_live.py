@@ -136,12 +136,12 @@ def test_a_target_that_was_not_dragged_is_not_keyed(patch: bpy.types.Scene, scri
 
 def test_only_a_hook_that_pulls_at_this_frame_can_be_dragged(patch: bpy.types.Scene, script: Script) -> None:
     patch.frame_set(2)
-    assert refusal_code(lambda: bpy.ops.lappet.live(hook="hook_1")) is ProblemCode.LIVE_NOT_PULLING
+    assert refusal_code(lambda: bpy.ops.lappet.live(hook="hook_1")) is ProblemCode.HOOK_NOT_PULLING
     assert refusal_code(lambda: bpy.ops.lappet.live(hook="incision_1")) is ProblemCode.LIVE_NOT_A_HOOK
     assert refusal_code(lambda: bpy.ops.lappet.live(hook="nobody")) is ProblemCode.LIVE_NO_EVENT
     patch.frame_set(5)
     find_event(patch, "hook_1").enabled = False
-    assert refusal_code(lambda: bpy.ops.lappet.live(hook="hook_1")) is ProblemCode.LIVE_NOT_PULLING
+    assert refusal_code(lambda: bpy.ops.lappet.live(hook="hook_1")) is ProblemCode.HOOK_NOT_PULLING
     find_event(patch, "hook_1").enabled = True
     bpy.ops.lappet.solve()
     assert refusal_code(lambda: bpy.ops.lappet.live(hook="hook_1")) is ProblemCode.SOLVE_RUNNING

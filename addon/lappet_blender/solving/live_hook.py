@@ -131,7 +131,7 @@ def _hook(scene: bpy.types.Scene, hook: str):  # type: ignore[no-untyped-def]
         raise refused(ProblemCode.LIVE_NOT_A_HOOK, event.name)
     if not event.enabled or not decimal(event.start) <= scene.frame_current < decimal(event.end):
         span = {"start": event.start, "end": event.end}
-        raise refused(ProblemCode.LIVE_NOT_PULLING, event.name, scene.frame_current, **span)
+        raise refused(ProblemCode.HOOK_NOT_PULLING, event.name, scene.frame_current, **span)
     if event.target is None:
         raise refused(ProblemCode.EVENT_TARGET_MISSING, event.name, "is not set")
     return event

@@ -83,7 +83,7 @@ class ProblemCode(StrEnum):
     FRAMES_NOT_COPIED = auto()
     LIVE_NO_EVENT = auto()
     LIVE_NOT_A_HOOK = auto()
-    LIVE_NOT_PULLING = auto()
+    HOOK_NOT_PULLING = auto()
     PROBLEM_UNKNOWN = auto()
     PROBLEM_NOWHERE = auto()
     COMPARE_UNKNOWN = auto()
