@@ -9,11 +9,12 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import TypeVar
 
-from lappet.background.plan import Finished, FrameReady, Happening, Note, Planned, SolveSettings
+from lappet.background.plan import Finished, FrameReady, Happening, Note, Planned
 from lappet.background.solver import BackgroundSolver
+from lappet.program.settings import SolverSettings
 
 Kind = TypeVar("Kind")
-SETTINGS = SolveSettings()
+SETTINGS = SolverSettings()
 WATCHDOG = 90.0
 
 

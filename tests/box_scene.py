@@ -15,7 +15,8 @@ from lappet.cutting.epoch import Epoch
 from lappet.daemon.client import SolverClient
 from lappet.daemon.frame_solver import Iteration
 from lappet.geometry.labelled_surface import Surface
-from lappet.program.program import FrameConstraints, SolverSettings
+from lappet.program.program import FrameConstraints
+from lappet.program.settings import SolverSettings
 
 
 def box(size: tuple[float, float, float] = (4.0, 4.0, 2.0)) -> Surface:

@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 from lappet.cutting.epoch import Epoch
 from lappet.daemon.frame_solver import Iteration, SolvedFrame, SolverDiedError
 from lappet.procedure import Excision, Hook, Incision, Landmark, Procedure, Suture
-from lappet.program.program import Bones, FrameConstraints, Landmarks, SolverSettings
+from lappet.program.program import Bones, FrameConstraints, Landmarks
+from lappet.program.settings import SolverSettings
 from lappet.tissue.patch import flat_patch
 
 TOP = 2.0

@@ -17,7 +17,8 @@ from lappet.daemon.frame_solver import SolvedFrame, SolverDiedError
 from lappet.output.solve_procedure import solve_procedure
 from lappet.procedure import Hook, Incision, Point
 from lappet.program.compile import compile_program
-from lappet.program.program import Bones, SolverSettings
+from lappet.program.program import Bones
+from lappet.program.settings import SolverSettings
 from lappet.solve.store import FrameStore, StoredFrame
 from small_procedure import TOP, FakeSolver, small_procedure
 

@@ -16,26 +16,17 @@ from hypothesis import strategies as st
 
 import procedure_strategies
 from lappet.background.frame_stream import StreamError, read_frame, write_frame
-from lappet.background.plan import (
-    EpochShape,
-    FrameReady,
-    LiveFrame,
-    Plan,
-    Planned,
-    PlannedFrame,
-    Refused,
-    ShownFrame,
-    SolveSettings,
-)
+from lappet.background.plan import EpochShape, FrameReady, LiveFrame, Plan, Planned, PlannedFrame, Refused, ShownFrame
 from lappet.background.plan_key import plan_key
 from lappet.background.procedure_message import MessageError, pack, unpack
 from lappet.core.problem import Problem
 from lappet.procedure import Bone, Hook, Incision, Landmark, Procedure, Suture
+from lappet.program.settings import SolverSettings
 from small_procedure import small_procedure
 
 numbers = st.floats(allow_nan=False, width=64)
 choices = st.builds(
-    SolveSettings,
+    SolverSettings,
     st.none() | numbers,
     numbers,
     st.sampled_from([1, 4, 8]),
@@ -71,7 +62,7 @@ def test_every_procedure_comes_back_with_every_bit(procedure: Procedure) -> None
 
 @settings(max_examples=50, deadline=None)
 @given(choices)
-def test_settings_come_back_with_every_bit(choice: SolveSettings) -> None:
+def test_settings_come_back_with_every_bit(choice: SolverSettings) -> None:
     assert same_bits(unpack(pack(choice)), choice)
 
 
@@ -154,9 +145,9 @@ def test_a_length_that_cannot_be_is_refused_before_memory_is_taken() -> None:
 @settings(max_examples=60, deadline=None)
 @given(procedure_strategies.procedures(), procedure_strategies.procedures())
 def test_the_key_of_a_plan_tells_procedures_apart_as_equality_does(a: Procedure, b: Procedure) -> None:
-    key = plan_key(a, SolveSettings(), "solver")
-    assert plan_key(unpack(pack(a)), SolveSettings(), "solver") == key
-    assert (plan_key(b, SolveSettings(), "solver") == key) == (a == b)
+    key = plan_key(a, SolverSettings(), "solver")
+    assert plan_key(unpack(pack(a)), SolverSettings(), "solver") == key
+    assert (plan_key(b, SolverSettings(), "solver") == key) == (a == b)
 
 
 def test_every_value_of_a_procedure_and_what_changes_a_frame_is_in_the_key() -> None:
@@ -180,20 +171,20 @@ def test_every_value_of_a_procedure_and_what_changes_a_frame_is_in_the_key() -> 
         replace(base, tissue=replace(tissue, gravity=9.81)),
         replace(base, bones=(bone,)),
     ]
-    keys = {plan_key(each, SolveSettings(), "s") for each in (base, *others)}
+    keys = {plan_key(each, SolverSettings(), "s") for each in (base, *others)}
     assert len(keys) == 1 + len(others)
     changes: list[dict[str, Any]] = [{"spacing": 0.5}, {"tolerance": 1e-4}, {"quadrature": 8}, {"precision": "double"}]
-    choices = [SolveSettings(**change) for change in changes]
-    assert len({plan_key(base, choice, "s") for choice in (SolveSettings(), *choices)}) == 5
-    assert plan_key(base, SolveSettings(), "s") != plan_key(base, SolveSettings(), "t")
+    choices = [SolverSettings(**change) for change in changes]
+    assert len({plan_key(base, choice, "s") for choice in (SolverSettings(), *choices)}) == 5
+    assert plan_key(base, SolverSettings(), "s") != plan_key(base, SolverSettings(), "t")
 
 
 def test_what_changes_no_frame_changes_no_key() -> None:
     base = small_procedure()
-    key = plan_key(base, SolveSettings(), "s")
-    assert plan_key(base, SolveSettings(threads=3), "s") == key
-    assert plan_key(base, SolveSettings(spacing=base.tissue.spacing), "s") == key
-    assert plan_key(replace(base, start_time=1, fps=24), SolveSettings(), "s") == key
+    key = plan_key(base, SolverSettings(), "s")
+    assert plan_key(base, SolverSettings(threads=3), "s") == key
+    assert plan_key(base, SolverSettings(spacing=base.tissue.spacing), "s") == key
+    assert plan_key(replace(base, start_time=1, fps=24), SolverSettings(), "s") == key
     (slit, *others) = base.events
     assert isinstance(slit, Incision)
-    assert plan_key(replace(base, events=(replace(slit, time=3), *others)), SolveSettings(), "s") == key
+    assert plan_key(replace(base, events=(replace(slit, time=3), *others)), SolverSettings(), "s") == key

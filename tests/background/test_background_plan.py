@@ -12,7 +12,7 @@ from test_background_message import a_plan, same_bits
 from lappet.background.compilation import Compilation
 from lappet.background.kept_frames import KeptFrames
 from lappet.background.make_plan import epoch_shapes
-from lappet.background.plan import EpochShape, Plan, SolveSettings
+from lappet.background.plan import EpochShape, Plan
 from lappet.background.plan_store import get_plan, get_shown, put_plan
 from lappet.background.skin_shape import depth_below_skin, uv_scale
 from lappet.background.tissue_face import TissueFaces
@@ -23,12 +23,13 @@ from lappet.geometry.labelled_surface import FaceOrigin
 from lappet.procedure import Hook, Incision, Procedure, Suture
 from lappet.program.compile import compile_program
 from lappet.program.keys import frame_keys
+from lappet.program.settings import SolverSettings
 from lappet.solve.store import FrameStore, StoredFrame
 from lappet.tissue.fan_triangles import fan_triangles
 from lappet.tissue.patch import flat_patch
 from small_procedure import TOP, small_procedure
 
-SETTINGS = SolveSettings()
+SETTINGS = SolverSettings()
 
 
 def silent() -> None:

@@ -14,21 +14,13 @@ import numpy as np
 import pytest
 
 from background_owner import SETTINGS, Owner, alive, daemon_of, kill, owner, wait_gone
-from lappet.background.plan import (
-    Finished,
-    FrameFailed,
-    FrameReady,
-    Happening,
-    IterationDone,
-    Planned,
-    Refused,
-    SolveSettings,
-)
+from lappet.background.plan import Finished, FrameFailed, FrameReady, Happening, IterationDone, Planned, Refused
 from lappet.background.plan_store import get_plan, get_shown
 from lappet.background.solver import BackgroundSolver
 from lappet.daemon.frame_solver import STATE_ARRAYS
 from lappet.output.solve_procedure import solve_procedure
 from lappet.procedure import Hook, Incision, Procedure, Suture
+from lappet.program.settings import SolverSettings
 from lappet.solve.store import FrameStore
 from small_procedure import TOP, small_procedure
 
@@ -245,7 +237,7 @@ def test_a_procedure_that_cannot_be_solved_is_refused_with_its_sentences(tmp_pat
             assert f"/Procedure/Timeline/{path}" in [problem.path for problem in refused.problems]
             assert all(problem.sentence for problem in refused.problems)
             assert not own.of(Planned, job)
-        job = own.solver.solve(small_procedure(), SolveSettings(spacing=-1.0))
+        job = own.solver.solve(small_procedure(), SolverSettings(spacing=-1.0))
         own.finished(job)
         (refused,) = own.of(Refused, job)
         assert "-1" in refused.problems[0].sentence
@@ -303,17 +295,17 @@ def test_a_plan_does_not_wait_for_a_solve_and_a_newer_plan_replaces_those_that_w
     tmp_path: Path, binary: Path
 ) -> None:
     with owner(tmp_path) as own:
-        solve = own.solver.solve(long_procedure(), SolveSettings(spacing=0.7))
+        solve = own.solver.solve(long_procedure(), SolverSettings(spacing=0.7))
         own.until(is_frame(1))
         plans = [
-            own.solver.plan(replace(small_procedure(), fps=float(fps)), SolveSettings(spacing=0.7))
+            own.solver.plan(replace(small_procedure(), fps=float(fps)), SolverSettings(spacing=0.7))
             for fps in range(1, 6)
         ]
         ended = own.finished(plans[-1])
         assert not ended.cancelled
         assert solve in own.solver.running
         assert own.plan(plans[-1]).plan.key == own.solver.key(
-            replace(small_procedure(), fps=5.0), SolveSettings(spacing=0.7)
+            replace(small_procedure(), fps=5.0), SolverSettings(spacing=0.7)
         )
         assert all(own.of(Finished, plan) for plan in plans)
         assert sum(end.cancelled for plan in plans for end in own.of(Finished, plan)) >= 2

@@ -26,12 +26,12 @@ from lappet.background.plan import (
     PlannedFrame,
     Refused,
     ShownFrame,
-    SolveSettings,
 )
 from lappet.background.plan_key import digest, plan_key
 from lappet.background.plan_store import put_plan
 from lappet.core.problem import Problem
 from lappet.procedure import CUTS, Event, Hook, Landmark, Procedure
+from lappet.program.settings import SolverSettings
 from lappet.solve.store import FrameStore, StoredFrame
 
 IDENTITY = "fake"
@@ -72,13 +72,13 @@ class FakeWorker:
         self._number = 0
         self._jobs: dict[int, Iterator[Happening]] = {}
 
-    def plan(self, procedure: Procedure, settings: SolveSettings) -> int:
+    def plan(self, procedure: Procedure, settings: SolverSettings) -> int:
         return self._ask("plan", procedure, settings, self._planning)
 
-    def solve(self, procedure: Procedure, settings: SolveSettings, until: int | None = None) -> int:
+    def solve(self, procedure: Procedure, settings: SolverSettings, until: int | None = None) -> int:
         return self._ask("solve", procedure, settings, lambda job, p, s: self._solving(job, p, s, until))
 
-    def live(self, procedure: Procedure, settings: SolveSettings, time: int, hook: str) -> int:
+    def live(self, procedure: Procedure, settings: SolverSettings, time: int, hook: str) -> int:
         self.targets.clear()
         return self._ask("live", procedure, settings, lambda job, p, s: self._pulling(job, p, s, time))
 
@@ -120,7 +120,7 @@ class FakeWorker:
             yield step
         yield Finished(job, frames, 0.1, job in self.cancelled)
 
-    def _planning(self, job: int, procedure: Procedure, settings: SolveSettings) -> Iterator[Happening]:
+    def _planning(self, job: int, procedure: Procedure, settings: SolverSettings) -> Iterator[Happening]:
         if self.script.refusal:
             yield Refused(job, self.script.refusal)
             return
@@ -129,7 +129,7 @@ class FakeWorker:
         yield Planned(job, plan, tuple(frame.key in self.store for frame in plan.frames))
 
     def _solving(
-        self, job: int, procedure: Procedure, settings: SolveSettings, until: int | None
+        self, job: int, procedure: Procedure, settings: SolverSettings, until: int | None
     ) -> Iterator[Happening]:
         yield from self._planning(job, procedure, settings)
         if self.script.refusal:
@@ -149,7 +149,7 @@ class FakeWorker:
             self.store.put(frame.key, StoredFrame(shown.header, {"points": shown.points, **shown.arrays}))
             yield FrameReady(job, frame.time, frame.key, False, shown)
 
-    def _pulling(self, job: int, procedure: Procedure, settings: SolveSettings, time: int) -> Iterator[Happening]:
+    def _pulling(self, job: int, procedure: Procedure, settings: SolverSettings, time: int) -> Iterator[Happening]:
         yield from self._planning(job, procedure, settings)
         plan = make_plan(procedure, settings, self.script.points)
         rest = plan.epochs[plan.frames[time - plan.frames[0].time].epoch].rest
@@ -159,7 +159,7 @@ class FakeWorker:
             yield LiveFrame(job, time, target, ShownFrame(rest + np.float32(target)), True, 0.05)
 
 
-def make_plan(procedure: Procedure, settings: SolveSettings, points: int = 4) -> Plan:
+def make_plan(procedure: Procedure, settings: SolverSettings, points: int = 4) -> Plan:
     """A plan whose keys depend on what the frames of a real one depend on."""
     start = procedure.start_time
     cuts = sorted({max(e.time, start) for e in procedure.events if isinstance(e, CUTS)} | {start})

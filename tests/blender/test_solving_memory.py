@@ -10,10 +10,11 @@ import numpy as np
 import pytest
 
 from fake_worker import make_plan
-from lappet.background.plan import ShownFrame, SolveSettings
+from lappet.background.plan import ShownFrame
 from lappet.background.plan_store import put_plan
 from lappet.core.problem import Problem
 from lappet.procedure import Incision, Procedure
+from lappet.program.settings import SolverSettings
 from lappet.solve.store import FrameStore, StoredFrame
 from lappet.tissue.patch import flat_patch
 from lappet_blender.model.duration_words import in_words
@@ -89,7 +90,7 @@ def test_reading_ahead_fills_memory_and_goes_on_after_it_was_closed(store: Frame
 
 def test_plans_share_their_surfaces_and_are_found_in_the_store(store: FrameStore, procedure: Procedure) -> None:
     memory = PlanMemory(limit=2)
-    made = [make_plan(procedure, SolveSettings(tolerance=10.0**-n)) for n in (2, 3, 4)]
+    made = [make_plan(procedure, SolverSettings(tolerance=10.0**-n)) for n in (2, 3, 4)]
     kept = [memory.keep(plan) for plan in made]
     assert kept[0].epochs[1] is kept[2].epochs[1]
     assert memory.find(made[0].key, store) is None, "only so many are kept"
@@ -106,10 +107,10 @@ def test_plans_share_their_surfaces_and_are_found_in_the_store(store: FrameStore
 
 def test_an_epoch_of_equal_shape_at_another_time_keeps_its_time(store: FrameStore, procedure: Procedure) -> None:
     memory = PlanMemory()
-    early = memory.keep(make_plan(procedure, SolveSettings()))
+    early = memory.keep(make_plan(procedure, SolverSettings()))
     moved = procedure.events[0]
     later = Procedure(procedure.tissue, events=(Incision("cut", 4.0, moved.points),), end_time=5.0)
-    plan = make_plan(later, SolveSettings())
+    plan = make_plan(later, SolverSettings())
     assert plan.epochs[1].key == early.epochs[1].key
     assert memory.keep(plan).epochs[1].start_time == 4.0
 
@@ -146,7 +147,7 @@ def test_the_cells_of_a_box_are_its_volume_over_that_of_a_cell_and_those_its_sur
 def test_what_is_carried_over_to_another_folder_is_all_that_a_plan_needs(
     store: FrameStore, procedure: Procedure, tmp_path: Path
 ) -> None:
-    plan = make_plan(procedure, SolveSettings())
+    plan = make_plan(procedure, SolverSettings())
     put_plan(store, plan)
     for planned in plan.frames[:3]:
         store.put(planned.key, StoredFrame({}, {"points": np.zeros((4, 3), np.float32)}))

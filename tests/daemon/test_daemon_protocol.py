@@ -19,7 +19,8 @@ from lappet.daemon.frame_solver import Iteration
 from lappet.daemon.process import SolverDaemon
 from lappet.daemon.wire import Message, WireError, encode
 from lappet.geometry.labelled_surface import Surface
-from lappet.program.program import FrameConstraints, MaterialParameters, SolverSettings
+from lappet.program.program import FrameConstraints
+from lappet.program.settings import MaterialParameters, SolverSettings
 from raw_peer import Raw
 
 pytestmark = [pytest.mark.slow, pytest.mark.timeout(120)]
@@ -247,7 +248,7 @@ def test_the_client_sends_materials_regions_and_activation_and_the_state_keeps_i
         np.array([np.inf, 2.0]),
     )
     with SolverClient(daemon=daemon) as client:
-        client.open(SolverSettings(threads=1, materials=(MaterialParameters(), muscle)))
+        client.open(SolverSettings(spacing=1.0, threads=1, materials=(MaterialParameters(), muscle)))
         client.set_epoch(Epoch(0, 1.0, surface, 1, regions))
         slack = client.solve(pull(1.0))
         np.testing.assert_array_equal(slack.state.activation, [0.0, 0.0])
@@ -340,7 +341,7 @@ def test_garbage_from_a_raw_socket_does_not_kill_it(daemon: SolverDaemon, raw: R
 
 def test_two_clients_have_sessions_of_their_own(daemon: SolverDaemon) -> None:
     with SolverClient(daemon=daemon) as first, SolverClient(daemon.address, daemon.token) as second:
-        numbers = {client.open(SolverSettings(threads=1)) for client in (first, second)}
+        numbers = {client.open(SolverSettings(spacing=1.0, threads=1)) for client in (first, second)}
         assert len(numbers) == 2
         first.set_epoch(Epoch(0, 1.0, box(), 1))
         with pytest.raises(SolverRefused, match="'epoch' first"):
@@ -368,7 +369,7 @@ def test_clients_that_leave_make_room(daemon: SolverDaemon) -> None:
 
 def test_a_frame_of_another_epoch_and_a_message_too_large_are_not_sent(daemon: SolverDaemon) -> None:
     with SolverClient(daemon=daemon) as client:
-        client.open(SolverSettings(threads=1))
+        client.open(SolverSettings(spacing=1.0, threads=1))
         client.set_epoch(Epoch(0, 1.0, box(), 1))
         with pytest.raises(ValueError, match="belongs to epoch 3"):
             client.solve(FrameConstraints(1.0, 3))

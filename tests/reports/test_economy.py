@@ -19,7 +19,8 @@ from lappet.commands.cli import cli
 from lappet.daemon.client import SolverClient, SolverRefused
 from lappet.daemon.process import SolverDaemon
 from lappet.output.skin_cache import SCALARS
-from lappet.program.program import MaterialParameters, Program
+from lappet.program.program import Program
+from lappet.program.settings import MaterialParameters
 from lappet.reports.box_scenes import BoxScene
 from lappet.reports.economy.files import write_economy
 from lappet.reports.economy.instructions import callgrind_costs, count_instructions, why_not

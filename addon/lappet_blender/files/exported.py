@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -75,14 +76,7 @@ def compiled(scene: bpy.types.Scene, procedure: Procedure, spacing: float | None
 
     from ..solving.solve_settings import solve_settings
 
-    settings = solve_settings(scene)
-    return compile_program(
-        procedure,
-        spacing=settings.spacing if spacing is None else spacing,
-        tolerance=settings.tolerance,
-        quadrature=settings.quadrature,
-        precision=settings.precision,
-    )
+    return compile_program(procedure, settings=replace(solve_settings(scene), spacing=spacing or 0.0))
 
 
 def _stored(program: Program, keys: tuple[str, ...], store: FrameStore) -> list[tuple[str, StoredFrame]]:

@@ -14,9 +14,10 @@ from typing import TYPE_CHECKING, Literal
 
 import bpy
 
-from lappet.background.plan import Plan, PlannedFrame, ShownFrame, SolveSettings
+from lappet.background.plan import Plan, PlannedFrame, ShownFrame
 from lappet.core.problem import Problem
 from lappet.procedure import Point, Procedure
+from lappet.program.settings import SolverSettings
 from lappet.solve.store import FrameStore, default_folder
 
 from . import workers
@@ -42,7 +43,7 @@ class Job:
     kind: JobKind
     key: str
     procedure: Procedure
-    settings: SolveSettings
+    settings: SolverSettings
     plan: Plan | None = None
     started: float = field(default_factory=monotonic)
     until: int | None = None
@@ -95,11 +96,11 @@ class Controller:
     store: FrameStore
     client: BackgroundSolver | None = None
     procedure: Procedure | None = None
-    settings: SolveSettings = field(default_factory=SolveSettings)
+    settings: SolverSettings = field(default_factory=SolverSettings)
     key: str = ""
     plan: Plan | None = None
     past: list[Plan] = field(default_factory=list)
-    past_of: tuple[Procedure, SolveSettings] | None = None
+    past_of: tuple[Procedure, SolverSettings] | None = None
     changed_from: float = -math.inf
     problems: tuple[Problem, ...] = ()
     refused: tuple[Problem, ...] = ()

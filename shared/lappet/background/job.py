@@ -6,8 +6,8 @@ import threading
 from dataclasses import dataclass, field
 from typing import Literal
 
-from lappet.background.plan import SolveSettings
 from lappet.procedure import Point, Procedure
+from lappet.program.settings import SolverSettings
 
 Kind = Literal["plan", "solve", "live"]
 
@@ -23,7 +23,7 @@ class Job:
     number: int
     kind: Kind
     procedure: Procedure
-    settings: SolveSettings
+    settings: SolverSettings
     until: int | None = None
     time: int = 0
     hook: str = ""

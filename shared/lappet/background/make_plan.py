@@ -31,7 +31,7 @@ def make_plan(
                 round(frame.time),
                 position[frame.epoch],
                 frames[i],
-                tuple(int(hook) for hook in program.active_hooks[i]),
+                tuple(int(hook) for hook in frame.hook_index),
                 tuple(int(suture) for suture in frame.suture_index),
             )
             for i, frame in enumerate(program.frames)

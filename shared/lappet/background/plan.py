@@ -3,23 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from lappet.core.problem import Problem
-
-
-@dataclass(frozen=True)
-class SolveSettings:
-    """How to solve: as the options of `lappet solve`. spacing: mm, None = the tissue's. threads: 0 = all."""
-
-    spacing: float | None = None
-    tolerance: float = 1e-3
-    quadrature: Literal[1, 4, 8] = 1
-    precision: Literal["float", "double"] = "float"
-    threads: int = 0
 
 
 @dataclass(frozen=True, eq=False)

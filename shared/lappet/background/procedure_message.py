@@ -29,13 +29,14 @@ from lappet.procedure import (
     Tissue,
     Undermine,
 )
+from lappet.program.settings import MaterialParameters, SolverSettings
 
 _CLASSES: dict[str, type[Any]] = {
     kind.__name__: kind
     for kind in (
-        *(Procedure, Tissue, Material, Region, Bone, Problem),
+        *(SolverSettings, MaterialParameters, Procedure, Tissue, Material, Region, Bone, Problem),
         *(Incision, Excision, Undermine, Hook, Retractor, Suture, Landmark),
-        *(plan.SolveSettings, plan.EpochShape, plan.PlannedFrame, plan.Plan, plan.ShownFrame),
+        *(plan.EpochShape, plan.PlannedFrame, plan.Plan, plan.ShownFrame),
         *(plan.Planned, plan.Refused, plan.IterationDone, plan.FrameReady, plan.FrameFailed, plan.Finished),
         *(plan.Note, plan.LiveFrame),
     )

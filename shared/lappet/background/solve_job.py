@@ -31,7 +31,8 @@ from lappet.core.refused import RefusedError
 from lappet.cutting.epoch import Epoch
 from lappet.daemon.frame_solver import Connect, FrameSolver, Iteration, SolvedFrame, SolverDiedError
 from lappet.procedure.prim_paths import ROOT
-from lappet.program.program import Bones, FrameConstraints, Landmarks, Program, SolverSettings
+from lappet.program.program import Bones, FrameConstraints, Landmarks, Program
+from lappet.program.settings import SolverSettings
 from lappet.solve.solve_program import FrameResult, Frames, SolveObserver, solve_program
 
 Tell = Callable[[Happening], None]

@@ -22,7 +22,6 @@ from lappet.background.plan import (
     Note,
     Planned,
     Refused,
-    SolveSettings,
 )
 from lappet.background.plan_key import plan_key
 from lappet.background.procedure_message import MessageError
@@ -31,6 +30,7 @@ from lappet.core.problem import Problem
 from lappet.core.refused import RefusedError
 from lappet.daemon.process import daemon_identity
 from lappet.procedure import Point, Procedure
+from lappet.program.settings import SolverSettings
 
 _DEATHS = 3  # in a row, then the jobs that were running are given up
 _PATIENCE = 5.0
@@ -76,18 +76,18 @@ class BackgroundSolver:
         self._work: queue.SimpleQueue[_Work | None] = queue.SimpleQueue()
         self._sender: threading.Thread | None = None
 
-    def plan(self, procedure: Procedure, settings: SolveSettings) -> int:
+    def plan(self, procedure: Procedure, settings: SolverSettings) -> int:
         """Compiles a procedure; returns the job's number. -> Planned or Refused, then Finished.
 
         A newer plan replaces one that has not begun.
         """
         return self._ask("plan", procedure=procedure, settings=settings)
 
-    def solve(self, procedure: Procedure, settings: SolveSettings, until: int | None = None) -> int:
+    def solve(self, procedure: Procedure, settings: SolverSettings, until: int | None = None) -> int:
         """Gets the frames up to the time code `until` (all where None). -> Planned, FrameReady ..., Finished."""
         return self._ask("solve", procedure=procedure, settings=settings, until=until)
 
-    def live(self, procedure: Procedure, settings: SolveSettings, time: int, hook: str) -> int:
+    def live(self, procedure: Procedure, settings: SolverSettings, time: int, hook: str) -> int:
         """Opens the tissue at the frame `time`, where the hook of that name pulls. -> Planned, LiveFrame ... until it
         is cancelled, then Finished. The first LiveFrame is for the hook's own target."""
         return self._ask("live", procedure=procedure, settings=settings, time=time, hook=hook)
@@ -147,7 +147,7 @@ class BackgroundSolver:
         it cannot be read. Reads the daemon's program once."""
         return daemon_identity(self._solverd)
 
-    def key(self, procedure: Procedure, settings: SolveSettings) -> str:
+    def key(self, procedure: Procedure, settings: SolverSettings) -> str:
         """The key of the plan that this solver makes of a procedure."""
         return plan_key(procedure, settings, self.identity)
 

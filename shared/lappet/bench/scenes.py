@@ -18,6 +18,7 @@ from lappet.core.refused import RefusedError
 from lappet.daemon.client import SolverClient
 from lappet.output.solve_procedure import solve_procedure
 from lappet.program.program import Program
+from lappet.program.settings import SolverSettings
 from lappet.solve.solve_program import FrameResult
 from lappet.solve.store import FrameStore
 
@@ -164,7 +165,7 @@ def solve_scene(procedure: Path, spacing: float, folder: Path) -> SceneMeasure:
 
     cache = folder / f"{procedure.stem}.usdc"
     with tempfile.TemporaryDirectory(prefix="lappet-bench-") as store:
-        result = solve_procedure(procedure, cache, spacing=spacing, store=FrameStore(Path(store)))
+        result = solve_procedure(procedure, cache, SolverSettings(spacing=spacing), store=FrameStore(Path(store)))
     frames = [*result.frames, *([result.failed] if result.failed else [])]
     threads = result.program.settings.threads or cores()
     row = measure(

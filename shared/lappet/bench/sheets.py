@@ -25,7 +25,8 @@ from lappet.bench.scenes import pass_times, state_hash
 from lappet.cutting.epoch import Epoch
 from lappet.daemon.client import SolverClient
 from lappet.geometry.labelled_surface import Surface
-from lappet.program.program import FrameConstraints, MaterialParameters, SolverSettings
+from lappet.program.program import FrameConstraints
+from lappet.program.settings import MaterialParameters, SolverSettings
 
 SHEET = (100.0, 60.0, 4.0)  # mm
 PATCH = (100.0, 80.0, 4.0)
@@ -106,6 +107,7 @@ def hooked(spacing: float, tolerance: float, **settings: Any) -> SheetMeasure:
     frame = FrameConstraints(
         1.0,
         0,
+        hook_index=np.zeros(1, np.int32),
         hook_anchors=anchor,
         hook_triangles=np.array([top], np.int32),
         hook_targets=anchor + HOOK,

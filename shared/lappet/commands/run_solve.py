@@ -9,19 +9,21 @@ import click
 
 if TYPE_CHECKING:
     from lappet.output.solve_procedure import SolveResult
+    from lappet.program.settings import SolverSettings
     from lappet.solve.error_estimate import ErrorEstimate
 
 
-def run_solve(procedure: Path, cache: Path, report_path: Path | None, **options: Any) -> SolveResult:
-    """Solves with progress on standard error and writes the report; options are those of `solve_options`."""
+def run_solve(
+    procedure: Path, cache: Path, report_path: Path | None, settings: SolverSettings, **options: Any
+) -> SolveResult:
+    """Solve with progress on standard error and write the report; options are the others of `solve_options`."""
     from lappet.commands.solve_progress import solve_progress
     from lappet.output.solve_procedure import solve_procedure
     from lappet.solve.store import FrameStore
 
-    options["quadrature"] = int(options["quadrature"])
     options["store"] = FrameStore(options["store"])
     with solve_progress() as observer:
-        result = solve_procedure(procedure, cache, observer=observer, **options)
+        result = solve_procedure(procedure, cache, settings, observer=observer, **options)
     if report_path is not None:
         from lappet.output.report import write_report
 
@@ -29,8 +31,10 @@ def run_solve(procedure: Path, cache: Path, report_path: Path | None, **options:
     return result
 
 
-def run_to_target(procedure: Path, cache: Path, report_path: Path | None, target: float, **options: Any) -> SolveResult:
-    """Solves with the settings that a target error needs, and says which; options are those of `solve_options`.
+def run_to_target(
+    procedure: Path, cache: Path, report_path: Path | None, settings: SolverSettings, target: float, **options: Any
+) -> SolveResult:
+    """Solve with the settings that a target error needs, and say which; options are the others of `solve_options`.
 
     Raises RefusedError where the target is not reached.
     """
@@ -48,22 +52,21 @@ def run_to_target(procedure: Path, cache: Path, report_path: Path | None, target
         connect_to(daemon),
         solver_identity(daemon),
         FrameStore(options["store"]),
-        precision=options["precision"],
+        settings,
         until=options["frames"][1],
         say=lambda line: click.echo(line, err=True),
     )
     for attempt in range(1, TRIES + 1):
         click.echo(choice.sentence)
-        chosen = {"spacing": choice.spacing, "quadrature": choice.quadrature, "tolerance": choice.tolerance}
-        result = run_solve(procedure, cache, report_path, **{**options, **chosen})
+        result = run_solve(procedure, cache, report_path, choice.settings, **options)
         if not result.complete or result.errors is None or worst_rms(result.errors) <= target:
             return result
         if attempt < TRIES:
             choice = finer(choice, worst_rms(result.errors), target, expected_order(result.program))
     assert result.errors is not None
     raise RefusedError(
-        f"The estimated error is {worst_rms(result.errors):.2g} mm at a spacing of {choice.spacing:g} mm, still above "
-        f"{target:g} mm; {cache} holds that solve. Give a larger target, or a smaller --spacing by hand."
+        f"The estimated error is {worst_rms(result.errors):.2g} mm at a spacing of {choice.settings.spacing:g} mm, "
+        f"still above {target:g} mm; {cache} holds that solve. Give a larger target, or a smaller --spacing by hand."
     )
 
 

@@ -11,12 +11,14 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from lappet.cutting.epoch import Epoch, Regions
+from lappet.cutting.epoch import Epoch
 from lappet.daemon.connection import DaemonConnection, SolveCancelled, SolverRefused, expect
 from lappet.daemon.frame_solver import Iteration, SolvedFrame
 from lappet.daemon.process import DaemonDied, DaemonMissing, SolverDaemon
 from lappet.daemon.wire import Message, require
-from lappet.program.program import Bones, FrameConstraints, Landmarks, MaterialParameters, SolverSettings
+from lappet.program.payloads import epoch_payload, open_payload, solve_payload
+from lappet.program.program import Bones, FrameConstraints, Landmarks
+from lappet.program.settings import SolverSettings
 
 __all__ = [
     "DaemonDied",
@@ -138,35 +140,8 @@ class SolverClient:
             expect(self._connection.request("close"), "accepted")
             self._connection.session = None
             self._epoch = None
-        fields = {
-            "settings": {
-                "spacing": float(settings.spacing),
-                "fine_ratio": int(settings.fine_ratio),
-                "origin": [float(x) for x in settings.origin],
-                "quadrature": int(settings.quadrature),
-                "precision": settings.precision,
-                "tolerance": float(settings.tolerance),
-                "gap_tolerance": float(settings.gap_tolerance),
-                "max_newton": int(settings.max_newton),
-                "bed_stiffness": float(settings.bed_stiffness),
-                "gravity": [float(x) for x in settings.gravity],
-                "time_budget": float(settings.time_budget),
-                "memory_budget": int(settings.memory_budget),
-                "threads": int(settings.threads),
-                "sutures": int(settings.sutures),
-                "retractors": int(settings.retractors),
-                "preconditioner": settings.preconditioner,
-                "correction": int(settings.correction),
-                "strain": int(settings.strain),
-                "region": settings.region,
-            },
-            "materials": [_material(material) for material in settings.materials],
-        }
-        arrays: dict[str, NDArray[Any]] = {}
-        if bones is not None and len(bones.triangles):
-            arrays["bone_points"] = np.asarray(bones.points, np.float64)
-            arrays["bone_triangles"] = np.asarray(bones.triangles, np.int32)
-        opened = expect(self._connection.request("open", fields, arrays), "opened")
+        told = open_payload(settings, bones)
+        opened = expect(self._connection.request("open", told.fields, told.arrays), "opened")
         self._connection.session = opened.session
         self._strain = settings.strain
         return int(opened.session or 0)
@@ -184,28 +159,12 @@ class SolverClient:
         grip: (m,) index of the retractor that grips each triangle, or -1 (none is gripped when left out). nodes: the
         result also holds `nodes`, (N, 3) float64, the lattice's nodes at rest in mm, in the order of a state.
         """
-        surface = epoch.surface
-        marks = landmarks if landmarks is not None else Landmarks()
         if grip is None:
-            grip = np.full(len(surface.triangles), -1, np.int32)
-        arrays: dict[str, NDArray[Any]] = {
-            "points": np.asarray(surface.points, np.float64),
-            "triangles": np.asarray(surface.triangles, np.int32),
-            "fixed": np.asarray(surface.fixed, np.uint8),
-            "bed": epoch.support,
-            "grip": np.asarray(grip, np.int32),
-            "landmarks": np.asarray(marks.points, np.float64).reshape(-1, 3),
-            "landmark_triangles": np.asarray(marks.triangles, np.int32),
-        }
-        fields: dict[str, Any] = {"index": int(epoch.index), **({"nodes": 1} if nodes else {})}
-        if len(epoch.regions.skin_triangles):
-            arrays["skin_points"] = np.asarray(epoch.regions.skin_points, np.float64)
-            arrays["skin_triangles"] = np.asarray(epoch.regions.skin_triangles, np.int32)
-        if len(epoch.regions):
-            fields["regions"] = _regions(epoch.regions)
-            arrays["region_faces"] = np.asarray(epoch.regions.faces, np.uint8)
+            grip = np.full(len(epoch.surface.triangles), -1, np.int32)
+        told = epoch_payload(epoch, grip, Landmarks() if landmarks is None else landmarks)
+        fields = {**told.fields, "nodes": 1} if nodes else told.fields
         self._epoch = None
-        reply = expect(self._connection.request("epoch", fields, arrays), "lattice")
+        reply = expect(self._connection.request("epoch", fields, told.arrays), "lattice")
         self._epoch = epoch.index
         return {**reply.fields, **reply.arrays}
 
@@ -230,18 +189,14 @@ class SolverClient:
             raise ValueError(
                 f"Frame {frame.time:g} belongs to epoch {frame.epoch}, the session holds {self._epoch}; call set_epoch."
             )
-        arrays: dict[str, NDArray[Any]] = {
-            name: np.asarray(getattr(frame, name), dtype) for name, dtype in _SOLVE_ARRAYS.items()
-        }
-        if len(frame.activation):
-            arrays["activation"] = np.asarray(frame.activation, np.float64)
+        told = solve_payload(frame)
 
         def progressed(message: Message) -> None:
             if on_progress is not None:
                 fields = message.fields
                 on_progress(Iteration(fields["time"], fields["newton"], fields["residual"], fields["gap"]))
 
-        reply = expect(self._connection.request("solve", {"time": float(frame.time)}, arrays, progressed), "frame")
+        reply = expect(self._connection.request("solve", told.fields, told.arrays, progressed), "frame")
         nodes = "f8" if reply.fields.get("precision") == "double" else "f4"
         hooks, sutures = len(frame.hook_stiffness), len(frame.suture_index)
         n = len(reply.arrays.get("points", ()))
@@ -275,49 +230,3 @@ class SolverClient:
         begun = time.monotonic()
         expect(self._connection.request("ping"), "pong")
         return time.monotonic() - begun
-
-
-def _material(material: MaterialParameters) -> dict[str, Any]:
-    """A material as a map; what it does without is left out."""
-    fields: dict[str, Any] = {
-        "model": material.model,
-        "youngs_modulus": float(material.youngs_modulus),
-        "poissons_ratio": float(material.poissons_ratio),
-        "density": float(material.density),
-    }
-    if material.model == "mooneyRivlin":
-        fields["mooney_ratio"] = float(material.mooney_ratio)
-    if material.fibre_k1 > 0.0:
-        for name in ("fibre_k1", "fibre_k2", "fibre_dispersion"):
-            fields[name] = float(getattr(material, name))
-    if material.muscle_stress > 0.0:
-        fields["muscle_stress"] = float(material.muscle_stress)
-    if material.prestretch != (1.0, 1.0):
-        fields["prestretch"] = [float(x) for x in material.prestretch]
-    if len(fields) > 4:
-        fields["fibre_direction"] = [float(x) for x in material.fibre_direction]
-    return fields
-
-
-def _regions(regions: Regions) -> list[dict[str, Any]]:
-    maps: list[dict[str, Any]] = []
-    for material, top, bottom in zip(regions.material, regions.depth_from, regions.depth_to, strict=True):
-        maps.append({"material": int(material), "from_depth": float(top)})
-        if np.isfinite(bottom):
-            maps[-1]["to_depth"] = float(bottom)
-    return maps
-
-
-_SOLVE_ARRAYS: dict[str, type[np.generic]] = {
-    "hook_anchors": np.float64,
-    "hook_triangles": np.int32,
-    "hook_targets": np.float64,
-    "hook_stiffness": np.float64,
-    "suture_index": np.int32,
-    "suture_anchors": np.float64,
-    "suture_triangles": np.int32,
-    "suture_closure": np.float64,
-    "suture_stiffness": np.float64,
-    "retractor_index": np.int32,
-    "retractor_motion": np.float64,
-}

@@ -14,7 +14,8 @@ from lappet.daemon.client import SolverClient, SolverState
 from lappet.daemon.frame_solver import Connect, FrameRefusedError, Iteration, SolvedFrame
 from lappet.daemon.process import daemon_identity
 from lappet.daemon.wire import WireError
-from lappet.program.program import Bones, FrameConstraints, Landmarks, SolverSettings
+from lappet.program.program import Bones, FrameConstraints, Landmarks
+from lappet.program.settings import SolverSettings
 
 
 class DaemonSolver:

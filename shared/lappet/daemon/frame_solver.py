@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from lappet.core.refused import RefusedError
 from lappet.cutting.epoch import Epoch
-from lappet.program.program import Bones, FrameConstraints, Landmarks, SolverSettings
+from lappet.program.program import Bones, FrameConstraints, Landmarks
+from lappet.program.settings import SolverSettings
 
 STATE_ARRAYS = ("nodes", "state_suture_gaps", "suture_multipliers", "grip_multipliers", "activation")
 

@@ -13,6 +13,7 @@ from lappet.procedure.scene_profile import measured_costs
 from lappet.procedure.storyboard import inspection
 from lappet.program.compile import compile_program
 from lappet.program.program import Program
+from lappet.program.settings import SolverSettings
 from lappet.usd.stage import read_procedure
 
 
@@ -33,7 +34,7 @@ def inspect_procedure(
     """
     notes: list[str] = []
     procedure = read_procedure(path, notes)
-    program = compile_program(procedure, spacing=spacing)
+    program = compile_program(procedure, settings=SolverSettings(spacing=spacing or 0.0))
     notes += program.notes
     counts: list[str] = []
     if lattice:

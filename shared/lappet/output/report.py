@@ -108,9 +108,8 @@ def write_report(result: SolveResult, path: Path | str) -> None:
 
 def _frame(program: Program, frame: FrameResult, error: FrameErrorEstimate | None = None) -> dict[str, Any]:
     header, arrays, constraints = frame.header, frame.arrays, frame.constraints
-    position = next(i for i, each in enumerate(program.frames) if each is constraints)
     epoch = next(i for i, each in enumerate(program.epochs) if each.index == constraints.epoch)
-    hooks = [program.hooks[i] for i in program.active_hooks[position]]
+    hooks = [program.hooks[i] for i in constraints.hook_index]
     sutures = [program.sutures[i] for i in constraints.suture_index]
     landmarks = [program.landmarks[i] for i in program.landmarks_at[epoch].index]
     return {

@@ -176,13 +176,12 @@ def _write_hooks(stage: Any, procedure: Procedure, program: Program, frames: Seq
     """Two points per hook, on the tissue and where it pulls to; on one spot while it does not act."""
     if not program.hooks:
         return
-    acting = {frame.time: hooks for frame, hooks in zip(program.frames, program.active_hooks, strict=True)}
     anchors = {event.name: event.anchor for event in procedure.events if isinstance(event, Hook)}
     held = np.array([[anchors[name]] * 2 for name in program.hooks], np.float64)
     curves = _curves(stage, "/Procedure/Skin/Hooks", program.hooks, _STEEL_MM, (0.55, 0.57, 0.6))
     for frame in frames:
         active = np.zeros(len(program.hooks), np.int32)
-        hooks = acting[frame.constraints.time]
+        hooks = frame.constraints.hook_index
         active[hooks] = 1
         held[:, 1] = held[:, 0]
         held[hooks, 0] = frame.arrays["hook_points"].reshape(-1, 3)

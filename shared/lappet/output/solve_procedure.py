@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import tempfile
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Literal
 
 from lappet.checks.validation import check
 from lappet.core.problem import ProcedureError
@@ -15,8 +14,9 @@ from lappet.daemon.daemon_solver import connect_to, solver_identity
 from lappet.daemon.frame_solver import Connect, Iteration
 from lappet.output.skin_cache import write_skin_cache
 from lappet.procedure import Procedure
-from lappet.program.compile import compile_program, frame_times
+from lappet.program.compile import DEFAULT, compile_program, frame_times
 from lappet.program.program import Program
+from lappet.program.settings import SolverSettings
 from lappet.solve.error_estimate import ErrorEstimate, estimate_errors
 from lappet.solve.solve_program import FrameResult, SolveObserver, solve_program
 from lappet.solve.store import FrameStore
@@ -61,11 +61,8 @@ class SolveResult:
 def solve_procedure(
     source: Path | str | Procedure,
     output: Path | str,
+    settings: SolverSettings = DEFAULT,
     *,
-    spacing: float | None = None,
-    tolerance: float = 1e-3,
-    quadrature: int = 1,
-    precision: Literal["float", "double"] = "float",
     frames: tuple[int | None, int | None] = (None, None),
     daemon: str | None = None,
     store: FrameStore | None = None,
@@ -73,17 +70,14 @@ def solve_procedure(
     connect: Connect | None = None,
     solver: str | None = None,
     error_estimate: bool = True,
-    strain: bool = True,
-    whole: bool = False,
 ) -> SolveResult:
     """Solves a procedure and writes its skin cache to `output` (.usdc, .usda or .usd).
 
-    source: a USD file, or a Procedure, which is then written beside the cache as `<output>.procedure.usda`. spacing:
-    mm (the tissue's when None). frames: first and last time code to write; everything up to the last one is solved.
+    source: a USD file, or a Procedure, which is then written beside the cache as `<output>.procedure.usda`. settings:
+    how to solve. frames: first and last time code to write; everything up to the last one is solved.
     daemon: the address of a running daemon. store: where frames are kept. connect, solver: who solves, and what
     identifies it (the daemon that is installed when None). error_estimate: also solve on a coarser lattice, to say how
-    large the error is (`lappet.solve.error_estimate`). strain: the cache gets strain, stress and tension. whole: every
-    frame is solved everywhere, also where its changes do not reach.
+    large the error is (`lappet.solve.error_estimate`).
 
     A frame that does not converge, a daemon that cannot be kept alive and Ctrl-C end the solve early and keep what is
     done: see `SolveResult.reason`. Raises RefusedError or ProcedureError with a sentence for what cannot be solved at
@@ -94,19 +88,9 @@ def solve_procedure(
     output = Path(output)
     _refuse_output(output)
     procedure, path = _read(source, output)
-    _check(procedure, spacing)
+    _check(procedure, settings)
     first, last = _range(procedure, frames)
-    program = compile_program(
-        procedure,
-        spacing=spacing,
-        tolerance=tolerance,
-        quadrature=quadrature,
-        precision=precision,
-        until=last,
-        correction=error_estimate,
-        strain=strain,
-        region="whole" if whole else "auto",
-    )
+    program = compile_program(procedure, settings=replace(settings, correction=error_estimate), until=last)
     for sentence in program.notes:
         watch.note(sentence)
     if connect is None or solver is None:
@@ -167,9 +151,8 @@ def _read(source: Path | str | Procedure, output: Path) -> tuple[Procedure, Path
     return read_procedure(path), path
 
 
-def _check(procedure: Procedure, spacing: float | None) -> None:
-
-    errors = [problem for problem in check(procedure, spacing=spacing) if problem.severity == "error"]
+def _check(procedure: Procedure, settings: SolverSettings) -> None:
+    errors = [problem for problem in check(procedure, spacing=settings.spacing or None) if problem.severity == "error"]
     if errors:
         raise ProcedureError(errors)
 

@@ -6,7 +6,7 @@ import math
 from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,26 +19,24 @@ from lappet.procedure import Event, Hook, Landmark, Point, Procedure, Retractor,
 from lappet.program.anchors import AnchorTie, Tied, TissueLoss
 from lappet.program.bones import over_bone, united_bones
 from lappet.program.materials import activation, materials_in_use, parameters, region_program
-from lappet.program.program import FrameConstraints, Landmarks, Program, SolverSettings
+from lappet.program.program import FrameConstraints, Landmarks, Program
+from lappet.program.settings import SolverSettings
+
+DEFAULT = SolverSettings()
 
 
 def compile_program(
     procedure: Procedure,
     epochs: Sequence[Epoch] | None = None,
+    settings: SolverSettings = DEFAULT,
     *,
-    spacing: float | None = None,
-    tolerance: float = 1e-3,
-    quadrature: int = 1,
-    precision: Literal["float", "double"] = "float",
     until: float | None = None,
-    **settings: Any,
 ) -> Program:
     """The program of a procedure: a frame for every integer time code from its start to its end.
 
-    epochs: those of `lappet.cutting.epochs`, in order (made here when None). spacing: lattice edge in mm (the tissue's
-    when None). until: leave out frames after this time code. settings: other fields of `SolverSettings`. A frame
-    belongs to the last epoch that starts at or before it. Hook targets are linear between samples and held at the
-    ends; a hook or
+    epochs: those of `lappet.cutting.epochs`, in order (made here when None). settings: how to solve; what they say of
+    the tissue is replaced by the procedure's own. until: leave out frames after this time code. A frame belongs to the
+    last epoch that starts at or before it. Hook targets are linear between samples and held at the ends; a hook or
     retractor acts from `start` until before `release`; a suture from `start` on, its closure growing linearly over
     `duration`.
 
@@ -46,8 +44,7 @@ def compile_program(
     one face, a motion is not rigid, a bone is not closed, the timeline has no frame, or a material or the faces of a
     region are not there.
     """
-    if spacing is None:
-        spacing = procedure.tissue.spacing
+    spacing = settings.spacing or procedure.tissue.spacing
     if epochs is None:
         # The spacing also says how finely the surface is divided.
         epochs = build_epochs(replace(procedure, tissue=replace(procedure.tissue, spacing=spacing)))
@@ -60,6 +57,8 @@ def compile_program(
         times = [time for time in times if time <= until]
     belongs = [_epoch_at(epochs, time) for time in times]
     hooks = [event for event in procedure.events if isinstance(event, Hook)]
+    by_start = sorted(hooks, key=lambda event: event.start)
+    numbers = {hook.name: number for number, hook in enumerate(by_start)}
     sutures = sorted((event for event in procedure.events if isinstance(event, Suture)), key=lambda event: event.start)
     retractors = sorted(
         (event for event in procedure.events if isinstance(event, Retractor)), key=lambda event: event.start
@@ -70,7 +69,6 @@ def compile_program(
 
     loss = TissueLoss(procedure)
     frames: list[FrameConstraints] = []
-    active_hooks: list[NDArray[np.int32]] = []
     grips: list[NDArray[np.int32]] = []
     landmarks: list[Landmarks] = []
     for epoch in epochs:
@@ -88,11 +86,11 @@ def compile_program(
         }
         for time in own:
             pulled = [i for i, hook in enumerate(hooks) if hook.start <= time < hook.release]
-            active_hooks.append(np.array(pulled, np.int32))
             frames.append(
                 FrameConstraints(
                     time=float(time),
                     epoch=epoch.index,
+                    hook_index=np.array([numbers[hooks[i].name] for i in pulled], np.int32),
                     **_hook_arrays(hooks, pulled, hook_ties, time),
                     **_suture_arrays(sutures, suture_ties, time),
                     **_retractor_arrays(retractors, motions, time),
@@ -104,25 +102,21 @@ def compile_program(
     return Program(
         epochs=tuple(epochs),
         frames=tuple(frames),
-        settings=SolverSettings(
+        settings=replace(
+            settings,
             spacing=spacing,
             origin=(float(origin[0]), float(origin[1]), float(origin[2])),
-            quadrature=quadrature,
-            precision=precision,
-            tolerance=tolerance,
             bed_stiffness=procedure.tissue.bed_stiffness,
             gravity=(0.0, 0.0, -gravity if gravity else 0.0),
             sutures=len(sutures),
             retractors=len(retractors),
             materials=tuple(parameters(material) for material in materials),
-            **settings,
         ),
         fps=procedure.fps,
-        hooks=tuple(hook.name for hook in hooks),
+        hooks=tuple(hook.name for hook in by_start),
         sutures=tuple(suture.name for suture in sutures),
         retractors=tuple(retractor.name for retractor in retractors),
         landmarks=_labels(marks),
-        active_hooks=tuple(active_hooks),
         grips=tuple(grips),
         landmarks_at=tuple(landmarks),
         bones=bones,

@@ -11,7 +11,7 @@ from lappet.core.refused import RefusedError
 from lappet.cutting.epoch import Regions
 from lappet.geometry.labelled_surface import FaceOrigin
 from lappet.procedure import Material, Procedure
-from lappet.program.program import MaterialParameters
+from lappet.program.settings import MaterialParameters
 from lappet.tissue.surface import tissue_surface
 
 _TISSUE = "/Procedure/Tissue"

@@ -8,12 +8,13 @@ cheapest is solved in full, and refined again where its own estimate misses the 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from lappet.core.refused import RefusedError
 from lappet.daemon.frame_solver import Connect
 from lappet.procedure import Procedure
-from lappet.program.compile import compile_program
+from lappet.program.compile import DEFAULT, compile_program
+from lappet.program.settings import SolverSettings
 from lappet.solve.error_estimate import ErrorEstimate, estimate_errors, expected_order
 from lappet.solve.solve_program import SolveObserver, solve_program
 from lappet.solve.store import FrameStore
@@ -32,17 +33,14 @@ COST_ORDER = 3.0  # seconds grow as h^-3
 class Choice:
     """What to solve with. expected: the root mean square error in mm that the pilot foresees. sentence: for people."""
 
-    spacing: float
-    quadrature: int
-    tolerance: float
+    settings: SolverSettings
     expected: float
     sentence: str
 
 
 @dataclass(frozen=True)
 class _Pilot:
-    quadrature: int
-    spacing: float
+    settings: SolverSettings
     needed: float
     error: float
     algebraic: float
@@ -63,12 +61,14 @@ def choose(
     connect: Connect,
     solver: str,
     store: FrameStore,
+    settings: SolverSettings = DEFAULT,
     *,
-    precision: str = "float",
     until: float | None = None,
     say: Callable[[str], None] = lambda _: None,
 ) -> Choice:
-    """The settings that a target (mm, root mean square over the skin in the worst frame) needs.
+    """Choose the settings that a target (mm, root mean square over the skin in the worst frame) needs.
+
+    settings: what else they hold; spacing, quadrature and tolerance are chosen.
 
     Raises RefusedError where no pilot can be solved.
     """
@@ -79,7 +79,8 @@ def choose(
     reasons: list[str] = []
     while not pilots:
         for quadrature in QUADRATURES:
-            pilot = _pilot(procedure, spacing, quadrature, target, connect, solver, store, until)
+            chosen = SolverSettings(spacing=spacing, quadrature=quadrature, tolerance=TOLERANCE, correction=True)
+            pilot = _pilot(procedure, chosen, target, connect, solver, store, until)
             if isinstance(pilot, str):
                 reasons.append(pilot)
             else:
@@ -94,29 +95,26 @@ def choose(
     best = min(pilots, key=lambda pilot: pilot.cost)
     tolerance = TOLERANCE
     if best.algebraic > ALGEBRAIC_SHARE * target:
-        tolerance = max(TOLERANCE * ALGEBRAIC_SHARE * target / best.algebraic, LEAST_TOLERANCE[precision])
-    expected = best.error * (best.needed / best.spacing) ** best.order
+        tolerance = max(TOLERANCE * ALGEBRAIC_SHARE * target / best.algebraic, LEAST_TOLERANCE[settings.precision])
+    quadrature = best.settings.quadrature
     return Choice(
-        best.needed,
-        best.quadrature,
-        tolerance,
-        expected,
-        f"Chosen for an error of {target:g} mm: spacing {best.needed:.3g} mm, {best.quadrature} quadrature "
-        f"point{'s' * (best.quadrature > 1)}, tolerance {tolerance:.1e}.",
+        replace(settings, spacing=best.needed, quadrature=quadrature, tolerance=tolerance),
+        best.error * (best.needed / best.settings.spacing) ** best.order,
+        f"Chosen for an error of {target:g} mm: spacing {best.needed:.3g} mm, {quadrature} quadrature "
+        f"point{'s' * (quadrature > 1)}, tolerance {tolerance:.1e}.",
     )
 
 
 def finer(choice: Choice, reached: float, target: float, order: float) -> Choice:
     """The next choice after a solve that reached only `reached` mm."""
-    spacing = _round(CAUTION * choice.spacing * (target / reached) ** (1.0 / order))
+    spacing = _round(CAUTION * choice.settings.spacing * (target / reached) ** (1.0 / order))
     sentence = f"The estimate is {reached:.2g} mm, above {target:g} mm: once more with a spacing of {spacing:.3g} mm."
-    return Choice(spacing, choice.quadrature, choice.tolerance, target, sentence)
+    return Choice(replace(choice.settings, spacing=spacing), target, sentence)
 
 
 def _pilot(
     procedure: Procedure,
-    spacing: float,
-    quadrature: int,
+    settings: SolverSettings,
     target: float,
     connect: Connect,
     solver: str,
@@ -124,10 +122,8 @@ def _pilot(
     until: float | None,
 ) -> _Pilot | str:
     """The pilot, or why there is none."""
-
-    program = compile_program(
-        procedure, spacing=spacing, quadrature=quadrature, tolerance=TOLERANCE, until=until, correction=True
-    )
+    spacing = settings.spacing
+    program = compile_program(procedure, settings=settings, until=until)
     solved = solve_program(program, store, connect, solver, SolveObserver())
     if solved.interrupted:
         raise KeyboardInterrupt
@@ -142,7 +138,7 @@ def _pilot(
     needed = _round(CAUTION * spacing * (target / error) ** (1.0 / order)) if error > 0.0 else spacing
     needed = min(needed, 2.0 * spacing)
     seconds = sum(float(frame.header["seconds"]["total"]) for frame in solved.frames)
-    return _Pilot(quadrature, spacing, needed, error, algebraic, order, seconds * (spacing / needed) ** COST_ORDER)
+    return _Pilot(settings, needed, error, algebraic, order, seconds * (spacing / needed) ** COST_ORDER)
 
 
 def _round(spacing: float) -> float:

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from lappet.program.program import MaterialParameters, Program
+from lappet.program.program import Program
+from lappet.program.settings import MaterialParameters
 from lappet.reports.stability.measurement import Case, Scene
 from lappet.reports.stability.scenes import (
     LEFT,

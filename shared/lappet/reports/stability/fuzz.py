@@ -41,7 +41,8 @@ from lappet.procedure import (
     Tissue,
     Undermine,
 )
-from lappet.program.program import Bones, SolverSettings
+from lappet.program.program import Bones
+from lappet.program.settings import SolverSettings
 from lappet.reports.report_error import ReportError
 from lappet.solve.store import FrameStore
 from lappet.tissue.patch import flat_patch

@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 
 from lappet.cutting.epoch import Regions
-from lappet.program.program import MaterialParameters, Program
+from lappet.program.program import Program
+from lappet.program.settings import MaterialParameters
 from lappet.reports.box_scenes import grid_box
 from lappet.reports.stability.deformation_cases import KINK
 from lappet.reports.stability.measurement import Case, Check, Scene, Solved
