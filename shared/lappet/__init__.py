@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from lappet.checks.validation import check
-    from lappet.core.problem import Problem, ProcedureError
-    from lappet.core.refused import RefusedError
+    from lappet.core.problem import Problem, RefusedError
     from lappet.output.solve_procedure import SolveResult, solve_procedure
     from lappet.procedure import (
         Bone,
@@ -41,9 +40,8 @@ _HOMES = {
     "Material": "procedure",
     "Problem": "core.problem",
     "Procedure": "procedure",
-    "ProcedureError": "core.problem",
+    "RefusedError": "core.problem",
     "Region": "procedure",
-    "RefusedError": "core.refused",
     "Retractor": "procedure",
     "SolveResult": "output.solve_procedure",
     "Suture": "procedure",
@@ -66,7 +64,6 @@ __all__ = [
     "Material",
     "Problem",
     "Procedure",
-    "ProcedureError",
     "RefusedError",
     "Region",
     "Retractor",

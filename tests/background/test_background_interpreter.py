@@ -10,7 +10,7 @@ import pytest
 
 import lappet
 from lappet.background.interpreter import find_python, worker_environment
-from lappet.core.refused import RefusedError
+from lappet.core.problem import RefusedError
 
 VERSION = f"python{sys.version_info.major}.{sys.version_info.minor}"
 

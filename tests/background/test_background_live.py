@@ -166,8 +166,8 @@ def test_a_hook_that_does_not_pull_there_is_refused_with_its_frames(tmp_path: Pa
             job = own.solver.live(small_procedure(), SETTINGS, time, hook)
             own.finished(job)
             (refused,) = own.of(Refused, job)
-            assert refused.problems[0].path == f"/Procedure/Timeline/{hook}"
-            assert says in refused.problems[0].sentence
+            assert refused.problems[0].prim == f"/Procedure/Timeline/{hook}"
+            assert says in refused.problems[0].message
 
 
 @pytest.mark.slow

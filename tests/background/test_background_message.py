@@ -20,6 +20,7 @@ from lappet.background.plan import EpochShape, FrameReady, LiveFrame, Plan, Plan
 from lappet.background.plan_key import plan_key
 from lappet.background.procedure_message import MessageError, pack, unpack
 from lappet.core.problem import Problem
+from lappet.core.problem_code import ProblemCode
 from lappet.procedure import Bone, Hook, Incision, Landmark, Procedure, Suture
 from lappet.program.settings import SolverSettings
 from small_procedure import small_procedure
@@ -90,7 +91,7 @@ def test_plans_and_happenings_come_back_with_every_bit() -> None:
     )
     for value in (
         Planned(1, a_plan(), (True, False)),
-        Refused(2, (Problem("/Procedure/Tissue", "1", "It is wrong.", "Repair it.", "warning"),)),
+        Refused(2, (Problem(ProblemCode.UNSORTED, "/Procedure/Tissue", "1", "It is wrong.", "Repair it.", "warning"),)),
         FrameReady(3, 7, "00" * 32, False, shown),
         FrameReady(3, 7, "00" * 32, True, None),
         LiveFrame(4, 7, (0.1, -0.0, 1e308), shown, False, 0.25),

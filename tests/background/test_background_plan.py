@@ -16,7 +16,7 @@ from lappet.background.plan import EpochShape, Plan
 from lappet.background.plan_store import get_plan, get_shown, put_plan
 from lappet.background.skin_shape import depth_below_skin, uv_scale
 from lappet.background.tissue_face import TissueFaces
-from lappet.core.problem import ProcedureError
+from lappet.core.problem import RefusedError
 from lappet.cutting.epochs import build_epochs
 from lappet.geometry.closest_point import ClosestPoint
 from lappet.geometry.labelled_surface import FaceOrigin
@@ -230,9 +230,9 @@ def test_edits_share_the_keys_of_the_frames_before_them(tmp_path: Path) -> None:
 def test_what_cannot_be_solved_is_refused_with_the_path_and_its_sentence(
     change: dict[str, object], path: str, says: str, tmp_path: Path
 ) -> None:
-    with pytest.raises(ProcedureError) as refused:
+    with pytest.raises(RefusedError) as refused:
         compilation(tmp_path).plan(small_procedure(**change), SETTINGS, silent)
-    assert path in [problem.path for problem in refused.value.problems]
+    assert path in [problem.prim for problem in refused.value.problems]
     assert says in str(refused.value)
 
 
@@ -240,8 +240,8 @@ def test_all_problems_are_told_at_once_errors_first(tmp_path: Path) -> None:
     base = small_procedure()
     hook = Hook("h", (0.0, 90.0, TOP), ((1.0, (0.0, 0.0, 9.0)),), 1.0, 3.0, stiffness=-1.0)
     broken = Procedure(replace(base.tissue, spacing=-1.0), events=(hook,), end_time=4.0)
-    with pytest.raises(ProcedureError) as refused:
+    with pytest.raises(RefusedError) as refused:
         compilation(tmp_path).plan(broken, SETTINGS, silent)
     problems = refused.value.problems
-    assert {problem.path for problem in problems} >= {"/Procedure/Tissue", "/Procedure/Timeline/h"}
+    assert {problem.prim for problem in problems} >= {"/Procedure/Tissue", "/Procedure/Timeline/h"}
     assert [problem.severity for problem in problems] == sorted(problem.severity for problem in problems)

@@ -200,8 +200,8 @@ def test_a_worker_that_dies_three_times_in_a_row_ends_its_jobs_with_a_sentence(t
     job = solver.plan(small_procedure(), SETTINGS)
     assert not own.finished(job).cancelled
     (refused,) = own.of(Refused, job)
-    assert "3 times in a row" in refused.problems[0].sentence
-    assert "this is no Lappet" in refused.problems[0].sentence
+    assert "3 times in a row" in refused.problems[0].message
+    assert "this is no Lappet" in refused.problems[0].message
     assert len(own.notes(job)) == 2
     assert solver.running == ()
     solver.close(wait=5.0)
@@ -234,13 +234,13 @@ def test_a_procedure_that_cannot_be_solved_is_refused_with_its_sentences(tmp_pat
             job = own.solver.solve(procedure, SETTINGS)
             assert own.finished(job).frames == 0
             (refused,) = own.of(Refused, job)
-            assert f"/Procedure/Timeline/{path}" in [problem.path for problem in refused.problems]
-            assert all(problem.sentence for problem in refused.problems)
+            assert f"/Procedure/Timeline/{path}" in [problem.prim for problem in refused.problems]
+            assert all(problem.message for problem in refused.problems)
             assert not own.of(Planned, job)
         job = own.solver.solve(small_procedure(), SolverSettings(spacing=-1.0))
         own.finished(job)
         (refused,) = own.of(Refused, job)
-        assert "-1" in refused.problems[0].sentence
+        assert "-1" in refused.problems[0].message
         assert own.finished(own.solver.solve(small_procedure(), SETTINGS)).frames == 8
 
 
@@ -251,7 +251,7 @@ def test_a_frame_that_cannot_converge_fails_with_its_reason(tmp_path: Path, bina
         assert own.finished(job).frames == 3
         (failed,) = own.of(FrameFailed, job)
         assert failed.time == 4
-        assert "Frame 4" in failed.reason
+        assert "Frame 4" in failed.problem.message
 
 
 def test_without_a_daemon_the_refusal_says_so(tmp_path: Path) -> None:
@@ -259,7 +259,7 @@ def test_without_a_daemon_the_refusal_says_so(tmp_path: Path) -> None:
         job = own.solver.plan(small_procedure(), SETTINGS)
         own.finished(job)
         (refused,) = own.of(Refused, job)
-        assert str(MISSING) in refused.problems[0].sentence
+        assert str(MISSING) in refused.problems[0].message
 
 
 def test_a_store_that_cannot_be_written_costs_a_note_and_no_frame(tmp_path: Path, binary: Path) -> None:
@@ -399,7 +399,7 @@ def test_an_error_of_our_own_ends_the_job_and_not_the_worker(tmp_path: Path, bin
         job = own.solver.plan(broken, SETTINGS)
         own.finished(job)
         (refused,) = own.of(Refused, job)
-        assert "error of Lappet's own" in refused.problems[0].sentence
+        assert "error of Lappet's own" in refused.problems[0].message
         worker = own.solver.worker
         assert own.finished(own.solver.solve(small_procedure(), SETTINGS)).frames == 8
         assert own.solver.worker == worker

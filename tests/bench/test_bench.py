@@ -15,7 +15,7 @@ import pytest
 from lappet.bench import kernels, scenes, sheets, tables
 from lappet.bench.circumstances import circumstances, revision
 from lappet.bench.scenes import SceneMeasure, measure, pass_times, state_hash
-from lappet.core.refused import RefusedError
+from lappet.core.problem import RefusedError
 
 WORK = {
     "evaluations": 5,

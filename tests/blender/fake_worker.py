@@ -29,7 +29,8 @@ from lappet.background.plan import (
 )
 from lappet.background.plan_key import digest, plan_key
 from lappet.background.plan_store import put_plan
-from lappet.core.problem import Problem
+from lappet.core.problem import Problem, problem
+from lappet.core.problem_code import ProblemCode
 from lappet.procedure import CUTS, Event, Hook, Landmark, Procedure
 from lappet.program.settings import SolverSettings
 from lappet.solve.store import FrameStore, StoredFrame
@@ -143,7 +144,7 @@ class FakeWorker:
                 continue
             yield IterationDone(job, frame.time, 1, 1e-2, 0.0)
             if frame.time in self.script.failing:
-                yield FrameFailed(job, frame.time, self.script.failing[frame.time])
+                yield FrameFailed(job, frame.time, problem(ProblemCode.UNSORTED, said=self.script.failing[frame.time]))
                 return
             shown = solved(plan, index, len(procedure.events))
             self.store.put(frame.key, StoredFrame(shown.header, {"points": shown.points, **shown.arrays}))

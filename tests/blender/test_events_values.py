@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from mathutils import Matrix
 
-from lappet.core.refused import RefusedError
+from lappet.core.problem import RefusedError
 from lappet.geometry.rigid_motion import RigidMotion
 from lappet.procedure import Excision, Hook, Incision, Landmark, Retractor, Suture, Undermine
 from lappet_blender.model import event_list, target_samples

@@ -180,7 +180,7 @@ def test_a_procedure_that_makes_no_sense_is_refused_with_the_event_that_is_wrong
     with pytest.raises(RuntimeError, match="hook_1"):
         bpy.ops.lappet.solve(wait=True)
     problems = frames.problems_of(patch)
-    assert any("hook_1" in problem.path for problem in problems)
+    assert any("hook_1" in problem.prim for problem in problems)
     assert bpy.ops.lappet.problem_show(index=0) == {"FINISHED"}
     assert patch.lappet.events[patch.lappet.active_event].name == "hook_1"
     find_event(patch, "hook_1").points[0].co = (0.0, 2.0, 2.0)

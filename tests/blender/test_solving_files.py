@@ -99,7 +99,7 @@ def test_a_file_of_a_newer_version_opens_with_a_warning_and_still_solves(
     scene = bpy.context.scene
     (problem,) = frames.problems_of(scene)
     assert problem.severity == "warning"
-    assert "newer Lappet" in problem.sentence
+    assert "newer Lappet" in problem.message
     solve(scene)
 
 

@@ -13,6 +13,7 @@ from fake_worker import make_plan
 from lappet.background.plan import ShownFrame
 from lappet.background.plan_store import put_plan
 from lappet.core.problem import Problem
+from lappet.core.problem_code import ProblemCode
 from lappet.procedure import Incision, Procedure
 from lappet.program.settings import SolverSettings
 from lappet.solve.store import FrameStore, StoredFrame
@@ -98,7 +99,7 @@ def test_plans_share_their_surfaces_and_are_found_in_the_store(store: FrameStore
     found = memory.find(made[0].key, store)
     assert found.frames == made[0].frames
     assert found.epochs[1] is kept[2].epochs[1]
-    memory.refuse(key(7), (Problem("/Procedure", "", "No.", "Yes."),))
+    memory.refuse(key(7), (Problem(ProblemCode.UNSORTED, "/Procedure", "", "No.", "Yes."),))
     assert memory.refused(key(7))
     memory.keep(made[1], key(7))
     assert memory.refused(key(7)) is None

@@ -9,8 +9,8 @@ import bpy
 import pytest
 
 from fake_worker import Script
-from lappet.core.problem import Problem
-from lappet.core.refused import RefusedError
+from lappet.core.problem import Problem, RefusedError
+from lappet.core.problem_code import ProblemCode
 from lappet_blender.model.event_list import find_event
 from lappet_blender.solving import controller, frames, reconcile
 from lappet_blender.solving.pump import pump
@@ -108,7 +108,9 @@ def test_a_failure_is_a_sentence_and_a_button_that_goes_there_and_undo_keeps_it(
 
 
 def test_problems_are_shown_with_what_selects_and_what_mends_them(patch: bpy.types.Scene, script: Script) -> None:
-    script.refusal = (Problem("/Procedure/Timeline/hook_1", "", "It is off the skin.", "Move it."),)
+    script.refusal = (
+        Problem(ProblemCode.UNSORTED, "/Procedure/Timeline/hook_1", "", "It is off the skin.", "Move it."),
+    )
     pump(QUIET)
     words, operators = draw(LAPPET_PT_solve)
     assert "It is off the skin. Move it." in words

@@ -12,6 +12,7 @@ import pytest
 
 from fake_worker import Script
 from lappet.core.problem import Problem
+from lappet.core.problem_code import ProblemCode
 from lappet.procedure import Landmark
 from lappet_blender.model import changes
 from lappet_blender.model.event_list import add_event, find_event, remove_event
@@ -166,7 +167,13 @@ def test_a_solve_may_end_before_the_last_frame(patch: bpy.types.Scene, script: S
 
 def test_what_the_solver_refuses_is_shown_and_a_click_selects_the_event(patch: bpy.types.Scene, script: Script) -> None:
     script.refusal = (
-        Problem("/Procedure/Timeline/hook_1", "9 mm", "The anchor is 9 mm off the skin.", "Move it onto the skin."),
+        Problem(
+            ProblemCode.UNSORTED,
+            "/Procedure/Timeline/hook_1",
+            "9 mm",
+            "The anchor is 9 mm off the skin.",
+            "Move it onto the skin.",
+        ),
     )
     pump(QUIET)
     assert frames.problems_of(patch) == script.refusal
@@ -187,7 +194,7 @@ def test_what_the_solver_refuses_is_shown_and_a_click_selects_the_event(patch: b
 
 
 def test_a_procedure_that_was_refused_is_not_asked_for_again_by_itself(patch: bpy.types.Scene, script: Script) -> None:
-    script.refusal = (Problem("/Procedure", "", "No.", "Yes."),)
+    script.refusal = (Problem(ProblemCode.UNSORTED, "/Procedure", "", "No.", "Yes."),)
     pump(QUIET)
     asked = len(script.asked)
     changes.changed(patch)
@@ -234,7 +241,7 @@ def test_deleting_the_tissue_while_it_solves_loses_nothing(patch: bpy.types.Scen
     bpy.data.objects.remove(patch.lappet.tissue.object)
     bpy.ops.ed.undo_push(message="deleted")
     assert not pump(QUIET)
-    assert [problem.sentence for problem in frames.problems_of(patch)] == ["The scene has no tissue."]
+    assert [problem.message for problem in frames.problems_of(patch)] == ["The scene has no tissue."]
     assert frames.plan_of(patch) is None
     with pytest.raises(RuntimeError, match="The scene has no tissue"):
         bpy.ops.lappet.solve()
@@ -380,7 +387,7 @@ def test_the_worker_that_cannot_be_started_is_a_sentence_not_a_traceback(
 
     monkeypatch.setattr(workers, "create", fail)
     assert not pump(QUIET)
-    assert "no more processes" in frames.problems_of(patch)[0].sentence
+    assert "no more processes" in frames.problems_of(patch)[0].message
     with pytest.raises(RuntimeError, match="could not be started: no more processes"):
         bpy.ops.lappet.solve()
 

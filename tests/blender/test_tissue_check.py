@@ -31,7 +31,7 @@ def found(scene: bpy.types.Scene, kind: str) -> ProblemPlace:
     places = [
         each for each in check_tissue(scene).places if dict(getattr(each.problem, "arguments", ())) == {"kind": kind}
     ]
-    assert len(places) == 1, [each.problem.sentence for each in check_tissue(scene).places]
+    assert len(places) == 1, [each.problem.message for each in check_tissue(scene).places]
     return places[0]
 
 
@@ -55,7 +55,7 @@ def test_a_small_hole_is_shown_at_its_edges_and_filled_without_losing_groups(sce
     hole = given.tissue.points[given.tissue.face_vertex_indices.reshape(-1, 4)[top]]
     edit(obj, lambda work: bmesh.ops.delete(work, geom=[work.faces[top]], context="FACES_ONLY"))
     place = found(scene, "HOLES")
-    assert "The surface is open: 4 edges" in place.problem.sentence
+    assert "The surface is open: 4 edges" in place.problem.message
     assert {tuple(p) for p in place.lines.reshape(-1, 3).tolist()} == {tuple(p) for p in hole.tolist()}
     assert bpy.ops.lappet.tissue_repair(kind="HOLES") == {"FINISHED"}
     assert check_tissue(scene).places == ()
@@ -86,7 +86,7 @@ def test_a_hole_in_a_sheet_is_told_and_filled_and_the_rim_stays(scene: bpy.types
     edit(obj, lambda work: bmesh.ops.delete(work, geom=[work.faces[120]], context="FACES_ONLY"))
     bpy.ops.lappet.tissue_set(thickness=3.0)
     place = found(scene, "HOLES")
-    assert place.problem.sentence == "The surface has 2 borders; each becomes a fixed rim."
+    assert place.problem.message == "The surface has 2 borders; each becomes a fixed rim."
     assert place.problem.severity == "warning"
     assert len(place.lines) == 4  # of the hole; the rim is as it should be
     bpy.ops.lappet.tissue_repair(kind="HOLES")
@@ -141,7 +141,7 @@ def test_a_face_without_area_is_shown_and_welded_away(scene: bpy.types.Scene) ->
     bpy.ops.lappet.tissue_set(spacing=1.0)
     held(scene)
     place = found(scene, "WELD")
-    assert "no area" in place.problem.sentence
+    assert "no area" in place.problem.message
     assert len(place.lines) >= 3
     bpy.ops.lappet.tissue_repair(kind="WELD")
     assert check_tissue(scene).places == ()
@@ -157,7 +157,7 @@ def test_turned_faces_are_shown_at_their_edges_and_turned_back(scene: bpy.types.
 
     edit(obj, flip)
     place = found(scene, "ORIENT")
-    assert "(4 such edges)" in place.problem.sentence
+    assert "(4 such edges)" in place.problem.message
     assert len(place.lines) == 4
     bpy.ops.lappet.tissue_repair(kind="ORIENT")
     assert check_tissue(scene).places == ()
@@ -170,7 +170,7 @@ def test_a_turned_face_of_a_sheet_is_told_once(scene: bpy.types.Scene) -> None:
     bpy.ops.lappet.tissue_set(thickness=3.0)
     edit(obj, lambda work: work.faces[20].normal_flip())
     (place,) = check_tissue(scene).places
-    assert place.problem.sentence.startswith("Neighbouring faces look opposite ways at (")
+    assert place.problem.message.startswith("Neighbouring faces look opposite ways at (")
     bpy.ops.lappet.tissue_repair(kind="ORIENT")
     assert check_tissue(scene).places == ()
 
@@ -180,7 +180,7 @@ def test_a_surface_inside_out_is_a_warning_that_turning_mends(scene: bpy.types.S
     scene.lappet.tissue.object.data.flip_normals()
     place = found(scene, "ORIENT")
     assert place.problem.severity == "warning"
-    assert "inside out" in place.problem.sentence
+    assert "inside out" in place.problem.message
     bpy.ops.lappet.tissue_repair(kind="ORIENT")
     assert check_tissue(scene).places == ()
 
@@ -194,7 +194,7 @@ def test_vertices_without_a_face_are_shown_and_removed(scene: bpy.types.Scene) -
 
     edit(scene.lappet.tissue.object, add)
     place = found(scene, "LOOSE")
-    assert place.problem.sentence == "2 vertices belong to no face, the first at (0, 0, 30)."
+    assert place.problem.message == "2 vertices belong to no face, the first at (0, 0, 30)."
     np.testing.assert_allclose(place.points, [(0.0, 0.0, 30.0), (0.0, 1.0, 30.0)])
     bpy.ops.lappet.tissue_repair(kind="LOOSE")
     assert len(read(scene).tissue.points) == len(given.tissue.points)
@@ -210,7 +210,7 @@ def test_a_surface_through_itself_is_shown_at_its_triangles(scene: bpy.types.Sce
         bpy.ops.object.join()
     scene.lappet.tissue.object = objects[0]
     (place,) = [each for each in check_tissue(scene).places if len(each.triangles)]
-    assert "passes through itself: 12 triangles cross" in place.problem.sentence
+    assert "passes through itself: 12 triangles cross" in place.problem.message
     # The edges of each cube pierce three faces of the other: of these only can a triangle be.
     middles = place.triangles.reshape(-1, 3)
     assert middles.min() >= 0.0
@@ -245,7 +245,7 @@ def test_a_lattice_larger_than_the_memory_gets_a_spacing_that_fits(scene: bpy.ty
     bpy.ops.lappet.tissue_set(spacing=0.5)
     held(scene)
     place = found(scene, "SPACING")
-    assert "more than the memory budget of 8 GiB" in place.problem.sentence
+    assert "more than the memory budget of 8 GiB" in place.problem.message
     bpy.ops.lappet.tissue_repair(kind="SPACING")
     assert read(scene).tissue.spacing > 0.5
     assert check_tissue(scene).places == ()
@@ -256,7 +256,7 @@ def test_what_the_procedure_itself_is_wrong_about_is_found_too(scene: bpy.types.
     scene.lappet.tissue.material = "silk"
     bpy.ops.lappet.faces_clear(group="fixed")
     bpy.ops.lappet.faces_clear(group="bed")
-    sentences = " ".join(each.sentence for each in check_tissue(scene).problems())
+    sentences = " ".join(each.message for each in check_tissue(scene).problems())
     assert "made of 'silk', which no material is named" in sentences
     assert "Nothing holds the tissue" in sentences
 

@@ -33,7 +33,7 @@ def test_a_tissue_that_was_deleted_can_be_brought_back(scene: bpy.types.Scene) -
     given = fill_with_patch(scene)
     bpy.data.scenes["Scene"].collection.objects.unlink(scene.lappet.tissue.object)
     problem = only_problem(scene)
-    assert "The tissue 'Tissue' is not in the scene 'Scene'" in problem.sentence
+    assert "The tissue 'Tissue' is not in the scene 'Scene'" in problem.message
     repair(problem)
     assert read(scene) == given
 
@@ -65,7 +65,7 @@ def test_an_applied_modifier_gives_the_shape_that_was_seen_and_keeps_the_groups(
     modifier = obj.modifiers.new("Shift", "DISPLACE")
     modifier.direction, modifier.strength, modifier.mid_level = "Z", 2.0, 0.0
     problem = only_problem(scene)
-    assert problem.sentence == "The tissue 'Tissue' has the modifier Shift: its shape is not its mesh's."
+    assert problem.message == "The tissue 'Tissue' has the modifier Shift: its shape is not its mesh's."
     repair(problem)
     found = read(scene).tissue
     np.testing.assert_allclose(found.points, given.tissue.points + np.array([0.0, 0.0, 2.0]), atol=1e-5)
@@ -91,7 +91,7 @@ def test_applied_shape_keys_stay_as_they_are_mixed(scene: bpy.types.Scene) -> No
         point.co.z += 1.0
     key.value = 0.5
     problem = only_problem(scene)
-    assert "has 2 shape keys" in problem.sentence
+    assert "has 2 shape keys" in problem.message
     repair(problem)
     np.testing.assert_allclose(read(scene).tissue.points, given.tissue.points + np.array([0.0, 0.0, 0.5]), atol=1e-5)
     assert obj.data.shape_keys is None
@@ -107,7 +107,7 @@ def test_an_applied_scale_leaves_the_tissue_where_it_is_seen_and_outside_out(
     obj = scene.lappet.tissue.object
     obj.location, obj.rotation_euler, obj.scale = (0.01, 0.0, 0.0), (0.0, 0.0, np.pi / 2), scale
     problem = only_problem(scene)
-    assert f"is {word} by its scale" in problem.sentence
+    assert f"is {word} by its scale" in problem.message
     repair(problem)
     x, y, z = (given.tissue.points * 1000.0 * scale).T
     found = read(scene).tissue
@@ -134,7 +134,7 @@ def test_a_tissue_that_keyframes_or_a_constraint_move_is_fixed_where_it_stands(s
     obj = scene.lappet.tissue.object
     obj.keyframe_insert("location", frame=1)
     problem = only_problem(scene)
-    assert "is moved by keyframes" in problem.sentence
+    assert "is moved by keyframes" in problem.message
     repair(problem)
     assert read(scene) == given
     constraint = obj.constraints.new("COPY_LOCATION")
@@ -143,7 +143,7 @@ def test_a_tissue_that_keyframes_or_a_constraint_move_is_fixed_where_it_stands(s
     constraint.target.location = (0.0, 0.0, 0.05)
     bpy.context.view_layer.update()
     problem = only_problem(scene)
-    assert "is moved by the constraint Copy Location" in problem.sentence
+    assert "is moved by the constraint Copy Location" in problem.message
     repair(problem)
     np.testing.assert_allclose(read(scene).tissue.points, given.tissue.points + np.array([0.0, 0.0, 50.0]), atol=1e-4)
 
@@ -156,7 +156,7 @@ def test_a_tissue_whose_parent_is_keyframed_lets_go_of_it(scene: bpy.types.Scene
     assert read(scene) == given
     parent.keyframe_insert("rotation_euler", frame=1)
     problem = only_problem(scene)
-    assert "through its parent 'parent'" in problem.sentence
+    assert "through its parent 'parent'" in problem.message
     repair(problem)
     assert scene.lappet.tissue.object.parent is None
     assert read(scene) == given
@@ -173,7 +173,7 @@ def test_a_linked_mesh_is_made_local_and_its_library_stays_as_it_was(scene: bpy.
     fresh.collection.objects.link(wanted.objects[0])
     fresh.lappet.tissue.object = wanted.objects[0]
     problem = only_problem(fresh)
-    assert "is linked from" in problem.sentence
+    assert "is linked from" in problem.message
     with pytest.raises(RuntimeError, match="make it local first"):
         bpy.ops.lappet.faces_assign(group="fixed", which="ALL")
     repair(problem)
@@ -189,14 +189,14 @@ def test_a_mesh_cannot_be_tissue_and_bone_or_two_bones(scene: bpy.types.Scene) -
     entry = scene.lappet.bones.add()
     entry.object = scene.lappet.tissue.object
     problem = only_problem(scene)
-    assert problem.sentence == "The mesh 'Tissue' is the tissue and a bone at once."
+    assert problem.message == "The mesh 'Tissue' is the tissue and a bone at once."
     repair(problem)
     assert len(scene.lappet.bones) == 0
     box = add_box(scene, (0.0, 0.0, -0.02), (0.01, 0.01, -0.01), name="skull")
     for _ in range(2):
         scene.lappet.bones.add().object = box
     problem = only_problem(scene)
-    assert problem.sentence == "The bone 'skull' is listed twice."
+    assert problem.message == "The bone 'skull' is listed twice."
     repair(problem)
     assert [bone.name for bone in read(scene).bones] == ["skull"]
 
@@ -218,7 +218,7 @@ def test_bones_are_read_in_the_world_under_names_that_a_stage_takes(scene: bpy.t
 def test_an_open_surface_without_a_thickness_is_no_tissue_yet(scene: bpy.types.Scene) -> None:
     scene.lappet.tissue.object = add_sheet(scene)
     problem = only_problem(scene)
-    assert problem.sentence == "The surface of the tissue 'skin' is open: 32 edges belong to one face only."
+    assert problem.message == "The surface of the tissue 'skin' is open: 32 edges belong to one face only."
     scene.lappet.tissue.thicken = True
     assert read(scene).tissue.subsets["bed"].tolist() == list(range(64, 128))
 
@@ -227,7 +227,7 @@ def test_a_thickness_of_a_closed_surface_is_refused_and_switched_off(scene: bpy.
     given = fill_with_patch(scene)
     scene.lappet.tissue.thicken = True
     problem = only_problem(scene)
-    assert "is closed; a thickness of 4 mm says nothing" in problem.sentence
+    assert "is closed; a thickness of 4 mm says nothing" in problem.message
     repair(problem)
     assert read(scene) == given
 
@@ -241,7 +241,7 @@ def test_a_sheet_too_thick_for_its_curvature_names_the_place(scene: bpy.types.Sc
     obj = add_mesh(scene, "tube", places, [face[::-1] for face in faces])
     scene.lappet.tissue.object, scene.lappet.tissue.thicken, scene.lappet.tissue.thickness = obj, True, 5.0
     problem = only_problem(scene)
-    assert "underside folds or meets the skin near (" in problem.sentence
+    assert "underside folds or meets the skin near (" in problem.message
     assert "thinner sheet" in problem.remedy
     scene.lappet.tissue.thickness = 1.0
     read(scene)
@@ -252,7 +252,7 @@ def test_an_event_that_cannot_be_read_is_named_and_the_others_still_are(scene: b
     event = scene.lappet.events.add()
     event.name, event.kind, event.uid = "hook_1", "HOOK", "1"
     problem = only_problem(scene)
-    assert problem.path == "hook_1"
+    assert problem.prim == "hook_1"
     event.enabled = False
     assert read(scene).events == ()
 
@@ -261,7 +261,7 @@ def test_a_vertex_without_a_finite_place_is_named_and_nothing_is_made_of_it(scen
     fill_with_patch(scene)
     scene.lappet.tissue.object.data.vertices[7].co.x = float("nan")
     problem = only_problem(scene)
-    assert "have no finite place, the first is vertex 7" in problem.sentence
+    assert "have no finite place, the first is vertex 7" in problem.message
     assert bpy.ops.lappet.tissue_check() == {"FINISHED"}
     with pytest.raises(RuntimeError, match="delete them first"):
         bpy.ops.lappet.tissue_set(object="Tissue")

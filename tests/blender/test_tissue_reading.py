@@ -23,7 +23,7 @@ def test_an_empty_scene_has_no_tissue_and_says_how_to_get_one(scene: bpy.types.S
     reading = read_scene(scene)
     assert reading.procedure is None
     (problem,) = reading.problems
-    assert problem.sentence == "The scene has no tissue."
+    assert problem.message == "The scene has no tissue."
     assert problem.operator == "lappet.tissue_set"
 
 
@@ -209,7 +209,7 @@ def test_polygons_of_any_number_of_corners_are_kept(scene: bpy.types.Scene) -> N
 
 
 def test_the_meshes_of_a_broken_procedure_are_refused_and_the_scene_stays_as_it_was(scene: bpy.types.Scene) -> None:
-    from lappet.core.refused import RefusedError
+    from lappet.core.problem import RefusedError
 
     given = fill_with_patch(scene)
     meshes = len(bpy.data.meshes)

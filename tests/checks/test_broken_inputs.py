@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 from lappet.checks.validation import check, check_file
-from lappet.core.problem import Problem, ProcedureError
+from lappet.core.problem import Problem, RefusedError
 from lappet.usd.stage import read_procedure
 
 CORPUS = Path(__file__).with_name("broken_inputs")
@@ -38,8 +38,8 @@ def _blocks(expected: Path) -> list[dict[str, str]]:
 
 def _answers(problem: Problem, block: dict[str, str]) -> bool:
     return (
-        problem.path.endswith(block["prim"])
-        and block["says"] in problem.sentence
+        problem.prim.endswith(block["prim"])
+        and block["says"] in problem.message
         and block["remedy"] in problem.remedy
         and problem.severity == block.get("severity", "error")
     )
@@ -48,7 +48,7 @@ def _answers(problem: Problem, block: dict[str, str]) -> bool:
 def _problems(file: Path) -> list[Problem]:
     try:
         return check_file(file)
-    except ProcedureError as error:
+    except RefusedError as error:
         return list(error.problems)
 
 
@@ -69,8 +69,8 @@ def test_exactly_what_is_broken_is_said_with_its_repair(expected: Path) -> None:
         unanswered.remove(match)
     assert not unanswered, "also told: " + "; ".join(map(str, unanswered))
     for problem in problems:
-        assert re.match(r"[A-Z0-9]|lappet:|primvars:|curveVertexCounts", problem.sentence), said
-        assert problem.sentence.endswith("."), said
+        assert re.match(r"[A-Z0-9]|lappet:|primvars:|curveVertexCounts", problem.message), said
+        assert problem.message.endswith("."), said
         assert problem.remedy[0].isupper(), said
         assert problem.remedy.endswith("."), said
         assert "\n" not in str(problem), said
@@ -81,7 +81,7 @@ def test_what_is_broken_is_refused_before_solving(expected: Path) -> None:
     errors = [block for block in _blocks(expected) if block.get("severity", "error") == "error"]
     try:
         problems = check(read_procedure(_input(expected)))
-    except ProcedureError as error:
+    except RefusedError as error:
         problems = list(error.problems)
         assert problems
     assert any(problem.severity == "error" for problem in problems) == bool(errors)

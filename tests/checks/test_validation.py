@@ -55,7 +55,7 @@ def test_several_hooks_may_follow_each_other_on_one_point() -> None:
     after = replace(first, name="later", start=10.0, release=12.0)
     assert check(GOOD.with_events(after)) == []
     overlapping = replace(after, start=9.5)
-    assert [problem.path for problem in check(GOOD.with_events(overlapping))] == ["/Procedure/Timeline/later"]
+    assert [problem.prim for problem in check(GOOD.with_events(overlapping))] == ["/Procedure/Timeline/later"]
 
 
 @pytest.mark.parametrize("model", MODELS)
@@ -185,6 +185,6 @@ def test_a_mobius_strip_is_refused_as_one_sided() -> None:
                        w * np.sin(angle / 2)], axis=1) for w in (-2.0, 2.0)]  # fmt: skip
     quads = [[i, i + 1, n + i + 1, n + i] for i in range(n - 1)] + [[n - 1, n, 0, 2 * n - 1]]
     strip = Tissue(np.concatenate(rings), np.full(n, 4), np.array(quads).ravel())
-    said = [problem.sentence for problem in check(Procedure(strip)) if problem.severity == "error"]
+    said = [problem.message for problem in check(Procedure(strip)) if problem.severity == "error"]
     assert any("open" in sentence for sentence in said)
     assert any("oriented" in sentence for sentence in said)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from lappet.core.refused import RefusedError
+from lappet.core.problem import RefusedError
 from lappet.designs import fusiform, z_plasty
 from lappet.tissue.placement import onto
 from surface_measures import spherical_cap

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from lappet.core.refused import RefusedError
+from lappet.core.problem import RefusedError
 from lappet.designs import Edge, FlapDesign, dual_s_plasty, dufourmentel, limberg
 from lappet.tissue.dome import dome_bone, dome_scalp, draped
 from lappet.tissue.skin_sheet import SkinSheet

@@ -11,7 +11,7 @@ import trimesh
 from numpy.typing import NDArray
 from pxr import Usd, UsdGeom
 
-from lappet.core.refused import RefusedError
+from lappet.core.problem import RefusedError
 from lappet.output.report import report
 from lappet.output.solve_procedure import SolveResult, solve_procedure
 from lappet.procedure import Bone, Hook, Material, Procedure

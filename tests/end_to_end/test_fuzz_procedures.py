@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from lappet.core.refused import RefusedError
+from lappet.core.problem import RefusedError
 from lappet.daemon.process import SolverDaemon
 from lappet.reports import stability_fuzz
 from lappet.reports.stability.fuzz import PATIENT, fuzz, judge

@@ -17,7 +17,7 @@ import pytest
 from numpy.typing import NDArray
 
 import synthetic_skin_cache as synthetic
-from lappet.core.refused import RefusedError
+from lappet.core.problem import RefusedError
 from lappet.output.render import PYTHON_VARIABLE, RenderError, render_cache
 
 SIZE = (112, 84)

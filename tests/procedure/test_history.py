@@ -9,7 +9,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from lappet.core.problem import ProcedureError
+from lappet.core.problem import RefusedError
 from lappet.procedure import Bone, Hook, Incision, Landmark, Material, Procedure, Region, Retractor, Suture
 from lappet.procedure.history import (
     AddEvent,
@@ -86,7 +86,7 @@ def test_undo_and_redo_return_every_state_exactly(steps: list[Command | str]) ->
                 assert history.redo() == past[-1]
         else:
             assert not isinstance(step, str)
-            with contextlib.suppress(ProcedureError):
+            with contextlib.suppress(RefusedError):
                 past.append(history.do(step))
                 future.clear()
         assert history.procedure == past[-1]
@@ -127,12 +127,12 @@ def test_a_region_is_set_replaced_and_removed_and_keeps_its_material() -> None:
     assert history.do(SetRegion(Region("bed", "fat", 1.0))).tissue.regions == (Region("bed", "fat", 1.0),)
     assert history.do(SetRegion(Region("fixed", "skin"))).tissue.regions[0].faces == "fixed"  # the subsets' order
     assert history.do(SetRegion(Region("bed", "fat", 2.0))).tissue.regions[1].depth_from == 2.0
-    with pytest.raises(ProcedureError, match="The region 'bed' is made of 'fat'"):
+    with pytest.raises(RefusedError, match="The region 'bed' is made of 'fat'"):
         history.do(RemoveMaterial("fat"))
-    with pytest.raises(ProcedureError, match="no face subset 'lip'"):
+    with pytest.raises(RefusedError, match="no face subset 'lip'"):
         history.do(SetRegion(Region("lip", "fat")))
     assert history.do(RemoveRegion("bed")).tissue.regions == (Region("fixed", "skin"),)
-    with pytest.raises(ProcedureError, match="'bed' has no region"):
+    with pytest.raises(RefusedError, match="'bed' has no region"):
         history.do(RemoveRegion("bed"))
     assert history.do(RemoveMaterial("fat")).materials == (Material(),)
 
@@ -162,7 +162,7 @@ def test_retiming_moves_every_sample() -> None:
 )
 def test_an_edit_that_makes_no_sense_is_refused_and_changes_nothing(command: Command, says: str) -> None:
     history = History(START)
-    with pytest.raises(ProcedureError) as error:
+    with pytest.raises(RefusedError) as error:
         history.do(command)
     assert says in str(error.value)
     assert history.procedure is START

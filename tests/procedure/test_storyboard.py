@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from lappet.core.refused import RefusedError
+from lappet.core.problem import RefusedError
 from lappet.procedure import Bone, Hook, Incision, Landmark, Material, Procedure, Region, Retractor, Suture, Undermine
 from lappet.procedure.scene_profile import measured_costs, profile_lines, scene_profile, scene_reasons
 from lappet.procedure.storyboard import inspection

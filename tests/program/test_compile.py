@@ -11,7 +11,7 @@ import pytest
 import trimesh
 from numpy.typing import NDArray
 
-from lappet.core.refused import RefusedError
+from lappet.core.problem import RefusedError
 from lappet.geometry.labelled_surface import FaceOrigin
 from lappet.geometry.rigid_motion import RigidMotion
 from lappet.procedure import (

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from lappet.core.refused import RefusedError
+from lappet.core.problem import RefusedError
 from lappet.daemon.frame_solver import FrameRefusedError, SolverDiedError
 from lappet.procedure import Procedure, Suture
 from lappet.program.compile import compile_program

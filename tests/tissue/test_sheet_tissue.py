@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from lappet.core.refused import RefusedError
+from lappet.core.problem import RefusedError
 from lappet.geometry.surface_check import signed_volume
 from lappet.tissue.sheet_tissue import sheet_tissue
 from lappet.tissue.surface import tissue_surface

@@ -15,7 +15,7 @@ import pytest
 from hypothesis import HealthCheck, Phase, given, settings
 
 import lappet.usd.stage
-from lappet.core.problem import ProcedureError
+from lappet.core.problem import RefusedError
 from lappet.procedure import Hook, Incision, Landmark, Material, Procedure, Region, Retractor, Suture, Tissue
 from lappet.tissue.patch import flat_patch
 from lappet.tissue.surface import skin_faces
@@ -138,7 +138,7 @@ def test_a_region_that_has_no_subset_or_shares_one_cannot_be_written(tmp_path: P
         ((Region("bed", "skin"), Region("bed", "fat")), "2 regions lie below the face subset 'bed'"),
     ]:
         odd = replace(_small(), tissue=replace(_small().tissue, regions=regions))
-        with pytest.raises(ProcedureError, match=said):
+        with pytest.raises(RefusedError, match=said):
             write_procedure(odd, tmp_path / "p.usda")
 
 
@@ -317,20 +317,20 @@ def test_reading_sees_what_was_written_since_the_stage_was_opened(tmp_path: Path
 
 @pytest.mark.parametrize("name", ["1cut", "a b", "", "cut/edge", "naïve"])
 def test_a_name_that_no_prim_can_have_is_refused(tmp_path: Path, name: str) -> None:
-    with pytest.raises(ProcedureError, match="cannot be the name of a prim") as error:
+    with pytest.raises(RefusedError, match="cannot be the name of a prim") as error:
         write_procedure(_small().with_events(Landmark(name, ((0, 0, 2),), "x")), tmp_path / "p.usda")
-    assert error.value.problems[0].path == f"/Procedure/Timeline/{name}"
+    assert error.value.problems[0].prim == f"/Procedure/Timeline/{name}"
     assert not list(tmp_path.iterdir())
 
 
 def test_two_events_of_one_name_are_refused(tmp_path: Path) -> None:
-    with pytest.raises(ProcedureError, match="2 events are named 'cut'"):
+    with pytest.raises(RefusedError, match="2 events are named 'cut'"):
         write_procedure(_small().with_events(Landmark("cut", ((0, 0, 2),), "x")), tmp_path / "p.usda")
 
 
 @pytest.mark.parametrize(("name", "says"), [("p.obj", "USD suffix"), ("no/such/p.usda", "does not exist")])
 def test_a_path_that_cannot_be_written_is_refused(tmp_path: Path, name: str, says: str) -> None:
-    with pytest.raises(ProcedureError, match=says):
+    with pytest.raises(RefusedError, match=says):
         write_procedure(_small(), tmp_path / name)
 
 

@@ -3,7 +3,7 @@
 import bpy
 from bpy.props import BoolProperty, FloatProperty, StringProperty
 
-from lappet.core.refused import RefusedError
+from lappet.core.problem import RefusedError
 
 from ..model.changes import changed
 from ..model.event_list import (

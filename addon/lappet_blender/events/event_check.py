@@ -9,8 +9,8 @@ import bpy
 from lappet.checks.event_conflicts import event_conflicts
 from lappet.checks.event_problems import EventCheck
 from lappet.checks.mesh_problems import mesh_problems
-from lappet.core.problem import Problem, ProcedureError
-from lappet.core.refused import RefusedError
+from lappet.core.problem import Problem, RefusedError
+from lappet.core.problem_code import ProblemCode
 from lappet.procedure import Event, Procedure, Tissue
 from lappet.procedure.prim_paths import TIMELINE, TISSUE
 from lappet.tissue.fan_triangles import fan_triangles
@@ -23,7 +23,7 @@ _rest: list[tuple[Tissue, RestSpace | None]] = []  # of the tissue that was aske
 
 
 def check_events(scene: bpy.types.Scene, values: Sequence[Event]) -> None:
-    """Raises ProcedureError for what is wrong with new or changed events, alone or beside the scene's others.
+    """Raises RefusedError for what is wrong with new or changed events, alone or beside the scene's others.
 
     Events of the scene that have the name of one of `values` are left out. Raises RefusedError where there is no tissue
     to place them on.
@@ -44,17 +44,17 @@ def check_events(scene: bpy.types.Scene, values: Sequence[Event]) -> None:
     for value in values:
         checked.check(value, f"{TIMELINE}/{value.name}")
     paths = {f"{TIMELINE}/{name}" for name in names}
-    problems = [*checked.problems, *(each for each in event_conflicts(procedure) if each.path in paths)]
+    problems = [*checked.problems, *(each for each in event_conflicts(procedure) if each.prim in paths)]
     errors = [_in_blender(each) for each in problems if each.severity == "error"]
     if errors:
-        raise ProcedureError(errors)
+        raise RefusedError(errors)
 
 
 def tissue_of(scene: bpy.types.Scene) -> Tissue:
     """The scene's tissue; raises RefusedError with the reason where it has none that can be used."""
     tissue, problems = tissue_value(scene)
     if tissue is None:
-        raise RefusedError(f"{problems[0].sentence} {problems[0].remedy}" if problems else "The scene has no tissue.")
+        raise RefusedError(f"{problems[0].message} {problems[0].remedy}" if problems else "The scene has no tissue.")
     return tissue
 
 
@@ -67,6 +67,6 @@ def rest_space(tissue: Tissue) -> RestSpace | None:
 
 
 def _in_blender(found: Problem) -> Problem:
-    name = found.path.rpartition("/")[2]
+    name = found.prim.rpartition("/")[2]
     remedy = found.remedy.replace("set endTimeCode later", "set the end of the scene later")
-    return Problem(found.path, found.value, f"{name}: {found.sentence}", remedy, found.severity)
+    return Problem(ProblemCode.UNSORTED, found.prim, found.value, f"{name}: {found.message}", remedy, found.severity)

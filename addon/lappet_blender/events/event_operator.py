@@ -7,8 +7,7 @@ from typing import Any
 
 import bpy
 
-from lappet.core.problem import ProcedureError
-from lappet.core.refused import RefusedError
+from lappet.core.problem import RefusedError
 
 from ..model.event_list import event_index
 
@@ -21,10 +20,8 @@ def attempt(operator: bpy.types.Operator, act: Callable[[], object]) -> set[str]
     operator."""
     try:
         act()
-    except ProcedureError as refused:
-        return refuse(operator, " ".join(f"{each.sentence} {each.remedy}" for each in refused.problems[:3]))
     except RefusedError as refused:
-        return refuse(operator, str(refused))
+        return refuse(operator, " ".join(f"{each.message} {each.remedy}".strip() for each in refused.problems[:3]))
     except OSError as error:
         where = f"{error.filename}: " if error.filename else ""
         return refuse(operator, f"{where}{(error.strerror or str(error)).rstrip('.')}; choose another folder or file.")

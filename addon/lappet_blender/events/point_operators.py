@@ -5,7 +5,7 @@ from typing import Any
 import bpy
 from bpy.props import FloatVectorProperty, IntProperty, StringProperty
 
-from lappet.core.refused import RefusedError
+from lappet.core.problem import RefusedError
 
 from ..model.changes import changed
 from ..model.event_list import set_points

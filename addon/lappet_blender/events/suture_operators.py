@@ -5,7 +5,7 @@ import numpy as np
 from bpy.props import BoolProperty, CollectionProperty, FloatProperty, FloatVectorProperty, IntProperty, StringProperty
 from numpy.typing import NDArray
 
-from lappet.core.refused import RefusedError
+from lappet.core.problem import RefusedError
 from lappet.geometry.closest_point import ClosestPoint
 from lappet.procedure import Incision, Point, Suture
 from lappet.tissue.fan_triangles import fan_triangles

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import bpy
 
-from lappet.core.refused import RefusedError
+from lappet.core.problem import RefusedError
 from lappet.usd.stage import Pxr, pxr
 
 

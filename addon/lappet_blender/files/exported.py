@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import bpy
 
-from lappet.core.refused import RefusedError
+from lappet.core.problem import RefusedError
 
 from .bundled_pxr import bundled_pxr
 
@@ -25,7 +25,7 @@ def procedure_of(scene: bpy.types.Scene) -> Procedure:
     reading = read_scene(scene)
     if reading.procedure is None:
         first = next((each for each in reading.problems if each.severity == "error"), None)
-        raise RefusedError("The scene holds no procedure." if first is None else f"{first.sentence} {first.remedy}")
+        raise RefusedError("The scene holds no procedure." if first is None else f"{first.message} {first.remedy}")
     return reading.procedure
 
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import bpy
 import numpy as np
 
-from lappet.core.refused import RefusedError
+from lappet.core.problem import RefusedError
 
 from .bundled_pxr import bundled_pxr
 from .exported import compiled
@@ -40,7 +40,7 @@ class CacheFrames:
 
 
 def look_into(path: Path) -> FoundFile:
-    """What a USD file holds. Raises ProcedureError where it cannot be opened."""
+    """What a USD file holds. Raises RefusedError where it cannot be opened."""
     bundled_pxr()
     from lappet.usd.stage import open_stage
 
@@ -56,7 +56,7 @@ def look_into(path: Path) -> FoundFile:
 def read_into(scene: bpy.types.Scene, path: Path) -> list[str]:
     """Puts the procedure of a USD file into a scene in place of what it had; of a skin cache the frames as well.
 
-    Returns a sentence for everything that was converted or left aside. Raises RefusedError or ProcedureError, with the
+    Returns a sentence for everything that was converted or left aside. Raises RefusedError or RefusedError, with the
     scene as it was.
     """
     from lappet.usd.stage import read_procedure

@@ -10,7 +10,7 @@ import bpy
 import numpy as np
 from mathutils import Matrix
 
-from lappet.core.refused import RefusedError
+from lappet.core.problem import RefusedError
 from lappet.geometry.rigid_motion import RigidMotion
 from lappet.procedure import Basis, Event, Excision, Hook, Incision, Landmark, Point, Retractor, Suture, Undermine
 

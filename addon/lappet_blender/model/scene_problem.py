@@ -5,11 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from lappet.core.problem import Problem, Severity
+from lappet.core.problem_code import ProblemCode
 
 
 @dataclass(frozen=True)
 class SceneProblem(Problem):
-    """A `lappet.core.problem.Problem` found in a Blender scene; `path` is the name of the object or event.
+    """A `lappet.core.problem.Problem` found in a Blender scene; `prim` is the name of the object or event.
 
     operator: the bl_idname of the operator that repairs it, called with `arguments`; "" where nothing can.
     """
@@ -29,7 +30,9 @@ def problem(
 ) -> SceneProblem:
     """A `SceneProblem` in one line. sentence and remedy may be halves of one; each becomes a sentence."""
     what, then = _ended(sentence), _ended(remedy[:1].upper() + remedy[1:])
-    return SceneProblem(path, str(value), what, then, severity, operator, tuple(arguments.items()))
+    return SceneProblem(
+        ProblemCode.UNSORTED, path, str(value), what, then, severity, None, operator, tuple(arguments.items())
+    )
 
 
 def _ended(words: str) -> str:

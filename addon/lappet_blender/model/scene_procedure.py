@@ -6,8 +6,7 @@ from dataclasses import dataclass
 
 import bpy
 
-from lappet.core.problem import Problem
-from lappet.core.refused import RefusedError
+from lappet.core.problem import Problem, RefusedError
 from lappet.procedure import Event, Procedure
 
 from .decimals import decimal

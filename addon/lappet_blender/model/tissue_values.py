@@ -12,8 +12,7 @@ from dataclasses import dataclass, replace
 import bpy
 import numpy as np
 
-from lappet.core.problem import Problem
-from lappet.core.refused import RefusedError
+from lappet.core.problem import Problem, RefusedError
 from lappet.procedure import Bone, Region, Tissue
 from lappet.tissue.sheet_tissue import sheet_tissue
 

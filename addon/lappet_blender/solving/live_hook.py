@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import bpy
 
-from lappet.core.refused import RefusedError
+from lappet.core.problem import RefusedError
 from lappet.procedure import Hook, Procedure
 
 from ..model.decimals import decimal

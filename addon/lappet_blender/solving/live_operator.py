@@ -3,7 +3,7 @@
 import bpy
 from bpy.props import StringProperty
 
-from lappet.core.refused import RefusedError
+from lappet.core.problem import RefusedError
 
 from .controller import controller_of, find_controller
 from .frames import announce

@@ -13,7 +13,7 @@ _SUBSET = "/Procedure/Tissue"
 
 def problem_event(scene: bpy.types.Scene, problem: Problem) -> int:
     """The index of the event that a problem is about, -1 for none. Paths are prims or names of events and objects."""
-    return event_index(scene, problem.path.split(".")[0].rsplit("/", 1)[-1])
+    return event_index(scene, problem.prim.split(".")[0].rsplit("/", 1)[-1])
 
 
 def select_problem(scene: bpy.types.Scene, layer: bpy.types.ViewLayer, problem: Problem) -> bool:
@@ -24,8 +24,8 @@ def select_problem(scene: bpy.types.Scene, layer: bpy.types.ViewLayer, problem: 
         time = int(event_time(scene.lappet.events[index]))
         scene.frame_set(min(max(time, scene.frame_start), scene.frame_end))
         return True
-    obj = scene.objects.get(problem.path)
-    if obj is None and problem.path.startswith(_SUBSET):
+    obj = scene.objects.get(problem.prim)
+    if obj is None and problem.prim.startswith(_SUBSET):
         obj = scene.lappet.tissue.object
     if obj is None or layer.objects.get(obj.name) is None:
         return False

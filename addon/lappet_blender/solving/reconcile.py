@@ -14,8 +14,8 @@ from collections.abc import Iterator
 
 import bpy
 
-from lappet.core.problem import Problem
-from lappet.core.refused import RefusedError
+from lappet.core.problem import Problem, RefusedError
+from lappet.core.problem_code import ProblemCode
 from lappet.procedure import Procedure
 from lappet.program.settings import SolverSettings
 from lappet.solve.store import FrameStore
@@ -64,7 +64,16 @@ def _newer(scene: bpy.types.Scene) -> tuple[Problem, ...]:
     if not from_newer_version(scene):
         return ()
     sentence = f"The scene {scene.name!r} was saved by a newer Lappet, and parts of it may be missing here."
-    return (Problem(scene.name, str(scene.lappet.version), sentence, "Update Lappet before you save.", "warning"),)
+    return (
+        Problem(
+            ProblemCode.UNSORTED,
+            scene.name,
+            str(scene.lappet.version),
+            sentence,
+            "Update Lappet before you save.",
+            "warning",
+        ),
+    )
 
 
 def ask_for_plan(controller: Controller) -> None:
@@ -85,7 +94,7 @@ def reporting(controller: Controller) -> Iterator[None]:
     try:
         yield
     except (RefusedError, RuntimeError, OSError) as error:
-        controller.refused = (Problem("solver", "", str(error), "Then press Solve again."),)
+        controller.refused = (Problem(ProblemCode.UNSORTED, "solver", "", str(error), "Then press Solve again."),)
         controller.bump()
 
 
@@ -153,7 +162,11 @@ def _take(
     except (RefusedError, OSError) as error:
         _retire(controller)
         controller.procedure, controller.settings, controller.key = procedure, settings, ""
-        controller.refused = (Problem("solver", "", str(error), "Install Lappet again, or repair its installation."),)
+        controller.refused = (
+            Problem(
+                ProblemCode.UNSORTED, "solver", "", str(error), "Install Lappet again, or repair its installation."
+            ),
+        )
         controller.bump()
         return
     if key != controller.key:

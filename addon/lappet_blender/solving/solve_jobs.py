@@ -6,8 +6,7 @@ from pathlib import Path
 
 import bpy
 
-from lappet.core.problem import Problem
-from lappet.core.refused import RefusedError
+from lappet.core.problem import Problem, RefusedError
 
 from .controller import Job, controller_of, plans, shelf
 from .frames import problems_of

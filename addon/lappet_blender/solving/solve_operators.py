@@ -3,7 +3,7 @@
 import bpy
 from bpy.props import BoolProperty, IntProperty
 
-from lappet.core.refused import RefusedError
+from lappet.core.problem import RefusedError
 
 from .frames import failure_of, problems_of, progress_of
 from .problem_place import select_problem
@@ -151,7 +151,7 @@ class LAPPET_OT_problem_show(bpy.types.Operator):
             self.report({"ERROR"}, f"{many}, and none of the index {self.index}; give one from 0.")
             return {"CANCELLED"}
         if not select_problem(context.scene, context.view_layer, problems[self.index]):
-            self.report({"INFO"}, f"{problems[self.index].path} is nothing in the scene that could be selected.")
+            self.report({"INFO"}, f"{problems[self.index].prim} is nothing in the scene that could be selected.")
         return {"FINISHED"}
 
 

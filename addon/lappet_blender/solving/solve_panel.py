@@ -88,14 +88,14 @@ def _problems(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
         box = layout.box()
         row = box.row(align=True)
         event = problem_event(context.scene, problem)
-        name = context.scene.lappet.events[event].name if event >= 0 else problem.path
+        name = context.scene.lappet.events[event].name if event >= 0 else problem.prim
         icon = "ERROR" if problem.severity == "error" else "INFO"
         row.operator("lappet.problem_show", text=name, icon=icon, emboss=False).index = index
         if isinstance(problem, SceneProblem) and problem.operator:
             remedy = row.operator(problem.operator, text="Repair", icon="TOOL_SETTINGS")
             for key, value in problem.arguments:
                 setattr(remedy, key, value)
-        lines(box, context, f"{problem.sentence} {problem.remedy}")
+        lines(box, context, f"{problem.message} {problem.remedy}")
     more = len(problems) - _MOST_PROBLEMS
     if more > 0:
         layout.label(text=f"and {more} more")

@@ -6,7 +6,7 @@ import time
 
 import bpy
 
-from lappet.core.refused import RefusedError
+from lappet.core.problem import RefusedError
 
 from .controller import controller_of
 from .frame_states import count_states

@@ -6,7 +6,7 @@ from typing import Any
 
 import bpy
 
-from lappet.core.refused import RefusedError
+from lappet.core.problem import RefusedError
 
 from ..model.changes import changed
 

@@ -3,7 +3,7 @@
 import bpy
 from bpy.props import StringProperty
 
-from lappet.core.refused import RefusedError
+from lappet.core.problem import RefusedError
 
 from ..model.tissue_values import identifier
 from .act import UNDOABLE, Act, named_object

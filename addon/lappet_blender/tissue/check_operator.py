@@ -3,7 +3,7 @@
 import bpy
 from bpy.props import IntProperty
 
-from lappet.core.refused import RefusedError
+from lappet.core.problem import RefusedError
 
 from ..model.units import to_world
 from .act import PLAIN, UNDOABLE, Act
@@ -30,7 +30,7 @@ class LAPPET_OT_tissue_check(_OnTissue, bpy.types.Operator):
             return "Nothing is wrong with the tissue."
         warnings = len(problems) - errors
         return (
-            f"{errors} problem{'s' * (errors != 1)}, {warnings} warning{'s' * (warnings != 1)}: {problems[0].sentence}"
+            f"{errors} problem{'s' * (errors != 1)}, {warnings} warning{'s' * (warnings != 1)}: {problems[0].message}"
         )
 
 

@@ -49,18 +49,18 @@ def check_tissue(scene: bpy.types.Scene) -> FoundProblems:
     places += shape
     reading = read_scene(scene)
     broken = any(each.problem.severity == "error" for each in shape)
-    known = {each.problem.sentence for each in places}
+    known = {each.problem.message for each in places}
     for each in reading.problems:
-        follows = broken and each.path == obj.name  # no tissue can be made of a mesh that is broken
-        if each.sentence not in known and not follows:
+        follows = broken and each.prim == obj.name  # no tissue can be made of a mesh that is broken
+        if each.message not in known and not follows:
             places.append(ProblemPlace(each))
     if reading.procedure is not None and not broken:
         tissue = reading.procedure.tissue
         thin = thin_places(tissue, obj.name, settings[2])
         places += thin
         for each in check(reading.procedure):
-            said = thin and "larger than the tissue is thick" in each.sentence
-            turned = "inside out" in each.sentence and each.path == TISSUE
+            said = thin and "larger than the tissue is thick" in each.message
+            turned = "inside out" in each.message and each.prim == TISSUE
             if not said and not turned:
                 places.append(ProblemPlace(_with_repair(each)))
     found = FoundProblems(mesh, settings, tuple(places))
@@ -92,7 +92,9 @@ def _settings(scene: bpy.types.Scene) -> tuple[bool, float, float]:
 
 def _with_repair(each: Problem) -> Problem:
     """A problem of `lappet.check` with the operator of this part that repairs it, where there is one."""
-    if each.path == TISSUE and "spacing" in each.remedy.lower() and each.value.endswith(" mm"):
-        values = {name: getattr(each, name) for name in ("path", "value", "sentence", "remedy", "severity")}
+    if each.prim == TISSUE and "spacing" in each.remedy.lower() and each.value.endswith(" mm"):
+        values = {
+            name: getattr(each, name) for name in ("code", "prim", "value", "message", "remedy", "severity", "place")
+        }
         return SceneProblem(**values, operator="lappet.tissue_repair", arguments=(("kind", "SPACING"),))
     return replace(each)

@@ -6,7 +6,7 @@ import re
 import bpy
 from bpy.props import EnumProperty, FloatProperty, StringProperty
 
-from lappet.core.refused import RefusedError
+from lappet.core.problem import RefusedError
 from lappet.procedure import Region
 from lappet.tissue.presets import PRESETS
 

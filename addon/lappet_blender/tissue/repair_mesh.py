@@ -6,7 +6,7 @@ import bmesh
 import bpy
 import numpy as np
 
-from lappet.core.refused import RefusedError
+from lappet.core.problem import RefusedError
 from lappet.geometry.triangulation import clip_ears, triangulate
 from lappet.tissue.mesh_file import Mesh
 from lappet.tissue.mesh_repair import border_loops, orient, perimeter

@@ -5,7 +5,7 @@ from __future__ import annotations
 import bpy
 from mathutils import Matrix
 
-from lappet.core.refused import RefusedError
+from lappet.core.problem import RefusedError
 
 from ..model.keyframes import curves_of
 from ..model.world_matrix import keeps_shape, world_matrix

@@ -6,7 +6,7 @@ from bpy.props import BoolProperty, EnumProperty, StringProperty
 
 from lappet.checks.lattice_size import TissueMeasure
 from lappet.checks.validation import MEMORY_BUDGET
-from lappet.core.refused import RefusedError
+from lappet.core.problem import RefusedError
 from lappet.geometry.triangulation import triangulate
 
 from ..model.decimals import decimal

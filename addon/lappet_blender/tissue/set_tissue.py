@@ -5,7 +5,7 @@ from __future__ import annotations
 import bpy
 import numpy as np
 
-from lappet.core.refused import RefusedError
+from lappet.core.problem import RefusedError
 from lappet.geometry.flatten import flatten
 from lappet.geometry.surface_check import signed_volume
 from lappet.geometry.triangulation import triangulate

@@ -167,7 +167,7 @@ def reading_problems(reading: SceneReading) -> tuple[Problem, ...]:
 
 def _problem(layout: bpy.types.UILayout, context: bpy.types.Context, problem: Problem, index: int = -1) -> None:
     box = layout.box()
-    draw_sentence(box, context, problem.sentence, "ERROR" if problem.severity == "error" else "INFO")
+    draw_sentence(box, context, problem.message, "ERROR" if problem.severity == "error" else "INFO")
     row = box.row(align=True)
     if isinstance(problem, SceneProblem) and problem.operator:
         arguments = dict(problem.arguments)

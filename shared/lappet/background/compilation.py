@@ -14,7 +14,8 @@ from lappet.background.plan_key import plan_key
 from lappet.background.plan_store import get_plan, put_plan
 from lappet.checks.validation import check
 from lappet.core.digest import digest
-from lappet.core.problem import Problem, ProcedureError
+from lappet.core.problem import Problem, RefusedError
+from lappet.core.problem_code import ProblemCode
 from lappet.cutting.epoch import Epoch
 from lappet.cutting.epochs import build_epochs
 from lappet.procedure import CUTS, Procedure
@@ -64,7 +65,7 @@ class Compilation:
     def compiled(self, procedure: Procedure, settings: SolverSettings, step: Callable[[], None]) -> Compiled:
         """The plan and the program of a procedure. step: called between the steps; may raise to stop.
 
-        Raises ProcedureError with every problem where the procedure cannot be solved.
+        Raises RefusedError with every problem where the procedure cannot be solved.
         """
         key = plan_key(procedure, settings, self.identity)
         with self._lock:
@@ -81,7 +82,7 @@ class Compilation:
         step()
         problems = check(procedure, spacing=settings.spacing or None)
         if any(problem.severity == "error" for problem in problems):
-            raise ProcedureError(sorted(problems, key=lambda problem: problem.severity != "error"))
+            raise RefusedError(sorted(problems, key=lambda problem: problem.severity != "error"))
         step()
         spacing = settings.spacing or procedure.tissue.spacing
         epochs, shapes = self._cut(replace(procedure, tissue=replace(procedure.tissue, spacing=spacing)), step)
@@ -120,9 +121,9 @@ def up_to(program: Program, last: int | None) -> Program:
     return replace(program, frames=program.frames[:kept])
 
 
-def _refusal(error: ValueError) -> ProcedureError:
+def _refusal(error: ValueError) -> RefusedError:
     """What refuses a procedure as problems; what is no refusal of Lappet's is raised again."""
-    if isinstance(error, ProcedureError):
+    if isinstance(error, RefusedError):
         return error
     if type(error).__module__.partition(".")[0] != "lappet":
         raise error
@@ -130,7 +131,7 @@ def _refusal(error: ValueError) -> ProcedureError:
     if not prim.startswith("/"):
         prim, sentence = ROOT, str(error)
     # The sentence of what is refused already ends with its remedy.
-    return ProcedureError([Problem(prim, "", sentence, "")])
+    return RefusedError([Problem(ProblemCode.UNSORTED, prim, "", sentence, "")])
 
 
 class _Last(Generic[Value]):

@@ -7,7 +7,7 @@ import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from lappet.core.refused import RefusedError
+from lappet.core.problem import RefusedError
 
 
 def find_python() -> Path:

@@ -14,8 +14,8 @@ from lappet.background.live_session import LiveSession
 from lappet.background.plan import FrameFailed, LiveFrame, Note, Plan, ShownFrame
 from lappet.background.plan_store import shown_frame
 from lappet.background.solve_job import SolveJobs, stoppable
-from lappet.core.problem import Problem, ProcedureError
-from lappet.core.refused import RefusedError
+from lappet.core.problem import Problem, RefusedError, problem
+from lappet.core.problem_code import ProblemCode
 from lappet.daemon.frame_solver import FrameRefusedError, SolvedFrame, SolverDiedError
 from lappet.procedure import Point
 from lappet.procedure.prim_paths import TIMELINE
@@ -48,7 +48,13 @@ class LiveJobs(SolveJobs):
         except KeyboardInterrupt:
             raise CancelledError from None
         except (RefusedError, SolverDiedError) as error:
-            self.tell(FrameFailed(job.number, job.time, f"Frame {job.time} was not solved: {error}"))
+            self.tell(
+                FrameFailed(
+                    job.number,
+                    job.time,
+                    problem(ProblemCode.UNSORTED, said=f"Frame {job.time} was not solved: {error}"),
+                )
+            )
             return 0
         finally:
             session.close()
@@ -103,15 +109,23 @@ def _place(plan: Plan, job: Job) -> tuple[int, int]:
     if index is None:
         sentence = f"There is no frame {job.time} to pull it at; the frames run from "
         sentence += f"{plan.frames[0].time} to {plan.frames[-1].time}."
-        raise ProcedureError([Problem(path, str(job.time), sentence, "Go to one of these.")])
+        raise RefusedError([Problem(ProblemCode.UNSORTED, path, str(job.time), sentence, "Go to one of these.")])
     if job.hook not in plan.hooks:
-        raise ProcedureError([Problem(path, job.hook, "There is no hook of that name.", "Name one that is there.")])
+        raise RefusedError(
+            [Problem(ProblemCode.UNSORTED, path, job.hook, "There is no hook of that name.", "Name one that is there.")]
+        )
     hook = plan.hooks.index(job.hook)
     if hook not in plan.frames[index].hooks:
         times = [frame.time for frame in plan.frames if hook in frame.hooks]
         when = f"it pulls from {times[0]} to {times[-1]}" if times else "it pulls at no frame"
         sentence = f"The hook does not pull at frame {job.time}: {when}."
-        raise ProcedureError([Problem(path, str(job.time), sentence, "Go to one of its frames, or move its start.")])
+        raise RefusedError(
+            [
+                Problem(
+                    ProblemCode.UNSORTED, path, str(job.time), sentence, "Go to one of its frames, or move its start."
+                )
+            ]
+        )
     return index, plan.frames[index].hooks.index(hook)
 
 

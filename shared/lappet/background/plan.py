@@ -123,7 +123,7 @@ class FrameFailed:
 
     job: int
     time: int
-    reason: str
+    problem: Problem
 
 
 @dataclass(frozen=True)

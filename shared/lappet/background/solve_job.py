@@ -26,8 +26,8 @@ from lappet.background.plan import (
     ShownFrame,
 )
 from lappet.background.plan_store import shown_frame
-from lappet.core.problem import Problem, ProcedureError
-from lappet.core.refused import RefusedError
+from lappet.core.problem import Problem, RefusedError, problem
+from lappet.core.problem_code import ProblemCode
 from lappet.cutting.epoch import Epoch
 from lappet.daemon.frame_solver import Connect, FrameSolver, Iteration, SolvedFrame, SolverDiedError
 from lappet.procedure.prim_paths import ROOT
@@ -55,16 +55,16 @@ class SolveJobs:
             job.step()
             self.store.try_again()
             done = self._run(job)
-        except ProcedureError as error:
+        except RefusedError as error:
             self.tell(Refused(job.number, error.problems))
         except CancelledError:
             pass
         except Exception as error:
             sentence = _sentence(error)
             if job.at is None:
-                self.tell(Refused(job.number, (Problem(ROOT, "", sentence, ""),)))
+                self.tell(Refused(job.number, (Problem(ProblemCode.UNSORTED, ROOT, "", sentence, ""),)))
             else:
-                self.tell(FrameFailed(job.number, job.at, sentence))
+                self.tell(FrameFailed(job.number, job.at, problem(ProblemCode.UNSORTED, said=sentence)))
         self.tell(Finished(job.number, done, time.perf_counter() - begun, job.cancelled))
 
     def _run(self, job: Job) -> int:
@@ -92,7 +92,13 @@ class SolveJobs:
         program = up_to(self.compilation.compiled(job.procedure, job.settings, job.step).program, until)
         frames = self.frames(job, program)
         if frames.reason is not None and not frames.interrupted:
-            self.tell(FrameFailed(job.number, round(program.frames[len(frames.frames)].time), frames.reason))
+            self.tell(
+                FrameFailed(
+                    job.number,
+                    round(program.frames[len(frames.frames)].time),
+                    problem(ProblemCode.UNSORTED, said=frames.reason),
+                )
+            )
         return len(frames.frames)
 
     def frames(self, job: Job, program: Program) -> Frames:

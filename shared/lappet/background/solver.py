@@ -26,8 +26,8 @@ from lappet.background.plan import (
 from lappet.background.plan_key import plan_key
 from lappet.background.procedure_message import MessageError
 from lappet.background.worker_process import WorkerProcess
-from lappet.core.problem import Problem
-from lappet.core.refused import RefusedError
+from lappet.core.problem import Problem, RefusedError, problem
+from lappet.core.problem_code import ProblemCode
 from lappet.daemon.process import daemon_identity
 from lappet.procedure import Point, Procedure
 from lappet.program.settings import SolverSettings
@@ -277,9 +277,9 @@ class BackgroundSolver:
                 if job.cancelled:
                     pass
                 elif job.planned is None:
-                    self._tell(Refused(job.number, (Problem("/Procedure", "", sentence, ""),)))
+                    self._tell(Refused(job.number, (Problem(ProblemCode.UNSORTED, "/Procedure", "", sentence, ""),)))
                 else:
-                    self._tell(FrameFailed(job.number, _next_time(job), sentence))
+                    self._tell(FrameFailed(job.number, _next_time(job), problem(ProblemCode.UNSORTED, said=sentence)))
                 seconds = time.perf_counter() - job.begun
                 self._tell(Finished(job.number, len(job.done), seconds, job.cancelled))
                 del self._jobs[job.number]

@@ -23,6 +23,7 @@ from lappet.background.job import Job
 from lappet.background.plan import Finished, Happening, Refused
 from lappet.background.procedure_message import MessageError, pack, unpack
 from lappet.core.problem import Problem
+from lappet.core.problem_code import ProblemCode
 
 _PATIENCE = 3.0  # seconds for jobs to close their daemons when the owner is gone
 _NICENESS = 5  # so that the window stays lively while all cores solve
@@ -91,7 +92,7 @@ class Worker:
         except Exception as error:  # there is nobody to run it: no daemon, or parts that cannot be imported
             traceback.print_exception(error)
             with contextlib.suppress(_Gone):
-                self.tell(Refused(job.number, (Problem("/Procedure", "", str(error), ""),)))
+                self.tell(Refused(job.number, (Problem(ProblemCode.UNSORTED, "/Procedure", "", str(error), ""),)))
                 self.tell(Finished(job.number, 0, 0.0, job.cancelled))
         finally:
             with self._guard:

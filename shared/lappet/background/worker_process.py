@@ -17,7 +17,7 @@ from typing import Any, cast
 from lappet.background.frame_stream import read_frame, write_frame
 from lappet.background.interpreter import find_python, worker_environment
 from lappet.background.procedure_message import MessageError, pack, unpack
-from lappet.core.refused import RefusedError
+from lappet.core.problem import RefusedError
 
 _STDERR_LINES = 40
 _LAST_WORDS = 3

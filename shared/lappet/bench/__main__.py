@@ -17,7 +17,7 @@ from lappet.bench import kernels as kernel_suite
 from lappet.bench import scenes as scene_suite
 from lappet.bench import tables
 from lappet.bench.circumstances import circumstances, cores
-from lappet.core.refused import RefusedError
+from lappet.core.problem import RefusedError
 
 PARTS = ("kernels", "scenes", "sheets")
 # What the scenes need to know of the machine, when the kernels are not measured: its limits, in a second or two.

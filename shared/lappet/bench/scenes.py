@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lappet.bench.circumstances import cores
-from lappet.core.refused import RefusedError
+from lappet.core.problem import RefusedError
 from lappet.daemon.client import SolverClient
 from lappet.output.solve_procedure import solve_procedure
 from lappet.program.program import Program
@@ -160,7 +160,7 @@ def daemon_isa() -> str:
 def solve_scene(procedure: Path, spacing: float, folder: Path) -> SceneMeasure:
     """Solves every frame of a procedure file at `spacing` mm into `folder` and measures it.
 
-    Raises RefusedError or ProcedureError where the procedure cannot be solved at all.
+    Raises RefusedError or RefusedError where the procedure cannot be solved at all.
     """
 
     cache = folder / f"{procedure.stem}.usdc"

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lappet.core.problem import Problem
+from lappet.core.problem_code import ProblemCode
 from lappet.geometry.closest_point import ClosestPoint
 from lappet.geometry.solid import closed_solid, solid_surface
 from lappet.geometry.surface_check import place
@@ -43,4 +44,4 @@ def overlap_problems(
     where = place(np.round(corners[deepest], 3))
     sentence = f"The bone and the tissue share space at rest: they reach {depth:.3g} mm into each other at {where}."
     remedy = f"Move them apart; only {PUSHED_OUT * spacing:.3g} mm, half the lattice spacing, are pushed out."
-    return [Problem(path, f"{depth:.3g} mm", sentence, remedy)]
+    return [Problem(ProblemCode.UNSORTED, path, f"{depth:.3g} mm", sentence, remedy)]

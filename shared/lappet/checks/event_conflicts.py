@@ -11,6 +11,7 @@ import numpy as np
 
 from lappet.checks.event_problems import at, same_point
 from lappet.core.problem import Problem
+from lappet.core.problem_code import ProblemCode
 from lappet.procedure import Excision, Hook, Incision, Landmark, Procedure, Retractor, Suture
 from lappet.procedure.prim_paths import TIMELINE
 
@@ -36,7 +37,9 @@ def _hooks(procedure: Procedure) -> list[Problem]:
             time = max(first.start, second.start)
             sentence = f"It holds {at(second.anchor)} at time {time:g}, where {first.name} holds the same point."
             remedy = f"Release {first.name} before {second.start:g}, or move one of the two."
-            problems.append(Problem(f"{TIMELINE}/{second.name}", at(second.anchor), sentence, remedy))
+            problems.append(
+                Problem(ProblemCode.UNSORTED, f"{TIMELINE}/{second.name}", at(second.anchor), sentence, remedy)
+            )
     return problems
 
 
@@ -51,7 +54,7 @@ def _grips(procedure: Procedure) -> list[Problem]:
             remedy = f"Take them out of the subset {event.grip!r} or out of 'fixed'."
             if event.grip == "fixed":
                 remedy = "Grip another subset; fixed faces stay where they are."
-            problems.append(Problem(f"{TIMELINE}/{event.name}", event.grip, sentence, remedy))
+            problems.append(Problem(ProblemCode.UNSORTED, f"{TIMELINE}/{event.name}", event.grip, sentence, remedy))
     for first, second in combinations(retractors, 2):
         both = np.intersect1d(subsets[first.grip], subsets[second.grip])
         if len(both) and _together(first, second):
@@ -59,7 +62,7 @@ def _grips(procedure: Procedure) -> list[Problem]:
                 f"It grips {len(both)} faces that {first.name} grips at the same time, face {both[0]} among them."
             )
             remedy = f"Release {first.name} before {second.start:g}, or grip other faces."
-            problems.append(Problem(f"{TIMELINE}/{second.name}", second.grip, sentence, remedy))
+            problems.append(Problem(ProblemCode.UNSORTED, f"{TIMELINE}/{second.name}", second.grip, sentence, remedy))
     return problems
 
 
@@ -70,7 +73,9 @@ def _excisions(procedure: Procedure) -> list[Problem]:
         if isinstance(event, Excision) and not any(time <= event.time for time in cuts):
             sentence = f"No incision is made by time {event.time:g}, so it would discard all tissue."
             remedy = "Cut around the piece first, or excise later."
-            problems.append(Problem(f"{TIMELINE}/{event.name}", f"{event.time:g}", sentence, remedy))
+            problems.append(
+                Problem(ProblemCode.UNSORTED, f"{TIMELINE}/{event.name}", f"{event.time:g}", sentence, remedy)
+            )
     return problems
 
 
@@ -87,7 +92,13 @@ def _sutures(procedure: Procedure) -> list[Problem]:
         for first, second in combinations(group, 2):
             if _same_anchors(first.anchors, second.anchors, near):
                 sentence = f"It joins the same two points as {first.name}."
-                problem = Problem(f"{TIMELINE}/{second.name}", at(second.anchors[0]), sentence, "Remove one of them.")
+                problem = Problem(
+                    ProblemCode.UNSORTED,
+                    f"{TIMELINE}/{second.name}",
+                    at(second.anchors[0]),
+                    sentence,
+                    "Remove one of them.",
+                )
                 problems.append(problem)
     return problems
 
@@ -97,6 +108,7 @@ def _labels(procedure: Procedure) -> list[Problem]:
     uses = Counter(event.label for event in marks if event.label)
     return [
         Problem(
+            ProblemCode.UNSORTED,
             f"{TIMELINE}/{event.name}",
             event.label,
             f"The label {event.label!r} names {uses[event.label]} landmarks.",

@@ -9,6 +9,7 @@ from itertools import pairwise
 import numpy as np
 
 from lappet.core.problem import Problem, Severity
+from lappet.core.problem_code import ProblemCode
 from lappet.geometry.curve import CurveError, sample_curve
 from lappet.geometry.rigid_motion import RigidMotion
 from lappet.procedure import Event, Excision, Hook, Incision, Landmark, Point, Procedure, Retractor, Suture, Undermine
@@ -67,7 +68,7 @@ class EventCheck:
                     self._on_tissue("point", event.points)
 
     def _add(self, value: object, sentence: str, remedy: str, severity: Severity = "error") -> None:
-        self.problems.append(Problem(self._path, str(value), sentence, remedy, severity))
+        self.problems.append(Problem(ProblemCode.UNSORTED, self._path, str(value), sentence, remedy, severity))
 
     def _finite(self, name: str, value: float) -> bool:
         if math.isfinite(value):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 from lappet.core.problem import Problem
+from lappet.core.problem_code import ProblemCode
 from lappet.procedure import MODELS, Material, Procedure
 from lappet.procedure.prim_paths import MATERIALS, TISSUE
 from lappet.tissue.surface import LABELS, skin_faces
@@ -19,7 +20,7 @@ def material_problems(material: Material, path: str) -> list[Problem]:
     problems: list[Problem] = []
 
     def add(value: object, sentence: str, remedy: str) -> None:
-        problems.append(Problem(path, str(value), sentence, remedy))
+        problems.append(Problem(ProblemCode.UNSORTED, path, str(value), sentence, remedy))
 
     def number(name: str, value: float, allowed: bool, remedy: str, unit: str = "") -> None:
         if not (math.isfinite(value) and allowed):
@@ -67,7 +68,7 @@ def material_problems(material: Material, path: str) -> list[Problem]:
     if stress == 0.0 and any(value > 0.0 for _, value in material.muscle_activation):
         sentence = "The muscle activation has no effect: the muscle stress is 0 kPa."
         remedy = "Set lappet:muscleStress, or remove lappet:muscleActivation."
-        problems.append(Problem(path, "0", sentence, remedy, "warning"))
+        problems.append(Problem(ProblemCode.UNSORTED, path, "0", sentence, remedy, "warning"))
     density = material.density
     number("The density", density, density > 0.0, "Give a density above 0; skin has about 1100.", " kg/m³")
     return problems
@@ -85,7 +86,7 @@ def region_problems(procedure: Procedure) -> list[Problem]:
         path = f"{TISSUE}/{region.faces}"
 
         def add(value: object, sentence: str, remedy: str, path: str = path) -> None:
-            problems.append(Problem(path, str(value), sentence, remedy))
+            problems.append(Problem(ProblemCode.UNSORTED, path, str(value), sentence, remedy))
 
         if region.material not in known:
             sentence = f"The region is made of {region.material!r}, which no material is named."
@@ -108,7 +109,13 @@ def region_problems(procedure: Procedure) -> list[Problem]:
     if len(models) > 1:
         sentence = f"The materials of the tissue are of the models {', '.join(models)}."
         problems.append(
-            Problem(TISSUE, ", ".join(models), sentence, "Give all materials in use the same lappet:model.")
+            Problem(
+                ProblemCode.UNSORTED,
+                TISSUE,
+                ", ".join(models),
+                sentence,
+                "Give all materials in use the same lappet:model.",
+            )
         )
     for what, count, most in (
         ("regions", len(tissue.regions), MOST_REGIONS),
@@ -116,7 +123,7 @@ def region_problems(procedure: Procedure) -> list[Problem]:
     ):
         if count > most:
             sentence = f"The tissue has {count} {what}."
-            problems.append(Problem(TISSUE, str(count), sentence, f"Use at most {most}."))
+            problems.append(Problem(ProblemCode.UNSORTED, TISSUE, str(count), sentence, f"Use at most {most}."))
     return problems
 
 

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lappet.core.problem import Problem
+from lappet.core.problem_code import ProblemCode
 from lappet.geometry.surface_check import first_intersection, place, signed_volume, unique_edges
 from lappet.geometry.triangulation import triangulate
 from lappet.procedure import Bone, Tissue
@@ -42,7 +43,11 @@ def mesh_problems(mesh: Tissue | Bone, path: str) -> MeshReport:
         if pair is not None:
             where = place(mesh.points[triangles[list(pair)]].mean(axis=(0, 1)))
             sentence = f"The surface passes through itself near {where}."
-            problems.append(Problem(path, where, sentence, "Move these parts of the mesh away from each other."))
+            problems.append(
+                Problem(
+                    ProblemCode.UNSORTED, path, where, sentence, "Move these parts of the mesh away from each other."
+                )
+            )
     return MeshReport(problems, True, triangles)
 
 
@@ -51,7 +56,7 @@ def _unreadable(mesh: Tissue | Bone, path: str) -> list[Problem]:
     problems = []
 
     def add(value: object, sentence: str, remedy: str) -> None:
-        problems.append(Problem(path, str(value), sentence, remedy))
+        problems.append(Problem(ProblemCode.UNSORTED, path, str(value), sentence, remedy))
 
     if len(points) == 0 or len(counts) == 0:
         add("empty", f"The mesh has {len(points)} points and {len(counts)} faces.", "Give it points and faces.")
@@ -86,7 +91,7 @@ def _edge_problems(mesh: Tissue | Bone, path: str) -> list[Problem]:
 
     def add(which: NDArray[np.intp], sentence: str, remedy: str) -> None:
         where = place(mesh.points[pairs[which[0]]].mean(axis=0))
-        problems.append(Problem(path, where, sentence.format(n=len(which), where=where), remedy))
+        problems.append(Problem(ProblemCode.UNSORTED, path, where, sentence.format(n=len(which), where=where), remedy))
 
     pairs, inverse, uses = unique_edges(edges)
     lone = np.flatnonzero(uses == 1)
@@ -115,8 +120,17 @@ def _volume_problems(mesh: Tissue | Bone, triangles: NDArray[np.int32], path: st
     volume = signed_volume(mesh.points, triangles)
     if not abs(volume) > 1e-12 * float(np.ptp(mesh.points, axis=0).max()) ** 3:
         sentence = f"The surface encloses no volume ({volume:.3g} mm³)."
-        return [Problem(path, f"{volume:.3g}", sentence, "Give the mesh a thickness.")]
+        return [Problem(ProblemCode.UNSORTED, path, f"{volume:.3g}", sentence, "Give the mesh a thickness.")]
     if volume < 0.0:
         sentence = f"The surface is inside out (its volume is {volume:.4g} mm³) and is turned for solving."
-        return [Problem(path, f"{volume:.4g}", sentence, "Flip the normals to be rid of this warning.", "warning")]
+        return [
+            Problem(
+                ProblemCode.UNSORTED,
+                path,
+                f"{volume:.4g}",
+                sentence,
+                "Flip the normals to be rid of this warning.",
+                "warning",
+            )
+        ]
     return []

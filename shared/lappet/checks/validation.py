@@ -14,6 +14,7 @@ from lappet.checks.lattice_size import TissueMeasure
 from lappet.checks.material_problems import material_problems, region_problems
 from lappet.checks.mesh_problems import MeshReport, mesh_problems
 from lappet.core.problem import Problem
+from lappet.core.problem_code import ProblemCode
 from lappet.procedure import Procedure, Retractor
 from lappet.procedure.prim_names import name_problems
 from lappet.procedure.prim_paths import BONE, MATERIALS, ROOT, TIMELINE, TISSUE
@@ -61,15 +62,15 @@ def check_file(
 ) -> list[Problem]:
     """Every problem of a procedure file: those of reading it and those of `check`, together.
 
-    notes: gets a sentence for everything that was converted or left aside while reading. Raises ProcedureError only
+    notes: gets a sentence for everything that was converted or left aside while reading. Raises RefusedError only
     where the file cannot be opened as USD. A prim that could not be read is not judged a second time.
     """
 
     procedure, unread = read_what_can_be(path, notes)
     if procedure is None:
         return unread
-    known = {problem.path for problem in unread}
-    return unread + [problem for problem in check(procedure, memory_budget) if problem.path not in known]
+    known = {problem.prim for problem in unread}
+    return unread + [problem for problem in check(procedure, memory_budget) if problem.prim not in known]
 
 
 def _is_solid(report: MeshReport) -> bool:
@@ -81,18 +82,24 @@ def _timeline(procedure: Procedure) -> list[Problem]:
     problems = []
     if not (math.isfinite(start) and math.isfinite(end)):
         sentence = f"The timeline runs from {start:g} to {end:g}."
-        problems.append(Problem(ROOT, f"{start:g} to {end:g}", sentence, "Give finite start and end time codes."))
+        problems.append(
+            Problem(
+                ProblemCode.UNSORTED, ROOT, f"{start:g} to {end:g}", sentence, "Give finite start and end time codes."
+            )
+        )
     elif math.floor(end) < math.ceil(start):
         sentence = f"The timeline from {start:g} to {end:g} holds no frame."
         remedy = "Set endTimeCode to startTimeCode or later; frames are the whole time codes between them."
-        problems.append(Problem(ROOT, f"{start:g} to {end:g}", sentence, remedy))
+        problems.append(Problem(ProblemCode.UNSORTED, ROOT, f"{start:g} to {end:g}", sentence, remedy))
     elif end - start >= MOST_FRAMES:
         sentence = f"The timeline from {start:g} to {end:g} holds {end - start + 1:.3g} frames."
         remedy = f"Keep it below {MOST_FRAMES} frames; frames are the whole time codes."
-        problems.append(Problem(ROOT, f"{start:g} to {end:g}", sentence, remedy))
+        problems.append(Problem(ProblemCode.UNSORTED, ROOT, f"{start:g} to {end:g}", sentence, remedy))
     if not (math.isfinite(fps) and fps > 0.0):
         sentence = f"There are {fps:g} time codes per second."
-        problems.append(Problem(ROOT, f"{fps:g}", sentence, "Set timeCodesPerSecond above 0; 24 is usual."))
+        problems.append(
+            Problem(ProblemCode.UNSORTED, ROOT, f"{fps:g}", sentence, "Set timeCodesPerSecond above 0; 24 is usual.")
+        )
     return problems
 
 
@@ -101,7 +108,7 @@ def _tissue(procedure: Procedure, spacing: float) -> list[Problem]:
     problems = []
 
     def add(value: object, sentence: str, remedy: str, path: str = TISSUE) -> None:
-        problems.append(Problem(path, str(value), sentence, remedy))
+        problems.append(Problem(ProblemCode.UNSORTED, path, str(value), sentence, remedy))
 
     if tissue.material not in {material.name for material in procedure.materials}:
         known = ", ".join(material.name for material in procedure.materials) or "none"
@@ -135,7 +142,7 @@ def _tissue(procedure: Procedure, spacing: float) -> list[Problem]:
     if not held and not any(isinstance(event, Retractor) for event in procedure.events):
         sentence = "Nothing holds the tissue: no face is fixed or on the bed, and no retractor grips it."
         remedy = "Put faces into the subset fixed or bed."
-        problems.append(Problem(TISSUE, "no fixed faces", sentence, remedy, "warning"))
+        problems.append(Problem(ProblemCode.UNSORTED, TISSUE, "no fixed faces", sentence, remedy, "warning"))
     return problems
 
 
@@ -150,10 +157,14 @@ def _lattice(measure: TissueMeasure, spacing: float, memory_budget: float) -> li
             f"A lattice of {spacing:g} mm would have about {lattice.cells:.2g} cells and take "
             f"{lattice.bytes / 2**30:.3g} GiB, more than the memory budget of {memory_budget / 2**30:.3g} GiB."
         )
-        problems.append(Problem(TISSUE, f"{spacing:g} mm", sentence, f"Use a spacing of at least {least:g} mm."))
+        problems.append(
+            Problem(
+                ProblemCode.UNSORTED, TISSUE, f"{spacing:g} mm", sentence, f"Use a spacing of at least {least:g} mm."
+            )
+        )
     thickness = float(measure.size.min())
     if spacing > thickness > 0.0:
         sentence = f"The lattice spacing of {spacing:g} mm is larger than the tissue is thick ({thickness:.3g} mm)."
         remedy = f"Use a spacing of {thickness:.3g} mm or less."
-        problems.append(Problem(TISSUE, f"{spacing:g} mm", sentence, remedy, "warning"))
+        problems.append(Problem(ProblemCode.UNSORTED, TISSUE, f"{spacing:g} mm", sentence, remedy, "warning"))
     return problems

@@ -38,7 +38,7 @@ def run_to_target(
 
     Raises RefusedError where the target is not reached.
     """
-    from lappet.core.refused import RefusedError
+    from lappet.core.problem import RefusedError
     from lappet.daemon.daemon_solver import connect_to, solver_identity
     from lappet.solve.error_estimate import expected_order
     from lappet.solve.store import FrameStore

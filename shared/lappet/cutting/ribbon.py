@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from lappet.core.refused import RefusedError
+from lappet.core.problem import RefusedError
 from lappet.geometry.curve import CurveError, sample_curve
 from lappet.geometry.surface_check import place
 from lappet.procedure import Basis, Point

@@ -16,7 +16,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import IO, Self
 
-from lappet.core.refused import RefusedError
+from lappet.core.problem import RefusedError
 from lappet.core.version import version
 from lappet.daemon.frame_solver import SolverDiedError
 

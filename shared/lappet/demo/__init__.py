@@ -7,7 +7,7 @@ import json
 from collections.abc import Callable
 from pathlib import Path
 
-from lappet.core.refused import RefusedError
+from lappet.core.problem import RefusedError
 from lappet.core.version import version
 
 SPACING = 4.0 / 3.0  # mm: three cells through the skin, a few seconds a step

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from lappet.core.refused import RefusedError
+from lappet.core.problem import RefusedError
 from lappet.designs.design_frame import placed_on, skin_frame
 from lappet.procedure import Point
 from lappet.tissue.placement import Place

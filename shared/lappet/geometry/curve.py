@@ -11,7 +11,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from lappet.core.refused import RefusedError
+from lappet.core.problem import RefusedError
 from lappet.procedure import Basis
 
 _SIXTH = 1.0 / 6.0

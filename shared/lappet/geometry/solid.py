@@ -8,7 +8,7 @@ import manifold3d
 import numpy as np
 from numpy.typing import NDArray
 
-from lappet.core.refused import RefusedError
+from lappet.core.problem import RefusedError
 from lappet.geometry.labelled_surface import FaceOrigin, Surface
 from lappet.geometry.surface_check import SurfaceError, signed_volume
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from lappet.core.refused import RefusedError
+from lappet.core.problem import RefusedError
 from lappet.cutting.epoch import Epoch
 from lappet.daemon.daemon_solver import connect_to
 from lappet.daemon.frame_solver import Connect
@@ -30,7 +30,7 @@ def inspect_procedure(
 
     spacing: mm (the tissue's when None). lattice: ask the daemon for the counts of every epoch's lattice; where it
     cannot be had a note says why. economy: the file of `lappet report economy` that costs are taken from. Raises
-    ProcedureError and RefusedError for a procedure that cannot be read or compiled, or a file that is no such report.
+    RefusedError and RefusedError for a procedure that cannot be read or compiled, or a file that is no such report.
     """
     notes: list[str] = []
     procedure = read_procedure(path, notes)

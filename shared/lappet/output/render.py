@@ -14,7 +14,7 @@ import tempfile
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from lappet.core.refused import RefusedError
+from lappet.core.problem import RefusedError
 
 PYTHON_VARIABLE = "LAPPET_BLENDER_PYTHON"
 ANIMATIONS = ("none", "png", "mp4")

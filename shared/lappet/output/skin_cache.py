@@ -44,7 +44,7 @@ def write_skin_cache(
     """Writes the skin cache of consecutive frames, atomically.
 
     output: .usdc, .usda or .usd; its folder is made. procedure_path: the file that it goes over, referred to by a path
-    relative to `output`. Raises ProcedureError for another suffix, OSError where the file system refuses.
+    relative to `output`. Raises RefusedError for another suffix, OSError where the file system refuses.
     """
     output = Path(output)
     output.parent.mkdir(parents=True, exist_ok=True)

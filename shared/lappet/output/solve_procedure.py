@@ -8,8 +8,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from lappet.checks.validation import check
-from lappet.core.problem import ProcedureError
-from lappet.core.refused import RefusedError
+from lappet.core.problem import RefusedError
 from lappet.daemon.daemon_solver import connect_to, solver_identity
 from lappet.daemon.frame_solver import Connect, Iteration
 from lappet.output.skin_cache import write_skin_cache
@@ -80,7 +79,7 @@ def solve_procedure(
     large the error is (`lappet.solve.error_estimate`).
 
     A frame that does not converge, a daemon that cannot be kept alive and Ctrl-C end the solve early and keep what is
-    done: see `SolveResult.reason`. Raises RefusedError or ProcedureError with a sentence for what cannot be solved at
+    done: see `SolveResult.reason`. Raises RefusedError or RefusedError with a sentence for what cannot be solved at
     all.
     """
     started = time.perf_counter()
@@ -154,7 +153,7 @@ def _read(source: Path | str | Procedure, output: Path) -> tuple[Procedure, Path
 def _check(procedure: Procedure, settings: SolverSettings) -> None:
     errors = [problem for problem in check(procedure, spacing=settings.spacing or None) if problem.severity == "error"]
     if errors:
-        raise ProcedureError(errors)
+        raise RefusedError(errors)
 
 
 def _range(procedure: Procedure, frames: tuple[int | None, int | None]) -> tuple[int, int]:

@@ -10,7 +10,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any, Protocol
 
-from lappet.core.problem import Problem, ProcedureError
+from lappet.core.problem import Problem, RefusedError
+from lappet.core.problem_code import ProblemCode
 from lappet.procedure.events import Event, Excision, Hook, Incision, Landmark, Retractor, Suture, Undermine
 from lappet.procedure.prim_paths import BONE, MATERIALS, ROOT, TIMELINE, TISSUE
 from lappet.procedure.procedure import Procedure
@@ -18,7 +19,7 @@ from lappet.procedure.tissue import Bone, Material, Region, Tissue
 
 
 class Command(Protocol):
-    """An edit. `label` is what an undo menu shows; `apply` raises ProcedureError where the edit makes no sense."""
+    """An edit. `label` is what an undo menu shows; `apply` raises RefusedError where the edit makes no sense."""
 
     @property
     def label(self) -> str: ...
@@ -184,12 +185,14 @@ class RemoveMaterial:
         if procedure.tissue.material == self.name:
             sentence = f"The tissue is made of {self.name!r}."
             remedy = "Give the tissue another material first."
-            raise ProcedureError([Problem(f"{MATERIALS}/{self.name}", self.name, sentence, remedy)])
+            raise RefusedError([Problem(ProblemCode.UNSORTED, f"{MATERIALS}/{self.name}", self.name, sentence, remedy)])
         for region in procedure.tissue.regions:
             if region.material == self.name:
                 sentence = f"The region {region.faces!r} is made of {self.name!r}."
                 remedy = "Give the region another material first, or remove it."
-                raise ProcedureError([Problem(f"{MATERIALS}/{self.name}", self.name, sentence, remedy)])
+                raise RefusedError(
+                    [Problem(ProblemCode.UNSORTED, f"{MATERIALS}/{self.name}", self.name, sentence, remedy)]
+                )
         return replace(procedure, materials=_without(procedure.materials, self.name, MATERIALS))
 
 
@@ -209,7 +212,9 @@ class SetRegion:
             known = ", ".join(tissue.subsets) or "none"
             sentence = f"The tissue has no face subset {self.region.faces!r}."
             remedy = f"Add it first; there are: {known}."
-            raise ProcedureError([Problem(f"{TISSUE}/{self.region.faces}", self.region.faces, sentence, remedy)])
+            raise RefusedError(
+                [Problem(ProblemCode.UNSORTED, f"{TISSUE}/{self.region.faces}", self.region.faces, sentence, remedy)]
+            )
         others = tuple(region for region in tissue.regions if region.faces != self.region.faces)
         return replace(procedure, tissue=replace(tissue, regions=(*others, self.region)))
 
@@ -230,7 +235,9 @@ class RemoveRegion:
         if len(others) == len(tissue.regions):
             known = ", ".join(region.faces for region in tissue.regions) or "none"
             sentence = f"The face subset {self.faces!r} has no region."
-            raise ProcedureError([Problem(f"{TISSUE}/{self.faces}", self.faces, sentence, f"There are: {known}.")])
+            raise RefusedError(
+                [Problem(ProblemCode.UNSORTED, f"{TISSUE}/{self.faces}", self.faces, sentence, f"There are: {known}.")]
+            )
         return replace(procedure, tissue=replace(tissue, regions=others))
 
 
@@ -289,7 +296,9 @@ class SetTimeline:
         if not after.start_time <= after.end_time:
             span = f"{after.start_time:g} to {after.end_time:g}"
             remedy = "Let it end at its start or later."
-            raise ProcedureError([Problem(ROOT, span, f"The timeline would run from {span}.", remedy)])
+            raise RefusedError(
+                [Problem(ProblemCode.UNSORTED, ROOT, span, f"The timeline would run from {span}.", remedy)]
+            )
         return after
 
 
@@ -318,7 +327,7 @@ class Edit:
 
 
 def retimed(event: Event, shift: float) -> Event:
-    """The event `shift` time codes later, its samples too. Raises ProcedureError for a landmark."""
+    """The event `shift` time codes later, its samples too. Raises RefusedError for a landmark."""
     match event:
         case Incision() | Excision() | Undermine():
             return replace(event, time=event.time + shift)
@@ -332,7 +341,13 @@ def retimed(event: Event, shift: float) -> Event:
             return replace(event, start=event.start + shift)
         case Landmark():
             sentence = f"The landmark {event.name} has no time to move."
-            raise ProcedureError([Problem(f"{TIMELINE}/{event.name}", "landmark", sentence, "Retime another event.")])
+            raise RefusedError(
+                [
+                    Problem(
+                        ProblemCode.UNSORTED, f"{TIMELINE}/{event.name}", "landmark", sentence, "Retime another event."
+                    )
+                ]
+            )
 
 
 def _find(things: tuple[Any, ...], name: str, place: str) -> int:
@@ -341,13 +356,13 @@ def _find(things: tuple[Any, ...], name: str, place: str) -> int:
             return i
     known = ", ".join(thing.name for thing in things) or "nothing"
     sentence = f"Nothing there is named {name!r}."
-    raise ProcedureError([Problem(f"{place}/{name}", name, sentence, f"There is {known}.")])
+    raise RefusedError([Problem(ProblemCode.UNSORTED, f"{place}/{name}", name, sentence, f"There is {known}.")])
 
 
 def _refuse_taken(things: tuple[Any, ...], name: str, place: str) -> None:
     if any(thing.name == name for thing in things):
         sentence = f"The name {name!r} is taken."
-        raise ProcedureError([Problem(f"{place}/{name}", name, sentence, "Choose another name.")])
+        raise RefusedError([Problem(ProblemCode.UNSORTED, f"{place}/{name}", name, sentence, "Choose another name.")])
 
 
 def _without(things: tuple[Any, ...], name: str, place: str) -> tuple[Any, ...]:

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from lappet.core.refused import RefusedError
+from lappet.core.problem import RefusedError
 from lappet.procedure.events import Event, Excision, Hook, Incision, Landmark, Retractor, Suture, Undermine
 from lappet.procedure.tissue import Material
 

@@ -6,6 +6,7 @@ import os
 
 from lappet.checks.validation import check_file
 from lappet.core.problem import Problem
+from lappet.core.problem_code import ProblemCode
 from lappet.program.compile import compile_program
 from lappet.usd.stage import read_procedure
 
@@ -14,7 +15,7 @@ def full_check(path: str | os.PathLike[str], notes: list[str] | None = None) -> 
     """Every problem of a procedure file; where there is no error, the cuts are made and the program is compiled too.
 
     notes: gets a sentence for everything that was converted while reading, or that the solve leaves out. Raises
-    ProcedureError only where the file cannot be opened as USD.
+    RefusedError only where the file cannot be opened as USD.
     """
     notes = [] if notes is None else notes
     problems = check_file(path, notes)
@@ -29,5 +30,5 @@ def full_check(path: str | os.PathLike[str], notes: list[str] | None = None) -> 
         if not prim.startswith("/"):
             prim, sentence = str(path), str(error)
         # The sentence of what is refused already ends with its remedy.
-        problems.append(Problem(prim, "", sentence, ""))
+        problems.append(Problem(ProblemCode.UNSORTED, prim, "", sentence, ""))
     return problems

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from lappet.core.refused import RefusedError
+from lappet.core.problem import RefusedError
 from lappet.cutting.epoch import Regions
 from lappet.geometry.labelled_surface import FaceOrigin
 from lappet.procedure import Material, Procedure

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from lappet.core.refused import RefusedError
+from lappet.core.problem import RefusedError
 
 
 class ReportError(RefusedError):

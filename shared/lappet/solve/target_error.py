@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
-from lappet.core.refused import RefusedError
+from lappet.core.problem import RefusedError
 from lappet.daemon.frame_solver import Connect
 from lappet.procedure import Procedure
 from lappet.program.compile import DEFAULT, compile_program

@@ -11,7 +11,7 @@ from typing import Any, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from lappet.core.problem import Problem, ProcedureError
+from lappet.core.problem import Problem, RefusedError
 from lappet.procedure import (
     Basis,
     Bone,
@@ -49,11 +49,11 @@ PRIM_TYPES = {
 def read(stage: Any, usd: Any, notes: list[str]) -> Procedure:
     """The procedure on an open stage; `notes` gets a sentence for what was converted or left aside.
 
-    Raises ProcedureError with every problem that kept something from being read.
+    Raises RefusedError with every problem that kept something from being read.
     """
     procedure, problems = read_what_can_be(stage, usd, notes)
     if procedure is None or problems:
-        raise ProcedureError(problems)
+        raise RefusedError(problems)
     return procedure
 
 

@@ -14,7 +14,8 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
-from lappet.core.problem import Problem, ProcedureError
+from lappet.core.problem import Problem, RefusedError
+from lappet.core.problem_code import ProblemCode
 from lappet.procedure import Procedure
 from lappet.usd import reader as usd_reader
 from lappet.usd import writer as usd_writer
@@ -59,7 +60,7 @@ def pxr() -> Pxr:
 def open_stage(path: str | os.PathLike[str]) -> Any:
     """The stage in a file, as it is on disk now.
 
-    Raises ProcedureError where the file is missing, cannot be read as USD, or refers to files that are missing.
+    Raises RefusedError where the file is missing, cannot be read as USD, or refers to files that are missing.
     """
     file = Path(path)
     if not file.exists():
@@ -89,9 +90,15 @@ def open_stage(path: str | os.PathLike[str]) -> Any:
     errors = [str(error) for error in stage.GetCompositionErrors()]
     if errors:
         remedy = "Put the missing file back, or remove what refers to it."
-        raise ProcedureError(
+        raise RefusedError(
             [
-                Problem(str(file), "composition", f"The file {file} does not compose: {_one_line(error)}.", remedy)
+                Problem(
+                    ProblemCode.UNSORTED,
+                    str(file),
+                    "composition",
+                    f"The file {file} does not compose: {_one_line(error)}.",
+                    remedy,
+                )
                 for error in errors
             ]
         )
@@ -101,7 +108,7 @@ def open_stage(path: str | os.PathLike[str]) -> Any:
 def save_layer(layer: Any, path: str | os.PathLike[str]) -> None:
     """Writes a layer to a file atomically: whoever reads the file sees the old content or the new, never a part.
 
-    The suffix (.usda, .usdc or .usd) chooses the format. Raises ProcedureError for another suffix or a missing folder,
+    The suffix (.usda, .usdc or .usd) chooses the format. Raises RefusedError for another suffix or a missing folder,
     OSError where the file system refuses.
     """
     file = Path(path).resolve()
@@ -130,7 +137,7 @@ def save_layer(layer: Any, path: str | os.PathLike[str]) -> None:
 def read_procedure(path: str | os.PathLike[str], notes: list[str] | None = None) -> Procedure:
     """The procedure in a USD file, in mm and Z up whatever the stage's own units and axes.
 
-    notes: gets a sentence for everything that was converted or left aside. Raises ProcedureError with every problem
+    notes: gets a sentence for everything that was converted or left aside. Raises RefusedError with every problem
     that kept the file from being read; what was read may still be wrong, see `lappet.checks.validation.check`.
     """
     stage = open_stage(path)
@@ -143,7 +150,7 @@ def read_what_can_be(
     """The procedure in a USD file as far as it can be read, and every problem that kept something from being read.
 
     Where `read_procedure` raises, this goes on, so that `lappet check` can name everything at once; only a file that
-    cannot be opened raises ProcedureError. Without a tissue there is no procedure.
+    cannot be opened raises RefusedError. Without a tissue there is no procedure.
     """
     stage = open_stage(path)
     return usd_reader.read_what_can_be(stage, pxr(), notes if notes is not None else [])
@@ -153,14 +160,14 @@ def write_procedure(procedure: Procedure, path: str | os.PathLike[str]) -> None:
     """Writes a procedure to a .usda or .usdc file, atomically.
 
     Reading it back gives an equal procedure. The file is replaced: prims and attributes of other tools are not kept, so
-    put cameras and lights into a layer of their own that has this file as a sublayer. Raises ProcedureError where a
+    put cameras and lights into a layer of their own that has this file as a sublayer. Raises RefusedError where a
     name cannot be the name of a prim or is used twice.
     """
     save_layer(usd_writer.layer(procedure, pxr()), path)
 
 
-def _refused(file: Path, value: str, sentence: str, remedy: str) -> ProcedureError:
-    return ProcedureError([Problem(str(file), value, sentence, remedy)])
+def _refused(file: Path, value: str, sentence: str, remedy: str) -> RefusedError:
+    return RefusedError([Problem(ProblemCode.UNSORTED, str(file), value, sentence, remedy)])
 
 
 def _one_line(text: object) -> str:

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lappet.core.problem import Problem
+from lappet.core.problem_code import ProblemCode
 
 
 class Reader:
@@ -28,7 +29,7 @@ class Reader:
 
     def problem(self, path: object, value: object, sentence: str, remedy: str) -> None:
         """Adds an error."""
-        self.problems.append(Problem(str(path), str(value), sentence, remedy))
+        self.problems.append(Problem(ProblemCode.UNSORTED, str(path), str(value), sentence, remedy))
 
     def number(self, prim: Any, name: str, default: float | None = None) -> float:
         """A number or time code; without a default it must be authored. NaN where it could not be read."""

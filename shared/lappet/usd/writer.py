@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from lappet.core.problem import ProcedureError
+from lappet.core.problem import RefusedError
 from lappet.procedure import (
     Bone,
     Event,
@@ -36,11 +36,11 @@ LINE_WIDTH = 0.4  # mm, how thick other viewers draw curves and points
 def layer(procedure: Procedure, usd: Any) -> Any:
     """An anonymous layer that holds the procedure.
 
-    Raises ProcedureError where a name cannot be the name of a prim or is used twice.
+    Raises RefusedError where a name cannot be the name of a prim or is used twice.
     """
     problems = name_problems(procedure)
     if problems:
-        raise ProcedureError(problems)
+        raise RefusedError(problems)
     fresh = usd.Sdf.Layer.CreateAnonymous(".usda")  # the layer outlives the stage
     stage = usd.Usd.Stage.Open(fresh)
     stage.SetMetadata("metersPerUnit", 0.001)

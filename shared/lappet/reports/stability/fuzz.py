@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from lappet.bench.circumstances import cores
-from lappet.core.refused import RefusedError
+from lappet.core.problem import RefusedError
 from lappet.daemon.daemon_solver import DaemonSolver
 from lappet.daemon.frame_solver import FrameSolver
 from lappet.daemon.process import SolverDaemon, find_daemon

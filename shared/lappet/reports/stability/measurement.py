@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from lappet.core.refused import RefusedError
+from lappet.core.problem import RefusedError
 from lappet.daemon.client import FrameSolution, SolverClient, SolverState
 from lappet.daemon.frame_solver import Iteration, SolverDiedError
 from lappet.daemon.process import SolverDaemon

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lappet.checks.validation import check
-from lappet.core.problem import ProcedureError
+from lappet.core.problem import RefusedError
 from lappet.cutting.epoch import Epoch, Regions
 from lappet.procedure import Event, Material, Procedure, Tissue
 from lappet.program.anchors import AnchorTie
@@ -134,11 +134,11 @@ def procedure(tissue: Tissue, *events: Event, end: float = 3.0, **more: Any) -> 
 
 
 def compiled(made: Procedure, **settings: Any) -> Program:
-    """The program of a procedure. Raises ProcedureError, RefusedError as `lappet solve` does."""
+    """The program of a procedure. Raises RefusedError, RefusedError as `lappet solve` does."""
 
     errors = [problem for problem in check(made) if problem.severity == "error"]
     if errors:
-        raise ProcedureError(errors)
+        raise RefusedError(errors)
     return compile_program(made, settings=SolverSettings(**settings))
 
 
