@@ -10,13 +10,13 @@ import numpy as np
 import pytest
 
 from fake_worker import make_plan
-from lappet.background.plan import ShownFrame
 from lappet.background.plan_store import put_plan
 from lappet.core.problem import Problem
 from lappet.core.problem_code import ProblemCode
+from lappet.daemon.solved_frame import SolvedFrame, SolverState
 from lappet.procedure import Incision, Procedure
 from lappet.program.settings import SolverSettings
-from lappet.solve.store import FrameStore, StoredFrame
+from lappet.solve.store import FrameStore
 from lappet.tissue.patch import flat_patch
 from lappet_blender.model.duration_words import in_words
 from lappet_blender.solving.carry_over import CarryOver
@@ -32,8 +32,8 @@ def key(number: int) -> str:
     return f"{number:064x}"
 
 
-def frame(points: int = 100) -> ShownFrame:
-    return ShownFrame(np.zeros((points, 3), np.float32))
+def frame(points: int = 100) -> SolvedFrame:
+    return SolvedFrame(0.0, np.zeros((points, 3), np.float32))
 
 
 @pytest.fixture
@@ -68,10 +68,11 @@ def test_a_frame_comes_from_the_store_where_memory_has_it_not(store: FrameStore)
     shelf = Shelf()
     assert shelf.get(key(1), store) is None
     points = np.arange(12, dtype=np.float32).reshape(4, 3)
-    store.put(key(1), StoredFrame({"newton": 3}, {"points": points, "nodes": np.zeros((2, 3), np.float32)}))
+    state = SolverState("float", np.zeros((2, 3), np.float32), *(np.zeros((0, 3)),) * 2, *(np.zeros(0),) * 2)
+    store.put(key(1), SolvedFrame(1.0, points, state=state))
     found = shelf.get(key(1), store)
     np.testing.assert_array_equal(found.points, points)
-    assert "nodes" not in found.arrays, "the state is of no use to a window"
+    assert found.state is None, "the state is of no use to a window"
     store.path(key(1)).unlink()
     assert shelf.get(key(1), store) is found
 
@@ -79,7 +80,7 @@ def test_a_frame_comes_from_the_store_where_memory_has_it_not(store: FrameStore)
 def test_reading_ahead_fills_memory_and_goes_on_after_it_was_closed(store: FrameStore) -> None:
     shelf = Shelf()
     for number in range(6):
-        store.put(key(number), StoredFrame({}, {"points": np.full((4, 3), number, np.float32)}))
+        store.put(key(number), SolvedFrame(0.0, np.full((4, 3), number, np.float32)))
     for wanted in ((0, 1, 2), (3, 4, 5)):
         shelf.read_ahead([key(number) for number in wanted], store)
         end = time.monotonic() + 10.0
@@ -151,7 +152,7 @@ def test_what_is_carried_over_to_another_folder_is_all_that_a_plan_needs(
     plan = make_plan(procedure, SolverSettings())
     put_plan(store, plan)
     for planned in plan.frames[:3]:
-        store.put(planned.key, StoredFrame({}, {"points": np.zeros((4, 3), np.float32)}))
+        store.put(planned.key, SolvedFrame(0.0, np.zeros((4, 3), np.float32)))
     other = FrameStore(tmp_path / "other")
     carrying = CarryOver([plan], store, other)
     end = time.monotonic() + 10.0

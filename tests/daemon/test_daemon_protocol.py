@@ -41,19 +41,19 @@ def test_a_frame_is_solved_and_its_state_goes_on(daemon: SolverDaemon) -> None:
         assert first.points.dtype == np.float32
         assert first.time == 1.0
         assert first.hook_forces.shape == (1, 3)
-        work = first.header["work"]
-        assert work["evaluations"] > first.header["newton"]  # the start, and each step
-        assert work["linearizations"] >= first.header["newton"]
-        assert work["products"] > first.header["pcg"]  # smoothing takes some more
-        spent = work["evaluation_seconds"] + work["linearization_seconds"] + work["product_seconds"]
-        assert 0.0 < spent < first.header["seconds"]["total"]
+        work = first.diagnostics.work
+        assert work.evaluations > first.diagnostics.newton  # the start, and each step
+        assert work.linearizations >= first.diagnostics.newton
+        assert work.products > first.diagnostics.pcg  # smoothing takes some more
+        spent = work.evaluation_seconds + work.linearization_seconds + work.product_seconds
+        assert 0.0 < spent < first.diagnostics.seconds.total
         assert first.state.suture_gaps.shape == (2, 3)
         assert all(iteration.time == 1.0 for iteration in seen)
         second = client.solve(pull(2.0, 0.4))
         client.set_state(first.state)
         again = client.solve(pull(2.0, 0.4))
-        for name, array in second.arrays.items():
-            np.testing.assert_array_equal(again.arrays[name], array, err_msg=name)
+        for name, array in second.arrays().items():
+            np.testing.assert_array_equal(again.arrays()[name], array, err_msg=name)
         with pytest.raises(AttributeError, match="no 'colour'"):
             _ = first.colour
 
@@ -257,8 +257,8 @@ def test_the_client_sends_materials_regions_and_activation_and_the_state_keeps_i
         np.testing.assert_array_equal(first.state.activation, [0.0, 0.5])
         client.set_state(slack.state)
         again = client.solve(tense)
-        for name, array in first.arrays.items():
-            np.testing.assert_array_equal(again.arrays[name], array, err_msg=name)
+        for name, array in first.arrays().items():
+            np.testing.assert_array_equal(again.arrays()[name], array, err_msg=name)
         with pytest.raises(SolverRefused, match="'activation'"):
             client.solve(replace(tense, activation=np.array([0.5])))
         with pytest.raises(SolverRefused, match=r"activates material 1 by 1\.5"):

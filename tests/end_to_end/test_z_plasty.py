@@ -84,7 +84,7 @@ def test_the_z_plasty_rests_in_one_way_on_every_lattice_and_its_error_is_estimat
         return found.frames[-1]
 
     def points(frame: FrameResult) -> np.ndarray:
-        return frame.arrays["points"][skin].astype(float)
+        return frame.solved.points[skin].astype(float)
 
     truth = points(last(scene.program(0.8, **DEFAULT)))  # within 0.04 mm of what finer lattices tend to
     for spacing, changed in ((2.0, {}), (2.0, {"quadrature": 4}), (2.0, {"tolerance": 1e-2}), (4.0 / 3.0, {})):

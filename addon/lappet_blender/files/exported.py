@@ -13,9 +13,10 @@ from lappet.core.problem import RefusedError
 from .bundled_pxr import bundled_pxr
 
 if TYPE_CHECKING:
+    from lappet.daemon.solved_frame import SolvedFrame
     from lappet.procedure import Procedure
     from lappet.program.program import Program
-    from lappet.solve.store import FrameStore, StoredFrame
+    from lappet.solve.store import FrameStore
 
 
 def procedure_of(scene: bpy.types.Scene) -> Procedure:
@@ -49,7 +50,6 @@ def write_cache(scene: bpy.types.Scene, path: Path) -> Path:
     bundled_pxr()
     from lappet.output.skin_cache import write_skin_cache
     from lappet.program.keys import frame_keys
-    from lappet.solve.solve_program import FrameResult
     from lappet.usd.stage import SUFFIXES, write_procedure
 
     from ..solving.reconcile import identity
@@ -59,14 +59,11 @@ def write_cache(scene: bpy.types.Scene, path: Path) -> Path:
         raise RefusedError(f"{path.name} does not end in a USD suffix; name it {', '.join(SUFFIXES)}.")
     procedure = procedure_of(scene)
     program = compiled(scene, procedure)
-    found = _stored(program, frame_keys(program, identity()), frame_store(scene))
-    frames = [
-        FrameResult(constraints, key, stored.header, dict(stored.arrays), True, 0.0)
-        for constraints, (key, stored) in zip(program.frames, found, strict=True)
-    ]
+    keys = frame_keys(program, identity())
+    frames = _stored(program, keys, frame_store(scene))
     beside = path.with_suffix(".procedure.usda")
     write_procedure(procedure, beside)
-    write_skin_cache(path, beside, procedure, program, frames)
+    write_skin_cache(path, beside, procedure, program, frames, keys[-1])
     return beside
 
 
@@ -79,14 +76,16 @@ def compiled(scene: bpy.types.Scene, procedure: Procedure, spacing: float | None
     return compile_program(procedure, settings=replace(solve_settings(scene), spacing=spacing or 0.0))
 
 
-def _stored(program: Program, keys: tuple[str, ...], store: FrameStore) -> list[tuple[str, StoredFrame]]:
+def _stored(program: Program, keys: tuple[str, ...], store: FrameStore) -> list[SolvedFrame]:
+    from lappet.daemon.solved_frame import SolvedFrame
+
     found, missing = [], []
     for constraints, key in zip(program.frames, keys, strict=True):
-        stored = store.get(key)
+        stored = store.get(key, SolvedFrame)
         if stored is None:
             missing.append(round(constraints.time))
         else:
-            found.append((key, stored))
+            found.append(stored)
     if missing:
         which = f"Frame {missing[0]} is" if len(missing) == 1 else f"{len(missing)} frames, from {missing[0]} on, are"
         raise RefusedError(f"{which} not solved as the procedure is now; press Solve, then export again.")

@@ -14,8 +14,9 @@ from typing import TYPE_CHECKING, Literal
 
 import bpy
 
-from lappet.background.plan import Plan, PlannedFrame, ShownFrame
+from lappet.background.plan import Plan, PlannedFrame
 from lappet.core.problem import Problem
+from lappet.daemon.solved_frame import SolvedFrame
 from lappet.procedure import Point, Procedure
 from lappet.program.settings import SolverSettings
 from lappet.solve.store import FrameStore, default_folder
@@ -68,7 +69,7 @@ class Live:
     job: int
     target: Point | None = None
     moved: bool = False
-    frame: ShownFrame | None = None
+    frame: SolvedFrame | None = None
     seconds: float = 0.0
     converged: bool = True
     in_doubt: bool = False  # a property has changed: it may be one that the procedure is made of

@@ -5,18 +5,18 @@ from __future__ import annotations
 import math
 import time
 
-from lappet.background.plan import (
+from lappet.background.worker_events import (
     Finished,
     FrameFailed,
     FrameReady,
-    Happening,
     IterationDone,
     LiveFrame,
     Note,
     Planned,
     Refused,
-    ShownFrame,
+    WorkerEvent,
 )
+from lappet.daemon.solved_frame import SolvedFrame
 
 from .controller import Controller, Failure, Job, frame_at, pace, plans, shelf
 from .reconcile import ask_for_plan, put_in_force, stop_obsolete
@@ -32,7 +32,7 @@ def take_in(controller: Controller) -> bool:
     return bool(happenings)
 
 
-def _apply(controller: Controller, happening: Happening) -> None:
+def _apply(controller: Controller, happening: WorkerEvent) -> None:
     if isinstance(happening, Note):
         controller.note(happening.sentence)
         return
@@ -90,12 +90,10 @@ def _ready(controller: Controller, job: Job, ready: FrameReady) -> None:
     controller.bump()
 
 
-def _learn(controller: Controller, frame: ShownFrame) -> None:
-    cells = float(frame.header.get("lattice", {}).get("cells", 0.0))
-    seconds = frame.header.get("seconds", {})
-    total = float(seconds.get("total", 0.0)) if isinstance(seconds, dict) else float(seconds)
+def _learn(controller: Controller, frame: SolvedFrame) -> None:
+    cells = 0.0 if frame.lattice is None else float(frame.lattice.cells)
     controller.cells = cells or controller.cells
-    pace().measured(cells, total)
+    pace().measured(cells, frame.diagnostics.seconds.total)
 
 
 def _failed(controller: Controller, job: Job, failed: FrameFailed) -> None:

@@ -6,19 +6,19 @@ import threading
 from collections import OrderedDict
 from pathlib import Path
 
-from lappet.solve.store import FrameStore, StoredFrame
+from lappet.solve.store import FrameStore, Value, unpack_as
 
-MOST_BYTES = 1 << 30
+MAX_BYTES = 1 << 30
 
 
 class KeptFrames(FrameStore):
-    """A store for several threads: frames that cannot be written are held in memory, up to `most_bytes`; the oldest
+    """A store for several threads: frames that cannot be written are held in memory, up to `max_bytes`; the oldest
     go first."""
 
-    def __init__(self, folder: Path | None = None, most_bytes: int = MOST_BYTES) -> None:
+    def __init__(self, folder: Path | None = None, max_bytes: int = MAX_BYTES) -> None:
         super().__init__(folder)
-        self._most_bytes = most_bytes
-        self._held: OrderedDict[str, StoredFrame] = OrderedDict()
+        self._max_bytes = max_bytes
+        self._held: OrderedDict[str, bytes] = OrderedDict()  # as packed
         self._held_bytes = 0
         self._guard = threading.RLock()
 
@@ -34,24 +34,20 @@ class KeptFrames(FrameStore):
     def __contains__(self, key: str) -> bool:
         return key in self._held or super().__contains__(key)
 
-    def get(self, key: str) -> StoredFrame | None:
-        """The frame of a key from memory or from the disk."""
+    def get(self, key: str, kind: type[Value]) -> Value | None:
+        """Return the value of a key from memory or from the disk."""
         with self._guard:
             held = self._held.get(key)
-        return super().get(key) if held is None else held
+        return super().get(key, kind) if held is None else unpack_as(held, kind)
 
-    def put(self, key: str, frame: StoredFrame) -> bool:
-        """Keeps a frame on the disk, else in memory; False where the disk did not take it."""
+    def put_packed(self, key: str, packed: bytes) -> bool:
+        """Keep a value on the disk, else in memory; False where the disk did not take it."""
         with self._guard:
-            if super().put(key, frame):
+            if super().put_packed(key, packed):
                 return True
             if key not in self._held:
-                self._held[key] = frame
-                self._held_bytes += _size(frame)
-            while self._held_bytes > self._most_bytes and len(self._held) > 1:
-                self._held_bytes -= _size(self._held.popitem(last=False)[1])
+                self._held[key] = packed
+                self._held_bytes += len(packed)
+            while self._held_bytes > self._max_bytes and len(self._held) > 1:
+                self._held_bytes -= len(self._held.popitem(last=False)[1])
             return False
-
-
-def _size(frame: StoredFrame) -> int:
-    return sum(array.nbytes for array in frame.arrays.values())

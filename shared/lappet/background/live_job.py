@@ -6,22 +6,19 @@ import time
 from dataclasses import replace
 from typing import NoReturn
 
-import numpy as np
-
 from lappet.background.compilation import Compiled
 from lappet.background.job import CancelledError, Job
 from lappet.background.live_session import LiveSession
-from lappet.background.plan import FrameFailed, LiveFrame, Note, Plan, ShownFrame
-from lappet.background.plan_store import shown_frame
+from lappet.background.plan import Plan
 from lappet.background.solve_job import SolveJobs, stoppable
+from lappet.background.worker_events import FrameFailed, LiveFrame, Note
+from lappet.background.worker_requests import Ask
 from lappet.core.problem import Problem, RefusedError, problem
 from lappet.core.problem_code import ProblemCode
-from lappet.daemon.frame_solver import FrameRefusedError, SolvedFrame, SolverDiedError
+from lappet.daemon.frame_solver import FrameRefusedError, SolverDiedError
+from lappet.daemon.solved_frame import SolvedFrame
 from lappet.procedure import Point
 from lappet.procedure.prim_paths import TIMELINE
-from lappet.solve.store import StoredFrame
-
-_LEFT_OUT = ("strain", "stress", "tension")  # per vertex: not worth sending while the mouse moves
 
 
 class LiveJobs(SolveJobs):
@@ -29,8 +26,8 @@ class LiveJobs(SolveJobs):
 
     def _run(self, job: Job) -> int:
         plan = self.plan(job)
-        index, row = _place(plan, job)
-        compiled = self.compilation.compiled(job.procedure, job.settings, job.step)
+        index, row = _place(plan, job.ask)
+        compiled = self.compilation.compiled(job.ask.procedure, job.ask.settings, job.step)
         try:
             start = self._start(job, compiled, index)
         except _UnsolvedError:
@@ -51,26 +48,26 @@ class LiveJobs(SolveJobs):
             self.tell(
                 FrameFailed(
                     job.number,
-                    job.time,
-                    problem(ProblemCode.UNSORTED, said=f"Frame {job.time} was not solved: {error}"),
+                    job.ask.time,
+                    problem(ProblemCode.UNSORTED, said=f"Frame {job.ask.time} was not solved: {error}"),
                 )
             )
             return 0
         finally:
             session.close()
 
-    def _start(self, job: Job, compiled: Compiled, index: int) -> tuple[int, StoredFrame] | None:
+    def _start(self, job: Job, compiled: Compiled, index: int) -> tuple[int, SolvedFrame] | None:
         """The epoch and the state to begin with; None: at rest. Raises _UnsolvedError."""
         program, planned = compiled.program, compiled.plan.frames
         for at in (index, index - 1):
             if at < 0:
                 return None
-            stored = self.store.get(planned[at].key)
+            stored = self.store.get(planned[at].key, SolvedFrame)
             if stored is None and at < index:
                 if self.solve(job, compiled.plan, planned[at].time) < index:
                     job.step()
                     raise _UnsolvedError
-                stored = self.store.get(planned[at].key)
+                stored = self.store.get(planned[at].key, SolvedFrame)
             if stored is not None:
                 return program.frames[at].epoch, stored
         raise _UnsolvedError
@@ -78,23 +75,23 @@ class LiveJobs(SolveJobs):
     def _follow(self, job: Job, compiled: Compiled, index: int, row: int, session: LiveSession) -> NoReturn:
         frame = compiled.program.frames[index]
         target: Point = tuple(float(x) for x in frame.hook_targets[row])  # type: ignore[assignment]
-        shown: ShownFrame | None = None
+        shown: SolvedFrame | None = None
         while True:
             begun = time.perf_counter()
             converged, reason = False, ""
             try:
                 solved = session.pull(target, lambda _: None)
-                converged, reason = solved.converged, str(solved.header.get("reason", ""))
+                converged, reason = solved.converged, solved.reason
                 if converged or shown is None:
-                    shown = _shown(solved)
+                    shown = solved.without_scalars().shown()  # not worth sending while the mouse moves
             except FrameRefusedError as error:
                 if shown is None:
                     raise
                 reason = str(error)
             if not converged:  # where the tissue stayed, and why
-                shown = replace(shown, header={**shown.header, "converged": False, "reason": reason})
+                shown = replace(shown, diagnostics=replace(shown.diagnostics, converged=False, reason=reason))
             seconds = time.perf_counter() - begun
-            self.tell(LiveFrame(job.number, job.time, target, shown, converged, seconds))
+            self.tell(LiveFrame(job.number, job.ask.time, target, shown, converged, seconds))
             target = job.next_target()
 
 
@@ -102,33 +99,40 @@ class _UnsolvedError(Exception):
     """A frame before the one that is pulled was not found; its FrameFailed says why."""
 
 
-def _place(plan: Plan, job: Job) -> tuple[int, int]:
+def _place(plan: Plan, ask: Ask) -> tuple[int, int]:
     """The index of the frame and the row of the hook in its arrays."""
-    path = f"{TIMELINE}/{job.hook}"
-    index = next((i for i, frame in enumerate(plan.frames) if frame.time == job.time), None)
+    path = f"{TIMELINE}/{ask.hook}"
+    index = next((i for i, frame in enumerate(plan.frames) if frame.time == ask.time), None)
     if index is None:
-        sentence = f"There is no frame {job.time} to pull it at; the frames run from "
+        sentence = f"There is no frame {ask.time} to pull it at; the frames run from "
         sentence += f"{plan.frames[0].time} to {plan.frames[-1].time}."
-        raise RefusedError([Problem(ProblemCode.UNSORTED, path, str(job.time), sentence, "Go to one of these.")])
-    if job.hook not in plan.hooks:
-        raise RefusedError(
-            [Problem(ProblemCode.UNSORTED, path, job.hook, "There is no hook of that name.", "Name one that is there.")]
-        )
-    hook = plan.hooks.index(job.hook)
-    if hook not in plan.frames[index].hooks:
-        times = [frame.time for frame in plan.frames if hook in frame.hooks]
-        when = f"it pulls from {times[0]} to {times[-1]}" if times else "it pulls at no frame"
-        sentence = f"The hook does not pull at frame {job.time}: {when}."
+        raise RefusedError([Problem(ProblemCode.UNSORTED, path, str(ask.time), sentence, "Go to one of these.")])
+    if ask.hook not in plan.hooks:
         raise RefusedError(
             [
                 Problem(
-                    ProblemCode.UNSORTED, path, str(job.time), sentence, "Go to one of its frames, or move its start."
+                    ProblemCode.UNSORTED,
+                    path,
+                    ask.hook,
+                    "There is no hook of that name.",
+                    "Name one that is there.",
+                )
+            ]
+        )
+    hook = plan.hooks.index(ask.hook)
+    if hook not in plan.frames[index].hooks:
+        times = [frame.time for frame in plan.frames if hook in frame.hooks]
+        when = f"it pulls from {times[0]} to {times[-1]}" if times else "it pulls at no frame"
+        sentence = f"The hook does not pull at frame {ask.time}: {when}."
+        raise RefusedError(
+            [
+                Problem(
+                    ProblemCode.UNSORTED,
+                    path,
+                    str(ask.time),
+                    sentence,
+                    "Go to one of its frames, or move its start.",
                 )
             ]
         )
     return index, plan.frames[index].hooks.index(hook)
-
-
-def _shown(solved: SolvedFrame) -> ShownFrame:
-    arrays = {name: np.asarray(array) for name, array in solved.arrays.items() if name not in _LEFT_OUT}
-    return shown_frame(solved.header, arrays)

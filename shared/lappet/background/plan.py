@@ -1,14 +1,11 @@
-"""What a background solve tells its owner: the plan of a procedure, its frames as they come, and how it ended."""
+"""The plan of a procedure: which frames it has, what their surfaces look like and under which keys they lie."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from typing import Any
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-
-from lappet.core.problem import Problem
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,98 +59,3 @@ class Plan:
     landmarks: tuple[str, ...] = ()
     landmarks_at: tuple[tuple[int, ...], ...] = ()
     notes: tuple[str, ...] = ()
-
-
-@dataclass(frozen=True, eq=False)
-class ShownFrame:
-    """What is shown of a solved frame: the arrays of the message `frame` (PROTOCOL.md) without the state.
-
-    points: (n, 3) float32, mm. header: the message's fields (newton, residual, largest_gap, minimum_j, seconds ...).
-    arrays: strain, stress, tension (n,) float32; landmarks (k, 3); suture_points (A, 2, 3), suture_gaps (A,),
-    suture_forces (A,); hook_points, hook_forces (H, 3).
-    """
-
-    points: NDArray[np.float32]
-    header: dict[str, Any] = field(default_factory=dict)
-    arrays: dict[str, NDArray[Any]] = field(default_factory=dict)
-
-
-@dataclass(frozen=True, eq=False)
-class Planned:
-    """The procedure of a job is compiled. known: per frame, whether the store holds it."""
-
-    job: int
-    plan: Plan
-    known: tuple[bool, ...]
-
-
-@dataclass(frozen=True)
-class Refused:
-    """The procedure of a job cannot be solved; nothing was done."""
-
-    job: int
-    problems: tuple[Problem, ...]
-
-
-@dataclass(frozen=True)
-class IterationDone:
-    """A Newton iteration is done: time code, its number, residual over force scale, largest gap in mm."""
-
-    job: int
-    time: float
-    newton: int
-    residual: float
-    gap: float
-
-
-@dataclass(frozen=True, eq=False)
-class FrameReady:
-    """A frame is there. looked_up: it came from the store. frame: None where it was looked up (read it from there)."""
-
-    job: int
-    time: int
-    key: str
-    looked_up: bool
-    frame: ShownFrame | None
-
-
-@dataclass(frozen=True)
-class FrameFailed:
-    """A frame did not converge or was refused; the job ends there."""
-
-    job: int
-    time: int
-    problem: Problem
-
-
-@dataclass(frozen=True)
-class Finished:
-    """A job has ended. frames: how many are there. seconds: wall clock. cancelled: by its owner."""
-
-    job: int
-    frames: int
-    seconds: float
-    cancelled: bool = False
-
-
-@dataclass(frozen=True)
-class Note:
-    """A sentence for the user: the daemon died and was started again, the store cannot be written ..."""
-
-    job: int
-    sentence: str
-
-
-@dataclass(frozen=True, eq=False)
-class LiveFrame:
-    """Live mode: the skin for the hook's latest target. seconds: that the solver took. time: of the frame pulled at."""
-
-    job: int
-    time: int
-    target: tuple[float, float, float]
-    frame: ShownFrame
-    converged: bool
-    seconds: float
-
-
-Happening = Planned | Refused | IterationDone | FrameReady | FrameFailed | Finished | Note | LiveFrame

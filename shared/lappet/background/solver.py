@@ -8,24 +8,25 @@ import threading
 import time
 from collections.abc import Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Literal
 
-from lappet.background.plan import (
+from lappet.background.plan_key import plan_key
+from lappet.background.worker_events import (
     Finished,
     FrameFailed,
     FrameReady,
-    Happening,
     IterationDone,
     LiveFrame,
     Note,
     Planned,
     Refused,
+    WorkerEvent,
 )
-from lappet.background.plan_key import plan_key
-from lappet.background.procedure_message import MessageError
 from lappet.background.worker_process import WorkerProcess
+from lappet.background.worker_requests import Aim, Ask, Cancel, JobKind
+from lappet.core.array_codec import CodecError
 from lappet.core.problem import Problem, RefusedError, problem
 from lappet.core.problem_code import ProblemCode
 from lappet.daemon.process import daemon_identity
@@ -42,9 +43,7 @@ _Work = tuple[Literal["job", "target", "cancel", "restart"], int]
 class _Job:
     """A job that has not ended yet. done: times of the frames that were told of."""
 
-    number: int
-    kind: Literal["plan", "solve", "live"]
-    what: dict[str, Any]
+    ask: Ask
     begun: float = field(default_factory=time.perf_counter)
     target: Point | None = None
     target_waits: bool = False
@@ -68,7 +67,7 @@ class BackgroundSolver:
         self._path = tuple(path)
         self._numbers = itertools.count(1)
         self._lock = threading.Lock()
-        self._happenings: list[Happening] = []
+        self._events: list[WorkerEvent] = []
         self._jobs: dict[int, _Job] = {}
         self._process: WorkerProcess | None = None
         self._deaths = 0
@@ -81,16 +80,16 @@ class BackgroundSolver:
 
         A newer plan replaces one that has not begun.
         """
-        return self._ask("plan", procedure=procedure, settings=settings)
+        return self._begin_job("plan", procedure, settings)
 
     def solve(self, procedure: Procedure, settings: SolverSettings, until: int | None = None) -> int:
         """Gets the frames up to the time code `until` (all where None). -> Planned, FrameReady ..., Finished."""
-        return self._ask("solve", procedure=procedure, settings=settings, until=until)
+        return self._begin_job("solve", procedure, settings, until=until)
 
     def live(self, procedure: Procedure, settings: SolverSettings, time: int, hook: str) -> int:
         """Opens the tissue at the frame `time`, where the hook of that name pulls. -> Planned, LiveFrame ... until it
         is cancelled, then Finished. The first LiveFrame is for the hook's own target."""
-        return self._ask("live", procedure=procedure, settings=settings, time=time, hook=hook)
+        return self._begin_job("live", procedure, settings, time=time, hook=hook)
 
     def live_target(self, job: int, target: Point) -> None:
         """Moves the hook of a live job to `target`, mm; only the latest counts."""
@@ -113,11 +112,11 @@ class BackgroundSolver:
             found.cancelled = True
         self._work.put(("cancel", job))
 
-    def poll(self) -> list[Happening]:
+    def poll(self) -> list[WorkerEvent]:
         """What has happened since the last call, without waiting. Of iterations and live frames in a row only the
         last is told."""
         with self._lock:
-            happened, self._happenings = self._happenings, []
+            happened, self._events = self._events, []
         return happened
 
     def close(self, wait: float = 0.0) -> None:
@@ -151,12 +150,12 @@ class BackgroundSolver:
         """The key of the plan that this solver makes of a procedure."""
         return plan_key(procedure, settings, self.identity)
 
-    def _ask(self, kind: Literal["plan", "solve", "live"], **what: Any) -> int:
+    def _begin_job(self, kind: JobKind, procedure: Procedure, settings: SolverSettings, **more: Any) -> int:
         with self._lock:
             if self._closed:
                 raise RuntimeError("The background solver is closed; make another one.")
             number = next(self._numbers)
-            self._jobs[number] = _Job(number, kind, what)
+            self._jobs[number] = _Job(Ask(number, kind, procedure, settings, **more))
             if self._sender is None:
                 self._sender = threading.Thread(target=self._send_all, name="lappet-worker-sender", daemon=True)
                 self._sender.start()
@@ -169,7 +168,7 @@ class BackgroundSolver:
         while (work := self._work.get()) is not None:
             try:
                 self._send(*work)
-            except MessageError as error:
+            except CodecError as error:
                 self._give_up(str(error), (work[1],))
             except (RefusedError, OSError) as error:
                 self._give_up(str(error))
@@ -197,7 +196,7 @@ class BackgroundSolver:
         for each in waiting:
             self._begin(process, each)
         if job is not None and kind == "cancel":
-            process.send({"ask": "cancel", "job": number})
+            process.send(Cancel(number))
         elif job is not None and kind == "target":
             self._aim(process, job)
 
@@ -207,50 +206,47 @@ class BackgroundSolver:
             identity = self.identity
         with self._lock:
             job.sent = True
-        process.send({"ask": job.kind, "job": job.number, "what": job.what, "identity": identity})
+        process.send(replace(job.ask, identity=identity))
         if job.target is not None:
             self._aim(process, job)
         if job.cancelled:
-            process.send({"ask": "cancel", "job": job.number})
+            process.send(Cancel(job.ask.job))
 
     def _aim(self, process: WorkerProcess, job: _Job) -> None:
         with self._lock:
             target, job.target_waits = job.target, False
-        process.send({"ask": "target", "job": job.number, "target": target})
+        if target is not None:
+            process.send(Aim(job.ask.job, target))
 
     # On the thread that reads from the process.
 
-    def _hear(self, happening: Happening) -> None:
+    def _hear(self, event: WorkerEvent) -> None:
         with self._lock:
-            job = self._jobs.get(happening.job)
+            job = self._jobs.get(event.job)
             if job is None:
                 return
-            if isinstance(happening, Planned):
+            if isinstance(event, Planned):
                 if job.planned is not None:
                     return  # said again after the worker died
-                job.planned = happening
-            elif isinstance(happening, FrameReady):
+                job.planned = event
+            elif isinstance(event, FrameReady):
                 self._deaths = 0
-                if job.done.get(happening.time) == happening.key:
+                if job.done.get(event.time) == event.key:
                     return
-                job.done[happening.time] = happening.key
-            elif isinstance(happening, LiveFrame):
+                job.done[event.time] = event.key
+            elif isinstance(event, LiveFrame):
                 self._deaths = 0
-            elif isinstance(happening, Finished):
+            elif isinstance(event, Finished):
                 self._deaths = 0
-                del self._jobs[happening.job]
-            self._tell(happening)
+                del self._jobs[event.job]
+            self._tell(event)
 
-    def _tell(self, happening: Happening) -> None:
-        last = self._happenings[-1] if self._happenings else None
-        if (
-            isinstance(happening, IterationDone | LiveFrame)
-            and type(last) is type(happening)
-            and (last.job == happening.job)
-        ):
-            self._happenings[-1] = happening
+    def _tell(self, event: WorkerEvent) -> None:
+        last = self._events[-1] if self._events else None
+        if isinstance(event, IterationDone | LiveFrame) and type(last) is type(event) and (last.job == event.job):
+            self._events[-1] = event
         else:
-            self._happenings.append(happening)
+            self._events.append(event)
 
     def _ended(self, process: WorkerProcess) -> None:
         how = process.death()
@@ -277,18 +273,18 @@ class BackgroundSolver:
                 if job.cancelled:
                     pass
                 elif job.planned is None:
-                    self._tell(Refused(job.number, (Problem(ProblemCode.UNSORTED, "/Procedure", "", sentence, ""),)))
+                    self._tell(Refused(job.ask.job, (Problem(ProblemCode.UNSORTED, "/Procedure", "", sentence, ""),)))
                 else:
-                    self._tell(FrameFailed(job.number, _next_time(job), problem(ProblemCode.UNSORTED, said=sentence)))
+                    self._tell(FrameFailed(job.ask.job, _next_time(job), problem(ProblemCode.UNSORTED, said=sentence)))
                 seconds = time.perf_counter() - job.begun
-                self._tell(Finished(job.number, len(job.done), seconds, job.cancelled))
-                del self._jobs[job.number]
+                self._tell(Finished(job.ask.job, len(job.done), seconds, job.cancelled))
+                del self._jobs[job.ask.job]
 
 
 def _next_time(job: _Job) -> int:
     """The frame that a job was at."""
-    if job.kind == "live":
-        return int(job.what["time"])
+    if job.ask.kind == "live":
+        return job.ask.time
     assert job.planned is not None
     times = [frame.time for frame in job.planned.plan.frames]
     return next((time for time in times if time not in job.done), times[-1])

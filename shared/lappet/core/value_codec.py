@@ -1,13 +1,14 @@
 """Dataclasses with arrays as one block of bytes and back, to the bit: what the frame store and the worker's pipe hold.
 
-In the header of `array_codec` a dataclass is the extension 1, its name and its fields in order, and an array the
-extension 2, its name. Lists become tuples.
+In the header of `array_codec` a dataclass is the extension 1, its name and its fields in order, a member of an
+enumeration likewise with its value, and an array the extension 2, its name. Lists become tuples.
 """
 
 from __future__ import annotations
 
 import typing
 from dataclasses import fields, is_dataclass
+from enum import Enum
 from functools import lru_cache
 from typing import Any
 
@@ -24,20 +25,27 @@ def pack(value: object) -> bytes:
     """Write a value made of dataclasses, arrays, numbers, text, tuples and maps. Raises CodecError."""
     arrays: dict[str, NDArray[Any]] = {}
 
+    def write(each: Any) -> bytes:
+        return bytes(msgpack.packb(each, default=outgoing, strict_types=True))
+
     def outgoing(each: Any) -> Any:
         if is_dataclass(each) and not isinstance(each, type):
             inner = [type(each).__name__, *(getattr(each, item.name) for item in fields(each))]
-            return msgpack.ExtType(_VALUE, msgpack.packb(inner, default=outgoing))
+            return msgpack.ExtType(_VALUE, write(inner))
         if isinstance(each, np.ndarray):
             name = str(len(arrays))
             arrays[name] = each
             return msgpack.ExtType(_ARRAY, name.encode())
         if isinstance(each, np.generic):
             return each.item()
+        if isinstance(each, Enum):
+            return msgpack.ExtType(_VALUE, write([type(each).__name__, each.value]))
+        if isinstance(each, tuple):
+            return list(each)
         raise TypeError(f"a {type(each).__name__} is none of its values")
 
     try:
-        tree = msgpack.packb(value, default=outgoing)
+        tree = write(value)
     except (TypeError, ValueError, OverflowError) as error:
         raise CodecError(f"A {type(value).__name__} cannot be written: {error}.") from error
     return join(encode({"value": msgpack.ExtType(_VALUE, tree)}, arrays))
@@ -74,7 +82,7 @@ def unpack(data: Bytes, kind: Any) -> Any:
         if code != _VALUE:
             raise CodecError(f"The value holds the msgpack extension {code}, which is none of its own.")
         name, *values = msgpack.unpackb(data, ext_hook=incoming, use_list=False, strict_map_key=False)
-        if name not in known or len(values) != len(fields(known[name])):
+        if name not in known or len(values) != _size(known[name]):
             raise CodecError(f"The value holds a {name!r:.60} that is not known; install one release of Lappet.")
         return known[name](*values)
 
@@ -91,16 +99,22 @@ def unpack(data: Bytes, kind: Any) -> Any:
 
 @lru_cache
 def classes_of(kind: Any) -> dict[str, type[Any]]:
-    """Return the dataclasses that a type is made of, by name: itself, its members, and those of their fields."""
+    """Return the dataclasses and enumerations that a type is made of, by name: its own, and their fields'."""
     found: dict[str, type[Any]] = {}
     waiting = [kind]
     while waiting:
         each = waiting.pop()
-        if isinstance(each, type) and is_dataclass(each):
+        if isinstance(each, type) and (is_dataclass(each) or issubclass(each, Enum)):
             if each.__name__ not in found:
                 found[each.__name__] = each
-                waiting += typing.get_type_hints(each).values()
+                if is_dataclass(each):
+                    waiting += typing.get_type_hints(each).values()
             assert found[each.__name__] is each, f"two classes are called {each.__name__}"
         else:
             waiting += typing.get_args(each)
     return found
+
+
+def _size(kind: type[Any]) -> int:
+    """Return how many values a member of an enumeration, or a dataclass, is made of."""
+    return 1 if issubclass(kind, Enum) else len(fields(kind))

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from typing import Any
+from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
 
 from lappet.core.version import version
 from lappet.cutting.epoch import Epoch
-from lappet.daemon.client import SolverClient, SolverState
-from lappet.daemon.frame_solver import Connect, FrameRefusedError, Iteration, SolvedFrame
+from lappet.daemon.client import SolverClient
+from lappet.daemon.frame_solver import Connect, FrameRefusedError, Iteration
 from lappet.daemon.process import daemon_identity
+from lappet.daemon.solved_frame import LatticeCounts, SolvedFrame, SolverState
 from lappet.daemon.wire import WireError
 from lappet.program.program import Bones, FrameConstraints, Landmarks
 from lappet.program.settings import SolverSettings
@@ -32,23 +32,15 @@ class DaemonSolver:
             self._client.close()
             raise
 
-    def set_epoch(self, epoch: Epoch, grip: NDArray[np.int32], landmarks: Landmarks) -> Mapping[str, Any]:
+    def set_epoch(self, epoch: Epoch, grip: NDArray[np.int32], landmarks: Landmarks) -> LatticeCounts:
         """Installs an epoch, carrying the state over; returns the lattice's counts."""
         try:
             return self._client.set_epoch(epoch, grip, landmarks)
         except WireError as error:
             raise FrameRefusedError(str(error)) from error
 
-    def set_state(self, precision: str, arrays: Mapping[str, NDArray[Any]]) -> None:
+    def set_state(self, state: SolverState) -> None:
         """Replaces the state by that of an earlier frame of this epoch."""
-        state = SolverState(
-            precision,
-            arrays["nodes"],
-            arrays["state_suture_gaps"],
-            arrays["suture_multipliers"],
-            arrays["grip_multipliers"],
-            arrays["activation"],
-        )
         try:
             self._client.set_state(state)
         except WireError as error:

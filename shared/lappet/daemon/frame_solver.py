@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from lappet.core.problem import RefusedError
 from lappet.cutting.epoch import Epoch
+from lappet.daemon.solved_frame import LatticeCounts, SolvedFrame, SolverState
 from lappet.program.program import Bones, FrameConstraints, Landmarks
 from lappet.program.settings import SolverSettings
-
-STATE_ARRAYS = ("nodes", "state_suture_gaps", "suture_multipliers", "grip_multipliers", "activation")
 
 
 class SolverDiedError(RuntimeError):
@@ -35,27 +34,14 @@ class Iteration:
     gap: float
 
 
-@dataclass(frozen=True, eq=False)
-class SolvedFrame:
-    """What came back for a frame: the fields and the arrays of the message `frame` (PROTOCOL.md)."""
-
-    header: dict[str, Any]
-    arrays: dict[str, NDArray[Any]]
-
-    @property
-    def converged(self) -> bool:
-        """Whether the equilibrium was found to the tolerance and the gaps asked for."""
-        return bool(self.header["converged"])
-
-
 class FrameSolver(Protocol):
     """A session that is told epochs and frames in order. Every method may raise `SolverDiedError`."""
 
-    def set_epoch(self, epoch: Epoch, grip: NDArray[np.int32], landmarks: Landmarks) -> Mapping[str, Any]:
+    def set_epoch(self, epoch: Epoch, grip: NDArray[np.int32], landmarks: Landmarks) -> LatticeCounts:
         """Installs an epoch, carrying the state over; returns the lattice's counts. Raises FrameRefusedError."""
 
-    def set_state(self, precision: str, arrays: Mapping[str, NDArray[Any]]) -> None:
-        """Replaces the state by that of an earlier frame of this epoch (`STATE_ARRAYS`)."""
+    def set_state(self, state: SolverState) -> None:
+        """Replaces the state by that of an earlier frame of this epoch."""
 
     def solve(self, frame: FrameConstraints, progress: Callable[[Iteration], None]) -> SolvedFrame:
         """Finds the equilibrium; KeyboardInterrupt cancels it. Raises FrameRefusedError."""

@@ -70,10 +70,10 @@ def _lattice_lines(program: Program, daemon: str | None, connect: Connect | None
         for epoch, grip, landmarks in zip(program.epochs, program.grips, program.landmarks_at, strict=True):
             counts = solver.set_epoch(epoch, grip, landmarks)
             lines.append(
-                f"epoch {epoch.index}: {counts['cells']} cells "
-                f"({counts['grid_cells']} grid, {counts['mesh_cells']} mesh), "
-                f"{counts['nodes']} nodes, {counts['blocks']} blocks, {counts['fine_voxels']} fine voxels, "
-                f"{counts['bytes'] / 2**20:.1f} MiB"
+                f"epoch {epoch.index}: {counts.cells} cells "
+                f"({counts.grid_cells} grid, {counts.mesh_cells} mesh), "
+                f"{counts.nodes} nodes, {counts.blocks} blocks, {counts.fine_voxels} fine voxels, "
+                f"{counts.bytes / 2**20:.1f} MiB"
             )
     finally:
         solver.close()

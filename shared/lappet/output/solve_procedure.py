@@ -100,7 +100,7 @@ def solve_procedure(
     wanted = [frame for frame in result.frames if frame.constraints.time >= first]
     written = None
     if wanted:
-        write_skin_cache(output, path, procedure, program, wanted)
+        write_skin_cache(output, path, procedure, program, [frame.solved for frame in wanted], wanted[-1].key)
         written = output
     elif result.reason is not None and result.failed is None:
         raise RefusedError(result.reason)

@@ -137,7 +137,7 @@ def _pilot(
     order = expected_order(program)
     needed = _round(CAUTION * spacing * (target / error) ** (1.0 / order)) if error > 0.0 else spacing
     needed = min(needed, 2.0 * spacing)
-    seconds = sum(float(frame.header["seconds"]["total"]) for frame in solved.frames)
+    seconds = sum(frame.solved.diagnostics.seconds.total for frame in solved.frames)
     return _Pilot(settings, needed, error, algebraic, order, seconds * (spacing / needed) ** COST_ORDER)
 
 

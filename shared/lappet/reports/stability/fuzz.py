@@ -233,14 +233,14 @@ def _unfit(sentence: str) -> str:
 def _claims(result: SolveResult) -> str:
     settings = result.program.settings
     for frame in result.frames:
-        at, header = f"Frame {frame.constraints.time:g}", frame.header
-        for name, array in frame.arrays.items():
+        at, said = f"Frame {frame.constraints.time:g}", frame.solved.diagnostics
+        for name, array in frame.solved.arrays().items():
             if array.dtype.kind == "f" and not np.isfinite(array).all():
                 return f"{at} holds numbers in '{name}' that are not finite."
-        if not header["residual"] <= settings.tolerance:
-            return f"{at} is called converged at a relative residual of {header['residual']:.2e}."
-        if not header["largest_gap"] <= settings.gap_tolerance * settings.spacing:
-            return f"{at} is called converged with a gap of {header['largest_gap']:.3g} mm."
+        if not said.residual <= settings.tolerance:
+            return f"{at} is called converged at a relative residual of {said.residual:.2e}."
+        if not said.largest_gap <= settings.gap_tolerance * settings.spacing:
+            return f"{at} is called converged with a gap of {said.largest_gap:.3g} mm."
     return ""
 
 
