@@ -36,6 +36,7 @@ def pull(time_code: float = 1.0, by: float = 0.2) -> FrameConstraints:
     return FrameConstraints(
         time_code,
         0,
+        hook_index=np.zeros(1, np.int32),
         hook_anchors=np.array([[2.0, 1.0, 2.0]]),
         hook_triangles=np.array([10], np.int32),
         hook_targets=np.array([[2.0, 1.0, 2.0 + by]]),
