@@ -1,8 +1,8 @@
 """Keep the documents true: `documents.py --write` or `documents.py --check`.
 
-`docs/command_line.md` is written from the command line itself. Every relative link and picture of every Markdown file
-of the repository must lead to a file, and every anchor to a heading. `--check` changes nothing and exits with 1 where
-the page is out of date or a link leads nowhere.
+`--write` writes `docs/command_line.md` from the command line itself. Both check that every relative link and picture of
+every Markdown file of the repository leads to a file, and every anchor to a heading. `--check` changes nothing. The
+exit status is 1 if the page is out of date or a link leads nowhere.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ FENCE = re.compile(r"^(```|~~~).*?^\1\s*$", re.MULTILINE | re.DOTALL)
 HEADING = re.compile(r"^#{1,6}\s+(.+?)\s*#*\s*$", re.MULTILINE)
 INTRODUCTION = """# The command line
 
-Written by `make docs` from the program itself; `lappet COMMAND --help` prints the same.
+`make docs` writes this page from the program; `lappet COMMAND --help` prints the same text.
 """
 
 

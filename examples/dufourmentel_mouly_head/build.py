@@ -22,8 +22,8 @@ from lappet.designs import Row, Schedule, Technique, draped_on, dufourmentel, fl
 from lappet.geometry.closest_point import ClosestPoint
 from lappet.procedure import Bone, Material, Procedure, Tissue
 from lappet.tissue.mesh_repair import border_loops
-from lappet.tissue.new_tissue import new_tissue
 from lappet.tissue.skin_sheet import SkinSheet
+from lappet.tissue.tissue_from_mesh import new_tissue
 from lappet.usd.stage import write_procedure
 
 ABOVE = (69.0, -42.0, 60.0)  # mm: the design lies on the skin closest to this point, over the right parietal bone

@@ -33,7 +33,7 @@ from lappet.procedure import (
     Tissue,
     Undermine,
 )
-from lappet.tissue.new_tissue import new_tissue
+from lappet.tissue.tissue_from_mesh import new_tissue
 from lappet.usd.stage import write_procedure
 
 LENGTH, WIDTH, THICKNESS = 30.0, 10.0, 5.0  # mm

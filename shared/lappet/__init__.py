@@ -7,10 +7,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from lappet.core.lazy_exports import lazy_exports
+from lappet.core.version import version
+
 if TYPE_CHECKING:
     from lappet.checks.validation import check
     from lappet.core.problem import Problem, RefusedError
-    from lappet.output.solve_procedure import SolveResult, solve_procedure
+    from lappet.output.solve_to_cache import SolveResult, solve_procedure
     from lappet.procedure import (
         Bone,
         Excision,
@@ -43,13 +46,13 @@ _HOMES = {
     "RefusedError": "core.problem",
     "Region": "procedure",
     "Retractor": "procedure",
-    "SolveResult": "output.solve_procedure",
+    "SolveResult": "output.solve_to_cache",
     "Suture": "procedure",
     "Tissue": "procedure",
     "Undermine": "procedure",
     "check": "checks.validation",
     "read_procedure": "usd.stage",
-    "solve_procedure": "output.solve_procedure",
+    "solve_procedure": "output.solve_to_cache",
     "write_procedure": "usd.stage",
 }
 
@@ -79,20 +82,8 @@ __all__ = [
 ]
 
 
+_load, __dir__ = lazy_exports(__name__, _HOMES)
+
+
 def __getattr__(name: str) -> Any:
-    if name == "__version__":
-        from lappet.core.version import version
-
-        return version()
-    home = _HOMES.get(name)
-    if home is None:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    from importlib import import_module
-
-    value = getattr(import_module(f"{__name__}.{home}"), name)
-    globals()[name] = value
-    return value
-
-
-def __dir__() -> list[str]:
-    return sorted({*globals(), *__all__})
+    return version() if name == "__version__" else _load(name)

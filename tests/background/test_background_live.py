@@ -14,7 +14,7 @@ from lappet.background.live_session import LiveSession
 from lappet.background.worker_events import Finished, FrameFailed, FrameReady, LiveFrame, Refused, WorkerEvent
 from lappet.daemon.frame_solver import SolverDiedError
 from lappet.daemon.solved_frame import SCALARS, SolvedFrame
-from lappet.output.solve_procedure import solve_procedure
+from lappet.output.solve_to_cache import solve_procedure
 from lappet.procedure import Hook, Incision, Point
 from lappet.program.compile import compile_program
 from lappet.program.program import Bones

@@ -27,7 +27,7 @@ from lappet.background.worker_events import (
 )
 from lappet.core.value_codec import pack
 from lappet.daemon.solved_frame import Diagnostics, SolvedFrame
-from lappet.output.solve_procedure import solve_procedure
+from lappet.output.solve_to_cache import solve_procedure
 from lappet.procedure import Hook, Incision, Procedure, Suture
 from lappet.program.settings import SolverSettings
 from lappet.solve.store import FrameStore

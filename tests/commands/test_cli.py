@@ -29,9 +29,9 @@ HEAVY = ("numpy", "pxr", "manifold3d", "trimesh", "zmq", "msgpack", "rich", "net
 def solver(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Iterator[FakeSolver]:
     """A solver that stands in for the daemon, and a store of its own."""
     fake = FakeSolver()
-    for user in ("output.solve_procedure", "output.inspect_procedure", "daemon.daemon_solver"):
+    for user in ("output.solve_to_cache", "output.inspect_procedure", "daemon.daemon_solver"):
         monkeypatch.setattr(f"lappet.{user}.connect_to", lambda address: fake.connect)
-    monkeypatch.setattr("lappet.output.solve_procedure.solver_identity", lambda address: "fake 1")
+    monkeypatch.setattr("lappet.output.solve_to_cache.solver_identity", lambda address: "fake 1")
     monkeypatch.setenv("LAPPET_STORE", str(tmp_path / "store"))
     return fake
 
@@ -310,7 +310,7 @@ def test_an_error_of_our_own_shows_its_traceback_only_when_asked(
     def broken(*_: object, **__: object) -> None:
         raise ZeroDivisionError("division by zero")
 
-    monkeypatch.setattr("lappet.output.solve_procedure.compile_program", broken)
+    monkeypatch.setattr("lappet.output.solve_to_cache.compile_program", broken)
     done = run("solve", procedure)
     assert done.exit_code == 1
     assert is_one_sentence(done.stderr)
@@ -403,7 +403,7 @@ def test_a_terminal_gets_a_bar_and_notes_above_it(
 ) -> None:
     from lappet.commands.solve_progress import BarProgress
     from lappet.daemon.frame_solver import SolverDiedError
-    from lappet.output.solve_procedure import solve_procedure
+    from lappet.output.solve_to_cache import solve_procedure
 
     deaths = [5.0]
 

@@ -13,7 +13,7 @@ from pxr import Usd, UsdGeom
 
 from lappet.core.problem import RefusedError
 from lappet.output.report import report
-from lappet.output.solve_procedure import SolveResult, solve_procedure
+from lappet.output.solve_to_cache import SolveResult, solve_procedure
 from lappet.procedure import Bone, Hook, Material, Procedure
 from lappet.solve.store import FrameStore
 from lappet.tissue.patch import flat_patch

@@ -18,7 +18,7 @@ from pxr import Usd, UsdGeom
 from lappet.checks.lattice_size import TissueMeasure
 from lappet.geometry.closest_point import ClosestPoint
 from lappet.output.report import report
-from lappet.output.solve_procedure import solve_procedure
+from lappet.output.solve_to_cache import solve_procedure
 from lappet.procedure import Incision, Procedure
 from lappet.program.full_check import full_check
 from lappet.program.settings import SolverSettings

@@ -13,7 +13,8 @@ from pathlib import Path
 
 import pytest
 
-from lappet.core.problem import RefusedError
+from lappet.core.problem import refused
+from lappet.core.problem_code import ProblemCode
 from lappet.daemon.process import SolverDaemon
 from lappet.reports import stability_fuzz
 from lappet.reports.stability.fuzz import PATIENT, fuzz, judge
@@ -39,7 +40,7 @@ def test_procedures_end_in_frames_that_hold_or_in_a_sentence(binary: Path) -> No
 def test_a_fault_and_a_false_claim_are_failures(
     running: SolverDaemon, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from lappet.output.solve_procedure import solve_procedure
+    from lappet.output.solve_to_cache import solve_procedure
     from small_procedure import small_procedure
 
     plain = small_procedure(end_time=2.0, events=())
@@ -55,8 +56,8 @@ def test_a_fault_and_a_false_claim_are_failures(
         raise IndexError("index 7 is out of bounds")
 
     def budget(*arguments: object, **more: object) -> object:
-        raise RefusedError("frame 2 ran out of its time budget of 20 s at relative residual 1.00e-02")
+        raise refused(ProblemCode.SOLVER_TIME_BUDGET, "Frame 2", "It ran out of its time budget.")
 
-    for stand_in, says in ((looser, "residual of 5.00e-01"), (faulty, "IndexError"), (budget, "time budget")):
+    for stand_in, says in ((looser, "residual of 5.00e-01"), (faulty, "IndexError"), (budget, "Frame 2")):
         monkeypatch.setattr(stability_fuzz, "solve_procedure", stand_in)
         assert says in judge(plain, running, tmp_path).wrong

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from lappet.daemon.daemon_solver import connect_to
 from lappet.reports.box_scenes import SKIN, BoxScene
-from lappet.solve.solve_program import SolveObserver, solve_program
+from lappet.solve.solve_frames import SolveObserver, solve_program
 from lappet.solve.store import FrameStore
 
 GRAVITY = 9.81e-2  # m/s²

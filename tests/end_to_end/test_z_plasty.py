@@ -11,14 +11,14 @@ from pxr import Usd, UsdGeom
 from lappet.daemon.daemon_solver import connect_to
 from lappet.demo import z_plasty
 from lappet.output.report import report
-from lappet.output.solve_procedure import solve_procedure
+from lappet.output.solve_to_cache import solve_procedure
 from lappet.program.program import Program
 from lappet.program.settings import SolverSettings
 from lappet.reports.error_time.measurement import DEFAULT, skin_of
 from lappet.reports.error_time.procedure_scenes import z_plasty_scene
 from lappet.reports.error_time.reference import greatest, rms
 from lappet.solve.error_estimate import coarse_program, expected_order, frame_error
-from lappet.solve.solve_program import FrameResult, SolveObserver, solve_program
+from lappet.solve.solve_frames import FrameResult, SolveObserver, solve_program
 from lappet.solve.store import FrameStore
 
 THICKNESS = 4.0  # mm

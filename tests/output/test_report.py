@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 
 from lappet.output.report import report, write_report
-from lappet.output.solve_procedure import SolveResult
+from lappet.output.solve_to_cache import SolveResult
 from lappet.program.compile import compile_program
-from lappet.solve.solve_program import SolveObserver, solve_program
+from lappet.solve.solve_frames import SolveObserver, solve_program
 from lappet.solve.store import FrameStore
 from report_shape import FRAME, REPORT, misfits
 from small_procedure import FakeSolver, small_procedure

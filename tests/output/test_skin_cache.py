@@ -19,7 +19,7 @@ from lappet.output.skin_cache import write_skin_cache
 from lappet.procedure import Procedure
 from lappet.program.compile import compile_program
 from lappet.program.program import Program
-from lappet.solve.solve_program import FrameResult, SolveObserver, solve_program
+from lappet.solve.solve_frames import FrameResult, SolveObserver, solve_program
 from lappet.solve.store import FrameStore
 from lappet.usd.stage import write_procedure
 from small_procedure import FakeSolver, small_procedure

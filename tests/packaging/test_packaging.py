@@ -55,7 +55,7 @@ def test_the_tested_versions_are_pinned_for_every_requirement() -> None:
 
 
 def test_an_unknown_extra_is_refused_by_name() -> None:
-    with pytest.raises(ValueError, match="no extra 'rendr'; it has dev, examples, render, report, test"):
+    with pytest.raises(ValueError, match="no extra 'rendr'; it has dev, docs, examples, render, report, test"):
         requirements(["rendr"])
 
 
@@ -99,7 +99,7 @@ def test_missing_packages_without_root_or_sudo_are_a_sentence(tmp_path: Path) ->
 def test_make_alone_lists_the_commands() -> None:
     done = subprocess.run(["make", "--no-print-directory"], cwd=ROOT, capture_output=True, text=True, check=True)
     listed = re.findall(r"^make (\w+) +\w", done.stdout, re.MULTILINE)
-    assert {"demo", "test", "lint", "bench", "clean", "docs", "setup", "daemon", "help"} <= set(listed)
+    assert {"demo", "test", "lint", "bench", "clean", "docs", "site", "setup", "daemon", "help"} <= set(listed)
 
 
 @pytest.mark.slow
@@ -125,7 +125,7 @@ def test_a_wheel_installed_elsewhere_brings_the_command_and_its_daemon(tmp_path:
     """Build the wheel from a copy without build products, install it in an environment of its own, run both."""
     wheel = lappet_wheel.built()
     names = zipfile.ZipFile(wheel).namelist()
-    for name in ("lappet/bin/lappet-solverd", "lappet/cli.py", "lappet_blender/figure/__main__.py"):
+    for name in ("lappet/bin/lappet-solverd", "lappet/commands/cli.py", "lappet_blender/figure/__main__.py"):
         assert name in names
     assert any(name.startswith("lappet/schema/") for name in names)
 

@@ -40,7 +40,7 @@ from lappet.reports.error_time.measurement import (
 )
 from lappet.reports.error_time.reference import Reference, fitted_order, observed_orders, richardson, rms
 from lappet.reports.error_time.totals import totals
-from lappet.solve.solve_program import SolveObserver, solve_program
+from lappet.solve.solve_frames import SolveObserver, solve_program
 from lappet.solve.store import FrameStore
 from lappet.usd.stage import write_procedure
 from small_procedure import small_procedure

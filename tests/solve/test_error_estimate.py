@@ -12,7 +12,7 @@ import pytest
 from lappet.daemon.daemon_solver import connect_to
 from lappet.daemon.solved_frame import LatticeCounts, SolvedFrame
 from lappet.geometry.labelled_surface import FaceOrigin
-from lappet.output.solve_procedure import solve_procedure
+from lappet.output.solve_to_cache import solve_procedure
 from lappet.reports.box_scenes import BAR, BLOCK, BLOCK_SLACK, CANTILEVER, COOK, SHELF, BoxScene
 from lappet.reports.error_time.measurement import DEFAULT, EXACT, skin_of
 from lappet.reports.error_time.reference import greatest, richardson, rms
@@ -25,7 +25,7 @@ from lappet.solve.error_estimate import (
     far_coarse_program,
     frame_error,
 )
-from lappet.solve.solve_program import FrameResult, SolveObserver, solve_program
+from lappet.solve.solve_frames import FrameResult, SolveObserver, solve_program
 from lappet.solve.store import FrameStore
 from lappet.solve.target_error import worst_rms
 from small_procedure import small_procedure

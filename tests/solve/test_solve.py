@@ -13,7 +13,7 @@ from lappet.daemon.frame_solver import FrameRefusedError, SolverDiedError
 from lappet.procedure import Procedure, Suture
 from lappet.program.compile import compile_program
 from lappet.program.program import Program
-from lappet.solve.solve_program import FrameResult, Frames, SolveObserver, solve_program
+from lappet.solve.solve_frames import FrameResult, Frames, SolveObserver, solve_program
 from lappet.solve.store import FrameStore
 from small_procedure import TOP, FakeSolver, small_procedure
 

@@ -17,8 +17,8 @@ import pytest
 from lappet.core.value_codec import pack
 from lappet.daemon.frame_solver import Iteration
 from lappet.daemon.solved_frame import Diagnostics, SolvedFrame
-from lappet.output.solve_procedure import SolveResult, solve_procedure
-from lappet.solve.solve_program import SolveObserver
+from lappet.output.solve_to_cache import SolveResult, solve_procedure
+from lappet.solve.solve_frames import SolveObserver
 from lappet.solve.store import FrameStore
 from lappet.usd.stage import write_procedure
 from small_procedure import small_procedure

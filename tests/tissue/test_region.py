@@ -18,7 +18,7 @@ from lappet.daemon.daemon_solver import connect_to, solver_identity
 from lappet.procedure import Hook, Incision, Material, Procedure
 from lappet.program.compile import compile_program
 from lappet.program.program import Program
-from lappet.solve.solve_program import SolveObserver, solve_program
+from lappet.solve.solve_frames import SolveObserver, solve_program
 from lappet.solve.store import FrameStore
 from lappet.tissue.patch import flat_patch
 from lappet.usd.stage import write_procedure

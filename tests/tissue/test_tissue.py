@@ -13,9 +13,9 @@ from lappet.geometry.labelled_surface import FaceOrigin
 from lappet.geometry.surface_check import SurfaceError
 from lappet.procedure import Tissue
 from lappet.tissue.mesh_file import MeshError
-from lappet.tissue.new_tissue import new_tissue
 from lappet.tissue.patch import UV_SCALE
 from lappet.tissue.surface import tissue_surface
+from lappet.tissue.tissue_from_mesh import new_tissue
 from surface_measures import areas, assert_closed, volume
 
 RADIUS = 90.0

@@ -10,6 +10,7 @@ from lappet.background.plan import Plan
 from lappet.daemon.solved_frame import SolvedFrame
 
 from ..look.quantity_scale import frame_peak, full_value
+from ..solving import frames
 
 _BUDGET = 0.01  # seconds of the main thread that one call may read frames for, in a window
 _peaks: dict[tuple[str, str], float] = {}
@@ -30,8 +31,6 @@ def scan_frames(scene: bpy.types.Scene, plan: Plan, quantity: str, patient: bool
 
     patient: read all, however long it takes (renders, scripts).
     """
-    from ..solving import frames
-
     begun = monotonic()
     for planned in plan.frames:
         if (planned.key, quantity) in _peaks or frames.frame_state(scene, planned.time) != "solved":

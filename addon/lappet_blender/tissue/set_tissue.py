@@ -9,9 +9,9 @@ from lappet.core.problem import RefusedError
 from lappet.geometry.flatten import flatten
 from lappet.geometry.surface_check import signed_volume
 from lappet.geometry.triangulation import triangulate
-from lappet.tissue.new_tissue import chosen_spacing
 from lappet.tissue.patch import UV_SCALE
 from lappet.tissue.presets import PRESETS
+from lappet.tissue.tissue_from_mesh import chosen_spacing
 
 from ..model.material_values import set_material
 from ..model.mesh_values import MeshValues, mesh_values

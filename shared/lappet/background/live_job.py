@@ -1,4 +1,4 @@
-"""Runs live mode: brings the tissue to a frame, then follows the newest target of a hook."""
+"""Run live mode: bring the tissue to a frame, then follow the newest target of a hook."""
 
 from __future__ import annotations
 
@@ -13,16 +13,17 @@ from lappet.background.plan import Plan
 from lappet.background.solve_job import SolveJobs, stoppable
 from lappet.background.worker_events import FrameFailed, LiveFrame, Note
 from lappet.background.worker_requests import Ask
-from lappet.core.problem import Problem, RefusedError, problem
+from lappet.core.problem import RefusedError, refused
 from lappet.core.problem_code import ProblemCode
 from lappet.daemon.frame_solver import FrameRefusedError, SolverDiedError
 from lappet.daemon.solved_frame import SolvedFrame
 from lappet.procedure import Point
 from lappet.procedure.prim_paths import TIMELINE
+from lappet.solve.solve_frames import at_frame
 
 
 class LiveJobs(SolveJobs):
-    """Runs live jobs; each lasts until it is cancelled."""
+    """A runner of live jobs; each lasts until it is cancelled."""
 
     def _run(self, job: Job) -> int:
         plan = self.plan(job)
@@ -45,13 +46,7 @@ class LiveJobs(SolveJobs):
         except KeyboardInterrupt:
             raise CancelledError from None
         except (RefusedError, SolverDiedError) as error:
-            self.tell(
-                FrameFailed(
-                    job.number,
-                    job.ask.time,
-                    problem(ProblemCode.UNSORTED, said=f"Frame {job.ask.time} was not solved: {error}"),
-                )
-            )
+            self.tell(FrameFailed(job.number, job.ask.time, at_frame(job.ask.time, error)))
             return 0
         finally:
             session.close()
@@ -104,35 +99,13 @@ def _place(plan: Plan, ask: Ask) -> tuple[int, int]:
     path = f"{TIMELINE}/{ask.hook}"
     index = next((i for i, frame in enumerate(plan.frames) if frame.time == ask.time), None)
     if index is None:
-        sentence = f"There is no frame {ask.time} to pull it at; the frames run from "
-        sentence += f"{plan.frames[0].time} to {plan.frames[-1].time}."
-        raise RefusedError([Problem(ProblemCode.UNSORTED, path, str(ask.time), sentence, "Go to one of these.")])
+        start, end = plan.frames[0].time, plan.frames[-1].time
+        raise refused(ProblemCode.LIVE_NO_FRAME, path, ask.time, start=start, end=end)
     if ask.hook not in plan.hooks:
-        raise RefusedError(
-            [
-                Problem(
-                    ProblemCode.UNSORTED,
-                    path,
-                    ask.hook,
-                    "There is no hook of that name.",
-                    "Name one that is there.",
-                )
-            ]
-        )
+        raise refused(ProblemCode.LIVE_NO_HOOK, path, ask.hook)
     hook = plan.hooks.index(ask.hook)
     if hook not in plan.frames[index].hooks:
         times = [frame.time for frame in plan.frames if hook in frame.hooks]
         when = f"it pulls from {times[0]} to {times[-1]}" if times else "it pulls at no frame"
-        sentence = f"The hook does not pull at frame {ask.time}: {when}."
-        raise RefusedError(
-            [
-                Problem(
-                    ProblemCode.UNSORTED,
-                    path,
-                    str(ask.time),
-                    sentence,
-                    "Go to one of its frames, or move its start.",
-                )
-            ]
-        )
+        raise refused(ProblemCode.LIVE_NOT_PULLING, path, ask.time, when=when)
     return index, plan.frames[index].hooks.index(hook)

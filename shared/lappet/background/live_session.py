@@ -9,18 +9,29 @@ from lappet.daemon.frame_solver import Connect, FrameSolver, Iteration, SolverDi
 from lappet.daemon.solved_frame import SolvedFrame, SolverState
 from lappet.procedure import Point
 from lappet.program.program import Program
-from lappet.solve.solve_program import TRIES
+from lappet.solve.solve_frames import TRIES
 
 TOLERANCE = 1e-2  # residual over force scale: what is shown while the mouse moves needs no more
 TIME_BUDGET = 2.0  # seconds for a target
 
 
 class LiveSession:
-    """A session that holds one frame of a program. What it finds is never stored: it depends on the way there.
+    """A session that holds one frame of a program; what it finds is never stored: it depends on the way there.
 
-    index: of the frame. row: of the hook in its hook arrays. start: (epoch, frame) of the state to begin with, that of
-    the frame itself or of the one before; None: at rest. note: takes a sentence when the solver had to be started
-    again.
+    Parameters
+    ----------
+    program
+        The program.
+    index
+        Index of the frame.
+    row
+        Row of the hook in the frame's hook arrays.
+    start
+        Epoch and frame of the state to begin with, that of the frame itself or of the one before; None: at rest.
+    connect
+        Makes the solver.
+    note
+        Takes a sentence when the solver had to be started again.
     """
 
     def __init__(
@@ -45,9 +56,26 @@ class LiveSession:
             self._keep(start[0], start[1])
 
     def pull(self, target: Point, progress: Callable[[Iteration], None]) -> SolvedFrame:
-        """The equilibrium with the hook pulled to `target`, mm; where it is not found the tissue stays where it was.
+        """Find the equilibrium with the hook pulled to a target; where there is none the tissue stays where it was.
 
-        Raises FrameRefusedError, and SolverDiedError after three deaths in a row; what `progress` raises ends it.
+        Parameters
+        ----------
+        target
+            Target in mm.
+        progress
+            Called at every Newton iteration; what it raises ends the solve.
+
+        Returns
+        -------
+        SolvedFrame
+            The frame.
+
+        Raises
+        ------
+        FrameRefusedError
+            If the solver refuses the frame.
+        SolverDiedError
+            If the solver died three times in a row.
         """
         targets = self._frame.hook_targets.copy()
         targets[self._row] = target
@@ -67,7 +95,7 @@ class LiveSession:
         raise AssertionError("unreachable")
 
     def close(self) -> None:
-        """Ends the session."""
+        """End the session."""
         solver, self._solver = self._solver, None
         if solver is not None:
             solver.close()

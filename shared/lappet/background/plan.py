@@ -12,10 +12,24 @@ from numpy.typing import NDArray
 class EpochShape:
     """The surface of an epoch, as far as it is shown.
 
-    key: the same for the same surface, 64 hexadecimal digits. start_time: time code. rest: (n, 3) float32, mm.
-    triangles: (m, 3) int32. origin: (m,) uint8, `FaceOrigin`: 0 skin, 1 wound wall, 2 underside, 3 rim. grid: (m, 3, 2)
-    float32, texture coordinates per corner in mm along the skin. depth: (n,) float32, mm below the skin's edge at walls
-    and rims. face: (m,) int32, the face of the tissue's mesh that each triangle lies on, -1 for wound walls.
+    Parameters
+    ----------
+    key
+        The same for the same surface, 64 hexadecimal digits.
+    start_time
+        Time code at which the epoch begins.
+    rest
+        Vertices at rest in mm, shape (n, 3), float32.
+    triangles
+        Vertex indices, shape (m, 3), int32.
+    origin
+        `FaceOrigin` of each triangle, shape (m,), uint8: 0 skin, 1 wound wall, 2 underside, 3 rim.
+    grid
+        Texture coordinates per corner in mm along the skin, shape (m, 3, 2), float32.
+    depth
+        Depth below the skin's edge at walls and rims in mm, shape (n,), float32.
+    face
+        Face of the tissue's mesh that each triangle lies on, -1 for wound walls, shape (m,), int32.
     """
 
     key: str
@@ -30,10 +44,20 @@ class EpochShape:
 
 @dataclass(frozen=True)
 class PlannedFrame:
-    """A frame: time code, the index of its epoch in `Plan.epochs`, its key in the store.
+    """A frame of a plan.
 
-    hooks: indices into `Plan.hooks` of those that pull, in the order of the frame's hook arrays. sutures: likewise, of
-    those placed by now.
+    Parameters
+    ----------
+    time
+        Time code.
+    epoch
+        Index of its epoch in `Plan.epochs`.
+    key
+        Its key in the store.
+    hooks
+        Indices in `Plan.hooks` of those that pull, in the order of the frame's hook arrays.
+    sutures
+        Indices in `Plan.sutures` of those placed by now, in the order of the frame's suture arrays.
     """
 
     time: int
@@ -47,8 +71,24 @@ class PlannedFrame:
 class Plan:
     """A compiled procedure without what only the solver needs: which frames there are and under which keys they lie.
 
-    key: of the procedure and the settings (`plan_key`). hooks, sutures: names of events. landmarks: a label per point.
-    landmarks_at: per epoch, the indices into `landmarks` of those that its tissue still holds. notes: sentences.
+    Parameters
+    ----------
+    key
+        Key of the procedure and the settings (`plan_key`).
+    epochs
+        Surfaces of the epochs.
+    frames
+        The frames.
+    hooks
+        Names of the hooks.
+    sutures
+        Names of the sutures.
+    landmarks
+        A label per point.
+    landmarks_at
+        For each epoch the indices in `landmarks` of those that its tissue still holds.
+    notes
+        Sentences for the user.
     """
 
     key: str

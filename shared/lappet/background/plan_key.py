@@ -10,12 +10,24 @@ from lappet.program.settings import SolverSettings, in_key
 
 
 def plan_key(procedure: Procedure, settings: SolverSettings, solver_identity: str) -> str:
-    """Return 64 hexadecimal digits: a hash of every value of the procedure and of what of the settings changes a frame.
+    """Compute the key of a plan: a hash of every value of the procedure and of what of the settings changes a frame.
 
     The names of events, materials and subsets and the order of the events take part; numbers count by value (1 as 1.0,
-    -0 as 0), and the threads, which change no frame, not at all.
-    solver_identity: as for `lappet.program.keys.frame_keys`.
-    The tissue and the bones are hashed once per object.
+    -0 as 0), and the threads, which change no frame, not at all. The tissue and the bones are hashed once per object.
+
+    Parameters
+    ----------
+    procedure
+        The procedure.
+    settings
+        How to solve.
+    solver_identity
+        What identifies the solver, as for `lappet.program.keys.frame_keys`.
+
+    Returns
+    -------
+    str
+        64 hexadecimal digits.
     """
     choice = {item.name: getattr(settings, item.name) for item in fields(settings) if in_key(item.name)}
     choice["spacing"] = settings.spacing or procedure.tissue.spacing

@@ -17,8 +17,20 @@ class StoredPlan:
 
 
 def put_plan(store: FrameStore, plan: Plan) -> bool:
-    """Keep a plan: the surfaces of its epochs that are not there yet, then the plan itself; False where the disk does
-    not take it (`FrameStore.trouble`)."""
+    """Keep a plan: the surfaces of its epochs that are not there yet, then the plan itself.
+
+    Parameters
+    ----------
+    store
+        The store.
+    plan
+        The plan.
+
+    Returns
+    -------
+    bool
+        Whether the disk took it (`FrameStore.trouble`).
+    """
     for epoch in plan.epochs:
         if epoch.key not in store and not store.put(epoch.key, epoch):
             return False
@@ -27,9 +39,21 @@ def put_plan(store: FrameStore, plan: Plan) -> bool:
 
 
 def get_plan(store: FrameStore, key: str, shapes: dict[str, EpochShape] | None = None) -> Plan | None:
-    """Return the plan of a key, or None where it or one of its surfaces is not there (any more).
+    """Look up a plan.
 
-    shapes: surfaces that the caller holds, by key; they are not read again, and what is read is added.
+    Parameters
+    ----------
+    store
+        The store.
+    key
+        Key of the plan.
+    shapes
+        Surfaces that the caller holds, by key; they are not read again, and what is read is added.
+
+    Returns
+    -------
+    Plan | None
+        The plan, or None where it or one of its surfaces is not there (any more).
     """
     stored = store.get(key, StoredPlan)
     if stored is None:

@@ -23,7 +23,7 @@ from lappet.background.pipes import MAX_BYTES, inherited
 from lappet.background.worker_events import Finished, Refused, WorkerEvent
 from lappet.background.worker_requests import Aim, Ask, Cancel, WorkerRequest
 from lappet.core.array_codec import CodecError
-from lappet.core.problem import Problem
+from lappet.core.problem import ProblemsError, problem
 from lappet.core.problem_code import ProblemCode
 from lappet.core.value_codec import pack, unpack
 
@@ -32,7 +32,13 @@ _NICENESS = 5  # so that the window stays lively while all cores solve
 
 
 def main(arguments: list[str]) -> None:
-    """Serve requests until their pipe ends; never returns."""
+    """Serve requests until standard input ends; never return.
+
+    Parameters
+    ----------
+    arguments
+        Arguments of the process.
+    """
     requests, events = inherited(arguments[0], arguments[1])
     with contextlib.suppress(OSError, AttributeError):
         os.nice(_NICENESS)
@@ -44,7 +50,15 @@ def main(arguments: list[str]) -> None:
 
 
 class Worker:
-    """Takes requests and hands each to the thread of its kind. store: folder of the frames. events: where they go."""
+    """A worker that takes requests and hands each to the thread of its kind.
+
+    Parameters
+    ----------
+    store
+        Folder of the frames, or None for the user's.
+    answers
+        Pipe to the owner.
+    """
 
     def __init__(self, store: Path | None, events: Connection) -> None:
         self._folder = store
@@ -57,7 +71,13 @@ class Worker:
         self._lanes = {kind: _Lane(kind, self._run) for kind in ("plan", "solve", "live")}
 
     def take(self, request: WorkerRequest) -> None:
-        """Do what a request asks, without waiting for any job."""
+        """Do what a request asks, without waiting for any job.
+
+        Parameters
+        ----------
+        request
+            The request.
+        """
         if isinstance(request, Ask):
             self._begin(Job(request))
             return
@@ -88,7 +108,8 @@ class Worker:
         except Exception as error:  # there is nobody to run it: no daemon, or parts that cannot be imported
             traceback.print_exception(error)
             with contextlib.suppress(_Gone):
-                self.tell(Refused(job.number, (Problem(ProblemCode.UNSORTED, "/Procedure", "", str(error), ""),)))
+                own = problem(ProblemCode.BACKGROUND_INTERNAL, "/Procedure", f"{type(error).__name__}: {error}")
+                self.tell(Refused(job.number, error.problems if isinstance(error, ProblemsError) else (own,)))
                 self.tell(Finished(job.number, 0, 0.0, job.cancelled))
         finally:
             with self._guard:
@@ -111,7 +132,13 @@ class Worker:
             return self._services
 
     def tell(self, event: WorkerEvent) -> None:
-        """Send an event to the owner."""
+        """Send what happened to the owner.
+
+        Parameters
+        ----------
+        happening
+            What happened.
+        """
         data = pack(event)
         try:
             with self._writing:
@@ -120,7 +147,7 @@ class Worker:
             raise _Gone from None
 
     def end(self) -> None:
-        """Ends all jobs, which end their daemons, and the process; a daemon that is left over sees that it is alone."""
+        """End all jobs, which end their daemons, and the process; a daemon that is left over sees that it is alone."""
         with self._guard:
             for job in self._jobs.values():
                 job.cancel()

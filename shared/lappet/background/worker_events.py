@@ -11,7 +11,17 @@ from lappet.daemon.solved_frame import SolvedFrame
 
 @dataclass(frozen=True, eq=False)
 class Planned:
-    """The procedure of a job is compiled. known: per frame, whether the store holds it."""
+    """The procedure of a job is compiled.
+
+    Parameters
+    ----------
+    job
+        Number of the job.
+    plan
+        The plan.
+    known
+        For each frame, whether the store holds it.
+    """
 
     job: int
     plan: Plan
@@ -20,7 +30,15 @@ class Planned:
 
 @dataclass(frozen=True)
 class Refused:
-    """The procedure of a job cannot be solved; nothing was done."""
+    """The procedure of a job cannot be solved; nothing was done.
+
+    Parameters
+    ----------
+    job
+        Number of the job.
+    problems
+        Why.
+    """
 
     job: int
     problems: tuple[Problem, ...]
@@ -28,7 +46,21 @@ class Refused:
 
 @dataclass(frozen=True)
 class IterationDone:
-    """A Newton iteration is done: time code, its number, residual over force scale, largest gap in mm."""
+    """A Newton iteration is done.
+
+    Parameters
+    ----------
+    job
+        Number of the job.
+    time
+        Time code.
+    newton
+        Number of the iteration.
+    residual
+        Residual over force scale.
+    gap
+        Largest gap in mm.
+    """
 
     job: int
     time: float
@@ -39,8 +71,21 @@ class IterationDone:
 
 @dataclass(frozen=True, eq=False)
 class FrameReady:
-    """A frame is there. looked_up: it came from the store. frame: as shown; None where it was looked up (read it
-    from there)."""
+    """A frame is there.
+
+    Parameters
+    ----------
+    job
+        Number of the job.
+    time
+        Time code.
+    key
+        Its key in the store.
+    looked_up
+        Whether it came from the store.
+    frame
+        The frame; None where it was looked up (read it from there).
+    """
 
     job: int
     time: int
@@ -51,7 +96,17 @@ class FrameReady:
 
 @dataclass(frozen=True)
 class FrameFailed:
-    """A frame did not converge or was refused; the job ends there."""
+    """A frame did not converge or was refused; the job ends there.
+
+    Parameters
+    ----------
+    job
+        Number of the job.
+    time
+        Time code.
+    problem
+        Why.
+    """
 
     job: int
     time: int
@@ -60,7 +115,19 @@ class FrameFailed:
 
 @dataclass(frozen=True)
 class Finished:
-    """A job has ended. frames: how many are there. seconds: wall clock. cancelled: by its owner."""
+    """A job has ended.
+
+    Parameters
+    ----------
+    job
+        Number of the job.
+    frames
+        How many frames are there.
+    seconds
+        Run time in seconds.
+    cancelled
+        Whether its owner ended it.
+    """
 
     job: int
     frames: int
@@ -70,7 +137,15 @@ class Finished:
 
 @dataclass(frozen=True)
 class Note:
-    """A sentence for the user: the daemon died and was started again, the store cannot be written ..."""
+    """A sentence for the user: the daemon died and was started again, the store cannot be written, ….
+
+    Parameters
+    ----------
+    job
+        Number of the job.
+    sentence
+        The sentence.
+    """
 
     job: int
     sentence: str
@@ -78,7 +153,23 @@ class Note:
 
 @dataclass(frozen=True, eq=False)
 class LiveFrame:
-    """Live mode: the skin for the hook's latest target. seconds: that the solver took. time: of the frame pulled at."""
+    """The skin in live mode for the hook's latest target.
+
+    Parameters
+    ----------
+    job
+        Number of the job.
+    time
+        Time code of the frame that is pulled at.
+    target
+        Target in mm.
+    frame
+        The frame.
+    converged
+        Whether the equilibrium was found.
+    seconds
+        Time that the solver took.
+    """
 
     job: int
     time: int

@@ -27,7 +27,7 @@ from lappet.program.settings import SolverSettings
 @solve_options
 @click.pass_context
 def demo(context: click.Context, /, folder: Path, settings: SolverSettings, **options: Any) -> None:
-    """Solve and render the bundled Z-plasty, at a lattice spacing of 1.33 mm where none is given."""
+    """Solve and render the bundled Z-plasty, at a spacing of 1.33 mm unless you give one."""
     import shutil
 
     with sentences(context):

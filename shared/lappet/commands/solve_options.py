@@ -14,8 +14,18 @@ from lappet.program.settings import Option, SolverSettings, options
 
 
 def solve_options(command: Callable[..., Any]) -> Callable[..., Any]:
-    """Add the options that every command that solves has; it is called with `settings`, a SolverSettings, and `store`,
-    `daemon` and `error_estimate`."""
+    """Add the options that every command that solves has.
+
+    Parameters
+    ----------
+    command
+        The command's function.
+
+    Returns
+    -------
+    Callable[..., Any]
+        The function with the options.
+    """
 
     @functools.wraps(command)
     def with_settings(*arguments: Any, **given: Any) -> Any:
@@ -45,7 +55,20 @@ def solve_options(command: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def is_given(context: click.Context, name: str) -> bool:
-    """Return whether the user gave the option."""
+    """Tell whether the user gave an option.
+
+    Parameters
+    ----------
+    context
+        The command's context.
+    name
+        Name of the parameter.
+
+    Returns
+    -------
+    bool
+        Whether it was on the command line or in the environment.
+    """
     source = context.get_parameter_source(name)
     return source is not None and source.name == "COMMANDLINE"
 

@@ -16,6 +16,9 @@ import msgpack
 import numpy as np
 from numpy.typing import NDArray
 
+from lappet.core.problem import ProblemsError
+from lappet.core.problem_code import ProblemCode
+
 DTYPES: dict[str, np.dtype[Any]] = {
     "u1": np.dtype("u1"),
     "i4": np.dtype("<i4"),
@@ -33,8 +36,10 @@ ExtensionHook = Callable[[int, bytes], Any]
 Bytes = bytes | memoryview
 
 
-class CodecError(ValueError):
+class CodecError(ProblemsError, ValueError):
     """Bytes that hold no value, or a value that cannot be written; the sentence names the field and its value."""
+
+    code_of_sentences = ProblemCode.PIPE_MALFORMED
 
 
 @dataclass(frozen=True)

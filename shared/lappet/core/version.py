@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
-from importlib.metadata import PackageNotFoundError
-from importlib.metadata import version as installed_version
-
 
 def version() -> str:
-    """The version of the installed package; "0+unknown" in a checkout that is not installed."""
+    """Look up the version of the installed package.
+
+    Returns
+    -------
+    str
+        The version; "0+unknown" in a checkout that is not installed.
+    """
+    from importlib.metadata import PackageNotFoundError  # 60 ms that `import lappet` shall not take
+    from importlib.metadata import version as installed_version
+
     try:
         return installed_version("lappet")
-    except PackageNotFoundError:  # a checkout that is not installed
+    except PackageNotFoundError:
         return "0+unknown"

@@ -33,13 +33,22 @@ __all__ = [
 class SolverClient:
     """One session with a daemon: a context manager.
 
-    address: that of a running daemon, whose token is `token` or the environment's LAPPET_TOKEN; without an address a
-    daemon is started here and ended with the client. name: how the daemon calls this client in its log. silence:
-    seconds without an answer after which the daemon counts as dead. One thread at a time may make requests; `cancel`
-    may be called from any.
+    One thread at a time may make requests; `cancel` may be called from any. Every request raises DaemonDied when the
+    daemon is gone, SolverRefused with its sentence when it refuses, and WireError when it answers something else than
+    PROTOCOL.md says.
 
-    Every request raises DaemonDied when the daemon is gone, SolverRefused with its sentence when it refuses, and
-    WireError when it answers something else than PROTOCOL.md says.
+    Parameters
+    ----------
+    address
+        Address of a running daemon; without one a daemon is started here and ended with the client.
+    token
+        Token of the running daemon; None for the environment's `LAPPET_TOKEN`.
+    daemon
+        A daemon to start and end, instead of a new one.
+    name
+        What the daemon calls this client in its log.
+    silence
+        Seconds without an answer after which the daemon counts as dead.
     """
 
     def __init__(
@@ -58,12 +67,18 @@ class SolverClient:
         self._landmarks: NDArray[np.int32] = Landmarks().index
 
     def connect(self) -> Self:
-        """Starts the daemon where there is none, connects and says hello."""
+        """Start the daemon where there is none, connect and say hello.
+
+        Returns
+        -------
+        Self
+            This client.
+        """
         self._connection.connect()
         return self
 
     def close(self) -> None:
-        """Takes leave, and ends the daemon that was started here. May be called twice."""
+        """Take leave, and end the daemon that was started here; may be called twice."""
         self._connection.close()
 
     def __enter__(self) -> Self:
@@ -80,7 +95,20 @@ class SolverClient:
         return self._connection.welcome
 
     def open(self, settings: SolverSettings, bones: Bones | None = None) -> int:
-        """Opens a session, closing the one before; returns its number. bones: what the tissue may not enter."""
+        """Open a session, closing the one before.
+
+        Parameters
+        ----------
+        settings
+            How the session solves.
+        bones
+            What the tissue may not enter.
+
+        Returns
+        -------
+        int
+            Number of the session.
+        """
         if self._connection.session is not None:
             expect(self._connection.request("close"), "accepted")
             self._connection.session = None
@@ -94,9 +122,21 @@ class SolverClient:
     def set_epoch(
         self, epoch: Epoch, grip: NDArray[np.int32] | None = None, landmarks: Landmarks | None = None
     ) -> LatticeCounts:
-        """Install an epoch, carrying the state over by rest position; returns the counts of the message `lattice`.
+        """Install an epoch, carrying the state over by rest position.
 
-        grip: (m,) index of the retractor that grips each triangle, or -1 (none is gripped when left out).
+        Parameters
+        ----------
+        epoch
+            The epoch.
+        grip
+            Index of the retractor that grips each triangle, or -1, shape (m,); none is gripped when left out.
+        landmarks
+            The landmarks that the epoch's tissue holds.
+
+        Returns
+        -------
+        LatticeCounts
+            Counts of the message `lattice`.
         """
         self._set_epoch(epoch, grip, landmarks)
         assert self._lattice is not None
@@ -106,7 +146,8 @@ class SolverClient:
         self, epoch: Epoch, grip: NDArray[np.int32] | None = None, landmarks: Landmarks | None = None
     ) -> tuple[LatticeCounts, NDArray[np.float64]]:
         """Install an epoch like `set_epoch`; return also the lattice's nodes at rest, (N, 3) mm, in the order of a
-        state."""
+        state.
+        """
         reply = self._set_epoch(epoch, grip, landmarks, nodes=1)
         assert self._lattice is not None
         return self._lattice, read_array(reply, "nodes", "f8", (None, 3))
@@ -125,7 +166,13 @@ class SolverClient:
         return reply
 
     def set_state(self, state: SolverState) -> None:
-        """Replaces the state of the epoch by that of an earlier frame: the solve then goes on bit for bit."""
+        """Replace the state of the epoch by that of an earlier frame: the solve then goes on bit for bit.
+
+        Parameters
+        ----------
+        state
+            The state.
+        """
         arrays: dict[str, NDArray[Any]] = {
             "nodes": np.asarray(state.nodes, np.float64 if state.precision == "double" else np.float32),
             "suture_gaps": np.asarray(state.suture_gaps, np.float64),
@@ -136,10 +183,28 @@ class SolverClient:
         expect(self._connection.request("state", {"precision": state.precision}, arrays), "accepted")
 
     def solve(self, frame: FrameConstraints, on_progress: Callable[[Iteration], None] | None = None) -> SolvedFrame:
-        """Finds the equilibrium of a frame of the epoch that was set; unconverged frames come back too.
+        """Find the equilibrium of a frame of the epoch that was set; unconverged frames come back too.
 
-        on_progress is called on this thread. An exception of its own, and Ctrl-C, cancel the solve and are passed on;
-        the session can go on after that. Raises SolveCancelled after `cancel`, ValueError for a frame of another epoch.
+        An exception of `on_progress`, and Ctrl-C, cancel the solve and are passed on; the session can go on after that.
+
+        Parameters
+        ----------
+        frame
+            The frame's constraints.
+        on_progress
+            Called on this thread with where the solve stands.
+
+        Returns
+        -------
+        SolvedFrame
+            The frame.
+
+        Raises
+        ------
+        SolveCancelled
+            If `cancel` was called.
+        ValueError
+            If the frame belongs to another epoch.
         """
         if self._epoch is not None and frame.epoch != self._epoch:
             raise ValueError(
@@ -155,11 +220,17 @@ class SolverClient:
         return read_frame(reply, frame, self._settings, self._landmarks, self._lattice)
 
     def cancel(self) -> None:
-        """Cancels the solve that runs; from any thread."""
+        """Cancel the solve that runs; from any thread."""
         self._connection.cancel()
 
     def ping(self) -> float:
-        """Seconds until the daemon answers."""
+        """Measure how long the daemon takes to answer.
+
+        Returns
+        -------
+        float
+            Seconds.
+        """
         begun = time.monotonic()
         expect(self._connection.request("ping"), "pong")
         return time.monotonic() - begun

@@ -42,7 +42,8 @@ class StageSeconds:
 @dataclass(frozen=True)
 class PassCounts:
     """Passes over the whole lattice, and the seconds of each kind: of the energy and its gradient, of the tangent
-    there, of products with it."""
+    there, of products with it.
+    """
 
     evaluations: int = 0
     evaluation_seconds: float = 0.0

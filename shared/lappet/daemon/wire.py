@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from lappet.core import array_codec
 from lappet.core.array_codec import DTYPES, Bytes, CodecError, Limits
+from lappet.core.problem_code import ProblemCode
 
 VERSION = 1
 DEFAULT_MAX_MESSAGE_BYTES = 1 << 30
@@ -26,10 +27,26 @@ Value = TypeVar("Value")
 class WireError(CodecError):
     """A message that breaks PROTOCOL.md; the sentence names the field, its value and what is expected."""
 
+    code_of_sentences = ProblemCode.WIRE_MALFORMED
+
 
 @dataclass(frozen=True, eq=False)
 class Message:
-    """One message. fields: the header's other fields. arrays: read-only, C-ordered, little-endian, by name."""
+    """One message.
+
+    Parameters
+    ----------
+    type
+        Type of the message.
+    id
+        Number that comes back in every reply.
+    session
+        Number of the session, or None.
+    fields
+        Other fields of the header.
+    arrays
+        Arrays by name, read-only, C-ordered, little-endian.
+    """
 
     type: str
     id: int
@@ -39,7 +56,27 @@ class Message:
 
 
 def encode(message: Message, max_message_bytes: int = DEFAULT_MAX_MESSAGE_BYTES) -> list[bytes]:
-    """Write the frames of a message, the header first. Raises WireError where the message would be refused."""
+    """Write a message as frames, the header first.
+
+    Arrays of bool become u1; other dtypes must be one of `DTYPES`.
+
+    Parameters
+    ----------
+    message
+        The message.
+    max_message_bytes
+        The most that the daemon takes.
+
+    Returns
+    -------
+    list[bytes]
+        The frames.
+
+    Raises
+    ------
+    WireError
+        If the message would be refused.
+    """
     taken = _OWN_FIELDS & message.fields.keys()
     if taken:
         raise WireError(f"The field '{min(taken)}' belongs to every header and cannot be given in fields.")
@@ -49,7 +86,7 @@ def encode(message: Message, max_message_bytes: int = DEFAULT_MAX_MESSAGE_BYTES)
     try:
         frames = array_codec.encode({**header, **message.fields}, message.arrays, LIMITS)
     except CodecError as error:
-        raise WireError(f"The message '{message.type}' cannot be sent. {error}") from error
+        raise WireError(f"The message '{message.type}' cannot be sent. {error.problems[0].value}") from error
     total = sum(map(len, frames))
     if total > max_message_bytes:
         raise WireError(
@@ -60,11 +97,29 @@ def encode(message: Message, max_message_bytes: int = DEFAULT_MAX_MESSAGE_BYTES)
 
 
 def decode(frames: Sequence[Bytes], max_message_bytes: int = DEFAULT_MAX_MESSAGE_BYTES) -> Message:
-    """Read the message in these frames. Raises WireError, and only that, whatever the bytes are."""
+    """Read a message from its frames.
+
+    Parameters
+    ----------
+    frames
+        The frames, the header first.
+    max_message_bytes
+        The most that is taken.
+
+    Returns
+    -------
+    Message
+        The message.
+
+    Raises
+    ------
+    WireError
+        If the bytes are no message; nothing else is raised, whatever they are.
+    """
     try:
         header, arrays = array_codec.decode(frames, replace(LIMITS, total_bytes=max_message_bytes))
     except CodecError as error:
-        raise WireError(str(error)) from error
+        raise WireError(error.problems[0].value) from error
     version = _whole(header, "v")
     if version != VERSION:
         raise WireError(
@@ -82,9 +137,28 @@ def decode(frames: Sequence[Bytes], max_message_bytes: int = DEFAULT_MAX_MESSAGE
 
 
 def read_array(message: Message, name: str, dtype: str, shape: tuple[int | None, ...]) -> NDArray[Any]:
-    """Return an array of a message; None in a shape stands for any length.
+    """Take an array of a message.
 
-    Raises WireError naming the array that is missing or does not fit.
+    Parameters
+    ----------
+    message
+        The message.
+    name
+        Name of the array.
+    dtype
+        Its dtype, one of `DTYPES`.
+    shape
+        Its shape, None for any length.
+
+    Returns
+    -------
+    NDArray[Any]
+        The array.
+
+    Raises
+    ------
+    WireError
+        If an array is missing or does not fit; names it.
     """
     array = message.arrays.get(name)
     if array is None:

@@ -19,9 +19,19 @@ from lappet.program.settings import in_key
 
 
 def frame_keys(program: Program, solver: str) -> tuple[str, ...]:
-    """Return the key of every frame, in order, as 64 hexadecimal digits.
+    """Compute the content key of every frame.
 
-    solver: identifies the daemon that would solve it.
+    Parameters
+    ----------
+    program
+        The program.
+    solver
+        What identifies the daemon that would solve it.
+
+    Returns
+    -------
+    tuple[str, ...]
+        Keys in the frames' order, each of 64 hexadecimal digits.
     """
     opened = _opened(program, solver)
     epochs = {

@@ -15,7 +15,12 @@ from lappet.program.settings import SolverSettings
 class Bones:
     """What the tissue may not enter: all bones as one closed triangle surface; without triangles: none.
 
-    points: (b, 3) float64, mm. triangles: (c, 3) int32.
+    Parameters
+    ----------
+    points
+        Vertices in mm, shape (b, 3), float64.
+    triangles
+        Vertex indices, shape (c, 3), int32.
     """
 
     points: NDArray[np.float64] = field(default_factory=lambda: no_entries((0, 3), np.float64))
@@ -26,18 +31,41 @@ class Bones:
 class FrameConstraints:
     """What acts on the tissue in one frame: the arrays of the message `solve` (PROTOCOL.md) under their own names.
 
-    time: time code. epoch: index of the epoch that the frame belongs to.
+    There are H hooks, A sutures that are placed by now, R active retractors and M materials.
 
-    Hooks (H): hook_index (H,) int32 into `Program.hooks`; hook_anchors (H, 3) float64 rest points in mm; hook_triangles
-    (H,) int32, the triangle of the epoch's surface under each; hook_targets (H, 3) float64 mm; hook_stiffness (H,)
-    float64 mN/mm.
-    Sutures placed by now (A): suture_index (A,) int32 in the procedure; suture_anchors (A, 2, 3) float64 rest points;
-    suture_triangles (A, 2) int32; suture_closure (A,) float64, 0 = as placed, 1 = drawn together; suture_stiffness (A,)
-    float64 mN/mm.
-    Active retractors (R): retractor_index (R,) int32; retractor_motion (R, 4, 4) float64, column-vector convention (the
-    translation is the last column, mm), relative to the retractor's start.
-    activation (M,) float64, 0 to 1: of each material's muscle; empty where no material has any.
-    All but hook_index is told to the daemon.
+    Parameters
+    ----------
+    time
+        Time code.
+    epoch
+        Index of the epoch that the frame belongs to.
+    hook_index
+        Number of each hook in `Program.hooks`, shape (H,), int32; not told to the daemon.
+    hook_anchors
+        Rest points in mm, shape (H, 3), float64.
+    hook_triangles
+        Triangle of the epoch's surface under each, shape (H,), int32.
+    hook_targets
+        Targets in mm, shape (H, 3), float64.
+    hook_stiffness
+        Stiffness in mN/mm, shape (H,), float64.
+    suture_index
+        Index of each suture in the procedure, shape (A,), int32.
+    suture_anchors
+        Rest points in mm, shape (A, 2, 3), float64.
+    suture_triangles
+        Triangles under them, shape (A, 2), int32.
+    suture_closure
+        Closure from 0 (as placed) to 1 (drawn together), shape (A,), float64.
+    suture_stiffness
+        Stiffness in mN/mm, shape (A,), float64.
+    retractor_index
+        Index of each retractor in the procedure, shape (R,), int32.
+    retractor_motion
+        Motion relative to the retractor's start, shape (R, 4, 4), float64, column-vector convention (the translation is
+        the last column, mm).
+    activation
+        Activation of each material's muscle from 0 to 1, shape (M,), float64; empty where no material has any.
     """
 
     time: float
@@ -61,8 +89,14 @@ class FrameConstraints:
 class Landmarks:
     """The landmarks that an epoch's tissue still holds.
 
-    index: (k,) int32 into `Program.landmarks`. points: (k, 3) float64 rest points, mm. triangles: (k,) int32, the
-    triangle of the epoch's surface under each.
+    Parameters
+    ----------
+    index
+        Index of each in `Program.landmarks`, shape (k,), int32.
+    points
+        Rest points in mm, shape (k, 3), float64.
+    triangles
+        Triangle of the epoch's surface under each, shape (k,), int32.
     """
 
     index: NDArray[np.int32] = field(default_factory=lambda: no_entries((0,), np.int32))
@@ -74,13 +108,38 @@ class Landmarks:
 class Program:
     """A compiled procedure (`lappet.program.compile.compile_program`).
 
-    epochs: in order of time. frames: one per integer time code. bones: the same in all of them. grips: per epoch (m,)
-    int32, the retractor that grips each triangle, or -1; only retractors that act in the epoch. landmarks_at: per
-    epoch. fps: time codes per second.
+    Hooks, sutures and retractors are in order of their start, so that what is added to the end of the timeline
+    renumbers nothing before it.
 
-    Names of prims: hooks, sutures and retractors in order of their start, so that what is added to the end of the
-    timeline renumbers nothing before it. landmarks: a label per landmark point. notes:
-    sentences about what the procedure holds and the solve leaves out.
+    Parameters
+    ----------
+    epochs
+        Epochs in order of time.
+    frames
+        Constraints for every integer time code.
+    settings
+        How the session solves.
+    bones
+        The bones, the same in all frames.
+    fps
+        Time codes per second.
+    hooks
+        Names of the hooks.
+    sutures
+        Names of the sutures.
+    retractors
+        Names of the retractors.
+    landmarks
+        A label per landmark point.
+    active_hooks
+        For each frame the indices in `hooks` of the rows of its hook arrays, each of shape (H,).
+    grips
+        For each epoch the retractor that grips each triangle, or -1, each of shape (m,), int32; only retractors that
+        act in the epoch.
+    landmarks_at
+        Landmarks of each epoch.
+    notes
+        Sentences about what the procedure holds and the solve leaves out.
     """
 
     epochs: tuple[Epoch, ...]

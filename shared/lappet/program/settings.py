@@ -15,9 +15,22 @@ from typing import Any, Literal
 class Option:
     """A setting as an option of the command line.
 
-    help: what it says. above, below: open ends of its range. choices: the values it may have. flags: its names where
-    they do not follow from the field's. value: what the field becomes where the option is a switch that is given.
-    shown: whether the help shows the default.
+    Parameters
+    ----------
+    help
+        What the option says.
+    above
+        Lower end of its range, open.
+    below
+        Upper end of its range, open.
+    choices
+        Values that it may have.
+    flags
+        Its names where they do not follow from the field's.
+    value
+        What the field becomes where the option is a switch that is given.
+    shown
+        Whether the help shows the default.
     """
 
     help: str
@@ -38,7 +51,30 @@ def setting(default: Any, *, option: Option | None = None, in_key: bool = True) 
 class MaterialParameters:
     """A material as the daemon is told it: a map of the list `materials` of `open` (PROTOCOL.md).
 
-    youngs_modulus, fibre_k1, muscle_stress: kPa. density: kg/m³. fibre_direction: of length 1.
+    Parameters
+    ----------
+    model
+        Name of the model.
+    youngs_modulus
+        Young's modulus in kPa.
+    poissons_ratio
+        Poisson's ratio.
+    density
+        Density in kg/m³.
+    mooney_ratio
+        Ratio μ₀₁/μ₁₀.
+    fibre_direction
+        Unit vector along the fibers at rest.
+    fibre_k1
+        Stiffness of the fibers in kPa; 0 for none.
+    fibre_k2
+        How the fibers stiffen, without unit.
+    fibre_dispersion
+        Dispersion of the fibers, 0 to 1/3.
+    muscle_stress
+        Greatest isometric stress of muscle in kPa; 0 for no muscle.
+    prestretch
+        In-vivo stretch along and across the direction.
     """
 
     model: str = "neoHookean"
@@ -58,16 +94,50 @@ class MaterialParameters:
 class SolverSettings:
     """How a session solves: `settings` and `materials` of `open` (PROTOCOL.md).
 
-    spacing: lattice edge, mm; 0 = the tissue's own, until a procedure is compiled. tolerance: residual over force
-    scale. quadrature: points per cell (1, 4 or 8). precision: "float" or "double". gap_tolerance: largest suture and
-    grip gap as a fraction of the spacing. fine_ratio: fine voxels per lattice edge. time_budget: s per frame, 0 = none.
-    memory_budget: bytes. threads: 0 = all. preconditioner: "chebyshev" leaves out the coarse space. correction: frames
-    carry the Newton step left over, from which the algebraic error is estimated. strain: frames carry strain, stress
-    and tension. region: "auto" solves a frame where its changes reach, "whole" everywhere.
+    From `origin` on what is meant is the procedure's, filled in when it is compiled.
 
-    What follows is the procedure's, filled in when it is compiled. origin: a grid point, mm. bed_stiffness: kPa/mm.
-    gravity: m/s². sutures, retractors: their numbers in the whole procedure. materials: the tissue's first, then those
-    of its regions.
+    Parameters
+    ----------
+    spacing
+        Edge of the lattice's cells in mm; 0 for the tissue's own, until a procedure is compiled.
+    tolerance
+        Residual over force scale at which a frame has converged.
+    quadrature
+        Quadrature points of a cell: 1, 4 or 8.
+    precision
+        Arithmetic of the solver.
+    gap_tolerance
+        Largest suture and grip gap, as a fraction of the spacing.
+    max_newton
+        Newton iterations of a frame at most.
+    fine_ratio
+        Fine voxels per lattice edge.
+    time_budget
+        Seconds per frame; 0 for no limit.
+    memory_budget
+        Memory in bytes.
+    threads
+        Number of threads; 0 for all.
+    preconditioner
+        The preconditioner; "chebyshev" leaves out the coarse space.
+    correction
+        Whether frames carry the Newton step left over, from which the algebraic error is estimated.
+    strain
+        Whether frames carry strain, stress and tension.
+    region
+        Where a frame is solved: "auto" where its changes reach, "whole" everywhere.
+    origin
+        A point of the grid in mm.
+    bed_stiffness
+        Stiffness of the bed in kPa/mm.
+    gravity
+        Gravity in m/s².
+    sutures
+        Number of sutures in the whole procedure.
+    retractors
+        Number of retractors in the whole procedure.
+    materials
+        The tissue's material first, then those of its regions.
     """
 
     spacing: float = setting(0.0, option=Option("Lattice edge in mm.", above=0, shown=False))

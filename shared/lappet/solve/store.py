@@ -1,5 +1,4 @@
-"""The frame store: solved frames, and what is shown besides, by content key, in files that are written whole or not at
-all.
+"""The frame store: solved frames, and what is shown besides, by content key, in files that are whole or not there.
 
 A file holds the magic, a checksum of the rest, and the value as `lappet.core.value_codec` writes it:
 
@@ -21,6 +20,8 @@ from pathlib import Path
 from typing import TypeVar
 
 from lappet.core.array_codec import Bytes, CodecError
+from lappet.core.problem import Problem, problem
+from lappet.core.problem_code import ProblemCode
 from lappet.core.value_codec import pack, unpack
 
 DEFAULT_LIMIT = 4 << 30
@@ -34,7 +35,13 @@ Value = TypeVar("Value")
 
 
 def default_folder() -> Path:
-    """The store's folder: LAPPET_STORE where that is set, else `frames` in the user's cache folder."""
+    """Find the store's folder: `LAPPET_STORE` where that is set, else `frames` in the user's cache folder.
+
+    Returns
+    -------
+    Path
+        The folder; it may not exist yet.
+    """
     named = os.environ.get("LAPPET_STORE")
     if named:
         return Path(named).expanduser()
@@ -46,18 +53,40 @@ def default_folder() -> Path:
 class FrameStore:
     """A content-addressed store of frames, bounded in size; what has not been used for longest goes first.
 
-    folder: made when the first frame is written. limit: bytes. Trouble with the disk (full, read-only) never raises:
-    the store stops writing and `trouble` holds the sentence.
+    Trouble with the disk (full, read-only) never raises: the store stops writing and `trouble` says why.
+
+    Parameters
+    ----------
+    folder
+        Folder of the frames, made when the first is written; `default_folder()` where it is None.
+    limit
+        Greatest size in bytes.
     """
 
     def __init__(self, folder: Path | None = None, limit: int = DEFAULT_LIMIT) -> None:
         self.folder = default_folder() if folder is None else Path(folder)
         self.limit = limit
-        self.trouble: str | None = None
+        self.trouble: Problem | None = None
         self._bytes: int | None = None
 
     def path(self, key: str) -> Path:
-        """The file of a key; raises ValueError for what is not a lower-case hexadecimal key."""
+        """Find the file of a key.
+
+        Parameters
+        ----------
+        key
+            Content key.
+
+        Returns
+        -------
+        Path
+            The file; it may not exist.
+
+        Raises
+        ------
+        ValueError
+            If the key is not lower-case hexadecimal.
+        """
         if not _KEY.fullmatch(key):
             raise ValueError(f"{key!r} is not a content key; give 16 to 128 lower-case hexadecimal digits.")
         return self.folder / key[:2] / (key + _SUFFIX)
@@ -66,8 +95,18 @@ class FrameStore:
         return self.path(key).is_file()
 
     def get(self, key: str, kind: type[Value]) -> Value | None:
-        """Return the value of a key, or None where it is absent, of another class than `kind`, unreadable or damaged (a
-        damaged file is removed). Arrays are read-only."""
+        """Look up a frame.
+
+        Parameters
+        ----------
+        key
+            Content key.
+
+        Returns
+        -------
+        SolvedFrame | None
+            The frame, or None where it is absent, unreadable or damaged (a damaged file is removed).
+        """
         path = self.path(key)
         try:
             data = path.read_bytes()
@@ -82,12 +121,42 @@ class FrameStore:
         return None if body is None else unpack_as(body, kind)
 
     def put(self, key: str, value: object) -> bool:
-        """Keep a value; False where the disk did not take it (see `trouble`). Raises CodecError for one that is none of
-        dataclasses, arrays, numbers, text and tuples of these."""
+        """Keep a value.
+
+        Parameters
+        ----------
+        key
+            Content key.
+        value
+            A value of dataclasses, arrays, numbers, text and tuples of these.
+
+        Returns
+        -------
+        bool
+            Whether the disk took it; where it did not, `trouble` says why.
+
+        Raises
+        ------
+        CodecError
+            If it cannot be written.
+        """
         return self.put_packed(key, pack(value))
 
     def put_packed(self, key: str, packed: bytes) -> bool:
-        """Keep a value that `lappet.core.value_codec.pack` has written."""
+        """Keep a value that `lappet.core.value_codec.pack` has written.
+
+        Parameters
+        ----------
+        key
+            Content key.
+        packed
+            The value.
+
+        Returns
+        -------
+        bool
+            Whether the disk took it.
+        """
         path = self.path(key)
         data = _MAGIC + hashlib.blake2b(packed, digest_size=_CHECKSUM).digest() + packed
         if self.trouble is not None:
@@ -105,10 +174,7 @@ class FrameStore:
                     Path(name).unlink()
                 raise
         except OSError as error:
-            self.trouble = (
-                f"Solved frames are no longer kept: the store {self.folder} cannot be written "
-                f"({error.strerror or error}); free some space, or name another folder with --store."
-            )
+            self.trouble = problem(ProblemCode.STORE_NOT_WRITABLE, self.folder, error.strerror or error)
             return False
         if self._bytes is not None:
             self._bytes += len(data) - before
@@ -117,7 +183,13 @@ class FrameStore:
         return True
 
     def size(self) -> int:
-        """The bytes of all frames in the store."""
+        """Measure the store.
+
+        Returns
+        -------
+        int
+            The bytes of all frames in it.
+        """
         return sum(size for _, size, _ in self._entries())
 
     def _entries(self) -> list[tuple[float, int, Path]]:
@@ -130,8 +202,7 @@ class FrameStore:
         return found
 
     def _prune(self, keep: Path) -> None:
-        """Removes the frames used longest ago until nine tenths of the limit are kept, and what crashed writers
-        left."""
+        """Remove the frames used longest ago until nine tenths of the limit are kept, and what crashed writers left."""
         entries = sorted(self._entries(), key=lambda entry: entry[0])
         total = sum(size for _, size, _ in entries)
         if total > self.limit:

@@ -1,1 +1,39 @@
 """Tissue from meshes and patches, and where points lie on its skin."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from lappet.core.lazy_exports import lazy_exports
+
+if TYPE_CHECKING:
+    from lappet.tissue.dome import dome_bone, dome_scalp, draped
+    from lappet.tissue.patch import flat_patch
+    from lappet.tissue.placement import Place, onto
+    from lappet.tissue.skin_sheet import SkinSheet
+    from lappet.tissue.tissue_from_mesh import new_tissue
+
+__all__ = [
+    "Place",
+    "SkinSheet",
+    "dome_bone",
+    "dome_scalp",
+    "draped",
+    "flat_patch",
+    "new_tissue",
+    "onto",
+]
+
+__getattr__, __dir__ = lazy_exports(
+    __name__,
+    {
+        "Place": "placement",
+        "SkinSheet": "skin_sheet",
+        "dome_bone": "dome",
+        "dome_scalp": "dome",
+        "draped": "dome",
+        "flat_patch": "patch",
+        "new_tissue": "tissue_from_mesh",
+        "onto": "placement",
+    },
+)

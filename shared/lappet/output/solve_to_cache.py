@@ -1,0 +1,247 @@
+"""Solve a procedure and write its skin cache: known frames are looked up, the daemon solves the rest."""
+
+from __future__ import annotations
+
+import tempfile
+import time
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from lappet.checks.validation import check
+from lappet.core.problem import Problem, RefusedError, refused
+from lappet.core.problem_code import ProblemCode
+from lappet.daemon.daemon_solver import connect_to, solver_identity
+from lappet.daemon.frame_solver import Connect, Iteration
+from lappet.output.skin_cache import write_skin_cache
+from lappet.procedure import Procedure
+from lappet.procedure.prim_paths import ROOT
+from lappet.program.compile import DEFAULT, compile_program, frame_times
+from lappet.program.program import Program
+from lappet.program.settings import SolverSettings
+from lappet.solve.error_estimate import ErrorEstimate
+from lappet.solve.solve_frames import FrameResult, SolveObserver, solve_program
+from lappet.solve.store import FrameStore
+from lappet.usd.stage import SUFFIXES, read_procedure, write_procedure
+
+if TYPE_CHECKING:
+    from lappet.solve.error_estimate import ErrorEstimate
+
+
+@dataclass(frozen=True, eq=False)
+class SolveResult:
+    """What a solve gave.
+
+    Parameters
+    ----------
+    procedure
+        The procedure that was solved.
+    program
+        What the solver was told.
+    frames
+        Frames that are done, from the first one of the procedure on.
+    reason
+        Why the solve ended before its last frame, a sentence, or None.
+    interrupted
+        Whether the user stopped it.
+    failed
+        The unconverged frame that stopped it, or None.
+    output
+        The skin cache, or None where no frame of the wanted range is done.
+    wall_seconds
+        Run time in seconds.
+    notes
+        What the user was told meanwhile.
+    errors
+        Estimate of the errors of `frames`, or None where none was wanted.
+    """
+
+    procedure: Procedure
+    program: Program
+    frames: tuple[FrameResult, ...]
+    reason: Problem | None = None
+    interrupted: bool = False
+    failed: FrameResult | None = None
+    output: Path | None = None
+    wall_seconds: float = 0.0
+    notes: tuple[str, ...] = ()
+    errors: ErrorEstimate | None = None
+
+    @property
+    def complete(self) -> bool:
+        """Whether every frame asked for is there."""
+        return self.reason is None and not self.interrupted
+
+    @property
+    def looked_up(self) -> int:
+        """Number of frames that came from the store."""
+        return sum(frame.looked_up for frame in self.frames)
+
+    @property
+    def solved(self) -> int:
+        """Number of frames that the daemon solved."""
+        return len(self.frames) - self.looked_up
+
+
+def solve_procedure(
+    source: Path | str | Procedure,
+    output: Path | str,
+    settings: SolverSettings = DEFAULT,
+    *,
+    frames: tuple[int | None, int | None] = (None, None),
+    daemon: str | None = None,
+    store: FrameStore | None = None,
+    observer: SolveObserver | None = None,
+    connect: Connect | None = None,
+    solver: str | None = None,
+    error_estimate: bool = True,
+) -> SolveResult:
+    """Solve a procedure and write its skin cache.
+
+    A frame that does not converge, a daemon that cannot be kept alive and Ctrl-C end the solve early and keep what is
+    done: see `SolveResult.reason`.
+
+    Parameters
+    ----------
+    source
+        A USD file, or a procedure, which is then written beside the cache as `<output>.procedure.usda`.
+    output
+        The skin cache (.usdc, .usda or .usd).
+    spacing
+        Lattice spacing in mm; the tissue's when None.
+    tolerance
+        Relative residual at which a frame has converged.
+    quadrature
+        Quadrature points of a cell: 1, 4 or 8.
+    precision
+        Arithmetic of the solver.
+    frames
+        First and last time code to write, None for the procedure's; everything up to the last one is solved.
+    daemon
+        Address of a running daemon; None starts one.
+    store
+        Where frames are kept; the user's store when None.
+    observer
+        Is told how the solve goes.
+    connect
+        Makes the solver; the installed daemon when None.
+    solver
+        What identifies the solver in the frames' keys; that of the installed daemon when None.
+    error_estimate
+        Whether to solve on a coarser lattice too, to estimate the error (`lappet.solve.error_estimate`).
+    strain
+        Whether the cache gets strain, stress and tension.
+    whole
+        Whether every frame is solved everywhere, also where its changes do not reach.
+
+    Returns
+    -------
+    SolveResult
+        What is done, and why no more.
+
+    Raises
+    ------
+    RefusedError
+        If the procedure has errors, cannot be solved at all, or the output cannot be written.
+    """
+    started = time.perf_counter()
+    watch = _Noting(observer or SolveObserver())
+    output = Path(output)
+    _refuse_output(output)
+    procedure, path = _read(source, output)
+    _check(procedure, settings)
+    first, last = _range(procedure, frames)
+    program = compile_program(procedure, settings=replace(settings, correction=error_estimate), until=last)
+    for sentence in program.notes:
+        watch.note(sentence)
+    if connect is None or solver is None:
+        connect = connect or connect_to(daemon)
+        solver = solver or solver_identity(daemon)
+    store = store or FrameStore()
+    result = solve_program(program, store, connect, solver, watch)
+    wanted = [frame for frame in result.frames if frame.constraints.time >= first]
+    written = None
+    if wanted:
+        write_skin_cache(output, path, procedure, program, [frame.solved for frame in wanted], wanted[-1].key)
+        written = output
+    elif result.reason is not None and result.failed is None:
+        raise RefusedError([result.reason])
+    errors = None
+    if error_estimate and result.frames and not result.interrupted:
+        from lappet.solve.error_estimate import estimate_errors  # a solve without an estimate does not load it
+
+        errors = estimate_errors(program, result.frames, store, connect, solver)
+    return SolveResult(
+        procedure,
+        program,
+        result.frames,
+        result.reason,
+        result.interrupted,
+        result.failed,
+        written,
+        time.perf_counter() - started,
+        tuple(watch.sentences),
+        errors,
+    )
+
+
+def _refuse_output(output: Path) -> None:
+    """Refuse, before anything is solved, a file that the skin cache could not be written to."""
+    if output.suffix not in SUFFIXES:
+        raise refused(ProblemCode.CACHE_SUFFIX, output, output.suffix)
+    if output.is_dir():
+        raise refused(ProblemCode.CACHE_IS_FOLDER, output)
+    try:
+        output.parent.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=output.parent):
+            pass
+    except OSError as error:
+        raise refused(ProblemCode.CACHE_NOT_WRITABLE, output, error.strerror or error) from error
+
+
+def _read(source: Path | str | Procedure, output: Path) -> tuple[Procedure, Path]:
+    """The procedure and the file that the skin cache goes over."""
+    if isinstance(source, Procedure):
+        path = output.with_suffix(".procedure.usda")
+        write_procedure(source, path)
+        return source, path
+    path = Path(source)
+    if path.resolve() == output.resolve():
+        raise refused(ProblemCode.CACHE_IS_PROCEDURE, output)
+    return read_procedure(path), path
+
+
+def _check(procedure: Procedure, settings: SolverSettings) -> None:
+    errors = [each for each in check(procedure, spacing=settings.spacing or None) if each.severity == "error"]
+    if errors:
+        raise RefusedError(errors)
+
+
+def _range(procedure: Procedure, frames: tuple[int | None, int | None]) -> tuple[int, int]:
+    times = frame_times(procedure)
+    first = times[0] if frames[0] is None else frames[0]
+    last = times[-1] if frames[1] is None else frames[1]
+    if not times[0] <= first <= last <= times[-1]:
+        raise refused(ProblemCode.FRAMES_OUTSIDE, ROOT, f"{first}:{last}", start=times[0], end=times[-1])
+    return first, last
+
+
+class _Noting(SolveObserver):
+    """Pass everything on and keep the notes."""
+
+    def __init__(self, observer: SolveObserver) -> None:
+        self._watcher = observer
+        self.sentences: list[str] = []
+
+    def begin(self, frames: int) -> None:
+        self._watcher.begin(frames)
+
+    def iteration(self, iteration: Iteration) -> None:
+        self._watcher.iteration(iteration)
+
+    def frame(self, frame: FrameResult) -> None:
+        self._watcher.frame(frame)
+
+    def note(self, sentence: str) -> None:
+        self.sentences.append(sentence)
+        self._watcher.note(sentence)

@@ -1,0 +1,265 @@
+"""Solve a program: look up the frames that are known and have the solver find the rest."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass, replace
+
+from lappet.core.problem import Problem, ProblemsError, RefusedError, problem
+from lappet.core.problem_code import ProblemCode
+from lappet.daemon.frame_solver import Connect, FrameSolver, Iteration, SolverDiedError
+from lappet.daemon.solved_frame import SolvedFrame
+from lappet.program.keys import frame_keys
+from lappet.program.program import FrameConstraints, Program
+from lappet.solve.store import FrameStore
+
+TRIES = 3
+
+
+class SolveObserver:
+    """An observer of a solve; this one keeps silent."""
+
+    def begin(self, frames: int) -> None:
+        """Hear how many frames are to be had.
+
+        Parameters
+        ----------
+        frames
+            Number of frames.
+        """
+
+    def iteration(self, iteration: Iteration) -> None:
+        """Hear of a Newton iteration.
+
+        Parameters
+        ----------
+        iteration
+            Where the solve stands.
+        """
+
+    def frame(self, frame: FrameResult) -> None:
+        """Hear of a frame that is done.
+
+        Parameters
+        ----------
+        frame
+            The frame.
+        """
+
+    def note(self, sentence: str) -> None:
+        """Hear something that the user should know.
+
+        Parameters
+        ----------
+        sentence
+            The sentence.
+        """
+
+
+@dataclass(frozen=True, eq=False)
+class FrameResult:
+    """A frame and how it was had.
+
+    Parameters
+    ----------
+    constraints
+        What acted on the tissue.
+    key
+        Content key of the frame.
+    solved
+        The frame, without the state.
+    looked_up
+        Whether it came from the store.
+    wall_seconds
+        Time that it took here in seconds.
+    """
+
+    constraints: FrameConstraints
+    key: str
+    solved: SolvedFrame
+    looked_up: bool
+    wall_seconds: float
+
+
+@dataclass(frozen=True, eq=False)
+class Frames:
+    """The frames that `solve_program` got.
+
+    Parameters
+    ----------
+    frames
+        Frames that are done, the first ones in order.
+    reason
+        Why it ended before the last frame, a sentence, or None.
+    interrupted
+        Whether the user stopped it.
+    failed
+        The unconverged frame that stopped it, or None.
+    """
+
+    frames: tuple[FrameResult, ...]
+    reason: Problem | None = None
+    interrupted: bool = False
+    failed: FrameResult | None = None
+
+
+def solve_program(program: Program, store: FrameStore, connect: Connect, solver: str, watch: SolveObserver) -> Frames:
+    """Get every frame of a program: from the store where it is there, else from a solver that is started when needed.
+
+    A solver that dies is started again, at most three times for one frame, from the last frame's state.
+
+    Parameters
+    ----------
+    program
+        The program.
+    store
+        Where frames are kept.
+    connect
+        Makes the solver.
+    solver
+        What identifies it.
+    watch
+        Is told how the solve goes.
+
+    Returns
+    -------
+    Frames
+        The frames, and why there are no more.
+    """
+    keys = frame_keys(program, solver)
+    watch.begin(len(keys))
+    done: list[FrameResult] = []
+    with _Session(program, connect) as session:
+        for index, constraints in enumerate(program.frames):
+            try:
+                result = _frame(session, index, keys[index], store, watch)
+                if not result.solved.converged:
+                    return Frames(tuple(done), not_converged(result.solved), failed=result)
+                done.append(result)
+                watch.frame(result)
+            except KeyboardInterrupt:
+                stopped = problem(ProblemCode.SOLVE_STOPPED, "", len(done), frames=len(keys))
+                return Frames(tuple(done), stopped, interrupted=True)
+            except (RefusedError, SolverDiedError) as error:
+                return Frames(tuple(done), at_frame(constraints.time, error))
+    return Frames(tuple(done))
+
+
+def not_converged(frame: SolvedFrame) -> Problem:
+    """Return the problem of a frame that did not converge.
+
+    Parameters
+    ----------
+    frame
+        The frame.
+
+    Returns
+    -------
+    Problem
+        The problem.
+    """
+    return problem(
+        ProblemCode.FRAME_NOT_CONVERGED, f"Frame {frame.time:g}", frame.reason or "the solver gives no reason."
+    )
+
+
+def at_frame(time: float, error: ProblemsError) -> Problem:
+    """Return the first problem of what refused or ended the solve of a frame; the frame is its prim if it has none."""
+    first = error.problems[0]
+    return replace(first, prim=first.prim or f"Frame {time:g}")
+
+
+def _frame(session: _Session, index: int, key: str, store: FrameStore, watch: SolveObserver) -> FrameResult:
+    """A frame from the store or the solver; what is newly solved is kept."""
+    begun = time.perf_counter()
+    solved = store.get(key, SolvedFrame)
+    looked_up = solved is not None
+    if solved is None:
+        solved = session.solve(index, watch)
+    if solved.converged:
+        session.remember(index, solved)
+        well = store.trouble is None
+        if not looked_up and not store.put(key, solved) and well:
+            watch.note(str(store.trouble))
+    return FrameResult(
+        session.program.frames[index],
+        key,
+        replace(solved, state=None),
+        looked_up,
+        time.perf_counter() - begun,
+    )
+
+
+class _Session:
+    """A solver that is started when first needed and brought to the frame before the one that is wanted."""
+
+    def __init__(self, program: Program, connect: Connect) -> None:
+        self.program = program
+        self._connect = connect
+        self._solver: FrameSolver | None = None
+        self._at: int | None = None  # the frame whose state the solver holds
+        self._epoch: int | None = None  # the epoch that the solver holds
+        self._last: tuple[int, SolvedFrame] | None = None
+
+    def __enter__(self) -> _Session:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._close()
+
+    def remember(self, index: int, frame: SolvedFrame) -> None:
+        """Keep the last frame: the state to go on from."""
+        self._last = (index, frame)
+
+    def solve(self, index: int, watch: SolveObserver) -> SolvedFrame:
+        """Solve a frame whose predecessor has been remembered."""
+        frame = self.program.frames[index]
+        for attempt in range(1, TRIES + 1):
+            try:
+                solver = self._prepare(index)
+                solved = solver.solve(frame, watch.iteration)
+            except SolverDiedError as error:
+                self._abandon()
+                if attempt == TRIES:
+                    raise SolverDiedError.of(ProblemCode.DAEMON_DIED_AGAIN, "", TRIES, said=error) from error
+                watch.note(f"{error} It was solving frame {frame.time:g} and is started again.")
+            except BaseException:
+                self._abandon()
+                raise
+            else:
+                if solved.converged:
+                    self._at = index
+                return solved
+        raise AssertionError("unreachable")
+
+    def _prepare(self, index: int) -> FrameSolver:
+        """A solver that holds the state of the frame before `index` in the epoch of `index`."""
+        if self._solver is None:
+            self._solver = self._connect(self.program.settings, self.program.bones)
+        previous = index - 1 if index > 0 else None
+        if previous is not None and self._at != previous:
+            if self._last is None or self._last[0] != previous:
+                raise AssertionError(f"frame {index} is wanted before frame {previous}")
+            self._set_epoch(self._solver, self.program.frames[previous].epoch)
+            state = self._last[1].state
+            assert state is not None
+            self._solver.set_state(state.fitted(self.program.settings.sutures))
+        self._set_epoch(self._solver, self.program.frames[index].epoch)
+        return self._solver
+
+    def _set_epoch(self, solver: FrameSolver, epoch: int) -> None:
+        if self._epoch == epoch:
+            return
+        position = next(i for i, each in enumerate(self.program.epochs) if each.index == epoch)
+        program = self.program
+        solver.set_epoch(program.epochs[position], program.grips[position], program.landmarks_at[position])
+        self._epoch = epoch
+
+    def _abandon(self) -> None:
+        self._close()
+        self._at = self._epoch = None
+
+    def _close(self) -> None:
+        solver, self._solver = self._solver, None
+        if solver is not None:
+            solver.close()
