@@ -73,6 +73,9 @@ class Problem:
     severity: Severity = "error"
     place: Place | None = None
 
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "code", ProblemCode(self.code))  # a message from another process holds its text
+
     def __str__(self) -> str:
         said = f"{self.message} {self.remedy}".strip()
         return f"{self.prim}: {said}" if self.prim else said
