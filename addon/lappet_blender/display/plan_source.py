@@ -191,7 +191,7 @@ class PlanSource:
             if kind != wanted:
                 continue
             try:
-                line = sample_curve(points, basis, closed, step)  # type: ignore[arg-type]
+                line = sample_curve(points, basis, closed, step)
             except RefusedError:
                 continue  # the panel says what is wrong with it
             lines.append(np.vstack([line, line[:1]]) if closed else line)
