@@ -141,12 +141,8 @@ class EventCheck:
             return
         if self.rest is None:
             return
-        nearest = math.inf
-        for sample in samples[:: max(1, len(samples) // 64)]:
-            nearest = min(nearest, float(self.rest.off(sample)[0]))
-            if nearest == 0.0:
-                break
-        else:
+        nearest = self.rest.nearest(samples[:: max(1, len(samples) // 64)])
+        if nearest > 0.0:
             sentence = f"The whole curve is off the tissue, by {nearest:.3g} mm or more."
             self._add(f"{nearest:.3g} mm", sentence, "Draw it on the rest surface.")
 

@@ -61,7 +61,7 @@ def open_edges(triangles: NDArray[np.integer]) -> NDArray[np.int64]:
 
 def unique_edges(edges: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
     """The undirected edges (u, 2), smaller index first, which of them each edge (k, 2) is, and how often they occur."""
-    low, high = edges.min(axis=1), edges.max(axis=1)
+    low, high = np.minimum(edges[:, 0], edges[:, 1]), np.maximum(edges[:, 0], edges[:, 1])
     size = int(high.max()) + 1 if len(edges) else 1
     key, inverse, counts = np.unique(low * size + high, return_inverse=True, return_counts=True)
     return np.stack([key // size, key % size], axis=1), inverse.reshape(-1), counts
@@ -69,16 +69,29 @@ def unique_edges(edges: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[n
 
 def check_closed(points: NDArray[np.float64], triangles: NDArray[np.integer], prim: str) -> None:
     """Raises SurfaceError unless every edge belongs to exactly two triangles that run along it in opposite ways."""
+    if not _is_closed(triangles):  # what is wrong with it takes longer to say
+        _refuse_open(points, triangles, prim)
+        check_oriented(points, triangles, prim)
+    volume = signed_volume(points, triangles)
+    if not abs(volume) > 1e-12 * float(np.ptp(points, axis=0).max()) ** 3:
+        raise SurfaceError(f"{prim}: the surface encloses no volume ({volume:.3g} mm³); give the tissue a thickness")
+
+
+def _is_closed(triangles: NDArray[np.integer]) -> bool:
+    """Whether every directed edge occurs once and the other way around once."""
+    a, b = directed_edges(triangles).T
+    size = int(triangles.max(initial=0)) + 1
+    ahead = np.sort(a * size + b)
+    return bool((a != b).all() and (np.diff(ahead) > 0).all() and np.array_equal(ahead, np.sort(b * size + a)))
+
+
+def _refuse_open(points: NDArray[np.float64], triangles: NDArray[np.integer], prim: str) -> None:
     lone = open_edges(triangles)
     if len(lone):
         raise SurfaceError(
             f"{prim}: the surface is open: {len(lone)} edges belong to one face only, the first at "
             f"{place(points[lone[0]].mean(axis=0))}; close the mesh, or make it with `lappet new MESH --thickness MM`"
         )
-    check_oriented(points, triangles, prim)
-    volume = signed_volume(points, triangles)
-    if not abs(volume) > 1e-12 * float(np.ptp(points, axis=0).max()) ** 3:
-        raise SurfaceError(f"{prim}: the surface encloses no volume ({volume:.3g} mm³); give the tissue a thickness")
 
 
 def check_oriented(points: NDArray[np.float64], triangles: NDArray[np.integer], prim: str) -> None:
