@@ -14,9 +14,7 @@ from collections.abc import Iterator
 
 import bpy
 
-from lappet.background.plan import SolveSettings
 from lappet.core.problem import Problem, RefusedError, problem
-from lappet.core.problem import Problem, RefusedError
 from lappet.core.problem_code import ProblemCode
 from lappet.procedure import Procedure
 from lappet.program.settings import SolverSettings
