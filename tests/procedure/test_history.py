@@ -129,7 +129,7 @@ def test_a_region_is_set_replaced_and_removed_and_keeps_its_material() -> None:
     assert history.do(SetRegion(Region("bed", "fat", 2.0))).tissue.regions[1].depth_from == 2.0
     with pytest.raises(RefusedError, match="The region 'bed' is made of 'fat'"):
         history.do(RemoveMaterial("fat"))
-    with pytest.raises(RefusedError, match="no face subset 'lip'"):
+    with pytest.raises(RefusedError, match="the face subset 'lip', which the tissue does not have"):
         history.do(SetRegion(Region("lip", "fat")))
     assert history.do(RemoveRegion("bed")).tissue.regions == (Region("fixed", "skin"),)
     with pytest.raises(RefusedError, match="'bed' has no region"):

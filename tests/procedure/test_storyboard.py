@@ -97,7 +97,7 @@ def test_costs_are_those_of_the_report_of_economy(tmp_path: Path) -> None:
     assert costs["fibres"].startswith("+25 % instructions")
     assert costs["materials"].startswith("+50 % seconds")
     file.write_text("[]")
-    with pytest.raises(RefusedError, match=r"give its economy\.json"):
+    with pytest.raises(RefusedError, match=r"Give its economy\.json"):
         measured_costs(file)
 
 

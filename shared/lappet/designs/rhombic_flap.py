@@ -25,7 +25,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from lappet.core.problem import refused
 from lappet.core.problem_code import ProblemCode
-from lappet.designs.design_frame import placed_on, skin_frame
+from lappet.designs.design_axes import placed_on, skin_axes
 from lappet.designs.flap_design import Carry, Corner, Edge, FlapDesign, Seam, Spot
 from lappet.procedure import Point
 from lappet.tissue.placement import Place
@@ -142,7 +142,7 @@ def _rhombic(
     corners = np.stack([a, b, c, d, e, f])
     middle = 0.5 * (corners.min(axis=0) + corners.max(axis=0))
 
-    along, across = skin_frame(direction, normal, what)
+    along, across = skin_axes(direction, normal, what)
     if mirrored:
         across = -across
     origin = np.asarray(center, np.float64)
