@@ -33,6 +33,7 @@ FOLDER = ROOT / "shared" / PACKAGE
 HELD = (
     "core",
     "procedure",
+    "geometry",
     "usd",
     "tissue",
     "checks",
