@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ast
 import importlib
 import inspect
 import re
@@ -14,30 +13,6 @@ from website.pages import write_if_changed
 
 PACKAGE = "lappet"
 LONGEST_VALUE = 160  # letters of a value that is shown whole
-
-
-def api_packages(folder: Path) -> list[str]:
-    """Find the packages that offer names to scripts.
-
-    Parameters
-    ----------
-    folder
-        The package's folder, `shared/lappet`.
-
-    Returns
-    -------
-    list of str
-        Dotted names of `lappet`, then of its packages in the order in which data passes through them, where the
-        `__init__.py` sets `__all__`.
-    """
-    found = []
-    order = [folder, *(folder / name for name in FOLDERS)]
-    for file in (place / "__init__.py" for place in order):
-        tree = ast.parse(file.read_text(encoding="utf-8"))
-        targets = [ast.unparse(t) for node in tree.body if isinstance(node, ast.Assign) for t in node.targets]
-        if "__all__" in targets:
-            found.append(".".join(file.parent.relative_to(folder.parent).parts))
-    return found
 
 
 def offered_names(package: ModuleType) -> list[str]:
