@@ -2,8 +2,8 @@
 
 Every public function, class and method of `lappet` keeps numpydoc's rules: a first line that is one sentence and starts
 with no verb in the third person, and a description of every parameter and of what is returned. Every `raise` is
-described, and what a docstring says is raised is an exception that exists. Types are in the signatures and not asked for
-here. Prints every breach and exits with 1 if there is one.
+described, and what a docstring says is raised is an exception that exists. Types are in the signatures and not asked
+for here. Prints every breach and exits with 1 if there is one.
 """
 
 from __future__ import annotations
