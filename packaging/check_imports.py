@@ -193,8 +193,10 @@ def folder_breaches(root: Path, package: Package) -> Iterator[Breach]:
 
 
 def circles(imports: dict[str, dict[str, int]]) -> Iterator[tuple[str, str, str]]:
-    """One (module, target, sentence) for each import that closes a circle; a package and its own modules are one circle
-    only where a module imports the package by name."""
+    """One (module, target, sentence) for each import that closes a circle.
+
+    A package and its own modules are one circle only where a module imports the package by name.
+    """
     done: set[str] = set()
     for start in imports:
         path: list[str] = []

@@ -26,7 +26,7 @@ FENCE = re.compile(r"^(```|~~~).*?^\1\s*$", re.MULTILINE | re.DOTALL)
 HEADING = re.compile(r"^#{1,6}\s+(.+?)\s*#*\s*$", re.MULTILINE)
 INTRODUCTION = """# The command line
 
-Written by `make docs` from the program itself; `lappet COMMAND --help` prints the same.
+`make docs` writes this page from the program; `lappet COMMAND --help` prints the same text.
 """
 
 

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from lappet.background.plan import EpochShape, Plan, ShownFrame
 from lappet.core.problem import RefusedError
 from lappet.geometry.curve import sample_curve
+from lappet.procedure.events import Basis
 
 from ..look.skin_source import FigureError, SkinEpoch, StepEvent, Strands
 from ..model.event_kinds import BASIS_OF
@@ -217,7 +218,7 @@ def fitting(frame: ShownFrame | None, shape: EpochShape) -> ShownFrame | None:
     return frame
 
 
-def _curve(event: bpy.types.PropertyGroup) -> tuple[str, NDArray[np.float64], str, bool]:
+def _curve(event: bpy.types.PropertyGroup) -> tuple[str, NDArray[np.float64], Basis, bool]:
     points = np.array([p.co for p in event.points], np.float64).reshape(-1, 3)
     return event.kind, points, BASIS_OF[event.basis], event.closed or event.kind == "UNDERMINE"
 

@@ -1,4 +1,4 @@
-"""Compiles procedures for the worker and remembers the last ones: an edit that cuts nothing new makes no Boolean."""
+"""Compile procedures for the worker and remember the last ones: an edit that cuts nothing new makes no Boolean."""
 
 from __future__ import annotations
 
@@ -29,16 +29,31 @@ Value = TypeVar("Value")
 
 @dataclass(frozen=True, eq=False)
 class Compiled:
-    """A procedure made ready: its plan and the program that the daemon is told."""
+    """A procedure made ready.
+
+    Parameters
+    ----------
+    plan
+        Its plan.
+    program
+        What the daemon is told.
+    """
 
     plan: Plan
     program: Program
 
 
 class Compilation:
-    """Plans and programs by their key. One thread at a time compiles; others wait for it.
+    """The plans and programs by their key; one thread at a time compiles, others wait for it.
 
-    identity: of the solver, for the keys. store: where plans are kept. epochs_built: how often epochs were built.
+    `epochs_built` counts how often epochs were built.
+
+    Parameters
+    ----------
+    identity
+        What identifies the solver, for the keys.
+    store
+        Where plans are kept.
     """
 
     def __init__(self, identity: str, store: FrameStore) -> None:
@@ -50,7 +65,22 @@ class Compilation:
         self._lock = threading.Lock()
 
     def plan(self, procedure: Procedure, settings: SolveSettings, step: Callable[[], None]) -> Plan:
-        """The plan of a procedure: remembered, from the store, or compiled."""
+        """Find the plan of a procedure: remembered, from the store, or compiled.
+
+        Parameters
+        ----------
+        procedure
+            The procedure.
+        settings
+            How to solve.
+        step
+            Called between the steps; may raise to stop.
+
+        Returns
+        -------
+        Plan
+            The plan.
+        """
         key = plan_key(procedure, settings, self.identity)
         known = self._compiled.get(key)
         if known is not None:
@@ -59,9 +89,26 @@ class Compilation:
         return found if found is not None else self.compiled(procedure, settings, step).plan
 
     def compiled(self, procedure: Procedure, settings: SolveSettings, step: Callable[[], None]) -> Compiled:
-        """The plan and the program of a procedure. step: called between the steps; may raise to stop.
+        """Find the plan and the program of a procedure.
 
-        Raises RefusedError with every problem where the procedure cannot be solved.
+        Parameters
+        ----------
+        procedure
+            The procedure.
+        settings
+            How to solve.
+        step
+            Called between the steps; may raise to stop.
+
+        Returns
+        -------
+        Compiled
+            Both.
+
+        Raises
+        ------
+        RefusedError
+            If the procedure cannot be solved; holds every problem.
         """
         key = plan_key(procedure, settings, self.identity)
         with self._lock:
@@ -111,7 +158,20 @@ class Compilation:
 
 
 def up_to(program: Program, last: int | None) -> Program:
-    """The program without the frames after the time code `last`; the keys of the others stay what they are."""
+    """Leave out the frames after a time code; the keys of the others stay what they are.
+
+    Parameters
+    ----------
+    program
+        The program.
+    last
+        The time code, or None for all frames.
+
+    Returns
+    -------
+    Program
+        The shorter program.
+    """
     if last is None:
         return program
     kept = sum(frame.time <= last for frame in program.frames)

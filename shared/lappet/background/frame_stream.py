@@ -17,7 +17,20 @@ class StreamError(ProblemsError, OSError):
 
 
 def write_frame(pipe: io.RawIOBase, data: bytes) -> None:
-    """Writes a message whole. Raises OSError where nobody reads any more."""
+    """Write a message whole.
+
+    Parameters
+    ----------
+    pipe
+        The pipe.
+    data
+        The message.
+
+    Raises
+    ------
+    OSError
+        If nobody reads any more.
+    """
     for part in (memoryview(len(data).to_bytes(8, "little")), memoryview(data)):
         rest = part
         while rest:
@@ -26,7 +39,23 @@ def write_frame(pipe: io.RawIOBase, data: bytes) -> None:
 
 
 def read_frame(pipe: io.RawIOBase) -> bytearray | None:
-    """The next message, or None at the end of the stream; a message that breaks off counts as the end."""
+    """Read the next message.
+
+    Parameters
+    ----------
+    pipe
+        The pipe.
+
+    Returns
+    -------
+    bytearray | None
+        The message, or None at the end of the stream; a message that breaks off counts as the end.
+
+    Raises
+    ------
+    StreamError
+        If what comes is no message.
+    """
     head = _read(pipe, 8)
     if head is None:
         return None

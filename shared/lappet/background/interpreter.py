@@ -12,7 +12,18 @@ from lappet.core.problem_code import ProblemCode
 
 
 def find_python() -> Path:
-    """The interpreter's program. Raises RefusedError, saying where it looked."""
+    """Find the Python interpreter that runs the worker.
+
+    Returns
+    -------
+    Path
+        The program.
+
+    Raises
+    ------
+    RefusedError
+        If there is none; the message says where it was looked for.
+    """
     if sys.executable and Path(sys.executable).stem.lower().startswith("python"):
         return Path(sys.executable)
     version = f"python{sys.version_info.major}.{sys.version_info.minor}"
@@ -27,9 +38,21 @@ def find_python() -> Path:
 
 
 def worker_environment(environment: Mapping[str, str], path: Sequence[str], solverd: Path | None) -> dict[str, str]:
-    """The variables of the worker's process: none that change Python but the search path.
+    """Make the variables of the worker's process: none that change Python but the search path.
 
-    path: folders to import from; that of this very package is added.
+    Parameters
+    ----------
+    environment
+        Variables of this process.
+    path
+        Folders to import from; that of this very package is added.
+    solverd
+        The daemon's program, or None.
+
+    Returns
+    -------
+    dict[str, str]
+        The variables.
     """
     own = str(Path(__file__).resolve().parents[2])
     clean = {name: value for name, value in environment.items() if not name.upper().startswith("PYTHON")}

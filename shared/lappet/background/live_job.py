@@ -1,4 +1,4 @@
-"""Runs live mode: brings the tissue to a frame, then follows the newest target of a hook."""
+"""Run live mode: bring the tissue to a frame, then follow the newest target of a hook."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _LEFT_OUT = ("strain", "stress", "tension")  # per vertex: not worth sending whi
 
 
 class LiveJobs(SolveJobs):
-    """Runs live jobs; each lasts until it is cancelled."""
+    """A runner of live jobs; each lasts until it is cancelled."""
 
     def _run(self, job: Job) -> int:
         plan = self.plan(job)

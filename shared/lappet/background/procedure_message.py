@@ -53,7 +53,23 @@ class MessageError(ProblemsError, ValueError):
 
 
 def pack(value: object) -> bytes:
-    """The bytes of a value made of the known dataclasses, arrays, numbers, text, tuples and maps."""
+    """Write a value as bytes.
+
+    Parameters
+    ----------
+    value
+        A value made of the known dataclasses, arrays, numbers, text, tuples and maps.
+
+    Returns
+    -------
+    bytes
+        The bytes.
+
+    Raises
+    ------
+    MessageError
+        If the value cannot be told in a message.
+    """
     try:
         return bytes(msgpack.packb(value, default=_outgoing))
     except (TypeError, ValueError, OverflowError) as error:
@@ -61,7 +77,23 @@ def pack(value: object) -> bytes:
 
 
 def unpack(data: bytes | bytearray | memoryview) -> Any:
-    """The value of these bytes; arrays are read-only. Raises MessageError, and only that."""
+    """Read a value from bytes.
+
+    Parameters
+    ----------
+    data
+        The bytes.
+
+    Returns
+    -------
+    Any
+        The value; arrays are read-only.
+
+    Raises
+    ------
+    MessageError
+        If the bytes are no message; nothing else is raised.
+    """
     try:
         return msgpack.unpackb(data, ext_hook=_incoming, use_list=False, strict_map_key=False)
     except MessageError:

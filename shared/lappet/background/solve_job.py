@@ -1,4 +1,4 @@
-"""Runs a job of the worker: plans a procedure, or solves its frames and tells of each."""
+"""Run a job of the worker: plan a procedure, or solve its frames and tell of each."""
 
 from __future__ import annotations
 
@@ -38,7 +38,19 @@ Tell = Callable[[Happening], None]
 
 
 class SolveJobs:
-    """Runs jobs one after another on the thread that calls it. connect: who solves. tell: takes what happens."""
+    """A runner of jobs, one after another on the thread that calls it.
+
+    Parameters
+    ----------
+    compilation
+        Where plans and programs come from.
+    store
+        Where frames are kept.
+    connect
+        Makes the solver.
+    tell
+        Takes what happens.
+    """
 
     def __init__(self, compilation: Compilation, store: KeptFrames, connect: Connect, tell: Tell) -> None:
         self.compilation = compilation
@@ -47,7 +59,13 @@ class SolveJobs:
         self.tell = tell
 
     def run(self, job: Job) -> None:
-        """Plans, and solves where that is asked; ends with Finished whatever happens."""
+        """Plan, and solve where that is asked; end with `Finished` whatever happens.
+
+        Parameters
+        ----------
+        job
+            The job.
+        """
         begun = time.perf_counter()
         done = 0
         try:
@@ -71,7 +89,18 @@ class SolveJobs:
         return 0 if job.kind == "plan" else self.solve(job, plan, job.until)
 
     def plan(self, job: Job) -> Plan:
-        """The plan of a job, told to the owner."""
+        """Make the plan of a job and tell it to the owner.
+
+        Parameters
+        ----------
+        job
+            The job.
+
+        Returns
+        -------
+        Plan
+            The plan.
+        """
         well = self.store.trouble is None
         plan = self.compilation.plan(job.procedure, job.settings, job.step)
         if well and self.store.trouble is not None:
@@ -81,7 +110,22 @@ class SolveJobs:
         return plan
 
     def solve(self, job: Job, plan: Plan, until: int | None) -> int:
-        """Gets the frames of a plan up to a time code; returns how many are there."""
+        """Get the frames of a plan.
+
+        Parameters
+        ----------
+        job
+            The job.
+        plan
+            Its plan.
+        until
+            Last time code, or None for all.
+
+        Returns
+        -------
+        int
+            How many frames are there.
+        """
         wanted = [frame for frame in plan.frames if until is None or frame.time <= until]
         if all(frame.key in self.store for frame in wanted):
             for frame in wanted:
@@ -95,7 +139,20 @@ class SolveJobs:
         return len(frames.frames)
 
     def frames(self, job: Job, program: Program) -> Frames:
-        """Solves a program and tells of each frame."""
+        """Solve a program and tell of each frame.
+
+        Parameters
+        ----------
+        job
+            The job.
+        program
+            The program.
+
+        Returns
+        -------
+        Frames
+            The frames.
+        """
         connect = stoppable(self.connect, job)
         return solve_program(program, self.store, connect, self.compilation.identity, _Telling(job, self))
 
@@ -106,7 +163,7 @@ class SolveJobs:
 
 
 class _Telling(SolveObserver):
-    """Tells the owner how a solve goes, and stops it once it is cancelled."""
+    """Tell the owner how a solve goes, and stop it once it is cancelled."""
 
     def __init__(self, job: Job, jobs: SolveJobs) -> None:
         self._job = job
@@ -147,7 +204,20 @@ def _problem(error: Exception) -> Problem:
 
 
 def stoppable(connect: Connect, job: Job) -> Connect:
-    """Sessions that end with KeyboardInterrupt at the next request, or Newton iteration, after a cancel."""
+    """Make sessions that end with KeyboardInterrupt at the next request, or Newton iteration, after a cancel.
+
+    Parameters
+    ----------
+    connect
+        Makes the solver.
+    job
+        The job that may be cancelled.
+
+    Returns
+    -------
+    Connect
+        The function that opens such sessions.
+    """
     return lambda settings, bones: _Stoppable(connect, settings, bones, job)
 
 

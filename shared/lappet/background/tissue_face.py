@@ -16,10 +16,15 @@ _PAIRS = 1_000_000  # point and triangle at once
 
 
 class TissueFaces:
-    """Finds the nearest face of a tissue; the surfaces of its epochs lie on it but for their wound walls.
+    """A search for the nearest face of a tissue; the surfaces of its epochs lie on it but for their wound walls.
 
     Candidates come from a grid of boxes as wide as the tissue's triangles; what lies farther off than a tenth of such a
     box is asked of `ClosestPoint`.
+
+    Parameters
+    ----------
+    tissue
+        The tissue.
     """
 
     def __init__(self, tissue: Tissue) -> None:
@@ -55,7 +60,18 @@ class TissueFaces:
         self._boxes, self._owner = code[order], owner[order]
 
     def of(self, surface: Surface) -> NDArray[np.int32]:
-        """The face (m,) int32 under the centre of each triangle of an epoch's surface; -1 for wound walls."""
+        """Find the face under the center of each triangle of an epoch's surface.
+
+        Parameters
+        ----------
+        surface
+            The surface.
+
+        Returns
+        -------
+        NDArray[np.int32]
+            Faces, shape (m,), int32; -1 for wound walls.
+        """
         result = np.full(len(surface.triangles), -1, np.int32)
         asked = np.flatnonzero(surface.origin != FaceOrigin.WOUND_WALL)
         centres = surface.points[surface.triangles[asked]].mean(axis=1)
@@ -63,7 +79,18 @@ class TissueFaces:
         return result
 
     def nearest(self, points: NDArray[np.float64]) -> NDArray[np.int32]:
-        """The face (q,) nearest to each point (q, 3), mm."""
+        """Find the face nearest to each point.
+
+        Parameters
+        ----------
+        points
+            Points in mm, shape (q, 3).
+
+        Returns
+        -------
+        NDArray[np.int32]
+            Faces, shape (q,), int32.
+        """
         box = self._box(points)
         inside = ((box >= 0) & (box < self._shape)).all(axis=1)
         code = np.where(inside, self._code(box), -1)

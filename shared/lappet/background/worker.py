@@ -30,7 +30,13 @@ _NICENESS = 5  # so that the window stays lively while all cores solve
 
 
 def main(arguments: list[str]) -> None:
-    """Serves requests until standard input ends; never returns."""
+    """Serve requests until standard input ends; never return.
+
+    Parameters
+    ----------
+    arguments
+        Arguments of the process.
+    """
     requests, answers = _own_pipes()
     with contextlib.suppress(OSError, AttributeError):
         os.nice(_NICENESS)
@@ -43,8 +49,15 @@ def main(arguments: list[str]) -> None:
 
 
 class Worker:
-    """Takes requests and hands each to the thread of its kind. store: folder of the frames. answers: where happenings
-    go."""
+    """A worker that takes requests and hands each to the thread of its kind.
+
+    Parameters
+    ----------
+    store
+        Folder of the frames, or None for the user's.
+    answers
+        Pipe to the owner.
+    """
 
     def __init__(self, store: Path | None, answers: io.RawIOBase) -> None:
         self._folder = store
@@ -57,7 +70,13 @@ class Worker:
         self._lanes = {kind: _Lane(kind, self._run) for kind in ("plan", "solve", "live")}
 
     def take(self, request: dict[str, Any]) -> None:
-        """Does what a request asks, without waiting for any job."""
+        """Do what a request asks, without waiting for any job.
+
+        Parameters
+        ----------
+        request
+            The request.
+        """
         ask, number = request["ask"], int(request["job"])
         if ask == "cancel":
             with self._guard:
@@ -116,7 +135,13 @@ class Worker:
             return self._services
 
     def tell(self, happening: Happening) -> None:
-        """Sends what happened to the owner."""
+        """Send what happened to the owner.
+
+        Parameters
+        ----------
+        happening
+            What happened.
+        """
         data = pack(happening)
         try:
             with self._writing:
@@ -125,7 +150,7 @@ class Worker:
             raise _Gone from None
 
     def end(self) -> None:
-        """Ends all jobs, which end their daemons, and the process; a daemon that is left over sees that it is alone."""
+        """End all jobs, which end their daemons, and the process; a daemon that is left over sees that it is alone."""
         with self._guard:
             for job in self._jobs.values():
                 job.cancel()

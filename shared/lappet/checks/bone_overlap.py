@@ -22,10 +22,27 @@ SAMPLES = 30  # along the diagonal of the space that bone and tissue share
 def overlap_problems(
     bone: Bone, triangles: NDArray[np.int32], points: NDArray[np.float64], tissue: NDArray[np.int32], spacing: float
 ) -> list[Problem]:
-    """Whether a bone and the tissue share space at rest, deeper than contact pushes out.
+    """Find whether a bone and the tissue share space at rest, deeper than contact pushes out.
 
-    triangles: (c, 3), of the bone's points. points, tissue: (n, 3) mm and (m, 3), the tissue's surface. spacing: mm.
     Both surfaces are closed.
+
+    Parameters
+    ----------
+    bone
+        The bone.
+    triangles
+        Vertex indices of the bone's triangles, shape (c, 3).
+    points
+        Vertices of the tissue in mm, shape (n, 3).
+    tissue
+        Vertex indices of the tissue's triangles, shape (m, 3).
+    spacing
+        Lattice spacing in mm.
+
+    Returns
+    -------
+    list[Problem]
+        The problems.
     """
     path = f"{BONE}/{bone.name}"
     shared = closed_solid(bone.points, triangles, path) ^ closed_solid(points, tissue, "/Procedure/Tissue")

@@ -20,8 +20,21 @@ from lappet.procedure.prim_paths import TIMELINE
 
 
 def event_conflicts(procedure: Procedure) -> list[Problem]:
-    """Two hooks on one point at one time, faces that two things hold, an excision of what is not cut, one suture
-    twice, one label twice."""
+    """Find events that are right alone, but not together.
+
+    These are two hooks on one point at one time, faces that two things hold, an excision of what is not cut, one suture
+    twice, and one label twice.
+
+    Parameters
+    ----------
+    procedure
+        The procedure.
+
+    Returns
+    -------
+    list[Problem]
+        The problems.
+    """
     return [
         *_hooks(procedure),
         *_grips(procedure),

@@ -18,9 +18,14 @@ from lappet.tissue.rest_space import RestSpace
 
 
 class EventCheck:
-    """Checks the events of one procedure one by one.
+    """A check of the events of one procedure, one by one.
 
-    rest: the tissue at rest, or None where its mesh cannot be read; places are then left unchecked.
+    Parameters
+    ----------
+    procedure
+        The procedure.
+    rest
+        The tissue at rest, or None where its mesh cannot be read; places are then left unchecked.
     """
 
     def __init__(self, procedure: Procedure, rest: RestSpace | None) -> None:
@@ -29,7 +34,15 @@ class EventCheck:
         self._path = ""
 
     def check(self, event: Event, path: str) -> None:
-        """Adds the problems of one event to `problems`."""
+        """Add the problems of one event to `problems`.
+
+        Parameters
+        ----------
+        event
+            The event.
+        path
+            Path of its prim.
+        """
         self._path = path
         match event:
             case Incision():
@@ -184,11 +197,33 @@ class EventCheck:
 
 
 def same_point(procedure: Procedure) -> float:
-    """Anchors nearer than this (mm) are one point: a thousandth of the lattice spacing."""
+    """Compute how near anchors must be to count as one point.
+
+    Parameters
+    ----------
+    procedure
+        The procedure.
+
+    Returns
+    -------
+    float
+        Distance in mm: a thousandth of the lattice spacing.
+    """
     spacing = procedure.tissue.spacing
     return 1e-3 * spacing if math.isfinite(spacing) and spacing > 0.0 else 1e-6
 
 
 def at(point: Sequence[float]) -> str:
-    """A point as people read it: (1.25, 0, -3), mm."""
+    """Write a point as people read it: (1.25, 0, -3).
+
+    Parameters
+    ----------
+    point
+        A point in mm.
+
+    Returns
+    -------
+    str
+        The text.
+    """
     return "(" + ", ".join(f"{v:.6g}" for v in point) + ")"

@@ -18,7 +18,20 @@ MOST_MATERIALS = MOST_REGIONS = 64  # the entries of a list in a message
 
 
 def material_problems(material: Material, path: str) -> list[Problem]:
-    """Every problem of one material."""
+    """Find every problem of one material.
+
+    Parameters
+    ----------
+    material
+        The material.
+    path
+        Path of its prim.
+
+    Returns
+    -------
+    list[Problem]
+        The problems.
+    """
     problems: list[Problem] = []
 
     def add(code: ProblemCode, value: object, **fields: Any) -> None:
@@ -68,7 +81,18 @@ def _activation(material: Material, add: Callable[..., None]) -> None:
 
 
 def region_problems(procedure: Procedure) -> list[Problem]:
-    """Return every problem of the tissue's regions but for their names (`lappet.procedure.prim_names`)."""
+    """Find every problem of the tissue's regions but for their names (`lappet.procedure.prim_names.name_problems`).
+
+    Parameters
+    ----------
+    procedure
+        The procedure.
+
+    Returns
+    -------
+    list[Problem]
+        The problems.
+    """
     tissue = procedure.tissue
     problems: list[Problem] = []
     known = [material.name for material in procedure.materials]

@@ -18,7 +18,17 @@ _READABLE = SOLID | {ProblemCode.MESH_INSIDE_OUT}
 
 @dataclass(frozen=True)
 class MeshReport:
-    """problems: what is wrong. readable: the indices fit the points, and these are finite. triangles: (m, 3), if so."""
+    """What is wrong with a mesh.
+
+    Parameters
+    ----------
+    problems
+        The problems.
+    readable
+        Whether the indices fit the points, and these are finite.
+    triangles
+        Vertex indices, shape (m, 3), where the mesh is readable.
+    """
 
     problems: list[Problem]
     readable: bool
@@ -26,9 +36,19 @@ class MeshReport:
 
 
 def mesh_problems(mesh: Tissue | Bone, path: str) -> MeshReport:
-    """Check that a mesh can be read and that it is closed, manifold, oriented alike, and free of self-intersections.
+    """Check that a mesh can be read, is closed, manifold and oriented alike, and does not pass through itself.
 
-    path: the prim, for the problems. Points are in mm.
+    Parameters
+    ----------
+    mesh
+        The tissue or bone; its points are in mm.
+    path
+        Path of its prim.
+
+    Returns
+    -------
+    MeshReport
+        The problems, and the triangles.
     """
     faults = mesh_faults(mesh.points, mesh.face_vertex_counts, mesh.face_vertex_indices, _READABLE)
     problems = [fault.problem(path) for fault in faults]

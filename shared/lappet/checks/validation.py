@@ -1,4 +1,4 @@
-"""Validates a procedure before it is solved: every problem at once, each with its prim, value and remedy."""
+"""Validate a procedure before it is solved: every problem at once, each with its prim, value and remedy."""
 
 from __future__ import annotations
 
@@ -28,10 +28,33 @@ MOST_FRAMES = 1_000_000
 
 
 def check(procedure: Procedure, memory_budget: float = MEMORY_BUDGET, spacing: float | None = None) -> list[Problem]:
-    """Every problem of a procedure; errors are refused before solving, warnings are not.
+    """Find every problem of a procedure.
 
-    memory_budget: bytes. spacing: the lattice spacing in mm, where it is not the tissue's own. Nothing is cut, so what
-    only shows in the cut surface (an anchor whose tissue is excised) is found when the procedure is compiled.
+    Nothing is cut, so what only shows in the cut surface (an anchor whose tissue is excised) is found when the
+    procedure is compiled.
+
+    Parameters
+    ----------
+    procedure
+        The procedure.
+    memory_budget
+        Memory in bytes that the solver may take.
+    spacing
+        Lattice spacing in mm, where it is not the tissue's own.
+
+    Returns
+    -------
+    list[Problem]
+        The problems; errors are refused before solving, warnings are not.
+
+    Examples
+    --------
+    >>> from lappet import Incision, Procedure, check
+    >>> from lappet.tissue import flat_patch
+    >>> hovering = Incision("cut", 2, [(-10, 0, 40), (10, 0, 40)])
+    >>> [problem] = check(Procedure(flat_patch(spacing=2.0), events=(hovering,), end_time=3))
+    >>> str(problem.code), problem.prim
+    ('curve-off-tissue', '/Procedure/Timeline/cut')
     """
     problems = [*name_problems(procedure), *_timeline(procedure)]
     report = mesh_problems(procedure.tissue, TISSUE)
@@ -61,12 +84,29 @@ def check(procedure: Procedure, memory_budget: float = MEMORY_BUDGET, spacing: f
 def check_file(
     path: str | os.PathLike[str], notes: list[str] | None = None, memory_budget: float = MEMORY_BUDGET
 ) -> list[Problem]:
-    """Every problem of a procedure file: those of reading it and those of `check`, together.
+    """Find every problem of a procedure's file: those of reading it and those of `check`.
 
-    notes: gets a sentence for everything that was converted or left aside while reading. Raises RefusedError only
-    where the file cannot be opened as USD. A prim that could not be read is not judged a second time.
+    A prim that could not be read is not judged a second time.
+
+    Parameters
+    ----------
+    path
+        The file.
+    notes
+        Gets a sentence for everything that was converted or left aside while reading.
+    memory_budget
+        Memory in bytes that the solver may take.
+
+    Returns
+    -------
+    list[Problem]
+        The problems.
+
+    Raises
+    ------
+    RefusedError
+        If the file cannot be opened as USD.
     """
-
     procedure, unread = read_what_can_be(path, notes)
     if procedure is None:
         return unread

@@ -13,7 +13,27 @@ from lappet.core.problem_code import ProblemCode
 
 @contextmanager
 def sentences(context: click.Context) -> Iterator[None]:
-    """Ends the command with exit status 1 and a sentence on standard error where work is refused or stopped."""
+    """End the command with exit status 1 and a sentence on standard error where work is refused or stopped.
+
+    Parameters
+    ----------
+    context
+        The command's context.
+
+    Yields
+    ------
+    None
+        Nothing.
+
+    Raises
+    ------
+    ClickException
+        If the command raises one of click's own; click shows it.
+    Exit
+        If the command ends itself.
+    Abort
+        If the user aborts at a prompt.
+    """
     try:
         yield
     except (click.ClickException, click.exceptions.Exit, click.Abort):
@@ -31,7 +51,18 @@ def sentences(context: click.Context) -> Iterator[None]:
 
 
 def problems_of(error: Exception) -> tuple[Problem, ...]:
-    """Return what to tell the user about an error: its own problems, else what the system says, else ours."""
+    """Find what to tell the user about an error.
+
+    Parameters
+    ----------
+    error
+        The error.
+
+    Returns
+    -------
+    tuple[Problem, ...]
+        Its own problems, else what the system says, else that Lappet is at fault.
+    """
     if isinstance(error, ProblemsError):
         return error.problems
     if isinstance(error, OSError):

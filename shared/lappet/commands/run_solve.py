@@ -13,7 +13,24 @@ if TYPE_CHECKING:
 
 
 def run_solve(procedure: Path, cache: Path, report_path: Path | None, **options: Any) -> SolveResult:
-    """Solves with progress on standard error and writes the report; options are those of `solve_options`."""
+    """Solve with progress on standard error, and write the report.
+
+    Parameters
+    ----------
+    procedure
+        The procedure's file.
+    cache
+        The skin cache.
+    report_path
+        File of the report, or None.
+    **options
+        Those of `solve_options`.
+
+    Returns
+    -------
+    SolveResult
+        What the solve gave.
+    """
     from lappet.commands.solve_progress import solve_progress
     from lappet.output.solve_to_cache import solve_procedure
     from lappet.solve.store import FrameStore
@@ -30,9 +47,30 @@ def run_solve(procedure: Path, cache: Path, report_path: Path | None, **options:
 
 
 def run_to_target(procedure: Path, cache: Path, report_path: Path | None, target: float, **options: Any) -> SolveResult:
-    """Solves with the settings that a target error needs, and says which; options are those of `solve_options`.
+    """Solve with the settings that a target error needs, and say which.
 
-    Raises RefusedError where the target is not reached.
+    Parameters
+    ----------
+    procedure
+        The procedure's file.
+    cache
+        The skin cache.
+    report_path
+        File of the report, or None.
+    target
+        Root mean square error in mm that must be reached.
+    **options
+        Those of `solve_options`.
+
+    Returns
+    -------
+    SolveResult
+        What the last solve gave.
+
+    Raises
+    ------
+    RefusedError
+        If the target is not reached.
     """
     from lappet.core.problem import refused
     from lappet.core.problem_code import ProblemCode
@@ -67,7 +105,18 @@ def run_to_target(procedure: Path, cache: Path, report_path: Path | None, target
 
 
 def summary(result: SolveResult) -> str:
-    """What a solve gave, in a line or three."""
+    """Sum up a solve in a line or three.
+
+    Parameters
+    ----------
+    result
+        What the solve gave.
+
+    Returns
+    -------
+    str
+        The text.
+    """
     lines = []
     total = len(result.frames)
     lines.append(
@@ -84,7 +133,18 @@ def summary(result: SolveResult) -> str:
 
 
 def error_lines(errors: ErrorEstimate) -> list[str]:
-    """What the estimate of a solve says, for people."""
+    """Say what the estimate of a solve says, for people.
+
+    Parameters
+    ----------
+    errors
+        The estimate.
+
+    Returns
+    -------
+    list[str]
+        Lines of text.
+    """
     lines = []
     known = [error for error in errors.frames if error is not None]
     if known:

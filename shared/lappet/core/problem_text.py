@@ -18,8 +18,18 @@ TEXTS = Path(__file__).with_name("texts")
 class ProblemText:
     """What is said for a code.
 
-    title: for lists. message, remedy: sentences with fields in braces. advice: the remedy for lists, where another
-    program words the message and says the remedy in it.
+    Parameters
+    ----------
+    title
+        Title for lists.
+    message
+        Sentence with fields in braces.
+    remedy
+        Sentence with fields in braces.
+    severity
+        "error" or "warning".
+    advice
+        What the documents say besides.
     """
 
     title: str
@@ -31,7 +41,18 @@ class ProblemText:
 
 @cache
 def catalogue() -> dict[ProblemCode, ProblemText]:
-    """Return the texts of every code. A code that no file knows, or that two files know, raises KeyError."""
+    """Read the texts of every code.
+
+    Returns
+    -------
+    dict[ProblemCode, ProblemText]
+        The texts by code.
+
+    Raises
+    ------
+    KeyError
+        If no file knows a code, or two files know it.
+    """
     found: dict[ProblemCode, ProblemText] = {}
     for file in sorted(TEXTS.glob("*.toml")):
         for value, entry in tomllib.loads(file.read_text(encoding="utf-8")).items():
@@ -43,5 +64,16 @@ def catalogue() -> dict[ProblemCode, ProblemText]:
 
 
 def text_of(code: ProblemCode) -> ProblemText:
-    """Return the texts of a code."""
+    """Look up the texts of a code.
+
+    Parameters
+    ----------
+    code
+        The code.
+
+    Returns
+    -------
+    ProblemText
+        The texts.
+    """
     return catalogue()[code]

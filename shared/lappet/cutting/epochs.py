@@ -26,11 +26,25 @@ _TIMELINE = "/Procedure/Timeline"
 
 
 def build_epochs(procedure: Procedure) -> list[Epoch]:
-    """The epochs of a procedure, each surface closed, manifold and outward, made from the one before.
+    """Cut the tissue: make the epochs of a procedure, each surface from the one before.
 
     Incisions, excisions and undermining at one time make one epoch, in this order; those at or before the start time
-    belong to epoch 0. Edges are refined to 1.5 lattice spacings. The same procedure gives the same bytes. Raises
-    RefusedError for a tissue that is no closed surface and for an event that cannot act on it.
+    belong to epoch 0. Edges are refined to 1.5 lattice spacings. The same procedure gives the same bytes.
+
+    Parameters
+    ----------
+    procedure
+        The procedure.
+
+    Returns
+    -------
+    list[Epoch]
+        The epochs; every surface is closed, manifold and oriented outwards.
+
+    Raises
+    ------
+    RefusedError
+        If the tissue is no closed surface, or an event cannot act on it.
     """
     spacing = procedure.tissue.spacing
     surface = tissue_surface(procedure.tissue, _TISSUE)
@@ -72,9 +86,28 @@ def _refuse_broken(surface: Surface, time: float) -> None:
 
 
 def excise(tissue: LabelledSolid, skin: RestSkin, excisions: list[Excision], spacing: float) -> LabelledSolid:
-    """The tissue without the fragments whose surfaces are nearest to the seeds.
+    """Take away the fragments whose surfaces are nearest to the seeds.
 
-    Raises RefusedError for a seed off the skin, one where no tissue is left, and seeds that name all of it.
+    Parameters
+    ----------
+    tissue
+        The tissue as it is cut now.
+    skin
+        The uncut skin.
+    excisions
+        Events with the seeds.
+    spacing
+        Lattice spacing in mm.
+
+    Returns
+    -------
+    LabelledSolid
+        The tissue that is left.
+
+    Raises
+    ------
+    RefusedError
+        If a seed is off the skin or where no tissue is left, or the seeds name all of the tissue.
     """
     parts = fragments(tissue)
     surfaces = [part.surface() for part in parts]

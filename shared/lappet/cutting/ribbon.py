@@ -28,9 +28,24 @@ _FOLD = 0.45  # of a segment: how far a mitre may reach back before the ribbon i
 class Ribbon:
     """A strip of cross-sections along a curve on the skin.
 
-    points, normals, sides: (k, 3); sides are as long as the mitre needs (a cross-section's edges are points ± kerf/2
-    sides). depth: (k,) mm below the skin. along: (k,) mm, arc length from the curve's begin. closed: the last section
-    joins the first; length: mm, the arc length around a closed one.
+    The edges of a cross-section are points ± kerf/2 sides.
+
+    Parameters
+    ----------
+    points
+        Middles of the cross-sections in mm, shape (k, 3).
+    normals
+        Unit normals of the skin there, shape (k, 3).
+    sides
+        Vectors across the curve, as long as the mitre needs, shape (k, 3).
+    depth
+        Depth below the skin in mm, shape (k,).
+    along
+        Arc length from the curve's begin in mm, shape (k,).
+    closed
+        Whether the last section joins the first.
+    length
+        Arc length around a closed curve in mm.
     """
 
     points: NDArray[np.float64]
@@ -66,14 +81,43 @@ def skin_ribbons(
     spacing: float = 1.0,
     step: float | None = None,
 ) -> list[Ribbon]:
-    """The ribbons of a curve on the skin.
+    """Make the ribbons of a curve on the skin.
 
-    The curve is sampled at `step` (default: the lattice spacing, at most 1 mm or, for tissue of metres, a 400th of the
-    curve), its samples are dropped onto the
-    skin; what lies past the skin's border stays there, and an end near the border runs on past it. depth: mm along
-    the skin normal, or None for the whole thickness (measured by a ray per sample). A curve is broken into several
-    ribbons where it leaves the tissue, turns too sharply for a mitre, or meets itself. Raises RefusedError for a
-    curve that cannot be followed, hovers off the skin or misses the tissue.
+    The curve is sampled and its samples are dropped onto the skin; what lies past the skin's border stays there, and an
+    end near the border runs on past it. A curve is broken into several ribbons where it leaves the tissue, turns too
+    sharply for a mitre, or meets itself.
+
+    Parameters
+    ----------
+    skin
+        The uncut skin.
+    points
+        Control points in mm.
+    prim
+        Path of the prim, for messages.
+    basis
+        How the curve runs through or beside its points.
+    closed
+        Whether it returns to its first point.
+    depth
+        Depth along the skin's normal in mm, or None for the whole thickness (measured by a ray per sample).
+    kerf
+        Width of the cut in mm.
+    spacing
+        Lattice spacing in mm.
+    step
+        Distance of the samples in mm; None for the lattice spacing, at most 1 mm or, for tissue of metres, a 400th of
+        the curve.
+
+    Returns
+    -------
+    list[Ribbon]
+        The ribbons.
+
+    Raises
+    ------
+    RefusedError
+        If the curve cannot be followed, hovers off the skin or misses the tissue.
     """
     if not (np.isfinite(kerf) and kerf > 0.0):
         raise refused(ProblemCode.CUT_KERF, prim, f"{kerf:g}")
@@ -188,7 +232,7 @@ def _runs(keep: NDArray[np.bool_], closed: bool) -> list[tuple[NDArray[np.int64]
 
 
 def _without_repeats(points: NDArray[np.float64], closed: bool) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-    """Drops samples that fell onto their predecessor."""
+    """Drop samples that fell onto their predecessor."""
     gap = np.linalg.norm(np.diff(points, axis=0), axis=1)
     keep = np.concatenate([[True], gap > 1e-9 * (1.0 + np.abs(points).max())])
     if closed and len(points) > 1 and np.allclose(points[0], points[-1], rtol=0.0, atol=1e-9):
@@ -198,7 +242,7 @@ def _without_repeats(points: NDArray[np.float64], closed: bool) -> tuple[NDArray
 
 
 def _run_off(skin: RestSkin, path: _Path, at_end: bool, reach: float) -> _Path:
-    """Lengthens a path past the skin's border, if its own direction leads there."""
+    """Lengthen a path past the skin's border, if its own direction leads there."""
     a, b = (path.points[-1], path.points[-2]) if at_end else (path.points[0], path.points[1])
     normal = path.normals[-1 if at_end else 0]
     direction = a - b

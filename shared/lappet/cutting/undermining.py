@@ -32,10 +32,32 @@ _KERF = 0.02  # of the lattice spacing: the width of the line that parts inside 
 def undermine(
     surface: Surface, rest: LabelledSolid, skin: RestSkin, event: Undermine, spacing: float, timeline: str
 ) -> Surface:
-    """The surface with the bed faces inside the curve freed (bed False) and split along the curve.
+    """Free the bed faces inside a curve, split along it.
 
-    surface: of the current epoch. rest, skin: the uncut tissue. spacing: mm. Raises RefusedError, naming the prim, for
-    a curve that cannot be followed, misses the tissue or has no bed below it.
+    Parameters
+    ----------
+    surface
+        Surface of the current epoch.
+    rest
+        The uncut tissue as a solid.
+    skin
+        The uncut skin.
+    event
+        The event with the curve.
+    spacing
+        Lattice spacing in mm.
+    timeline
+        Path of the prims' parent, for messages.
+
+    Returns
+    -------
+    Surface
+        The surface with `bed` false inside the curve.
+
+    Raises
+    ------
+    RefusedError
+        If the curve cannot be followed, misses the tissue or has no bed below it.
     """
     prim = f"{timeline}/{event.name}"
     kerf = _KERF * min(spacing, 1.0)

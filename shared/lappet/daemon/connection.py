@@ -38,7 +38,7 @@ ERROR_CODES = {
 
 
 class SolverRefused(FrameRefusedError):
-    """The daemon answered with an error."""
+    """An error that the daemon answered with."""
 
     @property
     def code(self) -> str:
@@ -51,11 +51,23 @@ class SolveCancelled(SolverRefused):
 
 
 class DaemonConnection:
-    """Requests to one daemon and their replies.
+    """The requests to one daemon and their replies.
 
-    address, token, daemon, name, silence: as in `lappet.daemon.client.SolverClient`. welcome: the fields of the
-    daemon's greeting. session: the number that goes into every header, or None. One thread at a time makes
-    requests; `cancel` may be called from any.
+    `welcome` holds the fields of the daemon's greeting, `session` the number that goes into every header, or None. One
+    thread at a time makes requests; `cancel` may be called from any.
+
+    Parameters
+    ----------
+    address
+        Address of a running daemon; without one a daemon is started here and ended with the connection.
+    token
+        Token of the running daemon; None for the environment's `LAPPET_TOKEN`.
+    daemon
+        A daemon of the caller's; it is started where it does not run, and not ended here.
+    name
+        What the daemon calls this client in its log.
+    silence
+        Seconds without an answer after which the daemon counts as dead.
     """
 
     def __init__(
@@ -87,7 +99,18 @@ class DaemonConnection:
         self.welcome: dict[str, Any] = {}
 
     def connect(self) -> Self:
-        """Starts the daemon where there is none, connects and says hello."""
+        """Start the daemon where there is none, connect and say hello.
+
+        Returns
+        -------
+        Self
+            This connection.
+
+        Raises
+        ------
+        DaemonMissing
+            If the address is none, or there is no daemon to start.
+        """
         if self._socket is not None:
             return self
         try:
@@ -115,7 +138,7 @@ class DaemonConnection:
         return self
 
     def close(self) -> None:
-        """Takes leave, and ends the daemon that was started here. May be called twice."""
+        """Take leave, and end the daemon that was started here; may be called twice."""
         self._stop.set()
         if self._heartbeat is not None and self._heartbeat is not threading.current_thread():
             self._heartbeat.join(timeout=2.0)
@@ -135,7 +158,7 @@ class DaemonConnection:
             self._daemon.stop()
 
     def cancel(self) -> None:
-        """Cancels the solve that runs; from any thread."""
+        """Cancel the solve that runs; from any thread."""
         self._cancel_wanted.set()
 
     def request(
@@ -145,10 +168,36 @@ class DaemonConnection:
         arrays: dict[str, NDArray[Any]] | None = None,
         on_progress: Callable[[Message], None] | None = None,
     ) -> Message:
-        """Sends a message and waits for the last reply to it. Replies to earlier ones that were given up are dropped.
+        """Send a message and wait for the last reply to it; replies to earlier ones that were given up are dropped.
 
-        Raises DaemonDied, SolverRefused or WireError; whatever `on_progress` raises, and Ctrl-C, cancels the request
-        first.
+        Whatever `on_progress` raises, and Ctrl-C, cancels the request first.
+
+        Parameters
+        ----------
+        kind
+            Type of the message.
+        fields
+            Fields of its header.
+        arrays
+            Arrays by name.
+        on_progress
+            Called with every message `progress`.
+
+        Returns
+        -------
+        Message
+            The reply.
+
+        Raises
+        ------
+        DaemonDied
+            If the daemon is gone or fell silent.
+        SolverRefused
+            If the daemon answers with an error.
+        SolveCancelled
+            If the request was cancelled.
+        WireError
+            If the reply breaks PROTOCOL.md.
         """
         with self._lock:
             if self._socket is None:
@@ -223,7 +272,7 @@ class DaemonConnection:
             self._send("ping", next(self._ids))
 
     def _give_up(self, identifier: int) -> None:
-        """Cancels a request and waits a moment for its end, so that the session can go on."""
+        """Cancel a request and wait a moment for its end, so that the session can go on."""
         try:
             self._send("cancel", next(self._ids))
             end = time.monotonic() + _CANCEL_SECONDS
@@ -237,7 +286,7 @@ class DaemonConnection:
             return
 
     def _beat(self) -> None:
-        """Keeps the daemon from ending while nothing is asked of it; a request that runs pings by itself."""
+        """Keep the daemon from ending while nothing is asked of it; a request that runs pings by itself."""
         while not self._stop.wait(_HEARTBEAT_SECONDS):
             if not self._lock.acquire(blocking=False):
                 continue
@@ -254,7 +303,25 @@ class DaemonConnection:
 
 
 def expect(message: Message, kind: str) -> Message:
-    """The message, if it is of this kind; otherwise WireError."""
+    """Refuse a message of another kind.
+
+    Parameters
+    ----------
+    message
+        The message.
+    kind
+        The type that it must have.
+
+    Returns
+    -------
+    Message
+        The message.
+
+    Raises
+    ------
+    WireError
+        If it is of another type.
+    """
     if message.type != kind:
         raise WireError(f"The daemon answered '{message.type}' where '{kind}' was due; install both from one release.")
     return message

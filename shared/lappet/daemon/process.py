@@ -34,9 +34,17 @@ class DaemonDied(SolverDiedError):
 
 
 def find_daemon() -> Path:
-    """The daemon's program: LAPPET_SOLVERD, the package's own, or that of a source checkout's build folder.
+    """Find the daemon's program: `LAPPET_SOLVERD`, the package's own, or that of a source checkout's build folder.
 
-    Raises DaemonMissing, saying where it looked.
+    Returns
+    -------
+    Path
+        The program.
+
+    Raises
+    ------
+    DaemonMissing
+        If there is none; the message says where it was looked for.
     """
     named = os.environ.get("LAPPET_SOLVERD")
     if named:
@@ -62,7 +70,18 @@ def _identity(binary: Path, modified: int) -> str:
 
 
 def daemon_identity(binary: Path | None = None) -> str:
-    """What tells a daemon's program (found when None) from another: Lappet's version and the program's digest."""
+    """Find what tells a daemon's program from another.
+
+    Parameters
+    ----------
+    binary
+        The program; found when None.
+
+    Returns
+    -------
+    str
+        Lappet's version and the program's digest.
+    """
     binary = find_daemon() if binary is None else binary
     return _identity(binary, binary.stat().st_mtime_ns)
 
@@ -70,8 +89,16 @@ def daemon_identity(binary: Path | None = None) -> str:
 class SolverDaemon:
     """A daemon of our own: a context manager that starts it and ends it.
 
-    binary: the program (found when None). arguments: further options of `lappet-solverd`. start_timeout: seconds until
-    it must listen. address, token: what a client needs, once started.
+    Once it is started, `address` and `token` are what a client needs.
+
+    Parameters
+    ----------
+    binary
+        The program; found when None.
+    arguments
+        Further options of `lappet-solverd`.
+    start_timeout
+        Seconds until it must listen.
     """
 
     def __init__(
@@ -87,7 +114,20 @@ class SolverDaemon:
         self._readers: list[threading.Thread] = []
 
     def start(self) -> Self:
-        """Starts the daemon and waits until it listens. Raises DaemonMissing or DaemonDied with its last words."""
+        """Start the daemon and wait until it listens.
+
+        Returns
+        -------
+        Self
+            This daemon.
+
+        Raises
+        ------
+        DaemonMissing
+            If there is no program to start.
+        DaemonDied
+            If it ends before it listens; the message has its last words.
+        """
         if self._process is not None:
             return self
         binary = Path(self._binary) if self._binary is not None else find_daemon()
@@ -139,11 +179,23 @@ class SolverDaemon:
         return None if self._process is None else self._process.pid
 
     def alive(self) -> bool:
-        """Whether the process runs."""
+        """Tell whether the process runs.
+
+        Returns
+        -------
+        bool
+            Whether it does.
+        """
         return self._process is not None and self._process.poll() is None
 
     def death(self) -> str:
-        """How it ended and what it said last, as a sentence; also when it has not been started or still runs."""
+        """Tell how the process ended and what it said last; also when it has not been started or still runs.
+
+        Returns
+        -------
+        str
+            A sentence.
+        """
         if self._process is None:
             return "it was not started."
         try:
@@ -169,7 +221,13 @@ class SolverDaemon:
         return f" It said: {' | '.join(words)}" if words else ""
 
     def stop(self, patience: float = 5.0) -> None:
-        """Ends it: closes its standard input, then asks, then forces. Does nothing when it has ended."""
+        """End the process: close its standard input, then ask, then force; nothing happens when it has ended.
+
+        Parameters
+        ----------
+        patience
+            Seconds that each step gets.
+        """
         process = self._process
         if process is None:
             return

@@ -1,13 +1,13 @@
-"""Rhombic transposition flaps: Limberg's, and Dufourmentel and Mouly's.
+r"""Rhombic transposition flaps: Limberg's, and Dufourmentel and Mouly's.
 
 The defect is a rhombus with sides a and the acute angle α at the ends A and C of its long diagonal; B and D are the
 ends of the short one. The flap has the corners C, D, E, F: the first limb DE begins at the defect's obtuse corner D,
 the second, EF, ends beside C, and CF is its base. In the design's plane, x along the short diagonal from B to D:
 
             A
-          /   \\                Limberg (α = 60°): DE extends the short diagonal, EF is parallel to DC; |DE| = |EF| = a.
+          /   \                Limberg (α = 60°): DE extends the short diagonal, EF is parallel to DC; |DE| = |EF| = a.
         B       D --- E        Turned by 60° about C the flap covers the defect: D comes to B, E to A, F to D.
-          \\   /      /        Dufourmentel: DE halves the angle between the extended short diagonal and the extended
+          \   /      /        Dufourmentel: DE halves the angle between the extended short diagonal and the extended
             C ... F            side CD, EF is parallel to the long diagonal; |DE| = |EF| = a.
 
 The donor site closes by drawing the corner that DE leaves outside of the flap, D', to F.
@@ -43,11 +43,32 @@ def limberg(
     mirrored: bool = False,
     project: Place | None = None,
 ) -> FlapDesign:
-    """Limberg's flap for a rhombus of 60° and 120° with sides of `side` mm.
+    """Design Limberg's flap for a rhombus of 60° and 120°.
 
-    center: the middle of the defect and its flap together, mm. direction: along the short diagonal, from the defect to
-    the flap. mirrored: the second limb on the other side. Other arguments as in `lappet.designs.z_plasty`. Raises
-    RefusedError for a side that is not positive.
+    Parameters
+    ----------
+    center
+        Middle of the defect and its flap together in mm, shape (3,).
+    direction
+        Direction along the short diagonal, from the defect to the flap, shape (3,).
+    side
+        Side of the rhombus in mm.
+    normal
+        Outwards from the skin at the middle, shape (3,).
+    mirrored
+        Whether the second limb is on the other side.
+    project
+        Maps points (k, 3) onto a curved skin, as `draped_on` gives, or None.
+
+    Returns
+    -------
+    FlapDesign
+        The design.
+
+    Raises
+    ------
+    RefusedError
+        If the side is not positive.
     """
     return _rhombic("limberg", center, direction, side, 60.0, (0.0, 240.0), normal, mirrored, project)
 
@@ -62,10 +83,36 @@ def dufourmentel(
     mirrored: bool = False,
     project: Place | None = None,
 ) -> FlapDesign:
-    """Dufourmentel and Mouly's flap for a rhombus with the acute angle `angle`, 60° to 90°, and sides of `side` mm.
+    """Design Dufourmentel and Mouly's flap for a rhombus.
 
-    The first limb leaves the short diagonal by 45° - angle / 4; the flap's tip has the angle 45° + angle / 4. Other
-    arguments as in `limberg`. Raises RefusedError for a side that is not positive or an angle out of range.
+    The first limb leaves the short diagonal by 45° - angle / 4; the flap's tip has the angle 45° + angle / 4.
+
+    Parameters
+    ----------
+    center
+        Middle of the defect and its flap together in mm, shape (3,).
+    direction
+        Direction along the short diagonal, from the defect to the flap, shape (3,).
+    side
+        Side of the rhombus in mm.
+    angle
+        Acute angle of the rhombus in degrees, 60 to 90.
+    normal
+        Outwards from the skin at the middle, shape (3,).
+    mirrored
+        Whether the second limb is on the other side.
+    project
+        Maps points (k, 3) onto a curved skin, as `draped_on` gives, or None.
+
+    Returns
+    -------
+    FlapDesign
+        The design.
+
+    Raises
+    ------
+    RefusedError
+        If the side is not positive or the angle is out of range.
     """
     if not 60.0 <= angle <= 90.0:
         raise refused(ProblemCode.DESIGN_ANGLE, "dufourmentel", f"{angle:g}", least=60, most=90)

@@ -55,11 +55,40 @@ def dual_s_plasty(
     mirrored: bool = False,
     project: Place | None = None,
 ) -> FlapDesign:
-    """A dual S-plasty for an oval of `length` by `width` mm, its long axis along `direction`.
+    """Design a dual S-plasty for an oval defect.
 
-    incision: length of each S, mm. advance: how far each tip goes along the other flap's rim, mm. turns: degrees by
-    which the S turns around its flap, and back. Other arguments as in `lappet.designs.rhombic_flap.limberg`. Raises
-    RefusedError for lengths that are not positive, a width above the length and an advance beyond half of the half rim.
+    Parameters
+    ----------
+    center
+        Middle of the defect in mm, shape (3,).
+    direction
+        Direction of the oval's long axis, shape (3,).
+    length
+        Length of the oval in mm.
+    width
+        Width of the oval in mm, at most the length.
+    incision
+        Length of each S in mm.
+    advance
+        How far each tip goes along the other flap's rim in mm, at most half of the half rim.
+    turns
+        Angles in degrees by which the S turns around its flap, and back.
+    normal
+        Outwards from the skin at the middle, shape (3,).
+    mirrored
+        Whether the flaps turn the other way.
+    project
+        Maps points (k, 3) onto a curved skin, as `draped_on` gives, or None.
+
+    Returns
+    -------
+    FlapDesign
+        The design.
+
+    Raises
+    ------
+    RefusedError
+        If a length is not positive, the width is above the length, or the advance is too large.
     """
     lengths = {"length": length, "width": width, "incision": incision, "advance": advance}
     for name, value in lengths.items():

@@ -27,13 +27,33 @@ _FINE = 64
 def sample_curve(
     points: ArrayLike, basis: Basis = "linear", closed: bool = False, step: float = 1.0, prim: str = ""
 ) -> NDArray[np.float64]:
-    """Points along a curve, at most `step` apart, (k, 3).
+    """Sample a curve at points that are at most a step apart.
 
-    points: (n, 3) control points in mm; step: mm, > 0. prim: of the curve, for what is wrong with it. A linear curve
-    keeps its corners; a cubic one keeps the ends of its segments only where it is open. A closed curve does not repeat
-    its first sample. Raises RefusedError for fewer than two distinct points (three when closed), for points that are
-    not finite, an unknown basis, an open B-spline or Catmull-Rom curve of fewer than four points and a Bézier curve
-    that has not 3k + 1 points (3k when closed).
+    A linear curve keeps its corners; a cubic one keeps the ends of its segments only where it is open. A closed curve
+    does not repeat its first sample.
+
+    Parameters
+    ----------
+    points
+        Control points in mm, shape (n, 3).
+    basis
+        How the curve runs through or beside its points.
+    closed
+        Whether it returns to its first point.
+    step
+        Greatest distance of two samples in mm, above 0.
+
+    Returns
+    -------
+    NDArray[np.float64]
+        Samples in mm, shape (k, 3).
+
+    Raises
+    ------
+    RefusedError
+        If there are fewer than two distinct points (three when closed), a point is not finite, the basis is unknown, an
+        open B-spline or Catmull-Rom curve has fewer than four points, or a Bézier curve has not 3k + 1 points (3k when
+        closed).
     """
     control = np.asarray(points, np.float64).reshape(-1, 3)
     if not np.isfinite(control).all():

@@ -16,9 +16,10 @@ RIGID_TOLERANCE = 1e-4
 class RigidMotion:
     """The motion of a prim relative to its first sample.
 
-    samples: (time, 16 numbers or 4x4: a row-major matrix in USD's row-vector convention, mm), at least one; any order.
-    prim: for what is wrong with it. Raises RefusedError where there is no sample, a number is not finite, a matrix
-    cannot be inverted, or the motion between two samples is not rigid (it scales, shears or mirrors by more than 1e-4).
+    Parameters
+    ----------
+    samples
+        Samples (time code, row-major 4 × 4 matrix in USD's row-vector convention, mm), at least one, in any order.
     """
 
     def __init__(self, samples: Sequence[tuple[float, Sequence[float]]], prim: str = "") -> None:
@@ -43,7 +44,18 @@ class RigidMotion:
                 raise refused(ProblemCode.MOTION_NOT_RIGID, prim, f"{time:g}", strain=strain)
 
     def at(self, time: float) -> NDArray[np.float64]:
-        """The motion (4, 4) from the first sample to `time`, column-vector convention, mm; held beyond the ends."""
+        """Compute the motion from the first sample to a time.
+
+        Parameters
+        ----------
+        time
+            Time code; beyond the ends the motion is held.
+
+        Returns
+        -------
+        NDArray[np.float64]
+            Matrix of shape (4, 4), column-vector convention, mm.
+        """
         times = self._times
         after = int(np.searchsorted(times, time, side="right"))
         low, high = max(after - 1, 0), min(after, len(times) - 1)
@@ -58,7 +70,20 @@ class RigidMotion:
         return motion
 
     def between(self, start: float, time: float) -> NDArray[np.float64]:
-        """The motion (4, 4) from `start` to `time`, column-vector convention, mm."""
+        """Compute the motion from one time to another.
+
+        Parameters
+        ----------
+        start
+            Time code from which the motion is counted.
+        time
+            Time code.
+
+        Returns
+        -------
+        NDArray[np.float64]
+            Matrix of shape (4, 4), column-vector convention, mm.
+        """
         return self.at(time) @ np.linalg.inv(self.at(start))
 
 

@@ -9,32 +9,90 @@ from numpy.typing import NDArray
 
 
 def place(point: NDArray[np.float64]) -> str:
-    """A point as people read it: (1.25, 0, -3) in mm."""
+    """Write a point as people read it: (1.25, 0, -3).
+
+    Parameters
+    ----------
+    point
+        A point in mm, shape (3,).
+
+    Returns
+    -------
+    str
+        The text.
+    """
     return "(" + ", ".join(f"{float(c):.6g}" for c in point) + ")"
 
 
 def signed_volume(points: NDArray[np.float64], triangles: NDArray[np.integer]) -> float:
-    """The volume in mm³ enclosed by a closed surface, negative when it is turned inside out."""
+    """Compute the volume that a closed surface encloses.
+
+    Parameters
+    ----------
+    points
+        Vertices in mm, shape (n, 3).
+    triangles
+        Vertex indices, shape (m, 3).
+
+    Returns
+    -------
+    float
+        Volume in mm³, negative where the surface is turned inside out.
+    """
     p = points - points.mean(axis=0)
     a, b, c = (p[triangles[:, k]] for k in range(3))
     return float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6.0)
 
 
 def directed_edges(triangles: NDArray[np.integer]) -> NDArray[np.int64]:
-    """The three directed edges of each triangle, (3m, 2)."""
+    """List the three directed edges of each triangle.
+
+    Parameters
+    ----------
+    triangles
+        Vertex indices, shape (m, 3).
+
+    Returns
+    -------
+    NDArray[np.int64]
+        Vertex pairs, shape (3m, 2).
+    """
     t = np.asarray(triangles, np.int64)
     return np.vstack([t[:, [0, 1]], t[:, [1, 2]], t[:, [2, 0]]])
 
 
 def open_edges(triangles: NDArray[np.integer]) -> NDArray[np.int64]:
-    """The directed edges (k, 2) that belong to one triangle only."""
+    """Find the directed edges that belong to one triangle only.
+
+    Parameters
+    ----------
+    triangles
+        Vertex indices, shape (m, 3).
+
+    Returns
+    -------
+    NDArray[np.int64]
+        Vertex pairs, shape (k, 2).
+    """
     edges = directed_edges(triangles)
     _, inverse, counts = unique_edges(edges)
     return edges[counts[inverse] == 1]
 
 
 def unique_edges(edges: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
-    """The undirected edges (u, 2), smaller index first, which of them each edge (k, 2) is, and how often they occur."""
+    """Sort directed edges into undirected ones.
+
+    Parameters
+    ----------
+    edges
+        Vertex pairs, shape (k, 2).
+
+    Returns
+    -------
+    tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]
+        The undirected edges, smaller index first, shape (u, 2); which of them each edge is, shape (k,); and how often
+        each occurs, shape (u,).
+    """
     low, high = edges.min(axis=1), edges.max(axis=1)
     size = int(high.max()) + 1 if len(edges) else 1
     key, inverse, counts = np.unique(low * size + high, return_inverse=True, return_counts=True)
@@ -42,17 +100,42 @@ def unique_edges(edges: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[n
 
 
 def first_intersection(points: NDArray[np.float64], triangles: NDArray[np.integer]) -> tuple[int, int] | None:
-    """A pair of triangles without a common vertex that pierce each other, or None; see `intersections`."""
+    """Find a pair of triangles without a common vertex that pierce each other.
+
+    Parameters
+    ----------
+    points
+        Vertices in mm, shape (n, 3).
+    triangles
+        Vertex indices, shape (m, 3).
+
+    Returns
+    -------
+    tuple[int, int] | None
+        Indices of the two triangles, or None; see `intersections`.
+    """
     for pairs in intersections(points, triangles):
         return int(pairs[0].min()), int(pairs[0].max())
     return None
 
 
 def intersections(points: NDArray[np.float64], triangles: NDArray[np.integer]) -> Iterator[NDArray[np.int64]]:
-    """The pairs (k, 2) of triangles without a common vertex that pierce each other, some at a time.
+    """Find the pairs of triangles without a common vertex that pierce each other, some at a time.
 
     Candidate pairs share a cell of a grid; a pair intersects when an edge of one crosses the inside of the other
     (Möller and Trumbore 1997). A corner that only touches the other triangle does not count.
+
+    Parameters
+    ----------
+    points
+        Vertices in mm, shape (n, 3).
+    triangles
+        Vertex indices, shape (m, 3).
+
+    Yields
+    ------
+    NDArray[np.int64]
+        Pairs of triangle indices, shape (k, 2).
     """
     t = np.asarray(triangles, np.int64)
     corners = points[t]

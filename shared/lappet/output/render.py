@@ -1,4 +1,4 @@
-"""Draws a skin cache: starts one process of a Python that has bpy, which runs the add-on's figure module.
+"""Draw a skin cache: start one process of a Python that has bpy, which runs the add-on's figure module.
 
 lappet itself never imports bpy: Blender takes a second and 400 MB to load, and clashes with usd-core in one process.
 """
@@ -30,14 +30,28 @@ Progress = Callable[[str], None]
 
 
 def blender_python() -> str:
-    """The Python that has bpy: `LAPPET_BLENDER_PYTHON`, else the current one."""
+    """Find the Python that has bpy: `LAPPET_BLENDER_PYTHON`, else the current one.
+
+    Returns
+    -------
+    str
+        The interpreter's program.
+    """
     return os.environ.get(PYTHON_VARIABLE) or sys.executable
 
 
 def addon_folder() -> Path:
-    """The folder that holds the package of the add-on: installed beside lappet, or `addon/` of a source tree.
+    """Find the folder that holds the add-on's package: installed beside lappet, or `addon/` of a source tree.
 
-    Raises RefusedError where neither is there.
+    Returns
+    -------
+    Path
+        The folder.
+
+    Raises
+    ------
+    RefusedError
+        If neither is there.
     """
     spec = importlib.util.find_spec("lappet_blender")
     if spec is not None and spec.origin is not None:
@@ -64,7 +78,49 @@ def render_command(
     movie: tuple[int, int] | None = None,
     movie_samples: int = MOVIE_SAMPLES,
 ) -> list[str]:
-    """The command line of the figure process; raises RefusedError where a value makes no sense."""
+    """Compose the command line of the figure process.
+
+    Parameters
+    ----------
+    cache
+        The skin cache.
+    out_dir
+        Folder for the pictures.
+    frames
+        Time codes of the stills; None for the last one.
+    filmstrip
+        Whether to write the filmstrip.
+    animation
+        "none", "png" or "mp4".
+    size
+        Width and height of stills in pixels.
+    samples
+        Cycles samples per pixel of stills and panels.
+    panel
+        Width and height of the filmstrip's panels in pixels, or None.
+    engine
+        One of `ENGINES`.
+    view
+        One of `VIEWS`.
+    color
+        One of `COLORS`.
+    threads
+        Number of threads; 0 for all.
+    movie
+        Width and height of an animation in pixels, or None.
+    movie_samples
+        Cycles samples per pixel of an animation.
+
+    Returns
+    -------
+    list[str]
+        The program and its arguments.
+
+    Raises
+    ------
+    RefusedError
+        If a value makes no sense.
+    """
     for name, value, known in (
         ("animation", animation, ANIMATIONS),
         ("engine", engine, ENGINES),
@@ -112,18 +168,53 @@ def render_cache(
     movie_samples: int = MOVIE_SAMPLES,
     progress: Progress | None = None,
 ) -> list[Path]:
-    """Draw a skin cache as pictures in one Blender process and return the files, in the order they were written.
+    """Draw a skin cache as pictures in one Blender process.
 
-    cache: the `.usdc` that `lappet solve` wrote. frames: time codes of the stills, None: the last one. filmstrip:
-    write `filmstrip.png`, the steps of the operation (or the chosen frames, where there are several) captioned on one
-    sheet. animation: "none", "png" (a numbered sequence) or "mp4". size, panel: pixels of stills and of filmstrip
-    panels (None: 7/16 of size). movie_size: pixels of an animation (None: half of size). samples, movie_samples: Cycles
-    samples a pixel of stills and panels, and of an animation, denoised. view, color, engine: see `VIEWS`, `COLORS`,
-    `ENGINES`.
-    threads: 0 is all. progress: called with a line of text for every file, and with how long an animation will take.
+    On KeyboardInterrupt the process is ended and the pictures that are done stay.
 
-    Raises RefusedError when bpy is missing, the cache cannot be drawn or the process dies. On KeyboardInterrupt the
-    process is ended and the pictures that are done stay.
+    Parameters
+    ----------
+    cache
+        The `.usdc` that `lappet solve` wrote.
+    out_dir
+        Folder for the pictures.
+    frames
+        Time codes of the stills; None for the last one.
+    filmstrip
+        Whether to write `filmstrip.png`: the steps of the operation (or the chosen frames, where there are several),
+        captioned on one sheet.
+    animation
+        "none", "png" (a numbered sequence) or "mp4".
+    size
+        Width and height of stills in pixels.
+    samples
+        Cycles samples per pixel of stills and panels, which are denoised.
+    panel
+        Width and height of the filmstrip's panels in pixels; None for 7/16 of `size`.
+    engine
+        One of `ENGINES`.
+    view
+        One of `VIEWS`.
+    color
+        One of `COLORS`.
+    threads
+        Number of threads; 0 for all.
+    movie_size
+        Width and height of an animation in pixels; None for half of `size`.
+    movie_samples
+        Cycles samples per pixel of an animation, which is denoised.
+    progress
+        Called with a line of text for every file, and with how long an animation will take.
+
+    Returns
+    -------
+    list[Path]
+        The files in the order in which they were written.
+
+    Raises
+    ------
+    RefusedError
+        If bpy is missing, the cache cannot be drawn or the process dies.
     """
     cache, out_dir = Path(cache).resolve(), Path(out_dir).resolve()
     if not cache.is_file():

@@ -29,13 +29,22 @@ LATTICE_COUNTS = ("fine_voxels", "cells", "grid_cells", "mesh_cells", "nodes", "
 
 
 def report(result: SolveResult) -> dict[str, Any]:
-    """The report of a solve as JSON-able values.
+    """Compose the report of a solve.
 
     `lattice` holds the counts of the epoch with the most cells, `epochs` those of every epoch that was solved.
-    `cache_hit` says that it came from the store, its iterations and seconds by stage then being those of when it was
-    solved.
-    """
+    `cache_hit` says that a frame came from the store, its iterations and seconds by stage then being those of when it
+    was solved.
 
+    Parameters
+    ----------
+    result
+        What the solve gave.
+
+    Returns
+    -------
+    dict[str, Any]
+        Values that JSON can hold.
+    """
     program = result.program
     lattices = {frame.constraints.epoch: frame.header.get("lattice") or {} for frame in result.frames}
     epochs = [
@@ -93,7 +102,20 @@ def report(result: SolveResult) -> dict[str, Any]:
 
 
 def write_report(result: SolveResult, path: Path | str) -> None:
-    """Writes the report atomically; makes its folder. Raises OSError."""
+    """Write the report of a solve atomically; its folder is made.
+
+    Parameters
+    ----------
+    result
+        What the solve gave.
+    path
+        The JSON file.
+
+    Raises
+    ------
+    OSError
+        If the file system refuses.
+    """
     path = Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
     text = json.dumps(report(result), indent=1, allow_nan=False) + "\n"

@@ -1,4 +1,4 @@
-"""Solves a procedure and writes its skin cache: known frames are looked up, the daemon solves the rest."""
+"""Solve a procedure and write its skin cache: known frames are looked up, the daemon solves the rest."""
 
 from __future__ import annotations
 
@@ -28,10 +28,30 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class SolveResult:
-    """What a solve gave. frames: those done, from the first one of the procedure on. reason: why it ended before its
-    last frame, or None. interrupted: the user stopped it. output: the skin cache, or None where no frame of
-    the wanted range is done. failed: the unconverged frame that stopped it. notes: what the user was told meanwhile.
-    errors: of `frames`, None where no estimate was wanted.
+    """What a solve gave.
+
+    Parameters
+    ----------
+    procedure
+        The procedure that was solved.
+    program
+        What the solver was told.
+    frames
+        Frames that are done, from the first one of the procedure on.
+    reason
+        Why the solve ended before its last frame, a sentence, or None.
+    interrupted
+        Whether the user stopped it.
+    failed
+        The unconverged frame that stopped it, or None.
+    output
+        The skin cache, or None where no frame of the wanted range is done.
+    wall_seconds
+        Run time in seconds.
+    notes
+        What the user was told meanwhile.
+    errors
+        Estimate of the errors of `frames`, or None where none was wanted.
     """
 
     procedure: Procedure
@@ -52,12 +72,12 @@ class SolveResult:
 
     @property
     def looked_up(self) -> int:
-        """How many frames came from the store."""
+        """Number of frames that came from the store."""
         return sum(frame.looked_up for frame in self.frames)
 
     @property
     def solved(self) -> int:
-        """How many frames the daemon solved."""
+        """Number of frames that the daemon solved."""
         return len(self.frames) - self.looked_up
 
 
@@ -79,17 +99,53 @@ def solve_procedure(
     strain: bool = True,
     whole: bool = False,
 ) -> SolveResult:
-    """Solves a procedure and writes its skin cache to `output` (.usdc, .usda or .usd).
-
-    source: a USD file, or a Procedure, which is then written beside the cache as `<output>.procedure.usda`. spacing:
-    mm (the tissue's when None). frames: first and last time code to write; everything up to the last one is solved.
-    daemon: the address of a running daemon. store: where frames are kept. connect, solver: who solves, and what
-    identifies it (the daemon that is installed when None). error_estimate: also solve on a coarser lattice, to say how
-    large the error is (`lappet.solve.error_estimate`). strain: the cache gets strain, stress and tension. whole: every
-    frame is solved everywhere, also where its changes do not reach.
+    """Solve a procedure and write its skin cache.
 
     A frame that does not converge, a daemon that cannot be kept alive and Ctrl-C end the solve early and keep what is
-    done: see `SolveResult.reason`. Raises RefusedError for what cannot be solved at all.
+    done: see `SolveResult.reason`.
+
+    Parameters
+    ----------
+    source
+        A USD file, or a procedure, which is then written beside the cache as `<output>.procedure.usda`.
+    output
+        The skin cache (.usdc, .usda or .usd).
+    spacing
+        Lattice spacing in mm; the tissue's when None.
+    tolerance
+        Relative residual at which a frame has converged.
+    quadrature
+        Quadrature points of a cell: 1, 4 or 8.
+    precision
+        Arithmetic of the solver.
+    frames
+        First and last time code to write, None for the procedure's; everything up to the last one is solved.
+    daemon
+        Address of a running daemon; None starts one.
+    store
+        Where frames are kept; the user's store when None.
+    observer
+        Is told how the solve goes.
+    connect
+        Makes the solver; the installed daemon when None.
+    solver
+        What identifies the solver in the frames' keys; that of the installed daemon when None.
+    error_estimate
+        Whether to solve on a coarser lattice too, to estimate the error (`lappet.solve.error_estimate`).
+    strain
+        Whether the cache gets strain, stress and tension.
+    whole
+        Whether every frame is solved everywhere, also where its changes do not reach.
+
+    Returns
+    -------
+    SolveResult
+        What is done, and why no more.
+
+    Raises
+    ------
+    RefusedError
+        If the procedure has errors, cannot be solved at all, or the output cannot be written.
     """
     started = time.perf_counter()
     watch = _Noting(observer or SolveObserver())
@@ -143,7 +199,7 @@ def solve_procedure(
 
 
 def _refuse_output(output: Path) -> None:
-    """Refuses, before anything is solved, a file that the skin cache could not be written to."""
+    """Refuse, before anything is solved, a file that the skin cache could not be written to."""
     if output.suffix not in SUFFIXES:
         raise refused(ProblemCode.CACHE_SUFFIX, output, output.suffix)
     if output.is_dir():
@@ -185,7 +241,7 @@ def _range(procedure: Procedure, frames: tuple[int | None, int | None]) -> tuple
 
 
 class _Noting(SolveObserver):
-    """Passes everything on and keeps the notes."""
+    """Pass everything on and keep the notes."""
 
     def __init__(self, observer: SolveObserver) -> None:
         self._watcher = observer

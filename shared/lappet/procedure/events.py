@@ -17,7 +17,25 @@ Basis = Literal["linear", "bspline", "catmullRom", "bezier"]
 
 @dataclass(frozen=True)
 class Incision:
-    """A cut along a curve on the rest surface; depth in mm along the surface normal, None = through."""
+    """A cut along a curve on the skin at rest.
+
+    Parameters
+    ----------
+    name
+        Name of the event, unique in the procedure.
+    time
+        Time code of the cut; it begins an epoch.
+    points
+        Control points of the curve in mm, shape (n, 3), kept in single precision.
+    depth
+        Depth along the surface normal in mm, or None to cut through.
+    kerf
+        Width of the cut in mm.
+    basis
+        How the curve runs through or beside its points, as USD's `basis`.
+    closed
+        Whether the curve returns to its first point.
+    """
 
     kind: ClassVar[str] = "Incision"
     name: str
@@ -34,7 +52,17 @@ class Incision:
 
 @dataclass(frozen=True)
 class Excision:
-    """Discards the fragments that hold the seed points."""
+    """A removal of the fragments that hold the seed points.
+
+    Parameters
+    ----------
+    name
+        Name of the event, unique in the procedure.
+    time
+        Time code of the removal; it begins an epoch.
+    seeds
+        Material points in mm, shape (n, 3), kept in single precision; each selects the fragment that it lies in.
+    """
 
     kind: ClassVar[str] = "Excision"
     name: str
@@ -47,7 +75,19 @@ class Excision:
 
 @dataclass(frozen=True)
 class Undermine:
-    """Frees the bed faces below the area inside a closed curve on the rest surface."""
+    """A release of the bed faces below the area inside a closed curve on the skin at rest.
+
+    Parameters
+    ----------
+    name
+        Name of the event, unique in the procedure.
+    time
+        Time code of the release; it begins an epoch.
+    points
+        Control points of the curve in mm, shape (n, 3), kept in single precision.
+    basis
+        How the curve runs through or beside its points, as USD's `basis`.
+    """
 
     kind: ClassVar[str] = "Undermine"
     name: str
@@ -61,7 +101,23 @@ class Undermine:
 
 @dataclass(frozen=True)
 class Hook:
-    """A spring (mN/mm) from a material point to a moving target; targets are (time, position) samples."""
+    """A spring from a material point to a moving target.
+
+    Parameters
+    ----------
+    name
+        Name of the event, unique in the procedure.
+    anchor
+        Material point on the tissue in mm.
+    targets
+        Samples (time code, position in mm) of the target; linear between them, held before and after.
+    start
+        Time code at which the hook begins to act.
+    release
+        Time code at which it lets go.
+    stiffness
+        Stiffness of the spring in mN/mm.
+    """
 
     kind: ClassVar[str] = "Hook"
     name: str
@@ -78,10 +134,21 @@ class Hook:
 
 @dataclass(frozen=True)
 class Retractor:
-    """Moves the surface points of the tissue subset `grip` rigidly.
+    """A rigid motion of the surface points of a face subset.
 
-    motion: (time, 4x4 row-major matrix in USD's row-vector convention) samples of the prim's own
-    transform; what acts on the tissue is the transform relative to its value at `start`.
+    Parameters
+    ----------
+    name
+        Name of the event, unique in the procedure.
+    grip
+        Name of the tissue's face subset whose points move.
+    motion
+        Samples (time code, 4 × 4 matrix) of the prim's own transform, 16 numbers, row-major, in USD's row-vector
+        convention. What acts on the tissue is the transform relative to its value at `start`.
+    start
+        Time code at which the grip begins.
+    release
+        Time code at which it ends.
     """
 
     kind: ClassVar[str] = "Retractor"
@@ -101,7 +168,21 @@ class Retractor:
 
 @dataclass(frozen=True)
 class Suture:
-    """Draws two material points together from `start` over `duration`, then holds them."""
+    """A stitch that draws two material points together and then holds them.
+
+    Parameters
+    ----------
+    name
+        Name of the event, unique in the procedure.
+    anchors
+        The two material points in mm.
+    start
+        Time code at which drawing together begins.
+    duration
+        How many time codes it takes.
+    stiffness
+        Stiffness in mN/mm.
+    """
 
     kind: ClassVar[str] = "Suture"
     name: str
@@ -117,7 +198,17 @@ class Suture:
 
 @dataclass(frozen=True)
 class Landmark:
-    """Material points to follow and measure."""
+    """Material points to follow and measure.
+
+    Parameters
+    ----------
+    name
+        Name of the event, unique in the procedure.
+    points
+        Material points in mm, shape (n, 3), kept in single precision.
+    label
+        What reports and figures call them.
+    """
 
     kind: ClassVar[str] = "Landmark"
     name: str

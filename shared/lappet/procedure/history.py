@@ -19,16 +19,40 @@ from lappet.procedure.tissue import Bone, Material, Region, Tissue
 
 
 class Command(Protocol):
-    """An edit. `label` is what an undo menu shows; `apply` raises RefusedError where the edit makes no sense."""
+    """An edit of a procedure."""
 
     @property
-    def label(self) -> str: ...
+    def label(self) -> str:
+        """What an undo menu shows."""
 
-    def apply(self, procedure: Procedure) -> Procedure: ...
+    def apply(self, procedure: Procedure) -> Procedure:
+        """Make the edited procedure.
+
+        Parameters
+        ----------
+        procedure
+            The procedure before the edit; it stays as it is.
+
+        Returns
+        -------
+        Procedure
+            The procedure after it.
+
+        Raises
+        ------
+        RefusedError
+            If the edit makes no sense for this procedure.
+        """
 
 
 class History:
-    """A procedure and the commands that led to it."""
+    """A procedure and the commands that led to it.
+
+    Parameters
+    ----------
+    procedure
+        The procedure to start from.
+    """
 
     def __init__(self, procedure: Procedure) -> None:
         self._states = [procedure]
@@ -42,16 +66,32 @@ class History:
 
     @property
     def undo_label(self) -> str | None:
-        """What `undo` would take back, None where there is nothing."""
+        """Label of the command that `undo` would take back, or None."""
         return self._labels[self._at - 1] if self._at else None
 
     @property
     def redo_label(self) -> str | None:
-        """What `redo` would do again, None where there is nothing."""
+        """Label of the command that `redo` would apply again, or None."""
         return self._labels[self._at] if self._at < len(self._labels) else None
 
     def do(self, command: Command) -> Procedure:
-        """Applies a command and forgets what was undone; a command that is refused changes nothing."""
+        """Apply a command and drop what could be redone; a command that is refused changes nothing.
+
+        Parameters
+        ----------
+        command
+            The edit.
+
+        Returns
+        -------
+        Procedure
+            The procedure after it.
+
+        Raises
+        ------
+        RefusedError
+            If the command refuses.
+        """
         after = command.apply(self.procedure)
         del self._states[self._at + 1 :], self._labels[self._at :]
         self._states.append(after)
@@ -60,14 +100,36 @@ class History:
         return after
 
     def undo(self) -> Procedure:
-        """Goes back to before the last command; raises IndexError where there is none."""
+        """Go back to before the last command.
+
+        Returns
+        -------
+        Procedure
+            The procedure as it was.
+
+        Raises
+        ------
+        IndexError
+            If there is nothing to undo.
+        """
         if not self._at:
             raise IndexError("There is nothing to undo.")
         self._at -= 1
         return self.procedure
 
     def redo(self) -> Procedure:
-        """Does again what was undone last; raises IndexError where nothing was."""
+        """Apply again what was undone last.
+
+        Returns
+        -------
+        Procedure
+            The procedure as it was before `undo`.
+
+        Raises
+        ------
+        IndexError
+            If there is nothing to redo.
+        """
         if self._at == len(self._labels):
             raise IndexError("There is nothing to redo.")
         self._at += 1
@@ -76,7 +138,15 @@ class History:
 
 @dataclass(frozen=True)
 class AddEvent:
-    """Adds an event before the event at `index` of the timeline, or at its end."""
+    """Add an event before the event at `index` of the timeline, or at its end.
+
+    Parameters
+    ----------
+    event
+        The new event.
+    index
+        Place in the order of the timeline, or None for its end.
+    """
 
     event: Event
     index: int | None = None
@@ -94,7 +164,13 @@ class AddEvent:
 
 @dataclass(frozen=True)
 class RemoveEvent:
-    """Removes the event of that name."""
+    """Remove the event of that name.
+
+    Parameters
+    ----------
+    name
+        Name of the event.
+    """
 
     name: str
 
@@ -108,7 +184,15 @@ class RemoveEvent:
 
 @dataclass(frozen=True)
 class ReplaceEvent:
-    """Puts another event, of any kind and name, in the place of the event of that name."""
+    """Put another event, of any kind and name, in the place of the event of that name.
+
+    Parameters
+    ----------
+    name
+        Name of the event that goes.
+    event
+        The event that comes.
+    """
 
     name: str
     event: Event
@@ -125,7 +209,15 @@ class ReplaceEvent:
 
 @dataclass(frozen=True)
 class MoveEvent:
-    """Moves an event to another place in the order of the timeline."""
+    """Move an event to another place in the order of the timeline.
+
+    Parameters
+    ----------
+    name
+        Name of the event.
+    index
+        Its new place.
+    """
 
     name: str
     index: int
@@ -143,7 +235,15 @@ class MoveEvent:
 
 @dataclass(frozen=True)
 class Retime:
-    """Shifts an event in time, all its samples included; landmarks have no time and are refused."""
+    """Shift an event in time with all its samples; landmarks have no time and are refused.
+
+    Parameters
+    ----------
+    name
+        Name of the event.
+    shift
+        Time codes to add.
+    """
 
     name: str
     shift: float
@@ -159,7 +259,13 @@ class Retime:
 
 @dataclass(frozen=True)
 class SetMaterial:
-    """Replaces the material of the same name, or adds it."""
+    """Replace the material of the same name, or add it.
+
+    Parameters
+    ----------
+    material
+        The material.
+    """
 
     material: Material
 
@@ -173,7 +279,13 @@ class SetMaterial:
 
 @dataclass(frozen=True)
 class RemoveMaterial:
-    """Removes a material that neither the tissue nor a region of it is made of."""
+    """Remove a material of which neither the tissue nor a region of it is made.
+
+    Parameters
+    ----------
+    name
+        Name of the material.
+    """
 
     name: str
 
@@ -193,7 +305,13 @@ class RemoveMaterial:
 
 @dataclass(frozen=True)
 class SetRegion:
-    """Gives a face subset of the tissue a region, in place of the one that it has."""
+    """Give a face subset of the tissue a region, in place of the one that it has.
+
+    Parameters
+    ----------
+    region
+        The region; its `faces` name the subset.
+    """
 
     region: Region
 
@@ -213,7 +331,13 @@ class SetRegion:
 
 @dataclass(frozen=True)
 class RemoveRegion:
-    """Takes the region off a face subset; the subset stays."""
+    """Take the region off a face subset; the subset stays.
+
+    Parameters
+    ----------
+    faces
+        Name of the subset.
+    """
 
     faces: str
 
@@ -232,7 +356,15 @@ class RemoveRegion:
 
 @dataclass(frozen=True)
 class SetTissue:
-    """Replaces the tissue."""
+    """Replace the tissue.
+
+    Parameters
+    ----------
+    tissue
+        The new tissue.
+    label
+        What an undo menu shows.
+    """
 
     tissue: Tissue
     label: str = "Set tissue"
@@ -243,7 +375,13 @@ class SetTissue:
 
 @dataclass(frozen=True)
 class SetBone:
-    """Replaces the bone of the same name, or adds it."""
+    """Replace the bone of the same name, or add it.
+
+    Parameters
+    ----------
+    bone
+        The bone.
+    """
 
     bone: Bone
 
@@ -257,7 +395,13 @@ class SetBone:
 
 @dataclass(frozen=True)
 class RemoveBone:
-    """Removes a bone."""
+    """Remove a bone.
+
+    Parameters
+    ----------
+    name
+        Name of the bone.
+    """
 
     name: str
 
@@ -271,7 +415,19 @@ class RemoveBone:
 
 @dataclass(frozen=True)
 class SetTimeline:
-    """Sets start and end (time codes) and time codes per second; None leaves as it is."""
+    """Set the timeline's start, end and rate; None leaves a value as it is.
+
+    Parameters
+    ----------
+    start_time
+        First time code.
+    end_time
+        Last time code.
+    fps
+        Time codes per second.
+    label
+        What an undo menu shows.
+    """
 
     start_time: float | None = None
     end_time: float | None = None
@@ -290,7 +446,15 @@ class SetTimeline:
 
 @dataclass(frozen=True)
 class Together:
-    """Several commands as one step of the history; all are applied, or none."""
+    """Several commands as one step of the history: all are applied, or none.
+
+    Parameters
+    ----------
+    commands
+        The commands in order.
+    label
+        What an undo menu shows.
+    """
 
     commands: tuple[Command, ...]
     label: str
@@ -303,7 +467,15 @@ class Together:
 
 @dataclass(frozen=True)
 class Edit:
-    """Any other edit: a function from the old procedure to the new one."""
+    """Any other edit, as a function.
+
+    Parameters
+    ----------
+    edit
+        Makes the new procedure from the old one.
+    label
+        What an undo menu shows.
+    """
 
     edit: Callable[[Procedure], Procedure]
     label: str
@@ -313,7 +485,25 @@ class Edit:
 
 
 def retimed(event: Event, shift: float) -> Event:
-    """The event `shift` time codes later, its samples too. Raises RefusedError for a landmark."""
+    """Shift an event in time with all its samples.
+
+    Parameters
+    ----------
+    event
+        The event.
+    shift
+        Time codes to add.
+
+    Returns
+    -------
+    Event
+        The shifted event.
+
+    Raises
+    ------
+    RefusedError
+        If the event is a landmark, which has no time.
+    """
     match event:
         case Incision() | Excision() | Undermine():
             return replace(event, time=event.time + shift)

@@ -11,7 +11,18 @@ from lappet.procedure.procedure import Procedure
 
 
 def name_problems(procedure: Procedure) -> list[Problem]:
-    """A problem for every name that cannot be the name of a prim, or that two things in one place have."""
+    """Find names that no prim can have, and names that two things in one place share.
+
+    Parameters
+    ----------
+    procedure
+        The procedure to check.
+
+    Returns
+    -------
+    list[Problem]
+        A problem for each such name.
+    """
     places = [
         (TIMELINE, "event", [event.name for event in procedure.events]),
         (MATERIALS, "material", [material.name for material in procedure.materials]),

@@ -22,7 +22,18 @@ if TYPE_CHECKING:
 
 
 def storyboard(procedure: Procedure) -> str:
-    """The procedure as lines: the tissue, its materials, then the events in time order (landmarks last)."""
+    """Describe a procedure in lines: the tissue, its materials, then the events in time order (landmarks last).
+
+    Parameters
+    ----------
+    procedure
+        The procedure.
+
+    Returns
+    -------
+    str
+        Several lines of text.
+    """
     tissue = procedure.tissue
     lines = [f"Procedure, {_timeline(procedure)}", f"  tissue     {_tissue(procedure)}"]
     lines += [f"  material   {_material(material)}" for material in procedure.materials]
@@ -41,12 +52,34 @@ def storyboard(procedure: Procedure) -> str:
 
 
 def in_time_order(events: Sequence[Event]) -> list[Event]:
-    """The events by the time at which they begin; landmarks, which have none, last; ties keep their order."""
+    """Sort events by the time at which they begin; landmarks, which have none, come last.
+
+    Parameters
+    ----------
+    events
+        The events; those that begin at once keep their order.
+
+    Returns
+    -------
+    list[Event]
+        The sorted events.
+    """
     return sorted(events, key=lambda event: (math.inf, 0.0) if isinstance(event, Landmark) else (begins(event), 0.0))
 
 
 def begins(event: Event) -> float:
-    """The time code at which an event begins to act; minus infinity for a landmark."""
+    """Tell when an event begins to act.
+
+    Parameters
+    ----------
+    event
+        The event.
+
+    Returns
+    -------
+    float
+        Its time code; minus infinity for a landmark.
+    """
     match event:
         case Incision() | Excision() | Undermine():
             return event.time
@@ -57,7 +90,18 @@ def begins(event: Event) -> float:
 
 
 def describe(event: Event) -> str:
-    """What an event does, in a few words with units."""
+    """Describe what an event does, in a few words with units.
+
+    Parameters
+    ----------
+    event
+        The event.
+
+    Returns
+    -------
+    str
+        A part of a sentence.
+    """
     match event:
         case Incision():
             depth = "through" if event.depth is None else f"{_n(event.depth)} mm deep"
@@ -88,9 +132,25 @@ def inspection(
     notes: Sequence[str] = (),
     costs: Mapping[str, str] | None = None,
 ) -> str:
-    """What `lappet inspect` prints: storyboard, epochs, scene profile, lattice counts, notes.
+    """Compose what `lappet inspect` prints: storyboard, epochs, scene profile, lattice counts, notes.
 
-    epochs, lattice, notes: a line each, and costs: of features by name, from those who know them.
+    Parameters
+    ----------
+    procedure
+        The procedure.
+    epochs
+        A line for each epoch.
+    lattice
+        Lines about the lattice.
+    notes
+        Further lines.
+    costs
+        What features cost, as text by name.
+
+    Returns
+    -------
+    str
+        Several lines of text.
     """
     parts = [storyboard(procedure)]
     for title, lines in (

@@ -19,8 +19,17 @@ OFF_TISSUE = 0.05
 
 @dataclass(frozen=True)
 class Tied:
-    """Anchors on a surface: point (q, 3) float64 mm on the triangle (q,) int32, distance (q,) mm from what was
-    asked."""
+    """Anchors on a surface.
+
+    Parameters
+    ----------
+    point
+        Points of the surface in mm, shape (q, 3), float64.
+    triangle
+        Triangle of each point, shape (q,), int32.
+    distance
+        Distance of each from what was asked for in mm, shape (q,).
+    """
 
     point: NDArray[np.float64]
     triangle: NDArray[np.int32]
@@ -28,10 +37,17 @@ class Tied:
 
 
 class AnchorTie:
-    """Finds the triangle under each anchor of one epoch's surface.
+    """A search for the triangle under each anchor of one epoch's surface.
 
-    A face of the skin, the underside or the rim is preferred to a wound wall unless the wall is nearer by more than
-    `margin` mm: what is drawn at a wound's edge belongs to the skin.
+    A face of the skin, the underside or the rim is preferred to a wound wall unless the wall is nearer by more than a
+    margin: what is drawn at a wound's edge belongs to the skin.
+
+    Parameters
+    ----------
+    surface
+        Surface of the epoch.
+    margin
+        The margin in mm.
     """
 
     def __init__(self, surface: Surface, margin: float) -> None:
@@ -44,7 +60,18 @@ class AnchorTie:
         ]
 
     def tie(self, points: ArrayLike) -> Tied:
-        """Ties rest points (q, 3), mm."""
+        """Tie rest points to the surface.
+
+        Parameters
+        ----------
+        points
+            Points in mm, shape (q, 3).
+
+        Returns
+        -------
+        Tied
+            The anchors.
+        """
         found = []
         for faces, closest in self._parts:
             index, point, distance = closest.query(points)
@@ -60,10 +87,15 @@ class AnchorTie:
 
 
 class TissueLoss:
-    """Tells whether the tissue under an anchor has been cut away.
+    """A test of whether the tissue under an anchor has been cut away.
 
     An anchor may be farther from an epoch's surface than from the uncut tissue by the widest kerf (it may lie in it)
     and by rounding; beyond that the tissue under it is gone.
+
+    Parameters
+    ----------
+    procedure
+        The procedure.
     """
 
     def __init__(self, procedure: Procedure) -> None:
@@ -75,10 +107,34 @@ class TissueLoss:
         self.margin = kerf + 1e-4 * self.diagonal
 
     def is_off(self, points: Sequence[Point]) -> NDArray[np.float64] | None:
-        """The distances (q,) from the uncut tissue in mm where one is too far to be meant, else None."""
+        """Find anchors that are too far from the uncut tissue to be meant.
+
+        Parameters
+        ----------
+        points
+            Points in mm.
+
+        Returns
+        -------
+        NDArray[np.float64] | None
+            Distances from the uncut tissue in mm, shape (q,), where one is too far, else None.
+        """
         distance = self._tissue.query(points)[2]
         return distance if not (distance <= OFF_TISSUE * self.diagonal).all() else None
 
     def is_lost(self, points: Sequence[Point], tied: Tied) -> NDArray[np.bool_]:
-        """Which of the points (q, 3) have lost their tissue, given how they were tied to an epoch."""
+        """Find anchors that have lost their tissue.
+
+        Parameters
+        ----------
+        points
+            Points in mm.
+        tied
+            How they were tied to an epoch.
+
+        Returns
+        -------
+        NDArray[np.bool_]
+            Which have lost it, shape (q,).
+        """
         return tied.distance > self._tissue.query(points)[2] + self.margin

@@ -1,4 +1,4 @@
-"""Compiles a procedure and its epochs to the program that the daemon is told: per frame, the constraints."""
+"""Compile a procedure and its epochs to the program that the daemon is told: per frame, the constraints."""
 
 from __future__ import annotations
 
@@ -35,18 +35,42 @@ def compile_program(
     until: float | None = None,
     **settings: Any,
 ) -> Program:
-    """The program of a procedure: a frame for every integer time code from its start to its end.
+    """Compile a procedure: a frame for every integer time code from its start to its end.
 
-    epochs: those of `lappet.cutting.epochs`, in order (made here when None). spacing: lattice edge in mm (the tissue's
-    when None). until: leave out frames after this time code. settings: other fields of `SolverSettings`. A frame
-    belongs to the last epoch that starts at or before it. Hook targets are linear between samples and held at the
-    ends; a hook or
-    retractor acts from `start` until before `release`; a suture from `start` on, its closure growing linearly over
-    `duration`.
+    A frame belongs to the last epoch that starts at or before it. Hook targets are linear between samples and held at
+    the ends. A hook or retractor acts from `start` until before `release`; a suture from `start` on, its closure
+    growing linearly over `duration`.
 
-    Raises RefusedError naming the prim where an anchor is off the tissue or its tissue is excised, two retractors grip
-    one face, a motion is not rigid, a bone is not closed, the timeline has no frame, or a material or the faces of a
-    region are not there.
+    Parameters
+    ----------
+    procedure
+        The procedure.
+    epochs
+        Its epochs in order, as `lappet.cutting.epochs` makes them; made here when None.
+    spacing
+        Lattice spacing in mm; the tissue's when None.
+    tolerance
+        Relative residual at which a frame has converged.
+    quadrature
+        Quadrature points of a cell: 1, 4 or 8.
+    precision
+        Arithmetic of the solver.
+    until
+        Time code after which frames are left out.
+    **settings
+        Other fields of `SolverSettings`.
+
+    Returns
+    -------
+    Program
+        The program.
+
+    Raises
+    ------
+    RefusedError
+        If an anchor is off the tissue or its tissue is excised, two retractors grip one face, a motion is not rigid, a
+        bone is not closed, the timeline has no frame, or a material or the faces of a region are not there; names the
+        prim.
     """
     if spacing is None:
         spacing = procedure.tissue.spacing
@@ -132,7 +156,23 @@ def compile_program(
 
 
 def frame_times(procedure: Procedure) -> list[int]:
-    """The integer time codes from the procedure's start to its end; raises RefusedError where there are none."""
+    """List the integer time codes from the procedure's start to its end.
+
+    Parameters
+    ----------
+    procedure
+        The procedure.
+
+    Returns
+    -------
+    list[int]
+        The time codes.
+
+    Raises
+    ------
+    RefusedError
+        If there is none.
+    """
     first, last = math.ceil(procedure.start_time), math.floor(procedure.end_time)
     if first > last:
         start, end = procedure.start_time, procedure.end_time

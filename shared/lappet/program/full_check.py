@@ -11,10 +11,26 @@ from lappet.usd.stage import read_procedure
 
 
 def full_check(path: str | os.PathLike[str], notes: list[str] | None = None) -> list[Problem]:
-    """Every problem of a procedure file; where there is no error, the cuts are made and the program is compiled too.
+    """Find everything that would keep a procedure from being solved; without errors the cuts are made and compiled too.
 
-    notes: gets a sentence for everything that was converted while reading, or that the solve leaves out. Raises
-    RefusedError only where the file cannot be opened as USD.
+    Parameters
+    ----------
+    path
+        The procedure's file.
+    notes
+        Gets a sentence for everything that was converted while reading, or that the solve leaves out.
+
+    Returns
+    -------
+    list[Problem]
+        The problems.
+
+    Raises
+    ------
+    RefusedError
+        If the file cannot be opened as USD.
+    ValueError
+        If an error arises that is no refusal.
     """
     notes = [] if notes is None else notes
     problems = check_file(path, notes)

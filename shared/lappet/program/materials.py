@@ -18,7 +18,23 @@ from lappet.tissue.surface import tissue_surface
 
 
 def materials_in_use(procedure: Procedure) -> tuple[Material, ...]:
-    """The tissue's material, then those of its regions, each once. Raises RefusedError for one that is not there."""
+    """List the tissue's material, then those of its regions.
+
+    Parameters
+    ----------
+    procedure
+        The procedure.
+
+    Returns
+    -------
+    tuple[Material, ...]
+        Each material once.
+
+    Raises
+    ------
+    RefusedError
+        If one is not there.
+    """
     known = [material.name for material in procedure.materials]
     users = [(TISSUE, procedure.tissue.material)]
     users += [(f"{TISSUE}/{region.faces}", region.material) for region in procedure.tissue.regions]
@@ -30,7 +46,18 @@ def materials_in_use(procedure: Procedure) -> tuple[Material, ...]:
 
 
 def parameters(material: Material) -> MaterialParameters:
-    """A material as the daemon is told it: what has no effect is as in any other, so that it changes no key."""
+    """Translate a material for the daemon; what has no effect is as in any other material, so that it changes no key.
+
+    Parameters
+    ----------
+    material
+        The material.
+
+    Returns
+    -------
+    MaterialParameters
+        Its parameters.
+    """
     fibres, plain = material.has_fibers, MaterialParameters()
     direction = np.asarray(material.fiber_direction, np.float64)
     x, y, z = (
@@ -52,7 +79,20 @@ def parameters(material: Material) -> MaterialParameters:
 
 
 def activation(materials: Sequence[Material], time: float) -> NDArray[np.float64]:
-    """How active each material's muscle is at a time code, (M,) in 0 to 1; (0,) where no material has any muscle."""
+    """Compute how active each material's muscle is.
+
+    Parameters
+    ----------
+    materials
+        The materials.
+    time
+        Time code.
+
+    Returns
+    -------
+    NDArray[np.float64]
+        Activation from 0 to 1, shape (M,); shape (0,) where no material has any muscle.
+    """
     if not any(material.has_muscle for material in materials):
         return np.zeros(0)
     return np.array([_activation(material, time) for material in materials])
@@ -66,10 +106,25 @@ def _activation(material: Material, time: float) -> float:
 
 
 def region_program(procedure: Procedure, materials: Sequence[Material]) -> Regions:
-    """The regions of the tissue over the triangles of its uncut skin.
+    """Lay the regions of the tissue over the triangles of its uncut skin.
 
-    Nothing for a tissue without regions whose materials have no direction: then the skin is not needed. materials: the
-    table that the regions index. Raises RefusedError for a region whose face subset is not there.
+    Parameters
+    ----------
+    procedure
+        The procedure.
+    materials
+        The table of materials that the regions index.
+
+    Returns
+    -------
+    Regions
+        The regions; nothing for a tissue without regions whose materials have no direction, where the skin is not
+        needed.
+
+    Raises
+    ------
+    RefusedError
+        If a region's face subset is not there.
     """
     tissue = procedure.tissue
     if not tissue.regions and not any(material.has_direction for material in materials):

@@ -1,4 +1,4 @@
-"""Reads a triangle mesh from any file that trimesh or USD reads, in mm with Z up."""
+"""Read a triangle mesh from any file that trimesh or USD reads, in mm with Z up."""
 
 from __future__ import annotations
 
@@ -19,7 +19,17 @@ _USD = (".usd", ".usda", ".usdc", ".usdz")
 
 @dataclass(frozen=True, eq=False)
 class Mesh:
-    """Triangles as a file has them: points (n, 3) mm, triangles (m, 3), uv (m, 3, 2) or None."""
+    """Triangles as a file has them.
+
+    Parameters
+    ----------
+    points
+        Vertices in mm, shape (n, 3).
+    triangles
+        Vertex indices, shape (m, 3).
+    uv
+        Texture coordinates of the corners, shape (m, 3, 2), or None.
+    """
 
     points: NDArray[np.float64]
     triangles: NDArray[np.int64]
@@ -27,12 +37,27 @@ class Mesh:
 
 
 def read_mesh(path: str | Path, units: str | None = None) -> tuple[Mesh, list[str]]:
-    """The mesh of a file, in mm, and what was found (lines for a report).
+    """Read the mesh of a file, in mm with Z up.
 
-    units: "m", "cm", "mm" or "in"; by default those that the file states (USD, glTF), or else a guess from its size.
-    Several meshes in one file become one. What states that Y is up (glTF, USD) is turned to have Z up. Raises
-    RefusedError for a file that is missing or unreadable, holds no triangles or points that are not finite, and for
-    unknown units.
+    Several meshes in one file become one. What states that Y is up (glTF, USD) is turned.
+
+    Parameters
+    ----------
+    path
+        A file of any kind that trimesh or USD reads.
+    units
+        "m", "cm", "mm" or "in"; None for those that the file states (USD, glTF), or else a guess from its size.
+
+    Returns
+    -------
+    tuple[Mesh, list[str]]
+        The mesh, and lines about what was found.
+
+    Raises
+    ------
+    RefusedError
+        If the file is missing or unreadable, holds no triangles or points that are not finite, or the units are
+        unknown.
     """
     path = Path(path)
     if units is not None and units not in UNITS:
@@ -86,7 +111,6 @@ def _read_trimesh(path: Path) -> Mesh:
 
 def _read_usd(path: Path) -> tuple[Mesh, float, bool]:
     """The meshes of a stage at its default time, mm per unit, and whether Y is up."""
-
     usd = pxr()
     stage = open_stage(path)
     cache = usd.UsdGeom.XformCache()

@@ -1,4 +1,4 @@
-"""Makes tissue of an open surface of polygons that keeps its faces, their groups and its texture coordinates."""
+"""Make tissue of an open surface of polygons that keeps its faces, their groups and its texture coordinates."""
 
 from __future__ import annotations
 
@@ -22,12 +22,38 @@ def sheet_tissue(
     subsets: Mapping[str, NDArray[np.integer]] | None = None,
     name: str = "tissue",
 ) -> Tissue:
-    """The closed sheet of `thickness` mm below an open surface; its first faces are those of the surface, in order.
+    """Make a closed sheet below an open surface of polygons; its first faces are those of the surface, in order.
 
-    points: (n, 3) mm. counts: (m,), indices: (k,): the polygons, oriented outwards. uv: (k, 2), which the underside
-    shares and the rim continues outwards at the same scale. subsets: face indices by name. The rim joins the subset
-    "fixed", the underside "bed"; where the surface has faces in one of these itself, the subsets "rim" and "underside"
-    say which faces are skin. Raises RefusedError where no sheet can be made, naming the place.
+    The rim joins the subset "fixed", the underside "bed"; where the surface has faces in one of these itself, the
+    subsets "rim" and "underside" say which faces are no skin.
+
+    Parameters
+    ----------
+    points
+        Vertices in mm, shape (n, 3).
+    counts
+        Corners of each polygon, shape (m,).
+    indices
+        Vertices of the polygons, oriented outwards, shape (k,).
+    thickness
+        Thickness of the sheet in mm.
+    uv
+        Texture coordinates of the corners, shape (k, 2), which the underside shares and the rim continues outwards at
+        the same scale.
+    subsets
+        Face indices by name.
+    name
+        What messages call the tissue.
+
+    Returns
+    -------
+    Tissue
+        The tissue.
+
+    Raises
+    ------
+    RefusedError
+        If the surface is not manifold or not oriented alike, or no sheet can be made; names the place.
     """
     sizes = np.asarray(counts, np.int64)
     refuse_unreadable(name, points, sizes, indices)

@@ -22,13 +22,28 @@ LABELS = ("fixed", "bed", "underside", "rim")  # what these subsets say of their
 
 
 def tissue_surface(tissue: Tissue, prim: str = "/Procedure/Tissue") -> Surface:
-    """The tissue as a closed, outward oriented, labelled triangle surface.
+    """Make the closed, outward oriented, labelled triangle surface of a tissue.
 
     Quads are split along their shorter diagonal, larger polygons by ears. A surface that is closed and consistent but
-    turned inside out is turned around. Without UVs the surface gets its two widest coordinates, one
-    unit per 100 mm. Raises
-    RefusedError, naming `prim`, for a mesh that is not finite, open, not orientable, not manifold, self-intersecting
-    or empty inside.
+    turned inside out is turned around. Without UVs the surface gets its two widest coordinates, one unit per 100 mm.
+
+    Parameters
+    ----------
+    tissue
+        The tissue.
+    prim
+        Path of its prim, for messages.
+
+    Returns
+    -------
+    Surface
+        The surface.
+
+    Raises
+    ------
+    RefusedError
+        If the mesh is not finite, open, not orientable, not manifold, self-intersecting or empty inside, or a subset
+        names a face that it lacks.
     """
     points = np.ascontiguousarray(tissue.points, np.float64)
     counts = np.asarray(tissue.face_vertex_counts, np.int64)
@@ -67,7 +82,23 @@ def tissue_surface(tissue: Tissue, prim: str = "/Procedure/Tissue") -> Surface:
 
 
 def skin_faces(tissue: Tissue) -> NDArray[np.bool_]:
-    """Which faces of the tissue, (m,), are outer skin. Raises IndexError for a subset that names a face it lacks."""
+    """Find the faces of a tissue that are outer skin.
+
+    Parameters
+    ----------
+    tissue
+        The tissue.
+
+    Returns
+    -------
+    NDArray[np.bool_]
+        Which faces are, shape (m,).
+
+    Raises
+    ------
+    IndexError
+        If a subset names a face that the tissue lacks.
+    """
     count = len(tissue.face_vertex_counts)
     masks = {}
     for name in LABELS:
@@ -89,7 +120,7 @@ def _origins(masks: dict[str, NDArray[np.bool_]], count: int) -> NDArray[np.uint
 def _without_collapsed(
     triangles: NDArray[np.int64], corners: NDArray[np.int64], faces: NDArray[np.int64]
 ) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
-    """Drops triangles that name a vertex twice: they are edges and no faces."""
+    """Drop triangles that name a vertex twice: they are edges and no faces."""
     a, b, c = triangles.T
     keep = (a != b) & (b != c) & (c != a)
     return triangles[keep], corners[keep], faces[keep]

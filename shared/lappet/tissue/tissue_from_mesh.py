@@ -1,4 +1,4 @@
-"""Makes tissue from a mesh file: `lappet new`."""
+"""Make tissue from a mesh file: `lappet new`."""
 
 from __future__ import annotations
 
@@ -33,14 +33,39 @@ def new_tissue(
     units: str | None = None,
     resolution: float | None = None,
 ) -> tuple[Tissue, list[str]]:
-    """Tissue from a mesh file, and what was found and repaired, a line each.
+    """Make tissue from a mesh file.
 
-    A closed surface is taken as it is. An open one, or the region of one inside `sphere` (center, radius) or `box`
-    (low, high), mm, is thickened inwards by `thickness` mm into a closed sheet: its rim is the subset "fixed", its
-    underside "bed", its UVs lay the skin out flat at 1 unit per 100 mm. spacing: mm; by default a quarter of the
-    thickness, and not so fine that there are more than about 40 000 cells. units: of the file, see `read_mesh`.
-    resolution: the edges, mm, down to which the triangles of a region are divided (the thickness when None). Raises
-    RefusedError for what cannot be repaired, saying where.
+    A closed surface is taken as it is. An open one, or the region of one inside a sphere or a box, is thickened inwards
+    into a closed sheet: its rim is the subset "fixed", its underside "bed", its UVs lay the skin out flat at 1 unit per
+    100 mm.
+
+    Parameters
+    ----------
+    path
+        A mesh file.
+    thickness
+        Thickness of the sheet in mm; None for a closed surface.
+    sphere
+        Center and radius in mm of a region to take.
+    box
+        Lowest and highest corner in mm of a region to take.
+    spacing
+        Lattice spacing in mm; None for a quarter of the thickness, and not so fine that there are more than about 40
+        000 cells.
+    units
+        Units of the file, see `read_mesh`.
+    resolution
+        Length in mm down to which the edges of a region are divided; the thickness when None.
+
+    Returns
+    -------
+    tuple[Tissue, list[str]]
+        The tissue, and a line for each thing that was found or repaired.
+
+    Raises
+    ------
+    RefusedError
+        If the arguments or the mesh make no tissue, or the surface cannot be repaired; names the place.
     """
     path = Path(path)
     name = path.name
@@ -73,8 +98,20 @@ def new_tissue(
 
 
 def chosen_spacing(volume: float, thickness: float = 0.0) -> float:
-    """A lattice spacing, mm with two digits: about 40 000 cells in `volume` mm³, at least a quarter of a sheet's
-    `thickness` mm."""
+    """Choose a lattice spacing: about 40 000 cells, and at least a quarter of a sheet's thickness.
+
+    Parameters
+    ----------
+    volume
+        Volume of the tissue in mm³.
+    thickness
+        Thickness of a sheet in mm, 0 for other tissue.
+
+    Returns
+    -------
+    float
+        Spacing in mm with two digits.
+    """
     return float(f"{max(thickness / 4.0, (volume / _CELLS) ** (1.0 / 3.0)):.2g}")
 
 

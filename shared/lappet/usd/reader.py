@@ -48,9 +48,26 @@ PRIM_TYPES = {
 
 
 def read(stage: Any, usd: Any, notes: list[str]) -> Procedure:
-    """The procedure on an open stage; `notes` gets a sentence for what was converted or left aside.
+    """Read the procedure on an open stage.
 
-    Raises RefusedError with every problem that kept something from being read.
+    Parameters
+    ----------
+    stage
+        The stage.
+    usd
+        USD's modules, as `lappet.usd.stage.pxr` gives them.
+    notes
+        Gets a sentence for what was converted or left aside.
+
+    Returns
+    -------
+    Procedure
+        The procedure.
+
+    Raises
+    ------
+    RefusedError
+        If something could not be read; holds every such problem.
     """
     procedure, problems = read_what_can_be(stage, usd, notes)
     if procedure is None or problems:
@@ -59,9 +76,22 @@ def read(stage: Any, usd: Any, notes: list[str]) -> Procedure:
 
 
 def read_what_can_be(stage: Any, usd: Any, notes: list[str]) -> tuple[Procedure | None, list[Problem]]:
-    """The procedure on an open stage, as far as it can be read, and every problem that kept something from being read.
+    """Read the procedure on an open stage as far as possible.
 
-    A value that could not be read is NaN or empty in the procedure; without a tissue there is no procedure.
+    Parameters
+    ----------
+    stage
+        The stage.
+    usd
+        USD's modules, as `lappet.usd.stage.pxr` gives them.
+    notes
+        Gets a sentence for what was converted or left aside.
+
+    Returns
+    -------
+    tuple[Procedure | None, list[Problem]]
+        The procedure, or None without a tissue, and every problem that kept something from being read. A value that
+        could not be read is NaN or empty in the procedure.
     """
     reader = Reader(stage, usd, notes)
     found = _find(reader)

@@ -25,7 +25,7 @@ SUFFIXES = (".usda", ".usdc", ".usd")
 
 
 class Pxr(SimpleNamespace):
-    """The USD modules that Lappet uses: Gf, Plug, Sdf, Tf, Usd, UsdGeom, UsdShade, UsdUtils, Vt."""
+    """The USD modules that Lappet uses."""
 
     Gf: Any
     Plug: Any
@@ -44,9 +44,17 @@ class UsdMissingError(ProblemsError, ModuleNotFoundError):
 
 @lru_cache(maxsize=1)
 def pxr() -> Pxr:
-    """USD's Python modules, with Lappet's schemas registered.
+    """Load USD's Python modules and register Lappet's schemas.
 
-    Raises UsdMissingError, with the line that installs it, where USD is missing.
+    Returns
+    -------
+    Pxr
+        The modules.
+
+    Raises
+    ------
+    UsdMissingError
+        If USD is missing; the message has the line that installs it.
     """
     try:
         from pxr import Gf, Plug, Sdf, Tf, Usd, UsdGeom, UsdShade, UsdUtils, Vt
@@ -57,9 +65,22 @@ def pxr() -> Pxr:
 
 
 def open_stage(path: str | os.PathLike[str]) -> Any:
-    """The stage in a file, as it is on disk now.
+    """Open the stage in a file, as it is on disk now.
 
-    Raises RefusedError where the file is missing, cannot be read as USD, or refers to files that are missing.
+    Parameters
+    ----------
+    path
+        A .usda, .usdc or .usd file.
+
+    Returns
+    -------
+    Any
+        The stage.
+
+    Raises
+    ------
+    RefusedError
+        If the file is missing, cannot be read as USD, or refers to files that are missing.
     """
     file = Path(path)
     if not file.exists():
@@ -89,10 +110,21 @@ def open_stage(path: str | os.PathLike[str]) -> Any:
 
 
 def save_layer(layer: Any, path: str | os.PathLike[str]) -> None:
-    """Writes a layer to a file atomically: whoever reads the file sees the old content or the new, never a part.
+    """Write a layer to a file atomically: readers see the old content or the new, never a part.
 
-    The suffix (.usda, .usdc or .usd) chooses the format. Raises RefusedError for another suffix, a missing folder and
-    a file that cannot be written, OSError where the file system refuses to replace it.
+    Parameters
+    ----------
+    layer
+        The layer.
+    path
+        The file; its suffix (.usda, .usdc or .usd) chooses the format.
+
+    Raises
+    ------
+    RefusedError
+        If the suffix is another one or the folder is missing.
+    OSError
+        If the file system refuses.
     """
     file = Path(path).resolve()
     if file.suffix not in SUFFIXES:
@@ -117,10 +149,24 @@ def save_layer(layer: Any, path: str | os.PathLike[str]) -> None:
 
 
 def read_procedure(path: str | os.PathLike[str], notes: list[str] | None = None) -> Procedure:
-    """The procedure in a USD file, in mm and Z up whatever the stage's own units and axes.
+    """Read the procedure in a USD file, in mm and Z up whatever the stage's own units and axes.
 
-    notes: gets a sentence for everything that was converted or left aside. Raises RefusedError with every problem
-    that kept the file from being read; what was read may still be wrong, see `lappet.checks.validation.check`.
+    Parameters
+    ----------
+    path
+        A .usda, .usdc or .usd file.
+    notes
+        Gets a sentence for everything that was converted or left aside.
+
+    Returns
+    -------
+    Procedure
+        The procedure. It may still be wrong; see `lappet.check`.
+
+    Raises
+    ------
+    RefusedError
+        If something kept the file from being read; holds every such problem.
     """
     stage = open_stage(path)
     return usd_reader.read(stage, pxr(), notes if notes is not None else [])
@@ -129,21 +175,46 @@ def read_procedure(path: str | os.PathLike[str], notes: list[str] | None = None)
 def read_what_can_be(
     path: str | os.PathLike[str], notes: list[str] | None = None
 ) -> tuple[Procedure | None, list[Problem]]:
-    """The procedure in a USD file as far as it can be read, and every problem that kept something from being read.
+    """Read a USD file as far as possible, so that `lappet check` can name every problem at once.
 
-    Where `read_procedure` raises, this goes on, so that `lappet check` can name everything at once; only a file that
-    cannot be opened raises RefusedError. Without a tissue there is no procedure.
+    Parameters
+    ----------
+    path
+        A .usda, .usdc or .usd file.
+    notes
+        Gets a sentence for everything that was converted or left aside.
+
+    Returns
+    -------
+    tuple[Procedure | None, list[Problem]]
+        The procedure, or None without a tissue, and every problem that kept something from being read.
+
+    Raises
+    ------
+    RefusedError
+        If the file cannot be opened.
     """
     stage = open_stage(path)
     return usd_reader.read_what_can_be(stage, pxr(), notes if notes is not None else [])
 
 
 def write_procedure(procedure: Procedure, path: str | os.PathLike[str]) -> None:
-    """Writes a procedure to a .usda or .usdc file, atomically.
+    """Write a procedure to a USD file, atomically.
 
     Reading it back gives an equal procedure. The file is replaced: prims and attributes of other tools are not kept, so
-    put cameras and lights into a layer of their own that has this file as a sublayer. Raises RefusedError where a
-    name cannot be the name of a prim or is used twice.
+    put cameras and lights into a layer of their own that has this file as a sublayer.
+
+    Parameters
+    ----------
+    procedure
+        The procedure.
+    path
+        The file; its suffix (.usda, .usdc or .usd) chooses the format.
+
+    Raises
+    ------
+    RefusedError
+        If a name cannot be the name of a prim or is used twice.
     """
     save_layer(usd_writer.layer(procedure, pxr()), path)
 

@@ -35,8 +35,18 @@ class NoCounterError(RefusedError):
 
 @dataclass(frozen=True)
 class Instructions:
-    """What one frame took. frame: all of it. search: of these inside the search for the equilibrium, the hot loops.
-    kernels: of these in the fused passes themselves, by the names of `KERNELS`. work: the header's counts.
+    """What one frame took.
+
+    Parameters
+    ----------
+    frame
+        Instructions of all of it.
+    search
+        Of these inside the search for the equilibrium, the hot loops.
+    kernels
+        Of these in the fused passes themselves, by the names of `KERNELS`.
+    work
+        The header's counts.
     """
 
     frame: int
@@ -46,7 +56,13 @@ class Instructions:
 
 
 def why_not() -> Problem | None:
-    """Return why instructions cannot be counted on this machine; None where they can."""
+    """Say why instructions cannot be counted on this machine.
+
+    Returns
+    -------
+    Problem | None
+        A sentence, or None where they can.
+    """
     if shutil.which("valgrind") is None:
         return problem(ProblemCode.COUNTER_NO_VALGRIND)
     if sys.platform != "linux":
@@ -55,10 +71,26 @@ def why_not() -> Problem | None:
 
 
 def count_instructions(program: Program, binary: Path | None = None) -> Instructions:
-    """Solves the program's first frame under callgrind, on one thread. binary: the daemon (found when None).
+    """Solve a program's first frame under callgrind, on one thread.
 
-    Raises NoCounterError where valgrind is not there or the daemon has no symbols, RefusedError for a frame that does
-    not converge.
+    Parameters
+    ----------
+    program
+        The program.
+    binary
+        The daemon; found when None.
+
+    Returns
+    -------
+    Instructions
+        The counts.
+
+    Raises
+    ------
+    NoCounterError
+        If valgrind is not there or the daemon has no symbols.
+    RefusedError
+        If the frame does not converge.
     """
     reason = why_not()
     if reason is not None:
@@ -83,7 +115,13 @@ def count_instructions(program: Program, binary: Path | None = None) -> Instruct
 
 
 def isa_to_count() -> str | None:
-    """The instruction set to ask for under valgrind: LAPPET_ISA where it is set; avx2 where AVX-512 would be chosen."""
+    """Choose the instruction set to ask for under valgrind.
+
+    Returns
+    -------
+    str | None
+        `LAPPET_ISA` where it is set, avx2 where AVX-512 would be chosen, else None.
+    """
     named = os.environ.get("LAPPET_ISA")
     if named and named != "avx512":
         return named
@@ -121,7 +159,18 @@ def _totals(text: str, work: Mapping[str, float]) -> Instructions:
 
 
 def callgrind_costs(text: str) -> tuple[dict[str, int], dict[str, int]]:
-    """The instructions of each function itself, and those inside calls of it, from a file that callgrind wrote."""
+    """Read a file that callgrind wrote.
+
+    Parameters
+    ----------
+    text
+        Its content.
+
+    Returns
+    -------
+    tuple[dict[str, int], dict[str, int]]
+        Instructions of each function itself, and those inside calls of it.
+    """
     names: dict[str, str] = {}
     own: dict[str, int] = {}
     inside: dict[str, int] = {}
@@ -149,7 +198,13 @@ def callgrind_costs(text: str) -> tuple[dict[str, int], dict[str, int]]:
 
 
 def valgrind_version() -> str | None:
-    """What `valgrind --version` says, None where there is none."""
+    """Ask valgrind for its version.
+
+    Returns
+    -------
+    str | None
+        What `valgrind --version` says, or None where there is none.
+    """
     if shutil.which("valgrind") is None:
         return None
     return subprocess.run(["valgrind", "--version"], capture_output=True, text=True, check=False).stdout.strip() or None

@@ -1,4 +1,4 @@
-"""Runs the report of error against time: which scenes there are, and at which spacings."""
+"""Run the report of error against time: which scenes there are, and at which spacings."""
 
 from __future__ import annotations
 
@@ -23,12 +23,29 @@ NAMES = (*(scene.name for scene in BOXES), "z-plasty", "scalp-flap")
 def run_error_time(
     names: Sequence[str], folder: Path, quick: bool, say: Callable[[str], None] = lambda _: None
 ) -> tuple[str, list[Path]]:
-    """Measures the scenes (all where none is named) and writes the files. Returns the totals, sentences, and the files.
+    """Measure scenes and write the files.
 
-    quick: a coarser reference, and each setting varied alone. Raises RefusedError for a name that is none, and where a
-    reference cannot be solved.
+    Parameters
+    ----------
+    names
+        Names of the scenes; all where none is named.
+    folder
+        Folder of the files.
+    quick
+        Whether to take a coarser reference, and vary each setting alone.
+    say
+        Is told of every solve.
+
+    Returns
+    -------
+    tuple[str, list[Path]]
+        The totals as sentences, and the files.
+
+    Raises
+    ------
+    RefusedError
+        If a name is no scene, or a reference cannot be solved.
     """
-
     scenes = [find_scene(name) for name in names or NAMES]
     make_folder(folder)
     circumstances = head()
@@ -44,7 +61,23 @@ def run_error_time(
 
 
 def find_scene(name: str) -> Scene:
-    """The scene of that name, or the procedure in that file."""
+    """Find a scene.
+
+    Parameters
+    ----------
+    name
+        Name of a scene, or a procedure's file.
+
+    Returns
+    -------
+    Scene
+        The scene.
+
+    Raises
+    ------
+    RefusedError
+        If it is neither.
+    """
     for box in BOXES:
         if box.name == name:
             return box

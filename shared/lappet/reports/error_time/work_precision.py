@@ -22,10 +22,21 @@ _WORDS = {
 
 
 def plot_scene(report: SceneReport, path: Path) -> None:
-    """The plot of one scene: the root mean square error over the daemon's seconds.
+    """Plot one scene: the root mean square error over the daemon's seconds.
 
-    Curves in colour vary one setting from the default; all other combinations are grey. Raises RefusedError without
-    matplotlib.
+    Curves in color vary one setting from the default; all other combinations are gray.
+
+    Parameters
+    ----------
+    report
+        The scene's report.
+    path
+        The picture.
+
+    Raises
+    ------
+    RefusedError
+        If matplotlib is missing.
     """
     try:
         import matplotlib as mpl
@@ -85,7 +96,18 @@ def plot_scene(report: SceneReport, path: Path) -> None:
 
 
 def curves(rows: Sequence[Measure]) -> list[list[Measure]]:
-    """The rows that converged, a list per combination of settings, from coarse to fine."""
+    """Sort the rows that converged into curves.
+
+    Parameters
+    ----------
+    rows
+        The rows.
+
+    Returns
+    -------
+    list[list[Measure]]
+        A list per combination of settings, from coarse to fine.
+    """
     found: dict[tuple[object, ...], list[Measure]] = {}
     for row in rows:
         if row.error_mm:

@@ -34,7 +34,13 @@ IN_BONE = (ProblemCode.SOLVER_INVALID_INPUT, ProblemCode.FRAME_NOT_CONVERGED)
 
 
 def constraint_cases() -> Iterator[Case]:
-    """Groups stiffness, fights and bone."""
+    """List the groups stiffness, fights and bone.
+
+    Yields
+    ------
+    Case
+        The cases.
+    """
     yield from _stiffness()
     yield from _fights()
     yield from _bone()

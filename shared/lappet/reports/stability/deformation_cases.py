@@ -6,11 +6,11 @@ from collections.abc import Iterator
 from typing import Any
 
 from lappet.core.problem_code import ProblemCode
+from lappet.procedure import MODELS
 from lappet.program.program import MaterialParameters, Program
 from lappet.reports.stability.measurement import Case, Scene
 from lappet.reports.stability.scenes import (
     LEFT,
-    MODELS,
     RIGHT,
     STARTS,
     as_from_rest,
@@ -28,7 +28,13 @@ KINK = (ProblemCode.FRAME_NOT_CONVERGED,)
 
 
 def deformation_cases() -> Iterator[Case]:
-    """Groups stretch, compression, twist and starts."""
+    """List the groups stretch, compression, twist and starts.
+
+    Yields
+    ------
+    Case
+        The cases.
+    """
     for model in MODELS:
         skin = material(model)
         yield from _stretch(model, skin)
@@ -38,7 +44,24 @@ def deformation_cases() -> Iterator[Case]:
 
 
 def squeezed(length: float, steps: int, skin: MaterialParameters, **settings: Any) -> Program:
-    """A slab of 8 x 16 x 16 mm pressed between two plates that it sticks to, to a share of its thickness."""
+    """Make a slab of 8 x 16 x 16 mm pressed between two plates that it sticks to.
+
+    Parameters
+    ----------
+    length
+        Share of its thickness to which it is pressed.
+    steps
+        Number of frames.
+    skin
+        The material.
+    **settings
+        Other fields of `SolverSettings`.
+
+    Returns
+    -------
+    Program
+        The program.
+    """
     size = (8.0, 16.0, 16.0)
     motions = [[moved((size[0] * (length - 1.0) * (step + 1) / steps, 0.0, 0.0))] for step in range(steps)]
     return block(size, 2.0, fixed=(LEFT,), gripped=(RIGHT,), motions=motions, materials=(skin,), **settings)

@@ -59,7 +59,18 @@ PATIENT = ("--silence", "86400")
 
 
 def procedures() -> SearchStrategy[Procedure]:
-    """Procedures of 2 to 4 frames on a patch of 16 x 12 x 2 mm. Raises RefusedError where hypothesis is missing."""
+    """Make the strategy for procedures of 2 to 4 frames on a patch of 16 x 12 x 2 mm.
+
+    Returns
+    -------
+    SearchStrategy[Procedure]
+        The strategy.
+
+    Raises
+    ------
+    RefusedError
+        If hypothesis is missing.
+    """
     try:
         from hypothesis import strategies as st
     except ImportError as error:
@@ -195,8 +206,17 @@ FAULTS = frozenset(
 
 @dataclass(frozen=True)
 class Verdict:
-    """What became of a procedure. wrong: what breaks the property, a sentence; empty if nothing. reason: why it was
-    refused, else None. late: what is wrong is the time it took."""
+    """What became of a procedure.
+
+    Parameters
+    ----------
+    wrong
+        What breaks the property, a sentence; empty if nothing does.
+    reason
+        Why it was refused, else empty.
+    late
+        Whether what is wrong is the time it took.
+    """
 
     wrong: str = ""
     reason: Problem | None = None
@@ -204,7 +224,22 @@ class Verdict:
 
 
 def judge(procedure: Procedure, daemon: SolverDaemon, folder: Path) -> Verdict:
-    """Solves a procedure. daemon: runs, and must go on running. folder: for the skin cache."""
+    """Solve a procedure and judge what became of it.
+
+    Parameters
+    ----------
+    procedure
+        The procedure.
+    daemon
+        A daemon that runs, and must go on running.
+    folder
+        Folder for the skin cache.
+
+    Returns
+    -------
+    Verdict
+        The verdict.
+    """
 
     def connect(settings: SolverSettings, bones: Bones) -> FrameSolver:
         return DaemonSolver(
@@ -260,10 +295,30 @@ def _claims(result: SolveResult) -> str:
 
 
 def fuzz(count: int, say: Callable[[str], None] = lambda _: None, jobs: int | None = None) -> dict[str, Any]:
-    """Solves so many procedures, the same ones every time. jobs: how many at once, each in a process and with a daemon
-    of its own; one per core by default. Returns their number `procedures`, how many were `solved` to the end, why
-    others were `refused` (the codes, counted), and the `failures`, each with its `wrong` and
-    its `procedure` (`told`). Raises RefusedError where hypothesis is missing, DaemonMissing where the daemon is."""
+    """Solve procedures made at random, the same ones every time.
+
+    Parameters
+    ----------
+    count
+        Number of procedures.
+    say
+        Is told how it goes.
+    jobs
+        How many at once, each in a process and with a daemon of its own; one per core when None.
+
+    Returns
+    -------
+    dict[str, Any]
+        Their number `procedures`, how many were `solved` to the end, why others were `refused` (the sentences without
+        their numbers, counted), and the `failures`, each with its `wrong` and its `procedure` (`told`).
+
+    Raises
+    ------
+    RefusedError
+        If hypothesis is missing.
+    DaemonMissing
+        If there is no daemon.
+    """
     from hypothesis import HealthCheck, Phase, given, settings
 
     jobs = jobs or cores()
@@ -331,7 +386,18 @@ def _judge_here(procedure: Procedure) -> Verdict:
 
 
 def told(procedure: Procedure) -> str:
-    """All that a procedure of `procedures` is made of, to make it again."""
+    """Describe all that a procedure of `procedures` is made of, to make it again.
+
+    Parameters
+    ----------
+    procedure
+        The procedure.
+
+    Returns
+    -------
+    str
+        The text.
+    """
     tissue = procedure.tissue
     lines = [
         f"spacing {tissue.spacing}, gravity {tissue.gravity}, subsets {sorted(tissue.subsets)}, "

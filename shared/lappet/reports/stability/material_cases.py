@@ -10,6 +10,7 @@ import numpy as np
 
 from lappet.core.problem_code import ProblemCode
 from lappet.cutting.epoch import Regions
+from lappet.procedure import MODELS
 from lappet.program.program import MaterialParameters, Program
 from lappet.reports.box_scenes import grid_box
 from lappet.reports.stability.deformation_cases import KINK
@@ -18,7 +19,6 @@ from lappet.reports.stability.scenes import (
     ABOVE,
     BELOW,
     LEFT,
-    MODELS,
     RIGHT,
     SKIN,
     Vector,
@@ -33,7 +33,13 @@ KEPT = 0.02  # of the volume
 
 
 def material_cases() -> Iterator[Case]:
-    """Groups poisson, contrast, fibres and models."""
+    """List the groups poisson, contrast, fibres and models.
+
+    Yields
+    ------
+    Case
+        The cases.
+    """
     yield from _poisson()
     yield from _contrast()
     yield from _fibres()
@@ -41,13 +47,37 @@ def material_cases() -> Iterator[Case]:
 
 
 def pressed(share: float, **more: Any) -> Program:
-    """A block held below, its upper side pressed down by a share of its height."""
+    """Make a block held below, its upper side pressed down.
+
+    Parameters
+    ----------
+    share
+        Share of its height by which it is pressed.
+    **more
+        What `block` takes besides.
+
+    Returns
+    -------
+    Program
+        The program.
+    """
     motion = [[moved((0.0, 0.0, -share * BLOCK[2]))]]
     return block(BLOCK, 2.0, fixed=(BELOW,), gripped=(ABOVE,), motions=motion, **more)
 
 
 def volume_kept(share: float) -> Check:
-    """A check: the surface encloses what it did at rest."""
+    """Make the check that the surface encloses what it did at rest.
+
+    Parameters
+    ----------
+    share
+        Share by which the volume may differ.
+
+    Returns
+    -------
+    Check
+        The check.
+    """
 
     def check(solved: Solved) -> str:
         surface = solved.program.epochs[0].surface
@@ -89,7 +119,22 @@ def _poisson() -> Iterator[Case]:
 
 
 def inclusion(contrast: float, depth: float = 4.0, **settings: Any) -> Program:
-    """A block stretched by 30 % with an inclusion below the middle of its upper side, so many times as stiff."""
+    """Make a block stretched by 30 % with an inclusion below the middle of its upper side.
+
+    Parameters
+    ----------
+    contrast
+        How many times as stiff the inclusion is.
+    depth
+        Depth of the inclusion in mm.
+    **settings
+        Other fields of `SolverSettings`.
+
+    Returns
+    -------
+    Program
+        The program.
+    """
     surface, side = grid_box(BLOCK, (8, 8, 4))
     centre = surface.points[surface.triangles].mean(axis=1)
     inside = (side == ABOVE) & (np.abs(centre[:, :2] - 8.0) < 4.0).all(axis=1)
@@ -199,7 +244,20 @@ def _models() -> Iterator[Case]:
 
 
 def replace_motions(program: Program, steps: int) -> Program:
-    """A program of one frame that only shifts, its shifts reached in equal steps."""
+    """Reach the shifts of a program of one frame in equal steps.
+
+    Parameters
+    ----------
+    program
+        The program, which only shifts.
+    steps
+        Number of steps.
+
+    Returns
+    -------
+    Program
+        The program of as many frames.
+    """
     (frame,) = program.frames
     frames = []
     for step in range(1, steps + 1):

@@ -38,7 +38,17 @@ Start = Callable[[NDArray[np.float64]], NDArray[np.float64]]
 
 @dataclass(frozen=True, eq=False)
 class Solved:
-    """The frames of a case that converged. twin: the last frame of its twin."""
+    """The frames of a case that converged.
+
+    Parameters
+    ----------
+    program
+        What was solved.
+    frames
+        The frames.
+    twin
+        Last frame of its twin, or None.
+    """
 
     program: Program
     frames: tuple[FrameSolution, ...]
@@ -47,9 +57,19 @@ class Solved:
 
 @dataclass(frozen=True, eq=False)
 class Scene:
-    """What is solved. start: where the first frame starts from, positions (N, 3) mm for nodes at rest (N, 3) mm. check:
-    what is wrong with the result, a sentence, or an empty text. twin: what the result is compared with, solved before
-    and from rest; the program itself where there is a start."""
+    """What is solved.
+
+    Parameters
+    ----------
+    program
+        The program.
+    start
+        Where the first frame starts from: positions in mm, shape (N, 3), for nodes at rest in mm, shape (N, 3).
+    check
+        Says what is wrong with the result, a sentence or an empty text.
+    twin
+        What the result is compared with, solved before and from rest; the program itself where there is a start.
+    """
 
     program: Program
     start: Start | None = None
@@ -59,8 +79,25 @@ class Scene:
 
 @dataclass(frozen=True)
 class Case:
-    """A case. scene: makes it; may refuse. converges: an equilibrium is a right outcome. refuses: so is a refusal
-    with one of these codes. budget: seconds. slow: left out of the quick report."""
+    """A case of the matrix.
+
+    Parameters
+    ----------
+    name
+        Name of the case.
+    group
+        Name of its group.
+    scene
+        Makes what is solved; may refuse.
+    converges
+        Whether an equilibrium is a right outcome.
+    refuses
+        Codes of the refusals that are a right outcome too.
+    budget
+        Seconds that it may take.
+    slow
+        Whether it is left out of the quick report.
+    """
 
     name: str
     group: str
@@ -79,10 +116,39 @@ class Case:
 
 @dataclass(frozen=True)
 class Row:
-    """What became of a case. outcome: converges, refuses, wrong (a claim that does not hold), crashes or hangs. reason:
-    why, a sentence; empty where it converged. code: of the refusal. residual, gap_mm: the greatest of all frames as the
-    daemon says; verified_residual: of the last frame in double precision. ok: the outcome is expected, within the
-    budget."""
+    """What became of a case.
+
+    Parameters
+    ----------
+    case
+        Name of the case.
+    group
+        Name of its group.
+    expected
+        The outcomes that are right.
+    outcome
+        Converges, refuses, wrong (a claim that does not hold), crashes or hangs.
+    reason
+        Why, a sentence; empty where it converged.
+    residual
+        Greatest residual of all frames as the daemon says.
+    verified_residual
+        Residual of the last frame in double precision.
+    gap_mm
+        Greatest gap of all frames.
+    frames
+        Number of frames.
+    cells
+        Number of cells.
+    seconds
+        Time that it took.
+    budget
+        Seconds that it may take.
+    ok
+        Whether the outcome is expected, within the budget.
+    code
+        Code of the problem, or None where it converged.
+    """
 
     case: str
     group: str
@@ -101,7 +167,20 @@ class Row:
 
 
 def run_cases(cases: Iterable[Case], say: Callable[[str], None] = lambda _: None) -> Iterator[Row]:
-    """Runs cases one after the other."""
+    """Run cases one after the other.
+
+    Parameters
+    ----------
+    cases
+        The cases.
+    say
+        Is told of every case.
+
+    Yields
+    ------
+    Row
+        What became of each.
+    """
     for case in cases:
         row = run_case(case)
         say(f"{'ok ' if row.ok else 'NOT'} {row.case}: {row.outcome} in {row.seconds:.1f} s. {row.reason}".rstrip())
@@ -109,7 +188,18 @@ def run_cases(cases: Iterable[Case], say: Callable[[str], None] = lambda _: None
 
 
 def run_case(case: Case) -> Row:
-    """Runs a case; never raises but for what ends the program."""
+    """Run a case; nothing is raised but what ends the program.
+
+    Parameters
+    ----------
+    case
+        The case.
+
+    Returns
+    -------
+    Row
+        What became of it.
+    """
     begun = time.perf_counter()
     row = Row(case.name, case.group, case.expected, "converges", "", None, None, None, 0, 0, 0.0, case.budget, False)
     watchdog = _Watchdog(PATIENCE * case.budget + GRACE)
@@ -257,7 +347,7 @@ def _again(client: SolverClient, program: Program, frame: FrameSolution) -> tupl
 
 
 class _Watchdog:
-    """Ends a daemon that does not answer in time. bit: it has."""
+    """End a daemon that does not answer in time. bit: it has."""
 
     def __init__(self, seconds: float) -> None:
         self.bit = False
@@ -265,7 +355,7 @@ class _Watchdog:
 
     @contextlib.contextmanager
     def over(self, daemon: SolverDaemon) -> Iterator[None]:
-        """Watches over a daemon that runs."""
+        """Watch over a daemon that runs."""
 
         def bite() -> None:
             self.bit = True
@@ -280,7 +370,18 @@ class _Watchdog:
 
 
 def totals(rows: Sequence[Row]) -> dict[str, dict[str, int]]:
-    """How many cases there are, as expected, converged and refused, by group and in all."""
+    """Count the cases by group and in all.
+
+    Parameters
+    ----------
+    rows
+        What became of the cases.
+
+    Returns
+    -------
+    dict[str, dict[str, int]]
+        How many there are, as expected, converged and refused.
+    """
     groups = {group: [row for row in rows if row.group == group] for group in dict.fromkeys(row.group for row in rows)}
     return {
         group: {

@@ -1,4 +1,4 @@
-"""Runs the stability matrix: which cases there are, and the files of their report."""
+"""Run the stability matrix: which cases there are, and the files of their report."""
 
 from __future__ import annotations
 
@@ -18,13 +18,36 @@ from lappet.reports.stability.shape_cases import shape_cases
 
 
 def all_cases() -> list[Case]:
-    """The matrix."""
+    """List the matrix.
+
+    Returns
+    -------
+    list[Case]
+        The cases.
+    """
     return [*material_cases(), *deformation_cases(), *constraint_cases(), *shape_cases(), *cut_cases()]
 
 
 def chosen_cases(only: Sequence[str], quick: bool) -> list[Case]:
-    """The cases of these groups (all where none is named), without the slow ones where it is to be quick. Raises
-    RefusedError for a name that is none."""
+    """Choose cases by their groups.
+
+    Parameters
+    ----------
+    only
+        Names of groups; all where none is named.
+    quick
+        Whether to leave out the slow ones.
+
+    Returns
+    -------
+    list[Case]
+        The cases.
+
+    Raises
+    ------
+    RefusedError
+        If a name is no group.
+    """
     cases = all_cases()
     groups = list(dict.fromkeys(case.group for case in cases))
     for name in only:
@@ -36,8 +59,27 @@ def chosen_cases(only: Sequence[str], quick: bool) -> list[Case]:
 def run_stability(
     folder: Path, cases: Sequence[Case], say: Callable[[str], None] = lambda _: None
 ) -> tuple[str, bool, list[Path]]:
-    """Runs the cases and writes the files. Returns the table of totals, whether every case is ok, and the files.
-    Raises RefusedError where there is no daemon or no folder."""
+    """Run cases and write the files.
+
+    Parameters
+    ----------
+    folder
+        Folder of the files.
+    cases
+        The cases.
+    say
+        Is told of every case.
+
+    Returns
+    -------
+    tuple[str, bool, list[Path]]
+        The table of totals, whether every case is ok, and the files.
+
+    Raises
+    ------
+    RefusedError
+        If there is no daemon or no folder.
+    """
     make_folder(folder)
     circumstances = head()
     rows = list(run_cases(cases, say))
@@ -47,9 +89,29 @@ def run_stability(
 def run_fuzz(
     folder: Path, count: int, say: Callable[[str], None] = lambda _: None, jobs: int | None = None
 ) -> tuple[str, bool, list[Path]]:
-    """Fuzzes so many procedures, `jobs` at once (one per core by default), and writes stability_fuzz.json. Returns a
-    sentence, whether all hold the property, and the file. Raises RefusedError where there is no daemon, no folder or no
-    hypothesis."""
+    """Fuzz procedures and write stability_fuzz.json.
+
+    Parameters
+    ----------
+    folder
+        Folder of the file.
+    count
+        Number of procedures.
+    say
+        Is told how it goes.
+    jobs
+        How many at once; one per core when None.
+
+    Returns
+    -------
+    tuple[str, bool, list[Path]]
+        A sentence, whether all hold the property, and the file.
+
+    Raises
+    ------
+    RefusedError
+        If there is no daemon, no folder or no hypothesis.
+    """
     from lappet.reports.stability.fuzz import fuzz
 
     make_folder(folder)
