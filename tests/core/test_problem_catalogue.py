@@ -86,7 +86,11 @@ def test_texts_are_sentences_and_say_what_to_do(code: ProblemCode) -> None:
     assert text.title
     assert not text.title.endswith(".")
     assert text.message.endswith((".", "}")), text.message
-    assert text.message[0].isupper() or text.message[0] == "{" or text.message.startswith(("curveVertexCounts", "primvars:st"))
+    assert (
+        text.message[0].isupper()
+        or text.message[0] == "{"
+        or text.message.startswith(("curveVertexCounts", "primvars:st"))
+    )
     assert text.remedy or text.advice, "say what to do"
     for remedy in filter(None, (text.remedy, text.advice)):
         assert remedy.endswith("."), remedy

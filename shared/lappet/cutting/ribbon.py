@@ -83,8 +83,7 @@ def skin_ribbons(
 ) -> list[Ribbon]:
     """Make the ribbons of a curve on the skin.
 
-        The curve is sampled and its samples are dropped onto the skin; what lies past the skin's border stays there,
-        and an
+    The curve is sampled and its samples are dropped onto the skin; what lies past the skin's border stays there, and an
     end near the border runs on past it. A curve is broken into several ribbons where it leaves the tissue, turns too
     sharply for a mitre, or meets itself.
 
@@ -117,7 +116,7 @@ def skin_ribbons(
 
     Raises
     ------
-    IncisionError
+    RefusedError
         If the curve cannot be followed, hovers off the skin or misses the tissue.
     """
     if not (np.isfinite(kerf) and kerf > 0.0):

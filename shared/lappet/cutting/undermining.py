@@ -56,7 +56,7 @@ def undermine(
 
     Raises
     ------
-    IncisionError
+    RefusedError
         If the curve cannot be followed, misses the tissue or has no bed below it.
     """
     prim = f"{timeline}/{event.name}"

@@ -72,7 +72,7 @@ class LabelledSolid:
 
         Raises
         ------
-        SurfaceError
+        RefusedError
             If the library refuses the surface.
         """
         names = tuple(surface.grips)

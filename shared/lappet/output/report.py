@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 
 from lappet.core.machine import machine
+from lappet.core.problem_code import ProblemCode
 from lappet.core.version import version
 from lappet.output.solve_to_cache import SolveResult
 from lappet.procedure.scene_profile import scene_profile
@@ -142,6 +143,7 @@ def _frame(program: Program, frame: FrameResult, error: FrameErrorEstimate | Non
         "epoch": constraints.epoch,
         "converged": bool(header["converged"]),
         "reason": header.get("reason") or None,
+        "code": None if header["converged"] else ProblemCode.FRAME_NOT_CONVERGED,
         "newton_iterations": header["newton"],
         "pcg_iterations": header["pcg"],
         "load_steps": header["load_steps"],

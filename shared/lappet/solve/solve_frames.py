@@ -162,13 +162,39 @@ def solve_program(program: Program, store: FrameStore, connect: Connect, solver:
 
 
 def not_converged(time: float, header: Mapping[str, Any]) -> Problem:
-    """Return the problem of a frame that did not converge, from the header of its message `frame`."""
+    """Make the problem of a frame that did not converge.
+
+    Parameters
+    ----------
+    time
+        Time code of the frame.
+    header
+        Header of its message `frame`.
+
+    Returns
+    -------
+    Problem
+        The problem.
+    """
     said = str(header.get("reason") or "the solver gives no reason.")
     return problem(ProblemCode.FRAME_NOT_CONVERGED, f"Frame {time:g}", said)
 
 
 def at_frame(time: float, error: ProblemsError) -> Problem:
-    """Return the first problem of what refused or ended the solve of a frame; the frame is its prim if it has none."""
+    """Take the first problem of what refused or ended the solve of a frame.
+
+    Parameters
+    ----------
+    time
+        Time code of the frame, which is the problem's prim if it has none.
+    error
+        What refused or ended the solve.
+
+    Returns
+    -------
+    Problem
+        The problem.
+    """
     first = error.problems[0]
     return replace(first, prim=first.prim or f"Frame {time:g}")
 

@@ -68,7 +68,7 @@ def procedures() -> SearchStrategy[Procedure]:
 
     Raises
     ------
-    ReportError
+    RefusedError
         If hypothesis is missing.
     """
     try:
@@ -314,7 +314,7 @@ def fuzz(count: int, say: Callable[[str], None] = lambda _: None, jobs: int | No
 
     Raises
     ------
-    ReportError
+    RefusedError
         If hypothesis is missing.
     DaemonMissing
         If there is no daemon.
