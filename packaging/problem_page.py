@@ -10,10 +10,10 @@ ROOT = Path(__file__).resolve().parent.parent
 PAGE = "docs/problems.md"
 INTRODUCTION = """# Problems by code and by message
 
-Written by `make docs` from the texts of the program, `shared/lappet/core/texts/`. Every refusal and every warning of
-`lappet`, of the Blender extension and of the reports has a code, which stays the same from release to release; its
-wording may change. Python code finds it in `problem.code`, a report of `lappet solve --report` under `code`. Fields in
-{braces} are filled with the values of the case. What is no error is marked as a warning: it is solved nevertheless.
+`make docs` writes this page from `shared/lappet/core/texts/`. Every refusal and every warning of `lappet`, of the
+Blender extension and of the reports has a code. The code stays the same from release to release; the wording may
+change. In Python it is `problem.code`, in a report of `lappet solve --report` it is `code`. Each problem fills the
+fields in {braces} with its values. A warning does not prevent the solve.
 """
 
 

@@ -154,10 +154,11 @@ def test_a_cache_brings_its_frames_along(slit: bpy.types.Scene, tmp_path: Path) 
         assert not again.stale
         assert frames.frame_state(scene, time) == "solved"
         np.testing.assert_array_equal(again.frame.points, shown[time].frame.points)
-        for name in ("strain", "stress", "tension"):
-            np.testing.assert_array_equal(again.frame.arrays[name], shown[time].frame.arrays[name])
+        here, there = again.frame.arrays(), shown[time].frame.arrays()
+        for name in ("strain", "stress", "tension", "suture_index", "hook_index", "landmark_index"):
+            np.testing.assert_array_equal(here[name], there[name])
         for name in ("suture_points", "hook_points", "landmarks"):
-            np.testing.assert_allclose(again.frame.arrays[name], shown[time].frame.arrays[name], atol=1e-5)
+            np.testing.assert_allclose(here[name], there[name], atol=1e-5)
     assert not any(frame.key in store for frame in plan.frames), "frames without their state would mislead a solve"
 
 

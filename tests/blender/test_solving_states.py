@@ -13,6 +13,7 @@ import pytest
 from fake_worker import Script
 from lappet.core.problem import Problem
 from lappet.core.problem_code import ProblemCode
+from lappet.daemon.solved_frame import SolvedFrame
 from lappet.procedure import Landmark
 from lappet_blender.model import changes
 from lappet_blender.model.event_list import add_event, find_event, remove_event
@@ -345,7 +346,7 @@ def test_clearing_removes_the_frames_and_reloading_finds_those_of_another_progra
 ) -> None:
     solve(patch)
     store = controller.controller_of(patch).store
-    kept = {frame.key: store.get(frame.key) for frame in frames.plan_of(patch).frames}
+    kept = {frame.key: store.get(frame.key, SolvedFrame) for frame in frames.plan_of(patch).frames}
     assert bpy.ops.lappet.clear_frames() == {"FINISHED"}
     assert states(patch) == "mmmmmmmm"
     assert not any(key in store for key in kept)

@@ -14,10 +14,10 @@ from collections.abc import Iterator
 
 import bpy
 
-from lappet.background.plan import SolveSettings
 from lappet.core.problem import Problem, RefusedError, problem
 from lappet.core.problem_code import ProblemCode
 from lappet.procedure import Procedure
+from lappet.program.settings import SolverSettings
 from lappet.solve.store import FrameStore
 
 from ..interface.problem_sentence import problem_sentence
@@ -133,7 +133,7 @@ def stop_obsolete(controller: Controller) -> None:
 
 
 def _take(
-    controller: Controller, procedure: Procedure | None, settings: SolveSettings, problems: tuple[Problem, ...]
+    controller: Controller, procedure: Procedure | None, settings: SolverSettings, problems: tuple[Problem, ...]
 ) -> None:
     if problems != controller.problems:
         controller.problems = problems
@@ -192,7 +192,7 @@ def _retire(controller: Controller) -> None:
     controller.past = [plan, *others][:PAST_PLANS]
 
 
-def _still_holds(controller: Controller, procedure: Procedure | None, settings: SolveSettings) -> float:
+def _still_holds(controller: Controller, procedure: Procedure | None, settings: SolverSettings) -> float:
     """The time before which the newest past plan holds for this procedure."""
     if procedure is None or not controller.past or controller.past_of is None:
         return -math.inf

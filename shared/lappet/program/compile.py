@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,19 +21,18 @@ from lappet.procedure.prim_paths import ROOT
 from lappet.program.anchors import AnchorTie, Tied, TissueLoss
 from lappet.program.bones import over_bone, united_bones
 from lappet.program.materials import activation, materials_in_use, parameters, region_program
-from lappet.program.program import FrameConstraints, Landmarks, Program, SolverSettings
+from lappet.program.program import FrameConstraints, Landmarks, Program
+from lappet.program.settings import SolverSettings
+
+DEFAULT = SolverSettings()
 
 
 def compile_program(
     procedure: Procedure,
     epochs: Sequence[Epoch] | None = None,
+    settings: SolverSettings = DEFAULT,
     *,
-    spacing: float | None = None,
-    tolerance: float = 1e-3,
-    quadrature: int = 1,
-    precision: Literal["float", "double"] = "float",
     until: float | None = None,
-    **settings: Any,
 ) -> Program:
     """Compile a procedure: a frame for every integer time code from its start to its end.
 
@@ -47,18 +46,10 @@ def compile_program(
         The procedure.
     epochs
         Its epochs in order, as `lappet.cutting.epochs` makes them; made here when None.
-    spacing
-        Lattice spacing in mm; the tissue's when None.
-    tolerance
-        Relative residual at which a frame has converged.
-    quadrature
-        Quadrature points of a cell: 1, 4 or 8.
-    precision
-        Arithmetic of the solver.
+    settings
+        How to solve; what they say of the tissue is replaced by the procedure's own.
     until
         Time code after which frames are left out.
-    **settings
-        Other fields of `SolverSettings`.
 
     Returns
     -------
@@ -72,8 +63,7 @@ def compile_program(
         bone is not closed, the timeline has no frame, or a material or the faces of a region are not there; names the
         prim.
     """
-    if spacing is None:
-        spacing = procedure.tissue.spacing
+    spacing = settings.spacing or procedure.tissue.spacing
     if epochs is None:
         # The spacing also says how finely the surface is divided.
         epochs = build_epochs(replace(procedure, tissue=replace(procedure.tissue, spacing=spacing)))
@@ -86,39 +76,47 @@ def compile_program(
         times = [time for time in times if time <= until]
     belongs = [_epoch_at(epochs, time) for time in times]
     hooks = [event for event in procedure.events if isinstance(event, Hook)]
+    by_start = sorted(hooks, key=lambda event: event.start)
+    numbers = {hook.name: number for number, hook in enumerate(by_start)}
     sutures = sorted((event for event in procedure.events if isinstance(event, Suture)), key=lambda event: event.start)
     retractors = sorted(
         (event for event in procedure.events if isinstance(event, Retractor)), key=lambda event: event.start
     )
     marks = [(event, point) for event in procedure.events if isinstance(event, Landmark) for point in event.points]
     motions = [_motion(retractor) for retractor in retractors]
-    _refuse_off_tissue(procedure)
-
     loss = TissueLoss(procedure)
+    _refuse_off_tissue(procedure, loss)
+    # All anchors: those of hooks, two of each suture, landmarks.
+    anchored = [
+        *(hook.anchor for hook in hooks),
+        *(anchor for suture in sutures for anchor in suture.anchors),
+        *(point for _, point in marks),
+    ]
+    anchors = np.array(anchored, np.float64).reshape(-1, 3)
+    first_suture, first_mark = len(hooks), len(hooks) + 2 * len(sutures)
     frames: list[FrameConstraints] = []
-    active_hooks: list[NDArray[np.int32]] = []
     grips: list[NDArray[np.int32]] = []
     landmarks: list[Landmarks] = []
     for epoch in epochs:
         own = [time for time, index in zip(times, belongs, strict=True) if index == epoch.index]
         grips.append(_grips(epoch, retractors, own))
-        tie = AnchorTie(epoch.surface, loss.margin)
-        landmarks.append(_landmarks([point for _, point in marks], tie, loss))
+        tied = AnchorTie(epoch.surface, loss.margin).tie(anchors)
+        lost = loss.is_lost(anchors, tied)
+        landmarks.append(_landmarks(tied[first_mark:], lost[first_mark:]))
         hook_ties = {
-            i: _tied(hook, [hook.anchor], hook.start, hook.release, epoch, own, tie, loss)
-            for i, hook in enumerate(hooks)
+            i: _tied(hook, slice(i, i + 1), hook.start, hook.release, own, tied, lost) for i, hook in enumerate(hooks)
         }
         suture_ties = {
-            i: _tied(suture, suture.anchors, suture.start, math.inf, epoch, own, tie, loss)
-            for i, suture in enumerate(sutures)
+            i: _tied(suture, slice(row, row + 2), suture.start, math.inf, own, tied, lost)
+            for i, (suture, row) in enumerate(zip(sutures, range(first_suture, first_mark, 2), strict=True))
         }
         for time in own:
             pulled = [i for i, hook in enumerate(hooks) if hook.start <= time < hook.release]
-            active_hooks.append(np.array(pulled, np.int32))
             frames.append(
                 FrameConstraints(
                     time=float(time),
                     epoch=epoch.index,
+                    hook_index=np.array([numbers[hooks[i].name] for i in pulled], np.int32),
                     **_hook_arrays(hooks, pulled, hook_ties, time),
                     **_suture_arrays(sutures, suture_ties, time),
                     **_retractor_arrays(retractors, motions, time),
@@ -130,25 +128,21 @@ def compile_program(
     return Program(
         epochs=tuple(epochs),
         frames=tuple(frames),
-        settings=SolverSettings(
+        settings=replace(
+            settings,
             spacing=spacing,
             origin=(float(origin[0]), float(origin[1]), float(origin[2])),
-            quadrature=quadrature,
-            precision=precision,
-            tolerance=tolerance,
             bed_stiffness=procedure.tissue.bed_stiffness,
             gravity=(0.0, 0.0, -gravity if gravity else 0.0),
             sutures=len(sutures),
             retractors=len(retractors),
             materials=tuple(parameters(material) for material in materials),
-            **settings,
         ),
         fps=procedure.fps,
-        hooks=tuple(hook.name for hook in hooks),
+        hooks=tuple(hook.name for hook in by_start),
         sutures=tuple(suture.name for suture in sutures),
         retractors=tuple(retractor.name for retractor in retractors),
         landmarks=_labels(marks),
-        active_hooks=tuple(active_hooks),
         grips=tuple(grips),
         landmarks_at=tuple(landmarks),
         bones=bones,
@@ -186,20 +180,21 @@ def _epoch_at(epochs: Sequence[Epoch], time: float) -> int:
     return past[-1] if past else epochs[0].index
 
 
-def _refuse_off_tissue(procedure: Procedure) -> None:
-    loss = TissueLoss(procedure)
+def _refuse_off_tissue(procedure: Procedure, loss: TissueLoss) -> None:
+    placed: list[tuple[Event, Sequence[Point]]] = []
     for event in procedure.events:
-        points: Sequence[Point]
         if isinstance(event, Hook):
-            points = [event.anchor]
+            placed.append((event, [event.anchor]))
         elif isinstance(event, Suture):
-            points = event.anchors
+            placed.append((event, event.anchors))
         elif isinstance(event, Landmark):
-            points = event.points
-        else:
-            continue
-        distances = loss.is_off(points) if len(points) else None
-        if distances is not None:
+            placed.append((event, event.points))
+    if not placed:
+        return
+    every = loss.distance([point for _, points in placed for point in points])
+    ends = np.cumsum([len(points) for _, points in placed])
+    for (event, points), distances in zip(placed, np.split(every, ends[:-1]), strict=True):
+        if loss.is_off(distances).any():
             worst = int(np.argmax(distances))
             at, code = points[worst], ProblemCode.PROGRAM_POINT_OFF_TISSUE
             raise refused(code, _path(event), _mm(at), place=Place.at(at), off=distances[worst])
@@ -207,21 +202,23 @@ def _refuse_off_tissue(procedure: Procedure) -> None:
 
 def _tied(
     event: Hook | Suture,
-    anchors: Iterable[Point],
+    rows: slice,
     start: float,
     release: float,
-    epoch: Epoch,
     own: Sequence[int],
-    tie: AnchorTie,
-    loss: TissueLoss,
+    every: Tied,
+    is_lost: NDArray[np.bool_],
 ) -> Tied | None:
-    """The anchors of an event on an epoch's surface, or None where the event does not act in the epoch's frames."""
+    """The anchors of an event on an epoch's surface, or None where the event does not act in the epoch's frames.
+
+    rows: of the event in `every` anchor tied to the surface and in which of them are lost.
+    """
     acts = [time for time in own if start <= time < release]
     if not acts:
         return None
-    points = list(anchors)
-    tied = tie.tie(points)
-    lost = np.flatnonzero(loss.is_lost(points, tied))
+    points = [event.anchor] if isinstance(event, Hook) else list(event.anchors)
+    tied = every[rows]
+    lost = np.flatnonzero(is_lost[rows])
     if len(lost):
         at, hook = points[lost[0]], isinstance(event, Hook)
         code = ProblemCode.PROGRAM_HOOK_EXCISED if hook else ProblemCode.PROGRAM_ANCHOR_EXCISED
@@ -312,11 +309,8 @@ def _grips(epoch: Epoch, retractors: Sequence[Retractor], own: Sequence[int]) ->
     return grip
 
 
-def _landmarks(points: Sequence[Point], tie: AnchorTie, loss: TissueLoss) -> Landmarks:
-    if not points:
-        return Landmarks()
-    tied = tie.tie(points)
-    kept = np.flatnonzero(~loss.is_lost(points, tied))
+def _landmarks(tied: Tied, lost: NDArray[np.bool_]) -> Landmarks:
+    kept = np.flatnonzero(~lost)
     return Landmarks(kept.astype(np.int32), tied.point[kept], tied.triangle[kept])
 
 
