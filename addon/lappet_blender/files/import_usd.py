@@ -90,7 +90,7 @@ def _show(scene: bpy.types.Scene, procedure: Procedure, found: FoundFile) -> str
     try:
         read = cache_frames(scene, procedure, found)
     except (RefusedError, FigureError, OSError) as refused:
-        return f"The frames of the cache cannot be shown, press Solve instead: {refused}"
+        return f"The frames of the cache cannot be shown: {refused}"
     controller = controller_of(scene)
     for key, frame in read.frames.items():
         frame_cache.put(key, frame)

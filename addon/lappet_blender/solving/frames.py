@@ -6,8 +6,6 @@ import math
 from collections.abc import Callable
 
 import bpy
-import numpy as np
-from numpy.typing import NDArray
 
 from lappet.background.plan import Plan
 from lappet.core.problem import Problem
@@ -56,13 +54,6 @@ def shown_at(scene: bpy.types.Scene, time: float) -> Shown | None:
     shown = find_shown(controller, time)
     read_neighbours(controller, time)
     return shown
-
-
-def live_points(scene: bpy.types.Scene) -> NDArray[np.float32] | None:
-    """The skin's points (n, 3) in mm for the hook as it is dragged; None where live mode is off or has none yet."""
-    controller = find_controller(scene)
-    live = None if controller is None else controller.live
-    return None if live is None or live.frame is None else live.frame.points
 
 
 def progress_of(scene: bpy.types.Scene) -> Progress:

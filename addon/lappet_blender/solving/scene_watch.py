@@ -98,7 +98,7 @@ def _changed(scene: bpy.types.Scene) -> None:
     controller = controller_of(scene)
     if controller.live is not None and not _updating:  # else it is a target that moved
         controller.live.needs_check = True
-    target_samples.forget()
+    target_samples.mark_dirty()
     controller.mark_dirty()
 
 
@@ -133,13 +133,13 @@ def _depsgraph_updated(_scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) 
         if other is None:
             continue
         if not relevant(each).isdisjoint(ids):
-            target_samples.forget()
+            target_samples.mark_dirty()
             other.mark_dirty()
 
 
 def _undone(*_: object) -> None:
     """Undo and redo point back to plans and frames that are known: no timer, no worker."""
-    target_samples.forget()
+    target_samples.mark_dirty()
     read = []
     for scene in bpy.data.scenes:
         controller = find_controller(scene)
@@ -157,7 +157,7 @@ def _before_load(*_: object) -> None:
 
 
 def _loaded(*_: object) -> None:
-    target_samples.forget()
+    target_samples.mark_dirty()
     for scene in bpy.data.scenes:
         migrate(scene)
         if scene.lappet.tissue.object is None:

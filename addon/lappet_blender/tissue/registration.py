@@ -5,7 +5,7 @@ from __future__ import annotations
 import bpy
 from bpy.app.handlers import persistent
 
-from ..model import tissue_values
+from ..model import tissue_size, tissue_values
 from . import (
     bone_operators,
     check_operator,
@@ -15,7 +15,6 @@ from . import (
     overlay,
     repair_operators,
     tissue_check,
-    tissue_measure,
     tissue_operators,
     tissue_panel,
 )
@@ -39,8 +38,8 @@ _CLASSES = tuple(
 @persistent  # type: ignore[untyped-decorator]
 def _on_load_pre(*_: object) -> None:
     """What is kept of the file before is of no use any more."""
-    for module in (tissue_values, tissue_check, tissue_measure):
-        module.forget()
+    for module in (tissue_values, tissue_check, tissue_size):
+        module.clear_cache()
 
 
 def register() -> None:

@@ -80,8 +80,8 @@ def last_check(scene: bpy.types.Scene) -> TissueCheck | None:
     return found
 
 
-def forget() -> None:
-    """Lets go of everything."""
+def clear_cache() -> None:
+    """Drop everything."""
     _found.clear()
 
 

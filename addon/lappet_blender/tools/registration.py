@@ -7,7 +7,7 @@ from bpy.app.handlers import persistent
 
 from . import click_tool, edit_tool, hook_tool, incision_tool, plan_overlay, suture_tool, tool_menu, toolbar
 from .preview import clear_preview
-from .shown_surface import forget
+from .shown_surface import clear_cache
 
 _CLASSES = (
     *incision_tool.CLASSES,
@@ -24,7 +24,7 @@ _CLASSES = (
 def _another_file(_path: str) -> None:
     """What is kept or shown belongs to the file that is closed."""
     clear_preview()
-    forget()
+    clear_cache()
 
 
 def register() -> None:
@@ -45,6 +45,6 @@ def unregister() -> None:
     tool_menu.unregister()
     toolbar.unregister()
     clear_preview()
-    forget()
+    clear_cache()
     for each in reversed(_CLASSES):
         bpy.utils.unregister_class(each)
