@@ -51,7 +51,20 @@ class WorkerPipes:
 
 
 def inherited(requests: str, events: str) -> tuple[Connection, Connection]:
-    """Return the worker's ends: requests to read, events to write. The arguments are `WorkerPipes.handles`."""
+    """Open the worker's ends of the pipes.
+
+    Parameters
+    ----------
+    requests
+        First of `WorkerPipes.handles`.
+    events
+        Second of `WorkerPipes.handles`.
+
+    Returns
+    -------
+    tuple[Connection, Connection]
+        Requests to read, and events to write.
+    """
     if sys.platform == "win32":
         from multiprocessing.connection import PipeConnection as End
     else:

@@ -56,7 +56,7 @@ class Worker:
     ----------
     store
         Folder of the frames, or None for the user's.
-    answers
+    events
         Pipe to the owner.
     """
 
@@ -136,7 +136,7 @@ class Worker:
 
         Parameters
         ----------
-        happening
+        event
             What happened.
         """
         data = pack(event)

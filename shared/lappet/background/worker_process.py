@@ -91,8 +91,8 @@ class WorkerProcess:
 
         Raises
         ------
-        MessageError
-            If the request cannot be told in a message.
+        CodecError
+            If the request cannot be written.
         """
         data = pack(request)
         with contextlib.suppress(OSError):

@@ -22,7 +22,23 @@ _VALUE, _ARRAY = 1, 2
 
 
 def pack(value: object) -> bytes:
-    """Write a value made of dataclasses, arrays, numbers, text, tuples and maps. Raises CodecError."""
+    """Write a value made of dataclasses, arrays, numbers, text, tuples and maps.
+
+    Parameters
+    ----------
+    value
+        The value.
+
+    Returns
+    -------
+    bytes
+        The bytes.
+
+    Raises
+    ------
+    CodecError
+        If the value cannot be written.
+    """
     arrays: dict[str, NDArray[Any]] = {}
 
     def write(each: Any) -> bytes:
@@ -56,15 +72,20 @@ def unpack(data: Bytes, kind: Any) -> Any:
 
     Parameters
     ----------
-    data : bytes
-        As `pack` wrote them.
-    kind : type or union of types
-        What it may be. Only this and the dataclasses that its fields name are made.
+    data
+        The bytes, as `pack` wrote them.
+    kind
+        What it may be: only this and the dataclasses that its fields name are made.
+
+    Returns
+    -------
+    Any
+        The value.
 
     Raises
     ------
     CodecError
-        And only that, where the bytes are no such value.
+        If the bytes are no such value; nothing else is raised.
     """
     known = classes_of(kind)
     trees: list[bytes] = []
@@ -99,7 +120,18 @@ def unpack(data: Bytes, kind: Any) -> Any:
 
 @lru_cache
 def classes_of(kind: Any) -> dict[str, type[Any]]:
-    """Return the dataclasses and enumerations that a type is made of, by name: its own, and their fields'."""
+    """Find the dataclasses and enumerations that a type is made of: its own, and their fields'.
+
+    Parameters
+    ----------
+    kind
+        The type.
+
+    Returns
+    -------
+    dict[str, type[Any]]
+        The classes by name.
+    """
     found: dict[str, type[Any]] = {}
     waiting = [kind]
     while waiting:

@@ -1,4 +1,4 @@
-"""Reads the message `frame` (PROTOCOL.md): the one place where a solved frame comes off the wire."""
+"""Read the message `frame` (PROTOCOL.md): the one place where a solved frame comes off the wire."""
 
 from __future__ import annotations
 
@@ -18,9 +18,30 @@ def read_frame(
     landmark_index: NDArray[np.int32],
     lattice: LatticeCounts | None,
 ) -> SolvedFrame:
-    """Return the frame in a message that answers these constraints; raises WireError for one that does not.
+    """Read the frame in a message that answers constraints.
 
-    landmark_index: (k,), the landmarks of the epoch. lattice: of the epoch.
+    Parameters
+    ----------
+    message
+        The message.
+    constraints
+        What acted on the tissue.
+    settings
+        How the session solves.
+    landmark_index
+        Landmarks of the epoch, shape (k,).
+    lattice
+        Counts of the epoch's lattice, or None.
+
+    Returns
+    -------
+    SolvedFrame
+        The frame.
+
+    Raises
+    ------
+    WireError
+        If the message does not answer these constraints.
     """
     hooks, sutures, marks = len(constraints.hook_stiffness), len(constraints.suture_index), len(landmark_index)
     points = read_array(message, "points", "f4", (None, 3))

@@ -174,10 +174,28 @@ def read_array(message: Message, name: str, dtype: str, shape: tuple[int | None,
 
 
 def read_fields(kind: type[Value], fields_: object, where: str) -> Value:
-    """Return a dataclass of numbers, text, truth values and such dataclasses from a map of the same names.
+    """Read a dataclass of numbers, text, truth values and such dataclasses from a map of the same names.
 
-    What no field of the dataclass is named is not read. Raises WireError naming the field that is missing or of another
-    kind.
+    What no field of the dataclass is named is not read.
+
+    Parameters
+    ----------
+    kind
+        The dataclass.
+    fields_
+        The map.
+    where
+        What messages call the map.
+
+    Returns
+    -------
+    Value
+        The value.
+
+    Raises
+    ------
+    WireError
+        If a field is missing or of another kind; names it.
     """
     if not isinstance(fields_, dict):
         raise WireError(f"'{where}' is {fields_!r:.60}; it must be a map.")

@@ -95,17 +95,19 @@ class FrameStore:
         return self.path(key).is_file()
 
     def get(self, key: str, kind: type[Value]) -> Value | None:
-        """Look up a frame.
+        """Look up a value.
 
         Parameters
         ----------
         key
             Content key.
+        kind
+            Class of the value.
 
         Returns
         -------
-        SolvedFrame | None
-            The frame, or None where it is absent, unreadable or damaged (a damaged file is removed).
+        Value | None
+            The value, or None where it is absent, unreadable, damaged (a damaged file is removed) or of another class.
         """
         path = self.path(key)
         try:
@@ -238,7 +240,20 @@ def _checked(data: bytes) -> memoryview | None:
 
 
 def unpack_as(packed: Bytes, kind: type[Value]) -> Value | None:
-    """Return the value in these bytes, or None where it is of another class."""
+    """Read a value of a class.
+
+    Parameters
+    ----------
+    packed
+        The bytes, as `lappet.core.value_codec.pack` wrote them.
+    kind
+        The class.
+
+    Returns
+    -------
+    Value | None
+        The value, or None where it is of another class.
+    """
     try:
         value: Value = unpack(packed, kind)
     except CodecError:

@@ -36,12 +36,8 @@ class Choice:
 
     Parameters
     ----------
-    spacing
-        Lattice spacing in mm.
-    quadrature
-        Quadrature points of a cell.
-    tolerance
-        Relative residual.
+    settings
+        How to solve.
     expected
         Root mean square error in mm that the pilot foresees.
     sentence

@@ -1,4 +1,4 @@
-"""The frame in which a design is drawn, and its points once they are placed on the skin."""
+"""The axes along which a design is drawn, and its points once they are placed on the skin."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from lappet.procedure import Point
 from lappet.tissue.placement import Place
 
 
-def skin_frame(direction: ArrayLike, normal: ArrayLike, what: str) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def skin_axes(direction: ArrayLike, normal: ArrayLike, what: str) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Find the unit vectors of a design: along its direction, made square to the normal, and across it, to its left.
 
     Parameters
