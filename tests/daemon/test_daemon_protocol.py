@@ -55,8 +55,6 @@ def test_a_frame_is_solved_and_its_state_goes_on(daemon: SolverDaemon) -> None:
         again = client.solve(pull(2.0, 0.4))
         for name, array in second.arrays().items():
             np.testing.assert_array_equal(again.arrays()[name], array, err_msg=name)
-        with pytest.raises(AttributeError, match="no 'colour'"):
-            _ = first.colour
 
 
 def test_a_wrong_token_is_refused_and_nothing_is_served_before_hello(daemon: SolverDaemon) -> None:

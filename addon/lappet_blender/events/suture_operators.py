@@ -3,6 +3,8 @@
 import bpy
 from bpy.props import BoolProperty, CollectionProperty, FloatProperty, FloatVectorProperty, IntProperty, StringProperty
 
+from lappet.procedure import Suture
+
 from ..interface.operator_base import UNDOABLE, OperatorBase
 from ..model.event_properties import LappetPoint
 from .add_sutures import Spacing, SutureTimes, add_suture, add_suture_run, ends_across, ends_between
@@ -19,8 +21,10 @@ class LAPPET_OT_suture_add(OperatorBase, bpy.types.Operator):
     first: FloatVectorProperty(name="From", description="In mm at rest", size=3, precision=3)
     second: FloatVectorProperty(name="To", description="In mm at rest", size=3, precision=3)
     start: FloatProperty(name="Frame", description="When it is placed; left out: the scene's frame")
-    duration: FloatProperty(name="Duration", description="Frames that it takes to close", default=1.0, min=0.0)
-    stiffness: FloatProperty(name="Stiffness", description="mN/mm", default=1000.0, min=0.0)
+    duration: FloatProperty(
+        name="Duration", description="Frames that it takes to close", default=Suture.duration, min=0.0
+    )
+    stiffness: FloatProperty(name="Stiffness", description="mN/mm", default=Suture.stiffness, min=0.0)
     depth: FloatProperty(name="Depth", description="Of both ends below the skin, in mm", default=0.0, min=0.0)
     name: StringProperty(name="Name", description="Left out: suture and a number")
 
@@ -67,7 +71,7 @@ class LAPPET_OT_suture_run(OperatorBase, bpy.types.Operator):
     )
     start: FloatProperty(name="Frame", description="When they are placed; left out: the scene's frame")
     duration: FloatProperty(name="Duration", description="Frames that they take to close", default=8.0, min=0.0)
-    stiffness: FloatProperty(name="Stiffness", description="mN/mm", default=1000.0, min=0.0)
+    stiffness: FloatProperty(name="Stiffness", description="mN/mm", default=Suture.stiffness, min=0.0)
     name: StringProperty(name="Name", description="Of the first; the others are counted up. Left out: suture")
 
     def run(self, context: bpy.types.Context) -> None:

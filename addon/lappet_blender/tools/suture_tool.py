@@ -8,6 +8,7 @@ from bpy.props import CollectionProperty, EnumProperty, FloatProperty, IntProper
 from mathutils import Vector
 
 from lappet.core.problem import RefusedError
+from lappet.procedure import Suture
 
 from ..events.add_sutures import Spacing, SutureTimes, add_suture, add_suture_run, ends_across, ends_between
 from ..events.operator_values import given, places
@@ -53,7 +54,9 @@ class LAPPET_OT_place_suture(SkinModal, bpy.types.Operator):
         name="Count", description="How many sutures the run has; 0: as the spacing says", default=0, min=0, max=500
     )
     duration: FloatProperty(name="Duration", description="Frames that it takes to close", default=12.0, min=0.0)
-    stiffness: FloatProperty(name="Stiffness", description="In mN/mm", default=1000.0, min=0.001, soft_max=5000.0)
+    stiffness: FloatProperty(
+        name="Stiffness", description="In mN/mm", default=Suture.stiffness, min=0.001, soft_max=5000.0
+    )
     bite: FloatProperty(
         name="Bite",
         description="From the middle of an incision to an anchor, in mm; 0: at its edge",

@@ -23,7 +23,7 @@ from lappet.solve.store import FrameStore
 PILOT = 2.0  # of the tissue's spacing
 CAUTION = 0.85  # of the spacing that the pilot asks for
 ALGEBRAIC_SHARE = 0.25  # of the target that stopping early may take
-TOLERANCE = 1e-3
+TOLERANCE = SolverSettings.tolerance
 LEAST_TOLERANCE = {"float": 1e-5, "double": 1e-9}
 QUADRATURES = (1, 4)
 TRIES = 3
