@@ -26,6 +26,8 @@ def run_solve(
         The skin cache.
     report_path
         File of the report, or None.
+    settings
+        How to solve.
     **options
         Those of `solve_options`.
 

@@ -46,8 +46,20 @@ class CodecError(ProblemsError, ValueError):
 class Limits:
     """What a header may hold at most.
 
-    header_bytes, total_bytes: of the header and of everything. arrays: their number. text_bytes: of one text. entries:
-    of one list or map. depth: levels of nesting.
+    Parameters
+    ----------
+    header_bytes
+        Bytes of the header.
+    total_bytes
+        Bytes of the header and all arrays.
+    arrays
+        Number of arrays.
+    text_bytes
+        Bytes of one text.
+    entries
+        Entries of one list or map.
+    depth
+        Levels of nesting.
     """
 
     header_bytes: int = 1 << 32
@@ -168,7 +180,18 @@ def decode(
 
 
 def join(frames: Sequence[bytes]) -> bytes:
-    """Join frames to one block: their number and lengths, 8 bytes little-endian each, then each padded to 16 bytes."""
+    """Join frames to one block: their number and lengths, 8 bytes each, then each padded to 16 bytes.
+
+    Parameters
+    ----------
+    frames
+        The frames.
+
+    Returns
+    -------
+    bytes
+        The block.
+    """
     lengths = [len(frames), *map(len, frames)]
     parts = [length.to_bytes(_LENGTH, "little") for length in lengths]
     parts.append(bytes(-len(lengths) * _LENGTH % _ALIGN))
@@ -178,7 +201,23 @@ def join(frames: Sequence[bytes]) -> bytes:
 
 
 def split(block: Bytes) -> list[memoryview]:
-    """Split a block of `join` into its frames, without copying. Raises CodecError."""
+    """Split a block of `join` into its frames, without copying.
+
+    Parameters
+    ----------
+    block
+        The block.
+
+    Returns
+    -------
+    list[memoryview]
+        The frames, in the memory of the block.
+
+    Raises
+    ------
+    CodecError
+        If it is no such block.
+    """
     view = memoryview(block)
     count = int.from_bytes(view[:_LENGTH], "little")
     start = (1 + count) * _LENGTH

@@ -145,8 +145,21 @@ class SolverClient:
     def set_epoch_with_nodes(
         self, epoch: Epoch, grip: NDArray[np.int32] | None = None, landmarks: Landmarks | None = None
     ) -> tuple[LatticeCounts, NDArray[np.float64]]:
-        """Install an epoch like `set_epoch`; return also the lattice's nodes at rest, (N, 3) mm, in the order of a
-        state.
+        """Install an epoch like `set_epoch`, and tell where its lattice's nodes are.
+
+        Parameters
+        ----------
+        epoch
+            The epoch.
+        grip
+            Index of the retractor that grips each triangle, or -1, shape (m,); none is gripped when left out.
+        landmarks
+            The landmarks that the epoch's tissue holds.
+
+        Returns
+        -------
+        tuple[LatticeCounts, NDArray[np.float64]]
+            Counts of the message `lattice`, and the nodes at rest in mm, shape (N, 3), in the order of a state.
         """
         reply = self._set_epoch(epoch, grip, landmarks, nodes=1)
         assert self._lattice is not None

@@ -21,14 +21,35 @@ NOT_TOLD = frozenset({"hook_index"})
 
 @dataclass(frozen=True, eq=False)
 class Payload:
-    """The fields and arrays of a message."""
+    """The fields and arrays of a message.
+
+    Parameters
+    ----------
+    fields
+        Fields by name.
+    arrays
+        Arrays by name.
+    """
 
     fields: dict[str, Any]
     arrays: dict[str, NDArray[Any]]
 
 
 def open_payload(settings: SolverSettings, bones: Bones | None = None) -> Payload:
-    """Return what `open` tells: the settings, the table of materials, the bones where there are any."""
+    """Make what `open` tells: the settings, the table of materials, the bones where there are any.
+
+    Parameters
+    ----------
+    settings
+        The settings.
+    bones
+        The bones.
+
+    Returns
+    -------
+    Payload
+        Fields and arrays.
+    """
     told = {
         item.name: _plain(item.type, getattr(settings, item.name))
         for item in fields(settings)
@@ -43,9 +64,21 @@ def open_payload(settings: SolverSettings, bones: Bones | None = None) -> Payloa
 
 
 def epoch_payload(epoch: Epoch, grip: NDArray[np.int32], landmarks: Landmarks) -> Payload:
-    """Return what `epoch` tells: the surface, what holds it, the landmarks and the regions.
+    """Make what `epoch` tells: the surface, what holds it, the landmarks and the regions.
 
-    grip: (m,) index of the retractor that grips each triangle, or -1.
+    Parameters
+    ----------
+    epoch
+        The epoch.
+    grip
+        Index of the retractor that grips each triangle, or -1, shape (m,).
+    landmarks
+        The landmarks that the epoch's tissue holds.
+
+    Returns
+    -------
+    Payload
+        Fields and arrays.
     """
     surface, regions = epoch.surface, epoch.regions
     arrays: dict[str, NDArray[Any]] = {
@@ -68,7 +101,18 @@ def epoch_payload(epoch: Epoch, grip: NDArray[np.int32], landmarks: Landmarks) -
 
 
 def solve_payload(frame: FrameConstraints) -> Payload:
-    """Return what `solve` tells: the constraints of a frame."""
+    """Make what `solve` tells: the constraints of a frame.
+
+    Parameters
+    ----------
+    frame
+        The constraints.
+
+    Returns
+    -------
+    Payload
+        Fields and arrays.
+    """
     arrays = {
         item.name: np.asarray(getattr(frame, item.name), item.default_factory().dtype)
         for item in fields(frame)

@@ -43,7 +43,22 @@ class Option:
 
 
 def setting(default: Any, *, option: Option | None = None, in_key: bool = True) -> Any:
-    """Define a setting; in_key: another value gives another equilibrium."""
+    """Define a setting.
+
+    Parameters
+    ----------
+    default
+        Its default.
+    option
+        What it is on the command line, if anything.
+    in_key
+        Whether another value gives another equilibrium.
+
+    Returns
+    -------
+    Any
+        The field.
+    """
     return field(default=default, metadata={"option": option, "in_key": in_key})
 
 
@@ -168,7 +183,13 @@ class SolverSettings:
 
 
 def options() -> Iterator[tuple[Field[Any], Option]]:
-    """Yield the settings that are options of the command line."""
+    """List the settings that are options of the command line.
+
+    Yields
+    ------
+    tuple[Field[Any], Option]
+        The field and the option.
+    """
     for item in fields(SolverSettings):
         option = item.metadata["option"]
         if option is not None:
@@ -176,5 +197,16 @@ def options() -> Iterator[tuple[Field[Any], Option]]:
 
 
 def in_key(name: str) -> bool:
-    """Return whether another value of the setting of this name gives another equilibrium."""
+    """Tell whether another value of a setting gives another equilibrium.
+
+    Parameters
+    ----------
+    name
+        Name of the setting.
+
+    Returns
+    -------
+    bool
+        Whether it does.
+    """
     return bool(SolverSettings.__dataclass_fields__[name].metadata["in_key"])

@@ -36,16 +36,12 @@ class Choice:
 
     Parameters
     ----------
-    spacing
-        Lattice spacing in mm.
-    quadrature
-        Quadrature points of a cell.
-    tolerance
-        Relative residual.
+    settings
+        The settings.
     expected
         Root mean square error in mm that the pilot foresees.
     sentence
-        What to tell the user.
+        Says what was chosen.
     """
 
     settings: SolverSettings
