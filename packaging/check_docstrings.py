@@ -10,6 +10,7 @@ the signatures and not asked for here. Prints every breach and exits with 1 if t
 from __future__ import annotations
 
 import ast
+import builtins
 import enum
 import importlib
 import inspect
@@ -21,6 +22,7 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 from types import ModuleType
 
+from numpydoc.docscrape import get_doc_object
 from numpydoc.validate import validate
 
 from website.api_pages import PACKAGE, api_packages, offered_names
@@ -196,6 +198,36 @@ def breaches(full_name: str, rules: frozenset[str]) -> Iterator[str]:
             yield f"{place}:{found['file_line']}: {full_name}: {code} {sentence}"
 
 
+def unknown_exceptions(names: Iterable[str]) -> list[str]:
+    """Find sections `Raises` that name what is no exception, or one exception twice.
+
+    Parameters
+    ----------
+    names
+        Full names of functions, classes and methods.
+
+    Returns
+    -------
+    list of str
+        A line for each.
+    """
+    known = {name for name, value in vars(builtins).items() if is_exception(value)}
+    for module in [module for name, module in sys.modules.items() if name.partition(".")[0] in (PACKAGE, "click")]:
+        known |= {name for name, value in vars(module).items() if is_exception(value)}
+    found = []
+    for full_name in names:
+        raised = [entry.type for entry in get_doc_object(pydoc.locate(full_name))["Raises"]]
+        wrong = [name for name in raised if name not in known]
+        found += [f"{full_name}: there is no exception {name}" for name in wrong]
+        found += [f"{full_name}: raises {name} twice" for name in set(raised) if raised.count(name) > 1]
+    return found
+
+
+def is_exception(value: object) -> bool:
+    """Whether a value is a class of exceptions."""
+    return inspect.isclass(value) and issubclass(value, BaseException)
+
+
 def public_lines(file: Path) -> set[int]:
     """Lines at which the docstrings of public functions and methods begin; those of commands are help texts."""
     tree = ast.parse(file.read_text(encoding="utf-8"))
@@ -232,7 +264,8 @@ def main(arguments: list[str]) -> int:
     """Print every breach; 1 if there is one."""
     held = arguments or HELD
     rules = rules_by_name(held)
-    found = [breach for name, codes in rules.items() for breach in breaches(name, codes)] + undocumented_raises(held)
+    found = [breach for name, codes in rules.items() for breach in breaches(name, codes)]
+    found += unknown_exceptions(rules) + undocumented_raises(held)
     print("\n".join(found))
     whole = sum(codes == RULES for codes in rules.values())
     print(f"{len(rules)} docstrings checked, {whole} of them in whole: {len(found)} breaches.")

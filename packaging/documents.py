@@ -1,8 +1,9 @@
 """Keep the documents true: `documents.py --write` or `documents.py --check`.
 
-`--write` writes `docs/command_line.md` from the command line itself. Both check that every relative link and picture of
-every Markdown file of the repository leads to a file, and every anchor to a heading. `--check` changes nothing. The
-exit status is 1 if the page is out of date or a link leads nowhere.
+`--write` writes `docs/command_line.md` from the command line itself and `docs/problems.md` from the catalogue of
+problems. Both check that every relative link and picture of every Markdown file of the repository leads to a file, and
+every anchor to a heading. `--check` changes nothing. The exit status is 1 if a page is out of date or a link leads
+nowhere.
 """
 
 from __future__ import annotations
@@ -15,6 +16,8 @@ from pathlib import Path
 from urllib.parse import unquote
 
 import click
+
+import problem_page
 
 ROOT = Path(__file__).resolve().parent.parent
 PAGE = "docs/command_line.md"
@@ -88,14 +91,15 @@ def main(arguments: list[str]) -> int:
         return 2
     from lappet.commands.cli import cli
 
-    page, text = ROOT / PAGE, command_line_page(cli)
     problems = []
-    if arguments == ["--write"]:
-        page.parent.mkdir(exist_ok=True)
-        page.write_text(text, encoding="utf-8")
-        print(f"wrote {PAGE}")
-    elif not page.is_file() or page.read_text(encoding="utf-8") != text:
-        problems.append(f"{PAGE} does not say what the command line says; run `make docs`.")
+    for name, text in ((PAGE, command_line_page(cli)), (problem_page.PAGE, problem_page.problem_page())):
+        page = ROOT / name
+        if arguments == ["--write"]:
+            page.parent.mkdir(exist_ok=True)
+            page.write_text(text, encoding="utf-8")
+            print(f"wrote {name}")
+        elif not page.is_file() or page.read_text(encoding="utf-8") != text:
+            problems.append(f"{name} does not say what the program says; run `make docs`.")
     problems += broken_links(ROOT)
     for problem in problems:
         print(problem)

@@ -4,17 +4,20 @@ from __future__ import annotations
 
 import ast
 import re
+import tomllib
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
 from blender_operators import operators
+from lappet.core.problem_text import catalogue
 
 ROOT = Path(__file__).resolve().parents[2]
 DOCS = ROOT / "docs"
 ADDON = ROOT / "addon" / "lappet_blender"
 PYTHON = (ADDON, ROOT / "shared" / "lappet")
+CATALOGUE = ROOT / "shared" / "lappet" / "core" / "texts"
 CPP = ROOT / "solverd" / "src"
 LEAST = 9  # letters of a piece of a message that tell anything
 
@@ -34,9 +37,14 @@ def said() -> str:
     words = [
         text for folder in PYTHON for file in folder.rglob("*.py") for text in python_words(ast.parse(file.read_text()))
     ]
+    for file in CATALOGUE.glob("*.toml"):
+        for entry in tomllib.loads(file.read_text(encoding="utf-8")).values():
+            words += [re.sub(r"\{[^{}]*\}", "…", entry.get(name, "")) for name in ("message", "remedy")]
     for file in CPP.rglob("*.cpp"):
         whole = re.sub(r'"\s*\n\s*"', "", file.read_text(encoding="utf-8"))
         words += [re.sub(r"\{[^{}]*\}", "…", text) for text in re.findall(r'"((?:[^"\\]|\\.)*)"', whole)]
+    for text in catalogue().values():
+        words += [re.sub(r"\{[^{}]*\}", "…", f"{text.message} {text.remedy}")]
     return "\n".join(words)
 
 

@@ -146,7 +146,7 @@ def test_the_cells_of_a_box_are_its_volume_over_that_of_a_cell_and_those_its_sur
     assert 4.0 < cell_count(box) / cell_count(coarse) < 8.0
 
 
-def test_what_is_carried_over_to_another_folder_is_all_that_a_plan_needs(
+def test_what_is_copied_to_another_folder_is_all_that_a_plan_needs(
     store: FrameStore, procedure: Procedure, tmp_path: Path
 ) -> None:
     plan = make_plan(procedure, SolverSettings())
@@ -159,6 +159,6 @@ def test_what_is_carried_over_to_another_folder_is_all_that_a_plan_needs(
     while not copying.done:
         assert time.monotonic() < end
         time.sleep(0.005)
-    assert copying.trouble == ""
+    assert copying.problem is None
     assert PlanMemory().find(plan.key, other).frames == plan.frames
     assert [frame.key in other for frame in plan.frames] == [True] * 3 + [False] * 2

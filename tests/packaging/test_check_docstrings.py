@@ -9,7 +9,16 @@ from pathlib import Path
 import pytest
 
 import check_docstrings
-from check_docstrings import FOLDER, HELD, RULES, breaches, modules_of, rules_by_name, undocumented_raises
+from check_docstrings import (
+    FOLDER,
+    HELD,
+    RULES,
+    breaches,
+    modules_of,
+    rules_by_name,
+    undocumented_raises,
+    unknown_exceptions,
+)
 
 GOOD = '''
 def spread(points, width=1.0):
@@ -31,15 +40,20 @@ def spread(points, width=1.0):
 '''
 
 
-def codes(source: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> set[str]:
-    """The rules that the function `spread` of a module breaks."""
+def load(source: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> str:
+    """Make a module of a source, and return the full name of its function `spread`."""
     file = tmp_path / "spread_points.py"
     file.write_text(source)
     module = types.ModuleType("spread_points")
     module.__file__ = str(file)
     exec(compile(source, str(file), "exec"), module.__dict__)
     monkeypatch.setitem(sys.modules, "spread_points", module)
-    return {line.split(": ", 2)[2].split()[0] for line in breaches("spread_points.spread", RULES)}
+    return "spread_points.spread"
+
+
+def codes(source: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> set[str]:
+    """The rules that the function `spread` of a module breaks."""
+    return {line.split(": ", 2)[2].split()[0] for line in breaches(load(source, monkeypatch, tmp_path), RULES)}
 
 
 @pytest.mark.parametrize(
@@ -63,6 +77,13 @@ def test_what_a_docstring_leaves_out_is_seen(
     assert code in found if code else found == set()
 
 
+def test_an_exception_that_there_is_not_is_seen(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    section = "\n    Raises\n    ------\n    {}\n        If it fails.\n"
+    for name, wrong in (("ValueError", 0), ("RefusedError", 0), ("NoSuchError", 1)):
+        source = GOOD.replace('    """\n    return', section.format(name) + '    """\n    return')
+        assert len(unknown_exceptions([load(source, monkeypatch, tmp_path)])) == wrong
+
+
 def test_a_raise_that_is_not_described_is_seen(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     (tmp_path / "held").mkdir()
     raising = GOOD.replace("    return points", "    if width < 0:\n        raise ValueError(width)\n    return points")
@@ -78,6 +99,7 @@ def test_every_docstring_keeps_its_rules() -> None:
         assert rules[name] == RULES  # offered
     assert len(rules) > 500
     assert [breach for name, codes in rules.items() for breach in breaches(name, codes)] == []
+    assert unknown_exceptions(rules) == []
     assert undocumented_raises(HELD) == []
 
 

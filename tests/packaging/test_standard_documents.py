@@ -6,7 +6,6 @@ import re
 import tomllib
 from pathlib import Path
 
-import pytest
 from cffconvert import Citation
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -38,13 +37,3 @@ def test_every_promise_of_the_security_page_names_tests_that_are_there() -> None
     assert len(rows) >= 5
     for name in (name for row in rows for name in re.findall(r"`([^`]+)`", row)):
         assert (ROOT / name).is_file() if "/" in name else list((ROOT / "tests").rglob(f"test_{name}.py")), name
-
-
-@pytest.mark.parametrize("document", ["README.md", "CONTRIBUTING.md", "SECURITY.md", "CHANGELOG.md"])
-def test_every_file_and_folder_that_a_document_names_is_there(document: str) -> None:
-    path = (
-        r"(?:addon|docs|examples|packaging|shared|solverd|tests)/[\w./*-]*|[A-Z]+\.(?:md|cff)|LICENSE|pyproject\.toml"
-    )
-    named = re.findall(rf"(?<=[`\s])({path})(?=[`\s])", text(document))
-    assert named
-    assert [name for name in named if not any(ROOT.glob(name.rstrip("/")))] == []

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 
 import bpy
 
-from lappet.core.problem import RefusedError
+from lappet.core.problem import RefusedError, refused
+from lappet.core.problem_code import ProblemCode
 
 from ..model.scene_procedure import read_scene
 from ..solving import reconcile
@@ -26,8 +27,7 @@ def procedure_of(scene: bpy.types.Scene) -> Procedure:
     """The procedure that a scene holds; raises RefusedError with what stands in the way."""
     reading = read_scene(scene)
     if reading.procedure is None:
-        first = next((each for each in reading.problems if each.severity == "error"), None)
-        raise RefusedError("The scene holds no procedure." if first is None else f"{first.message} {first.remedy}")
+        raise RefusedError([each for each in reading.problems if each.severity == "error"])
     return reading.procedure
 
 
@@ -54,7 +54,7 @@ def write_cache(scene: bpy.types.Scene, path: Path) -> Path:
     from lappet.usd.stage import SUFFIXES, write_procedure
 
     if path.suffix not in SUFFIXES:
-        raise RefusedError(f"{path.name} does not end in a USD suffix; name it {', '.join(SUFFIXES)}.")
+        raise refused(ProblemCode.USD_SUFFIX, path, path.suffix, name=path.name, known=", ".join(SUFFIXES))
     procedure = procedure_of(scene)
     program = compiled(scene, procedure)
     keys = frame_keys(program, reconcile.identity())
@@ -83,6 +83,5 @@ def _stored(program: Program, keys: tuple[str, ...], store: FrameStore) -> list[
         else:
             found.append(stored)
     if missing:
-        which = f"Frame {missing[0]} is" if len(missing) == 1 else f"{len(missing)} frames, from {missing[0]} on, are"
-        raise RefusedError(f"{which} not solved as the procedure is now; press Solve, then export again.")
+        raise refused(ProblemCode.FRAMES_NOT_SOLVED, "", missing[0], count=len(missing))
     return found

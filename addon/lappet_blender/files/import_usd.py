@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any
 import bpy
 import numpy as np
 
-from lappet.core.problem import RefusedError
+from lappet.core.problem import RefusedError, refused
+from lappet.core.problem_code import ProblemCode
 
 from ..look.skin_read import SkinCache
 from ..look.skin_source import SCALARS, FigureError
@@ -124,11 +125,11 @@ def cache_frames(scene: bpy.types.Scene, procedure: Procedure, found: FoundFile)
     times = {round(frame.time): i for i, frame in enumerate(program.frames)}
     indices = {time: times[round(time)] for time in cache.frames if round(time) in times}
     if not indices:
-        raise RefusedError("It holds no frame of its procedure.")
+        raise refused(ProblemCode.CACHE_NO_FRAME)
     for epoch in cache.epochs:
         shape = shape_at.get(int(epoch.name.rpartition("_")[2]))
         if shape is None or not np.array_equal(shape.triangles, epoch.triangles):
-            raise RefusedError("Its surface was cut by another version of Lappet.")
+            raise refused(ProblemCode.CACHE_OTHER_CUT)
     last = max(indices)
     try:
         keys = frame_keys(program, reconcile.identity())

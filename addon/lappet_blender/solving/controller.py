@@ -79,7 +79,7 @@ class Failure:
     """Why the last job stopped; time: at which frame, None where it was none."""
 
     time: int | None
-    sentence: str
+    problem: Problem
 
 
 @dataclass(eq=False)

@@ -100,9 +100,9 @@ def _learn(controller: Controller, frame: SolvedFrame) -> None:
 def _failed(controller: Controller, job: Job, failed: FrameFailed) -> None:
     frame = None if job.plan is None else frame_at(job.plan, failed.time)
     if frame is not None:
-        plans.failures[frame.key] = str(failed.problem)
+        plans.failures[frame.key] = failed.problem
     if job.key == controller.key or frame is None:
-        controller.failure = Failure(failed.time, str(failed.problem))
+        controller.failure = Failure(failed.time, failed.problem)
     controller.notify()
 
 

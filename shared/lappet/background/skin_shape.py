@@ -7,9 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from lappet.geometry.closest_point import ClosestPoint
 from lappet.geometry.labelled_surface import FaceOrigin
-
-_PAIRS = 2_000_000  # distances at once: 50 MB
 
 
 def uv_scale(positions: NDArray[Any], triangles: NDArray[np.int32], st: NDArray[np.float32]) -> NDArray[np.float64]:
@@ -68,9 +67,7 @@ def depth_below_skin(
     side = np.unique(triangles[(origin == FaceOrigin.WOUND_WALL) | (origin == FaceOrigin.RIM)])
     border = np.intersect1d(skin, side)
     inner = np.setdiff1d(side, skin)
-    if not len(border):
-        return depth
-    for part in np.array_split(inner, max(1, len(inner) * len(border) // _PAIRS)):
-        gap = positions[part][:, None] - positions[border][None]
-        depth[part] = np.sqrt((gap**2).sum(-1).min(axis=1))
+    if len(border):
+        vertices = ClosestPoint(positions, np.stack([border] * 3, axis=1))
+        depth[inner] = vertices.query(positions[inner])[2]
     return depth

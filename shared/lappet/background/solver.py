@@ -358,7 +358,7 @@ class BackgroundSolver:
             self._give_up(problem(ProblemCode.BACKGROUND_DIES, "", _DEATHS, how=how))
 
     def _give_up(self, why: Problem, numbers: Sequence[int] | None = None) -> None:
-        """Ends these jobs, or all of them, with what is wrong."""
+        """End these jobs, or all of them, with what is wrong."""
         with self._lock:
             self._deaths = 0
             for job in [job for number, job in self._jobs.items() if numbers is None or number in numbers]:

@@ -148,12 +148,8 @@ class EventCheck:
             return
         if self.rest is None:
             return
-        nearest = math.inf
-        for sample in samples[:: max(1, len(samples) // 64)]:
-            nearest = min(nearest, float(self.rest.off(sample)[0]))
-            if nearest == 0.0:
-                break
-        else:
+        nearest = self.rest.nearest(samples[:: max(1, len(samples) // 64)])
+        if nearest > 0.0:
             self._add(ProblemCode.CURVE_OFF_TISSUE, f"{nearest:.3g} mm", Place.at(samples[0]))
 
     def _targets(self, event: Hook) -> None:

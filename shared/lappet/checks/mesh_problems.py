@@ -1,4 +1,4 @@
-"""What is wrong with a mesh of polygons as a closed surface: every kind of fault once, with places and counts."""
+"""What is wrong with a mesh of polygons as a closed surface: every kind of fault once, with where and how many."""
 
 from __future__ import annotations
 

@@ -46,6 +46,15 @@ def check(procedure: Procedure, memory_budget: float = MEMORY_BUDGET, spacing: f
     -------
     list[Problem]
         The problems; errors are refused before solving, warnings are not.
+
+    Examples
+    --------
+    >>> from lappet import Incision, Procedure, check
+    >>> from lappet.tissue import flat_patch
+    >>> hovering = Incision("cut", 2, [(-10, 0, 40), (10, 0, 40)])
+    >>> [problem] = check(Procedure(flat_patch(spacing=2.0), events=(hovering,), end_time=3))
+    >>> str(problem.code), problem.prim
+    ('curve-off-tissue', '/Procedure/Timeline/cut')
     """
     problems = [*name_problems(procedure), *_timeline(procedure)]
     report = mesh_problems(procedure.tissue, TISSUE)

@@ -51,7 +51,18 @@ def sentences(context: click.Context) -> Iterator[None]:
 
 
 def problems_of(error: Exception) -> tuple[Problem, ...]:
-    """Return what to tell the user about an error: its own problems, else what the system says, else ours."""
+    """Find what to tell the user about an error.
+
+    Parameters
+    ----------
+    error
+        The error.
+
+    Returns
+    -------
+    tuple[Problem, ...]
+        Its own problems, else what the system says, else that Lappet is at fault.
+    """
     if isinstance(error, ProblemsError):
         return error.problems
     if isinstance(error, OSError):

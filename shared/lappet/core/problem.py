@@ -28,7 +28,18 @@ class Place:
 
     @staticmethod
     def at(*points: Iterable[float]) -> Place:
-        """Return the place of these points, mm."""
+        """Make the place of points.
+
+        Parameters
+        ----------
+        *points
+            Points in mm.
+
+        Returns
+        -------
+        Place
+            The place.
+        """
         return Place(points=tuple((float(x), float(y), float(z)) for x, y, z in points))
 
 
@@ -62,6 +73,9 @@ class Problem:
     severity: Severity = "error"
     place: Place | None = None
 
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "code", ProblemCode(self.code))  # a message from another process holds its text
+
     def __str__(self) -> str:
         said = f"{self.message} {self.remedy}".strip()
         return f"{self.prim}: {said}" if self.prim else said
@@ -71,6 +85,11 @@ class ProblemsError(Exception):
     """An error that carries what is wrong as values; its text is made from them.
 
     A subclass whose errors are all of one kind names its `code` and may be raised with a sentence alone.
+
+    Parameters
+    ----------
+    problems
+        Every reason, or the sentence of the one reason.
     """
 
     code_of_sentences: ClassVar[ProblemCode] = ProblemCode.UNSORTED
@@ -84,7 +103,26 @@ class ProblemsError(Exception):
     def of(
         cls, code: ProblemCode, prim: object = "", value: object = "", *, place: Place | None = None, **fields: object
     ) -> Self:
-        """Return the error that carries the one problem of this code."""
+        """Make the error that carries the one problem of a code.
+
+        Parameters
+        ----------
+        code
+            What kind of problem it is.
+        prim
+            Path of the prim or the file.
+        value
+            What was found.
+        place
+            Where on a mesh it is, or None.
+        **fields
+            What else the texts name.
+
+        Returns
+        -------
+        Self
+            The error.
+        """
         return cls((problem(code, prim, value, place=place, **fields),))
 
     @property
@@ -97,13 +135,38 @@ class ProblemsError(Exception):
 
 
 class RefusedError(ProblemsError, ValueError):
-    """Work that is refused: what was asked makes no sense, or cannot be done."""
+    """Work that is refused.
+
+    Parameters
+    ----------
+    problems
+        Every reason, or the sentence of the one reason.
+    """
 
 
 def problem(
     code: ProblemCode, prim: object = "", value: object = "", *, place: Place | None = None, **fields: object
 ) -> Problem:
-    """Return the problem of this code: its texts in the catalogue, filled with prim, value and the fields."""
+    """Make the problem of a code, with the texts of the catalogue.
+
+    Parameters
+    ----------
+    code
+        What kind of problem it is.
+    prim
+        Path of the prim or the file.
+    value
+        What was found.
+    place
+        Where on a mesh it is, or None.
+    **fields
+        What else the texts name.
+
+    Returns
+    -------
+    Problem
+        The problem.
+    """
     text = problem_text.text_of(code)
     known = {"prim": prim, "value": value, **fields}
     message, remedy = text.message.format(**known), text.remedy.format(**known)
@@ -113,10 +176,42 @@ def problem(
 def refused(
     code: ProblemCode, prim: object = "", value: object = "", *, place: Place | None = None, **fields: object
 ) -> RefusedError:
-    """Return the error that carries the one problem of this code: `raise refused(ProblemCode.X, prim, value, …)`."""
+    """Make the error that carries the one problem of a code: `raise refused(ProblemCode.X, prim, value, …)`.
+
+    Parameters
+    ----------
+    code
+        What kind of problem it is.
+    prim
+        Path of the prim or the file.
+    value
+        What was found.
+    place
+        Where on a mesh it is, or None.
+    **fields
+        What else the texts name.
+
+    Returns
+    -------
+    RefusedError
+        The error.
+    """
     return RefusedError.of(code, prim, value, place=place, **fields)
 
 
 def file_problem(error: OSError, path: object = "") -> Problem:
-    """Return the problem of an error of the file system. path: of the file, where the error does not name it."""
+    """Make the problem of an error of the file system.
+
+    Parameters
+    ----------
+    error
+        The error.
+    path
+        The file, where the error does not name it.
+
+    Returns
+    -------
+    Problem
+        The problem.
+    """
     return problem(ProblemCode.FILE_ERROR, error.filename or path, (error.strerror or str(error)).rstrip("."))

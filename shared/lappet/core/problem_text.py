@@ -26,6 +26,10 @@ class ProblemText:
         Sentence with fields in braces.
     remedy
         Sentence with fields in braces.
+    severity
+        "error" or "warning".
+    advice
+        What the documents say besides.
     """
 
     title: str
@@ -60,5 +64,16 @@ def catalogue() -> dict[ProblemCode, ProblemText]:
 
 
 def text_of(code: ProblemCode) -> ProblemText:
-    """Return the texts of a code."""
+    """Look up the texts of a code.
+
+    Parameters
+    ----------
+    code
+        The code.
+
+    Returns
+    -------
+    ProblemText
+        The texts.
+    """
     return catalogue()[code]

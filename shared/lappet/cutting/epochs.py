@@ -29,7 +29,7 @@ def build_epochs(procedure: Procedure) -> list[Epoch]:
     """Cut the tissue: make the epochs of a procedure, each surface from the one before.
 
     Incisions, excisions and undermining at one time make one epoch, in this order; those at or before the start time
-        belong to epoch 0. Edges are refined to 1.5 lattice spacings. The same procedure gives the same bytes.
+    belong to epoch 0. Edges are refined to 1.5 lattice spacings. The same procedure gives the same bytes.
 
     Parameters
     ----------
@@ -43,10 +43,8 @@ def build_epochs(procedure: Procedure) -> list[Epoch]:
 
     Raises
     ------
-    SurfaceError
-        If the tissue is no closed surface.
-    IncisionError
-        If an event cannot act on the tissue.
+    RefusedError
+        If the tissue is no closed surface, or an event cannot act on it.
     """
     spacing = procedure.tissue.spacing
     surface = tissue_surface(procedure.tissue, _TISSUE)
@@ -108,7 +106,7 @@ def excise(tissue: LabelledSolid, skin: RestSkin, excisions: list[Excision], spa
 
     Raises
     ------
-    IncisionError
+    RefusedError
         If a seed is off the skin or where no tissue is left, or the seeds name all of the tissue.
     """
     parts = fragments(tissue)

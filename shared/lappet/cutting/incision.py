@@ -112,7 +112,7 @@ def cut(
 
     Raises
     ------
-    IncisionError
+    RefusedError
         If a curve cannot be cut or leaves nothing.
     """
     wall = manifold3d.Manifold.reserve_ids(1)
@@ -151,7 +151,7 @@ def incise(
 
     Raises
     ------
-    IncisionError
+    RefusedError
         If the curve cannot be followed; see `skin_ribbons`.
     """
     ribbons = skin_ribbons(

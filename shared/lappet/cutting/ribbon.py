@@ -83,8 +83,7 @@ def skin_ribbons(
 ) -> list[Ribbon]:
     """Make the ribbons of a curve on the skin.
 
-        The curve is sampled and its samples are dropped onto the skin; what lies past the skin's border stays there,
-        and an
+    The curve is sampled and its samples are dropped onto the skin; what lies past the skin's border stays there, and an
     end near the border runs on past it. A curve is broken into several ribbons where it leaves the tissue, turns too
     sharply for a mitre, or meets itself.
 
@@ -117,7 +116,7 @@ def skin_ribbons(
 
     Raises
     ------
-    IncisionError
+    RefusedError
         If the curve cannot be followed, hovers off the skin or misses the tissue.
     """
     if not (np.isfinite(kerf) and kerf > 0.0):
@@ -341,6 +340,7 @@ def _conflicts(path: _Path, lengths: NDArray[np.float64], kerf: float, segments:
     """Segments of one path that come nearer to each other than the kerf, without being neighbours along it."""
     start = path.points[:segments]
     end = path.points[(np.arange(segments) + 1) % len(path.points)]
+    centres = 0.5 * (start + end)
     found: dict[int, set[int]] = {}
     total = float(lengths[:segments].sum())
     middle = np.concatenate([[0.0], np.cumsum(lengths[:segments])])
@@ -351,6 +351,10 @@ def _conflicts(path: _Path, lengths: NDArray[np.float64], kerf: float, segments:
         if path.closed:
             apart = np.minimum(apart, total - apart)
         js = js[apart > 2.0 * kerf + 0.5 * (lengths[i] + lengths[js]) + 0.5 * kerf]
+        reach = 1.2 * kerf + 0.51 * (lengths[i] + lengths[js])
+        js = js[np.linalg.norm(centres[js] - centres[i], axis=1) <= reach]
+        if len(js) == 0:
+            continue
         near = _segment_distance(start[i], end[i], start[js], end[js]) < 1.1 * kerf
         for j in js[near].tolist():
             found.setdefault(i, set()).add(j)

@@ -21,6 +21,7 @@ from lappet.geometry.labelled_surface import FaceOrigin, Surface
 from lappet.geometry.solid import Label, LabelledSolid
 from lappet.geometry.split_edges import split_edges
 from lappet.geometry.surface_check import directed_edges, unique_edges
+from lappet.geometry.unique_rows import unique_rows
 from lappet.procedure import Undermine
 from lappet.tissue.rest_skin import RestSkin
 
@@ -56,7 +57,7 @@ def undermine(
 
     Raises
     ------
-    IncisionError
+    RefusedError
         If the curve cannot be followed, misses the tissue or has no bed below it.
     """
     prim = f"{timeline}/{event.name}"
@@ -139,7 +140,7 @@ class _Parts:
         solid = manifold3d.Manifold.batch_boolean([rest.solid, *solids], manifold3d.OpType.Subtract)
         self.line = _sheet(ribbons)
         turns = _Turns(ribbons, self.line, kerf)
-        corners, owner = [], []
+        corners, owner, known, known_owner = [], [], [], []
         inside: list[bool] = []
         widths: list[float] = []
         for k, part in enumerate(solid.decompose()):
@@ -152,12 +153,13 @@ class _Parts:
                 widths.append(float(area.sum()) / max(float(np.ptp(surface.points, axis=0).max()), 1e-300))
             corners.append(surface.points[surface.triangles])
             owner.append(np.full(len(surface.triangles), k))
+            known.append(surface.points)
+            known_owner.append(np.full(len(surface.points), k))
         self.inside = np.array(inside, bool)
         self.width = max(widths, default=0.0)  # mm, of the widest part inside
         self._owner = np.concatenate(owner)
         soup = np.concatenate(corners)
-        self._known, first = np.unique(_bytes(soup.reshape(-1, 3)), return_index=True)
-        self._part_of_known = self._owner[first // 3]
+        self._known, self._known_owner = np.concatenate(known), np.concatenate(known_owner)
         self._closest = ClosestPoint(soup.reshape(-1, 3), np.arange(3 * len(soup)).reshape(-1, 3))
         chosen = soup[self.inside[self._owner]].reshape(-1, 3)
         margin = 0.01 * spacing
@@ -174,19 +176,19 @@ class _Parts:
         if self._box is not None:
             near = np.flatnonzero(((points >= self._box[0]) & (points <= self._box[1])).all(axis=1))
             # Vertices away from all cuts are the same to the bit; the few others are looked for.
-            keys = _bytes(points[near])
-            slot = np.minimum(np.searchsorted(self._known, keys), len(self._known) - 1)
-            same = self._known[slot] == keys
-            result[near[same]] = self.inside[self._part_of_known[slot[same]]]
-            other = near[~same]
+            same = _first_equal(points[near], self._known)
+            result[near] = self.inside[self._known_owner[same]]
+            other = near[same < 0]
             result[other] = self.inside[self._owner[self._closest.query(points[other])[0]]]
         return result
 
 
-def _bytes(points: NDArray[np.float64]) -> NDArray[np.void]:
-    """The coordinates (k, 3) as one sortable value a point."""
-    exact = np.ascontiguousarray(points + 0.0)  # no negative zeros
-    return exact.view(np.dtype((np.void, 24))).reshape(-1)
+def _first_equal(points: NDArray[np.float64], known: NDArray[np.float64]) -> NDArray[np.int64]:
+    """The first of the known points (n, 3) that each point (k, 3) is equal to; -1 where there is none."""
+    _, which = unique_rows(np.concatenate([known, points]))
+    first = np.full(int(which.max(initial=-1)) + 1, -1)
+    first[which[: len(known)][::-1]] = np.arange(len(known))[::-1]
+    return first[which[len(known) :]]
 
 
 class _Turns:

@@ -44,7 +44,7 @@ class SolverClient:
     token
         Token of the running daemon; None for the environment's `LAPPET_TOKEN`.
     daemon
-        A daemon to start and end, instead of a new one.
+        A daemon of the caller's; it is started where it does not run, and not ended here.
     name
         What the daemon calls this client in its log.
     silence

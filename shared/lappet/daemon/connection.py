@@ -38,7 +38,7 @@ ERROR_CODES = {
 
 
 class SolverRefused(FrameRefusedError):
-    """The daemon answered with an error."""
+    """An error that the daemon answered with."""
 
     @property
     def code(self) -> str:
@@ -63,7 +63,7 @@ class DaemonConnection:
     token
         Token of the running daemon; None for the environment's `LAPPET_TOKEN`.
     daemon
-        A daemon to start and end, instead of a new one.
+        A daemon of the caller's; it is started where it does not run, and not ended here.
     name
         What the daemon calls this client in its log.
     silence

@@ -80,6 +80,13 @@ def fusiform(
     ------
     RefusedError
         If the length or width is not positive, the width is above the length, or there are fewer than 2 samples.
+
+    Examples
+    --------
+    >>> from lappet.designs import fusiform
+    >>> ellipse = fusiform(center=(0, 0, 4), length=36.0, width=12.0, direction=(1, 0, 0), sutures=3)
+    >>> ellipse.tips, len(ellipse.pairs)
+    (((-18.0, 0.0, 4.0), (18.0, 0.0, 4.0)), 3)
     """
     if not (np.isfinite(length) and np.isfinite(width) and 0.0 < width <= length):
         raise refused(ProblemCode.DESIGN_OVAL, "fusiform", f"{width:g}", length=length)

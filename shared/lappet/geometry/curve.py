@@ -29,8 +29,7 @@ def sample_curve(
 ) -> NDArray[np.float64]:
     """Sample a curve at points that are at most a step apart.
 
-        A linear curve keeps its corners; a cubic one keeps the ends of its segments only where it is open. A closed
-        curve
+    A linear curve keeps its corners; a cubic one keeps the ends of its segments only where it is open. A closed curve
     does not repeat its first sample.
 
     Parameters
@@ -51,7 +50,7 @@ def sample_curve(
 
     Raises
     ------
-    CurveError
+    RefusedError
         If there are fewer than two distinct points (three when closed), a point is not finite, the basis is unknown, an
         open B-spline or Catmull-Rom curve has fewer than four points, or a Bézier curve has not 3k + 1 points (3k when
         closed).

@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from lappet.geometry.labelled_surface import Surface
 
 CREASE_DEGREES = 50.0
+_BLOCK = 4096  # faces at once, so that what is computed of them stays in the cache
 
 
 class ShadingNormals:
@@ -51,17 +52,28 @@ class ShadingNormals:
         NDArray[np.float32]
             Unit normals of the smooth groups, shape (groups, 3); a group of vanished faces gets (0, 0, 1).
         """
-        corners: NDArray[np.float64] = np.asarray(points, np.float64)[self._triangles]
-        edges: NDArray[np.float64] = np.roll(corners, -1, axis=1) - corners
-        normals = _unit(np.cross(edges[:, 0], edges[:, 1]))
-        ahead, back = _unit(edges), _unit(-np.roll(edges, 1, axis=1))
-        angles = np.arccos(np.clip(np.einsum("fij,fij->fi", ahead, back), -1.0, 1.0))
-        weighted = (angles[:, :, None] * normals[:, None, :]).reshape(-1, 3)
-        total = np.zeros((self.groups, 3))
+        placed = np.asarray(points, np.float64)
+        weighted = np.empty((3, *self._triangles.shape))
+        for start in range(0, len(self._triangles), _BLOCK):
+            block = slice(start, start + _BLOCK)
+            weighted[:, block] = _weighted_normals(placed[self._triangles[block]])
+        total = np.empty((3, self.groups))
         for axis in range(3):
-            total[:, axis] = np.bincount(self.indices, weighted[:, axis], minlength=self.groups)
-        total[np.linalg.norm(total, axis=1) == 0.0] = (0.0, 0.0, 1.0)
-        return _unit(total).astype(np.float32)
+            total[axis] = np.bincount(self.indices, weighted[axis].ravel(), minlength=self.groups)
+        total[:, _length(total) == 0.0] = [[0.0], [0.0], [1.0]]
+        return np.ascontiguousarray(_unit(total).T, np.float32)
+
+
+def _weighted_normals(corners: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The normal of each face (m, 3, 3) times its angle at each corner: (coordinate, face, corner)."""
+    # Axes: coordinate, corner, face. The long one is the last: numpy is slow along short ones.
+    corners = np.ascontiguousarray(corners.transpose(2, 1, 0))
+    edges = corners[:, [1, 2, 0]] - corners
+    normals = _unit(_cross(edges[:, 0], edges[:, 1]))
+    ahead = _unit(edges)
+    product = ahead * ahead[:, [2, 0, 1]]  # with the direction of the edge before, which leads towards the corner
+    angles = np.arccos(np.clip(-((product[0] + product[2]) + product[1]), -1.0, 1.0))
+    return (angles * normals[:, None]).transpose(0, 2, 1)
 
 
 def _smooth_groups(
@@ -80,7 +92,8 @@ def _smooth_groups(
     twin = forward[found] == backward
     a, b = np.flatnonzero(twin), found[twin]
     first = points[triangles]
-    normals = _unit(np.cross(first[:, 1] - first[:, 0], first[:, 2] - first[:, 0]))
+    first = np.ascontiguousarray(first.transpose(1, 2, 0))
+    normals = np.ascontiguousarray(_unit(_cross(first[1] - first[0], first[2] - first[0])).T)
     cosine = np.einsum("ij,ij->i", normals[face[a]], normals[face[b]])
     smooth = (origin[face[a]] == origin[face[b]]) & (cosine >= least_cosine)
     a, b = a[smooth], b[smooth]
@@ -99,6 +112,18 @@ def _smooth_groups(
         labels = fresh
 
 
+def _cross(a: NDArray[np.float64], b: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The cross products of vectors (3, …)."""
+    return np.stack([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])
+
+
+def _length(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The lengths (…) of vectors (3, …)."""
+    square = vectors * vectors
+    return np.asarray(np.sqrt((square[0] + square[1]) + square[2]))
+
+
 def _unit(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
-    length = np.linalg.norm(vectors, axis=-1, keepdims=True)
+    """Vectors (3, …) of length 1, or 0."""
+    length = _length(vectors)
     return np.divide(vectors, length, out=np.zeros_like(vectors), where=length > 0.0)

@@ -28,16 +28,15 @@ def collapse_short_edges(surface: Surface, length: float) -> Surface:
         The surface with fewer vertices.
     """
     points = surface.points
-    edges = unique_edges(directed_edges(surface.triangles))[0]
-    sizes = np.linalg.norm(points[edges[:, 0]] - points[edges[:, 1]], axis=1)
-    short = np.flatnonzero(sizes < length)
-    if len(short) == 0:
+    every = directed_edges(surface.triangles)
+    edges = unique_edges(every[_lengths(points, every) < length])[0]
+    if len(edges) == 0:
         return surface
     triangles = surface.triangles.astype(np.int64)
-    around = _faces_around(triangles, np.unique(edges[short]))
+    around = _faces_around(triangles, np.unique(edges))
     dead = np.zeros(len(triangles), bool)
     merged: dict[int, int] = {}
-    for edge in short[np.argsort(sizes[short], kind="stable")].tolist():
+    for edge in np.argsort(_lengths(points, edges), kind="stable").tolist():
         gone, kept = (_final(int(v), merged) for v in edges[edge])
         if gone == kept or not _can_collapse(points, triangles, around, gone, kept, length):
             gone, kept = kept, gone
@@ -66,6 +65,10 @@ def collapse_short_edges(surface: Surface, length: float) -> Surface:
         bed=surface.bed[keep],
         grips={name: mask[keep] for name, mask in surface.grips.items()},
     )
+
+
+def _lengths(points: NDArray[np.float64], edges: NDArray[np.int64]) -> NDArray[np.float64]:
+    return np.asarray(np.linalg.norm(points[edges[:, 0]] - points[edges[:, 1]], axis=1))
 
 
 def _final(vertex: int, merged: dict[int, int]) -> int:

@@ -12,6 +12,7 @@ from lappet.core.problem import refused
 from lappet.core.problem_code import ProblemCode
 from lappet.geometry.labelled_surface import FaceOrigin, Surface
 from lappet.geometry.surface_check import signed_volume
+from lappet.geometry.unique_rows import unique_rows
 
 
 @dataclass(frozen=True)
@@ -72,15 +73,13 @@ class LabelledSolid:
 
         Raises
         ------
-        SurfaceError
+        RefusedError
             If the library refuses the surface.
         """
         names = tuple(surface.grips)
-        codes = np.stack(
-            [surface.origin, surface.fixed, surface.bed, *(surface.grips[n] for n in names)], axis=1
-        ).astype(np.int64)
-        kinds, kind = np.unique(codes, axis=0, return_inverse=True)
-        kind = kind.reshape(-1)
+        kinds, kind = unique_rows(
+            np.stack([surface.origin, surface.fixed, surface.bed, *(surface.grips[n] for n in names)], axis=1)
+        )
         first = manifold3d.Manifold.reserve_ids(len(kinds))
         labels = {
             first + k: Label(
@@ -141,16 +140,16 @@ class LabelledSolid:
         target[np.asarray(mesh.merge_from_vert, np.int64)] = np.asarray(mesh.merge_to_vert, np.int64)
         while not np.array_equal(target, target[target]):
             target = target[target]
-        kind = np.repeat(np.asarray(mesh.run_original_id, np.int64), np.diff(np.asarray(mesh.run_index, np.int64)) // 3)
         named = target[corners]
-        used, first = np.unique(named.reshape(-1), return_index=True)
+        flat = named.reshape(-1)
+        first = np.empty(len(vertices), np.int64)
+        first[flat[::-1]] = np.arange(len(flat))[::-1]
+        by_first_use = flat[first[flat] == np.arange(len(flat))]
         rank = np.empty(len(vertices), np.int64)
-        by_first_use = used[np.argsort(first, kind="stable")]
         rank[by_first_use] = np.arange(len(by_first_use))
         uv = vertices[:, 3:5] if vertices.shape[1] >= 5 else np.zeros((len(vertices), 2))
-        ids, place = np.unique(kind, return_inverse=True)
-        table = [self.labels[int(i)] for i in ids]
-        place = place.reshape(-1)
+        table = [self.labels[int(i)] for i in mesh.run_original_id]
+        place = np.repeat(np.arange(len(table)), np.diff(np.asarray(mesh.run_index, np.int64)) // 3)
 
         def column(values: list[bool]) -> NDArray[np.bool_]:
             return np.array(values, bool)[place]
@@ -170,16 +169,31 @@ def _split_by_uv(
     points: NDArray[np.float64], triangles: NDArray[np.int64], uv: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.int64], NDArray[np.uint64], NDArray[np.uint64]]:
     """One property vertex (x, y, z, u, v) per point and UV; the copies of a point are merged into its first one."""
-    flat = triangles.reshape(-1)
-    rows = np.concatenate([flat[:, None].astype(np.float64), uv.reshape(-1, 2)], axis=1)
-    unique, inverse = np.unique(rows, axis=0, return_inverse=True)
-    owner = unique[:, 0].astype(np.int64)
-    vertices = np.concatenate([points[owner], unique[:, 1:]], axis=1)
-    first = np.searchsorted(owner, owner)
+    flat, uv = triangles.reshape(-1), uv.reshape(-1, 2)
+    named = np.full(len(points), -1)
+    named[flat[::-1]] = np.arange(len(flat))[::-1]  # the first corner at each point
+    used = named >= 0
+    # Few points lie on a seam; only theirs are sorted.
+    seam = np.zeros(len(points), bool)
+    seam[flat[(uv != uv[named[flat]]).any(axis=1)]] = True
+    on_seam = np.flatnonzero(seam[flat])
+    split, which = unique_rows(np.concatenate([flat[on_seam, None].astype(np.float64), uv[on_seam]], axis=1))
+    split_owner = split[:, 0].astype(np.int64)
+    count = used.astype(np.int64)
+    np.add.at(count, split_owner, 1)
+    count -= seam
+    start = np.cumsum(count) - count
+    owner = np.repeat(np.arange(len(points)), count)
+    first = start[owner]
+    coordinates = uv[named[owner]]
+    row = start[split_owner] + np.arange(len(split)) - np.searchsorted(split_owner, split_owner)
+    coordinates[row] = split[:, 1:]
+    corners = start[flat]
+    corners[on_seam] = row[which]
     copies = np.flatnonzero(first != np.arange(len(owner)))
     return (
-        np.ascontiguousarray(vertices),
-        inverse.reshape(-1, 3),
+        np.ascontiguousarray(np.concatenate([points[owner], coordinates], axis=1)),
+        corners.reshape(-1, 3),
         copies.astype(np.uint64),
         first[copies].astype(np.uint64),
     )

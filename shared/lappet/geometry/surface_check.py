@@ -93,7 +93,7 @@ def unique_edges(edges: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[n
         The undirected edges, smaller index first, shape (u, 2); which of them each edge is, shape (k,); and how often
         each occurs, shape (u,).
     """
-    low, high = edges.min(axis=1), edges.max(axis=1)
+    low, high = np.minimum(edges[:, 0], edges[:, 1]), np.maximum(edges[:, 0], edges[:, 1])
     size = int(high.max()) + 1 if len(edges) else 1
     key, inverse, counts = np.unique(low * size + high, return_inverse=True, return_counts=True)
     return np.stack([key // size, key % size], axis=1), inverse.reshape(-1), counts

@@ -30,7 +30,7 @@ def triangulate(
 
     Raises
     ------
-    SurfaceError
+    RefusedError
         If no polygon has three or more corners.
     """
     starts = np.concatenate([[0], np.cumsum(counts)[:-1]])

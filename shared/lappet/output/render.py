@@ -50,7 +50,7 @@ def addon_folder() -> Path:
 
     Raises
     ------
-    RenderError
+    RefusedError
         If neither is there.
     """
     spec = importlib.util.find_spec("lappet_blender")
@@ -118,7 +118,7 @@ def render_command(
 
     Raises
     ------
-    RenderError
+    RefusedError
         If a value makes no sense.
     """
     for name, value, known in (
@@ -213,7 +213,7 @@ def render_cache(
 
     Raises
     ------
-    RenderError
+    RefusedError
         If bpy is missing, the cache cannot be drawn or the process dies.
     """
     cache, out_dir = Path(cache).resolve(), Path(out_dir).resolve()

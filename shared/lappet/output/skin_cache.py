@@ -1,4 +1,4 @@
-"""Write solved frames as a USD layer over the procedure (the layout is in ARCHITECTURE.md, "The skin cache").
+"""Write solved frames as a USD layer over the procedure (docs/skin_cache.md has the layout).
 
 One mesh prim per epoch, with constant topology and time-sampled points; an animated visibility shows the one whose
 frame it is.

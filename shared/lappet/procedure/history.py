@@ -12,7 +12,7 @@ from typing import Any, Protocol
 
 from lappet.core.problem import refused
 from lappet.core.problem_code import ProblemCode
-from lappet.procedure.events import Event, Excision, Hook, Incision, Landmark, Retractor, Suture, Undermine
+from lappet.procedure.events import Event, retimed
 from lappet.procedure.prim_paths import BONE, MATERIALS, ROOT, TIMELINE, TISSUE
 from lappet.procedure.procedure import Procedure
 from lappet.procedure.tissue import Bone, Material, Region, Tissue
@@ -482,41 +482,6 @@ class Edit:
 
     def apply(self, procedure: Procedure) -> Procedure:
         return self.edit(procedure)
-
-
-def retimed(event: Event, shift: float) -> Event:
-    """Shift an event in time with all its samples.
-
-    Parameters
-    ----------
-    event
-        The event.
-    shift
-        Time codes to add.
-
-    Returns
-    -------
-    Event
-        The shifted event.
-
-    Raises
-    ------
-    RefusedError
-        If the event is a landmark, which has no time.
-    """
-    match event:
-        case Incision() | Excision() | Undermine():
-            return replace(event, time=event.time + shift)
-        case Hook():
-            targets = tuple((time + shift, target) for time, target in event.targets)
-            return replace(event, start=event.start + shift, release=event.release + shift, targets=targets)
-        case Retractor():
-            motion = tuple((time + shift, matrix) for time, matrix in event.motion)
-            return replace(event, start=event.start + shift, release=event.release + shift, motion=motion)
-        case Suture():
-            return replace(event, start=event.start + shift)
-        case Landmark():
-            raise refused(ProblemCode.LANDMARK_RETIMED, f"{TIMELINE}/{event.name}", "landmark", name=event.name)
 
 
 def _find(things: tuple[Any, ...], name: str, place: str) -> int:

@@ -37,6 +37,15 @@ class Procedure:
         Last time code.
     fps
         Time codes per second.
+
+    Examples
+    --------
+    >>> from lappet import Incision, Procedure
+    >>> from lappet.tissue import flat_patch
+    >>> cut = Incision("cut", 2, [(-10, 0, 4), (10, 0, 4)])
+    >>> procedure = Procedure(flat_patch((40.0, 30.0, 4.0), spacing=2.0), events=(cut,), end_time=3)
+    >>> procedure.event("cut").kerf, list(procedure.frames())
+    (0.05, [1, 2, 3])
     """
 
     tissue: Tissue

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from lappet.geometry.closest_point import ClosestPoint
 from lappet.geometry.labelled_surface import FaceOrigin, Surface
-from lappet.geometry.remembered_closest_point import remembered_closest_point
-from lappet.procedure import Incision, Point, Procedure
+from lappet.procedure import Incision, Procedure
 from lappet.tissue.fan_triangles import fan_triangles
 
 # How far an anchor may be from the uncut tissue, as a fraction of the tissue's diagonal.
@@ -35,6 +34,10 @@ class Tied:
     triangle: NDArray[np.int32]
     distance: NDArray[np.float64]
 
+    def __getitem__(self, rows: slice | NDArray[np.int64]) -> Tied:
+        """Some of the anchors."""
+        return Tied(self.point[rows], self.triangle[rows], self.distance[rows])
+
 
 class AnchorTie:
     """A search for the triangle under each anchor of one epoch's surface.
@@ -54,7 +57,7 @@ class AnchorTie:
         wall = surface.origin == FaceOrigin.WOUND_WALL
         self._margin = margin
         self._parts = [
-            (faces, remembered_closest_point(surface.points, surface.triangles[faces]))
+            (faces, ClosestPoint(surface.points, surface.triangles[faces]))
             for faces in (np.flatnonzero(~wall), np.flatnonzero(wall))
             if len(faces)
         ]
@@ -101,34 +104,48 @@ class TissueLoss:
     def __init__(self, procedure: Procedure) -> None:
         tissue = procedure.tissue
         triangles, _ = fan_triangles(tissue)
-        self._tissue = remembered_closest_point(tissue.points, triangles)
+        self._tissue = ClosestPoint(tissue.points, triangles)
         self.diagonal = float(np.linalg.norm(np.ptp(tissue.points, axis=0)))
         kerf = max((event.kerf for event in procedure.events if isinstance(event, Incision)), default=0.0)
         self.margin = kerf + 1e-4 * self.diagonal
 
-    def is_off(self, points: Sequence[Point]) -> NDArray[np.float64] | None:
-        """Find anchors that are too far from the uncut tissue to be meant.
+    def distance(self, points: ArrayLike) -> NDArray[np.float64]:
+        """Measure how far points are from the uncut tissue.
 
         Parameters
         ----------
         points
-            Points in mm.
+            Points in mm, shape (q, 3).
 
         Returns
         -------
-        NDArray[np.float64] | None
-            Distances from the uncut tissue in mm, shape (q,), where one is too far, else None.
+        NDArray[np.float64]
+            Distances in mm, shape (q,).
         """
-        distance = self._tissue.query(points)[2]
-        return distance if not (distance <= OFF_TISSUE * self.diagonal).all() else None
+        return self._tissue.query(points)[2]
 
-    def is_lost(self, points: Sequence[Point], tied: Tied) -> NDArray[np.bool_]:
+    def is_off(self, distance: NDArray[np.float64]) -> NDArray[np.bool_]:
+        """Find distances that are too large for the anchor to be meant.
+
+        Parameters
+        ----------
+        distance
+            From the uncut tissue in mm, shape (q,).
+
+        Returns
+        -------
+        NDArray[np.bool_]
+            Which are too large, shape (q,).
+        """
+        return ~(distance <= OFF_TISSUE * self.diagonal)
+
+    def is_lost(self, points: ArrayLike, tied: Tied) -> NDArray[np.bool_]:
         """Find anchors that have lost their tissue.
 
         Parameters
         ----------
         points
-            Points in mm.
+            Points in mm, shape (q, 3).
         tied
             How they were tied to an epoch.
 
@@ -137,4 +154,4 @@ class TissueLoss:
         NDArray[np.bool_]
             Which have lost it, shape (q,).
         """
-        return tied.distance > self._tissue.query(points)[2] + self.margin
+        return tied.distance > self.distance(points) + self.margin

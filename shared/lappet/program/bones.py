@@ -65,10 +65,12 @@ def over_bone(surface: Surface, bones: Bones) -> NDArray[np.bool_]:
         return np.zeros(0, bool)
     resting = np.flatnonzero(surface.resting)
     corners = surface.points[surface.triangles[resting]]
-    nearest, _, distance = ClosestPoint(bones.points, bones.triangles).query(corners.mean(axis=1))
-    facing = np.einsum("ij,ij->i", _across(corners), _across(bones.points[bones.triangles[nearest]])) < 0.0
+    nearest, _, _ = ClosestPoint(bones.points, bones.triangles).query(corners.mean(axis=1), within=NEAR)
+    near = nearest >= 0
+    across = _across(bones.points[bones.triangles[nearest[near]]])
+    facing = np.einsum("ij,ij->i", _across(corners[near]), across) < 0.0
     result = np.zeros(len(surface.triangles), bool)
-    result[resting] = facing & (distance <= NEAR)
+    result[resting[near]] = facing
     return result
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -84,24 +84,31 @@ def compile_program(
     )
     marks = [(event, point) for event in procedure.events if isinstance(event, Landmark) for point in event.points]
     motions = [_motion(retractor) for retractor in retractors]
-    _refuse_off_tissue(procedure)
-
     loss = TissueLoss(procedure)
+    _refuse_off_tissue(procedure, loss)
+    # All anchors: those of hooks, two of each suture, landmarks.
+    anchored = [
+        *(hook.anchor for hook in hooks),
+        *(anchor for suture in sutures for anchor in suture.anchors),
+        *(point for _, point in marks),
+    ]
+    anchors = np.array(anchored, np.float64).reshape(-1, 3)
+    first_suture, first_mark = len(hooks), len(hooks) + 2 * len(sutures)
     frames: list[FrameConstraints] = []
     grips: list[NDArray[np.int32]] = []
     landmarks: list[Landmarks] = []
     for epoch in epochs:
         own = [time for time, index in zip(times, belongs, strict=True) if index == epoch.index]
         grips.append(_grips(epoch, retractors, own))
-        tie = AnchorTie(epoch.surface, loss.margin)
-        landmarks.append(_landmarks([point for _, point in marks], tie, loss))
+        tied = AnchorTie(epoch.surface, loss.margin).tie(anchors)
+        lost = loss.is_lost(anchors, tied)
+        landmarks.append(_landmarks(tied[first_mark:], lost[first_mark:]))
         hook_ties = {
-            i: _tied(hook, [hook.anchor], hook.start, hook.release, epoch, own, tie, loss)
-            for i, hook in enumerate(hooks)
+            i: _tied(hook, slice(i, i + 1), hook.start, hook.release, own, tied, lost) for i, hook in enumerate(hooks)
         }
         suture_ties = {
-            i: _tied(suture, suture.anchors, suture.start, math.inf, epoch, own, tie, loss)
-            for i, suture in enumerate(sutures)
+            i: _tied(suture, slice(row, row + 2), suture.start, math.inf, own, tied, lost)
+            for i, (suture, row) in enumerate(zip(sutures, range(first_suture, first_mark, 2), strict=True))
         }
         for time in own:
             pulled = [i for i, hook in enumerate(hooks) if hook.start <= time < hook.release]
@@ -173,20 +180,21 @@ def _epoch_at(epochs: Sequence[Epoch], time: float) -> int:
     return past[-1] if past else epochs[0].index
 
 
-def _refuse_off_tissue(procedure: Procedure) -> None:
-    loss = TissueLoss(procedure)
+def _refuse_off_tissue(procedure: Procedure, loss: TissueLoss) -> None:
+    placed: list[tuple[Event, Sequence[Point]]] = []
     for event in procedure.events:
-        points: Sequence[Point]
         if isinstance(event, Hook):
-            points = [event.anchor]
+            placed.append((event, [event.anchor]))
         elif isinstance(event, Suture):
-            points = event.anchors
+            placed.append((event, event.anchors))
         elif isinstance(event, Landmark):
-            points = event.points
-        else:
-            continue
-        distances = loss.is_off(points) if len(points) else None
-        if distances is not None:
+            placed.append((event, event.points))
+    if not placed:
+        return
+    every = loss.distance([point for _, points in placed for point in points])
+    ends = np.cumsum([len(points) for _, points in placed])
+    for (event, points), distances in zip(placed, np.split(every, ends[:-1]), strict=True):
+        if loss.is_off(distances).any():
             worst = int(np.argmax(distances))
             at, code = points[worst], ProblemCode.PROGRAM_POINT_OFF_TISSUE
             raise refused(code, _path(event), _mm(at), place=Place.at(at), off=distances[worst])
@@ -194,21 +202,23 @@ def _refuse_off_tissue(procedure: Procedure) -> None:
 
 def _tied(
     event: Hook | Suture,
-    anchors: Iterable[Point],
+    rows: slice,
     start: float,
     release: float,
-    epoch: Epoch,
     own: Sequence[int],
-    tie: AnchorTie,
-    loss: TissueLoss,
+    every: Tied,
+    is_lost: NDArray[np.bool_],
 ) -> Tied | None:
-    """The anchors of an event on an epoch's surface, or None where the event does not act in the epoch's frames."""
+    """The anchors of an event on an epoch's surface, or None where the event does not act in the epoch's frames.
+
+    rows: of the event in `every` anchor tied to the surface and in which of them are lost.
+    """
     acts = [time for time in own if start <= time < release]
     if not acts:
         return None
-    points = list(anchors)
-    tied = tie.tie(points)
-    lost = np.flatnonzero(loss.is_lost(points, tied))
+    points = [event.anchor] if isinstance(event, Hook) else list(event.anchors)
+    tied = every[rows]
+    lost = np.flatnonzero(is_lost[rows])
     if len(lost):
         at, hook = points[lost[0]], isinstance(event, Hook)
         code = ProblemCode.PROGRAM_HOOK_EXCISED if hook else ProblemCode.PROGRAM_ANCHOR_EXCISED
@@ -299,11 +309,8 @@ def _grips(epoch: Epoch, retractors: Sequence[Retractor], own: Sequence[int]) ->
     return grip
 
 
-def _landmarks(points: Sequence[Point], tie: AnchorTie, loss: TissueLoss) -> Landmarks:
-    if not points:
-        return Landmarks()
-    tied = tie.tie(points)
-    kept = np.flatnonzero(~loss.is_lost(points, tied))
+def _landmarks(tied: Tied, lost: NDArray[np.bool_]) -> Landmarks:
+    kept = np.flatnonzero(~lost)
     return Landmarks(kept.astype(np.int32), tied.point[kept], tied.triangle[kept])
 
 

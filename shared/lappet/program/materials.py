@@ -18,7 +18,23 @@ from lappet.tissue.surface import tissue_surface
 
 
 def materials_in_use(procedure: Procedure) -> tuple[Material, ...]:
-    """The tissue's material, then those of its regions, each once. Raises RefusedError for one that is not there."""
+    """List the tissue's material, then those of its regions.
+
+    Parameters
+    ----------
+    procedure
+        The procedure.
+
+    Returns
+    -------
+    tuple[Material, ...]
+        Each material once.
+
+    Raises
+    ------
+    RefusedError
+        If one is not there.
+    """
     known = [material.name for material in procedure.materials]
     users = [(TISSUE, procedure.tissue.material)]
     users += [(f"{TISSUE}/{region.faces}", region.material) for region in procedure.tissue.regions]

@@ -62,7 +62,7 @@ def make_folder(folder: Path) -> None:
 
     Raises
     ------
-    ReportError
+    RefusedError
         If it cannot be made.
     """
     try:

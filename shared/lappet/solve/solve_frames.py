@@ -164,7 +164,20 @@ def not_converged(frame: SolvedFrame) -> Problem:
 
 
 def at_frame(time: float, error: ProblemsError) -> Problem:
-    """Return the first problem of what refused or ended the solve of a frame; the frame is its prim if it has none."""
+    """Take the first problem of what refused or ended the solve of a frame.
+
+    Parameters
+    ----------
+    time
+        Time code of the frame, which is the problem's prim if it has none.
+    error
+        What refused or ended the solve.
+
+    Returns
+    -------
+    Problem
+        The problem.
+    """
     first = error.problems[0]
     return replace(first, prim=first.prim or f"Frame {time:g}")
 

@@ -39,7 +39,7 @@ class Mesh:
 def read_mesh(path: str | Path, units: str | None = None) -> tuple[Mesh, list[str]]:
     """Read the mesh of a file, in mm with Z up.
 
-        Several meshes in one file become one. What states that Y is up (glTF, USD) is turned.
+    Several meshes in one file become one. What states that Y is up (glTF, USD) is turned.
 
     Parameters
     ----------
@@ -55,7 +55,7 @@ def read_mesh(path: str | Path, units: str | None = None) -> tuple[Mesh, list[st
 
     Raises
     ------
-    MeshError
+    RefusedError
         If the file is missing or unreadable, holds no triangles or points that are not finite, or the units are
         unknown.
     """

@@ -26,7 +26,7 @@ def flat_patch(
 ) -> Tissue:
     """Make a closed flat sheet, its skin at z = thickness and its underside at z = 0.
 
-        The texture is 1 unit per 100 mm over the unfolded sheet: (0, 0) mm maps to (0, 0) on the skin, and the sides
+    The texture is 1 unit per 100 mm over the unfolded sheet: (0, 0) mm maps to (0, 0) on the skin, and the sides
     continue it. The four sides are the subset "fixed", the underside is the subset "bed".
 
     Parameters
@@ -58,6 +58,13 @@ def flat_patch(
     ------
     ValueError
         If the size or the resolution is not positive.
+
+    Examples
+    --------
+    >>> from lappet.tissue import flat_patch
+    >>> sheet = flat_patch((40.0, 30.0, 4.0), resolution=5.0, spacing=2.0)
+    >>> len(sheet.points), sorted(sheet.subsets)
+    (126, ['bed', 'fixed'])
     """
     if not all(math.isfinite(v) and v > 0.0 for v in (*size, resolution)):
         raise refused(ProblemCode.PATCH_SIZE, "patch", size, resolution=resolution)

@@ -86,7 +86,7 @@ def skin_over_fat(
 ) -> Procedure:
     """Lay skin over fat: the tissue is made of one material down to a depth and of another below.
 
-        Materials of these names are replaced. The face subset `FAT_FACES` is added with a region, before all others, so
+    Materials of these names are replaced. The face subset `FAT_FACES` is added with a region, before all others, so
     that those win.
 
     Parameters

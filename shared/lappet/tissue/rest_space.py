@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from lappet.geometry.remembered_closest_point import remembered_closest_point
+from lappet.geometry.closest_point import ClosestPoint
 
 OFF_TISSUE = 0.01  # how far off the tissue an anchor may be, as a fraction of the tissue's diagonal
 
@@ -22,7 +22,7 @@ class RestSpace:
     """
 
     def __init__(self, points: NDArray[np.float64], triangles: NDArray[np.integer]) -> None:
-        self._closest = remembered_closest_point(points, triangles)
+        self._closest = ClosestPoint(points, triangles)
         self._corners = points[triangles]
         self.diagonal = float(np.linalg.norm(np.ptp(points, axis=0)))
         self.margin = OFF_TISSUE * self.diagonal
@@ -62,6 +62,12 @@ class RestSpace:
             if abs(self._winding(queries[i])) > 0.5:
                 distance[i] = 0.0
         return distance
+
+    def nearest(self, points: ArrayLike) -> float:
+        """How far the nearest of points (q, 3) is outside the tissue, mm; 0 where one is inside or on it."""
+        if (self.distance(points) <= self.margin).any():
+            return 0.0
+        return float(self.off(points).min(initial=np.inf))
 
     def _winding(self, query: NDArray[np.float64]) -> float:
         """The winding number of the surface about a point: the solid angles over 4π (Van Oosterom, Strackee 1983)."""

@@ -24,7 +24,7 @@ def sheet_tissue(
 ) -> Tissue:
     """Make a closed sheet below an open surface of polygons; its first faces are those of the surface, in order.
 
-        The rim joins the subset "fixed", the underside "bed"; where the surface has faces in one of these itself, the
+    The rim joins the subset "fixed", the underside "bed"; where the surface has faces in one of these itself, the
     subsets "rim" and "underside" say which faces are no skin.
 
     Parameters
@@ -52,10 +52,8 @@ def sheet_tissue(
 
     Raises
     ------
-    MeshError
-        If no sheet can be made; the message names the place.
-    SurfaceError
-        If the surface is not manifold or not oriented alike; the message names the place.
+    RefusedError
+        If the surface is not manifold or not oriented alike, or no sheet can be made; names the place.
     """
     sizes = np.asarray(counts, np.int64)
     refuse_unreadable(name, points, sizes, indices)

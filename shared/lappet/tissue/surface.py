@@ -25,8 +25,7 @@ def tissue_surface(tissue: Tissue, prim: str = "/Procedure/Tissue") -> Surface:
     """Make the closed, outward oriented, labelled triangle surface of a tissue.
 
     Quads are split along their shorter diagonal, larger polygons by ears. A surface that is closed and consistent but
-        turned inside out is turned around. Without UVs the surface gets its two widest coordinates, one unit per 100
-        mm.
+    turned inside out is turned around. Without UVs the surface gets its two widest coordinates, one unit per 100 mm.
 
     Parameters
     ----------
@@ -42,7 +41,7 @@ def tissue_surface(tissue: Tissue, prim: str = "/Procedure/Tissue") -> Surface:
 
     Raises
     ------
-    SurfaceError
+    RefusedError
         If the mesh is not finite, open, not orientable, not manifold, self-intersecting or empty inside, or a subset
         names a face that it lacks.
     """

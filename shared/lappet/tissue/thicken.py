@@ -78,7 +78,7 @@ def rim_rows(points: NDArray[np.float64], triangles: NDArray[np.int64], thicknes
 def thicken(points: NDArray[np.float64], triangles: NDArray[np.int64], thickness: float, rows: int, name: str) -> Sheet:
     """Make the sheet between an open surface and its offset against smoothed normals.
 
-        The normals are smoothed more, up to 256 rounds, where the underside would fold or pass through the skin.
+    The normals are smoothed more, up to 256 rounds, where the underside would fold or pass through the skin.
 
     Parameters
     ----------
@@ -100,7 +100,7 @@ def thicken(points: NDArray[np.float64], triangles: NDArray[np.int64], thickness
 
     Raises
     ------
-    MeshError
+    RefusedError
         If smoothing does not help; the message names the place.
     """
     edges = unique_edges(directed_edges(triangles))[0]

@@ -35,8 +35,7 @@ def new_tissue(
 ) -> tuple[Tissue, list[str]]:
     """Make tissue from a mesh file.
 
-        A closed surface is taken as it is. An open one, or the region of one inside a sphere or a box, is thickened
-        inwards
+    A closed surface is taken as it is. An open one, or the region of one inside a sphere or a box, is thickened inwards
     into a closed sheet: its rim is the subset "fixed", its underside "bed", its UVs lay the skin out flat at 1 unit per
     100 mm.
 
@@ -65,10 +64,8 @@ def new_tissue(
 
     Raises
     ------
-    MeshError
-        If the arguments or the mesh make no tissue.
-    SurfaceError
-        If the surface cannot be repaired; the message says where.
+    RefusedError
+        If the arguments or the mesh make no tissue, or the surface cannot be repaired; names the place.
     """
     path = Path(path)
     name = path.name

@@ -53,7 +53,7 @@ def pxr() -> Pxr:
 
     Raises
     ------
-    ModuleNotFoundError
+    UsdMissingError
         If USD is missing; the message has the line that installs it.
     """
     try:

@@ -37,7 +37,19 @@ class Reader:
         self._rest = usd.UsdGeom.XformCache(usd.Usd.TimeCode(stage.GetStartTimeCode()))
 
     def problem(self, code: ProblemCode, path: object, value: object, **fields: Any) -> None:
-        """Add what is wrong with a prim."""
+        """Add an error.
+
+        Parameters
+        ----------
+        code
+            What kind of problem it is.
+        path
+            Path of the prim.
+        value
+            What was found.
+        **fields
+            What else the texts name.
+        """
         self.problems.append(problem(code, path, value, **fields))
 
     def number(self, prim: Any, name: str, default: float | None = None) -> float:

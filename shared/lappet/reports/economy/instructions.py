@@ -56,7 +56,13 @@ class Instructions:
 
 
 def why_not() -> Problem | None:
-    """Return why instructions cannot be counted on this machine; None where they can."""
+    """Say why instructions cannot be counted on this machine.
+
+    Returns
+    -------
+    Problem | None
+        A sentence, or None where they can.
+    """
     if shutil.which("valgrind") is None:
         return problem(ProblemCode.COUNTER_NO_VALGRIND)
     if sys.platform != "linux":
@@ -83,7 +89,7 @@ def count_instructions(program: Program, binary: Path | None = None) -> Instruct
     ------
     NoCounterError
         If valgrind is not there or the daemon has no symbols.
-    ReportError
+    RefusedError
         If the frame does not converge.
     """
     reason = why_not()

@@ -144,7 +144,7 @@ def economy(
 
     Raises
     ------
-    ReportError
+    RefusedError
         If a scene does not converge.
     """
     reasons: list[str] = []
@@ -190,7 +190,7 @@ def absence(program: Program, scene: str, yardstick: Path, left_out: str) -> Abs
 
     Raises
     ------
-    ReportError
+    RefusedError
         If the two did not take the same iterations: then the counts do not compare.
     """
     whole, bare = count_instructions(program), count_instructions(program, yardstick)

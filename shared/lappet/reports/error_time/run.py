@@ -43,7 +43,7 @@ def run_error_time(
 
     Raises
     ------
-    ReportError
+    RefusedError
         If a name is no scene, or a reference cannot be solved.
     """
     scenes = [find_scene(name) for name in names or NAMES]
@@ -75,7 +75,7 @@ def find_scene(name: str) -> Scene:
 
     Raises
     ------
-    ReportError
+    RefusedError
         If it is neither.
     """
     for box in BOXES:

@@ -24,7 +24,7 @@ _WORDS = {
 def plot_scene(report: SceneReport, path: Path) -> None:
     """Plot one scene: the root mean square error over the daemon's seconds.
 
-        Curves in color vary one setting from the default; all other combinations are gray.
+    Curves in color vary one setting from the default; all other combinations are gray.
 
     Parameters
     ----------
@@ -35,7 +35,7 @@ def plot_scene(report: SceneReport, path: Path) -> None:
 
     Raises
     ------
-    ReportError
+    RefusedError
         If matplotlib is missing.
     """
     try:

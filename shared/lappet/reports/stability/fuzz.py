@@ -69,7 +69,7 @@ def procedures() -> SearchStrategy[Procedure]:
 
     Raises
     ------
-    ReportError
+    RefusedError
         If hypothesis is missing.
     """
     try:
@@ -315,7 +315,7 @@ def fuzz(count: int, say: Callable[[str], None] = lambda _: None, jobs: int | No
 
     Raises
     ------
-    ReportError
+    RefusedError
         If hypothesis is missing.
     DaemonMissing
         If there is no daemon.

@@ -91,8 +91,8 @@ class Case:
         Makes what is solved; may refuse.
     converges
         Whether an equilibrium is a right outcome.
-    says
-        A refusal with one of these in its reason is a right outcome too.
+    refuses
+        Codes of the refusals that are a right outcome too.
     budget
         Seconds that it may take.
     slow
@@ -146,6 +146,8 @@ class Row:
         Seconds that it may take.
     ok
         Whether the outcome is expected, within the budget.
+    code
+        Code of the problem, or None where it converged.
     """
 
     case: str

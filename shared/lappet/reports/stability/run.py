@@ -45,7 +45,7 @@ def chosen_cases(only: Sequence[str], quick: bool) -> list[Case]:
 
     Raises
     ------
-    ReportError
+    RefusedError
         If a name is no group.
     """
     cases = all_cases()
