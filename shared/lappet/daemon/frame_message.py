@@ -82,7 +82,7 @@ def _read_state(message: Message) -> SolverState:
     return SolverState(
         precision,
         read_array(message, "nodes", "f8" if precision == "double" else "f4", (None, 3)),
-        read_array(message, "state_suture_gaps", "f8", (None, 3)),
+        read_array(message, "suture_separations", "f8", (None, 3)),
         read_array(message, "suture_multipliers", "f8", (None, 3)),
         read_array(message, "grip_multipliers", "f8", (None,)),
         read_array(message, "activation", "f8", (None,)),

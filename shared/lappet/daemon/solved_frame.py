@@ -174,7 +174,7 @@ class SolverState:
         "float" or "double".
     nodes
         Positions of the lattice's nodes, shape (N, 3), float32 or float64.
-    suture_gaps
+    suture_separations
         Separation of each suture of the procedure when it was placed in mm, NaN before, shape (S, 3).
     suture_multipliers
         Multipliers of the sutures in mN, shape (S, 3).
@@ -186,7 +186,7 @@ class SolverState:
 
     precision: str
     nodes: NDArray[Any]
-    suture_gaps: NDArray[np.float64]
+    suture_separations: NDArray[np.float64]
     suture_multipliers: NDArray[np.float64]
     grip_multipliers: NDArray[np.float64]
     activation: NDArray[np.float64]
@@ -194,7 +194,7 @@ class SolverState:
     @property
     def nbytes(self) -> int:
         """The bytes of its arrays."""
-        arrays = (self.nodes, self.suture_gaps, self.suture_multipliers, self.grip_multipliers, self.activation)
+        arrays = (self.nodes, self.suture_separations, self.suture_multipliers, self.grip_multipliers, self.activation)
         return sum(array.nbytes for array in arrays)
 
     def fitted(self, sutures: int) -> SolverState:
@@ -215,7 +215,7 @@ class SolverState:
         """
         return replace(
             self,
-            suture_gaps=_resized(self.suture_gaps, sutures, np.nan),
+            suture_separations=_resized(self.suture_separations, sutures, np.nan),
             suture_multipliers=_resized(self.suture_multipliers, sutures, 0.0),
         )
 

@@ -85,7 +85,7 @@ def epoch_payload(epoch: Epoch, grip: NDArray[np.int32], landmarks: Landmarks) -
         "points": np.asarray(surface.points, np.float64),
         "triangles": np.asarray(surface.triangles, np.int32),
         "fixed": np.asarray(surface.fixed, np.uint8),
-        "bed": np.asarray(epoch.support, np.uint8),
+        "support": np.asarray(epoch.support, np.uint8),
         "grip": np.asarray(grip, np.int32),
         "landmarks": np.asarray(landmarks.points, np.float64).reshape(-1, 3),
         "landmark_triangles": np.asarray(landmarks.triangles, np.int32),
@@ -142,7 +142,7 @@ def _material(material: MaterialParameters) -> dict[str, Any]:
 def _regions(regions: Regions) -> list[dict[str, Any]]:
     maps: list[dict[str, Any]] = []
     for material, top, bottom in zip(regions.material, regions.depth_from, regions.depth_to, strict=True):
-        maps.append({"material": int(material), "from_depth": float(top)})
+        maps.append({"material": int(material), "depth_from": float(top)})
         if np.isfinite(bottom):
-            maps[-1]["to_depth"] = float(bottom)
+            maps[-1]["depth_to"] = float(bottom)
     return maps

@@ -122,8 +122,8 @@ void decode_regions(FieldReader& reader, ArrayReader& arrays, std::int32_t mater
   reader.maps("regions", [&](FieldReader& entry) {
     MaterialRegion region;
     region.material = integer_field(entry, "material", 0, materials - 1);
-    region.from_depth = entry.number("from_depth");
-    region.to_depth = entry.number("to_depth", region.to_depth);
+    region.from_depth = entry.number("depth_from");
+    region.to_depth = entry.number("depth_to", region.to_depth);
     epoch.regions.push_back(std::move(region));
   });
   const std::size_t count = epoch.skin.triangles.size();
@@ -196,10 +196,10 @@ EpochInput decode_epoch(const Header& header, ArrayFrames frames, std::int32_t r
   if (reader.has("regions") || arrays.has("skin_points") || arrays.has("skin_triangles"))
     epoch.skin = decode_surface(arrays, "skin_points", "skin_triangles", "skin points");
   if (reader.has("regions")) decode_regions(reader, arrays, materials, epoch);
-  if (reader.has("nodes")) epoch.nodes = integer_field(reader, "nodes", 0, 1) == 1;
+  if (reader.has("rest_nodes")) epoch.nodes = integer_field(reader, "rest_nodes", 0, 1) == 1;
   reader.finish();
   epoch.fixed = arrays.read<std::uint8_t>("fixed", {count});
-  epoch.bed = arrays.read<std::uint8_t>("bed", {count});
+  epoch.bed = arrays.read<std::uint8_t>("support", {count});
   epoch.grip = arrays.read<std::int32_t>("grip", {count});
   check_indices(epoch.grip, "grip", -1, retractors, "retractors (-1: not gripped)");
   epoch.landmarks = to_points(arrays.read_finite("landmarks", {kAny, 3}));
@@ -228,7 +228,7 @@ SolverState decode_state(const Header& header, ArrayFrames frames, std::int32_t 
   if (!std::ranges::all_of(state.nodes, [](double x) { return std::isfinite(x); })) {
     invalid("The array 'nodes' of the state holds a value that is not finite.");
   }
-  state.suture_gaps = arrays.read<double>("suture_gaps", {sutures, 3});  // NaN: not placed yet
+  state.suture_gaps = arrays.read<double>("suture_separations", {sutures, 3});  // NaN: not placed yet
   state.suture_multipliers = arrays.read_finite("suture_multipliers", {sutures, 3});
   state.grip_multipliers = arrays.read_finite("grip_multipliers", {kAny});
   state.activation = arrays.read_finite("activation", {materials});
@@ -324,7 +324,7 @@ std::vector<FrameBytes> encode_lattice(ReplyTo to, const EpochReport& report) {
       .field("fixed_nodes", std::int64_t{report.fixed_nodes})
       .field("bytes", report.bytes)
       .field("seconds", report.seconds);
-  if (!report.nodes_at_rest.empty()) add_rows(writer, "nodes", report.nodes_at_rest, {3});
+  if (!report.nodes_at_rest.empty()) add_rows(writer, "rest_nodes", report.nodes_at_rest, {3});
   return writer.finish();
 }
 
@@ -383,7 +383,7 @@ std::vector<FrameBytes> encode_frame(ReplyTo to, const FrameOutput& frame) {
   } else {
     add_rows(writer, "nodes", std::vector<float>(frame.state.nodes.begin(), frame.state.nodes.end()), {3});
   }
-  add_rows(writer, "state_suture_gaps", frame.state.suture_gaps, {3});
+  add_rows(writer, "suture_separations", frame.state.suture_gaps, {3});
   add_rows(writer, "suture_multipliers", frame.state.suture_multipliers, {3});
   add_rows(writer, "grip_multipliers", frame.state.grip_multipliers, {});
   add_rows(writer, "activation", frame.state.activation, {});
