@@ -81,6 +81,34 @@ void add_rows(MessageWriter& writer, const std::string& name, const std::vector<
   writer.array(name, std::span<const T>(elements), std::move(shape));
 }
 
+// Reads settings into a SessionSettings (visit_settings).
+class SettingReader {
+ public:
+  explicit SettingReader(FieldReader& reader) : reader_(&reader) {}
+
+  void operator()(std::string_view name, double& value) const { value = reader_->number(name); }
+  void operator()(std::string_view name, std::int32_t& value, std::int32_t low = 0,
+                  std::int32_t high = std::numeric_limits<std::int32_t>::max()) const {
+    value = integer_field(*reader_, name, low, high);
+  }
+  void operator()(std::string_view name, std::size_t& value) const {
+    value = static_cast<std::size_t>(reader_->integer(name, 0, kMaxBytes));
+  }
+  void operator()(std::string_view name, bool& value) const { value = integer_field(*reader_, name, 0, 1) == 1; }
+  void operator()(std::string_view name, std::string& value) const { value = reader_->text(name); }
+  void operator()(std::string_view name, Vec3& value) const {
+    const std::array<double, 3> numbers = reader_->vector3(name);
+    value = Vec3(numbers[0], numbers[1], numbers[2]);
+  }
+  template <class T>
+  void optional(std::string_view name, T& value) const {
+    if (reader_->has(name)) (*this)(name, value);
+  }
+
+ private:
+  FieldReader* reader_;
+};
+
 MaterialParameters decode_material(FieldReader& reader) {
   MaterialParameters material;
   material.model = reader.text("model");
@@ -149,27 +177,7 @@ SessionSettings decode_open(const Header& header, ArrayFrames frames) {
   FieldReader open(header.fields, header.type);
   SessionSettings settings;
   FieldReader reader(open.map("settings"), "settings");
-  settings.spacing = reader.number("spacing");
-  settings.fine_ratio = integer_field(reader, "fine_ratio", 1);
-  const std::array<double, 3> origin = reader.vector3("origin");
-  settings.origin = Vec3(origin[0], origin[1], origin[2]);
-  settings.quadrature = integer_field(reader, "quadrature", 0);
-  settings.precision = reader.text("precision");
-  settings.tolerance = reader.number("tolerance");
-  settings.gap_tolerance = reader.number("gap_tolerance");
-  settings.max_newton = integer_field(reader, "max_newton", 0);
-  settings.bed_stiffness = reader.number("bed_stiffness");
-  const std::array<double, 3> gravity = reader.vector3("gravity");
-  settings.gravity = Vec3(gravity[0], gravity[1], gravity[2]);
-  settings.time_budget = reader.number("time_budget");
-  settings.memory_budget = static_cast<std::size_t>(reader.integer("memory_budget", 0, kMaxBytes));
-  settings.threads = integer_field(reader, "threads", 0, 4096);
-  settings.sutures = integer_field(reader, "sutures", 0);
-  settings.retractors = integer_field(reader, "retractors", 0);
-  if (reader.has("region")) settings.region = reader.text("region");
-  if (reader.has("preconditioner")) settings.preconditioner = reader.text("preconditioner");
-  if (reader.has("correction")) settings.correction = integer_field(reader, "correction", 0, 1) == 1;
-  if (reader.has("strain")) settings.strain = integer_field(reader, "strain", 0, 1) == 1;
+  visit_settings(settings, SettingReader(reader));
   reader.finish();
   settings.materials.clear();
   open.maps("materials", [&](FieldReader& material) { settings.materials.push_back(decode_material(material)); });
