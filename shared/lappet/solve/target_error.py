@@ -24,7 +24,7 @@ PILOT = 2.0  # of the tissue's spacing
 CAUTION = 0.85  # of the spacing that the pilot asks for
 ALGEBRAIC_SHARE = 0.25  # of the target that stopping early may take
 TOLERANCE = SolverSettings.tolerance
-LEAST_TOLERANCE = {"float": 1e-5, "double": 1e-9}
+MIN_TOLERANCE = {"float": 1e-5, "double": 1e-9}
 QUADRATURES = (1, 4)
 TRIES = 3
 COST_ORDER = 3.0  # seconds grow as h^-3
@@ -142,7 +142,7 @@ def choose(
     best = min(pilots, key=lambda pilot: pilot.cost)
     tolerance = TOLERANCE
     if best.algebraic > ALGEBRAIC_SHARE * target:
-        tolerance = max(TOLERANCE * ALGEBRAIC_SHARE * target / best.algebraic, LEAST_TOLERANCE[settings.precision])
+        tolerance = max(TOLERANCE * ALGEBRAIC_SHARE * target / best.algebraic, MIN_TOLERANCE[settings.precision])
     quadrature = best.settings.quadrature
     return Choice(
         replace(settings, spacing=best.needed, quadrature=quadrature, tolerance=tolerance),
