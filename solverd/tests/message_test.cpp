@@ -245,7 +245,7 @@ TEST(Codec, IndicesOutOfRangeNeverReachTheSolver) {
             .array("points", std::span<const double>(points), {4, 3})
             .array("triangles", std::span<const std::int32_t>(triangles), {2, 3})
             .array("fixed", std::span<const std::uint8_t>(marks), {2})
-            .array("bed", std::span<const std::uint8_t>(marks), {2})
+            .array("support", std::span<const std::uint8_t>(marks), {2})
             .array("grip", std::span<const std::int32_t>(grip), {2})
             .array("landmarks", std::span<const double>(points), {4, 3})
             .array("landmark_triangles", std::span<const std::int32_t>(std::vector<std::int32_t>{0, 1, 1, 0}), {4})
@@ -328,15 +328,15 @@ TEST(Codec, RegionsComeWithTheSkinThatTheyLieBelow) {
   const std::vector<std::int32_t> grip(2, -1), none;
   const std::vector<std::uint8_t> marks(2, 0);
   std::vector<std::uint8_t> faces = {1, 0, 0, 1};
-  Fields first = {{"material", std::int64_t{1}}, {"from_depth", 0.5}, {"to_depth", 2.0}};
-  const Fields second = {{"material", std::int64_t{0}}, {"from_depth", 2.0}};
+  Fields first = {{"material", std::int64_t{1}}, {"depth_from", 0.5}, {"depth_to", 2.0}};
+  const Fields second = {{"material", std::int64_t{0}}, {"depth_from", 2.0}};
   const auto message = [&] {
     MessageWriter writer("epoch", 1);
     writer.field("index", std::int64_t{0})
         .array("points", std::span<const double>(points), {4, 3})
         .array("triangles", std::span<const std::int32_t>(triangles), {2, 3})
         .array("fixed", std::span<const std::uint8_t>(marks), {2})
-        .array("bed", std::span<const std::uint8_t>(marks), {2})
+        .array("support", std::span<const std::uint8_t>(marks), {2})
         .array("grip", std::span<const std::int32_t>(grip), {2})
         .array("landmarks", std::span<const double>(), {0, 3})
         .array("landmark_triangles", std::span<const std::int32_t>(none), {0});

@@ -158,7 +158,7 @@ class ServerTest : public testing::Test {
                       .array("points", std::span<const double>(points), {3, 3})
                       .array("triangles", std::span<const std::int32_t>(triangle), {1, 3})
                       .array("fixed", std::span<const std::uint8_t>(mark), {1})
-                      .array("bed", std::span<const std::uint8_t>(mark), {1})
+                      .array("support", std::span<const std::uint8_t>(mark), {1})
                       .array("grip", std::span<const std::int32_t>(grip), {1})
                       .array("landmarks", std::span<const double>(), {0, 3})
                       .array("landmark_triangles", std::span<const std::int32_t>(), {0}));

@@ -81,6 +81,34 @@ void add_rows(MessageWriter& writer, const std::string& name, const std::vector<
   writer.array(name, std::span<const T>(elements), std::move(shape));
 }
 
+// Reads settings into a SessionSettings (visit_settings).
+class SettingReader {
+ public:
+  explicit SettingReader(FieldReader& reader) : reader_(&reader) {}
+
+  void operator()(std::string_view name, double& value) const { value = reader_->number(name); }
+  void operator()(std::string_view name, std::int32_t& value, std::int32_t low = 0,
+                  std::int32_t high = std::numeric_limits<std::int32_t>::max()) const {
+    value = integer_field(*reader_, name, low, high);
+  }
+  void operator()(std::string_view name, std::size_t& value) const {
+    value = static_cast<std::size_t>(reader_->integer(name, 0, kMaxBytes));
+  }
+  void operator()(std::string_view name, bool& value) const { value = integer_field(*reader_, name, 0, 1) == 1; }
+  void operator()(std::string_view name, std::string& value) const { value = reader_->text(name); }
+  void operator()(std::string_view name, Vec3& value) const {
+    const std::array<double, 3> numbers = reader_->vector3(name);
+    value = Vec3(numbers[0], numbers[1], numbers[2]);
+  }
+  template <class T>
+  void optional(std::string_view name, T& value) const {
+    if (reader_->has(name)) (*this)(name, value);
+  }
+
+ private:
+  FieldReader* reader_;
+};
+
 MaterialParameters decode_material(FieldReader& reader) {
   MaterialParameters material;
   material.model = reader.text("model");
@@ -122,8 +150,8 @@ void decode_regions(FieldReader& reader, ArrayReader& arrays, std::int32_t mater
   reader.maps("regions", [&](FieldReader& entry) {
     MaterialRegion region;
     region.material = integer_field(entry, "material", 0, materials - 1);
-    region.from_depth = entry.number("from_depth");
-    region.to_depth = entry.number("to_depth", region.to_depth);
+    region.from_depth = entry.number("depth_from");
+    region.to_depth = entry.number("depth_to", region.to_depth);
     epoch.regions.push_back(std::move(region));
   });
   const std::size_t count = epoch.skin.triangles.size();
@@ -149,27 +177,7 @@ SessionSettings decode_open(const Header& header, ArrayFrames frames) {
   FieldReader open(header.fields, header.type);
   SessionSettings settings;
   FieldReader reader(open.map("settings"), "settings");
-  settings.spacing = reader.number("spacing");
-  settings.fine_ratio = integer_field(reader, "fine_ratio", 1);
-  const std::array<double, 3> origin = reader.vector3("origin");
-  settings.origin = Vec3(origin[0], origin[1], origin[2]);
-  settings.quadrature = integer_field(reader, "quadrature", 0);
-  settings.precision = reader.text("precision");
-  settings.tolerance = reader.number("tolerance");
-  settings.gap_tolerance = reader.number("gap_tolerance");
-  settings.max_newton = integer_field(reader, "max_newton", 0);
-  settings.bed_stiffness = reader.number("bed_stiffness");
-  const std::array<double, 3> gravity = reader.vector3("gravity");
-  settings.gravity = Vec3(gravity[0], gravity[1], gravity[2]);
-  settings.time_budget = reader.number("time_budget");
-  settings.memory_budget = static_cast<std::size_t>(reader.integer("memory_budget", 0, kMaxBytes));
-  settings.threads = integer_field(reader, "threads", 0, 4096);
-  settings.sutures = integer_field(reader, "sutures", 0);
-  settings.retractors = integer_field(reader, "retractors", 0);
-  if (reader.has("region")) settings.region = reader.text("region");
-  if (reader.has("preconditioner")) settings.preconditioner = reader.text("preconditioner");
-  if (reader.has("correction")) settings.correction = integer_field(reader, "correction", 0, 1) == 1;
-  if (reader.has("strain")) settings.strain = integer_field(reader, "strain", 0, 1) == 1;
+  visit_settings(settings, SettingReader(reader));
   reader.finish();
   settings.materials.clear();
   open.maps("materials", [&](FieldReader& material) { settings.materials.push_back(decode_material(material)); });
@@ -196,10 +204,10 @@ EpochInput decode_epoch(const Header& header, ArrayFrames frames, std::int32_t r
   if (reader.has("regions") || arrays.has("skin_points") || arrays.has("skin_triangles"))
     epoch.skin = decode_surface(arrays, "skin_points", "skin_triangles", "skin points");
   if (reader.has("regions")) decode_regions(reader, arrays, materials, epoch);
-  if (reader.has("nodes")) epoch.nodes = integer_field(reader, "nodes", 0, 1) == 1;
+  if (reader.has("rest_nodes")) epoch.nodes = integer_field(reader, "rest_nodes", 0, 1) == 1;
   reader.finish();
   epoch.fixed = arrays.read<std::uint8_t>("fixed", {count});
-  epoch.bed = arrays.read<std::uint8_t>("bed", {count});
+  epoch.bed = arrays.read<std::uint8_t>("support", {count});
   epoch.grip = arrays.read<std::int32_t>("grip", {count});
   check_indices(epoch.grip, "grip", -1, retractors, "retractors (-1: not gripped)");
   epoch.landmarks = to_points(arrays.read_finite("landmarks", {kAny, 3}));
@@ -228,7 +236,7 @@ SolverState decode_state(const Header& header, ArrayFrames frames, std::int32_t 
   if (!std::ranges::all_of(state.nodes, [](double x) { return std::isfinite(x); })) {
     invalid("The array 'nodes' of the state holds a value that is not finite.");
   }
-  state.suture_gaps = arrays.read<double>("suture_gaps", {sutures, 3});  // NaN: not placed yet
+  state.suture_gaps = arrays.read<double>("suture_separations", {sutures, 3});  // NaN: not placed yet
   state.suture_multipliers = arrays.read_finite("suture_multipliers", {sutures, 3});
   state.grip_multipliers = arrays.read_finite("grip_multipliers", {kAny});
   state.activation = arrays.read_finite("activation", {materials});
@@ -324,7 +332,7 @@ std::vector<FrameBytes> encode_lattice(ReplyTo to, const EpochReport& report) {
       .field("fixed_nodes", std::int64_t{report.fixed_nodes})
       .field("bytes", report.bytes)
       .field("seconds", report.seconds);
-  if (!report.nodes_at_rest.empty()) add_rows(writer, "nodes", report.nodes_at_rest, {3});
+  if (!report.nodes_at_rest.empty()) add_rows(writer, "rest_nodes", report.nodes_at_rest, {3});
   return writer.finish();
 }
 
@@ -383,7 +391,7 @@ std::vector<FrameBytes> encode_frame(ReplyTo to, const FrameOutput& frame) {
   } else {
     add_rows(writer, "nodes", std::vector<float>(frame.state.nodes.begin(), frame.state.nodes.end()), {3});
   }
-  add_rows(writer, "state_suture_gaps", frame.state.suture_gaps, {3});
+  add_rows(writer, "suture_separations", frame.state.suture_gaps, {3});
   add_rows(writer, "suture_multipliers", frame.state.suture_multipliers, {3});
   add_rows(writer, "grip_multipliers", frame.state.grip_multipliers, {});
   add_rows(writer, "activation", frame.state.activation, {});

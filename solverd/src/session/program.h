@@ -40,6 +40,31 @@ struct SessionSettings {
   Surface bones;  // all of them as one closed surface; empty: none
 };
 
+// Every setting of the message `open` with its name on the wire, and what it may be: a setting is defined in
+// SessionSettings and here. An optional one may be left out.
+template <class Visitor>
+void visit_settings(SessionSettings& settings, Visitor&& visit) {
+  visit("spacing", settings.spacing);
+  visit("fine_ratio", settings.fine_ratio, 1);
+  visit("origin", settings.origin);
+  visit("quadrature", settings.quadrature);
+  visit("precision", settings.precision);
+  visit("tolerance", settings.tolerance);
+  visit("gap_tolerance", settings.gap_tolerance);
+  visit("max_newton", settings.max_newton);
+  visit("bed_stiffness", settings.bed_stiffness);
+  visit("gravity", settings.gravity);
+  visit("time_budget", settings.time_budget);
+  visit("memory_budget", settings.memory_budget);
+  visit("threads", settings.threads, 0, 4096);
+  visit("sutures", settings.sutures);
+  visit("retractors", settings.retractors);
+  visit.optional("region", settings.region);
+  visit.optional("preconditioner", settings.preconditioner);
+  visit.optional("correction", settings.correction);
+  visit.optional("strain", settings.strain);
+}
+
 struct EpochInput {
   std::int32_t index = 0;
   Surface surface;
