@@ -1,9 +1,9 @@
 // The elastic kernels taken apart: what a part costs without the others, on plain arrays in the layout of
-// force/elastic_arrays.h, for every instruction set. Neo-Hookean, one quadrature point, float.
+// force/kernels/elastic_arrays.h, for every instruction set. Neo-Hookean, one quadrature point, float.
 #pragma once
 #include <cstdint>
 
-#include "force/elastic_arrays.h"
+#include "force/kernels/elastic_arrays.h"
 #include "math/instruction_set.h"
 
 namespace lappet {

@@ -3,9 +3,9 @@
 // is compiled for a set that another processor lacks.
 #pragma once
 #include "cell_kernels.h"
-#include "force/cell_corners.h"
-#include "force/material.h"
-#include "force/product_kernel.h"
+#include "force/kernels/cell_corners.h"
+#include "force/kernels/product_kernel.h"
+#include "force/materials/material.h"
 #include "math/svd3.h"
 
 namespace lappet {

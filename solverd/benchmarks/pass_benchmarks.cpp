@@ -13,8 +13,8 @@
 
 #include "box_lattice.h"
 #include "cell_kernels.h"
-#include "force/elastic.h"
-#include "force/state_kernel.h"
+#include "force/elastic/elastic.h"
+#include "force/kernels/state_kernel.h"
 #include "pass_operations.h"
 #include "working_set.h"
 

@@ -2,9 +2,9 @@
 
 #include "box_lattice.h"
 #include "counted_number.h"
-#include "force/diagonal_kernel.h"
-#include "force/elastic.h"
-#include "force/state_kernel.h"
+#include "force/elastic/elastic.h"
+#include "force/kernels/diagonal_kernel.h"
+#include "force/kernels/state_kernel.h"
 
 namespace lappet {
 

@@ -3,7 +3,7 @@
 #include <Eigen/Dense>
 #include <cmath>
 
-#include "force/material_parameters.h"
+#include "force/materials/material_parameters.h"
 
 namespace lappet {
 

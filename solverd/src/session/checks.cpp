@@ -6,8 +6,8 @@
 #include <cmath>
 #include <map>
 
-#include "force/attachments.h"
-#include "force/prestretch.h"
+#include "force/constraints/attachments.h"
+#include "force/materials/prestretch.h"
 #include "lattice/refused.h"
 #include "math/features.h"
 

@@ -7,7 +7,7 @@
 
 #include "lattice/bite.h"
 #include "session/program.h"
-#include "solve/system.h"
+#include "solve/system/system.h"
 
 namespace lappet {
 

@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
-#include "force/cell_materials.h"
+#include "force/materials/cell_materials.h"
 #include "lattice/surface.h"
-#include "solve/work.h"
+#include "solve/system/work.h"
 
 namespace lappet {
 
@@ -30,7 +30,7 @@ struct SessionSettings {
   std::size_t memory_budget = std::size_t{8} << 30;
   int threads = 0;                          // 0: all
   std::string preconditioner = "twoLevel";  // or "chebyshev": the smoother alone
-  std::string region = "auto";              // or "whole": frames are solved everywhere (solve/region.h)
+  std::string region = "auto";              // or "whole": frames are solved everywhere (solve/newton/region.h)
   bool correction = false;                  // frames carry the step that Newton-Raphson would take next
   bool strain = true;                       // frames carry strain, stress and tension on the surface
   std::int32_t sutures = 0;                 // number of sutures in the whole procedure; frames refer to them by index

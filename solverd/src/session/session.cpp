@@ -21,8 +21,8 @@
 #include "session/process_memory.h"
 #include "session/reach.h"
 #include "session/surface_fields.h"
-#include "solve/equilibrium.h"
-#include "solve/newton_correction.h"
+#include "solve/newton/equilibrium.h"
+#include "solve/newton/newton_correction.h"
 
 namespace lappet {
 

@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "force/elastic.h"
+#include "force/elastic/elastic.h"
 #include "math/parallel.h"
 #include "session/program.h"
 

@@ -1,0 +1,295 @@
+#include "solve/newton/equilibrium.h"
+
+#include <spdlog/spdlog.h>
+
+#include <chrono>
+#include <cmath>
+#include <utility>
+
+#include "solve/multigrid/conjugate_gradients.h"
+#include "solve/newton/line_search.h"
+#include "solve/newton/local_relaxation.h"
+#include "solve/newton/multiplier_loop.h"
+#include "solve/newton/region.h"
+#include "solve/newton/tangent_choice.h"
+
+namespace lappet {
+
+namespace {
+
+constexpr int kMostLinearIterations = 120;
+// The linear solve that carries prescribed motion is exact: nearly incompressible tissue otherwise starts from a volume
+// that is wrong everywhere. In a search that begins with a jump a few per cent do for the rest, as Newton's own model
+// is no better; one that starts near its end takes the fewest iterations at one.
+constexpr double kCarryTolerance = 1e-4, kFarTolerance = 5e-2, kNearTolerance = 1e-2, kMostTolerance = 0.1;
+constexpr double kForcing = 0.3;
+constexpr double kJump = 1.0;  // spacings that a prescribed node moves at once
+// A residual below that no step lowers may be rounding in float: that of stiff cells which are carried far.
+constexpr double kRoundedResidual = 0.1;
+
+class Stopwatch {
+ public:
+  double lap() {
+    const auto now = std::chrono::steady_clock::now();
+    const double seconds = std::chrono::duration<double>(now - last_).count();
+    last_ = now;
+    return seconds;
+  }
+
+ private:
+  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+};
+
+template <class Real>
+class EquilibriumSearch {
+ public:
+  EquilibriumSearch(System<Real>& system, TwoLevel<Real>& preconditioner, std::span<Real> u,
+                    const EquilibriumOptions& options, const EquilibriumWatch& watcher)
+      : system_(system),
+        preconditioner_(preconditioner),
+        u_(u),
+        options_(options),
+        watcher_(watcher),
+        multipliers_(options.tolerance, options.gap_tolerance),
+        step_(u.size()),
+        linear_vectors_(u.size()),
+        line_(system, options.inverts, linear_vectors_.p) {}
+
+  EquilibriumOutcome run() {
+    now_ = system_.evaluate(u_);
+    bool moves_first = options_.moves_first && now_.residual > 0.0;
+    while (true) {
+      const bool carries = system_.prescribed_increment(u_, increment());
+      record();
+      watcher_.progress(outcome_.newton_iterations, outcome_.residual, outcome_.gap);
+      if (!std::isfinite(outcome_.residual)) return fail("the residual is not a finite number");
+      const bool asked = std::exchange(moves_first, false) && !carries && outcome_.residual <= options_.tolerance;
+      if (!carries && !asked && settle()) return outcome_;
+      if (options_.region_first && !asked && !region_tried_ && region_goes_ahead()) continue;
+      if (outcome_.newton_iterations - newton_in_region_ >= options_.max_newton)
+        return fail(
+            fmt::format("no equilibrium after {} Newton iterations: relative residual {:.2e} (tolerance {:.1e}), gap "
+                        "{:.3g} mm",
+                        outcome_.newton_iterations, outcome_.residual, options_.tolerance, outcome_.gap));
+      if (watcher_.stop()) return fail("stopped");
+      const bool solved = solve_tangent(carries);
+      if (watcher_.stop()) return fail("stopped");
+      if (!solved || !take_step(carries)) {
+        if (!asked) return outcome_;
+        outcome_.reason.clear();
+        now_ = system_.evaluate(u_);
+        continue;
+      }
+      if (options_.relaxes && !carries && !jumped_ && used_ != Definiteness::kExact) relax();
+    }
+  }
+
+ private:
+  void record() {
+    outcome_.residual = now_.residual / now_.force_scale;
+    outcome_.force_scale = now_.force_scale;
+    outcome_.energy = now_.energy;
+    outcome_.minimum_j = now_.minimum_j;
+    outcome_.inverted = now_.inverted;
+    outcome_.gap = system_.largest_gap(u_);
+  }
+  EquilibriumOutcome fail(std::string reason) {
+    outcome_.reason = std::move(reason);
+    return outcome_;
+  }
+
+  // Moves the multipliers on while the residual allows; true if the search has ended.
+  bool settle() {
+    while (true) {
+      switch (multipliers_.judge(outcome_.residual, outcome_.gap)) {
+        case MultiplierLoop::Verdict::kIterate:
+          return false;
+        case MultiplierLoop::Verdict::kHolds:
+          if (!options_.inverts && now_.inverted > 0)
+            fail(
+                fmt::format("{} cells are inverted at rest (smallest J {:.3g}); make smaller steps between frames "
+                            "or a smaller spacing",
+                            now_.inverted, now_.minimum_j));
+          else
+            outcome_.converged = true;
+          return true;
+        case MultiplierLoop::Verdict::kGivesUp:
+          if (system_.contact() && system_.contact()->excess() > options_.gap_tolerance)
+            fail(
+                fmt::format("tissue is pressed {:.3g} mm deep into bone; what holds or pulls it there contradicts the "
+                            "bone: move it, or move the bone away",
+                            system_.contact()->largest_penetration()));
+          else
+            fail(fmt::format(
+                "a suture, a held face or a stiff hook keeps a gap of {:.3g} mm (tolerance {:.3g} mm); its demands "
+                "contradict others or need more force than the tissue bears",
+                outcome_.gap, options_.gap_tolerance));
+          return true;
+        case MultiplierLoop::Verdict::kUpdate:
+          system_.update_multipliers(u_);
+          now_ = system_.evaluate(u_);
+          record();
+      }
+    }
+  }
+
+  std::span<Real> increment() { return linear_vectors_.z; }
+
+  // K step = -gradient - K increment on free nodes; false if the equations cannot be solved.
+  bool solve_tangent(bool carries) {
+    outcome_.seconds_update += watch_.lap();
+    const auto gradient = system_.gradient();
+    const double forcing =
+        kForcing * multipliers_.strictness() * options_.tolerance / std::max(outcome_.residual, 1e-300);
+    const double least = jumped_ ? kFarTolerance : kNearTolerance;
+    const double target = carries ? kCarryTolerance : std::clamp(forcing, least, kMostTolerance);
+    used_ = tangent_.next();
+    while (true) {
+      system_.linearize(used_);
+      try {
+        preconditioner_.update(u_);
+      } catch (const NotDefiniteError&) {
+        if (used_ != Definiteness::kExact) {
+          fail("the stiffness of a hook or a suture is so large that the equations cannot be solved; lower it");
+          return false;
+        }
+        used_ = tangent_.replace_exact();
+        continue;
+      }
+      outcome_.seconds_setup += watch_.lap();
+      auto& rhs = linear_vectors_.r;
+      if (carries) {
+        system_.prescribed_increment(u_, increment());
+        system_.multiply(increment(), rhs);
+      } else {
+        set_zero<Real>(rhs);
+      }
+      for_each_index(rhs.size(), [&](std::size_t i) { rhs[i] = static_cast<Real>(-gradient[i]) - rhs[i]; });
+      linear_ = conjugate_gradients<Real>(system_, preconditioner_, linear_vectors_, step_, target,
+                                          kMostLinearIterations, watcher_.stop);
+      outcome_.pcg_iterations += linear_.iterations;
+      outcome_.seconds_linear += watch_.lap();
+      if (!linear_.indefinite || used_ != Definiteness::kExact) break;
+      used_ = tangent_.replace_exact();
+    }
+    tangent_.iteration_done();
+    outcome_.active_cells = static_cast<std::int64_t>(system_.lattice().cells());
+    ++outcome_.newton_iterations;
+    if (linear_.reduction < 1.0 && linear_.iterations > 0)
+      preconditioner_.observe(linear_.iterations / std::max(-std::log10(linear_.reduction), 0.5));
+    return true;
+  }
+
+  bool take_step(bool carries) {
+    const Evaluation before = now_;
+    StepTaken taken;
+    if (carries) {
+      system_.prescribed_increment(u_, increment());
+      const double jump = largest<Real>(increment());
+      add<Real>(Real(1), increment(), step_);
+      taken = line_.carry(u_, step_, increment(), before);
+      now_ = taken.reached;
+      if (!(taken.alpha > 0.0)) {
+        fail("the retractors' motion turns cells inside out however small the step; move them less between frames");
+        return false;
+      }
+      if (jump > kJump * system_.lattice().settings.spacing) {
+        tangent_.jumped();
+        jumped_ = true;
+      }
+    } else {
+      const auto gradient = system_.gradient();
+      const double slope = reduce<1>(step_.size(), [g = gradient.data(), s = step_.data()](std::size_t i, double* out) {
+        out[0] = g[i] * static_cast<double>(s[i]);
+      })[0];
+      if (!(slope < 0.0)) {
+        fail("the linear solve gave no descent direction");
+        return false;
+      }
+      auto& product = linear_vectors_.q;
+      system_.multiply(step_, product);
+      taken = line_.descend(u_, step_, before, slope, dot<Real>(step_, product));
+      now_ = taken.reached;
+      if (!(taken.alpha > 0.0)) {
+        if (tangent_.try_another(used_)) return true;
+        fail(fmt::format("no step lowers the energy at relative residual {:.2e}{}", outcome_.residual,
+                         std::is_same_v<Real, float> && outcome_.residual < kRoundedResidual
+                             ? "; it may be the rounding of single precision: try precision 'double'"
+                             : ""));
+        return false;
+      }
+      tangent_.agreed(taken.ratio, used_);
+    }
+    if (!options_.relaxes) return true;  // the many small searches of a relaxation are not logged
+    spdlog::debug("newton {}: residual {:.2e} gap {:.2e} J {:.2f} | pcg {} to {:.1e} {} | alpha {:.3g} ratio {:.3g}",
+                  outcome_.newton_iterations, outcome_.residual, outcome_.gap, before.minimum_j, linear_.iterations,
+                  linear_.reduction, used_ == Definiteness::kExact ? "exact" : "definite", taken.alpha, taken.ratio);
+    return true;
+  }
+
+  // What the changes reach goes to its equilibrium, before anything else is done; false where all is for the whole.
+  bool region_goes_ahead() {
+    region_tried_ = true;
+    const EquilibriumOutcome region =
+        solve_region<Real>(system_, preconditioner_.frames().coarse_lattice(), u_, options_, watcher_);
+    outcome_.newton_iterations += newton_in_region_ = region.newton_iterations;
+    outcome_.pcg_iterations += region.pcg_iterations;
+    outcome_.seconds_update += region.seconds_update;
+    outcome_.seconds_linear += region.seconds_linear;
+    outcome_.seconds_setup += region.seconds_setup;
+    watch_.lap();
+    if (!region.converged) return false;
+    outcome_.active_cells = region.active_cells;
+    now_ = system_.evaluate(u_);
+    spdlog::debug("  {} cells went ahead: newton {} residual {:.2e}", region.active_cells, region.newton_iterations,
+                  now_.residual / now_.force_scale);
+    return true;
+  }
+
+  // What a definite tangent is too stiff for is often a matter of a few nodes: they go ahead.
+  void relax() {
+    if (now_.residual <= options_.tolerance * now_.force_scale) return;
+    const LocalRelaxation relaxed =
+        relax_locally<Real>(system_, u_, now_, options_.tolerance, options_.inverts, watcher_.stop);
+    if (relaxed.nodes == 0) return;
+    const double before = now_.residual;
+    now_ = system_.evaluate(u_);
+    spdlog::debug("  {} nodes relaxed in {} clusters and {} iterations: residual {:.2e} to {:.2e}", relaxed.nodes,
+                  relaxed.clusters, relaxed.newton_iterations, before / now_.force_scale,
+                  now_.residual / now_.force_scale);
+  }
+
+  System<Real>& system_;
+  TwoLevel<Real>& preconditioner_;
+  std::span<Real> u_;
+  const EquilibriumOptions& options_;
+  const EquilibriumWatch& watcher_;
+  MultiplierLoop multipliers_;
+  TangentChoice tangent_;
+  std::vector<Real> step_;
+  // Between linear solves r is the right-hand side, z the way that prescribed nodes have to go, p the line search's.
+  LinearVectors<Real> linear_vectors_;
+  LineSearch<Real> line_;
+  Evaluation now_;
+  bool jumped_ = false, region_tried_ = false;
+  int newton_in_region_ = 0;  // these leave those of the whole as many as ever
+  Definiteness used_ = Definiteness::kExact;
+  LinearOutcome linear_;
+  EquilibriumOutcome outcome_;
+  Stopwatch watch_;
+};
+
+}  // namespace
+
+template <class Real>
+EquilibriumOutcome find_equilibrium(System<Real>& system, TwoLevel<Real>& preconditioner, std::span<Real> u,
+                                    const EquilibriumOptions& options, const EquilibriumWatch& watcher) {
+  return EquilibriumSearch<Real>(system, preconditioner, u, options, watcher).run();
+}
+
+template EquilibriumOutcome find_equilibrium<float>(System<float>&, TwoLevel<float>&, std::span<float>,
+                                                    const EquilibriumOptions&, const EquilibriumWatch&);
+template EquilibriumOutcome find_equilibrium<double>(System<double>&, TwoLevel<double>&, std::span<double>,
+                                                     const EquilibriumOptions&, const EquilibriumWatch&);
+
+}  // namespace lappet

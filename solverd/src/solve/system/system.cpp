@@ -1,0 +1,417 @@
+#include "solve/system/system.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "math/parallel.h"
+#include "solve/system/vectors.h"
+
+namespace lappet {
+
+namespace {
+
+// The penalty of held faces, in Young's moduli per spacing; the multipliers do the rest.
+constexpr double kHeldStiffness = 300.0;
+// The least force scale, as a stress of this many Young's moduli on every node.
+constexpr double kScaleFloor = 1e-2;
+// The weak bed of floating fragments, at each corner of so many cells at most, in Young's moduli times spacing. More
+// cells share it: a finer lattice does not hold loose tissue back the more.
+constexpr double kDrift = 1e-5, kDriftCells = 64.0;
+
+template <class Real>
+Vec3 at(std::span<const Real> u, std::size_t node) {
+  return {static_cast<double>(u[3 * node]), static_cast<double>(u[3 * node + 1]), static_cast<double>(u[3 * node + 2])};
+}
+
+std::vector<std::uint8_t> fixed_nodes(const Attachments& attachments) {
+  std::vector<std::uint8_t> fixed;
+  for (const std::int32_t group : attachments.node_group) fixed.push_back(group == kFixedGroup);
+  return fixed;
+}
+
+}  // namespace
+
+template <class Real>
+System<Real>::System(const Lattice& lattice, CellMaterials materials, int quadrature, Attachments attachments,
+                     std::int32_t retractors, double bed_stiffness, const Vec3& gravity)
+    : elastic_(lattice, std::move(materials), quadrature, choose_instruction_set(), fixed_nodes(attachments)),
+      attachments_(std::move(attachments)),
+      bed_stiffness_(bed_stiffness),
+      held_stiffness_(kHeldStiffness * elastic_.materials().table[0].youngs_modulus / lattice.settings.spacing),
+      retractor_active_(static_cast<std::size_t>(retractors), 0),
+      retractor_motion_(static_cast<std::size_t>(retractors), Eigen::Matrix4d::Identity()),
+      free_(lattice.node_rest.size(), 1),
+      gradient_(3 * lattice.node_rest.size()),
+      node_scale_(lattice.node_rest.size()) {
+  if (gravity.squaredNorm() > 0) {
+    // kg/m^3 * m/s^2 = N/m^3 = 1e-6 mN/mm^3
+    gravity_force_.assign(3 * lattice.node_rest.size(), 0.0);
+    const double h = lattice.settings.spacing;
+    for (std::size_t c = 0; c < lattice.cell_nodes.size(); ++c) {
+      const Vec3 share = gravity * (elastic_.materials().of(c).density * 1e-6 * h * h * h *
+                                    static_cast<double>(lattice.cell_fill[c]) / 8.0);
+      for (const std::int32_t n : lattice.cell_nodes[c])
+        for (int i = 0; i < 3; ++i)
+          gravity_force_[3 * static_cast<std::size_t>(n) + static_cast<std::size_t>(i)] += share[i];
+    }
+  }
+  find_fragments();
+  rebuild_constraints();
+}
+
+template <class Real>
+void System<Real>::find_fragments() {
+  auto& root = fragment_of_node_;
+  root.resize(free_.size());
+  std::iota(root.begin(), root.end(), 0);
+  const auto find = [&](std::int32_t a) {
+    while (root[static_cast<std::size_t>(a)] != a)
+      a = root[static_cast<std::size_t>(a)] = root[static_cast<std::size_t>(root[static_cast<std::size_t>(a)])];
+    return a;
+  };
+  for (const auto& nodes : elastic_.lattice().cell_nodes)
+    for (const std::int32_t n : nodes) {
+      const std::int32_t a = find(nodes[0]), b = find(n);
+      if (a != b) root[static_cast<std::size_t>(std::max(a, b))] = std::min(a, b);
+    }
+  bool one = true;
+  for (std::size_t n = 0; n < root.size(); ++n) {
+    root[n] = find(static_cast<std::int32_t>(n));
+    one = one && root[n] == root[0];
+  }
+  if (one) root = {};
+}
+
+template <class Real>
+void System<Real>::find_floating_cells() {
+  const Lattice& lattice = elastic_.lattice();
+  std::vector<std::uint8_t> held(free_.size(), 0);  // by fragment
+  for (std::size_t n = 0; n < free_.size(); ++n)
+    if (!free_[n]) held[fragment(n)] = 1;
+  for (const auto& form : attachments_.forms) {
+    if (!acts(form) || (form.group == kBedGroup && !(bed_stiffness_ > 0.0))) continue;
+    const std::int32_t node = lattice.cell_nodes[static_cast<std::size_t>(form.cell)][0];
+    held[fragment(static_cast<std::size_t>(node))] = 1;
+  }
+  floating_cells_.clear();
+  for (std::size_t c = 0; c < lattice.cell_nodes.size(); ++c)
+    if (!held[fragment(static_cast<std::size_t>(lattice.cell_nodes[c][0]))])
+      floating_cells_.push_back(static_cast<std::int32_t>(c));
+  drift_stiffness_ = kDrift * elastic_.materials().table[0].youngs_modulus * lattice.settings.spacing *
+                     std::min(1.0, kDriftCells / static_cast<double>(std::max<std::size_t>(floating_cells_.size(), 1)));
+}
+
+template <class Real>
+void System<Real>::rebuild_constraints() {
+  ++revision_;
+  const Lattice& lattice = elastic_.lattice();
+  free_count_ = 0;
+  prescribed_nodes_.clear();
+  for (std::size_t n = 0; n < free_.size(); ++n) {
+    const std::int32_t group = attachments_.node_group[n];
+    free_[n] = group == kFree || (group >= 0 && !retractor_active_[static_cast<std::size_t>(group)]);
+    free_count_ += free_[n];
+    if (!free_[n]) prescribed_nodes_.push_back(static_cast<std::int32_t>(n));
+  }
+  find_floating_cells();
+  has_held_forms_ = false;
+  std::vector<std::int32_t> of_cell;
+  std::vector<Real> matrices;
+  const auto matrix_of = [&](std::int32_t cell) {
+    if (of_cell.empty()) of_cell.assign(lattice.cell_nodes.size(), -1);
+    auto& index = of_cell[static_cast<std::size_t>(cell)];
+    if (index < 0) {
+      index = static_cast<std::int32_t>(matrices.size() / 64);
+      matrices.resize(matrices.size() + 64, Real(0));
+    }
+    return 64 * static_cast<std::size_t>(index);
+  };
+  for (const auto& form : attachments_.forms) {
+    if (!acts(form)) continue;
+    const bool held = form.group != kBedGroup;
+    has_held_forms_ = has_held_forms_ || held;
+    const std::size_t first = matrix_of(form.cell);
+    const Eigen::Matrix<double, 8, 8> gram = form.matrix();
+    for (std::size_t k = 0; k < 64; ++k)
+      matrices[first + k] += static_cast<Real>((held ? held_stiffness_ : bed_stiffness_) * gram.data()[k]);
+  }
+  for (const std::int32_t cell : floating_cells_) {
+    const std::size_t first = matrix_of(cell);
+    for (std::size_t k = 0; k < 8; ++k) matrices[first + 9 * k] += static_cast<Real>(drift_stiffness_);
+  }
+  elastic_.set_cell_quadratics(of_cell, matrices);
+  if (has_held_forms_ && held_multipliers_.empty()) held_multipliers_.assign(3 * free_.size(), 0.0);
+  if (!has_held_forms_) held_multipliers_.clear();
+}
+
+template <class Real>
+void System<Real>::set_retractors(std::span<const std::int32_t> active, std::span<const Eigen::Matrix4d> motions) {
+  std::vector<std::uint8_t> flags(retractor_active_.size(), 0);
+  for (std::size_t i = 0; i < active.size(); ++i) {
+    flags[static_cast<std::size_t>(active[i])] = 1;
+    retractor_motion_[static_cast<std::size_t>(active[i])] = motions[i];
+  }
+  if (flags != retractor_active_) {
+    retractor_active_ = std::move(flags);
+    rebuild_constraints();
+  }
+}
+
+template <class Real>
+void System<Real>::set_ties(std::vector<Tie> ties) {
+  bool same = ties.size() == ties_.size();
+  for (std::size_t i = 0; same && i < ties.size(); ++i)
+    same = ties[i].nodes == ties_[i].nodes && ties[i].stiffness == ties_[i].stiffness &&
+           ties[i].weights == ties_[i].weights;
+  ties_ = std::move(ties);
+  has_sutures_ = false;
+  for (const auto& tie : ties_) has_sutures_ = has_sutures_ || tie.exact;
+  if (!same) ++revision_;
+}
+
+template <class Real>
+Vec3 System<Real>::held_displacement(std::int32_t group, std::size_t node) const {
+  if (group < 0) return Vec3::Zero();
+  const Vec3& rest = elastic_.lattice().node_rest[node];
+  const auto& motion = retractor_motion_[static_cast<std::size_t>(group)];
+  return motion.topLeftCorner<3, 3>() * rest + motion.topRightCorner<3, 1>() - rest;
+}
+
+// The forces of attached faces on the corners of their cells are found in parallel and added in order, a batch at a
+// time. Returns their energy.
+template <class Real>
+double System<Real>::add_forms(std::span<const Real> u) {
+  constexpr std::size_t kBatch = 8192;
+  const auto& forms = attachments_.forms;
+  std::vector<std::array<double, 25>> found(std::min(kBatch, forms.size()));  // forces, energy
+  double energy = 0.0;
+  for (std::size_t first = 0; first < forms.size(); first += kBatch) {
+    const std::size_t count = std::min(kBatch, forms.size() - first);
+    for_each_row(count, [&](std::size_t f) {
+      found[f].fill(0.0);
+      if (acts(forms[first + f])) evaluate_form(forms[first + f], u, found[f]);
+    });
+    for (std::size_t f = 0; f < count; ++f) {
+      const auto& nodes = elastic_.lattice().cell_nodes[static_cast<std::size_t>(forms[first + f].cell)];
+      for (std::size_t a = 0; a < 8; ++a)
+        for (std::size_t i = 0; i < 3; ++i)
+          gradient_[3 * static_cast<std::size_t>(nodes[a]) + i] += found[f][3 * a + i];
+      energy += found[f][24];
+    }
+  }
+  return energy;
+}
+
+template <class Real>
+void System<Real>::evaluate_form(const FaceForm& form, std::span<const Real> u, std::array<double, 25>& out) const {
+  const bool held = form.group != kBedGroup;
+  const double stiffness = held ? held_stiffness_ : bed_stiffness_;
+  const auto& nodes = elastic_.lattice().cell_nodes[static_cast<std::size_t>(form.cell)];
+  Eigen::Matrix<double, 3, 8> off, demand;  // demand: stiffness times the gap, and the multiplier
+  for (int k = 0; k < 8; ++k) {
+    const auto n = static_cast<std::size_t>(nodes[static_cast<std::size_t>(k)]);
+    off.col(k) = at<Real>(u, n);
+    if (held) off.col(k) -= held_displacement(form.group, n);
+    demand.col(k) = stiffness * off.col(k);
+    if (held) demand.col(k) += Vec3::Map(&held_multipliers_[3 * n]);
+  }
+  const Eigen::Matrix<double, 8, 8> gram = form.matrix();
+  Eigen::Map<Eigen::Matrix<double, 3, 8>>(out.data()) = demand * gram;
+  out[24] = (off.cwiseProduct((demand - 0.5 * stiffness * off) * gram)).sum();
+}
+
+template <class Real>
+Evaluation System<Real>::evaluate(std::span<const Real> u) {
+  const Timed timed(work_.evaluations);
+  const Lattice& lattice = elastic_.lattice();
+  const ElasticState state = elastic_.evaluate(u, gradient_, node_scale_);
+  Evaluation result;
+  result.energy = state.energy;
+  result.minimum_j = state.minimum_j;
+  result.inverted = state.inverted;
+
+  result.energy += add_forms(u);
+  pushes_.clear();
+  for (const auto& face : attachments_.resting) {
+    const auto& nodes = lattice.cell_nodes[static_cast<std::size_t>(face.cell)];
+    double height = 0.0;
+    for (std::size_t k = 0; k < 8; ++k)
+      height += face.weights[k] * face.inward.dot(at(u, static_cast<std::size_t>(nodes[k])));
+    if (!(height < 0.0)) continue;
+    const double stiffness = bed_stiffness_ * face.area;
+    pushes_.push_back({face.cell, face.weights, face.inward, stiffness});
+    result.energy += 0.5 * stiffness * height * height;
+    for (std::size_t k = 0; k < 8; ++k)
+      for (int i = 0; i < 3; ++i)
+        gradient_[3 * static_cast<std::size_t>(nodes[k]) + static_cast<std::size_t>(i)] +=
+            stiffness * height * face.weights[k] * face.inward[i];
+  }
+  if (contact()) result.energy += contact()->template evaluate<Real>(u, free_, gradient_, pushes_);
+  for (const auto& tie : ties_) {
+    const Vec3 c = tie.value(u), force = tie.force(c);
+    result.energy += c.dot(0.5 * tie.stiffness * c + tie.multiplier);
+    for (std::size_t k = 0; k < tie.nodes.size(); ++k)
+      for (int i = 0; i < 3; ++i)
+        gradient_[3 * static_cast<std::size_t>(tie.nodes[k]) + static_cast<std::size_t>(i)] +=
+            tie.weights[k] * force[i];
+  }
+  for (const std::int32_t cell : floating_cells_)
+    for (const std::int32_t node : lattice.cell_nodes[static_cast<std::size_t>(cell)]) {
+      const auto n = static_cast<std::size_t>(node);
+      const Vec3 off = at(u, n);
+      result.energy += 0.5 * drift_stiffness_ * off.squaredNorm();
+      for (int i = 0; i < 3; ++i) gradient_[3 * n + static_cast<std::size_t>(i)] += drift_stiffness_ * off[i];
+    }
+  if (!gravity_force_.empty())
+    result.energy -= reduce<1>(gravity_force_.size(), [&](std::size_t i, double* out) {
+      out[0] = gravity_force_[i] * static_cast<double>(u[i]);
+      gradient_[i] -= gravity_force_[i];
+    })[0];
+  const auto [residual, scale] = reduce<2>(free_.size(), [&](std::size_t n, double* out) {
+    double* g = &gradient_[3 * n];
+    if (!free_[n]) g[0] = g[1] = g[2] = 0.0;
+    out[0] = g[0] * g[0] + g[1] * g[1] + g[2] * g[2];
+    out[1] = free_[n] ? node_scale_[n] * node_scale_[n] : 0.0;
+  });
+  const double h = lattice.settings.spacing;
+  result.residual = std::sqrt(residual);
+  result.force_scale = std::sqrt(scale) + kScaleFloor * elastic_.materials().table[0].youngs_modulus * h * h *
+                                              std::sqrt(static_cast<double>(std::max<std::size_t>(free_count_, 1)));
+  return result;
+}
+
+template <class Real>
+void System<Real>::multiply(std::span<const Real> x, std::span<Real> y) const {
+  const Timed timed(work_.products);
+  elastic_.multiply(x, y);
+  for_each_push([&](const Push& push) {
+    const auto& nodes = elastic_.lattice().cell_nodes[static_cast<std::size_t>(push.cell)];
+    double along = 0.0;
+    for (std::size_t k = 0; k < 8; ++k)
+      along += push.weights[k] * push.direction.dot(at(x, static_cast<std::size_t>(nodes[k])));
+    for (std::size_t k = 0; k < 8; ++k)
+      for (int i = 0; i < 3; ++i)
+        y[3 * static_cast<std::size_t>(nodes[k]) + static_cast<std::size_t>(i)] +=
+            static_cast<Real>(push.stiffness * along * push.weights[k] * push.direction[i]);
+  });
+  for (const auto& tie : ties_) {
+    Vec3 sum = Vec3::Zero();
+    for (std::size_t k = 0; k < tie.nodes.size(); ++k)
+      sum += tie.weights[k] * at(x, static_cast<std::size_t>(tie.nodes[k]));
+    sum *= tie.stiffness;
+    for (std::size_t k = 0; k < tie.nodes.size(); ++k)
+      for (int i = 0; i < 3; ++i)
+        y[3 * static_cast<std::size_t>(tie.nodes[k]) + static_cast<std::size_t>(i)] +=
+            static_cast<Real>(tie.weights[k] * sum[i]);
+  }
+  for (const std::int32_t node : prescribed_nodes_)
+    for (std::size_t i = 0; i < 3; ++i) y[3 * static_cast<std::size_t>(node) + i] = Real(0);
+}
+
+template <class Real>
+bool System<Real>::prescribed_increment(std::span<const Real> u, std::span<Real> increment) const {
+  set_zero<Real>(increment);
+  bool any = false;
+  for (const std::int32_t node : prescribed_nodes_) {
+    const auto n = static_cast<std::size_t>(node);
+    if (attachments_.node_group[n] == kStillGroup) continue;
+    const Vec3 target = held_displacement(attachments_.node_group[n], n);
+    for (std::size_t i = 0; i < 3; ++i) {
+      increment[3 * n + i] = static_cast<Real>(target[static_cast<int>(i)]) - u[3 * n + i];
+      any = any || increment[3 * n + i] != Real(0);
+    }
+  }
+  return any;
+}
+
+template <class Real>
+std::vector<std::size_t> System<Real>::gripped_nodes(std::int32_t retractor) const {
+  std::vector<std::size_t> gripped;
+  for (std::size_t n = 0; n < free_.size(); ++n)
+    if (attachments_.node_group[n] == retractor) gripped.push_back(n);
+  for (const auto& form : attachments_.forms)
+    if (form.group == retractor)
+      for (const std::int32_t n : elastic_.lattice().cell_nodes[static_cast<std::size_t>(form.cell)])
+        gripped.push_back(static_cast<std::size_t>(n));
+  return gripped;
+}
+
+template <class Real>
+Eigen::Matrix4d System<Real>::motion_towards(const Eigen::Matrix4d& motion, double fraction, std::int32_t retractor,
+                                             std::span<const Real> u) const {
+  const auto gripped = gripped_nodes(retractor);
+  if (gripped.size() < 3) return motion;
+  Eigen::Matrix3Xd rest(3, gripped.size()), now(3, gripped.size());
+  for (std::size_t k = 0; k < gripped.size(); ++k) {
+    rest.col(static_cast<Eigen::Index>(k)) = elastic_.lattice().node_rest[gripped[k]];
+    now.col(static_cast<Eigen::Index>(k)) = elastic_.lattice().node_rest[gripped[k]] + at(u, gripped[k]);
+  }
+  const Eigen::Matrix4d present = Eigen::umeyama(rest, now, false);
+  const Vec3 centre = rest.rowwise().mean();
+  const Eigen::Quaterniond from(Eigen::Matrix3d(present.topLeftCorner<3, 3>()));
+  const Eigen::Quaterniond to(Eigen::Matrix3d(motion.topLeftCorner<3, 3>()));
+  Eigen::Matrix4d result = Eigen::Matrix4d::Identity();
+  result.topLeftCorner<3, 3>() = from.slerp(fraction, to).toRotationMatrix();
+  const Eigen::Vector4d place =
+      (1.0 - fraction) * (present * centre.homogeneous()) + fraction * (motion * centre.homogeneous());
+  result.topRightCorner<3, 1>() = place.head<3>() - result.topLeftCorner<3, 3>() * centre;
+  return result;
+}
+
+template <class Real>
+double System<Real>::largest_gap(std::span<const Real> u) const {
+  double gap = 0.0;
+  for (const auto& tie : ties_)
+    if (tie.exact) gap = std::max(gap, tie.gap(tie.value(u)));
+  if (contact()) gap = std::max(gap, contact()->excess());
+  if (!has_held_forms_) return gap;
+  for (const auto& form : attachments_.forms) {
+    if (form.group == kBedGroup || !acts(form)) continue;
+    const auto& nodes = elastic_.lattice().cell_nodes[static_cast<std::size_t>(form.cell)];
+    double squared = 0.0;
+    const Eigen::Matrix<double, 8, 8> gram = form.matrix();
+    Vec3 off[8];
+    for (std::size_t k = 0; k < 8; ++k) {
+      const auto n = static_cast<std::size_t>(nodes[k]);
+      off[k] = at(u, n) - held_displacement(form.group, n);
+    }
+    for (std::size_t a = 0; a < 8; ++a)
+      for (std::size_t b = 0; b < 8; ++b)
+        squared += gram(static_cast<int>(a), static_cast<int>(b)) * off[a].dot(off[b]);
+    gap = std::max(gap, std::sqrt(std::max(squared, 0.0) / form.area));
+  }
+  return gap;
+}
+
+template <class Real>
+void System<Real>::update_multipliers(std::span<const Real> u) {
+  for (auto& tie : ties_)
+    if (tie.exact) tie.update_multiplier(tie.value(u));
+  if (contact()) contact()->update_multipliers();
+  if (!has_held_forms_) return;
+  std::vector<std::uint8_t> done(free_.size(), 0);
+  for (const auto& form : attachments_.forms) {
+    if (form.group == kBedGroup || !acts(form)) continue;
+    for (const std::int32_t node : elastic_.lattice().cell_nodes[static_cast<std::size_t>(form.cell)]) {
+      const auto n = static_cast<std::size_t>(node);
+      if (done[n]) continue;
+      done[n] = 1;
+      const Vec3 off = at(u, n) - held_displacement(form.group, n);
+      for (int i = 0; i < 3; ++i) held_multipliers_[3 * n + static_cast<std::size_t>(i)] += held_stiffness_ * off[i];
+    }
+  }
+}
+
+template <class Real>
+std::size_t System<Real>::bytes() const {
+  return elastic_.bytes() + attachments_.forms.size() * sizeof(FaceForm) + gradient_.size() * 8 +
+         node_scale_.size() * 8 + gravity_force_.size() * 8 + held_multipliers_.size() * 8 + free_.size() +
+         (contact_ ? contact_->bytes() : 0);
+}
+
+template class System<float>;
+template class System<double>;
+
+}  // namespace lappet
