@@ -90,11 +90,11 @@ MaterialParameters decode_material(FieldReader& reader) {
   material.mooney_ratio = reader.number("mooney_ratio", material.mooney_ratio);
   if (reader.has("fibre_direction")) {
     const std::array<double, 3> direction = reader.vector3("fibre_direction");
-    material.fibre_direction = Vec3(direction[0], direction[1], direction[2]);
+    material.fiber_direction = Vec3(direction[0], direction[1], direction[2]);
   }
-  material.fibre_k1 = reader.number("fibre_k1", material.fibre_k1);
-  material.fibre_k2 = reader.number("fibre_k2", material.fibre_k2);
-  material.fibre_dispersion = reader.number("fibre_dispersion", material.fibre_dispersion);
+  material.fiber_k1 = reader.number("fibre_k1", material.fiber_k1);
+  material.fiber_k2 = reader.number("fibre_k2", material.fiber_k2);
+  material.fiber_dispersion = reader.number("fibre_dispersion", material.fiber_dispersion);
   material.muscle_stress = reader.number("muscle_stress", material.muscle_stress);
   if (reader.has("prestretch")) {
     const std::vector<double> prestretch = reader.numbers("prestretch", 2);
@@ -136,16 +136,16 @@ void decode_regions(FieldReader& reader, ArrayReader& arrays, std::int32_t mater
 
 }  // namespace
 
-Hello decode_hello(const Header& header, ArrayFrames frames) {
-  ArrayReader(header, frames).finish();
+Hello decode_hello(const Header& header, ArrayParts parts) {
+  ArrayReader(header, parts).finish();
   FieldReader reader(header.fields, header.type);
   Hello hello{reader.text("token"), reader.text("client")};
   reader.finish();
   return hello;
 }
 
-SessionSettings decode_open(const Header& header, ArrayFrames frames) {
-  ArrayReader arrays(header, frames);
+SessionSettings decode_open(const Header& header, ArrayParts parts) {
+  ArrayReader arrays(header, parts);
   FieldReader open(header.fields, header.type);
   SessionSettings settings;
   FieldReader reader(open.map("settings"), "settings");
@@ -186,9 +186,9 @@ SessionSettings decode_open(const Header& header, ArrayFrames frames) {
   return settings;
 }
 
-EpochInput decode_epoch(const Header& header, ArrayFrames frames, std::int32_t retractors, std::int32_t materials) {
+EpochInput decode_epoch(const Header& header, ArrayParts parts, std::int32_t retractors, std::int32_t materials) {
   FieldReader reader(header.fields, header.type);
-  ArrayReader arrays(header, frames);
+  ArrayReader arrays(header, parts);
   EpochInput epoch;
   epoch.index = integer_field(reader, "index", 0);
   epoch.surface = decode_surface(arrays, "points", "triangles", "surface points");
@@ -209,9 +209,9 @@ EpochInput decode_epoch(const Header& header, ArrayFrames frames, std::int32_t r
   return epoch;
 }
 
-SolverState decode_state(const Header& header, ArrayFrames frames, std::int32_t sutures, std::int32_t materials) {
+SolverState decode_state(const Header& header, ArrayParts parts, std::int32_t sutures, std::int32_t materials) {
   FieldReader reader(header.fields, header.type);
-  ArrayReader arrays(header, frames);
+  ArrayReader arrays(header, parts);
   SolverState state;
   const std::string precision = reader.text("precision");
   reader.finish();
@@ -236,9 +236,9 @@ SolverState decode_state(const Header& header, ArrayFrames frames, std::int32_t 
   return state;
 }
 
-FrameInput decode_solve(const Header& header, ArrayFrames frames, const FrameLimits& limits) {
+FrameInput decode_solve(const Header& header, ArrayParts parts, const FrameLimits& limits) {
   FieldReader reader(header.fields, header.type);
-  ArrayReader arrays(header, frames);
+  ArrayReader arrays(header, parts);
   FrameInput frame;
   frame.time = reader.number("time");
   reader.finish();
@@ -293,12 +293,12 @@ FrameInput decode_solve(const Header& header, ArrayFrames frames, const FrameLim
   return frame;
 }
 
-void decode_bare(const Header& header, ArrayFrames frames) {
+void decode_bare(const Header& header, ArrayParts parts) {
   FieldReader(header.fields, header.type).finish();
-  ArrayReader(header, frames).finish();
+  ArrayReader(header, parts).finish();
 }
 
-std::vector<FrameBytes> encode_welcome(ReplyTo to, int threads, std::uint64_t max_message_bytes) {
+std::vector<PartBytes> encode_welcome(ReplyTo to, int threads, std::uint64_t max_message_bytes) {
   return reply("welcome", to)
       .field("version", std::string(kVersion))
       .field("threads", std::int64_t{threads})
@@ -308,11 +308,11 @@ std::vector<FrameBytes> encode_welcome(ReplyTo to, int threads, std::uint64_t ma
       .finish();
 }
 
-std::vector<FrameBytes> encode_opened(ReplyTo to) { return reply("opened", to).finish(); }
-std::vector<FrameBytes> encode_accepted(ReplyTo to) { return reply("accepted", to).finish(); }
-std::vector<FrameBytes> encode_pong(ReplyTo to) { return reply("pong", to).finish(); }
+std::vector<PartBytes> encode_opened(ReplyTo to) { return reply("opened", to).finish(); }
+std::vector<PartBytes> encode_accepted(ReplyTo to) { return reply("accepted", to).finish(); }
+std::vector<PartBytes> encode_pong(ReplyTo to) { return reply("pong", to).finish(); }
 
-std::vector<FrameBytes> encode_lattice(ReplyTo to, const EpochReport& report) {
+std::vector<PartBytes> encode_lattice(ReplyTo to, const EpochReport& report) {
   MessageWriter writer = reply("lattice", to);
   writer.field("fine_voxels", report.fine_voxels)
       .field("cells", std::int64_t{report.cells})
@@ -328,7 +328,7 @@ std::vector<FrameBytes> encode_lattice(ReplyTo to, const EpochReport& report) {
   return writer.finish();
 }
 
-std::vector<FrameBytes> encode_progress(ReplyTo to, const Progress& progress) {
+std::vector<PartBytes> encode_progress(ReplyTo to, const Progress& progress) {
   return reply("progress", to)
       .field("time", progress.time)
       .field("newton", std::int64_t{progress.newton_iteration})
@@ -337,7 +337,7 @@ std::vector<FrameBytes> encode_progress(ReplyTo to, const Progress& progress) {
       .finish();
 }
 
-std::vector<FrameBytes> encode_frame(ReplyTo to, const FrameOutput& frame) {
+std::vector<PartBytes> encode_frame(ReplyTo to, const FrameOutput& frame) {
   MessageWriter writer = reply("frame", to);
   writer.field("time", frame.time)
       .field("converged", frame.converged)
@@ -390,7 +390,7 @@ std::vector<FrameBytes> encode_frame(ReplyTo to, const FrameOutput& frame) {
   return writer.finish();
 }
 
-std::vector<FrameBytes> encode_error(ReplyTo to, ErrorCode code, const std::string& sentence) {
+std::vector<PartBytes> encode_error(ReplyTo to, ErrorCode code, const std::string& sentence) {
   return reply("error", to)
       .field("code", std::string(error_name(code)))
       .field("message", sentence_of(sentence))

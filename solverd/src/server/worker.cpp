@@ -108,7 +108,7 @@ void Worker::serve(const Request& request, zmq::socket_t& replies) {
   }
 }
 
-std::vector<FrameBytes> Worker::answer(const Request& request, zmq::socket_t& replies) {
+std::vector<PartBytes> Worker::answer(const Request& request, zmq::socket_t& replies) {
   std::vector<std::span<const std::byte>> arrays;
   arrays.reserve(request.arrays.size());
   for (const zmq::message_t& array : request.arrays) {
@@ -183,10 +183,10 @@ SolverPort& Worker::session_for(const Request& request) const {
   return *session_;
 }
 
-void Worker::send(zmq::socket_t& replies, const std::vector<FrameBytes>& frames) const {
+void Worker::send(zmq::socket_t& replies, const std::vector<PartBytes>& parts) const {
   replies.send(zmq::buffer(identity_), zmq::send_flags::sndmore);
-  for (std::size_t i = 0; i < frames.size(); ++i) {
-    replies.send(zmq::buffer(frames[i]), i + 1 < frames.size() ? zmq::send_flags::sndmore : zmq::send_flags::none);
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    replies.send(zmq::buffer(parts[i]), i + 1 < parts.size() ? zmq::send_flags::sndmore : zmq::send_flags::none);
   }
 }
 

@@ -9,9 +9,9 @@ namespace lappet {
 namespace {
 
 // A suture's penalty stays between these multiples of E h; its multiplier closes the gap whatever it is.
-constexpr double kLeastSuturePenalty = 50.0, kMostSuturePenalty = 500.0;
+constexpr double kMinSuturePenalty = 50.0, kMaxSuturePenalty = 500.0;
 // A hook stiffer than this multiple of E h, of the stiffest material, is held by a multiplier too.
-constexpr double kMostHookPenalty = 1000.0;
+constexpr double kMaxHookPenalty = 1000.0;
 
 }  // namespace
 
@@ -55,13 +55,13 @@ FrameInput FrameConstraints<Real>::partway(const FrameInput& frame, double s) co
 
 // What is held at an anchor; found once an epoch.
 template <class Real>
-const Bite& FrameConstraints<Real>::embed(const Anchor& anchor) const {
+const AnchorStencil& FrameConstraints<Real>::embed(const Anchor& anchor) const {
   const std::array<double, 4> key{anchor.point[0], anchor.point[1], anchor.point[2], double(anchor.triangle)};
-  auto found = bites_.find(key);
-  if (found == bites_.end()) {
+  auto found = stencils_.find(key);
+  if (found == stencils_.end()) {
     const auto point = embed_on_triangle(lattice_, surface_, anchor.point, anchor.triangle);
-    const double reach = std::min(kBite, kBiteShare * (highest_ - lowest_).minCoeff());
-    found = bites_.emplace(key, bite(lattice_, point, reach)).first;
+    const double reach = std::min(kStencilRadius, kStencilShare * (highest_ - lowest_).minCoeff());
+    found = stencils_.emplace(key, anchor_stencil(lattice_, point, reach)).first;
   }
   return found->second;
 }
@@ -94,31 +94,31 @@ void FrameConstraints<Real>::apply(const FrameInput& frame) {
       std::fill(held.begin(), held.end(), 0.0);
   }
   place_sutures(frame);
-  std::vector<Tie> ties;
+  std::vector<PointConstraint> constraints;
   for (const auto& hook : frame.hooks) {
-    const Bite& held_by = embed(hook.anchor);
-    ties.push_back(make_hook(lattice_, held_by, hook.target, hook.stiffness, most_hook_penalty(held_by)));
+    const AnchorStencil& held_by = embed(hook.anchor);
+    constraints.push_back(make_hook(lattice_, held_by, hook.target, hook.stiffness, max_hook_penalty(held_by)));
   }
   const double unit = settings_.materials[0].youngs_modulus * settings_.spacing;
   for (const auto& suture : frame.sutures) {
-    const Bite &a = embed(suture.a), &b = embed(suture.b);
+    const AnchorStencil &a = embed(suture.a), &b = embed(suture.b);
     const double* gap = &state_.suture_gaps[3 * static_cast<std::size_t>(suture.index)];
     const double* multiplier = &state_.suture_multipliers[3 * static_cast<std::size_t>(suture.index)];
-    ties.push_back(make_suture(lattice_, a, b, (1.0 - suture.closure) * Vec3(gap[0], gap[1], gap[2]),
-                               std::clamp(suture.stiffness, kLeastSuturePenalty * unit, kMostSuturePenalty * unit),
-                               Vec3(multiplier[0], multiplier[1], multiplier[2])));
+    constraints.push_back(make_suture(lattice_, a, b, (1.0 - suture.closure) * Vec3(gap[0], gap[1], gap[2]),
+                                      std::clamp(suture.stiffness, kMinSuturePenalty * unit, kMaxSuturePenalty * unit),
+                                      Vec3(multiplier[0], multiplier[1], multiplier[2])));
   }
-  system_.set_ties(std::move(ties));
+  system_.set_point_constraints(std::move(constraints));
 }
 
 // No multiplier moves what is held in space: there the spring is plain.
 template <class Real>
-double FrameConstraints<Real>::most_hook_penalty(const Bite& anchor) const {
+double FrameConstraints<Real>::max_hook_penalty(const AnchorStencil& anchor) const {
   double stiffest = 0.0;
   for (const auto& material : settings_.materials) stiffest = std::max(stiffest, material.youngs_modulus);
   const bool moves =
       std::ranges::any_of(anchor.nodes, [&](std::int32_t n) { return system_.is_free(static_cast<std::size_t>(n)); });
-  return moves ? kMostHookPenalty * stiffest * settings_.spacing : std::numeric_limits<double>::infinity();
+  return moves ? kMaxHookPenalty * stiffest * settings_.spacing : std::numeric_limits<double>::infinity();
 }
 
 template <class Real>
@@ -126,7 +126,7 @@ void FrameConstraints<Real>::keep_multipliers(const FrameInput& frame) {
   for (std::size_t k = 0; k < frame.sutures.size(); ++k)
     for (int i = 0; i < 3; ++i)
       state_.suture_multipliers[3 * static_cast<std::size_t>(frame.sutures[k].index) + static_cast<std::size_t>(i)] =
-          system_.ties()[frame.hooks.size() + k].multiplier[i];
+          system_.point_constraints()[frame.hooks.size() + k].multiplier[i];
   state_.held_multipliers = system_.held_multipliers();
   state_.activation = activation_of(frame);
 }

@@ -5,7 +5,7 @@
 #include <map>
 #include <vector>
 
-#include "lattice/bite.h"
+#include "lattice/anchor_stencil.h"
 #include "session/program.h"
 #include "solve/system/system.h"
 
@@ -41,8 +41,8 @@ class FrameConstraints {
   const Vec3& highest() const { return highest_; }
 
  private:
-  const Bite& embed(const Anchor& anchor) const;
-  double most_hook_penalty(const Bite& anchor) const;
+  const AnchorStencil& embed(const Anchor& anchor) const;
+  double max_hook_penalty(const AnchorStencil& anchor) const;
   std::vector<double> activation_of(const FrameInput& frame) const {
     return frame.activation.empty() ? std::vector<double>(settings_.materials.size(), 0.0) : frame.activation;
   }
@@ -53,7 +53,7 @@ class FrameConstraints {
   System<Real>& system_;
   TissueState<Real>& state_;
   Vec3 lowest_, highest_;
-  mutable std::map<std::array<double, 4>, Bite> bites_;  // by rest point and triangle
+  mutable std::map<std::array<double, 4>, AnchorStencil> stencils_;  // by rest point and triangle
 };
 
 extern template class FrameConstraints<float>;

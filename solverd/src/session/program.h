@@ -30,11 +30,11 @@ struct SessionSettings {
   std::size_t memory_budget = std::size_t{8} << 30;
   int threads = 0;                          // 0: all
   std::string preconditioner = "twoLevel";  // or "chebyshev": the smoother alone
-  std::string region = "auto";              // or "whole": frames are solved everywhere (solve/newton/region.h)
-  bool correction = false;                  // frames carry the step that Newton-Raphson would take next
-  bool strain = true;                       // frames carry strain, stress and tension on the surface
-  std::int32_t sutures = 0;                 // number of sutures in the whole procedure; frames refer to them by index
-  std::int32_t retractors = 0;              // likewise
+  std::string region = "auto";  // or "whole": frames are solved everywhere (solve/newton/change_neighborhood.h)
+  bool correction = false;      // frames carry the step that Newton-Raphson would take next
+  bool strain = true;           // frames carry strain, stress and tension on the surface
+  std::int32_t sutures = 0;     // number of sutures in the whole procedure; frames refer to them by index
+  std::int32_t retractors = 0;  // likewise
   // materials[0] is what the tissue is made of where no region says otherwise.
   std::vector<MaterialParameters> materials{MaterialParameters{}};
   Surface bones;  // all of them as one closed surface; empty: none
@@ -48,7 +48,7 @@ struct EpochInput {
   std::vector<std::int32_t> grip;   // per triangle: index of the retractor that grips it, or -1
   std::vector<Vec3> landmarks;      // rest points
   std::vector<std::int32_t> landmark_triangles;
-  // The outer skin before any cut: regions measure their depth from it, fibres and prestretch run along it. May be
+  // The outer skin before any cut: regions measure their depth from it, fibers and prestretch run along it. May be
   // empty without regions; directions are then taken as they are, in tissue whose skin is upright to z.
   Surface skin;
   std::vector<MaterialRegion> regions;

@@ -12,14 +12,14 @@
 
 #include "lattice/refused.h"
 #include "math/features.h"
-#include "session/attempts.h"
 #include "session/bones.h"
+#include "session/check_targets.h"
 #include "session/checks.h"
-#include "session/fit_to_start.h"
 #include "session/frame_constraints.h"
+#include "session/is_valid_start.h"
 #include "session/last_frame.h"
 #include "session/process_memory.h"
-#include "session/reach.h"
+#include "session/retry_schedule.h"
 #include "session/surface_fields.h"
 #include "solve/newton/equilibrium.h"
 #include "solve/newton/newton_correction.h"
@@ -78,7 +78,7 @@ class TypedSession : public Session::Implementation {
     state_.suture_multipliers = state.suture_multipliers;
     state_.held_multipliers = state.grip_multipliers;
     state_.activation = state.activation;
-    last_frame_.forget();
+    last_frame_.clear();
   }
 
   FrameOutput solve(const FrameInput& frame, const ProgressCallback& progress,
@@ -96,7 +96,7 @@ class TypedSession : public Session::Implementation {
     check_epoch(epoch, settings_);
     // After an epoch that is refused the session has none: the solver of the one before makes room.
     epoch_.reset();
-    last_frame_.forget();
+    last_frame_.clear();
     constraints_.reset();
     preconditioner_.reset();
     system_.reset();
@@ -188,9 +188,9 @@ class TypedSession : public Session::Implementation {
     output.time = frame.time;
     const TissueState<Real> before = state_;
     const Work done = system_->work();
-    EquilibriumWatch watcher;
-    watcher.stop = [&] { return cancel.load(std::memory_order_relaxed) || out_of_time(); };
-    watcher.progress = [&](int newton, double residual, double gap) {
+    SolveObserver observer;
+    observer.stop = [&] { return cancel.load(std::memory_order_relaxed) || out_of_time(); };
+    observer.progress = [&](int newton, double residual, double gap) {
       if (progress) progress({frame.time, output.newton_iterations + newton, residual, gap});
     };
     EquilibriumOutcome outcome;
@@ -202,11 +202,11 @@ class TypedSession : public Session::Implementation {
         path.push_back(constraints_->partway(frame, static_cast<double>(step) / steps));
       path.push_back(frame);
       output.load_steps = steps;
-      options.region_first = settings_.region == "auto" && !preconditioner_->is_smoother_only() && steps == 1;
+      options.neighborhood_first = settings_.region == "auto" && !preconditioner_->is_smoother_only() && steps == 1;
       for (int step = 0; step < steps; ++step) {
         constraints_->apply(path[static_cast<std::size_t>(step)]);
         options.max_newton = std::min(settings_.max_newton, budget - output.newton_iterations);
-        outcome = find_equilibrium<Real>(*system_, *preconditioner_, state_.u, options, watcher);
+        outcome = find_equilibrium<Real>(*system_, *preconditioner_, state_.u, options, observer);
         output.newton_iterations += outcome.newton_iterations;
         output.pcg_iterations += outcome.pcg_iterations;
         output.active_cells = std::max(output.active_cells, outcome.active_cells);
@@ -218,43 +218,44 @@ class TypedSession : public Session::Implementation {
       }
       return steps;
     };
-    const bool fit = fit_to_start<Real>(*lattice_, state_.u);
+    const bool valid = is_valid_start<Real>(*lattice_, state_.u);
     const bool moved = std::any_of(state_.u.begin(), state_.u.end(), [](Real x) { return x != Real(0); });
     options.moves_first = !moved && settings_.gravity != Vec3::Zero();
-    if (!fit) spdlog::info("frame {:g} starts from rest: too many cells of its start are inverted or flat", frame.time);
-    Attempts attempts(fit && moved);
+    if (!valid)
+      spdlog::info("frame {:g} starts from rest: too many cells of its start are inverted or flat", frame.time);
+    RetrySchedule schedule(valid && moved);
     int budget = kNewtonBudget * settings_.max_newton;
     // An equilibrium with inverted cells, until one from rest confirms it.
     std::optional<std::pair<EquilibriumOutcome, TissueState<Real>>> doubtful;
     const auto start_over = [&] {
       spdlog::info("frame {:g} starts over from rest: {}", frame.time,
                    doubtful ? fmt::format("{} cells are inverted", doubtful->first.inverted) : outcome.reason);
-      attempts.start_over();
+      schedule.start_over();
       budget = output.newton_iterations + kNewtonBudget * settings_.max_newton / 2;
     };
-    const std::string beyond =
-        beyond_reach(frame, settings_.materials[0].youngs_modulus, constraints_->lowest(), constraints_->highest(),
-                     [&](const Anchor& anchor) { return constraints_->where(anchor); });
-    if (!beyond.empty()) {
+    const std::string unreachable = check_targets_reachable(
+        frame, settings_.materials[0].youngs_modulus, constraints_->lowest(), constraints_->highest(),
+        [&](const Anchor& anchor) { return constraints_->where(anchor); });
+    if (!unreachable.empty()) {
       constraints_->apply(frame);
-      outcome.reason = beyond;
+      outcome.reason = unreachable;
     }
-    while (beyond.empty() && attempts.next()) {
-      const Attempt next = *attempts.next();
+    while (unreachable.empty() && schedule.next()) {
+      const Attempt next = *schedule.next();
       state_ = before;
       if (next.from_rest && moved) {
-        if (fit) constraints_->place_sutures(frame);
+        if (valid) constraints_->place_sutures(frame);
         return_to_rest();
       }
       const int reached = attempt(next.load_steps, budget);
       if (outcome.converged && outcome.inverted > 0 && !next.from_rest) {
         doubtful.emplace(outcome, state_);
         start_over();
-      } else if (outcome.converged || watcher.stop()) {
+      } else if (outcome.converged || observer.stop()) {
         break;
       } else if (output.newton_iterations < budget) {
-        attempts.failed(reached, outcome.residual);
-        if (attempts.next() && attempts.next()->from_rest && !next.from_rest) start_over();
+        schedule.failed(reached, outcome.residual);
+        if (schedule.next() && schedule.next()->from_rest && !next.from_rest) start_over();
       } else if (next.from_rest) {
         break;
       } else {
@@ -273,7 +274,7 @@ class TypedSession : public Session::Implementation {
           "to confirm it ({}); make smaller steps between frames or a smaller spacing",
           doubtful->first.inverted, outcome.reason);
     }
-    if (!outcome.converged && watcher.stop()) {
+    if (!outcome.converged && observer.stop()) {
       state_ = before;
       if (cancel.load()) throw RefusedError(ErrorCode::kCancelled, fmt::format("frame {:g} was cancelled", frame.time));
       throw RefusedError(
@@ -305,7 +306,7 @@ class TypedSession : public Session::Implementation {
     }
     if (!outcome.converged) {
       state_ = before;
-      last_frame_.forget();
+      last_frame_.clear();
     }
     output.state.is_double = std::is_same_v<Real, double>;
     output.state.nodes.assign(state_.u.begin(), state_.u.end());
@@ -320,39 +321,40 @@ class TypedSession : public Session::Implementation {
   }
 
   void write_fields(const FrameInput& frame, FrameOutput& output) const {
-    const auto push = [](auto& array, const Vec3& v) {
+    const auto append = [](auto& array, const Vec3& v) {
       for (int i = 0; i < 3; ++i)
         array.push_back(static_cast<typename std::decay_t<decltype(array)>::value_type>(v[i]));
     };
-    for (const auto& point : lattice_->surface_points) push(output.points, position<Real>(*lattice_, point, state_.u));
+    for (const auto& point : lattice_->surface_points)
+      append(output.points, position<Real>(*lattice_, point, state_.u));
     if constexpr (kHasLandmarks)
-      for (const auto& point : landmarks_) push(output.landmarks, position<Real>(*lattice_, point, state_.u));
+      for (const auto& point : landmarks_) append(output.landmarks, position<Real>(*lattice_, point, state_.u));
     if (kHasStrain && settings_.strain) write_surface_fields<Real>(system_->elastic(), state_.u, output);
     for (std::size_t k = 0; k < frame.hooks.size(); ++k) {
-      const Tie& tie = system_->ties()[k];
-      push(output.hook_forces, -tie.force(tie.value<Real>(state_.u)));
-      push(output.hook_points, constraints_->where(frame.hooks[k].anchor));
+      const PointConstraint& constraint = system_->point_constraints()[k];
+      append(output.hook_forces, -constraint.force(constraint.value<Real>(state_.u)));
+      append(output.hook_points, constraints_->where(frame.hooks[k].anchor));
     }
     for (std::size_t k = 0; k < frame.sutures.size(); ++k) {
-      const Tie& tie = system_->ties()[frame.hooks.size() + k];
-      const Vec3 c = tie.value<Real>(state_.u);
+      const PointConstraint& constraint = system_->point_constraints()[frame.hooks.size() + k];
+      const Vec3 c = constraint.value<Real>(state_.u);
       output.suture_gaps.push_back(c.norm());
-      output.suture_forces.push_back(tie.force(c).norm());
-      push(output.suture_points, constraints_->where(frame.sutures[k].a));
-      push(output.suture_points, constraints_->where(frame.sutures[k].b));
+      output.suture_forces.push_back(constraint.force(c).norm());
+      append(output.suture_points, constraints_->where(frame.sutures[k].a));
+      append(output.suture_points, constraints_->where(frame.sutures[k].b));
     }
   }
 
   void write_correction(FrameOutput& output) {
     std::vector<Real> step(state_.u.size());
     newton_correction<Real>(*system_, *preconditioner_, state_.u, step);
-    const auto push = [&](auto& array, const EmbeddedPoint& point) {
+    const auto append = [&](auto& array, const EmbeddedPoint& point) {
       const Vec3 v = displacement<Real>(*lattice_, point, step);
       for (int i = 0; i < 3; ++i)
         array.push_back(static_cast<typename std::decay_t<decltype(array)>::value_type>(v[i]));
     };
-    for (const auto& point : lattice_->surface_points) push(output.correction, point);
-    for (const auto& point : landmarks_) push(output.landmark_correction, point);
+    for (const auto& point : lattice_->surface_points) append(output.correction, point);
+    for (const auto& point : landmarks_) append(output.landmark_correction, point);
   }
 
   SessionSettings settings_;

@@ -12,7 +12,7 @@ class Session {
  public:
   class Implementation;  // by precision, see session.cpp
 
-  // Throws RefusedError where a setting makes no sense (names it, its value and the mend).
+  // Throws RefusedError where a setting makes no sense (names it, its value and the remedy).
   explicit Session(const SessionSettings& settings);
   ~Session();
   Session(Session&&) noexcept;

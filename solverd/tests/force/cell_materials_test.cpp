@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kDeep = std::numeric_limits<double>::infinity();
 
-Vec3 centre(const Surface& s, std::size_t t) {
+Vec3 center(const Surface& s, std::size_t t) {
   Vec3 sum = Vec3::Zero();
   for (const std::int32_t p : s.triangles[t]) sum += s.points[static_cast<std::size_t>(p)];
   return sum / 3;
@@ -37,7 +37,7 @@ Surface top(int length, int width, double height) {
 MaterialRegion region(const Surface& skin, std::int32_t material, double from, double to,
                       const std::function<bool(const Vec3&)>& painted = {}) {
   MaterialRegion result{material, from, to, {}};
-  for (std::size_t t = 0; t < skin.triangles.size(); ++t) result.faces.push_back(!painted || painted(centre(skin, t)));
+  for (std::size_t t = 0; t < skin.triangles.size(); ++t) result.faces.push_back(!painted || painted(center(skin, t)));
   return result;
 }
 
@@ -133,7 +133,7 @@ TEST(CellMaterials, CellsOfADirectedMaterialHaveTheNormalOfTheSkinAboveThem) {
   settings.origin = Vec3(-6, -6, -6);
   const Lattice lattice = build_lattice(ball, settings);
   auto directed = table(2);
-  directed[1].fibre_k1 = 10;
+  directed[1].fiber_k1 = 10;
   EXPECT_TRUE(assign_materials(lattice, table(2), ball, {}).normal_of_cell.empty());
   const CellMaterials materials = assign_materials(lattice, directed, ball, {});
   ASSERT_EQ(materials.normal_of_cell.size(), lattice.cell_nodes.size());
@@ -150,7 +150,7 @@ TEST(CellMaterials, BelowAFlatSkinNoNormalIsKeptUnlessADirectionHasToBeTurned) {
   auto directed = table(1);
   directed[0].prestretch = {1.2, 1.1};
   EXPECT_TRUE(assign_materials(lattice, directed, top(8, 6, 5), {}).normal_of_cell.empty());
-  directed[0].fibre_direction = Vec3(0.8, 0, 0.6);
+  directed[0].fiber_direction = Vec3(0.8, 0, 0.6);
   EXPECT_FALSE(assign_materials(lattice, directed, top(8, 6, 5), {}).normal_of_cell.empty());
 }
 

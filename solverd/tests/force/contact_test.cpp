@@ -133,11 +133,13 @@ TEST(Contact, ForcesAreTheDerivativeOfTheEnergyAndTheTangentThatOfTheForces) {
     // along the bone's normal the tangent is complete: lift everything
     std::vector<double> lift(scene.u.size(), 0.0), product(scene.u.size());
     for (std::size_t i = 2; i < lift.size(); i += 3) lift[i] = 1.0;
-    system.linearize(Definiteness::kExact);
+    system.linearize(PsdProjection::kExact);
     system.multiply(lift, product);
     double stiffness = 0.0, expected = 0.0;
     for (std::size_t i = 0; i < lift.size(); ++i) stiffness += lift[i] * product[i];
-    system.for_each_push([&](const Push& push) { expected += push.stiffness * push.direction[2] * push.direction[2]; });
+    system.for_each_contact_penalty([&](const ContactPenalty& penalty) {
+      expected += penalty.stiffness * penalty.direction[2] * penalty.direction[2];
+    });
     EXPECT_NEAR(stiffness, expected, 1e-4 * expected);  // a rigid lift strains nothing
   }
 }
@@ -171,23 +173,23 @@ TEST(Contact, AStrapOverARollerHasTheSameTensionOnBothSides) {
   }
   ContactSystem scene(
       strap, test::prism(circle, -6, 12, 1), [](const Vec3& c) { return c[0] < 1e-9; }, 500.0, Vec3::Zero());
-  std::vector<Tie> ties;
+  std::vector<PointConstraint> constraints;
   for (const double down : {5.0, 12.0, 20.0}) {
-    ties.clear();
+    constraints.clear();
     for (std::size_t t = 0; t < strap.triangles.size(); ++t) {
-      const Vec3 c = centre(strap, t);
+      const Vec3 c = center(strap, t);
       if (c[0] > 40 - 1e-9)
-        ties.push_back(
-            make_hook(scene.lattice(),
-                      bite(scene.lattice(), embed_on_triangle(scene.lattice(), strap, c, static_cast<std::int32_t>(t))),
-                      Vec3(40 - 0.4 * down, c[1], c[2] - down), 3.0));
+        constraints.push_back(make_hook(
+            scene.lattice(),
+            anchor_stencil(scene.lattice(), embed_on_triangle(scene.lattice(), strap, c, static_cast<std::int32_t>(t))),
+            Vec3(40 - 0.4 * down, c[1], c[2] - down), 3.0));
     }
-    scene.system().set_ties(ties);
+    scene.system().set_point_constraints(constraints);
     const auto outcome = settle(scene);
     ASSERT_TRUE(outcome.converged) << outcome.reason;
   }
   Vec3 right = Vec3::Zero();
-  for (const Tie& tie : ties) right -= tie.force(tie.value<double>(scene.u));
+  for (const PointConstraint& constraint : constraints) right -= constraint.force(constraint.value<double>(scene.u));
   const Vec3 left = -(right + scene.system().contact()->force());  // what the fixed end holds
   EXPECT_GT(right.norm(), 50.0);
   EXPECT_NEAR(left.norm() / right.norm(), 1.0, 0.03);
@@ -366,9 +368,9 @@ TEST(Contact, ALongStepDoesNotTakeTissueThroughAThinBone) {
   // A hook draws the free end far below the plate.
   std::int32_t triangle = 0;
   for (std::size_t t = 0; t < epoch.surface.triangles.size(); ++t)
-    if ((centre(epoch.surface, t) - Vec3(9.5, 3, 2)).norm() < 0.8) triangle = static_cast<std::int32_t>(t);
+    if ((center(epoch.surface, t) - Vec3(9.5, 3, 2)).norm() < 0.8) triangle = static_cast<std::int32_t>(t);
   FrameInput frame = pulled({Vec3::Zero()});
-  frame.hooks.push_back({{centre(epoch.surface, static_cast<std::size_t>(triangle)), triangle}, Vec3(9, 3, -12), 30.0});
+  frame.hooks.push_back({{center(epoch.surface, static_cast<std::size_t>(triangle)), triangle}, Vec3(9, 3, -12), 30.0});
   const FrameOutput out = session.solve(frame, {}, kNever);
   ASSERT_TRUE(out.converged) << out.reason;
   for (std::size_t v = 0; v < epoch.surface.points.size(); ++v) EXPECT_GT(point(out, v)[2], -2.9) << v;

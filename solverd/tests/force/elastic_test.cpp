@@ -17,7 +17,7 @@ namespace lappet {
 namespace {
 
 // What a tissue may have besides its isotropic model.
-enum Extra { kFibres = 1, kMuscle = 2, kPrestretched = 4, kMixed = 8 };
+enum Extra { kFibers = 1, kMuscle = 2, kPrestretched = 4, kMixed = 8 };
 
 struct Case {
   const char* model;
@@ -26,7 +26,7 @@ struct Case {
 };
 std::string describe(const Case& c) {
   std::string text = c.model + std::to_string(c.quadrature);
-  if (c.extras & kFibres) text += "Fibres";
+  if (c.extras & kFibers) text += "Fibers";
   if (c.extras & kMuscle) text += "Muscle";
   if (c.extras & kPrestretched) text += "Prestretch";
   if (c.extras & kMixed) text += "Mixed";
@@ -44,15 +44,15 @@ class ElasticCells : public ::testing::TestWithParam<Case> {
     first.model = second.model = GetParam().model;
     first.poissons_ratio = 0.4;
     first.mooney_ratio = 0.3;
-    first.fibre_direction = Vec3(1, 0.4, 0).normalized();
-    if (has(kFibres)) {
-      first.fibre_k1 = 12.0;
-      first.fibre_k2 = kK2;
-      first.fibre_dispersion = 0.12;
+    first.fiber_direction = Vec3(1, 0.4, 0).normalized();
+    if (has(kFibers)) {
+      first.fiber_k1 = 12.0;
+      first.fiber_k2 = kK2;
+      first.fiber_dispersion = 0.12;
     }
     if (has(kMuscle)) first.muscle_stress = 90.0;
     if (has(kPrestretched)) first.prestretch = {1.2, 1.05};
-    // Fat below skin: softer, no fibres, no muscle, as taut or not.
+    // Fat below skin: softer, no fibers, no muscle, as taut or not.
     second.youngs_modulus = 6.0;
     second.poissons_ratio = 0.3;
     materials_.table = {first};
@@ -160,7 +160,7 @@ TEST_P(ElasticCells, TangentIsTheDifferenceQuotientOfTheForce) {
   elastic.evaluate(below, b, scale);
   std::vector<double> at_u(size());
   elastic.evaluate(u, at_u, scale);
-  elastic.linearize(Definiteness::kExact);
+  elastic.linearize(PsdProjection::kExact);
   elastic.multiply(direction, product);
   double size_of = 0;
   for (const double p : product) size_of = std::max(size_of, std::abs(p));
@@ -173,7 +173,7 @@ TEST_P(ElasticCells, DefiniteTangentIsPositiveAndAgreesWithItsCellsAndBlocks) {
   std::vector<double> gradient(size()), scale(size() / 3), product(size());
   const auto u = random_field(1.0, 5), direction = random_field(1.0, 6);
   elastic.evaluate(u, gradient, scale);
-  for (const auto how : {Definiteness::kClamp, Definiteness::kAbsolute}) {
+  for (const auto how : {PsdProjection::kClamp, PsdProjection::kAbsolute}) {
     elastic.linearize(how);
     elastic.multiply(direction, product);
     double assembled = 0, matrix_free = 0;
@@ -209,13 +209,13 @@ TEST_P(ElasticCells, FloatAgreesWithDouble) {
   const std::vector<double> rounded_u(uf.begin(), uf.end()), rounded_d(df.begin(), df.end());
   std::vector<double> gradient(size()), scale(size() / 3), product(size());
   const double energy = exact.evaluate(rounded_u, gradient, scale).energy;
-  // what the exponential of fibres makes of a rounding, see kernel_twins_check.cpp
-  const double condition = has(kFibres) ? std::max(1.0, 2.0 * std::sqrt(10.0 * kK2)) : 1.0;
-  exact.linearize(Definiteness::kClamp);
+  // what the exponential of fibers makes of a rounding, see kernel_twins_check.cpp
+  const double condition = has(kFibers) ? std::max(1.0, 2.0 * std::sqrt(10.0 * kK2)) : 1.0;
+  exact.linearize(PsdProjection::kClamp);
   exact.multiply(rounded_d, product);
   EXPECT_NEAR(single.evaluate(uf, gradient, scale).energy, energy,
               2e-7 * condition * std::abs(energy));  // the moduli are stored as float
-  single.linearize(Definiteness::kClamp);
+  single.linearize(PsdProjection::kClamp);
   single.multiply(df, pf);
   double most = 0;
   for (const double p : product) most = std::max(most, std::abs(p));
@@ -228,7 +228,7 @@ std::vector<Case> cases() {
   for (const char* model : {"corotated", "neoHookean", "stableNeoHookean", "mooneyRivlin"})
     for (const int quadrature : {1, 4, 8})
       for (const int extras :
-           {0, int{kFibres}, int{kMuscle}, int{kPrestretched}, int{kMixed}, kFibres | kMuscle | kPrestretched | kMixed})
+           {0, int{kFibers}, int{kMuscle}, int{kPrestretched}, int{kMixed}, kFibers | kMuscle | kPrestretched | kMixed})
         all.push_back({model, quadrature, extras});
   return all;
 }

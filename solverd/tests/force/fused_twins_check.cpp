@@ -10,7 +10,7 @@
 #include "force/kernels/cell_corners.h"
 #include "force/kernels/quadrature.h"
 #include "force/kernels/state_kernel.h"
-#include "force/materials/fibre.h"
+#include "force/materials/fiber.h"
 
 namespace lappet {
 
@@ -66,16 +66,16 @@ Blocks make_blocks(const FusedScene& scene) {
     m[kMu] = 1.0 + 10.0 * unit(random);
     m[kLambda] = 2 * m[kMu] * poisson / (1 - 2 * poisson);
     m[kMooney] = unit(random);
-    if (scene.features.fibres) {
-      m[kFibreK1] = 3.0 * unit(random);
-      m[kFibreK2] = kGreatestK2 * unit(random);
-      m[kFibreDispersion] = unit(random) / 3;
+    if (scene.features.fibers) {
+      m[kFiberK1] = 3.0 * unit(random);
+      m[kFiberK2] = kGreatestK2 * unit(random);
+      m[kFiberDispersion] = unit(random) / 3;
       m[kMuscle] = 10.0 * unit(random);
     }
     const double angle = 6.3 * unit(random), height = 2 * unit(random) - 1, flat = std::sqrt(1 - height * height);
-    m[kFibreDirection] = flat * std::cos(angle);
-    m[kFibreDirection + 1] = flat * std::sin(angle);
-    m[kFibreDirection + 2] = height;
+    m[kFiberDirection] = flat * std::cos(angle);
+    m[kFiberDirection + 1] = flat * std::sin(angle);
+    m[kFiberDirection + 2] = height;
     const double stretch[6] = {1.15, 0.05, -0.02, 0.9, 0.03, 1.0};
     for (std::size_t i = 0; i < 6; ++i)
       m[kPrestretch + i] = scene.features.prestretched ? stretch[i] + 0.05 * unit(random) : 0.0;
@@ -151,7 +151,7 @@ class Lockstep {
                               : static_cast<std::size_t>(kMaterialFields * lanes)),
         tangent_(size(kBlockCells * kTangentFields * scene.points, lanes)),
         sigma_(size(kBlockCells * 3 * scene.points, lanes)),
-        fibre_tangent_(size(kBlockCells * kFibreFields * scene.points, lanes)),
+        fiber_tangent_(size(kBlockCells * kFiberFields * scene.points, lanes)),
         quadratics_(size(kBlockCells * 36, lanes)) {
     const auto w = static_cast<std::size_t>(lanes);
     const auto round = [](double x) { return static_cast<Real>(static_cast<Rounded>(x)); };
@@ -201,7 +201,7 @@ class Lockstep {
     arrays.material_stride = scene.mixed ? std::int64_t{kMaterialFields} * lanes : 0;
     arrays.tangent = tangent_.data();
     arrays.sigma = sigma_.data();
-    arrays.fibre_tangent = fibre_tangent_.data();
+    arrays.fiber_tangent = fiber_tangent_.data();
     arrays.quadratic_of = quadratic_of_.data();
     arrays.quadratics = quadratics_.data();
   }
@@ -219,7 +219,7 @@ class Lockstep {
   AlignedArray<std::int32_t> nodes_;
   std::vector<std::int64_t> node_start_;
   AlignedArray<std::int32_t> quadratic_of_;
-  AlignedArray<Real> volume_, stabilization_, material_, tangent_, sigma_, fibre_tangent_, quadratics_;
+  AlignedArray<Real> volume_, stabilization_, material_, tangent_, sigma_, fiber_tangent_, quadratics_;
   std::vector<double> gradients_, weights_;
 };
 
@@ -301,7 +301,7 @@ std::vector<FusedScene> fused_scenes() {
 std::string describe(const FusedScene& scene) {
   const char* models[kTwinModels] = {"corotated", "neoHookean", "stableNeoHookean", "mooneyRivlin"};
   return std::string(models[scene.features.model]) + ", " + std::to_string(scene.points) + " points" +
-         (scene.features.fibres ? ", fibres and muscle" : "") + (scene.features.prestretched ? ", prestretch" : "") +
+         (scene.features.fibers ? ", fibers and muscle" : "") + (scene.features.prestretched ? ", prestretch" : "") +
          (scene.mixed ? ", mixed" : "");
 }
 
@@ -312,11 +312,11 @@ std::vector<TwinResult> compare_fused_twins(const FusedScene& scene, const Elast
   Lockstep<Real, Real> ours(scene, blocks, kernels.lanes);
   Lockstep<double, Real> exact(scene, blocks, reference.lanes);
   const std::size_t count = blocks.rest.size(), size = 3 * count;
-  // See fibre_condition in kernel_twins_check.cpp: the property of the exponential, not of the arithmetic.
-  const double fibres =
-      scene.features.fibres ? std::max(1.0, 2.0 * std::sqrt(fibre_detail::kGreatestExponent * kGreatestK2)) : 1.0;
-  const double tolerance = kTwinTolerance<Real> * fibres;
-  Worst wide("forces and energies in double", kTwinTolerance<double> * fibres), fast("forces and energies", tolerance),
+  // See fiber_condition in kernel_twins_check.cpp: the property of the exponential, not of the arithmetic.
+  const double fibers =
+      scene.features.fibers ? std::max(1.0, 2.0 * std::sqrt(fiber_detail::kGreatestExponent * kGreatestK2)) : 1.0;
+  const double tolerance = kTwinTolerance<Real> * fibers;
+  Worst wide("forces and energies in double", kTwinTolerance<double> * fibers), fast("forces and energies", tolerance),
       product("tangent product", tolerance), diagonal("diagonal blocks", tolerance);
   for (const auto& state : states_of(blocks, scene.features.model != 0)) {
     std::vector<Real> u(size), x(size);
@@ -339,7 +339,7 @@ std::vector<TwinResult> compare_fused_twins(const FusedScene& scene, const Elast
     }
     // Forces are the difference of terms as large as the tangent times the size of the cell.
     std::vector<double> expected_blocks(6 * count);
-    reference.linearize(exact.arrays, 0, exact.groups, Definiteness::kExact);
+    reference.linearize(exact.arrays, 0, exact.groups, PsdProjection::kExact);
     reference.diagonal(exact.arrays, 0, exact.groups, expected_blocks.data());
     const double force = std::max(largest(expected_blocks) * kSpacing * greatest, largest(expected_magnitude));
     const double energy = force * kSpacing * greatest * kBlocks;
@@ -355,9 +355,9 @@ std::vector<TwinResult> compare_fused_twins(const FusedScene& scene, const Elast
       worst.add(std::abs(sums.minimum_j - expected_sums.minimum_j) / (greatest * greatest * greatest), state.name);
       if (state.generic) worst.add(std::abs(sums.inverted - expected_sums.inverted), state.name);
     }
-    // At rest fibres are about to become slack: which of their two stiffnesses holds turns on a rounding.
-    if (state.at_rest && scene.features.fibres && !scene.features.prestretched) continue;
-    for (const auto how : {Definiteness::kExact, Definiteness::kClamp, Definiteness::kAbsolute}) {
+    // At rest fibers are about to become slack: which of their two stiffnesses holds turns on a rounding.
+    if (state.at_rest && scene.features.fibers && !scene.features.prestretched) continue;
+    for (const auto how : {PsdProjection::kExact, PsdProjection::kClamp, PsdProjection::kAbsolute}) {
       std::vector<Real> y(size), got_blocks(6 * count);
       std::vector<double> expected_y(size);
       std::fill(expected_blocks.begin(), expected_blocks.end(), 0.0);
@@ -367,9 +367,9 @@ std::vector<TwinResult> compare_fused_twins(const FusedScene& scene, const Elast
       kernels.linearize(ours.arrays, 0, ours.groups, how);
       kernels.multiply(ours.arrays, 0, ours.groups, x.data(), y.data());
       kernels.diagonal(ours.arrays, 0, ours.groups, got_blocks.data());
-      const std::string where = std::string(state.name) + (how == Definiteness::kExact   ? ", exact"
-                                                           : how == Definiteness::kClamp ? ", clamp"
-                                                                                         : ", absolute");
+      const std::string where = std::string(state.name) + (how == PsdProjection::kExact   ? ", exact"
+                                                           : how == PsdProjection::kClamp ? ", clamp"
+                                                                                          : ", absolute");
       product.add(largest_difference(y, expected_y) / (largest(expected_y) * condition), where);
       diagonal.add(largest_difference(got_blocks, expected_blocks) / (largest(expected_blocks) * condition), where);
     }

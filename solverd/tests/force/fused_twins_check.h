@@ -14,7 +14,7 @@ struct FusedScene {
   bool mixed = false;
 };
 
-// All of models x points x fibres x prestretch x mixed.
+// All of models x points x fibers x prestretch x mixed.
 std::vector<FusedScene> fused_scenes();
 
 // The kernels of `set` on every state of a cell (rest, random, inverted, flat, turned, uniformly stretched, tiny)

@@ -150,7 +150,7 @@ class HybridLattice : public ::testing::TestWithParam<CutLattice> {
     const double force = *std::max_element(scale.begin(), scale.end());
     for (std::size_t i = 0; i < size(); ++i) ASSERT_NEAR(gradient[i], expected[i], wide * force) << i;
     mesh.evaluate(u, &direction, expected);
-    elastic.linearize(Definiteness::kExact);
+    elastic.linearize(PsdProjection::kExact);
     elastic.multiply(toward, product);
     double most = 0.0;
     for (const double value : expected) most = std::max(most, std::abs(value));
@@ -189,7 +189,7 @@ TEST_P(HybridLattice, OneTwoThreeAndFourThreadsGiveTheSameBits) {
         std::vector<double> gradient(size()), scale(size() / 3);
         std::vector<float> product(size()), blocks(2 * size());
         const double energy = elastic.evaluate(at, gradient, scale).energy;
-        elastic.linearize(Definiteness::kClamp);
+        elastic.linearize(PsdProjection::kClamp);
         elastic.multiply(toward, product);
         elastic.diagonal_blocks(blocks);
         std::vector<char> bits(sizeof energy);

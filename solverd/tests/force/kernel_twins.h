@@ -22,10 +22,10 @@ struct KernelTwins {
   Function definite3[2] = {};        // clamp, absolute: symmetric (6), floor -> symmetric (6)
   Function model[kTwinModels] = {};  // sigma (3), mu, lambda, mooney -> energy, p_hat (3), dpdf_hat (12)
   Function definite[2] = {};         // clamp, absolute: dpdf_hat (12), floor -> dpdf_hat (12)
-  Function fibre = nullptr;          // I1, I4, k1, k2, dispersion, muscle -> energy and 4 of the response
-  Function fibre_definite[2] = {};   // the same, made definite
+  Function fiber = nullptr;          // I1, I4, k1, k2, dispersion, muscle -> energy and 4 of the response
+  Function fiber_definite[2] = {};   // the same, made definite
   Function corners = nullptr;        // 8 corner values -> gradient sums (3), modes (4), and spread back (8)
-  Function differential[2][2] = {};  // [fibres][prestretched]: tangent (20), sigma (3), fibre tangent (4),
+  Function differential[2][2] = {};  // [fibers][prestretched]: tangent (20), sigma (3), fiber tangent (4),
                                      // material (16), dF (9) -> dP (9)
   Function corner_block[2][2] = {};  // the same with a gradient (3) for dF -> block (6)
   Function quadratic = nullptr;      // matrix (36), x (24) -> y (24)

@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "force/kernels/elastic_arrays.h"
-#include "force/materials/fibre.h"
+#include "force/materials/fiber.h"
 #include "force/materials/material.h"
 #include "kernel_twins_inputs.h"
 
@@ -133,7 +133,7 @@ void compare_matrices(Comparison<Real>& c, const KernelTwins<Real>& twins, const
     return
         [i](const Values&, const Values& got, const Values& expected) { return std::abs(got[i] / expected[i] - 1.0); };
   };
-  // Of the rough ones 11 bits will do, further sweeps mend them.
+  // Of the rough ones 11 bits will do, further sweeps correct them.
   for (const std::size_t i : {0U, 1U})
     c.compare(i == 0 ? "rough 1/x" : "rough 1/sqrt(x)", twins.roots, reference.roots, positive, 3, relative(i),
               std::ldexp(1.0, -11));
@@ -242,13 +242,13 @@ void compare_materials(Comparison<Real>& c, const KernelTwins<Real>& twins, cons
   }
 }
 
-// Near the cap of its exponent the fibres' energy has a condition number of its own: a relative error of E grows by
+// Near the cap of its exponent the fibers' energy has a condition number of its own: a relative error of E grows by
 // d ln stress / d ln E = 1 + 2 k2 E^2, at most 21, and E itself is a difference of squares: one rounding of I4 moves E
 // by I4/E roundings. In terms of k2 the two together are 2 sqrt(10 k2), whatever the arithmetic; that much is allowed.
-double fibre_condition(double k2) { return std::max(1.0, 2.0 * std::sqrt(fibre_detail::kGreatestExponent * k2)); }
+double fiber_condition(double k2) { return std::max(1.0, 2.0 * std::sqrt(fiber_detail::kGreatestExponent * k2)); }
 
 template <class Real>
-void compare_fibres(Comparison<Real>& c, const KernelTwins<Real>& twins, const KernelTwins<double>& reference) {
+void compare_fibers(Comparison<Real>& c, const KernelTwins<Real>& twins, const KernelTwins<double>& reference) {
   Random random;
   std::vector<Values> states;
   for (int k = 0; k < 6000; ++k) {
@@ -257,36 +257,36 @@ void compare_fibres(Comparison<Real>& c, const KernelTwins<Real>& twins, const K
     const double i1 = s[0] * s[0] + s[1] * s[1] + s[2] * s[2];
     double i4 = 0;
     for (std::size_t i = 0; i < 3; ++i) i4 += s[i] * s[i] * v[i] * v[i];
-    const bool fibres = k % 3 != 0, muscle = k % 3 != 1;
+    const bool fibers = k % 3 != 0, muscle = k % 3 != 1;
     const double k2 = k % 5 == 0 ? 0.0 : random.log_uniform(1e-3, 200.0);
-    states.push_back({i1, i4, fibres ? random.log_uniform(0.1, 300.0) : 0.0, fibres ? k2 : 0.0,
+    states.push_back({i1, i4, fibers ? random.log_uniform(0.1, 300.0) : 0.0, fibers ? k2 : 0.0,
                       random.uniform(0.0, 1.0 / 3.0), muscle ? random.uniform(0.0, 300.0) : 0.0});
   }
   const auto scale = [](const Values& in, const Values& r) {
-    // stiffness of the response on dF: the largest of what its parts give, and of the slack fibre and muscle
+    // stiffness of the response on dF: the largest of what its parts give, and of the slack fiber and muscle
     const double stiffness = std::max(
         {std::abs(r[1]), std::abs(r[2]), std::abs(r[3]) * in[0], std::abs(r[4]) * std::max(in[1], 0.16), in[2], in[5]});
-    return stiffness * fibre_condition(in[3]);
+    return stiffness * fiber_condition(in[3]);
   };
   const auto tangent_error = [=](const Values& in, const Values& got, const Values& expected) {
     // the terms as they act: the curvature on B B, |B|^2 <= I1; the muscle's on F a a, |F a|^2 = I4
     double difference = std::max(std::abs(got[1] - expected[1]), std::abs(got[2] - expected[2]));
-    const bool at_the_kink =  // of slack fibres, where the curvature steps
+    const bool at_the_kink =  // of slack fibers, where the curvature steps
         std::abs(in[4] * (in[0] - 3) + (1 - 3 * in[4]) * (in[1] - 1)) < 8 * kTwinTolerance<Real> * (in[0] + 1);
     if (!at_the_kink) difference = std::max(difference, std::abs(got[3] - expected[3]) * in[0]);
     const double change = std::abs(std::sqrt(in[1]) - 1);
-    if (std::abs(change - fibre_detail::kPeak) > 1e-5)
+    if (std::abs(change - fiber_detail::kPeak) > 1e-5)
       difference = std::max(difference, std::abs(got[4] - expected[4]) * in[1]);
     return difference / scale(in, expected);
   };
-  c.compare("fibres and muscle: energy", twins.fibre, reference.fibre, states, 5,
+  c.compare("fibers and muscle: energy", twins.fiber, reference.fiber, states, 5,
             [=](const Values& in, const Values& got, const Values& expected) {
               return std::abs(got[0] - expected[0]) / (scale(in, expected) * std::max(in[0], 1.0));
             });
-  c.compare("fibres and muscle: response", twins.fibre, reference.fibre, states, 5, tangent_error);
+  c.compare("fibers and muscle: response", twins.fiber, reference.fiber, states, 5, tangent_error);
   for (const int how : {0, 1})
-    c.compare(how == 0 ? "fibres and muscle: definite, clamp" : "fibres and muscle: definite, absolute",
-              twins.fibre_definite[how], reference.fibre_definite[how], states, 5, tangent_error);
+    c.compare(how == 0 ? "fibers and muscle: definite, clamp" : "fibers and muscle: definite, absolute",
+              twins.fiber_definite[how], reference.fiber_definite[how], states, 5, tangent_error);
 }
 
 template <class Real>
@@ -314,9 +314,9 @@ void compare_cells(Comparison<Real>& c, const KernelTwins<Real>& twins, const Ke
     for (const double s : random.stretches(k)) in.push_back(s);
     for (int i = 0; i < 4; ++i) in.push_back(10.0 * random.normal());
     Values material(kMaterialFields);
-    material[kFibreDispersion] = random.uniform(0.0, 1.0 / 3.0);
+    material[kFiberDispersion] = random.uniform(0.0, 1.0 / 3.0);
     const auto direction = random.rotation();
-    for (std::size_t i = 0; i < 3; ++i) material[kFibreDirection + i] = direction[i];
+    for (std::size_t i = 0; i < 3; ++i) material[kFiberDirection + i] = direction[i];
     for (const std::size_t i : {0U, 3U, 5U}) material[kPrestretch + i] = random.uniform(0.8, 1.2);
     for (const std::size_t i : {1U, 2U, 4U}) material[kPrestretch + i] = random.uniform(-0.1, 0.1);
     in.insert(in.end(), material.begin(), material.end());
@@ -324,29 +324,29 @@ void compare_cells(Comparison<Real>& c, const KernelTwins<Real>& twins, const Ke
     in.insert(in.end(), df.begin(), df.end());
     differentials.push_back(in);
   }
-  // |T| |dF|: fibres act with isotropic, along, and their curvatures times |F|^2
-  const auto scale = [](const Values& in, bool fibres) {
+  // |T| |dF|: fibers act with isotropic, along, and their curvatures times |F|^2
+  const auto scale = [](const Values& in, bool fibers) {
     double tangent = norm(&in[8], 12);
     const double stretch = in[20] * in[20] + in[21] * in[21] + in[22] * in[22];
-    if (fibres)
+    if (fibers)
       tangent += std::abs(in[23]) + std::abs(in[24]) + (std::abs(in[25]) + std::abs(in[26])) * std::max(stretch, 1.0);
     return tangent;
   };
-  for (const bool fibres : {false, true})
+  for (const bool fibers : {false, true})
     for (const bool prestretched : {false, true}) {
-      const std::string with = std::string(fibres ? ", fibres" : "") + (prestretched ? ", prestretch" : "");
-      c.compare("differential" + with, twins.differential[fibres][prestretched],
-                reference.differential[fibres][prestretched], differentials, 9,
+      const std::string with = std::string(fibers ? ", fibers" : "") + (prestretched ? ", prestretch" : "");
+      c.compare("differential" + with, twins.differential[fibers][prestretched],
+                reference.differential[fibers][prestretched], differentials, 9,
                 [=](const Values& in, const Values& got, const Values& expected) {
-                  return distance(got.data(), expected.data(), 9) / (scale(in, fibres) * norm(&in[in.size() - 9], 9));
+                  return distance(got.data(), expected.data(), 9) / (scale(in, fibers) * norm(&in[in.size() - 9], 9));
                 });
       auto blocks = differentials;
       for (auto& in : blocks) in.resize(in.size() - 6);
-      c.compare("diagonal block" + with, twins.corner_block[fibres][prestretched],
-                reference.corner_block[fibres][prestretched], blocks, 6,
+      c.compare("diagonal block" + with, twins.corner_block[fibers][prestretched],
+                reference.corner_block[fibers][prestretched], blocks, 6,
                 [=](const Values& in, const Values& got, const Values& expected) {
                   const double g = norm(&in[in.size() - 3], 3);
-                  return distance(got.data(), expected.data(), 6) / (scale(in, fibres) * g * g);
+                  return distance(got.data(), expected.data(), 6) / (scale(in, fibers) * g * g);
                 });
     }
 }
@@ -358,7 +358,7 @@ std::vector<TwinResult> compare_kernel_twins(const KernelTwins<Real>& twins, con
   Comparison<Real> c(twins, reference);
   compare_matrices(c, twins, reference);
   compare_materials(c, twins, reference);
-  compare_fibres(c, twins, reference);
+  compare_fibers(c, twins, reference);
   compare_cells(c, twins, reference);
   for (auto& result : compare_node_kernels(twins)) c.all.push_back(std::move(result));
   return c.all;

@@ -4,7 +4,7 @@
 #include "force/kernels/diagonal_kernel.h"
 #include "force/kernels/node_lanes_kernel.h"
 #include "force/kernels/product_kernel.h"
-#include "force/materials/fibre.h"
+#include "force/materials/fiber.h"
 #include "force/materials/material_models.h"
 #include "kernel_twins.h"
 #include "math/matrix3.h"
@@ -102,7 +102,7 @@ struct TwinInstance {
     Model::dpdf_hat(s, m, t);
     give_tangent(out, t);
   }
-  template <Definiteness kHow>
+  template <PsdProjection kHow>
   static void definite(const Real* in, Real* out) {
     TangentHat<Number> t;
     take(in, t.hessian);
@@ -111,11 +111,11 @@ struct TwinInstance {
     make_definite(t, take(in), kHow);
     give_tangent(out, t);
   }
-  template <Definiteness kHow>
-  static void fibre(const Real* in, Real* out) {
+  template <PsdProjection kHow>
+  static void fiber(const Real* in, Real* out) {
     Number x[6];
     take(in, x);
-    auto r = fibre_response(x[0], x[1], FibreParameters<Number>{x[2], x[3], x[4], x[5]});
+    auto r = fiber_response(x[0], x[1], FiberParameters<Number>{x[2], x[3], x[4], x[5]});
     make_definite(r, x[1], kHow);
     const Number values[5] = {r.energy, r.isotropic, r.along, r.curvature, r.muscle_curvature};
     give(out, values);
@@ -129,25 +129,25 @@ struct TwinInstance {
     spread_to_corners(sums[0], sums[1], sums[2], modes, c);
     give(out, c);
   }
-  template <bool kFibres, bool kPrestretched>
+  template <bool kFibers, bool kPrestretched>
   static void differential_of(const Real* in, Real* out) {
-    const Real *tangent = in, *sigma = tangent + kTangentFields * w, *fibre = sigma + 3 * w,
-               *material = fibre + kFibreFields * w, *last = material + kMaterialFields * w;
+    const Real *tangent = in, *sigma = tangent + kTangentFields * w, *fiber = sigma + 3 * w,
+               *material = fiber + kFiberFields * w, *last = material + kMaterialFields * w;
     Number df[9];
     take(last, df);
-    differential<kFibres, kPrestretched>(tangent, sigma, fibre, material, df);
+    differential<kFibers, kPrestretched>(tangent, sigma, fiber, material, df);
     give(out, df);
   }
-  template <bool kFibres, bool kPrestretched>
+  template <bool kFibers, bool kPrestretched>
   static void corner_block(const Real* in, Real* out) {
-    const Real *tangent = in, *sigma = tangent + kTangentFields * w, *fibre = sigma + 3 * w,
-               *material = fibre + kFibreFields * w, *last = material + kMaterialFields * w;
+    const Real *tangent = in, *sigma = tangent + kTangentFields * w, *fiber = sigma + 3 * w,
+               *material = fiber + kFiberFields * w, *last = material + kMaterialFields * w;
     Number g[3], u[9], v[9], block[6];
     take(last, g);
     load_rotation(tangent, kU, u);
     load_rotation(tangent, kV, v);
     for (auto& value : block) value = Number(0);
-    add_corner_block<kFibres, kPrestretched>(tangent, sigma, fibre, material, u, v, g, block);
+    add_corner_block<kFibers, kPrestretched>(tangent, sigma, fiber, material, u, v, g, block);
     give(out, block);
   }
   static void quadratic(const Real* in, Real* out) {
@@ -181,11 +181,11 @@ struct TwinInstance {
     twins.definite3[1] = &definite3<true>;
     for (int k = 0; k < kTwinModels; ++k)
       MaterialModels::with(k, [&]<class Model>() { twins.model[k] = &TwinInstance::model<Model>; });
-    twins.definite[0] = &definite<Definiteness::kClamp>;
-    twins.definite[1] = &definite<Definiteness::kAbsolute>;
-    twins.fibre = &fibre<Definiteness::kExact>;
-    twins.fibre_definite[0] = &fibre<Definiteness::kClamp>;
-    twins.fibre_definite[1] = &fibre<Definiteness::kAbsolute>;
+    twins.definite[0] = &definite<PsdProjection::kClamp>;
+    twins.definite[1] = &definite<PsdProjection::kAbsolute>;
+    twins.fiber = &fiber<PsdProjection::kExact>;
+    twins.fiber_definite[0] = &fiber<PsdProjection::kClamp>;
+    twins.fiber_definite[1] = &fiber<PsdProjection::kAbsolute>;
     twins.corners = &corners;
     twins.differential[0][0] = &differential_of<false, false>;
     twins.differential[0][1] = &differential_of<false, true>;

@@ -213,7 +213,7 @@ TYPED_TEST(Materials, TangentMadeDefiniteHasNoEigenvalueBelowTheFloor) {
   const double floor = 1e-4 * kMu;
   int indefinite = 0, kept = 0;
   for (const Vector& s : stretches())
-    for (const auto how : {Definiteness::kClamp, Definiteness::kAbsolute}) {
+    for (const auto how : {PsdProjection::kClamp, PsdProjection::kAbsolute}) {
       const auto exact = tangent<TypeParam>(s, kModuli);
       auto t = exact;
       make_definite(t, floor, how);

@@ -142,9 +142,9 @@ TEST_P(CutLattices, SlabsThatRunAtTheSameTimeShareNoNode) {
     ASSERT_EQ(layout.slab_start.back(), layout.groups);
     ASSERT_TRUE(std::is_sorted(layout.slab_start.begin(), layout.slab_start.end()));
     most = std::max(most, layout.slabs());
-    for (std::size_t colour = 0; colour < 2; ++colour) {
+    for (std::size_t color = 0; color < 2; ++color) {
       std::vector<std::size_t> slab_of_node(lattice_.node_rest.size(), layout.slabs());
-      for (std::size_t slab = colour; slab < layout.slabs(); slab += 2)
+      for (std::size_t slab = color; slab < layout.slabs(); slab += 2)
         for (auto group = layout.slab_start[slab]; group < layout.slab_start[slab + 1]; ++group)
           for (std::size_t n = 0; n < kBlockNodes; ++n)
             for (int lane = 0; lane < lanes; ++lane) {
@@ -156,7 +156,7 @@ TEST_P(CutLattices, SlabsThatRunAtTheSameTimeShareNoNode) {
             }
     }
   }
-  EXPECT_GT(most, 2U) << "one slab of a colour cannot share";
+  EXPECT_GT(most, 2U) << "one slab of a color cannot share";
 }
 
 TEST_P(CutLattices, ForEachSlabVisitsEverySlabOnce) {
@@ -212,7 +212,7 @@ TEST(BlockLayout, AnUncutSlabOfWholeBlocksIsAllColumns) {
   EXPECT_EQ(layout.nodes.size(), 32U * 9 * 8);
 }
 
-TEST(BlockLayout, NeighboursAlongAColumnAreHalfTheLanesApart) {
+TEST(BlockLayout, NeighborsAlongAColumnAreHalfTheLanesApart) {
   LatticeSettings settings;
   settings.fine_ratio = 2;
   const Lattice lattice = build_lattice(test::box(Vec3::Zero(), Vec3(64, 8, 8)), settings);

@@ -29,7 +29,7 @@ TEST(MemoryEstimate, MeasuresAreaAndVolumeOfABox) {
   EXPECT_NEAR(size.projected_area.z(), 2 * 4 * 6, 1e-12);
 }
 
-TEST(MemoryEstimate, ALatticeBeyondTheBudgetIsRefusedBeforeAnythingIsAllocatedNamingTheMend) {
+TEST(MemoryEstimate, ALatticeBeyondTheBudgetIsRefusedBeforeAnythingIsAllocatedNamingTheRemedy) {
   LatticeSettings settings;
   settings.spacing = 1e-3;  // 32 million million cells: must not even be tried
   const std::string sentence = refusal(test::box(Vec3(0, 0, 0), Vec3(100, 80, 4)), settings);

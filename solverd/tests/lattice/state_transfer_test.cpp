@@ -78,7 +78,7 @@ TEST(StateTransfer, AnExcisionThatShrinksTheBoxKeepsEveryPosition) {
   EXPECT_EQ(carried, affine(rest));
 }
 
-TEST(StateTransfer, TissueThatWasNotThereMovesWithItsNeighbours) {
+TEST(StateTransfer, TissueThatWasNotThereMovesWithItsNeighbors) {
   const Lattice small = build_lattice(test::box(Vec3(0, 0, 0), Vec3(4, 4, 2)), settings(4));
   Surface larger = test::box(Vec3(0, 0, 0), Vec3(9, 4, 2));
   test::append(larger, test::box(Vec3(12, 0, 0), Vec3(13, 1, 1)));

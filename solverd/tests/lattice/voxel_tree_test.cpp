@@ -27,11 +27,11 @@ TEST(VoxelTree, MeetsTheNearestVoxelsWhereverThePointLies) {
       const Vec3 point(draw(random), draw(random), draw(random));
       double nearest = std::numeric_limits<double>::infinity();
       for (const Voxel voxel : voxels)
-        if (voxel[0] >= 0) nearest = std::min(nearest, (VoxelTree::centre(voxel) - point).norm());
+        if (voxel[0] >= 0) nearest = std::min(nearest, (VoxelTree::center(voxel) - point).norm());
       double found = std::numeric_limits<double>::infinity();
       tree.visit_nearest(voxels, point, found, [&](const Voxel& voxel) {
         EXPECT_GE(voxel[0], 0);
-        return found = std::min(found, (VoxelTree::centre(voxel) - point).norm());
+        return found = std::min(found, (VoxelTree::center(voxel) - point).norm());
       });
       EXPECT_EQ(found, nearest);
     }
@@ -45,7 +45,7 @@ TEST(VoxelTree, MeetsAllVoxelsWithinADistanceAndNoneBeyond) {
   constexpr double kWithin = 6.5;
   std::set<Voxel> expected, met;
   for (const Voxel voxel : voxels)
-    if (voxel[0] >= 0 && (VoxelTree::centre(voxel) - point).norm() <= kWithin) expected.insert(voxel);
+    if (voxel[0] >= 0 && (VoxelTree::center(voxel) - point).norm() <= kWithin) expected.insert(voxel);
   tree.visit_nearest(voxels, point, kWithin, [&](const Voxel& voxel) {
     met.insert(voxel);
     return kWithin;

@@ -42,8 +42,8 @@ TEST(Voxelize, WindingNumbersAlongAllThreeAxesAgreeOnARoundBody) {
   expect_all_axes_agree(test::sphere(Vec3(5.03, 5.1, 5.2), 4.7, 20), settings(1.0, 4));
 }
 
-TEST(Voxelize, WindingNumbersAgreeWhereVerticesEdgesAndFacesLieOnVoxelCentres) {
-  // With r = 4 centres lie at odd multiples of 1/8: an octahedron with its six tips, twelve edges and diagonal faces on
+TEST(Voxelize, WindingNumbersAgreeWhereVerticesEdgesAndFacesLieOnVoxelCenters) {
+  // With r = 4 centers lie at odd multiples of 1/8: an octahedron with its six tips, twelve edges and diagonal faces on
   // them.
   Surface octahedron;
   const Vec3 middle(2.125, 2.125, 2.125);
@@ -58,13 +58,13 @@ TEST(Voxelize, WindingNumbersAgreeWhereVerticesEdgesAndFacesLieOnVoxelCentres) {
       }
   expect_all_axes_agree(octahedron, settings(1.0, 4));
   expect_all_axes_agree(test::box(Vec3(0.125, 0.375, 0.625), Vec3(3.125, 2.875, 1.625)), settings(1.0, 4));
-  // |x| + |y| + |z| <= 6 voxels about a centre has 377 points of the grid; the half-open rule keeps a definite part of
+  // |x| + |y| + |z| <= 6 voxels about a center has 377 points of the grid; the half-open rule keeps a definite part of
   // the 146 on the boundary, and the 231 strictly inside always.
   std::int64_t inside = 0;
   for (const std::int8_t w : FineVoxels::winding_numbers(octahedron, settings(1.0, 4), 0)) inside += w;
   EXPECT_GE(inside, 231);
   EXPECT_LE(inside, 377);
-  // Moved centres: of a box with faces on centres the upper face is out and the lower face is in, so nothing is counted
+  // Moved centers: of a box with faces on centers the upper face is out and the lower face is in, so nothing is counted
   // twice.
   std::int64_t box = 0;
   for (const std::int8_t w : FineVoxels::winding_numbers(
@@ -89,7 +89,7 @@ TEST(Voxelize, RandomTrianglesThatFormAClosedSurfaceGiveTheSameWindingAlongEvery
   EXPECT_EQ(x, FineVoxels::winding_numbers(shaken, s, 2));
 }
 
-TEST(Voxelize, ASlitBetweenTwoCentresCutsTheirLinkAndLeavesBothInside) {
+TEST(Voxelize, ASlitBetweenTwoCentersCutsTheirLinkAndLeavesBothInside) {
   const auto slab = test::cut_slab(4, 2, 1, {{2.0, 0.0}, {2.0, 2.0}}, 0.01);
   const FineVoxels fine(slab.surface, settings(1.0, 4));
   for (std::int32_t y = 0; y < 8; ++y)
@@ -129,9 +129,9 @@ TEST(Voxelize, EveryInnerVoxelIsInsideAndOnTheInnerSideOfItsTriangle) {
       if (voxel[0] < 0) continue;
       ++seen;
       EXPECT_TRUE(fine.inside(voxel));
-      const Vec3 centre = s.spacing * Vec3(fine.box().low[0], fine.box().low[1], fine.box().low[2]) +
+      const Vec3 center = s.spacing * Vec3(fine.box().low[0], fine.box().low[1], fine.box().low[2]) +
                           0.2 * Vec3(voxel[0] + 0.5, voxel[1] + 0.5, voxel[2] + 0.5);
-      EXPECT_LT((b - a).cross(c - a).dot(centre - a), 1e-9);
+      EXPECT_LT((b - a).cross(c - a).dot(center - a), 1e-9);
     }
   }
   EXPECT_GT(seen, 5000U);

@@ -17,10 +17,10 @@ namespace {
 
 using Views = std::vector<std::span<const std::byte>>;
 
-Views array_views(const std::vector<FrameBytes>& frames) { return {frames.begin() + 1, frames.end()}; }
+Views array_views(const std::vector<PartBytes>& parts) { return {parts.begin() + 1, parts.end()}; }
 
-FrameBytes bytes(std::initializer_list<int> values) {
-  FrameBytes result;
+PartBytes bytes(std::initializer_list<int> values) {
+  PartBytes result;
   for (const int value : values) result.push_back(static_cast<std::byte>(value));
   return result;
 }
@@ -44,11 +44,11 @@ testing::AssertionResult says(const RefusedError& error, ErrorCode code, const s
 }
 
 // A header whose `arrays` holds one array of this shape.
-std::vector<FrameBytes> with_shape(std::vector<Value> shape, const std::string& dtype = "f8") {
+std::vector<PartBytes> with_shape(std::vector<Value> shape, const std::string& dtype = "f8") {
   const Fields array = {{"name", std::string("points")}, {"dtype", dtype}, {"shape", std::move(shape)}};
   // The writer adds its own empty `arrays`; write the list as a field of a header made by hand.
-  const std::vector<FrameBytes> entry = MessageWriter("x", 1).field("entry", array).finish();
-  FrameBytes header = MessageWriter("epoch", 7).finish().front();
+  const std::vector<PartBytes> entry = MessageWriter("x", 1).field("entry", array).finish();
+  PartBytes header = MessageWriter("epoch", 7).finish().front();
   // The header ends with the empty list of arrays: 0x90. Replace it by a list of one and the packed map.
   EXPECT_EQ(header.back(), std::byte{0x90});
   header.back() = std::byte{0x91};
@@ -62,20 +62,20 @@ std::vector<FrameBytes> with_shape(std::vector<Value> shape, const std::string& 
 TEST(Message, IsReadBackAsItWasWritten) {
   const std::vector<double> points = {1.5, -2.0, std::numeric_limits<double>::denorm_min(), 4.0, 1e300, 6.0};
   const std::vector<std::int32_t> index = {-1, 2147483647};
-  const std::vector<FrameBytes> frames = MessageWriter("frame", 18446744073709551615U, 3)
-                                             .field("whole", std::int64_t{-5})
-                                             .field("real", 2.0)
-                                             .field("nothing", std::numeric_limits<double>::quiet_NaN())
-                                             .field("yes", true)
-                                             .field("text", std::string("a sentence"))
-                                             .field("list", std::vector<Value>{1.0, 2.0, 3.0})
-                                             .field("map", Fields{{"total", 0.25}})
-                                             .array("points", std::span<const double>(points), {2, 3})
-                                             .array("index", std::span<const std::int32_t>(index), {2})
-                                             .array("none", std::span<const float>(), {0, 3})
-                                             .finish();
-  ASSERT_EQ(frames.size(), 4U);
-  const Header header = decode_header(frames[0]);
+  const std::vector<PartBytes> parts = MessageWriter("frame", 18446744073709551615U, 3)
+                                           .field("whole", std::int64_t{-5})
+                                           .field("real", 2.0)
+                                           .field("nothing", std::numeric_limits<double>::quiet_NaN())
+                                           .field("yes", true)
+                                           .field("text", std::string("a sentence"))
+                                           .field("list", std::vector<Value>{1.0, 2.0, 3.0})
+                                           .field("map", Fields{{"total", 0.25}})
+                                           .array("points", std::span<const double>(points), {2, 3})
+                                           .array("index", std::span<const std::int32_t>(index), {2})
+                                           .array("none", std::span<const float>(), {0, 3})
+                                           .finish();
+  ASSERT_EQ(parts.size(), 4U);
+  const Header header = decode_header(parts[0]);
   EXPECT_EQ(header.type, "frame");
   EXPECT_EQ(header.id, 18446744073709551615U);
   EXPECT_EQ(header.session, 3U);
@@ -88,7 +88,7 @@ TEST(Message, IsReadBackAsItWasWritten) {
   EXPECT_EQ(fields.vector3("list"), (std::array<double, 3>{1.0, 2.0, 3.0}));
   EXPECT_EQ(FieldReader(fields.map("map"), "map").number("total"), 0.25);
 
-  const Views views = array_views(frames);
+  const Views views = array_views(parts);
   ArrayReader arrays(header, views);
   EXPECT_EQ(arrays.read<double>("points", {kAny, 3}), points);
   EXPECT_EQ(arrays.read<std::int32_t>("index", {2}), index);
@@ -102,23 +102,23 @@ TEST(Message, ARealNumberKeepsItsKindEvenWhenItIsWhole) {
 }
 
 TEST(Message, WhatIsNoMapIsRefused) {
-  const std::vector<FrameBytes> broken = {bytes({}),
-                                          bytes({0xc1}),
-                                          bytes({0x93, 1, 2}),
-                                          bytes({0xc0}),
-                                          bytes({0x05}),
-                                          bytes({0xdf, 0xff, 0xff, 0xff, 0xff}),
-                                          bytes({0x80, 0x80}),
-                                          bytes({0x81, 0x01, 0x02}),
-                                          FrameBytes(4096, std::byte{0x91})};
-  for (const FrameBytes& frame : broken) {
-    const RefusedError error = refusal_of([&] { decode_header(frame); });
+  const std::vector<PartBytes> broken = {bytes({}),
+                                         bytes({0xc1}),
+                                         bytes({0x93, 1, 2}),
+                                         bytes({0xc0}),
+                                         bytes({0x05}),
+                                         bytes({0xdf, 0xff, 0xff, 0xff, 0xff}),
+                                         bytes({0x80, 0x80}),
+                                         bytes({0x81, 0x01, 0x02}),
+                                         PartBytes(4096, std::byte{0x91})};
+  for (const PartBytes& part : broken) {
+    const RefusedError error = refusal_of([&] { decode_header(part); });
     EXPECT_EQ(error.code(), ErrorCode::kMalformed) << error.what();
   }
 }
 
 TEST(Message, EveryCutOffHeaderIsRefused) {
-  const FrameBytes whole = with_shape({std::uint64_t{2}, std::uint64_t{3}}).front();
+  const PartBytes whole = with_shape({std::uint64_t{2}, std::uint64_t{3}}).front();
   EXPECT_EQ(decode_header(whole).arrays.at(0).bytes, 48U);
   for (std::size_t length = 0; length < whole.size(); ++length) {
     const std::span<const std::byte> cut(whole.data(), length);
@@ -147,7 +147,7 @@ TEST(Message, ShapesThatOverflowAreRefused) {
 }
 
 TEST(Message, AnotherVersionIsRefusedAndItsIdIsKnown) {
-  FrameBytes header = MessageWriter("ping", 9).finish().front();
+  PartBytes header = MessageWriter("ping", 9).finish().front();
   const auto version = std::ranges::find(header, std::byte{'v'});
   *(version + 1) = std::byte{2};
   EXPECT_TRUE(says(refusal_of([&] { decode_header(header); }), ErrorCode::kMalformed, "version 2"));
@@ -158,12 +158,12 @@ TEST(Message, AnotherVersionIsRefusedAndItsIdIsKnown) {
 
 TEST(Message, ArraysMustHaveTheLengthKindAndShapeThatAreAskedFor) {
   const std::vector<double> points(6, 1.0);
-  std::vector<FrameBytes> frames =
+  std::vector<PartBytes> parts =
       MessageWriter("epoch", 1).array("points", std::span<const double>(points), {2, 3}).finish();
-  const Header header = decode_header(frames[0]);
+  const Header header = decode_header(parts[0]);
   const auto read = [&](auto action) {
     return refusal_of([&] {
-      const Views views = array_views(frames);
+      const Views views = array_views(parts);
       ArrayReader reader(header, views);
       action(reader);
     });
@@ -176,19 +176,19 @@ TEST(Message, ArraysMustHaveTheLengthKindAndShapeThatAreAskedFor) {
   EXPECT_TRUE(
       says(read([](ArrayReader& r) { r.read<double>("triangles", {kAny}); }), ErrorCode::kMalformed, "no array"));
   EXPECT_TRUE(says(read([](ArrayReader& r) { r.finish(); }), ErrorCode::kMalformed, "does not know"));
-  frames[1].pop_back();
+  parts[1].pop_back();
   EXPECT_TRUE(says(read([](ArrayReader&) {}), ErrorCode::kMalformed, "47 bytes"));
-  frames.pop_back();
+  parts.pop_back();
   EXPECT_TRUE(says(read([](ArrayReader&) {}), ErrorCode::kMalformed, "holds 0 array frames"));
 }
 
 TEST(Message, ValuesThatAreNotFiniteAreNamed) {
   std::vector<double> points(6, 1.0);
   points[4] = std::numeric_limits<double>::infinity();
-  const std::vector<FrameBytes> frames =
+  const std::vector<PartBytes> parts =
       MessageWriter("epoch", 1).array("points", std::span<const double>(points), {2, 3}).finish();
-  const Header header = decode_header(frames[0]);
-  const Views views = array_views(frames);
+  const Header header = decode_header(parts[0]);
+  const Views views = array_views(parts);
   ArrayReader reader(header, views);
   EXPECT_TRUE(
       says(refusal_of([&] { reader.read_finite("points", {kAny, 3}); }), ErrorCode::kInvalidInput, "element 4"));
@@ -216,16 +216,16 @@ TEST(Message, FieldsAreCheckedByKindAndRange) {
 
 TEST(Message, RandomBytesAreRefusedAndNothingElseHappens) {
   std::mt19937 random(20261121);
-  const FrameBytes seed = with_shape({std::uint64_t{2}, std::uint64_t{3}}).front();
+  const PartBytes seed = with_shape({std::uint64_t{2}, std::uint64_t{3}}).front();
   int refused = 0;
   for (int turn = 0; turn < 20000; ++turn) {
-    FrameBytes frame = seed;
+    PartBytes part = seed;
     const int changes = 1 + static_cast<int>(random() % 6);
-    for (int i = 0; i < changes; ++i) frame[random() % frame.size()] = static_cast<std::byte>(random());
-    if (random() % 4 == 0) frame.resize(random() % frame.size());
-    guess_id(frame);
+    for (int i = 0; i < changes; ++i) part[random() % part.size()] = static_cast<std::byte>(random());
+    if (random() % 4 == 0) part.resize(random() % part.size());
+    guess_id(part);
     try {
-      decode_header(frame, 1 << 20);
+      decode_header(part, 1 << 20);
     } catch (const RefusedError&) {
       ++refused;
     }
@@ -239,7 +239,7 @@ TEST(Codec, IndicesOutOfRangeNeverReachTheSolver) {
   std::vector<std::int32_t> grip = {-1, 0};
   const std::vector<std::uint8_t> marks(2, 0);
   const auto decode = [&](std::int32_t retractors) {
-    const std::vector<FrameBytes> frames =
+    const std::vector<PartBytes> parts =
         MessageWriter("epoch", 1)
             .field("index", std::int64_t{0})
             .array("points", std::span<const double>(points), {4, 3})
@@ -250,8 +250,8 @@ TEST(Codec, IndicesOutOfRangeNeverReachTheSolver) {
             .array("landmarks", std::span<const double>(points), {4, 3})
             .array("landmark_triangles", std::span<const std::int32_t>(std::vector<std::int32_t>{0, 1, 1, 0}), {4})
             .finish();
-    const Views views = array_views(frames);
-    return decode_epoch(decode_header(frames[0]), views, retractors, 1);
+    const Views views = array_views(parts);
+    return decode_epoch(decode_header(parts[0]), views, retractors, 1);
   };
   const EpochInput epoch = decode(1);
   EXPECT_EQ(epoch.surface.triangles[1], (std::array<std::int32_t, 3>{0, 1, 3}));
@@ -286,9 +286,9 @@ TEST(Codec, EveryParameterOfAMaterialIsRead) {
                            {"sutures", std::int64_t{0}},
                            {"retractors", std::int64_t{0}}};
   const auto decode = [&](Value materials) {
-    const auto frames =
+    const auto parts =
         MessageWriter("open", 1).field("settings", settings).field("materials", std::move(materials)).finish();
-    return decode_open(decode_header(frames[0]), {});
+    return decode_open(decode_header(parts[0]), {});
   };
   Fields full = material_fields();
   full["mooney_ratio"] = 0.5;
@@ -303,12 +303,12 @@ TEST(Codec, EveryParameterOfAMaterialIsRead) {
   const MaterialParameters &plain = read.materials[0], &all = read.materials[1];
   EXPECT_EQ(plain.model, "mooneyRivlin");
   EXPECT_EQ(plain.density, 900.0);
-  EXPECT_FALSE(plain.has_fibres() || plain.has_muscle() || plain.has_prestretch());
+  EXPECT_FALSE(plain.has_fibers() || plain.has_muscle() || plain.has_prestretch());
   EXPECT_EQ(all.mooney_ratio, 0.5);
-  EXPECT_EQ(all.fibre_direction, Vec3(0.0, 0.6, 0.8));
-  EXPECT_EQ(all.fibre_k1, 11.0);
-  EXPECT_EQ(all.fibre_k2, 12.0);
-  EXPECT_EQ(all.fibre_dispersion, 0.1);
+  EXPECT_EQ(all.fiber_direction, Vec3(0.0, 0.6, 0.8));
+  EXPECT_EQ(all.fiber_k1, 11.0);
+  EXPECT_EQ(all.fiber_k2, 12.0);
+  EXPECT_EQ(all.fiber_dispersion, 0.1);
   EXPECT_EQ(all.muscle_stress, 300.0);
   EXPECT_EQ(all.prestretch, (std::array<double, 2>{1.2, 1.1}));
   Fields misspelt = material_fields();
@@ -343,16 +343,16 @@ TEST(Codec, RegionsComeWithTheSkinThatTheyLieBelow) {
     return writer;
   };
   const auto decode = [](MessageWriter writer, std::int32_t materials) {
-    const auto frames = writer.finish();
-    const Views views = array_views(frames);
-    return decode_epoch(decode_header(frames[0]), views, 0, materials);
+    const auto parts = writer.finish();
+    const Views views = array_views(parts);
+    return decode_epoch(decode_header(parts[0]), views, 0, materials);
   };
-  const auto with_regions = [&](bool labelled = true) {
+  const auto with_regions = [&](bool labeled = true) {
     MessageWriter writer = message();
     writer.field("regions", std::vector<Value>{first, second})
         .array("skin_points", std::span<const double>(points), {4, 3})
         .array("skin_triangles", std::span<const std::int32_t>(triangles), {2, 3});
-    if (labelled) writer.array("region_faces", std::span<const std::uint8_t>(faces), {2, 2});
+    if (labeled) writer.array("region_faces", std::span<const std::uint8_t>(faces), {2, 2});
     return writer;
   };
   EXPECT_TRUE(decode(message(), 1).regions.empty());
@@ -398,9 +398,9 @@ TEST(Codec, AFrameActivatesEveryMaterialOrNone) {
         .array("retractor_index", wholes, {0})
         .array("retractor_motion", reals, {0, 4, 4});
     if (!activation.empty()) writer.array("activation", std::span<const double>(activation), {activation.size()});
-    const auto frames = writer.finish();
-    const Views views = array_views(frames);
-    return decode_solve(decode_header(frames[0]), views, {2, 0, 0, materials}).activation;
+    const auto parts = writer.finish();
+    const Views views = array_views(parts);
+    return decode_solve(decode_header(parts[0]), views, {2, 0, 0, materials}).activation;
   };
   EXPECT_TRUE(decode({}, 3).empty());
   EXPECT_EQ(decode({0.0, 0.5}, 2), (std::vector<double>{0.0, 0.5}));

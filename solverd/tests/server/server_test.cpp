@@ -81,9 +81,9 @@ class ServerTest : public testing::Test {
     }
 
     std::uint64_t send(MessageWriter message) { return send(message.finish()); }
-    std::uint64_t send(const std::vector<FrameBytes>& frames) {
-      for (std::size_t i = 0; i < frames.size(); ++i) {
-        socket_.send(zmq::buffer(frames[i]), i + 1 < frames.size() ? zmq::send_flags::sndmore : zmq::send_flags::none);
+    std::uint64_t send(const std::vector<PartBytes>& parts) {
+      for (std::size_t i = 0; i < parts.size(); ++i) {
+        socket_.send(zmq::buffer(parts[i]), i + 1 < parts.size() ? zmq::send_flags::sndmore : zmq::send_flags::none);
       }
       return next_id_++;
     }
@@ -319,9 +319,9 @@ TEST_F(ServerTest, BrokenMessagesGetAnErrorWithTheirIdAndNothingElse) {
   peer.prepare();
   const auto text = [](const std::string& bytes) {
     const auto view = std::as_bytes(std::span(bytes));
-    return FrameBytes(view.begin(), view.end());
+    return PartBytes(view.begin(), view.end());
   };
-  peer.send(std::vector<FrameBytes>{text("not msgpack")});
+  peer.send(std::vector<PartBytes>{text("not msgpack")});
   Reply reply = peer.receive();
   EXPECT_EQ(reply.code, "malformed");
   EXPECT_EQ(reply.id, 0U);
@@ -329,7 +329,7 @@ TEST_F(ServerTest, BrokenMessagesGetAnErrorWithTheirIdAndNothingElse) {
   reply = peer.receive();
   EXPECT_EQ(reply.code, "malformed");
   EXPECT_EQ(reply.id, 41U);
-  std::vector<FrameBytes> many = MessageWriter("ping", 42).finish();
+  std::vector<PartBytes> many = MessageWriter("ping", 42).finish();
   for (std::size_t i = 0; i < 3 * kMaxArrays; ++i) many.push_back(text("x"));
   peer.send(many);
   reply = peer.receive();

@@ -6,7 +6,7 @@
 #include <random>
 #include <tuple>
 
-#include "session/attempts.h"
+#include "session/retry_schedule.h"
 #include "sheet.h"
 
 namespace lappet {
@@ -49,7 +49,7 @@ const NamedStart kStarts[] = {
     {"CollapsedAlongThePull", [](const Vec3& x) { return Vec3(50.0, x[1], x[2]); }},
     {"Inverted", [](const Vec3& x) { return Vec3(x[0], x[1], -x[2]); }},
     {"Random", [](const Vec3& x) { return Vec3(noise(x).cwiseProduct(kSheet) + 0.5 * kSheet); }},
-    // those below are fit to start from: Newton's iteration itself must come back
+    // those below are valid to start from: Newton's iteration itself must come back
     {"ATenthAsThick", [](const Vec3& x) { return Vec3(x[0], x[1], 0.1 * x[2]); }},
     {"ATenthAsLong", [](const Vec3& x) { return Vec3(50.0 + 0.1 * (x[0] - 50.0), x[1], x[2]); }},
     {"RandomByHalfASpacing", [](const Vec3& x) { return Vec3(x + 2.0 * noise(x)); }},
@@ -194,29 +194,29 @@ TEST(Globalization, AHookThatTearsTheTissueEndsWithinTwoHundredIterationsOrConve
   }
 }
 
-std::vector<std::string> tried(Attempts attempts,
+std::vector<std::string> tried(RetrySchedule schedule,
                                const std::function<std::pair<int, double>(const Attempt&)>& outcome) {
   std::vector<std::string> order;
-  while (attempts.next()) {
-    const Attempt now = *attempts.next();
+  while (schedule.next()) {
+    const Attempt now = *schedule.next();
     order.push_back(fmt::format("{}{}", now.from_rest ? "rest " : "", now.load_steps));
     const auto [step, residual] = outcome(now);
-    attempts.failed(step, residual);
+    schedule.failed(step, residual);
   }
   return order;
 }
 
-TEST(Globalization, AttemptsHalveTheLoadWhileThatHelpsAndThenStartOverFromRest) {
+TEST(Globalization, RetriesHalveTheLoadWhileThatHelpsAndThenStartOverFromRest) {
   using Order = std::vector<std::string>;
   // the first load step always fails alike: two halvings show it
-  EXPECT_EQ(tried(Attempts(true), [](const Attempt&) { return std::pair{0, 1.0}; }),
+  EXPECT_EQ(tried(RetrySchedule(true), [](const Attempt&) { return std::pair{0, 1.0}; }),
             (Order{"1", "2", "4", "rest 1", "rest 2", "rest 4"}));
-  EXPECT_EQ(tried(Attempts(false), [](const Attempt&) { return std::pair{0, 1.0}; }),
+  EXPECT_EQ(tried(RetrySchedule(false), [](const Attempt&) { return std::pair{0, 1.0}; }),
             (Order{"rest 1", "rest 2", "rest 4"}));
   // each halving helps
-  EXPECT_EQ(tried(Attempts(true), [](const Attempt& a) { return std::pair{a.load_steps / 2, 1.0}; }),
+  EXPECT_EQ(tried(RetrySchedule(true), [](const Attempt& a) { return std::pair{a.load_steps / 2, 1.0}; }),
             (Order{"1", "2", "4", "8", "16", "rest 1", "rest 2", "rest 4", "rest 8", "rest 16"}));
-  EXPECT_EQ(tried(Attempts(false), [](const Attempt& a) { return std::pair{0, std::pow(0.3, a.load_steps)}; }),
+  EXPECT_EQ(tried(RetrySchedule(false), [](const Attempt& a) { return std::pair{0, std::pow(0.3, a.load_steps)}; }),
             (Order{"rest 1", "rest 2", "rest 4", "rest 8", "rest 16"}));
 }
 

@@ -26,13 +26,13 @@ SessionSettings sharply_stiffening() {
   SessionSettings s;
   s.retractors = 1;
   s.threads = 2;
-  s.materials[0].fibre_k1 = 20;
-  s.materials[0].fibre_k2 = 50;
-  s.materials[0].fibre_dispersion = 0.1;
+  s.materials[0].fiber_k1 = 20;
+  s.materials[0].fiber_k2 = 50;
+  s.materials[0].fiber_dispersion = 0.1;
   return s;
 }
 
-TEST(MaterialRobustness, FibresThatStiffenSharplyAreStretchedFarInAFewFrames) {
+TEST(MaterialRobustness, FibersThatStiffenSharplyAreStretchedFarInAFewFrames) {
   const SessionSettings s = sharply_stiffening();
   const Bar bar;
   Session session(s);
@@ -43,7 +43,7 @@ TEST(MaterialRobustness, FibresThatStiffenSharplyAreStretchedFarInAFewFrames) {
   }
 }
 
-TEST(MaterialRobustness, FibresThatStiffenSharplyAreStretchedToThreeTimesTheirLengthInOneFrame) {
+TEST(MaterialRobustness, FibersThatStiffenSharplyAreStretchedToThreeTimesTheirLengthInOneFrame) {
   for (const char* precision : {"float", "double"})
     for (const double elongation : {8.0, 20.0, 40.0}) {
       SessionSettings s = sharply_stiffening();
@@ -56,7 +56,7 @@ TEST(MaterialRobustness, FibresThatStiffenSharplyAreStretchedToThreeTimesTheirLe
 }
 
 // Up to k2 E^2 = 10 the response is the published one; a change of the stretch by 1e-4 changes it by up to 1 %.
-TEST(MaterialRobustness, FibresThatStiffenSharplyPullAsPublished) {
+TEST(MaterialRobustness, FibersThatStiffenSharplyPullAsPublished) {
   SessionSettings s = sharply_stiffening();
   s.precision = "double";
   s.tolerance = 1e-6;

@@ -25,9 +25,9 @@ bool on_rim(const Vec3& c, double width, double depth) {
 TEST(PrestretchSession, IntactSkinHeldAtItsRimStaysAsItIsWithTheStressOfItsPrestretch) {
   for (const char* model : {"corotated", "neoHookean", "stableNeoHookean", "mooneyRivlin"}) {
     SessionSettings s = taut(1.25, 1.1, model);
-    s.materials[0].fibre_k1 = 10;
-    s.materials[0].fibre_k2 = 1;
-    s.materials[0].fibre_dispersion = 0.2;
+    s.materials[0].fiber_k1 = 10;
+    s.materials[0].fiber_k2 = 1;
+    s.materials[0].fiber_dispersion = 0.2;
     Session session(s);
     Surface surface = box_surface({0, 0, 0}, {20, 16, 3});
     const auto middle = static_cast<std::size_t>(add_vertex(surface, {10, 8, 3}));
@@ -96,7 +96,7 @@ Surface slit_sheet(double half_width, double half_length, double thickness, doub
 double gape(double along_slit, double across_slit, double k1 = 0) {
   SessionSettings s = taut(along_slit, across_slit);
   s.origin = Vec3(-20, -20, 0);
-  s.materials[0].fibre_k1 = k1;
+  s.materials[0].fiber_k1 = k1;
   Session session(s);
   const double kerf = 0.1;
   EpochInput epoch = make_epoch(slit_sheet(20, 8, 2, kerf),

@@ -272,7 +272,7 @@ TEST(Session, AHookHeldByAMultiplierPullsAsTheSpringItIs) {
   EXPECT_NEAR(out.hook_forces[2], 500.0 * stretch, 500.0 * 2e-7);
 }
 
-// Found by the stability matrix: a bite of 1 mm took hold of tissue that is 0.2 mm thick as a whole.
+// Found by the stability matrix: a stencil of 1 mm radius took hold of tissue that is 0.2 mm thick as a whole.
 TEST(Session, ATissueOfATenthTheSizeIsLiftedToATenth) {
   const auto lifted = [](double unit) {
     SessionSettings s;
@@ -400,10 +400,10 @@ TEST(Session, RefusesSettingsThatMakeNoSense) {
   second([](auto& m) { m.poissons_ratio = 0.49995; }, "0.4999");
   second([](auto& m) { m.density = -1; }, "density of material 1");
   second([](auto& m) { m.mooney_ratio = -1; }, "Mooney");
-  second([](auto& m) { m.fibre_k1 = -1; }, "k1");
-  second([](auto& m) { m.fibre_k2 = std::nan(""); }, "k2");
-  second([](auto& m) { m.fibre_dispersion = 0.34; }, "dispersion");
-  second([](auto& m) { m.fibre_direction = Vec3(1, 1, 0); }, "direction");
+  second([](auto& m) { m.fiber_k1 = -1; }, "k1");
+  second([](auto& m) { m.fiber_k2 = std::nan(""); }, "k2");
+  second([](auto& m) { m.fiber_dispersion = 0.34; }, "dispersion");
+  second([](auto& m) { m.fiber_direction = Vec3(1, 1, 0); }, "direction");
   second([](auto& m) { m.muscle_stress = -1; }, "muscle");
   second([](auto& m) { m.prestretch[1] = 2.1; }, "prestretch");
   second([](auto& m) { m.prestretch[0] = std::nan(""); }, "prestretch");

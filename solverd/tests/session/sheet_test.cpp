@@ -97,7 +97,7 @@ double residual_to_reaction(const FrameOutput& out, const SheetScene& scene, con
 }
 
 TEST(Sheet, ConvergesFromRestInOneStepInFewNewtonIterationsAlsoWhenNearlyIncompressible) {
-  constexpr int kMostNewton[] = {10, 12, 15}, kMostLinear[] = {50, 75, 200};
+  constexpr int kMaxNewton[] = {10, 12, 15}, kMaxLinear[] = {50, 75, 200};
   for (std::size_t k = 0; k < 3; ++k) {
     SheetScene scene;
     scene.poissons_ratio = kRatios[k];
@@ -106,13 +106,13 @@ TEST(Sheet, ConvergesFromRestInOneStepInFewNewtonIterationsAlsoWhenNearlyIncompr
     ASSERT_TRUE(out.converged) << out.reason;
     EXPECT_EQ(out.load_steps, 1);
     EXPECT_EQ(out.inverted_cells, 0);
-    EXPECT_LE(out.newton_iterations, kMostNewton[k]) << "nu " << kRatios[k];
-    EXPECT_LE(out.pcg_iterations, kMostLinear[k]) << "nu " << kRatios[k];
+    EXPECT_LE(out.newton_iterations, kMaxNewton[k]) << "nu " << kRatios[k];
+    EXPECT_LE(out.pcg_iterations, kMaxLinear[k]) << "nu " << kRatios[k];
     EXPECT_LE(residual_to_reaction(out, scene, sheet_lattice(scene)), 1e-6) << "nu " << kRatios[k];
   }
 }
 
-TEST(Sheet, DisplacementsAtTwoMillimetresAreWithinFourHundredthsOfAMillimetreWhateverPoissonsRatio) {
+TEST(Sheet, DisplacementsAtTwoMillimetersAreWithinFourHundredthsOfAMillimeterWhateverPoissonsRatio) {
   for (std::size_t k = 0; k < 3; ++k) {
     SheetScene scene;
     scene.poissons_ratio = kRatios[k];

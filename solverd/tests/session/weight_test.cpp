@@ -58,7 +58,7 @@ TEST(Weight, ARestingTissueSinksLikeAnAttachedOneButLiftsOffFreely) {
   s.precision = "double";
   EpochInput epoch = make_epoch(box_surface({0, 0, 0}, {6, 6, 4}), {});
   for (std::size_t t = 0; t < epoch.bed.size(); ++t)
-    epoch.bed[t] = centre(epoch.surface, t)[2] < 1e-9 ? kRestsOnBed : 0;
+    epoch.bed[t] = center(epoch.surface, t)[2] < 1e-9 ? kRestsOnBed : 0;
   add_landmark(epoch, Vec3(3, 3, 0));
   const double weight = s.materials[0].density * 9.81e-6 * 4;  // kPa
   {
@@ -74,7 +74,7 @@ TEST(Weight, ARestingTissueSinksLikeAnAttachedOneButLiftsOffFreely) {
     // a retractor on one side lifts it: nothing pulls back but the elastic forces, of which a rigid motion has none
     s.gravity = Vec3::Zero();
     s.retractors = 1;
-    for (std::size_t t = 0; t < epoch.grip.size(); ++t) epoch.grip[t] = centre(epoch.surface, t)[0] < 1e-9 ? 0 : -1;
+    for (std::size_t t = 0; t < epoch.grip.size(); ++t) epoch.grip[t] = center(epoch.surface, t)[0] < 1e-9 ? 0 : -1;
     Session session(s);
     session.set_epoch(epoch);
     const FrameOutput out = session.solve(pulled({Vec3(0, 0, 3)}), {}, kNever);

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "force/constraints/attachments.h"
-#include "force/constraints/ties.h"
+#include "force/constraints/point_constraint.h"
 #include "force/materials/material_parameters.h"
 #include "lattice/lattice.h"
 
@@ -20,7 +20,7 @@ namespace lappet {
 struct CutSheet {
   Lattice lattice;
   Attachments attachments;
-  std::vector<Tie> ties;
+  std::vector<PointConstraint> constraints;
 };
 
 // nx x ny x nz cells of edge 1 mm. The Z: a central limb along y of 2 half_limb faces at the middle of x, and from its
@@ -82,13 +82,14 @@ inline CutSheet make_cut_sheet(int nx, int ny, int nz, int half_limb, double sti
     // corner (1, 0, 1) of the cell left of the limb, corner (0, 0, 1) of the cell right of it
     const std::int32_t left = lattice.cell_nodes[cell(cx - 1, j, nz - 1)][5],
                        right = lattice.cell_nodes[cell(cx, other, nz - 1)][1];
-    Tie tie;
-    tie.nodes = {left, right};
-    tie.weights = {1.0, -1.0};
-    tie.offset = lattice.node_rest[static_cast<std::size_t>(left)] - lattice.node_rest[static_cast<std::size_t>(right)];
-    tie.stiffness = stiffness;
-    tie.exact = true;
-    sheet.ties.push_back(tie);
+    PointConstraint constraint;
+    constraint.nodes = {left, right};
+    constraint.weights = {1.0, -1.0};
+    constraint.offset =
+        lattice.node_rest[static_cast<std::size_t>(left)] - lattice.node_rest[static_cast<std::size_t>(right)];
+    constraint.stiffness = stiffness;
+    constraint.exact = true;
+    sheet.constraints.push_back(constraint);
   }
   return sheet;
 }

@@ -1,4 +1,4 @@
-// Local relaxation: a part of a system against the whole, and what it does to creased tissue.
+// Local relaxation: a subdomain against the whole system, and what it does to creased tissue.
 #include "solve/newton/local_relaxation.h"
 
 #include <gtest/gtest.h>
@@ -10,7 +10,7 @@
 #include "box.h"
 #include "cut_sheet.h"
 #include "solve/newton/equilibrium.h"
-#include "solve/subdomain/part.h"
+#include "solve/subdomain/subdomain.h"
 #include "test_surfaces.h"
 
 namespace lappet {
@@ -41,7 +41,7 @@ struct EverythingActs {
     std::vector<std::int32_t> grip(triangles, -1);
     int below = 0;
     for (std::size_t t = 0; t < triangles; ++t) {
-      const Vec3 c = centre(tissue, t);
+      const Vec3 c = center(tissue, t);
       fixed[t] = c[0] < 1e-9;
       if (c[2] < 1e-9) bed[t] = below++ ? kAttachedToBed : kRestsOnBed;
       if (c[2] > 3.6 - 1e-9) grip[t] = 0;
@@ -55,17 +55,17 @@ struct EverythingActs {
     const Eigen::Matrix4d motion = translation({0.05, 0.0, -0.1});
     const std::int32_t gripped = 0;
     system->set_retractors({&gripped, 1}, {&motion, 1});
-    Tie suture;
+    PointConstraint suture;
     suture.nodes = {node({4, 4, 2}), node({8, 4, 2})};
     suture.weights = {1.0, -1.0};
     suture.offset = Vec3(-1.0, 0.2, 0.0);
     suture.stiffness = 400.0;
     suture.exact = true;
-    Tie hook = suture;
+    PointConstraint hook = suture;
     hook.nodes = {node({5, 5, 1}), node({6, 5, 1})};
     hook.weights = {0.5, 0.5};
     hook.exact = false;
-    system->set_ties({suture, hook});
+    system->set_point_constraints({suture, hook});
     std::mt19937 random(5);
     std::normal_distribution<double> normal;
     u.resize(3 * system->nodes());
@@ -83,7 +83,7 @@ struct EverythingActs {
   }
 };
 
-TEST(LocalRelaxation, ThePartsEnergyForcesAndTangentAreThoseOfTheWholeWhenOnlyItMoves) {
+TEST(LocalRelaxation, TheSubdomainsEnergyForcesAndTangentAreThoseOfTheWholeWhenOnlyItMoves) {
   EverythingActs scene;
   System<double>& whole = *scene.system;
   ASSERT_GT(whole.contact()->count(), 3);
@@ -92,11 +92,11 @@ TEST(LocalRelaxation, ThePartsEnergyForcesAndTangentAreThoseOfTheWholeWhenOnlyIt
   std::vector<std::uint8_t> moving(whole.nodes(), 0);
   for (std::size_t n = 0; n < moving.size(); ++n)
     moving[n] = whole.is_free(n) && (scene.lattice.node_rest[n] - Vec3(4, 4, 2)).norm() < 2.6;
-  const Part<double> part(whole, moving, scene.u);
-  System<double>* local = part.system.get();
-  const auto& nodes = part.nodes;
-  const auto& moves = part.moves;
-  EXPECT_EQ(local->ties().size(), 2u);
+  const Subdomain<double> subdomain(whole, moving, scene.u);
+  System<double>* local = subdomain.system.get();
+  const auto& nodes = subdomain.nodes;
+  const auto& moves = subdomain.moves;
+  EXPECT_EQ(local->point_constraints().size(), 2u);
   EXPECT_LT(local->nodes(), whole.nodes() / 2);
 
   const auto compare = [&](const std::vector<double>& u) {
@@ -104,8 +104,8 @@ TEST(LocalRelaxation, ThePartsEnergyForcesAndTangentAreThoseOfTheWholeWhenOnlyIt
     for (const std::int32_t n : nodes)
       for (int i = 0; i < 3; ++i) v.push_back(u[3 * static_cast<std::size_t>(n) + static_cast<std::size_t>(i)]);
     const double energy = whole.evaluate(u).energy - local->evaluate(v).energy;
-    whole.linearize(Definiteness::kExact);
-    local->linearize(Definiteness::kExact);
+    whole.linearize(PsdProjection::kExact);
+    local->linearize(PsdProjection::kExact);
     std::vector<double> x(u.size(), 0.0), y(u.size()), xv(v.size()), yv(v.size());
     std::mt19937 random(9);
     std::normal_distribution<double> normal;
@@ -194,7 +194,7 @@ TEST(LocalRelaxation, NothingMovesWhereTheResidualIsEverywhere) {
 EquilibriumOutcome sutured(bool relaxes, int slip, std::vector<double>& u) {
   CutSheet sheet = make_cut_sheet(40, 40, 5, slip, 100.0 * skin().youngs_modulus);
   System<double> system(sheet.lattice, CellMaterials{{skin()}}, 1, sheet.attachments, 0, 0.0, Vec3::Zero());
-  system.set_ties(sheet.ties);
+  system.set_point_constraints(sheet.constraints);
   TwoLevel<double> preconditioner(system, 4);
   u.assign(3 * system.nodes(), 0.0);
   EquilibriumOptions options;

@@ -47,9 +47,9 @@ struct Scene {
         u(noise<Real>(3 * system.nodes(), 7, amplitude)) {
     for (std::size_t i = 0; i < u.size(); ++i)
       if (!system.is_free(i / 3)) u[i] = Real(0);
-    system.set_ties(sheet.ties);
+    system.set_point_constraints(sheet.constraints);
     system.evaluate(u);
-    system.linearize(Definiteness::kClamp);
+    system.linearize(PsdProjection::kClamp);
   }
   std::vector<Real> free_noise(unsigned seed) const {
     auto v = noise<Real>(u.size(), seed);
@@ -60,9 +60,9 @@ struct Scene {
 };
 
 template <class Real = float>
-int iterations(int nx, int ny, int nz, int half_limb, double stiffness, std::size_t most_direct = kMostDirect) {
+int iterations(int nx, int ny, int nz, int half_limb, double stiffness, std::size_t max_direct = kMaxDirect) {
   Scene<Real> scene(nx, ny, nz, half_limb, stiffness, 0.0);
-  TwoLevel<Real> preconditioner(scene.system, 4, most_direct);
+  TwoLevel<Real> preconditioner(scene.system, 4, max_direct);
   preconditioner.update(scene.u);
   const auto b = scene.free_noise(11);
   std::vector<Real> x(b.size());
@@ -88,7 +88,7 @@ void expect_same_projection(int quadrature, double tolerance) {
   const auto& elastic = scene.system.elastic();
   constexpr std::size_t kLanes = Elastic<Real>::kProjectionLanes;
   std::vector<Real, tbb::cache_aligned_allocator<Real>> weights(64 * kLanes), arms(24 * kLanes),
-      blocks(kFramePairSize * kLanes);
+      blocks(kModePairSize * kLanes);
   const std::vector<std::int32_t> cells = {0, 17, 40, 41, 77};
   const auto w = noise<Real>(64 * kLanes, 3), a = noise<Real>(24 * kLanes, 4);
   Eigen::Matrix<Real, 48, 48> expected = Eigen::Matrix<Real, 48, 48>::Zero();
@@ -142,7 +142,7 @@ TEST(Preconditioner, AFormOnACellIsProjectedLikeTheDenseProduct) {
     row << 1, 0, 0, 0, arm[2], -arm[1], 0, 1, 0, -arm[2], 0, arm[0], 0, 0, 1, arm[1], -arm[0], 0;
     for (int k = 0; k < 8; ++k) p.block<3, 6>(3 * n, 6 * k) = w[static_cast<std::size_t>(8 * k + n)] * row;
   }
-  std::vector<double> blocks(kFramePairSize);
+  std::vector<double> blocks(kModePairSize);
   add_projected_form(form.data(), w.data(), a.data(), blocks.data());
   const Eigen::Matrix<double, 48, 48> expected = p.transpose() * stiffness * p;
   for (int k = 0; k < 8; ++k)
@@ -153,13 +153,13 @@ TEST(Preconditioner, AFormOnACellIsProjectedLikeTheDenseProduct) {
 }
 
 // Columns of the prolongation, and the product with it from both sides.
-Eigen::MatrixXd explicit_operator(const Scene<double>& scene, const RigidFrames<double>& frames) {
-  const auto size = static_cast<Eigen::Index>(frames.unknowns()), fine = static_cast<Eigen::Index>(scene.u.size());
+Eigen::MatrixXd explicit_operator(const Scene<double>& scene, const RigidModes<double>& modes) {
+  const auto size = static_cast<Eigen::Index>(modes.unknowns()), fine = static_cast<Eigen::Index>(scene.u.size());
   Eigen::MatrixXd p(fine, size), kp(fine, size);
   for (Eigen::Index j = 0; j < size; ++j) {
-    std::vector<double> q(frames.unknowns()), x(scene.u.size()), y(scene.u.size());
+    std::vector<double> q(modes.unknowns()), x(scene.u.size()), y(scene.u.size());
     q[static_cast<std::size_t>(j)] = 1.0;
-    frames.prolong(q, x);
+    modes.prolong(q, x);
     scene.system.multiply(x, y);
     p.col(j) = Eigen::Map<const Eigen::VectorXd>(x.data(), fine);
     kp.col(j) = Eigen::Map<const Eigen::VectorXd>(y.data(), fine);
@@ -168,7 +168,7 @@ Eigen::MatrixXd explicit_operator(const Scene<double>& scene, const RigidFrames<
 }
 
 template <class Real>
-Eigen::MatrixXd assembled_operator(FrameLevel<Real>& level) {
+Eigen::MatrixXd assembled_operator(CoarseLevel<Real>& level) {
   auto& matrix = level.matrix();
   const auto size = static_cast<Eigen::Index>(6 * matrix.rows());
   Eigen::MatrixXd dense = Eigen::MatrixXd::Zero(size, size);
@@ -179,19 +179,20 @@ Eigen::MatrixXd assembled_operator(FrameLevel<Real>& level) {
             double(block[i]);
     });
   }
-  for (const auto& tie : level.ties())
-    for (std::size_t a = 0; a < tie.nodes.size(); ++a)
-      for (std::size_t b = 0; b < tie.nodes.size(); ++b)
-        dense.block<6, 6>(6 * tie.nodes[a], 6 * tie.nodes[b]) += tie.stiffness * tie.rows[a].transpose() * tie.rows[b];
+  for (const auto& constraint : level.constraints())
+    for (std::size_t a = 0; a < constraint.nodes.size(); ++a)
+      for (std::size_t b = 0; b < constraint.nodes.size(); ++b)
+        dense.block<6, 6>(6 * constraint.nodes[a], 6 * constraint.nodes[b]) +=
+            constraint.stiffness * constraint.rows[a].transpose() * constraint.rows[b];
   return dense;
 }
 
 TEST(Preconditioner, TheCoarseOperatorIsTheGalerkinProductAlsoOnACutAndDeformedSheet) {
   Scene<double> scene(14, 13, 3, 4, 10.0, 0.2);
-  RigidFrames<double> frames(scene.sheet.lattice, 1);  // a level that is factored keeps no matrix
-  frames.assemble(scene.system, scene.u);
-  const Eigen::MatrixXd expected = explicit_operator(scene, frames);
-  EXPECT_LT((assembled_operator(frames.level()) - expected).cwiseAbs().maxCoeff(),
+  RigidModes<double> modes(scene.sheet.lattice, 1);  // a level that is factored keeps no matrix
+  modes.assemble(scene.system, scene.u);
+  const Eigen::MatrixXd expected = explicit_operator(scene, modes);
+  EXPECT_LT((assembled_operator(modes.level()) - expected).cwiseAbs().maxCoeff(),
             1e-12 * expected.cwiseAbs().maxCoeff());
 }
 
@@ -201,16 +202,16 @@ TEST(Preconditioner, FramesAreRigid) {
   System<double> system(scene.sheet.lattice, CellMaterials{{material()}}, 1, scene.sheet.attachments, 0, 0.0,
                         Vec3::Zero());
   system.evaluate(scene.u);
-  system.linearize(Definiteness::kClamp);
-  RigidFrames<double> frames(scene.sheet.lattice);
-  frames.assemble(system, scene.u);
+  system.linearize(PsdProjection::kClamp);
+  RigidModes<double> modes(scene.sheet.lattice);
+  modes.assemble(system, scene.u);
   // The exact coarse correction of a force K x leaves x itself where x is in the coarse space, up to the shift.
-  std::vector<double> q(frames.unknowns()), x(scene.u.size()), y(scene.u.size()), zero(scene.u.size()),
+  std::vector<double> q(modes.unknowns()), x(scene.u.size()), y(scene.u.size()), zero(scene.u.size()),
       corrected(scene.u.size());
   const auto random = noise<double>(q.size(), 5);
-  frames.prolong(random, x);
+  modes.prolong(random, x);
   system.multiply(x, y);
-  frames.correct(zero, y, corrected);
+  modes.correct(zero, y, corrected);
   std::vector<double> ky(x.size()), kx(x.size());
   system.multiply(x, kx);
   system.multiply(corrected, ky);
@@ -246,11 +247,11 @@ TEST(Preconditioner, ACutStaysACutOnEveryLevel) {
   }
 }
 
-void expect_symmetric_positive(std::size_t most_direct, std::size_t levels) {
+void expect_symmetric_positive(std::size_t max_direct, std::size_t levels) {
   Scene<double> scene(24, 25, 4, 6, 1e3, 0.1);
-  TwoLevel<double> preconditioner(scene.system, 4, most_direct);
+  TwoLevel<double> preconditioner(scene.system, 4, max_direct);
   preconditioner.update(scene.u);
-  EXPECT_EQ(preconditioner.frames().levels(), levels);
+  EXPECT_EQ(preconditioner.modes().levels(), levels);
   std::vector<double> ma(scene.u.size()), mb(scene.u.size());
   for (unsigned seed = 0; seed < 20; ++seed) {
     const auto a = scene.free_noise(2 * seed + 100), b = scene.free_noise(2 * seed + 101);
@@ -268,7 +269,7 @@ void expect_symmetric_positive(std::size_t most_direct, std::size_t levels) {
 }
 
 TEST(Preconditioner, IsSymmetricPositiveDefinite) {
-  expect_symmetric_positive(kMostDirect, 1);
+  expect_symmetric_positive(kMaxDirect, 1);
   expect_symmetric_positive(400, 2);
 }
 
@@ -279,9 +280,9 @@ TEST(Preconditioner, LeavesAtMostThirtyIterationsToOneMillionthOnTheCutSheetOfFo
 
 TEST(Preconditioner, LeavesAsManyIterationsWhateverTheStiffnessOfTheSutures) {
   int least = 1000, most = 0;
-  for (const std::size_t most_direct : {kMostDirect, std::size_t{1000}})
+  for (const std::size_t max_direct : {kMaxDirect, std::size_t{1000}})
     for (const double stiffness : {1.0, 1e3, 1e5, 1e8}) {
-      const int count = iterations<double>(48, 48, 4, 12, stiffness, most_direct);
+      const int count = iterations<double>(48, 48, 4, 12, stiffness, max_direct);
       least = std::min(least, count);
       most = std::max(most, count);
     }
@@ -329,22 +330,22 @@ TEST(Preconditioner, ASolveIsTheSameBitForBitWithAnyNumberOfThreads) {
 
 TEST(Preconditioner, AFineNodeCostsAtMostTwentyFourBytes) {
   const CutSheet sheet = make_cut_sheet(30, 31, 4, 6, 1.0);
-  EXPECT_LE(RigidFrames<float>(sheet.lattice).bytes_per_node(), 24.0);
+  EXPECT_LE(RigidModes<float>(sheet.lattice).bytes_per_node(), 24.0);
 }
 
 TEST(Preconditioner, TheAnalysisIsKeptWhileTheCoarsePatternStays) {
   Scene<float> scene(40, 41, 4, 8, 1e3, 0.0);
-  RigidFrames<float> frames(scene.sheet.lattice);
-  frames.assemble(scene.system, scene.u);
-  EXPECT_EQ(frames.analyses(), 1u);
-  auto ties = scene.sheet.ties;
-  for (auto& tie : ties) tie.stiffness *= 2;
-  scene.system.set_ties(ties);
-  frames.assemble(scene.system, scene.u);
-  EXPECT_EQ(frames.analyses(), 1u) << "the same pattern";
-  scene.system.set_ties({});
-  frames.assemble(scene.system, scene.u);
-  EXPECT_EQ(frames.analyses(), 2u) << "sutures gone";
+  RigidModes<float> modes(scene.sheet.lattice);
+  modes.assemble(scene.system, scene.u);
+  EXPECT_EQ(modes.analyses(), 1u);
+  auto constraints = scene.sheet.constraints;
+  for (auto& constraint : constraints) constraint.stiffness *= 2;
+  scene.system.set_point_constraints(constraints);
+  modes.assemble(scene.system, scene.u);
+  EXPECT_EQ(modes.analyses(), 1u) << "the same pattern";
+  scene.system.set_point_constraints({});
+  modes.assemble(scene.system, scene.u);
+  EXPECT_EQ(modes.analyses(), 2u) << "sutures gone";
 }
 
 // The largest eigenvalue of D^-1 K, D the blocks of the nodes, by power iterations from noise on the corners of a cell.
@@ -382,7 +383,7 @@ TEST(Preconditioner, StaysPositiveDefiniteWhereOneCellIsMuchStifferThanAllOthers
   System<double> system(sheet.lattice, materials, 1, sheet.attachments, 0, 0.0, Vec3::Zero());
   std::vector<double> u(3 * system.nodes(), 0.0), r(u.size()), z(u.size());
   system.evaluate(u);
-  system.linearize(Definiteness::kExact);
+  system.linearize(PsdProjection::kExact);
   TwoLevel<double> preconditioner(system, 4);
   preconditioner.update(u);
   EXPECT_LT(largest_eigenvalue(system, stiff), preconditioner.smoother().largest_eigenvalue());

@@ -165,13 +165,13 @@ Attachments attach(const Lattice& lattice, const Surface& surface, std::span<con
           if (owner != kFixedGroup) owner = group;
         }
     } else {
-      FaceForm form{cell, group, bucket.area, bucket.gram};
+      FaceConstraint face{cell, group, bucket.area, bucket.gram};
       if (group != kBedGroup) {
         const double scale = h * h / bucket.area;
-        for (double& value : form.gram) value *= scale;
-        form.area = h * h;
+        for (double& value : face.gram) value *= scale;
+        face.area = h * h;
       }
-      result.forms.push_back(form);
+      result.face_constraints.push_back(face);
     }
   }
   for (const auto& [cell, bucket] : buckets.resting) {

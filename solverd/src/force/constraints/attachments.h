@@ -1,4 +1,4 @@
-// What holds the tissue: fixed faces, faces gripped by a retractor, faces tied to the bed, faces that rest on it.
+// What holds the tissue: fixed faces, faces gripped by a retractor, faces attached to the bed, faces that rest on it.
 //
 // A held face holds its surface points, not whole cells. With W_s the trilinear weights of a point s of the face and
 // xbar the rigidly moved rest positions, W_s (x - xbar) = 0 for every s is the quadratic form (x - xbar)^T M (x - xbar)
@@ -21,9 +21,9 @@ namespace lappet {
 inline constexpr std::int32_t kBedGroup = -2;
 inline constexpr std::int32_t kFixedGroup = -1;  // groups from 0 on: retractors
 inline constexpr std::int32_t kFree = -3;
-inline constexpr std::int32_t kStillGroup = -4;  // stays where it is, wherever that is: the rim of a part
+inline constexpr std::int32_t kStillGroup = -4;  // stays where it is, wherever that is: the rim of a subdomain
 
-struct FaceForm {
+struct FaceConstraint {
   std::int32_t cell;
   std::int32_t group;
   double area;  // what the form integrates 1 to, mm^2
@@ -50,8 +50,8 @@ struct RestingFace {
 inline constexpr std::uint8_t kAttachedToBed = 1, kRestsOnBed = 2;  // labels of triangles
 
 struct Attachments {
-  std::vector<std::int32_t> node_group;  // per node: kFree, kFixedGroup or a retractor; prescribed nodes
-  std::vector<FaceForm> forms;           // bed faces, and held faces off the lattice planes
+  std::vector<std::int32_t> node_group;          // per node: kFree, kFixedGroup or a retractor; prescribed nodes
+  std::vector<FaceConstraint> face_constraints;  // bed faces, and held faces off the lattice planes
   std::vector<RestingFace> resting;
 };
 

@@ -97,7 +97,7 @@ Contact::Depth Contact::deepest_at_rest() const {
 
 template <class Real>
 double Contact::evaluate(std::span<const Real> u, std::span<const std::uint8_t> free, std::span<double> gradient,
-                         std::vector<Push>& pushes) {
+                         std::vector<ContactPenalty>& penalties) {
   std::vector<double> carried(found_.size(), 0.0);  // how deep
   for_each_chunk(proxies_.size(), [&](std::size_t chunk, std::size_t begin, std::size_t end) {
     auto& found = found_[chunk];
@@ -136,7 +136,7 @@ double Contact::evaluate(std::span<const Real> u, std::span<const std::uint8_t> 
       for (int i = 0; i < 3; ++i)
         gradient[3 * static_cast<std::size_t>(nodes[k]) + static_cast<std::size_t>(i)] -=
             proxy.point.weights[k] * force[i];
-    pushes.push_back({proxy.point.cell, proxy.point.weights, active.normal, stiffness});
+    penalties.push_back({proxy.point.cell, proxy.point.weights, active.normal, stiffness});
     penetration_ = std::max(penetration_, active.depth);
     force_ += force;
   }
@@ -191,9 +191,9 @@ double Contact::largest_step(std::span<const Real> u, std::span<const Real> step
 }
 
 template double Contact::evaluate<float>(std::span<const float>, std::span<const std::uint8_t>, std::span<double>,
-                                         std::vector<Push>&);
+                                         std::vector<ContactPenalty>&);
 template double Contact::evaluate<double>(std::span<const double>, std::span<const std::uint8_t>, std::span<double>,
-                                          std::vector<Push>&);
+                                          std::vector<ContactPenalty>&);
 template double Contact::largest_step<float>(std::span<const float>, std::span<const float>, double) const;
 template double Contact::largest_step<double>(std::span<const double>, std::span<const double>, double) const;
 

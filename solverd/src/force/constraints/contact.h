@@ -11,7 +11,7 @@
 #include <span>
 #include <vector>
 
-#include "force/constraints/push.h"
+#include "force/constraints/contact_penalty.h"
 #include "force/constraints/signed_distance.h"
 #include "lattice/lattice.h"
 
@@ -40,20 +40,20 @@ class Contact {
   // number of threads.
   template <class Real>
   double evaluate(std::span<const Real> u, std::span<const std::uint8_t> free, std::span<double> gradient,
-                  std::vector<Push>& pushes);
+                  std::vector<ContactPenalty>& penalties);
 
   // At the last evaluated state: the deepest proxy and how many touch bone; what the bones push with, mN.
   double largest_penetration() const { return penetration_; }
   std::int32_t count() const { return static_cast<std::int32_t>(active_.size()); }
   const Vec3& force() const { return force_; }
-  // By how much the deepest proxy exceeds what a penalty may leave (a part of the spacing), mm.
+  // By how much the deepest proxy exceeds what a penalty may leave (a fraction of the spacing), mm.
   double excess() const;
   // m = k f, where some proxy is too deep.
   void update_multipliers();
   void reset_multipliers();
 
-  // The largest part of a step, `most` at most, that takes no proxy through a bone: along the way none gets deeper than
-  // `kDeepestOnTheWay` spacings (or than it is), and none to where another side of the bone is nearer.
+  // The largest fraction of a step, `most` at most, that takes no proxy through a bone: along the way none gets deeper
+  // than `kDeepestOnTheWay` spacings (or than it is), and none to where another side of the bone is nearer.
   template <class Real>
   double largest_step(std::span<const Real> u, std::span<const Real> step, double most) const;
 

@@ -83,7 +83,7 @@ class Distance {
   Eigen::KdBVH<double, 3, Corners> tree_;
 };
 
-// Distances of neighbouring points to the triangles near them, which the tree gives in an order that keeps neighbours
+// Distances of neighboring points to the triangles near them, which the tree gives in an order that keeps neighbors
 // together: runs of them, and single ones, are left out by the ball around each. What one point is near to is tried
 // first for the next.
 class NearbyDistance {

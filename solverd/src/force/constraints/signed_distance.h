@@ -36,7 +36,7 @@ class SignedDistance {
 
  private:
   static constexpr int kBlock = 8;          // nodes along the edge of a block
-  static constexpr int kSide = kBlock + 2;  // with those of its neighbours that an interpolation needs
+  static constexpr int kSide = kBlock + 2;  // with those of its neighbors that an interpolation needs
   static constexpr std::int32_t kFar = -1, kDeep = -2;
 
   double spacing_, depth_, reach_;

@@ -14,9 +14,9 @@ namespace lappet {
 
 namespace {
 
-// A slab has at least this many groups, so that few lanes stay empty, and there are at most kMostSlabs.
-constexpr std::int64_t kLeastGroups = 8;
-constexpr std::int64_t kMostSlabs = 64;
+// A slab has at least this many groups, so that few lanes stay empty, and there are at most kMaxSlabs.
+constexpr std::int64_t kMinGroups = 8;
+constexpr std::int64_t kMaxSlabs = 64;
 
 int longest_axis(const std::vector<Block>& blocks) {
   std::array<std::int32_t, 3> low{}, high{};
@@ -57,7 +57,7 @@ bool has_columns(const BlockNodes& nodes) {
   return true;
 }
 
-// Which of a group's blocks a lane takes. Blocks that follow one another are neighbours along a column: half the lanes
+// Which of a group's blocks a lane takes. Blocks that follow one another are neighbors along a column: half the lanes
 // lie between them (column_lanes_kernel.h).
 std::size_t block_of_lane(std::size_t lane, std::size_t lanes) {
   const std::size_t half = (lanes + 1) / 2;
@@ -110,7 +110,7 @@ BlockLayout lay_out_blocks(const Lattice& lattice, int lanes, std::span<const st
   std::stable_sort(blocks.begin(), blocks.end(),
                    [&](const Block& a, const Block& b) { return a.position[axis] < b.position[axis]; });
   const auto count = static_cast<std::int64_t>(blocks.size());
-  const std::int64_t least = std::max(kLeastGroups * lanes, (count + kMostSlabs - 1) / kMostSlabs);
+  const std::int64_t least = std::max(kMinGroups * lanes, (count + kMaxSlabs - 1) / kMaxSlabs);
 
   BlockLayout layout;
   layout.lanes = lanes;

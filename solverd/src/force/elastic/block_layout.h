@@ -4,7 +4,7 @@
 // Hybrid (GRIDiron 5.4): within a slab come first the blocks of the regular grid, whose nodes are nine columns of three
 // consecutive numbers, in groups of their own that store only where each column begins; then all others.
 //
-// Only neighbouring slabs share nodes: the even ones may scatter at the same time, then the odd ones. What a slab holds
+// Only neighboring slabs share nodes: the even ones may scatter at the same time, then the odd ones. What a slab holds
 // does not depend on the number of threads, so neither does any sum.
 #pragma once
 #include <tbb/parallel_for.h>
@@ -32,9 +32,9 @@ struct BlockLayout {
   // Calls body(slab, first group, end) for every slab, those that share nodes one after the other.
   template <class Body>
   void for_each_slab(const Body& body) const {
-    for (std::size_t colour = 0; colour < 2; ++colour)
-      tbb::parallel_for(std::size_t{0}, (slabs() + 1 - colour) / 2, [&](std::size_t i) {
-        const std::size_t slab = 2 * i + colour;
+    for (std::size_t color = 0; color < 2; ++color)
+      tbb::parallel_for(std::size_t{0}, (slabs() + 1 - color) / 2, [&](std::size_t i) {
+        const std::size_t slab = 2 * i + color;
         body(slab, slab_start[slab], slab_start[slab + 1]);
       });
   }

@@ -27,7 +27,7 @@ SceneFeatures features_of(const CellMaterials& materials, int quadrature) {
     if (material.model != materials.table[0].model)
       throw std::invalid_argument("the materials of one tissue must have the same model; \"" + material.model +
                                   "\" and \"" + materials.table[0].model + "\" are mixed");
-    features.fibres = features.fibres || material.has_fibres() || material.has_muscle();
+    features.fibers = features.fibers || material.has_fibers() || material.has_muscle();
     features.prestretched = features.prestretched || material.has_prestretch();
   }
   return features;
@@ -47,8 +47,8 @@ Elastic<Real>::Elastic(const Lattice& lattice, CellMaterials materials, int quad
       quadrature_(quadrature_points(quadrature)),
       uniform_(materials_.of_cell.empty() && materials_.normal_of_cell.empty()),
       record_fields_(features_.prestretched ? kMaterialFields
-                     : features_.fibres     ? kPrestretch
-                                            : kFibreK1) {
+                     : features_.fibers     ? kPrestretch
+                                            : kFiberK1) {
   if (!kHasHeterogeneity && !uniform_)
     throw RefusedError(ErrorCode::kInvalidInput,
                        "this daemon was built without heterogeneity, and the tissue's cells differ");
@@ -61,7 +61,7 @@ Elastic<Real>::Elastic(const Lattice& lattice, CellMaterials materials, int quad
   if (features_.one_point) stabilization_.assign(slots, Real(0));
   tangent_.assign(slots * points * kTangentFields, Real(0));
   sigma_.assign(slots * points * 3, Real(1));
-  if (features_.fibres) fibre_tangent_.assign(slots * points * kFibreFields, Real(0));
+  if (features_.fibers) fiber_tangent_.assign(slots * points * kFiberFields, Real(0));
   fill_cells();
   arrays_.points = static_cast<int>(points);
   arrays_.spacing = lattice.settings.spacing;
@@ -75,7 +75,7 @@ Elastic<Real>::Elastic(const Lattice& lattice, CellMaterials materials, int quad
   arrays_.material_stride = uniform_ ? 0 : static_cast<std::int64_t>(record_fields_) * layout_.lanes;
   arrays_.tangent = tangent_.data();
   arrays_.sigma = sigma_.data();
-  arrays_.fibre_tangent = fibre_tangent_.data();
+  arrays_.fiber_tangent = fiber_tangent_.data();
 }
 
 template <class Real>
@@ -87,15 +87,15 @@ void Elastic<Real>::fill_record(Real* record, std::size_t stride, std::size_t ma
   put(kMu, m.mu());
   put(kLambda, m.lambda());
   put(kMooney, m.mooney_ratio);
-  if (record_fields_ == kFibreK1) return;
-  put(kFibreK1, m.fibre_k1);
-  put(kFibreK2, m.fibre_k2);
-  put(kFibreDispersion, m.fibre_dispersion);
+  if (record_fields_ == kFiberK1) return;
+  put(kFiberK1, m.fiber_k1);
+  put(kFiberK2, m.fiber_k2);
+  put(kFiberDispersion, m.fiber_dispersion);
   put(kMuscle, muscle(material));
   MaterialParameters turned = m;
-  if (!materials_.normal_of_cell.empty()) turned.fibre_direction = direction_in_plane(m, normal);
-  const Vec3 direction = turned.fibre_direction.normalized();
-  for (int i = 0; i < 3; ++i) put(kFibreDirection + i, direction[i]);
+  if (!materials_.normal_of_cell.empty()) turned.fiber_direction = direction_in_plane(m, normal);
+  const Vec3 direction = turned.fiber_direction.normalized();
+  for (int i = 0; i < 3; ++i) put(kFiberDirection + i, direction[i]);
   if (!features_.prestretched) return;
   const bool upright = normal.cross(direction).norm() < 1e-3;
   const Eigen::Matrix3d a =
@@ -131,7 +131,7 @@ void Elastic<Real>::fill_cells() {
 
 template <class Real>
 void Elastic<Real>::set_activation(std::span<const double> activation) {
-  if (!features_.fibres) return;
+  if (!features_.fibers) return;
   activation_.assign(activation.begin(), activation.end());
   arrays_.active = false;
   for (std::size_t m = 0; m < materials_.table.size(); ++m) arrays_.active = arrays_.active || muscle(m) > 0.0;
@@ -165,7 +165,7 @@ ElasticState Elastic<Real>::evaluate(std::span<const Real> u, std::span<double> 
 }
 
 template <class Real>
-void Elastic<Real>::linearize(Definiteness how) {
+void Elastic<Real>::linearize(PsdProjection how) {
   layout_.for_each_slab(
       [&](std::size_t, std::int64_t begin, std::int64_t end) { kernels_.linearize(arrays_, begin, end, how); });
 }
@@ -222,7 +222,7 @@ CellMeasures Elastic<Real>::measures(std::int32_t cell, std::span<const Real> u)
     material = &material_[(uniform_ ? 0 : place) * record_fields_ * width + lane];
 
   double rotation_u[9], rotation_v[9], sigma[3], p_hat[3];
-  if (!fixed && arrays_.points == 1 && !features_.fibres) {
+  if (!fixed && arrays_.points == 1 && !features_.fibers) {
     for (std::size_t i = 0; i < 3; ++i) sigma[i] = static_cast<double>(sigma_[(3 * place + i) * width + lane]);
   } else {
     double f[9];
@@ -241,13 +241,13 @@ CellMeasures Elastic<Real>::measures(std::int32_t cell, std::span<const Real> u)
   const double j = std::max(sigma[0] * sigma[1] * sigma[2], 1e-6);
   double principal[3];
   for (int i = 0; i < 3; ++i) principal[i] = sigma[i] * p_hat[i] / j;
-  if (features_.fibres) {
+  if (features_.fibers) {
     Eigen::Matrix3d stress = Eigen::Vector3d(principal[0], principal[1], principal[2]).asDiagonal();
-    const auto fibre = fibre_state(material, lanes, sigma, rotation_v);
-    const auto response = fibre_response(fibre.i1, fibre.i4, load_fibre<double>(material, lanes, arrays_.active));
+    const auto fiber = fiber_state(material, lanes, sigma, rotation_v);
+    const auto response = fiber_response(fiber.i1, fiber.i4, load_fiber<double>(material, lanes, arrays_.active));
     for (int i = 0; i < 3; ++i) {
       stress(i, i) += response.isotropic * sigma[i] * sigma[i] / j;
-      for (int k = 0; k < 3; ++k) stress(i, k) += response.along * fibre.fa[i] * fibre.fa[k] / j;
+      for (int k = 0; k < 3; ++k) stress(i, k) += response.along * fiber.fa[i] * fiber.fa[k] / j;
     }
     const double packed[6] = {stress(0, 0), stress(0, 1), stress(0, 2), stress(1, 1), stress(1, 2), stress(2, 2)};
     double axes[9];
@@ -260,14 +260,14 @@ CellMeasures Elastic<Real>::measures(std::int32_t cell, std::span<const Real> u)
 
 template <class Real>
 void Elastic<Real>::deformation_gradient(std::int32_t cell, std::span<const Real> u, double* f) const {
-  static const QuadraturePoint centre = quadrature_point(0.5, 0.5, 0.5, 1.0);
+  static const QuadraturePoint center = quadrature_point(0.5, 0.5, 0.5, 1.0);
   const auto& nodes = lattice_.cell_nodes[static_cast<std::size_t>(cell)];
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) {
       double sum = 0.0;
       for (std::size_t k = 0; k < 8; ++k)
         sum += double(u[3 * static_cast<std::size_t>(nodes[k]) + static_cast<std::size_t>(i)]) *
-               centre.gradient[static_cast<std::size_t>(8 * j) + k];
+               center.gradient[static_cast<std::size_t>(8 * j) + k];
       f[3 * i + j] = sum / lattice_.settings.spacing + (i == j ? 1.0 : 0.0);
     }
 }
@@ -275,7 +275,7 @@ void Elastic<Real>::deformation_gradient(std::int32_t cell, std::span<const Real
 template <class Real>
 std::size_t Elastic<Real>::bytes() const {
   const std::size_t numbers = volume_.size() + stabilization_.size() + material_.size() + tangent_.size() +
-                              sigma_.size() + fibre_tangent_.size() + quadratics_.size();
+                              sigma_.size() + fiber_tangent_.size() + quadratics_.size();
   return numbers * sizeof(Real) + 8 * layout_.node_start.size() +
          4 * (layout_.nodes.size() + layout_.cell_of_slot.size() + layout_.slot_of_cell.size() + quadratic_of_.size());
 }

@@ -24,7 +24,7 @@ struct ElasticState {
   std::int32_t inverted = 0;  // cells with J <= 0 at a quadrature point
 };
 
-// What the surface shows of a cell: strain and stress measures at its centre.
+// What the surface shows of a cell: strain and stress measures at its center.
 struct CellMeasures {
   double stretch;    // largest principal stretch
   double von_mises;  // Cauchy, kPa
@@ -53,7 +53,7 @@ class Elastic {
   // written): the sum of the magnitudes of the cells' forces on the node.
   ElasticState evaluate(std::span<const Real> u, std::span<double> gradient, std::span<double> node_scale);
   // Computes the tangent at the last evaluated u.
-  void linearize(Definiteness how);
+  void linearize(PsdProjection how);
   // y = K x
   void multiply(std::span<const Real> x, std::span<Real> y) const;
   // Quadratic terms on cells (attachments): 64 numbers each, symmetric, row-major; index per cell or -1.
@@ -64,7 +64,7 @@ class Elastic {
   Matrix24 cell_stiffness(std::int32_t cell) const;
   // Adds P^T K P of up to kProjectionLanes cells to a coarse block, in the layouts of projected_stiffness_kernel.h with
   // the lanes innermost: weights [64][lane] (zero in lanes without a cell), arms [24][lane], blocks
-  // [kFramePairSize][lane], all aligned to 64 bytes.
+  // [kModePairSize][lane], all aligned to 64 bytes.
   static constexpr int kProjectionLanes = 16;
   void add_projected_stiffness(std::span<const std::int32_t> cells, const Real* weights, const Real* arms,
                                Real* blocks) const;
@@ -112,7 +112,7 @@ class Elastic {
   std::vector<double> gradients_, weights_;
   template <class T>
   using Aligned = std::vector<T, tbb::cache_aligned_allocator<T>>;
-  Aligned<Real> volume_, stabilization_, material_, tangent_, sigma_, fibre_tangent_, quadratics_;
+  Aligned<Real> volume_, stabilization_, material_, tangent_, sigma_, fiber_tangent_, quadratics_;
   std::vector<std::int32_t> quadratic_of_;
   ElasticArrays<Real> arrays_;
 };

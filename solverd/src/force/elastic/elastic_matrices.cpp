@@ -24,23 +24,23 @@ Matrix9 Elastic<Real>::point_tangent(std::size_t slot, std::size_t point) const 
   const auto take = [&](const Real* from, std::size_t fields, double* to) {
     for (std::size_t k = 0; k < fields; ++k) to[k] = static_cast<double>(from[k * lanes + lane]);
   };
-  double tangent[kTangentFields], sigma[3], fibre[kFibreFields], material[kMaterialFields];
+  double tangent[kTangentFields], sigma[3], fiber[kFiberFields], material[kMaterialFields];
   const std::size_t index = place * quadrature_.size() + point;
   take(&tangent_[index * kTangentFields * lanes], kTangentFields, tangent);
   take(&sigma_[index * 3 * lanes], 3, sigma);
   take(&material_[(uniform_ ? 0 : place) * kMaterialFields * lanes], kMaterialFields, material);
-  if (features_.fibres) take(&fibre_tangent_[index * kFibreFields * lanes], kFibreFields, fibre);
+  if (features_.fibers) take(&fiber_tangent_[index * kFiberFields * lanes], kFiberFields, fiber);
   const double h = lattice_.settings.spacing;
   Matrix9 result;
   for (int k = 0; k < 9; ++k) {
     double df[9] = {};
     df[k] = 16.0 * h * h;
-    if (features_.fibres)
-      features_.prestretched ? differential<true, true>(tangent, sigma, fibre, material, df)
-                             : differential<true, false>(tangent, sigma, fibre, material, df);
+    if (features_.fibers)
+      features_.prestretched ? differential<true, true>(tangent, sigma, fiber, material, df)
+                             : differential<true, false>(tangent, sigma, fiber, material, df);
     else
-      features_.prestretched ? differential<false, true>(tangent, sigma, fibre, material, df)
-                             : differential<false, false>(tangent, sigma, fibre, material, df);
+      features_.prestretched ? differential<false, true>(tangent, sigma, fiber, material, df)
+                             : differential<false, false>(tangent, sigma, fiber, material, df);
     for (int i = 0; i < 9; ++i) result(i, k) = df[i];
   }
   return result;

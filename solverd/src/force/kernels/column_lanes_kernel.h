@@ -1,9 +1,9 @@
 // The nodes of blocks in lockstep, between memory and [node][component][lane]. A column of the grid is nine consecutive
 // numbers per lane: two or three wide accesses instead of three narrow ones for each node.
 //
-// Wide accesses have a price. Neighbours along a column share a node, and a load that overlaps a store without lying
+// Wide accesses have a price. Neighbors along a column share a node, and a load that overlaps a store without lying
 // inside it waits until that store has left for the cache. So the scatter adds a few lanes of all columns before it
-// goes on to the next lanes, and block_layout.cpp keeps such neighbours half the lanes apart.
+// goes on to the next lanes, and block_layout.cpp keeps such neighbors half the lanes apart.
 #pragma once
 #include "force/kernels/elastic_arrays.h"
 #include "force/kernels/node_lanes_kernel.h"

@@ -5,10 +5,10 @@
 namespace lappet {
 
 // Adds to `block` (6) the block of a corner whose shape function has the gradient g (4 h grad N).
-template <bool kFibres, bool kPrestretched, class Number>
+template <bool kFibers, bool kPrestretched, class Number>
 inline void add_corner_block(const typename NumberTraits<Number>::Scalar* tangent,
                              const typename NumberTraits<Number>::Scalar* sigma,
-                             const typename NumberTraits<Number>::Scalar* fibre,
+                             const typename NumberTraits<Number>::Scalar* fiber,
                              const typename NumberTraits<Number>::Scalar* material, const Number (&u)[9],
                              const Number (&v)[9], const Number (&g)[3], Number (&block)[6]) {
   constexpr int w = kLanes<Number>;
@@ -30,24 +30,24 @@ inline void add_corner_block(const typename NumberTraits<Number>::Scalar* tangen
   hat[1] = (field(kHessian + 1) + field(kCross)) * turned[0] * turned[1];
   hat[2] = (field(kHessian + 2) + field(kCross + 1)) * turned[0] * turned[2];
   hat[4] = (field(kHessian + 4) + field(kCross + 2)) * turned[1] * turned[2];
-  if constexpr (kFibres) {
+  if constexpr (kFibers) {
     Number a[3], s[3], fa[3], b[3];
-    const Number d0 = load<Number>(material + kFibreDirection * w),
-                 d1 = load<Number>(material + (kFibreDirection + 1) * w),
-                 d2 = load<Number>(material + (kFibreDirection + 2) * w);
+    const Number d0 = load<Number>(material + kFiberDirection * w),
+                 d1 = load<Number>(material + (kFiberDirection + 1) * w),
+                 d2 = load<Number>(material + (kFiberDirection + 2) * w);
     for (int i = 0; i < 3; ++i) {
       a[i] = v[i] * d0 + v[3 + i] * d1 + v[6 + i] * d2;
       s[i] = load<Number>(sigma + i * w);
       fa[i] = s[i] * a[i];
     }
-    const Number dispersion = load<Number>(material + kFibreDispersion * w);
+    const Number dispersion = load<Number>(material + kFiberDispersion * w);
     const Number along = a[0] * turned[0] + a[1] * turned[1] + a[2] * turned[2];
     const Number aligned = (Number(1) - Number(3) * dispersion) * along;
     for (int i = 0; i < 3; ++i) b[i] = dispersion * s[i] * turned[i] + aligned * fa[i];
     const Number spherical =
-        load<Number>(fibre + kIsotropic * w) * (xx + yy + zz) + load<Number>(fibre + kAlong * w) * along * along;
-    const Number curvature = load<Number>(fibre + kCurvature * w);
-    const Number muscle = load<Number>(fibre + kMuscleCurvature * w) * along * along;
+        load<Number>(fiber + kIsotropic * w) * (xx + yy + zz) + load<Number>(fiber + kAlong * w) * along * along;
+    const Number curvature = load<Number>(fiber + kCurvature * w);
+    const Number muscle = load<Number>(fiber + kMuscleCurvature * w) * along * along;
     int k = 0;
     for (int i = 0; i < 3; ++i)
       for (int j = i; j < 3; ++j, ++k) {
@@ -69,7 +69,7 @@ inline void add_corner_block(const typename NumberTraits<Number>::Scalar* tangen
 }
 
 // Adds the blocks of the groups begin..end to `blocks`, 6 per node.
-template <class Number, bool kOnePoint, bool kFibres, bool kPrestretched>
+template <class Number, bool kOnePoint, bool kFibers, bool kPrestretched>
 [[gnu::flatten]] void diagonal_groups(const ElasticArrays<typename NumberTraits<Number>::Scalar>& arrays,
                                       std::int64_t begin, std::int64_t end,
                                       typename NumberTraits<Number>::Scalar* blocks) {
@@ -93,7 +93,7 @@ template <class Number, bool kOnePoint, bool kFibres, bool kPrestretched>
         const std::int64_t point = cell * points + q;
         const Real* tangent = arrays.tangent + point * kTangentFields * w;
         const Real* sigma = arrays.sigma + point * 3 * w;
-        const Real* fibre = arrays.fibre_tangent + point * kFibreFields * w;
+        const Real* fiber = arrays.fiber_tangent + point * kFiberFields * w;
         Number u[9], v[9];
         load_rotation(tangent, kU, u);
         load_rotation(tangent, kV, v);
@@ -104,7 +104,7 @@ template <class Number, bool kOnePoint, bool kFibres, bool kPrestretched>
             g[j] = kOnePoint ? Number((corner >> (2 - j) & 1) ? 1 : -1)
                              : Number(static_cast<Real>(arrays.gradients[24 * q + 8 * j + corner]));
           for (auto& value : block) value = Number(0);
-          add_corner_block<kFibres, kPrestretched>(tangent, sigma, fibre, material, u, v, g, block);
+          add_corner_block<kFibers, kPrestretched>(tangent, sigma, fiber, material, u, v, g, block);
           if constexpr (kOnePoint) {
             // each of the modes xy, xz, yz gives 1, xyz a half
             const Number stabilization = Number(static_cast<Real>(3.5)) * load<Number>(arrays.stabilization + cell * w);

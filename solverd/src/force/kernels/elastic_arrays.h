@@ -6,7 +6,7 @@
 //           group stores the first node of each column, and a mesh group, at wounds and rims, stores all nodes
 //   place   8 per block, (x<<2 | y<<1 | z);   slot  a place of a lane: cells lie at [group][place][lane]
 // Missing cells have no volume and use nodes of their own block. Gradients of shape functions are scaled by 4 h, so
-// that those of the cell centre are +-1; the tangents carry 1 / (16 h^2) and the volume.
+// that those of the cell center are +-1; the tangents carry 1 / (16 h^2) and the volume.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -19,21 +19,21 @@ namespace lappet {
 enum TangentField { kU = 0, kV = 4, kHessian = 8, kSame = 14, kCross = 17, kTangentFields = 20 };
 // Where dP_ij = same dF_ij + cross dF_ji for the pairs 01 02 12 and the Hessian is 00 01 02 11 12 22.
 
-// The tangent of fibres and muscle, see force/materials/fibre.h.
-enum FibreField { kIsotropic, kAlong, kCurvature, kMuscleCurvature, kFibreFields };
+// The tangent of fibers and muscle, see force/materials/fiber.h.
+enum FiberField { kIsotropic, kAlong, kCurvature, kMuscleCurvature, kFiberFields };
 
-// What a cell is made of. A record ends where what the scene needs ends: before kFibreK1, before kPrestretch or at the
+// What a cell is made of. A record ends where what the scene needs ends: before kFiberK1, before kPrestretch or at the
 // end.
 enum MaterialField {
   kMu,
   kLambda,
   kMooney,
-  kFibreK1,
-  kFibreK2,
-  kFibreDispersion,
+  kFiberK1,
+  kFiberK2,
+  kFiberDispersion,
   kMuscle,
-  kFibreDirection,                    // 3
-  kPrestretch = kFibreDirection + 3,  // symmetric, 00 01 02 11 12 22
+  kFiberDirection,                    // 3
+  kPrestretch = kFiberDirection + 3,  // symmetric, 00 01 02 11 12 22
   kMaterialFields = kPrestretch + 6
 };
 
@@ -71,7 +71,7 @@ struct ElasticArrays {
   bool active = true;                        // some muscle pulls; else kMuscle is 0 in every record
   Real* tangent = nullptr;                   // [group][place][point][kTangentFields][lane]
   Real* sigma = nullptr;                     // [group][place][point][3][lane]
-  Real* fibre_tangent = nullptr;             // [group][place][point][kFibreFields][lane], or null
+  Real* fiber_tangent = nullptr;             // [group][place][point][kFiberFields][lane], or null
   // Quadratic terms on cells (attachments), 8x8 symmetric, the same for each component.
   const std::int32_t* quadratic_of = nullptr;  // [group][place]: index of a matrix, -1 for none; or null
   const Real* quadratics = nullptr;            // [index][36][lane], upper half by rows

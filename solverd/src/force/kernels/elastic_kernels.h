@@ -1,5 +1,5 @@
 // The kernels of one instruction set, chosen for what a scene holds: a material model, one or more quadrature points,
-// fibres, prestretch. What is absent is not in the code that runs.
+// fibers, prestretch. What is absent is not in the code that runs.
 #pragma once
 #include <cstdint>
 
@@ -12,7 +12,7 @@ namespace lappet {
 struct SceneFeatures {
   int model = 0;  // its place in MaterialModels
   bool one_point = true;
-  bool fibres = false;  // or muscle
+  bool fibers = false;  // or muscle
   bool prestretched = false;
 };
 
@@ -26,7 +26,7 @@ struct ElasticKernels {
   int lanes = 1;
   Evaluate evaluate = nullptr;       // in double
   Evaluate evaluate_fast = nullptr;  // in Real
-  void (*linearize)(const ElasticArrays<Real>&, std::int64_t begin, std::int64_t end, Definiteness) = nullptr;
+  void (*linearize)(const ElasticArrays<Real>&, std::int64_t begin, std::int64_t end, PsdProjection) = nullptr;
   void (*multiply)(const ElasticArrays<Real>&, std::int64_t begin, std::int64_t end, const Real* x, Real* y) = nullptr;
   void (*diagonal)(const ElasticArrays<Real>&, std::int64_t begin, std::int64_t end, Real* blocks) = nullptr;
   void (*project)(const ElasticArrays<Real>&, const std::int32_t* slots, const Real* weights, const Real* arms,

@@ -34,20 +34,20 @@ inline void load_rotation(const typename NumberTraits<Number>::Scalar* t, int fi
   rotation_of_quaternion(q, r);
 }
 
-// What fibres and muscle add to a differential in the frame of the decomposition, where F = diag(sigma) and the
+// What fibers and muscle add to a differential in the frame of the decomposition, where F = diag(sigma) and the
 // direction is V^T a.
 template <class Number>
-struct FibreDifferential {
+struct FiberDifferential {
   Number a[3], s[3], fa[3], dispersion, aligned, isotropic, along, curvature, muscle_curvature;
 
-  FibreDifferential(const Number* material, const Number* sigma, const Number* response, const Number (&v)[9]) {
-    const Number* d = material + kFibreDirection;
+  FiberDifferential(const Number* material, const Number* sigma, const Number* response, const Number (&v)[9]) {
+    const Number* d = material + kFiberDirection;
     for (int i = 0; i < 3; ++i) {
       a[i] = v[i] * d[0] + v[3 + i] * d[1] + v[6 + i] * d[2];
       s[i] = sigma[i];
       fa[i] = s[i] * a[i];
     }
-    dispersion = material[kFibreDispersion];
+    dispersion = material[kFiberDispersion];
     aligned = Number(1) - Number(3) * dispersion;
     isotropic = response[kIsotropic];
     along = response[kAlong];
@@ -71,10 +71,10 @@ struct FibreDifferential {
 };
 
 // df -> dp at a quadrature point, in place.
-template <bool kFibres, bool kPrestretched, class Number>
+template <bool kFibers, bool kPrestretched, class Number>
 inline void differential(const typename NumberTraits<Number>::Scalar* tangent,
                          const typename NumberTraits<Number>::Scalar* sigma,
-                         const typename NumberTraits<Number>::Scalar* fibre,
+                         const typename NumberTraits<Number>::Scalar* fiber,
                          const typename NumberTraits<Number>::Scalar* material, Number (&df)[9]) {
   constexpr int w = kLanes<Number>;
   Number stretch[9];
@@ -90,13 +90,13 @@ inline void differential(const typename NumberTraits<Number>::Scalar* tangent,
   multiply3_transposed_left(u, df, rotated);
   multiply3(rotated, v, hat);
   apply_tangent(tangent, hat, dp);
-  if constexpr (kFibres) {
-    Number cell[kMaterialFields], stretches[3], response[kFibreFields];
-    for (int k : {kFibreDispersion + 0, kFibreDirection + 0, kFibreDirection + 1, kFibreDirection + 2})
+  if constexpr (kFibers) {
+    Number cell[kMaterialFields], stretches[3], response[kFiberFields];
+    for (int k : {kFiberDispersion + 0, kFiberDirection + 0, kFiberDirection + 1, kFiberDirection + 2})
       cell[k] = load<Number>(material + k * w);
     for (int k = 0; k < 3; ++k) stretches[k] = load<Number>(sigma + k * w);
-    for (int k = 0; k < kFibreFields; ++k) response[k] = load<Number>(fibre + k * w);
-    FibreDifferential<Number>(cell, stretches, response, v)(hat, dp);
+    for (int k = 0; k < kFiberFields; ++k) response[k] = load<Number>(fiber + k * w);
+    FiberDifferential<Number>(cell, stretches, response, v)(hat, dp);
   }
   multiply3(u, dp, rotated);
   multiply3_transposed_right(rotated, v, df);
@@ -148,7 +148,7 @@ template <class Number, class Scalar>
 
 // y += K x of the groups begin..end; x and y hold 3 numbers per node. Flattened, here and in the other fused kernels:
 // a compiler whose budget for inlining is spent on so many instances leaves calls that pass matrices through memory.
-template <class Number, bool kOnePoint, bool kFibres, bool kPrestretched>
+template <class Number, bool kOnePoint, bool kFibers, bool kPrestretched>
 [[gnu::flatten]] void multiply_groups(const ElasticArrays<typename NumberTraits<Number>::Scalar>& arrays,
                                       std::int64_t begin, std::int64_t end,
                                       const typename NumberTraits<Number>::Scalar* x,
@@ -183,8 +183,8 @@ template <class Number, bool kOnePoint, bool kFibres, bool kPrestretched>
         tangents.fetch(place_lines);
         Number modes[3][4];
         for (int i = 0; i < 3; ++i) corner_sums(corners[i], df[3 * i], df[3 * i + 1], df[3 * i + 2], modes[i]);
-        differential<kFibres, kPrestretched>(arrays.tangent + cell * kTangentFields * w, arrays.sigma + cell * 3 * w,
-                                             arrays.fibre_tangent + cell * kFibreFields * w, material, df);
+        differential<kFibers, kPrestretched>(arrays.tangent + cell * kTangentFields * w, arrays.sigma + cell * 3 * w,
+                                             arrays.fiber_tangent + cell * kFiberFields * w, material, df);
         const Number stabilization = load<Number>(arrays.stabilization + cell * w);
         const Number half = Number(0.5) * stabilization;
         for (int i = 0; i < 3; ++i) {
@@ -207,9 +207,9 @@ template <class Number, bool kOnePoint, bool kFibres, bool kPrestretched>
               for (int c = 0; c < 8; ++c) total += corners[i][c] * Number(static_cast<Scalar>(gradient[8 * j + c]));
               df[3 * i + j] = total;
             }
-          differential<kFibres, kPrestretched>(arrays.tangent + point * kTangentFields * w,
+          differential<kFibers, kPrestretched>(arrays.tangent + point * kTangentFields * w,
                                                arrays.sigma + point * 3 * w,
-                                               arrays.fibre_tangent + point * kFibreFields * w, material, df);
+                                               arrays.fiber_tangent + point * kFiberFields * w, material, df);
           for (int i = 0; i < 3; ++i)
             for (int c = 0; c < 8; ++c)
               for (int j = 0; j < 3; ++j)

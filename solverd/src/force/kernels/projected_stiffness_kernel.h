@@ -1,7 +1,7 @@
-// P^T K P of one cell for a coarse space of blended rigid frames, written once for any Number (lanes: cells).
+// P^T K P of one cell for a coarse space of blended rigid modes, written once for any Number (lanes: cells).
 //
-// The eight corners k of a coarse cell carry frames: delta x_n = sum_k w_kn (t_k + omega_k x a_n), a_n the arm of fine
-// node n from a point that all corners share. Then delta F = sum_k t_k g_k^T + [omega_k]x M_k with
+// The eight corners k of a coarse cell carry rigid modes: delta x_n = sum_k w_kn (t_k + omega_k x a_n), a_n the arm of
+// fine node n from a point that all corners share. Then delta F = sum_k t_k g_k^T + [omega_k]x M_k with
 //   g_k = sum_n w_kn G_n (3),   M_k = sum_n w_kn a_n G_n^T (3x3),   G_n = dN_n/dX,
 // and the tangent U (T : U^T delta F V) V^T is contracted with g_l and M_l: about 9 500 multiplications and additions a
 // cell. Prescribed nodes have the weight 0.
@@ -17,19 +17,19 @@
 
 namespace lappet {
 
-inline constexpr int kFramePairs = 36, kFramePairSize = 36 * kFramePairs;
+inline constexpr int kModePairs = 36, kModePairSize = 36 * kModePairs;
 
 constexpr int pair_of(int k, int l) { return k * (k + 1) / 2 + l; }
 
-// sum over the nodes a, b of a cell of a symmetric scalar form Q_ab on frames k (at a) and l (at b): of w w, w (w a_b),
-// (w a_a) w, (w a_a)(w a_b)^T.
+// sum over the nodes a, b of a cell of a symmetric scalar form Q_ab on rigid modes k (at a) and l (at b): of w w, w (w
+// a_b), (w a_a) w, (w a_a)(w a_b)^T.
 template <class Number>
-struct FrameMoments {
+struct ModeMoments {
   Number ww, wa[3], aw[3], aa[9];
 };
 
 template <class Number>
-inline void add_moments(const FrameMoments<Number>& s, Number* block) {
+inline void add_moments(const ModeMoments<Number>& s, Number* block) {
   const Number trace = s.aa[0] + s.aa[4] + s.aa[8];
   for (int i = 0; i < 3; ++i) {
     block[7 * i] += s.ww;
@@ -45,19 +45,19 @@ inline void add_moments(const FrameMoments<Number>& s, Number* block) {
   }
 }
 
-// No fibres: what add_projected_tangent adds to a differential in the frame of the decomposition.
-struct NoFibres {
+// No fibers: what add_projected_tangent adds to a differential in the frame of the decomposition.
+struct NoFibers {
   template <class Number>
   void operator()(const Number*, Number*) const {}
 };
 
 // The tangent at a quadrature point: u, v (9, row-major), hessian (6), same, cross (3), scaled by weight and volume;
-// gradient: 3x8 row-major dN_n/dX; weight [8 k + n]; arm [3 n + i]. With a prestretch A, v is A V. add_fibres(hat, dp)
-// adds what fibres give to dp.
-template <class Number, class Scalar, class AddFibres = NoFibres>
+// gradient: 3x8 row-major dN_n/dX; weight [8 k + n]; arm [3 n + i]. With a prestretch A, v is A V. add_fibers(hat, dp)
+// adds what fibers give to dp.
+template <class Number, class Scalar, class AddFibers = NoFibers>
 void add_projected_tangent(const Number* u, const Number* v, const Number* hessian, const Number* same,
                            const Number* cross, const Scalar* gradient, const Number* weight, const Number* arm,
-                           Number* blocks, const AddFibres& add_fibres = {}) {
+                           Number* blocks, const AddFibers& add_fibers = {}) {
   constexpr int kPairs[3][2] = {{0, 1}, {0, 2}, {1, 2}};
   Number g[8][3], m[8][9];  // V^T g_k and M_k V
   for (int k = 0; k < 8; ++k) {
@@ -99,7 +99,7 @@ void add_projected_tangent(const Number* u, const Number* v, const Number* hessi
         dp[ij] = same[pair] * hat[ij] + cross[pair] * hat[ji];
         dp[ji] = same[pair] * hat[ji] + cross[pair] * hat[ij];
       }
-      add_fibres(hat, dp);
+      add_fibers(hat, dp);
       for (int i = 0; i < 3; ++i)
         for (int j = 0; j < 3; ++j)
           stress[3 * i + j] = u[3 * i] * dp[j] + u[3 * i + 1] * dp[3 + j] + u[3 * i + 2] * dp[6 + j];
@@ -145,7 +145,7 @@ void add_projected_hourglass(const Number& coefficient, const Number* weight, co
       for (int i = 0; i < 3; ++i) ca[mode][i] = scaled[mode] * a[mode][l][i];
     }
     for (int k = l; k < 8; ++k) {
-      FrameMoments<Number> s;
+      ModeMoments<Number> s;
       s.ww = w[0][k] * cw[0] + w[1][k] * cw[1] + w[2][k] * cw[2] + w[3][k] * cw[3];
       for (int i = 0; i < 3; ++i) {
         s.wa[i] = w[0][k] * ca[0][i] + w[1][k] * ca[1][i] + w[2][k] * ca[2][i] + w[3][k] * ca[3][i];
@@ -175,7 +175,7 @@ void add_projected_form(const Number* form, const Number* weight, const Number* 
     }
     for (int k = l; k < 8; ++k) {
       const Number zero = weight[8 * k] - weight[8 * k];
-      FrameMoments<Number> s{zero, {zero, zero, zero}, {zero, zero, zero}, {}};
+      ModeMoments<Number> s{zero, {zero, zero, zero}, {zero, zero, zero}, {}};
       for (Number& entry : s.aa) entry = zero;
       for (int n = 0; n < 8; ++n) {
         const Number w = weight[8 * k + n];
@@ -196,8 +196,8 @@ void add_projected_form(const Number* form, const Number* weight, const Number* 
 inline constexpr int kProjectionLanes = 16;
 
 // Adds P^T K P of up to kProjectionLanes cells: slots [lane] (the last one repeated where there are fewer), weights
-// [64][lane] (zero in lanes without a cell), arms [24][lane], blocks [kFramePairSize][lane].
-template <class Number, bool kOnePoint, bool kFibres, bool kPrestretched>
+// [64][lane] (zero in lanes without a cell), arms [24][lane], blocks [kModePairSize][lane].
+template <class Number, bool kOnePoint, bool kFibers, bool kPrestretched>
 void project_cells(const ElasticArrays<typename NumberTraits<Number>::Scalar>& arrays, const std::int32_t* slots,
                    const typename NumberTraits<Number>::Scalar* weights,
                    const typename NumberTraits<Number>::Scalar* arms, typename NumberTraits<Number>::Scalar* blocks) {
@@ -206,11 +206,11 @@ void project_cells(const ElasticArrays<typename NumberTraits<Number>::Scalar>& a
   static_assert(kProjectionLanes % w == 0);
   const int points = kOnePoint ? 1 : arrays.points;
   alignas(64) Real buffer[64][w];
-  Number weight[64], arm[24], out[kFramePairSize];
+  Number weight[64], arm[24], out[kModePairSize];
   for (int first = 0; first < kProjectionLanes; first += w) {
     for (int i = 0; i < 64; ++i) weight[i] = load<Number>(weights + kProjectionLanes * i + first);
     for (int i = 0; i < 24; ++i) arm[i] = load<Number>(arms + kProjectionLanes * i + first);
-    for (int i = 0; i < kFramePairSize; ++i) out[i] = load<Number>(blocks + kProjectionLanes * i + first);
+    for (int i = 0; i < kModePairSize; ++i) out[i] = load<Number>(blocks + kProjectionLanes * i + first);
     // Collects `fields` numbers of each lane's cell, found at from + place * stride.
     const auto collect = [&](const Real* from, std::int64_t stride, int fields, Number* to) {
       for (int lane = 0; lane < w; ++lane) {
@@ -241,15 +241,15 @@ void project_cells(const ElasticArrays<typename NumberTraits<Number>::Scalar>& a
         gradient[i] = kOnePoint ? ((corner >> (2 - j) & 1) ? Real(1) : Real(-1))
                                 : static_cast<Real>(arrays.gradients[24 * q + i]);
       }
-      if constexpr (kFibres) {
-        Number material[kPrestretch], sigma[3], response[kFibreFields];
+      if constexpr (kFibers) {
+        Number material[kPrestretch], sigma[3], response[kFiberFields];
         collect(arrays.material, arrays.material_stride, kPrestretch, material);
         collect(arrays.sigma + q * 3 * w, std::int64_t{points} * 3 * w, 3, sigma);
-        collect(arrays.fibre_tangent + q * kFibreFields * w, std::int64_t{points} * kFibreFields * w, kFibreFields,
+        collect(arrays.fiber_tangent + q * kFiberFields * w, std::int64_t{points} * kFiberFields * w, kFiberFields,
                 response);
-        const FibreDifferential<Number> fibre(material, sigma, response, rotation);
+        const FiberDifferential<Number> fiber(material, sigma, response, rotation);
         add_projected_tangent(u, v, tangent + kHessian, tangent + kSame, tangent + kCross, gradient, weight, arm, out,
-                              fibre);
+                              fiber);
       } else {
         add_projected_tangent(u, v, tangent + kHessian, tangent + kSame, tangent + kCross, gradient, weight, arm, out);
       }
@@ -276,7 +276,7 @@ void project_cells(const ElasticArrays<typename NumberTraits<Number>::Scalar>& a
         }
       add_projected_form(form, weight, arm, out);
     }
-    for (int i = 0; i < kFramePairSize; ++i) store(out[i], blocks + kProjectionLanes * i + first);
+    for (int i = 0; i < kModePairSize; ++i) store(out[i], blocks + kProjectionLanes * i + first);
   }
 }
 

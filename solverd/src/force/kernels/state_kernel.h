@@ -1,11 +1,11 @@
 // The state of the cells at u: deformation gradients, their decomposition, energy and forces; and from it the tangent.
-//   F = I + du grad N (times the prestretch A),   P = U P_hat(sigma) V^T (+ fibres, times A^T)
+//   F = I + du grad N (times the prestretch A),   P = U P_hat(sigma) V^T (+ fibers, times A^T)
 // The arithmetic may be wider than what is stored: a float session evaluates in double, so that the energy of the line
 // search and the residual keep their digits, `width` lanes of the layout in several batches.
 #pragma once
 #include "force/kernels/cell_corners.h"
 #include "force/kernels/product_kernel.h"
-#include "force/materials/fibre.h"
+#include "force/materials/fiber.h"
 #include "force/materials/material.h"
 #include "math/svd3.h"
 
@@ -24,22 +24,22 @@ inline Moduli<Number> load_moduli(const Real* material, int width) {
           load<Number>(material + kMooney * width)};
 }
 template <class Number, class Real>
-inline FibreParameters<Number> load_fibre(const Real* material, int width, bool active) {
-  return {load<Number>(material + kFibreK1 * width), load<Number>(material + kFibreK2 * width),
-          load<Number>(material + kFibreDispersion * width), load<Number>(material + kMuscle * width), active};
+inline FiberParameters<Number> load_fiber(const Real* material, int width, bool active) {
+  return {load<Number>(material + kFiberK1 * width), load<Number>(material + kFiberK2 * width),
+          load<Number>(material + kFiberDispersion * width), load<Number>(material + kMuscle * width), active};
 }
 
-// Invariants and pushed-forward direction of the fibres at F = U diag(sigma) V^T, in that frame.
+// Invariants and pushed-forward direction of the fibers at F = U diag(sigma) V^T, in that frame.
 template <class Number>
-struct FibreState {
+struct FiberState {
   Number a[3], fa[3], i1, i4;
 };
 template <class Number, class Real>
-inline FibreState<Number> fibre_state(const Real* material, int width, const Number (&s)[3], const Number (&v)[9]) {
-  FibreState<Number> state;
-  const Number d0 = load<Number>(material + kFibreDirection * width),
-               d1 = load<Number>(material + (kFibreDirection + 1) * width),
-               d2 = load<Number>(material + (kFibreDirection + 2) * width);
+inline FiberState<Number> fiber_state(const Real* material, int width, const Number (&s)[3], const Number (&v)[9]) {
+  FiberState<Number> state;
+  const Number d0 = load<Number>(material + kFiberDirection * width),
+               d1 = load<Number>(material + (kFiberDirection + 1) * width),
+               d2 = load<Number>(material + (kFiberDirection + 2) * width);
   for (int i = 0; i < 3; ++i) {
     state.a[i] = v[i] * d0 + v[3 + i] * d1 + v[6 + i] * d2;
     state.fa[i] = s[i] * state.a[i];
@@ -51,7 +51,7 @@ inline FibreState<Number> fibre_state(const Real* material, int width, const Num
 
 // Adds the forces of the groups begin..end to `gradient` (3 per node) and the magnitudes of the cells' forces to
 // `magnitude` (1 per node), and remembers decompositions. Number: the arithmetic; Real and width: the layout.
-template <class Number, class Real, int width, class Model, bool kOnePoint, bool kFibres, bool kPrestretched>
+template <class Number, class Real, int width, class Model, bool kOnePoint, bool kFibers, bool kPrestretched>
 [[gnu::flatten]] void evaluate_groups(const ElasticArrays<Real>& arrays, std::int64_t begin, std::int64_t end,
                                       const Real* u, double* gradient, double* magnitude, StateSums& sums) {
   using std::min;
@@ -118,14 +118,14 @@ template <class Number, class Real, int width, class Model, bool kOnePoint, bool
           Number density = Model::energy(s, moduli);
           cell_j = min(cell_j, s[0] * s[1] * s[2]);
           for (int i = 0; i < 9; ++i) p[i] = i % 4 == 0 ? p_hat[i / 4] : Number(0);
-          if constexpr (kFibres) {
-            const auto fibre = fibre_state(material, width, s, rotation_v);
+          if constexpr (kFibers) {
+            const auto fiber = fiber_state(material, width, s, rotation_v);
             const auto response =
-                fibre_response(fibre.i1, fibre.i4, load_fibre<Number>(material, width, arrays.active));
+                fiber_response(fiber.i1, fiber.i4, load_fiber<Number>(material, width, arrays.active));
             density += response.energy;
             for (int i = 0; i < 3; ++i) {
               p[4 * i] += response.isotropic * s[i];
-              for (int j = 0; j < 3; ++j) p[3 * i + j] += response.along * fibre.fa[i] * fibre.a[j];
+              for (int j = 0; j < 3; ++j) p[3 * i + j] += response.along * fiber.fa[i] * fiber.a[j];
             }
             multiply3(rotation_u, p, rotated);
           } else {
@@ -195,9 +195,9 @@ template <class Number, class Real, int width, class Model, bool kOnePoint, bool
 }
 
 // Computes the tangent of the groups begin..end from what evaluate_groups remembered.
-template <class Number, class Model, bool kOnePoint, bool kFibres>
+template <class Number, class Model, bool kOnePoint, bool kFibers>
 [[gnu::flatten]] void linearize_groups(const ElasticArrays<typename NumberTraits<Number>::Scalar>& arrays,
-                                       std::int64_t begin, std::int64_t end, Definiteness how) {
+                                       std::int64_t begin, std::int64_t end, PsdProjection how) {
   using Real = typename NumberTraits<Number>::Scalar;
   constexpr int w = kLanes<Number>;
   const int points = kOnePoint ? 1 : arrays.points;
@@ -220,13 +220,13 @@ template <class Number, class Model, bool kOnePoint, bool kFibres>
         store(Number(0.5) * weight * (t.stretch[k] + t.rotation[k]), tangent + (kSame + k) * w);
         store(Number(0.5) * weight * (t.stretch[k] - t.rotation[k]), tangent + (kCross + k) * w);
       }
-      if constexpr (kFibres) {
+      if constexpr (kFibers) {
         Number v[9];
         load_rotation(tangent, kV, v);
-        const auto fibre = fibre_state(material, w, s, v);
-        auto response = fibre_response(fibre.i1, fibre.i4, load_fibre<Number>(material, w, arrays.active));
-        if (kHasMuscle && arrays.active) make_definite(response, fibre.i4, how);  // fibres alone are convex
-        Real* stored = arrays.fibre_tangent + point * kFibreFields * w;
+        const auto fiber = fiber_state(material, w, s, v);
+        auto response = fiber_response(fiber.i1, fiber.i4, load_fiber<Number>(material, w, arrays.active));
+        if (kHasMuscle && arrays.active) make_definite(response, fiber.i4, how);  // fibers alone are convex
+        Real* stored = arrays.fiber_tangent + point * kFiberFields * w;
         store(weight * response.isotropic, stored + kIsotropic * w);
         store(weight * response.along, stored + kAlong * w);
         store(weight * response.curvature, stored + kCurvature * w);

@@ -70,13 +70,13 @@ std::vector<Vec3> point_normals(const Surface& surface) {
   return normals;
 }
 
-bool has_direction(const MaterialParameters& m) { return m.has_fibres() || m.has_muscle() || m.has_prestretch(); }
+bool has_direction(const MaterialParameters& m) { return m.has_fibers() || m.has_muscle() || m.has_prestretch(); }
 
 // Whether the normal z, which holds where none is kept, serves every cell as well.
 bool flat(const CellMaterials& materials) {
   const auto is_z = [](const Eigen::Vector3f& n) { return std::abs(n[2]) > 1.0F - 1e-6F; };
   const auto lies_flat = [](const MaterialParameters& m) {
-    return !has_direction(m) || (direction_in_plane(m, Vec3::UnitZ()) - m.fibre_direction.normalized()).norm() < 1e-6;
+    return !has_direction(m) || (direction_in_plane(m, Vec3::UnitZ()) - m.fiber_direction.normalized()).norm() < 1e-6;
   };
   return std::ranges::all_of(materials.normal_of_cell, is_z) && std::ranges::all_of(materials.table, lies_flat);
 }

@@ -122,14 +122,14 @@ struct NeoHookean {
 inline constexpr double kDefiniteFloor = 1e-4;
 
 // How a tangent is made positive definite (Teran et al. 2005; absolute values after Chen et al. 2024).
-enum class Definiteness { kExact, kClamp, kAbsolute };
+enum class PsdProjection { kExact, kClamp, kAbsolute };
 
 template <class Number>
-inline void make_definite(TangentHat<Number>& t, Number floor, Definiteness how) {
+inline void make_definite(TangentHat<Number>& t, Number floor, PsdProjection how) {
   using std::abs;
   using std::max;
-  if (how == Definiteness::kExact) return;
-  const bool absolute = how == Definiteness::kAbsolute;
+  if (how == PsdProjection::kExact) return;
+  const bool absolute = how == PsdProjection::kAbsolute;
   make_definite3(t.hessian, floor, absolute);
   for (int k = 0; k < 3; ++k) {
     t.stretch[k] = max(absolute ? Number(abs(t.stretch[k])) : t.stretch[k], floor);

@@ -14,15 +14,15 @@ struct MaterialParameters {
   double poissons_ratio = 0.45;
   double density = 1100.0;    // kg/m^3
   double mooney_ratio = 0.0;  // mu01 / mu10 of mooneyRivlin
-  // Fibres (Gasser, Ogden, Holzapfel 2006) and active muscle along one direction, added on any isotropic model.
-  Eigen::Vector3d fibre_direction = Eigen::Vector3d::UnitX();  // rest, unit
-  double fibre_k1 = 0.0;                                       // kPa; 0: no fibres
-  double fibre_k2 = 0.0, fibre_dispersion = 0.0;               // kappa in [0, 1/3]
+  // Fibers (Gasser, Ogden, Holzapfel 2006) and active muscle along one direction, added on any isotropic model.
+  Eigen::Vector3d fiber_direction = Eigen::Vector3d::UnitX();  // rest, unit
+  double fiber_k1 = 0.0;                                       // kPa; 0: no fibers
+  double fiber_k2 = 0.0, fiber_dispersion = 0.0;               // kappa in [0, 1/3]
   double muscle_stress = 0.0;                                  // kPa, greatest isometric stress; 0: no muscle
-  // In-vivo stretch along and across the fibre direction; the third is that of a free surface (prestretch.h).
+  // In-vivo stretch along and across the fiber direction; the third is that of a free surface (prestretch.h).
   std::array<double, 2> prestretch{1.0, 1.0};
 
-  bool has_fibres() const { return fibre_k1 > 0.0; }
+  bool has_fibers() const { return fiber_k1 > 0.0; }
   bool has_muscle() const { return muscle_stress > 0.0; }
   bool has_prestretch() const { return prestretch[0] != 1.0 || prestretch[1] != 1.0; }
 
@@ -36,7 +36,7 @@ struct MaterialParameters {
 struct CellMaterials {
   std::vector<MaterialParameters> table;
   std::vector<std::uint8_t> of_cell{};  // index into table per cell; empty: table[0] everywhere
-  // The outward normal of the skin above each cell: the plane in which fibres run and prestretch acts. Empty: z.
+  // The outward normal of the skin above each cell: the plane in which fibers run and prestretch acts. Empty: z.
   std::vector<Eigen::Vector3f> normal_of_cell{};
 
   const MaterialParameters& of(std::size_t cell) const { return table[of_cell.empty() ? 0 : of_cell[cell]]; }

@@ -5,7 +5,7 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
-#include "force/materials/fibre.h"
+#include "force/materials/fiber.h"
 #include "force/materials/material_models.h"
 #include "lattice/refused.h"
 
@@ -21,11 +21,11 @@ Eigen::Matrix3d prestretch_matrix(const MaterialParameters& parameters, const Ei
   if (!(std::isfinite(along) && std::isfinite(across) && along > 0.0 && across > 0.0))
     throw RefusedError(
         ErrorCode::kInvalidInput,
-        fmt::format("the prestretch is ({}, {}) along and across the fibres; both must be positive", along, across));
-  const Eigen::Vector3d d = parameters.fibre_direction.normalized(), perpendicular = normal.cross(d);
+        fmt::format("the prestretch is ({}, {}) along and across the fibers; both must be positive", along, across));
+  const Eigen::Vector3d d = parameters.fiber_direction.normalized(), perpendicular = normal.cross(d);
   if (!(perpendicular.norm() > 1e-6 * normal.norm()))
     throw RefusedError(ErrorCode::kInvalidInput,
-                       fmt::format("the normal ({:g}, {:g}, {:g}) of the skin has the direction of its fibres, ({:g}, "
+                       fmt::format("the normal ({:g}, {:g}, {:g}) of the skin has the direction of its fibers, ({:g}, "
                                    "{:g}, {:g}), so that 'across' is undefined; give a direction in the skin's plane",
                                    normal[0], normal[1], normal[2], d[0], d[1], d[2]));
   const Eigen::Vector3d c = perpendicular.normalized(), e = d.cross(c);
@@ -36,13 +36,13 @@ double free_prestretch(const MaterialParameters& parameters) {
   if (!parameters.has_prestretch()) return 1.0;
   const auto [along, across] = parameters.prestretch;
   const Moduli<double> moduli{parameters.mu(), parameters.lambda(), parameters.mooney_ratio};
-  const FibreParameters<double> fibres{parameters.fibre_k1, parameters.fibre_k2, parameters.fibre_dispersion, 0.0};
+  const FiberParameters<double> fibers{parameters.fiber_k1, parameters.fiber_k2, parameters.fiber_dispersion, 0.0};
   const auto stress = [&](double third) {
     const double s[3] = {along, across, third};
     double p[3] = {0, 0, 0};
     MaterialModels::with(MaterialModels::index(parameters.model), [&]<class Model>() { Model::p_hat(s, moduli, p); });
     const double i4 = along * along, i1 = i4 + across * across + third * third;
-    return p[2] + fibre_response(i1, i4, fibres).isotropic * third;
+    return p[2] + fiber_response(i1, i4, fibers).isotropic * third;
   };
   double low = kThinnest, high = kThickest;
   if (!(stress(low) < 0.0 && stress(high) > 0.0))
@@ -60,7 +60,7 @@ double free_prestretch(const MaterialParameters& parameters) {
 }
 
 Eigen::Vector3d direction_in_plane(const MaterialParameters& parameters, const Eigen::Vector3d& normal) {
-  const Eigen::Vector3d d = parameters.fibre_direction.normalized(), n = normal.normalized();
+  const Eigen::Vector3d d = parameters.fiber_direction.normalized(), n = normal.normalized();
   const Eigen::Vector3d flat = d - n.dot(d) * n;
   return flat.norm() > 1e-3 ? flat.normalized() : d;
 }

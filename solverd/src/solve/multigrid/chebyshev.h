@@ -97,11 +97,11 @@ class Chebyshev {
   struct Recurrence {
     explicit Recurrence(const Chebyshev& c) {
       const double upper = c.largest_, lower = upper / (kRange * c.degree_);
-      centre = 0.5 * (upper + lower);
+      center = 0.5 * (upper + lower);
       half = 0.5 * (upper - lower);
-      start = static_cast<Real>(1.0 / centre);
+      start = static_cast<Real>(1.0 / center);
     }
-    double centre, half;
+    double center, half;
     Real start;
   };
   void resize() {
@@ -109,7 +109,7 @@ class Chebyshev {
   }
   template <class Multiply>
   void continue_(const Multiply& multiply, const Recurrence& c, std::span<Real> x) {
-    const double sigma = c.centre / c.half;
+    const double sigma = c.center / c.half;
     double rho = 1.0 / sigma;
     for (int k = 1; k < degree_; ++k) {
       multiply(d_, q_);

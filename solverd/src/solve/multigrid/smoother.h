@@ -1,4 +1,4 @@
-// The fine level's smoother: Chebyshev on 3x3 block-Jacobi of the system's tangent, with the ties exact.
+// The fine level's smoother: Chebyshev on 3x3 block-Jacobi of the system's tangent, with the constraints exact.
 #pragma once
 #include <vector>
 

@@ -1,9 +1,9 @@
-// The two-level preconditioner: Chebyshev smoothing before and after a correction by rigid frames. Symmetric, so that
+// The two-level preconditioner: Chebyshev smoothing before and after a correction by rigid modes. Symmetric, so that
 // conjugate gradients may use it. With degree d an application takes 2 d products.
 #pragma once
 #include <algorithm>
 
-#include "solve/multigrid/rigid_frames.h"
+#include "solve/multigrid/rigid_modes.h"
 #include "solve/multigrid/smoother.h"
 
 namespace lappet {
@@ -11,10 +11,10 @@ namespace lappet {
 template <class Real>
 class TwoLevel {
  public:
-  TwoLevel(const System<Real>& system, int degree, std::size_t most_direct = kMostDirect)
-      : system_(system), smoother_(system, degree), frames_(system.lattice(), most_direct) {}
+  TwoLevel(const System<Real>& system, int degree, std::size_t max_direct = kMaxDirect)
+      : system_(system), smoother_(system, degree), modes_(system.lattice(), max_direct) {}
 
-  // Leaves the rigid frames out from now on: the smoother alone, to compare with.
+  // Leaves the rigid modes out from now on: the smoother alone, to compare with.
   void smoother_only() { smoother_only_ = true; }
   bool is_smoother_only() const { return smoother_only_; }
 
@@ -24,7 +24,7 @@ class TwoLevel {
     smoother_.update();
     if (smoother_only_) return;
     if (stale_ || system_.constraint_revision() != revision_) {
-      frames_.assemble(system_, u);
+      modes_.assemble(system_, u);
       revision_ = system_.constraint_revision();
       stale_ = false;
       first_iterations_ = 0;
@@ -45,17 +45,17 @@ class TwoLevel {
     if (smoother_only_)
       std::ranges::fill(smoother_.correction(), Real(0));
     else
-      frames_.correct(smoother_.product(), smoother_.residual(), smoother_.correction());
+      modes_.correct(smoother_.product(), smoother_.residual(), smoother_.correction());
     smoother_.after(x);
   }
-  RigidFrames<Real>& frames() { return frames_; }
+  RigidModes<Real>& modes() { return modes_; }
   Smoother<Real>& smoother() { return smoother_; }
-  std::size_t bytes() const { return smoother_.bytes() + frames_.bytes(); }
+  std::size_t bytes() const { return smoother_.bytes() + modes_.bytes(); }
 
  private:
   const System<Real>& system_;
   Smoother<Real> smoother_;
-  RigidFrames<Real> frames_;
+  RigidModes<Real> modes_;
   bool stale_ = true, smoother_only_ = false;
   double first_iterations_ = 0.0;
   std::uint64_t revision_ = 0;

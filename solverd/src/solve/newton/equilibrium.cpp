@@ -7,21 +7,21 @@
 #include <utility>
 
 #include "solve/multigrid/conjugate_gradients.h"
+#include "solve/newton/augmented_lagrangian.h"
+#include "solve/newton/change_neighborhood.h"
 #include "solve/newton/line_search.h"
 #include "solve/newton/local_relaxation.h"
-#include "solve/newton/multiplier_loop.h"
-#include "solve/newton/region.h"
 #include "solve/newton/tangent_choice.h"
 
 namespace lappet {
 
 namespace {
 
-constexpr int kMostLinearIterations = 120;
+constexpr int kMaxLinearIterations = 120;
 // The linear solve that carries prescribed motion is exact: nearly incompressible tissue otherwise starts from a volume
 // that is wrong everywhere. In a search that begins with a jump a few per cent do for the rest, as Newton's own model
 // is no better; one that starts near its end takes the fewest iterations at one.
-constexpr double kCarryTolerance = 1e-4, kFarTolerance = 5e-2, kNearTolerance = 1e-2, kMostTolerance = 0.1;
+constexpr double kCarryTolerance = 1e-4, kFarTolerance = 5e-2, kNearTolerance = 1e-2, kMaxTolerance = 0.1;
 constexpr double kForcing = 0.3;
 constexpr double kJump = 1.0;  // spacings that a prescribed node moves at once
 // A residual below that no step lowers may be rounding in float: that of stiff cells which are carried far.
@@ -44,12 +44,12 @@ template <class Real>
 class EquilibriumSearch {
  public:
   EquilibriumSearch(System<Real>& system, TwoLevel<Real>& preconditioner, std::span<Real> u,
-                    const EquilibriumOptions& options, const EquilibriumWatch& watcher)
+                    const EquilibriumOptions& options, const SolveObserver& observer)
       : system_(system),
         preconditioner_(preconditioner),
         u_(u),
         options_(options),
-        watcher_(watcher),
+        observer_(observer),
         multipliers_(options.tolerance, options.gap_tolerance),
         step_(u.size()),
         linear_vectors_(u.size()),
@@ -61,26 +61,26 @@ class EquilibriumSearch {
     while (true) {
       const bool carries = system_.prescribed_increment(u_, increment());
       record();
-      watcher_.progress(outcome_.newton_iterations, outcome_.residual, outcome_.gap);
+      observer_.progress(outcome_.newton_iterations, outcome_.residual, outcome_.gap);
       if (!std::isfinite(outcome_.residual)) return fail("the residual is not a finite number");
       const bool asked = std::exchange(moves_first, false) && !carries && outcome_.residual <= options_.tolerance;
       if (!carries && !asked && settle()) return outcome_;
-      if (options_.region_first && !asked && !region_tried_ && region_goes_ahead()) continue;
-      if (outcome_.newton_iterations - newton_in_region_ >= options_.max_newton)
+      if (options_.neighborhood_first && !asked && !neighborhood_tried_ && neighborhood_goes_ahead()) continue;
+      if (outcome_.newton_iterations - newton_in_neighborhood_ >= options_.max_newton)
         return fail(
             fmt::format("no equilibrium after {} Newton iterations: relative residual {:.2e} (tolerance {:.1e}), gap "
                         "{:.3g} mm",
                         outcome_.newton_iterations, outcome_.residual, options_.tolerance, outcome_.gap));
-      if (watcher_.stop()) return fail("stopped");
+      if (observer_.stop()) return fail("stopped");
       const bool solved = solve_tangent(carries);
-      if (watcher_.stop()) return fail("stopped");
+      if (observer_.stop()) return fail("stopped");
       if (!solved || !take_step(carries)) {
         if (!asked) return outcome_;
         outcome_.reason.clear();
         now_ = system_.evaluate(u_);
         continue;
       }
-      if (options_.relaxes && !carries && !jumped_ && used_ != Definiteness::kExact) relax();
+      if (options_.relaxes && !carries && !jumped_ && used_ != PsdProjection::kExact) relax();
     }
   }
 
@@ -101,10 +101,10 @@ class EquilibriumSearch {
   // Moves the multipliers on while the residual allows; true if the search has ended.
   bool settle() {
     while (true) {
-      switch (multipliers_.judge(outcome_.residual, outcome_.gap)) {
-        case MultiplierLoop::Verdict::kIterate:
+      switch (multipliers_.next(outcome_.residual, outcome_.gap)) {
+        case AugmentedLagrangian::Action::kIterate:
           return false;
-        case MultiplierLoop::Verdict::kHolds:
+        case AugmentedLagrangian::Action::kConverged:
           if (!options_.inverts && now_.inverted > 0)
             fail(
                 fmt::format("{} cells are inverted at rest (smallest J {:.3g}); make smaller steps between frames "
@@ -113,7 +113,7 @@ class EquilibriumSearch {
           else
             outcome_.converged = true;
           return true;
-        case MultiplierLoop::Verdict::kGivesUp:
+        case AugmentedLagrangian::Action::kGiveUp:
           if (system_.contact() && system_.contact()->excess() > options_.gap_tolerance)
             fail(
                 fmt::format("tissue is pressed {:.3g} mm deep into bone; what holds or pulls it there contradicts the "
@@ -125,7 +125,7 @@ class EquilibriumSearch {
                 "contradict others or need more force than the tissue bears",
                 outcome_.gap, options_.gap_tolerance));
           return true;
-        case MultiplierLoop::Verdict::kUpdate:
+        case AugmentedLagrangian::Action::kUpdate:
           system_.update_multipliers(u_);
           now_ = system_.evaluate(u_);
           record();
@@ -142,14 +142,14 @@ class EquilibriumSearch {
     const double forcing =
         kForcing * multipliers_.strictness() * options_.tolerance / std::max(outcome_.residual, 1e-300);
     const double least = jumped_ ? kFarTolerance : kNearTolerance;
-    const double target = carries ? kCarryTolerance : std::clamp(forcing, least, kMostTolerance);
+    const double target = carries ? kCarryTolerance : std::clamp(forcing, least, kMaxTolerance);
     used_ = tangent_.next();
     while (true) {
       system_.linearize(used_);
       try {
         preconditioner_.update(u_);
       } catch (const NotDefiniteError&) {
-        if (used_ != Definiteness::kExact) {
+        if (used_ != PsdProjection::kExact) {
           fail("the stiffness of a hook or a suture is so large that the equations cannot be solved; lower it");
           return false;
         }
@@ -166,10 +166,10 @@ class EquilibriumSearch {
       }
       for_each_index(rhs.size(), [&](std::size_t i) { rhs[i] = static_cast<Real>(-gradient[i]) - rhs[i]; });
       linear_ = conjugate_gradients<Real>(system_, preconditioner_, linear_vectors_, step_, target,
-                                          kMostLinearIterations, watcher_.stop);
+                                          kMaxLinearIterations, observer_.stop);
       outcome_.pcg_iterations += linear_.iterations;
       outcome_.seconds_linear += watch_.lap();
-      if (!linear_.indefinite || used_ != Definiteness::kExact) break;
+      if (!linear_.indefinite || used_ != PsdProjection::kExact) break;
       used_ = tangent_.replace_exact();
     }
     tangent_.iteration_done();
@@ -223,26 +223,26 @@ class EquilibriumSearch {
     if (!options_.relaxes) return true;  // the many small searches of a relaxation are not logged
     spdlog::debug("newton {}: residual {:.2e} gap {:.2e} J {:.2f} | pcg {} to {:.1e} {} | alpha {:.3g} ratio {:.3g}",
                   outcome_.newton_iterations, outcome_.residual, outcome_.gap, before.minimum_j, linear_.iterations,
-                  linear_.reduction, used_ == Definiteness::kExact ? "exact" : "definite", taken.alpha, taken.ratio);
+                  linear_.reduction, used_ == PsdProjection::kExact ? "exact" : "definite", taken.alpha, taken.ratio);
     return true;
   }
 
   // What the changes reach goes to its equilibrium, before anything else is done; false where all is for the whole.
-  bool region_goes_ahead() {
-    region_tried_ = true;
-    const EquilibriumOutcome region =
-        solve_region<Real>(system_, preconditioner_.frames().coarse_lattice(), u_, options_, watcher_);
-    outcome_.newton_iterations += newton_in_region_ = region.newton_iterations;
-    outcome_.pcg_iterations += region.pcg_iterations;
-    outcome_.seconds_update += region.seconds_update;
-    outcome_.seconds_linear += region.seconds_linear;
-    outcome_.seconds_setup += region.seconds_setup;
+  bool neighborhood_goes_ahead() {
+    neighborhood_tried_ = true;
+    const EquilibriumOutcome neighborhood =
+        solve_change_neighborhood<Real>(system_, preconditioner_.modes().coarse_lattice(), u_, options_, observer_);
+    outcome_.newton_iterations += newton_in_neighborhood_ = neighborhood.newton_iterations;
+    outcome_.pcg_iterations += neighborhood.pcg_iterations;
+    outcome_.seconds_update += neighborhood.seconds_update;
+    outcome_.seconds_linear += neighborhood.seconds_linear;
+    outcome_.seconds_setup += neighborhood.seconds_setup;
     watch_.lap();
-    if (!region.converged) return false;
-    outcome_.active_cells = region.active_cells;
+    if (!neighborhood.converged) return false;
+    outcome_.active_cells = neighborhood.active_cells;
     now_ = system_.evaluate(u_);
-    spdlog::debug("  {} cells went ahead: newton {} residual {:.2e}", region.active_cells, region.newton_iterations,
-                  now_.residual / now_.force_scale);
+    spdlog::debug("  {} cells went ahead: newton {} residual {:.2e}", neighborhood.active_cells,
+                  neighborhood.newton_iterations, now_.residual / now_.force_scale);
     return true;
   }
 
@@ -250,7 +250,7 @@ class EquilibriumSearch {
   void relax() {
     if (now_.residual <= options_.tolerance * now_.force_scale) return;
     const LocalRelaxation relaxed =
-        relax_locally<Real>(system_, u_, now_, options_.tolerance, options_.inverts, watcher_.stop);
+        relax_locally<Real>(system_, u_, now_, options_.tolerance, options_.inverts, observer_.stop);
     if (relaxed.nodes == 0) return;
     const double before = now_.residual;
     now_ = system_.evaluate(u_);
@@ -263,17 +263,17 @@ class EquilibriumSearch {
   TwoLevel<Real>& preconditioner_;
   std::span<Real> u_;
   const EquilibriumOptions& options_;
-  const EquilibriumWatch& watcher_;
-  MultiplierLoop multipliers_;
+  const SolveObserver& observer_;
+  AugmentedLagrangian multipliers_;
   TangentChoice tangent_;
   std::vector<Real> step_;
   // Between linear solves r is the right-hand side, z the way that prescribed nodes have to go, p the line search's.
   LinearVectors<Real> linear_vectors_;
   LineSearch<Real> line_;
   Evaluation now_;
-  bool jumped_ = false, region_tried_ = false;
-  int newton_in_region_ = 0;  // these leave those of the whole as many as ever
-  Definiteness used_ = Definiteness::kExact;
+  bool jumped_ = false, neighborhood_tried_ = false;
+  int newton_in_neighborhood_ = 0;  // these leave those of the whole as many as ever
+  PsdProjection used_ = PsdProjection::kExact;
   LinearOutcome linear_;
   EquilibriumOutcome outcome_;
   Stopwatch watch_;
@@ -283,13 +283,13 @@ class EquilibriumSearch {
 
 template <class Real>
 EquilibriumOutcome find_equilibrium(System<Real>& system, TwoLevel<Real>& preconditioner, std::span<Real> u,
-                                    const EquilibriumOptions& options, const EquilibriumWatch& watcher) {
-  return EquilibriumSearch<Real>(system, preconditioner, u, options, watcher).run();
+                                    const EquilibriumOptions& options, const SolveObserver& observer) {
+  return EquilibriumSearch<Real>(system, preconditioner, u, options, observer).run();
 }
 
 template EquilibriumOutcome find_equilibrium<float>(System<float>&, TwoLevel<float>&, std::span<float>,
-                                                    const EquilibriumOptions&, const EquilibriumWatch&);
+                                                    const EquilibriumOptions&, const SolveObserver&);
 template EquilibriumOutcome find_equilibrium<double>(System<double>&, TwoLevel<double>&, std::span<double>,
-                                                     const EquilibriumOptions&, const EquilibriumWatch&);
+                                                     const EquilibriumOptions&, const SolveObserver&);
 
 }  // namespace lappet

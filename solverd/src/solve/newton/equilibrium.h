@@ -16,9 +16,9 @@ struct EquilibriumOptions {
   double tolerance = 1e-3;
   double gap_tolerance = 1e-3;  // mm
   int max_newton = 100;
-  bool inverts = false;       // the material describes J < 0
-  bool relaxes = true;        // where a few nodes hold the rest up, they go ahead (local_relaxation.h)
-  bool region_first = false;  // what the changes reach goes ahead (region.h)
+  bool inverts = false;             // the material describes J < 0
+  bool relaxes = true;              // where a few nodes hold the rest up, they go ahead (local_relaxation.h)
+  bool neighborhood_first = false;  // what the changes reach goes ahead (change_neighborhood.h)
   // The start is at rest and loaded: one iteration is taken though its residual be within the tolerance. What bends a
   // slender piece is far below its modulus, which the force scale begins with.
   bool moves_first = false;
@@ -34,7 +34,7 @@ struct EquilibriumOutcome {
   double seconds_update = 0.0, seconds_linear = 0.0, seconds_setup = 0.0;
 };
 
-struct EquilibriumWatch {
+struct SolveObserver {
   std::function<void(int newton, double residual, double gap)> progress;
   std::function<bool()> stop;  // asked often; true ends the solve with the reason "stopped"
 };
@@ -42,6 +42,6 @@ struct EquilibriumWatch {
 // Moves u (3 per node) to equilibrium in place.
 template <class Real>
 EquilibriumOutcome find_equilibrium(System<Real>& system, TwoLevel<Real>& preconditioner, std::span<Real> u,
-                                    const EquilibriumOptions& options, const EquilibriumWatch& watcher);
+                                    const EquilibriumOptions& options, const SolveObserver& observer);
 
 }  // namespace lappet

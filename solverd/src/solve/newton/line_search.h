@@ -38,7 +38,7 @@ class LineSearch {
         taken.reached = now;
         break;
       }
-      if (alpha < kLeastStep) {
+      if (alpha < kMinStep) {
         taken.reached = system_.evaluate(u);
         return taken;
       }
@@ -71,7 +71,7 @@ class LineSearch {
         });
       taken.reached = system_.evaluate(trial_);
       if (std::isfinite(taken.reached.energy) && stays_upright(before, taken.reached, taken.alpha)) break;
-      if (taken.alpha < kLeastStep) {
+      if (taken.alpha < kMinStep) {
         taken.alpha = 0.0;
         taken.reached = system_.evaluate(u);
         return taken;
@@ -84,14 +84,14 @@ class LineSearch {
 
  private:
   static constexpr double kArmijo = 1e-4;
-  static constexpr double kLeastStep = 1e-5;
-  static constexpr double kStepCap = 8.0;        // spacings a node may move in one iteration
-  static constexpr double kLeastUpright = 1e-3;  // shorter steps may turn cells over: the energy decides
-  static constexpr double kSoftening = 1.4;      // the energy falls this much more than predicted
-  static constexpr int kMostDoublings = 5;
+  static constexpr double kMinStep = 1e-5;
+  static constexpr double kStepCap = 8.0;      // spacings a node may move in one iteration
+  static constexpr double kMinUpright = 1e-3;  // shorter steps may turn cells over: the energy decides
+  static constexpr double kSoftening = 1.4;    // the energy falls this much more than predicted
+  static constexpr int kMaxDoublings = 5;
 
   bool stays_upright(const Evaluation& before, const Evaluation& now, double alpha) const {
-    return inverts_ || now.inverted <= before.inverted || alpha < kLeastUpright;
+    return inverts_ || now.inverted <= before.inverted || alpha < kMinUpright;
   }
   Evaluation at(std::span<const Real> u, std::span<const Real> step, double alpha) {
     for_each_index(u.size(), [&](std::size_t i) { trial_[i] = u[i] + static_cast<Real>(alpha) * step[i]; });
@@ -100,7 +100,7 @@ class LineSearch {
   // Doubles the step that u has taken while the energy falls and no cell turns over.
   void go_further(std::span<Real> u, std::span<const Real> step, Evaluation& reached, double& alpha) {
     double more = 1.0;
-    for (int k = 0; k < kMostDoublings; ++k, more *= 2.0) {
+    for (int k = 0; k < kMaxDoublings; ++k, more *= 2.0) {
       const Evaluation further = at(u, step, more);
       if (!(further.energy < reached.energy) || further.inverted > reached.inverted) break;
       copy<Real>(trial_, u);

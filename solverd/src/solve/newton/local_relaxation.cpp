@@ -5,20 +5,20 @@
 #include <numeric>
 
 #include "solve/newton/equilibrium.h"
-#include "solve/subdomain/part.h"
+#include "solve/subdomain/subdomain.h"
 
 namespace lappet {
 
 namespace {
 
-constexpr int kDegree = 4;            // of the smoother
-constexpr int kRings = 2;             // of cells around the nodes that are off
-constexpr double kOff = 0.1;          // nodes with this part of the largest force are off ...
-constexpr double kOffShare = 0.5;     // ... and have at least this much of the squared residual
-constexpr double kMostMoving = 0.05;  // of the free nodes
-constexpr double kReduction = 0.1;    // of the residual
-constexpr double kTighter = 0.3;      // than the tolerance need nothing be
-constexpr int kMostNewton = 40;       // for each cluster
+constexpr int kDegree = 4;           // of the smoother
+constexpr int kRings = 2;            // of cells around the nodes that are off
+constexpr double kOff = 0.1;         // nodes with this part of the largest force are off ...
+constexpr double kOffShare = 0.5;    // ... and have at least this much of the squared residual
+constexpr double kMaxMoving = 0.05;  // of the free nodes
+constexpr double kReduction = 0.1;   // of the residual
+constexpr double kTighter = 0.3;     // than the tolerance need nothing be
+constexpr int kMaxNewton = 40;       // for each cluster
 
 // The free nodes whose forces are the largest, and some rings of cells around them; empty where they are too many, or
 // where what is left of the residual is elsewhere.
@@ -48,15 +48,16 @@ std::vector<std::uint8_t> around_what_is_off(const System<Real>& system, double 
     };
     for (const auto& corners : system.lattice().cell_nodes) grow(corners);
     if (ring == 0)  // a suture moves both its ends
-      for (const Tie& tie : system.ties()) grow(tie.nodes);
+      for (const PointConstraint& constraint : system.point_constraints()) grow(constraint.nodes);
     moving = std::move(grown);
   }
   const auto count = static_cast<double>(std::ranges::count(moving, std::uint8_t{1}));
-  if (count > kMostMoving * static_cast<double>(system.free_nodes())) return {};
+  if (count > kMaxMoving * static_cast<double>(system.free_nodes())) return {};
   return moving;
 }
 
-// Which of the moving nodes hang together, by cells or by ties: numbers from 1 on, 0 where a node does not move.
+// Which of the moving nodes hang together, by cells or by point constraints: numbers from 1 on, 0 where a node does not
+// move.
 template <class Real>
 std::vector<std::int32_t> clusters(const System<Real>& system, std::span<const std::uint8_t> moving, int& count) {
   std::vector<std::int32_t> root(moving.size());
@@ -76,7 +77,7 @@ std::vector<std::int32_t> clusters(const System<Real>& system, std::span<const s
     }
   };
   for (const auto& corners : system.lattice().cell_nodes) join(corners);
-  for (const Tie& tie : system.ties()) join(tie.nodes);
+  for (const PointConstraint& constraint : system.point_constraints()) join(constraint.nodes);
   std::vector<std::int32_t> number(moving.size(), 0);
   count = 0;
   for (std::size_t n = 0; n < moving.size(); ++n) {
@@ -97,31 +98,31 @@ LocalRelaxation relax_locally(const System<Real>& system, std::span<Real> u, con
   const auto moving = around_what_is_off(system, now.residual);
   if (moving.empty()) return result;
   // First all together, so that each cluster is cut out of something small.
-  Part<Real> all(system, moving, u);
+  Subdomain<Real> all(system, moving, u);
   int count = 0;
   const auto cluster_of = clusters(*all.system, all.moves, count);
   const double target = std::max(kReduction * now.residual, kTighter * tolerance * now.force_scale);
   for (int cluster = 1; cluster <= count && !stop(); ++cluster) {
     std::vector<std::uint8_t> own(all.moves.size());
     for (std::size_t n = 0; n < own.size(); ++n) own[n] = cluster_of[n] == cluster;
-    Part<Real> part(*all.system, own, all.u);
-    TwoLevel<Real> preconditioner(*part.system, kDegree);
-    const Evaluation start = part.system->evaluate(part.u);
+    Subdomain<Real> subdomain(*all.system, own, all.u);
+    TwoLevel<Real> preconditioner(*subdomain.system, kDegree);
+    const Evaluation start = subdomain.system->evaluate(subdomain.u);
     EquilibriumOptions options;
     options.tolerance = target / start.force_scale;
     options.gap_tolerance = std::numeric_limits<double>::infinity();  // multipliers are the whole's
-    options.max_newton = kMostNewton;
+    options.max_newton = kMaxNewton;
     options.inverts = inverts;
     options.relaxes = false;
-    const EquilibriumOutcome outcome =
-        find_equilibrium<Real>(*part.system, preconditioner, part.u, options, {[](int, double, double) {}, stop});
+    const EquilibriumOutcome outcome = find_equilibrium<Real>(*subdomain.system, preconditioner, subdomain.u, options,
+                                                              {[](int, double, double) {}, stop});
     if (!(outcome.energy < start.energy)) continue;
-    part.put_back(all.u);
+    subdomain.write_back(all.u);
     ++result.clusters;
     result.newton_iterations += outcome.newton_iterations;
     result.nodes += static_cast<std::size_t>(std::ranges::count(own, std::uint8_t{1}));
   }
-  if (result.nodes > 0) all.put_back(u);
+  if (result.nodes > 0) all.write_back(u);
   return result;
 }
 

@@ -3,8 +3,8 @@
 // whole would take one short step after the other for them, the more the finer the lattice. Instead they, and what is
 // around them, go to their own equilibrium while the rest stays still, and then the whole takes its next step.
 //
-// What moves falls into clusters that no cell and no tie joins; each is a system of its own, a part of the whole. The
-// energy of the whole falls by what theirs fall: this is a descent like any other step. Multipliers stay.
+// What moves falls into clusters that no cell and no point constraint joins; each is a subdomain, a system of its own.
+// The energy of the whole falls by what theirs fall: this is a descent like any other step. Multipliers stay.
 #pragma once
 #include <functional>
 #include <span>

@@ -15,7 +15,7 @@ void newton_correction(System<Real>& system, TwoLevel<Real>& preconditioner, std
   const auto gradient = system.gradient();
   LinearVectors<Real> work(correction.size());
   // The exact tangent knows soft modes best; where it curves downwards at once the definite one stands in.
-  for (const Definiteness how : {Definiteness::kExact, Definiteness::kClamp}) {
+  for (const PsdProjection how : {PsdProjection::kExact, PsdProjection::kClamp}) {
     std::ranges::fill(correction, Real(0));
     system.linearize(how);
     try {

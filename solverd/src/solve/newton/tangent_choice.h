@@ -11,32 +11,32 @@ namespace lappet {
 
 class TangentChoice {
  public:
-  Definiteness next() const { return exact_pause_ == 0 ? Definiteness::kExact : fallback_; }
+  PsdProjection next() const { return exact_pause_ == 0 ? PsdProjection::kExact : fallback_; }
   // The exact tangent was indefinite: what to use instead, now and for some iterations.
-  Definiteness replace_exact() {
+  PsdProjection replace_exact() {
     exact_pause_ = kIndefinitePause + 1;
     return fallback_;
   }
   // After a jump the model is bad: clamped modes would take steps that the line search cuts to nothing.
-  void jumped() { fallback_ = Definiteness::kAbsolute; }
+  void jumped() { fallback_ = PsdProjection::kAbsolute; }
   void iteration_done() { exact_pause_ = std::max(0, exact_pause_ - 1); }
   // ratio: actual to predicted decrease of the energy in a step with the tangent `used`.
-  void agreed(double ratio, Definiteness used) {
-    if (used != Definiteness::kExact)
-      fallback_ = std::abs(ratio - 1.0) > kModelAgreement ? Definiteness::kAbsolute : Definiteness::kClamp;
+  void agreed(double ratio, PsdProjection used) {
+    if (used != PsdProjection::kExact)
+      fallback_ = std::abs(ratio - 1.0) > kModelAgreement ? PsdProjection::kAbsolute : PsdProjection::kClamp;
   }
   // No step along the direction of `used` lowers the energy; false if no other tangent is left to try.
-  bool try_another(Definiteness used) {
-    fallback_ = Definiteness::kAbsolute;
+  bool try_another(PsdProjection used) {
+    fallback_ = PsdProjection::kAbsolute;
     exact_pause_ = kIndefinitePause;
-    return used != Definiteness::kAbsolute;
+    return used != PsdProjection::kAbsolute;
   }
 
  private:
   static constexpr double kModelAgreement = 0.01;
   static constexpr int kIndefinitePause = 3;  // iterations before the exact tangent is tried again
 
-  Definiteness fallback_ = Definiteness::kClamp;
+  PsdProjection fallback_ = PsdProjection::kClamp;
   int exact_pause_ = 0;
 };
 

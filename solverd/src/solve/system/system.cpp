@@ -90,9 +90,9 @@ void System<Real>::find_floating_cells() {
   std::vector<std::uint8_t> held(free_.size(), 0);  // by fragment
   for (std::size_t n = 0; n < free_.size(); ++n)
     if (!free_[n]) held[fragment(n)] = 1;
-  for (const auto& form : attachments_.forms) {
-    if (!acts(form) || (form.group == kBedGroup && !(bed_stiffness_ > 0.0))) continue;
-    const std::int32_t node = lattice.cell_nodes[static_cast<std::size_t>(form.cell)][0];
+  for (const auto& face : attachments_.face_constraints) {
+    if (!acts(face) || (face.group == kBedGroup && !(bed_stiffness_ > 0.0))) continue;
+    const std::int32_t node = lattice.cell_nodes[static_cast<std::size_t>(face.cell)][0];
     held[fragment(static_cast<std::size_t>(node))] = 1;
   }
   floating_cells_.clear();
@@ -116,7 +116,7 @@ void System<Real>::rebuild_constraints() {
     if (!free_[n]) prescribed_nodes_.push_back(static_cast<std::int32_t>(n));
   }
   find_floating_cells();
-  has_held_forms_ = false;
+  has_held_faces_ = false;
   std::vector<std::int32_t> of_cell;
   std::vector<Real> matrices;
   const auto matrix_of = [&](std::int32_t cell) {
@@ -128,12 +128,12 @@ void System<Real>::rebuild_constraints() {
     }
     return 64 * static_cast<std::size_t>(index);
   };
-  for (const auto& form : attachments_.forms) {
-    if (!acts(form)) continue;
-    const bool held = form.group != kBedGroup;
-    has_held_forms_ = has_held_forms_ || held;
-    const std::size_t first = matrix_of(form.cell);
-    const Eigen::Matrix<double, 8, 8> gram = form.matrix();
+  for (const auto& face : attachments_.face_constraints) {
+    if (!acts(face)) continue;
+    const bool held = face.group != kBedGroup;
+    has_held_faces_ = has_held_faces_ || held;
+    const std::size_t first = matrix_of(face.cell);
+    const Eigen::Matrix<double, 8, 8> gram = face.matrix();
     for (std::size_t k = 0; k < 64; ++k)
       matrices[first + k] += static_cast<Real>((held ? held_stiffness_ : bed_stiffness_) * gram.data()[k]);
   }
@@ -142,8 +142,8 @@ void System<Real>::rebuild_constraints() {
     for (std::size_t k = 0; k < 8; ++k) matrices[first + 9 * k] += static_cast<Real>(drift_stiffness_);
   }
   elastic_.set_cell_quadratics(of_cell, matrices);
-  if (has_held_forms_ && held_multipliers_.empty()) held_multipliers_.assign(3 * free_.size(), 0.0);
-  if (!has_held_forms_) held_multipliers_.clear();
+  if (has_held_faces_ && held_multipliers_.empty()) held_multipliers_.assign(3 * free_.size(), 0.0);
+  if (!has_held_faces_) held_multipliers_.clear();
 }
 
 template <class Real>
@@ -160,14 +160,15 @@ void System<Real>::set_retractors(std::span<const std::int32_t> active, std::spa
 }
 
 template <class Real>
-void System<Real>::set_ties(std::vector<Tie> ties) {
-  bool same = ties.size() == ties_.size();
-  for (std::size_t i = 0; same && i < ties.size(); ++i)
-    same = ties[i].nodes == ties_[i].nodes && ties[i].stiffness == ties_[i].stiffness &&
-           ties[i].weights == ties_[i].weights;
-  ties_ = std::move(ties);
+void System<Real>::set_point_constraints(std::vector<PointConstraint> constraints) {
+  bool same = constraints.size() == point_constraints_.size();
+  for (std::size_t i = 0; same && i < constraints.size(); ++i)
+    same = constraints[i].nodes == point_constraints_[i].nodes &&
+           constraints[i].stiffness == point_constraints_[i].stiffness &&
+           constraints[i].weights == point_constraints_[i].weights;
+  point_constraints_ = std::move(constraints);
   has_sutures_ = false;
-  for (const auto& tie : ties_) has_sutures_ = has_sutures_ || tie.exact;
+  for (const auto& constraint : point_constraints_) has_sutures_ = has_sutures_ || constraint.exact;
   if (!same) ++revision_;
 }
 
@@ -182,19 +183,19 @@ Vec3 System<Real>::held_displacement(std::int32_t group, std::size_t node) const
 // The forces of attached faces on the corners of their cells are found in parallel and added in order, a batch at a
 // time. Returns their energy.
 template <class Real>
-double System<Real>::add_forms(std::span<const Real> u) {
+double System<Real>::add_face_constraints(std::span<const Real> u) {
   constexpr std::size_t kBatch = 8192;
-  const auto& forms = attachments_.forms;
-  std::vector<std::array<double, 25>> found(std::min(kBatch, forms.size()));  // forces, energy
+  const auto& constraints = attachments_.face_constraints;
+  std::vector<std::array<double, 25>> found(std::min(kBatch, constraints.size()));  // forces, energy
   double energy = 0.0;
-  for (std::size_t first = 0; first < forms.size(); first += kBatch) {
-    const std::size_t count = std::min(kBatch, forms.size() - first);
+  for (std::size_t first = 0; first < constraints.size(); first += kBatch) {
+    const std::size_t count = std::min(kBatch, constraints.size() - first);
     for_each_row(count, [&](std::size_t f) {
       found[f].fill(0.0);
-      if (acts(forms[first + f])) evaluate_form(forms[first + f], u, found[f]);
+      if (acts(constraints[first + f])) evaluate_face_constraint(constraints[first + f], u, found[f]);
     });
     for (std::size_t f = 0; f < count; ++f) {
-      const auto& nodes = elastic_.lattice().cell_nodes[static_cast<std::size_t>(forms[first + f].cell)];
+      const auto& nodes = elastic_.lattice().cell_nodes[static_cast<std::size_t>(constraints[first + f].cell)];
       for (std::size_t a = 0; a < 8; ++a)
         for (std::size_t i = 0; i < 3; ++i)
           gradient_[3 * static_cast<std::size_t>(nodes[a]) + i] += found[f][3 * a + i];
@@ -205,19 +206,20 @@ double System<Real>::add_forms(std::span<const Real> u) {
 }
 
 template <class Real>
-void System<Real>::evaluate_form(const FaceForm& form, std::span<const Real> u, std::array<double, 25>& out) const {
-  const bool held = form.group != kBedGroup;
+void System<Real>::evaluate_face_constraint(const FaceConstraint& face, std::span<const Real> u,
+                                            std::array<double, 25>& out) const {
+  const bool held = face.group != kBedGroup;
   const double stiffness = held ? held_stiffness_ : bed_stiffness_;
-  const auto& nodes = elastic_.lattice().cell_nodes[static_cast<std::size_t>(form.cell)];
+  const auto& nodes = elastic_.lattice().cell_nodes[static_cast<std::size_t>(face.cell)];
   Eigen::Matrix<double, 3, 8> off, demand;  // demand: stiffness times the gap, and the multiplier
   for (int k = 0; k < 8; ++k) {
     const auto n = static_cast<std::size_t>(nodes[static_cast<std::size_t>(k)]);
     off.col(k) = at<Real>(u, n);
-    if (held) off.col(k) -= held_displacement(form.group, n);
+    if (held) off.col(k) -= held_displacement(face.group, n);
     demand.col(k) = stiffness * off.col(k);
     if (held) demand.col(k) += Vec3::Map(&held_multipliers_[3 * n]);
   }
-  const Eigen::Matrix<double, 8, 8> gram = form.matrix();
+  const Eigen::Matrix<double, 8, 8> gram = face.matrix();
   Eigen::Map<Eigen::Matrix<double, 3, 8>>(out.data()) = demand * gram;
   out[24] = (off.cwiseProduct((demand - 0.5 * stiffness * off) * gram)).sum();
 }
@@ -232,8 +234,8 @@ Evaluation System<Real>::evaluate(std::span<const Real> u) {
   result.minimum_j = state.minimum_j;
   result.inverted = state.inverted;
 
-  result.energy += add_forms(u);
-  pushes_.clear();
+  result.energy += add_face_constraints(u);
+  contact_penalties_.clear();
   for (const auto& face : attachments_.resting) {
     const auto& nodes = lattice.cell_nodes[static_cast<std::size_t>(face.cell)];
     double height = 0.0;
@@ -241,21 +243,21 @@ Evaluation System<Real>::evaluate(std::span<const Real> u) {
       height += face.weights[k] * face.inward.dot(at(u, static_cast<std::size_t>(nodes[k])));
     if (!(height < 0.0)) continue;
     const double stiffness = bed_stiffness_ * face.area;
-    pushes_.push_back({face.cell, face.weights, face.inward, stiffness});
+    contact_penalties_.push_back({face.cell, face.weights, face.inward, stiffness});
     result.energy += 0.5 * stiffness * height * height;
     for (std::size_t k = 0; k < 8; ++k)
       for (int i = 0; i < 3; ++i)
         gradient_[3 * static_cast<std::size_t>(nodes[k]) + static_cast<std::size_t>(i)] +=
             stiffness * height * face.weights[k] * face.inward[i];
   }
-  if (contact()) result.energy += contact()->template evaluate<Real>(u, free_, gradient_, pushes_);
-  for (const auto& tie : ties_) {
-    const Vec3 c = tie.value(u), force = tie.force(c);
-    result.energy += c.dot(0.5 * tie.stiffness * c + tie.multiplier);
-    for (std::size_t k = 0; k < tie.nodes.size(); ++k)
+  if (contact()) result.energy += contact()->template evaluate<Real>(u, free_, gradient_, contact_penalties_);
+  for (const auto& constraint : point_constraints_) {
+    const Vec3 c = constraint.value(u), force = constraint.force(c);
+    result.energy += c.dot(0.5 * constraint.stiffness * c + constraint.multiplier);
+    for (std::size_t k = 0; k < constraint.nodes.size(); ++k)
       for (int i = 0; i < 3; ++i)
-        gradient_[3 * static_cast<std::size_t>(tie.nodes[k]) + static_cast<std::size_t>(i)] +=
-            tie.weights[k] * force[i];
+        gradient_[3 * static_cast<std::size_t>(constraint.nodes[k]) + static_cast<std::size_t>(i)] +=
+            constraint.weights[k] * force[i];
   }
   for (const std::int32_t cell : floating_cells_)
     for (const std::int32_t node : lattice.cell_nodes[static_cast<std::size_t>(cell)]) {
@@ -286,25 +288,25 @@ template <class Real>
 void System<Real>::multiply(std::span<const Real> x, std::span<Real> y) const {
   const Timed timed(work_.products);
   elastic_.multiply(x, y);
-  for_each_push([&](const Push& push) {
-    const auto& nodes = elastic_.lattice().cell_nodes[static_cast<std::size_t>(push.cell)];
+  for_each_contact_penalty([&](const ContactPenalty& penalty) {
+    const auto& nodes = elastic_.lattice().cell_nodes[static_cast<std::size_t>(penalty.cell)];
     double along = 0.0;
     for (std::size_t k = 0; k < 8; ++k)
-      along += push.weights[k] * push.direction.dot(at(x, static_cast<std::size_t>(nodes[k])));
+      along += penalty.weights[k] * penalty.direction.dot(at(x, static_cast<std::size_t>(nodes[k])));
     for (std::size_t k = 0; k < 8; ++k)
       for (int i = 0; i < 3; ++i)
         y[3 * static_cast<std::size_t>(nodes[k]) + static_cast<std::size_t>(i)] +=
-            static_cast<Real>(push.stiffness * along * push.weights[k] * push.direction[i]);
+            static_cast<Real>(penalty.stiffness * along * penalty.weights[k] * penalty.direction[i]);
   });
-  for (const auto& tie : ties_) {
+  for (const auto& constraint : point_constraints_) {
     Vec3 sum = Vec3::Zero();
-    for (std::size_t k = 0; k < tie.nodes.size(); ++k)
-      sum += tie.weights[k] * at(x, static_cast<std::size_t>(tie.nodes[k]));
-    sum *= tie.stiffness;
-    for (std::size_t k = 0; k < tie.nodes.size(); ++k)
+    for (std::size_t k = 0; k < constraint.nodes.size(); ++k)
+      sum += constraint.weights[k] * at(x, static_cast<std::size_t>(constraint.nodes[k]));
+    sum *= constraint.stiffness;
+    for (std::size_t k = 0; k < constraint.nodes.size(); ++k)
       for (int i = 0; i < 3; ++i)
-        y[3 * static_cast<std::size_t>(tie.nodes[k]) + static_cast<std::size_t>(i)] +=
-            static_cast<Real>(tie.weights[k] * sum[i]);
+        y[3 * static_cast<std::size_t>(constraint.nodes[k]) + static_cast<std::size_t>(i)] +=
+            static_cast<Real>(constraint.weights[k] * sum[i]);
   }
   for (const std::int32_t node : prescribed_nodes_)
     for (std::size_t i = 0; i < 3; ++i) y[3 * static_cast<std::size_t>(node) + i] = Real(0);
@@ -331,9 +333,9 @@ std::vector<std::size_t> System<Real>::gripped_nodes(std::int32_t retractor) con
   std::vector<std::size_t> gripped;
   for (std::size_t n = 0; n < free_.size(); ++n)
     if (attachments_.node_group[n] == retractor) gripped.push_back(n);
-  for (const auto& form : attachments_.forms)
-    if (form.group == retractor)
-      for (const std::int32_t n : elastic_.lattice().cell_nodes[static_cast<std::size_t>(form.cell)])
+  for (const auto& face : attachments_.face_constraints)
+    if (face.group == retractor)
+      for (const std::int32_t n : elastic_.lattice().cell_nodes[static_cast<std::size_t>(face.cell)])
         gripped.push_back(static_cast<std::size_t>(n));
   return gripped;
 }
@@ -349,56 +351,56 @@ Eigen::Matrix4d System<Real>::motion_towards(const Eigen::Matrix4d& motion, doub
     now.col(static_cast<Eigen::Index>(k)) = elastic_.lattice().node_rest[gripped[k]] + at(u, gripped[k]);
   }
   const Eigen::Matrix4d present = Eigen::umeyama(rest, now, false);
-  const Vec3 centre = rest.rowwise().mean();
+  const Vec3 center = rest.rowwise().mean();
   const Eigen::Quaterniond from(Eigen::Matrix3d(present.topLeftCorner<3, 3>()));
   const Eigen::Quaterniond to(Eigen::Matrix3d(motion.topLeftCorner<3, 3>()));
   Eigen::Matrix4d result = Eigen::Matrix4d::Identity();
   result.topLeftCorner<3, 3>() = from.slerp(fraction, to).toRotationMatrix();
   const Eigen::Vector4d place =
-      (1.0 - fraction) * (present * centre.homogeneous()) + fraction * (motion * centre.homogeneous());
-  result.topRightCorner<3, 1>() = place.head<3>() - result.topLeftCorner<3, 3>() * centre;
+      (1.0 - fraction) * (present * center.homogeneous()) + fraction * (motion * center.homogeneous());
+  result.topRightCorner<3, 1>() = place.head<3>() - result.topLeftCorner<3, 3>() * center;
   return result;
 }
 
 template <class Real>
 double System<Real>::largest_gap(std::span<const Real> u) const {
   double gap = 0.0;
-  for (const auto& tie : ties_)
-    if (tie.exact) gap = std::max(gap, tie.gap(tie.value(u)));
+  for (const auto& constraint : point_constraints_)
+    if (constraint.exact) gap = std::max(gap, constraint.gap(constraint.value(u)));
   if (contact()) gap = std::max(gap, contact()->excess());
-  if (!has_held_forms_) return gap;
-  for (const auto& form : attachments_.forms) {
-    if (form.group == kBedGroup || !acts(form)) continue;
-    const auto& nodes = elastic_.lattice().cell_nodes[static_cast<std::size_t>(form.cell)];
+  if (!has_held_faces_) return gap;
+  for (const auto& face : attachments_.face_constraints) {
+    if (face.group == kBedGroup || !acts(face)) continue;
+    const auto& nodes = elastic_.lattice().cell_nodes[static_cast<std::size_t>(face.cell)];
     double squared = 0.0;
-    const Eigen::Matrix<double, 8, 8> gram = form.matrix();
+    const Eigen::Matrix<double, 8, 8> gram = face.matrix();
     Vec3 off[8];
     for (std::size_t k = 0; k < 8; ++k) {
       const auto n = static_cast<std::size_t>(nodes[k]);
-      off[k] = at(u, n) - held_displacement(form.group, n);
+      off[k] = at(u, n) - held_displacement(face.group, n);
     }
     for (std::size_t a = 0; a < 8; ++a)
       for (std::size_t b = 0; b < 8; ++b)
         squared += gram(static_cast<int>(a), static_cast<int>(b)) * off[a].dot(off[b]);
-    gap = std::max(gap, std::sqrt(std::max(squared, 0.0) / form.area));
+    gap = std::max(gap, std::sqrt(std::max(squared, 0.0) / face.area));
   }
   return gap;
 }
 
 template <class Real>
 void System<Real>::update_multipliers(std::span<const Real> u) {
-  for (auto& tie : ties_)
-    if (tie.exact) tie.update_multiplier(tie.value(u));
+  for (auto& constraint : point_constraints_)
+    if (constraint.exact) constraint.update_multiplier(constraint.value(u));
   if (contact()) contact()->update_multipliers();
-  if (!has_held_forms_) return;
+  if (!has_held_faces_) return;
   std::vector<std::uint8_t> done(free_.size(), 0);
-  for (const auto& form : attachments_.forms) {
-    if (form.group == kBedGroup || !acts(form)) continue;
-    for (const std::int32_t node : elastic_.lattice().cell_nodes[static_cast<std::size_t>(form.cell)]) {
+  for (const auto& face : attachments_.face_constraints) {
+    if (face.group == kBedGroup || !acts(face)) continue;
+    for (const std::int32_t node : elastic_.lattice().cell_nodes[static_cast<std::size_t>(face.cell)]) {
       const auto n = static_cast<std::size_t>(node);
       if (done[n]) continue;
       done[n] = 1;
-      const Vec3 off = at(u, n) - held_displacement(form.group, n);
+      const Vec3 off = at(u, n) - held_displacement(face.group, n);
       for (int i = 0; i < 3; ++i) held_multipliers_[3 * n + static_cast<std::size_t>(i)] += held_stiffness_ * off[i];
     }
   }
@@ -406,7 +408,7 @@ void System<Real>::update_multipliers(std::span<const Real> u) {
 
 template <class Real>
 std::size_t System<Real>::bytes() const {
-  return elastic_.bytes() + attachments_.forms.size() * sizeof(FaceForm) + gradient_.size() * 8 +
+  return elastic_.bytes() + attachments_.face_constraints.size() * sizeof(FaceConstraint) + gradient_.size() * 8 +
          node_scale_.size() * 8 + gravity_force_.size() * 8 + held_multipliers_.size() * 8 + free_.size() +
          (contact_ ? contact_->bytes() : 0);
 }
