@@ -82,32 +82,29 @@ void CoarseCholesky::analyze(std::size_t nodes) {
 }
 
 template <class Real>
-void CoarseCholesky::factor(CoarseMatrix<Real>& matrix, std::span<const CoarseConstraint> constraints, double shift) {
+void CoarseCholesky::set_pattern(const CoarseMatrix<Real>& matrix, std::span<const CoarseConstraint> constraints) {
   const std::size_t nodes = matrix.rows();
-  std::vector<std::int32_t> constraint_nodes;
-  for (const auto& constraint : constraints) {
-    constraint_nodes.push_back(-static_cast<std::int32_t>(constraint.nodes.size()));
-    constraint_nodes.insert(constraint_nodes.end(), constraint.nodes.begin(), constraint.nodes.end());
+  std::vector<std::vector<std::int32_t>> extra(nodes);
+  for (const auto& constraint : constraints)
+    for (std::size_t a = 0; a < constraint.nodes.size(); ++a)
+      extra[static_cast<std::size_t>(constraint.nodes[a])].insert(
+          extra[static_cast<std::size_t>(constraint.nodes[a])].end(),
+          constraint.nodes.begin() + static_cast<std::ptrdiff_t>(a), constraint.nodes.end());
+  start_.assign(1, 0);
+  row_.clear();
+  for (std::size_t n = 0; n < nodes; ++n) {
+    auto& rows = extra[n];
+    for (const std::int32_t c : matrix.columns(n)) rows.push_back(c);
+    std::sort(rows.begin(), rows.end());
+    row_.insert(row_.end(), rows.begin(), std::unique(rows.begin(), rows.end()));
+    start_.push_back(static_cast<std::int32_t>(row_.size()));
   }
-  if (!factor_ || constraint_nodes != constraint_nodes_) {
-    constraint_nodes_ = std::move(constraint_nodes);
-    std::vector<std::vector<std::int32_t>> extra(nodes);
-    for (const auto& constraint : constraints)
-      for (std::size_t a = 0; a < constraint.nodes.size(); ++a)
-        extra[static_cast<std::size_t>(constraint.nodes[a])].insert(
-            extra[static_cast<std::size_t>(constraint.nodes[a])].end(),
-            constraint.nodes.begin() + static_cast<std::ptrdiff_t>(a), constraint.nodes.end());
-    start_.assign(1, 0);
-    row_.clear();
-    for (std::size_t n = 0; n < nodes; ++n) {
-      auto& rows = extra[n];
-      for (const std::int32_t c : matrix.columns(n)) rows.push_back(c);
-      std::sort(rows.begin(), rows.end());
-      row_.insert(row_.end(), rows.begin(), std::unique(rows.begin(), rows.end()));
-      start_.push_back(static_cast<std::int32_t>(row_.size()));
-    }
-    analyze(nodes);
-  }
+  analyze(nodes);
+}
+
+template <class Real>
+void CoarseCholesky::fill(const CoarseMatrix<Real>& matrix, std::span<const CoarseConstraint> constraints) {
+  const std::size_t nodes = matrix.rows();
   auto* values = static_cast<double*>(matrix_->x);
   const auto* p = static_cast<const int*>(matrix_->p);
   std::fill_n(values, p[6 * nodes], 0.0);
@@ -137,6 +134,23 @@ void CoarseCholesky::factor(CoarseMatrix<Real>& matrix, std::span<const CoarseCo
         for (int c = 0; c < 6; ++c)
           for (int r = a == b ? c : 0; r < 6; ++r) values[place(column, c, at, r)] += block(r, c);
       }
+}
+
+template <class Real>
+void CoarseCholesky::factor(CoarseMatrix<Real>& matrix, std::span<const CoarseConstraint> constraints, double shift) {
+  const std::size_t nodes = matrix.rows();
+  std::vector<std::int32_t> constraint_nodes;
+  for (const auto& constraint : constraints) {
+    constraint_nodes.push_back(-static_cast<std::int32_t>(constraint.nodes.size()));
+    constraint_nodes.insert(constraint_nodes.end(), constraint.nodes.begin(), constraint.nodes.end());
+  }
+  if (!factor_ || constraint_nodes != constraint_nodes_) {
+    constraint_nodes_ = std::move(constraint_nodes);
+    set_pattern(matrix, constraints);
+  }
+  fill(matrix, constraints);
+  auto* values = static_cast<double*>(matrix_->x);
+  const auto* p = static_cast<const int*>(matrix_->p);
   const double largest = std::max(matrix.largest_diagonal(), 1e-30);
   matrix.release();
   for (double added = shift; added <= kMaxShift; added = std::max(kNextShift, kShiftFactor * added)) {

@@ -49,6 +49,10 @@ class CoarseCholesky {
     return Owned<T>(p, Free{&common_});
   }
 
+  template <class Real>
+  void set_pattern(const CoarseMatrix<Real>& matrix, std::span<const CoarseConstraint> constraints);
+  template <class Real>
+  void fill(const CoarseMatrix<Real>& matrix, std::span<const CoarseConstraint> constraints);
   void analyze(std::size_t nodes);
   std::size_t entry(std::int32_t row, std::int32_t column) const;  // of the lower block pattern
 

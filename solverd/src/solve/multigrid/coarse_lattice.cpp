@@ -107,16 +107,16 @@ std::size_t CoarseLattice::bytes() const {
               corner_start.size() + corners.size());
 }
 
-CoarseLattice coarsen(std::span<const CellNodes> cell_nodes, std::span<const CellPosition> cell_position,
-                      std::size_t nodes, int ratio) {
-  CoarseLattice result;
-  result.ratio = ratio;
-  const std::size_t cells = cell_nodes.size();
-  const auto box = [&](std::int32_t cell) {
+namespace {
+
+// Cells of one box that hang together are a coarse cell; returns that of each cell.
+std::vector<std::int32_t> merge_cells(const FacePairs& faces, std::span<const CellPosition> cell_position,
+                                      CoarseLattice& result) {
+  const std::size_t cells = cell_position.size();
+  const auto box = [&, ratio = result.ratio](std::int32_t cell) {
     const auto& p = cell_position[static_cast<std::size_t>(cell)];
     return CellPosition{floor_div(p[0], ratio), floor_div(p[1], ratio), floor_div(p[2], ratio)};
   };
-  const FacePairs faces(cell_nodes, nodes);
   DisjointSets components(cells);
   faces.for_each([&](std::int32_t a, std::int32_t b, int) {
     if (box(a) == box(b)) components.unite(a, b);
@@ -130,9 +130,12 @@ CoarseLattice coarsen(std::span<const CellNodes> cell_nodes, std::span<const Cel
     }
     coarse_of[c] = coarse_of[root];
   }
-  const std::size_t coarse_cells = result.cell_position.size();
-  group(coarse_of, coarse_cells, result.cell_start, result.cells);
+  return coarse_of;
+}
 
+// Corners of coarse cells are one node where fine cells on either side share a face.
+void merge_corners(const FacePairs& faces, std::span<const std::int32_t> coarse_of, CoarseLattice& result) {
+  const std::size_t coarse_cells = result.cell_position.size();
   DisjointSets merged(8 * coarse_cells);
   faces.for_each([&](std::int32_t a, std::int32_t b, int bit) {
     const std::int32_t ca = coarse_of[static_cast<std::size_t>(a)], cb = coarse_of[static_cast<std::size_t>(b)];
@@ -149,6 +152,20 @@ CoarseLattice coarsen(std::span<const CellNodes> cell_nodes, std::span<const Cel
       result.cell_nodes[c][k] = node_of_corner[8 * c + k] = id;
     }
   group(node_of_corner, result.nodes, result.corner_start, result.corners);
+}
+
+}  // namespace
+
+CoarseLattice coarsen(std::span<const CellNodes> cell_nodes, std::span<const CellPosition> cell_position,
+                      std::size_t nodes, int ratio) {
+  CoarseLattice result;
+  result.ratio = ratio;
+  const std::size_t cells = cell_nodes.size();
+  const FacePairs faces(cell_nodes, nodes);
+  const auto coarse_of = merge_cells(faces, cell_position, result);
+  const std::size_t coarse_cells = result.cell_position.size();
+  group(coarse_of, coarse_cells, result.cell_start, result.cells);
+  merge_corners(faces, coarse_of, result);
 
   std::vector<std::int32_t> owner(nodes, -1);
   std::vector<std::array<std::uint8_t, 3>> place(nodes);

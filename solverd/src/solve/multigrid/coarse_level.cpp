@@ -145,13 +145,87 @@ typename CoarseLevel<Real>::Block CoarseLevel<Real>::shift_of(std::size_t cell, 
   return m;
 }
 
+// What couples a cell to another, itself or a neighbor: 8 x 8 blocks between their corners.
+template <class Real>
+struct CoarseLevel<Real>::Neighbor {
+  std::size_t cell;
+  std::array<Block, 64> blocks;
+  std::array<bool, 64> used{};
+};
+
+// Of one node: its couplings summed over the nodes of a neighbor.
+template <class Real>
+struct CoarseLevel<Real>::Row {
+  std::size_t cell;
+  std::array<Block, 8> blocks;
+  std::array<bool, 8> used;
+};
+
+template <class Real>
+const std::array<double, 8>& CoarseLevel<Real>::weight_of(std::size_t slot) const {
+  return weights_[static_cast<std::size_t>(coarse_->weight_index(coarse_->local[slot]))];
+}
+
+template <class Real>
+void CoarseLevel<Real>::sum_row(std::size_t slot, std::span<const std::int32_t> owner, std::vector<Row>& row) const {
+  row.clear();
+  const Block left = transfer_of(slot).transpose();
+  matrix_.for_each(static_cast<std::size_t>(coarse_->slot_node[slot]), [&](std::int32_t j, const Real* entries,
+                                                                           bool turned) {
+    const auto cell = static_cast<std::size_t>(owner[static_cast<std::size_t>(j)]);
+    auto found = std::find_if(row.begin(), row.end(), [&](const Row& r) { return r.cell == cell; });
+    if (found == row.end()) {
+      found = row.insert(row.end(), Row{cell, {}, {}});
+      found->blocks.fill(Block::Zero());
+    }
+    const auto other = static_cast<std::size_t>(coarse_->slot_of[static_cast<std::size_t>(j)]);
+    const Block entry = Eigen::Map<const Eigen::Matrix<Real, 6, 6, Eigen::RowMajor>>(entries).template cast<double>();
+    const Block block = left * (turned ? Block(entry.transpose()) : entry) * transfer_of(other);
+    const auto& weight = weight_of(other);
+    for (std::size_t l = 0; l < 8; ++l)
+      if (weight[l] != 0.0) {
+        found->blocks[l] += weight[l] * block;
+        found->used[l] = true;
+      }
+  });
+}
+
+template <class Real>
+void CoarseLevel<Real>::couple(std::size_t c, std::span<const std::int32_t> owner, std::vector<Neighbor>& list) const {
+  list.clear();
+  std::vector<Row> row;
+  for (auto s = coarse_->slot_start[c]; s < coarse_->slot_start[c + 1]; ++s) {
+    const auto slot = static_cast<std::size_t>(s);
+    sum_row(slot, owner, row);
+    const auto& weight = weight_of(slot);
+    for (const Row& r : row) {
+      auto found = std::find_if(list.begin(), list.end(), [&](const Neighbor& n) { return n.cell == r.cell; });
+      if (found == list.end()) {
+        found = list.insert(list.end(), Neighbor{r.cell, {}, {}});
+        found->blocks.fill(Block::Zero());
+      }
+      for (std::size_t k = 0; k < 8; ++k)
+        for (std::size_t l = 0; l < 8; ++l)
+          if (weight[k] != 0.0 && r.used[l]) {
+            found->blocks[8 * k + l] += weight[k] * r.blocks[l];
+            found->used[8 * k + l] = true;
+          }
+    }
+  }
+  for (auto& neighbor : list)
+    for (std::size_t k = 0; k < 8; ++k)
+      for (std::size_t l = 0; l < 8; ++l) {
+        // of the upper triangle
+        neighbor.used[8 * k + l] =
+            neighbor.used[8 * k + l] && coarse_->cell_nodes[c][k] <= coarse_->cell_nodes[neighbor.cell][l];
+        if (neighbor.used[8 * k + l])
+          neighbor.blocks[8 * k + l] =
+              shift_of(c, k).transpose() * neighbor.blocks[8 * k + l] * shift_of(neighbor.cell, l);
+      }
+}
+
 template <class Real>
 void CoarseLevel<Real>::assemble_next() {
-  struct Neighbor {
-    std::size_t cell;
-    std::array<Block, 64> blocks;
-    std::array<bool, 64> used{};
-  };
   const std::size_t cells = coarse_->cell_nodes.size();
   // A neighbor takes 18 kB and a cell has up to 27: a batch of cells at a time, some for each thread.
   const std::size_t batch = 2 * static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
@@ -160,71 +234,11 @@ void CoarseLevel<Real>::assemble_next() {
   for (std::size_t c = 0; c < cells; ++c)
     for (auto s = coarse_->slot_start[c]; s < coarse_->slot_start[c + 1]; ++s)
       owner[static_cast<std::size_t>(coarse_->slot_node[static_cast<std::size_t>(s)])] = static_cast<std::int32_t>(c);
-  const auto weight_of = [&](std::size_t slot) -> const std::array<double, 8>& {
-    return weights_[static_cast<std::size_t>(coarse_->weight_index(coarse_->local[slot]))];
-  };
-  const auto couple = [&](std::size_t c, std::vector<Neighbor>& list) {
-    list.clear();
-    struct Row {  // of one node: its couplings summed over the nodes of a neighbor
-      std::size_t cell;
-      std::array<Block, 8> blocks;
-      std::array<bool, 8> used;
-    };
-    std::vector<Row> row;
-    for (auto s = coarse_->slot_start[c]; s < coarse_->slot_start[c + 1]; ++s) {
-      const auto slot = static_cast<std::size_t>(s);
-      const auto i = static_cast<std::size_t>(coarse_->slot_node[slot]);
-      const Block left = transfer_of(slot).transpose();
-      row.clear();
-      matrix_.for_each(i, [&](std::int32_t j, const Real* entries, bool turned) {
-        const auto cell = static_cast<std::size_t>(owner[static_cast<std::size_t>(j)]);
-        auto found = std::find_if(row.begin(), row.end(), [&](const Row& r) { return r.cell == cell; });
-        if (found == row.end()) {
-          found = row.insert(row.end(), Row{cell, {}, {}});
-          found->blocks.fill(Block::Zero());
-        }
-        const auto other = static_cast<std::size_t>(coarse_->slot_of[static_cast<std::size_t>(j)]);
-        const Block entry =
-            Eigen::Map<const Eigen::Matrix<Real, 6, 6, Eigen::RowMajor>>(entries).template cast<double>();
-        const Block block = left * (turned ? Block(entry.transpose()) : entry) * transfer_of(other);
-        const auto& weight = weight_of(other);
-        for (std::size_t l = 0; l < 8; ++l)
-          if (weight[l] != 0.0) {
-            found->blocks[l] += weight[l] * block;
-            found->used[l] = true;
-          }
-      });
-      const auto& weight = weight_of(slot);
-      for (const Row& r : row) {
-        auto found = std::find_if(list.begin(), list.end(), [&](const Neighbor& n) { return n.cell == r.cell; });
-        if (found == list.end()) {
-          found = list.insert(list.end(), Neighbor{r.cell, {}, {}});
-          found->blocks.fill(Block::Zero());
-        }
-        for (std::size_t k = 0; k < 8; ++k)
-          for (std::size_t l = 0; l < 8; ++l)
-            if (weight[k] != 0.0 && r.used[l]) {
-              found->blocks[8 * k + l] += weight[k] * r.blocks[l];
-              found->used[8 * k + l] = true;
-            }
-      }
-    }
-    for (auto& neighbor : list)
-      for (std::size_t k = 0; k < 8; ++k)
-        for (std::size_t l = 0; l < 8; ++l) {
-          // of the upper triangle
-          neighbor.used[8 * k + l] =
-              neighbor.used[8 * k + l] && coarse_->cell_nodes[c][k] <= coarse_->cell_nodes[neighbor.cell][l];
-          if (neighbor.used[8 * k + l])
-            neighbor.blocks[8 * k + l] =
-                shift_of(c, k).transpose() * neighbor.blocks[8 * k + l] * shift_of(neighbor.cell, l);
-        }
-  };
   auto& to = next_->matrix();
   to.set_zero();
   for (std::size_t first = 0; first < cells; first += batch) {
     const std::size_t count = std::min(batch, cells - first);
-    tbb::parallel_for(std::size_t{0}, count, [&](std::size_t k) { couple(first + k, couplings[k]); });
+    tbb::parallel_for(std::size_t{0}, count, [&](std::size_t k) { couple(first + k, owner, couplings[k]); });
     for (std::size_t c = first; c < first + count; ++c)
       for (const auto& neighbor : couplings[c - first])
         for (std::size_t k = 0; k < 8; ++k)

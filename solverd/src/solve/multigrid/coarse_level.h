@@ -39,6 +39,12 @@ class CoarseLevel {
   using Block = Eigen::Matrix<double, 6, 6>;
   void place_next(std::span<const Vec3> places, double spacing);
   void assemble_next();
+  // What the nodes of a coarse cell couple it to; owner: the coarse cell of each node.
+  struct Neighbor;
+  struct Row;
+  void sum_row(std::size_t slot, std::span<const std::int32_t> owner, std::vector<Row>& row) const;
+  void couple(std::size_t cell, std::span<const std::int32_t> owner, std::vector<Neighbor>& list) const;
+  const std::array<double, 8>& weight_of(std::size_t slot) const;
   void project_constraints();
   void set_diagonal();
   void multiply(std::span<const Real> x, std::span<Real> y) const;
