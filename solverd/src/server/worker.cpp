@@ -132,8 +132,7 @@ std::vector<PartBytes> Worker::answer(const Request& request, zmq::socket_t& rep
   const ReplyTo to{header.id, session_number_};
   if (header.type == "epoch") {
     const EpochInput epoch = decode_epoch(header, arrays, settings_.retractors, materials);
-    epoch_triangles_.reset();  // a session that could not take an epoch has none
-    const EpochReport report = session.set_epoch(epoch);
+    const EpochReport report = session.set_epoch(epoch);  // where it throws the epoch before stays
     epoch_triangles_ = static_cast<std::int32_t>(epoch.surface.triangles.size());
     return encode_lattice(to, report);
   }

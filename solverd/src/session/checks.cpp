@@ -5,6 +5,7 @@
 #include <Eigen/LU>
 #include <cmath>
 #include <map>
+#include <set>
 
 #include "force/constraints/attachments.h"
 #include "force/materials/prestretch.h"
@@ -211,7 +212,9 @@ void check_epoch(const EpochInput& epoch, const SessionSettings& settings) {
 
 void check_frame(const FrameInput& frame, const SessionSettings& settings, const Surface& surface) {
   require(std::isfinite(frame.time), "the time of a frame is not finite");
+  std::set<std::int32_t> hooks;
   for (const auto& hook : frame.hooks) {
+    require(hooks.insert(hook.index).second, "frame {:g} names hook {} twice", frame.time, hook.index);
     check_anchor(hook.anchor, surface, "hook");
     require(finite(hook.target), "the target of a hook at frame {:g} is not finite", frame.time);
     require(std::isfinite(hook.stiffness) && hook.stiffness > 0,

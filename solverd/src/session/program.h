@@ -73,7 +73,8 @@ struct Anchor {
 struct HookState {
   Anchor anchor;
   Vec3 target;
-  double stiffness;  // mN/mm
+  double stiffness;        // mN/mm
+  std::int32_t index = 0;  // tells it from the others of the frame
   bool operator==(const HookState&) const = default;
 };
 
@@ -112,35 +113,42 @@ struct SolverState {
 
 // What a frame says of the tissue: its surface, landmarks and constraints.
 struct FrameFields {
-  std::vector<float> points;                // 3 per surface vertex, mm
-  std::vector<float> strain;                // largest principal stretch - 1, per surface vertex
-  std::vector<float> stress;                // von Mises Cauchy, kPa
-  std::vector<float> tension;               // largest principal Cauchy stress, kPa
-  std::vector<double> landmarks;            // 3 per landmark, mm
-  std::vector<double> suture_gaps;          // per active suture: distance from its demanded separation, mm
-  std::vector<double> suture_forces;        // per active suture, mN
-  std::vector<double> hook_forces;          // 3 per hook, mN, on the tissue
-  std::vector<double> hook_points;          // 3 per hook: where the anchor is now, mm
-  std::vector<double> suture_points;        // 6 per active suture: both ends, mm
+  std::vector<float> points;          // 3 per surface vertex, mm
+  std::vector<float> strain;          // largest principal stretch - 1, per surface vertex
+  std::vector<float> stress;          // von Mises Cauchy, kPa
+  std::vector<float> tension;         // largest principal Cauchy stress, kPa
+  std::vector<double> landmarks;      // 3 per landmark, mm
+  std::vector<double> suture_gaps;    // per active suture: distance from its demanded separation, mm
+  std::vector<double> suture_forces;  // per active suture, mN
+  std::vector<std::int32_t> suture_indices, hook_indices;  // which suture or hook each of these is of
+  std::vector<double> hook_forces;                         // 3 per hook, mN, on the tissue
+  std::vector<double> hook_points;                         // 3 per hook: where the anchor is now, mm
+  std::vector<double> suture_points;                       // 6 per active suture: both ends, mm
   std::vector<float> correction;            // 3 per surface vertex, mm: the Newton step left over; empty: not wanted
   std::vector<double> landmark_correction;  // 3 per landmark, mm
 };
 
-struct FrameOutput : FrameFields {
+// What it took to find a frame, all attempts together.
+struct SolveEffort {
+  int newton_iterations = 0, pcg_iterations = 0;
+  int load_steps = 0;             // of the last attempt
+  std::int64_t active_cells = 0;  // that were solved for; all others stayed where they were
+  double seconds_update = 0.0, seconds_linear = 0.0, seconds_setup = 0.0;
+};
+
+struct FrameOutput : FrameFields, SolveEffort {
   double time = 0.0;
   bool converged = false;
-  std::string reason;  // empty when converged: otherwise one sentence
-  int newton_iterations = 0, pcg_iterations = 0, load_steps = 0;
-  std::int64_t active_cells = 0;  // that were solved for; all others stayed where they were
-  double residual = 0.0;          // relative to the force scale
-  double force_scale = 0.0;       // mN
-  double largest_gap = 0.0;       // mm, over sutures and grips
+  std::string reason;        // empty when converged: otherwise one sentence
+  double residual = 0.0;     // relative to the force scale
+  double force_scale = 0.0;  // mN
+  double largest_gap = 0.0;  // mm, over sutures and grips
   double minimum_j = 0.0;
   std::int32_t inverted_cells = 0;
   double energy = 0.0;               // mN mm
   double largest_penetration = 0.0;  // of the tissue into bone, mm
   std::int32_t contacts = 0;         // points of its surface that touch bone
-  double seconds_update = 0.0, seconds_linear = 0.0, seconds_setup = 0.0, seconds_total = 0.0;
+  double seconds_total = 0.0;
   Work work;
   double peak_bytes = 0.0;  // of the process
   SolverState state;

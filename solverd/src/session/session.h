@@ -17,7 +17,8 @@ class Session {
   ~Session();
   Session(Session&&) noexcept;
 
-  // Installs an epoch. If there was one before, its state is carried over by rest position.
+  // Installs an epoch. If there was one before, its state is carried over by rest position. Where it throws the epoch
+  // before and its state stay.
   EpochReport set_epoch(const EpochInput& epoch);
   // Replaces the state of the current epoch by one that an earlier solve returned. Throws if its sizes do not fit.
   void set_state(const SolverState& state);

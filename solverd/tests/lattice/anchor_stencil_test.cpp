@@ -144,19 +144,21 @@ TEST(AnchorStencil, ItsForceIsTheGradientOfItsEnergy) {
   const AnchorStencil left = anchor_stencil(lattice, anchored(lattice, s, triangle_at(s, 6.0))),
                       right = anchor_stencil(lattice, anchored(lattice, s, triangle_at(s, 7.0)));
   EXPECT_GT(left.nodes.size(), 20u);
-  system.set_point_constraints({make_suture(lattice, left, right, Vec3(0.1, 0.2, 0.3), 5000.0, Vec3(10, -20, 30)),
-                                make_hook(lattice, left, Vec3(5, 5, 5), 300.0)});
+  PointConstraint suture = make_suture(lattice, left, right, Vec3(0.1, 0.2, 0.3), 5000.0);
+  suture.id.kind = ConstraintId::Kind::kSuture;
+  system.set_point_constraints({suture, make_hook(lattice, left, Vec3(5, 5, 5), 300.0)});
+  const Multipliers multipliers{{{suture.id, Vec3(10, -20, 30)}}, {}, {}};
   std::mt19937 random(5);
   std::uniform_real_distribution<double> draw(-0.05, 0.05);
   std::vector<double> u(3 * system.nodes()), way(u.size()), trial(u.size());
   for (double& x : u) x = draw(random);
   for (double& x : way) x = draw(random);
-  system.evaluate(u);
+  const Evaluation at = system.evaluate(u, multipliers);
   double expected = 0.0;
-  for (std::size_t i = 0; i < u.size(); ++i) expected += system.gradient()[i] * way[i];
+  for (std::size_t i = 0; i < u.size(); ++i) expected += at.gradient[i] * way[i];
   const auto energy = [&](double step) {
     for (std::size_t i = 0; i < u.size(); ++i) trial[i] = u[i] + step * way[i];
-    return system.evaluate(trial).energy;
+    return system.evaluate(trial, multipliers).energy;
   };
   EXPECT_NEAR((energy(1e-4) - energy(-1e-4)) / 2e-4, expected, 1e-5 * std::abs(expected));
 }

@@ -201,7 +201,7 @@ std::vector<std::string> tried(RetrySchedule schedule,
     const Attempt now = *schedule.next();
     order.push_back(fmt::format("{}{}", now.from_rest ? "rest " : "", now.load_steps));
     const auto [step, residual] = outcome(now);
-    schedule.failed(step, residual);
+    schedule.failed(step, residual, 0);
   }
   return order;
 }
@@ -209,15 +209,29 @@ std::vector<std::string> tried(RetrySchedule schedule,
 TEST(Globalization, RetriesHalveTheLoadWhileThatHelpsAndThenStartOverFromRest) {
   using Order = std::vector<std::string>;
   // the first load step always fails alike: two halvings show it
-  EXPECT_EQ(tried(RetrySchedule(true), [](const Attempt&) { return std::pair{0, 1.0}; }),
+  EXPECT_EQ(tried(RetrySchedule(true, 100), [](const Attempt&) { return std::pair{0, 1.0}; }),
             (Order{"1", "2", "4", "rest 1", "rest 2", "rest 4"}));
-  EXPECT_EQ(tried(RetrySchedule(false), [](const Attempt&) { return std::pair{0, 1.0}; }),
+  EXPECT_EQ(tried(RetrySchedule(false, 100), [](const Attempt&) { return std::pair{0, 1.0}; }),
             (Order{"rest 1", "rest 2", "rest 4"}));
   // each halving helps
-  EXPECT_EQ(tried(RetrySchedule(true), [](const Attempt& a) { return std::pair{a.load_steps / 2, 1.0}; }),
+  EXPECT_EQ(tried(RetrySchedule(true, 100), [](const Attempt& a) { return std::pair{a.load_steps / 2, 1.0}; }),
             (Order{"1", "2", "4", "8", "16", "rest 1", "rest 2", "rest 4", "rest 8", "rest 16"}));
-  EXPECT_EQ(tried(RetrySchedule(false), [](const Attempt& a) { return std::pair{0, std::pow(0.3, a.load_steps)}; }),
-            (Order{"rest 1", "rest 2", "rest 4", "rest 8", "rest 16"}));
+  EXPECT_EQ(
+      tried(RetrySchedule(false, 100), [](const Attempt& a) { return std::pair{0, std::pow(0.3, a.load_steps)}; }),
+      (Order{"rest 1", "rest 2", "rest 4", "rest 8", "rest 16"}));
+}
+
+TEST(Globalization, AttemptsEndWithTheirBudgetOfIterationsAndThoseFromRestHaveHalfOfIt) {
+  RetrySchedule schedule(true, 100);
+  EXPECT_EQ(schedule.newton_left(0), 100);
+  EXPECT_EQ(schedule.newton_left(350), 50);
+  schedule.failed(1, 1.0, 400);
+  ASSERT_TRUE(schedule.next());
+  EXPECT_TRUE(schedule.next()->from_rest);
+  EXPECT_EQ(schedule.newton_left(400), 100);
+  EXPECT_EQ(schedule.newton_left(570), 30);
+  schedule.failed(1, 1.0, 600);
+  EXPECT_FALSE(schedule.next());
 }
 
 }  // namespace

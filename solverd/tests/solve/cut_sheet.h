@@ -89,6 +89,7 @@ inline CutSheet make_cut_sheet(int nx, int ny, int nz, int half_limb, double sti
         lattice.node_rest[static_cast<std::size_t>(left)] - lattice.node_rest[static_cast<std::size_t>(right)];
     constraint.stiffness = stiffness;
     constraint.exact = true;
+    constraint.id = {ConstraintId::Kind::kSuture, static_cast<std::int32_t>(sheet.constraints.size())};
     sheet.constraints.push_back(constraint);
   }
   return sheet;

@@ -48,8 +48,7 @@ struct Scene {
     for (std::size_t i = 0; i < u.size(); ++i)
       if (!system.is_free(i / 3)) u[i] = Real(0);
     system.set_point_constraints(sheet.constraints);
-    system.evaluate(u);
-    system.linearize(PsdProjection::kClamp);
+    system.linearize(system.evaluate(u, {}), PsdProjection::kClamp);
   }
   std::vector<Real> free_noise(unsigned seed) const {
     auto v = noise<Real>(u.size(), seed);
@@ -201,8 +200,7 @@ TEST(Preconditioner, FramesAreRigid) {
   std::fill(scene.sheet.attachments.node_group.begin(), scene.sheet.attachments.node_group.end(), kFree);
   System<double> system(scene.sheet.lattice, CellMaterials{{material()}}, 1, scene.sheet.attachments, 0, 0.0,
                         Vec3::Zero());
-  system.evaluate(scene.u);
-  system.linearize(PsdProjection::kClamp);
+  system.linearize(system.evaluate(scene.u, {}), PsdProjection::kClamp);
   RigidModes<double> modes(scene.sheet.lattice);
   modes.assemble(system, scene.u);
   // The exact coarse correction of a force K x leaves x itself where x is in the coarse space, up to the shift.
@@ -382,8 +380,7 @@ TEST(Preconditioner, StaysPositiveDefiniteWhereOneCellIsMuchStifferThanAllOthers
   materials.of_cell[stiff] = 1;
   System<double> system(sheet.lattice, materials, 1, sheet.attachments, 0, 0.0, Vec3::Zero());
   std::vector<double> u(3 * system.nodes(), 0.0), r(u.size()), z(u.size());
-  system.evaluate(u);
-  system.linearize(PsdProjection::kExact);
+  system.linearize(system.evaluate(u, {}), PsdProjection::kExact);
   TwoLevel<double> preconditioner(system, 4);
   preconditioner.update(u);
   EXPECT_LT(largest_eigenvalue(system, stiff), preconditioner.smoother().largest_eigenvalue());

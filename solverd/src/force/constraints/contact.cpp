@@ -71,9 +71,16 @@ Contact::Contact(const Contact& whole, const Lattice& lattice, std::span<const s
     if (proxy.point.cell < 0) continue;
     proxies_.push_back(proxy);
     rest_.push_back(whole.rest_[p]);
-    if (!whole.multipliers_.empty()) multipliers_.push_back(whole.multipliers_[p]);
   }
   found_.resize((proxies_.size() + kChunk - 1) / kChunk);
+}
+
+std::vector<double> Contact::restrict_pressures(std::span<const double> pressures,
+                                                std::span<const std::int32_t> place) const {
+  std::vector<double> restricted;
+  for (std::size_t p = 0; p < pressures.size(); ++p)
+    if (place[static_cast<std::size_t>(proxies_[p].point.cell)] >= 0) restricted.push_back(pressures[p]);
+  return restricted;
 }
 
 template <class Real>
@@ -96,15 +103,15 @@ Contact::Depth Contact::deepest_at_rest() const {
 }
 
 template <class Real>
-double Contact::evaluate(std::span<const Real> u, std::span<const std::uint8_t> free, std::span<double> gradient,
-                         std::vector<ContactPenalty>& penalties) {
+void Contact::evaluate(std::span<const Real> u, std::span<const double> pressures, std::span<const std::uint8_t> free,
+                       std::span<double> gradient, std::vector<ContactPenalty>& penalties, ContactState& state) const {
   std::vector<double> carried(found_.size(), 0.0);  // how deep
   for_each_chunk(proxies_.size(), [&](std::size_t chunk, std::size_t begin, std::size_t end) {
     auto& found = found_[chunk];
     found.clear();
     for (std::size_t p = begin; p < end; ++p) {
       const auto sample = bones_->at(rest_[p] + displacement(proxies_[p], u));
-      const double squeezed = (multipliers_.empty() ? 0.0 : multipliers_[p] / stiffness_) - sample.value;
+      const double squeezed = (pressures.empty() ? 0.0 : pressures[p] / stiffness_) - sample.value;
       if (!(squeezed > 0.0)) continue;
       const auto& nodes = lattice_.cell_nodes[static_cast<std::size_t>(proxies_[p].point.cell)];
       bool moves = false;
@@ -117,16 +124,16 @@ double Contact::evaluate(std::span<const Real> u, std::span<const std::uint8_t> 
         carried[chunk] = std::max(carried[chunk], -sample.value);
     }
   });
-  active_.clear();
-  for (const auto& found : found_) active_.insert(active_.end(), found.begin(), found.end());
+  state.touching.clear();
+  for (const auto& found : found_) state.touching.insert(state.touching.end(), found.begin(), found.end());
 
   double energy = 0.0;
-  for (std::size_t p = 0; p < multipliers_.size(); ++p)
-    energy -= 0.5 * multipliers_[p] * multipliers_[p] / stiffness_ * proxies_[p].area;
-  penetration_ = 0.0;
-  for (const double depth : carried) penetration_ = std::max(penetration_, depth);
-  force_.setZero();
-  for (const Active& active : active_) {
+  for (std::size_t p = 0; p < pressures.size(); ++p)
+    energy -= 0.5 * pressures[p] * pressures[p] / stiffness_ * proxies_[p].area;
+  double penetration = 0.0;
+  for (const double depth : carried) penetration = std::max(penetration, depth);
+  state.force.setZero();
+  for (const ContactState::Touching& active : state.touching) {
     const Proxy& proxy = proxies_[active.proxy];
     const double stiffness = stiffness_ * proxy.area;
     energy += 0.5 * stiffness * active.squeezed * active.squeezed;
@@ -137,21 +144,19 @@ double Contact::evaluate(std::span<const Real> u, std::span<const std::uint8_t> 
         gradient[3 * static_cast<std::size_t>(nodes[k]) + static_cast<std::size_t>(i)] -=
             proxy.point.weights[k] * force[i];
     penalties.push_back({proxy.point.cell, proxy.point.weights, active.normal, stiffness});
-    penetration_ = std::max(penetration_, active.depth);
-    force_ += force;
+    penetration = std::max(penetration, active.depth);
+    state.force += force;
   }
-  return energy;
+  state.energy = energy;
+  state.largest_penetration = penetration;
+  state.excess = std::max(0.0, penetration - kAllowedPenetration * lattice_.settings.spacing);
 }
 
-double Contact::excess() const { return std::max(0.0, penetration_ - kAllowedPenetration * lattice_.settings.spacing); }
-
-void Contact::update_multipliers() {
-  if (!(excess() > 0.0)) return;
-  multipliers_.assign(proxies_.size(), 0.0);
-  for (const Active& active : active_) multipliers_[active.proxy] = stiffness_ * active.squeezed;
+void Contact::update_pressures(const ContactState& at, std::vector<double>& pressures) const {
+  if (!(at.excess > 0.0)) return;
+  pressures.assign(proxies_.size(), 0.0);
+  for (const ContactState::Touching& active : at.touching) pressures[active.proxy] = stiffness_ * active.squeezed;
 }
-
-void Contact::reset_multipliers() { multipliers_.clear(); }
 
 template <class Real>
 double Contact::largest_step(std::span<const Real> u, std::span<const Real> step, double most) const {
@@ -190,10 +195,10 @@ double Contact::largest_step(std::span<const Real> u, std::span<const Real> step
   return most;
 }
 
-template double Contact::evaluate<float>(std::span<const float>, std::span<const std::uint8_t>, std::span<double>,
-                                         std::vector<ContactPenalty>&);
-template double Contact::evaluate<double>(std::span<const double>, std::span<const std::uint8_t>, std::span<double>,
-                                          std::vector<ContactPenalty>&);
+template void Contact::evaluate<float>(std::span<const float>, std::span<const double>, std::span<const std::uint8_t>,
+                                       std::span<double>, std::vector<ContactPenalty>&, ContactState&) const;
+template void Contact::evaluate<double>(std::span<const double>, std::span<const double>, std::span<const std::uint8_t>,
+                                        std::span<double>, std::vector<ContactPenalty>&, ContactState&) const;
 template double Contact::largest_step<float>(std::span<const float>, std::span<const float>, double) const;
 template double Contact::largest_step<double>(std::span<const double>, std::span<const double>, double) const;
 

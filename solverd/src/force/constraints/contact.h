@@ -17,6 +17,23 @@
 
 namespace lappet {
 
+// What the bones do to the tissue in a state of displacements.
+struct ContactState {
+  struct Touching {
+    std::uint32_t proxy;
+    double depth;     // -d
+    double squeezed;  // f
+    Vec3 normal;      // grad d
+  };
+  std::vector<Touching> touching;  // the proxies that are pushed, in their order
+  double energy = 0.0;
+  double largest_penetration = 0.0;  // of the deepest proxy, mm
+  double excess = 0.0;        // by how much that exceeds what a penalty may leave (a fraction of the spacing), mm
+  Vec3 force = Vec3::Zero();  // what the bones push with, mN
+
+  std::int32_t count() const { return static_cast<std::int32_t>(touching.size()); }
+};
+
 class Contact {
  public:
   // Proxies at the surface's vertices and, where a triangle is larger than a cell, inside it. Fixed triangles (1)
@@ -24,9 +41,10 @@ class Contact {
   Contact(std::shared_ptr<const SignedDistance> bones, const Lattice& lattice, const Surface& surface,
           std::span<const std::uint8_t> fixed, double stiffness);
 
-  // The proxies of some cells of a lattice as those of another lattice, with their pressures; place: per cell, its
-  // index there or -1.
+  // The proxies of some cells of a lattice as those of another lattice; place: per cell, its index there or -1.
   Contact(const Contact& whole, const Lattice& lattice, std::span<const std::int32_t> place);
+  // Those of the pressures of all proxies here that belong to the proxies of those cells.
+  std::vector<double> restrict_pressures(std::span<const double> pressures, std::span<const std::int32_t> place) const;
 
   // How deep the tissue lies in bone at rest, and where; mm.
   struct Depth {
@@ -35,22 +53,15 @@ class Contact {
   };
   Depth deepest_at_rest() const;
 
-  // Adds the gradient of the energy (3 per node) and appends what pushes; returns the energy. Proxies that hang on
-  // nodes which are not free are not pushed, but count as deep if they have been carried into bone. The same for any
-  // number of threads.
+  // Adds the gradient of the energy (3 per node), appends what pushes and fills `state`. pressures: m, per proxy, kPa;
+  // empty: all zero. Proxies that hang on nodes which are not free are not pushed, but count as deep if they have been
+  // carried into bone. The same for any number of threads.
   template <class Real>
-  double evaluate(std::span<const Real> u, std::span<const std::uint8_t> free, std::span<double> gradient,
-                  std::vector<ContactPenalty>& penalties);
+  void evaluate(std::span<const Real> u, std::span<const double> pressures, std::span<const std::uint8_t> free,
+                std::span<double> gradient, std::vector<ContactPenalty>& penalties, ContactState& state) const;
 
-  // At the last evaluated state: the deepest proxy and how many touch bone; what the bones push with, mN.
-  double largest_penetration() const { return penetration_; }
-  std::int32_t count() const { return static_cast<std::int32_t>(active_.size()); }
-  const Vec3& force() const { return force_; }
-  // By how much the deepest proxy exceeds what a penalty may leave (a fraction of the spacing), mm.
-  double excess() const;
   // m = k f, where some proxy is too deep.
-  void update_multipliers();
-  void reset_multipliers();
+  void update_pressures(const ContactState& at, std::vector<double>& pressures) const;
 
   // The largest fraction of a step, `most` at most, that takes no proxy through a bone: along the way none gets deeper
   // than `kDeepestOnTheWay` spacings (or than it is), and none to where another side of the bone is nearer.
@@ -65,13 +76,6 @@ class Contact {
     EmbeddedPoint point;
     double area;  // mm^2
   };
-  struct Active {
-    std::uint32_t proxy;
-    double depth;     // -d
-    double squeezed;  // f
-    Vec3 normal;      // grad d
-  };
-
   template <class Real>
   Vec3 displacement(const Proxy& proxy, std::span<const Real> u) const;
   Vec3 rest(const Proxy& proxy) const;
@@ -80,12 +84,8 @@ class Contact {
   const Lattice& lattice_;
   double stiffness_;
   std::vector<Proxy> proxies_;
-  std::vector<Vec3> rest_;                  // of the proxies
-  std::vector<double> multipliers_;         // per proxy, kPa; empty while all are zero
-  std::vector<Active> active_;              // of the last evaluation, in the order of the proxies
-  std::vector<std::vector<Active>> found_;  // per chunk
-  double penetration_ = 0.0;
-  Vec3 force_ = Vec3::Zero();
+  std::vector<Vec3> rest_;                                          // of the proxies
+  mutable std::vector<std::vector<ContactState::Touching>> found_;  // per chunk, to write in
 };
 
 }  // namespace lappet

@@ -52,11 +52,10 @@ PointConstraint make_hook(const Lattice& lattice, const AnchorStencil& anchor, c
 }
 
 PointConstraint make_suture(const Lattice& lattice, const AnchorStencil& a, const AnchorStencil& b,
-                            const Vec3& separation, double stiffness, const Vec3& multiplier) {
+                            const Vec3& separation, double stiffness) {
   PointConstraint constraint;
   constraint.stiffness = stiffness;
   constraint.exact = true;
-  constraint.multiplier = multiplier;
   constraint.offset = -separation;
   add(lattice, a, 1.0, constraint);
   add(lattice, b, -1.0, constraint);

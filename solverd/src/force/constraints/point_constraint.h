@@ -6,6 +6,7 @@
 // and lambda = c/s together pull as the spring does, (stiffness + 1/s) c. Rounding of displacements is not blown up to
 // forces.
 #pragma once
+#include <compare>
 #include <cstdint>
 #include <limits>
 #include <span>
@@ -15,14 +16,22 @@
 
 namespace lappet {
 
+// Which hook or suture a point constraint is: its index in the frame's hooks or in the procedure's sutures.
+struct ConstraintId {
+  enum class Kind : std::uint8_t { kHook, kSuture };
+  Kind kind = Kind::kHook;
+  std::int32_t index = 0;
+  auto operator<=>(const ConstraintId&) const = default;
+};
+
 struct PointConstraint {
+  ConstraintId id;
   std::vector<std::int32_t> nodes;  // distinct
   std::vector<double> weights;
   Vec3 offset = Vec3::Zero();
-  double stiffness = 0.0;          // mN/mm
-  bool exact = false;              // a suture, a stiff hook
-  Vec3 multiplier = Vec3::Zero();  // mN
-  double compliance = 0.0;         // mm/mN, of an exact point constraint: a suture has none
+  double stiffness = 0.0;   // mN/mm
+  bool exact = false;       // a suture, a stiff hook
+  double compliance = 0.0;  // mm/mN, of an exact point constraint: a suture has none
 
   template <class Real>
   Vec3 value(std::span<const Real> u) const {
@@ -33,10 +42,13 @@ struct PointConstraint {
     }
     return sum;
   }
-  Vec3 force(const Vec3& c) const { return stiffness * c + multiplier; }
+  // The multiplier (mN) is zero unless the constraint is exact.
+  Vec3 force(const Vec3& c, const Vec3& multiplier) const { return stiffness * c + multiplier; }
   // What an exact point constraint leaves open, mm, and the multiplier that closes it further.
-  double gap(const Vec3& c) const { return (c - compliance * multiplier).norm(); }
-  void update_multiplier(const Vec3& c) { multiplier = force(c) / (1.0 + compliance * stiffness); }
+  double gap(const Vec3& c, const Vec3& multiplier) const { return (c - compliance * multiplier).norm(); }
+  Vec3 next_multiplier(const Vec3& c, const Vec3& multiplier) const {
+    return force(c, multiplier) / (1.0 + compliance * stiffness);
+  }
 };
 
 // From what a hook holds to a place in space. most: the stiffness up to which it is a plain spring, mN/mm.
@@ -44,7 +56,7 @@ PointConstraint make_hook(const Lattice& lattice, const AnchorStencil& anchor, c
                           double most = std::numeric_limits<double>::infinity());
 // Between what a suture holds at either end, a - b = separation.
 PointConstraint make_suture(const Lattice& lattice, const AnchorStencil& a, const AnchorStencil& b,
-                            const Vec3& separation, double stiffness, const Vec3& multiplier);
+                            const Vec3& separation, double stiffness);
 // Where an embedded point is.
 template <class Real>
 Vec3 displacement(const Lattice& lattice, const EmbeddedPoint& point, std::span<const Real> u) {

@@ -93,6 +93,23 @@ void RigidModes<Real>::assemble(const System<Real>& system, std::span<const Real
   level_.prepare(place_, kCoarsening * lattice_.settings.spacing);
 }
 
+// Turns the blocks of a coarse cell, whose arms are from its center, to those from the places of its corners.
+template <class Real>
+void RigidModes<Real>::shift_to_corners(std::size_t coarse, Real* pairs) const {
+  using Block = Eigen::Matrix<Real, 6, 6, Eigen::RowMajor>;
+  Block shift[8];
+  for (std::size_t k = 0; k < 8; ++k) {
+    const Real *x = &corner_arm_[24 * coarse], a = x[k], b = x[8 + k], c = x[16 + k];
+    shift[k].setIdentity();
+    shift[k].template topRightCorner<3, 3>() << 0, -c, b, c, 0, -a, -b, a, 0;
+  }
+  for (int k = 0; k < 8; ++k)
+    for (int l = 0; l <= k; ++l) {
+      Eigen::Map<Block> block(pairs + 36 * pair_of(k, l));
+      block = (shift[k].transpose() * block * shift[l]).eval();
+    }
+}
+
 template <class Real>
 void RigidModes<Real>::assemble_cells(const System<Real>& system, std::span<const Real> u) {
   constexpr std::size_t kLanes = Elastic<Real>::kProjectionLanes;
@@ -133,19 +150,7 @@ void RigidModes<Real>::assemble_cells(const System<Real>& system, std::span<cons
       for (std::size_t lane = 0; lane < kLanes; ++lane) sum += blocks[kLanes * i + lane];
       out[i] = sum;
     }
-    // from the center of the cell to the places of its corners
-    using Block = Eigen::Matrix<Real, 6, 6, Eigen::RowMajor>;
-    Block shift[8];
-    for (std::size_t k = 0; k < 8; ++k) {
-      const Real *x = &corner_arm_[24 * coarse], a = x[k], b = x[8 + k], c = x[16 + k];
-      shift[k].setIdentity();
-      shift[k].template topRightCorner<3, 3>() << 0, -c, b, c, 0, -a, -b, a, 0;
-    }
-    for (int k = 0; k < 8; ++k)
-      for (int l = 0; l <= k; ++l) {
-        Eigen::Map<Block> block(out + 36 * pair_of(k, l));
-        block = (shift[k].transpose() * block * shift[l]).eval();
-      }
+    shift_to_corners(coarse, out);
   };
   auto& matrix = level_.matrix();
   matrix.set_zero();
@@ -185,7 +190,7 @@ void RigidModes<Real>::assemble_constraints(const System<Real>& system) {
   }
   // Contact penalties couple nodes of one cell: they go into the matrix.
   auto& matrix = level_.matrix();
-  system.for_each_contact_penalty([&](const ContactPenalty& penalty) {
+  for (const ContactPenalty& penalty : system.contact_penalties()) {
     ConstraintRows rows;
     for (std::size_t k = 0; k < 8; ++k)
       add_rows(lattice_.cell_nodes[static_cast<std::size_t>(penalty.cell)][k], penalty.weights[k], rows);
@@ -198,7 +203,7 @@ void RigidModes<Real>::assemble_constraints(const System<Real>& system) {
             matrix.block(matrix.slot(projected.nodes[a], projected.nodes[b]))) +=
             (penalty.stiffness * left * right.transpose()).template cast<Real>();
       }
-  });
+  }
 }
 
 template <class Real>

@@ -47,6 +47,7 @@ class RigidModes {
  private:
   void place_modes(const System<Real>& system, std::span<const Real> u);
   void assemble_cells(const System<Real>& system, std::span<const Real> u);
+  void shift_to_corners(std::size_t coarse, Real* pairs) const;
   void assemble_constraints(const System<Real>& system);
   void add_rows(std::int32_t node, double weight, ConstraintRows& rows) const;
 

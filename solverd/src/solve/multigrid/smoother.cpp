@@ -21,7 +21,7 @@ void Smoother<Real>::update() {
   diagonal.resize(nodes);
   const auto blocks = diagonal.storage();
   system_.elastic().diagonal_blocks(blocks);
-  system_.for_each_contact_penalty([&](const ContactPenalty& penalty) {
+  for (const ContactPenalty& penalty : system_.contact_penalties()) {
     const auto& corners = system_.lattice().cell_nodes[static_cast<std::size_t>(penalty.cell)];
     const Vec3& d = penalty.direction;
     for (std::size_t k = 0; k < 8; ++k) {
@@ -30,7 +30,7 @@ void Smoother<Real>::update() {
       for (int i = 0; i < 3; ++i)
         for (int j = i; j < 3; ++j) *block++ += static_cast<Real>(weight * d[i] * d[j]);
     }
-  });
+  }
   diagonal.set_from_storage([this](std::size_t n) { return system_.is_free(n); });
   struct Rows {
     std::span<const std::int32_t> nodes;

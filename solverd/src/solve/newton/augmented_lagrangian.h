@@ -1,4 +1,4 @@
-// When the multipliers of what must hold exactly move on (augmented Lagrangian).
+// When the multipliers of what must hold exactly (solve/system/multipliers.h) move on.
 //
 // While gaps are open the residual need not be below the tolerance: this many tolerances at most, in proportion to the
 // gap. Where a gap does not shrink the residual hides it: solve more exactly.

@@ -45,16 +45,15 @@ double decay_length(const System<Real>& system) {
 
 // Per node: whether it belongs to the neighborhood whatever is around it.
 template <class Real>
-std::vector<std::uint8_t> affected(const System<Real>& system, std::span<const Real> u) {
+std::vector<std::uint8_t> affected(const System<Real>& system, std::span<const Real> u, const Evaluation& now) {
   const Lattice& lattice = system.lattice();
   const double displaced = kDisplaced * lattice.settings.spacing;
   const double force = displaced * system.elastic().materials().table[0].youngs_modulus * lattice.settings.spacing;
-  const auto gradient = system.gradient();
   std::vector<Real> increment(u.size());
   const bool carries = system.prescribed_increment(u, increment);
   std::vector<std::uint8_t> result(system.nodes());
   for_each_index(result.size(), [&](std::size_t n) {
-    result[n] = length<Real>(u, n) > displaced || length<double>(gradient, n) > force ||
+    result[n] = length<Real>(u, n) > displaced || length<double>(now.gradient, n) > force ||
                 (carries && length<Real>(increment, n) > 0.0);
   });
   const auto add = [&](const auto& nodes) {
@@ -68,12 +67,12 @@ std::vector<std::uint8_t> affected(const System<Real>& system, std::span<const R
 
 // Per node: whether it lies in the neighborhood; empty where that is large.
 template <class Real>
-std::vector<std::uint8_t> neighborhood(const System<Real>& system, const CoarseLattice& tiles,
-                                       std::span<const Real> u) {
+std::vector<std::uint8_t> neighborhood(const System<Real>& system, const CoarseLattice& tiles, std::span<const Real> u,
+                                       const Evaluation& now) {
   const auto& cell_nodes = system.lattice().cell_nodes;
   const double decay = decay_length(system);
   if (!(decay > 0.0)) return {};
-  std::vector<std::uint8_t> nodes = affected(system, u);
+  std::vector<std::uint8_t> nodes = affected(system, u, now);
   const auto all_nodes = static_cast<double>(nodes.size()), all_cells = static_cast<double>(cell_nodes.size());
   if (static_cast<double>(std::ranges::count(nodes, std::uint8_t{1})) > kMaxShare * all_nodes) return {};
 
@@ -116,28 +115,30 @@ std::vector<std::uint8_t> neighborhood(const System<Real>& system, const CoarseL
 }  // namespace
 
 template <class Real>
-EquilibriumOutcome solve_change_neighborhood(System<Real>& system, const CoarseLattice& tiles, std::span<Real> u,
+EquilibriumOutcome solve_change_neighborhood(const System<Real>& system, const CoarseLattice& tiles, std::span<Real> u,
+                                             Multipliers& multipliers, const Evaluation& now,
                                              const EquilibriumOptions& options, const SolveObserver& observer) {
   if (system.contact()) return {};
-  const auto moving = neighborhood<Real>(system, tiles, u);
+  const auto moving = neighborhood<Real>(system, tiles, u, now);
   if (moving.empty()) return {};
-  Subdomain<Real> subdomain(system, moving, u);
+  Subdomain<Real> subdomain = restrict_to<Real>(moving, system, u, multipliers);
   TwoLevel<Real> preconditioner(*subdomain.system, kDegree);
   EquilibriumOptions own = options;
   own.tolerance *= kShareOfTolerance;
   own.max_newton = std::min(own.max_newton, kMaxNewton);
   own.neighborhood_first = own.moves_first = false;
-  EquilibriumOutcome outcome = find_equilibrium<Real>(*subdomain.system, preconditioner, subdomain.u, own, observer);
+  EquilibriumOutcome outcome =
+      find_equilibrium<Real>(*subdomain.system, preconditioner, subdomain.u, subdomain.multipliers, own, observer);
   outcome.active_cells = static_cast<std::int64_t>(subdomain.cells.size());
-  if (!outcome.converged) return outcome;
-  subdomain.write_back(u);
-  system.take_multipliers(*subdomain.system, subdomain.nodes);
+  if (outcome.converged) subdomain.write_back(u, multipliers);
   return outcome;
 }
 
-template EquilibriumOutcome solve_change_neighborhood<float>(System<float>&, const CoarseLattice&, std::span<float>,
+template EquilibriumOutcome solve_change_neighborhood<float>(const System<float>&, const CoarseLattice&,
+                                                             std::span<float>, Multipliers&, const Evaluation&,
                                                              const EquilibriumOptions&, const SolveObserver&);
-template EquilibriumOutcome solve_change_neighborhood<double>(System<double>&, const CoarseLattice&, std::span<double>,
+template EquilibriumOutcome solve_change_neighborhood<double>(const System<double>&, const CoarseLattice&,
+                                                              std::span<double>, Multipliers&, const Evaluation&,
                                                               const EquilibriumOptions&, const SolveObserver&);
 
 }  // namespace lappet

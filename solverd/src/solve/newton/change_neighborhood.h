@@ -17,11 +17,12 @@
 
 namespace lappet {
 
-// u: 3 per node, moved in place with the system's multipliers where the outcome is converged, and u must be evaluated
-// anew then; the system holds the gradient at u. tiles: the lattice coarsened; the neighborhood is made of them. Does
+// u: 3 per node, moved in place with the multipliers where the outcome is converged, and must be evaluated anew then;
+// now: the evaluation at u. tiles: the lattice coarsened; the neighborhood is made of them. Does
 // nothing where the neighborhood is a large part of the tissue, without an attached bed, and with bones.
 template <class Real>
-EquilibriumOutcome solve_change_neighborhood(System<Real>& system, const CoarseLattice& tiles, std::span<Real> u,
+EquilibriumOutcome solve_change_neighborhood(const System<Real>& system, const CoarseLattice& tiles, std::span<Real> u,
+                                             Multipliers& multipliers, const Evaluation& now,
                                              const EquilibriumOptions& options, const SolveObserver& observer);
 
 }  // namespace lappet

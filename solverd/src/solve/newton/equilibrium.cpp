@@ -43,20 +43,29 @@ class Stopwatch {
 template <class Real>
 class EquilibriumSearch {
  public:
-  EquilibriumSearch(System<Real>& system, TwoLevel<Real>& preconditioner, std::span<Real> u,
-                    const EquilibriumOptions& options, const SolveObserver& observer)
+  EquilibriumSearch(System<Real>& system, TwoLevel<Real>& preconditioner, std::span<Real> u, Multipliers& multipliers,
+                    const EquilibriumOptions& options, const SolveObserver& observer, Evaluation reused)
       : system_(system),
         preconditioner_(preconditioner),
         u_(u),
+        multipliers_(multipliers),
         options_(options),
         observer_(observer),
-        multipliers_(options.tolerance, options.gap_tolerance),
+        augmented_lagrangian_(options.tolerance, options.gap_tolerance),
         step_(u.size()),
         linear_vectors_(u.size()),
-        line_(system, options.inverts, linear_vectors_.p) {}
+        line_(system, multipliers, options.inverts, linear_vectors_.p),
+        now_(std::move(reused)) {}
 
   EquilibriumOutcome run() {
-    now_ = system_.evaluate(u_);
+    search();
+    outcome_.at = std::move(now_);
+    return std::move(outcome_);
+  }
+
+ private:
+  void search() {
+    evaluate();
     bool moves_first = options_.moves_first && now_.residual > 0.0;
     while (true) {
       const bool carries = system_.prescribed_increment(u_, increment());
@@ -64,7 +73,7 @@ class EquilibriumSearch {
       observer_.progress(outcome_.newton_iterations, outcome_.residual, outcome_.gap);
       if (!std::isfinite(outcome_.residual)) return fail("the residual is not a finite number");
       const bool asked = std::exchange(moves_first, false) && !carries && outcome_.residual <= options_.tolerance;
-      if (!carries && !asked && settle()) return outcome_;
+      if (!carries && !asked && settle()) return;
       if (options_.neighborhood_first && !asked && !neighborhood_tried_ && neighborhood_goes_ahead()) continue;
       if (outcome_.newton_iterations - newton_in_neighborhood_ >= options_.max_newton)
         return fail(
@@ -75,33 +84,30 @@ class EquilibriumSearch {
       const bool solved = solve_tangent(carries);
       if (observer_.stop()) return fail("stopped");
       if (!solved || !take_step(carries)) {
-        if (!asked) return outcome_;
+        if (!asked) return;
         outcome_.reason.clear();
-        now_ = system_.evaluate(u_);
+        evaluate();
         continue;
       }
       if (options_.relaxes && !carries && !jumped_ && used_ != PsdProjection::kExact) relax();
     }
   }
 
- private:
+  void evaluate() { now_ = system_.evaluate(u_, multipliers_, std::move(now_)); }
   void record() {
     outcome_.residual = now_.residual / now_.force_scale;
     outcome_.force_scale = now_.force_scale;
     outcome_.energy = now_.energy;
     outcome_.minimum_j = now_.minimum_j;
     outcome_.inverted = now_.inverted;
-    outcome_.gap = system_.largest_gap(u_);
+    outcome_.gap = system_.largest_gap(u_, multipliers_, now_);
   }
-  EquilibriumOutcome fail(std::string reason) {
-    outcome_.reason = std::move(reason);
-    return outcome_;
-  }
+  void fail(std::string reason) { outcome_.reason = std::move(reason); }
 
   // Moves the multipliers on while the residual allows; true if the search has ended.
   bool settle() {
     while (true) {
-      switch (multipliers_.next(outcome_.residual, outcome_.gap)) {
+      switch (augmented_lagrangian_.next(outcome_.residual, outcome_.gap)) {
         case AugmentedLagrangian::Action::kIterate:
           return false;
         case AugmentedLagrangian::Action::kConverged:
@@ -114,11 +120,11 @@ class EquilibriumSearch {
             outcome_.converged = true;
           return true;
         case AugmentedLagrangian::Action::kGiveUp:
-          if (system_.contact() && system_.contact()->excess() > options_.gap_tolerance)
+          if (system_.contact() && now_.contact.excess > options_.gap_tolerance)
             fail(
                 fmt::format("tissue is pressed {:.3g} mm deep into bone; what holds or pulls it there contradicts the "
                             "bone: move it, or move the bone away",
-                            system_.contact()->largest_penetration()));
+                            now_.contact.largest_penetration));
           else
             fail(fmt::format(
                 "a suture, a held face or a stiff hook keeps a gap of {:.3g} mm (tolerance {:.3g} mm); its demands "
@@ -126,8 +132,8 @@ class EquilibriumSearch {
                 outcome_.gap, options_.gap_tolerance));
           return true;
         case AugmentedLagrangian::Action::kUpdate:
-          system_.update_multipliers(u_);
-          now_ = system_.evaluate(u_);
+          system_.update(multipliers_, u_, now_);
+          evaluate();
           record();
       }
     }
@@ -138,14 +144,13 @@ class EquilibriumSearch {
   // K step = -gradient - K increment on free nodes; false if the equations cannot be solved.
   bool solve_tangent(bool carries) {
     outcome_.seconds_update += watch_.lap();
-    const auto gradient = system_.gradient();
     const double forcing =
-        kForcing * multipliers_.strictness() * options_.tolerance / std::max(outcome_.residual, 1e-300);
+        kForcing * augmented_lagrangian_.strictness() * options_.tolerance / std::max(outcome_.residual, 1e-300);
     const double least = jumped_ ? kFarTolerance : kNearTolerance;
     const double target = carries ? kCarryTolerance : std::clamp(forcing, least, kMaxTolerance);
     used_ = tangent_.next();
     while (true) {
-      system_.linearize(used_);
+      system_.linearize(now_, used_);
       try {
         preconditioner_.update(u_);
       } catch (const NotDefiniteError&) {
@@ -164,7 +169,9 @@ class EquilibriumSearch {
       } else {
         set_zero<Real>(rhs);
       }
-      for_each_index(rhs.size(), [&](std::size_t i) { rhs[i] = static_cast<Real>(-gradient[i]) - rhs[i]; });
+      for_each_index(rhs.size(), [&, gradient = now_.gradient.data()](std::size_t i) {
+        rhs[i] = static_cast<Real>(-gradient[i]) - rhs[i];
+      });
       linear_ = conjugate_gradients<Real>(system_, preconditioner_, linear_vectors_, step_, target,
                                           kMaxLinearIterations, observer_.stop);
       outcome_.pcg_iterations += linear_.iterations;
@@ -181,14 +188,14 @@ class EquilibriumSearch {
   }
 
   bool take_step(bool carries) {
-    const Evaluation before = now_;
+    const double minimum_j = now_.minimum_j;
     StepTaken taken;
     if (carries) {
       system_.prescribed_increment(u_, increment());
       const double jump = largest<Real>(increment());
       add<Real>(Real(1), increment(), step_);
-      taken = line_.carry(u_, step_, increment(), before);
-      now_ = taken.reached;
+      taken = line_.carry(u_, step_, increment(), std::move(now_));
+      now_ = std::move(taken.reached);
       if (!(taken.alpha > 0.0)) {
         fail("the retractors' motion turns cells inside out however small the step; move them less between frames");
         return false;
@@ -198,18 +205,18 @@ class EquilibriumSearch {
         jumped_ = true;
       }
     } else {
-      const auto gradient = system_.gradient();
-      const double slope = reduce<1>(step_.size(), [g = gradient.data(), s = step_.data()](std::size_t i, double* out) {
-        out[0] = g[i] * static_cast<double>(s[i]);
-      })[0];
+      const double slope =
+          reduce<1>(step_.size(), [g = now_.gradient.data(), s = step_.data()](std::size_t i, double* out) {
+            out[0] = g[i] * static_cast<double>(s[i]);
+          })[0];
       if (!(slope < 0.0)) {
         fail("the linear solve gave no descent direction");
         return false;
       }
       auto& product = linear_vectors_.q;
       system_.multiply(step_, product);
-      taken = line_.descend(u_, step_, before, slope, dot<Real>(step_, product));
-      now_ = taken.reached;
+      taken = line_.descend(u_, step_, std::move(now_), slope, dot<Real>(step_, product));
+      now_ = std::move(taken.reached);
       if (!(taken.alpha > 0.0)) {
         if (tangent_.try_another(used_)) return true;
         fail(fmt::format("no step lowers the energy at relative residual {:.2e}{}", outcome_.residual,
@@ -222,7 +229,7 @@ class EquilibriumSearch {
     }
     if (!options_.relaxes) return true;  // the many small searches of a relaxation are not logged
     spdlog::debug("newton {}: residual {:.2e} gap {:.2e} J {:.2f} | pcg {} to {:.1e} {} | alpha {:.3g} ratio {:.3g}",
-                  outcome_.newton_iterations, outcome_.residual, outcome_.gap, before.minimum_j, linear_.iterations,
+                  outcome_.newton_iterations, outcome_.residual, outcome_.gap, minimum_j, linear_.iterations,
                   linear_.reduction, used_ == PsdProjection::kExact ? "exact" : "definite", taken.alpha, taken.ratio);
     return true;
   }
@@ -230,8 +237,8 @@ class EquilibriumSearch {
   // What the changes reach goes to its equilibrium, before anything else is done; false where all is for the whole.
   bool neighborhood_goes_ahead() {
     neighborhood_tried_ = true;
-    const EquilibriumOutcome neighborhood =
-        solve_change_neighborhood<Real>(system_, preconditioner_.modes().coarse_lattice(), u_, options_, observer_);
+    const EquilibriumOutcome neighborhood = solve_change_neighborhood<Real>(
+        system_, preconditioner_.modes().coarse_lattice(), u_, multipliers_, now_, options_, observer_);
     outcome_.newton_iterations += newton_in_neighborhood_ = neighborhood.newton_iterations;
     outcome_.pcg_iterations += neighborhood.pcg_iterations;
     outcome_.seconds_update += neighborhood.seconds_update;
@@ -240,7 +247,7 @@ class EquilibriumSearch {
     watch_.lap();
     if (!neighborhood.converged) return false;
     outcome_.active_cells = neighborhood.active_cells;
-    now_ = system_.evaluate(u_);
+    evaluate();
     spdlog::debug("  {} cells went ahead: newton {} residual {:.2e}", neighborhood.active_cells,
                   neighborhood.newton_iterations, now_.residual / now_.force_scale);
     return true;
@@ -250,10 +257,10 @@ class EquilibriumSearch {
   void relax() {
     if (now_.residual <= options_.tolerance * now_.force_scale) return;
     const LocalRelaxation relaxed =
-        relax_locally<Real>(system_, u_, now_, options_.tolerance, options_.inverts, observer_.stop);
+        relax_locally<Real>(system_, u_, multipliers_, now_, options_.tolerance, options_.inverts, observer_.stop);
     if (relaxed.nodes == 0) return;
     const double before = now_.residual;
-    now_ = system_.evaluate(u_);
+    evaluate();
     spdlog::debug("  {} nodes relaxed in {} clusters and {} iterations: residual {:.2e} to {:.2e}", relaxed.nodes,
                   relaxed.clusters, relaxed.newton_iterations, before / now_.force_scale,
                   now_.residual / now_.force_scale);
@@ -262,9 +269,10 @@ class EquilibriumSearch {
   System<Real>& system_;
   TwoLevel<Real>& preconditioner_;
   std::span<Real> u_;
+  Multipliers& multipliers_;
   const EquilibriumOptions& options_;
   const SolveObserver& observer_;
-  AugmentedLagrangian multipliers_;
+  AugmentedLagrangian augmented_lagrangian_;
   TangentChoice tangent_;
   std::vector<Real> step_;
   // Between linear solves r is the right-hand side, z the way that prescribed nodes have to go, p the line search's.
@@ -283,13 +291,15 @@ class EquilibriumSearch {
 
 template <class Real>
 EquilibriumOutcome find_equilibrium(System<Real>& system, TwoLevel<Real>& preconditioner, std::span<Real> u,
-                                    const EquilibriumOptions& options, const SolveObserver& observer) {
-  return EquilibriumSearch<Real>(system, preconditioner, u, options, observer).run();
+                                    Multipliers& multipliers, const EquilibriumOptions& options,
+                                    const SolveObserver& observer, Evaluation reused) {
+  return EquilibriumSearch<Real>(system, preconditioner, u, multipliers, options, observer, std::move(reused)).run();
 }
 
-template EquilibriumOutcome find_equilibrium<float>(System<float>&, TwoLevel<float>&, std::span<float>,
-                                                    const EquilibriumOptions&, const SolveObserver&);
+template EquilibriumOutcome find_equilibrium<float>(System<float>&, TwoLevel<float>&, std::span<float>, Multipliers&,
+                                                    const EquilibriumOptions&, const SolveObserver&, Evaluation);
 template EquilibriumOutcome find_equilibrium<double>(System<double>&, TwoLevel<double>&, std::span<double>,
-                                                     const EquilibriumOptions&, const SolveObserver&);
+                                                     Multipliers&, const EquilibriumOptions&, const SolveObserver&,
+                                                     Evaluation);
 
 }  // namespace lappet

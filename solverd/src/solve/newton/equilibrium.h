@@ -25,6 +25,7 @@ struct EquilibriumOptions {
 };
 
 struct EquilibriumOutcome {
+  Evaluation at;  // where the search ended
   bool converged = false;
   std::string reason;
   int newton_iterations = 0, pcg_iterations = 0;
@@ -39,9 +40,10 @@ struct SolveObserver {
   std::function<bool()> stop;  // asked often; true ends the solve with the reason "stopped"
 };
 
-// Moves u (3 per node) to equilibrium in place.
+// Moves u (3 per node) and the multipliers to equilibrium in place. reused: an evaluation whose memory may be used.
 template <class Real>
 EquilibriumOutcome find_equilibrium(System<Real>& system, TwoLevel<Real>& preconditioner, std::span<Real> u,
-                                    const EquilibriumOptions& options, const SolveObserver& observer);
+                                    Multipliers& multipliers, const EquilibriumOptions& options,
+                                    const SolveObserver& observer, Evaluation reused = {});
 
 }  // namespace lappet

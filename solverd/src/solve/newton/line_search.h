@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <span>
+#include <utility>
 
 #include "solve/system/system.h"
 #include "solve/system/vectors.h"
@@ -20,26 +21,25 @@ struct StepTaken {
 template <class Real>
 class LineSearch {
  public:
-  // trial: 3 per node, for the search to write in.
-  LineSearch(System<Real>& system, bool inverts, std::span<Real> trial)
-      : system_(system), inverts_(inverts), trial_(trial) {}
+  // multipliers: stay as they are during a search. trial: 3 per node, for the search to write in.
+  LineSearch(System<Real>& system, const Multipliers& multipliers, bool inverts, std::span<Real> trial)
+      : system_(system), multipliers_(multipliers), inverts_(inverts), trial_(trial) {}
 
   // Moves u along the step of a definite or exact tangent. slope: gradient . step, negative; curvature: step . K step.
-  StepTaken descend(std::span<Real> u, std::span<const Real> step, const Evaluation& before, double slope,
-                    double curvature) {
-    StepTaken taken;
+  // start: the evaluation at u, whose memory goes into those of the trials.
+  StepTaken descend(std::span<Real> u, std::span<const Real> step, Evaluation start, double slope, double curvature) {
+    const EvaluationSummary before = start;
+    StepTaken taken{.alpha = 0.0, .ratio = 1.0, .reached = std::move(start)};
+    Evaluation& now = taken.reached;
     double alpha = std::min(1.0, kStepCap * system_.lattice().settings.spacing / std::max(largest<Real>(step), 1e-300));
     alpha = system_.largest_step(u, step, alpha);
     const double slack = 1e-12 * std::abs(before.energy);  // what rounding leaves of an energy
     while (true) {
-      const Evaluation now = at(u, step, alpha);
+      evaluate_at(u, step, alpha, now);
       const bool upright = stays_upright(before, now, alpha);
-      if (upright && now.energy <= before.energy + kArmijo * alpha * slope + slack) {
-        taken.reached = now;
-        break;
-      }
+      if (upright && now.energy <= before.energy + kArmijo * alpha * slope + slack) break;
       if (alpha < kMinStep) {
-        taken.reached = system_.evaluate(u);
+        evaluate(u, now);
         return taken;
       }
       double shrink = 0.5;
@@ -51,17 +51,17 @@ class LineSearch {
     }
     copy<Real>(trial_, u);
     const double predicted = std::max(-alpha * slope - 0.5 * alpha * alpha * curvature, 1e-300);
-    taken.ratio = (before.energy - taken.reached.energy) / predicted;
-    if (alpha == 1.0 && taken.ratio > kSoftening) go_further(u, step, taken.reached, alpha);
+    taken.ratio = (before.energy - now.energy) / predicted;
+    if (alpha == 1.0 && taken.ratio > kSoftening) go_further(u, step, now, alpha);
     taken.alpha = alpha;
     return taken;
   }
 
   // Moves u along a step that carries the prescribed nodes, by `increment` where it is taken whole. Their motion does
   // work: the step is only kept from turning cells over.
-  StepTaken carry(std::span<Real> u, std::span<const Real> step, std::span<const Real> increment,
-                  const Evaluation& before) {
-    StepTaken taken{.alpha = system_.largest_step(u, step, 1.0), .ratio = 1.0, .reached = {}};
+  StepTaken carry(std::span<Real> u, std::span<const Real> step, std::span<const Real> increment, Evaluation start) {
+    const EvaluationSummary before = start;
+    StepTaken taken{.alpha = system_.largest_step(u, step, 1.0), .ratio = 1.0, .reached = std::move(start)};
     while (true) {
       for_each_index(u.size(), [&](std::size_t i) { trial_[i] = u[i] + static_cast<Real>(taken.alpha) * step[i]; });
       if (taken.alpha == 1.0)  // land exactly
@@ -69,11 +69,11 @@ class LineSearch {
           if (!system_.is_free(n))
             for (std::size_t i = 3 * n; i < 3 * n + 3; ++i) trial_[i] = u[i] + increment[i];
         });
-      taken.reached = system_.evaluate(trial_);
+      evaluate(trial_, taken.reached);
       if (std::isfinite(taken.reached.energy) && stays_upright(before, taken.reached, taken.alpha)) break;
       if (taken.alpha < kMinStep) {
         taken.alpha = 0.0;
-        taken.reached = system_.evaluate(u);
+        evaluate(u, taken.reached);
         return taken;
       }
       taken.alpha *= 0.5;
@@ -90,27 +90,31 @@ class LineSearch {
   static constexpr double kSoftening = 1.4;    // the energy falls this much more than predicted
   static constexpr int kMaxDoublings = 5;
 
-  bool stays_upright(const Evaluation& before, const Evaluation& now, double alpha) const {
+  bool stays_upright(const EvaluationSummary& before, const EvaluationSummary& now, double alpha) const {
     return inverts_ || now.inverted <= before.inverted || alpha < kMinUpright;
   }
-  Evaluation at(std::span<const Real> u, std::span<const Real> step, double alpha) {
+  // These write a new evaluation over one that is no longer needed.
+  void evaluate(std::span<const Real> u, Evaluation& now) { now = system_.evaluate(u, multipliers_, std::move(now)); }
+  void evaluate_at(std::span<const Real> u, std::span<const Real> step, double alpha, Evaluation& now) {
     for_each_index(u.size(), [&](std::size_t i) { trial_[i] = u[i] + static_cast<Real>(alpha) * step[i]; });
-    return system_.evaluate(trial_);
+    evaluate(trial_, now);
   }
   // Doubles the step that u has taken while the energy falls and no cell turns over.
-  void go_further(std::span<Real> u, std::span<const Real> step, Evaluation& reached, double& alpha) {
+  void go_further(std::span<Real> u, std::span<const Real> step, Evaluation& now, double& alpha) {
+    EvaluationSummary reached = now;
     double more = 1.0;
     for (int k = 0; k < kMaxDoublings; ++k, more *= 2.0) {
-      const Evaluation further = at(u, step, more);
-      if (!(further.energy < reached.energy) || further.inverted > reached.inverted) break;
+      evaluate_at(u, step, more, now);
+      if (!(now.energy < reached.energy) || now.inverted > reached.inverted) break;
       copy<Real>(trial_, u);
       alpha += more;
-      reached = further;
+      reached = now;
     }
-    reached = system_.evaluate(u);
+    evaluate(u, now);
   }
 
   System<Real>& system_;
+  const Multipliers& multipliers_;
   bool inverts_;
   std::span<Real> trial_;
 };

@@ -23,11 +23,10 @@ constexpr int kMaxNewton = 40;       // for each cluster
 // The free nodes whose forces are the largest, and some rings of cells around them; empty where they are too many, or
 // where what is left of the residual is elsewhere.
 template <class Real>
-std::vector<std::uint8_t> around_what_is_off(const System<Real>& system, double residual) {
-  const auto gradient = system.gradient();
+std::vector<std::uint8_t> around_what_is_off(const System<Real>& system, const Evaluation& now) {
   const std::size_t size = system.nodes();
   const auto squared = [&](std::size_t n) {
-    const double* g = &gradient[3 * n];
+    const double* g = &now.gradient[3 * n];
     return g[0] * g[0] + g[1] * g[1] + g[2] * g[2];
   };
   double most = 0.0, share = 0.0;
@@ -38,7 +37,7 @@ std::vector<std::uint8_t> around_what_is_off(const System<Real>& system, double 
       moving[n] = 1;
       share += squared(n);
     }
-  if (share < kOffShare * residual * residual) return {};
+  if (share < kOffShare * now.residual * now.residual) return {};
   for (int ring = 0; ring < kRings; ++ring) {
     std::vector<std::uint8_t> grown = moving;
     const auto grow = [&](const auto& nodes) {
@@ -89,46 +88,64 @@ std::vector<std::int32_t> clusters(const System<Real>& system, std::span<const s
   return number;
 }
 
+// Takes a cluster to its own equilibrium; `moved` where that lowers the energy.
+template <class Real>
+struct RelaxedCluster {
+  Subdomain<Real> subdomain;
+  int newton_iterations = 0;
+  bool moved = false;
+};
+template <class Real>
+RelaxedCluster<Real> relax_cluster(const Subdomain<Real>& all, std::span<const std::uint8_t> own, double target,
+                                   bool inverts, const std::function<bool()>& stop) {
+  RelaxedCluster<Real> cluster{restrict_to<Real>(own, *all.system, all.u, all.multipliers)};
+  auto& [lattice, cells, nodes, moves, u, multipliers, system] = cluster.subdomain;
+  TwoLevel<Real> preconditioner(*system, kDegree);
+  const EvaluationSummary start = system->evaluate(u, multipliers);
+  EquilibriumOptions options;
+  options.tolerance = target / start.force_scale;
+  options.gap_tolerance = std::numeric_limits<double>::infinity();  // multipliers are the whole's
+  options.max_newton = kMaxNewton;
+  options.inverts = inverts;
+  options.relaxes = false;
+  const EquilibriumOutcome outcome =
+      find_equilibrium<Real>(*system, preconditioner, u, multipliers, options, {[](int, double, double) {}, stop});
+  cluster.newton_iterations = outcome.newton_iterations;
+  cluster.moved = outcome.energy < start.energy;
+  return cluster;
+}
+
 }  // namespace
 
 template <class Real>
-LocalRelaxation relax_locally(const System<Real>& system, std::span<Real> u, const Evaluation& now, double tolerance,
-                              bool inverts, const std::function<bool()>& stop) {
+LocalRelaxation relax_locally(const System<Real>& system, std::span<Real> u, const Multipliers& multipliers,
+                              const Evaluation& now, double tolerance, bool inverts,
+                              const std::function<bool()>& stop) {
   LocalRelaxation result;
-  const auto moving = around_what_is_off(system, now.residual);
+  const auto moving = around_what_is_off(system, now);
   if (moving.empty()) return result;
   // First all together, so that each cluster is cut out of something small.
-  Subdomain<Real> all(system, moving, u);
+  Subdomain<Real> all = restrict_to<Real>(moving, system, u, multipliers);
   int count = 0;
   const auto cluster_of = clusters(*all.system, all.moves, count);
   const double target = std::max(kReduction * now.residual, kTighter * tolerance * now.force_scale);
-  for (int cluster = 1; cluster <= count && !stop(); ++cluster) {
+  for (int k = 1; k <= count && !stop(); ++k) {
     std::vector<std::uint8_t> own(all.moves.size());
-    for (std::size_t n = 0; n < own.size(); ++n) own[n] = cluster_of[n] == cluster;
-    Subdomain<Real> subdomain(*all.system, own, all.u);
-    TwoLevel<Real> preconditioner(*subdomain.system, kDegree);
-    const Evaluation start = subdomain.system->evaluate(subdomain.u);
-    EquilibriumOptions options;
-    options.tolerance = target / start.force_scale;
-    options.gap_tolerance = std::numeric_limits<double>::infinity();  // multipliers are the whole's
-    options.max_newton = kMaxNewton;
-    options.inverts = inverts;
-    options.relaxes = false;
-    const EquilibriumOutcome outcome = find_equilibrium<Real>(*subdomain.system, preconditioner, subdomain.u, options,
-                                                              {[](int, double, double) {}, stop});
-    if (!(outcome.energy < start.energy)) continue;
-    subdomain.write_back(all.u);
+    for (std::size_t n = 0; n < own.size(); ++n) own[n] = cluster_of[n] == k;
+    const RelaxedCluster<Real> cluster = relax_cluster<Real>(all, own, target, inverts, stop);
+    if (!cluster.moved) continue;
+    cluster.subdomain.write_back(all.u);
     ++result.clusters;
-    result.newton_iterations += outcome.newton_iterations;
+    result.newton_iterations += cluster.newton_iterations;
     result.nodes += static_cast<std::size_t>(std::ranges::count(own, std::uint8_t{1}));
   }
   if (result.nodes > 0) all.write_back(u);
   return result;
 }
 
-template LocalRelaxation relax_locally<float>(const System<float>&, std::span<float>, const Evaluation&, double, bool,
-                                              const std::function<bool()>&);
-template LocalRelaxation relax_locally<double>(const System<double>&, std::span<double>, const Evaluation&, double,
-                                               bool, const std::function<bool()>&);
+template LocalRelaxation relax_locally<float>(const System<float>&, std::span<float>, const Multipliers&,
+                                              const Evaluation&, double, bool, const std::function<bool()>&);
+template LocalRelaxation relax_locally<double>(const System<double>&, std::span<double>, const Multipliers&,
+                                               const Evaluation&, double, bool, const std::function<bool()>&);
 
 }  // namespace lappet

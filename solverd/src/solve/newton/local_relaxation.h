@@ -18,11 +18,10 @@ struct LocalRelaxation {
   std::size_t nodes = 0;                    // that moved; 0: the residual is not a matter of a few nodes
 };
 
-// u: 3 per node, moved in place; now, and the gradient that the system holds, are those at u, and u must be evaluated
-// anew where nodes moved. tolerance: what the search is after, relative to the force scale. inverts: the material
-// describes J < 0.
+// u: 3 per node, moved in place; now: the evaluation at u, which must be evaluated anew where nodes moved. tolerance:
+// what the search is after, relative to the force scale. inverts: the material describes J < 0.
 template <class Real>
-LocalRelaxation relax_locally(const System<Real>& system, std::span<Real> u, const Evaluation& now, double tolerance,
-                              bool inverts, const std::function<bool()>& stop);
+LocalRelaxation relax_locally(const System<Real>& system, std::span<Real> u, const Multipliers& multipliers,
+                              const Evaluation& now, double tolerance, bool inverts, const std::function<bool()>& stop);
 
 }  // namespace lappet

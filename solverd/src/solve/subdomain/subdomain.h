@@ -12,19 +12,22 @@ namespace lappet {
 
 template <class Real>
 struct Subdomain {
-  // moving: per node of the whole; u: of the whole. Keeps no reference to it.
-  Subdomain(const System<Real>& whole, std::span<const std::uint8_t> moving, std::span<const Real> whole_u);
-  Subdomain(const Subdomain&) = delete;
-  Subdomain& operator=(const Subdomain&) = delete;
-
-  void write_back(std::span<Real> whole_u) const;
-
-  Lattice lattice;
+  std::unique_ptr<const Lattice> lattice;  // the system refers to it
   std::vector<std::int32_t> cells, nodes;  // their indices in the whole
   std::vector<std::uint8_t> moves;         // per node: it moves, and is free
   std::vector<Real> u;
+  Multipliers multipliers;
   std::unique_ptr<System<Real>> system;
+
+  void write_back(std::span<Real> whole_u) const;
+  // With the multipliers of held nodes and point constraints; contact keeps those of the whole.
+  void write_back(std::span<Real> whole_u, Multipliers& whole_multipliers) const;
 };
+
+// moving: per node of the whole, whether it moves; u, multipliers: of the whole. The result refers to none of them.
+template <class Real>
+Subdomain<Real> restrict_to(std::span<const std::uint8_t> moving, const System<Real>& whole, std::span<const Real> u,
+                            const Multipliers& multipliers);
 
 extern template struct Subdomain<float>;
 extern template struct Subdomain<double>;

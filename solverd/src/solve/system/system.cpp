@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <set>
+#include <stdexcept>
 
 #include "math/parallel.h"
 #include "solve/system/vectors.h"
@@ -21,7 +23,7 @@ constexpr double kScaleFloor = 1e-2;
 constexpr double kDrift = 1e-5, kDriftCells = 64.0;
 
 template <class Real>
-Vec3 at(std::span<const Real> u, std::size_t node) {
+Vec3 node_displacement(std::span<const Real> u, std::size_t node) {
   return {static_cast<double>(u[3 * node]), static_cast<double>(u[3 * node + 1]), static_cast<double>(u[3 * node + 2])};
 }
 
@@ -43,7 +45,6 @@ System<Real>::System(const Lattice& lattice, CellMaterials materials, int quadra
       retractor_active_(static_cast<std::size_t>(retractors), 0),
       retractor_motion_(static_cast<std::size_t>(retractors), Eigen::Matrix4d::Identity()),
       free_(lattice.node_rest.size(), 1),
-      gradient_(3 * lattice.node_rest.size()),
       node_scale_(lattice.node_rest.size()) {
   if (gravity.squaredNorm() > 0) {
     // kg/m^3 * m/s^2 = N/m^3 = 1e-6 mN/mm^3
@@ -106,7 +107,6 @@ void System<Real>::find_floating_cells() {
 template <class Real>
 void System<Real>::rebuild_constraints() {
   ++revision_;
-  const Lattice& lattice = elastic_.lattice();
   free_count_ = 0;
   prescribed_nodes_.clear();
   for (std::size_t n = 0; n < free_.size(); ++n) {
@@ -116,7 +116,14 @@ void System<Real>::rebuild_constraints() {
     if (!free_[n]) prescribed_nodes_.push_back(static_cast<std::int32_t>(n));
   }
   find_floating_cells();
-  has_held_faces_ = false;
+  has_held_faces_ = std::ranges::any_of(attachments_.face_constraints,
+                                        [&](const auto& face) { return acts(face) && face.group != kBedGroup; });
+  set_quadratics();
+}
+
+template <class Real>
+void System<Real>::set_quadratics() {
+  const Lattice& lattice = elastic_.lattice();
   std::vector<std::int32_t> of_cell;
   std::vector<Real> matrices;
   const auto matrix_of = [&](std::int32_t cell) {
@@ -131,7 +138,6 @@ void System<Real>::rebuild_constraints() {
   for (const auto& face : attachments_.face_constraints) {
     if (!acts(face)) continue;
     const bool held = face.group != kBedGroup;
-    has_held_faces_ = has_held_faces_ || held;
     const std::size_t first = matrix_of(face.cell);
     const Eigen::Matrix<double, 8, 8> gram = face.matrix();
     for (std::size_t k = 0; k < 64; ++k)
@@ -142,8 +148,6 @@ void System<Real>::rebuild_constraints() {
     for (std::size_t k = 0; k < 8; ++k) matrices[first + 9 * k] += static_cast<Real>(drift_stiffness_);
   }
   elastic_.set_cell_quadratics(of_cell, matrices);
-  if (has_held_faces_ && held_multipliers_.empty()) held_multipliers_.assign(3 * free_.size(), 0.0);
-  if (!has_held_faces_) held_multipliers_.clear();
 }
 
 template <class Real>
@@ -167,9 +171,19 @@ void System<Real>::set_point_constraints(std::vector<PointConstraint> constraint
            constraints[i].stiffness == point_constraints_[i].stiffness &&
            constraints[i].weights == point_constraints_[i].weights;
   point_constraints_ = std::move(constraints);
-  has_sutures_ = false;
-  for (const auto& constraint : point_constraints_) has_sutures_ = has_sutures_ || constraint.exact;
+  std::set<ConstraintId> exact;
+  for (const auto& constraint : point_constraints_)
+    if (constraint.exact && !exact.insert(constraint.id).second)
+      throw std::logic_error("two point constraints that hold exactly have the same id");
+  has_sutures_ = !exact.empty();
   if (!same) ++revision_;
+}
+
+template <class Real>
+const PointConstraint& System<Real>::point_constraint(const ConstraintId& id) const {
+  const auto found = std::ranges::find(point_constraints_, id, &PointConstraint::id);
+  if (found == point_constraints_.end()) throw std::logic_error("no point constraint has this id");
+  return *found;
 }
 
 template <class Real>
@@ -183,7 +197,8 @@ Vec3 System<Real>::held_displacement(std::int32_t group, std::size_t node) const
 // The forces of attached faces on the corners of their cells are found in parallel and added in order, a batch at a
 // time. Returns their energy.
 template <class Real>
-double System<Real>::add_face_constraints(std::span<const Real> u) {
+double System<Real>::add_face_constraints(std::span<const Real> u, const Multipliers& multipliers,
+                                          std::span<double> gradient) const {
   constexpr std::size_t kBatch = 8192;
   const auto& constraints = attachments_.face_constraints;
   std::vector<std::array<double, 25>> found(std::min(kBatch, constraints.size()));  // forces, energy
@@ -192,13 +207,12 @@ double System<Real>::add_face_constraints(std::span<const Real> u) {
     const std::size_t count = std::min(kBatch, constraints.size() - first);
     for_each_row(count, [&](std::size_t f) {
       found[f].fill(0.0);
-      if (acts(constraints[first + f])) evaluate_face_constraint(constraints[first + f], u, found[f]);
+      if (acts(constraints[first + f])) evaluate_face_constraint(constraints[first + f], u, multipliers, found[f]);
     });
     for (std::size_t f = 0; f < count; ++f) {
       const auto& nodes = elastic_.lattice().cell_nodes[static_cast<std::size_t>(constraints[first + f].cell)];
       for (std::size_t a = 0; a < 8; ++a)
-        for (std::size_t i = 0; i < 3; ++i)
-          gradient_[3 * static_cast<std::size_t>(nodes[a]) + i] += found[f][3 * a + i];
+        for (std::size_t i = 0; i < 3; ++i) gradient[3 * static_cast<std::size_t>(nodes[a]) + i] += found[f][3 * a + i];
       energy += found[f][24];
     }
   }
@@ -207,17 +221,17 @@ double System<Real>::add_face_constraints(std::span<const Real> u) {
 
 template <class Real>
 void System<Real>::evaluate_face_constraint(const FaceConstraint& face, std::span<const Real> u,
-                                            std::array<double, 25>& out) const {
+                                            const Multipliers& multipliers, std::array<double, 25>& out) const {
   const bool held = face.group != kBedGroup;
   const double stiffness = held ? held_stiffness_ : bed_stiffness_;
   const auto& nodes = elastic_.lattice().cell_nodes[static_cast<std::size_t>(face.cell)];
   Eigen::Matrix<double, 3, 8> off, demand;  // demand: stiffness times the gap, and the multiplier
   for (int k = 0; k < 8; ++k) {
     const auto n = static_cast<std::size_t>(nodes[static_cast<std::size_t>(k)]);
-    off.col(k) = at<Real>(u, n);
+    off.col(k) = node_displacement<Real>(u, n);
     if (held) off.col(k) -= held_displacement(face.group, n);
     demand.col(k) = stiffness * off.col(k);
-    if (held) demand.col(k) += Vec3::Map(&held_multipliers_[3 * n]);
+    if (held && !multipliers.of_held_node.empty()) demand.col(k) += Vec3::Map(&multipliers.of_held_node[3 * n]);
   }
   const Eigen::Matrix<double, 8, 8> gram = face.matrix();
   Eigen::Map<Eigen::Matrix<double, 3, 8>>(out.data()) = demand * gram;
@@ -225,83 +239,125 @@ void System<Real>::evaluate_face_constraint(const FaceConstraint& face, std::spa
 }
 
 template <class Real>
-Evaluation System<Real>::evaluate(std::span<const Real> u) {
+Evaluation System<Real>::evaluate(std::span<const Real> u, const Multipliers& multipliers, Evaluation reused) {
   const Timed timed(work_.evaluations);
-  const Lattice& lattice = elastic_.lattice();
-  const ElasticState state = elastic_.evaluate(u, gradient_, node_scale_);
-  Evaluation result;
+  Evaluation result = std::move(reused);
+  result.number = ++evaluations_;
+  result.gradient.resize(3 * free_.size());
+  const ElasticState state = elastic_.evaluate(u, result.gradient, node_scale_);
   result.energy = state.energy;
   result.minimum_j = state.minimum_j;
   result.inverted = state.inverted;
+  result.energy += add_face_constraints(u, multipliers, result.gradient);
+  result.contact_penalties.clear();
+  add_resting_faces(u, result);
+  if (contact()) {
+    contact()->template evaluate<Real>(u, multipliers.of_contact_proxy, free_, result.gradient,
+                                       result.contact_penalties, result.contact);
+    result.energy += result.contact.energy;
+  }
+  add_point_constraints(u, multipliers, result);
+  add_drift(u, result);
+  if (!gravity_force_.empty())
+    result.energy -= reduce<1>(gravity_force_.size(), [&, g = result.gradient.data()](std::size_t i, double* out) {
+      out[0] = gravity_force_[i] * static_cast<double>(u[i]);
+      g[i] -= gravity_force_[i];
+    })[0];
+  measure_residual(result);
+  return result;
+}
 
-  result.energy += add_face_constraints(u);
-  contact_penalties_.clear();
+template <class Real>
+void System<Real>::add_resting_faces(std::span<const Real> u, Evaluation& result) const {
   for (const auto& face : attachments_.resting) {
-    const auto& nodes = lattice.cell_nodes[static_cast<std::size_t>(face.cell)];
+    const auto& nodes = elastic_.lattice().cell_nodes[static_cast<std::size_t>(face.cell)];
     double height = 0.0;
     for (std::size_t k = 0; k < 8; ++k)
-      height += face.weights[k] * face.inward.dot(at(u, static_cast<std::size_t>(nodes[k])));
+      height += face.weights[k] * face.inward.dot(node_displacement(u, static_cast<std::size_t>(nodes[k])));
     if (!(height < 0.0)) continue;
     const double stiffness = bed_stiffness_ * face.area;
-    contact_penalties_.push_back({face.cell, face.weights, face.inward, stiffness});
+    result.contact_penalties.push_back({face.cell, face.weights, face.inward, stiffness});
     result.energy += 0.5 * stiffness * height * height;
     for (std::size_t k = 0; k < 8; ++k)
       for (int i = 0; i < 3; ++i)
-        gradient_[3 * static_cast<std::size_t>(nodes[k]) + static_cast<std::size_t>(i)] +=
+        result.gradient[3 * static_cast<std::size_t>(nodes[k]) + static_cast<std::size_t>(i)] +=
             stiffness * height * face.weights[k] * face.inward[i];
   }
-  if (contact()) result.energy += contact()->template evaluate<Real>(u, free_, gradient_, contact_penalties_);
+}
+
+template <class Real>
+void System<Real>::add_point_constraints(std::span<const Real> u, const Multipliers& multipliers,
+                                         Evaluation& result) const {
   for (const auto& constraint : point_constraints_) {
-    const Vec3 c = constraint.value(u), force = constraint.force(c);
-    result.energy += c.dot(0.5 * constraint.stiffness * c + constraint.multiplier);
+    const Vec3 c = constraint.value(u), multiplier = multipliers.of(constraint),
+               force = constraint.force(c, multiplier);
+    result.energy += c.dot(0.5 * constraint.stiffness * c + multiplier);
     for (std::size_t k = 0; k < constraint.nodes.size(); ++k)
       for (int i = 0; i < 3; ++i)
-        gradient_[3 * static_cast<std::size_t>(constraint.nodes[k]) + static_cast<std::size_t>(i)] +=
+        result.gradient[3 * static_cast<std::size_t>(constraint.nodes[k]) + static_cast<std::size_t>(i)] +=
             constraint.weights[k] * force[i];
   }
+}
+
+template <class Real>
+void System<Real>::add_drift(std::span<const Real> u, Evaluation& result) const {
   for (const std::int32_t cell : floating_cells_)
-    for (const std::int32_t node : lattice.cell_nodes[static_cast<std::size_t>(cell)]) {
+    for (const std::int32_t node : elastic_.lattice().cell_nodes[static_cast<std::size_t>(cell)]) {
       const auto n = static_cast<std::size_t>(node);
-      const Vec3 off = at(u, n);
+      const Vec3 off = node_displacement(u, n);
       result.energy += 0.5 * drift_stiffness_ * off.squaredNorm();
-      for (int i = 0; i < 3; ++i) gradient_[3 * n + static_cast<std::size_t>(i)] += drift_stiffness_ * off[i];
+      for (int i = 0; i < 3; ++i) result.gradient[3 * n + static_cast<std::size_t>(i)] += drift_stiffness_ * off[i];
     }
-  if (!gravity_force_.empty())
-    result.energy -= reduce<1>(gravity_force_.size(), [&](std::size_t i, double* out) {
-      out[0] = gravity_force_[i] * static_cast<double>(u[i]);
-      gradient_[i] -= gravity_force_[i];
-    })[0];
-  const auto [residual, scale] = reduce<2>(free_.size(), [&](std::size_t n, double* out) {
-    double* g = &gradient_[3 * n];
-    if (!free_[n]) g[0] = g[1] = g[2] = 0.0;
-    out[0] = g[0] * g[0] + g[1] * g[1] + g[2] * g[2];
-    out[1] = free_[n] ? node_scale_[n] * node_scale_[n] : 0.0;
-  });
-  const double h = lattice.settings.spacing;
+}
+
+// The gradient of prescribed nodes is no residual: it is set to zero.
+template <class Real>
+void System<Real>::measure_residual(Evaluation& result) {
+  const auto [residual, scale] =
+      reduce<2>(free_.size(), [&, gradient = result.gradient.data()](std::size_t n, double* out) {
+        double* g = &gradient[3 * n];
+        if (!free_[n]) g[0] = g[1] = g[2] = 0.0;
+        out[0] = g[0] * g[0] + g[1] * g[1] + g[2] * g[2];
+        out[1] = free_[n] ? node_scale_[n] * node_scale_[n] : 0.0;
+      });
+  const double h = elastic_.lattice().settings.spacing;
   result.residual = std::sqrt(residual);
   result.force_scale = std::sqrt(scale) + kScaleFloor * elastic_.materials().table[0].youngs_modulus * h * h *
                                               std::sqrt(static_cast<double>(std::max<std::size_t>(free_count_, 1)));
-  return result;
+}
+
+template <class Real>
+const Elastic<Real>& System<Real>::elastic_at(const Evaluation& at) const {
+  if (at.number != evaluations_) throw std::logic_error("another state was evaluated since");
+  return elastic_;
+}
+
+template <class Real>
+void System<Real>::linearize(const Evaluation& at, PsdProjection how) {
+  (void)elastic_at(at);
+  const Timed timed(work_.linearizations);
+  elastic_.linearize(how);
+  contact_penalties_ = at.contact_penalties;
 }
 
 template <class Real>
 void System<Real>::multiply(std::span<const Real> x, std::span<Real> y) const {
   const Timed timed(work_.products);
   elastic_.multiply(x, y);
-  for_each_contact_penalty([&](const ContactPenalty& penalty) {
+  for (const ContactPenalty& penalty : contact_penalties_) {
     const auto& nodes = elastic_.lattice().cell_nodes[static_cast<std::size_t>(penalty.cell)];
     double along = 0.0;
     for (std::size_t k = 0; k < 8; ++k)
-      along += penalty.weights[k] * penalty.direction.dot(at(x, static_cast<std::size_t>(nodes[k])));
+      along += penalty.weights[k] * penalty.direction.dot(node_displacement(x, static_cast<std::size_t>(nodes[k])));
     for (std::size_t k = 0; k < 8; ++k)
       for (int i = 0; i < 3; ++i)
         y[3 * static_cast<std::size_t>(nodes[k]) + static_cast<std::size_t>(i)] +=
             static_cast<Real>(penalty.stiffness * along * penalty.weights[k] * penalty.direction[i]);
-  });
+  }
   for (const auto& constraint : point_constraints_) {
     Vec3 sum = Vec3::Zero();
     for (std::size_t k = 0; k < constraint.nodes.size(); ++k)
-      sum += constraint.weights[k] * at(x, static_cast<std::size_t>(constraint.nodes[k]));
+      sum += constraint.weights[k] * node_displacement(x, static_cast<std::size_t>(constraint.nodes[k]));
     sum *= constraint.stiffness;
     for (std::size_t k = 0; k < constraint.nodes.size(); ++k)
       for (int i = 0; i < 3; ++i)
@@ -348,7 +404,7 @@ Eigen::Matrix4d System<Real>::motion_towards(const Eigen::Matrix4d& motion, doub
   Eigen::Matrix3Xd rest(3, gripped.size()), now(3, gripped.size());
   for (std::size_t k = 0; k < gripped.size(); ++k) {
     rest.col(static_cast<Eigen::Index>(k)) = elastic_.lattice().node_rest[gripped[k]];
-    now.col(static_cast<Eigen::Index>(k)) = elastic_.lattice().node_rest[gripped[k]] + at(u, gripped[k]);
+    now.col(static_cast<Eigen::Index>(k)) = elastic_.lattice().node_rest[gripped[k]] + node_displacement(u, gripped[k]);
   }
   const Eigen::Matrix4d present = Eigen::umeyama(rest, now, false);
   const Vec3 center = rest.rowwise().mean();
@@ -363,11 +419,11 @@ Eigen::Matrix4d System<Real>::motion_towards(const Eigen::Matrix4d& motion, doub
 }
 
 template <class Real>
-double System<Real>::largest_gap(std::span<const Real> u) const {
+double System<Real>::largest_gap(std::span<const Real> u, const Multipliers& multipliers, const Evaluation& at) const {
   double gap = 0.0;
   for (const auto& constraint : point_constraints_)
-    if (constraint.exact) gap = std::max(gap, constraint.gap(constraint.value(u)));
-  if (contact()) gap = std::max(gap, contact()->excess());
+    if (constraint.exact) gap = std::max(gap, constraint.gap(constraint.value(u), multipliers.of(constraint)));
+  if (contact()) gap = std::max(gap, at.contact.excess);
   if (!has_held_faces_) return gap;
   for (const auto& face : attachments_.face_constraints) {
     if (face.group == kBedGroup || !acts(face)) continue;
@@ -377,7 +433,7 @@ double System<Real>::largest_gap(std::span<const Real> u) const {
     Vec3 off[8];
     for (std::size_t k = 0; k < 8; ++k) {
       const auto n = static_cast<std::size_t>(nodes[k]);
-      off[k] = at(u, n) - held_displacement(face.group, n);
+      off[k] = node_displacement(u, n) - held_displacement(face.group, n);
     }
     for (std::size_t a = 0; a < 8; ++a)
       for (std::size_t b = 0; b < 8; ++b)
@@ -388,10 +444,13 @@ double System<Real>::largest_gap(std::span<const Real> u) const {
 }
 
 template <class Real>
-void System<Real>::update_multipliers(std::span<const Real> u) {
-  for (auto& constraint : point_constraints_)
-    if (constraint.exact) constraint.update_multiplier(constraint.value(u));
-  if (contact()) contact()->update_multipliers();
+void System<Real>::update(Multipliers& multipliers, std::span<const Real> u, const Evaluation& at) const {
+  for (const auto& constraint : point_constraints_)
+    if (constraint.exact)
+      multipliers.of_constraint[constraint.id] =
+          constraint.next_multiplier(constraint.value(u), multipliers.of(constraint));
+  if (contact()) contact()->update_pressures(at.contact, multipliers.of_contact_proxy);
+  fit(multipliers);
   if (!has_held_faces_) return;
   std::vector<std::uint8_t> done(free_.size(), 0);
   for (const auto& face : attachments_.face_constraints) {
@@ -400,17 +459,27 @@ void System<Real>::update_multipliers(std::span<const Real> u) {
       const auto n = static_cast<std::size_t>(node);
       if (done[n]) continue;
       done[n] = 1;
-      const Vec3 off = at(u, n) - held_displacement(face.group, n);
-      for (int i = 0; i < 3; ++i) held_multipliers_[3 * n + static_cast<std::size_t>(i)] += held_stiffness_ * off[i];
+      const Vec3 off = node_displacement(u, n) - held_displacement(face.group, n);
+      for (int i = 0; i < 3; ++i)
+        multipliers.of_held_node[3 * n + static_cast<std::size_t>(i)] += held_stiffness_ * off[i];
     }
   }
 }
 
 template <class Real>
+void System<Real>::fit(Multipliers& multipliers) const {
+  auto& held = multipliers.of_held_node;
+  if (!has_held_faces_)
+    held.clear();
+  else if (held.size() != 3 * free_.size())
+    held.assign(3 * free_.size(), 0.0);
+}
+
+template <class Real>
 std::size_t System<Real>::bytes() const {
-  return elastic_.bytes() + attachments_.face_constraints.size() * sizeof(FaceConstraint) + gradient_.size() * 8 +
-         node_scale_.size() * 8 + gravity_force_.size() * 8 + held_multipliers_.size() * 8 + free_.size() +
-         (contact_ ? contact_->bytes() : 0);
+  return elastic_.bytes() + attachments_.face_constraints.size() * sizeof(FaceConstraint) +
+         3 * free_.size() * 8 * (has_held_faces_ ? 2 : 1) + node_scale_.size() * 8 + gravity_force_.size() * 8 +
+         free_.size() + (contact_ ? contact_->bytes() : 0);
 }
 
 template class System<float>;
