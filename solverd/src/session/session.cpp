@@ -181,8 +181,8 @@ class TypedSession : public Session::Implementation {
     options.tolerance = settings_.tolerance;
     options.gap_tolerance = settings_.gap_tolerance * settings_.spacing;
     options.max_newton = settings_.max_newton;
-    options.inverts = std::ranges::all_of(
-        settings_.materials, [](const auto& m) { return m.model == "corotated" || m.model == "stableNeoHookean"; });
+    options.inverts =
+        std::ranges::all_of(settings_.materials, [](const auto& m) { return MaterialModels::inverts(m.model); });
 
     FrameOutput output;
     output.time = frame.time;

@@ -20,12 +20,12 @@ namespace {
 enum Extra { kFibers = 1, kMuscle = 2, kPrestretched = 4, kMixed = 8 };
 
 struct Case {
-  const char* model;
+  std::string_view model;
   int quadrature;
   int extras;
 };
 std::string describe(const Case& c) {
-  std::string text = c.model + std::to_string(c.quadrature);
+  std::string text = std::string(c.model) + std::to_string(c.quadrature);
   if (c.extras & kFibers) text += "Fibers";
   if (c.extras & kMuscle) text += "Muscle";
   if (c.extras & kPrestretched) text += "Prestretch";
@@ -225,7 +225,7 @@ TEST_P(ElasticCells, FloatAgreesWithDouble) {
 // Every model on 1, 4 and 8 points: plain, all extras at once, and each of them alone.
 std::vector<Case> cases() {
   std::vector<Case> all;
-  for (const char* model : {"corotated", "neoHookean", "stableNeoHookean", "mooneyRivlin"})
+  for (const std::string_view model : MaterialModels::kNames)
     for (const int quadrature : {1, 4, 8})
       for (const int extras :
            {0, int{kFibers}, int{kMuscle}, int{kPrestretched}, int{kMixed}, kFibers | kMuscle | kPrestretched | kMixed})

@@ -17,7 +17,7 @@ namespace lappet {
 namespace {
 
 constexpr double kSpacing = 0.7;
-constexpr double kGreatestK2 = 20.0;
+constexpr double kMaxK2 = 20.0;
 constexpr int kBlocksX = 5, kBlocksY = 3, kBlocksZ = 2, kBlocks = kBlocksX * kBlocksY * kBlocksZ;
 
 template <class T>
@@ -68,7 +68,7 @@ Blocks make_blocks(const FusedScene& scene) {
     m[kMooney] = unit(random);
     if (scene.features.fibers) {
       m[kFiberK1] = 3.0 * unit(random);
-      m[kFiberK2] = kGreatestK2 * unit(random);
+      m[kFiberK2] = kMaxK2 * unit(random);
       m[kFiberDispersion] = unit(random) / 3;
       m[kMuscle] = 10.0 * unit(random);
     }
@@ -291,7 +291,7 @@ class Worst {
 
 std::vector<FusedScene> fused_scenes() {
   std::vector<FusedScene> scenes;
-  for (int model = 0; model < kTwinModels; ++model)
+  for (int model = 0; model < MaterialModels::kCount; ++model)
     for (const int points : {1, 4, 8})
       for (int flags = 0; flags < 8; ++flags)
         scenes.push_back({{model, points == 1, (flags & 1) != 0, (flags & 2) != 0}, points, (flags & 4) != 0});
@@ -299,8 +299,7 @@ std::vector<FusedScene> fused_scenes() {
 }
 
 std::string describe(const FusedScene& scene) {
-  const char* models[kTwinModels] = {"corotated", "neoHookean", "stableNeoHookean", "mooneyRivlin"};
-  return std::string(models[scene.features.model]) + ", " + std::to_string(scene.points) + " points" +
+  return std::string(MaterialModels::kNames[scene.features.model]) + ", " + std::to_string(scene.points) + " points" +
          (scene.features.fibers ? ", fibers and muscle" : "") + (scene.features.prestretched ? ", prestretch" : "") +
          (scene.mixed ? ", mixed" : "");
 }
@@ -314,11 +313,11 @@ std::vector<TwinResult> compare_fused_twins(const FusedScene& scene, const Elast
   const std::size_t count = blocks.rest.size(), size = 3 * count;
   // See fiber_condition in kernel_twins_check.cpp: the property of the exponential, not of the arithmetic.
   const double fibers =
-      scene.features.fibers ? std::max(1.0, 2.0 * std::sqrt(fiber_detail::kGreatestExponent * kGreatestK2)) : 1.0;
+      scene.features.fibers ? std::max(1.0, 2.0 * std::sqrt(fiber_detail::kMaxExponent * kMaxK2)) : 1.0;
   const double tolerance = kTwinTolerance<Real> * fibers;
   Worst wide("forces and energies in double", kTwinTolerance<double> * fibers), fast("forces and energies", tolerance),
       product("tangent product", tolerance), diagonal("diagonal blocks", tolerance);
-  for (const auto& state : states_of(blocks, scene.features.model != 0)) {
+  for (const auto& state : states_of(blocks, scene.features.model != MaterialModels::index(Corotated::kName))) {
     std::vector<Real> u(size), x(size);
     std::mt19937 random(3);
     std::uniform_real_distribution<double> uniform(-1.0, 1.0);
@@ -335,7 +334,8 @@ std::vector<TwinResult> compare_fused_twins(const FusedScene& scene, const Elast
       const double* s = &exact.sigma()[i];
       greatest = std::max(greatest, s[0]);
       // The corotated energy has no second derivative where the two smallest stretches cancel.
-      if (scene.features.model == 0) condition = std::max(condition, s[0] / std::max(s[1] + s[2], 1e-6));
+      if (scene.features.model == MaterialModels::index(Corotated::kName))
+        condition = std::max(condition, s[0] / std::max(s[1] + s[2], 1e-6));
     }
     // Forces are the difference of terms as large as the tangent times the size of the cell.
     std::vector<double> expected_blocks(6 * count);

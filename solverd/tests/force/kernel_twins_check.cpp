@@ -200,15 +200,14 @@ void compare_matrices(Comparison<Real>& c, const KernelTwins<Real>& twins, const
 template <class Real>
 void compare_materials(Comparison<Real>& c, const KernelTwins<Real>& twins, const KernelTwins<double>& reference) {
   Random random;
-  const char* names[kTwinModels] = {"corotated", "neoHookean", "stableNeoHookean", "mooneyRivlin"};
   std::vector<Values> states;
   for (int k = 0; k < 3000; ++k) {
     const auto s = random.stretches(k);
     const double mu = random.log_uniform(0.5, 50.0), poisson = k % 4 == 0 ? 0.499 : random.uniform(0.0, 0.49);
     states.push_back({s[0], s[1], s[2], mu, 2 * mu * poisson / (1 - 2 * poisson), random.uniform(0.0, 3.0)});
   }
-  for (int model = 0; model < kTwinModels; ++model) {
-    const std::string name = names[model];
+  for (std::size_t model = 0; model < MaterialModels::kCount; ++model) {
+    const std::string name(MaterialModels::kNames[model]);
     // The terms are as large as the tangent times the stretch; near rest they cancel.
     const auto scale = [](const Values& in, const Values& expected, int power) {
       return largest(&expected[4], 12) * std::pow(std::max(in[0], 1.0), power);
@@ -245,7 +244,7 @@ void compare_materials(Comparison<Real>& c, const KernelTwins<Real>& twins, cons
 // Near the cap of its exponent the fibers' energy has a condition number of its own: a relative error of E grows by
 // d ln stress / d ln E = 1 + 2 k2 E^2, at most 21, and E itself is a difference of squares: one rounding of I4 moves E
 // by I4/E roundings. In terms of k2 the two together are 2 sqrt(10 k2), whatever the arithmetic; that much is allowed.
-double fiber_condition(double k2) { return std::max(1.0, 2.0 * std::sqrt(fiber_detail::kGreatestExponent * k2)); }
+double fiber_condition(double k2) { return std::max(1.0, 2.0 * std::sqrt(fiber_detail::kMaxExponent * k2)); }
 
 template <class Real>
 void compare_fibers(Comparison<Real>& c, const KernelTwins<Real>& twins, const KernelTwins<double>& reference) {
