@@ -52,7 +52,7 @@ class Comparison {
                KernelTwins<double>::Function reference, std::vector<Values> samples, std::size_t outputs,
                const Error& error, double tolerance = kTwinTolerance<Real>) {
     for (auto& sample : samples)
-      for (double& value : sample) value = static_cast<double>(static_cast<Real>(value));
+      for (double& value : sample) value = double(Real(value));
     const auto got = results<Real>(run, lanes_, samples, outputs);
     const auto expected = results<double>(reference, reference_lanes_, samples, outputs);
     TwinResult result{kernel, tolerance, samples.size()};
@@ -87,10 +87,10 @@ class Comparison {
     for (std::size_t begin = 0; begin < samples.size(); begin += lanes) {
       for (std::size_t lane = 0; lane < lanes; ++lane)
         for (std::size_t i = 0; i < inputs; ++i)
-          in[i * lanes + lane] = static_cast<T>(samples[std::min(begin + lane, samples.size() - 1)][i]);
+          in[i * lanes + lane] = T(samples[std::min(begin + lane, samples.size() - 1)][i]);
       run(in, out);
       for (std::size_t lane = 0; lane < lanes && begin + lane < samples.size(); ++lane)
-        for (std::size_t i = 0; i < outputs; ++i) all[begin + lane][i] = static_cast<double>(out[i * lanes + lane]);
+        for (std::size_t i = 0; i < outputs; ++i) all[begin + lane][i] = double(out[i * lanes + lane]);
     }
     return all;
   }
@@ -155,7 +155,7 @@ void compare_matrices(Comparison<Real>& c, const KernelTwins<Real>& twins, const
   for (int axis = 0; axis < 3; ++axis)  // half turns, and nearly
     for (const double angle : {0.0, 1e-4, 3.14159, 3.14159265358979}) {
       Values r(9, 0.0);
-      const auto i = static_cast<std::size_t>(axis), j = (i + 1) % 3, k = (i + 2) % 3;
+      const std::size_t i = axis, j = (i + 1) % 3, k = (i + 2) % 3;
       r[4 * i] = 1;
       r[4 * j] = r[4 * k] = std::cos(angle);
       r[3 * j + k] = -(r[3 * k + j] = std::sin(angle));

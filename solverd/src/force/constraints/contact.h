@@ -26,7 +26,7 @@ class Contact {
 
   // The proxies of some cells of a lattice as those of another lattice, with their pressures; place: per cell, its
   // index there or -1.
-  Contact(const Contact& whole, const Lattice& lattice, std::span<const std::int32_t> place);
+  Contact(const Contact& whole, const Lattice& lattice, std::span<const Index> place);
 
   // How deep the tissue lies in bone at rest, and where; mm.
   struct Depth {
@@ -44,7 +44,7 @@ class Contact {
 
   // At the last evaluated state: the deepest proxy and how many touch bone; what the bones push with, mN.
   double largest_penetration() const { return penetration_; }
-  std::int32_t count() const { return static_cast<std::int32_t>(active_.size()); }
+  std::int32_t count() const { return to_index(active_.size()); }
   const Vec3& force() const { return force_; }
   // By how much the deepest proxy exceeds what a penalty may leave (a fraction of the spacing), mm.
   double excess() const;
@@ -52,12 +52,11 @@ class Contact {
   void update_multipliers();
   void reset_multipliers();
 
-  // The largest fraction of a step, `most` at most, that takes no proxy through a bone: along the way none gets deeper
-  // than `kDeepestOnTheWay` spacings (or than it is), and none to where another side of the bone is nearer.
+  // The largest fraction of a step, `max_part` at most, that takes no proxy through a bone: along the way none gets
+  // deeper than `kMaxDepthOnTheWay` spacings (or than it is), and none to where another side of the bone is nearer.
   template <class Real>
-  double largest_step(std::span<const Real> u, std::span<const Real> step, double most) const;
+  double largest_step(std::span<const Real> u, std::span<const Real> step, double max_part) const;
 
-  std::size_t proxies() const { return proxies_.size(); }
   std::size_t bytes() const { return proxies_.size() * (sizeof(Proxy) + sizeof(double)); }
 
  private:
@@ -71,10 +70,6 @@ class Contact {
     double squeezed;  // f
     Vec3 normal;      // grad d
   };
-
-  template <class Real>
-  Vec3 displacement(const Proxy& proxy, std::span<const Real> u) const;
-  Vec3 rest(const Proxy& proxy) const;
 
   std::shared_ptr<const SignedDistance> bones_;
   const Lattice& lattice_;

@@ -63,7 +63,7 @@ std::vector<Vec3> point_normals(const Surface& surface) {
   for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
     const Triangle corners = triangle_of(surface, t);
     const Vec3 normal = (corners.b - corners.a).cross(corners.c - corners.a);
-    for (const std::int32_t p : surface.triangles[t]) normals[p] += normal;
+    for (const Index p : surface.triangles[t]) normals[p] += normal;
   }
   for (Vec3& normal : normals) normal.normalize();
   return normals;
@@ -80,19 +80,19 @@ bool flat(const CellMaterials& materials) {
   return std::ranges::all_of(materials.normal_of_cell, is_z) && std::ranges::all_of(materials.table, lies_flat);
 }
 
-// What Eigen::BVMinimize asks: the closest triangle, of equally close ones that with the smallest index.
+// For Eigen::BVMinimize: the closest triangle, of equally close ones that with the smallest index.
 struct Closest {
   using Scalar = double;
   const Surface& skin;
   Vec3 point;
   double squared = std::numeric_limits<double>::infinity();
-  std::int32_t triangle = -1;
+  Index triangle = -1;
 
   double minimumOnVolume(const Box& box) const {
-    // Nudged down, so that a box that only touches the smallest distance is still opened.
+    // Rounded down, so that a box that only touches the smallest distance is still opened.
     return box.squaredExteriorDistance(point) * (1.0 - 1e-12);
   }
-  double minimumOnObject(std::int32_t t) {
+  double minimumOnObject(Index t) {
     const double found = squared_distance(point, triangle_of(skin, static_cast<std::size_t>(t)));
     if (found < squared || (found == squared && t < triangle)) {
       squared = found;
@@ -109,10 +109,10 @@ CellMaterials assign_materials(const Lattice& lattice, std::vector<MaterialParam
   CellMaterials result{std::move(table), {}};
   const bool directional = std::ranges::any_of(result.table, has_direction);
   if ((regions.empty() && !directional) || skin.triangles.empty()) return result;
-  std::vector<std::int32_t> triangles(skin.triangles.size());
+  std::vector<Index> triangles(skin.triangles.size());
   std::vector<Box> boxes(triangles.size());
   for (std::size_t t = 0; t < triangles.size(); ++t) {
-    triangles[t] = static_cast<std::int32_t>(t);
+    triangles[t] = to_index(t);
     const Triangle corners = triangle_of(skin, t);
     boxes[t] = Box(corners.a).extend(corners.b).extend(corners.c);
   }

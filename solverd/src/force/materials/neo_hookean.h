@@ -1,5 +1,5 @@
-// Neo-Hookean elasticity: Psi = mu/2 (I_C - 3) - mu ln J + lambda/2 (ln J)^2. Below kSmallJ ln J goes on as its Taylor
-// polynomial of second order, so that inverted cells have finite energy.
+// Neo-Hookean elasticity: Psi = mu/2 (I_C - 3) - mu ln J + lambda/2 (ln J)^2. Below kSmallJ ln J is
+// continued by its Taylor polynomial of second order, so that inverted cells have finite energy.
 #pragma once
 #include <cmath>
 
