@@ -1,4 +1,4 @@
-"""Colours of the skin's vertices for Solid shading and Workbench, which know no shader nodes."""
+"""Colors of the skin's vertices for Solid shading and Workbench, which know no shader nodes."""
 
 from __future__ import annotations
 
