@@ -10,9 +10,10 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from lappet.background.procedure_message import pack, unpack
 
 import problem_page
-from lappet.background.procedure_message import MessageError, pack, unpack
+from lappet.core.array_codec import CodecError
 from lappet.core.problem import Place, Problem, ProblemsError, RefusedError, problem, refused
 from lappet.core.problem_code import ProblemCode
 from lappet.core.problem_text import catalogue
@@ -119,7 +120,7 @@ def test_the_text_of_an_error_is_made_of_its_problems() -> None:
 
 
 @pytest.mark.parametrize(
-    "kind", [RefusedError, FrameRefusedError, DaemonMissing, DaemonDied, WireError, MessageError, UsdMissingError]
+    "kind", [RefusedError, FrameRefusedError, DaemonMissing, DaemonDied, WireError, CodecError, UsdMissingError]
 )
 def test_errors_can_be_pickled_with_their_problems(kind: type[ProblemsError]) -> None:
     error = kind.of(
