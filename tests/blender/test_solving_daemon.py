@@ -118,7 +118,7 @@ def test_a_saved_file_opens_with_its_frames_and_starts_no_worker(patch: bpy.type
     solve(patch)
     points = frames.shown_at(patch, 8).frame.points
     bpy.ops.wm.save_as_mainfile(filepath=str(blend))
-    controller.forget_all()
+    controller.drop_all()
     controller.frame_cache.clear()
     controller.plans.clear()
     bpy.ops.wm.open_mainfile(filepath=str(blend))

@@ -10,13 +10,13 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from lappet.background.procedure_message import pack, unpack
 
 import problem_page
 from lappet.core.array_codec import CodecError
 from lappet.core.problem import Place, Problem, ProblemsError, RefusedError, problem, refused
 from lappet.core.problem_code import ProblemCode
 from lappet.core.problem_text import catalogue
+from lappet.core.value_codec import pack, unpack
 from lappet.daemon.frame_solver import FrameRefusedError
 from lappet.daemon.process import DaemonDied, DaemonMissing
 from lappet.daemon.wire import WireError
@@ -135,7 +135,7 @@ def test_errors_can_be_pickled_with_their_problems(kind: type[ProblemsError]) ->
 def test_problems_go_through_the_worker_s_pipe() -> None:
     place = Place((3, 4), ((0.5, 1.0, -2.0),))
     found = refused(ProblemCode.MESH_OPEN, "/Procedure/Tissue", 4, place=place, count=4, where="there").problems[0]
-    back = unpack(pack(found))
+    back = unpack(pack(found), type(found))
     assert isinstance(back, Problem)
     assert back == found
     assert back.code is ProblemCode.MESH_OPEN

@@ -62,14 +62,14 @@ _STEPS = ("undo_post", "redo_post", "load_post")
 
 
 def register() -> None:
-    """Adds the handlers."""
+    """Add the handlers."""
     bpy.app.handlers.depsgraph_update_post.append(_after_update)
     for name in _STEPS:
         getattr(bpy.app.handlers, name).append(_after_step)
 
 
 def unregister() -> None:
-    """Takes them off."""
+    """Take them off."""
     bpy.app.handlers.depsgraph_update_post.remove(_after_update)
     for name in _STEPS:
         getattr(bpy.app.handlers, name).remove(_after_step)

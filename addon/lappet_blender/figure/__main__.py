@@ -320,7 +320,7 @@ def _part(size: tuple[int, int], share: float) -> tuple[int, int]:
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Draw figures as the command line asks; returns the exit status."""
+    """Draw figures as the command line asks; return the exit status."""
     signal.signal(signal.SIGINT, signal.SIG_DFL)  # an interrupt ends a long render at once
     request = parse_request(arguments)
     lines = os.fdopen(os.dup(1), "w", buffering=1, encoding="utf-8")

@@ -49,7 +49,7 @@ def copy_target(scene: bpy.types.Scene, target: bpy.types.Object, uid: str) -> b
 
 
 def remove_target(target: bpy.types.Object, uid: str) -> None:
-    """Deletes an empty that was made for the event `uid`, once no event follows it."""
+    """Delete an empty that was made for the event `uid`, once no event follows it."""
     if target.get(EVENT_TAG) != uid or target.library is not None or followers(target):
         return
     action = target.animation_data.action if target.animation_data is not None else None
@@ -80,7 +80,7 @@ def active_fcurves(owner: bpy.types.Object) -> dict[tuple[str, int], Any]:
 
 
 def shift_keyframes(target: bpy.types.Object, shift: float) -> None:
-    """Moves every keyframe of an object by so many frames; one of a library stays as it is."""
+    """Move every keyframe of an object by so many frames; one of a library stays as it is."""
     if target.library is not None:
         return
     for curve in curves_of(target):
@@ -95,7 +95,7 @@ def shift_keyframes(target: bpy.types.Object, shift: float) -> None:
 
 
 def set_keyframes(target: bpy.types.Object, path: str, samples: Sequence[tuple[float, Sequence[float]]]) -> None:
-    """Gives a property of an object these (frame, values) and straight lines between them; one sample stands still."""
+    """Give a property of an object these (frame, values) and straight lines between them; one sample stands still."""
     for curve in curves_of(target):
         if curve.data_path == path:
             for key in reversed(list(curve.keyframe_points)):

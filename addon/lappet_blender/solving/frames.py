@@ -85,31 +85,31 @@ def failure_of(scene: bpy.types.Scene) -> Failure | None:
 
 
 def subscribe(listener: Listener) -> None:
-    """Calls `listener(scene)` on the main thread when what is shown, or a state, may have changed."""
+    """Call `listener(scene)` on the main thread when what is shown, or a state, may have changed."""
     if listener not in _listeners:
         _listeners.append(listener)
 
 
 def unsubscribe(listener: Listener) -> None:
-    """Takes a listener off; one that is not there is no error."""
+    """Take a listener off; one that is not there is no error."""
     if listener in _listeners:
         _listeners.remove(listener)
 
 
 def add_follow_up(step: FollowUp) -> None:
-    """Calls `step()` when the timer comes by, for what a listener puts off; it does a little, True = there is more."""
+    """Call `step()` when the timer comes by, for what a listener puts off; it does a little, True = there is more."""
     if step not in _follow_ups:
         _follow_ups.append(step)
 
 
 def remove_follow_up(step: FollowUp) -> None:
-    """Takes it off; one that is not there is no error."""
+    """Take it off; one that is not there is no error."""
     if step in _follow_ups:
         _follow_ups.remove(step)
 
 
 def follow_up() -> bool:
-    """Does a little of what listeners put off; whether there is more."""
+    """Do a little of what listeners put off; whether there is more."""
     more = [step() for step in list(_follow_ups)]  # every one gets its turn
     return any(more)
 

@@ -33,14 +33,14 @@ def lattice_of(scene: bpy.types.Scene) -> NDArray[np.float32]:
 
 
 def register() -> None:
-    """Draws in every 3D viewport from now on; not without a window."""
+    """Draw in every 3D viewport from now on; not without a window."""
     global _handle
     if not bpy.app.background and _handle is None:
         _handle = bpy.types.SpaceView3D.draw_handler_add(_draw, (), "WINDOW", "POST_VIEW")
 
 
 def unregister() -> None:
-    """Draws no more."""
+    """Draw no more."""
     global _handle
     if _handle is not None:
         bpy.types.SpaceView3D.draw_handler_remove(_handle, "WINDOW")

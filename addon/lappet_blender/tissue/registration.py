@@ -43,7 +43,7 @@ def _on_load_pre(*_: object) -> None:
 
 
 def register() -> None:
-    """Adds them."""
+    """Add them."""
     for each in _CLASSES:
         bpy.utils.register_class(each)
     overlay.register()
@@ -51,7 +51,7 @@ def register() -> None:
 
 
 def unregister() -> None:
-    """Takes them away."""
+    """Take them away."""
     if _on_load_pre in bpy.app.handlers.load_pre:
         bpy.app.handlers.load_pre.remove(_on_load_pre)
     overlay.unregister()

@@ -24,7 +24,7 @@ class Icon:
 
 
 def write_icon(path: Path, icon: Icon) -> None:
-    """Writes an icon; triangles are turned counterclockwise, as they are in Blender's own icons."""
+    """Write an icon; triangles are turned counterclockwise, as they are in Blender's own icons."""
     a, b, c = np.moveaxis(icon.corners.astype(np.int64), 1, 0)
     turn = (b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0]
     corners = np.where((turn < 0)[:, None, None], icon.corners[:, ::-1], icon.corners)

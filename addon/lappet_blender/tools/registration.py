@@ -28,7 +28,7 @@ def _another_file(_path: str) -> None:
 
 
 def register() -> None:
-    """Adds the tools to the toolbar and the menu to the 3D viewport's header."""
+    """Add the tools to the toolbar and the menu to the 3D viewport's header."""
     for each in _CLASSES:
         bpy.utils.register_class(each)
     toolbar.register()
@@ -38,7 +38,7 @@ def register() -> None:
 
 
 def unregister() -> None:
-    """Takes everything away again."""
+    """Take everything away again."""
     if _another_file in bpy.app.handlers.load_pre:
         bpy.app.handlers.load_pre.remove(_another_file)
     plan_overlay.unregister()
