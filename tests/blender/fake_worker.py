@@ -142,7 +142,9 @@ class FakeWorker:
                 continue
             yield IterationDone(job, frame.time, 1, 1e-2, 0.0)
             if frame.time in self.script.failing:
-                yield FrameFailed(job, frame.time, problem(ProblemCode.UNSORTED, "", self.script.failing[frame.time]))
+                yield FrameFailed(
+                    job, frame.time, problem(ProblemCode.FRAME_NOT_CONVERGED, "", self.script.failing[frame.time])
+                )
                 return
             shown = solved(plan, index, len(procedure.events))
             self.store.put(frame.key, shown)
