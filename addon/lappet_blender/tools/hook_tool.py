@@ -9,6 +9,7 @@ from mathutils import Vector
 
 from lappet.core.problem import RefusedError, refused
 from lappet.core.problem_code import ProblemCode
+from lappet.procedure import Hook
 
 from ..events.add_events import add_hook, add_retractor, straight_motion, straight_targets
 from ..model.mesh_values import GROUP, group_names
@@ -108,7 +109,9 @@ class LAPPET_OT_place_hook(_DragTool, bpy.types.Operator):
     start: _start()
     end: _end()
     frames: _frames()
-    stiffness: FloatProperty(name="Stiffness", description="In mN/mm", default=500.0, min=0.001, soft_max=5000.0)
+    stiffness: FloatProperty(
+        name="Stiffness", description="In mN/mm", default=Hook.stiffness, min=0.001, soft_max=5000.0
+    )
 
     def released(self, context: bpy.types.Context, view: View | None) -> Result | None:
         if self.hit is None:

@@ -15,7 +15,7 @@ class CancelledError(Exception):
 
 @dataclass(eq=False)
 class Job:
-    """A job as the worker runs it.
+    """A job and how far it is.
 
     Parameters
     ----------

@@ -53,19 +53,19 @@ class KeptFrames(FrameStore):
         return key in self._held or super().__contains__(key)
 
     def get(self, key: str, kind: type[Value]) -> Value | None:
-        """Look up a value in memory or on the disk.
+        """Look up a value in memory and on the disk.
 
         Parameters
         ----------
         key
             Content key.
         kind
-            Class of the value.
+            Dataclass that it is of.
 
         Returns
         -------
         Value | None
-            The value, or None.
+            The value, or None where neither holds it.
         """
         with self._guard:
             held = self._held.get(key)
@@ -79,7 +79,7 @@ class KeptFrames(FrameStore):
         key
             Content key.
         packed
-            The value, as `lappet.core.value_codec.pack` has written it.
+            The value as `lappet.core.value_codec.pack` wrote it.
 
         Returns
         -------

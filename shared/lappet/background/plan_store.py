@@ -15,7 +15,7 @@ class StoredPlan:
     Parameters
     ----------
     plan
-        The plan without its epochs.
+        The plan without epochs.
     epochs
         Key and start time of each epoch.
     """

@@ -132,12 +132,12 @@ class Worker:
             return self._services
 
     def tell(self, event: WorkerEvent) -> None:
-        """Send what happened to the owner.
+        """Send an event to the owner.
 
         Parameters
         ----------
         event
-            What happened.
+            The event.
         """
         data = pack(event)
         try:

@@ -92,7 +92,7 @@ class WorkerProcess:
         Raises
         ------
         CodecError
-            If the request cannot be written.
+            If the request cannot be told in a message.
         """
         data = pack(request)
         with contextlib.suppress(OSError):

@@ -13,7 +13,7 @@ JobKind = Literal["plan", "solve", "live"]
 
 @dataclass(frozen=True, eq=False)
 class Ask:
-    """A job that is asked for.
+    """A job.
 
     Parameters
     ----------
@@ -32,7 +32,7 @@ class Ask:
     hook
         Hook of live mode.
     identity
-        What identifies the solver, where its owner knows.
+        What identifies the solver, where the owner knows it.
     """
 
     job: int
@@ -63,7 +63,7 @@ class Aim:
 
 @dataclass(frozen=True)
 class Cancel:
-    """A job is not wanted any more.
+    """A job that is not wanted any more.
 
     Parameters
     ----------

@@ -51,7 +51,7 @@ class Limits:
     header_bytes
         Bytes of the header.
     total_bytes
-        Bytes of everything.
+        Bytes of the header and all arrays.
     arrays
         Number of arrays.
     text_bytes
@@ -180,7 +180,7 @@ def decode(
 
 
 def join(frames: Sequence[bytes]) -> bytes:
-    """Join frames to one block: their number and lengths, 8 bytes little-endian each, then each padded to 16 bytes.
+    """Join frames to one block: their number and lengths, 8 bytes each, then each padded to 16 bytes.
 
     Parameters
     ----------
@@ -211,12 +211,12 @@ def split(block: Bytes) -> list[memoryview]:
     Returns
     -------
     list[memoryview]
-        The frames.
+        The frames, in the memory of the block.
 
     Raises
     ------
     CodecError
-        If the block is cut short.
+        If it is no such block.
     """
     view = memoryview(block)
     count = int.from_bytes(view[:_LENGTH], "little")

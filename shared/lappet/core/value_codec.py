@@ -22,22 +22,22 @@ _VALUE, _ARRAY = 1, 2
 
 
 def pack(value: object) -> bytes:
-    """Write a value made of dataclasses, arrays, numbers, text, tuples and maps.
+    """Write a value as one block of bytes.
 
     Parameters
     ----------
     value
-        The value.
+        A value of dataclasses, enumerations, arrays, numbers, text, tuples and maps.
 
     Returns
     -------
     bytes
-        The bytes.
+        The block.
 
     Raises
     ------
     CodecError
-        If the value cannot be written.
+        If it holds anything else.
     """
     arrays: dict[str, NDArray[Any]] = {}
 
@@ -68,19 +68,19 @@ def pack(value: object) -> bytes:
 
 
 def unpack(data: Bytes, kind: Any) -> Any:
-    """Read a value; arrays are read-only and lie in `data`.
+    """Read a value from one block of bytes.
 
     Parameters
     ----------
     data
-        The bytes, as `pack` wrote them.
+        As `pack` wrote them.
     kind
-        What it may be: only this and the dataclasses that its fields name are made.
+        A type, or union of types, that it may be; only this and what the types of its fields name is made.
 
     Returns
     -------
     Any
-        The value.
+        The value; arrays are read-only and lie in `data`.
 
     Raises
     ------
@@ -120,17 +120,17 @@ def unpack(data: Bytes, kind: Any) -> Any:
 
 @lru_cache
 def classes_of(kind: Any) -> dict[str, type[Any]]:
-    """Find the dataclasses and enumerations that a type is made of: its own, and their fields'.
+    """Find the dataclasses and enumerations that a type is made of.
 
     Parameters
     ----------
     kind
-        The type.
+        A type, or a union of types.
 
     Returns
     -------
     dict[str, type[Any]]
-        The classes by name.
+        By name: its own, and those that the types of fields name.
     """
     found: dict[str, type[Any]] = {}
     waiting = [kind]

@@ -18,20 +18,20 @@ def read_frame(
     landmark_index: NDArray[np.int32],
     lattice: LatticeCounts | None,
 ) -> SolvedFrame:
-    """Read the frame in a message that answers constraints.
+    """Read the message that answers the constraints of a frame.
 
     Parameters
     ----------
     message
         The message.
     constraints
-        What acted on the tissue.
+        The constraints.
     settings
-        How the session solves.
+        Those of the session.
     landmark_index
-        Landmarks of the epoch, shape (k,).
+        Numbers of the landmarks of the epoch, shape (k,).
     lattice
-        Counts of the epoch's lattice, or None.
+        Counts of the epoch's lattice.
 
     Returns
     -------
@@ -41,7 +41,7 @@ def read_frame(
     Raises
     ------
     WireError
-        If the message does not answer these constraints.
+        If it does not answer them.
     """
     hooks, sutures, marks = len(constraints.hook_stiffness), len(constraints.suture_index), len(landmark_index)
     points = read_array(message, "points", "f4", (None, 3))
@@ -82,7 +82,7 @@ def _read_state(message: Message) -> SolverState:
     return SolverState(
         precision,
         read_array(message, "nodes", "f8" if precision == "double" else "f4", (None, 3)),
-        read_array(message, "state_suture_gaps", "f8", (None, 3)),
+        read_array(message, "suture_separations", "f8", (None, 3)),
         read_array(message, "suture_multipliers", "f8", (None, 3)),
         read_array(message, "grip_multipliers", "f8", (None,)),
         read_array(message, "activation", "f8", (None,)),

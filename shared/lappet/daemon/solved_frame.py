@@ -20,25 +20,25 @@ class LatticeCounts:
     Parameters
     ----------
     fine_voxels
-        Number of fine voxels.
+        Fine voxels inside the tissue.
     cells
-        Number of cells.
+        Cells.
     grid_cells
-        Of these on the regular grid.
+        Cells of which the grid has one copy.
     mesh_cells
-        Of these in the explicit mesh.
+        Cells of which it has several, one per fragment.
     nodes
-        Number of nodes.
+        Nodes.
     fragments
-        Number of fragments.
+        Fragments of the tissue.
     blocks
-        Number of blocks.
+        Blocks of cells that are computed.
     fixed_nodes
-        Number of nodes that are held.
+        Nodes that do not move.
     bytes
-        Memory that the session holds.
+        Memory of the session in bytes.
     seconds
-        Time that the lattice took to build.
+        Time that it took to build.
     """
 
     fine_voxels: int
@@ -55,18 +55,18 @@ class LatticeCounts:
 
 @dataclass(frozen=True)
 class StageSeconds:
-    """The seconds that a frame took, by stage.
+    """Seconds of a frame by stage.
 
     Parameters
     ----------
     update
-        Seconds of state updates.
+        State updates.
     linear
-        Seconds of linear solves.
+        Linear solves.
     setup
-        Seconds of the preconditioner's setup.
+        Setting up the preconditioner.
     total
-        Seconds of everything.
+        Everything.
     """
 
     update: float = 0.0
@@ -77,22 +77,22 @@ class StageSeconds:
 
 @dataclass(frozen=True)
 class PassCounts:
-    """The passes over the whole lattice, and the seconds of each kind.
+    """Passes over the whole lattice and their seconds.
 
     Parameters
     ----------
     evaluations
         Evaluations of the energy and its gradient.
     evaluation_seconds
-        Seconds of these.
+        Their seconds.
     linearizations
         Evaluations of the tangent.
     linearization_seconds
-        Seconds of these.
+        Their seconds.
     products
         Products with the tangent.
     product_seconds
-        Seconds of these.
+        Their seconds.
     """
 
     evaluations: int = 0
@@ -110,37 +110,37 @@ class Diagnostics:
     Parameters
     ----------
     converged
-        Whether to the tolerance and the gaps asked for.
+        Whether it met the tolerance and the gaps asked for.
     reason
-        Why not, a sentence, or "".
+        Why it did not, a sentence; else empty.
     newton
         Newton iterations.
     pcg
-        Iterations of conjugate gradients.
+        Iterations of the linear solver.
     load_steps
         Load steps.
     active_cells
-        Number of cells that were solved for.
+        Cells that were solved for.
     residual
-        Residual over `force_scale`.
+        Residual over force scale.
     force_scale
-        Scale of the forces in mN.
+        Force scale in mN.
     largest_gap
         Largest gap of sutures and grips in mm.
     minimum_j
         Least volume ratio.
     inverted_cells
-        Number of inverted cells.
+        Cells that are inside out.
     energy
         Energy in mN mm.
     largest_penetration
         Largest depth of tissue in bone in mm.
     contacts
-        Number of points that touch bone.
+        Points of the surface that touch bone.
     peak_bytes
-        Peak memory of the daemon.
+        Peak memory of the daemon in bytes.
     seconds
-        Time by stage.
+        Seconds by stage.
     work
         Passes over the lattice.
     """
@@ -174,7 +174,7 @@ class SolverState:
         "float" or "double".
     nodes
         Positions of the lattice's nodes, shape (N, 3), float32 or float64.
-    suture_gaps
+    suture_separations
         Separation of each suture of the procedure when it was placed in mm, NaN before, shape (S, 3).
     suture_multipliers
         Multipliers of the sutures in mN, shape (S, 3).
@@ -186,7 +186,7 @@ class SolverState:
 
     precision: str
     nodes: NDArray[Any]
-    suture_gaps: NDArray[np.float64]
+    suture_separations: NDArray[np.float64]
     suture_multipliers: NDArray[np.float64]
     grip_multipliers: NDArray[np.float64]
     activation: NDArray[np.float64]
@@ -194,7 +194,7 @@ class SolverState:
     @property
     def nbytes(self) -> int:
         """The bytes of its arrays."""
-        arrays = (self.nodes, self.suture_gaps, self.suture_multipliers, self.grip_multipliers, self.activation)
+        arrays = (self.nodes, self.suture_separations, self.suture_multipliers, self.grip_multipliers, self.activation)
         return sum(array.nbytes for array in arrays)
 
     def fitted(self, sutures: int) -> SolverState:
@@ -211,11 +211,11 @@ class SolverState:
         Returns
         -------
         SolverState
-            The fitted state.
+            The state.
         """
         return replace(
             self,
-            suture_gaps=_resized(self.suture_gaps, sutures, np.nan),
+            suture_separations=_resized(self.suture_separations, sutures, np.nan),
             suture_multipliers=_resized(self.suture_multipliers, sutures, 0.0),
         )
 
@@ -231,48 +231,46 @@ def _resized(rows: NDArray[np.float64], count: int, fill: float) -> NDArray[np.f
 class SolvedFrame:
     """A frame as it was solved, or as far as it is known where it comes from a skin cache.
 
-    There are n vertices, k landmarks, H hooks and A sutures.
-
     Parameters
     ----------
     time
         Time code.
     points
-        Vertices of the epoch's surface in mm, shape (n, 3), float32.
+        Surface points of the epoch in mm, shape (n, 3), float32.
     strain
-        Largest principal stretch less 1, shape (n,), float32; shape (0,) where it is not known.
+        Largest principal stretch less 1, shape (n,), float32; (0,) where it is not known.
     stress
-        Von Mises stress in kPa, shape (n,), float32; shape (0,) where it is not known.
+        Von Mises stress in kPa, likewise.
     tension
-        Largest principal Cauchy stress in kPa, shape (n,), float32; shape (0,) where it is not known.
+        Largest principal Cauchy stress in kPa, likewise.
     landmark_index
-        Index of each landmark in `Program.landmarks`, shape (k,), int32.
+        Number of each landmark in `Program.landmarks`, shape (k,), int32.
     landmarks
         Landmarks in mm, shape (k, 3), float64.
     hook_index
-        Index of each hook in `Program.hooks`, shape (H,), int32.
+        Number of each hook in `Program.hooks`, shape (H,), int32.
     hook_points
-        Where the anchors are in mm, shape (H, 3), float64.
+        Where their anchors are in mm, shape (H, 3), float64.
     hook_forces
         Forces on the tissue in mN, shape (H, 3), float64.
     suture_index
-        Index of each suture in `Program.sutures`, shape (A,), int32.
+        Number of each suture in `Program.sutures`, shape (A,), int32.
     suture_points
-        Both ends in mm, shape (A, 2, 3), float64.
+        Where their ends are in mm, shape (A, 2, 3), float64.
     suture_gaps
         Distance from the separation asked for in mm, shape (A,), float64.
     suture_forces
-        Pull of each suture in mN, shape (A,), float64.
+        Their pull in mN, shape (A,), float64.
     correction
-        The Newton step left over in mm, shape (n, 3), float32; shape (0, 3) where it was not asked for.
+        Newton step left over in mm, shape (n, 3), float32; (0, 3) where it was not asked for.
     landmark_correction
-        The same at the landmarks in mm, shape (k, 3), float64.
+        The same at the landmarks, shape (k, 3), float64.
     diagnostics
-        How the frame was solved.
+        How it was solved.
     lattice
         Counts of its epoch's lattice, or None where they are not known.
     state
-        What the next frame starts from; None in what is shown.
+        What the next frame starts from, or None in what is shown.
     """
 
     time: float
@@ -311,7 +309,7 @@ class SolvedFrame:
         return sum(array.nbytes for array in self.arrays().values())
 
     def arrays(self) -> dict[str, NDArray[Any]]:
-        """List its arrays, without those of the state.
+        """Collect its arrays, without those of the state.
 
         Returns
         -------
@@ -322,12 +320,12 @@ class SolvedFrame:
         return {name: value for name, value in values.items() if isinstance(value, np.ndarray)}
 
     def shown(self) -> SolvedFrame:
-        """Take what is shown of the frame: not the state, whose memory it does not hold either.
+        """Make the view of it for display: without the state, whose memory it does not hold either.
 
         Returns
         -------
         SolvedFrame
-            The frame without its state.
+            The view.
         """
         copies: dict[str, Any] = {name: array.copy() for name, array in self.arrays().items()}
         return replace(self, **copies, state=None)
@@ -338,13 +336,13 @@ class SolvedFrame:
         Returns
         -------
         SolvedFrame
-            The frame without them.
+            The rest.
         """
         empty = no_entries((0,), np.float32)
         return replace(self, strain=empty, stress=empty, tension=empty)
 
     def scalar(self, name: str) -> NDArray[np.float32] | None:
-        """Look up a quantity at the vertices.
+        """Take a quantity at the points.
 
         Parameters
         ----------
@@ -354,7 +352,7 @@ class SolvedFrame:
         Returns
         -------
         NDArray[np.float32] | None
-            The quantity, shape (n,), or None where it is not known.
+            The values, shape (n,), or None where they are not known.
         """
         values: NDArray[np.float32] = getattr(self, name)
         return values if len(values) == len(self.points) else None

@@ -108,7 +108,7 @@ def solve_procedure(
     output
         The skin cache (.usdc, .usda or .usd).
     settings
-        How to solve: spacing, tolerance, quadrature, precision and more.
+        How to solve.
     frames
         First and last time code to write, None for the procedure's; everything up to the last one is solved.
     daemon

@@ -36,14 +36,14 @@ class Payload:
 
 
 def open_payload(settings: SolverSettings, bones: Bones | None = None) -> Payload:
-    """Compose what `open` tells: the settings, the table of materials, the bones where there are any.
+    """Make what `open` tells: the settings, the table of materials, the bones where there are any.
 
     Parameters
     ----------
     settings
-        How the session solves.
+        The settings.
     bones
-        What the tissue may not enter.
+        The bones.
 
     Returns
     -------
@@ -64,7 +64,7 @@ def open_payload(settings: SolverSettings, bones: Bones | None = None) -> Payloa
 
 
 def epoch_payload(epoch: Epoch, grip: NDArray[np.int32], landmarks: Landmarks) -> Payload:
-    """Compose what `epoch` tells: the surface, what holds it, the landmarks and the regions.
+    """Make what `epoch` tells: the surface, what holds it, the landmarks and the regions.
 
     Parameters
     ----------
@@ -85,7 +85,7 @@ def epoch_payload(epoch: Epoch, grip: NDArray[np.int32], landmarks: Landmarks) -
         "points": np.asarray(surface.points, np.float64),
         "triangles": np.asarray(surface.triangles, np.int32),
         "fixed": np.asarray(surface.fixed, np.uint8),
-        "bed": np.asarray(epoch.support, np.uint8),
+        "support": np.asarray(epoch.support, np.uint8),
         "grip": np.asarray(grip, np.int32),
         "landmarks": np.asarray(landmarks.points, np.float64).reshape(-1, 3),
         "landmark_triangles": np.asarray(landmarks.triangles, np.int32),
@@ -101,7 +101,7 @@ def epoch_payload(epoch: Epoch, grip: NDArray[np.int32], landmarks: Landmarks) -
 
 
 def solve_payload(frame: FrameConstraints) -> Payload:
-    """Compose what `solve` tells: the constraints of a frame.
+    """Make what `solve` tells: the constraints of a frame.
 
     Parameters
     ----------
@@ -142,7 +142,7 @@ def _material(material: MaterialParameters) -> dict[str, Any]:
 def _regions(regions: Regions) -> list[dict[str, Any]]:
     maps: list[dict[str, Any]] = []
     for material, top, bottom in zip(regions.material, regions.depth_from, regions.depth_to, strict=True):
-        maps.append({"material": int(material), "from_depth": float(top)})
+        maps.append({"material": int(material), "depth_from": float(top)})
         if np.isfinite(bottom):
-            maps[-1]["to_depth"] = float(bottom)
+            maps[-1]["depth_to"] = float(bottom)
     return maps

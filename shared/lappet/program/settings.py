@@ -50,14 +50,14 @@ def setting(default: Any, *, option: Option | None = None, in_key: bool = True) 
     default
         Its default.
     option
-        Its option on the command line, or None.
+        What it is on the command line, if anything.
     in_key
         Whether another value gives another equilibrium.
 
     Returns
     -------
     Any
-        A field of a dataclass.
+        The field.
     """
     return field(default=default, metadata={"option": option, "in_key": in_key})
 
@@ -190,7 +190,7 @@ def options() -> Iterator[tuple[Field[Any], Option]]:
     Yields
     ------
     tuple[Field[Any], Option]
-        Fields and their options.
+        The field and the option.
     """
     for item in fields(SolverSettings):
         option = item.metadata["option"]

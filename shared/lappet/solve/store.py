@@ -97,17 +97,19 @@ class FrameStore:
     def get(self, key: str, kind: type[Value]) -> Value | None:
         """Look up a value.
 
+        A damaged file is removed.
+
         Parameters
         ----------
         key
             Content key.
         kind
-            Class of the value.
+            Dataclass that it is of.
 
         Returns
         -------
         Value | None
-            The value, or None where it is absent, unreadable, damaged (a damaged file is removed) or of another class.
+            The value, or None where it is absent, of another class, unreadable or damaged; its arrays are read-only.
         """
         path = self.path(key)
         try:
@@ -240,14 +242,14 @@ def _checked(data: bytes) -> memoryview | None:
 
 
 def unpack_as(packed: Bytes, kind: type[Value]) -> Value | None:
-    """Read a value of a class.
+    """Read a value from its bytes.
 
     Parameters
     ----------
     packed
-        The bytes, as `lappet.core.value_codec.pack` wrote them.
+        The bytes.
     kind
-        The class.
+        Dataclass that it is of.
 
     Returns
     -------
