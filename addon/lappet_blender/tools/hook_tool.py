@@ -62,7 +62,7 @@ class _DragTool(SkinModal):
         return None
 
     def show_hold(self, context: bpy.types.Context, view: View, hit: SkinHit, preview: Preview) -> None:
-        """Shows what is taken hold of."""
+        """Show what is taken hold of."""
 
     def text(self, context: bpy.types.Context) -> str:
         if self.hit is None or self.pulled_to is None:

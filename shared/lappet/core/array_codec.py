@@ -1,6 +1,6 @@
-"""Values with arrays as bytes: a msgpack header, a map, and one raw frame per array, little-endian and C-ordered.
+"""Values with arrays as bytes: a msgpack header, a map, and one raw part per array, little-endian and C-ordered.
 
-The header's field `arrays` names each array with its dtype and shape, in the order of the frames. Messages to the
+The header's field `arrays` names each array with its dtype and shape, in the order of the parts. Messages to the
 daemon, the frame store and the worker's pipe all use this; they differ in their limits. Everything that is read is
 checked before it is used.
 """
@@ -151,7 +151,7 @@ def decode(
         And only that, whatever the bytes are.
     """
     if not frames:
-        raise CodecError("There is no header frame.")
+        raise CodecError("There is no header part.")
     header = _header(frames[0], limits, extension)
     described = header.pop("arrays", None)
     if not isinstance(described, list):
@@ -237,7 +237,7 @@ def split(block: Bytes) -> list[memoryview]:
 def _header(frame: Bytes, limits: Limits, extension: ExtensionHook | None) -> dict[str, Any]:
     size = memoryview(frame).nbytes
     if size > limits.header_bytes:
-        raise CodecError(f"The header frame has {size} bytes; at most {limits.header_bytes} are read.")
+        raise CodecError(f"The header part has {size} bytes; at most {limits.header_bytes} are read.")
     text, entries = min(limits.text_bytes, size), min(limits.entries, size)
     try:
         header = msgpack.unpackb(
@@ -256,9 +256,9 @@ def _header(frame: Bytes, limits: Limits, extension: ExtensionHook | None) -> di
     except CodecError:
         raise
     except Exception as error:  # msgpack raises a dozen kinds
-        raise CodecError(f"The header frame is not a msgpack map ({type(error).__name__}).") from error
+        raise CodecError(f"The header part is not a msgpack map ({type(error).__name__}).") from error
     if not isinstance(header, dict):
-        raise CodecError(f"The header frame is a {type(header).__name__}; it must be a map.")
+        raise CodecError(f"The header part is a {type(header).__name__}; it must be a map.")
     if extension is None:
         _check_plain(header, 0, limits.depth)
     return header

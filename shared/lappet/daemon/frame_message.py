@@ -1,4 +1,4 @@
-"""Reads the message `frame` (PROTOCOL.md): the one place where a solved frame comes off the wire."""
+"""Read the message `frame` (PROTOCOL.md): the one place where a solved frame comes off the wire."""
 
 from __future__ import annotations
 

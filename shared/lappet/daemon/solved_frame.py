@@ -300,7 +300,7 @@ class SolvedFrame:
 
     @property
     def reason(self) -> str:
-        """Why it did not converge, a sentence; empty when it did."""
+        """Why the frame did not converge, a sentence; empty when it did."""
         return self.diagnostics.reason
 
     @property

@@ -156,9 +156,11 @@ class SolverSettings:
     """
 
     spacing: float = setting(0.0, option=Option("Lattice edge in mm.", above=0, shown=False))
-    tolerance: float = setting(1e-3, option=Option("Residual over the scene's force scale.", above=0, below=1))
+    tolerance: float = setting(1e-3, option=Option("Largest residual, relative to the force scale.", above=0, below=1))
     quadrature: int = setting(1, option=Option("Points per cell.", choices=(1, 4, 8)))
-    precision: Literal["float", "double"] = setting("float", option=Option("Arithmetic.", choices=("float", "double")))
+    precision: Literal["float", "double"] = setting(
+        "float", option=Option("Precision of the arithmetic.", choices=("float", "double"))
+    )
     gap_tolerance: float = setting(1e-3)
     max_newton: int = setting(100)
     fine_ratio: int = setting(4)
@@ -171,7 +173,7 @@ class SolverSettings:
     region: Literal["auto", "whole"] = setting(
         "auto",
         option=Option(
-            "Solve every frame everywhere, also where its changes do not reach.", flags="--whole", value="whole"
+            "Solve all cells of a frame at once, not those near its changes first.", flags="--whole", value="whole"
         ),
     )
     origin: tuple[float, float, float] = setting((0.0, 0.0, 0.0))

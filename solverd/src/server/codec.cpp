@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <optional>
 
 #include "math/instruction_set.h"
@@ -118,11 +119,11 @@ MaterialParameters decode_material(FieldReader& reader) {
   material.mooney_ratio = reader.number("mooney_ratio", material.mooney_ratio);
   if (reader.has("fibre_direction")) {
     const std::array<double, 3> direction = reader.vector3("fibre_direction");
-    material.fibre_direction = Vec3(direction[0], direction[1], direction[2]);
+    material.fiber_direction = Vec3(direction[0], direction[1], direction[2]);
   }
-  material.fibre_k1 = reader.number("fibre_k1", material.fibre_k1);
-  material.fibre_k2 = reader.number("fibre_k2", material.fibre_k2);
-  material.fibre_dispersion = reader.number("fibre_dispersion", material.fibre_dispersion);
+  material.fiber_k1 = reader.number("fibre_k1", material.fiber_k1);
+  material.fiber_k2 = reader.number("fibre_k2", material.fiber_k2);
+  material.fiber_dispersion = reader.number("fibre_dispersion", material.fiber_dispersion);
   material.muscle_stress = reader.number("muscle_stress", material.muscle_stress);
   if (reader.has("prestretch")) {
     const std::vector<double> prestretch = reader.numbers("prestretch", 2);
@@ -162,18 +163,79 @@ void decode_regions(FieldReader& reader, ArrayReader& arrays, std::int32_t mater
   }
 }
 
+std::vector<HookState> decode_hooks(ArrayReader& arrays, const FrameLimits& limits) {
+  const std::vector<double> hook_anchors = arrays.read_finite("hook_anchors", {kAny, 3});
+  const std::size_t hooks = hook_anchors.size() / 3;
+  const auto hook_triangles = arrays.read<std::int32_t>("hook_triangles", {length(hooks)});
+  check_indices(hook_triangles, "hook_triangles", 0, limits.triangles, "triangles");
+  const std::vector<double> hook_targets = arrays.read_finite("hook_targets", {length(hooks), 3});
+  const std::vector<double> hook_stiffness = arrays.read_finite("hook_stiffness", {length(hooks)});
+  std::vector<std::int32_t> index(hooks);
+  std::iota(index.begin(), index.end(), 0);
+  if (arrays.has("hook_index")) index = arrays.read<std::int32_t>("hook_index", {length(hooks)});
+  check_distinct(index, "hook_index");
+  std::vector<HookState> result;
+  for (std::size_t i = 0; i < hooks; ++i)
+    result.push_back(
+        {{point_at(hook_anchors, i), hook_triangles[i]}, point_at(hook_targets, i), hook_stiffness[i], index[i]});
+  return result;
+}
+
+std::vector<SutureState> decode_sutures(ArrayReader& arrays, const FrameLimits& limits) {
+  const auto suture_index = arrays.read<std::int32_t>("suture_index", {kAny});
+  const std::size_t sutures = suture_index.size();
+  check_indices(suture_index, "suture_index", 0, limits.sutures, "sutures in the procedure");
+  check_distinct(suture_index, "suture_index");
+  const std::vector<double> suture_anchors = arrays.read_finite("suture_anchors", {length(sutures), 2, 3});
+  const auto suture_triangles = arrays.read<std::int32_t>("suture_triangles", {length(sutures), 2});
+  check_indices(suture_triangles, "suture_triangles", 0, limits.triangles, "triangles");
+  const std::vector<double> closure = arrays.read_finite("suture_closure", {length(sutures)});
+  const std::vector<double> suture_stiffness = arrays.read_finite("suture_stiffness", {length(sutures)});
+  std::vector<SutureState> result;
+  for (std::size_t i = 0; i < sutures; ++i) {
+    if (closure[i] < 0.0 || closure[i] > 1.0) {
+      invalid("The closure of suture " + std::to_string(suture_index[i]) + " is " + std::to_string(closure[i]) +
+              "; it must lie between 0 (as placed) and 1 (drawn together).");
+    }
+    result.push_back({suture_index[i],
+                      {point_at(suture_anchors, 2 * i), suture_triangles[2 * i]},
+                      {point_at(suture_anchors, 2 * i + 1), suture_triangles[2 * i + 1]},
+                      closure[i],
+                      suture_stiffness[i]});
+  }
+  return result;
+}
+
+std::vector<RetractorState> decode_retractors(ArrayReader& arrays, const FrameLimits& limits) {
+  const auto retractor_index = arrays.read<std::int32_t>("retractor_index", {kAny});
+  check_indices(retractor_index, "retractor_index", 0, limits.retractors, "retractors in the procedure");
+  check_distinct(retractor_index, "retractor_index");
+  const std::vector<double> motion = arrays.read_finite("retractor_motion", {length(retractor_index.size()), 4, 4});
+  std::vector<RetractorState> result;
+  for (std::size_t i = 0; i < retractor_index.size(); ++i) {
+    RetractorState retractor{retractor_index[i], Eigen::Matrix4d::Identity()};
+    for (int row = 0; row < 4; ++row) {
+      for (int column = 0; column < 4; ++column) {
+        retractor.motion(row, column) = motion[16 * i + static_cast<std::size_t>(4 * row + column)];
+      }
+    }
+    result.push_back(retractor);
+  }
+  return result;
+}
+
 }  // namespace
 
-Hello decode_hello(const Header& header, ArrayFrames frames) {
-  ArrayReader(header, frames).finish();
+Hello decode_hello(const Header& header, ArrayParts parts) {
+  ArrayReader(header, parts).finish();
   FieldReader reader(header.fields, header.type);
   Hello hello{reader.text("token"), reader.text("client")};
   reader.finish();
   return hello;
 }
 
-SessionSettings decode_open(const Header& header, ArrayFrames frames) {
-  ArrayReader arrays(header, frames);
+SessionSettings decode_open(const Header& header, ArrayParts parts) {
+  ArrayReader arrays(header, parts);
   FieldReader open(header.fields, header.type);
   SessionSettings settings;
   FieldReader reader(open.map("settings"), "settings");
@@ -194,9 +256,9 @@ SessionSettings decode_open(const Header& header, ArrayFrames frames) {
   return settings;
 }
 
-EpochInput decode_epoch(const Header& header, ArrayFrames frames, std::int32_t retractors, std::int32_t materials) {
+EpochInput decode_epoch(const Header& header, ArrayParts parts, std::int32_t retractors, std::int32_t materials) {
   FieldReader reader(header.fields, header.type);
-  ArrayReader arrays(header, frames);
+  ArrayReader arrays(header, parts);
   EpochInput epoch;
   epoch.index = integer_field(reader, "index", 0);
   epoch.surface = decode_surface(arrays, "points", "triangles", "surface points");
@@ -217,9 +279,9 @@ EpochInput decode_epoch(const Header& header, ArrayFrames frames, std::int32_t r
   return epoch;
 }
 
-SolverState decode_state(const Header& header, ArrayFrames frames, std::int32_t sutures, std::int32_t materials) {
+SolverState decode_state(const Header& header, ArrayParts parts, std::int32_t sutures, std::int32_t materials) {
   FieldReader reader(header.fields, header.type);
-  ArrayReader arrays(header, frames);
+  ArrayReader arrays(header, parts);
   SolverState state;
   const std::string precision = reader.text("precision");
   reader.finish();
@@ -244,69 +306,26 @@ SolverState decode_state(const Header& header, ArrayFrames frames, std::int32_t 
   return state;
 }
 
-FrameInput decode_solve(const Header& header, ArrayFrames frames, const FrameLimits& limits) {
+FrameInput decode_solve(const Header& header, ArrayParts parts, const FrameLimits& limits) {
   FieldReader reader(header.fields, header.type);
-  ArrayReader arrays(header, frames);
+  ArrayReader arrays(header, parts);
   FrameInput frame;
   frame.time = reader.number("time");
   reader.finish();
-
-  const std::vector<double> hook_anchors = arrays.read_finite("hook_anchors", {kAny, 3});
-  const std::size_t hooks = hook_anchors.size() / 3;
-  const auto hook_triangles = arrays.read<std::int32_t>("hook_triangles", {length(hooks)});
-  check_indices(hook_triangles, "hook_triangles", 0, limits.triangles, "triangles");
-  const std::vector<double> hook_targets = arrays.read_finite("hook_targets", {length(hooks), 3});
-  const std::vector<double> hook_stiffness = arrays.read_finite("hook_stiffness", {length(hooks)});
-  for (std::size_t i = 0; i < hooks; ++i) {
-    frame.hooks.push_back(
-        {{point_at(hook_anchors, i), hook_triangles[i]}, point_at(hook_targets, i), hook_stiffness[i]});
-  }
-
-  const auto suture_index = arrays.read<std::int32_t>("suture_index", {kAny});
-  const std::size_t sutures = suture_index.size();
-  check_indices(suture_index, "suture_index", 0, limits.sutures, "sutures in the procedure");
-  check_distinct(suture_index, "suture_index");
-  const std::vector<double> suture_anchors = arrays.read_finite("suture_anchors", {length(sutures), 2, 3});
-  const auto suture_triangles = arrays.read<std::int32_t>("suture_triangles", {length(sutures), 2});
-  check_indices(suture_triangles, "suture_triangles", 0, limits.triangles, "triangles");
-  const std::vector<double> closure = arrays.read_finite("suture_closure", {length(sutures)});
-  const std::vector<double> suture_stiffness = arrays.read_finite("suture_stiffness", {length(sutures)});
-  for (std::size_t i = 0; i < sutures; ++i) {
-    if (closure[i] < 0.0 || closure[i] > 1.0) {
-      invalid("The closure of suture " + std::to_string(suture_index[i]) + " is " + std::to_string(closure[i]) +
-              "; it must lie between 0 (as placed) and 1 (drawn together).");
-    }
-    frame.sutures.push_back({suture_index[i],
-                             {point_at(suture_anchors, 2 * i), suture_triangles[2 * i]},
-                             {point_at(suture_anchors, 2 * i + 1), suture_triangles[2 * i + 1]},
-                             closure[i],
-                             suture_stiffness[i]});
-  }
-
-  const auto retractor_index = arrays.read<std::int32_t>("retractor_index", {kAny});
-  check_indices(retractor_index, "retractor_index", 0, limits.retractors, "retractors in the procedure");
-  check_distinct(retractor_index, "retractor_index");
-  const std::vector<double> motion = arrays.read_finite("retractor_motion", {length(retractor_index.size()), 4, 4});
-  for (std::size_t i = 0; i < retractor_index.size(); ++i) {
-    RetractorState retractor{retractor_index[i], Eigen::Matrix4d::Identity()};
-    for (int row = 0; row < 4; ++row) {
-      for (int column = 0; column < 4; ++column) {
-        retractor.motion(row, column) = motion[16 * i + static_cast<std::size_t>(4 * row + column)];
-      }
-    }
-    frame.retractors.push_back(retractor);
-  }
+  frame.hooks = decode_hooks(arrays, limits);
+  frame.sutures = decode_sutures(arrays, limits);
+  frame.retractors = decode_retractors(arrays, limits);
   if (arrays.has("activation")) frame.activation = arrays.read_finite("activation", {limits.materials});
   arrays.finish();
   return frame;
 }
 
-void decode_bare(const Header& header, ArrayFrames frames) {
+void decode_bare(const Header& header, ArrayParts parts) {
   FieldReader(header.fields, header.type).finish();
-  ArrayReader(header, frames).finish();
+  ArrayReader(header, parts).finish();
 }
 
-std::vector<FrameBytes> encode_welcome(ReplyTo to, int threads, std::uint64_t max_message_bytes) {
+std::vector<PartBytes> encode_welcome(ReplyTo to, int threads, std::uint64_t max_message_bytes) {
   return reply("welcome", to)
       .field("version", std::string(kVersion))
       .field("threads", std::int64_t{threads})
@@ -316,11 +335,11 @@ std::vector<FrameBytes> encode_welcome(ReplyTo to, int threads, std::uint64_t ma
       .finish();
 }
 
-std::vector<FrameBytes> encode_opened(ReplyTo to) { return reply("opened", to).finish(); }
-std::vector<FrameBytes> encode_accepted(ReplyTo to) { return reply("accepted", to).finish(); }
-std::vector<FrameBytes> encode_pong(ReplyTo to) { return reply("pong", to).finish(); }
+std::vector<PartBytes> encode_opened(ReplyTo to) { return reply("opened", to).finish(); }
+std::vector<PartBytes> encode_accepted(ReplyTo to) { return reply("accepted", to).finish(); }
+std::vector<PartBytes> encode_pong(ReplyTo to) { return reply("pong", to).finish(); }
 
-std::vector<FrameBytes> encode_lattice(ReplyTo to, const EpochReport& report) {
+std::vector<PartBytes> encode_lattice(ReplyTo to, const EpochReport& report) {
   MessageWriter writer = reply("lattice", to);
   writer.field("fine_voxels", report.fine_voxels)
       .field("cells", std::int64_t{report.cells})
@@ -336,7 +355,7 @@ std::vector<FrameBytes> encode_lattice(ReplyTo to, const EpochReport& report) {
   return writer.finish();
 }
 
-std::vector<FrameBytes> encode_progress(ReplyTo to, const Progress& progress) {
+std::vector<PartBytes> encode_progress(ReplyTo to, const Progress& progress) {
   return reply("progress", to)
       .field("time", progress.time)
       .field("newton", std::int64_t{progress.newton_iteration})
@@ -345,7 +364,7 @@ std::vector<FrameBytes> encode_progress(ReplyTo to, const Progress& progress) {
       .finish();
 }
 
-std::vector<FrameBytes> encode_frame(ReplyTo to, const FrameOutput& frame) {
+std::vector<PartBytes> encode_frame(ReplyTo to, const FrameOutput& frame) {
   MessageWriter writer = reply("frame", to);
   writer.field("time", frame.time)
       .field("converged", frame.converged)
@@ -379,9 +398,11 @@ std::vector<FrameBytes> encode_frame(ReplyTo to, const FrameOutput& frame) {
   add_rows(writer, "stress", frame.stress, {});
   add_rows(writer, "tension", frame.tension, {});
   add_rows(writer, "landmarks", frame.landmarks, {3});
+  add_rows(writer, "suture_index", frame.suture_indices, {});
   add_rows(writer, "suture_gaps", frame.suture_gaps, {});
   add_rows(writer, "suture_forces", frame.suture_forces, {});
   add_rows(writer, "suture_points", frame.suture_points, {2, 3});
+  add_rows(writer, "hook_index", frame.hook_indices, {});
   add_rows(writer, "hook_forces", frame.hook_forces, {3});
   add_rows(writer, "hook_points", frame.hook_points, {3});
   add_rows(writer, "correction", frame.correction, {3});
@@ -398,7 +419,7 @@ std::vector<FrameBytes> encode_frame(ReplyTo to, const FrameOutput& frame) {
   return writer.finish();
 }
 
-std::vector<FrameBytes> encode_error(ReplyTo to, ErrorCode code, const std::string& sentence) {
+std::vector<PartBytes> encode_error(ReplyTo to, ErrorCode code, const std::string& sentence) {
   return reply("error", to)
       .field("code", std::string(error_name(code)))
       .field("message", sentence_of(sentence))
