@@ -3,7 +3,7 @@ SHELL := /bin/bash
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: help setup daemon demo extension test test-gui lint format docs bench clean
+.PHONY: help setup daemon demo extension test test-gui lint format docs site bench clean
 
 PYTHON := .venv/bin/python
 JOBS ?= $(shell nproc)
@@ -35,7 +35,7 @@ test:  ## run every test: the daemon's (ctest), then Python's (pytest)
 test-gui: setup  ## drive a real Blender window (makes a Debian sid with one first: root, 1.5 GB)
 	@$(PYTHON) tests/gui/run.py
 
-lint:  ## check style, types, import directions and the documents
+lint:  ## check style, types, import directions, docstrings and documents
 	@bash packaging/lint.sh
 
 format:  ## rewrite sources in the house style
@@ -45,6 +45,9 @@ format:  ## rewrite sources in the house style
 
 docs:  ## write docs/command_line.md from the program and check the links of every Markdown file
 	@$(PYTHON) packaging/documents.py --write
+
+site:  ## build the documents and the API reference as a site into build/site
+	@$(PYTHON) packaging/build_site.py
 
 bench:  ## measure kernels, scenes and sheets into build/bench (PARTS=kernels; FINE=1: up to a million cells)
 	@bash packaging/setup.sh --benchmarks

@@ -1,8 +1,8 @@
 """Check that imports run one way only: `check_imports.py [ROOT]`.
 
 Python: addon -> lappet -> its dependencies. `lappet` imports neither bpy nor the add-on, only `lappet/usd/stage.py`
-imports pxr, and only the add-on imports bpy. Inside `lappet` a folder imports only from the folders above it in
-`FOLDERS`, and no modules import each other in a circle, also not by a late import inside a function.
+imports pxr, and only the add-on imports bpy. Inside each of the two a folder imports only from the folders above it in
+`FOLDERS` and `ADDON_FOLDERS`; no modules import each other in a circle, also not by a late import inside a function.
 C++: server -> session -> solve -> force -> lattice -> math; SIMD intrinsics and xsimd appear in `solverd/src/math` and
 in kernel files (`*_kernel*`, `*_avx2.cpp`, ...) only; the daemon includes neither Python nor USD.
 Prints every breach with its line and exits with 1 if there is one.
@@ -40,6 +40,19 @@ FOLDERS = (
     "demo",
     "reports",
     "commands",
+)
+# The folders of `addon/lappet_blender`: the scene as data, what draws it, what solves it, what edits and shows it.
+ADDON_FOLDERS = (
+    "model",
+    "interface",
+    "look",
+    "figure",
+    "solving",
+    "tissue",
+    "events",
+    "display",
+    "tools",
+    "files",
 )
 INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]')
 INTRINSICS = re.compile(r"^(xsimd/|[a-z0-9]*mmintrin\.h$|immintrin\.h$|x86intrin\.h$|arm_neon\.h$|arm_sve\.h$)")
@@ -103,67 +116,87 @@ def is_type_checking(node: ast.AST) -> bool:
     return isinstance(node, ast.If) and isinstance(node.test, ast.Name) and node.test.id == "TYPE_CHECKING"
 
 
-def lappet_imports(root: Path) -> dict[str, dict[str, int]]:
-    """For each module of `shared/lappet` by dotted name: the modules of lappet that it imports, with the line.
+@dataclass(frozen=True)
+class Package:
+    """A Python package whose folders have an order. parent: the folder that holds it, from the repository's root."""
+
+    name: str
+    parent: Path
+    folders: tuple[str, ...]
+
+    def folder_of(self, module: str) -> str:
+        """The folder that a module lies in; empty for modules beside the folders (`lappet.__main__`)."""
+        parts = module.split(".")
+        return parts[1] if len(parts) > 1 and not parts[1].startswith("__") else ""
+
+
+PACKAGES = (Package("lappet", Path("shared"), FOLDERS), Package(ADDON, Path("addon"), ADDON_FOLDERS))
+
+
+def package_imports(root: Path, package: Package) -> dict[str, dict[str, int]]:
+    """For each module of a package by dotted name: the modules of the package that it imports, with the line.
 
     What is imported for type checkers alone is left out. `from lappet.procedure import Hook` is an import of the
-    package `lappet.procedure`, `from lappet.daemon import client` one of the module `lappet.daemon.client`.
+    package `lappet.procedure`, `from lappet.daemon import client` and `from . import client` are of the module.
     """
+    parent = root / package.parent
     files = {}
-    for file in sorted((root / "shared" / "lappet").rglob("*.py")):
-        parts = file.relative_to(root / "shared").with_suffix("").parts
+    for file in sorted((parent / package.name).rglob("*.py")):
+        parts = file.relative_to(parent).with_suffix("").parts
         files[".".join(parts[:-1] if parts[-1] == "__init__" else parts)] = file
     found: dict[str, dict[str, int]] = {}
     for module, file in files.items():
         edges = found.setdefault(module, {})
+        inner = module if file.name == "__init__.py" else module.rpartition(".")[0]
         pending: list[ast.AST] = [ast.parse(file.read_text(encoding="utf-8"), filename=str(file))]
         while pending:
             node = pending.pop()
-            if isinstance(node, ast.Import):
-                names = [alias.name for alias in node.names]
-            elif isinstance(node, ast.ImportFrom) and node.level == 0 and node.module:
-                names = [f"{node.module}.{alias.name}" for alias in node.names]
-            else:
-                names = []
-            for name in names:
+            for name in imported_names(node, inner):
                 target = name if name in files else name.rpartition(".")[0]
                 if target in files and target != module:
-                    edges.setdefault(target, node.lineno)
+                    edges.setdefault(target, node.lineno)  # type: ignore[attr-defined]
             pending += [each for each in ast.iter_child_nodes(node) if not is_type_checking(each)]
     return found
 
 
-def folder_of(module: str) -> str:
-    """The folder of `shared/lappet` that a module lies in; empty for `lappet` and `lappet.__main__`."""
-    parts = module.split(".")
-    return parts[1] if len(parts) > 1 and not parts[1].startswith("__") else ""
+def imported_names(node: ast.AST, package: str) -> list[str]:
+    """The absolute dotted names that a statement in a module of `package` imports."""
+    if isinstance(node, ast.Import):
+        return [alias.name for alias in node.names]
+    if not isinstance(node, ast.ImportFrom):
+        return []
+    above = package.split(".")
+    base = ".".join([*above[: len(above) - node.level + 1], *filter(None, [node.module])] if node.level else [])
+    return [f"{base or node.module}.{alias.name}" for alias in node.names]
 
 
-def folder_breaches(root: Path) -> Iterator[Breach]:
-    """Imports inside `shared/lappet` that run against `FOLDERS`, and modules that import each other."""
-    imports = lappet_imports(root)
+def folder_breaches(root: Path, package: Package) -> Iterator[Breach]:
+    """Imports inside a package that run against the order of its folders, and modules that import each other."""
+    imports, folders = package_imports(root, package), package.folders
 
     def breach(module: str, target: str, sentence: str) -> Breach:
-        file = root / "shared" / Path(*module.split("."))
+        file = root / package.parent / Path(*module.split("."))
         path = file / "__init__.py" if file.is_dir() else file.with_suffix(".py")
         return Breach(path.relative_to(root), imports[module][target], sentence)
 
     for module, targets in imports.items():
-        here = folder_of(module)
+        here = package.folder_of(module)
         for target in targets:
-            there = folder_of(target)
-            if here and here not in FOLDERS:
-                yield breach(module, target, f"{here}/ is none of the folders {', '.join(FOLDERS)}.")
-            elif here and there not in FOLDERS:
-                yield breach(module, target, f"{target} lies in none of the folders {', '.join(FOLDERS)}.")
-            elif here and FOLDERS.index(there) > FOLDERS.index(here):
+            there = package.folder_of(target)
+            if here and here not in folders:
+                yield breach(module, target, f"{here}/ is none of the folders {', '.join(folders)}.")
+            elif here and there not in folders:
+                yield breach(module, target, f"{target} lies in none of the folders {', '.join(folders)}.")
+            elif here and folders.index(there) > folders.index(here):
                 yield breach(module, target, f"{here}/ imports {target}, but {there}/ comes after it.")
     yield from (breach(*circle) for circle in circles(imports))
 
 
 def circles(imports: dict[str, dict[str, int]]) -> Iterator[tuple[str, str, str]]:
-    """One (module, target, sentence) for each import that closes a circle; a package and its own modules are one circle
-    only where a module imports the package by name."""
+    """One (module, target, sentence) for each import that closes a circle.
+
+    A package and its own modules are one circle only where a module imports the package by name.
+    """
     done: set[str] = set()
     for start in imports:
         path: list[str] = []
@@ -209,7 +242,8 @@ def include_breaches(root: Path) -> Iterator[Breach]:
 
 def breaches(root: Path) -> list[Breach]:
     """Every breach under the repository root `root`."""
-    return [*python_breaches(root), *folder_breaches(root), *include_breaches(root)]
+    inside = [breach for package in PACKAGES for breach in folder_breaches(root, package)]
+    return [*python_breaches(root), *inside, *include_breaches(root)]
 
 
 def main(arguments: list[str]) -> int:

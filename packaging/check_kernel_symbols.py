@@ -25,6 +25,7 @@ OFFERED = re.compile(r"^[0-9a-f]* *([TWi]) (.+)$")
 
 
 def instruction_set(unit: str) -> str | None:
+    """The instruction set that an object file's name says it is compiled for; None for scalar code."""
     match = re.search(r"_(sse42|avx2|avx512)\.cpp\.(?:o|obj)$", unit)
     return match.group(1) if match else None
 
@@ -44,6 +45,7 @@ def shared_symbols(listing: str, name: str) -> list[str]:
 
 
 def main(objects: list[str]) -> int:
+    """Print every breach; 1 if there is one."""
     bad = checked = 0
     for unit in objects:
         name = instruction_set(Path(unit).name)

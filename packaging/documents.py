@@ -1,8 +1,8 @@
 """Keep the documents true: `documents.py --write` or `documents.py --check`.
 
-`docs/command_line.md` is written from the command line itself. Every relative link and picture of every Markdown file
-of the repository must lead to a file, and every anchor to a heading. `--check` changes nothing and exits with 1 where
-the page is out of date or a link leads nowhere.
+`--write` writes `docs/command_line.md` from the command line and `docs/problems.md` from the catalogue of problems. Both
+check that every relative link and picture of every Markdown file of the repository leads to a file, and every anchor to
+a heading. `--check` changes nothing. The exit status is 1 if a page is out of date or a link leads nowhere.
 """
 
 from __future__ import annotations
@@ -16,6 +16,8 @@ from urllib.parse import unquote
 
 import click
 
+import problem_page
+
 ROOT = Path(__file__).resolve().parent.parent
 PAGE = "docs/command_line.md"
 SKIPPED = {"build", "dist", "node_modules"}
@@ -24,7 +26,7 @@ FENCE = re.compile(r"^(```|~~~).*?^\1\s*$", re.MULTILINE | re.DOTALL)
 HEADING = re.compile(r"^#{1,6}\s+(.+?)\s*#*\s*$", re.MULTILINE)
 INTRODUCTION = """# The command line
 
-Written by `make docs` from the program itself; `lappet COMMAND --help` prints the same.
+`make docs` writes this page from the program; `lappet COMMAND --help` prints the same text.
 """
 
 
@@ -88,14 +90,15 @@ def main(arguments: list[str]) -> int:
         return 2
     from lappet.commands.cli import cli
 
-    page, text = ROOT / PAGE, command_line_page(cli)
     problems = []
-    if arguments == ["--write"]:
-        page.parent.mkdir(exist_ok=True)
-        page.write_text(text, encoding="utf-8")
-        print(f"wrote {PAGE}")
-    elif not page.is_file() or page.read_text(encoding="utf-8") != text:
-        problems.append(f"{PAGE} does not say what the command line says; run `make docs`.")
+    for name, text in ((PAGE, command_line_page(cli)), (problem_page.PAGE, problem_page.problem_page())):
+        page = ROOT / name
+        if arguments == ["--write"]:
+            page.parent.mkdir(exist_ok=True)
+            page.write_text(text, encoding="utf-8")
+            print(f"wrote {name}")
+        elif not page.is_file() or page.read_text(encoding="utf-8") != text:
+            problems.append(f"{name} does not say what the program says; run `make docs`.")
     problems += broken_links(ROOT)
     for problem in problems:
         print(problem)

@@ -1,4 +1,4 @@
-"""Makes the zip that Blender installs: `extension.py [--platform P] [--lappet-wheel FILE] [--output DIR]`.
+"""Make the zip that Blender installs: `extension.py [--platform P] [--lappet-wheel FILE] [--output DIR]`.
 
 The add-on's sources, its manifest with the list of wheels filled in, and the wheels: Lappet with its daemon, and what
 it imports. Blender's own tool builds and checks it. Without `--lappet-wheel` the daemon is compiled here, for Linux.
@@ -92,7 +92,7 @@ def with_wheels(manifest: str, wheels: list[str], platform: str) -> str:
 
 
 def assemble(platform: str, lappet: Path, output: Path, *, others: list[Path], addon: Path = ADDON) -> Path:
-    """Makes, builds and validates the zip of a platform, and returns its path in the folder `output`.
+    """Make, build and validate the zip of a platform, and return its path in the folder `output`.
 
     platform: Blender's name, a key of PLATFORMS. lappet: the wheel of Lappet for it. others: the wheels of other
     projects. addon: the add-on's folder. Raises ValueError for a wheel of another platform, CalledProcessError, after

@@ -1,4 +1,4 @@
-"""Builds Lappet's wheel and gives it the libraries that its daemon links, so that it runs without Debian packages.
+"""Build Lappet's wheel and give it the libraries that its daemon links, so that it runs without Debian packages.
 
 `built` compiles; `portable` copies every library but those of the C and C++ run time into the wheel with auditwheel,
 which also finds the honest manylinux tag, and adds their licences. Both keep what they made under `build/extension`
@@ -113,7 +113,7 @@ def this_platform() -> str:
 
 
 def _take_libzmq(pyzmq: Path, into: Path) -> None:
-    """Puts pyzmq's libzmq and libsodium into a folder, where the loader finds libzmq under its usual name."""
+    """Put pyzmq's libzmq and libsodium into a folder, where the loader finds libzmq under its usual name."""
     into.mkdir()
     with zipfile.ZipFile(pyzmq) as archive:
         for name in archive.namelist():
@@ -124,7 +124,7 @@ def _take_libzmq(pyzmq: Path, into: Path) -> None:
 
 
 def _add_licenses(folder: Path, pyzmq: Path) -> None:
-    """Writes the licence of every library that was copied in: Debian's copyright file, or what pyzmq ships."""
+    """Write the licence of every library that was copied in: Debian's copyright file, or what pyzmq ships."""
     licenses = metadata_folder(folder) / "licenses" / "libraries"
     licenses.mkdir(parents=True)
     (bill,) = metadata_folder(folder).glob("sboms/*.json")
@@ -151,7 +151,7 @@ def _sources(root: Path) -> Iterator[Path]:
 
 
 def _mirror(root: Path, sources: list[Path], copy: Path) -> None:
-    """Makes `copy` hold just these files, with their times; what is built in its folder `build` stays."""
+    """Make `copy` hold just these files, with their times; what is built in its folder `build` stays."""
     wanted = {path.relative_to(root) for path in sources}
     for path in sorted(copy.rglob("*")) if copy.exists() else ():
         relative = path.relative_to(copy)
@@ -175,7 +175,7 @@ def _digest(base_and_files: list[Path]) -> str:
 
 
 def _keep(made: Path, kept: Path) -> Path:
-    """Moves the one wheel of the folder `made` into `kept`, whole or not at all."""
+    """Move the one wheel of the folder `made` into `kept`, whole or not at all."""
     (wheel,) = made.glob("*.whl")
     kept.mkdir(parents=True, exist_ok=True)
     made_lately = sorted(kept.parent.iterdir(), key=lambda folder: folder.stat().st_mtime, reverse=True)

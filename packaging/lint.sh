@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Every check that needs no run of the program: style, types, import directions, documents. Runs them all, then fails
+# Every check that needs no run of the program: style, types, import directions, docstrings, documents. Runs them all, then fails
 # if one of them failed. After packaging/setup.sh.
 set -uo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
@@ -21,6 +21,7 @@ check "ruff format" "$python" -m ruff format --quiet --check .
 check "mypy" "$python" -m mypy
 check "clang-format" clang_format
 check "import directions" "$python" packaging/check_imports.py
+check "docstrings" "$python" packaging/check_docstrings.py
 check "documents" "$python" packaging/documents.py --check
 
 if [ "${#failed[@]}" -gt 0 ]; then

@@ -15,9 +15,9 @@ ROOT = Path(__file__).resolve().parent.parent
 CACHE = ROOT / "build" / "extension"
 CONSTRAINTS = ROOT / "packaging" / "constraints.txt"
 
-# What `lappet` imports when the add-on drives it, and what these import in turn. numpy is Blender's own; a wheel of
-# usd-core would stand before Blender's pxr for every add-on.
-BUNDLED = ("manifold3d", "msgpack", "networkx", "platformdirs", "pyzmq", "trimesh")
+# What `lappet` imports when the add-on drives it. numpy is Blender's own; a wheel of usd-core would stand before
+# Blender's pxr for every add-on. trimesh reads mesh files for the command line; Blender reads them itself.
+BUNDLED = ("manifold3d", "msgpack", "platformdirs", "pyzmq")
 # Blender 4.5 to 5.1, Blender 5.2, and the Python that Debian builds its Blender 5.2 with.
 PYTHONS = ("3.11", "3.13", "3.14")
 # Blender's name of a platform -> what pip calls those whose wheels run there.

@@ -13,7 +13,7 @@ root="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)"
 cd "$root"
 venv="$root/.venv"
 build="$root/build"
-extras=(render report examples test dev)
+extras=(render report examples test docs dev)
 
 say() { printf 'setup: %s\n' "$*"; }
 refuse() {

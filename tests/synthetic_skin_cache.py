@@ -1,6 +1,6 @@
 """A small skin cache made without the solver: a flat patch, slit, pulled open by hooks and sutured.
 
-The layout is that of ARCHITECTURE.md ("The skin cache"). The deformation is a formula, so that a test knows where the
+The layout is that of docs/skin_cache.md. The deformation is a formula, so that a test knows where the
 wound is and how far it gapes; frames are 1 to 12: whole (1-2), incised and lifted (3-7), sutured (8-12).
 """
 

@@ -4,15 +4,19 @@ from __future__ import annotations
 
 import ast
 import re
+import tomllib
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
+from blender_operators import operators
+
 ROOT = Path(__file__).resolve().parents[2]
 DOCS = ROOT / "docs"
 ADDON = ROOT / "addon" / "lappet_blender"
 PYTHON = (ADDON, ROOT / "shared" / "lappet")
+CATALOGUE = ROOT / "shared" / "lappet" / "core" / "texts"
 CPP = ROOT / "solverd" / "src"
 LEAST = 9  # letters of a piece of a message that tell anything
 
@@ -32,6 +36,9 @@ def said() -> str:
     words = [
         text for folder in PYTHON for file in folder.rglob("*.py") for text in python_words(ast.parse(file.read_text()))
     ]
+    for file in CATALOGUE.glob("*.toml"):
+        for entry in tomllib.loads(file.read_text(encoding="utf-8")).values():
+            words += [re.sub(r"\{[^{}]*\}", "…", entry.get(name, "")) for name in ("message", "remedy")]
     for file in CPP.rglob("*.cpp"):
         whole = re.sub(r'"\s*\n\s*"', "", file.read_text(encoding="utf-8"))
         words += [re.sub(r"\{[^{}]*\}", "…", text) for text in re.findall(r'"((?:[^"\\]|\\.)*)"', whole)]
@@ -63,33 +70,6 @@ def test_every_message_on_the_troubleshooting_page_is_one_that_the_program_says(
     assert not unknown, "\n".join(unknown)
 
 
-def operators() -> dict[str, set[str]]:
-    """The operators of the extension and their properties, of their classes and of those they are made from."""
-    classes: dict[str, ast.ClassDef] = {}
-    for file in ADDON.rglob("*.py"):
-        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
-            if isinstance(node, ast.ClassDef):
-                classes[f"{file.stem}.{node.name}"] = node
-
-    def properties(stem: str, node: ast.ClassDef) -> set[str]:
-        own = {n.target.id for n in node.body if isinstance(n, ast.AnnAssign) and isinstance(n.target, ast.Name)}
-        above = [f"{stem}.{base.id}" for base in node.bases if isinstance(base, ast.Name)]
-        if any(isinstance(base, ast.Name) and base.id in ("ExportHelper", "ImportHelper") for base in node.bases):
-            own.add("filepath")
-        return own.union(*(properties(stem, classes[name]) for name in above if name in classes))
-
-    found: dict[str, set[str]] = {}
-    for name, node in classes.items():
-        if not any(ast.unparse(base) == "bpy.types.Operator" for base in node.bases):
-            continue
-        for statement in node.body:
-            if isinstance(statement, ast.Assign) and ast.unparse(statement.targets[0]) == "bl_idname":
-                value = ast.literal_eval(statement.value)
-                if value.startswith("lappet."):
-                    found[value.removeprefix("lappet.")] = properties(name.partition(".")[0], node)
-    return found
-
-
 def test_every_operator_and_argument_on_the_scripting_page_is_there() -> None:
     known = operators()
     text = (DOCS / "blender_scripting.md").read_text(encoding="utf-8").partition("## Operators")[2]
@@ -110,12 +90,3 @@ def test_every_act_that_scripts_can_do_is_on_the_scripting_page() -> None:
     by_hand |= {name for name in operators() if name.startswith(("draw_", "place_", "click_", "edit_"))}
     missing = {name for name in operators() if f"`{name}`" not in text} - by_hand
     assert not missing
-
-
-def test_the_first_script_of_the_page_is_python() -> None:
-    (script,) = re.findall(
-        r"```python\n(.*?)```", (DOCS / "blender_scripting.md").read_text(encoding="utf-8"), re.DOTALL
-    )
-    calls = re.findall(r"\blappet\.([a-z_]+)\(", script)
-    ast.parse(script)
-    assert set(calls) <= set(operators())

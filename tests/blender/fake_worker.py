@@ -144,7 +144,7 @@ class FakeWorker:
                 continue
             yield IterationDone(job, frame.time, 1, 1e-2, 0.0)
             if frame.time in self.script.failing:
-                yield FrameFailed(job, frame.time, problem(ProblemCode.UNSORTED, said=self.script.failing[frame.time]))
+                yield FrameFailed(job, frame.time, problem(ProblemCode.UNSORTED, "", self.script.failing[frame.time]))
                 return
             shown = solved(plan, index, len(procedure.events))
             self.store.put(frame.key, StoredFrame(shown.header, {"points": shown.points, **shown.arrays}))

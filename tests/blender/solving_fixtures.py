@@ -10,7 +10,7 @@ import pytest
 
 import fake_worker
 from fake_worker import Script
-from lappet_blender.solving import controller, reconcile, workers
+from lappet_blender.solving import controller, reconcile, speed_estimate, workers
 from patch_scene import make_patch_scene
 
 
@@ -18,9 +18,9 @@ from patch_scene import make_patch_scene
 def own_store(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Iterator[Path]:
     """A store and memories of the test's own; no worker outlives it."""
     monkeypatch.setenv("LAPPET_STORE", str(tmp_path / "store"))
-    monkeypatch.setattr(controller, "_pace", None)
+    monkeypatch.setattr(speed_estimate, "_speed_estimate", None)
     controller.forget_all()
-    controller.shelf.clear()
+    controller.frame_cache.clear()
     controller.plans.clear()
     yield tmp_path / "store"
     controller.forget_all()

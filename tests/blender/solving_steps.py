@@ -6,7 +6,7 @@ import bpy
 
 from lappet_blender.solving import frames
 
-QUIET = 10.0  # seconds that a pump may take until nothing is under way
+QUIET = 10.0  # seconds that the timer may take until nothing is under way
 
 
 def states(scene: bpy.types.Scene) -> str:

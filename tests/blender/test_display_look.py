@@ -10,8 +10,8 @@ import pytest
 from numpy.typing import NDArray
 
 from lappet_blender.display import skin_display
-from lappet_blender.display.board import ROLE, find_board, find_object
 from lappet_blender.display.color_scale import highest_of
+from lappet_blender.display.display_collection import ROLE, find_collection, find_object
 from lappet_blender.look.quantity_scale import ramp_linear
 from lappet_blender.look.skin_material import FULL_SCALE
 from slit_plan import Solved, add_tissue, slit, slit_plan, solved
@@ -33,8 +33,8 @@ def shown(scene: bpy.types.Scene, solved: Solved) -> bpy.types.Scene:
 
 def part(scene: bpy.types.Scene, role: str) -> bpy.types.Object | None:
     """The object of a role, where it is to be seen."""
-    board = find_board(scene)
-    found = None if board is None else find_object(board, role)
+    collection = find_collection(scene)
+    found = None if collection is None else find_object(collection, role)
     return None if found is None or found.hide_render or found.hide_viewport else found
 
 
@@ -178,7 +178,7 @@ def test_the_legend_names_the_quantity_its_unit_and_the_values_of_its_ticks(
     assert part(shown, "legend") is None
     shown.lappet.look.color = "TENSION"
     highest = highest_of([solved.plans[shown.name][0]], "tension")
-    words = [o.data.body for o in find_board(shown).objects if str(o.get(ROLE)).startswith("legend text")]
+    words = [o.data.body for o in find_collection(shown).objects if str(o.get(ROLE)).startswith("legend text")]
     assert sorted(words) == sorted(
         ["Tension, kPa", "0", *(f"{highest * k / 4:g}" for k in (1, 2, 3)), f"≥\u2009{highest:g}"]
     )
@@ -262,7 +262,7 @@ def test_a_variant_is_a_scene_with_the_first_one_beside_it(shown: bpy.types.Scen
     bpy.ops.lappet.variant_new(name="Shorter")
     made = bpy.data.scenes["Shorter"]
     assert made.lappet.compare_with == shown
-    assert not any(find_board(shown) == child for child in made.collection.children)
+    assert not any(find_collection(shown) == child for child in made.collection.children)
     solved.plans["Shorter"] = slit_plan(STEP, "shorter")
     skin_display.refresh(made)
     assert part(made, "skin") is not None

@@ -11,7 +11,7 @@ import pytest
 from numpy.typing import NDArray
 
 from lappet_blender.display import skin_display
-from lappet_blender.display.board import find_board
+from lappet_blender.display.display_collection import find_collection
 from lappet_blender.display.epoch_mesh import KEY, build_epoch_mesh
 from slit_plan import Solved, add_tissue, epoch_shape, slit, slit_plan, solved
 
@@ -151,10 +151,10 @@ def test_what_is_deleted_renamed_parented_or_moved_is_right_again_at_the_next_fr
         bpy.data.objects.remove(skin(shown))
 
     def delete_collection() -> None:
-        bpy.data.collections.remove(find_board(shown))
+        bpy.data.collections.remove(find_collection(shown))
 
     def rename() -> None:
-        skin(shown).name = find_board(shown).name = "mine"
+        skin(shown).name = find_collection(shown).name = "mine"
         skin(shown).data.name = "theirs"
 
     def parent() -> None:
@@ -193,7 +193,7 @@ def test_the_skin_is_shown_after_the_file_is_saved_and_opened(
     scene = bpy.context.scene
     frames = solved.plans[scene.name][1]
     np.testing.assert_allclose(positions(scene, skin(scene)), frames[6].points * UNITS, atol=1e-6)
-    assert sum("lappet_role" in o for o in bpy.data.objects) == len(find_board(scene).objects)
+    assert sum("lappet_role" in o for o in bpy.data.objects) == len(find_collection(scene).objects)
     for frame in (1, 11):
         scene.frame_set(frame)
         np.testing.assert_allclose(positions(scene, skin(scene)), frames[frame].points * UNITS, atol=1e-6)
@@ -221,7 +221,7 @@ def test_two_scenes_of_one_procedure_show_a_frame_each(shown: bpy.types.Scene, s
     assert skin(shown) != skin(other)
     assert skin(shown).data != skin(other).data
     assert other.lappet.skin == skin(other)
-    assert find_board(shown) not in list(other.collection.children)
+    assert find_collection(shown) not in list(other.collection.children)
     for scene, frame in ((shown, 5), (other, 8)):
         flat = np.empty(3 * len(skin(scene).data.vertices), np.float32)
         skin(scene).data.vertices.foreach_get("co", flat)

@@ -13,7 +13,7 @@ import pytest
 
 from event_patch import co, patch_scene
 from lappet.procedure import Hook, Incision, Suture
-from lappet_blender.display.board import ROLE
+from lappet_blender.display.display_collection import ROLE
 from lappet_blender.model.event_list import find_event
 from lappet_blender.model.event_values import event_value
 

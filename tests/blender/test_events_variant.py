@@ -14,7 +14,7 @@ from lappet_blender.model.event_list import find_event
 from lappet_blender.model.event_values import event_value
 from lappet_blender.model.scene_procedure import read_scene
 from lappet_blender.solving.controller import controller_of
-from lappet_blender.solving.pump import pump
+from lappet_blender.solving.solve_timer import run_timer
 
 TOP = 4.0
 ops = bpy.ops.lappet
@@ -92,7 +92,7 @@ def test_reading_a_scene_again_and_again_samples_a_riding_target_once_until_some
         sampled.clear()
         for _ in range(times):
             bpy.context.view_layer.update()
-            pump()
+            run_timer()
             read_scene(pulled)
         return len(sampled)
 

@@ -145,9 +145,9 @@ def test_a_cache_brings_its_frames_along(slit: bpy.types.Scene, tmp_path: Path) 
 
     bpy.ops.wm.read_factory_settings(use_empty=True)
     bpy.context.scene.unit_settings.scale_length = 0.001
-    from lappet_blender.solving.controller import shelf
+    from lappet_blender.solving.controller import frame_cache
 
-    shelf.clear()
+    frame_cache.clear()
     store = FrameStore()
     for frame in plan.frames:
         store.path(frame.key).unlink()

@@ -20,9 +20,9 @@ from lappet.solve.solve_frames import SolveObserver, solve_program
 from lappet.solve.store import FrameStore
 from lappet_blender.model.event_list import add_event, find_event
 from lappet_blender.model.scene_procedure import read_scene
-from lappet_blender.solving import controller, frames
-from lappet_blender.solving.pump import pump
+from lappet_blender.solving import controller, frames, speed_estimate
 from lappet_blender.solving.solve_settings import solve_settings
+from lappet_blender.solving.solve_timer import run_timer
 from patch_scene import make_patch_scene
 from solving_steps import solve, states
 
@@ -50,12 +50,12 @@ def pump_until(condition, what: str) -> None:  # type: ignore[no-untyped-def]
     end = time.monotonic() + PATIENCE
     while not condition():
         assert time.monotonic() < end, f"still waiting until {what}"
-        pump()
+        run_timer()
         time.sleep(0.01)
 
 
 def quiet() -> None:
-    assert not pump(PATIENCE), "something is still under way"
+    assert not run_timer(PATIENCE), "something is still under way"
 
 
 def test_the_button_gives_the_frames_of_the_command_line_bit_for_bit(patch: bpy.types.Scene, tmp_path: Path) -> None:
@@ -97,7 +97,7 @@ def test_the_hook_lifts_the_skin_and_a_changed_hook_is_solved_from_its_start_on(
     assert states(patch) == "ssssssss"
     assert height(7) > low + 0.1
     assert frames.progress_of(patch).line == "8 of 8 frames solved"
-    assert controller.pace().seconds(1000.0) > 0.0
+    assert speed_estimate.speed_estimate().seconds(1000.0) > 0.0
 
 
 def test_undo_brings_solved_frames_back_at_once(patch: bpy.types.Scene) -> None:
@@ -121,7 +121,7 @@ def test_a_saved_file_opens_with_its_frames_and_starts_no_worker(patch: bpy.type
     points = frames.shown_at(patch, 8).frame.points
     bpy.ops.wm.save_as_mainfile(filepath=str(blend))
     controller.forget_all()
-    controller.shelf.clear()
+    controller.frame_cache.clear()
     controller.plans.clear()
     bpy.ops.wm.open_mainfile(filepath=str(blend))
     scene = bpy.context.scene

@@ -11,7 +11,7 @@ from fake_worker import Script
 from lappet_blender.model.event_list import add_event, find_event
 from lappet_blender.model.procedure_properties import VERSION
 from lappet_blender.solving import controller, frames, solve_settings, workers
-from lappet_blender.solving.pump import pump
+from lappet_blender.solving.solve_timer import run_timer
 from solving_steps import QUIET, solve, states
 
 pytest_plugins = ("solving_fixtures",)
@@ -19,7 +19,7 @@ pytest_plugins = ("solving_fixtures",)
 
 def forget_memory() -> None:
     """As a Blender that has just been started."""
-    controller.shelf.clear()
+    controller.frame_cache.clear()
     controller.plans.clear()
 
 
@@ -38,7 +38,7 @@ def test_a_saved_file_shows_its_frames_when_it_is_opened_without_a_worker(
     shown = frames.shown_at(scene, 8)
     assert not shown.stale
     assert shown.frame.points[0, 2] == height
-    pump(QUIET)
+    run_timer(QUIET)
     assert script.asked == asked
 
 
@@ -48,7 +48,7 @@ def test_a_file_that_was_saved_with_stale_frames_shows_them_as_stale(
     solve(patch)
     find_event(patch, "hook_1").stiffness = 30.0
     script.held = True
-    pump(0.5)
+    run_timer(0.5)
     bpy.ops.wm.save_as_mainfile(filepath=str(blend))
     bpy.ops.wm.read_homefile(use_empty=True)
     forget_memory()
@@ -56,7 +56,7 @@ def test_a_file_that_was_saved_with_stale_frames_shows_them_as_stale(
     bpy.ops.wm.open_mainfile(filepath=str(blend))
     scene = bpy.context.scene
     assert frames.shown_at(scene, 8).stale
-    pump(QUIET)
+    run_timer(QUIET)
     assert states(scene) == "sssttttt"
 
 
@@ -65,13 +65,13 @@ def test_loading_another_file_cancels_the_jobs_of_this_one_and_its_worker_serves
 ) -> None:
     bpy.ops.wm.save_as_mainfile(filepath=str(blend))
     bpy.ops.lappet.solve()
-    pump()
+    run_timer()
     (worker,) = script.workers
     bpy.ops.wm.read_homefile(use_empty=True)
     assert worker.cancelled
-    pump(0.3)
+    run_timer(0.3)
     bpy.ops.wm.open_mainfile(filepath=str(blend))
-    pump(QUIET)
+    run_timer(QUIET)
     assert states(bpy.context.scene).count("s") <= 2
     solve(bpy.context.scene)
     assert script.workers == [worker]
@@ -108,10 +108,10 @@ def test_frames_can_be_kept_beside_the_file_and_those_solved_before_go_with_it(
 ) -> None:
     solve(patch)
     patch.lappet.solving.beside_file = True
-    pump(QUIET)
+    run_timer(QUIET)
     assert solve_settings.frame_folder(patch) == own_store, "a file that was never saved has no folder"
     bpy.ops.wm.save_as_mainfile(filepath=str(blend))
-    pump(QUIET)
+    run_timer(QUIET)
     beside = blend.parent / "lappet_frames"
     assert solve_settings.frame_folder(patch) == beside
     assert states(patch) == "ssssssss"
@@ -134,34 +134,34 @@ def test_a_folder_that_cannot_be_made_is_a_sentence_and_the_frames_stay_where_th
     (blend.parent / "lappet_frames").write_text("a file is in the way")
     patch.lappet.solving.beside_file = True
     bpy.ops.wm.save_as_mainfile(filepath=str(blend))
-    pump(QUIET)
+    run_timer(QUIET)
     (note,) = frames.notes_of(patch)
     assert note.startswith("Solved frames cannot be kept in ")
     assert states(patch) == "ssssssss", "they are still in memory"
     forget_memory()
     bpy.ops.lappet.reload_frames()
-    pump(QUIET)
+    run_timer(QUIET)
     patch.lappet.solving.beside_file = False
-    pump(QUIET)
+    run_timer(QUIET)
     assert states(patch) == "ssssssss"
 
 
 def test_unregistering_closes_the_workers_and_registering_again_goes_on(patch: bpy.types.Scene, script: Script) -> None:
     bpy.ops.lappet.solve()
-    pump()
+    run_timer()
     (worker,) = script.workers
     lappet_blender.unregister()
     assert worker.closed
     assert not hasattr(bpy.types.Scene, "lappet")
     lappet_blender.register()
-    pump(QUIET)
+    run_timer(QUIET)
     solve(patch)
     assert script.workers[-1] is not worker
 
 
 def test_the_folders_for_the_workers_path_hold_what_it_imports() -> None:
     folders = [Path(folder) for folder in workers.import_folders()]
-    for name in ("lappet", "numpy", "zmq", "msgpack", "trimesh"):
+    for name in ("lappet", "numpy", "zmq", "msgpack", "platformdirs"):
         assert any((folder / name).is_dir() for folder in folders), name
     assert any(list(folder.glob("manifold3d*")) for folder in folders)
     assert len(set(folders)) == len(folders)

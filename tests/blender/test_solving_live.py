@@ -10,7 +10,7 @@ from fake_worker import Script
 from lappet_blender.model.event_list import add_event, find_event
 from lappet_blender.model.keyframes import curves_of
 from lappet_blender.solving import controller, frames
-from lappet_blender.solving.pump import pump
+from lappet_blender.solving.solve_timer import run_timer
 from solving_steps import QUIET, states
 
 pytest_plugins = ("solving_fixtures",)
@@ -34,13 +34,13 @@ def live(patch: bpy.types.Scene, script: Script) -> bpy.types.Scene:
 
 def test_the_skin_follows_the_target_and_only_the_frame_it_is_dragged_at(live: bpy.types.Scene, script: Script) -> None:
     for _ in range(4):
-        pump()
+        run_timer()
     assert frames.progress_of(live).live
     assert frames.progress_of(live).job_kind == "live"
     for z in (4.0, 5.5, 7.0):
         drag(z)
         for _ in range(3):
-            pump()
+            run_timer()
         np.testing.assert_allclose(frames.live_points(live)[0], (0.0, 3.0, z), atol=1e-6)
         np.testing.assert_array_equal(frames.shown_at(live, 5).frame.points, frames.live_points(live))
     assert script.workers[-1].targets == [(0.0, 3.0, 4.0), (0.0, 3.0, 5.5), (0.0, 3.0, 7.0)]
@@ -53,11 +53,11 @@ def test_ending_it_leaves_the_target_where_it_is_and_makes_the_frames_stale(
 ) -> None:
     drag(6.0)
     for _ in range(4):
-        pump()
+        run_timer()
     assert bpy.ops.lappet.live() == {"FINISHED"}
     assert frames.live_points(live) is None
     assert not live.lappet.solving.live
-    assert not pump(QUIET)
+    assert not run_timer(QUIET)
     assert bpy.data.objects["target"].location.z == 6.0
     assert bpy.data.objects["target"].animation_data is None, "what was not animated gets no keyframe"
     assert states(live) == "sssttttt"
@@ -65,14 +65,14 @@ def test_ending_it_leaves_the_target_where_it_is_and_makes_the_frames_stale(
 
 def test_changing_how_it_looks_does_not_end_it(live: bpy.types.Scene, script: Script) -> None:
     drag(6.0)
-    pump()
+    run_timer()
     live.lappet.look.color = "STRAIN"
     for _ in range(3):
-        pump()
+        run_timer()
     assert controller.controller_of(live).live is not None
     drag(7.0)
     for _ in range(3):
-        pump()
+        run_timer()
     assert frames.live_points(live)[0, 2] == 7.0
 
 
@@ -80,16 +80,16 @@ def test_switching_the_property_off_going_to_another_frame_or_editing_ends_it(
     live: bpy.types.Scene, script: Script
 ) -> None:
     live.lappet.solving.live = False
-    pump(QUIET)
+    run_timer(QUIET)
     assert controller.controller_of(live).live is None
     assert controller.controller_of(live).job is None
     bpy.ops.lappet.live()
     live.frame_set(6)
-    pump(QUIET)
+    run_timer(QUIET)
     assert controller.controller_of(live).live is None
     bpy.ops.lappet.live()
     find_event(live, "hook_1").stiffness = 70.0
-    pump(QUIET)
+    run_timer(QUIET)
     assert controller.controller_of(live).live is None
     assert not live.lappet.solving.live
     assert script.count("live") == 3
@@ -104,13 +104,13 @@ def test_an_animated_target_is_keyed_where_it_was_dragged(patch: bpy.types.Scene
     patch.frame_set(6)
     bpy.ops.lappet.live(hook="hook_1")
     for _ in range(4):
-        pump()
+        run_timer()
     drag(9.0)
     for _ in range(4):
-        pump()
+        run_timer()
     if leaves:
         patch.frame_set(5)
-        pump()
+        run_timer()
     else:
         bpy.ops.lappet.live()
         patch.frame_set(5)
@@ -127,7 +127,7 @@ def test_a_target_that_was_not_dragged_is_not_keyed(patch: bpy.types.Scene, scri
     patch.frame_set(6)
     bpy.ops.lappet.live(hook="hook_1")
     for _ in range(4):
-        pump()
+        run_timer()
     bpy.ops.lappet.live()
     assert all(len(curve.keyframe_points) == 2 for curve in curves_of(target))
 
@@ -155,11 +155,11 @@ def test_undo_ends_it(live: bpy.types.Scene, script: Script) -> None:
     bpy.ops.ed.undo_push(message="one")
     add_event(live, "SUTURE", start=5, points=[(2, -1, 2), (2, 1, 2)])
     bpy.ops.ed.undo_push(message="two")
-    pump(QUIET)
+    run_timer(QUIET)
     bpy.ops.lappet.live(hook="hook_1")
-    pump()
+    run_timer()
     bpy.ops.ed.undo()
     scene = bpy.context.scene
     assert controller.controller_of(scene).live is None
-    pump(QUIET)
+    run_timer(QUIET)
     assert states(scene) == "ssssssss"

@@ -1,4 +1,4 @@
-"""What the solving side remembers: frames within a bound of bytes, plans by key, the pace of this machine."""
+"""What the solving side remembers: frames within a bound of bytes, plans by key, the speed of this machine."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ from lappet.core.problem_code import ProblemCode
 from lappet.procedure import Incision, Procedure
 from lappet.solve.store import FrameStore, StoredFrame
 from lappet.tissue.patch import flat_patch
-from lappet_blender.model.duration_words import in_words
-from lappet_blender.solving.carry_over import CarryOver
-from lappet_blender.solving.lattice_cells import lattice_cells
-from lappet_blender.solving.pace import Pace
+from lappet_blender.interface.duration_text import duration_text
+from lappet_blender.solving.cell_count import cell_count
+from lappet_blender.solving.frame_cache import FrameCache
+from lappet_blender.solving.frame_copy import FrameCopy
 from lappet_blender.solving.plan_memory import PlanMemory
-from lappet_blender.solving.shelf import Shelf
+from lappet_blender.solving.speed_estimate import SpeedEstimate
 
 assert bpy  # the parts above need Blender's module, not a scene
 
@@ -47,45 +47,45 @@ def procedure() -> Procedure:
 
 
 def test_the_frames_used_longest_ago_leave_memory_when_its_bound_is_passed(store: FrameStore) -> None:
-    shelf = Shelf(limit=3 * 1200)
+    frame_cache = FrameCache(limit=3 * 1200)
     for number in range(3):
-        shelf.put(key(number), frame())
-    shelf.get(key(0), store)
-    shelf.put(key(3), frame())
-    assert [number for number in range(4) if key(number) in shelf] == [0, 2, 3]
-    assert shelf.bytes == 3 * 1200
-    shelf.put(key(3), frame(200))
-    assert shelf.bytes == 2400 + 1200
-    assert [number for number in range(4) if key(number) in shelf] == [0, 3]
-    shelf.put(key(9), frame(10_000))
-    assert key(9) in shelf, "one that is larger than the bound is still shown"
-    shelf.drop(key(9))
-    assert shelf.bytes == 0
+        frame_cache.put(key(number), frame())
+    frame_cache.get(key(0), store)
+    frame_cache.put(key(3), frame())
+    assert [number for number in range(4) if key(number) in frame_cache] == [0, 2, 3]
+    assert frame_cache.bytes == 3 * 1200
+    frame_cache.put(key(3), frame(200))
+    assert frame_cache.bytes == 2400 + 1200
+    assert [number for number in range(4) if key(number) in frame_cache] == [0, 3]
+    frame_cache.put(key(9), frame(10_000))
+    assert key(9) in frame_cache, "one that is larger than the bound is still shown"
+    frame_cache.drop(key(9))
+    assert frame_cache.bytes == 0
 
 
 def test_a_frame_comes_from_the_store_where_memory_has_it_not(store: FrameStore) -> None:
-    shelf = Shelf()
-    assert shelf.get(key(1), store) is None
+    frame_cache = FrameCache()
+    assert frame_cache.get(key(1), store) is None
     points = np.arange(12, dtype=np.float32).reshape(4, 3)
     store.put(key(1), StoredFrame({"newton": 3}, {"points": points, "nodes": np.zeros((2, 3), np.float32)}))
-    found = shelf.get(key(1), store)
+    found = frame_cache.get(key(1), store)
     np.testing.assert_array_equal(found.points, points)
     assert "nodes" not in found.arrays, "the state is of no use to a window"
     store.path(key(1)).unlink()
-    assert shelf.get(key(1), store) is found
+    assert frame_cache.get(key(1), store) is found
 
 
 def test_reading_ahead_fills_memory_and_goes_on_after_it_was_closed(store: FrameStore) -> None:
-    shelf = Shelf()
+    frame_cache = FrameCache()
     for number in range(6):
         store.put(key(number), StoredFrame({}, {"points": np.full((4, 3), number, np.float32)}))
     for wanted in ((0, 1, 2), (3, 4, 5)):
-        shelf.read_ahead([key(number) for number in wanted], store)
+        frame_cache.read_ahead([key(number) for number in wanted], store)
         end = time.monotonic() + 10.0
-        while not all(key(number) in shelf for number in wanted):
+        while not all(key(number) in frame_cache for number in wanted):
             assert time.monotonic() < end
             time.sleep(0.005)
-        shelf.close()
+        frame_cache.close()
 
 
 def test_plans_share_their_surfaces_and_are_found_in_the_store(store: FrameStore, procedure: Procedure) -> None:
@@ -115,23 +115,23 @@ def test_an_epoch_of_equal_shape_at_another_time_keeps_its_time(store: FrameStor
     assert memory.keep(plan).epochs[1].start_time == 4.0
 
 
-def test_the_pace_of_this_machine_is_remembered_and_follows_what_is_measured(tmp_path: Path) -> None:
-    pace = Pace(tmp_path / "store")
-    assert not pace.known
-    assert pace.seconds(1000.0) is None
-    pace.measured(1000.0, 2.0)
-    assert pace.seconds(500.0) == pytest.approx(1.0)
+def test_the_speed_of_this_machine_is_remembered_and_follows_what_is_measured(tmp_path: Path) -> None:
+    estimate = SpeedEstimate(tmp_path / "store")
+    assert not estimate.known
+    assert estimate.seconds(1000.0) is None
+    estimate.measured(1000.0, 2.0)
+    assert estimate.seconds(500.0) == pytest.approx(1.0)
     for _ in range(60):
-        pace.measured(1000.0, 4.0)
-    assert pace.seconds(1000.0) == pytest.approx(4.0, rel=1e-3)
-    pace.keep()
-    assert Pace(tmp_path / "store").seconds(1000.0) == pytest.approx(4.0, rel=1e-3)
-    (tmp_path / "store" / "pace.json").write_text("[")
-    assert not Pace(tmp_path / "store").known
+        estimate.measured(1000.0, 4.0)
+    assert estimate.seconds(1000.0) == pytest.approx(4.0, rel=1e-3)
+    estimate.keep()
+    assert SpeedEstimate(tmp_path / "store").seconds(1000.0) == pytest.approx(4.0, rel=1e-3)
+    (tmp_path / "store" / "speed_estimate.json").write_text("[")
+    assert not SpeedEstimate(tmp_path / "store").known
 
 
 def test_durations_are_said_as_people_say_them() -> None:
-    said = [in_words(seconds) for seconds in (0.2, 12.4, 89.0, 240.0, 9000.0)]
+    said = [duration_text(seconds) for seconds in (0.2, 12.4, 89.0, 240.0, 9000.0)]
     assert said == ["about 1 s", "about 12 s", "about 89 s", "about 4 min", "about 2.5 h"]
 
 
@@ -139,9 +139,9 @@ def test_the_cells_of_a_box_are_its_volume_over_that_of_a_cell_and_those_its_sur
     box = flat_patch((24.0, 16.0, 8.0), resolution=2.0, spacing=0.5)
     inside = 24.0 * 16.0 * 8.0 / 0.5**3
     surface = 2.0 * (24.0 * 16.0 + 24.0 * 8.0 + 16.0 * 8.0) / 0.5**2
-    assert inside < lattice_cells(box) < inside + surface
+    assert inside < cell_count(box) < inside + surface
     coarse = flat_patch((24.0, 16.0, 8.0), resolution=2.0, spacing=1.0)
-    assert 4.0 < lattice_cells(box) / lattice_cells(coarse) < 8.0
+    assert 4.0 < cell_count(box) / cell_count(coarse) < 8.0
 
 
 def test_what_is_carried_over_to_another_folder_is_all_that_a_plan_needs(
@@ -152,11 +152,11 @@ def test_what_is_carried_over_to_another_folder_is_all_that_a_plan_needs(
     for planned in plan.frames[:3]:
         store.put(planned.key, StoredFrame({}, {"points": np.zeros((4, 3), np.float32)}))
     other = FrameStore(tmp_path / "other")
-    carrying = CarryOver([plan], store, other)
+    copying = FrameCopy([plan], store, other)
     end = time.monotonic() + 10.0
-    while not carrying.done:
+    while not copying.done:
         assert time.monotonic() < end
         time.sleep(0.005)
-    assert carrying.trouble == ""
+    assert copying.trouble == ""
     assert PlanMemory().find(plan.key, other).frames == plan.frames
     assert [frame.key in other for frame in plan.frames] == [True] * 3 + [False] * 2

@@ -12,9 +12,9 @@ from fake_worker import Script
 from lappet.core.problem import Problem, RefusedError
 from lappet.core.problem_code import ProblemCode
 from lappet_blender.model.event_list import find_event
-from lappet_blender.solving import controller, frames, reconcile
-from lappet_blender.solving.pump import pump
+from lappet_blender.solving import frames, reconcile, speed_estimate
 from lappet_blender.solving.solve_panel import LAPPET_PT_solve, LAPPET_PT_solve_settings
+from lappet_blender.solving.solve_timer import run_timer
 from solving_steps import QUIET, solve
 
 pytest_plugins = ("solving_fixtures",)
@@ -63,29 +63,29 @@ def test_without_tissue_it_says_what_to_do(scene: bpy.types.Scene, script: Scrip
 
 
 def test_it_offers_to_solve_then_to_cancel_and_counts(patch: bpy.types.Scene, script: Script) -> None:
-    pump(QUIET)
+    run_timer(QUIET)
     words, operators = draw(LAPPET_PT_solve)
     assert "0 / 8" in words
     assert "0 of 8 frames solved" in words
     assert operators == ["lappet.solve", "lappet.live"]
     bpy.ops.lappet.solve()
     for _ in range(6):
-        pump()
+        run_timer()
     words, operators = draw(LAPPET_PT_solve)
     assert operators[0] == "lappet.solve_cancel"
     done = frames.progress_of(patch).done
     assert done > 0
     assert f"{done} / 8" in words
     assert " left" in words
-    pump(QUIET)
+    run_timer(QUIET)
     assert "8 of 8 frames solved" in draw(LAPPET_PT_solve)[0]
 
 
 def test_stale_frames_are_counted_with_the_time_that_they_will_take(patch: bpy.types.Scene, script: Script) -> None:
     solve(patch)
     find_event(patch, "hook_1").stiffness = 10.0
-    pump(QUIET)
-    assert controller.pace().known
+    run_timer(QUIET)
+    assert speed_estimate.speed_estimate().known
     assert "3 of 8 frames solved, 5 stale; about 3 s" in draw(LAPPET_PT_solve)[0], "0.6 s for each of 5 frames"
 
 
@@ -95,13 +95,13 @@ def test_a_failure_is_a_sentence_and_a_button_that_goes_there_and_undo_keeps_it(
     script.failing[6] = "The hook tears the skin."
     bpy.ops.ed.undo_push(message="before")
     bpy.ops.lappet.solve()
-    pump(QUIET)
+    run_timer(QUIET)
     words, operators = draw(LAPPET_PT_solve)
     assert "lappet.failure_show" in operators
     assert "The hook tears the skin." in words
     find_event(patch, "hook_1").stiffness = 10.0
     bpy.ops.ed.undo_push(message="softer")
-    pump(QUIET)
+    run_timer(QUIET)
     assert "lappet.failure_show" not in draw(LAPPET_PT_solve)[1]
     bpy.ops.ed.undo()
     assert "The hook tears the skin." in draw(LAPPET_PT_solve)[0]
@@ -111,7 +111,7 @@ def test_problems_are_shown_with_what_selects_and_what_mends_them(patch: bpy.typ
     script.refusal = (
         Problem(ProblemCode.UNSORTED, "/Procedure/Timeline/hook_1", "", "It is off the skin.", "Move it."),
     )
-    pump(QUIET)
+    run_timer(QUIET)
     words, operators = draw(LAPPET_PT_solve)
     assert "It is off the skin. Move it." in words
     assert "lappet.problem_show" in operators
@@ -124,7 +124,7 @@ def test_an_installation_without_solver_is_named_by_the_panel_and_by_the_button(
         raise RefusedError("There is no lappet-solverd")
 
     monkeypatch.setattr(reconcile, "identity", missing)
-    pump(QUIET)
+    run_timer(QUIET)
     assert "There is no lappet-solverd" in draw(LAPPET_PT_solve)[0]
     with pytest.raises(RuntimeError, match="There is no lappet-solverd"):
         bpy.ops.lappet.solve(wait=True)

@@ -21,7 +21,7 @@ from lappet_blender.model.scene_procedure import read_scene
 from lappet_blender.model.tissue_values import tissue_value
 from lappet_blender.solving import controller, frames, scene_watch
 from lappet_blender.solving.frames import FrameRun
-from lappet_blender.solving.pump import pump
+from lappet_blender.solving.solve_timer import run_timer
 from patch_scene import put_tissue
 
 pytest_plugins = ("solving_fixtures",)
@@ -61,7 +61,7 @@ def longest_pump() -> float:
     end, longest, busy = time.monotonic() + PATIENCE, 0.0, True
     while busy and time.monotonic() < end:
         begun = time.thread_time()
-        busy = pump()
+        busy = run_timer()
         longest = max(longest, time.thread_time() - begun)
         time.sleep(0.01)
     assert not busy, "something is still under way"
@@ -118,11 +118,11 @@ def test_editing_an_open_surface_that_is_thickened_does_not_stall(scene: bpy.typ
 
 def test_what_is_shown_is_found_in_a_third_of_a_millisecond_once_it_is_in_memory(sheet: bpy.types.Scene) -> None:
     bpy.ops.lappet.solve(wait=True)
-    controller.shelf.clear()
+    controller.frame_cache.clear()
     frames.shown_at(sheet, 3)  # from the store; its neighbours are read ahead
     end = time.monotonic() + 20.0
     keys = [frame.key for frame in frames.plan_of(sheet).frames]
-    while not all(key in controller.shelf for key in keys):
+    while not all(key in controller.frame_cache for key in keys):
         assert time.monotonic() < end, "the neighbours of a frame are read before they are asked for"
         time.sleep(0.01)
     times = sorted(seconds(lambda t=t: frames.shown_at(sheet, t)) for _ in range(50) for t in range(1, 7))

@@ -20,7 +20,7 @@ from lappet_blender.model.scene_procedure import read_scene
 from lappet_blender.solving import controller, frames, workers
 from lappet_blender.solving.first_change import first_change
 from lappet_blender.solving.frames import FrameRun
-from lappet_blender.solving.pump import pump
+from lappet_blender.solving.solve_timer import run_timer
 from solving_steps import QUIET, solve, states
 
 pytest_plugins = ("solving_fixtures",)
@@ -32,7 +32,7 @@ def place(scene: bpy.types.Scene, time: int) -> float:
 
 
 def test_a_scene_is_planned_by_itself_and_solved_by_the_button(patch: bpy.types.Scene, script: Script) -> None:
-    pump(QUIET)
+    run_timer(QUIET)
     assert script.asked == [("plan", frames.plan_of(patch).key)]
     assert states(patch) == "mmmmmmmm"
     shown = frames.shown_at(patch, 5)
@@ -41,7 +41,7 @@ def test_a_scene_is_planned_by_itself_and_solved_by_the_button(patch: bpy.types.
     assert shown.epoch is shown.plan.epochs[1], "an unsolved frame shows its epoch at rest"
     assert bpy.ops.lappet.solve() == {"FINISHED"}
     assert frames.progress_of(patch).running
-    assert not pump(QUIET)
+    assert not run_timer(QUIET)
     assert frames.frame_runs(patch) == (FrameRun("solved", 1, 8),)
     assert [place(patch, time) for time in range(1, 9)] == [time - 1.0 + 2.0 for time in range(1, 9)]
     assert not frames.progress_of(patch).running
@@ -53,7 +53,7 @@ def test_frames_come_one_after_another_and_those_not_there_show_the_last_one_bef
 ) -> None:
     bpy.ops.lappet.solve()
     seen = []
-    while pump():
+    while run_timer():
         seen.append((states(patch).count("s"), frames.progress_of(patch).done))
         if seen[-1][0] == 4:
             shown = frames.shown_at(patch, 7)
@@ -69,11 +69,11 @@ def test_an_edit_makes_only_the_frames_from_there_on_stale_and_a_solve_redoes_on
     before = [place(patch, time) for time in range(1, 9)]
     script.held = True
     find_event(patch, "hook_1").stiffness = 50.0
-    pump(0.5)
+    run_timer(0.5)
     assert frames.plan_of(patch) is None, "the new plan is not there yet"
     assert states(patch) == "sssttttt", "what an event does begins with it, and this is known at once"
     script.held = False
-    pump(QUIET)
+    run_timer(QUIET)
     assert frames.frame_runs(patch) == (FrameRun("solved", 1, 3), FrameRun("stale", 4, 8))
     assert [place(patch, time) for time in range(1, 9)] == before, "stale frames go on being shown"
     assert [frames.shown_at(patch, time).stale for time in range(1, 9)] == [False] * 3 + [True] * 5
@@ -81,7 +81,7 @@ def test_an_edit_makes_only_the_frames_from_there_on_stale_and_a_solve_redoes_on
     assert line.startswith("3 of 8 frames solved, 5 stale; about "), line
     bpy.ops.lappet.solve()
     job = controller.controller_of(patch).job
-    pump(QUIET)
+    run_timer(QUIET)
     assert (job.done, job.solved) == (8, 5)
     assert states(patch) == "ssssssss"
 
@@ -94,7 +94,7 @@ def test_undo_brings_the_old_frames_back_at_once_and_redo_the_stale_ones_without
     bpy.ops.ed.undo_push(message="solved")
     add_event(patch, "SUTURE", start=5, points=[(2, -1, 2), (2, 1, 2)])
     bpy.ops.ed.undo_push(message="suture")
-    pump(QUIET)
+    run_timer(QUIET)
     assert states(patch) == "sssstttt"
     asked = list(script.asked)
     script.held = True  # nobody would answer
@@ -103,13 +103,13 @@ def test_undo_brings_the_old_frames_back_at_once_and_redo_the_stale_ones_without
     assert len(scene.lappet.events) == 2
     assert states(scene) == "ssssssss", "no timer has run yet"
     assert not any(frames.shown_at(scene, time).stale for time in range(1, 9))
-    pump(0.6)
+    run_timer(0.6)
     assert script.asked == asked
     bpy.ops.ed.redo()
     scene = bpy.context.scene
     assert len(scene.lappet.events) == 3
     assert states(scene) == "sssstttt"
-    pump(0.6)
+    run_timer(0.6)
     assert script.asked == asked
     assert frames.plan_of(scene) is not None
 
@@ -119,10 +119,10 @@ def test_undo_finds_frames_that_are_no_longer_in_memory_in_the_store(patch: bpy.
     solve(patch)
     find_event(patch, "hook_1").start = 5.0
     bpy.ops.ed.undo_push(message="later")
-    pump(QUIET)
+    run_timer(QUIET)
     assert states(patch) == "sssttttt"
     controller.plans.clear()
-    controller.shelf.clear()
+    controller.frame_cache.clear()
     asked = list(script.asked)
     bpy.ops.ed.undo()
     assert states(bpy.context.scene) == "ssssssss"
@@ -149,10 +149,10 @@ def test_a_failed_frame_says_why_and_the_panel_can_go_there(patch: bpy.types.Sce
 def test_cancel_keeps_what_is_solved(patch: bpy.types.Scene, script: Script) -> None:
     bpy.ops.lappet.solve()
     while states(patch).count("s") < 3:
-        pump()
+        run_timer()
     assert bpy.ops.lappet.solve_cancel() == {"FINISHED"}
     assert "kept" in frames.progress_of(patch).line
-    assert not pump(QUIET)
+    assert not run_timer(QUIET)
     assert states(patch) == "sssmmmmm"
     assert not bpy.ops.lappet.solve_cancel.poll()
     solve(patch)
@@ -175,7 +175,7 @@ def test_what_the_solver_refuses_is_shown_and_a_click_selects_the_event(patch: b
             "Move it onto the skin.",
         ),
     )
-    pump(QUIET)
+    run_timer(QUIET)
     assert frames.problems_of(patch) == script.refusal
     with pytest.raises(RuntimeError, match=r"hook_1: The anchor is 9 mm off the skin\. Move it onto the skin\."):
         bpy.ops.lappet.solve(wait=True)
@@ -188,17 +188,17 @@ def test_what_the_solver_refuses_is_shown_and_a_click_selects_the_event(patch: b
     asked = len(script.asked)
     find_event(patch, "hook_1").stiffness = 99.0
     script.refusal = ()
-    pump(QUIET)
+    run_timer(QUIET)
     assert frames.problems_of(patch) == ()
     assert len(script.asked) == asked + 1
 
 
 def test_a_procedure_that_was_refused_is_not_asked_for_again_by_itself(patch: bpy.types.Scene, script: Script) -> None:
     script.refusal = (Problem(ProblemCode.UNSORTED, "/Procedure", "", "No.", "Yes."),)
-    pump(QUIET)
+    run_timer(QUIET)
     asked = len(script.asked)
     changes.changed(patch)
-    pump(QUIET)
+    run_timer(QUIET)
     assert len(script.asked) == asked
     assert frames.problems_of(patch) == script.refusal
     script.refusal = ()
@@ -219,14 +219,14 @@ def test_an_edit_while_it_solves_lets_the_frames_before_it_finish_and_stops_ther
 ) -> None:
     bpy.ops.lappet.solve()
     while states(patch).count("s") < 2:
-        pump()
+        run_timer()
     key = controller.controller_of(patch).job.key
     add_event(patch, "SUTURE", start=6, points=[(2, -1, 2), (2, 1, 2)])
     script.held = True
-    pump(0.6)
+    run_timer(0.6)
     assert frames.progress_of(patch).running, "frames 3 to 5 are the same in both"
     script.held = False
-    assert not pump(QUIET)
+    assert not run_timer(QUIET)
     assert states(patch) == "sssssmmm"
     assert any("changed" in note for note in frames.notes_of(patch))
     assert frames.plan_of(patch).key != key
@@ -237,10 +237,10 @@ def test_deleting_the_tissue_while_it_solves_loses_nothing(patch: bpy.types.Scen
     bpy.ops.ed.undo_push(message="before")
     bpy.ops.lappet.solve()
     while states(patch).count("s") < 4:
-        pump()
+        run_timer()
     bpy.data.objects.remove(patch.lappet.tissue.object)
     bpy.ops.ed.undo_push(message="deleted")
-    assert not pump(QUIET)
+    assert not run_timer(QUIET)
     assert [problem.message for problem in frames.problems_of(patch)] == ["The scene has no tissue."]
     assert frames.plan_of(patch) is None
     with pytest.raises(RuntimeError, match="The scene has no tissue"):
@@ -257,7 +257,7 @@ def test_moving_a_vertex_of_the_tissue_makes_every_frame_stale(patch: bpy.types.
     mesh.vertices[0].co.x += 0.25
     mesh.update()
     bpy.context.view_layer.update()
-    pump(QUIET)
+    run_timer(QUIET)
     assert states(patch) == "tttttttt"
 
 
@@ -265,10 +265,10 @@ def test_moving_a_hooks_target_or_the_end_of_the_timeline_is_noticed(patch: bpy.
     solve(patch)
     bpy.data.objects["target"].location.z += 1.0
     bpy.context.view_layer.update()
-    pump(QUIET)
+    run_timer(QUIET)
     assert states(patch) == "sssttttt"
     patch.frame_end = 10
-    pump(QUIET)
+    run_timer(QUIET)
     assert frames.frame_state(patch, 10) == "missing"
     assert frames.frame_runs(patch)[-1] == FrameRun("missing", 9, 10)
 
@@ -278,11 +278,11 @@ def test_going_through_the_frames_reads_nothing_again(patch: bpy.types.Scene, sc
     empty.keyframe_insert("location", frame=4)
     empty.location.z += 2.0
     empty.keyframe_insert("location", frame=8)
-    pump(QUIET)
+    run_timer(QUIET)
     read_at = controller.controller_of(patch).read_at
     for time in range(1, 9):
         patch.frame_set(time)
-        pump()
+        run_timer()
     assert controller.controller_of(patch).dirty_since is None
     assert controller.controller_of(patch).read_at == read_at
 
@@ -292,15 +292,15 @@ def test_a_hook_that_hangs_on_another_object_is_read_once_not_for_ever(patch: bp
     patch.collection.objects.link(rail)
     bpy.data.objects["target"].parent = rail
     bpy.context.view_layer.update()
-    assert not pump(QUIET)
+    assert not run_timer(QUIET)
     asked = list(script.asked)
     for _ in range(8):
         bpy.context.view_layer.update()
-        pump(0.3)
+        run_timer(0.3)
     assert script.asked == asked
     rail.location.z = 2.0
     bpy.context.view_layer.update()
-    pump(QUIET)
+    run_timer(QUIET)
     assert len(script.asked) == len(asked) + 1
 
 
@@ -315,16 +315,16 @@ def test_two_scenes_are_solved_at_once_and_a_copy_shares_the_frames(patch: bpy.t
     assert frames.progress_of(other).running
     assert frames.progress_of(patch).running
     assert len(script.workers) == 2
-    assert not pump(QUIET)
+    assert not run_timer(QUIET)
     assert states(patch) == states(other) == "ssssssss"
     assert frames.plan_of(patch).key != frames.plan_of(other).key
     asked = script.count("solve")
     other.lappet.tissue.spacing = patch.lappet.tissue.spacing
-    pump(QUIET)
+    run_timer(QUIET)
     assert states(other) == "ssssssss", "the copy finds what the other scene solved"
     assert script.count("solve") == asked
     bpy.data.scenes.remove(other)
-    pump(QUIET)
+    run_timer(QUIET)
     assert [each.uid for each in controller.controllers()] == [patch.session_uid]
 
 
@@ -334,7 +334,7 @@ def test_a_frame_that_vanished_from_the_store_is_missing_and_solved_again(
     solve(patch)
     store = controller.controller_of(patch).store
     store.path(frames.plan_of(patch).frames[4].key).unlink()
-    controller.shelf.clear()
+    controller.frame_cache.clear()
     shown = frames.shown_at(patch, 5)
     assert (shown.time, shown.stale) == (4, True)
     assert frames.frame_state(patch, 5) == "missing"
@@ -360,21 +360,21 @@ def test_clearing_removes_the_frames_and_reloading_finds_those_of_another_progra
 def test_listeners_are_told_when_what_is_shown_changes_and_not_otherwise(
     patch: bpy.types.Scene, script: Script
 ) -> None:
-    told: list[str] = []
+    notified: list[str] = []
 
     def listen(scene: bpy.types.Scene) -> None:
-        told.append(scene.name)
+        notified.append(scene.name)
 
     frames.subscribe(listen)
     try:
-        pump(QUIET)
-        assert told
-        told.clear()
+        run_timer(QUIET)
+        assert notified
+        notified.clear()
         for _ in range(5):
-            pump()
-        assert told == []
+            run_timer()
+        assert notified == []
         bpy.ops.lappet.solve(wait=True)
-        assert len(told) >= 8, "one for each frame"
+        assert len(notified) >= 8, "one for each frame"
     finally:
         frames.unsubscribe(listen)
 
@@ -386,7 +386,7 @@ def test_the_worker_that_cannot_be_started_is_a_sentence_not_a_traceback(
         raise OSError("no more processes")
 
     monkeypatch.setattr(workers, "create", fail)
-    assert not pump(QUIET)
+    assert not run_timer(QUIET)
     assert "no more processes" in frames.problems_of(patch)[0].message
     with pytest.raises(RuntimeError, match="could not be started: no more processes"):
         bpy.ops.lappet.solve()
@@ -416,11 +416,11 @@ def test_removing_an_event_and_adding_it_again_finds_its_frames(patch: bpy.types
     add_event(patch, "SUTURE", "stitch", start=5, points=[(2, -1, 2), (2, 1, 2)])
     solve(patch)
     remove_event(patch, find_event(patch, "stitch"))
-    pump(QUIET)
+    run_timer(QUIET)
     assert states(patch) == "sssstttt"
     add_event(patch, "SUTURE", "stitch", start=5, points=[(2, -1, 2), (2, 1, 2)])
     asked = len(script.asked)
-    pump(QUIET)
+    run_timer(QUIET)
     assert states(patch) == "ssssssss"
     assert len(script.asked) == asked
     np.testing.assert_array_equal(frames.shown_at(patch, 8).frame.points[:, 2], 10.0)
@@ -436,7 +436,7 @@ def test_undo_finds_the_frames_of_a_hook_that_hangs_on_another_object(patch: bpy
     bpy.data.objects["rail"].location.z = 2.0
     bpy.context.view_layer.update()
     bpy.ops.ed.undo_push(message="lifted")
-    pump(QUIET)
+    run_timer(QUIET)
     assert states(patch) == "sssttttt"
     for _ in range(2):
         bpy.ops.ed.undo()

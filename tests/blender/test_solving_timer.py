@@ -8,7 +8,7 @@ import bpy
 import pytest
 
 from fake_worker import Script
-from lappet_blender.solving import controller, frames, pump
+from lappet_blender.solving import controller, frames, solve_timer
 from lappet_blender.solving.live_operator import LAPPET_OT_live
 from solving_steps import QUIET
 
@@ -18,14 +18,14 @@ pytest_plugins = ("solving_fixtures",)
 def test_the_timer_comes_often_while_something_is_under_way_and_seldom_when_not(
     patch: bpy.types.Scene, script: Script
 ) -> None:
-    assert bpy.app.timers.is_registered(pump._timer)
-    assert pump._timer() <= 0.05
-    pump.pump(QUIET)
-    idle = pump._timer()
+    assert bpy.app.timers.is_registered(solve_timer._timer)
+    assert solve_timer._timer() <= 0.05
+    solve_timer.run_timer(QUIET)
+    idle = solve_timer._timer()
     assert 0.1 <= idle <= 0.5
     patch.frame_set(5)
     bpy.ops.lappet.live(hook="hook_1")
-    assert pump._timer() <= 0.02
+    assert solve_timer._timer() <= 0.02
     bpy.ops.lappet.live()
 
 
@@ -35,15 +35,15 @@ def test_an_error_in_the_timer_does_not_end_it(
     def fail(scene: bpy.types.Scene) -> None:
         raise ValueError("a listener failed")
 
-    pump.pump(QUIET)
+    solve_timer.run_timer(QUIET)
     frames.subscribe(fail)
     try:
-        controller.controller_of(patch).bump()
-        assert pump._timer() == 1.0
+        controller.controller_of(patch).notify()
+        assert solve_timer._timer() == 1.0
     finally:
         frames.unsubscribe(fail)
     assert "a listener failed" in capsys.readouterr().err
-    assert pump._timer() < 1.0
+    assert solve_timer._timer() < 1.0
 
 
 @pytest.mark.parametrize(
@@ -63,22 +63,22 @@ def test_return_and_escape_end_live_mode_and_every_other_key_is_left_alone(
 
 
 def test_a_listener_that_fails_keeps_no_other_from_being_told(patch: bpy.types.Scene, script: Script) -> None:
-    told: list[str] = []
+    notified: list[str] = []
 
     def fail(scene: bpy.types.Scene) -> None:
         raise ValueError("a listener failed")
 
     def listen(scene: bpy.types.Scene) -> None:
-        told.append(scene.name)
+        notified.append(scene.name)
 
-    pump.pump(QUIET)
+    solve_timer.run_timer(QUIET)
     frames.subscribe(fail)
     frames.subscribe(listen)
     try:
-        controller.controller_of(patch).bump()
+        controller.controller_of(patch).notify()
         with pytest.raises(ValueError, match="a listener failed"):
-            pump.pump()
+            solve_timer.run_timer()
     finally:
         frames.unsubscribe(fail)
         frames.unsubscribe(listen)
-    assert told == [patch.name]
+    assert notified == [patch.name]

@@ -10,8 +10,8 @@ import pytest
 from lappet.tissue.surface import tissue_surface
 from lappet_blender.model.mesh_values import mesh_values
 from lappet_blender.model.surface_border import open_edge_count
-from lappet_blender.tissue.found_problems import check_tissue, found_problems
 from lappet_blender.tissue.problem_places import ProblemPlace
+from lappet_blender.tissue.tissue_check import check_tissue, last_check
 from tissue_scenes import add_box, add_mesh, add_sheet, fill_with_patch, read
 
 
@@ -264,12 +264,12 @@ def test_what_the_procedure_itself_is_wrong_about_is_found_too(scene: bpy.types.
 def test_what_was_found_is_forgotten_when_the_tissue_changes(scene: bpy.types.Scene) -> None:
     fill_with_patch(scene)
     first = check_tissue(scene)
-    assert found_problems(scene) is first
+    assert last_check(scene) is first
     scene.lappet.tissue.object.data.vertices[0].co.x += 1.0
-    assert found_problems(scene) is None
+    assert last_check(scene) is None
     check_tissue(scene)
     scene.lappet.tissue.spacing = 0.7
-    assert found_problems(scene) is None
+    assert last_check(scene) is None
 
 
 def test_the_cursor_goes_to_a_problem(scene: bpy.types.Scene) -> None:

@@ -6,9 +6,10 @@ import bpy
 import numpy as np
 import pytest
 
+from lappet_blender.interface.duration_text import duration_text
 from lappet_blender.model.decimals import decimal
-from lappet_blender.model.duration_words import in_words
-from lappet_blender.tissue.lattice_cells import MOST_LINES, box_lines, cell_lines, lattice_lines, touched_cells
+from lappet_blender.tissue import tissue_measure
+from lappet_blender.tissue.lattice_lines import MOST_LINES, box_lines, cell_lines, lattice_lines, touched_cells
 from lappet_blender.tissue.overlay import _lattice_batches, lattice_of
 from lappet_blender.tissue.tissue_measure import cell_count, expected_seconds
 from tissue_scenes import add_box, add_sheet, fill_with_patch
@@ -74,15 +75,14 @@ def test_the_cell_count_of_a_block_is_its_volume_and_the_cells_at_its_skin(scene
 def test_the_expected_time_grows_with_cells_and_frames_by_the_rate_of_earlier_solves(
     scene: bpy.types.Scene, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from lappet_blender.solving import controller
 
     class Rate:
-        """A pace that measured 2 µs a cell."""
+        """A speed estimate of 2 µs a cell."""
 
         def seconds(self, cells: float) -> float:
             return 2e-6 * cells
 
-    monkeypatch.setattr(controller, "pace", Rate)
+    monkeypatch.setattr(tissue_measure, "speed_estimate", Rate)
     assert expected_seconds(scene) is None
     fill_with_patch(scene)
     assert expected_seconds(scene) == pytest.approx(2e-6 * cell_count(scene) * 10)
@@ -94,7 +94,7 @@ def test_the_expected_time_grows_with_cells_and_frames_by_the_rate_of_earlier_so
     ("seconds", "words"), [(0.2, "about 1 s"), (89.0, "about 89 s"), (200.0, "about 3 min"), (9000.0, "about 2.5 h")]
 )
 def test_durations_are_told_as_people_say_them(seconds: float, words: str) -> None:
-    assert in_words(seconds) == words
+    assert duration_text(seconds) == words
 
 
 def test_a_thickened_surface_is_measured_as_the_sheet_that_it_becomes(scene: bpy.types.Scene) -> None:

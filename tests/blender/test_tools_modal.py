@@ -10,7 +10,7 @@ import pytest
 
 from lappet_blender.tools import shown_surface as shown
 from lappet_blender.tools import skin_modal
-from lappet_blender.tools.draw_line import _DrawLine
+from lappet_blender.tools.incision_tool import _LineTool
 from lappet_blender.tools.preview import clear_preview, preview_of
 from lappet_blender.tools.skin_modal import RUNNING, SkinModal
 from lappet_blender.tools.skin_pick import pick_along_ray
@@ -32,7 +32,7 @@ class FakeView:
         return pick_along_ray(scene, (self.mouse[0] / 10, self.mouse[1] / 10, 50.0), (0, 0, -1), any_face)
 
 
-class Tool(_DrawLine):
+class Tool(_LineTool):
     """The incision tool without Blender's operator around it; what it would cut is noted."""
 
     title = "Incision"

@@ -13,7 +13,7 @@ from mathutils import Matrix, Vector
 from lappet_blender.tools import shown_surface as shown
 from lappet_blender.tools.fragment import fragment_of
 from lappet_blender.tools.handles import TARGET, handles_of, nearest_handle
-from lappet_blender.tools.plan_overlay import plan_ink
+from lappet_blender.tools.plan_overlay import plan_lines
 from lappet_blender.tools.rest_line import beside, line_length, rest_line, rest_samples, segment_at, world_runs
 from lappet_blender.tools.skin_pick import pick_along_ray
 from lappet_blender.tools.surface_ray import SurfaceBlocks, SurfaceRay
@@ -245,7 +245,7 @@ def test_the_plan_is_dashed_before_its_time_and_on_both_lips_after_it(scene: bpy
     assert surface is not None
 
     def drawn() -> tuple[float, np.ndarray]:
-        points = np.concatenate([p for pieces in plan_ink(scene, surface).segments.values() for p in pieces])
+        points = np.concatenate([p for pieces in plan_lines(scene, surface).segments.values() for p in pieces])
         return float(np.linalg.norm(points[1::2] - points[::2], axis=1).sum()), points
 
     scene.frame_set(1)
@@ -256,7 +256,7 @@ def test_the_plan_is_dashed_before_its_time_and_on_both_lips_after_it(scene: bpy
     assert 1.9 < both / 16.0 < 2.5
     assert (np.abs(points[:, 1]) > 0.1).all()  # beside the cut, none in it
     cut.enabled = False
-    assert all(color[3] < 0.5 for color, _ in plan_ink(scene, surface).segments)
+    assert all(color[3] < 0.5 for color, _ in plan_lines(scene, surface).segments)
 
 
 def test_a_fragment_is_what_hangs_together(scene: bpy.types.Scene) -> None:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import sys
-import types
 from collections.abc import Callable
 
 import bpy
@@ -11,15 +9,14 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from lappet_blender.tools import shown_surface
+
 Bend = Callable[[NDArray[np.float64]], NDArray[np.float64]]
 
 
 def stand_in_display(monkeypatch: pytest.MonkeyPatch) -> None:
     """The skin of a scene is `scene.lappet.skin`, whether the display has made it or a test."""
-    name = "lappet_blender.display.skin_display"
-    module = types.ModuleType(name)
-    module.skin_object = lambda scene: scene.lappet.skin  # type: ignore[attr-defined]
-    monkeypatch.setitem(sys.modules, name, module)
+    monkeypatch.setattr(shown_surface, "skin_object", lambda scene: scene.lappet.skin)
 
 
 def flat_tissue(scene: bpy.types.Scene, scale_length: float = 0.001) -> bpy.types.Object:

@@ -12,7 +12,8 @@ from pathlib import Path
 
 import pytest
 
-from lappet.core.problem import RefusedError
+from lappet.core.problem import refused
+from lappet.core.problem_code import ProblemCode
 from lappet.daemon.process import SolverDaemon
 from lappet.reports import stability_fuzz
 from lappet.reports.stability.fuzz import PATIENT, fuzz, judge
@@ -53,8 +54,8 @@ def test_a_fault_and_a_false_claim_are_failures(
         raise IndexError("index 7 is out of bounds")
 
     def budget(*arguments: object, **more: object) -> object:
-        raise RefusedError("frame 2 ran out of its time budget of 20 s at relative residual 1.00e-02")
+        raise refused(ProblemCode.SOLVER_TIME_BUDGET, "Frame 2", "It ran out of its time budget.")
 
-    for stand_in, says in ((looser, "residual of 5.00e-01"), (faulty, "IndexError"), (budget, "time budget")):
+    for stand_in, says in ((looser, "residual of 5.00e-01"), (faulty, "IndexError"), (budget, "Frame 2")):
         monkeypatch.setattr(stability_fuzz, "solve_procedure", stand_in)
         assert says in judge(plain, running, tmp_path).wrong

@@ -340,8 +340,8 @@ def variant(blender: Driver) -> Steps:
         bpy.ops.view3d.view_all()
     yield 0.8
     yield from blender.screenshot("17_compared")
-    display = import_module(f"{MODULE}.display.board")
-    beside = display.find_object(display.find_board(scene), "other skin")
+    display = import_module(f"{MODULE}.display.collection")
+    beside = display.find_object(display.find_collection(scene), "other skin")
     blender.expect(beside is not None and not beside.hide_viewport, "the first procedure is seen beside it")
 
 

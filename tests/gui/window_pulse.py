@@ -12,7 +12,11 @@ from event_driver import Driver
 
 MODULE = "bl_ext.user_default.lappet_blender"
 _BEAT = 0.005
-_WATCHED = (("solving.pump", "pump"), ("display.skin_display", "show"), ("tools.plan_overlay", "plan_ink"))
+_WATCHED = (
+    ("solving.solve_timer", "run_timer"),
+    ("display.skin_display", "show"),
+    ("tools.plan_overlay", "plan_lines"),
+)
 
 
 class Pulse:

@@ -1,4 +1,4 @@
-"""The skin cache is what ARCHITECTURE.md says, passes USD's validators, and opens in Blender."""
+"""The skin cache is what docs/skin_cache.md says, passes USD's validators, and opens in Blender."""
 
 from __future__ import annotations
 

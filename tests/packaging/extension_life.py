@@ -61,14 +61,11 @@ def import_all() -> list[str]:
     """Imports what the add-on's solve needs from the wheels; returns the folders that the packages came from."""
     import manifold3d
     import msgpack
-    import networkx
     import platformdirs
-    import trimesh
     import zmq
 
     assert manifold3d.Manifold.cube((1, 1, 1)).volume() == 1.0
-    assert trimesh.creation.box().is_watertight
-    modules = (manifold3d, msgpack, networkx, platformdirs, trimesh, zmq)
+    modules = (manifold3d, msgpack, platformdirs, zmq)
     return sorted({module.__file__.partition("site-packages")[0] for module in modules})
 
 

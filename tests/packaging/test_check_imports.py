@@ -65,6 +65,30 @@ def test_a_right_import_passes(tmp_path: Path, path: str, text: str) -> None:
 
 
 @pytest.mark.parametrize(
+    "text",
+    [
+        "from ..solving.b import f\n",
+        "from ..solving import b\n",
+        "def g():\n    from ..solving.b import f\n",
+        "from lappet_blender.solving.b import f\n",
+    ],
+)
+def test_a_folder_of_the_add_on_may_not_import_from_one_below_it(tmp_path: Path, text: str) -> None:
+    write(tmp_path, "addon/lappet_blender/solving/b.py", "f = 1\n")
+    write(tmp_path, "addon/lappet_blender/model/a.py", text)
+    (found,) = breaches(tmp_path)
+    assert found.sentence == "model/ imports lappet_blender.solving.b, but solving/ comes after it."
+    assert str(found).startswith(f"addon/lappet_blender/model/a.py:{len(text.splitlines())}: ")
+
+
+def test_a_circle_of_relative_imports_is_found(tmp_path: Path) -> None:
+    write(tmp_path, "addon/lappet_blender/model/a.py", "from .b import f\n")
+    write(tmp_path, "addon/lappet_blender/model/b.py", "def f():\n    from . import a\n")
+    (found,) = breaches(tmp_path)
+    assert "lappet_blender.model.a -> lappet_blender.model.b -> lappet_blender.model.a" in found.sentence
+
+
+@pytest.mark.parametrize(
     ("text", "said"),
     [
         ("from lappet.solve.b import f\n", "geometry/ imports lappet.solve.b, but solve/ comes after it"),

@@ -55,7 +55,7 @@ def test_the_tested_versions_are_pinned_for_every_requirement() -> None:
 
 
 def test_an_unknown_extra_is_refused_by_name() -> None:
-    with pytest.raises(ValueError, match="no extra 'rendr'; it has dev, examples, render, report, test"):
+    with pytest.raises(ValueError, match="no extra 'rendr'; it has dev, docs, examples, render, report, test"):
         requirements(["rendr"])
 
 
@@ -99,7 +99,7 @@ def test_missing_packages_without_root_or_sudo_are_a_sentence(tmp_path: Path) ->
 def test_make_alone_lists_the_commands() -> None:
     done = subprocess.run(["make", "--no-print-directory"], cwd=ROOT, capture_output=True, text=True, check=True)
     listed = re.findall(r"^make (\w+) +\w", done.stdout, re.MULTILINE)
-    assert {"demo", "test", "lint", "bench", "clean", "docs", "setup", "daemon", "help"} <= set(listed)
+    assert {"demo", "test", "lint", "bench", "clean", "docs", "site", "setup", "daemon", "help"} <= set(listed)
 
 
 @pytest.mark.slow

@@ -9,6 +9,7 @@ import bpy
 from lappet.background.plan import Plan, ShownFrame
 
 from ..look.quantity_scale import frame_peak, full_value
+from ..solving import frames
 
 _BUDGET = 0.01  # seconds of the main thread that one call may read frames for, in a window
 _peaks: dict[tuple[str, str], float] = {}
@@ -29,8 +30,6 @@ def scan_frames(scene: bpy.types.Scene, plan: Plan, quantity: str, patient: bool
 
     patient: read all, however long it takes (renders, scripts).
     """
-    from ..solving import frames
-
     begun = monotonic()
     for planned in plan.frames:
         if (planned.key, quantity) in _peaks or frames.frame_state(scene, planned.time) != "solved":

@@ -1,13 +1,16 @@
 """Operators of the display: presets of the look, variants and their comparison, the stage of a figure."""
 
-from pathlib import Path
-
 import bpy
 from bpy.props import EnumProperty, IntProperty, StringProperty
 
+from lappet.core.problem import RefusedError
+
+from ..events.variant import copy_scene
 from ..figure.framing import VIEWS
+from ..interface.operator_base import NO_UNDO, UNDOABLE, OperatorBase
 from . import skin_display
-from .stage import StageError, clear_stage, set_stage
+from .figure_setup import clear_stage, set_stage
+from .render_still import render_still
 
 PRESETS = {
     "OPERATION": {"color": "PLAIN", "show_plan": True, "show_hooks": True, "show_landmarks": False},
@@ -23,57 +26,48 @@ _PRESET_ITEMS = (
 )
 
 
-def _refuse(operator: bpy.types.Operator, sentence: str) -> set[str]:
-    operator.report({"ERROR"}, sentence)
-    return {"CANCELLED"}
-
-
-class LappetLookPreset(bpy.types.Operator):
+class LAPPET_OT_look_preset(OperatorBase, bpy.types.Operator):
     """Set colour and parts of the display for a purpose"""
 
     bl_idname = "lappet.look_preset"
     bl_label = "Look Preset"
-    bl_options = {"REGISTER", "UNDO"}  # noqa: RUF012
+    bl_options = UNDOABLE
 
     preset: EnumProperty(name="Preset", items=_PRESET_ITEMS)
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
-        """Sets the look's properties."""
+    def run(self, context: bpy.types.Context) -> None:
         look = context.scene.lappet.look
         for name, value in {"show_walls": True, "show_sutures": True, **PRESETS[self.preset]}.items():
             setattr(look, name, value)
-        return {"FINISHED"}
 
 
-class LappetCompare(bpy.types.Operator):
+class LAPPET_OT_compare(OperatorBase, bpy.types.Operator):
     """Show the skin of another scene beside this one, frame by frame"""
 
     bl_idname = "lappet.compare"
     bl_label = "Compare"
-    bl_options = {"REGISTER", "UNDO"}  # noqa: RUF012
+    bl_options = UNDOABLE
 
     scene: StringProperty(name="Scene", description="Its name; empty = no comparison", options={"SKIP_SAVE"})
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
-        """Sets `compare_with`."""
+    def run(self, context: bpy.types.Context) -> None:
         here = context.scene
         other = bpy.data.scenes.get(self.scene) if self.scene else None
         if self.scene and other is None:
             names = ", ".join(s.name for s in bpy.data.scenes if s != here) or "there is no other"
-            return _refuse(self, f"There is no scene {self.scene!r} to compare with; choose another scene ({names}).")
+            raise RefusedError(f"There is no scene {self.scene!r} to compare with; choose another scene ({names}).")
         if other == here:
-            return _refuse(self, f"{here.name} cannot be compared with itself; choose another scene or make a variant.")
+            raise RefusedError(f"{here.name} cannot be compared with itself; choose another scene or make a variant.")
         here.lappet.compare_with = other
         skin_display.refresh(here)
-        return {"FINISHED"}
 
 
-class LappetVariantNew(bpy.types.Operator):
+class LAPPET_OT_variant_new(OperatorBase, bpy.types.Operator):
     """Copy this scene with its procedure, go there, and show this one beside it"""
 
     bl_idname = "lappet.variant_new"
     bl_label = "New Variant"
-    bl_options = {"REGISTER", "UNDO"}  # noqa: RUF012
+    bl_options = UNDOABLE
 
     name: StringProperty(name="Name", description="Of the new scene; empty = like this one", options={"SKIP_SAVE"})
 
@@ -82,25 +76,21 @@ class LappetVariantNew(bpy.types.Operator):
         """There is a tissue whose procedure can be varied."""
         return context.scene is not None and context.scene.lappet.tissue.object is not None
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
-        """Copies the scene."""
-        from ..events.variant import copy_scene
-
+    def run(self, context: bpy.types.Context) -> None:
         here = context.scene
         made = copy_scene(here, self.name or f"{here.name} variant")
         made.lappet.compare_with = here
         if context.window is not None:
             context.window.scene = made
         skin_display.refresh(made)
-        return {"FINISHED"}
 
 
-class LappetSetStage(bpy.types.Operator):
+class LAPPET_OT_set_stage(OperatorBase, bpy.types.Operator):
     """Set camera, lights and paper, and the render, for a picture as in a textbook"""
 
     bl_idname = "lappet.set_stage"
     bl_label = "Set Stage"
-    bl_options = {"REGISTER", "UNDO"}  # noqa: RUF012
+    bl_options = UNDOABLE
 
     view: EnumProperty(
         name="View",
@@ -118,72 +108,41 @@ class LappetSetStage(bpy.types.Operator):
     height: IntProperty(name="Height", description="Pixels; 0 = the scene's", default=0, min=0, max=16384)
     samples: IntProperty(name="Samples", description="Of Cycles, a pixel", default=32, min=1, max=4096)
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
-        """Makes the stage."""
+    def run(self, context: bpy.types.Context) -> None:
         size = (self.width, self.height) if self.width and self.height else (0, 0)
-        try:
-            set_stage(context.scene, self.view.lower(), self.engine.lower(), size, self.samples)
-        except StageError as error:
-            return _refuse(self, str(error))
-        return {"FINISHED"}
+        set_stage(context.scene, self.view.lower(), self.engine.lower(), size, self.samples)
 
 
-class LappetClearStage(bpy.types.Operator):
+class LAPPET_OT_clear_stage(OperatorBase, bpy.types.Operator):
     """Remove the camera, lights and paper that Set Stage made"""
 
     bl_idname = "lappet.clear_stage"
     bl_label = "Clear Stage"
-    bl_options = {"REGISTER", "UNDO"}  # noqa: RUF012
+    bl_options = UNDOABLE
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
-        """Removes the stage."""
+    def run(self, context: bpy.types.Context) -> None:
         if not clear_stage(context.scene):
-            return _refuse(self, f"The scene {context.scene.name} has no stage; Set Stage makes one.")
-        return {"FINISHED"}
+            raise RefusedError(f"The scene {context.scene.name} has no stage; Set Stage makes one.")
 
 
-class LappetRenderStill(bpy.types.Operator):
+class LAPPET_OT_render_still(OperatorBase, bpy.types.Operator):
     """Render the current frame to a PNG file"""
 
     bl_idname = "lappet.render_still"
     bl_label = "Render Still"
-    bl_options = {"REGISTER"}  # noqa: RUF012
+    bl_options = NO_UNDO
 
     filepath: StringProperty(name="File", subtype="FILE_PATH", options={"SKIP_SAVE"})
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
-        """Renders."""
-        scene = context.scene
-        path = Path(bpy.path.abspath(self.filepath)) if self.filepath else None
-        if path is None or path.suffix.lower() != ".png":
-            return _refuse(self, f"The picture's name {self.filepath!r} does not end in .png; give a .png file.")
-        if scene.camera is None:
-            return _refuse(self, f"The scene {scene.name} has no camera; press Set Stage or add one.")
-        if not path.parent.is_dir():
-            return _refuse(self, f"There is no folder {path.parent}; make it or choose another file.")
-        before = scene.render.filepath
-        kept = scene.render.image_settings.file_format
-        try:
-            if hasattr(scene.render.image_settings, "media_type"):
-                scene.render.image_settings.media_type = "IMAGE"
-            scene.render.image_settings.file_format = "PNG"
-            scene.render.filepath = str(path)
-            bpy.ops.render.render(write_still=True, scene=scene.name)
-        except RuntimeError as error:
-            return _refuse(self, f"{path} was not written: {str(error).strip()}; see whether the folder is writable.")
-        finally:
-            scene.render.filepath = before
-            scene.render.image_settings.file_format = kept
-        if not path.is_file():
-            return _refuse(self, f"Blender wrote no picture to {path}; see whether the folder is writable.")
-        return {"FINISHED"}
+    def run(self, context: bpy.types.Context) -> None:
+        render_still(context.scene, self.filepath)
 
 
 CLASSES = (
-    LappetLookPreset,
-    LappetCompare,
-    LappetVariantNew,
-    LappetSetStage,
-    LappetClearStage,
-    LappetRenderStill,
+    LAPPET_OT_look_preset,
+    LAPPET_OT_compare,
+    LAPPET_OT_variant_new,
+    LAPPET_OT_set_stage,
+    LAPPET_OT_clear_stage,
+    LAPPET_OT_render_still,
 )

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ..look.quantity_scale import UNITS, ramp_linear
 from ..look.skin_import import set_attribute
-from .board import ROLE, find_object, make_object, remove_object, set_visible
+from .display_collection import ROLE, find_object, make_object, remove_object, set_visible
 from .look_materials import part_material
 
 _MADE_FOR = "lappet_legend"
@@ -26,7 +26,7 @@ SHARE, MARGIN = 0.27, 0.03  # of the picture's width, or of its height and a hal
 
 def show_legend(
     scene: bpy.types.Scene,
-    board: bpy.types.Collection,
+    collection: bpy.types.Collection,
     quantity: str | None,
     highest: float,
     beside: NDArray[np.float64],
@@ -35,32 +35,32 @@ def show_legend(
 
     beside: (2, 3), Blender units: lowest and highest corner of what is shown, for a scene without a camera.
     """
-    card = find_object(board, "legend")
+    card = find_object(collection, "legend")
     if quantity is None:
         if card is not None:
-            for each in (card, *_texts(board)):
+            for each in (card, *_texts(collection)):
                 set_visible(each, False)
         return
-    card = make_object(board, "legend", "Legend")
+    card = make_object(collection, "legend", "Legend")
     made_for = f"{quantity} {highest:g}"
-    if card.data.get(_MADE_FOR) != made_for or len(_texts(board)) != _TICKS + 1:
-        _build(board, card, quantity, highest)
+    if card.data.get(_MADE_FOR) != made_for or len(_texts(collection)) != _TICKS + 1:
+        _build(collection, card, quantity, highest)
         card.data[_MADE_FOR] = made_for
-    for each in (card, *_texts(board)):
+    for each in (card, *_texts(collection)):
         set_visible(each, True)
     _place(scene, card, beside)
-    for each in _texts(board):  # not parented to the card: Blender would draw dashed lines to it
+    for each in _texts(collection):  # not parented to the card: Blender would draw dashed lines to it
         if each.parent != card.parent:
             each.parent = card.parent
             each.matrix_parent_inverse = Matrix()
         _set_matrix(each, card.matrix_basis @ Matrix.Translation(each[_AT]))
 
 
-def _texts(board: bpy.types.Collection) -> list[bpy.types.Object]:
-    return [each for each in board.objects if str(each.get(ROLE, "")).startswith("legend text")]
+def _texts(collection: bpy.types.Collection) -> list[bpy.types.Object]:
+    return [each for each in collection.objects if str(each.get(ROLE, "")).startswith("legend text")]
 
 
-def _build(board: bpy.types.Collection, card: bpy.types.Object, quantity: str, highest: float) -> None:
+def _build(collection: bpy.types.Collection, card: bpy.types.Object, quantity: str, highest: float) -> None:
     rectangles: list[tuple[float, float, float, float, float]] = [(0.0, 0.0, 1.0, HEIGHT, 0.0)]
     colours = [_CARD]
     left, low, right, high = _BAR
@@ -82,13 +82,21 @@ def _build(board: bpy.types.Collection, card: bpy.types.Object, quantity: str, h
     set_attribute(mesh, "Color", "FLOAT_COLOR", "POINT", paint)
     mesh.color_attributes.active_color = mesh.color_attributes["Color"]
     mesh.materials.clear()
-    mesh.materials.append(part_material(board, "legend", 1.0))
+    mesh.materials.append(part_material(collection, "legend", 1.0))
     _unlit(card)
     unit = UNITS[quantity].strip()
-    _write(board, card, 0, f"{quantity.capitalize()}{f', {unit}' if unit else ''}", (left, high + 0.032), 0.068, "LEFT")
+    _write(
+        collection,
+        card,
+        0,
+        f"{quantity.capitalize()}{f', {unit}' if unit else ''}",
+        (left, high + 0.032),
+        0.068,
+        "LEFT",
+    )
     for k, x in enumerate(ticks):
         _write(
-            board,
+            collection,
             card,
             k + 1,
             f"{chr(0x2265) + chr(0x2009) if k == _TICKS - 1 else ''}{highest * k / (_TICKS - 1):g}",
@@ -99,7 +107,7 @@ def _build(board: bpy.types.Collection, card: bpy.types.Object, quantity: str, h
 
 
 def _write(
-    board: bpy.types.Collection,
+    collection: bpy.types.Collection,
     card: bpy.types.Object,
     number: int,
     words: str,
@@ -107,10 +115,10 @@ def _write(
     size: float,
     align: str,
 ) -> None:
-    remove_object(board, f"legend text {number}")
-    text = make_object(board, f"legend text {number}", "Legend text", "FONT")
+    remove_object(collection, f"legend text {number}")
+    text = make_object(collection, f"legend text {number}", "Legend text", "FONT")
     text.data.body, text.data.size, text.data.align_x = words, size, align
-    text.data.materials.append(part_material(board, "legend ink", 1.0))
+    text.data.materials.append(part_material(collection, "legend ink", 1.0))
     text[_AT] = (*at, 0.002)
     _unlit(text)
 

@@ -24,24 +24,24 @@ def quantity_of(look: bpy.types.PropertyGroup) -> str | None:
 
 
 def _kept(
-    board: bpy.types.Collection, role: str, made_for: str, make: Callable[[], bpy.types.Material]
+    collection: bpy.types.Collection, role: str, made_for: str, make: Callable[[], bpy.types.Material]
 ) -> bpy.types.Material:
     slot = f"material {role}"
-    material = board.get(slot)
+    material = collection.get(slot)
     if isinstance(material, bpy.types.Material) and material.get(_MADE_FOR) == made_for:
         return material
     fresh = make()
     fresh[_MADE_FOR] = made_for
-    board[slot] = fresh
+    collection[slot] = fresh
     return fresh
 
 
 def skin_materials(
-    board: bpy.types.Collection, color: str, highest: float, units: float
+    collection: bpy.types.Collection, color: str, highest: float, units: float
 ) -> tuple[bpy.types.Material, ...]:
     """One material per origin: skin, wound wall, underside, rim. color: of `COLORS`. units: Blender units per mm."""
     space = Space(units, True)
-    pixel = float(board.get("lappet_pixel", PIXEL))
+    pixel = float(collection.get("lappet_pixel", PIXEL))
     name = color.lower()
 
     def skin() -> bpy.types.Material:
@@ -50,7 +50,7 @@ def skin_materials(
             _add_tile(made, name)
         return made
 
-    first = _kept(board, f"skin {name}", f"{units:g} {pixel:.3f}", skin)
+    first = _kept(collection, f"skin {name}", f"{units:g} {pixel:.3f}", skin)
     if name in SCALARS:
         skin_material.set_full_scale(first, highest)
     others = (
@@ -58,15 +58,15 @@ def skin_materials(
         ("fat", skin_material.fat_material),
         ("rim", skin_material.rim_material),
     )
-    return (first, *(_kept(board, role, f"{units:g}", partial(make, space)) for role, make in others))
+    return (first, *(_kept(collection, role, f"{units:g}", partial(make, space)) for role, make in others))
 
 
-def has_materials(board: bpy.types.Collection, color: str) -> bool:
+def has_materials(collection: bpy.types.Collection, color: str) -> bool:
     """Whether the skin's materials were made for a colour before."""
-    return isinstance(board.get(f"material skin {color.lower()}"), bpy.types.Material)
+    return isinstance(collection.get(f"material skin {color.lower()}"), bpy.types.Material)
 
 
-def part_material(board: bpy.types.Collection, role: str, units: float) -> bpy.types.Material:
+def part_material(collection: bpy.types.Collection, role: str, units: float) -> bpy.types.Material:
     """The material of a part: bed, edge, ink, thread, steel, landmark, a legend's card or ink, a label on no paper."""
     makers: dict[str, Callable[[], bpy.types.Material]] = {
         "bed": lambda: skin_material.bed_material(Space(units, True)),
@@ -80,7 +80,7 @@ def part_material(board: bpy.types.Collection, role: str, units: float) -> bpy.t
         "legend ink": lambda: skin_material.glowing_material("Legend ink", (0.033, 0.03, 0.03, 1.0)),
     }
     made_for = f"{units:g}" if role == "bed" else "any"
-    return _kept(board, role, made_for, makers[role])
+    return _kept(collection, role, made_for, makers[role])
 
 
 def _add_tile(material: bpy.types.Material, name: str) -> None:

@@ -5,7 +5,7 @@ import bpy
 from .look_materials import quantity_of
 
 
-class LappetLookPanel(bpy.types.Panel):
+class LAPPET_PT_look(bpy.types.Panel):
     """How the solved skin is shown."""
 
     bl_idname = "LAPPET_PT_look"
@@ -38,7 +38,7 @@ class LappetLookPanel(bpy.types.Panel):
         row.operator("lappet.clear_stage", text="", icon="X")
 
 
-class LappetComparePanel(bpy.types.Panel):
+class LAPPET_PT_compare(bpy.types.Panel):
     """Two procedures side by side."""
 
     bl_idname = "LAPPET_PT_compare"
@@ -66,4 +66,4 @@ class LappetComparePanel(bpy.types.Panel):
             layout.label(text=f"{other.name} has no tissue", icon="ERROR")
 
 
-CLASSES = (LappetLookPanel, LappetComparePanel)
+CLASSES = (LAPPET_PT_look, LAPPET_PT_compare)

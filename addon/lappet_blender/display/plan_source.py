@@ -9,17 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lappet.background.plan import EpochShape, Plan, ShownFrame
-from lappet.geometry.curve import CurveError, sample_curve
+from lappet.core.problem import RefusedError
+from lappet.geometry.curve import sample_curve
+from lappet.procedure.events import Basis
 
 from ..look.skin_source import FigureError, SkinEpoch, StepEvent, Strands
+from ..model.event_kinds import BASIS_OF
 
 Lookup = Callable[[int], ShownFrame | None]
-_BASES = {"LINEAR": "linear", "CATMULL_ROM": "catmullRom", "BSPLINE": "bspline", "BEZIER": "bezier"}
-_KINDS = {"INCISION": "Incision", "EXCISION": "Excision", "UNDERMINE": "Undermine", "HOOK": "Hook"} | {
-    "RETRACTOR": "Retractor",
-    "SUTURE": "Suture",
-    "LANDMARK": "Landmark",
-}
 _COURSE = 5  # frames that tell where a hook goes
 
 
@@ -195,7 +192,7 @@ class PlanSource:
                 continue
             try:
                 line = sample_curve(points, basis, closed, step)  # type: ignore[arg-type]
-            except CurveError:
+            except RefusedError:
                 continue  # the panel says what is wrong with it
             lines.append(np.vstack([line, line[:1]]) if closed else line)
         return lines
@@ -221,13 +218,13 @@ def fitting(frame: ShownFrame | None, shape: EpochShape) -> ShownFrame | None:
     return frame
 
 
-def _curve(event: bpy.types.PropertyGroup) -> tuple[str, NDArray[np.float64], str, bool]:
+def _curve(event: bpy.types.PropertyGroup) -> tuple[str, NDArray[np.float64], Basis, bool]:
     points = np.array([p.co for p in event.points], np.float64).reshape(-1, 3)
-    return event.kind, points, _BASES[event.basis], event.closed or event.kind == "UNDERMINE"
+    return event.kind, points, BASIS_OF[event.basis], event.closed or event.kind == "UNDERMINE"
 
 
 def _step(event: bpy.types.PropertyGroup) -> StepEvent:
     end = event.start + (event.duration if event.kind == "SUTURE" else 0.0)
     return StepEvent(
-        _KINDS[event.kind], event.name, event.start, event.end if event.kind in ("HOOK", "RETRACTOR") else end
+        event.kind.capitalize(), event.name, event.start, event.end if event.kind in ("HOOK", "RETRACTOR") else end
     )

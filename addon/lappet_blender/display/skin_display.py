@@ -6,34 +6,42 @@ Everything happens in the scene itself, before Blender evaluates a frame, so tha
 from __future__ import annotations
 
 import logging
-from typing import TYPE_CHECKING
 
 import bpy
 import numpy as np
 from numpy.typing import NDArray
 
+from lappet.background.plan import Plan
+
 from ..look.skin_import import set_attribute
 from ..model.units import mm_per_unit
+from ..solving import frames
+from ..solving.shown_frame import Shown
 from . import hidden_objects
-from .board import ROLE, drop_foreign, find_board, find_object, has_stage, make_board, make_object, place, set_visible
 from .color_scale import highest_of, peak_of, scan_frames
-from .dressing import Dressing, Where
+from .display_collection import (
+    ROLE,
+    drop_foreign,
+    find_collection,
+    find_object,
+    has_figure_setup,
+    make_collection,
+    make_object,
+    place,
+    set_visible,
+)
 from .epoch_mesh import find_epoch_mesh, remove_unused, take_epoch_mesh
 from .legend import show_legend
 from .look_materials import has_materials, part_material, quantity_of, skin_materials
 from .plan_source import PlanSource, fitting
 from .skin_colors import color_vertices
+from .skin_decorations import SkinDecorations, Where
 from .solid_shading import suit_shading
-from .turn import Turn
-
-if TYPE_CHECKING:
-    from lappet.background.plan import Plan
-
-    from ..solving.shown_frame import Shown
+from .time_slice import TimeSlice
 
 _log = logging.getLogger(__name__)
 _said: set[str] = set()
-_dressings: dict[int, Dressing] = {}
+_decorations: dict[int, SkinDecorations] = {}
 _boxes: dict[str, NDArray[np.float64]] = {}
 _rendering: set[int] = set()
 _unfinished: set[int] = set()
@@ -42,27 +50,27 @@ LABEL_SIZE, LABEL_GAP = 5.0, 4.0  # mm
 
 def skin_object(scene: bpy.types.Scene) -> bpy.types.Object | None:
     """The object that shows the solved skin of a scene; None where none is shown."""
-    board = find_board(scene)
-    if board is None or board.hide_viewport:
+    collection = find_collection(scene)
+    if collection is None or collection.hide_viewport:
         return None
-    skin = find_object(board, "skin")
+    skin = find_object(collection, "skin")
     return None if skin is None or skin.hide_viewport else skin
 
 
 def show(scene: bpy.types.Scene, time: float, soon: bool | None = None) -> None:
     """Show what is known at a time; never raises: what goes wrong is logged once, in one line.
 
-    soon: what takes long is left to `carry_on`; None: in a window, unless it renders.
+    soon: what takes long is left to `continue_drawing`; None: in a window, unless it renders.
     """
     if scene.library is not None:
         return
     if soon is None:
         soon = not bpy.app.background and not _rendering
-    turn = Turn(soon)
+    time_slice = TimeSlice(soon)
     _unfinished.discard(scene.session_uid)
     try:
-        _show(scene, time, turn)
-        if turn.unfinished:
+        _show(scene, time, time_slice)
+        if time_slice.unfinished:
             _unfinished.add(scene.session_uid)
     except Exception as error:  # a handler that raises would stop a render
         line = f"The solved skin of {scene.name} cannot be shown at frame {time:g}: {type(error).__name__}: {error}"
@@ -71,7 +79,7 @@ def show(scene: bpy.types.Scene, time: float, soon: bool | None = None) -> None:
             _log.warning("%s", line, exc_info=_log.isEnabledFor(logging.DEBUG))
 
 
-def carry_on() -> bool:
+def continue_drawing() -> bool:
     """Does a turn of what was put off; whether some is left."""
     for scene in bpy.data.scenes:
         if scene.session_uid in _unfinished:
@@ -81,7 +89,7 @@ def carry_on() -> bool:
 
 
 def refresh_soon(scene: bpy.types.Scene) -> None:
-    """`refresh`, and leave to `carry_on` what takes long."""
+    """`refresh`, and leave to `continue_drawing` what takes long."""
     refresh(scene, soon=True)
 
 
@@ -93,7 +101,7 @@ def refresh(scene: bpy.types.Scene, soon: bool | None = None) -> None:
     _frames_changed(scene)
     _scan(scene)
     show(scene, scene.frame_current, soon)
-    suit_shading(scene, find_board(scene))
+    suit_shading(scene, find_collection(scene))
     for other in bpy.data.scenes:
         if other != scene and other.lappet.compare_with == scene and other.library is None:
             _scan(other)
@@ -109,21 +117,21 @@ def refresh_all() -> None:
 
 def tidy() -> None:
     """Remove epoch meshes that no object shows and no known plan holds."""
-    remove_unused({e.key for dressing in _dressings.values() for e in dressing.source.plan.epochs})
+    remove_unused({e.key for decorations in _decorations.values() for e in decorations.source.plan.epochs})
 
 
 def forget_all() -> None:
     """Before another file is loaded: nothing that is kept here belongs to it."""
-    _dressings.clear()
+    _decorations.clear()
     _said.clear()
     _unfinished.clear()
 
 
 def events_changed(scene: bpy.types.Scene) -> None:
     """The events of a scene may have changed; marks on the skin follow."""
-    dressing = _dressings.get(scene.session_uid)
-    if dressing is not None:
-        dressing.events_changed(scene)
+    decorations = _decorations.get(scene.session_uid)
+    if decorations is not None:
+        decorations.events_changed(scene)
 
 
 def prepare_render(scene: bpy.types.Scene) -> None:
@@ -139,23 +147,21 @@ def render_ended(scene: bpy.types.Scene) -> None:
     _rendering.discard(scene.session_uid)
 
 
-def is_dressed(scene: bpy.types.Scene, shown: Shown) -> bool:
+def is_decorated(scene: bpy.types.Scene, shown: Shown) -> bool:
     """Whether what the skin of a scene wears was made for the plan of what is shown."""
-    before = _dressings.get(scene.session_uid)
+    before = _decorations.get(scene.session_uid)
     return before is not None and before.source.plan.key == shown.plan.key
 
 
-def dressing_of(scene: bpy.types.Scene, shown: Shown) -> Dressing:
+def decorations_of(scene: bpy.types.Scene, shown: Shown) -> SkinDecorations:
     """What the skin of a scene wears, for the plan of what is shown."""
-    before = _dressings.get(scene.session_uid)
+    before = _decorations.get(scene.session_uid)
     if before is not None and before.source.plan.key == shown.plan.key:
         return before
 
     uid = scene.session_uid  # undo replaces the scene's data: it is looked for anew each time
 
     def lookup(time: int) -> object:
-        from ..solving import frames
-
         scene = next((each for each in bpy.data.scenes if each.session_uid == uid), None)
         if scene is None:
             return None
@@ -165,28 +171,26 @@ def dressing_of(scene: bpy.types.Scene, shown: Shown) -> Dressing:
         same = found is not None and found.plan.key == shown.plan.key and found.time == time and not found.stale
         return found.frame if found is not None and same else None
 
-    made = Dressing(PlanSource(shown.plan, scene, lookup), before)  # type: ignore[arg-type]
-    _dressings[scene.session_uid] = made
+    made = SkinDecorations(PlanSource(shown.plan, scene, lookup), before)  # type: ignore[arg-type]
+    _decorations[scene.session_uid] = made
     return made
 
 
 def shown_of(scene: bpy.types.Scene, time: float) -> Shown | None:
     """What the scene's look wants shown at a time: None where the tissue itself is to be seen."""
-    from ..solving import frames
-
     tissue = scene.lappet.tissue.object
     if not scene.lappet.look.show_solved or tissue is None or tissue.mode != "OBJECT":
         return None
     return frames.shown_at(scene, time)
 
 
-def _show(scene: bpy.types.Scene, time: float, turn: Turn) -> None:
+def _show(scene: bpy.types.Scene, time: float, time_slice: TimeSlice) -> None:
     shown = shown_of(scene, time)
-    board = find_board(scene) if shown is None else make_board(scene)
-    if board is None or shown is None:
-        _show_tissue(scene, board)
+    collection = find_collection(scene) if shown is None else make_collection(scene)
+    if collection is None or shown is None:
+        _show_tissue(scene, collection)
         return
-    set_visible(board, True)
+    set_visible(collection, True)
     units, look = 1.0 / mm_per_unit(scene), scene.lappet.look
     other = _compared(scene, time)
     quantity = quantity_of(look)
@@ -196,25 +200,25 @@ def _show(scene: bpy.types.Scene, time: float, turn: Turn) -> None:
         if other is not None:
             _take_peak(other[0], other[1], quantity)
     highest = highest_of(plans, quantity) if quantity else 1.0
-    skin = _draw_skin(scene, Where(board, "", units, (0.0, 0.0, 0.0)), shown, look, highest, turn)
+    skin = _draw_skin(scene, Where(collection, "", units, (0.0, 0.0, 0.0)), shown, look, highest, time_slice)
     if skin is None:
         return
     if scene.lappet.skin != skin:
         scene.lappet.skin = skin
     box = rest_box(shown.plan)
     if other is None:
-        _hide_others(board)
+        _hide_others(collection)
     else:
         beside = rest_box(other[1].plan)
         gap = offset_of(scene, box, beside)
-        where = Where(board, "other ", units, (gap * units, 0.0, 0.0))
-        _draw_skin(other[0], where, other[1], look, highest, turn)
+        where = Where(collection, "other ", units, (gap * units, 0.0, 0.0))
+        _draw_skin(other[0], where, other[1], look, highest, time_slice)
         beside = beside + np.array([gap, 0.0, 0.0])
-        paper = has_stage(scene)
-        _label(board, "label", scene.name, box, units, paper)
-        _label(board, "other label", other[0].name, beside, units, paper)
+        paper = has_figure_setup(scene)
+        _label(collection, "label", scene.name, box, units, paper)
+        _label(collection, "other label", other[0].name, beside, units, paper)
         box = np.stack([np.minimum(box[0], beside[0]), np.maximum(box[1], beside[1])])
-    show_legend(scene, board, quantity if look.show_legend else None, highest, box * units)
+    show_legend(scene, collection, quantity if look.show_legend else None, highest, box * units)
     _hide_tissue(scene)
     if not scene.render.use_lock_interface:
         scene.render.use_lock_interface = True
@@ -226,23 +230,23 @@ def _draw_skin(
     shown: Shown,
     look: bpy.types.PropertyGroup,
     highest: float,
-    turn: Turn,
+    time_slice: TimeSlice,
 ) -> bpy.types.Object | None:
     """Show a skin; source_scene: whose procedure it is. None where its first picture was put off."""
-    if not turn.begins(not has_materials(where.board, look.color)):
+    if not time_slice.begins(not has_materials(where.collection, look.color)):
         return None
-    materials = skin_materials(where.board, look.color, highest, where.units)
+    materials = skin_materials(where.collection, look.color, highest, where.units)
     role = f"{where.prefix}skin"
-    before = find_object(where.board, role)
+    before = find_object(where.collection, role)
     if before is not None and before.mode != "OBJECT":
         return before  # somebody edits it: what they do is lost at the next frame, but not under their hands
     shape, frame = shown.epoch, fitting(shown.frame, shown.epoch)
     known = find_epoch_mesh(
         shape, look.show_walls, before.data if before is not None and before.type == "MESH" else None
     )
-    if not turn.begins(known is None):
+    if not time_slice.begins(known is None):
         return before
-    skin = make_object(where.board, role, "Lappet skin" if not where.prefix else "Lappet skin beside")
+    skin = make_object(where.collection, role, "Lappet skin" if not where.prefix else "Lappet skin beside")
     mesh = take_epoch_mesh(shape, look.show_walls, where.units, skin.data)
     if skin.data != mesh:
         old, skin.data = skin.data, mesh
@@ -268,10 +272,10 @@ def _draw_skin(
     set_visible(skin, True)
     if skin.hide_select:
         skin.hide_select = False
-    if turn.begins(not is_dressed(source_scene, shown)):
-        dressing = dressing_of(source_scene, shown)
-        dressing.source.at(float(shown.time), shape, shown.frame)
-        dressing.draw(where, float(shown.time), look, turn)
+    if time_slice.begins(not is_decorated(source_scene, shown)):
+        decorations = decorations_of(source_scene, shown)
+        decorations.source.at(float(shown.time), shape, shown.frame)
+        decorations.draw(where, float(shown.time), look, time_slice)
     return skin
 
 
@@ -282,8 +286,6 @@ def _origins(mesh: bpy.types.Mesh) -> NDArray[np.int32]:
 
 
 def _compared(scene: bpy.types.Scene, time: float) -> tuple[bpy.types.Scene, Shown] | None:
-    from ..solving import frames
-
     other = scene.lappet.compare_with
     if other is None or other == scene:
         return None
@@ -292,8 +294,6 @@ def _compared(scene: bpy.types.Scene, time: float) -> tuple[bpy.types.Scene, Sho
 
 
 def _take_peak(scene: bpy.types.Scene, shown: Shown, quantity: str) -> None:
-    from ..solving import frames
-
     if shown.stale or shown.frame is None or frames.progress_of(scene).live:
         return
     key = next((f.key for f in shown.plan.frames if f.time == shown.time), None)
@@ -317,17 +317,17 @@ def offset_of(scene: bpy.types.Scene, own: NDArray[np.float64], theirs: NDArray[
 
 
 def _label(
-    board: bpy.types.Collection, role: str, words: str, box: NDArray[np.float64], units: float, paper: bool
+    collection: bpy.types.Collection, role: str, words: str, box: NDArray[np.float64], units: float, paper: bool
 ) -> None:
     """paper: it is read before the light paper of a figure, not before a dark viewport."""
-    text = make_object(board, role, "Lappet label", "FONT")
+    text = make_object(collection, role, "Lappet label", "FONT")
     if text.data.body != words:
         text.data.body = words
     if text.data.align_x != "CENTER":
         text.data.align_x, text.data.align_y = "CENTER", "BOTTOM"
         text.data.materials.append(None)
         text.hide_select = True
-    ink = part_material(board, "legend ink" if paper else "label", 1.0)
+    ink = part_material(collection, "legend ink" if paper else "label", 1.0)
     if text.data.materials[0] != ink:
         text.data.materials[0] = ink
     if text.data.size != np.float32(LABEL_SIZE * units):
@@ -337,15 +337,15 @@ def _label(
     set_visible(text, True)
 
 
-def _hide_others(board: bpy.types.Collection) -> None:
-    for each in board.objects:
+def _hide_others(collection: bpy.types.Collection) -> None:
+    for each in collection.objects:
         if str(each.get(ROLE, "")).startswith("other ") or each.get(ROLE) == "label":
             set_visible(each, False)
 
 
-def _show_tissue(scene: bpy.types.Scene, board: bpy.types.Collection | None) -> None:
-    if board is not None:
-        set_visible(board, False)
+def _show_tissue(scene: bpy.types.Scene, collection: bpy.types.Collection | None) -> None:
+    if collection is not None:
+        set_visible(collection, False)
     if scene.lappet.tissue.object is not None:
         hidden_objects.bring_back(scene.lappet.tissue.object)
     _show_bones(scene)
@@ -363,17 +363,13 @@ def _show_bones(scene: bpy.types.Scene) -> None:
 
 
 def _frames_changed(scene: bpy.types.Scene) -> None:
-    from ..solving import frames
-
-    dressing = _dressings.get(scene.session_uid)
-    if dressing is not None and not frames.progress_of(scene).running:
-        dressing.frames_changed()
+    decorations = _decorations.get(scene.session_uid)
+    if decorations is not None and not frames.progress_of(scene).running:
+        decorations.frames_changed()
 
 
 def _scan(scene: bpy.types.Scene, patient: bool | None = None) -> None:
     """Read what frames ask of the colour scale; in a window only a few at a time, and the rest soon."""
-    from ..solving import frames
-
     quantity = quantity_of(scene.lappet.look)
     if quantity is None:
         return

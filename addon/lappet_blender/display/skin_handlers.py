@@ -6,6 +6,7 @@ import bpy
 from bpy.app.handlers import persistent
 
 from ..model import changes
+from ..solving import frames
 from . import skin_display
 
 _looks: dict[int, tuple] = {}
@@ -90,23 +91,19 @@ _HANDLERS = (
 
 def register() -> None:
     """Add the handlers; those of the solving side come first."""
-    from ..solving import frames
-
     for name, handler in _HANDLERS:
         getattr(bpy.app.handlers, name).append(handler)
     changes.subscribe(_procedure_changed)
     frames.subscribe(skin_display.refresh_soon)
-    frames.add_follow_up(skin_display.carry_on)
+    frames.add_follow_up(skin_display.continue_drawing)
     _watch_windows()
 
 
 def unregister() -> None:
     """Take them away."""
-    from ..solving import frames
-
     bpy.msgbus.clear_by_owner(_WINDOWS)
     frames.unsubscribe(skin_display.refresh_soon)
-    frames.remove_follow_up(skin_display.carry_on)
+    frames.remove_follow_up(skin_display.continue_drawing)
     changes.unsubscribe(_procedure_changed)
     for name, handler in _HANDLERS:
         handlers = getattr(bpy.app.handlers, name)

@@ -16,12 +16,12 @@ def shading_for(look: bpy.types.PropertyGroup) -> str:
     return "TEXTURE" if look.color in ("GRID", "CHECKER") else "MATERIAL"
 
 
-def suit_shading(scene: bpy.types.Scene, board: bpy.types.Collection | None) -> None:
+def suit_shading(scene: bpy.types.Scene, collection: bpy.types.Collection | None) -> None:
     """Set the shading of this scene's Solid viewports and of Workbench, once for each choice of colour."""
     look = scene.lappet.look
-    if board is None or board.hide_viewport or board.get(_CHOSEN) == look.color:
+    if collection is None or collection.hide_viewport or collection.get(_CHOSEN) == look.color:
         return
-    board[_CHOSEN] = look.color
+    collection[_CHOSEN] = look.color
     wanted = shading_for(look)
     scene.display.shading.color_type = wanted
     manager = bpy.context.window_manager

@@ -3,15 +3,14 @@
 import bpy
 from bpy.props import BoolProperty, CollectionProperty, EnumProperty, FloatProperty, FloatVectorProperty, StringProperty
 
-from lappet.procedure import Excision, Incision, Landmark, Undermine
+from ..interface.operator_base import UNDOABLE, OperatorBase
+from ..model.event_kinds import BASES, BASIS_OF
+from ..model.event_properties import LappetPoint
+from .add_events import add_excision, add_incision, add_landmark, add_undermining
+from .operator_values import given, places
 
-from ..model.event_properties import BASES, LappetPoint
-from ..model.event_values import BASIS_OF, add_value, free_name
-from .event_check import check_events
-from .event_operator import UNDOABLE, attempt, given, places
 
-
-class LAPPET_OT_incision_add(bpy.types.Operator):
+class LAPPET_OT_incision_add(OperatorBase, bpy.types.Operator):
     """Cuts along a line on the skin"""
 
     bl_idname = "lappet.incision_add"
@@ -27,27 +26,20 @@ class LAPPET_OT_incision_add(bpy.types.Operator):
     closed: BoolProperty(name="Closed", description="The line returns to its first point", default=False)
     name: StringProperty(name="Name", description="Left out: incision and a number")
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
-        scene = context.scene
-        time = given(self, "time", scene.frame_current)
-
-        def act() -> None:
-            value = Incision(
-                free_name(scene, "INCISION", self.name),
-                time,
-                tuple(places(self.points)),
-                None if self.through else self.depth,
-                self.kerf,
-                BASIS_OF[self.basis],
-                self.closed,
-            )
-            check_events(scene, [value])
-            add_value(scene, value)
-
-        return attempt(self, act)
+    def run(self, context: bpy.types.Context) -> None:
+        add_incision(
+            context.scene,
+            places(self.points),
+            given(self, "time", context.scene.frame_current),
+            depth=None if self.through else self.depth,
+            kerf=self.kerf,
+            basis=BASIS_OF[self.basis],
+            closed=self.closed,
+            name=self.name,
+        )
 
 
-class LAPPET_OT_excise(bpy.types.Operator):
+class LAPPET_OT_excise(OperatorBase, bpy.types.Operator):
     """Takes the piece of tissue at a point away"""
 
     bl_idname = "lappet.excise"
@@ -58,19 +50,11 @@ class LAPPET_OT_excise(bpy.types.Operator):
     time: FloatProperty(name="Frame", description="When it is taken away; left out: the scene's frame")
     name: StringProperty(name="Name", description="Left out: excision and a number")
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
-        scene = context.scene
-        time = given(self, "time", scene.frame_current)
-
-        def act() -> None:
-            value = Excision(free_name(scene, "EXCISION", self.name), time, (tuple(self.point),))
-            check_events(scene, [value])
-            add_value(scene, value)
-
-        return attempt(self, act)
+    def run(self, context: bpy.types.Context) -> None:
+        add_excision(context.scene, self.point, given(self, "time", context.scene.frame_current), name=self.name)
 
 
-class LAPPET_OT_undermine_add(bpy.types.Operator):
+class LAPPET_OT_undermine_add(OperatorBase, bpy.types.Operator):
     """Frees the skin inside a closed line from its bed"""
 
     bl_idname = "lappet.undermine_add"
@@ -82,20 +66,12 @@ class LAPPET_OT_undermine_add(bpy.types.Operator):
     basis: EnumProperty(name="Line", items=BASES, default="LINEAR")
     name: StringProperty(name="Name", description="Left out: undermine and a number")
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
-        scene = context.scene
-        time = given(self, "time", scene.frame_current)
-
-        def act() -> None:
-            name = free_name(scene, "UNDERMINE", self.name)
-            value = Undermine(name, time, tuple(places(self.points)), BASIS_OF[self.basis])
-            check_events(scene, [value])
-            add_value(scene, value)
-
-        return attempt(self, act)
+    def run(self, context: bpy.types.Context) -> None:
+        time = given(self, "time", context.scene.frame_current)
+        add_undermining(context.scene, places(self.points), time, basis=BASIS_OF[self.basis], name=self.name)
 
 
-class LAPPET_OT_landmark_add(bpy.types.Operator):
+class LAPPET_OT_landmark_add(OperatorBase, bpy.types.Operator):
     """Marks a point of the skin to follow and measure"""
 
     bl_idname = "lappet.landmark_add"
@@ -107,17 +83,9 @@ class LAPPET_OT_landmark_add(bpy.types.Operator):
     label: StringProperty(name="Label", description="What reports call it; left out: its name")
     name: StringProperty(name="Name", description="Left out: landmark and a number")
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
-        scene = context.scene
-
-        def act() -> None:
-            name = free_name(scene, "LANDMARK", self.name)
-            points = tuple(places(self.points)) or (tuple(self.point),)
-            value = Landmark(name, points, self.label or name)
-            check_events(scene, [value])
-            add_value(scene, value)
-
-        return attempt(self, act)
+    def run(self, context: bpy.types.Context) -> None:
+        points = places(self.points) or [self.point]
+        add_landmark(context.scene, points, label=self.label, name=self.name)
 
 
 CLASSES = (LAPPET_OT_incision_add, LAPPET_OT_excise, LAPPET_OT_undermine_add, LAPPET_OT_landmark_add)

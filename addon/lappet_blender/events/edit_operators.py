@@ -3,43 +3,13 @@
 import bpy
 from bpy.props import BoolProperty, FloatProperty, StringProperty
 
-from lappet.core.problem import RefusedError
-
-from ..model.changes import changed
-from ..model.event_list import (
-    add_event,
-    event_index,
-    event_time,
-    find_event,
-    move_event,
-    remove_event,
-    rename_event,
-    set_points,
-    target_name,
-)
-from ..model.event_target import copy_target, is_there
-from ..model.event_values import event_value
-from ..model.tissue_values import tissue_value
-from .event_check import check_events
-from .event_operator import SHOWN, UNDOABLE, attempt, named_event
-
-_COPIED = (
-    "enabled",
-    "start",
-    "end",
-    "duration",
-    "basis",
-    "closed",
-    "through",
-    "depth",
-    "kerf",
-    "stiffness",
-    "grip",
-    "label",
-)
+from ..interface.operator_base import NO_UNDO, UNDOABLE, OperatorBase
+from ..model.event_list import event_time, remove_event, rename_event
+from .edit_events import duplicate_event, jump_to_event, retime_event, select_event
+from .operator_values import named_event
 
 
-class _OnEvent:
+class _OnEvent(OperatorBase):
     """An operator on one event."""
 
     event: StringProperty(name="Event", description="Name or identifier; left out: the active one")
@@ -56,8 +26,8 @@ class LAPPET_OT_event_remove(_OnEvent, bpy.types.Operator):
     bl_label = "Remove Event"
     bl_options = UNDOABLE
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
-        return attempt(self, lambda: remove_event(context.scene, named_event(context.scene, self.event)))
+    def run(self, context: bpy.types.Context) -> None:
+        remove_event(context.scene, named_event(context.scene, self.event))
 
 
 class LAPPET_OT_event_retime(_OnEvent, bpy.types.Operator):
@@ -70,22 +40,10 @@ class LAPPET_OT_event_retime(_OnEvent, bpy.types.Operator):
     time: FloatProperty(name="Frame", description="To which frame")
     shift: FloatProperty(name="Shift", description="By how many frames, where no frame is given")
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
-        scene = context.scene
-
-        def act() -> None:
-            event = named_event(scene, self.event)
-            before = event_time(event)
-            given = self.properties.is_property_set("time")
-            move_event(scene, event, self.time if given else before + self.shift)
-            try:
-                if event.enabled and tissue_value(scene)[0] is not None:
-                    check_events(scene, [event_value(scene, event)])
-            except RefusedError:
-                move_event(scene, event, before)
-                raise
-
-        return attempt(self, act)
+    def run(self, context: bpy.types.Context) -> None:
+        event = named_event(context.scene, self.event)
+        given = self.properties.is_property_set("time")
+        retime_event(context.scene, event, self.time if given else event_time(event) + self.shift)
 
 
 class LAPPET_OT_event_rename(_OnEvent, bpy.types.Operator):
@@ -97,14 +55,11 @@ class LAPPET_OT_event_rename(_OnEvent, bpy.types.Operator):
 
     name: StringProperty(name="Name")
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
-        def act() -> None:
-            event = named_event(context.scene, self.event)
-            got = rename_event(context.scene, event, self.name)
-            if got != self.name:
-                self.report({"INFO"}, f"It is named {got}: names are letters, digits and underscores, each given once.")
-
-        return attempt(self, act)
+    def run(self, context: bpy.types.Context) -> str | None:
+        got = rename_event(context.scene, named_event(context.scene, self.event), self.name)
+        if got == self.name:
+            return None
+        return f"It is named {got}: names are letters, digits and underscores, each given once."
 
 
 class LAPPET_OT_event_enable(_OnEvent, bpy.types.Operator):
@@ -116,11 +71,8 @@ class LAPPET_OT_event_enable(_OnEvent, bpy.types.Operator):
 
     enabled: BoolProperty(name="Enabled", default=True)
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
-        def act() -> None:
-            named_event(context.scene, self.event).enabled = self.enabled
-
-        return attempt(self, act)
+    def run(self, context: bpy.types.Context) -> None:
+        named_event(context.scene, self.event).enabled = self.enabled
 
 
 class LAPPET_OT_event_select(_OnEvent, bpy.types.Operator):
@@ -130,20 +82,8 @@ class LAPPET_OT_event_select(_OnEvent, bpy.types.Operator):
     bl_label = "Select Event"
     bl_options = UNDOABLE
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
-        scene = context.scene
-
-        def act() -> None:
-            event = named_event(scene, self.event)
-            scene.lappet.active_event = event_index(scene, event.uid)
-            layer = context.view_layer
-            if is_there(scene, event.target) and layer.objects.get(event.target.name) is not None:
-                for each in layer.objects.selected:
-                    each.select_set(False, view_layer=layer)
-                event.target.select_set(True, view_layer=layer)
-                layer.objects.active = event.target
-
-        return attempt(self, act)
+    def run(self, context: bpy.types.Context) -> None:
+        select_event(context.scene, context.view_layer, named_event(context.scene, self.event))
 
 
 class LAPPET_OT_event_jump(_OnEvent, bpy.types.Operator):
@@ -151,18 +91,10 @@ class LAPPET_OT_event_jump(_OnEvent, bpy.types.Operator):
 
     bl_idname = "lappet.event_jump"
     bl_label = "Jump to Event"
-    bl_options = SHOWN  # Blender's undo holds no frames
+    bl_options = NO_UNDO  # Blender's undo holds no frames
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
-        scene = context.scene
-
-        def act() -> None:
-            event = named_event(scene, self.event)
-            scene.lappet.active_event = event_index(scene, event.uid)
-            time = event_time(event)
-            scene.frame_set(int(time // 1), subframe=time % 1)
-
-        return attempt(self, act)
+    def run(self, context: bpy.types.Context) -> None:
+        jump_to_event(context.scene, named_event(context.scene, self.event))
 
 
 class LAPPET_OT_event_duplicate(_OnEvent, bpy.types.Operator):
@@ -174,27 +106,8 @@ class LAPPET_OT_event_duplicate(_OnEvent, bpy.types.Operator):
 
     shift: FloatProperty(name="Shift", description="How many frames later", default=0.0)
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
-        scene = context.scene
-
-        def act() -> None:
-            source = named_event(scene, self.event)
-            uid, target = source.uid, source.target
-            fields = {field: getattr(source, field) for field in _COPIED}
-            points = [tuple(point.co) for point in source.points]
-            named = not source.name.startswith(f"{source.kind.lower()}_")
-            fresh = add_event(scene, source.kind, source.name if named else "", **fields)
-            if fresh.kind == "LANDMARK":
-                fresh.label = fresh.name  # reports tell landmarks apart by their labels
-            set_points(fresh, points)
-            if target is not None:
-                fresh.target = copy_target(scene, target, fresh.uid)
-                fresh.target.name = target_name(fresh.name)
-            if self.shift:
-                move_event(scene, fresh, event_time(find_event(scene, uid)) + self.shift)
-            changed(scene)
-
-        return attempt(self, act)
+    def run(self, context: bpy.types.Context) -> None:
+        duplicate_event(context.scene, named_event(context.scene, self.event), self.shift)
 
 
 CLASSES = (

@@ -1,18 +1,12 @@
 """Operators that place hooks and retractors."""
 
-from collections.abc import Sequence
-from typing import Any
-
 import bpy
-import numpy as np
 from bpy.props import CollectionProperty, FloatProperty, FloatVectorProperty, StringProperty
 from mathutils import Euler, Matrix
 
-from lappet.procedure import Hook, Point, Retractor
-
-from ..model.event_values import add_value, free_name
-from .event_check import check_events, tissue_of
-from .event_operator import UNDOABLE, attempt, given
+from ..interface.operator_base import UNDOABLE, OperatorBase
+from .add_events import add_hook, add_retractor, straight_motion, straight_targets
+from .operator_values import given
 
 
 class LappetKey(bpy.types.PropertyGroup):
@@ -23,7 +17,7 @@ class LappetKey(bpy.types.PropertyGroup):
     rotation: FloatVectorProperty(name="Turn", description="Of a retractor", size=3, subtype="EULER")
 
 
-class LAPPET_OT_hook_add(bpy.types.Operator):
+class LAPPET_OT_hook_add(OperatorBase, bpy.types.Operator):
     """Sets a hook into the skin; its empty is keyframed like anything else"""
 
     bl_idname = "lappet.hook_add"
@@ -49,28 +43,18 @@ class LAPPET_OT_hook_add(bpy.types.Operator):
     )
     name: StringProperty(name="Name", description="Left out: hook and a number")
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
+    def run(self, context: bpy.types.Context) -> None:
         scene = context.scene
         start = given(self, "start", scene.frame_current)
         end = given(self, "end", max(scene.frame_end, start) + 1)
-        anchor = _point(self.anchor)
-
-        def act() -> None:
-            begin = _point(self.begin) if self.properties.is_property_set("begin") else anchor
-            targets: list[tuple[float, Point]] = [(key.frame, _point(key.co)) for key in self.keys]
-            if not targets:
-                targets = [(start + self.arrive, _point(self.target))]
-                if self.arrive > 0.0:
-                    targets.insert(0, (start, begin))
-            name = free_name(scene, "HOOK", self.name)
-            value = Hook(name, anchor, tuple(targets), start, end, self.stiffness)
-            check_events(scene, [value])
-            add_value(scene, value)
-
-        return attempt(self, act)
+        targets = [(key.frame, key.co) for key in self.keys]
+        if not targets:
+            begin = self.begin if self.properties.is_property_set("begin") else self.anchor
+            targets = straight_targets(begin, self.target, start, self.arrive)
+        add_hook(scene, self.anchor, targets, start, end, stiffness=self.stiffness, name=self.name)
 
 
-class LAPPET_OT_retractor_add(bpy.types.Operator):
+class LAPPET_OT_retractor_add(OperatorBase, bpy.types.Operator):
     """Grips a group of the tissue's faces and moves them with an empty"""
 
     bl_idname = "lappet.retractor_add"
@@ -89,40 +73,14 @@ class LAPPET_OT_retractor_add(bpy.types.Operator):
     )
     name: StringProperty(name="Name", description="Left out: retractor and a number")
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
+    def run(self, context: bpy.types.Context) -> None:
         scene = context.scene
         start = given(self, "start", scene.frame_current)
         end = given(self, "end", max(scene.frame_end, start) + 1)
-
-        def act() -> None:
-            tissue = tissue_of(scene)
-            faces = tissue.subsets.get(self.grip, np.zeros(0, np.int32))
-            ends = np.cumsum(tissue.face_vertex_counts)
-            corners = [
-                tissue.face_vertex_indices[ends[face] - tissue.face_vertex_counts[face] : ends[face]] for face in faces
-            ]
-            middle = tissue.points[np.unique(np.concatenate(corners))].mean(axis=0) if corners else np.zeros(3)
-            motion = [(key.frame, _matrix(key.co, key.rotation)) for key in self.keys]
-            if not motion:
-                motion = [(start, _matrix(middle)), (start + self.arrive, _matrix(middle + np.array(self.shift)))]
-                if self.arrive == 0.0 or not any(self.shift):
-                    motion = motion[:1]
-            value = Retractor(free_name(scene, "RETRACTOR", self.name), self.grip, tuple(motion), start, end)
-            check_events(scene, [value])
-            add_value(scene, value)
-
-        return attempt(self, act)
-
-
-def _point(values: Any) -> Point:
-    x, y, z = values
-    return (x, y, z)
-
-
-def _matrix(place: Any, turn: Sequence[float] = (0.0, 0.0, 0.0)) -> tuple[float, ...]:
-    """Row-major, row-vector convention."""
-    matrix = Matrix.Translation(place) @ Euler(turn).to_matrix().to_4x4()
-    return tuple(np.array(matrix.transposed()).ravel().tolist())
+        motion = [(k.frame, Matrix.Translation(k.co) @ Euler(k.rotation).to_matrix().to_4x4()) for k in self.keys]
+        if not motion:
+            motion = straight_motion(scene, self.grip, self.shift, start, self.arrive)
+        add_retractor(scene, self.grip, motion, start, end, name=self.name)
 
 
 CLASSES = (LappetKey, LAPPET_OT_hook_add, LAPPET_OT_retractor_add)

@@ -1,25 +1,15 @@
 """Operators that suture: two points, or a run of evenly spaced sutures."""
 
 import bpy
-import numpy as np
 from bpy.props import BoolProperty, CollectionProperty, FloatProperty, FloatVectorProperty, IntProperty, StringProperty
-from numpy.typing import NDArray
 
-from lappet.core.problem import RefusedError
-from lappet.geometry.closest_point import ClosestPoint
-from lappet.procedure import Incision, Point, Suture
-from lappet.tissue.fan_triangles import fan_triangles
-
+from ..interface.operator_base import UNDOABLE, OperatorBase
 from ..model.event_properties import LappetPoint
-from ..model.event_values import add_value, event_value, free_name
-from .event_check import check_events, tissue_of
-from .event_operator import UNDOABLE, attempt, given, named_event, places
-from .suture_pairs import BESIDE, across_incision, along, count_for, incision_line, length, shares_along
-
-Ends = tuple[NDArray[np.float64], NDArray[np.float64]]
+from .add_sutures import Spacing, SutureTimes, add_suture, add_suture_run, ends_across, ends_between
+from .operator_values import given, places
 
 
-class LAPPET_OT_suture_add(bpy.types.Operator):
+class LAPPET_OT_suture_add(OperatorBase, bpy.types.Operator):
     """Draws two points together and holds them"""
 
     bl_idname = "lappet.suture_add"
@@ -34,21 +24,12 @@ class LAPPET_OT_suture_add(bpy.types.Operator):
     depth: FloatProperty(name="Depth", description="Of both ends below the skin, in mm", default=0.0, min=0.0)
     name: StringProperty(name="Name", description="Left out: suture and a number")
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
-        scene = context.scene
-        start = given(self, "start", scene.frame_current)
-
-        def act() -> None:
-            name = free_name(scene, "SUTURE", self.name)
-            first, second = _sunk(scene, np.array([self.first, self.second], np.float64), self.depth)
-            value = Suture(name, (_point(first), _point(second)), start, self.duration, self.stiffness)
-            check_events(scene, [value])
-            add_value(scene, value)
-
-        return attempt(self, act)
+    def run(self, context: bpy.types.Context) -> None:
+        times = SutureTimes(given(self, "start", context.scene.frame_current), self.duration, self.stiffness)
+        add_suture(context.scene, self.first, self.second, times, depth=self.depth, name=self.name)
 
 
-class LAPPET_OT_suture_run(bpy.types.Operator):
+class LAPPET_OT_suture_run(OperatorBase, bpy.types.Operator):
     """Places evenly spaced sutures between two wound edges, or across an incision"""
 
     bl_idname = "lappet.suture_run"
@@ -89,76 +70,18 @@ class LAPPET_OT_suture_run(bpy.types.Operator):
     stiffness: FloatProperty(name="Stiffness", description="mN/mm", default=1000.0, min=0.0)
     name: StringProperty(name="Name", description="Of the first; the others are counted up. Left out: suture")
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
-        scene = context.scene
-        start = given(self, "start", scene.frame_current)
-
-        def act() -> None:
-            first, second = self._across(scene) if self.incision else self._between()
-            first, second = _sunk(scene, first, self.depth), _sunk(scene, second, self.depth)
-            stem = f"{self.name}_1" if self.name else ""
-            values: list[Suture] = []
-            taken: set[str] = set()
-            for ends in zip(first, second, strict=True):
-                name = free_name(scene, "SUTURE", stem, taken)
-                taken.add(name)
-                values.append(Suture(name, (_point(ends[0]), _point(ends[1])), start, self.duration, self.stiffness))
-            check_events(scene, values)
-            for value in values:
-                add_value(scene, value)
-
-        return attempt(self, act)
-
-    def _between(self) -> Ends:
-        edges = [places(self.first_edge), places(self.second_edge)]
-        for name, edge in zip(("first", "second"), edges, strict=True):
-            if len(edge) < 2 or length(edge) == 0.0:
-                raise RefusedError(f"The {name} edge has {len(edge)} points and no length; draw it along the wound.")
-        if self.flip:
-            edges[1].reverse()
-        shares = self._shares(0.5 * (length(edges[0]) + length(edges[1])))
-        return along(edges[0], shares), along(edges[1], shares)
-
-    def _across(self, scene: bpy.types.Scene) -> Ends:
-        event = named_event(scene, self.incision)
-        value = event_value(scene, event)
-        if not isinstance(value, Incision):
-            raise RefusedError(f"{event.name} is no incision; name one, or give two edges.")
-        skin, normals = _skin(scene)
-        bite = self.bite if self.bite > 0.0 else 0.5 * value.kerf + BESIDE
-        shares = self._shares(length(incision_line(value)))
-        return across_incision(value, shares, bite, skin, normals)
-
-    def _shares(self, size: float) -> NDArray[np.float64]:
-        set_start, set_end = (self.properties.is_property_set(name) for name in ("inset_start", "inset_end"))
-        return shares_along(
-            self.count or count_for(size, self.spacing),
-            self.inset_start if set_start else None,
-            self.inset_end if set_end else None,
+    def run(self, context: bpy.types.Context) -> None:
+        times = SutureTimes(given(self, "start", context.scene.frame_current), self.duration, self.stiffness)
+        insets = (
+            getattr(self, name) if self.properties.is_property_set(name) else None
+            for name in ("inset_start", "inset_end")
         )
-
-
-def _skin(scene: bpy.types.Scene) -> tuple[ClosestPoint, NDArray[np.float64]]:
-    """The tissue's surface at rest and the normals (m, 3) of its triangles."""
-    tissue = tissue_of(scene)
-    triangles, _ = fan_triangles(tissue)
-    corners = tissue.points[triangles]
-    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
-    return ClosestPoint(tissue.points, triangles), normals
-
-
-def _sunk(scene: bpy.types.Scene, points: NDArray[np.float64], depth: float) -> NDArray[np.float64]:
-    """Points (n, 3) on the skin moved into the tissue by `depth` mm."""
-    if depth <= 0.0:
-        return points
-    skin, normals = _skin(scene)
-    return np.asarray(points - depth * normals[skin.query(points)[0]], np.float64)
-
-
-def _point(values: NDArray[np.float64]) -> Point:
-    x, y, z = (float(v) for v in values)
-    return (x, y, z)
+        spacing = Spacing(self.count, self.spacing, *insets)
+        if self.incision:
+            ends = ends_across(context.scene, self.incision, self.bite, spacing)
+        else:
+            ends = ends_between(places(self.first_edge), places(self.second_edge), self.flip, spacing)
+        add_suture_run(context.scene, ends, times, depth=self.depth, name=self.name)
 
 
 CLASSES = (LAPPET_OT_suture_add, LAPPET_OT_suture_run)

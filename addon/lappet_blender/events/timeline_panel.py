@@ -7,9 +7,10 @@ from typing import Any
 
 import bpy
 
+from ..model.event_kinds import CUT_KINDS, HOLD_KINDS, KINDS
 from ..model.event_list import event_end, event_time, sorted_events
-from ..model.event_properties import CUT_KINDS, HOLD_KINDS, KINDS
 from ..model.event_target import is_there
+from ..solving.frames import frame_state
 
 ICONS = {kind[0]: kind[3] for kind in KINDS}
 STATES = {"solved": "CHECKMARK", "stale": "FILE_REFRESH", "failed": "ERROR", "missing": "BLANK1"}
@@ -42,8 +43,6 @@ def time_order(scene: bpy.types.Scene) -> list[int]:
 
 def state_of(scene: bpy.types.Scene, event: Any) -> str:
     """Whether the first frame of an event is solved, stale, failed or missing."""
-    from ..solving.frames import frame_state
-
     return str(frame_state(scene, max(math.ceil(event_time(event)), scene.frame_start)))
 
 

@@ -7,9 +7,9 @@ import bpy
 from bpy.props import BoolProperty, StringProperty
 from bpy_extras.io_utils import ExportHelper, ImportHelper
 
-from ..events.event_operator import SHOWN, UNDOABLE, attempt
-from .exported import write_cache, write_scene
-from .imported import look_into, read_into
+from ..interface.operator_base import NO_UNDO, UNDOABLE, OperatorBase
+from .export_usd import write_cache, write_scene
+from .import_usd import look_into, read_into
 
 CLOSED = {"DEFAULT_CLOSED"}
 _GLOB = "*.usda;*.usdc;*.usd"
@@ -19,44 +19,39 @@ def _path(operator: Any) -> Path:
     return Path(bpy.path.abspath(operator.filepath))
 
 
-class LAPPET_OT_export_procedure(bpy.types.Operator, ExportHelper):
+class LAPPET_OT_export_procedure(OperatorBase, bpy.types.Operator, ExportHelper):
     """Writes the procedure as a USD file that the command lappet solve and other programs read"""
 
     bl_idname = "lappet.export_procedure"
     bl_label = "Export Lappet Procedure"
-    bl_options = SHOWN
+    bl_options = NO_UNDO
 
     filename_ext = ".usda"
     check_extension = None
     filter_glob: StringProperty(default=_GLOB, options={"HIDDEN"})
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
-        done = attempt(self, lambda: write_scene(context.scene, _path(self)))
-        if "FINISHED" in done:
-            self.report({"INFO"}, f"Wrote {_path(self).name}.")
-        return done
+    def run(self, context: bpy.types.Context) -> str:
+        write_scene(context.scene, _path(self))
+        return f"Wrote {_path(self).name}."
 
 
-class LAPPET_OT_export_cache(bpy.types.Operator, ExportHelper):
+class LAPPET_OT_export_cache(OperatorBase, bpy.types.Operator, ExportHelper):
     """Writes the solved frames as a skin cache, a USD file over the procedure; solves nothing"""
 
     bl_idname = "lappet.export_cache"
     bl_label = "Export Lappet Skin Cache"
-    bl_options = SHOWN
+    bl_options = NO_UNDO
 
     filename_ext = ".usdc"
     check_extension = None
     filter_glob: StringProperty(default=_GLOB, options={"HIDDEN"})
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
-        beside: list[Path] = []
-        done = attempt(self, lambda: beside.append(write_cache(context.scene, _path(self))))
-        if "FINISHED" in done:
-            self.report({"INFO"}, f"Wrote {_path(self).name}, and {beside[0].name} beside it.")
-        return done
+    def run(self, context: bpy.types.Context) -> str:
+        beside = write_cache(context.scene, _path(self))
+        return f"Wrote {_path(self).name}, and {beside.name} beside it."
 
 
-class LAPPET_OT_import_procedure(bpy.types.Operator, ImportHelper):
+class LAPPET_OT_import_procedure(OperatorBase, bpy.types.Operator, ImportHelper):
     """Reads a procedure or a skin cache"""
 
     bl_idname = "lappet.import_procedure"
@@ -75,28 +70,21 @@ class LAPPET_OT_import_procedure(bpy.types.Operator, ImportHelper):
             return self.execute(context)
         return set(ImportHelper.invoke(self, context, event))
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
+    def run(self, context: bpy.types.Context) -> str:
         path, scene = _path(self), context.scene
         taken = scene.lappet.tissue.object is not None or len(scene.lappet.events) > 0
         apart = self.new_scene if self.properties.is_property_set("new_scene") else taken
-        notes: list[str] = []
-
-        def act() -> None:
-            look_into(path)  # refuses what is no USD before a scene is made for it
-            target = _fresh_scene(scene, path.stem) if apart else scene
-            try:
-                notes.extend(read_into(target, path))
-            except BaseException:
-                if apart:
-                    bpy.data.scenes.remove(target)
-                raise
-            if apart and context.window is not None:
-                context.window.scene = target
-
-        done = attempt(self, act)
-        if "FINISHED" in done:
-            self.report({"INFO"}, " ".join([f"Read {path.name}.", *notes]))
-        return done
+        look_into(path)  # refuses what is no USD before a scene is made for it
+        target = _fresh_scene(scene, path.stem) if apart else scene
+        try:
+            notes = read_into(target, path)
+        except BaseException:
+            if apart:
+                bpy.data.scenes.remove(target)
+            raise
+        if apart and context.window is not None:
+            context.window.scene = target
+        return " ".join([f"Read {path.name}.", *notes])
 
 
 class LAPPET_FH_procedure(bpy.types.FileHandler):

@@ -1,4 +1,4 @@
-"""Reads a skin cache (ARCHITECTURE.md, "The skin cache") into arrays, through whatever pxr this Python has."""
+"""Reads a skin cache (docs/skin_cache.md) into arrays, through whatever pxr this Python has."""
 
 from __future__ import annotations
 
@@ -140,7 +140,8 @@ class SkinCache:
         return self._curves("Undermine", step)
 
     def _curves(self, kind: str, step: float) -> list[NDArray[np.float64]]:
-        from lappet.geometry.curve import CurveError, sample_curve
+        from lappet.core.problem import RefusedError
+        from lappet.geometry.curve import sample_curve
 
         lines = []
         timeline = self._stage.GetPrimAtPath("/Procedure/Timeline")
@@ -154,7 +155,7 @@ class SkinCache:
             closed = kind == "Undermine" or prim.GetAttribute("wrap").Get() == "periodic"
             try:
                 line = sample_curve(np.asarray(points, np.float64) * self._mm, basis, closed, step)
-            except CurveError:
+            except RefusedError:
                 continue  # the picture shows the solved skin; a curve that check would refuse is left out
             lines.append(np.vstack([line, line[:1]]) if closed else line)
         return lines

@@ -15,7 +15,7 @@ import bpy
 
 from .changes import changed
 from .decimals import decimal
-from .event_properties import HOLD_KINDS, KINDS
+from .event_kinds import HOLD_KINDS, KINDS
 from .event_target import EVENT_TAG, followers, remove_target, shift_keyframes
 
 KIND_NAMES = tuple(kind[0] for kind in KINDS)

@@ -15,24 +15,8 @@ from bpy.props import (
 )
 
 from .changes import property_changed
-
-KINDS = (
-    ("INCISION", "Incision", "A cut along a line on the skin", "SCULPTMODE_HLT", 0),
-    ("EXCISION", "Excision", "Takes a piece of tissue away", "TRASH", 1),
-    ("UNDERMINE", "Undermining", "Frees the skin inside a line from its bed", "MOD_EXPLODE", 2),
-    ("HOOK", "Hook", "Pulls a point of the skin to a target", "HOOK", 3),
-    ("RETRACTOR", "Retractor", "Grips faces of the skin and moves them as one", "VIEW_PAN", 4),
-    ("SUTURE", "Suture", "Draws two points together and holds them", "LINKED", 5),
-    ("LANDMARK", "Landmark", "Points to follow and measure", "EMPTY_AXIS", 6),
-)
-BASES = (
-    ("LINEAR", "Straight", "Straight from point to point"),
-    ("CATMULL_ROM", "Smooth", "A smooth curve through the points"),
-    ("BSPLINE", "B-spline", "A smoother curve near the points"),
-    ("BEZIER", "Bézier", "Cubic Bézier segments: a point, two handles, a point ..."),
-)
-CUT_KINDS = frozenset({"INCISION", "EXCISION", "UNDERMINE"})
-HOLD_KINDS = frozenset({"HOOK", "RETRACTOR"})
+from .event_kinds import BASES, KINDS
+from .event_list import move_event, rename_event
 
 
 class LappetPoint(bpy.types.PropertyGroup):
@@ -52,8 +36,6 @@ def _title(event: "LappetEvent") -> str:
 
 
 def _set_title(event: "LappetEvent", title: str) -> None:
-    from .event_list import rename_event
-
     rename_event(event.id_data, event, title)
 
 
@@ -62,8 +44,6 @@ def _moment(event: "LappetEvent") -> float:
 
 
 def _set_moment(event: "LappetEvent", start: float) -> None:
-    from .event_list import move_event
-
     move_event(event.id_data, event, start)
 
 

@@ -12,16 +12,16 @@ from mathutils import Matrix
 
 from lappet.core.problem import RefusedError
 from lappet.geometry.rigid_motion import RigidMotion
-from lappet.procedure import Basis, Event, Excision, Hook, Incision, Landmark, Point, Retractor, Suture, Undermine
+from lappet.procedure import Event, Excision, Hook, Incision, Landmark, Point, Retractor, Suture, Undermine
 
 from .changes import changed
 from .decimals import decimal
+from .event_kinds import BASIS_OF
 from .event_list import add_event, event_time, numbered_name, set_points, target_name, unique_name
 from .event_target import is_there, make_target, set_keyframes
 from .target_samples import hook_samples, motion_samples
 from .units import mm_per_unit, to_world
 
-BASIS_OF: dict[str, Basis] = {"LINEAR": "linear", "CATMULL_ROM": "catmullRom", "BSPLINE": "bspline", "BEZIER": "bezier"}
 _BASIS_NAMES = {basis: name for name, basis in BASIS_OF.items()}
 TARGET_MM = 1.0  # radius at which a target is drawn
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lappet.core.problem import RefusedError
-from lappet.geometry.surface_check import check_finite
+from lappet.geometry.mesh_faults import refuse_unreadable
 
 from .mesh_values import GROUP
 from .units import mm_per_unit
@@ -60,7 +60,7 @@ def _check(
     uv: NDArray[np.float32] | None,
     groups: Mapping[str, NDArray[np.integer]],
 ) -> None:
-    check_finite(points, counts, indices, name)  # type: ignore[arg-type]
+    refuse_unreadable(name, points, counts, indices)
     if len(counts) and counts.min() < 3:
         raise RefusedError(f"{name}: a face has {counts.min()} corners; give every face at least 3")
     if uv is not None and len(uv) != len(indices):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import bpy
 
+from .keyframes import curves_of
 from .scene_problem import SceneProblem, problem
 from .world_matrix import keeps_shape, stretch, world_matrix
 
@@ -82,8 +83,6 @@ def _moved_by(obj: bpy.types.Object) -> str:
     active = [constraint.name for constraint in obj.constraints if constraint.enabled and constraint.influence > 0.0]
     if active:
         return f"the constraint {active[0]}"
-    from .keyframes import curves_of
-
     if any(curve.data_path.startswith(_MOVES) for curve in curves_of(obj)):
         return "keyframes"
     if obj.animation_data is not None and any(d.data_path.startswith(_MOVES) for d in obj.animation_data.drivers):

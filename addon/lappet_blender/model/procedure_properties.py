@@ -12,17 +12,21 @@ from bpy.props import (
     StringProperty,
 )
 
+from lappet.procedure import MODELS
+
 from .changes import property_changed
 from .event_properties import LappetEvent
 
 VERSION = 1  # of these properties; `migrate.py` brings older files up to it
 
-MODELS = (
-    ("corotated", "Corotated", "Linear elasticity that turns with the tissue"),
-    ("neoHookean", "Neo-Hookean", "Rubber-like: the usual choice for skin at small stretch"),
-    ("stableNeoHookean", "Stable neo-Hookean", "Finite even where cells are turned inside out"),
-    ("mooneyRivlin", "Mooney–Rivlin", "Two moduli"),
-)
+# What the menu says of a model; one that is not here shows its name.
+MODEL_TEXTS = {
+    "corotated": ("Corotated", "Linear elasticity that turns with the tissue"),
+    "neoHookean": ("Neo-Hookean", "Rubber-like: the usual choice for skin at small stretch"),
+    "stableNeoHookean": ("Stable neo-Hookean", "Finite even where cells are turned inside out"),
+    "mooneyRivlin": ("Mooney–Rivlin", "Two moduli"),
+}
+MODEL_ITEMS = tuple((name, *MODEL_TEXTS.get(name, (name, ""))) for name in MODELS)
 COLORS = (
     ("PLAIN", "Skin", "Plain skin"),
     ("GRID", "Grid", "A printed grid of millimetres that shows how the skin moves"),
@@ -36,7 +40,7 @@ COLORS = (
 class LappetMaterial(bpy.types.PropertyGroup):
     """A material (`lappet.procedure.procedure.Material`); `name` is its name."""
 
-    model: EnumProperty(name="Model", items=MODELS, default="neoHookean", update=property_changed)
+    model: EnumProperty(name="Model", items=MODEL_ITEMS, default="neoHookean", update=property_changed)
     youngs_modulus: FloatProperty(
         name="Young's modulus", description="kPa", default=50.0, min=1e-6, update=property_changed
     )

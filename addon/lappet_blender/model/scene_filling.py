@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 from lappet.procedure import Bone, Procedure, Tissue
 
 from .changes import changed
+from .event_list import add_event, remove_event
+from .event_values import set_event
 from .material_values import set_material, set_region
 from .mesh_objects import mesh_object
 from .procedure_properties import VERSION
@@ -54,11 +56,8 @@ def _polygons(mesh: Tissue | Bone) -> tuple[NDArray[np.float64], NDArray[np.int3
 
 
 def _clear(scene: bpy.types.Scene) -> None:
-    if len(scene.lappet.events):
-        from .event_list import remove_event
-
-        while len(scene.lappet.events):
-            remove_event(scene, scene.lappet.events[-1])
+    while len(scene.lappet.events):
+        remove_event(scene, scene.lappet.events[-1])
     for name in ("bones", "materials", "regions"):
         getattr(scene.lappet, name).clear()
 
@@ -89,10 +88,5 @@ def _timeline(scene: bpy.types.Scene, procedure: Procedure) -> list[str]:
 
 
 def _events(scene: bpy.types.Scene, procedure: Procedure) -> None:
-    if not procedure.events:
-        return
-    from .event_list import add_event
-    from .event_values import set_event
-
     for value in procedure.events:
         set_event(scene, add_event(scene, value.kind.upper(), name=value.name), value)

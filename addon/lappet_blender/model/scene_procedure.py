@@ -10,6 +10,7 @@ from lappet.core.problem import Problem, RefusedError
 from lappet.procedure import Event, Procedure
 
 from .decimals import decimal
+from .event_values import event_value
 from .material_values import material_values
 from .scene_filling import fill_scene
 from .scene_problem import problem
@@ -46,10 +47,6 @@ def read_scene(scene: bpy.types.Scene) -> SceneReading:
 
 
 def _events(scene: bpy.types.Scene, problems: list[Problem]) -> tuple[Event, ...]:
-    if not any(each.enabled for each in scene.lappet.events):
-        return ()
-    from .event_values import event_value
-
     found = []
     for each in scene.lappet.events:
         if not each.enabled:

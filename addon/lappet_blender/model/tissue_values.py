@@ -97,7 +97,7 @@ def tissue_value(scene: bpy.types.Scene) -> tuple[Tissue | None, list[Problem]]:
     return kept.tissue, list(kept.problems)
 
 
-def tissue_at_hand(scene: bpy.types.Scene) -> bool:
+def tissue_is_ready(scene: bpy.types.Scene) -> bool:
     """Whether `tissue_value` answers at once; where it would not, what it waits for is begun on a thread."""
     settings = scene.lappet.tissue
     obj = settings.object

@@ -17,13 +17,12 @@ import bpy
 from lappet.background.plan import Plan, PlannedFrame, ShownFrame, SolveSettings
 from lappet.core.problem import Problem
 from lappet.procedure import Point, Procedure
-from lappet.solve.store import FrameStore, default_folder
+from lappet.solve.store import FrameStore
 
 from . import workers
-from .carry_over import CarryOver
-from .pace import Pace
+from .frame_cache import FrameCache
+from .frame_copy import FrameCopy
 from .plan_memory import PlanMemory
-from .shelf import Shelf
 from .solve_settings import frame_store, solve_settings
 
 if TYPE_CHECKING:
@@ -70,7 +69,7 @@ class Live:
     frame: ShownFrame | None = None
     seconds: float = 0.0
     converged: bool = True
-    in_doubt: bool = False  # a property has changed: it may be one that the procedure is made of
+    needs_check: bool = False  # a property has changed: it may be one that the procedure is made of
 
 
 @dataclass(frozen=True)
@@ -106,7 +105,7 @@ class Controller:
     job: Job | None = None
     planning: Job | None = None
     live: Live | None = None
-    carrying: CarryOver | None = None
+    copying: FrameCopy | None = None
     failure: Failure | None = None
     notes: deque[str] = field(default_factory=lambda: deque(maxlen=NOTES))
     cells: float = 0.0  # of the lattice as solved; 0 = none was yet
@@ -114,20 +113,20 @@ class Controller:
     changed_at: float = 0.0
     read_at: float = -math.inf
     read_seconds: float = 0.0
-    vitals: tuple[object, ...] = ()
+    polled_state: tuple[object, ...] = ()
     revision: int = 0  # counts up whenever a state or what is shown may have changed
-    told: int = 0  # the revision that listeners were told of
+    notified: int = 0  # the revision that listeners were notified of
     known: set[str] = field(default_factory=set)  # keys of frames that the store or the memory holds
     states: tuple[int, dict[int, str]] = (-1, {})
 
-    def touch(self) -> None:
+    def mark_dirty(self) -> None:
         """The scene may have changed: it is to be read again."""
         now = monotonic()
         self.changed_at = now
         if self.dirty_since is None:
             self.dirty_since = now
 
-    def bump(self) -> None:
+    def notify(self) -> None:
         """What is shown, or a state, may have changed."""
         self.revision += 1
 
@@ -138,25 +137,25 @@ class Controller:
         return self.client
 
     def holds(self, key: str) -> bool:
-        """Whether a frame is there, in memory or in the store (asked once; see `look_again`)."""
+        """Whether a frame is there, in memory or in the store (asked once; see `recheck_frames`)."""
         return key in self.known
 
-    def look_again(self, *plans: Plan) -> None:
+    def recheck_frames(self, *plans: Plan) -> None:
         """Asks the store anew which frames of these plans it holds."""
         for plan in plans:
             for frame in plan.frames:
-                if frame.key in shelf or frame.key in self.store:
+                if frame.key in frame_cache or frame.key in self.store:
                     self.known.add(frame.key)
                 else:
                     self.known.discard(frame.key)
-        self.bump()
+        self.notify()
 
     def note(self, sentence: str) -> None:
         """A sentence for the panel; the same one twice is shown once."""
         if sentence in self.notes:
             self.notes.remove(sentence)
         self.notes.append(sentence)
-        self.bump()
+        self.notify()
 
     def newest(self) -> Plan | None:
         """The plan in force, or while it is not known the one before."""
@@ -178,18 +177,9 @@ class Controller:
         self.client = self.job = self.planning = self.live = None
 
 
-shelf = Shelf()
+frame_cache = FrameCache()
 plans = PlanMemory()
 _controllers: dict[int, Controller] = {}
-_pace: Pace | None = None
-
-
-def pace() -> Pace:
-    """The measure of this machine, beside the user's store."""
-    global _pace
-    if _pace is None:
-        _pace = Pace(default_folder())
-    return _pace
 
 
 def controller_of(scene: bpy.types.Scene) -> Controller:

@@ -46,7 +46,7 @@ def count_states(controller: Controller) -> dict[State, int]:
     return counts
 
 
-def stands(controller: Controller, time: float) -> bool:
+def is_current(controller: Controller, time: float) -> bool:
     """Whether the newest plan's frame at a time is what the procedure asks for, as far as it is known by now."""
     return controller.plan is not None or time < controller.changed_from
 
@@ -60,7 +60,7 @@ def _times(controller: Controller) -> range:
 
 def _state(controller: Controller, time: int) -> State:
     newest = controller.newest()
-    frame = None if newest is None or not stands(controller, time) else frame_at(newest, time)
+    frame = None if newest is None or not is_current(controller, time) else frame_at(newest, time)
     if frame is not None:
         if controller.holds(frame.key):
             return "solved"

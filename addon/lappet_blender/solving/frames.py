@@ -122,11 +122,12 @@ def follow_up() -> bool:
     return any(more)
 
 
-def announce(scene: bpy.types.Scene, controller: Controller) -> None:
-    """Tells the listeners, if anything changed since they were told last; an error of one keeps it from no other."""
-    if controller.told == controller.revision:
+def notify_listeners(scene: bpy.types.Scene, controller: Controller) -> None:
+    """Notify the listeners if anything has changed since they were last notified; an error of one does not stop the
+    others."""
+    if controller.notified == controller.revision:
         return
-    controller.told = controller.revision
+    controller.notified = controller.revision
     errors = []
     for listener in list(_listeners):
         try:

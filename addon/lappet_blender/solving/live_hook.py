@@ -45,7 +45,7 @@ def start_live(scene: bpy.types.Scene, hook: str = "") -> Live:
     controller.job, controller.planning, controller.failure = job, None, None
     controller.live = Live(event.name, event.uid, time, number, target=_place(scene, event.target))
     scene.lappet.solving.live = True
-    controller.bump()
+    controller.notify()
     return controller.live
 
 
@@ -60,8 +60,8 @@ def step_live(scene: bpy.types.Scene, controller: Controller) -> None:
     if not scene.lappet.solving.live or event is None or event.target is None or scene.frame_current != live.time:
         stop_live(scene, controller)
         return
-    if live.in_doubt:
-        live.in_doubt = False
+    if live.needs_check:
+        live.needs_check = False
         if not _still_holds(scene, controller, live):
             stop_live(scene, controller)
             return
@@ -85,8 +85,8 @@ def stop_live(scene: bpy.types.Scene, controller: Controller, *, may_key: bool =
     event = find_event(scene, live.event_uid or live.hook)
     target = None if event is None else event.target
     keyed = may_key and live.moved and target is not None and _key(scene, target, live)
-    controller.touch()
-    controller.bump()
+    controller.mark_dirty()
+    controller.notify()
     return keyed
 
 

@@ -3,49 +3,41 @@
 import bpy
 from bpy.props import StringProperty
 
-from lappet.core.problem import RefusedError
-
+from ..interface.operator_base import NO_UNDO, OperatorBase
 from .controller import controller_of, find_controller
-from .frames import announce
+from .frames import notify_listeners
 from .live_hook import start_live, stop_live
 from .scene_watch import reading
-
-_OPTIONS = {"REGISTER"}
 
 
 def _stop(scene: bpy.types.Scene) -> None:
     """Ends live mode; a keyframe that this sets is an act of its own to undo."""
     controller = controller_of(scene)
     keyed = stop_live(scene, controller)
-    announce(scene, controller)
+    notify_listeners(scene, controller)
     if keyed:
         bpy.ops.ed.undo_push(message="Drag Hook")
 
 
-class LAPPET_OT_live(bpy.types.Operator):
+class LAPPET_OT_live(OperatorBase, bpy.types.Operator):
     """Drag the target of the active hook and see the skin follow; again, Return or Esc ends it"""
 
     bl_idname = "lappet.live"
     bl_label = "Live"
-    bl_options = _OPTIONS
+    bl_options = NO_UNDO
 
     hook: StringProperty(name="Hook", description="Its name; empty = the active event", options={"SKIP_SAVE"})
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
+    def run(self, context: bpy.types.Context) -> None:
         """Without a window it only switches: the timer follows the target."""
         scene = context.scene
         controller = controller_of(scene)
         if controller.live is not None:
             _stop(scene)
-            return {"FINISHED"}
-        try:
-            with reading():
-                start_live(scene, self.hook)
-        except RefusedError as refused:
-            self.report({"ERROR"}, str(refused))
-            return {"CANCELLED"}
-        announce(scene, controller)
-        return {"FINISHED"}
+            return
+        with reading():
+            start_live(scene, self.hook)
+        notify_listeners(scene, controller)
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         """In a window it runs until a key ends it."""

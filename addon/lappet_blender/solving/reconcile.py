@@ -21,9 +21,10 @@ from lappet.procedure import Procedure
 from lappet.solve.store import FrameStore
 
 from ..model.migrate import from_newer_version
-from .carry_over import CarryOver
+from ..model.scene_procedure import read_scene
 from .controller import PAST_PLANS, Controller, Job, plans
 from .first_change import first_change
+from .frame_copy import FrameCopy
 from .solve_settings import frame_store, solve_settings
 
 QUIET = 0.1  # seconds without a change before the scene is read
@@ -44,8 +45,6 @@ def due(controller: Controller) -> bool:
 
 def reconcile(scene: bpy.types.Scene, controller: Controller, *, ask: bool = True) -> None:
     """Reads the scene now. ask: have the worker plan what is not known."""
-    from ..model.scene_procedure import read_scene
-
     started = time.monotonic()
     controller.dirty_since = None
     reading = read_scene(scene)
@@ -55,7 +54,7 @@ def reconcile(scene: bpy.types.Scene, controller: Controller, *, ask: bool = Tru
         _move(controller, store)
     _take(controller, reading.procedure, settings, (*reading.problems, *_newer(scene)))
     if ask:
-        ask_for_plan(controller)
+        request_plan(controller)
     controller.read_at = time.monotonic()
     controller.read_seconds = controller.read_at - started
 
@@ -76,7 +75,7 @@ def _newer(scene: bpy.types.Scene) -> tuple[Problem, ...]:
     )
 
 
-def ask_for_plan(controller: Controller) -> None:
+def request_plan(controller: Controller) -> None:
     """Has the worker plan the procedure in the background, where its plan is neither known nor refused."""
     if controller.procedure is None or not controller.key or controller.plan is not None or controller.refused:
         return
@@ -85,7 +84,7 @@ def ask_for_plan(controller: Controller) -> None:
     with reporting(controller):
         number = controller.solver().plan(controller.procedure, controller.settings)
         controller.planning = Job(number, "plan", controller.key, controller.procedure, controller.settings)
-        controller.bump()
+        controller.notify()
 
 
 @contextlib.contextmanager
@@ -95,7 +94,7 @@ def reporting(controller: Controller) -> Iterator[None]:
         yield
     except (RefusedError, RuntimeError, OSError) as error:
         controller.refused = (Problem(ProblemCode.UNSORTED, "solver", "", str(error), "Then press Solve again."),)
-        controller.bump()
+        controller.notify()
 
 
 def identity() -> str:
@@ -144,13 +143,13 @@ def _take(
 ) -> None:
     if problems != controller.problems:
         controller.problems = problems
-        controller.bump()
+        controller.notify()
     if procedure is None or any(problem.severity == "error" for problem in problems):
         _retire(controller)
         controller.procedure, controller.key, controller.refused = procedure, "", ()
         controller.changed_from = _still_holds(controller, procedure, settings)
         stop_obsolete(controller)
-        controller.bump()
+        controller.notify()
         return
     same = controller.key and settings == controller.settings and procedure == controller.procedure
     if same and (controller.plan is not None or plans.refused(controller.key) is not None):
@@ -167,7 +166,7 @@ def _take(
                 ProblemCode.UNSORTED, "solver", "", str(error), "Install Lappet again, or repair its installation."
             ),
         )
-        controller.bump()
+        controller.notify()
         return
     if key != controller.key:
         _retire(controller)
@@ -178,19 +177,19 @@ def _take(
     controller.refused = plans.refused(key) or ()
     controller.plan = plans.find(key, controller.store)
     if controller.plan is not None:
-        put_in_force(controller)
+        activate_plan(controller)
     else:
         controller.changed_from = _still_holds(controller, procedure, settings)
     stop_obsolete(controller)
-    controller.bump()
+    controller.notify()
 
 
-def put_in_force(controller: Controller) -> None:
+def activate_plan(controller: Controller) -> None:
     """The plan of the key is known now: looks which of its frames are there."""
     assert controller.plan is not None
     if controller.procedure is not None:
         controller.past_of = (controller.procedure, controller.settings)
-    controller.look_again(controller.plan)
+    controller.recheck_frames(controller.plan)
 
 
 def _retire(controller: Controller) -> None:
@@ -218,17 +217,17 @@ def _move(controller: Controller, store: FrameStore) -> None:
     controller.release()
     every = [*([controller.plan] if controller.plan else []), *controller.past]
     if every:
-        controller.carrying = CarryOver(every, controller.store, store)
+        controller.copying = FrameCopy(every, controller.store, store)
     controller.store = store
-    controller.look_again(*every)
+    controller.recheck_frames(*every)
 
 
-def take_carried(controller: Controller) -> None:
+def finish_copying(controller: Controller) -> None:
     """Frames that were copied to another folder are there now."""
-    carrying = controller.carrying
-    if carrying is None or not carrying.done:
+    copying = controller.copying
+    if copying is None or not copying.done:
         return
-    controller.carrying = None
-    if carrying.trouble:
-        controller.note(carrying.trouble)
-    controller.look_again(*([controller.plan] if controller.plan else []), *controller.past)
+    controller.copying = None
+    if copying.trouble:
+        controller.note(copying.trouble)
+    controller.recheck_frames(*([controller.plan] if controller.plan else []), *controller.past)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import bpy
 
-from . import controller, live_operator, pump, reconcile, scene_watch, solve_operators, solve_panel
+from . import controller, live_operator, reconcile, scene_watch, solve_operators, solve_panel, solve_timer
 
 _CLASSES = (*solve_operators.CLASSES, *live_operator.CLASSES, *solve_panel.CLASSES)
 
@@ -14,14 +14,14 @@ def register() -> None:
     for each in _CLASSES:
         bpy.utils.register_class(each)
     scene_watch.register()
-    pump.register()
+    solve_timer.register()
     reconcile.warm_up()
 
 
 def unregister() -> None:
     """Takes them away again and ends every worker."""
-    pump.unregister()
+    solve_timer.unregister()
     scene_watch.unregister()
-    controller.shelf.close()
+    controller.frame_cache.close()
     for each in reversed(_CLASSES):
         bpy.utils.unregister_class(each)

@@ -16,7 +16,7 @@ from ..model import changes, target_samples
 from ..model.migrate import migrate
 from . import workers
 from .controller import Controller, controller_of, controllers, find_controller, forget_all, plans, scene_of
-from .frames import announce
+from .frames import notify_listeners
 from .live_hook import stop_live
 from .reconcile import reconcile
 from .solve_settings import frame_folder
@@ -41,14 +41,14 @@ def read_now(scene: bpy.types.Scene, *, ask: bool = True) -> Controller:
     controller = controller_of(scene)
     with reading():
         reconcile(scene, controller, ask=ask)
-    announce(scene, controller)
+    notify_listeners(scene, controller)
     return controller
 
 
-def check_vitals(scene: bpy.types.Scene, controller: Controller) -> None:
+def check_polled_state(scene: bpy.types.Scene, controller: Controller) -> None:
     """Compares what Blender does not tell about."""
     tissue = scene.lappet.tissue.object
-    vitals = (
+    polled_state = (
         scene.frame_start,
         scene.frame_end,
         scene.render.fps,
@@ -62,9 +62,9 @@ def check_vitals(scene: bpy.types.Scene, controller: Controller) -> None:
         len(scene.lappet.regions),
         frame_folder(scene),
     )
-    if vitals != controller.vitals:
-        controller.vitals = vitals
-        controller.touch()
+    if polled_state != controller.polled_state:
+        controller.polled_state = polled_state
+        controller.mark_dirty()
 
 
 def relevant(scene: bpy.types.Scene) -> set[int]:
@@ -97,9 +97,9 @@ def _changed(scene: bpy.types.Scene) -> None:
         return
     controller = controller_of(scene)
     if controller.live is not None and not _updating:  # else it is a target that moved
-        controller.live.in_doubt = True
+        controller.live.needs_check = True
     target_samples.forget()
-    controller.touch()
+    controller.mark_dirty()
 
 
 def _update_begins(*_: object) -> None:
@@ -134,7 +134,7 @@ def _depsgraph_updated(_scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) 
             continue
         if not relevant(each).isdisjoint(ids):
             target_samples.forget()
-            other.touch()
+            other.mark_dirty()
 
 
 def _undone(*_: object) -> None:
@@ -149,7 +149,7 @@ def _undone(*_: object) -> None:
                 reconcile(scene, controller)
             read.append((scene, controller))
     for scene, controller in read:
-        announce(scene, controller)
+        notify_listeners(scene, controller)
 
 
 def _before_load(*_: object) -> None:
@@ -169,10 +169,10 @@ def _loaded(*_: object) -> None:
         plan = plans.find(last, controller.store) if last else None
         if plan is not None:
             controller.past = [plan]
-            controller.look_again(plan)
+            controller.recheck_frames(plan)
         read_now(scene, ask=False)  # planning waits for the timer, or for somebody who solves
         if controller.plan is None:
-            controller.touch()
+            controller.mark_dirty()
 
 
 def _before_save(*_: object) -> None:

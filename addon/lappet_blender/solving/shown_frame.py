@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 from lappet.background.plan import EpochShape, Plan, PlannedFrame, ShownFrame
 
-from .controller import Controller, frame_at, shelf
-from .frame_states import stands
+from .controller import Controller, frame_at, frame_cache
+from .frame_states import is_current
 
 AHEAD, BEHIND = 12, 4  # frames that are read before they are asked for
 
@@ -50,13 +50,13 @@ def read_neighbours(controller: Controller, time: float) -> None:
     index = math.floor(time + 1e-6) - plan.frames[0].time
     near = [*range(index + 1, index + AHEAD + 1), *range(index - 1, index - BEHIND - 1, -1)]
     keys = [plan.frames[i].key for i in near if 0 <= i < len(plan.frames)]
-    keys = [key for key in keys if controller.holds(key) and key not in shelf]
+    keys = [key for key in keys if controller.holds(key) and key not in frame_cache]
     if keys:
-        shelf.read_ahead(keys, controller.store)
+        frame_cache.read_ahead(keys, controller.store)
 
 
 def _own_frame(controller: Controller, plan: Plan, own: PlannedFrame) -> Shown | None:
-    return _loaded(controller, plan, own, stale=False) if stands(controller, own.time) else None
+    return _loaded(controller, plan, own, stale=False) if is_current(controller, own.time) else None
 
 
 def _older(controller: Controller, at: int) -> Shown | None:
@@ -81,9 +81,9 @@ def _loaded(controller: Controller, plan: Plan, frame: PlannedFrame, *, stale: b
     """The frame from memory or the store; one that has vanished from the store meanwhile counts as missing."""
     if not controller.holds(frame.key):
         return None
-    loaded = shelf.get(frame.key, controller.store)
+    loaded = frame_cache.get(frame.key, controller.store)
     if loaded is None:
         controller.known.discard(frame.key)
-        controller.bump()
+        controller.notify()
         return None
     return Shown(plan, plan.epochs[frame.epoch], frame.time, loaded, stale)

@@ -8,9 +8,9 @@ import bpy
 
 from lappet.core.problem import Problem, RefusedError
 
-from .controller import Job, controller_of, plans, shelf
+from .controller import Job, controller_of, controllers, frame_cache, plans
 from .frames import problems_of
-from .reconcile import ask_for_plan, reconcile
+from .reconcile import reconcile, request_plan
 
 
 def start_solve(scene: bpy.types.Scene, until: int | None = None) -> Job:
@@ -43,7 +43,7 @@ def start_solve(scene: bpy.types.Scene, until: int | None = None) -> Job:
     job.total = len(frames) if until is None else until - frames[0] + 1
     controller.job = job
     controller.planning = None  # a solve cancels it, and tells the plan itself
-    controller.bump()
+    controller.notify()
     return job
 
 
@@ -55,7 +55,7 @@ def cancel_solve(scene: bpy.types.Scene) -> bool:
         return False
     controller.client.cancel(job.number)
     job.cancelled = True
-    controller.bump()
+    controller.notify()
     return True
 
 
@@ -69,7 +69,7 @@ def start_plan(scene: bpy.types.Scene) -> None:
     if controller.procedure is None or not controller.key:
         raise RefusedError(first_sentence(problems_of(scene)))
     controller.refused = ()
-    ask_for_plan(controller)
+    request_plan(controller)
     refuse_problems(controller.refused)
 
 
@@ -85,31 +85,29 @@ def clear_frames(scene: bpy.types.Scene) -> int:
     keys = {frame.key for plan in every for frame in plan.frames}
     there = [key for key in keys if controller.holds(key)]
     for key in keys:
-        shelf.drop(key)
+        frame_cache.drop(key)
         plans.failures.pop(key, None)
         _remove(controller.store.path(key))
     controller.past.clear()
     controller.failure = None
-    look_everywhere()
+    recheck_all_scenes()
     return len(there)
 
 
 def reload_frames(scene: bpy.types.Scene) -> None:
     """Forgets what is in memory and looks into the store again: another program may have solved meanwhile."""
     controller = controller_of(scene)
-    shelf.clear()
+    frame_cache.clear()
     if controller.key:
         plans.forget(controller.key)
     reconcile(scene, controller)
-    look_everywhere()
+    recheck_all_scenes()
 
 
-def look_everywhere() -> None:
+def recheck_all_scenes() -> None:
     """Has every scene ask the store anew which frames there are."""
-    from .controller import controllers
-
     for each in controllers():
-        each.look_again(*([each.plan] if each.plan else []), *each.past)
+        each.recheck_frames(*([each.plan] if each.plan else []), *each.past)
 
 
 def refuse_problems(problems: tuple[Problem, ...]) -> None:

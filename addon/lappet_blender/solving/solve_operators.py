@@ -5,22 +5,20 @@ from bpy.props import BoolProperty, IntProperty
 
 from lappet.core.problem import RefusedError
 
+from ..interface.operator_base import NO_UNDO, UNDOABLE, OperatorBase
 from .frames import failure_of, problems_of, progress_of
-from .problem_place import select_problem
 from .scene_watch import reading
+from .select_problem import select_problem
 from .solve_jobs import cancel_solve, clear_frames, reload_frames, start_plan, start_solve
-from .wait_for_solve import SolveFailedError, wait_for_plan, wait_for_solve
-
-_OPTIONS = {"REGISTER"}
-_UNDOABLE = {"REGISTER", "UNDO"}
+from .wait_for_solve import wait_for_plan, wait_for_solve
 
 
-class LAPPET_OT_solve(bpy.types.Operator):
+class LAPPET_OT_solve(OperatorBase, bpy.types.Operator):
     """Solve every frame that is not solved yet, in the background"""
 
     bl_idname = "lappet.solve"
     bl_label = "Solve"
-    bl_options = _OPTIONS
+    bl_options = NO_UNDO
 
     wait: BoolProperty(
         name="Wait", description="Return when it is done; for scripts, Ctrl-C cancels", options={"SKIP_SAVE"}
@@ -30,25 +28,26 @@ class LAPPET_OT_solve(bpy.types.Operator):
     )
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        scene = context.scene
-        try:
-            with reading():
-                start_solve(scene, None if self.until < 0 else self.until)
-            if self.wait and not wait_for_solve(scene):
-                self.report({"WARNING"}, "The solve was cancelled; what is solved is kept.")
-                return {"CANCELLED"}
-        except (RefusedError, SolveFailedError) as refused:
-            self.report({"ERROR"}, str(refused))
+        done = super().execute(context)
+        if "FINISHED" in done and self.cancelled:
+            self.report({"WARNING"}, "The solve was cancelled; the frames solved so far are kept.")
             return {"CANCELLED"}
-        return {"FINISHED"}
+        return done
+
+    def run(self, context: bpy.types.Context) -> None:
+        self.cancelled = False
+        with reading():
+            start_solve(context.scene, None if self.until < 0 else self.until)
+        if self.wait:
+            self.cancelled = not wait_for_solve(context.scene)
 
 
-class LAPPET_OT_solve_cancel(bpy.types.Operator):
+class LAPPET_OT_solve_cancel(OperatorBase, bpy.types.Operator):
     """Stop solving; the frames solved so far are kept"""
 
     bl_idname = "lappet.solve_cancel"
     bl_label = "Cancel"
-    bl_options = _OPTIONS
+    bl_options = NO_UNDO
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
@@ -59,67 +58,56 @@ class LAPPET_OT_solve_cancel(bpy.types.Operator):
         return {"FINISHED"} if cancel_solve(context.scene) else {"CANCELLED"}
 
 
-class LAPPET_OT_plan_now(bpy.types.Operator):
+class LAPPET_OT_plan_now(OperatorBase, bpy.types.Operator):
     """Cut the tissue at rest and find out which frames are solved, without solving any"""
 
     bl_idname = "lappet.plan_now"
     bl_label = "Plan Now"
-    bl_options = _OPTIONS
+    bl_options = NO_UNDO
 
     wait: BoolProperty(name="Wait", description="Return when it is done", default=True, options={"SKIP_SAVE"})
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
-        try:
-            with reading():
-                start_plan(context.scene)
-            if self.wait:
-                wait_for_plan(context.scene)
-        except (RefusedError, SolveFailedError) as refused:
-            self.report({"ERROR"}, str(refused))
-            return {"CANCELLED"}
-        return {"FINISHED"}
+    def run(self, context: bpy.types.Context) -> None:
+        with reading():
+            start_plan(context.scene)
+        if self.wait:
+            wait_for_plan(context.scene)
 
 
-class LAPPET_OT_clear_frames(bpy.types.Operator):
+class LAPPET_OT_clear_frames(OperatorBase, bpy.types.Operator):
     """Delete the solved frames of this scene's procedure, in its copies too; undo does not bring them back"""
 
     bl_idname = "lappet.clear_frames"
     bl_label = "Clear Solved Frames"
-    bl_options = _OPTIONS
+    bl_options = NO_UNDO
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         return context.window_manager.invoke_confirm(self, event)
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
-        try:
-            with reading():
-                count = clear_frames(context.scene)
-        except RefusedError as refused:
-            self.report({"ERROR"}, str(refused))
-            return {"CANCELLED"}
-        self.report({"INFO"}, f"{count} solved frame{'' if count == 1 else 's'} cleared.")
-        return {"FINISHED"}
+    def run(self, context: bpy.types.Context) -> str:
+        with reading():
+            count = clear_frames(context.scene)
+        return f"{count} solved frame{'' if count == 1 else 's'} cleared."
 
 
-class LAPPET_OT_reload_frames(bpy.types.Operator):
+class LAPPET_OT_reload_frames(OperatorBase, bpy.types.Operator):
     """Look again which frames are solved: another program may have solved some"""
 
     bl_idname = "lappet.reload_frames"
     bl_label = "Reload Frames"
-    bl_options = _OPTIONS
+    bl_options = NO_UNDO
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
+    def run(self, context: bpy.types.Context) -> None:
         with reading():
             reload_frames(context.scene)
-        return {"FINISHED"}
 
 
-class LAPPET_OT_failure_show(bpy.types.Operator):
+class LAPPET_OT_failure_show(OperatorBase, bpy.types.Operator):
     """Go to the frame at which the solve stopped"""
 
     bl_idname = "lappet.failure_show"
     bl_label = "Go to the Failed Frame"
-    bl_options = _OPTIONS
+    bl_options = NO_UNDO
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
@@ -127,32 +115,29 @@ class LAPPET_OT_failure_show(bpy.types.Operator):
         failure = failure_of(context.scene)
         return failure is not None and failure.time is not None
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
+    def run(self, context: bpy.types.Context) -> None:
         failure = failure_of(context.scene)
-        if failure is None or failure.time is None:
-            return {"CANCELLED"}
-        context.scene.frame_set(failure.time)
-        return {"FINISHED"}
+        if failure is not None and failure.time is not None:
+            context.scene.frame_set(failure.time)
 
 
-class LAPPET_OT_problem_show(bpy.types.Operator):
+class LAPPET_OT_problem_show(OperatorBase, bpy.types.Operator):
     """Select what this problem is about"""
 
     bl_idname = "lappet.problem_show"
     bl_label = "Show"
-    bl_options = _UNDOABLE
+    bl_options = UNDOABLE
 
     index: IntProperty(name="Problem", default=0, min=0, options={"SKIP_SAVE"})
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
+    def run(self, context: bpy.types.Context) -> str | None:
         problems = problems_of(context.scene)
         if self.index >= len(problems):
             many = f"There are {len(problems)} problems" if len(problems) != 1 else "There is 1 problem"
-            self.report({"ERROR"}, f"{many}, and none of the index {self.index}; give one from 0.")
-            return {"CANCELLED"}
+            raise RefusedError(f"{many}, and none of the index {self.index}; give one from 0.")
         if not select_problem(context.scene, context.view_layer, problems[self.index]):
-            self.report({"INFO"}, f"{problems[self.index].prim} is nothing in the scene that could be selected.")
-        return {"FINISHED"}
+            return f"{problems[self.index].prim} is nothing in the scene that could be selected."
+        return None
 
 
 CLASSES = (

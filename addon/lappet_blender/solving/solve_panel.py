@@ -7,7 +7,7 @@ import bpy
 from ..model.scene_problem import SceneProblem
 from .controller import controller_of
 from .frames import failure_of, notes_of, problems_of, progress_of
-from .problem_place import problem_event
+from .select_problem import problem_event
 
 _LETTER = 6.5  # pixels of a letter at a scale of 1, about
 _MOST_PROBLEMS = 6

@@ -7,10 +7,11 @@ import time
 from dataclasses import dataclass
 from typing import Literal
 
-from ..model.duration_words import in_words
-from .controller import Controller, Job, pace
+from ..interface.duration_text import duration_text
+from .cell_count import cell_count
+from .controller import Controller, Job
 from .frame_states import count_states
-from .lattice_cells import lattice_cells
+from .speed_estimate import speed_estimate
 
 
 @dataclass(frozen=True)
@@ -66,14 +67,14 @@ def _solving(controller: Controller, job: Job) -> Progress:
         if not math.isnan(job.time):
             line += f"; frame {job.time:g}, iteration {job.newton}"
         if not math.isnan(seconds) and left:
-            line += f"; {in_words(seconds)} left"
+            line += f"; {duration_text(seconds)} left"
     return Progress(True, False, job.done, job.total, job.time, job.newton, job.residual, seconds, line, "solve")
 
 
 def _expected(controller: Controller, frames: int) -> float:
-    if frames == 0 or controller.procedure is None or not pace().known:
+    if frames == 0 or controller.procedure is None or not speed_estimate().known:
         return math.nan
-    each = pace().seconds(controller.cells or lattice_cells(controller.procedure.tissue))
+    each = speed_estimate().seconds(controller.cells or cell_count(controller.procedure.tissue))
     return math.nan if each is None else each * frames
 
 
@@ -87,7 +88,7 @@ def _idle_line(controller: Controller, counts: dict, seconds: float) -> str:
     if controller.planning is not None:
         return f"{line}; preparing the cuts anew"
     if not math.isnan(seconds):
-        line += f"; {in_words(seconds)}"
+        line += f"; {duration_text(seconds)}"
     return line
 
 

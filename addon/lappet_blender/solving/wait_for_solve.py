@@ -10,9 +10,9 @@ from lappet.core.problem import RefusedError
 
 from .controller import controller_of
 from .frame_states import count_states
-from .frames import announce, follow_up
-from .happenings import take_in
+from .frames import follow_up, notify_listeners
 from .solve_jobs import cancel_solve, first_sentence
+from .worker_events import handle_worker_events
 
 _NAP = 0.01
 
@@ -32,9 +32,9 @@ def wait_for_solve(scene: bpy.types.Scene) -> bool:
     assert job is not None
     while controller.job is job:
         try:
-            if not take_in(controller):
+            if not handle_worker_events(controller):
                 time.sleep(_NAP)
-            announce(scene, controller)
+            notify_listeners(scene, controller)
             if job.done != printed:
                 printed = job.done
                 print(f"Lappet: {printed} of {job.total} frames, {job.solved} of them solved now", flush=True)
@@ -57,9 +57,9 @@ def wait_for_plan(scene: bpy.types.Scene) -> None:
     """Waits until the scene's procedure is planned; Ctrl-C stops waiting. Raises RefusedError where it is refused."""
     controller = controller_of(scene)
     while controller.planning is not None or (controller.plan is None and controller.job is not None):
-        if not take_in(controller):
+        if not handle_worker_events(controller):
             time.sleep(_NAP)
-    announce(scene, controller)
+    notify_listeners(scene, controller)
     _finish_pictures()
     if controller.refused:
         raise RefusedError(first_sentence(controller.refused))

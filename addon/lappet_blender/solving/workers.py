@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from lappet.background.solver import BackgroundSolver
 
 # What the worker imports; the folders they lie in go on its path, wherever Blender put them.
-_PACKAGES = ("lappet", "numpy", "zmq", "msgpack", "manifold3d", "trimesh", "networkx", "platformdirs", "scipy")
+_PACKAGES = ("lappet", "numpy", "zmq", "msgpack", "manifold3d", "platformdirs")
 _free: list[tuple[Path, BackgroundSolver]] = []
 _lent: list[tuple[Path, BackgroundSolver]] = []
 

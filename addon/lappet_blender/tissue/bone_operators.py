@@ -5,11 +5,13 @@ from bpy.props import StringProperty
 
 from lappet.core.problem import RefusedError
 
+from ..interface.operator_base import UNDOABLE
 from ..model.tissue_values import identifier
-from .act import UNDOABLE, Act, named_object
+from .tissue_objects import named_object
+from .tissue_operator import TissueOperator
 
 
-class LAPPET_OT_bone_add(Act, bpy.types.Operator):
+class LAPPET_OT_bone_add(TissueOperator, bpy.types.Operator):
     """Make a closed mesh a bone, which the tissue may not enter"""
 
     bl_idname = "lappet.bone_add"
@@ -22,7 +24,7 @@ class LAPPET_OT_bone_add(Act, bpy.types.Operator):
     def poll(cls, context: bpy.types.Context) -> bool:
         return context.scene is not None
 
-    def act(self, context: bpy.types.Context) -> None:
+    def run(self, context: bpy.types.Context) -> None:
         procedure = context.scene.lappet
         obj = named_object(context, self.object)
         if obj.type != "MESH":
@@ -36,7 +38,7 @@ class LAPPET_OT_bone_add(Act, bpy.types.Operator):
         bone.name, bone.object = identifier(obj.name, taken), obj
 
 
-class LAPPET_OT_bone_remove(Act, bpy.types.Operator):
+class LAPPET_OT_bone_remove(TissueOperator, bpy.types.Operator):
     """Take a bone out of the procedure; the object stays"""
 
     bl_idname = "lappet.bone_remove"
@@ -49,7 +51,7 @@ class LAPPET_OT_bone_remove(Act, bpy.types.Operator):
     def poll(cls, context: bpy.types.Context) -> bool:
         return context.scene is not None
 
-    def act(self, context: bpy.types.Context) -> None:
+    def run(self, context: bpy.types.Context) -> None:
         bones = context.scene.lappet.bones
         active = context.view_layer.objects.active
         name = self.object or (active.name if active is not None else "")

@@ -5,12 +5,13 @@ from bpy.props import IntProperty
 
 from lappet.core.problem import RefusedError
 
+from ..interface.operator_base import NO_UNDO, UNDOABLE
 from ..model.units import to_world
-from .act import PLAIN, UNDOABLE, Act
-from .found_problems import check_tissue, found_problems
+from .tissue_check import check_tissue, last_check
+from .tissue_operator import TissueOperator
 
 
-class _OnTissue(Act):
+class _OnTissue(TissueOperator):
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         return context.scene is not None and context.scene.lappet.tissue.object is not None
@@ -21,9 +22,9 @@ class LAPPET_OT_tissue_check(_OnTissue, bpy.types.Operator):
 
     bl_idname = "lappet.tissue_check"
     bl_label = "Check"
-    bl_options = PLAIN
+    bl_options = NO_UNDO
 
-    def act(self, context: bpy.types.Context) -> str:
+    def run(self, context: bpy.types.Context) -> str:
         problems = check_tissue(context.scene).problems()
         errors = sum(each.severity == "error" for each in problems)
         if not problems:
@@ -43,8 +44,8 @@ class LAPPET_OT_tissue_show_problem(_OnTissue, bpy.types.Operator):
 
     index: IntProperty(name="Problem", default=0, min=0)
 
-    def act(self, context: bpy.types.Context) -> None:
-        found = found_problems(context.scene)
+    def run(self, context: bpy.types.Context) -> None:
+        found = last_check(context.scene)
         if found is None or self.index >= len(found.places):
             raise RefusedError(f"There is no problem {self.index}; press Check again.")
         middle = found.places[self.index].middle()

@@ -8,7 +8,7 @@ from contextlib import contextmanager
 import bmesh
 import bpy
 
-from .act import changeable_mesh
+from .tissue_objects import changeable_mesh
 
 
 @contextmanager

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 from lappet.core.problem import RefusedError
 
 from ..model.mesh_values import GROUP, group_faces, group_names
-from .act import changeable_mesh
 from .edited_mesh import edited_mesh
+from .tissue_objects import changeable_mesh
 
 
 def check_name(name: str) -> None:

@@ -5,13 +5,15 @@ from bpy.props import BoolProperty, EnumProperty, StringProperty
 
 from lappet.core.problem import RefusedError
 
+from ..interface.operator_base import UNDOABLE
 from ..model.mesh_values import group_names
-from .act import UNDOABLE, Act, tissue_object
 from .face_choice import WHICH, chosen_faces
 from .face_groups import change_group, remove_group, select_group
+from .tissue_objects import tissue_object
+from .tissue_operator import TissueOperator
 
 
-class _OnTissue(Act):
+class _OnTissue(TissueOperator):
     """An operator that needs a tissue."""
 
     @classmethod
@@ -39,7 +41,7 @@ class LAPPET_OT_faces_assign(_OnTissue, bpy.types.Operator):
         default="ADD",
     )
 
-    def act(self, context: bpy.types.Context) -> str:
+    def run(self, context: bpy.types.Context) -> str:
         obj = tissue_object(context.scene)
         faces = chosen_faces(context.scene, obj, self.faces, self.which)
         count = change_group(obj, self.group, faces, self.action)
@@ -58,7 +60,7 @@ class LAPPET_OT_faces_new(_OnTissue, bpy.types.Operator):
     def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
         return context.window_manager.invoke_props_dialog(self)
 
-    def act(self, context: bpy.types.Context) -> str:
+    def run(self, context: bpy.types.Context) -> str:
         obj = tissue_object(context.scene)
         if self.group in group_names(obj.data):
             raise RefusedError(f"{obj.name!r} has a group {self.group!r} already; add to that, or give another name.")
@@ -75,7 +77,7 @@ class LAPPET_OT_faces_clear(_OnTissue, bpy.types.Operator):
 
     group: StringProperty(name="Group", default="fixed")
 
-    def act(self, context: bpy.types.Context) -> None:
+    def run(self, context: bpy.types.Context) -> None:
         remove_group(tissue_object(context.scene), self.group)
 
 
@@ -89,7 +91,7 @@ class LAPPET_OT_faces_select(_OnTissue, bpy.types.Operator):
     group: StringProperty(name="Group", default="fixed")
     extend: BoolProperty(name="Extend", default=False)
 
-    def act(self, context: bpy.types.Context) -> None:
+    def run(self, context: bpy.types.Context) -> None:
         select_group(tissue_object(context.scene), self.group, self.extend)
 
 

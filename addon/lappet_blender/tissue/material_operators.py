@@ -2,6 +2,7 @@
 
 import math
 import re
+from dataclasses import replace
 
 import bpy
 from bpy.props import EnumProperty, FloatProperty, StringProperty
@@ -10,11 +11,13 @@ from lappet.core.problem import RefusedError
 from lappet.procedure import Region
 from lappet.tissue.presets import PRESETS
 
+from ..interface.operator_base import UNDOABLE
 from ..model.keyframes import curves_of
 from ..model.material_values import set_material, set_region
 from ..model.mesh_values import group_names
-from .act import UNDOABLE, Act, tissue_object
 from .face_groups import check_group
+from .tissue_objects import tissue_object
+from .tissue_operator import TissueOperator
 from .tissue_operators import PRESET_ITEMS
 
 _CURVE = re.compile(r"lappet\.materials\[(\d+)\]\.")
@@ -37,7 +40,7 @@ def _check_new(scene: bpy.types.Scene, name: str) -> None:
         raise RefusedError(f"There is a material {name!r} already; give another name.")
 
 
-class _OnScene(Act):
+class _OnScene(TissueOperator):
     """An operator that needs a scene."""
 
     @classmethod
@@ -55,9 +58,7 @@ class LAPPET_OT_material_add(_OnScene, bpy.types.Operator):
     name: StringProperty(name="Name", description="Empty for the preset's own")
     preset: EnumProperty(name="Preset", items=PRESET_ITEMS, default="SKIN")
 
-    def act(self, context: bpy.types.Context) -> None:
-        from dataclasses import replace
-
+    def run(self, context: bpy.types.Context) -> None:
         scene, material = context.scene, PRESETS[self.preset.lower()].material
         name, number = self.name or material.name, 1
         while not self.name and name in scene.lappet.materials:
@@ -77,7 +78,7 @@ class LAPPET_OT_material_remove(_OnScene, bpy.types.Operator):
 
     name: StringProperty(name="Name")
 
-    def act(self, context: bpy.types.Context) -> None:
+    def run(self, context: bpy.types.Context) -> None:
         scene = context.scene
         _material(scene, self.name)
         if scene.lappet.tissue.material == self.name and scene.lappet.tissue.object is not None:
@@ -118,7 +119,7 @@ class LAPPET_OT_material_rename(_OnScene, bpy.types.Operator):
         self.new_name = self.name
         return context.window_manager.invoke_props_dialog(self)
 
-    def act(self, context: bpy.types.Context) -> None:
+    def run(self, context: bpy.types.Context) -> None:
         scene = context.scene
         each = _material(scene, self.name)
         _check_new(scene, self.new_name)
@@ -142,9 +143,7 @@ class LAPPET_OT_material_preset(_OnScene, bpy.types.Operator):
     def description(cls, _context: bpy.types.Context, properties: bpy.types.OperatorProperties) -> str:
         return PRESETS[properties.preset.lower()].source
 
-    def act(self, context: bpy.types.Context) -> None:
-        from dataclasses import replace
-
+    def run(self, context: bpy.types.Context) -> None:
         scene = context.scene
         each = _material(scene, self.name or scene.lappet.tissue.material)
         set_material(scene, each, replace(PRESETS[self.preset.lower()].material, name=each.name))
@@ -173,7 +172,7 @@ class LAPPET_OT_region_add(_OnScene, bpy.types.Operator):
         layout.prop(self, "depth_from")
         layout.prop(self, "depth_to")
 
-    def act(self, context: bpy.types.Context) -> None:
+    def run(self, context: bpy.types.Context) -> None:
         scene = context.scene
         obj = tissue_object(scene)
         if not self.group and group_names(obj.data):
@@ -202,7 +201,7 @@ class LAPPET_OT_region_remove(_OnScene, bpy.types.Operator):
 
     group: StringProperty(name="Group")
 
-    def act(self, context: bpy.types.Context) -> None:
+    def run(self, context: bpy.types.Context) -> None:
         regions = context.scene.lappet.regions
         index = regions.find(self.group)
         if index < 0:

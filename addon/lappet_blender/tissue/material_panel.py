@@ -4,7 +4,7 @@ import bpy
 
 from lappet.tissue.presets import PRESETS
 
-from .sentence_lines import draw_sentence
+from ..interface.sentence_lines import draw_sentence
 from .tissue_operators import PRESET_ITEMS
 
 _CLOSED = {"DEFAULT_CLOSED"}

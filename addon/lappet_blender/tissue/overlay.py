@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..model.decimals import decimal
-from ..model.tissue_values import tissue_at_hand, tissue_value
+from ..model.tissue_values import tissue_is_ready, tissue_value
 from ..model.units import mm_per_unit
-from .found_problems import found_problems
-from .lattice_cells import lattice_lines
+from .lattice_lines import lattice_lines
+from .tissue_check import last_check
 from .tissue_measure import tissue_triangles
 
 _LATTICE = (0.35, 0.75, 1.0, 0.35)
@@ -53,10 +53,10 @@ def _draw() -> None:
     if scene is None or scene.lappet.tissue.object is None or not context.space_data.overlay.show_overlays:
         return
     scale = mm_per_unit(scene)
-    if scene.lappet.look.show_lattice and scene.lappet.tissue.object.mode != "EDIT" and tissue_at_hand(scene):
+    if scene.lappet.look.show_lattice and scene.lappet.tissue.object.mode != "EDIT" and tissue_is_ready(scene):
         tissue, _ = tissue_value(scene)
         _draw_kept(f"lattice {scene.session_uid}", (tissue, scale), lambda: _lattice_batches(scene, scale))
-    found = found_problems(scene)
+    found = last_check(scene)
     if found is not None:
         _draw_kept(f"problems {scene.session_uid}", (found, scale), lambda: _problem_batches(found, scale))
 

@@ -9,12 +9,12 @@ from ..model import tissue_values
 from . import (
     bone_operators,
     check_operator,
-    found_problems,
     group_operators,
     material_operators,
     material_panel,
     overlay,
     repair_operators,
+    tissue_check,
     tissue_measure,
     tissue_operators,
     tissue_panel,
@@ -39,7 +39,7 @@ _CLASSES = tuple(
 @persistent  # type: ignore[untyped-decorator]
 def _on_load_pre(*_: object) -> None:
     """What is kept of the file before is of no use any more."""
-    for module in (tissue_values, found_problems, tissue_measure):
+    for module in (tissue_values, tissue_check, tissue_measure):
         module.forget()
 
 

@@ -9,7 +9,7 @@ from lappet.core.problem import RefusedError
 
 from ..model.keyframes import curves_of
 from ..model.world_matrix import keeps_shape, world_matrix
-from .act import changeable_mesh
+from .tissue_objects import changeable_mesh
 
 _PLACE = ("location", "rotation", "scale", "delta_")
 

@@ -9,10 +9,12 @@ from lappet.checks.validation import MEMORY_BUDGET
 from lappet.core.problem import RefusedError
 from lappet.geometry.triangulation import triangulate
 
+from ..interface.operator_base import UNDOABLE
 from ..model.decimals import decimal
 from ..model.scene_procedure import read_scene
 from . import repair_mesh, repair_object
-from .act import UNDOABLE, Act, tissue_object
+from .tissue_objects import tissue_object
+from .tissue_operator import TissueOperator
 
 REPAIRS = (
     ("HOLES", "Fill Small Holes", "Close holes that are small against the mesh or its rim"),
@@ -24,7 +26,7 @@ REPAIRS = (
 )
 
 
-class _OnObject(Act):
+class _OnObject(TissueOperator):
     """An operator on a named object: by default the tissue."""
 
     @classmethod
@@ -55,7 +57,7 @@ class LAPPET_OT_tissue_apply_scale(_OnObject, bpy.types.Operator):
 
     object: StringProperty(name="Object", description="Its name; empty for the tissue")
 
-    def act(self, context: bpy.types.Context) -> None:
+    def run(self, context: bpy.types.Context) -> None:
         repair_object.apply_scale(self.meant(context))
 
 
@@ -68,7 +70,7 @@ class LAPPET_OT_tissue_apply_modifiers(_OnObject, bpy.types.Operator):
 
     object: StringProperty(name="Object", description="Its name; empty for the tissue")
 
-    def act(self, context: bpy.types.Context) -> str:
+    def run(self, context: bpy.types.Context) -> str:
         return repair_object.apply_shape(context, self.meant(context))
 
 
@@ -81,7 +83,7 @@ class LAPPET_OT_tissue_make_local(_OnObject, bpy.types.Operator):
 
     object: StringProperty(name="Object", description="Its name; empty for the tissue")
 
-    def act(self, context: bpy.types.Context) -> None:
+    def run(self, context: bpy.types.Context) -> None:
         repair_object.make_local(self.meant(context))
 
 
@@ -94,7 +96,7 @@ class LAPPET_OT_tissue_fix_place(_OnObject, bpy.types.Operator):
 
     object: StringProperty(name="Object", description="Its name; empty for the tissue")
 
-    def act(self, context: bpy.types.Context) -> None:
+    def run(self, context: bpy.types.Context) -> None:
         repair_object.fix_place(self.meant(context))
 
 
@@ -107,11 +109,11 @@ class LAPPET_OT_tissue_restore(_OnObject, bpy.types.Operator):
 
     object: StringProperty(name="Object", description="Its name; empty for the tissue")
 
-    def act(self, context: bpy.types.Context) -> None:
+    def run(self, context: bpy.types.Context) -> None:
         repair_object.restore(context.scene, self.meant(context))
 
 
-class LAPPET_OT_tissue_repair(Act, bpy.types.Operator):
+class LAPPET_OT_tissue_repair(TissueOperator, bpy.types.Operator):
     """Repair the mesh of the tissue"""
 
     bl_idname = "lappet.tissue_repair"
@@ -129,7 +131,7 @@ class LAPPET_OT_tissue_repair(Act, bpy.types.Operator):
     def description(cls, _context: bpy.types.Context, properties: bpy.types.OperatorProperties) -> str:
         return next(text for key, _, text in REPAIRS if key == properties.kind)
 
-    def act(self, context: bpy.types.Context) -> str | None:
+    def run(self, context: bpy.types.Context) -> str | None:
         scene = context.scene
         obj = tissue_object(scene)
         settings = scene.lappet.tissue

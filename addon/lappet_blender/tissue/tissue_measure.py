@@ -13,6 +13,7 @@ from lappet.geometry.triangulation import triangulate
 from lappet.procedure import Tissue
 
 from ..model.tissue_values import tissue_value
+from ..solving.speed_estimate import speed_estimate
 
 # Of the Z-plasty in README.md: 11 s for 32 160 cells and 40 frames; until this machine has solved something itself.
 _SECONDS_PER_CELL = 11.0 / (32_160 * 40)
@@ -47,13 +48,7 @@ def expected_seconds(scene: bpy.types.Scene) -> float | None:
     cells = cell_count(scene)
     if cells is None:
         return None
-    per_frame = None
-    try:
-        from ..solving.controller import pace
-    except ImportError:  # a Blender in which the solver cannot run
-        pass
-    else:
-        per_frame = pace().seconds(cells)
+    per_frame = speed_estimate().seconds(cells)
     if per_frame is None:
         per_frame = _SECONDS_PER_CELL * cells
     return per_frame * (scene.frame_end - scene.frame_start + 1)

@@ -5,8 +5,12 @@ from bpy.props import EnumProperty, FloatProperty, StringProperty
 
 from lappet.tissue.presets import PRESETS
 
-from .act import UNDOABLE, Act, named_object
+from ..interface.operator_base import UNDOABLE
+from ..model.mesh_values import mesh_values
+from ..model.surface_border import open_edge_count
 from .set_tissue import set_tissue
+from .tissue_objects import named_object
+from .tissue_operator import TissueOperator
 
 PRESET_ITEMS = tuple(
     (name.upper(), name.capitalize().replace("_", " "), preset.source) for name, preset in PRESETS.items()
@@ -14,7 +18,7 @@ PRESET_ITEMS = tuple(
 _OPEN_THICKNESS = 4.0  # mm, proposed for an open surface
 
 
-class LAPPET_OT_tissue_set(Act, bpy.types.Operator):
+class LAPPET_OT_tissue_set(TissueOperator, bpy.types.Operator):
     """Make the active mesh the tissue that is operated on"""
 
     bl_idname = "lappet.tissue_set"
@@ -45,18 +49,15 @@ class LAPPET_OT_tissue_set(Act, bpy.types.Operator):
     def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
         obj = context.active_object
         if not self.properties.is_property_set("thickness") and obj is not None and obj.type == "MESH":
-            from ..model.mesh_values import mesh_values
-            from ..model.surface_border import open_edge_count
-
             self.thickness = _OPEN_THICKNESS if open_edge_count(mesh_values(context.scene, obj)) else 0.0
         return self.execute(context)
 
-    def act(self, context: bpy.types.Context) -> str | None:
+    def run(self, context: bpy.types.Context) -> str | None:
         obj = named_object(context, self.object)
         return set_tissue(context.scene, obj, self.thickness, self.spacing, self.preset.lower())
 
 
-class LAPPET_OT_tissue_clear(Act, bpy.types.Operator):
+class LAPPET_OT_tissue_clear(TissueOperator, bpy.types.Operator):
     """Let go of the tissue; the mesh, its groups and the events stay"""
 
     bl_idname = "lappet.tissue_clear"
@@ -67,7 +68,7 @@ class LAPPET_OT_tissue_clear(Act, bpy.types.Operator):
     def poll(cls, context: bpy.types.Context) -> bool:
         return context.scene is not None and context.scene.lappet.tissue.object is not None
 
-    def act(self, context: bpy.types.Context) -> None:
+    def run(self, context: bpy.types.Context) -> None:
         context.scene.lappet.tissue.object = None
 
 

@@ -4,14 +4,14 @@ import bpy
 
 from lappet.core.problem import Problem
 
-from ..model.duration_words import in_words
+from ..interface.duration_text import duration_text
+from ..interface.sentence_lines import draw_sentence
 from ..model.scene_problem import SceneProblem
 from ..model.scene_procedure import SceneReading, read_scene
-from ..model.tissue_values import tissue_at_hand
+from ..model.tissue_values import tissue_is_ready
 from .face_groups import group_counts
-from .found_problems import found_problems
 from .repair_operators import REPAIRS
-from .sentence_lines import draw_sentence
+from .tissue_check import last_check
 from .tissue_measure import cell_count, expected_seconds
 
 _HELD = (("fixed", "LOCKED"), ("bed", "LINKED"))
@@ -128,13 +128,13 @@ def _lattice(layout: bpy.types.UILayout, scene: bpy.types.Scene) -> None:
     row.prop(scene.lappet.look, "show_lattice", text="", icon="MESH_GRID")
     if scene.lappet.tissue.object.mode == "EDIT":
         return
-    if not tissue_at_hand(scene):
+    if not tissue_is_ready(scene):
         column.label(text="The sheet is being made")
         return
     cells, seconds = cell_count(scene), expected_seconds(scene)
     if cells is not None and seconds is not None:
         frames = scene.frame_end - scene.frame_start + 1
-        column.label(text=f"About {round(cells, -2):,.0f} cells; {frames} frames: {in_words(seconds)}")
+        column.label(text=f"About {round(cells, -2):,.0f} cells; {frames} frames: {duration_text(seconds)}")
 
 
 def _bones(layout: bpy.types.UILayout, scene: bpy.types.Scene) -> None:
@@ -149,13 +149,13 @@ def _bones(layout: bpy.types.UILayout, scene: bpy.types.Scene) -> None:
 def _problems(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
     layout.operator("lappet.tissue_check", icon="VIEWZOOM")
     scene = context.scene
-    found = found_problems(scene)
+    found = last_check(scene)
     if found is not None:
         for index, each in enumerate(found.places):
             _problem(layout, context, each.problem, index if each.middle() is not None else -1)
         if not found.places:
             layout.label(text="Nothing is wrong.", icon="CHECKMARK")
-    elif scene.lappet.tissue.object.mode != "EDIT" and tissue_at_hand(scene):
+    elif scene.lappet.tissue.object.mode != "EDIT" and tissue_is_ready(scene):
         for problem in reading_problems(read_scene(scene)):
             _problem(layout, context, problem)
 

@@ -12,9 +12,21 @@ import numpy as np
 from gpu_extras.batch import batch_for_shader
 from numpy.typing import NDArray
 
-from .edit_plan import HeldHandle
+from .edit_tool import HeldHandle
 from .handles import handles_of
-from .plan_ink import HALO, INK_OF, STEEL, THREAD, Color, Ink, arrow, event_color, event_ink, plan_key, preview_ink
+from .plan_lines import (
+    EVENT_COLORS,
+    HALO,
+    STEEL,
+    THREAD,
+    Color,
+    LineSet,
+    add_event_lines,
+    add_preview_lines,
+    arrow,
+    event_color,
+    plan_key,
+)
 from .preview import Preview, preview_of
 from .shown_surface import ShownSurface, shown_surface
 from .view_under_mouse import project, viewer_of
@@ -23,7 +35,7 @@ EDIT_TOOL = "lappet.edit"
 _WHITE: Color = (1.0, 1.0, 1.0, 1.0)
 _TINT: Color = (1.0, 0.45, 0.2, 0.35)
 _handlers: list[Any] = []
-_kept: dict[str, tuple[Any, Ink]] = {}
+_kept: dict[str, tuple[Any, LineSet]] = {}
 
 
 def register() -> None:
@@ -42,7 +54,7 @@ def unregister() -> None:
     _kept.clear()
 
 
-def plan_ink(scene: bpy.types.Scene, surface: ShownSurface, hides: str = "", done: bool = True) -> Ink:
+def plan_lines(scene: bpy.types.Scene, surface: ShownSurface, hides: str = "", done: bool = True) -> LineSet:
     """The lines of all events as they are shown now; kept until something changes.
 
     hides: the uid of one left out. done: also of those that have begun, which the solved skin shows itself.
@@ -52,14 +64,14 @@ def plan_ink(scene: bpy.types.Scene, surface: ShownSurface, hides: str = "", don
     known = _kept.get(scene.name)
     if known is not None and known[0] == key:
         return known[1]
-    ink = Ink()
+    line_set = LineSet()
     for index, event in enumerate(scene.lappet.events):
         active = index == scene.lappet.active_event
         seen = surface.solved and event.kind not in ("LANDMARK", "RETRACTOR") and event.start <= time
         if event.uid != hides and (done or active or not seen):
-            event_ink(ink, surface, event, time, active)
-    _kept[scene.name] = (key, ink)
-    return ink
+            add_event_lines(line_set, surface, event, time, active)
+    _kept[scene.name] = (key, line_set)
+    return line_set
 
 
 def _shows(context: bpy.types.Context) -> bool:
@@ -85,7 +97,7 @@ def _draw_lines() -> None:
     gpu.state.blend_set("ALPHA")
     gpu.state.depth_test_set("LESS_EQUAL")
     if scene.lappet.look.show_plan:
-        _draw_ink(plan_ink(scene, surface, preview.hides if preview else "", _plans(context)))
+        _draw_line_set(plan_lines(scene, surface, preview.hides if preview else "", _plans(context)))
     if preview is not None:
         _draw_preview(surface, preview)
     gpu.state.depth_test_set("NONE")
@@ -101,24 +113,24 @@ def _draw_preview(surface: ShownSurface, preview: Preview) -> None:
         shader = gpu.shader.from_builtin("UNIFORM_COLOR")
         shader.uniform_float("color", _TINT)
         batch_for_shader(shader, "TRIS", {"pos": lifted.reshape(-1, 3).astype(np.float32)}).draw(shader)
-    ink = Ink()
+    line_set = LineSet()
     for line in preview.lines:
-        preview_ink(ink, surface, line, INK_OF[preview.kind])
+        add_preview_lines(line_set, surface, line, EVENT_COLORS[preview.kind])
     gpu.state.depth_test_set("NONE")
     for a, b in preview.threads:
-        ink.line(np.array([a, b], np.float64), THREAD)
+        line_set.line(np.array([a, b], np.float64), THREAD)
     for a, b in preview.arrows:
         for part in arrow(np.array(a, np.float64), np.array(b, np.float64)):
-            ink.line(part, STEEL)
-    _draw_ink(ink)
+            line_set.line(part, STEEL)
+    _draw_line_set(line_set)
 
 
-def _draw_ink(ink: Ink) -> None:
+def _draw_line_set(line_set: LineSet) -> None:
     shader = gpu.shader.from_builtin("POLYLINE_UNIFORM_COLOR")
     shader.bind()
     shader.uniform_float("viewportSize", gpu.state.viewport_get()[2:])
     scale = bpy.context.preferences.system.ui_scale
-    for (color, width), pieces in sorted(ink.segments.items(), key=lambda item: -item[0][1]):  # halos lie below
+    for (color, width), pieces in sorted(line_set.segments.items(), key=lambda item: -item[0][1]):  # halos lie below
         shader.uniform_float("lineWidth", width * scale)
         shader.uniform_float("color", color)
         points = np.concatenate(pieces).astype(np.float32)
@@ -140,7 +152,7 @@ def _draw_points() -> None:
     if scene.lappet.look.show_plan:
         if not context.screen.is_animation_playing:
             _draw_handles(context, size, scale)
-        for place, text, color in plan_ink(scene, surface, preview.hides if preview else "", _plans(context)).labels:
+        for place, text, color in plan_lines(scene, surface, preview.hides if preview else "", _plans(context)).labels:
             (x, y) = project(data.perspective_matrix, *size, place)[0]
             if math.isfinite(x):
                 _label(x + 8.0 * scale, y + 6.0 * scale, text, color, scale)
@@ -152,7 +164,7 @@ def _draw_points() -> None:
         for k, pixel in enumerate(pixels):
             snapped = preview.snap is not None and k == len(pixels) - 1
             _disc(pixel, (8.0 if snapped else 5.0) * scale, HALO if snapped else _WHITE)
-            _disc(pixel, 3.5 * scale, INK_OF[preview.kind])
+            _disc(pixel, 3.5 * scale, EVENT_COLORS[preview.kind])
     gpu.state.blend_set("NONE")
 
 

@@ -27,7 +27,7 @@ class Preview:
     faces: NDArray | None = None
     snap: Point | None = None
     hides: str = ""  # uid of the event that is shown by the preview instead
-    kind: str = "INCISION"  # of event: its ink
+    kind: str = "INCISION"  # of event: its line_set
 
 
 _current: list[Preview] = []

@@ -5,16 +5,16 @@ from __future__ import annotations
 import bpy
 from bpy.app.handlers import persistent
 
-from . import draw_line, edit_plan, plan_overlay, pull, sew, single_click, tool_menu, toolbar
+from . import click_tool, edit_tool, hook_tool, incision_tool, plan_overlay, suture_tool, tool_menu, toolbar
 from .preview import clear_preview
 from .shown_surface import forget
 
 _CLASSES = (
-    *draw_line.CLASSES,
-    *single_click.CLASSES,
-    *pull.CLASSES,
-    *sew.CLASSES,
-    *edit_plan.CLASSES,
+    *incision_tool.CLASSES,
+    *click_tool.CLASSES,
+    *hook_tool.CLASSES,
+    *suture_tool.CLASSES,
+    *edit_tool.CLASSES,
     *tool_menu.CLASSES,
     *toolbar.CLASSES,
 )

@@ -7,17 +7,12 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from lappet.geometry.curve import CurveError, sample_curve
-from lappet.procedure import Basis
+from lappet.core.problem import RefusedError
+from lappet.geometry.curve import sample_curve
 
+from ..model.event_kinds import BASIS_OF
 from .shown_surface import Located, RestShape, ShownSurface
 
-BASIS_OF: dict[str, Basis] = {
-    "LINEAR": "linear",
-    "CATMULL_ROM": "catmullRom",
-    "BSPLINE": "bspline",
-    "BEZIER": "bezier",
-}
 _STEP = 0.6
 _MOST = 400
 # A sample farther than this (mm) beside the shown skin at rest lies where tissue was taken away.
@@ -33,7 +28,7 @@ def rest_samples(points: ArrayLike, basis: str = "LINEAR", closed: bool = False)
     length = float(np.linalg.norm(np.diff(control, axis=0), axis=1).sum()) if len(control) else 0.0
     try:
         samples = sample_curve(control, BASIS_OF[basis], closed, max(_STEP, length / _MOST))
-    except CurveError:
+    except RefusedError:
         return control
     return np.vstack([samples, samples[:1]]) if closed else samples
 

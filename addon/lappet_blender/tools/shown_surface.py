@@ -20,10 +20,11 @@ from lappet.geometry.labelled_surface import FaceOrigin
 from lappet.procedure import Tissue
 from lappet.tissue.surface import skin_faces
 
+from ..display.skin_display import skin_object
+from ..model.mesh_values import GROUP
 from ..model.units import mm_per_unit
 from .surface_ray import SurfaceBlocks, SurfaceRay
 
-GROUP_PREFIX = "lappet_"
 _LABELS = ("fixed", "bed", "rim", "underside")
 
 
@@ -124,8 +125,6 @@ def forget() -> None:
 
 def shown_object(scene: bpy.types.Scene, viewport: bpy.types.SpaceView3D | None = None) -> bpy.types.Object | None:
     """The object that is drawn on: the solved skin, or else the tissue; of those that are visible (in a viewport)."""
-    from ..display.skin_display import skin_object
-
     layer = bpy.context.view_layer if bpy.context.scene == scene else scene.view_layers[0]
     for each in (skin_object(scene), scene.lappet.tissue.object):
         if each is not None and each.type == "MESH" and each.name in layer.objects:
@@ -221,7 +220,7 @@ def _groups(scene: bpy.types.Scene, mesh: bpy.types.Mesh) -> dict[str, NDArray[n
     """The groups of a closed tissue's faces that say what is skin; an open surface that is thickened is all skin."""
     found = {}
     for label in () if scene.lappet.tissue.thicken else _LABELS:
-        attribute = mesh.attributes.get(GROUP_PREFIX + label)
+        attribute = mesh.attributes.get(GROUP + label)
         if attribute is not None and attribute.domain == "FACE" and attribute.data_type == "BOOLEAN":
             found[label] = np.empty(len(mesh.polygons), bool)
             attribute.data.foreach_get("value", found[label])

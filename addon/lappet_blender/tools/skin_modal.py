@@ -6,10 +6,13 @@ panel of the last operation and runs from Python with arguments.
 
 from __future__ import annotations
 
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import bpy
 
+from lappet.core.problem import RefusedError
+
+from ..interface.operator_base import OperatorBase
 from .preview import clear_preview, redraw
 from .shown_surface import shown_object
 from .view_under_mouse import View, view_under
@@ -21,38 +24,22 @@ _NAVIGATION = ("MIDDLEMOUSE", "WHEEL", "TRACKPAD", "MOUSEROTATE", "MOUSESMARTZOO
 _FRAMES = frozenset({"LEFT_ARROW", "RIGHT_ARROW", "UP_ARROW", "DOWN_ARROW", "SPACE", "MEDIA_PLAY", "HOME"})
 
 
-def why_nothing_to_draw_on(context: bpy.types.Context) -> str:
-    """The sentence to say where a tool has no skin to work on; empty where it has."""
+def check_shown(context: bpy.types.Context) -> None:
+    """Raise RefusedError where a tool has no skin to work on."""
+    tissue = check_tissue(context)
+    if shown_object(context.scene, context.space_data if context.area else None) is None:
+        raise RefusedError(f'Neither the tissue "{tissue.name}" nor its solved skin is visible here; show one of them.')
+
+
+def check_tissue(context: bpy.types.Context) -> bpy.types.Object:
+    """Return the scene's tissue. Raises RefusedError where there is none."""
     tissue = context.scene.lappet.tissue.object
     if tissue is None:
-        return "There is no tissue yet; choose a mesh in the sidebar, Lappet > Tissue."
-    if shown_object(context.scene, context.space_data if context.area else None) is None:
-        return f'Neither the tissue "{tissue.name}" nor its solved skin is visible here; show one of them.'
-    return ""
+        raise RefusedError("There is no tissue yet; choose a mesh in the sidebar, Lappet > Tissue.")
+    return tissue
 
 
-def say(operator: bpy.types.Operator, sentence: str) -> Result:
-    """Refuses with a sentence."""
-    operator.report({"ERROR"}, sentence)
-    return {"CANCELLED"}
-
-
-def run_operator(operator: bpy.types.Operator, name: str, **arguments: Any) -> bool:
-    """Runs `bpy.ops.lappet.<name>`; what it refuses is said by this operator instead. Whether it was done."""
-    try:
-        return "FINISHED" in getattr(bpy.ops.lappet, name)(**arguments)
-    except RuntimeError as refusal:
-        lines = [line.removeprefix("Error: ").strip() for line in str(refusal).splitlines()]
-        operator.report({"ERROR"}, " ".join(line for line in lines if line) or str(refusal))
-        return False
-
-
-def co(points: Any) -> list[dict[str, Any]]:
-    """Points as an operator's collection takes them."""
-    return [{"name": "", "co": tuple(float(v) for v in point)} for point in points]
-
-
-class SkinModal:
+class SkinModal(OperatorBase):
     """Mixed into an operator; the operator answers `pressed`, `moved`, `released` and, if it likes, `key`.
 
     They return None to go on, or what the operator returns to Blender to end.
@@ -62,8 +49,6 @@ class SkinModal:
     title: ClassVar[str] = ""
     shift = False
     ctrl = False
-    report: Any
-    properties: Any
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
@@ -96,20 +81,16 @@ class SkinModal:
         """Another key went down."""
         return None
 
-    def execute(self, context: bpy.types.Context) -> Result:
-        """Does it, from the operator's properties."""
-        return {"CANCELLED"}
-
     def text(self, context: bpy.types.Context) -> str:
         """What the header says."""
         return self.title
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> Result:
         if context.area is None or context.area.type != "VIEW_3D":
-            return say(self, f"{self.title} works in a 3D viewport; start it there.")
-        sentence = why_nothing_to_draw_on(context)
-        if sentence:
-            return say(self, sentence)
+            self.report({"ERROR"}, f"{self.title} works in a 3D viewport; start it there.")
+            return {"CANCELLED"}
+        if not self.attempt(lambda: check_shown(context)):
+            return {"CANCELLED"}
         self._scene = context.scene.name
         self.begin(context)
         view = view_under(context, (event.mouse_x, event.mouse_y))

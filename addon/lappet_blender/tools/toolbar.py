@@ -4,8 +4,8 @@ from typing import Any, ClassVar
 
 import bpy
 
-from .draw_line import draw_incision_settings
 from .icon_shapes import icon_path
+from .incision_tool import draw_incision_settings
 
 _PRESS = {"type": "LEFTMOUSE", "value": "PRESS"}
 # When a modal operator ends with the release, Blender still tells of a click, which would select the skin's object.

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import bpy
 import numpy as np
+from bpy_extras.view3d_utils import region_2d_to_location_3d
 from mathutils import Vector
 from numpy.typing import ArrayLike, NDArray
 
@@ -46,8 +47,6 @@ class View:
 
     def on_plane_through(self, place: Vector) -> Vector:
         """The place under the mouse at the depth of another, in the plane that faces the viewer."""
-        from bpy_extras.view3d_utils import region_2d_to_location_3d
-
         return region_2d_to_location_3d(self.region, self.data, self.mouse, place)
 
     def along(self, place: Vector, axis: Vector) -> Vector:

@@ -1,4 +1,4 @@
-"""Compiles procedures for the worker and remembers the last ones: an edit that cuts nothing new makes no Boolean."""
+"""Compile procedures for the worker and remember the last ones: an edit that cuts nothing new makes no Boolean."""
 
 from __future__ import annotations
 
@@ -13,12 +13,10 @@ from lappet.background.plan import EpochShape, Plan, SolveSettings
 from lappet.background.plan_key import digest, plan_key
 from lappet.background.plan_store import get_plan, put_plan
 from lappet.checks.validation import check
-from lappet.core.problem import Problem, RefusedError
-from lappet.core.problem_code import ProblemCode
+from lappet.core.problem import RefusedError
 from lappet.cutting.epoch import Epoch
 from lappet.cutting.epochs import build_epochs
 from lappet.procedure import CUTS, Procedure
-from lappet.procedure.prim_paths import ROOT
 from lappet.program.compile import compile_program
 from lappet.program.keys import frame_keys
 from lappet.program.program import Program
@@ -31,16 +29,31 @@ Value = TypeVar("Value")
 
 @dataclass(frozen=True, eq=False)
 class Compiled:
-    """A procedure made ready: its plan and the program that the daemon is told."""
+    """A procedure made ready.
+
+    Parameters
+    ----------
+    plan
+        Its plan.
+    program
+        What the daemon is told.
+    """
 
     plan: Plan
     program: Program
 
 
 class Compilation:
-    """Plans and programs by their key. One thread at a time compiles; others wait for it.
+    """The plans and programs by their key; one thread at a time compiles, others wait for it.
 
-    identity: of the solver, for the keys. store: where plans are kept. epochs_built: how often epochs were built.
+    `epochs_built` counts how often epochs were built.
+
+    Parameters
+    ----------
+    identity
+        What identifies the solver, for the keys.
+    store
+        Where plans are kept.
     """
 
     def __init__(self, identity: str, store: FrameStore) -> None:
@@ -52,7 +65,22 @@ class Compilation:
         self._lock = threading.Lock()
 
     def plan(self, procedure: Procedure, settings: SolveSettings, step: Callable[[], None]) -> Plan:
-        """The plan of a procedure: remembered, from the store, or compiled."""
+        """Find the plan of a procedure: remembered, from the store, or compiled.
+
+        Parameters
+        ----------
+        procedure
+            The procedure.
+        settings
+            How to solve.
+        step
+            Called between the steps; may raise to stop.
+
+        Returns
+        -------
+        Plan
+            The plan.
+        """
         key = plan_key(procedure, settings, self.identity)
         known = self._compiled.get(key)
         if known is not None:
@@ -61,18 +89,32 @@ class Compilation:
         return found if found is not None else self.compiled(procedure, settings, step).plan
 
     def compiled(self, procedure: Procedure, settings: SolveSettings, step: Callable[[], None]) -> Compiled:
-        """The plan and the program of a procedure. step: called between the steps; may raise to stop.
+        """Find the plan and the program of a procedure.
 
-        Raises RefusedError with every problem where the procedure cannot be solved.
+        Parameters
+        ----------
+        procedure
+            The procedure.
+        settings
+            How to solve.
+        step
+            Called between the steps; may raise to stop.
+
+        Returns
+        -------
+        Compiled
+            Both.
+
+        Raises
+        ------
+        RefusedError
+            If the procedure cannot be solved; holds every problem.
         """
         key = plan_key(procedure, settings, self.identity)
         with self._lock:
             known = self._compiled.get(key)
             if known is None:
-                try:
-                    known = self._compile(key, procedure, settings, step)
-                except ValueError as error:
-                    raise _refusal(error) from error
+                known = self._compile(key, procedure, settings, step)
                 self._compiled.put(key, known)
             return known
 
@@ -116,24 +158,24 @@ class Compilation:
 
 
 def up_to(program: Program, last: int | None) -> Program:
-    """The program without the frames after the time code `last`; the keys of the others stay what they are."""
+    """Leave out the frames after a time code; the keys of the others stay what they are.
+
+    Parameters
+    ----------
+    program
+        The program.
+    last
+        The time code, or None for all frames.
+
+    Returns
+    -------
+    Program
+        The shorter program.
+    """
     if last is None:
         return program
     kept = sum(frame.time <= last for frame in program.frames)
     return replace(program, frames=program.frames[:kept], active_hooks=program.active_hooks[:kept])
-
-
-def _refusal(error: ValueError) -> RefusedError:
-    """What refuses a procedure as problems; what is no refusal of Lappet's is raised again."""
-    if isinstance(error, RefusedError):
-        return error
-    if type(error).__module__.partition(".")[0] != "lappet":
-        raise error
-    prim, _, sentence = str(error).partition(": ")
-    if not prim.startswith("/"):
-        prim, sentence = ROOT, str(error)
-    # The sentence of what is refused already ends with its remedy.
-    return RefusedError([Problem(ProblemCode.UNSORTED, prim, "", sentence, "")])
 
 
 class _Last(Generic[Value]):

@@ -4,15 +4,33 @@ from __future__ import annotations
 
 import io
 
+from lappet.core.problem import ProblemsError
+from lappet.core.problem_code import ProblemCode
+
 MOST_BYTES = 1 << 32
 
 
-class StreamError(OSError):
+class StreamError(ProblemsError, OSError):
     """What came through the pipe is no message."""
+
+    code_of_sentences = ProblemCode.PIPE_MALFORMED
 
 
 def write_frame(pipe: io.RawIOBase, data: bytes) -> None:
-    """Writes a message whole. Raises OSError where nobody reads any more."""
+    """Write a message whole.
+
+    Parameters
+    ----------
+    pipe
+        The pipe.
+    data
+        The message.
+
+    Raises
+    ------
+    OSError
+        If nobody reads any more.
+    """
     for part in (memoryview(len(data).to_bytes(8, "little")), memoryview(data)):
         rest = part
         while rest:
@@ -21,7 +39,23 @@ def write_frame(pipe: io.RawIOBase, data: bytes) -> None:
 
 
 def read_frame(pipe: io.RawIOBase) -> bytearray | None:
-    """The next message, or None at the end of the stream; a message that breaks off counts as the end."""
+    """Read the next message.
+
+    Parameters
+    ----------
+    pipe
+        The pipe.
+
+    Returns
+    -------
+    bytearray | None
+        The message, or None at the end of the stream; a message that breaks off counts as the end.
+
+    Raises
+    ------
+    StreamError
+        If what comes is no message.
+    """
     head = _read(pipe, 8)
     if head is None:
         return None

@@ -7,11 +7,23 @@ import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from lappet.core.problem import RefusedError
+from lappet.core.problem import refused
+from lappet.core.problem_code import ProblemCode
 
 
 def find_python() -> Path:
-    """The interpreter's program. Raises RefusedError, saying where it looked."""
+    """Find the Python interpreter that runs the worker.
+
+    Returns
+    -------
+    Path
+        The program.
+
+    Raises
+    ------
+    RefusedError
+        If there is none; the message says where it was looked for.
+    """
     if sys.executable and Path(sys.executable).stem.lower().startswith("python"):
         return Path(sys.executable)
     version = f"python{sys.version_info.major}.{sys.version_info.minor}"
@@ -22,16 +34,25 @@ def find_python() -> Path:
     for place in places:
         if place.is_file() and os.access(place, os.X_OK):
             return place
-    raise RefusedError(
-        f"There is no Python to solve in the background with; looked for {version} under {sys.prefix}. "
-        "Install Blender again from blender.org."
-    )
+    raise refused(ProblemCode.BACKGROUND_NO_PYTHON, sys.prefix, version, prefix=sys.prefix)
 
 
 def worker_environment(environment: Mapping[str, str], path: Sequence[str], solverd: Path | None) -> dict[str, str]:
-    """The variables of the worker's process: none that change Python but the search path.
+    """Make the variables of the worker's process: none that change Python but the search path.
 
-    path: folders to import from; that of this very package is added.
+    Parameters
+    ----------
+    environment
+        Variables of this process.
+    path
+        Folders to import from; that of this very package is added.
+    solverd
+        The daemon's program, or None.
+
+    Returns
+    -------
+    dict[str, str]
+        The variables.
     """
     own = str(Path(__file__).resolve().parents[2])
     clean = {name: value for name, value in environment.items() if not name.upper().startswith("PYTHON")}

@@ -18,7 +18,29 @@ class CancelledError(Exception):
 
 @dataclass(eq=False)
 class Job:
-    """What was asked. until: last frame to solve. time, hook: of live mode. at: the frame it is at, once planned."""
+    """What was asked of the worker.
+
+    Parameters
+    ----------
+    number
+        Number of the job.
+    kind
+        What is asked.
+    procedure
+        The procedure.
+    settings
+        How to solve.
+    until
+        Last frame to solve, or None for all.
+    time
+        Frame of live mode.
+    hook
+        Hook of live mode.
+    running
+        Whether it has begun.
+    at
+        The frame that it is at, once planned.
+    """
 
     number: int
     kind: Kind
@@ -35,28 +57,51 @@ class Job:
 
     @property
     def cancelled(self) -> bool:
-        """Whether it is not wanted any more."""
+        """Whether the job is not wanted any more."""
         return self._cancelled
 
     def cancel(self) -> None:
-        """Ends it at its next step; from any thread."""
+        """End the job at its next step; from any thread."""
         with self._changed:
             self._cancelled = True
             self._changed.notify_all()
 
     def step(self) -> None:
-        """Raises CancelledError once it is cancelled; called between steps."""
+        """Stop a job that was cancelled; called between steps.
+
+        Raises
+        ------
+        CancelledError
+            If it is cancelled.
+        """
         if self._cancelled:
             raise CancelledError
 
     def aim(self, target: Point) -> None:
-        """Sets the newest target, mm; from any thread."""
+        """Set the newest target; from any thread.
+
+        Parameters
+        ----------
+        target
+            Target in mm.
+        """
         with self._changed:
             self._target = target
             self._changed.notify_all()
 
     def next_target(self) -> Point:
-        """Waits for a target that has not been taken yet. Raises CancelledError."""
+        """Wait for a target that has not been taken yet.
+
+        Returns
+        -------
+        Point
+            Target in mm.
+
+        Raises
+        ------
+        CancelledError
+            If the job is cancelled.
+        """
         with self._changed:
             self._changed.wait_for(lambda: self._target is not None or self._cancelled)
             self.step()

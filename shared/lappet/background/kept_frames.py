@@ -12,8 +12,15 @@ MOST_BYTES = 1 << 30
 
 
 class KeptFrames(FrameStore):
-    """A store for several threads: frames that cannot be written are held in memory, up to `most_bytes`; the oldest
-    go first."""
+    """A store for several threads that holds in memory the frames that cannot be written; the oldest go first.
+
+    Parameters
+    ----------
+    folder
+        Folder of the frames; the user's store when None.
+    most_bytes
+        The most that is held in memory.
+    """
 
     def __init__(self, folder: Path | None = None, most_bytes: int = MOST_BYTES) -> None:
         super().__init__(folder)
@@ -23,25 +30,60 @@ class KeptFrames(FrameStore):
         self._guard = threading.RLock()
 
     def try_again(self) -> None:
-        """Forgets that the disk did not take a frame: it may have room by now."""
+        """Try the disk again: it may have room by now."""
         with self._guard:
             self.trouble = None
 
     def holds(self, key: str) -> bool:
-        """Whether a frame is in memory, where no other process finds it."""
+        """Tell whether a frame is in memory, where no other process finds it.
+
+        Parameters
+        ----------
+        key
+            Content key.
+
+        Returns
+        -------
+        bool
+            Whether it is.
+        """
         return key in self._held
 
     def __contains__(self, key: str) -> bool:
         return key in self._held or super().__contains__(key)
 
     def get(self, key: str) -> StoredFrame | None:
-        """The frame of a key from memory or from the disk."""
+        """Look up a frame in memory or on the disk.
+
+        Parameters
+        ----------
+        key
+            Content key.
+
+        Returns
+        -------
+        StoredFrame | None
+            The frame, or None.
+        """
         with self._guard:
             held = self._held.get(key)
         return super().get(key) if held is None else held
 
     def put(self, key: str, frame: StoredFrame) -> bool:
-        """Keeps a frame on the disk, else in memory; False where the disk did not take it."""
+        """Keep a frame on the disk, else in memory.
+
+        Parameters
+        ----------
+        key
+            Content key.
+        frame
+            The frame.
+
+        Returns
+        -------
+        bool
+            Whether the disk took it.
+        """
         with self._guard:
             if super().put(key, frame):
                 return True

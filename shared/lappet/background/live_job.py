@@ -1,4 +1,4 @@
-"""Runs live mode: brings the tissue to a frame, then follows the newest target of a hook."""
+"""Run live mode: bring the tissue to a frame, then follow the newest target of a hook."""
 
 from __future__ import annotations
 
@@ -14,18 +14,19 @@ from lappet.background.live_session import LiveSession
 from lappet.background.plan import FrameFailed, LiveFrame, Note, Plan, ShownFrame
 from lappet.background.plan_store import shown_frame
 from lappet.background.solve_job import SolveJobs, stoppable
-from lappet.core.problem import Problem, RefusedError, problem
+from lappet.core.problem import RefusedError, refused
 from lappet.core.problem_code import ProblemCode
 from lappet.daemon.frame_solver import FrameRefusedError, SolvedFrame, SolverDiedError
 from lappet.procedure import Point
 from lappet.procedure.prim_paths import TIMELINE
+from lappet.solve.solve_frames import at_frame
 from lappet.solve.store import StoredFrame
 
 _LEFT_OUT = ("strain", "stress", "tension")  # per vertex: not worth sending while the mouse moves
 
 
 class LiveJobs(SolveJobs):
-    """Runs live jobs; each lasts until it is cancelled."""
+    """A runner of live jobs; each lasts until it is cancelled."""
 
     def _run(self, job: Job) -> int:
         plan = self.plan(job)
@@ -48,13 +49,7 @@ class LiveJobs(SolveJobs):
         except KeyboardInterrupt:
             raise CancelledError from None
         except (RefusedError, SolverDiedError) as error:
-            self.tell(
-                FrameFailed(
-                    job.number,
-                    job.time,
-                    problem(ProblemCode.UNSORTED, said=f"Frame {job.time} was not solved: {error}"),
-                )
-            )
+            self.tell(FrameFailed(job.number, job.time, at_frame(job.time, error)))
             return 0
         finally:
             session.close()
@@ -107,25 +102,15 @@ def _place(plan: Plan, job: Job) -> tuple[int, int]:
     path = f"{TIMELINE}/{job.hook}"
     index = next((i for i, frame in enumerate(plan.frames) if frame.time == job.time), None)
     if index is None:
-        sentence = f"There is no frame {job.time} to pull it at; the frames run from "
-        sentence += f"{plan.frames[0].time} to {plan.frames[-1].time}."
-        raise RefusedError([Problem(ProblemCode.UNSORTED, path, str(job.time), sentence, "Go to one of these.")])
+        start, end = plan.frames[0].time, plan.frames[-1].time
+        raise refused(ProblemCode.LIVE_NO_FRAME, path, job.time, start=start, end=end)
     if job.hook not in plan.hooks:
-        raise RefusedError(
-            [Problem(ProblemCode.UNSORTED, path, job.hook, "There is no hook of that name.", "Name one that is there.")]
-        )
+        raise refused(ProblemCode.LIVE_NO_HOOK, path, job.hook)
     hook = plan.hooks.index(job.hook)
     if hook not in plan.frames[index].hooks:
         times = [frame.time for frame in plan.frames if hook in frame.hooks]
         when = f"it pulls from {times[0]} to {times[-1]}" if times else "it pulls at no frame"
-        sentence = f"The hook does not pull at frame {job.time}: {when}."
-        raise RefusedError(
-            [
-                Problem(
-                    ProblemCode.UNSORTED, path, str(job.time), sentence, "Go to one of its frames, or move its start."
-                )
-            ]
-        )
+        raise refused(ProblemCode.LIVE_NOT_PULLING, path, job.time, when=when)
     return index, plan.frames[index].hooks.index(hook)
 
 

@@ -28,11 +28,22 @@ class _State:
 
 
 class LiveSession:
-    """A session that holds one frame of a program. What it finds is never stored: it depends on the way there.
+    """A session that holds one frame of a program; what it finds is never stored: it depends on the way there.
 
-    index: of the frame. row: of the hook in its hook arrays. start: (epoch, frame) of the state to begin with, that of
-    the frame itself or of the one before; None: at rest. note: takes a sentence when the solver had to be started
-    again.
+    Parameters
+    ----------
+    program
+        The program.
+    index
+        Index of the frame.
+    row
+        Row of the hook in the frame's hook arrays.
+    start
+        Epoch and frame of the state to begin with, that of the frame itself or of the one before; None: at rest.
+    connect
+        Makes the solver.
+    note
+        Takes a sentence when the solver had to be started again.
     """
 
     def __init__(
@@ -57,9 +68,26 @@ class LiveSession:
             self._keep(start[0], start[1].header, start[1].arrays)
 
     def pull(self, target: Point, progress: Callable[[Iteration], None]) -> SolvedFrame:
-        """The equilibrium with the hook pulled to `target`, mm; where it is not found the tissue stays where it was.
+        """Find the equilibrium with the hook pulled to a target; where there is none the tissue stays where it was.
 
-        Raises FrameRefusedError, and SolverDiedError after three deaths in a row; what `progress` raises ends it.
+        Parameters
+        ----------
+        target
+            Target in mm.
+        progress
+            Called at every Newton iteration; what it raises ends the solve.
+
+        Returns
+        -------
+        SolvedFrame
+            The frame.
+
+        Raises
+        ------
+        FrameRefusedError
+            If the solver refuses the frame.
+        SolverDiedError
+            If the solver died three times in a row.
         """
         targets = self._frame.hook_targets.copy()
         targets[self._row] = target
@@ -79,7 +107,7 @@ class LiveSession:
         raise AssertionError("unreachable")
 
     def close(self) -> None:
-        """Ends the session."""
+        """End the session."""
         solver, self._solver = self._solver, None
         if solver is not None:
             solver.close()

@@ -1,4 +1,4 @@
-"""Makes the plan of a program: what an owner needs of it to show its frames."""
+"""Make the plan of a program: what an owner needs of it to show its frames."""
 
 from __future__ import annotations
 
@@ -21,7 +21,26 @@ from lappet.program.program import Program
 def make_plan(
     key: str, program: Program, frames: Sequence[str], shapes: Sequence[EpochShape], notes: Sequence[str] = ()
 ) -> Plan:
-    """The plan of a program. frames: the keys of its frames. shapes: those of its epochs. notes: besides its own."""
+    """Make the plan of a program.
+
+    Parameters
+    ----------
+    key
+        Key of the plan.
+    program
+        The program.
+    frames
+        Keys of its frames.
+    shapes
+        Shapes of its epochs.
+    notes
+        Sentences besides the program's own.
+
+    Returns
+    -------
+    Plan
+        The plan.
+    """
     position = {epoch.index: i for i, epoch in enumerate(program.epochs)}
     return Plan(
         key=key,
@@ -45,7 +64,20 @@ def make_plan(
 
 
 def epoch_shapes(epochs: Sequence[Epoch], tissue: Tissue) -> tuple[EpochShape, ...]:
-    """What is shown of the epochs of a tissue. The grid of all of them has the millimetres of the first one's skin."""
+    """Make what is shown of the epochs of a tissue.
+
+    Parameters
+    ----------
+    epochs
+        The epochs.
+    tissue
+        The tissue.
+
+    Returns
+    -------
+    tuple[EpochShape, ...]
+        A shape for each; the grid of all of them has the millimetres of the first one's skin.
+    """
     if not epochs:
         return ()
     first = epochs[0].surface

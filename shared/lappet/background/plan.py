@@ -13,7 +13,21 @@ from lappet.core.problem import Problem
 
 @dataclass(frozen=True)
 class SolveSettings:
-    """How to solve: as the options of `lappet solve`. spacing: mm, None = the tissue's. threads: 0 = all."""
+    """How to solve: as the options of `lappet solve`.
+
+    Parameters
+    ----------
+    spacing
+        Lattice spacing in mm; None for the tissue's.
+    tolerance
+        Relative residual at which a frame has converged.
+    quadrature
+        Quadrature points of a cell.
+    precision
+        Arithmetic of the solver.
+    threads
+        Number of threads; 0 for all.
+    """
 
     spacing: float | None = None
     tolerance: float = 1e-3
@@ -26,10 +40,24 @@ class SolveSettings:
 class EpochShape:
     """The surface of an epoch, as far as it is shown.
 
-    key: the same for the same surface, 64 hexadecimal digits. start_time: time code. rest: (n, 3) float32, mm.
-    triangles: (m, 3) int32. origin: (m,) uint8, `FaceOrigin`: 0 skin, 1 wound wall, 2 underside, 3 rim. grid: (m, 3, 2)
-    float32, texture coordinates per corner in mm along the skin. depth: (n,) float32, mm below the skin's edge at walls
-    and rims. face: (m,) int32, the face of the tissue's mesh that each triangle lies on, -1 for wound walls.
+    Parameters
+    ----------
+    key
+        The same for the same surface, 64 hexadecimal digits.
+    start_time
+        Time code at which the epoch begins.
+    rest
+        Vertices at rest in mm, shape (n, 3), float32.
+    triangles
+        Vertex indices, shape (m, 3), int32.
+    origin
+        `FaceOrigin` of each triangle, shape (m,), uint8: 0 skin, 1 wound wall, 2 underside, 3 rim.
+    grid
+        Texture coordinates per corner in mm along the skin, shape (m, 3, 2), float32.
+    depth
+        Depth below the skin's edge at walls and rims in mm, shape (n,), float32.
+    face
+        Face of the tissue's mesh that each triangle lies on, -1 for wound walls, shape (m,), int32.
     """
 
     key: str
@@ -44,10 +72,20 @@ class EpochShape:
 
 @dataclass(frozen=True)
 class PlannedFrame:
-    """A frame: time code, the index of its epoch in `Plan.epochs`, its key in the store.
+    """A frame of a plan.
 
-    hooks: indices into `Plan.hooks` of those that pull, in the order of the frame's hook arrays. sutures: likewise, of
-    those placed by now.
+    Parameters
+    ----------
+    time
+        Time code.
+    epoch
+        Index of its epoch in `Plan.epochs`.
+    key
+        Its key in the store.
+    hooks
+        Indices in `Plan.hooks` of those that pull, in the order of the frame's hook arrays.
+    sutures
+        Indices in `Plan.sutures` of those placed by now, in the order of the frame's suture arrays.
     """
 
     time: int
@@ -61,8 +99,24 @@ class PlannedFrame:
 class Plan:
     """A compiled procedure without what only the solver needs: which frames there are and under which keys they lie.
 
-    key: of the procedure and the settings (`plan_key`). hooks, sutures: names of events. landmarks: a label per point.
-    landmarks_at: per epoch, the indices into `landmarks` of those that its tissue still holds. notes: sentences.
+    Parameters
+    ----------
+    key
+        Key of the procedure and the settings (`plan_key`).
+    epochs
+        Surfaces of the epochs.
+    frames
+        The frames.
+    hooks
+        Names of the hooks.
+    sutures
+        Names of the sutures.
+    landmarks
+        A label per point.
+    landmarks_at
+        For each epoch the indices in `landmarks` of those that its tissue still holds.
+    notes
+        Sentences for the user.
     """
 
     key: str
@@ -79,9 +133,15 @@ class Plan:
 class ShownFrame:
     """What is shown of a solved frame: the arrays of the message `frame` (PROTOCOL.md) without the state.
 
-    points: (n, 3) float32, mm. header: the message's fields (newton, residual, largest_gap, minimum_j, seconds ...).
-    arrays: strain, stress, tension (n,) float32; landmarks (k, 3); suture_points (A, 2, 3), suture_gaps (A,),
-    suture_forces (A,); hook_points, hook_forces (H, 3).
+    Parameters
+    ----------
+    points
+        Vertices in mm, shape (n, 3), float32.
+    header
+        Fields of the message (`newton`, `residual`, `largest_gap`, `minimum_j`, `seconds`, …).
+    arrays
+        Arrays `strain`, `stress`, `tension` (n,), float32; `landmarks` (k, 3); `suture_points` (A, 2, 3), `suture_gaps`
+        (A,), `suture_forces` (A,); `hook_points`, `hook_forces` (H, 3).
     """
 
     points: NDArray[np.float32]
@@ -91,7 +151,17 @@ class ShownFrame:
 
 @dataclass(frozen=True, eq=False)
 class Planned:
-    """The procedure of a job is compiled. known: per frame, whether the store holds it."""
+    """The procedure of a job is compiled.
+
+    Parameters
+    ----------
+    job
+        Number of the job.
+    plan
+        The plan.
+    known
+        For each frame, whether the store holds it.
+    """
 
     job: int
     plan: Plan
@@ -100,7 +170,15 @@ class Planned:
 
 @dataclass(frozen=True)
 class Refused:
-    """The procedure of a job cannot be solved; nothing was done."""
+    """The procedure of a job cannot be solved; nothing was done.
+
+    Parameters
+    ----------
+    job
+        Number of the job.
+    problems
+        Why.
+    """
 
     job: int
     problems: tuple[Problem, ...]
@@ -108,7 +186,21 @@ class Refused:
 
 @dataclass(frozen=True)
 class IterationDone:
-    """A Newton iteration is done: time code, its number, residual over force scale, largest gap in mm."""
+    """A Newton iteration is done.
+
+    Parameters
+    ----------
+    job
+        Number of the job.
+    time
+        Time code.
+    newton
+        Number of the iteration.
+    residual
+        Residual over force scale.
+    gap
+        Largest gap in mm.
+    """
 
     job: int
     time: float
@@ -119,7 +211,21 @@ class IterationDone:
 
 @dataclass(frozen=True, eq=False)
 class FrameReady:
-    """A frame is there. looked_up: it came from the store. frame: None where it was looked up (read it from there)."""
+    """A frame is there.
+
+    Parameters
+    ----------
+    job
+        Number of the job.
+    time
+        Time code.
+    key
+        Its key in the store.
+    looked_up
+        Whether it came from the store.
+    frame
+        The frame; None where it was looked up (read it from there).
+    """
 
     job: int
     time: int
@@ -130,7 +236,17 @@ class FrameReady:
 
 @dataclass(frozen=True)
 class FrameFailed:
-    """A frame did not converge or was refused; the job ends there."""
+    """A frame did not converge or was refused; the job ends there.
+
+    Parameters
+    ----------
+    job
+        Number of the job.
+    time
+        Time code.
+    problem
+        Why.
+    """
 
     job: int
     time: int
@@ -139,7 +255,19 @@ class FrameFailed:
 
 @dataclass(frozen=True)
 class Finished:
-    """A job has ended. frames: how many are there. seconds: wall clock. cancelled: by its owner."""
+    """A job has ended.
+
+    Parameters
+    ----------
+    job
+        Number of the job.
+    frames
+        How many frames are there.
+    seconds
+        Run time in seconds.
+    cancelled
+        Whether its owner ended it.
+    """
 
     job: int
     frames: int
@@ -149,7 +277,15 @@ class Finished:
 
 @dataclass(frozen=True)
 class Note:
-    """A sentence for the user: the daemon died and was started again, the store cannot be written ..."""
+    """A sentence for the user: the daemon died and was started again, the store cannot be written, ….
+
+    Parameters
+    ----------
+    job
+        Number of the job.
+    sentence
+        The sentence.
+    """
 
     job: int
     sentence: str
@@ -157,7 +293,23 @@ class Note:
 
 @dataclass(frozen=True, eq=False)
 class LiveFrame:
-    """Live mode: the skin for the hook's latest target. seconds: that the solver took. time: of the frame pulled at."""
+    """The skin in live mode for the hook's latest target.
+
+    Parameters
+    ----------
+    job
+        Number of the job.
+    time
+        Time code of the frame that is pulled at.
+    target
+        Target in mm.
+    frame
+        The frame.
+    converged
+        Whether the equilibrium was found.
+    seconds
+        Time that the solver took.
+    """
 
     job: int
     time: int

@@ -21,12 +21,24 @@ _known: dict[int, tuple[weakref.ref[Any], bytes]] = {}  # digests of meshes by i
 
 
 def plan_key(procedure: Procedure, settings: SolveSettings, solver_identity: str) -> str:
-    """64 hexadecimal digits: a hash of every value of the procedure and of what of the settings changes a frame.
+    """Compute the key of a plan: a hash of every value of the procedure and of what of the settings changes a frame.
 
     The names of events, materials and subsets and the order of the events take part; numbers count by value (1 as 1.0,
-    -0 as 0), and the threads, which change no frame, not at all.
-    solver_identity: as for `lappet.program.keys.frame_keys`.
-    The tissue and the bones are hashed once per object.
+    -0 as 0), and the threads, which change no frame, not at all. The tissue and the bones are hashed once per object.
+
+    Parameters
+    ----------
+    procedure
+        The procedure.
+    settings
+        How to solve.
+    solver_identity
+        What identifies the solver, as for `lappet.program.keys.frame_keys`.
+
+    Returns
+    -------
+    str
+        64 hexadecimal digits.
     """
     spacing = procedure.tissue.spacing if settings.spacing is None else settings.spacing
     choice = (spacing, settings.tolerance, settings.quadrature, settings.precision)
@@ -37,7 +49,18 @@ def plan_key(procedure: Procedure, settings: SolveSettings, solver_identity: str
 
 
 def digest(value: object) -> bytes:
-    """The digest of values of a procedure: events, tissue, numbers, text and tuples of these."""
+    """Compute the digest of values of a procedure.
+
+    Parameters
+    ----------
+    value
+        Events, tissue, numbers, text or tuples of these.
+
+    Returns
+    -------
+    bytes
+        The digest.
+    """
     hasher = hashlib.blake2b(digest_size=_SIZE)
     _feed(hasher, value)
     return hasher.digest()

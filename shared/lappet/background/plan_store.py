@@ -13,8 +13,20 @@ _SHAPE_ARRAYS = ("rest", "triangles", "origin", "grid", "depth", "face")
 
 
 def put_plan(store: FrameStore, plan: Plan) -> bool:
-    """Keeps a plan: the surfaces of its epochs that are not there yet, then the plan itself; False where the disk does
-    not take it (`FrameStore.trouble`)."""
+    """Keep a plan: the surfaces of its epochs that are not there yet, then the plan itself.
+
+    Parameters
+    ----------
+    store
+        The store.
+    plan
+        The plan.
+
+    Returns
+    -------
+    bool
+        Whether the disk took it (`FrameStore.trouble`).
+    """
     for epoch in plan.epochs:
         if epoch.key not in store:
             arrays = {name: getattr(epoch, name) for name in _SHAPE_ARRAYS}
@@ -35,9 +47,21 @@ def put_plan(store: FrameStore, plan: Plan) -> bool:
 
 
 def get_plan(store: FrameStore, key: str, shapes: dict[str, EpochShape] | None = None) -> Plan | None:
-    """The plan of a key, or None where it or one of its surfaces is not there (any more).
+    """Look up a plan.
 
-    shapes: surfaces that the caller holds, by key; they are not read again, and what is read is added.
+    Parameters
+    ----------
+    store
+        The store.
+    key
+        Key of the plan.
+    shapes
+        Surfaces that the caller holds, by key; they are not read again, and what is read is added.
+
+    Returns
+    -------
+    Plan | None
+        The plan, or None where it or one of its surfaces is not there (any more).
     """
     stored = store.get(key)
     if stored is None or stored.header.get("kind") != "plan" or stored.header.get("format") != _FORMAT:
@@ -69,7 +93,20 @@ def get_plan(store: FrameStore, key: str, shapes: dict[str, EpochShape] | None =
 
 
 def get_shown(store: FrameStore, frame_key: str) -> ShownFrame | None:
-    """What is shown of a solved frame, or None where the store does not hold it."""
+    """Look up what is shown of a solved frame.
+
+    Parameters
+    ----------
+    store
+        The store.
+    frame_key
+        Key of the frame.
+
+    Returns
+    -------
+    ShownFrame | None
+        The frame, or None where the store does not hold it.
+    """
     stored = store.get(frame_key)
     if stored is None or "points" not in stored.arrays:
         return None
@@ -77,7 +114,20 @@ def get_shown(store: FrameStore, frame_key: str) -> ShownFrame | None:
 
 
 def shown_frame(header: dict[str, Any], arrays: dict[str, Any]) -> ShownFrame:
-    """A frame without its state, from the header and the arrays of the message `frame`."""
+    """Take what is shown of a frame.
+
+    Parameters
+    ----------
+    header
+        Fields of the message `frame`.
+    arrays
+        Its arrays by name.
+
+    Returns
+    -------
+    ShownFrame
+        The frame without its state.
+    """
     rest = {name: array for name, array in arrays.items() if name != "points" and name not in STATE_ARRAYS}
     return ShownFrame(arrays["points"], dict(header), rest)
 

@@ -14,7 +14,8 @@ import msgpack
 import numpy as np
 
 from lappet.background import plan
-from lappet.core.problem import Problem
+from lappet.core.problem import Place, Problem, ProblemsError
+from lappet.core.problem_code import ProblemCode
 from lappet.procedure import (
     Bone,
     Excision,
@@ -33,7 +34,7 @@ from lappet.procedure import (
 _CLASSES: dict[str, type[Any]] = {
     kind.__name__: kind
     for kind in (
-        *(Procedure, Tissue, Material, Region, Bone, Problem),
+        *(Procedure, Tissue, Material, Region, Bone, Problem, Place),
         *(Incision, Excision, Undermine, Hook, Retractor, Suture, Landmark),
         *(plan.SolveSettings, plan.EpochShape, plan.PlannedFrame, plan.Plan, plan.ShownFrame),
         *(plan.Planned, plan.Refused, plan.IterationDone, plan.FrameReady, plan.FrameFailed, plan.Finished),
@@ -45,12 +46,30 @@ _VALUE, _ARRAY = 1, 2
 _ALIGN = 16  # so that an array read in place starts where its numbers may
 
 
-class MessageError(ValueError):
+class MessageError(ProblemsError, ValueError):
     """Bytes that are no message of this module, or a value that cannot be told in one."""
+
+    code_of_sentences = ProblemCode.PIPE_MALFORMED
 
 
 def pack(value: object) -> bytes:
-    """The bytes of a value made of the known dataclasses, arrays, numbers, text, tuples and maps."""
+    """Write a value as bytes.
+
+    Parameters
+    ----------
+    value
+        A value made of the known dataclasses, arrays, numbers, text, tuples and maps.
+
+    Returns
+    -------
+    bytes
+        The bytes.
+
+    Raises
+    ------
+    MessageError
+        If the value cannot be told in a message.
+    """
     try:
         return bytes(msgpack.packb(value, default=_outgoing))
     except (TypeError, ValueError, OverflowError) as error:
@@ -58,7 +77,23 @@ def pack(value: object) -> bytes:
 
 
 def unpack(data: bytes | bytearray | memoryview) -> Any:
-    """The value of these bytes; arrays are read-only. Raises MessageError, and only that."""
+    """Read a value from bytes.
+
+    Parameters
+    ----------
+    data
+        The bytes.
+
+    Returns
+    -------
+    Any
+        The value; arrays are read-only.
+
+    Raises
+    ------
+    MessageError
+        If the bytes are no message; nothing else is raised.
+    """
     try:
         return msgpack.unpackb(data, ext_hook=_incoming, use_list=False, strict_map_key=False)
     except MessageError:

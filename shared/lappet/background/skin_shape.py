@@ -12,10 +12,23 @@ from lappet.geometry.labelled_surface import FaceOrigin
 
 
 def uv_scale(positions: NDArray[Any], triangles: NDArray[np.int32], st: NDArray[np.float32]) -> NDArray[np.float64]:
-    """Millimetres per unit of u and of v, (2,): the medians of |∂p/∂u| and |∂p/∂v| over the triangles.
+    """Compute the millimetres per unit of u and of v: the medians of |∂p/∂u| and |∂p/∂v| over the triangles.
 
-    positions: (n, 3) mm. triangles: (m, 3). st: (m, 3, 2). Triangles without area in the UV plane are left out; where
-    none is left the result is (1, 1).
+    Triangles without area in the UV plane are left out.
+
+    Parameters
+    ----------
+    positions
+        Vertices in mm, shape (n, 3).
+    triangles
+        Vertex indices, shape (m, 3).
+    st
+        Texture coordinates of the corners, shape (m, 3, 2).
+
+    Returns
+    -------
+    NDArray[np.float64]
+        Both, shape (2,); (1, 1) where no triangle is left.
     """
     p = positions[triangles].astype(np.float64)
     e1, e2 = p[:, 1] - p[:, 0], p[:, 2] - p[:, 0]
@@ -33,7 +46,22 @@ def uv_scale(positions: NDArray[Any], triangles: NDArray[np.int32], st: NDArray[
 def depth_below_skin(
     positions: NDArray[Any], triangles: NDArray[np.int32], origin: NDArray[np.uint8]
 ) -> NDArray[np.float32]:
-    """Distance (n,) in mm of every wall and rim vertex to the nearest edge vertex of the skin; 0 elsewhere."""
+    """Measure how far every wall and rim vertex is from the nearest edge vertex of the skin.
+
+    Parameters
+    ----------
+    positions
+        Vertices in mm, shape (n, 3).
+    triangles
+        Vertex indices, shape (m, 3).
+    origin
+        `FaceOrigin` of each triangle, shape (m,).
+
+    Returns
+    -------
+    NDArray[np.float32]
+        Distances in mm, shape (n,); 0 elsewhere.
+    """
     depth = np.zeros(len(positions), np.float32)
     skin = np.unique(triangles[origin == FaceOrigin.SKIN])
     side = np.unique(triangles[(origin == FaceOrigin.WOUND_WALL) | (origin == FaceOrigin.RIM)])

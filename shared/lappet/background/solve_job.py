@@ -1,4 +1,4 @@
-"""Runs a job of the worker: plans a procedure, or solves its frames and tells of each."""
+"""Run a job of the worker: plan a procedure, or solve its frames and tell of each."""
 
 from __future__ import annotations
 
@@ -26,10 +26,10 @@ from lappet.background.plan import (
     ShownFrame,
 )
 from lappet.background.plan_store import shown_frame
-from lappet.core.problem import Problem, RefusedError, problem
+from lappet.core.problem import Problem, ProblemsError, RefusedError, file_problem, problem
 from lappet.core.problem_code import ProblemCode
 from lappet.cutting.epoch import Epoch
-from lappet.daemon.frame_solver import Connect, FrameSolver, Iteration, SolvedFrame, SolverDiedError
+from lappet.daemon.frame_solver import Connect, FrameSolver, Iteration, SolvedFrame
 from lappet.procedure.prim_paths import ROOT
 from lappet.program.program import Bones, FrameConstraints, Landmarks, Program, SolverSettings
 from lappet.solve.solve_frames import FrameResult, Frames, SolveObserver, solve_program
@@ -38,7 +38,19 @@ Tell = Callable[[Happening], None]
 
 
 class SolveJobs:
-    """Runs jobs one after another on the thread that calls it. connect: who solves. tell: takes what happens."""
+    """A runner of jobs, one after another on the thread that calls it.
+
+    Parameters
+    ----------
+    compilation
+        Where plans and programs come from.
+    store
+        Where frames are kept.
+    connect
+        Makes the solver.
+    tell
+        Takes what happens.
+    """
 
     def __init__(self, compilation: Compilation, store: KeptFrames, connect: Connect, tell: Tell) -> None:
         self.compilation = compilation
@@ -47,7 +59,13 @@ class SolveJobs:
         self.tell = tell
 
     def run(self, job: Job) -> None:
-        """Plans, and solves where that is asked; ends with Finished whatever happens."""
+        """Plan, and solve where that is asked; end with `Finished` whatever happens.
+
+        Parameters
+        ----------
+        job
+            The job.
+        """
         begun = time.perf_counter()
         done = 0
         try:
@@ -59,11 +77,11 @@ class SolveJobs:
         except CancelledError:
             pass
         except Exception as error:
-            sentence = _sentence(error)
+            found = _problem(error)
             if job.at is None:
-                self.tell(Refused(job.number, (Problem(ProblemCode.UNSORTED, ROOT, "", sentence, ""),)))
+                self.tell(Refused(job.number, (found,)))
             else:
-                self.tell(FrameFailed(job.number, job.at, problem(ProblemCode.UNSORTED, said=sentence)))
+                self.tell(FrameFailed(job.number, job.at, found))
         self.tell(Finished(job.number, done, time.perf_counter() - begun, job.cancelled))
 
     def _run(self, job: Job) -> int:
@@ -71,17 +89,43 @@ class SolveJobs:
         return 0 if job.kind == "plan" else self.solve(job, plan, job.until)
 
     def plan(self, job: Job) -> Plan:
-        """The plan of a job, told to the owner."""
+        """Make the plan of a job and tell it to the owner.
+
+        Parameters
+        ----------
+        job
+            The job.
+
+        Returns
+        -------
+        Plan
+            The plan.
+        """
         well = self.store.trouble is None
         plan = self.compilation.plan(job.procedure, job.settings, job.step)
         if well and self.store.trouble is not None:
-            self.tell(Note(job.number, self.store.trouble))
+            self.tell(Note(job.number, str(self.store.trouble)))
         self.tell(Planned(job.number, plan, tuple(frame.key in self.store for frame in plan.frames)))
         job.at = job.time if job.kind == "live" else plan.frames[0].time
         return plan
 
     def solve(self, job: Job, plan: Plan, until: int | None) -> int:
-        """Gets the frames of a plan up to a time code; returns how many are there."""
+        """Get the frames of a plan.
+
+        Parameters
+        ----------
+        job
+            The job.
+        plan
+            Its plan.
+        until
+            Last time code, or None for all.
+
+        Returns
+        -------
+        int
+            How many frames are there.
+        """
         wanted = [frame for frame in plan.frames if until is None or frame.time <= until]
         if all(frame.key in self.store for frame in wanted):
             for frame in wanted:
@@ -91,17 +135,24 @@ class SolveJobs:
         program = up_to(self.compilation.compiled(job.procedure, job.settings, job.step).program, until)
         frames = self.frames(job, program)
         if frames.reason is not None and not frames.interrupted:
-            self.tell(
-                FrameFailed(
-                    job.number,
-                    round(program.frames[len(frames.frames)].time),
-                    problem(ProblemCode.UNSORTED, said=frames.reason),
-                )
-            )
+            self.tell(FrameFailed(job.number, round(program.frames[len(frames.frames)].time), frames.reason))
         return len(frames.frames)
 
     def frames(self, job: Job, program: Program) -> Frames:
-        """Solves a program and tells of each frame."""
+        """Solve a program and tell of each frame.
+
+        Parameters
+        ----------
+        job
+            The job.
+        program
+            The program.
+
+        Returns
+        -------
+        Frames
+            The frames.
+        """
         connect = stoppable(self.connect, job)
         return solve_program(program, self.store, connect, self.compilation.identity, _Telling(job, self))
 
@@ -112,7 +163,7 @@ class SolveJobs:
 
 
 class _Telling(SolveObserver):
-    """Tells the owner how a solve goes, and stops it once it is cancelled."""
+    """Tell the owner how a solve goes, and stop it once it is cancelled."""
 
     def __init__(self, job: Job, jobs: SolveJobs) -> None:
         self._job = job
@@ -142,19 +193,31 @@ class _Telling(SolveObserver):
             raise KeyboardInterrupt  # what ends a solve and keeps what is done
 
 
-def _sentence(error: Exception) -> str:
-    """What a refusal, or an error of our own, is told as."""
-    if isinstance(error, RefusedError | SolverDiedError):
-        return str(error)
+def _problem(error: Exception) -> Problem:
+    """Return what a refusal, or an error of our own, is told as."""
+    if isinstance(error, ProblemsError):
+        return error.problems[0]
+    if isinstance(error, OSError):
+        return file_problem(error)
     traceback.print_exception(error)
-    return (
-        f"The solve stopped at an error of Lappet's own ({type(error).__name__}: {error}). "
-        "Please report it with the file; the procedure itself is unharmed."
-    )
+    return problem(ProblemCode.BACKGROUND_INTERNAL, ROOT, f"{type(error).__name__}: {error}")
 
 
 def stoppable(connect: Connect, job: Job) -> Connect:
-    """Sessions that end with KeyboardInterrupt at the next request, or Newton iteration, after a cancel."""
+    """Make sessions that end with KeyboardInterrupt at the next request, or Newton iteration, after a cancel.
+
+    Parameters
+    ----------
+    connect
+        Makes the solver.
+    job
+        The job that may be cancelled.
+
+    Returns
+    -------
+    Connect
+        The function that opens such sessions.
+    """
     return lambda settings, bones: _Stoppable(connect, settings, bones, job)
 
 

@@ -27,7 +27,7 @@ from lappet.background.plan import (
 from lappet.background.plan_key import plan_key
 from lappet.background.procedure_message import MessageError
 from lappet.background.worker_process import WorkerProcess
-from lappet.core.problem import Problem, RefusedError, problem
+from lappet.core.problem import Problem, RefusedError, file_problem, problem
 from lappet.core.problem_code import ProblemCode
 from lappet.daemon.process import daemon_identity
 from lappet.procedure import Point, Procedure
@@ -55,11 +55,18 @@ class _Job:
 
 
 class BackgroundSolver:
-    """One worker process; started at the first request, and again when it dies (a Note says so). Thread-safe.
+    """One worker process; started at the first request, and again when it dies (a Note says so).
 
-    store: folder of the frames (None: the user's). solverd: the daemon's program (None: found). path: what the worker's
-    sys.path needs besides its interpreter's own folders. Every method returns at once: threads of its own start the
-    process, write to it and read from it.
+    Thread-safe. Every method returns at once: threads of its own start the process, write to it and read from it.
+
+    Parameters
+    ----------
+    store
+        Folder of the frames; None for the user's.
+    solverd
+        The daemon's program; None to find it.
+    path
+        What the worker's `sys.path` needs besides its interpreter's own folders.
     """
 
     def __init__(self, store: Path | None = None, solverd: Path | None = None, path: Sequence[str] = ()) -> None:
@@ -77,23 +84,77 @@ class BackgroundSolver:
         self._sender: threading.Thread | None = None
 
     def plan(self, procedure: Procedure, settings: SolveSettings) -> int:
-        """Compiles a procedure; returns the job's number. -> Planned or Refused, then Finished.
+        """Compile a procedure; `Planned` or `Refused` follows, then `Finished`.
 
         A newer plan replaces one that has not begun.
+
+        Parameters
+        ----------
+        procedure
+            The procedure.
+        settings
+            How to solve.
+
+        Returns
+        -------
+        int
+            Number of the job.
         """
         return self._ask("plan", procedure=procedure, settings=settings)
 
     def solve(self, procedure: Procedure, settings: SolveSettings, until: int | None = None) -> int:
-        """Gets the frames up to the time code `until` (all where None). -> Planned, FrameReady ..., Finished."""
+        """Get frames; `Planned` follows, then `FrameReady` for each, then `Finished`.
+
+        Parameters
+        ----------
+        procedure
+            The procedure.
+        settings
+            How to solve.
+        until
+            Last time code; None for all.
+
+        Returns
+        -------
+        int
+            Number of the job.
+        """
         return self._ask("solve", procedure=procedure, settings=settings, until=until)
 
     def live(self, procedure: Procedure, settings: SolveSettings, time: int, hook: str) -> int:
-        """Opens the tissue at the frame `time`, where the hook of that name pulls. -> Planned, LiveFrame ... until it
-        is cancelled, then Finished. The first LiveFrame is for the hook's own target."""
+        """Open the tissue at a frame for live mode.
+
+        `Planned` follows, then `LiveFrame` until the job is cancelled, then `Finished`. The first `LiveFrame` is for
+        the hook's own target.
+
+        Parameters
+        ----------
+        procedure
+            The procedure.
+        settings
+            How to solve.
+        time
+            Time code of the frame.
+        hook
+            Name of the hook that pulls.
+
+        Returns
+        -------
+        int
+            Number of the job.
+        """
         return self._ask("live", procedure=procedure, settings=settings, time=time, hook=hook)
 
     def live_target(self, job: int, target: Point) -> None:
-        """Moves the hook of a live job to `target`, mm; only the latest counts."""
+        """Move the hook of a live job; only the latest target counts.
+
+        Parameters
+        ----------
+        job
+            Number of the job.
+        target
+            Target in mm.
+        """
         x, y, z = target
         with self._lock:
             found = self._jobs.get(job)
@@ -105,7 +166,13 @@ class BackgroundSolver:
             self._work.put(("target", job))
 
     def cancel(self, job: int) -> None:
-        """Ends a job at its next Newton iteration; what is done is kept."""
+        """End a job at its next Newton iteration; what is done is kept.
+
+        Parameters
+        ----------
+        job
+            Number of the job.
+        """
         with self._lock:
             found = self._jobs.get(job)
             if found is None or found.cancelled:
@@ -114,14 +181,25 @@ class BackgroundSolver:
         self._work.put(("cancel", job))
 
     def poll(self) -> list[Happening]:
-        """What has happened since the last call, without waiting. Of iterations and live frames in a row only the
-        last is told."""
+        """Take what has happened since the last call, without waiting.
+
+        Returns
+        -------
+        list[Happening]
+            What happened, in order; of iterations and live frames in a row only the last.
+        """
         with self._lock:
             happened, self._happenings = self._happenings, []
         return happened
 
     def close(self, wait: float = 0.0) -> None:
-        """Ends the worker and its daemons. wait: seconds until they must have ended, 0: they end by themselves."""
+        """End the worker and its daemons.
+
+        Parameters
+        ----------
+        wait
+            Seconds until they must have ended; 0: they end by themselves.
+        """
         with self._lock:
             self._closed = True
             sender = self._sender
@@ -143,12 +221,24 @@ class BackgroundSolver:
 
     @property
     def identity(self) -> str:
-        """What tells this solver from another (`plan_key`). Raises RefusedError where there is no daemon, OSError where
-        it cannot be read. Reads the daemon's program once."""
+        """What tells this solver from another (`plan_key`); the daemon's program is read once."""
         return daemon_identity(self._solverd)
 
     def key(self, procedure: Procedure, settings: SolveSettings) -> str:
-        """The key of the plan that this solver makes of a procedure."""
+        """Compute the key of the plan that this solver makes of a procedure.
+
+        Parameters
+        ----------
+        procedure
+            The procedure.
+        settings
+            How to solve.
+
+        Returns
+        -------
+        str
+            The key.
+        """
         return plan_key(procedure, settings, self.identity)
 
     def _ask(self, kind: Literal["plan", "solve", "live"], **what: Any) -> int:
@@ -170,9 +260,11 @@ class BackgroundSolver:
             try:
                 self._send(*work)
             except MessageError as error:
-                self._give_up(str(error), (work[1],))
-            except (RefusedError, OSError) as error:
-                self._give_up(str(error))
+                self._give_up(error.problems[0], (work[1],))
+            except RefusedError as error:
+                self._give_up(error.problems[0])
+            except OSError as error:
+                self._give_up(file_problem(error))
         with self._lock:
             process, self._process = self._process, None
         if process is not None:
@@ -267,19 +359,19 @@ class BackgroundSolver:
         if self._deaths < _DEATHS:
             self._work.put(("restart", 0))
         else:
-            self._give_up(f"The background solver ended {_DEATHS} times in a row: {how}")
+            self._give_up(problem(ProblemCode.BACKGROUND_DIES, "", _DEATHS, how=how))
 
-    def _give_up(self, sentence: str, numbers: Sequence[int] | None = None) -> None:
-        """Ends these jobs, or all of them, with a sentence."""
+    def _give_up(self, why: Problem, numbers: Sequence[int] | None = None) -> None:
+        """End these jobs, or all of them, with what is wrong."""
         with self._lock:
             self._deaths = 0
             for job in [job for number, job in self._jobs.items() if numbers is None or number in numbers]:
                 if job.cancelled:
                     pass
                 elif job.planned is None:
-                    self._tell(Refused(job.number, (Problem(ProblemCode.UNSORTED, "/Procedure", "", sentence, ""),)))
+                    self._tell(Refused(job.number, (why,)))
                 else:
-                    self._tell(FrameFailed(job.number, _next_time(job), problem(ProblemCode.UNSORTED, said=sentence)))
+                    self._tell(FrameFailed(job.number, _next_time(job), why))
                 seconds = time.perf_counter() - job.begun
                 self._tell(Finished(job.number, len(job.done), seconds, job.cancelled))
                 del self._jobs[job.number]

@@ -22,7 +22,7 @@ from lappet.background.frame_stream import read_frame, write_frame
 from lappet.background.job import Job
 from lappet.background.plan import Finished, Happening, Refused
 from lappet.background.procedure_message import MessageError, pack, unpack
-from lappet.core.problem import Problem
+from lappet.core.problem import ProblemsError, problem
 from lappet.core.problem_code import ProblemCode
 
 _PATIENCE = 3.0  # seconds for jobs to close their daemons when the owner is gone
@@ -30,7 +30,13 @@ _NICENESS = 5  # so that the window stays lively while all cores solve
 
 
 def main(arguments: list[str]) -> None:
-    """Serves requests until standard input ends; never returns."""
+    """Serve requests until standard input ends; never return.
+
+    Parameters
+    ----------
+    arguments
+        Arguments of the process.
+    """
     requests, answers = _own_pipes()
     with contextlib.suppress(OSError, AttributeError):
         os.nice(_NICENESS)
@@ -43,8 +49,15 @@ def main(arguments: list[str]) -> None:
 
 
 class Worker:
-    """Takes requests and hands each to the thread of its kind. store: folder of the frames. answers: where happenings
-    go."""
+    """A worker that takes requests and hands each to the thread of its kind.
+
+    Parameters
+    ----------
+    store
+        Folder of the frames, or None for the user's.
+    answers
+        Pipe to the owner.
+    """
 
     def __init__(self, store: Path | None, answers: io.RawIOBase) -> None:
         self._folder = store
@@ -57,7 +70,13 @@ class Worker:
         self._lanes = {kind: _Lane(kind, self._run) for kind in ("plan", "solve", "live")}
 
     def take(self, request: dict[str, Any]) -> None:
-        """Does what a request asks, without waiting for any job."""
+        """Do what a request asks, without waiting for any job.
+
+        Parameters
+        ----------
+        request
+            The request.
+        """
         ask, number = request["ask"], int(request["job"])
         if ask == "cancel":
             with self._guard:
@@ -92,7 +111,8 @@ class Worker:
         except Exception as error:  # there is nobody to run it: no daemon, or parts that cannot be imported
             traceback.print_exception(error)
             with contextlib.suppress(_Gone):
-                self.tell(Refused(job.number, (Problem(ProblemCode.UNSORTED, "/Procedure", "", str(error), ""),)))
+                own = problem(ProblemCode.BACKGROUND_INTERNAL, "/Procedure", f"{type(error).__name__}: {error}")
+                self.tell(Refused(job.number, error.problems if isinstance(error, ProblemsError) else (own,)))
                 self.tell(Finished(job.number, 0, 0.0, job.cancelled))
         finally:
             with self._guard:
@@ -115,7 +135,13 @@ class Worker:
             return self._services
 
     def tell(self, happening: Happening) -> None:
-        """Sends what happened to the owner."""
+        """Send what happened to the owner.
+
+        Parameters
+        ----------
+        happening
+            What happened.
+        """
         data = pack(happening)
         try:
             with self._writing:
@@ -124,7 +150,7 @@ class Worker:
             raise _Gone from None
 
     def end(self) -> None:
-        """Ends all jobs, which end their daemons, and the process; a daemon that is left over sees that it is alone."""
+        """End all jobs, which end their daemons, and the process; a daemon that is left over sees that it is alone."""
         with self._guard:
             for job in self._jobs.values():
                 job.cancel()

@@ -17,7 +17,8 @@ from typing import Any, cast
 from lappet.background.frame_stream import read_frame, write_frame
 from lappet.background.interpreter import find_python, worker_environment
 from lappet.background.procedure_message import MessageError, pack, unpack
-from lappet.core.problem import RefusedError
+from lappet.core.problem import refused
+from lappet.core.problem_code import ProblemCode
 
 _STDERR_LINES = 40
 _LAST_WORDS = 3
@@ -25,9 +26,20 @@ _PIPE_BYTES = 1 << 20  # a frame of 20 000 vertices; where the system lets us
 
 
 class WorkerProcess:
-    """A running worker. heard: called on the reading thread with each happening; ended: once, when it has ended.
+    """A running worker.
 
-    Raises RefusedError where it cannot be started.
+    Parameters
+    ----------
+    store
+        Folder of the frames, or None for the user's.
+    solverd
+        The daemon's program, or None to find it.
+    path
+        Folders that the worker imports from.
+    heard
+        Called on the reading thread with each thing that happened.
+    ended
+        Called once, when the process has ended.
     """
 
     def __init__(
@@ -57,10 +69,7 @@ class WorkerProcess:
                 pipesize=_PIPE_BYTES if sys.platform == "linux" else -1,
             )
         except OSError as error:
-            raise RefusedError(
-                f"Solving in the background cannot be started with {python}: {error.strerror or error}; "
-                "install Blender again from blender.org."
-            ) from error
+            raise refused(ProblemCode.BACKGROUND_NOT_STARTED, python, error.strerror or error) from error
         self._stdin = cast(io.RawIOBase, self._process.stdin)
         self._words = threading.Thread(target=self._read_stderr, name="lappet-worker-words", daemon=True)
         self._reader = threading.Thread(target=self._read, name="lappet-worker-reader", daemon=True)
@@ -73,13 +82,30 @@ class WorkerProcess:
         return self._process.pid
 
     def send(self, request: dict[str, Any]) -> None:
-        """Sends a request; where the process has ended, nothing happens: `ended` tells. Raises MessageError."""
+        """Send a request; where the process has ended, nothing happens: `ended` tells.
+
+        Parameters
+        ----------
+        request
+            The request.
+
+        Raises
+        ------
+        MessageError
+            If the request cannot be told in a message.
+        """
         data = pack(request)
         with contextlib.suppress(OSError, ValueError):  # ValueError: the pipe is closed
             write_frame(self._stdin, data)
 
     def death(self) -> str:
-        """How it ended and what it said last, as a sentence."""
+        """Tell how the process ended and what it said last.
+
+        Returns
+        -------
+        str
+            A sentence.
+        """
         status = self._process.wait()
         if status < 0:
             with contextlib.suppress(ValueError):
@@ -90,7 +116,13 @@ class WorkerProcess:
         return self._with_last_words(f"it ended with status {status}")
 
     def stop(self, patience: float) -> None:
-        """Closes its standard input, upon which it ends; forces it after `patience` seconds."""
+        """Close its standard input, upon which it ends; force it after a while.
+
+        Parameters
+        ----------
+        patience
+            Seconds that it gets.
+        """
         with contextlib.suppress(OSError):
             self._stdin.close()
         try:

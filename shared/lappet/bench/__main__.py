@@ -44,7 +44,26 @@ def main(parts: tuple[str, ...], folder: Path, examples: Path, fine: bool, quick
 
 
 def run(parts: tuple[str, ...], folder: Path, examples: Path, fine: bool, quick: bool) -> list[str]:
-    """Measures and writes; returns a sentence per scene or sheet that did not converge."""
+    """Measure and write the tables.
+
+    Parameters
+    ----------
+    parts
+        What to measure: kernels, scenes, sheets.
+    folder
+        Folder of the files.
+    examples
+        Folder of the examples.
+    fine
+        Whether to measure up to a million cells.
+    quick
+        Whether to measure a little of everything.
+
+    Returns
+    -------
+    list[str]
+        A sentence per scene or sheet that did not converge.
+    """
     hurry: dict[str, Any] = {"repetitions": 2, "seconds": 1e-3, "stream_bytes": 1 << 24} if quick else {}
     only = None if "kernels" in parts else LIMITS_ONLY
     suite = kernel_suite.read_suite(kernel_suite.run_suite(kernel_suite.find_benchmarks(), only=only, **hurry))
@@ -81,7 +100,18 @@ def run(parts: tuple[str, ...], folder: Path, examples: Path, fine: bool, quick:
 
 
 def described(head: dict[str, Any]) -> str:
-    """Where and when, for people."""
+    """Say where and when the numbers were taken, for people.
+
+    Parameters
+    ----------
+    head
+        What each file of results starts with.
+
+    Returns
+    -------
+    str
+        A line of text.
+    """
     machine = head["machine"]
     return (
         f"{machine['processor']}, {machine['cores']} cores, {machine['memory_bytes'] / 2**30:.0f} GiB; "

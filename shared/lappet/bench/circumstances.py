@@ -13,11 +13,20 @@ from lappet.core.version import version
 
 
 def circumstances(context: dict[str, str], threads: int) -> dict[str, Any]:
-    """The keys that each file of results starts with.
+    """Gather the keys that each file of results starts with.
 
-    context: what solverd_benchmarks says of itself (`lappet.bench.kernels.context`). threads: of the measurement.
+    Parameters
+    ----------
+    context
+        What solverd_benchmarks says of itself (`lappet.bench.kernels.context`).
+    threads
+        Number of threads of the measurement.
+
+    Returns
+    -------
+    dict[str, Any]
+        Values that JSON can hold.
     """
-
     return {
         "machine": machine(),
         "compiler": context.get("compiler"),
@@ -31,18 +40,36 @@ def circumstances(context: dict[str, str], threads: int) -> dict[str, Any]:
 
 
 def environment() -> dict[str, str]:
-    """The variables that libraries take their threads, and the kernels their instruction set, from."""
+    """List the variables that libraries take their threads, and the kernels their instruction set, from.
+
+    Returns
+    -------
+    dict[str, str]
+        The variables that are set.
+    """
     prefixes = ("OMP_", "GOMP_", "OPENBLAS_", "LAPPET_ISA")
     return {name: value for name, value in sorted(os.environ.items()) if name.startswith(prefixes)}
 
 
 def cores() -> int:
-    """How many processors this process may use."""
+    """Count the processors that this process may use.
+
+    Returns
+    -------
+    int
+        Their number.
+    """
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def revision() -> str | None:
-    """The git revision of the checkout this file lies in, with `+` where files were changed; None outside one."""
+    """Find the git revision of the checkout that this file lies in.
+
+    Returns
+    -------
+    str | None
+        The revision, with `+` where files were changed; None outside a checkout.
+    """
     folder = Path(__file__).resolve().parent
     try:
         head = subprocess.run(

@@ -26,7 +26,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from lappet.core.problem import RefusedError
+from lappet.core.problem import refused
+from lappet.core.problem_code import ProblemCode
 from lappet.daemon.process import find_daemon
 
 BINARY = "solverd_benchmarks"
@@ -38,9 +39,28 @@ TURNS_REPETITIONS = 40
 
 @dataclass(frozen=True)
 class KernelMeasure:
-    """One row: a kernel on one instruction set, one thread, best of all repetitions of thread CPU time.
+    """A kernel on one instruction set and one thread, best of all repetitions of thread CPU time.
 
-    mode: "cache" or "stream". set_bytes: what it walks through. precision: of the arithmetic.
+    Parameters
+    ----------
+    kernel
+        Name of the kernel.
+    precision
+        Precision of the arithmetic.
+    isa
+        Instruction set.
+    mode
+        "cache" or "stream".
+    ns_per_cell
+        Nanoseconds per cell.
+    bytes_per_cell
+        Bytes that it moves per cell.
+    operations_per_cell
+        Floating-point operations per cell.
+    roofline_fraction
+        Share of the time that the machine's limits account for.
+    set_bytes
+        Bytes that it walks through.
     """
 
     kernel: str
@@ -56,7 +76,23 @@ class KernelMeasure:
 
 @dataclass(frozen=True)
 class ParallelMeasure:
-    """The product of 50 000 cells on several threads, wall time; speedup: over one thread."""
+    """The product of 50 000 cells on several threads, wall time.
+
+    Parameters
+    ----------
+    kernel
+        Name of the kernel.
+    isa
+        Instruction set.
+    cells
+        Number of cells.
+    threads
+        Number of threads.
+    ms
+        Milliseconds of one product.
+    speedup
+        Speedup over one thread.
+    """
 
     kernel: str
     isa: str
@@ -68,7 +104,15 @@ class ParallelMeasure:
 
 @dataclass(frozen=True)
 class Limits:
-    """What one thread can do. copy: bytes/s by mode. multiply_add: operations/s by (precision, isa)."""
+    """What one thread can do.
+
+    Parameters
+    ----------
+    copy
+        Bytes per second by mode.
+    multiply_add
+        Operations per second by (precision, isa).
+    """
 
     copy: Mapping[str, float]
     multiply_add: Mapping[tuple[str, str], float]
@@ -76,11 +120,38 @@ class Limits:
     def roofline_fraction(
         self, seconds: float, bytes_moved: float, operations: float, mode: str, precision: str, isa: str
     ) -> float:
-        """The share of the time that the machine's limits account for."""
+        """Compute the share of a time that the machine's limits account for.
+
+        Parameters
+        ----------
+        seconds
+            The time in seconds.
+        bytes_moved
+            Bytes that were moved.
+        operations
+            Operations that were done.
+        mode
+            "cache" or "stream".
+        precision
+            Precision of the arithmetic.
+        isa
+            Instruction set.
+
+        Returns
+        -------
+        float
+            The share, at most about 1.
+        """
         return max(bytes_moved / self.copy[mode], operations / self.multiply_add[precision, isa]) / seconds
 
     def as_dict(self) -> dict[str, Any]:
-        """JSON-able: bytes/s and operations/s of one thread."""
+        """List the limits for JSON.
+
+        Returns
+        -------
+        dict[str, Any]
+            Bytes per second and operations per second of one thread.
+        """
         return {
             "copy_bytes_per_s": dict(self.copy),
             "multiply_add_operations_per_s": {f"{p} {isa}": rate for (p, isa), rate in self.multiply_add.items()},
@@ -89,7 +160,19 @@ class Limits:
 
 @dataclass(frozen=True)
 class Suite:
-    """All that one run of solverd_benchmarks gave."""
+    """All that one run of solverd_benchmarks gave.
+
+    Parameters
+    ----------
+    context
+        What it says of itself.
+    limits
+        Limits of one thread.
+    rows
+        Kernels on one thread.
+    parallel
+        The product on several threads.
+    """
 
     context: dict[str, str]
     limits: Limits
@@ -98,12 +181,22 @@ class Suite:
 
 
 def find_benchmarks() -> Path:
-    """solverd_benchmarks: LAPPET_BENCHMARKS, or beside the daemon. Raises RefusedError where there is none."""
+    """Find solverd_benchmarks: `LAPPET_BENCHMARKS`, or beside the daemon.
 
+    Returns
+    -------
+    Path
+        The program.
+
+    Raises
+    ------
+    RefusedError
+        If there is none.
+    """
     named = os.environ.get("LAPPET_BENCHMARKS")
     path = Path(named) if named else find_daemon().with_name(BINARY)
     if not path.is_file():
-        raise RefusedError(f"{path} is not there; build it with `bash packaging/setup.sh --benchmarks`.")
+        raise refused(ProblemCode.BENCH_MISSING, path)
     return path
 
 
@@ -114,10 +207,30 @@ def run_suite(
     stream_bytes: int | None = None,
     only: str | None = None,
 ) -> dict[str, Any]:
-    """What `program` prints as JSON. only: a regular expression on kernel/precision/isa/mode; by default all, and then
-    copies and products in turns.
+    """Run the kernel suite.
 
-    Raises RefusedError with its last words where it fails.
+    Parameters
+    ----------
+    program
+        The program solverd_benchmarks.
+    repetitions
+        Number of repetitions of each measurement.
+    seconds
+        Least time of each in seconds.
+    stream_bytes
+        Bytes that a streaming kernel walks through; the program's choice when None.
+    only
+        A regular expression on kernel/precision/isa/mode; by default all, and then copies and products in turns.
+
+    Returns
+    -------
+    dict[str, Any]
+        What the program printed as JSON.
+
+    Raises
+    ------
+    RefusedError
+        If it fails; the message has its last words.
     """
     values = _run(program, repetitions, seconds, stream_bytes, [] if only is None else [f"--benchmark_filter={only}"])
     if only is None:
@@ -141,18 +254,34 @@ def _run(
         command.append(f"--stream-bytes={stream_bytes}")
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     if done.returncode:
-        raise RefusedError(f"{program.name} ended with status {done.returncode}: {done.stderr.strip()[-500:]}")
+        raise refused(ProblemCode.BENCH_FAILED, program.name, done.returncode, words=done.stderr.strip()[-500:])
     values: dict[str, Any] = json.loads(done.stdout)
     return values
 
 
 def read_suite(values: Mapping[str, Any]) -> Suite:
-    """The rows of what solverd_benchmarks printed. Raises RefusedError where the machine's limits are not in it."""
+    """Read the rows of what solverd_benchmarks printed.
+
+    Parameters
+    ----------
+    values
+        The printed values.
+
+    Returns
+    -------
+    Suite
+        The rows.
+
+    Raises
+    ------
+    RefusedError
+        If the machine's limits are not in it.
+    """
     best = _best(values["benchmarks"])
     copy = {mode: 2.0 * e["cells"] / e["s"] for (kernel, _, _, mode), e in best.items() if kernel == "copy"}
     rates = {(p, isa): e["operations"] / e["s"] for (kernel, p, isa, _), e in best.items() if kernel == "multiply_add"}
     if not rates or set(copy) != {"cache", "stream"}:
-        raise RefusedError("The kernel suite ran without copy or multiply_add, so nothing can be held against them.")
+        raise refused(ProblemCode.BENCH_NO_LIMITS)
     limits = Limits(copy, rates)
     rows = []
     for (kernel, precision, isa, mode), entry in best.items():
@@ -170,7 +299,18 @@ def read_suite(values: Mapping[str, Any]) -> Suite:
 
 
 def context(values: Mapping[str, Any]) -> dict[str, str]:
-    """`compiler`, `isa`, `instruction_sets` (comma-separated), `stream_bytes`."""
+    """Read what solverd_benchmarks says of itself.
+
+    Parameters
+    ----------
+    values
+        The printed values.
+
+    Returns
+    -------
+    dict[str, str]
+        `compiler`, `isa`, `instruction_sets` (comma-separated) and `stream_bytes`.
+    """
     names = ("compiler", "isa", "instruction_sets", "stream_bytes")
     return {name: str(values["context"][name]) for name in names if name in values["context"]}
 

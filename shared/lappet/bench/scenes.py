@@ -6,7 +6,7 @@ import hashlib
 import tempfile
 import tomllib
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lappet.bench.circumstances import cores
-from lappet.core.problem import RefusedError
+from lappet.core.problem import RefusedError, refused
+from lappet.core.problem_code import ProblemCode
 from lappet.daemon.client import SolverClient
 from lappet.output.solve_to_cache import solve_procedure
 from lappet.program.program import Program
@@ -26,12 +27,68 @@ STATE_GRAIN = 0.01  # mm
 
 @dataclass(frozen=True)
 class SceneMeasure:
-    """One row: what a scene cost.
+    """What a scene cost.
 
-    seconds: wall time of everything, compiling and writing the cache included; solver_seconds: the daemon's own, of
-    which linear_seconds in the linear solver. newton_iteration_s: solver_seconds per Newton iteration. update_state_ms:
-    one evaluation and one linearization; product_ms: one product; means over all frames. bytes_per_cell: peak memory
-    over cells. converged: every frame of the timeline was solved. state: `state_hash` of the last frame.
+    Parameters
+    ----------
+    scene
+        Name of the scene.
+    spacing_mm
+        Lattice spacing.
+    converged
+        Whether every frame of the timeline was solved.
+    reason
+        Why not, or None.
+    frames
+        Number of frames.
+    epochs
+        Number of epochs.
+    cells
+        Number of cells.
+    grid_cells
+        Number of cells of the regular grid.
+    mesh_cells
+        Number of cells of the explicit mesh.
+    nodes
+        Number of nodes.
+    blocks
+        Number of blocks.
+    fine_voxels
+        Number of fine voxels.
+    threads
+        Number of threads.
+    isa
+        Instruction set.
+    seconds
+        Wall time of everything, compiling and writing the cache included.
+    solver_seconds
+        The daemon's own time.
+    linear_seconds
+        Of these in the linear solver.
+    newton_iterations
+        Newton iterations of all frames.
+    newton_median
+        Median of a frame.
+    pcg_iterations
+        Iterations of conjugate gradients of all frames.
+    newton_iteration_s
+        Seconds of the daemon per Newton iteration.
+    update_state_ms
+        Milliseconds of one evaluation and one linearization, mean over all frames.
+    product_ms
+        Milliseconds of one product, mean over all frames.
+    residual
+        Largest relative residual.
+    largest_gap_mm
+        Largest gap.
+    minimum_j
+        Smallest ratio of volumes.
+    peak_bytes
+        Peak memory.
+    bytes_per_cell
+        Peak memory over cells.
+    state
+        `state_hash` of the last frame.
     """
 
     scene: str
@@ -75,11 +132,39 @@ def measure(
     headers: Sequence[Mapping[str, Any]],
     state: str = "",
 ) -> SceneMeasure:
-    """The row of a scene from the headers of its solved frames (fields of the message `frame`, PROTOCOL.md, and
-    `lattice`); `converged` is whether all these frames are. Raises RefusedError where there is no frame.
+    """Make the row of a scene from the headers of its solved frames.
+
+    Parameters
+    ----------
+    scene
+        Name of the scene.
+    spacing
+        Lattice spacing in mm.
+    threads
+        Number of threads.
+    isa
+        Instruction set.
+    epochs
+        Number of epochs.
+    seconds
+        Wall time of everything.
+    headers
+        Fields of the messages `frame` (PROTOCOL.md) and `lattice`.
+    state
+        `state_hash` of the last frame.
+
+    Returns
+    -------
+    SceneMeasure
+        The row; `converged` is whether all these frames are.
+
+    Raises
+    ------
+    RefusedError
+        If there is no frame.
     """
     if not headers:
-        raise RefusedError(f"{scene}: no frame was solved, so there is nothing to measure.")
+        raise refused(ProblemCode.BENCH_NO_FRAME, scene)
     lattices = [header["lattice"] for header in headers]
     largest = max(lattices, key=lambda lattice: int(lattice["cells"]))
     newton = [int(header["newton"]) for header in headers]
@@ -121,7 +206,18 @@ def measure(
 
 
 def pass_times(headers: Sequence[Mapping[str, Any]]) -> tuple[float, float]:
-    """Milliseconds of a state update (an evaluation and a linearization) and of a product, means over the frames."""
+    """Compute the milliseconds of a state update (an evaluation and a linearization) and of a product.
+
+    Parameters
+    ----------
+    headers
+        Headers of the frames.
+
+    Returns
+    -------
+    tuple[float, float]
+        Both, means over the frames.
+    """
 
     def mean(seconds: str, count: str) -> float:
         total = sum(float(header["work"][seconds]) for header in headers)
@@ -138,10 +234,20 @@ def _displacements(program: Program, frame: FrameResult) -> NDArray[np.float64]:
 
 
 def state_hash(displacements: NDArray[Any]) -> str:
-    """What names a result: a digest of displacements (n, 3), in mm, rounded to `STATE_GRAIN`.
+    """Name a result: a digest of displacements rounded to `STATE_GRAIN`.
 
     The same program, scene and instruction set give the same one on any number of threads; another one says that the
     result changed, be it by rounding. The largest displacement follows it, to say by how much.
+
+    Parameters
+    ----------
+    displacements
+        Displacements in mm, shape (n, 3).
+
+    Returns
+    -------
+    str
+        The name.
     """
     rounded = np.rint(np.asarray(displacements, np.float64) / STATE_GRAIN).astype("<i8")
     digest = hashlib.blake2b(rounded.tobytes(), digest_size=6).hexdigest()
@@ -150,18 +256,39 @@ def state_hash(displacements: NDArray[Any]) -> str:
 
 
 def daemon_isa() -> str:
-    """The instruction set that the daemon chooses here."""
+    """Find the instruction set that the daemon chooses here.
 
+    Returns
+    -------
+    str
+        Its name.
+    """
     with SolverClient() as client:
         return str(client.welcome["isa"])
 
 
 def solve_scene(procedure: Path, spacing: float, folder: Path) -> SceneMeasure:
-    """Solves every frame of a procedure file at `spacing` mm into `folder` and measures it.
+    """Solve every frame of a procedure's file, and measure it.
 
-    Raises RefusedError or RefusedError where the procedure cannot be solved at all.
+    Parameters
+    ----------
+    procedure
+        The file.
+    spacing
+        Lattice spacing in mm.
+    folder
+        Folder of the store and the cache.
+
+    Returns
+    -------
+    SceneMeasure
+        The row.
+
+    Raises
+    ------
+    RefusedError
+        If the procedure cannot be solved at all.
     """
-
     cache = folder / f"{procedure.stem}.usdc"
     with tempfile.TemporaryDirectory(prefix="lappet-bench-") as store:
         result = solve_procedure(procedure, cache, spacing=spacing, store=FrameStore(Path(store)))
@@ -177,14 +304,24 @@ def solve_scene(procedure: Path, spacing: float, folder: Path) -> SceneMeasure:
         [frame.header for frame in frames],
         state_hash(_displacements(result.program, frames[-1])) if frames else "",
     )
-    if result.complete or not row.converged:
+    if result.reason is None or not row.converged:
         return row
-    raise RefusedError(f"{procedure.stem}: {result.reason or 'the solve was stopped.'}")
+    raise RefusedError([replace(result.reason, prim=procedure.stem)])
 
 
 @dataclass(frozen=True)
 class Scene:
-    """An example and the spacings (mm) that it is measured at."""
+    """An example and the spacings that it is measured at.
+
+    Parameters
+    ----------
+    procedure
+        The procedure's file.
+    moderate
+        Spacing of the moderate size in mm.
+    fine
+        Spacing of the fine size in mm, or None.
+    """
 
     procedure: Path
     moderate: float
@@ -192,10 +329,24 @@ class Scene:
 
 
 def suite(examples: Path) -> list[Scene]:
-    """The scenes that `examples/sizes.toml` lists: by folder name the tables `moderate` and, where there is one,
-    `fine`, each with a `spacing` in mm.
+    """List the scenes of `examples/sizes.toml`.
 
-    Raises RefusedError where it lists what is not there.
+    The file has by folder name the tables `moderate` and, where there is one, `fine`, each with a `spacing` in mm.
+
+    Parameters
+    ----------
+    examples
+        Folder of the examples.
+
+    Returns
+    -------
+    list[Scene]
+        The scenes.
+
+    Raises
+    ------
+    RefusedError
+        If the file lists what is not there.
     """
     listed = examples / "sizes.toml"
     sizes = tomllib.loads(listed.read_text("utf-8")) if listed.is_file() else {"z_plasty": {"moderate": {"spacing": 1}}}
@@ -203,7 +354,7 @@ def suite(examples: Path) -> list[Scene]:
     for name, size in sizes.items():
         procedure = examples / name / f"{name}.usda"
         if not procedure.is_file() or "spacing" not in size.get("moderate", {}):
-            raise RefusedError(f"{listed}: [{name}] needs {procedure} and `moderate` with a `spacing` in mm.")
+            raise refused(ProblemCode.BENCH_SIZES, listed, name, file=procedure)
         fine = size.get("fine", {}).get("spacing")
         scenes.append(Scene(procedure, float(size["moderate"]["spacing"]), None if fine is None else float(fine)))
     return scenes

@@ -36,8 +36,54 @@ SKIN = MaterialParameters(model="neoHookean", youngs_modulus=50.0, poissons_rati
 
 @dataclass(frozen=True)
 class SheetMeasure:
-    """One row. seconds: the daemon's, from rest. residual: relative and true. bytes_per_cell: peak of the daemon;
-    session_bytes_per_cell: what it holds between frames. state: as of a scene.
+    """What a plain sheet cost.
+
+    Parameters
+    ----------
+    benchmark
+        Name of the sheet.
+    spacing_mm
+        Lattice spacing.
+    poissons_ratio
+        Poisson's ratio.
+    precision
+        Precision of the arithmetic.
+    tolerance
+        Relative residual that is asked for.
+    threads
+        Number of threads.
+    isa
+        Instruction set.
+    converged
+        Whether it converged.
+    reason
+        Why not, or None.
+    cells
+        Number of cells.
+    seconds
+        The daemon's time, from rest.
+    lattice_seconds
+        Time to make the lattice.
+    newton_iterations
+        Newton iterations.
+    pcg_iterations
+        Iterations of conjugate gradients.
+    load_steps
+        Load steps.
+    residual
+        Relative and true residual.
+    newton_iteration_s
+        Seconds per Newton iteration.
+    update_state_ms
+        Milliseconds of one evaluation and one linearization.
+    product_ms
+        Milliseconds of one product.
+    bytes_per_cell
+        Peak memory of the daemon over cells.
+    session_bytes_per_cell
+        Memory that it holds between frames over cells.
+    state
+        `state_hash` of the result.
     """
 
     benchmark: str
@@ -65,7 +111,18 @@ class SheetMeasure:
 
 
 def box(size: Sequence[float]) -> tuple[Surface, NDArray[np.int64]]:
-    """A closed box with a corner at the origin, `size` in mm; and per triangle its side, 2 axis + (0 low, 1 high)."""
+    """Make a closed box with a corner at the origin.
+
+    Parameters
+    ----------
+    size
+        Extent in mm.
+
+    Returns
+    -------
+    tuple[Surface, NDArray[np.int64]]
+        The surface, and the side of each triangle: 2 axis + (0 low, 1 high).
+    """
     points = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], float) * size
     quads = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
     triangles = np.array([t for a, b, c, d in quads for t in ((a, b, c), (a, c, d))], np.int32)
@@ -82,7 +139,22 @@ def box(size: Sequence[float]) -> tuple[Surface, NDArray[np.int64]]:
 
 
 def twisted(spacing: float, tolerance: float, **settings: Any) -> SheetMeasure:
-    """The twisted sheet at `spacing` mm; settings: fields of `SolverSettings`, `materials` among them."""
+    """Solve the twisted sheet.
+
+    Parameters
+    ----------
+    spacing
+        Lattice spacing in mm.
+    tolerance
+        Relative residual.
+    **settings
+        Fields of `SolverSettings`, `materials` among them.
+
+    Returns
+    -------
+    SheetMeasure
+        The row.
+    """
     surface, side = box(SHEET)
     epoch = Epoch(0, 1.0, replace(surface, fixed=side == 0), 1)
     turn = math.radians(TURN)
@@ -98,7 +170,22 @@ def twisted(spacing: float, tolerance: float, **settings: Any) -> SheetMeasure:
 
 
 def hooked(spacing: float, tolerance: float, **settings: Any) -> SheetMeasure:
-    """The hooked sheet at `spacing` mm; settings: fields of `SolverSettings`."""
+    """Solve the hooked sheet.
+
+    Parameters
+    ----------
+    spacing
+        Lattice spacing in mm.
+    tolerance
+        Relative residual.
+    **settings
+        Fields of `SolverSettings`.
+
+    Returns
+    -------
+    SheetMeasure
+        The row.
+    """
     surface, side = box(PATCH)
     epoch = Epoch(0, 1.0, replace(surface, fixed=side < 4), 1)
     top = int(np.flatnonzero(side == 5)[0])
@@ -118,7 +205,26 @@ def hooked(spacing: float, tolerance: float, **settings: Any) -> SheetMeasure:
 def solve(
     name: str, settings: SolverSettings, epoch: Epoch, grip: NDArray[np.integer], frame: FrameConstraints
 ) -> SheetMeasure:
-    """Solves one frame from rest with a daemon of its own."""
+    """Solve one frame from rest with a daemon of its own.
+
+    Parameters
+    ----------
+    name
+        Name of the sheet.
+    settings
+        How to solve.
+    epoch
+        The sheet.
+    grip
+        Retractor that grips each triangle, or -1, shape (m,).
+    frame
+        The constraints.
+
+    Returns
+    -------
+    SheetMeasure
+        The row.
+    """
     with SolverClient() as client:
         isa = str(client.welcome["isa"])
         client.open(settings)
@@ -161,20 +267,54 @@ STIFF = 0.499  # Poisson's ratio
 
 
 def public(spacings: Sequence[float]) -> list[SheetMeasure]:
-    """The twisted sheet to 10⁻⁶ on one thread, which takes double; at 2 mm with a Poisson's ratio of 0.499 too."""
+    """Solve the twisted sheet to 10⁻⁶ on one thread, which takes double; at 2 mm with a Poisson's ratio of 0.499 too.
+
+    Parameters
+    ----------
+    spacings
+        Lattice spacings in mm.
+
+    Returns
+    -------
+    list[SheetMeasure]
+        The rows.
+    """
     rows = [twisted(h, 1e-6, precision="double", threads=1) for h in spacings]
     stiff = replace(SKIN, poissons_ratio=STIFF)
     return [*rows, twisted(2.0, 1e-6, precision="double", threads=1, materials=(stiff,))]
 
 
 def fitted_exponent(cells: Sequence[float], cost: Sequence[float]) -> float:
-    """p of cost = c cells^p, least squares of the logarithms."""
+    """Fit p of cost = c cells^p by least squares of the logarithms.
+
+    Parameters
+    ----------
+    cells
+        Numbers of cells.
+    cost
+        What each costs.
+
+    Returns
+    -------
+    float
+        The exponent p.
+    """
     return float(np.polyfit(np.log(cells), np.log(cost), 1)[0])
 
 
 def summary(rows: Sequence[SheetMeasure]) -> dict[str, float]:
-    """What the rows of `scaling` and `threads` say: `time_exponent`, `newton_iteration_exponent`, `bytes_exponent`
-    (totals over cells), `most_bytes_per_cell`, and `speedup_on_2_threads`, each where there are rows for it.
+    """Sum up the rows of `scaling` and `threads`.
+
+    Parameters
+    ----------
+    rows
+        The rows.
+
+    Returns
+    -------
+    dict[str, float]
+        `time_exponent`, `newton_iteration_exponent`, `bytes_exponent` (totals over cells), `most_bytes_per_cell` and
+        `speedup_on_2_threads`, each where there are rows for it.
     """
     values: dict[str, float] = {}
     scaling = [row for row in rows if row.benchmark == "scaling" and row.converged]
@@ -191,7 +331,18 @@ def summary(rows: Sequence[SheetMeasure]) -> dict[str, float]:
 
 
 def sheets(fine: bool) -> list[SheetMeasure]:
-    """All of them; `fine`: the public one at 0.5 mm too, scaling beyond 400 000 cells."""
+    """Solve all sheets.
+
+    Parameters
+    ----------
+    fine
+        Whether to solve the public one at 0.5 mm too, and scaling beyond 400 000 cells.
+
+    Returns
+    -------
+    list[SheetMeasure]
+        The rows.
+    """
     rows = public(PUBLIC if fine else PUBLIC[:2])
     rows.append(hooked(1.25, 1e-3, threads=1))
     rows += [replace(twisted(SCALING[0], 1e-3, threads=n), benchmark="threads") for n in (1, 2) if n <= cores()]

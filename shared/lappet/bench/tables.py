@@ -18,18 +18,51 @@ MODES = ("cache", "stream")
 
 
 def published() -> dict[str, Any]:
-    """`published.toml`."""
+    """Read the figures of others, `published.toml`.
+
+    Returns
+    -------
+    dict[str, Any]
+        The tables.
+    """
     return tomllib.loads(Path(__file__).with_name("published.toml").read_text("utf-8"))
 
 
 def write_json(path: Path, head: Mapping[str, Any], **tables: Any) -> None:
-    """Writes `head` and the tables, rows as maps. Raises OSError, ValueError for numbers that are not finite."""
+    """Write a file of results.
+
+    Parameters
+    ----------
+    path
+        The file.
+    head
+        What it starts with.
+    **tables
+        Rows by name, written as maps.
+
+    Raises
+    ------
+    OSError
+        If the file system refuses.
+    ValueError
+        If a number is not finite.
+    """
     values = {**head, **{name: _plain(table) for name, table in tables.items()}}
     path.write_text(json.dumps(values, indent=1, ensure_ascii=False, allow_nan=False) + "\n", encoding="utf-8")
 
 
 def write_csv(path: Path, rows: Sequence[Any], head: Mapping[str, Any]) -> None:
-    """Writes rows (of one dataclass) with the machine, compiler and revision at the end of each."""
+    """Write rows with the machine, compiler and revision at the end of each.
+
+    Parameters
+    ----------
+    path
+        The file.
+    rows
+        Rows of one dataclass.
+    head
+        What each file of results starts with.
+    """
     names = ("compiler", "revision", "date")
     extra = {"processor": head["machine"]["processor"], **{name: head[name] for name in names}}
     with path.open("w", newline="", encoding="utf-8") as file:
@@ -43,14 +76,38 @@ def write_csv(path: Path, rows: Sequence[Any], head: Mapping[str, Any]) -> None:
 
 
 def markdown_table(columns: Sequence[str], rows: Iterable[Sequence[Any]]) -> str:
-    """A table of GitHub-flavoured Markdown; the first column is text, numbers are rounded to four digits."""
+    """Write a table of GitHub-flavored Markdown.
+
+    Parameters
+    ----------
+    columns
+        Titles of the columns.
+    rows
+        Rows; the first column is text, numbers are rounded to four digits.
+
+    Returns
+    -------
+    str
+        The table.
+    """
     lines = ["| " + " | ".join(columns) + " |", "|---|" + "---:|" * (len(columns) - 1)]
     lines += ["| " + " | ".join(_cell(value) for value in row) + " |" for row in rows]
     return "\n".join(lines) + "\n"
 
 
 def scenes_markdown(rows: Sequence[SceneMeasure]) -> str:
-    """Table 1 of the paper, with our scenes below its own."""
+    """Write Table 1 of the paper, with our scenes below its own.
+
+    Parameters
+    ----------
+    rows
+        Our scenes.
+
+    Returns
+    -------
+    str
+        The table.
+    """
     table = published()["table_1"]
     columns = [*table["columns"], "Newton", "PCG", "residual", "bytes per cell"]
     body = [[*row, "", "", "", ""] for row in table["rows"]]
@@ -82,7 +139,18 @@ def scenes_markdown(rows: Sequence[SceneMeasure]) -> str:
 
 
 def kernels_markdown(suite: Suite) -> str:
-    """Kernels by instruction set, ns per cell and in brackets the share of the roofline."""
+    """Write the kernels by instruction set, ns per cell and in brackets the share of the roofline.
+
+    Parameters
+    ----------
+    suite
+        The measured kernels.
+
+    Returns
+    -------
+    str
+        The table.
+    """
     sets = list(dict.fromkeys(row.isa for row in suite.rows))
     found = {(r.kernel, r.precision, r.isa, r.mode): r for r in suite.rows}
     body = []
@@ -107,7 +175,18 @@ def kernels_markdown(suite: Suite) -> str:
 
 
 def sheets_markdown(rows: Sequence[SheetMeasure]) -> str:
-    """The plain sheets, and what they say together."""
+    """Write the plain sheets, and what they say together.
+
+    Parameters
+    ----------
+    rows
+        The sheets.
+
+    Returns
+    -------
+    str
+        The tables.
+    """
     names = (
         "benchmark", "spacing_mm", "poissons_ratio", "precision", "tolerance", "threads", "cells", "seconds",
         "newton_iterations", "pcg_iterations", "load_steps", "residual", "update_state_ms", "product_ms",

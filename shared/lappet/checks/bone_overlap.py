@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from lappet.core.problem import Problem
+from lappet.core.problem import Place, Problem, problem
 from lappet.core.problem_code import ProblemCode
 from lappet.geometry.closest_point import ClosestPoint
 from lappet.geometry.solid import closed_solid, solid_surface
@@ -22,10 +22,27 @@ SAMPLES = 30  # along the diagonal of the space that bone and tissue share
 def overlap_problems(
     bone: Bone, triangles: NDArray[np.int32], points: NDArray[np.float64], tissue: NDArray[np.int32], spacing: float
 ) -> list[Problem]:
-    """Whether a bone and the tissue share space at rest, deeper than contact pushes out.
+    """Find whether a bone and the tissue share space at rest, deeper than contact pushes out.
 
-    triangles: (c, 3), of the bone's points. points, tissue: (n, 3) mm and (m, 3), the tissue's surface. spacing: mm.
     Both surfaces are closed.
+
+    Parameters
+    ----------
+    bone
+        The bone.
+    triangles
+        Vertex indices of the bone's triangles, shape (c, 3).
+    points
+        Vertices of the tissue in mm, shape (n, 3).
+    tissue
+        Vertex indices of the tissue's triangles, shape (m, 3).
+    spacing
+        Lattice spacing in mm.
+
+    Returns
+    -------
+    list[Problem]
+        The problems.
     """
     path = f"{BONE}/{bone.name}"
     shared = closed_solid(bone.points, triangles, path) ^ closed_solid(points, tissue, "/Procedure/Tissue")
@@ -41,7 +58,14 @@ def overlap_problems(
     depth = float(depths[deepest])
     if depth <= PUSHED_OUT * spacing:
         return []
-    where = place(np.round(corners[deepest], 3))
-    sentence = f"The bone and the tissue share space at rest: they reach {depth:.3g} mm into each other at {where}."
-    remedy = f"Move them apart; only {PUSHED_OUT * spacing:.3g} mm, half the lattice spacing, are pushed out."
-    return [Problem(ProblemCode.UNSORTED, path, f"{depth:.3g} mm", sentence, remedy)]
+    where = np.round(corners[deepest], 3)
+    return [
+        problem(
+            ProblemCode.BONE_IN_TISSUE,
+            path,
+            f"{depth:.3g} mm",
+            place=Place.at(where),
+            where=place(where),
+            pushed=PUSHED_OUT * spacing,
+        )
+    ]

@@ -6,19 +6,35 @@ import math
 from collections import Counter, defaultdict
 from collections.abc import Sequence
 from itertools import combinations
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from lappet.checks.event_problems import at, same_point
-from lappet.core.problem import Problem
+from lappet.core.problem import Place, Problem, problem
 from lappet.core.problem_code import ProblemCode
+from lappet.geometry.mesh_faults import MOST_PLACES
 from lappet.procedure import Excision, Hook, Incision, Landmark, Procedure, Retractor, Suture
 from lappet.procedure.prim_paths import TIMELINE
 
 
 def event_conflicts(procedure: Procedure) -> list[Problem]:
-    """Two hooks on one point at one time, faces that two things hold, an excision of what is not cut, one suture
-    twice, one label twice."""
+    """Find events that are right alone, but not together.
+
+    These are two hooks on one point at one time, faces that two things hold, an excision of what is not cut, one suture
+    twice, and one label twice.
+
+    Parameters
+    ----------
+    procedure
+        The procedure.
+
+    Returns
+    -------
+    list[Problem]
+        The problems.
+    """
     return [
         *_hooks(procedure),
         *_grips(procedure),
@@ -35,10 +51,16 @@ def _hooks(procedure: Procedure) -> list[Problem]:
     for first, second in combinations(hooks, 2):
         if math.dist(first.anchor, second.anchor) <= near and _together(first, second):
             time = max(first.start, second.start)
-            sentence = f"It holds {at(second.anchor)} at time {time:g}, where {first.name} holds the same point."
-            remedy = f"Release {first.name} before {second.start:g}, or move one of the two."
             problems.append(
-                Problem(ProblemCode.UNSORTED, f"{TIMELINE}/{second.name}", at(second.anchor), sentence, remedy)
+                problem(
+                    ProblemCode.HOOK_SAME_POINT,
+                    f"{TIMELINE}/{second.name}",
+                    at(second.anchor),
+                    place=Place.at(second.anchor),
+                    time=time,
+                    other=first.name,
+                    start=second.start,
+                )
             )
     return problems
 
@@ -50,20 +72,20 @@ def _grips(procedure: Procedure) -> list[Problem]:
     for event in retractors:
         both = np.intersect1d(subsets[event.grip], subsets.get("fixed", np.zeros(0, np.int32)))
         if len(both):
-            sentence = f"It grips {len(both)} faces that are also fixed, face {both[0]} among them."
-            remedy = f"Take them out of the subset {event.grip!r} or out of 'fixed'."
-            if event.grip == "fixed":
-                remedy = "Grip another subset; fixed faces stay where they are."
-            problems.append(Problem(ProblemCode.UNSORTED, f"{TIMELINE}/{event.name}", event.grip, sentence, remedy))
+            code = ProblemCode.GRIP_ON_FIXED if event.grip == "fixed" else ProblemCode.GRIP_OF_FIXED
+            problems.append(_gripped(code, event, both))
     for first, second in combinations(retractors, 2):
         both = np.intersect1d(subsets[first.grip], subsets[second.grip])
         if len(both) and _together(first, second):
-            sentence = (
-                f"It grips {len(both)} faces that {first.name} grips at the same time, face {both[0]} among them."
-            )
-            remedy = f"Release {first.name} before {second.start:g}, or grip other faces."
-            problems.append(Problem(ProblemCode.UNSORTED, f"{TIMELINE}/{second.name}", second.grip, sentence, remedy))
+            code = ProblemCode.GRIP_TWICE
+            problems.append(_gripped(code, second, both, other=first.name, start=second.start))
     return problems
+
+
+def _gripped(code: ProblemCode, event: Retractor, faces: NDArray[np.int32], **fields: Any) -> Problem:
+    where = Place(faces=tuple(faces[:MOST_PLACES].tolist()))
+    prim = f"{TIMELINE}/{event.name}"
+    return problem(code, prim, event.grip, place=where, faces=len(faces), first=faces[0], **fields)
 
 
 def _excisions(procedure: Procedure) -> list[Problem]:
@@ -71,11 +93,7 @@ def _excisions(procedure: Procedure) -> list[Problem]:
     cuts = [event.time for event in procedure.events if isinstance(event, Incision)]
     for event in procedure.events:
         if isinstance(event, Excision) and not any(time <= event.time for time in cuts):
-            sentence = f"No incision is made by time {event.time:g}, so it would discard all tissue."
-            remedy = "Cut around the piece first, or excise later."
-            problems.append(
-                Problem(ProblemCode.UNSORTED, f"{TIMELINE}/{event.name}", f"{event.time:g}", sentence, remedy)
-            )
+            problems.append(problem(ProblemCode.EXCISION_BEFORE_CUT, f"{TIMELINE}/{event.name}", f"{event.time:g}"))
     return problems
 
 
@@ -91,15 +109,15 @@ def _sutures(procedure: Procedure) -> list[Problem]:
     for group in by_middle.values():
         for first, second in combinations(group, 2):
             if _same_anchors(first.anchors, second.anchors, near):
-                sentence = f"It joins the same two points as {first.name}."
-                problem = Problem(
-                    ProblemCode.UNSORTED,
-                    f"{TIMELINE}/{second.name}",
-                    at(second.anchors[0]),
-                    sentence,
-                    "Remove one of them.",
+                problems.append(
+                    problem(
+                        ProblemCode.SUTURE_TWICE,
+                        f"{TIMELINE}/{second.name}",
+                        at(second.anchors[0]),
+                        place=Place.at(*second.anchors),
+                        other=first.name,
+                    )
                 )
-                problems.append(problem)
     return problems
 
 
@@ -107,13 +125,7 @@ def _labels(procedure: Procedure) -> list[Problem]:
     marks = [event for event in procedure.events if isinstance(event, Landmark)]
     uses = Counter(event.label for event in marks if event.label)
     return [
-        Problem(
-            ProblemCode.UNSORTED,
-            f"{TIMELINE}/{event.name}",
-            event.label,
-            f"The label {event.label!r} names {uses[event.label]} landmarks.",
-            "Give each its own label.",
-        )
+        problem(ProblemCode.LANDMARK_LABEL_TWICE, f"{TIMELINE}/{event.name}", event.label, times=uses[event.label])
         for event in marks
         if uses[event.label] > 1
     ]

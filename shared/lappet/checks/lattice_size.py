@@ -16,14 +16,30 @@ BYTES_PER_CELL = 1024.0  # tangents, nodal vectors and preconditioner of the sol
 
 @dataclass(frozen=True)
 class LatticeSize:
-    """cells: lattice cells that hold tissue. bytes: memory at the peak, of rasterization and solver together."""
+    """The size of a lattice.
+
+    Parameters
+    ----------
+    cells
+        Number of lattice cells that hold tissue.
+    bytes
+        Memory at the peak, of rasterization and solver together.
+    """
 
     cells: float
     bytes: float
 
 
 class TissueMeasure:
-    """Box, projected areas and volume of a closed surface: points (n, 3) mm, triangles (m, 3)."""
+    """Box, projected areas and volume of a closed surface.
+
+    Parameters
+    ----------
+    points
+        Vertices in mm, shape (n, 3).
+    triangles
+        Vertex indices, shape (m, 3).
+    """
 
     def __init__(self, points: NDArray[np.float64], triangles: NDArray[np.integer]) -> None:
         low, high = points.min(axis=0), points.max(axis=0)
@@ -33,7 +49,20 @@ class TissueMeasure:
         self.volume = abs(float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6.0))
 
     def lattice(self, spacing: float, fine_ratio: int = 4) -> LatticeSize:
-        """The size of a lattice of this spacing (mm) with `fine_ratio` voxels per cell edge."""
+        """Estimate the size of a lattice.
+
+        Parameters
+        ----------
+        spacing
+            Lattice spacing in mm.
+        fine_ratio
+            Voxels per cell edge.
+
+        Returns
+        -------
+        LatticeSize
+            The size.
+        """
         spacing = max(spacing, 1e-9 * float(self.size.max()))  # finer is as far out of reach, and powers stay finite
         extent = self.size / spacing + 1.0
         box = float(extent.prod())
@@ -47,7 +76,20 @@ class TissueMeasure:
         return LatticeSize(float(cells), float(rasterization + BYTES_PER_CELL * cells))
 
     def least_spacing(self, memory_budget: float, fine_ratio: int = 4) -> float:
-        """The smallest spacing (mm, two digits, rounded up) whose lattice fits the budget in bytes."""
+        """Find the smallest spacing whose lattice fits a budget.
+
+        Parameters
+        ----------
+        memory_budget
+            The budget in bytes.
+        fine_ratio
+            Voxels per cell edge.
+
+        Returns
+        -------
+        float
+            Spacing in mm with two digits, rounded up.
+        """
         spacing = float(self.size.max())
         while self.lattice(spacing / 1.02, fine_ratio).bytes <= memory_budget:
             spacing /= 1.02

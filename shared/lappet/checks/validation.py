@@ -1,9 +1,10 @@
-"""Validates a procedure before it is solved: every problem at once, each with its prim, value and remedy."""
+"""Validate a procedure before it is solved: every problem at once, each with its prim, value and remedy."""
 
 from __future__ import annotations
 
 import math
 import os
+from typing import Any
 
 import numpy as np
 
@@ -13,7 +14,7 @@ from lappet.checks.event_problems import EventCheck
 from lappet.checks.lattice_size import TissueMeasure
 from lappet.checks.material_problems import material_problems, region_problems
 from lappet.checks.mesh_problems import MeshReport, mesh_problems
-from lappet.core.problem import Problem
+from lappet.core.problem import Problem, problem
 from lappet.core.problem_code import ProblemCode
 from lappet.procedure import Procedure, Retractor
 from lappet.procedure.prim_names import name_problems
@@ -27,10 +28,33 @@ MOST_FRAMES = 1_000_000
 
 
 def check(procedure: Procedure, memory_budget: float = MEMORY_BUDGET, spacing: float | None = None) -> list[Problem]:
-    """Every problem of a procedure; errors are refused before solving, warnings are not.
+    """Find every problem of a procedure.
 
-    memory_budget: bytes. spacing: the lattice spacing in mm, where it is not the tissue's own. Nothing is cut, so what
-    only shows in the cut surface (an anchor whose tissue is excised) is found when the procedure is compiled.
+    Nothing is cut, so what only shows in the cut surface (an anchor whose tissue is excised) is found when the
+    procedure is compiled.
+
+    Parameters
+    ----------
+    procedure
+        The procedure.
+    memory_budget
+        Memory in bytes that the solver may take.
+    spacing
+        Lattice spacing in mm, where it is not the tissue's own.
+
+    Returns
+    -------
+    list[Problem]
+        The problems; errors are refused before solving, warnings are not.
+
+    Examples
+    --------
+    >>> from lappet import Incision, Procedure, check
+    >>> from lappet.tissue import flat_patch
+    >>> hovering = Incision("cut", 2, [(-10, 0, 40), (10, 0, 40)])
+    >>> [problem] = check(Procedure(flat_patch(spacing=2.0), events=(hovering,), end_time=3))
+    >>> str(problem.code), problem.prim
+    ('curve-off-tissue', '/Procedure/Timeline/cut')
     """
     problems = [*name_problems(procedure), *_timeline(procedure)]
     report = mesh_problems(procedure.tissue, TISSUE)
@@ -60,46 +84,55 @@ def check(procedure: Procedure, memory_budget: float = MEMORY_BUDGET, spacing: f
 def check_file(
     path: str | os.PathLike[str], notes: list[str] | None = None, memory_budget: float = MEMORY_BUDGET
 ) -> list[Problem]:
-    """Every problem of a procedure file: those of reading it and those of `check`, together.
+    """Find every problem of a procedure's file: those of reading it and those of `check`.
 
-    notes: gets a sentence for everything that was converted or left aside while reading. Raises RefusedError only
-    where the file cannot be opened as USD. A prim that could not be read is not judged a second time.
+    A prim that could not be read is not judged a second time.
+
+    Parameters
+    ----------
+    path
+        The file.
+    notes
+        Gets a sentence for everything that was converted or left aside while reading.
+    memory_budget
+        Memory in bytes that the solver may take.
+
+    Returns
+    -------
+    list[Problem]
+        The problems.
+
+    Raises
+    ------
+    RefusedError
+        If the file cannot be opened as USD.
     """
-
     procedure, unread = read_what_can_be(path, notes)
     if procedure is None:
         return unread
-    known = {problem.prim for problem in unread}
-    return unread + [problem for problem in check(procedure, memory_budget) if problem.prim not in known]
+    known = {each.prim for each in unread}
+    return unread + [each for each in check(procedure, memory_budget) if each.prim not in known]
 
 
 def _is_solid(report: MeshReport) -> bool:
-    return report.readable and not any(problem.severity == "error" for problem in report.problems)
+    return report.readable and not any(each.severity == "error" for each in report.problems)
 
 
 def _timeline(procedure: Procedure) -> list[Problem]:
     start, end, fps = procedure.start_time, procedure.end_time, procedure.fps
     problems = []
+
+    def add(code: ProblemCode, **fields: Any) -> None:
+        problems.append(problem(code, ROOT, f"{start:g} to {end:g}", start=start, end=end, **fields))
+
     if not (math.isfinite(start) and math.isfinite(end)):
-        sentence = f"The timeline runs from {start:g} to {end:g}."
-        problems.append(
-            Problem(
-                ProblemCode.UNSORTED, ROOT, f"{start:g} to {end:g}", sentence, "Give finite start and end time codes."
-            )
-        )
+        add(ProblemCode.TIMELINE_NOT_FINITE)
     elif math.floor(end) < math.ceil(start):
-        sentence = f"The timeline from {start:g} to {end:g} holds no frame."
-        remedy = "Set endTimeCode to startTimeCode or later; frames are the whole time codes between them."
-        problems.append(Problem(ProblemCode.UNSORTED, ROOT, f"{start:g} to {end:g}", sentence, remedy))
+        add(ProblemCode.TIMELINE_NO_FRAME)
     elif end - start >= MOST_FRAMES:
-        sentence = f"The timeline from {start:g} to {end:g} holds {end - start + 1:.3g} frames."
-        remedy = f"Keep it below {MOST_FRAMES} frames; frames are the whole time codes."
-        problems.append(Problem(ProblemCode.UNSORTED, ROOT, f"{start:g} to {end:g}", sentence, remedy))
+        add(ProblemCode.TIMELINE_TOO_LONG, frames=end - start + 1, most=MOST_FRAMES)
     if not (math.isfinite(fps) and fps > 0.0):
-        sentence = f"There are {fps:g} time codes per second."
-        problems.append(
-            Problem(ProblemCode.UNSORTED, ROOT, f"{fps:g}", sentence, "Set timeCodesPerSecond above 0; 24 is usual.")
-        )
+        problems.append(problem(ProblemCode.TIMELINE_FPS, ROOT, f"{fps:g}"))
     return problems
 
 
@@ -107,42 +140,40 @@ def _tissue(procedure: Procedure, spacing: float) -> list[Problem]:
     tissue = procedure.tissue
     problems = []
 
-    def add(value: object, sentence: str, remedy: str, path: str = TISSUE) -> None:
-        problems.append(Problem(ProblemCode.UNSORTED, path, str(value), sentence, remedy))
+    def add(code: ProblemCode, value: object, **fields: Any) -> None:
+        problems.append(problem(code, TISSUE, f"{value:g}" if isinstance(value, float) else value, **fields))
 
     if tissue.material not in {material.name for material in procedure.materials}:
         known = ", ".join(material.name for material in procedure.materials) or "none"
-        sentence = f"The tissue is made of {tissue.material!r}, which no material is named."
-        add(tissue.material, sentence, f"Point lappet:material to one under {MATERIALS}; there are: {known}.")
+        add(ProblemCode.TISSUE_MATERIAL_UNKNOWN, tissue.material, materials=MATERIALS, known=known)
     if not (math.isfinite(spacing) and spacing > 0.0):
-        add(f"{spacing:g}", f"The lattice spacing is {spacing:g} mm.", "Give a spacing above 0; 1 mm is usual.")
+        add(ProblemCode.TISSUE_SPACING, spacing)
     if not (math.isfinite(tissue.bed_stiffness) and tissue.bed_stiffness >= 0.0):
-        sentence = f"The bed stiffness is {tissue.bed_stiffness:g} kPa/mm."
-        add(f"{tissue.bed_stiffness:g}", sentence, "Give a stiffness of at least 0; 10 is usual.")
+        add(ProblemCode.TISSUE_BED_STIFFNESS, tissue.bed_stiffness)
     if tissue.gravity is not None and not math.isfinite(tissue.gravity):
-        sentence = f"The gravity is {tissue.gravity:g} m/s²."
-        add(f"{tissue.gravity:g}", sentence, "Give a finite number, 9.81 on earth, or none.")
+        add(ProblemCode.TISSUE_GRAVITY, tissue.gravity)
     if tissue.uv is not None:
         corners = len(tissue.face_vertex_indices)
         if len(tissue.uv) != corners:
-            sentence = f"There are {len(tissue.uv)} texture coordinates for {corners} face corners."
-            add(len(tissue.uv), sentence, "Give one for each face corner, or none.")
+            add(ProblemCode.TISSUE_UV_COUNT, len(tissue.uv), corners=corners)
         elif not np.isfinite(tissue.uv).all():
-            add("not finite", "A texture coordinate is not finite.", "Unwrap the mesh again.")
-    faces = len(tissue.face_vertex_counts)
-    for name, subset in tissue.subsets.items():
-        outside = subset[(subset < 0) | (subset >= faces)]
-        if len(outside):
-            sentence = f"The subset {name!r} names face {outside[0]}, but the tissue has {faces} faces."
-            add(outside[0], sentence, "Select its faces again.", f"{TISSUE}/{name}")
-        elif len(np.unique(subset)) != len(subset):
-            sentence = f"The subset {name!r} names a face twice."
-            add(name, sentence, "Select its faces again.", f"{TISSUE}/{name}")
+            add(ProblemCode.TISSUE_UV_NOT_FINITE, "not finite")
+    problems += _subsets(procedure)
     held = any(len(tissue.subsets.get(name, ())) for name in ("fixed", "bed"))
     if not held and not any(isinstance(event, Retractor) for event in procedure.events):
-        sentence = "Nothing holds the tissue: no face is fixed or on the bed, and no retractor grips it."
-        remedy = "Put faces into the subset fixed or bed."
-        problems.append(Problem(ProblemCode.UNSORTED, TISSUE, "no fixed faces", sentence, remedy, "warning"))
+        add(ProblemCode.TISSUE_NOT_HELD, "no fixed faces")
+    return problems
+
+
+def _subsets(procedure: Procedure) -> list[Problem]:
+    problems = []
+    faces = len(procedure.tissue.face_vertex_counts)
+    for name, subset in procedure.tissue.subsets.items():
+        prim, outside = f"{TISSUE}/{name}", subset[(subset < 0) | (subset >= faces)]
+        if len(outside):
+            problems.append(problem(ProblemCode.SUBSET_INDEX_RANGE, prim, outside[0], name=name, faces=faces))
+        elif len(np.unique(subset)) != len(subset):
+            problems.append(problem(ProblemCode.SUBSET_FACE_TWICE, prim, name))
     return problems
 
 
@@ -152,19 +183,19 @@ def _lattice(measure: TissueMeasure, spacing: float, memory_budget: float) -> li
     problems = []
     lattice = measure.lattice(spacing)
     if lattice.bytes > memory_budget:
-        least = measure.least_spacing(memory_budget)
-        sentence = (
-            f"A lattice of {spacing:g} mm would have about {lattice.cells:.2g} cells and take "
-            f"{lattice.bytes / 2**30:.3g} GiB, more than the memory budget of {memory_budget / 2**30:.3g} GiB."
-        )
         problems.append(
-            Problem(
-                ProblemCode.UNSORTED, TISSUE, f"{spacing:g} mm", sentence, f"Use a spacing of at least {least:g} mm."
+            problem(
+                ProblemCode.LATTICE_MEMORY,
+                TISSUE,
+                f"{spacing:g} mm",
+                cells=lattice.cells,
+                needed=lattice.bytes / 2**30,
+                budget=memory_budget / 2**30,
+                least=measure.least_spacing(memory_budget),
             )
         )
     thickness = float(measure.size.min())
     if spacing > thickness > 0.0:
-        sentence = f"The lattice spacing of {spacing:g} mm is larger than the tissue is thick ({thickness:.3g} mm)."
-        remedy = f"Use a spacing of {thickness:.3g} mm or less."
-        problems.append(Problem(ProblemCode.UNSORTED, TISSUE, f"{spacing:g} mm", sentence, remedy, "warning"))
+        code = ProblemCode.LATTICE_TOO_COARSE
+        problems.append(problem(code, TISSUE, f"{spacing:g} mm", spacing=spacing, thickness=thickness))
     return problems

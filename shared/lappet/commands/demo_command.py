@@ -25,7 +25,7 @@ from lappet.commands.solve_options import solve_options
 @solve_options
 @click.pass_context
 def demo(context: click.Context, /, folder: Path, **options: Any) -> None:
-    """Solve and render the bundled Z-plasty, at a lattice spacing of 1.33 mm where none is given."""
+    """Solve and render the bundled Z-plasty, at a spacing of 1.33 mm unless you give one."""
     import shutil
 
     with sentences(context):

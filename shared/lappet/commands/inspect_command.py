@@ -15,7 +15,9 @@ from lappet.commands.refusals import sentences
 @click.option("--spacing", type=click.FloatRange(min=0, min_open=True), help="Lattice edge in mm.")
 @click.option("--no-lattice", is_flag=True, help="Leave out the lattice counts (they need the daemon).")
 @click.option("--daemon", metavar="ADDR", help="Address of a running daemon.")
-@click.option("--economy", type=FILE, metavar="FILE", help="Costs from this economy.json of `lappet report economy`.")
+@click.option(
+    "--economy", type=FILE, metavar="FILE", help="Add the costs from this economy.json of `lappet report economy`."
+)
 @click.pass_context
 def inspect(
     context: click.Context,

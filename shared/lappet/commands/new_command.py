@@ -16,7 +16,7 @@ from lappet.commands.refusals import sentences
 @click.option("-o", "--output", type=FILE, required=True, help="The procedure (.usda or .usdc).")
 @click.option("--thickness", type=float, help="Thicken an open surface inwards by this many mm.")
 @click.option("--spacing", type=click.FloatRange(min=0, min_open=True), help="Lattice edge in mm.")
-@click.option("--units", help="The mesh's unit of length (mm, cm, m, inch); guessed when left out.")
+@click.option("--units", help="The mesh's unit of length (mm, cm, m, inch); guessed if left out.")
 @click.option("--sphere", nargs=4, type=float, metavar="X Y Z R", help="Take the part inside a sphere, in mm.")
 @click.option("--box", nargs=6, type=float, metavar="X Y Z X Y Z", help="Take the part inside a box (two corners, mm).")
 @click.pass_context

@@ -11,12 +11,27 @@ FILE = click.Path(path_type=Path)
 
 
 class FrameRange(click.ParamType):
-    """`A:B`, `A:`, `:B` or `A`: integer time codes, both included."""
+    """A range of integer time codes, both included: `A:B`, `A:`, `:B` or `A`."""
 
     name = "A:B"
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
-        """The pair (first or None, last or None)."""
+        """Read the range.
+
+        Parameters
+        ----------
+        value
+            What the user typed, or the pair itself.
+        param
+            The parameter, for messages.
+        ctx
+            The command's context, for messages.
+
+        Returns
+        -------
+        Any
+            The pair (first or None, last or None).
+        """
         if isinstance(value, tuple):
             return value
         first, colon, last = str(value).partition(":")
@@ -35,12 +50,27 @@ class FrameRange(click.ParamType):
 
 
 class FrameList(click.ParamType):
-    """`1,20,45`: time codes."""
+    """A list of time codes: `1,20,45`."""
 
     name = "T,T,..."
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
-        """The time codes as a list of floats."""
+        """Read the list.
+
+        Parameters
+        ----------
+        value
+            What the user typed, or the list itself.
+        param
+            The parameter, for messages.
+        ctx
+            The command's context, for messages.
+
+        Returns
+        -------
+        Any
+            The time codes as floats.
+        """
         if isinstance(value, list):
             return value
         try:
@@ -50,12 +80,27 @@ class FrameList(click.ParamType):
 
 
 class Size(click.ParamType):
-    """`1280x960`: pixels."""
+    """A size in pixels: `1280x960`."""
 
     name = "WxH"
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
-        """The pair (width, height)."""
+        """Read the size.
+
+        Parameters
+        ----------
+        value
+            What the user typed, or the pair itself.
+        param
+            The parameter, for messages.
+        ctx
+            The command's context, for messages.
+
+        Returns
+        -------
+        Any
+            The pair (width, height).
+        """
         if isinstance(value, tuple):
             return value
         width, _, height = str(value).lower().partition("x")

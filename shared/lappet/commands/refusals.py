@@ -7,10 +7,33 @@ from contextlib import contextmanager
 
 import click
 
+from lappet.core.problem import Problem, ProblemsError, file_problem, problem
+from lappet.core.problem_code import ProblemCode
+
 
 @contextmanager
 def sentences(context: click.Context) -> Iterator[None]:
-    """Ends the command with exit status 1 and a sentence on standard error where work is refused or stopped."""
+    """End the command with exit status 1 and a sentence on standard error where work is refused or stopped.
+
+    Parameters
+    ----------
+    context
+        The command's context.
+
+    Yields
+    ------
+    None
+        Nothing.
+
+    Raises
+    ------
+    ClickException
+        If the command raises one of click's own; click shows it.
+    Exit
+        If the command ends itself.
+    Abort
+        If the user aborts at a prompt.
+    """
     try:
         yield
     except (click.ClickException, click.exceptions.Exit, click.Abort):
@@ -22,18 +45,27 @@ def sentences(context: click.Context) -> Iterator[None]:
         debug = bool(context.find_root().obj)
         if debug:
             raise
-        click.echo(sentence(error), err=True)
+        for each in problems_of(error):
+            click.echo(str(each), err=True)
         context.exit(1)
 
 
-def sentence(error: Exception) -> str:
-    """What to tell the user about an error: its own sentence where it has one, else a request for a report."""
-    own = type(error).__module__.partition(".")[0] == "lappet"
-    if own and str(error):
-        return str(error)
-    if isinstance(error, OSError) and error.strerror:
-        return f"{error.filename or 'A file'}: {error.strerror.lower()}; look at the path and its permissions."
-    if isinstance(error, (OSError, ImportError)) and str(error):
-        return str(error)
+def problems_of(error: Exception) -> tuple[Problem, ...]:
+    """Find what to tell the user about an error.
+
+    Parameters
+    ----------
+    error
+        The error.
+
+    Returns
+    -------
+    tuple[Problem, ...]
+        Its own problems, else what the system says, else that Lappet is at fault.
+    """
+    if isinstance(error, ProblemsError):
+        return error.problems
+    if isinstance(error, OSError):
+        return (file_problem(error),)
     said = f"{type(error).__name__}: {error}".splitlines()[0]
-    return f"Lappet failed ({said}); run it as `lappet --debug ...` and report what it shows."
+    return (problem(ProblemCode.INTERNAL, "", said),)

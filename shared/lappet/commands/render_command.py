@@ -15,12 +15,14 @@ from lappet.commands.refusals import sentences
 @click.argument("cache", type=FILE)
 @click.option("-o", "--output", "folder", type=FILE, required=True, help="Folder for the pictures.")
 @click.option("--frames", type=FrameList(), help="Time codes of the stills.  [default: the last]")
-@click.option("--filmstrip/--no-filmstrip", default=True, show_default=True, help="The steps on one sheet.")
+@click.option("--filmstrip/--no-filmstrip", default=True, show_default=True, help="Draw the steps on one sheet.")
 @click.option("--animation", type=click.Choice(["none", "png", "mp4"]), default="none", show_default=True)
 @click.option("--size", type=Size(), default="1280x960", show_default=True, help="Pixels of a still.")
 @click.option("--movie-size", type=Size(), help="Pixels of an animation.  [default: half of size]")
-@click.option("--samples", type=click.IntRange(1, 65536), help="Cycles samples a pixel.  [default: 6]")
-@click.option("--movie-samples", type=click.IntRange(1, 65536), help="The same of an animation.  [default: 4]")
+@click.option("--samples", type=click.IntRange(1, 65536), help="Cycles samples per pixel.  [default: 6]")
+@click.option(
+    "--movie-samples", type=click.IntRange(1, 65536), help="Cycles samples per pixel of an animation.  [default: 4]"
+)
 @click.option("--view", help="Where the camera stands.  [default: oblique]")
 @click.option("--color", help="What the skin shows.  [default: grid]")
 @click.option("--engine", help="Blender's renderer.  [default: cycles]")

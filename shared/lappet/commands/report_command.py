@@ -35,10 +35,10 @@ def report() -> None:
 @report.command("error-time")
 @click.argument("scenes", nargs=-1)
 @_output("error-time")
-@click.option("--quick", is_flag=True, help="Coarser spacings, each setting varied alone: a minute or two.")
+@click.option("--quick", is_flag=True, help="Use coarser spacings and vary one setting at a time: a minute or two.")
 @click.pass_context
 def error_time(context: click.Context, /, scenes: tuple[str, ...], folder: Path, quick: bool) -> None:
-    """Hold the displacement error of SCENES against the seconds it takes, setting by setting.
+    """Compare the displacement error of SCENES with the seconds it takes, for each setting.
 
     SCENES: bar, cantilever, cook, block, shelf; these without lateral contraction: bar-nu0, cantilever-nu0,
     cook-nu0, block-nu0; z-plasty, scalp-flap; or procedures (.usda). All of the named ones by default.
@@ -54,23 +54,24 @@ def error_time(context: click.Context, /, scenes: tuple[str, ...], folder: Path,
 
 @report.command("stability")
 @_output("stability")
-@click.option("--only", multiple=True, metavar="GROUP", help="Only this group of cases; may be given again.")
-@click.option("--quick", is_flag=True, help="Without the slow cases.")
+@click.option("--only", multiple=True, metavar="GROUP", help="Solve only this group of cases; may be repeated.")
+@click.option("--quick", is_flag=True, help="Skip the slow cases.")
 @click.option(
     "--fuzz",
     type=click.IntRange(min=1),
     metavar="N",
-    help="Instead, solve N small procedures made at random, the same ones every time.",
+    help="Instead, solve N small random procedures, the same ones every time.",
 )
 @click.option(
-    "--jobs", type=click.IntRange(min=1), metavar="N", help="With --fuzz: so many at once; by default one per core."
+    "--jobs", type=click.IntRange(min=1), metavar="N", help="With --fuzz, solve N at once; by default one per core."
 )
 @click.pass_context
 def stability(
     context: click.Context, /, folder: Path, only: tuple[str, ...], quick: bool, fuzz: int | None, jobs: int | None
 ) -> None:
-    """Solve stiff and extreme cases and hold each against the outcome that is right: it converges, or is refused
-    with a reason. Exit status 1 where one does neither.
+    """Solve stiff and extreme cases: each must converge, or be refused for the right reason.
+
+    The exit status is 1 if a case ends otherwise.
     """
     with sentences(context):
         from lappet.reports.stability.run import chosen_cases, run_fuzz, run_stability
@@ -93,11 +94,11 @@ def stability(
     "yardsticks",
     multiple=True,
     type=click.Path(path_type=Path, exists=True, dir_okay=False),
-    help="A daemon built with -DLAPPET_LEAVE_OUT=..., to hold the plain scene against.",
+    help="A daemon built with -DLAPPET_LEAVE_OUT=..., to compare the plain scene with.",
 )
 @click.pass_context
 def economy(context: click.Context, /, folder: Path, yardsticks: tuple[Path, ...]) -> None:
-    """Count what each feature costs, where a scene needs it and where none does."""
+    """Count what each feature costs in a scene that needs it and in one that does not."""
     with sentences(context):
         from lappet.reports.economy.files import write_economy
         from lappet.reports.economy.measurement import economy as measure

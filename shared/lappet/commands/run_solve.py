@@ -13,7 +13,24 @@ if TYPE_CHECKING:
 
 
 def run_solve(procedure: Path, cache: Path, report_path: Path | None, **options: Any) -> SolveResult:
-    """Solves with progress on standard error and writes the report; options are those of `solve_options`."""
+    """Solve with progress on standard error, and write the report.
+
+    Parameters
+    ----------
+    procedure
+        The procedure's file.
+    cache
+        The skin cache.
+    report_path
+        File of the report, or None.
+    **options
+        Those of `solve_options`.
+
+    Returns
+    -------
+    SolveResult
+        What the solve gave.
+    """
     from lappet.commands.solve_progress import solve_progress
     from lappet.output.solve_to_cache import solve_procedure
     from lappet.solve.store import FrameStore
@@ -30,11 +47,33 @@ def run_solve(procedure: Path, cache: Path, report_path: Path | None, **options:
 
 
 def run_to_target(procedure: Path, cache: Path, report_path: Path | None, target: float, **options: Any) -> SolveResult:
-    """Solves with the settings that a target error needs, and says which; options are those of `solve_options`.
+    """Solve with the settings that a target error needs, and say which.
 
-    Raises RefusedError where the target is not reached.
+    Parameters
+    ----------
+    procedure
+        The procedure's file.
+    cache
+        The skin cache.
+    report_path
+        File of the report, or None.
+    target
+        Root mean square error in mm that must be reached.
+    **options
+        Those of `solve_options`.
+
+    Returns
+    -------
+    SolveResult
+        What the last solve gave.
+
+    Raises
+    ------
+    RefusedError
+        If the target is not reached.
     """
-    from lappet.core.problem import RefusedError
+    from lappet.core.problem import refused
+    from lappet.core.problem_code import ProblemCode
     from lappet.daemon.daemon_solver import connect_to, solver_identity
     from lappet.solve.error_estimate import expected_order
     from lappet.solve.store import FrameStore
@@ -61,14 +100,23 @@ def run_to_target(procedure: Path, cache: Path, report_path: Path | None, target
         if attempt < TRIES:
             choice = finer(choice, worst_rms(result.errors), target, expected_order(result.program))
     assert result.errors is not None
-    raise RefusedError(
-        f"The estimated error is {worst_rms(result.errors):.2g} mm at a spacing of {choice.spacing:g} mm, still above "
-        f"{target:g} mm; {cache} holds that solve. Give a larger target, or a smaller --spacing by hand."
-    )
+    reached, code = worst_rms(result.errors), ProblemCode.TARGET_ERROR_MISSED
+    raise refused(code, cache, f"{target:g}", reached=reached, spacing=choice.spacing)
 
 
 def summary(result: SolveResult) -> str:
-    """What a solve gave, in a line or three."""
+    """Sum up a solve in a line or three.
+
+    Parameters
+    ----------
+    result
+        What the solve gave.
+
+    Returns
+    -------
+    str
+        The text.
+    """
     lines = []
     total = len(result.frames)
     lines.append(
@@ -80,12 +128,23 @@ def summary(result: SolveResult) -> str:
     if result.output is not None:
         lines.append(f"Skin cache: {result.output.resolve()}")
     if result.reason is not None:
-        click.echo(result.reason, err=True)
+        click.echo(str(result.reason), err=True)
     return "\n".join(lines)
 
 
 def error_lines(errors: ErrorEstimate) -> list[str]:
-    """What the estimate of a solve says, for people."""
+    """Say what the estimate of a solve says, for people.
+
+    Parameters
+    ----------
+    errors
+        The estimate.
+
+    Returns
+    -------
+    list[str]
+        Lines of text.
+    """
     lines = []
     known = [error for error in errors.frames if error is not None]
     if known:

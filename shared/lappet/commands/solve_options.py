@@ -11,7 +11,18 @@ from lappet.commands.parameters import FILE
 
 
 def solve_options(command: Callable[..., Any]) -> Callable[..., Any]:
-    """The options that every command that solves has."""
+    """Add the options that every command that solves has.
+
+    Parameters
+    ----------
+    command
+        The command's function.
+
+    Returns
+    -------
+    Callable[..., Any]
+        The function with the options.
+    """
     options = [
         click.option("--spacing", type=click.FloatRange(min=0, min_open=True), help="Lattice edge in mm."),
         click.option(
@@ -57,6 +68,19 @@ def solve_options(command: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def is_given(context: click.Context, name: str) -> bool:
-    """Whether the user gave the option."""
+    """Tell whether the user gave an option.
+
+    Parameters
+    ----------
+    context
+        The command's context.
+    name
+        Name of the parameter.
+
+    Returns
+    -------
+    bool
+        Whether it was on the command line or in the environment.
+    """
     source = context.get_parameter_source(name)
     return source is not None and source.name == "COMMANDLINE"

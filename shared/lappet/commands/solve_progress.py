@@ -1,4 +1,4 @@
-"""Shows how a solve goes: a bar on a terminal, a line per frame elsewhere."""
+"""Show how a solve goes: a bar on a terminal, a line per frame elsewhere."""
 
 from __future__ import annotations
 
@@ -12,7 +12,13 @@ from lappet.solve.solve_frames import FrameResult, SolveObserver
 
 
 class PlainProgress(SolveObserver):
-    """A line per frame on a stream that is no terminal."""
+    """Progress as a line per frame, on a stream that is no terminal.
+
+    Parameters
+    ----------
+    stream
+        The stream; standard error when None.
+    """
 
     def __init__(self, stream: TextIO | None = None) -> None:
         self._stream = stream or sys.stderr
@@ -39,7 +45,7 @@ class PlainProgress(SolveObserver):
 
 
 class BarProgress(SolveObserver):
-    """A bar on a terminal, with the frame and the residual it stands at; used as a context."""
+    """Progress as a bar on a terminal, with the frame and the residual it stands at; used as a context."""
 
     def __init__(self) -> None:
         from rich.console import Console
@@ -85,12 +91,34 @@ class BarProgress(SolveObserver):
 
 
 def solve_progress(plain: bool = False) -> PlainProgress | BarProgress:
-    """The bar where standard error is a terminal, else lines."""
+    """Choose how to show progress: a bar where standard error is a terminal, else lines.
+
+    Parameters
+    ----------
+    plain
+        Whether lines are wanted anyway.
+
+    Returns
+    -------
+    PlainProgress | BarProgress
+        The observer.
+    """
     return PlainProgress() if plain or not sys.stderr.isatty() else BarProgress()
 
 
 def describe(frame: FrameResult) -> str:
-    """A frame in a line: where it came from and what it took."""
+    """Describe a frame in a line: where it came from and what it took.
+
+    Parameters
+    ----------
+    frame
+        The frame.
+
+    Returns
+    -------
+    str
+        The line.
+    """
     if frame.looked_up:
         return f"frame {frame.constraints.time:g}: looked up"
     header = frame.header

@@ -8,14 +8,19 @@ from typing import Any
 
 
 def lazy_exports(package: str, homes: Mapping[str, str]) -> tuple[Callable[[str], Any], Callable[[], list[str]]]:
-    """Return the functions `__getattr__` and `__dir__` of a package.
+    """Make the `__getattr__` and `__dir__` of a package that loads the names it offers when they are first used.
 
     Parameters
     ----------
-    package : str
-        The package's `__name__`.
-    homes : mapping of str to str
-        For each exported name the dotted module below the package that defines it.
+    package
+        Dotted name of the package.
+    homes
+        Module of each name, relative to the package.
+
+    Returns
+    -------
+    tuple[Callable[[str], Any], Callable[[], list[str]]]
+        Both functions.
     """
 
     def load(name: str) -> Any:

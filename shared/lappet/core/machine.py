@@ -9,7 +9,13 @@ from typing import Any
 
 
 def machine() -> dict[str, Any]:
-    """The system, its processor, its cores and its memory in bytes (None where it cannot be told)."""
+    """Describe this machine.
+
+    Returns
+    -------
+    dict[str, Any]
+        System, architecture, processor, cores, memory in bytes and Python's version; None where one cannot be told.
+    """
     return {
         "system": platform.platform(),
         "architecture": platform.machine(),

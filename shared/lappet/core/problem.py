@@ -2,32 +2,67 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import Literal
+from typing import ClassVar, Self
 
 from lappet.core import problem_text
 from lappet.core.problem_code import ProblemCode
-
-Severity = Literal["error", "warning"]
+from lappet.core.problem_text import Severity as Severity
 
 
 @dataclass(frozen=True)
 class Place:
-    """Where on a mesh a problem is. faces: indices of faces. points: in mm, in the coordinates of the mesh."""
+    """Where on a mesh a problem is.
+
+    Parameters
+    ----------
+    faces
+        Indices of faces.
+    points
+        Points in mm, in the coordinates of the mesh.
+    """
 
     faces: tuple[int, ...] = ()
     points: tuple[tuple[float, float, float], ...] = ()
+
+    @staticmethod
+    def at(*points: Iterable[float]) -> Place:
+        """Make the place of points.
+
+        Parameters
+        ----------
+        *points
+            Points in mm.
+
+        Returns
+        -------
+        Place
+            The place.
+        """
+        return Place(points=tuple((float(x), float(y), float(z)) for x, y, z in points))
 
 
 @dataclass(frozen=True)
 class Problem:
     """One thing that is wrong.
 
-    code: which kind of problem. prim: the prim's path ("/Procedure/Timeline/hook_1"), or the file or object where
-    there is no prim, or "". value: what was found, as text. message: what is wrong, one or more sentences. remedy:
-    what to do about it. An "error" is refused before solving; a "warning" is solved nevertheless. place: where on
-    the mesh. Code compares code, prim and severity; message and remedy are for people only.
+    Parameters
+    ----------
+    code
+        What kind of problem it is.
+    prim
+        Path of the prim ("/Procedure/Timeline/hook_1"), or of the file where there is no prim.
+    value
+        What was found, as text.
+    message
+        What is wrong, naming the thing and the value, for people.
+    remedy
+        What to do about it, for people.
+    severity
+        "error", refused before solving, or "warning", solved nevertheless.
+    place
+        Where on a mesh it is, or None.
     """
 
     code: ProblemCode
@@ -38,18 +73,57 @@ class Problem:
     severity: Severity = "error"
     place: Place | None = None
 
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "code", ProblemCode(self.code))  # a message from another process holds its text
+
     def __str__(self) -> str:
         said = f"{self.message} {self.remedy}".strip()
         return f"{self.prim}: {said}" if self.prim else said
 
 
-class RefusedError(ValueError):
-    """Work that is refused; `problems` holds every reason. Its text is made from them."""
+class ProblemsError(Exception):
+    """An error that carries what is wrong as values; its text is made from them.
+
+    A subclass whose errors are all of one kind names its `code` and may be raised with a sentence alone.
+
+    Parameters
+    ----------
+    problems
+        Every reason, or the sentence of the one reason.
+    """
+
+    code_of_sentences: ClassVar[ProblemCode] = ProblemCode.UNSORTED
 
     def __init__(self, problems: Sequence[Problem] | str) -> None:
         if isinstance(problems, str):
-            problems = (problem(ProblemCode.UNSORTED, said=problems),)
+            problems = (problem(self.code_of_sentences, "", problems),)
         super().__init__(tuple(problems))
+
+    @classmethod
+    def of(
+        cls, code: ProblemCode, prim: object = "", value: object = "", *, place: Place | None = None, **fields: object
+    ) -> Self:
+        """Make the error that carries the one problem of a code.
+
+        Parameters
+        ----------
+        code
+            What kind of problem it is.
+        prim
+            Path of the prim or the file.
+        value
+            What was found.
+        place
+            Where on a mesh it is, or None.
+        **fields
+            What else the texts name.
+
+        Returns
+        -------
+        Self
+            The error.
+        """
+        return cls((problem(code, prim, value, place=place, **fields),))
 
     @property
     def problems(self) -> tuple[Problem, ...]:
@@ -60,22 +134,84 @@ class RefusedError(ValueError):
         return "\n".join(str(each) for each in self.problems)
 
 
+class RefusedError(ProblemsError, ValueError):
+    """Work that is refused.
+
+    Parameters
+    ----------
+    problems
+        Every reason, or the sentence of the one reason.
+    """
+
+
 def problem(
-    code: ProblemCode,
-    prim: object = "",
-    value: object = "",
-    *,
-    severity: Severity = "error",
-    place: Place | None = None,
-    **fields: object,
+    code: ProblemCode, prim: object = "", value: object = "", *, place: Place | None = None, **fields: object
 ) -> Problem:
-    """Return the problem of this code, with the texts of the catalogue filled with prim, value and the fields."""
-    message, remedy = problem_text.texts(code, {"prim": prim, "value": value, **fields})
-    return Problem(code, str(prim), str(value), message, remedy, severity, place)
+    """Make the problem of a code, with the texts of the catalogue.
+
+    Parameters
+    ----------
+    code
+        What kind of problem it is.
+    prim
+        Path of the prim or the file.
+    value
+        What was found.
+    place
+        Where on a mesh it is, or None.
+    **fields
+        What else the texts name.
+
+    Returns
+    -------
+    Problem
+        The problem.
+    """
+    text = problem_text.text_of(code)
+    known = {"prim": prim, "value": value, **fields}
+    message, remedy = text.message.format(**known), text.remedy.format(**known)
+    return Problem(code, str(prim), str(value), message, remedy, text.severity, place)
 
 
 def refused(
     code: ProblemCode, prim: object = "", value: object = "", *, place: Place | None = None, **fields: object
 ) -> RefusedError:
-    """Return the error that carries the one problem of this code: `raise refused(ProblemCode.X, prim, value, …)`."""
-    return RefusedError((problem(code, prim, value, severity="error", place=place, **fields),))
+    """Make the error that carries the one problem of a code: `raise refused(ProblemCode.X, prim, value, …)`.
+
+    Parameters
+    ----------
+    code
+        What kind of problem it is.
+    prim
+        Path of the prim or the file.
+    value
+        What was found.
+    place
+        Where on a mesh it is, or None.
+    **fields
+        What else the texts name.
+
+    Returns
+    -------
+    RefusedError
+        The error.
+    """
+    return RefusedError.of(code, prim, value, place=place, **fields)
+
+
+def file_problem(error: OSError, path: object = "") -> Problem:
+    """Make the problem of an error of the file system.
+
+    Parameters
+    ----------
+    error
+        The error.
+    path
+        The file, where the error does not name it.
+
+    Returns
+    -------
+    Problem
+        The problem.
+    """
+    return problem(ProblemCode.FILE_ERROR, error.filename or path, (error.strerror or str(error)).rstrip("."))

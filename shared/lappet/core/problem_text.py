@@ -6,24 +6,53 @@ import tomllib
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
+from typing import Literal
 
 from lappet.core.problem_code import ProblemCode
 
+Severity = Literal["error", "warning"]
 TEXTS = Path(__file__).with_name("texts")
 
 
 @dataclass(frozen=True)
 class ProblemText:
-    """What is said for a code. title: for lists. message, remedy: sentences with fields in braces."""
+    """What is said for a code.
+
+    Parameters
+    ----------
+    title
+        Title for lists.
+    message
+        Sentence with fields in braces.
+    remedy
+        Sentence with fields in braces.
+    severity
+        "error" or "warning".
+    advice
+        What the documents say besides.
+    """
 
     title: str
     message: str
     remedy: str
+    severity: Severity = "error"
+    advice: str = ""
 
 
 @cache
 def catalogue() -> dict[ProblemCode, ProblemText]:
-    """Return the texts of every code. A code that no file knows, or that two files know, raises KeyError."""
+    """Read the texts of every code.
+
+    Returns
+    -------
+    dict[ProblemCode, ProblemText]
+        The texts by code.
+
+    Raises
+    ------
+    KeyError
+        If no file knows a code, or two files know it.
+    """
     found: dict[ProblemCode, ProblemText] = {}
     for file in sorted(TEXTS.glob("*.toml")):
         for value, entry in tomllib.loads(file.read_text(encoding="utf-8")).items():
@@ -34,7 +63,17 @@ def catalogue() -> dict[ProblemCode, ProblemText]:
     return found
 
 
-def texts(code: ProblemCode, fields: dict[str, object]) -> tuple[str, str]:
-    """Return the message and the remedy of a code, filled with these fields."""
-    entry = catalogue()[code]
-    return entry.message.format(**fields), entry.remedy.format(**fields)
+def text_of(code: ProblemCode) -> ProblemText:
+    """Look up the texts of a code.
+
+    Parameters
+    ----------
+    code
+        The code.
+
+    Returns
+    -------
+    ProblemText
+        The texts.
+    """
+    return catalogue()[code]

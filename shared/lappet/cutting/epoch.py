@@ -12,7 +12,20 @@ from lappet.geometry.labelled_surface import Surface
 
 
 def no_entries(shape: tuple[int, ...], kind: type) -> NDArray[Any]:
-    """Return an array of zeros, for fields that are empty unless said otherwise."""
+    """Make an array of zeros, for fields that are empty unless said otherwise.
+
+    Parameters
+    ----------
+    shape
+        Shape of the array.
+    kind
+        Kind of its numbers.
+
+    Returns
+    -------
+    NDArray[Any]
+        The array.
+    """
     return np.zeros(shape, kind)
 
 
@@ -20,10 +33,23 @@ def no_entries(shape: tuple[int, ...], kind: type) -> NDArray[Any]:
 class Regions:
     """The parts of the tissue that are of other materials than the first of `SolverSettings.materials`.
 
-    skin_points: (s, 3) float64, mm, and skin_triangles: (t, 3) int32: the outer skin before any cut, there also without
-    regions where a material has a direction, which runs along it; else empty. faces: (R, t)
-    bool, the skin above each region. material: (R,) int32, index into `SolverSettings.materials`. depth_from, depth_to:
-    (R,) float64, mm below the skin; infinite for no end. Of the regions that hold a place the last one counts.
+    The skin is there also without regions where a material has a direction, which runs along it; else it is empty. Of
+    the regions that hold a place the last one counts.
+
+    Parameters
+    ----------
+    skin_points
+        Vertices of the outer skin before any cut in mm, shape (s, 3), float64.
+    skin_triangles
+        Its triangles, shape (t, 3), int32.
+    faces
+        The skin above each region, shape (R, t), bool.
+    material
+        Index of each region's material in `SolverSettings.materials`, shape (R,), int32.
+    depth_from
+        Least depth of each region below the skin in mm, shape (R,), float64.
+    depth_to
+        Greatest depth in mm, infinite for no end, shape (R,), float64.
     """
 
     skin_points: NDArray[np.float64] = field(default_factory=lambda: no_entries((0, 3), np.float64))
@@ -39,10 +65,22 @@ class Regions:
 
 @dataclass(frozen=True, eq=False)
 class Epoch:
-    """A stretch of the timeline with constant topology and attachments, from `start_time` on.
+    """A stretch of the timeline with constant topology and attachments.
 
-    regions: the same in every epoch of a program. over_bone: (m,) bool, the resting faces that contact with bone holds
-    up; without entries: none.
+    Parameters
+    ----------
+    index
+        Number of the epoch, from 0.
+    start_time
+        Time code at which it begins.
+    surface
+        The cut surface at rest.
+    fragments
+        Number of parts that do not hang together.
+    regions
+        Material regions, the same in every epoch of a program.
+    over_bone
+        Resting faces that contact with bone holds up, shape (m,), bool; without entries: none.
     """
 
     index: int
@@ -54,7 +92,7 @@ class Epoch:
 
     @property
     def support(self) -> NDArray[np.uint8]:
-        """What the daemon is told of the bed, (m,): 1 attached to it, 2 resting on it, else 0."""
+        """What the daemon is told of the bed, shape (m,): 1 attached to it, 2 resting on it, else 0."""
         surface = self.surface
         resting = surface.resting & ~self.over_bone if len(self.over_bone) else surface.resting
         return np.where(surface.bed, 1, np.where(resting, 2, 0)).astype(np.uint8)

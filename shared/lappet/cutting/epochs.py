@@ -7,13 +7,16 @@ from itertools import groupby
 import manifold3d
 import numpy as np
 
+from lappet.core.problem import Place, refused
+from lappet.core.problem_code import ProblemCode
 from lappet.cutting.epoch import Epoch
 from lappet.cutting.incision import cut, fragments, tidy
-from lappet.cutting.ribbon import IncisionError
 from lappet.cutting.undermining import undermine
 from lappet.geometry.closest_point import ClosestPoint
+from lappet.geometry.labelled_surface import Surface
+from lappet.geometry.mesh_faults import CLOSED, mesh_faults
 from lappet.geometry.solid import LabelledSolid
-from lappet.geometry.surface_check import check_closed, place
+from lappet.geometry.surface_check import place
 from lappet.procedure import Excision, Incision, Procedure, Undermine
 from lappet.tissue.rest_skin import RestSkin
 from lappet.tissue.surface import tissue_surface
@@ -23,12 +26,25 @@ _TIMELINE = "/Procedure/Timeline"
 
 
 def build_epochs(procedure: Procedure) -> list[Epoch]:
-    """The epochs of a procedure, each surface closed, manifold and outward, made from the one before.
+    """Cut the tissue: make the epochs of a procedure, each surface from the one before.
 
     Incisions, excisions and undermining at one time make one epoch, in this order; those at or before the start time
-    belong to epoch 0. Edges are refined to 1.5 lattice spacings. The same procedure gives the same bytes. Raises
-    SurfaceError for a tissue that is no closed surface and IncisionError for an event that cannot act on it, naming the
-    prim, the value and the remedy.
+    belong to epoch 0. Edges are refined to 1.5 lattice spacings. The same procedure gives the same bytes.
+
+    Parameters
+    ----------
+    procedure
+        The procedure.
+
+    Returns
+    -------
+    list[Epoch]
+        The epochs; every surface is closed, manifold and oriented outwards.
+
+    Raises
+    ------
+    RefusedError
+        If the tissue is no closed surface, or an event cannot act on it.
     """
     spacing = procedure.tissue.spacing
     surface = tissue_surface(procedure.tissue, _TISSUE)
@@ -55,49 +71,69 @@ def build_epochs(procedure: Procedure) -> list[Epoch]:
             surface = undermine(surface, rest, skin, event, spacing, _TIMELINE)
         if freeing:
             tissue = LabelledSolid.from_surface(surface)
-        check_closed(surface.points, surface.triangles, f"{_TISSUE} at time {time:g}")
+        _refuse_broken(surface, time)
         epochs.append(Epoch(index, float(time), surface, len(tissue.solid.decompose())))
     return epochs
 
 
-def excise(tissue: LabelledSolid, skin: RestSkin, excisions: list[Excision], spacing: float) -> LabelledSolid:
-    """The tissue without the fragments whose surfaces are nearest to the seeds.
+def _refuse_broken(surface: Surface, time: float) -> None:
+    triangles = surface.triangles
+    faults = mesh_faults(surface.points, np.full(len(triangles), 3), triangles.reshape(-1), CLOSED)
+    if faults:
+        found = faults[0].problem(_TISSUE)
+        code = ProblemCode.CUT_SURFACE_BROKEN
+        raise refused(code, _TISSUE, f"{time:g}", place=found.place, fault=found.message)
 
-    Raises IncisionError for a seed off the skin, one where no tissue is left, and seeds that name all of it.
+
+def excise(tissue: LabelledSolid, skin: RestSkin, excisions: list[Excision], spacing: float) -> LabelledSolid:
+    """Take away the fragments whose surfaces are nearest to the seeds.
+
+    Parameters
+    ----------
+    tissue
+        The tissue as it is cut now.
+    skin
+        The uncut skin.
+    excisions
+        Events with the seeds.
+    spacing
+        Lattice spacing in mm.
+
+    Returns
+    -------
+    LabelledSolid
+        The tissue that is left.
+
+    Raises
+    ------
+    RefusedError
+        If a seed is off the skin or where no tissue is left, or the seeds name all of the tissue.
     """
     parts = fragments(tissue)
     surfaces = [part.surface() for part in parts]
     corners = np.concatenate([s.points[s.triangles] for s in surfaces])
     owner = np.repeat(np.arange(len(parts)), [len(s.triangles) for s in surfaces])
     closest = ClosestPoint(corners.reshape(-1, 3), np.arange(3 * len(corners)).reshape(-1, 3))
-    gone: dict[int, str] = {}
+    gone: dict[int, tuple[str, str, Place]] = {}
     for excision in excisions:
         prim = f"{_TIMELINE}/{excision.name}"
         if not excision.seeds:
-            raise IncisionError(f"{prim}: the excision has no seed; give one point on each fragment to discard")
+            raise refused(ProblemCode.EXCISION_NO_SEED, prim)
         seeds = np.asarray(excision.seeds, np.float64)
         if not np.isfinite(seeds).all():
-            raise IncisionError(f"{prim}: a seed is not a finite point; give one point on each fragment to discard")
+            raise refused(ProblemCode.EXCISION_SEED_NOT_FINITE, prim)
         nearest, _, distance = closest.query(seeds)
         for seed, triangle, gap, off in zip(seeds, nearest, distance, skin.distance(seeds), strict=True):
+            here, at = place(seed), Place.at(seed)
             if off > max(spacing, 1.0):
-                raise IncisionError(
-                    f"{prim}: the seed {place(seed)} is {off:.3g} mm off the skin; put it on the fragment to discard"
-                )
+                raise refused(ProblemCode.EXCISION_SEED_OFF_SKIN, prim, here, place=at, off=off)
             if gap > 0.5 * spacing:
-                raise IncisionError(
-                    f"{prim}: there is no tissue at the seed {place(seed)} any more, the nearest is {gap:.3g} mm away; "
-                    "put it on a fragment that is still there"
-                )
-            part = int(owner[triangle])
+                raise refused(ProblemCode.EXCISION_SEED_GONE, prim, here, place=at, gap=gap)
             if len(parts) == 1:
-                raise IncisionError(
-                    f"{prim}: the seed {place(seed)} names the whole tissue, which is in one piece; "
-                    "cut a fragment free before excising it"
-                )
-            gone[part] = f"{prim}: the seed {place(seed)}"
+                raise refused(ProblemCode.EXCISION_IN_ONE_PIECE, prim, here, place=at)
+            gone[int(owner[triangle])] = (prim, here, at)
     if len(gone) == len(parts):
-        last = list(gone.values())[-1]
-        raise IncisionError(f"{last} discards the last of the tissue's {len(parts)} fragments; leave one of them")
+        prim, here, at = list(gone.values())[-1]
+        raise refused(ProblemCode.EXCISION_OF_ALL, prim, here, place=at, parts=len(parts))
     kept = [part.solid for k, part in enumerate(parts) if k not in gone]
     return tissue.with_solid(manifold3d.Manifold.compose(kept) if len(kept) > 1 else kept[0])

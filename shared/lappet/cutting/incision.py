@@ -8,7 +8,9 @@ import manifold3d
 import numpy as np
 from numpy.typing import NDArray
 
-from lappet.cutting.ribbon import IncisionError, Ribbon, skin_ribbons
+from lappet.core.problem import RefusedError, problem
+from lappet.core.problem_code import ProblemCode
+from lappet.cutting.ribbon import Ribbon, skin_ribbons
 from lappet.geometry.flat_triangles import turn_flat_triangles
 from lappet.geometry.labelled_surface import FaceOrigin
 from lappet.geometry.short_edges import collapse_short_edges
@@ -17,16 +19,32 @@ from lappet.procedure import Incision
 from lappet.tissue.patch import UV_SCALE
 from lappet.tissue.rest_skin import RestSkin
 
-__all__ = ["IncisionError", "cut", "cutter", "fragments", "incise", "tidy"]
+__all__ = ["cut", "cutter", "fragments", "incise", "tidy"]
 
 _WALL = Label(FaceOrigin.WOUND_WALL)
 
 
 def cutter(ribbon: Ribbon, kerf: float, above: float, ids: tuple[int, int, int]) -> manifold3d.Manifold:
-    """The solid that a ribbon sweeps: kerf wide, from `above` the skin down to its depth; all in mm.
+    """Make the solid that a ribbon sweeps: from above the skin down to its depth.
 
-    ids: the run ids of its left and right wall and of the rest (roof, floor, ends). UVs are (arc length, depth), 1 unit
-    per 100 mm, on the left wall; the right wall's are moved on by the kerf, so that the floor has an area too.
+    UVs are (arc length, depth), 1 unit per 100 mm, on the left wall; the right wall's are moved on by the kerf, so that
+    the floor has an area too.
+
+    Parameters
+    ----------
+    ribbon
+        The ribbon.
+    kerf
+        Width of the cut in mm.
+    above
+        Height over the skin at which the solid ends in mm.
+    ids
+        Run ids of its left wall, its right wall and the rest (roof, floor, ends).
+
+    Returns
+    -------
+    manifold3d.Manifold
+        The solid.
     """
     half = 0.5 * kerf * ribbon.sides
     top, low = ribbon.points + above * ribbon.normals, ribbon.points - ribbon.depth[:, None] * ribbon.normals
@@ -72,10 +90,30 @@ def cutter(ribbon: Ribbon, kerf: float, above: float, ids: tuple[int, int, int])
 def cut(
     tissue: LabelledSolid, skin: RestSkin, incisions: Sequence[Incision], spacing: float, timeline: str
 ) -> LabelledSolid:
-    """The tissue after these incisions, made in one Boolean; their walls are labelled WOUND_WALL.
+    """Make incisions in one Boolean; their walls are labelled `WOUND_WALL`.
 
-    skin: the uncut skin that the curves were drawn on. spacing: mm, the lattice's. timeline: the path of the prims'
-    parent, for messages. Raises IncisionError, naming the prim, for a curve that cannot be cut or leaves nothing.
+    Parameters
+    ----------
+    tissue
+        The tissue before.
+    skin
+        The uncut skin on which the curves were drawn.
+    incisions
+        Events with the curves.
+    spacing
+        Lattice spacing in mm.
+    timeline
+        Path of the prims' parent, for messages.
+
+    Returns
+    -------
+    LabelledSolid
+        The tissue after.
+
+    Raises
+    ------
+    RefusedError
+        If a curve cannot be cut or leaves nothing.
     """
     wall = manifold3d.Manifold.reserve_ids(1)
     cutters = []
@@ -84,15 +122,38 @@ def cut(
         cutters += incise(skin, incision, spacing, prim, (wall, wall, wall))
     solid = manifold3d.Manifold.batch_boolean([tissue.solid, *cutters], manifold3d.OpType.Subtract)
     if solid.status() != manifold3d.Error.NoError or solid.is_empty():
-        names = ", ".join(f"{timeline}/{i.name}" for i in incisions)
-        raise IncisionError(f"{names}: nothing of the tissue is left after the cut; make the kerf smaller")
+        raise RefusedError([problem(ProblemCode.CUT_LEAVES_NOTHING, f"{timeline}/{i.name}", i.kerf) for i in incisions])
     return tissue.with_solid(solid, {wall: _WALL})
 
 
 def incise(
     skin: RestSkin, incision: Incision, spacing: float, prim: str, ids: tuple[int, int, int]
 ) -> list[manifold3d.Manifold]:
-    """The solids to subtract for one incision; see `skin_ribbons` for what is refused."""
+    """Make the solids to subtract for one incision.
+
+    Parameters
+    ----------
+    skin
+        The uncut skin.
+    incision
+        The event.
+    spacing
+        Lattice spacing in mm.
+    prim
+        Path of the prim, for messages.
+    ids
+        Run ids of the left walls, the right walls and the rest.
+
+    Returns
+    -------
+    list[manifold3d.Manifold]
+        A solid for each ribbon.
+
+    Raises
+    ------
+    RefusedError
+        If the curve cannot be followed; see `skin_ribbons`.
+    """
     ribbons = skin_ribbons(
         skin,
         incision.points,
@@ -108,9 +169,23 @@ def incise(
 
 
 def tidy(tissue: LabelledSolid, spacing: float, tolerance: float) -> LabelledSolid:
-    """Removes edges and heights below `tolerance` (mm) and refines edges longer than 1.5 lattice spacings (mm).
+    """Remove short edges and flat triangles and refine edges longer than 1.5 lattice spacings.
 
     Triangles that no cut has touched stay as they are, to the bit.
+
+    Parameters
+    ----------
+    tissue
+        The tissue.
+    spacing
+        Lattice spacing in mm.
+    tolerance
+        Edges and heights below this are removed, mm.
+
+    Returns
+    -------
+    LabelledSolid
+        The tidied tissue.
     """
     if tolerance > 0.0:
         simple = tissue.surface()
@@ -123,7 +198,18 @@ def tidy(tissue: LabelledSolid, spacing: float, tolerance: float) -> LabelledSol
 
 
 def fragments(tissue: LabelledSolid) -> list[LabelledSolid]:
-    """The parts of the tissue that do not hang together, largest volume first."""
+    """Split the tissue into parts that do not hang together.
+
+    Parameters
+    ----------
+    tissue
+        The tissue.
+
+    Returns
+    -------
+    list[LabelledSolid]
+        The parts, largest volume first.
+    """
     parts = tissue.solid.decompose()
     order = sorted(range(len(parts)), key=lambda k: -parts[k].volume())
     return [tissue.with_solid(parts[k]) for k in order]

@@ -11,8 +11,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from lappet.core.problem import RefusedError
-from lappet.geometry.curve import CurveError, sample_curve
+from lappet.core.problem import Place, refused
+from lappet.core.problem_code import ProblemCode
+from lappet.geometry.curve import sample_curve
 from lappet.geometry.surface_check import place
 from lappet.procedure import Basis, Point
 from lappet.tissue.rest_skin import RestSkin, SkinPoints
@@ -23,17 +24,28 @@ _OVERLAP = 0.1  # of the kerf: how far open ends reach on, so that curves that t
 _FOLD = 0.45  # of a segment: how far a mitre may reach back before the ribbon is broken at the corner
 
 
-class IncisionError(RefusedError):
-    """A curve or seed that cannot act on the tissue; the sentence names the prim, the value and the remedy."""
-
-
 @dataclass(frozen=True, eq=False)
 class Ribbon:
     """A strip of cross-sections along a curve on the skin.
 
-    points, normals, sides: (k, 3); sides are as long as the mitre needs (a cross-section's edges are points ± kerf/2
-    sides). depth: (k,) mm below the skin. along: (k,) mm, arc length from the curve's begin. closed: the last section
-    joins the first; length: mm, the arc length around a closed one.
+    The edges of a cross-section are points ± kerf/2 sides.
+
+    Parameters
+    ----------
+    points
+        Middles of the cross-sections in mm, shape (k, 3).
+    normals
+        Unit normals of the skin there, shape (k, 3).
+    sides
+        Vectors across the curve, as long as the mitre needs, shape (k, 3).
+    depth
+        Depth below the skin in mm, shape (k,).
+    along
+        Arc length from the curve's begin in mm, shape (k,).
+    closed
+        Whether the last section joins the first.
+    length
+        Arc length around a closed curve in mm.
     """
 
     points: NDArray[np.float64]
@@ -69,35 +81,60 @@ def skin_ribbons(
     spacing: float = 1.0,
     step: float | None = None,
 ) -> list[Ribbon]:
-    """The ribbons of a curve on the skin.
+    """Make the ribbons of a curve on the skin.
 
-    The curve is sampled at `step` (default: the lattice spacing, at most 1 mm or, for tissue of metres, a 400th of the
-    curve), its samples are dropped onto the
-    skin; what lies past the skin's border stays there, and an end near the border runs on past it. depth: mm along
-    the skin normal, or None for the whole thickness (measured by a ray per sample). A curve is broken into several
-    ribbons where it leaves the tissue, turns too sharply for a mitre, or meets itself. Raises IncisionError for a
-    curve that cannot be followed, hovers off the skin or misses the tissue.
+    The curve is sampled and its samples are dropped onto the skin; what lies past the skin's border stays there, and an
+    end near the border runs on past it. A curve is broken into several ribbons where it leaves the tissue, turns too
+    sharply for a mitre, or meets itself.
+
+    Parameters
+    ----------
+    skin
+        The uncut skin.
+    points
+        Control points in mm.
+    prim
+        Path of the prim, for messages.
+    basis
+        How the curve runs through or beside its points.
+    closed
+        Whether it returns to its first point.
+    depth
+        Depth along the skin's normal in mm, or None for the whole thickness (measured by a ray per sample).
+    kerf
+        Width of the cut in mm.
+    spacing
+        Lattice spacing in mm.
+    step
+        Distance of the samples in mm; None for the lattice spacing, at most 1 mm or, for tissue of metres, a 400th of
+        the curve.
+
+    Returns
+    -------
+    list[Ribbon]
+        The ribbons.
+
+    Raises
+    ------
+    RefusedError
+        If the curve cannot be followed, hovers off the skin or misses the tissue.
     """
     if not (np.isfinite(kerf) and kerf > 0.0):
-        raise IncisionError(f"{prim}: the kerf is {kerf:g} mm; give a width above 0, for instance 0.05")
+        raise refused(ProblemCode.CUT_KERF, prim, f"{kerf:g}")
     if depth is not None and not (np.isfinite(depth) and depth > 0.0):
-        raise IncisionError(f"{prim}: the depth is {depth:g} mm; give a depth above 0, or none to cut through")
+        raise refused(ProblemCode.CUT_DEPTH, prim, f"{depth:g}")
     if step is None:
         way = np.linalg.norm(np.diff(np.asarray(points, np.float64).reshape(-1, 3), axis=0), axis=1).sum()
         step = min(spacing, max(_STEP, float(way) / _MOST_STEPS))
-    try:
-        samples = sample_curve(points, basis, closed, step)
-    except CurveError as error:
-        raise IncisionError(f"{prim}: {error}") from None
+    samples = sample_curve(points, basis, closed, step, prim)
     placed = skin.locate(samples)
     _check_on_skin(skin, np.asarray(points, np.float64), samples, placed, basis, spacing, prim)
     paths = _paths(skin, placed, closed, depth, kerf, spacing, step)
     ribbons = [ribbon for path in paths for ribbon in _unfolded(path, kerf)]
     if not ribbons:
-        raise IncisionError(
-            f"{prim}: the curve from {place(samples[0])} to {place(samples[-1])} has no length on the tissue; "
-            "draw a longer one"
-        )
+        first, last = place(samples[0]), place(samples[-1])
+        at = Place.at(samples[0], samples[-1])
+        raise refused(ProblemCode.CUT_NO_LENGTH, prim, first, place=at, first=first, last=last)
     return ribbons
 
 
@@ -113,20 +150,22 @@ def _check_on_skin(
     reach = max(spacing, 0.02 * float(np.linalg.norm(np.ptp(skin.points, axis=0))))
     near = np.abs(placed.height) <= reach
     if not (near & (placed.beyond == 0.0)).any():
-        gap = float(skin.distance(samples).min())
-        raise IncisionError(
-            f"{prim}: the curve misses the tissue: its nearest point is {gap:.3g} mm away from the skin; "
-            "draw it on the rest surface"
-        )
+        away = skin.distance(samples)
+        at = Place.at(samples[int(away.argmin())])
+        raise refused(ProblemCode.CUT_MISSES_TISSUE, prim, f"{float(away.min()):.3g}", place=at)
     # A chord may dip under a curved skin; the points that the curve passes through may not.
     anchors = {"linear": control, "bezier": control[::3]}.get(basis, samples)
     where = placed if anchors is samples else skin.locate(anchors)
     height = np.abs(where.height)
     off = np.flatnonzero((height > reach) & (where.beyond == 0.0))
     if len(off):
-        raise IncisionError(
-            f"{prim}: the curve's point {place(anchors[off[0]])} is {height[off[0]]:.3g} mm off the skin "
-            f"(at most {reach:.3g} mm is repaired); move it onto the rest surface"
+        raise refused(
+            ProblemCode.CUT_POINT_OFF_SKIN,
+            prim,
+            f"{height[off[0]]:.3g}",
+            place=Place.at(*anchors[off]),
+            where=place(anchors[off[0]]),
+            reach=reach,
         )
 
 
@@ -193,7 +232,7 @@ def _runs(keep: NDArray[np.bool_], closed: bool) -> list[tuple[NDArray[np.int64]
 
 
 def _without_repeats(points: NDArray[np.float64], closed: bool) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-    """Drops samples that fell onto their predecessor."""
+    """Drop samples that fell onto their predecessor."""
     gap = np.linalg.norm(np.diff(points, axis=0), axis=1)
     keep = np.concatenate([[True], gap > 1e-9 * (1.0 + np.abs(points).max())])
     if closed and len(points) > 1 and np.allclose(points[0], points[-1], rtol=0.0, atol=1e-9):
@@ -203,7 +242,7 @@ def _without_repeats(points: NDArray[np.float64], closed: bool) -> tuple[NDArray
 
 
 def _run_off(skin: RestSkin, path: _Path, at_end: bool, reach: float) -> _Path:
-    """Lengthens a path past the skin's border, if its own direction leads there."""
+    """Lengthen a path past the skin's border, if its own direction leads there."""
     a, b = (path.points[-1], path.points[-2]) if at_end else (path.points[0], path.points[1])
     normal = path.normals[-1 if at_end else 0]
     direction = a - b

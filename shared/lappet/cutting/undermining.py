@@ -12,8 +12,10 @@ import manifold3d
 import numpy as np
 from numpy.typing import NDArray
 
+from lappet.core.problem import refused
+from lappet.core.problem_code import ProblemCode
 from lappet.cutting.incision import cutter
-from lappet.cutting.ribbon import IncisionError, Ribbon, skin_ribbons
+from lappet.cutting.ribbon import Ribbon, skin_ribbons
 from lappet.geometry.closest_point import ClosestPoint
 from lappet.geometry.labelled_surface import FaceOrigin, Surface
 from lappet.geometry.solid import Label, LabelledSolid
@@ -31,17 +33,39 @@ _KERF = 0.02  # of the lattice spacing: the width of the line that parts inside 
 def undermine(
     surface: Surface, rest: LabelledSolid, skin: RestSkin, event: Undermine, spacing: float, timeline: str
 ) -> Surface:
-    """The surface with the bed faces inside the curve freed (bed False) and split along the curve.
+    """Free the bed faces inside a curve, split along it.
 
-    surface: of the current epoch. rest, skin: the uncut tissue. spacing: mm. Raises IncisionError, naming the prim, for
-    a curve that cannot be followed, misses the tissue or has no bed below it.
+    Parameters
+    ----------
+    surface
+        Surface of the current epoch.
+    rest
+        The uncut tissue as a solid.
+    skin
+        The uncut skin.
+    event
+        The event with the curve.
+    spacing
+        Lattice spacing in mm.
+    timeline
+        Path of the prims' parent, for messages.
+
+    Returns
+    -------
+    Surface
+        The surface with `bed` false inside the curve.
+
+    Raises
+    ------
+    RefusedError
+        If the curve cannot be followed, misses the tissue or has no bed below it.
     """
     prim = f"{timeline}/{event.name}"
     kerf = _KERF * min(spacing, 1.0)
     ribbons = skin_ribbons(skin, event.points, prim=prim, basis=event.basis, closed=True, kerf=kerf, spacing=spacing)
     parts = _Parts(rest, ribbons, kerf, spacing)
     if not parts.inside.any():
-        raise IncisionError(f"{prim}: the closed curve surrounds no tissue; draw it around the skin to undermine")
+        raise refused(ProblemCode.UNDERMINE_NO_AREA, prim)
     below, inside = _inside(surface, parts)
     if np.count_nonzero(inside) < _FEW:  # most of a small or narrow area lies between the vertices
         surface = _refined(surface, *parts.box(), parts.width)
@@ -61,10 +85,7 @@ def undermine(
         side = inside
     freed = surface.bed & side[surface.triangles].any(axis=1)
     if not freed.any():
-        raise IncisionError(
-            f"{prim}: there is no bed below the area that the curve surrounds; draw it over attached tissue, "
-            "or leave the event out"
-        )
+        raise refused(ProblemCode.UNDERMINE_NO_BED, prim)
     return Surface(
         points=surface.points,
         triangles=surface.triangles,

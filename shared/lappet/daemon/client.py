@@ -31,7 +31,25 @@ __all__ = [
 
 @dataclass(frozen=True, eq=False)
 class SolverState:
-    """What a later frame depends on; give it back with `SolverClient.set_state`. Opaque but for `precision`."""
+    """What a later frame depends on; give it back with `SolverClient.set_state`.
+
+    Opaque but for `precision`; PROTOCOL.md describes the arrays.
+
+    Parameters
+    ----------
+    precision
+        "float" or "double".
+    nodes
+        Positions of the lattice's nodes, shape (N, 3).
+    suture_gaps
+        Separation of each suture when it was placed in mm, NaN before, shape (S, 3).
+    suture_multipliers
+        Multipliers of the sutures, shape (S, 3).
+    grip_multipliers
+        Multipliers of the grips, shape (G,).
+    activation
+        Activation of each material's muscle, shape (M,).
+    """
 
     precision: str
     nodes: NDArray[Any]
@@ -45,9 +63,16 @@ class SolverState:
 class FrameSolution(SolvedFrame):
     """A frame that came back: the fields (`header`) and `arrays` of the message `frame`, also as attributes.
 
-    points (n, 3) mm; strain, stress, tension (n,), empty where the settings leave `strain` out: largest principal
-    stretch - 1, von Mises and largest principal Cauchy stress in kPa; landmarks (k, 3) mm; suture_gaps (A,) mm;
-    suture_forces (A,) mN; suture_points (A, 2, 3) mm; hook_forces (H, 3) mN; hook_points (H, 3) mm.
+    `points` (n, 3) mm; `strain`, `stress`, `tension` (n,), empty where the settings leave `strain` out: largest
+    principal stretch - 1, von Mises and largest principal Cauchy stress in kPa; `landmarks` (k, 3) mm; `suture_gaps`
+    (A,) mm; `suture_forces` (A,) mN; `suture_points` (A, 2, 3) mm; `hook_forces` (H, 3) mN; `hook_points` (H, 3) mm.
+
+    Parameters
+    ----------
+    header
+        Fields of the message.
+    arrays
+        Arrays of the message by name.
     """
 
     @property
@@ -57,7 +82,7 @@ class FrameSolution(SolvedFrame):
 
     @property
     def reason(self) -> str:
-        """Why it did not converge, a sentence; empty when it did."""
+        """Why the frame did not converge, a sentence; empty when it did."""
         return str(self.header["reason"])
 
     @property
@@ -74,7 +99,7 @@ class FrameSolution(SolvedFrame):
 
     @property
     def points(self) -> NDArray[np.float32]:
-        """(n, 3) surface points, mm."""
+        """Surface points in mm, shape (n, 3)."""
         return self.arrays["points"]
 
     def __getattr__(self, name: str) -> Any:
@@ -88,13 +113,22 @@ class FrameSolution(SolvedFrame):
 class SolverClient:
     """One session with a daemon: a context manager.
 
-    address: that of a running daemon, whose token is `token` or the environment's LAPPET_TOKEN; without an address a
-    daemon is started here and ended with the client. name: how the daemon calls this client in its log. silence:
-    seconds without an answer after which the daemon counts as dead. One thread at a time may make requests; `cancel`
-    may be called from any.
+    One thread at a time may make requests; `cancel` may be called from any. Every request raises DaemonDied when the
+    daemon is gone, SolverRefused with its sentence when it refuses, and WireError when it answers something else than
+    PROTOCOL.md says.
 
-    Every request raises DaemonDied when the daemon is gone, SolverRefused with its sentence when it refuses, and
-    WireError when it answers something else than PROTOCOL.md says.
+    Parameters
+    ----------
+    address
+        Address of a running daemon; without one a daemon is started here and ended with the client.
+    token
+        Token of the running daemon; None for the environment's `LAPPET_TOKEN`.
+    daemon
+        A daemon of the caller's; it is started where it does not run, and not ended here.
+    name
+        What the daemon calls this client in its log.
+    silence
+        Seconds without an answer after which the daemon counts as dead.
     """
 
     def __init__(
@@ -111,12 +145,18 @@ class SolverClient:
         self._strain = True
 
     def connect(self) -> Self:
-        """Starts the daemon where there is none, connects and says hello."""
+        """Start the daemon where there is none, connect and say hello.
+
+        Returns
+        -------
+        Self
+            This client.
+        """
         self._connection.connect()
         return self
 
     def close(self) -> None:
-        """Takes leave, and ends the daemon that was started here. May be called twice."""
+        """Take leave, and end the daemon that was started here; may be called twice."""
         self._connection.close()
 
     def __enter__(self) -> Self:
@@ -133,7 +173,20 @@ class SolverClient:
         return self._connection.welcome
 
     def open(self, settings: SolverSettings, bones: Bones | None = None) -> int:
-        """Opens a session, closing the one before; returns its number. bones: what the tissue may not enter."""
+        """Open a session, closing the one before.
+
+        Parameters
+        ----------
+        settings
+            How the session solves.
+        bones
+            What the tissue may not enter.
+
+        Returns
+        -------
+        int
+            Number of the session.
+        """
         if self._connection.session is not None:
             expect(self._connection.request("close"), "accepted")
             self._connection.session = None
@@ -179,10 +232,24 @@ class SolverClient:
         *,
         nodes: bool = False,
     ) -> dict[str, Any]:
-        """Installs an epoch, carrying the state over by rest position; returns the counts of the message `lattice`.
+        """Install an epoch, carrying the state over by rest position.
 
-        grip: (m,) index of the retractor that grips each triangle, or -1 (none is gripped when left out). nodes: the
-        result also holds `nodes`, (N, 3) float64, the lattice's nodes at rest in mm, in the order of a state.
+        Parameters
+        ----------
+        epoch
+            The epoch.
+        grip
+            Index of the retractor that grips each triangle, or -1, shape (m,); none is gripped when left out.
+        landmarks
+            The landmarks that the epoch's tissue holds.
+        nodes
+            Whether the result also holds `nodes`, the lattice's nodes at rest in mm, shape (N, 3), float64, in the
+            order of a state.
+
+        Returns
+        -------
+        dict[str, Any]
+            Counts of the message `lattice`.
         """
         surface = epoch.surface
         marks = landmarks if landmarks is not None else Landmarks()
@@ -210,7 +277,13 @@ class SolverClient:
         return {**reply.fields, **reply.arrays}
 
     def set_state(self, state: SolverState) -> None:
-        """Replaces the state of the epoch by that of an earlier frame: the solve then goes on bit for bit."""
+        """Replace the state of the epoch by that of an earlier frame: the solve then goes on bit for bit.
+
+        Parameters
+        ----------
+        state
+            The state.
+        """
         arrays: dict[str, NDArray[Any]] = {
             "nodes": np.asarray(state.nodes, np.float64 if state.precision == "double" else np.float32),
             "suture_gaps": np.asarray(state.suture_gaps, np.float64),
@@ -221,10 +294,28 @@ class SolverClient:
         expect(self._connection.request("state", {"precision": state.precision}, arrays), "accepted")
 
     def solve(self, frame: FrameConstraints, on_progress: Callable[[Iteration], None] | None = None) -> FrameSolution:
-        """Finds the equilibrium of a frame of the epoch that was set; unconverged frames come back too.
+        """Find the equilibrium of a frame of the epoch that was set; unconverged frames come back too.
 
-        on_progress is called on this thread. An exception of its own, and Ctrl-C, cancel the solve and are passed on;
-        the session can go on after that. Raises SolveCancelled after `cancel`, ValueError for a frame of another epoch.
+        An exception of `on_progress`, and Ctrl-C, cancel the solve and are passed on; the session can go on after that.
+
+        Parameters
+        ----------
+        frame
+            The frame's constraints.
+        on_progress
+            Called on this thread with where the solve stands.
+
+        Returns
+        -------
+        FrameSolution
+            The frame.
+
+        Raises
+        ------
+        SolveCancelled
+            If `cancel` was called.
+        ValueError
+            If the frame belongs to another epoch.
         """
         if self._epoch is not None and frame.epoch != self._epoch:
             raise ValueError(
@@ -267,11 +358,17 @@ class SolverClient:
         return FrameSolution(reply.fields, reply.arrays)
 
     def cancel(self) -> None:
-        """Cancels the solve that runs; from any thread."""
+        """Cancel the solve that runs; from any thread."""
         self._connection.cancel()
 
     def ping(self) -> float:
-        """Seconds until the daemon answers."""
+        """Measure how long the daemon takes to answer.
+
+        Returns
+        -------
+        float
+            Seconds.
+        """
         begun = time.monotonic()
         expect(self._connection.request("ping"), "pong")
         return time.monotonic() - begun

@@ -13,6 +13,7 @@ from typing import Any, Self
 import zmq
 from numpy.typing import NDArray
 
+from lappet.core.problem_code import ProblemCode
 from lappet.daemon.frame_solver import FrameRefusedError
 from lappet.daemon.process import DaemonDied, DaemonMissing, SolverDaemon
 from lappet.daemon.wire import DEFAULT_MAX_MESSAGE_BYTES, Message, WireError, decode, encode
@@ -23,12 +24,26 @@ _CANCEL_SECONDS = 3.0
 _HEARTBEAT_SECONDS = 5.0
 
 
-class SolverRefused(FrameRefusedError):
-    """The daemon answered with an error. code: as in PROTOCOL.md, "Errors"."""
+ERROR_CODES = {
+    "malformed": ProblemCode.SOLVER_MALFORMED,
+    "out_of_order": ProblemCode.SOLVER_OUT_OF_ORDER,
+    "unauthorized": ProblemCode.SOLVER_UNAUTHORIZED,
+    "invalid_input": ProblemCode.SOLVER_INVALID_INPUT,
+    "memory_budget": ProblemCode.SOLVER_MEMORY_BUDGET,
+    "time_budget": ProblemCode.SOLVER_TIME_BUDGET,
+    "cancelled": ProblemCode.SOLVER_CANCELLED,
+    "internal": ProblemCode.SOLVER_INTERNAL,
+}
+"""What an `error` of PROTOCOL.md is, by its code."""
 
-    def __init__(self, code: str, sentence: str) -> None:
-        super().__init__(sentence)
-        self.code = code
+
+class SolverRefused(FrameRefusedError):
+    """An error that the daemon answered with."""
+
+    @property
+    def code(self) -> str:
+        """The code of PROTOCOL.md, "Errors"."""
+        return next(code for code, known in ERROR_CODES.items() if known is self.problems[0].code)
 
 
 class SolveCancelled(SolverRefused):
@@ -36,11 +51,23 @@ class SolveCancelled(SolverRefused):
 
 
 class DaemonConnection:
-    """Requests to one daemon and their replies.
+    """The requests to one daemon and their replies.
 
-    address, token, daemon, name, silence: as in `lappet.daemon.client.SolverClient`. welcome: the fields of the
-    daemon's greeting. session: the number that goes into every header, or None. One thread at a time makes
-    requests; `cancel` may be called from any.
+    `welcome` holds the fields of the daemon's greeting, `session` the number that goes into every header, or None. One
+    thread at a time makes requests; `cancel` may be called from any.
+
+    Parameters
+    ----------
+    address
+        Address of a running daemon; without one a daemon is started here and ended with the connection.
+    token
+        Token of the running daemon; None for the environment's `LAPPET_TOKEN`.
+    daemon
+        A daemon of the caller's; it is started where it does not run, and not ended here.
+    name
+        What the daemon calls this client in its log.
+    silence
+        Seconds without an answer after which the daemon counts as dead.
     """
 
     def __init__(
@@ -72,7 +99,18 @@ class DaemonConnection:
         self.welcome: dict[str, Any] = {}
 
     def connect(self) -> Self:
-        """Starts the daemon where there is none, connects and says hello."""
+        """Start the daemon where there is none, connect and say hello.
+
+        Returns
+        -------
+        Self
+            This connection.
+
+        Raises
+        ------
+        DaemonMissing
+            If the address is none, or there is no daemon to start.
+        """
         if self._socket is not None:
             return self
         try:
@@ -86,9 +124,7 @@ class DaemonConnection:
             try:
                 self._socket.connect(str(self._address))
             except zmq.ZMQError as error:
-                raise DaemonMissing(
-                    f"'{self._address}' is no address of a daemon ({error}); use tcp://127.0.0.1:PORT."
-                ) from error
+                raise DaemonMissing.of(ProblemCode.DAEMON_ADDRESS, "", self._address, reason=error) from error
             self._pinged = time.monotonic()
             token = self._token or os.environ.get("LAPPET_TOKEN", "")
             hello = self.request("hello", {"token": token, "client": self._name})
@@ -102,7 +138,7 @@ class DaemonConnection:
         return self
 
     def close(self) -> None:
-        """Takes leave, and ends the daemon that was started here. May be called twice."""
+        """Take leave, and end the daemon that was started here; may be called twice."""
         self._stop.set()
         if self._heartbeat is not None and self._heartbeat is not threading.current_thread():
             self._heartbeat.join(timeout=2.0)
@@ -122,7 +158,7 @@ class DaemonConnection:
             self._daemon.stop()
 
     def cancel(self) -> None:
-        """Cancels the solve that runs; from any thread."""
+        """Cancel the solve that runs; from any thread."""
         self._cancel_wanted.set()
 
     def request(
@@ -132,14 +168,40 @@ class DaemonConnection:
         arrays: dict[str, NDArray[Any]] | None = None,
         on_progress: Callable[[Message], None] | None = None,
     ) -> Message:
-        """Sends a message and waits for the last reply to it. Replies to earlier ones that were given up are dropped.
+        """Send a message and wait for the last reply to it; replies to earlier ones that were given up are dropped.
 
-        Raises DaemonDied, SolverRefused or WireError; whatever `on_progress` raises, and Ctrl-C, cancels the request
-        first.
+        Whatever `on_progress` raises, and Ctrl-C, cancels the request first.
+
+        Parameters
+        ----------
+        kind
+            Type of the message.
+        fields
+            Fields of its header.
+        arrays
+            Arrays by name.
+        on_progress
+            Called with every message `progress`.
+
+        Returns
+        -------
+        Message
+            The reply.
+
+        Raises
+        ------
+        DaemonDied
+            If the daemon is gone or fell silent.
+        SolverRefused
+            If the daemon answers with an error.
+        SolveCancelled
+            If the request was cancelled.
+        WireError
+            If the reply breaks PROTOCOL.md.
         """
         with self._lock:
             if self._socket is None:
-                raise DaemonDied("The client is closed; connect it first.")
+                raise DaemonDied.of(ProblemCode.DAEMON_CLOSED)
             identifier = next(self._ids)
             self._cancel_wanted.clear()
             try:
@@ -151,9 +213,9 @@ class DaemonConnection:
                 self._give_up(identifier)
                 raise
         if reply.type == "error":
-            code = str(reply.fields.get("code", "internal"))
-            sentence = str(reply.fields.get("message", "The daemon gave no reason."))
-            raise SolveCancelled(code, sentence) if code == "cancelled" else SolverRefused(code, sentence)
+            code = ERROR_CODES.get(str(reply.fields.get("code")), ProblemCode.SOLVER_INTERNAL)
+            error = SolveCancelled if code is ProblemCode.SOLVER_CANCELLED else SolverRefused
+            raise error.of(code, "", str(reply.fields.get("message", "The daemon gave no reason.")))
         return reply
 
     def _send(
@@ -169,7 +231,7 @@ class DaemonConnection:
         try:
             self._socket.send_multipart(frames, zmq.DONTWAIT, copy=False)
         except zmq.Again:
-            raise DaemonDied(f"The daemon at {self._address} takes no more messages.") from None
+            raise DaemonDied.of(ProblemCode.DAEMON_FULL, "", self._address) from None
         if self._unanswered_since is None:
             self._unanswered_since = time.monotonic()
 
@@ -199,11 +261,9 @@ class DaemonConnection:
 
     def _check_alive(self) -> None:
         if self._daemon is not None and not self._daemon.alive():
-            raise DaemonDied(f"The daemon died: {self._daemon.death()}")
+            raise DaemonDied.of(ProblemCode.DAEMON_DIED, "", self._daemon.death())
         if self._unanswered_since is not None and time.monotonic() - self._unanswered_since > self._silence:
-            raise DaemonDied(
-                f"The daemon at {self._address} has not answered for {self._silence:g} s; is it running there?"
-            )
+            raise DaemonDied.of(ProblemCode.DAEMON_SILENT, "", self._address, seconds=self._silence)
 
     def _ping_if_due(self, interval: float) -> None:
         now = time.monotonic()
@@ -212,7 +272,7 @@ class DaemonConnection:
             self._send("ping", next(self._ids))
 
     def _give_up(self, identifier: int) -> None:
-        """Cancels a request and waits a moment for its end, so that the session can go on."""
+        """Cancel a request and wait a moment for its end, so that the session can go on."""
         try:
             self._send("cancel", next(self._ids))
             end = time.monotonic() + _CANCEL_SECONDS
@@ -226,7 +286,7 @@ class DaemonConnection:
             return
 
     def _beat(self) -> None:
-        """Keeps the daemon from ending while nothing is asked of it; a request that runs pings by itself."""
+        """Keep the daemon from ending while nothing is asked of it; a request that runs pings by itself."""
         while not self._stop.wait(_HEARTBEAT_SECONDS):
             if not self._lock.acquire(blocking=False):
                 continue
@@ -243,7 +303,25 @@ class DaemonConnection:
 
 
 def expect(message: Message, kind: str) -> Message:
-    """The message, if it is of this kind; otherwise WireError."""
+    """Refuse a message of another kind.
+
+    Parameters
+    ----------
+    message
+        The message.
+    kind
+        The type that it must have.
+
+    Returns
+    -------
+    Message
+        The message.
+
+    Raises
+    ------
+    WireError
+        If it is of another type.
+    """
     if message.type != kind:
         raise WireError(f"The daemon answered '{message.type}' where '{kind}' was due; install both from one release.")
     return message

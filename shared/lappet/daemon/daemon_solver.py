@@ -1,4 +1,4 @@
-"""Has the daemon solve frames: the `FrameSolver` that `lappet solve` uses."""
+"""Have the daemon solve frames: the `FrameSolver` that `lappet solve` uses."""
 
 from __future__ import annotations
 
@@ -18,7 +18,19 @@ from lappet.program.program import Bones, FrameConstraints, Landmarks, SolverSet
 
 
 class DaemonSolver:
-    """A session with a daemon, of its own or at an address. Raises as `lappet.daemon.frame_solver.FrameSolver` says."""
+    """A session with a daemon, of its own or at an address.
+
+    Parameters
+    ----------
+    settings
+        How the session solves.
+    bones
+        What the tissue may not enter.
+    address
+        Address of a running daemon; None starts one.
+    token
+        Token of the running daemon.
+    """
 
     def __init__(
         self, settings: SolverSettings, bones: Bones, address: str | None = None, token: str | None = None
@@ -32,14 +44,47 @@ class DaemonSolver:
             raise
 
     def set_epoch(self, epoch: Epoch, grip: NDArray[np.int32], landmarks: Landmarks) -> Mapping[str, Any]:
-        """Installs an epoch, carrying the state over; returns the lattice's counts."""
+        """Install an epoch, carrying the state over.
+
+        Parameters
+        ----------
+        epoch
+            The epoch.
+        grip
+            Retractor that grips each triangle, or -1, shape (m,).
+        landmarks
+            The landmarks that the epoch's tissue holds.
+
+        Returns
+        -------
+        Mapping[str, Any]
+            Counts of the lattice.
+
+        Raises
+        ------
+        FrameRefusedError
+            If the daemon refuses the epoch.
+        """
         try:
             return self._client.set_epoch(epoch, grip, landmarks)
         except WireError as error:
-            raise FrameRefusedError(str(error)) from error
+            raise FrameRefusedError(error.problems) from error
 
     def set_state(self, precision: str, arrays: Mapping[str, NDArray[Any]]) -> None:
-        """Replaces the state by that of an earlier frame of this epoch."""
+        """Replace the state by that of an earlier frame of this epoch.
+
+        Parameters
+        ----------
+        precision
+            "float" or "double".
+        arrays
+            State arrays by name.
+
+        Raises
+        ------
+        FrameRefusedError
+            If the daemon refuses the state.
+        """
         state = SolverState(
             precision,
             arrays["nodes"],
@@ -51,29 +96,71 @@ class DaemonSolver:
         try:
             self._client.set_state(state)
         except WireError as error:
-            raise FrameRefusedError(str(error)) from error
+            raise FrameRefusedError(error.problems) from error
 
     def solve(self, frame: FrameConstraints, progress: Callable[[Iteration], None]) -> SolvedFrame:
-        """Finds the equilibrium of a frame."""
+        """Find the equilibrium of a frame.
+
+        Parameters
+        ----------
+        frame
+            The frame's constraints.
+        progress
+            Called at every Newton iteration.
+
+        Returns
+        -------
+        SolvedFrame
+            The frame.
+
+        Raises
+        ------
+        FrameRefusedError
+            If the daemon refuses the frame.
+        """
         try:
             return self._client.solve(frame, progress)
         except WireError as error:
-            raise FrameRefusedError(str(error)) from error
+            raise FrameRefusedError(error.problems) from error
 
     def close(self) -> None:
-        """Ends the session, and the daemon where it was started here."""
+        """End the session, and the daemon where it was started here."""
         self._client.close()
 
 
 def connect_to(address: str | None) -> Connect:
-    """Opens sessions with the daemon at an address, or with a daemon that each session starts for itself."""
+    """Make what opens sessions with a daemon.
+
+    Parameters
+    ----------
+    address
+        Address of a running daemon; with None each session starts one for itself.
+
+    Returns
+    -------
+    Connect
+        The function that opens a session.
+    """
     return lambda settings, bones: DaemonSolver(settings, bones, address)
 
 
 def solver_identity(address: str | None) -> str:
-    """What tells this solver from another in the keys of frames: the version and the digest of the daemon's program.
+    """Find what tells this solver from another in the keys of frames.
 
-    A daemon at an address is told by the version that it greets with. Raises RefusedError where there is no daemon.
+    Parameters
+    ----------
+    address
+        Address of a running daemon, which is told by the version that it greets with; None for the installed one.
+
+    Returns
+    -------
+    str
+        Version and digest of the daemon's program.
+
+    Raises
+    ------
+    RefusedError
+        If there is no daemon.
     """
     if address is None:
         return daemon_identity()

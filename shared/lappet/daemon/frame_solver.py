@@ -9,14 +9,14 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from lappet.core.problem import RefusedError
+from lappet.core.problem import ProblemsError, RefusedError
 from lappet.cutting.epoch import Epoch
 from lappet.program.program import Bones, FrameConstraints, Landmarks, SolverSettings
 
 STATE_ARRAYS = ("nodes", "state_suture_gaps", "suture_multipliers", "grip_multipliers", "activation")
 
 
-class SolverDiedError(RuntimeError):
+class SolverDiedError(ProblemsError, RuntimeError):
     """The daemon ended or fell silent in the middle of its work; the work may be tried again with a new one."""
 
 
@@ -26,7 +26,19 @@ class FrameRefusedError(RefusedError):
 
 @dataclass(frozen=True)
 class Iteration:
-    """Where the solve of a frame stands: time code, Newton iteration, residual over force scale, largest gap in mm."""
+    """Where the solve of a frame stands.
+
+    Parameters
+    ----------
+    time
+        Time code.
+    newton
+        Number of the Newton iteration.
+    residual
+        Residual over force scale.
+    gap
+        Largest gap in mm.
+    """
 
     time: float
     newton: int
@@ -36,7 +48,15 @@ class Iteration:
 
 @dataclass(frozen=True, eq=False)
 class SolvedFrame:
-    """What came back for a frame: the fields and the arrays of the message `frame` (PROTOCOL.md)."""
+    """What came back for a frame.
+
+    Parameters
+    ----------
+    header
+        Fields of the message `frame` (PROTOCOL.md).
+    arrays
+        Its arrays by name.
+    """
 
     header: dict[str, Any]
     arrays: dict[str, NDArray[Any]]
@@ -48,19 +68,65 @@ class SolvedFrame:
 
 
 class FrameSolver(Protocol):
-    """A session that is told epochs and frames in order. Every method may raise `SolverDiedError`."""
+    """A session that is told epochs and frames in order; every method may raise `SolverDiedError`."""
 
     def set_epoch(self, epoch: Epoch, grip: NDArray[np.int32], landmarks: Landmarks) -> Mapping[str, Any]:
-        """Installs an epoch, carrying the state over; returns the lattice's counts. Raises FrameRefusedError."""
+        """Install an epoch, carrying the state over.
+
+        Parameters
+        ----------
+        epoch
+            The epoch.
+        grip
+            Retractor that grips each triangle, or -1, shape (m,).
+        landmarks
+            The landmarks that the epoch's tissue holds.
+
+        Returns
+        -------
+        Mapping[str, Any]
+            Counts of the lattice.
+
+        Raises
+        ------
+        FrameRefusedError
+            If the solver refuses the epoch.
+        """
 
     def set_state(self, precision: str, arrays: Mapping[str, NDArray[Any]]) -> None:
-        """Replaces the state by that of an earlier frame of this epoch (`STATE_ARRAYS`)."""
+        """Replace the state by that of an earlier frame of this epoch.
+
+        Parameters
+        ----------
+        precision
+            "float" or "double".
+        arrays
+            State arrays by name (`STATE_ARRAYS`).
+        """
 
     def solve(self, frame: FrameConstraints, progress: Callable[[Iteration], None]) -> SolvedFrame:
-        """Finds the equilibrium; KeyboardInterrupt cancels it. Raises FrameRefusedError."""
+        """Find the equilibrium of a frame; KeyboardInterrupt cancels it.
+
+        Parameters
+        ----------
+        frame
+            The frame's constraints.
+        progress
+            Called at every Newton iteration.
+
+        Returns
+        -------
+        SolvedFrame
+            The frame.
+
+        Raises
+        ------
+        FrameRefusedError
+            If the solver refuses the frame.
+        """
 
     def close(self) -> None:
-        """Ends the session and what was started for it."""
+        """End the session and what was started for it."""
 
 
 Connect = Callable[[SolverSettings, Bones], FrameSolver]

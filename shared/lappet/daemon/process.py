@@ -17,6 +17,7 @@ from types import TracebackType
 from typing import IO, Self
 
 from lappet.core.problem import RefusedError
+from lappet.core.problem_code import ProblemCode
 from lappet.core.version import version
 from lappet.daemon.frame_solver import SolverDiedError
 
@@ -33,17 +34,23 @@ class DaemonDied(SolverDiedError):
 
 
 def find_daemon() -> Path:
-    """The daemon's program: LAPPET_SOLVERD, the package's own, or that of a source checkout's build folder.
+    """Find the daemon's program: `LAPPET_SOLVERD`, the package's own, or that of a source checkout's build folder.
 
-    Raises DaemonMissing, saying where it looked.
+    Returns
+    -------
+    Path
+        The program.
+
+    Raises
+    ------
+    DaemonMissing
+        If there is none; the message says where it was looked for.
     """
     named = os.environ.get("LAPPET_SOLVERD")
     if named:
         path = Path(named)
         if not _is_program(path):
-            raise DaemonMissing(
-                f"LAPPET_SOLVERD names {named}, which is not a program; set it to the path of {BINARY}, or unset it."
-            )
+            raise DaemonMissing.of(ProblemCode.DAEMON_NOT_A_PROGRAM, named, named)
         return path
     package = Path(__file__).resolve().parent.parent
     checkout = package.parent.parent
@@ -53,10 +60,7 @@ def find_daemon() -> Path:
     for path in places:
         if path.is_file():
             return _runnable(path)
-    raise DaemonMissing(
-        f"The daemon {BINARY} is not installed; looked for {' and '.join(map(str, places))}. Run `make setup` in a "
-        f"source checkout, install the wheel, or set LAPPET_SOLVERD to its path."
-    )
+    raise DaemonMissing.of(ProblemCode.DAEMON_MISSING, BINARY, " and ".join(map(str, places)))
 
 
 @lru_cache(maxsize=4)
@@ -66,7 +70,18 @@ def _identity(binary: Path, modified: int) -> str:
 
 
 def daemon_identity(binary: Path | None = None) -> str:
-    """What tells a daemon's program (found when None) from another: Lappet's version and the program's digest."""
+    """Find what tells a daemon's program from another.
+
+    Parameters
+    ----------
+    binary
+        The program; found when None.
+
+    Returns
+    -------
+    str
+        Lappet's version and the program's digest.
+    """
     binary = find_daemon() if binary is None else binary
     return _identity(binary, binary.stat().st_mtime_ns)
 
@@ -74,8 +89,16 @@ def daemon_identity(binary: Path | None = None) -> str:
 class SolverDaemon:
     """A daemon of our own: a context manager that starts it and ends it.
 
-    binary: the program (found when None). arguments: further options of `lappet-solverd`. start_timeout: seconds until
-    it must listen. address, token: what a client needs, once started.
+    Once it is started, `address` and `token` are what a client needs.
+
+    Parameters
+    ----------
+    binary
+        The program; found when None.
+    arguments
+        Further options of `lappet-solverd`.
+    start_timeout
+        Seconds until it must listen.
     """
 
     def __init__(
@@ -91,7 +114,20 @@ class SolverDaemon:
         self._readers: list[threading.Thread] = []
 
     def start(self) -> Self:
-        """Starts the daemon and waits until it listens. Raises DaemonMissing or DaemonDied with its last words."""
+        """Start the daemon and wait until it listens.
+
+        Returns
+        -------
+        Self
+            This daemon.
+
+        Raises
+        ------
+        DaemonMissing
+            If there is no program to start.
+        DaemonDied
+            If it ends before it listens; the message has its last words.
+        """
         if self._process is not None:
             return self
         binary = Path(self._binary) if self._binary is not None else find_daemon()
@@ -107,9 +143,7 @@ class SolverDaemon:
                 start_new_session=True,
             )
         except OSError as error:
-            raise DaemonMissing(
-                f"The daemon {binary} cannot be started: {error.strerror or error}; reinstall Lappet."
-            ) from error
+            raise DaemonMissing.of(ProblemCode.DAEMON_NOT_STARTED, binary, error.strerror or error) from error
         assert self._process.stdout is not None
         assert self._process.stderr is not None
         lines: queue.Queue[str | None] = queue.Queue()
@@ -130,14 +164,13 @@ class SolverDaemon:
         try:
             line = lines.get(timeout=self._start_timeout)
         except queue.Empty:
-            raise DaemonDied(
-                f"The daemon {binary} did not listen within {self._start_timeout:g} s.{self._last_words()}"
-            ) from None
+            code, words = ProblemCode.DAEMON_SILENT_START, self._last_words()
+            raise DaemonDied.of(code, binary, seconds=self._start_timeout, words=words) from None
         if line is None:
-            raise DaemonDied(f"The daemon {binary} did not start: {self.death()}")
+            raise DaemonDied.of(ProblemCode.DAEMON_DIED_AT_START, binary, self.death())
         word, _, address = line.partition(" ")
         if word != "listening" or not address.startswith("tcp://"):
-            raise DaemonMissing(f"{binary} is not a Lappet daemon: it says '{line:.80}' instead of its address.")
+            raise DaemonMissing.of(ProblemCode.DAEMON_NOT_LAPPET, binary, line)
         return address
 
     @property
@@ -146,11 +179,23 @@ class SolverDaemon:
         return None if self._process is None else self._process.pid
 
     def alive(self) -> bool:
-        """Whether the process runs."""
+        """Tell whether the process runs.
+
+        Returns
+        -------
+        bool
+            Whether it does.
+        """
         return self._process is not None and self._process.poll() is None
 
     def death(self) -> str:
-        """How it ended and what it said last, as a sentence; also when it has not been started or still runs."""
+        """Tell how the process ended and what it said last; also when it has not been started or still runs.
+
+        Returns
+        -------
+        str
+            A sentence.
+        """
         if self._process is None:
             return "it was not started."
         try:
@@ -176,7 +221,13 @@ class SolverDaemon:
         return f" It said: {' | '.join(words)}" if words else ""
 
     def stop(self, patience: float = 5.0) -> None:
-        """Ends it: closes its standard input, then asks, then forces. Does nothing when it has ended."""
+        """End the process: close its standard input, then ask, then force; nothing happens when it has ended.
+
+        Parameters
+        ----------
+        patience
+            Seconds that each step gets.
+        """
         process = self._process
         if process is None:
             return
@@ -216,10 +267,7 @@ def _runnable(path: Path) -> Path:
             mode = path.stat().st_mode
             path.chmod(mode | (mode & 0o444) >> 2)  # who may read it may run it
         except OSError as error:
-            raise DaemonMissing(
-                f"The daemon {path} may not be executed and that cannot be changed ({error.strerror or error}); run "
-                f"`chmod a+x` on it as its owner."
-            ) from error
+            raise DaemonMissing.of(ProblemCode.DAEMON_NOT_EXECUTABLE, path, error.strerror or error) from error
     return path
 
 

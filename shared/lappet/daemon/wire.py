@@ -14,6 +14,9 @@ import msgpack
 import numpy as np
 from numpy.typing import NDArray
 
+from lappet.core.problem import ProblemsError
+from lappet.core.problem_code import ProblemCode
+
 VERSION = 1
 MAX_HEADER_BYTES = 64 * 1024
 MAX_ARRAYS = 32
@@ -35,13 +38,29 @@ _NAMES = {(dtype.kind, dtype.itemsize): name for name, dtype in DTYPES.items()}
 _OWN_FIELDS = frozenset({"v", "type", "id", "session", "arrays"})
 
 
-class WireError(ValueError):
+class WireError(ProblemsError, ValueError):
     """A message that breaks PROTOCOL.md; the sentence names the field, its value and what is expected."""
+
+    code_of_sentences = ProblemCode.WIRE_MALFORMED
 
 
 @dataclass(frozen=True, eq=False)
 class Message:
-    """One message. fields: the header's other fields. arrays: read-only, C-ordered, little-endian, by name."""
+    """One message.
+
+    Parameters
+    ----------
+    type
+        Type of the message.
+    id
+        Number that comes back in every reply.
+    session
+        Number of the session, or None.
+    fields
+        Other fields of the header.
+    arrays
+        Arrays by name, read-only, C-ordered, little-endian.
+    """
 
     type: str
     id: int
@@ -51,9 +70,26 @@ class Message:
 
 
 def encode(message: Message, max_message_bytes: int = DEFAULT_MAX_MESSAGE_BYTES) -> list[bytes]:
-    """The frames of a message, the header first.
+    """Write a message as frames, the header first.
 
-    Arrays of bool become u1; other dtypes must be one of `DTYPES`. Raises WireError where the message would be refused.
+    Arrays of bool become u1; other dtypes must be one of `DTYPES`.
+
+    Parameters
+    ----------
+    message
+        The message.
+    max_message_bytes
+        The most that the daemon takes.
+
+    Returns
+    -------
+    list[bytes]
+        The frames.
+
+    Raises
+    ------
+    WireError
+        If the message would be refused.
     """
     taken = _OWN_FIELDS & message.fields.keys()
     if taken:
@@ -90,7 +126,25 @@ def encode(message: Message, max_message_bytes: int = DEFAULT_MAX_MESSAGE_BYTES)
 
 
 def decode(frames: Sequence[bytes | memoryview], max_message_bytes: int = DEFAULT_MAX_MESSAGE_BYTES) -> Message:
-    """The message in these frames. Raises WireError, and only that, whatever the bytes are."""
+    """Read a message from its frames.
+
+    Parameters
+    ----------
+    frames
+        The frames, the header first.
+    max_message_bytes
+        The most that is taken.
+
+    Returns
+    -------
+    Message
+        The message.
+
+    Raises
+    ------
+    WireError
+        If the bytes are no message; nothing else is raised, whatever they are.
+    """
     if not frames:
         raise WireError("The message has no header frame.")
     header = _header(frames[0])
@@ -133,9 +187,19 @@ def decode(frames: Sequence[bytes | memoryview], max_message_bytes: int = DEFAUL
 
 
 def require(message: Message, **arrays: tuple[str | tuple[str, ...], tuple[int | None, ...]]) -> None:
-    """Checks the arrays of a message: `name=(dtype or dtypes, shape)`, None in a shape for any length.
+    """Check the arrays of a message.
 
-    Raises WireError naming the array that is missing or does not fit.
+    Parameters
+    ----------
+    message
+        The message.
+    **arrays
+        For each name the dtype or dtypes and the shape, None in a shape for any length.
+
+    Raises
+    ------
+    WireError
+        If an array is missing or does not fit; names it.
     """
     for name, (dtypes, shape) in arrays.items():
         array = message.arrays.get(name)
@@ -193,7 +257,7 @@ def _no_extension(code: int, data: bytes) -> Any:
 
 
 def _plain(value: object, depth: int) -> None:
-    """Refuses what is neither number, text, truth value, list nor map."""
+    """Refuse what is neither number, text, truth value, list nor map."""
     if depth > MAX_DEPTH:
         raise WireError(f"The header is nested deeper than {MAX_DEPTH} levels.")
     if isinstance(value, dict):

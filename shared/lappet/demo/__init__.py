@@ -7,27 +7,50 @@ import json
 from collections.abc import Callable
 from pathlib import Path
 
-from lappet.core.problem import RefusedError
+from lappet.core.problem import refused
+from lappet.core.problem_code import ProblemCode
 from lappet.core.version import version
 
 SPACING = 4.0 / 3.0  # mm: three cells through the skin, a few seconds a step
 
 
 def z_plasty() -> Path:
-    """The file of the bundled Z-plasty. Raises RefusedError where the installation lacks it."""
+    """Find the file of the bundled Z-plasty.
+
+    Returns
+    -------
+    Path
+        The file.
+
+    Raises
+    ------
+    RefusedError
+        If the installation lacks it.
+    """
     here = Path(__file__).resolve()
     for path in (here.with_name("z_plasty.usda"), here.parents[3] / "examples" / "z_plasty" / "z_plasty.usda"):
         if path.is_file():
             return path
-    raise RefusedError(f"The bundled procedure {here.with_name('z_plasty.usda')} is missing; install Lappet again.")
+    raise refused(ProblemCode.DEMO_MISSING, here.with_name("z_plasty.usda"))
 
 
 def figures_of(cache: Path, folder: Path, render: Callable[[Path, Path], list[Path]]) -> list[Path]:
-    """The pictures of a skin cache in `folder`: those of an earlier run where cache and program are the same.
+    """Draw the pictures of a skin cache, or find those of an earlier run where cache and program are the same.
 
-    render: draws a cache into a folder and returns the pictures, as `lappet.output.render.render_cache` does.
+    Parameters
+    ----------
+    cache
+        The skin cache.
+    folder
+        Folder for the pictures.
+    render
+        Draws a cache into a folder and returns the pictures, as `lappet.output.render.render_cache` does.
+
+    Returns
+    -------
+    list[Path]
+        The pictures.
     """
-
     folder = folder.resolve()
     stamp = folder / "rendered.json"
     drawn = f"{version()} {hashlib.blake2b(cache.read_bytes(), digest_size=16).hexdigest()}"

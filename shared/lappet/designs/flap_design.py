@@ -13,7 +13,15 @@ from lappet.procedure import Point
 
 @dataclass(frozen=True)
 class Edge:
-    """One edge of a cut, along which its tissue lies on the `side`: 1 to the left of its direction, -1 to the right."""
+    """One edge of a cut with the side on which its tissue lies.
+
+    Parameters
+    ----------
+    points
+        Points along the edge in mm.
+    side
+        1 where the tissue lies to the left of the edge's direction, -1 to the right.
+    """
 
     points: tuple[Point, ...]
     side: int
@@ -23,7 +31,14 @@ class Edge:
 class Seam:
     """Two edges that are sewn together from start to end, at equal shares of their lengths.
 
-    joined: whether the edges start, and end, in one point (where the cut ends) and not in two corners.
+    Parameters
+    ----------
+    name
+        Name of the seam.
+    edges
+        The two edges.
+    joined
+        Whether the edges start, and end, in one point (where the cut ends) and not in two corners.
     """
 
     name: str
@@ -33,7 +48,15 @@ class Seam:
 
 @dataclass(frozen=True)
 class Spot:
-    """A corner of the cut skin: the point, and another one towards which its tissue lies."""
+    """A corner of the cut skin.
+
+    Parameters
+    ----------
+    point
+        The corner in mm.
+    towards
+        A point in mm towards which the corner's tissue lies.
+    """
 
     point: Point
     towards: Point
@@ -41,7 +64,17 @@ class Spot:
 
 @dataclass(frozen=True)
 class Corner:
-    """Two corners that meet: of the flap, or of what closes the donor site, and of the wound."""
+    """Two corners that meet in the end.
+
+    Parameters
+    ----------
+    name
+        Name of the pair.
+    flap
+        Corner of the flap, or of what closes the donor site.
+    wound
+        Corner of the wound.
+    """
 
     name: str
     flap: Spot
@@ -50,7 +83,19 @@ class Corner:
 
 @dataclass(frozen=True)
 class Carry:
-    """A hook's way: it takes the flap by a corner and turns it about the pivot until the corner lies at `lay`."""
+    """The way of a hook that takes a flap by a corner, turns it about a pivot and lays it down.
+
+    Parameters
+    ----------
+    name
+        Name of the hook.
+    corner
+        The flap's corner.
+    pivot
+        Point in mm about which the flap turns.
+    lay
+        Where the corner goes.
+    """
 
     name: str
     corner: Spot
@@ -60,10 +105,24 @@ class Carry:
 
 @dataclass(frozen=True)
 class FlapDesign:
-    """A flap or flaps that fill a defect.
+    """A flap, or several, that fill a defect.
 
-    defect: its outline, closed, counter-clockwise about the normal. seed: a point in it, to excise. incisions: open
-    curves, each from the defect outwards. flaps: a point in the middle of each flap.
+    Parameters
+    ----------
+    defect
+        Outline of the defect in mm, closed, counter-clockwise about the normal.
+    seed
+        A point in the defect in mm, to excise.
+    incisions
+        Open curves in mm, each from the defect outwards.
+    seams
+        The edges that are sewn together.
+    corners
+        The corners that meet.
+    carries
+        How hooks carry the flaps.
+    flaps
+        A point in the middle of each flap in mm.
     """
 
     defect: tuple[Point, ...]

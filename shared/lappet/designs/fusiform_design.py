@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from lappet.core.problem import RefusedError
+from lappet.core.problem import refused
+from lappet.core.problem_code import ProblemCode
 from lappet.designs.design_frame import placed_on, skin_frame
 from lappet.procedure import Point
 from lappet.tissue.placement import Place
@@ -15,10 +16,18 @@ from lappet.tissue.placement import Place
 
 @dataclass(frozen=True)
 class Fusiform:
-    """A fusiform excision of two circular arcs; points in mm.
+    """A fusiform excision of two circular arcs.
 
-    curve: around the whole, closed, counter-clockwise about the normal. tips: the two ends of the long axis. pairs:
-    points of the two arcs that face each other, evenly along the axis, to suture. seed: the middle, to excise.
+    Parameters
+    ----------
+    curve
+        Points around the whole in mm, closed, counter-clockwise about the normal.
+    tips
+        The two ends of the long axis in mm.
+    pairs
+        Points of the two arcs that face each other in mm, evenly along the axis, to suture.
+    seed
+        The middle in mm, to excise.
     """
 
     curve: tuple[Point, ...]
@@ -38,19 +47,51 @@ def fusiform(
     sutures: int = 7,
     project: Place | None = None,
 ) -> Fusiform:
-    """A fusiform of two circular arcs, `length` by `width` mm, its long axis along `direction`.
+    """Design a fusiform of two circular arcs.
 
     Each arc has the radius (length² + width²) / (4 width) and ends at the tips at half the angle 4 atan(width /
-    length). samples: points of each arc. sutures: pairs of facing points. Other arguments as in `z_plasty`. Raises
-    RefusedError for a length or width that is not positive and a width above the length.
+    length).
+
+    Parameters
+    ----------
+    center
+        Middle of the fusiform in mm, shape (3,).
+    length
+        Length of the long axis in mm.
+    width
+        Width in mm, at most the length.
+    direction
+        Direction of the long axis, shape (3,).
+    normal
+        Outwards from the skin at the middle, shape (3,).
+    samples
+        Number of points of each arc, at least 2.
+    sutures
+        Number of pairs of facing points.
+    project
+        Maps points (k, 3) onto a curved skin, as `draped_on` gives, or None.
+
+    Returns
+    -------
+    Fusiform
+        The design.
+
+    Raises
+    ------
+    RefusedError
+        If the length or width is not positive, the width is above the length, or there are fewer than 2 samples.
+
+    Examples
+    --------
+    >>> from lappet.designs import fusiform
+    >>> ellipse = fusiform(center=(0, 0, 4), length=36.0, width=12.0, direction=(1, 0, 0), sutures=3)
+    >>> ellipse.tips, len(ellipse.pairs)
+    (((-18.0, 0.0, 4.0), (18.0, 0.0, 4.0)), 3)
     """
     if not (np.isfinite(length) and np.isfinite(width) and 0.0 < width <= length):
-        raise RefusedError(
-            f"fusiform: the length is {length:g} mm and the width {width:g} mm; "
-            "give 0 < width <= length, for instance 3 : 1"
-        )
+        raise refused(ProblemCode.DESIGN_OVAL, "fusiform", f"{width:g}", length=length)
     if samples < 2:
-        raise RefusedError(f"fusiform: {samples} samples cannot follow an arc; give at least 2")
+        raise refused(ProblemCode.DESIGN_SAMPLES, "fusiform", samples)
     along, across = skin_frame(direction, normal, "fusiform")
     middle = np.asarray(center, np.float64)
     radius = (length**2 + width**2) / (4.0 * width)

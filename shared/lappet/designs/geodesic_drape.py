@@ -1,4 +1,4 @@
-"""Drapes a flat design over any skin: straight lines from its middle stay straight and as long as they were."""
+"""Drape a flat design over any skin: straight lines from its middle stay straight and as long as they were."""
 
 from __future__ import annotations
 
@@ -12,11 +12,23 @@ STEP = 0.5  # mm: a line is walked in such steps
 
 
 def draped_on(skin: SkinSheet, center: ArrayLike) -> Place:
-    """A `project` for designs drawn in the skin's tangent plane at the point of it closest to `center`, mm.
+    """Make a `project` for designs drawn in the skin's tangent plane at a point.
 
-    A point of the plane goes where the geodesic that starts towards it has come after its distance from that middle:
-    the exponential map of the surface, by steps of `STEP`. On a sphere it is `lappet.tissue.dome.draped`. A line that
-    meets the skin's border ends there.
+    A point of the plane goes where the geodesic that starts towards it has come after its distance from the middle: the
+    exponential map of the surface, by steps of `STEP`. On a sphere it is `lappet.tissue.dome.draped`. A line that meets
+    the skin's border ends there.
+
+    Parameters
+    ----------
+    skin
+        The skin.
+    center
+        A point in mm, shape (3,); the plane touches the skin where that is closest to it.
+
+    Returns
+    -------
+    Place
+        A function from points of the plane in mm, shape (k, 3), to points on the skin in mm, shape (k, 3).
     """
     points, normals = skin.at(center)
     middle, normal = points[0], normals[0]

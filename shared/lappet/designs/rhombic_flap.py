@@ -1,13 +1,13 @@
-"""Rhombic transposition flaps: Limberg's, and Dufourmentel and Mouly's.
+r"""Rhombic transposition flaps: Limberg's, and Dufourmentel and Mouly's.
 
 The defect is a rhombus with sides a and the acute angle α at the ends A and C of its long diagonal; B and D are the
 ends of the short one. The flap has the corners C, D, E, F: the first limb DE begins at the defect's obtuse corner D,
 the second, EF, ends beside C, and CF is its base. In the design's plane, x along the short diagonal from B to D:
 
             A
-          /   \\                Limberg (α = 60°): DE extends the short diagonal, EF is parallel to DC; |DE| = |EF| = a.
+          /   \                Limberg (α = 60°): DE extends the short diagonal, EF is parallel to DC; |DE| = |EF| = a.
         B       D --- E        Turned by 60° about C the flap covers the defect: D comes to B, E to A, F to D.
-          \\   /      /        Dufourmentel: DE halves the angle between the extended short diagonal and the extended
+          \   /      /        Dufourmentel: DE halves the angle between the extended short diagonal and the extended
             C ... F            side CD, EF is parallel to the long diagonal; |DE| = |EF| = a.
 
 The donor site closes by drawing the corner that DE leaves outside of the flap, D', to F.
@@ -23,7 +23,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from lappet.core.problem import RefusedError
+from lappet.core.problem import refused
+from lappet.core.problem_code import ProblemCode
 from lappet.designs.design_frame import placed_on, skin_frame
 from lappet.designs.flap_design import Carry, Corner, Edge, FlapDesign, Seam, Spot
 from lappet.procedure import Point
@@ -42,11 +43,32 @@ def limberg(
     mirrored: bool = False,
     project: Place | None = None,
 ) -> FlapDesign:
-    """Limberg's flap for a rhombus of 60° and 120° with sides of `side` mm.
+    """Design Limberg's flap for a rhombus of 60° and 120°.
 
-    center: the middle of the defect and its flap together, mm. direction: along the short diagonal, from the defect to
-    the flap. mirrored: the second limb on the other side. Other arguments as in `lappet.designs.z_plasty`. Raises
-    RefusedError for a side that is not positive.
+    Parameters
+    ----------
+    center
+        Middle of the defect and its flap together in mm, shape (3,).
+    direction
+        Direction along the short diagonal, from the defect to the flap, shape (3,).
+    side
+        Side of the rhombus in mm.
+    normal
+        Outwards from the skin at the middle, shape (3,).
+    mirrored
+        Whether the second limb is on the other side.
+    project
+        Maps points (k, 3) onto a curved skin, as `draped_on` gives, or None.
+
+    Returns
+    -------
+    FlapDesign
+        The design.
+
+    Raises
+    ------
+    RefusedError
+        If the side is not positive.
     """
     return _rhombic("limberg", center, direction, side, 60.0, (0.0, 240.0), normal, mirrored, project)
 
@@ -61,13 +83,39 @@ def dufourmentel(
     mirrored: bool = False,
     project: Place | None = None,
 ) -> FlapDesign:
-    """Dufourmentel and Mouly's flap for a rhombus with the acute angle `angle`, 60° to 90°, and sides of `side` mm.
+    """Design Dufourmentel and Mouly's flap for a rhombus.
 
-    The first limb leaves the short diagonal by 45° - angle / 4; the flap's tip has the angle 45° + angle / 4. Other
-    arguments as in `limberg`. Raises RefusedError for a side that is not positive or an angle out of range.
+    The first limb leaves the short diagonal by 45° - angle / 4; the flap's tip has the angle 45° + angle / 4.
+
+    Parameters
+    ----------
+    center
+        Middle of the defect and its flap together in mm, shape (3,).
+    direction
+        Direction along the short diagonal, from the defect to the flap, shape (3,).
+    side
+        Side of the rhombus in mm.
+    angle
+        Acute angle of the rhombus in degrees, 60 to 90.
+    normal
+        Outwards from the skin at the middle, shape (3,).
+    mirrored
+        Whether the second limb is on the other side.
+    project
+        Maps points (k, 3) onto a curved skin, as `draped_on` gives, or None.
+
+    Returns
+    -------
+    FlapDesign
+        The design.
+
+    Raises
+    ------
+    RefusedError
+        If the side is not positive or the angle is out of range.
     """
     if not 60.0 <= angle <= 90.0:
-        raise RefusedError(f"dufourmentel: the angle is {angle:g}°; give one from 60° to 90°")
+        raise refused(ProblemCode.DESIGN_ANGLE, "dufourmentel", f"{angle:g}", least=60, most=90)
     limbs = (45.0 - angle / 4.0, 270.0)
     return _rhombic("dufourmentel", center, direction, side, angle, limbs, normal, mirrored, project)
 
@@ -85,7 +133,7 @@ def _rhombic(
 ) -> FlapDesign:
     """The design whose limbs run at these angles (degrees) to the short diagonal."""
     if not (np.isfinite(side) and side > 0.0):
-        raise RefusedError(f"{what}: the side is {side:g} mm; give a length above 0")
+        raise refused(ProblemCode.LENGTH_NOT_POSITIVE, what, f"{side:g}", name="side")
     half = np.radians(angle) / 2.0
     a, c = side * np.array([0.0, np.cos(half)]), side * np.array([0.0, -np.cos(half)])
     b, d = side * np.array([-np.sin(half), 0.0]), side * np.array([np.sin(half), 0.0])

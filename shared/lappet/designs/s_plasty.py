@@ -31,7 +31,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from lappet.core.problem import RefusedError
+from lappet.core.problem import refused
+from lappet.core.problem_code import ProblemCode
 from lappet.designs.design_frame import placed_on, skin_frame
 from lappet.designs.flap_design import Carry, Corner, Edge, FlapDesign, Seam, Spot
 from lappet.procedure import Point
@@ -54,25 +55,51 @@ def dual_s_plasty(
     mirrored: bool = False,
     project: Place | None = None,
 ) -> FlapDesign:
-    """A dual S-plasty for an oval of `length` by `width` mm, its long axis along `direction`.
+    """Design a dual S-plasty for an oval defect.
 
-    incision: length of each S, mm. advance: how far each tip goes along the other flap's rim, mm. turns: degrees by
-    which the S turns around its flap, and back. Other arguments as in `lappet.designs.rhombic_flap.limberg`. Raises
-    RefusedError for lengths that are not positive, a width above the length and an advance beyond half of the half rim.
+    Parameters
+    ----------
+    center
+        Middle of the defect in mm, shape (3,).
+    direction
+        Direction of the oval's long axis, shape (3,).
+    length
+        Length of the oval in mm.
+    width
+        Width of the oval in mm, at most the length.
+    incision
+        Length of each S in mm.
+    advance
+        How far each tip goes along the other flap's rim in mm, at most half of the half rim.
+    turns
+        Angles in degrees by which the S turns around its flap, and back.
+    normal
+        Outwards from the skin at the middle, shape (3,).
+    mirrored
+        Whether the flaps turn the other way.
+    project
+        Maps points (k, 3) onto a curved skin, as `draped_on` gives, or None.
+
+    Returns
+    -------
+    FlapDesign
+        The design.
+
+    Raises
+    ------
+    RefusedError
+        If a length is not positive, the width is above the length, or the advance is too large.
     """
     lengths = {"length": length, "width": width, "incision": incision, "advance": advance}
     for name, value in lengths.items():
         if not (np.isfinite(value) and value > 0.0):
-            raise RefusedError(f"dual_s_plasty: the {name} is {value:g} mm; give a length above 0")
+            raise refused(ProblemCode.LENGTH_NOT_POSITIVE, "dual_s_plasty", f"{value:g}", name=name)
     if width > length:
-        raise RefusedError(f"dual_s_plasty: the width {width:g} mm is above the length {length:g} mm; turn the oval")
+        raise refused(ProblemCode.DESIGN_OVAL, "dual_s_plasty", f"{width:g}", length=length)
     rim = _half_rim(length, width)
     whole = _length(rim)
     if advance > 0.5 * whole:
-        raise RefusedError(
-            f"dual_s_plasty: an advance of {advance:g} mm is more than half of the half rim, {0.5 * whole:.4g} mm; "
-            "shorten it"
-        )
+        raise refused(ProblemCode.DESIGN_ADVANCE, "dual_s_plasty", f"{advance:g}", half=0.5 * whole)
     along, across = skin_frame(direction, normal, "dual_s_plasty")
     if mirrored:
         across = -across

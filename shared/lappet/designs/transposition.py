@@ -16,7 +16,33 @@ from lappet.tissue.skin_sheet import SkinSheet
 
 @dataclass(frozen=True)
 class Schedule:
-    """Time codes: when what is done. carried: the hooks have laid the flap down. let_go: the hooks are released."""
+    """When what is done, as time codes.
+
+    Parameters
+    ----------
+    incise
+        The cuts.
+    excise
+        The removal of the defect.
+    undermine
+        The release of the skin around it.
+    lift
+        The hooks begin to lift the flap.
+    carried
+        The hooks have laid the flap down.
+    donor_from
+        The sutures of the donor site begin to draw together.
+    donor_to
+        The donor site is closed.
+    suture_from
+        The other sutures begin to draw together.
+    suture_to
+        All seams are closed.
+    let_go
+        The hooks are released.
+    end
+        Last frame.
+    """
 
     incise: float = 2
     excise: float = 4
@@ -33,7 +59,17 @@ class Schedule:
 
 @dataclass(frozen=True)
 class Row:
-    """A row of sutures: depth of the anchors below the skin, mm; shift: of its sutures along the seam, in distances."""
+    """A row of sutures.
+
+    Parameters
+    ----------
+    name
+        Name of the row.
+    depth
+        Depth of the anchors below the skin in mm.
+    shift
+        Shift of its sutures along the seam, as a share of the distance between two.
+    """
 
     name: str
     depth: float
@@ -42,12 +78,28 @@ class Row:
 
 @dataclass(frozen=True)
 class Technique:
-    """How the surgeon works; mm, and mN/mm for the hooks' stiffness.
+    """How the surgeon works.
 
-    kerf: of the cuts. beyond: how far around the design the skin is undermined. apart: from suture to suture. margin:
-    from the first suture of a seam to its end. rows: of sutures; the corners are held in each. height: to which the
-    hooks lift the flap. inside: from a flap's corner to its hook. follow: between two points of an edge that are
-    measured.
+    Parameters
+    ----------
+    kerf
+        Width of the cuts in mm.
+    beyond
+        How far around the design the skin is undermined in mm.
+    apart
+        Distance from suture to suture in mm.
+    margin
+        Distance from the first suture of a seam to the seam's end in mm.
+    rows
+        Rows of sutures; the corners are held in each.
+    height
+        Height to which the hooks lift the flap in mm.
+    inside
+        Distance from a flap's corner to its hook in mm.
+    stiffness
+        Stiffness of the hooks in mN/mm.
+    follow
+        Distance between two points of an edge that are measured in mm.
     """
 
     kerf: float = 0.05
@@ -67,11 +119,27 @@ def flap_operation(
     when: Schedule = Schedule(),
     how: Technique = Technique(),
 ) -> tuple[Event, ...]:
-    """The events of the operation, with the landmarks to judge it by.
+    """Plan the operation of a flap design, with the landmarks to judge it by.
 
-    Landmarks, in pairs that lie on each other when all is well: "<corner> flap" and "<corner> wound" for every corner
-    of the design, "<seam> flap edge" and "<seam> wound edge" with points along the edges of every seam; and "flap
-    middle".
+    Landmarks come in pairs that lie on each other when all is well: "<corner> flap" and "<corner> wound" for every
+    corner of the design, "<seam> flap edge" and "<seam> wound edge" with points along the edges of every seam; and
+    "flap middle".
+
+    Parameters
+    ----------
+    design
+        The design on the skin.
+    skin
+        The skin on which the sutures and hooks are placed.
+    when
+        Time codes of the steps.
+    how
+        Distances and stiffness.
+
+    Returns
+    -------
+    tuple[Event, ...]
+        The events: incisions, excision, undermining, hooks, sutures, landmarks.
     """
     incisions = [
         Incision(_numbered("limbs", k, len(design.incisions)), when.incise, curve, kerf=how.kerf)
@@ -89,7 +157,22 @@ def flap_operation(
 
 
 def outline(design: FlapDesign, skin: SkinSheet, beyond: float) -> tuple[Point, ...]:
-    """A convex line around all cuts of the design, `beyond` mm outside them, on the skin."""
+    """Draw a convex line around all cuts of a design.
+
+    Parameters
+    ----------
+    design
+        The design.
+    skin
+        The skin on which the line lies.
+    beyond
+        Distance of the line from the cuts in mm.
+
+    Returns
+    -------
+    tuple[Point, ...]
+        Points of the closed line on the skin in mm.
+    """
     drawn = np.array([*design.defect, *(point for curve in design.incisions for point in curve)])
     middle, normal = skin.at(drawn.mean(axis=0))
     first = np.cross(normal[0], (0.0, 1.0, 0.0) if abs(normal[0][1]) < 0.9 else (1.0, 0.0, 0.0))
@@ -107,7 +190,24 @@ def outline(design: FlapDesign, skin: SkinSheet, beyond: float) -> tuple[Point, 
 
 
 def carry_hook(carry: Carry, skin: SkinSheet, when: Schedule, how: Technique) -> Hook:
-    """A hook that lifts the flap near its corner, turns it about the pivot and lays it down where it belongs."""
+    """Make the hook that lifts a flap near its corner, turns it about the pivot and lays it down.
+
+    Parameters
+    ----------
+    carry
+        The flap's way.
+    skin
+        The skin.
+    when
+        Time codes of the steps.
+    how
+        Distances and stiffness.
+
+    Returns
+    -------
+    Hook
+        The hook.
+    """
     anchor = np.array(skin.towards(carry.corner.point, carry.corner.towards, how.inside))
     lay = np.array(skin.towards(carry.lay.point, carry.lay.towards, how.inside))
     pivot, normal = (value[0] for value in skin.at(carry.pivot))
@@ -150,7 +250,24 @@ def carry_hook(carry: Carry, skin: SkinSheet, when: Schedule, how: Technique) ->
 
 
 def sutures(design: FlapDesign, skin: SkinSheet, when: Schedule, how: Technique) -> list[Suture]:
-    """A suture per row in every corner, and rows of them along every seam; those of the donor site begin first."""
+    """Place a suture per row in every corner, and rows of them along every seam; those of the donor site begin first.
+
+    Parameters
+    ----------
+    design
+        The design.
+    skin
+        The skin.
+    when
+        Time codes of the steps.
+    how
+        Rows and distances.
+
+    Returns
+    -------
+    list[Suture]
+        The sutures.
+    """
     found = []
     beside = 0.5 * how.kerf + 0.01
     for row in how.rows:
@@ -173,7 +290,22 @@ def sutures(design: FlapDesign, skin: SkinSheet, when: Schedule, how: Technique)
 
 
 def landmarks(design: FlapDesign, skin: SkinSheet, how: Technique) -> list[Landmark]:
-    """Both corners of every pair, the edges of every seam, the middles of the flaps and the ends of the field."""
+    """Mark both corners of every pair, the edges of every seam, the middles of the flaps and the ends of the field.
+
+    Parameters
+    ----------
+    design
+        The design.
+    skin
+        The skin.
+    how
+        Distances.
+
+    Returns
+    -------
+    list[Landmark]
+        The landmarks.
+    """
     marks = []
     beside = 0.5 * how.kerf + 0.05
     for corner in design.corners:
@@ -192,7 +324,26 @@ def landmarks(design: FlapDesign, skin: SkinSheet, how: Technique) -> list[Landm
 
 
 def beside_edge(skin: SkinSheet, edge: Edge, share: float, distance: float, depth: float = 0.0) -> Point:
-    """The point at a share of an edge's length, so far (mm) inside its tissue and so deep below the skin."""
+    """Find the point beside an edge at a share of its length.
+
+    Parameters
+    ----------
+    skin
+        The skin.
+    edge
+        The edge.
+    share
+        Share of the edge's length, 0 to 1.
+    distance
+        Distance from the edge into its tissue in mm.
+    depth
+        Depth below the skin in mm.
+
+    Returns
+    -------
+    Point
+        The point in mm.
+    """
     points = np.array(edge.points)
     along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
     at = share * along[-1]

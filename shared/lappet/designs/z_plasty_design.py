@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from lappet.core.problem import RefusedError
+from lappet.core.problem import refused
+from lappet.core.problem_code import ProblemCode
 from lappet.designs.design_frame import placed_on, skin_frame
 from lappet.procedure import Point
 from lappet.tissue.placement import Place
@@ -15,11 +16,19 @@ from lappet.tissue.placement import Place
 
 @dataclass(frozen=True)
 class ZPlasty:
-    """A Z-plasty on the skin; points in mm.
+    """A Z-plasty on the skin.
 
-    curve: the four corners of the Z in drawing order (a limb's base, the central limb's two ends, the other limb's
-    base). tips: the tips of the two flaps, each at an end of the central limb. bases: for each flap the end of its
-    outer limb, where the other flap's tip goes. After the transposition `tips[i]` lies on `bases[1 - i]`.
+    After the transposition `tips[i]` lies on `bases[1 - i]`.
+
+    Parameters
+    ----------
+    curve
+        The four corners of the Z in mm in drawing order: a limb's base, the central limb's two ends, the other limb's
+        base.
+    tips
+        Tips of the two flaps in mm, each at an end of the central limb.
+    bases
+        For each flap the end of its outer limb in mm, where the other flap's tip goes.
     """
 
     curve: tuple[Point, ...]
@@ -37,17 +46,48 @@ def z_plasty(
     mirrored: bool = False,
     project: Place | None = None,
 ) -> ZPlasty:
-    """A Z-plasty with limbs of `limb` mm at `angle` degrees to the central limb.
+    """Design a Z-plasty.
 
-    center: the middle of the central limb, mm. direction: along the central limb (the scar). normal: outwards from the
-    skin there. mirrored: the other of the two Z. project: places points (k, 3) on a curved skin, see `onto`. The long
-    diagonal grows from `limb` to limb sqrt(5 - 4 cos angle). Raises RefusedError for a limb that is not positive and an
-    angle outside 10° to 120°.
+    The long diagonal grows from `limb` to limb sqrt(5 - 4 cos angle).
+
+    Parameters
+    ----------
+    center
+        Middle of the central limb in mm, shape (3,).
+    direction
+        Direction of the central limb (the scar), shape (3,).
+    limb
+        Length of each limb in mm.
+    angle
+        Angle of the outer limbs to the central one in degrees, 10 to 120.
+    normal
+        Outwards from the skin at the middle, shape (3,).
+    mirrored
+        Whether it is the other of the two Z.
+    project
+        Maps points (k, 3) onto a curved skin, as `draped_on` gives, or None.
+
+    Returns
+    -------
+    ZPlasty
+        The design.
+
+    Raises
+    ------
+    RefusedError
+        If the limb is not positive or the angle is out of range.
+
+    Examples
+    --------
+    >>> from lappet.designs import z_plasty
+    >>> design = z_plasty(center=(0, 0, 4), direction=(1, 0, 0), limb=20.0, angle=60.0)
+    >>> design.tips
+    ((10.0, 0.0, 4.0), (-10.0, 0.0, 4.0))
     """
     if not (np.isfinite(limb) and limb > 0.0):
-        raise RefusedError(f"z_plasty: the limb is {limb:g} mm; give a length above 0")
+        raise refused(ProblemCode.LENGTH_NOT_POSITIVE, "z_plasty", f"{limb:g}", name="limb")
     if not 10.0 <= angle <= 120.0:
-        raise RefusedError(f"z_plasty: the angle is {angle:g}°; give one from 10° to 120°")
+        raise refused(ProblemCode.DESIGN_ANGLE, "z_plasty", f"{angle:g}", least=10, most=120)
     along, across = skin_frame(direction, normal, "z_plasty")
     if mirrored:
         across = -across

@@ -11,7 +11,8 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from lappet.core.problem import RefusedError
+from lappet.core.problem import refused
+from lappet.core.problem_code import ProblemCode
 from lappet.procedure import Basis
 
 _SIXTH = 1.0 / 6.0
@@ -23,61 +24,74 @@ _MATRICES = {
 _FINE = 64
 
 
-class CurveError(RefusedError):
-    """A curve that cannot be followed; the sentence says why and the remedy."""
-
-
 def sample_curve(
-    points: ArrayLike, basis: Basis = "linear", closed: bool = False, step: float = 1.0
+    points: ArrayLike, basis: Basis = "linear", closed: bool = False, step: float = 1.0, prim: str = ""
 ) -> NDArray[np.float64]:
-    """Points along a curve, at most `step` apart, (k, 3).
+    """Sample a curve at points that are at most a step apart.
 
-    points: (n, 3) control points in mm; step: mm, > 0. A linear curve keeps its corners; a cubic one keeps the ends
-    of its segments only where it is open. A closed curve does not repeat its first sample. Raises CurveError for fewer
-    than two distinct points (three when closed), for points that are not finite, an unknown basis, an open B-spline or
-    Catmull-Rom curve of fewer than four points and a Bézier curve that has not 3k + 1 points (3k when closed).
+    A linear curve keeps its corners; a cubic one keeps the ends of its segments only where it is open. A closed curve
+    does not repeat its first sample.
+
+    Parameters
+    ----------
+    points
+        Control points in mm, shape (n, 3).
+    basis
+        How the curve runs through or beside its points.
+    closed
+        Whether it returns to its first point.
+    step
+        Greatest distance of two samples in mm, above 0.
+
+    Returns
+    -------
+    NDArray[np.float64]
+        Samples in mm, shape (k, 3).
+
+    Raises
+    ------
+    RefusedError
+        If there are fewer than two distinct points (three when closed), a point is not finite, the basis is unknown, an
+        open B-spline or Catmull-Rom curve has fewer than four points, or a Bézier curve has not 3k + 1 points (3k when
+        closed).
     """
     control = np.asarray(points, np.float64).reshape(-1, 3)
     if not np.isfinite(control).all():
-        raise CurveError(f"the curve's point {int(np.argmin(np.isfinite(control).all(axis=1)))} is not a finite number")
+        raise refused(ProblemCode.CURVE_NOT_FINITE, prim, int(np.argmin(np.isfinite(control).all(axis=1))))
     if closed and len(control) > 1 and np.array_equal(control[0], control[-1]):
         control = control[:-1]
     need = 3 if closed else 2
     distinct = len(np.unique(control, axis=0))
     if distinct < need:
         kind = "closed curve" if closed else "curve"
-        raise CurveError(f"the {kind} has {distinct} distinct point{'s' * (distinct != 1)}; give at least {need}")
+        raise refused(ProblemCode.CURVE_TOO_SHORT, prim, distinct, kind=kind, need=need)
     if basis == "linear":
         return _resample_linear(control, closed, step)
     if basis not in _MATRICES:
-        raise CurveError(f'the basis "{basis}" is unknown; use linear, bspline, catmullRom or bezier')
-    return _resample_smooth(_fine_points(control, basis, closed), closed, step)
+        raise refused(ProblemCode.CURVE_UNKNOWN_BASIS, prim, basis)
+    return _resample_smooth(_fine_points(control, basis, closed, prim), closed, step)
 
 
-def _segments(control: NDArray[np.float64], basis: str, closed: bool) -> NDArray[np.float64]:
+def _segments(control: NDArray[np.float64], basis: str, closed: bool, prim: str) -> NDArray[np.float64]:
     """The four control points of each cubic segment, (s, 4, 3)."""
     n = len(control)
     if basis == "bezier":
         if (n % 3 != 0) if closed else (n < 4 or n % 3 != 1):
             form = "3k" if closed else "3k + 1"
-            raise CurveError(
-                f"the bezier curve has {n} points; give {form} of them (anchor, handle, handle, anchor, …)"
-            )
+            raise refused(ProblemCode.CURVE_BEZIER_POINTS, prim, n, form=form)
         first = np.arange(0, n - (0 if closed else 1), 3)
         return control[(first[:, None] + np.arange(4)) % n]
     if closed:
         return control[(np.arange(n)[:, None] + np.arange(-1, 3)) % n]
     if n < 4:
-        raise CurveError(
-            f"the open {basis} curve has {n} points; give at least 4, the first and last of which shape its ends"
-        )
+        raise refused(ProblemCode.CURVE_OPEN_POINTS, prim, n, basis=basis)
     return control[np.arange(n - 3)[:, None] + np.arange(4)]
 
 
-def _fine_points(control: NDArray[np.float64], basis: str, closed: bool) -> NDArray[np.float64]:
+def _fine_points(control: NDArray[np.float64], basis: str, closed: bool, prim: str) -> NDArray[np.float64]:
     t = np.arange(_FINE) / _FINE
     powers = np.stack([t**3, t**2, t, np.ones_like(t)], axis=1)
-    segments = _segments(control, basis, closed)
+    segments = _segments(control, basis, closed, prim)
     fine = np.einsum("tp,pq,sqc->stc", powers, _MATRICES[basis], segments).reshape(-1, 3)
     if not closed:
         fine = np.vstack([fine, np.ones(4) @ _MATRICES[basis] @ segments[-1]])

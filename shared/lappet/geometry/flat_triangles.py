@@ -1,4 +1,4 @@
-"""Removes flat triangles (three corners almost on a line) from a labelled surface by turning their long edges."""
+"""Remove flat triangles (three corners almost on a line) from a labelled surface by turning their long edges."""
 
 from __future__ import annotations
 
@@ -11,11 +11,23 @@ _ROUNDS = 8
 
 
 def turn_flat_triangles(surface: Surface, height: float) -> Surface:
-    """The surface with the longest edge of each triangle lower than `height` (mm) turned, where that helps.
+    """Turn the longest edge of each flat triangle, where that helps.
 
-    The triangle abc, flat over its longest edge ab, and its neighbour bad become adc and dbc: both take the neighbour's
+    The triangle abc, flat over its longest edge ab, and its neighbor bad become adc and dbc: both take the neighbor's
     label and UVs, so the surface moves by less than `height` and nothing opens. Vertices stay as they are. A turn that
     would make an edge twice, or a flatter triangle, is left out.
+
+    Parameters
+    ----------
+    surface
+        The surface.
+    height
+        Triangles lower than this are flat, mm.
+
+    Returns
+    -------
+    Surface
+        The surface with other triangles between the same vertices.
     """
     triangles = surface.triangles.astype(np.int64)
     uv = surface.uv.astype(np.float64)

@@ -1,4 +1,4 @@
-"""Flattens a patch of skin to the plane with little distortion, in mm: texture coordinates for a sheet."""
+"""Flatten a patch of skin to the plane with little distortion, in mm: texture coordinates for a sheet."""
 
 from __future__ import annotations
 
@@ -12,11 +12,23 @@ _ROUNDS = 400
 
 
 def flatten(points: NDArray[np.float64], triangles: NDArray[np.int64]) -> NDArray[np.float64]:
-    """Plane coordinates (n, 2) in mm of a patch, (0, 0) near its middle.
+    """Flatten a patch to the plane with little distortion.
 
     The patch is laid out by the azimuthal equidistant projection of the sphere that fits it best, seen from its middle;
     then springs along the edges relax towards their true lengths. x runs along the widest direction of the coordinate
     axes, y to its left seen from outside.
+
+    Parameters
+    ----------
+    points
+        Vertices in mm, shape (n, 3).
+    triangles
+        Vertex indices, shape (m, 3).
+
+    Returns
+    -------
+    NDArray[np.float64]
+        Plane coordinates in mm, shape (n, 2), with (0, 0) near the patch's middle.
     """
     corner = corner_normals(points, triangles)
     axis = corner.reshape(-1, 3).sum(axis=0)

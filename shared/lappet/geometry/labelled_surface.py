@@ -22,8 +22,22 @@ class FaceOrigin(IntEnum):
 class Surface:
     """A closed, manifold triangle surface at rest, with labels.
 
-    points: (n, 3) float64, mm. triangles: (m, 3) int32, outward orientation. uv: (m, 3, 2) float32.
-    origin: (m,) uint8 of `FaceOrigin`. fixed, bed: (m,) bool. grips: (m,) bool by subset name.
+    Parameters
+    ----------
+    points
+        Vertices in mm, shape (n, 3), float64.
+    triangles
+        Vertex indices, oriented outwards, shape (m, 3), int32.
+    uv
+        Texture coordinates of the triangles' corners, shape (m, 3, 2), float32.
+    origin
+        A `FaceOrigin` for each triangle, shape (m,), uint8.
+    fixed
+        Which triangles are held in space, shape (m,), bool.
+    bed
+        Which triangles are attached to the bed, shape (m,), bool.
+    grips
+        Which triangles a retractor grips, by subset name, each of shape (m,), bool.
     """
 
     points: NDArray[np.float64]
@@ -36,5 +50,8 @@ class Surface:
 
     @property
     def resting(self) -> NDArray[np.bool_]:
-        """Underside faces that are not attached: they lie on the bed, may lift off and slide, but do not sink."""
+        """Underside faces that lie on the bed without being attached, shape (m,).
+
+        They can lift and slide, but not sink below their original plane.
+        """
         return (self.origin == FaceOrigin.UNDERSIDE) & ~self.bed & ~self.fixed

@@ -9,8 +9,23 @@ _CREASE = np.cos(np.radians(60.0))
 
 
 def corner_normals(points: NDArray[np.float64], triangles: NDArray[np.int64]) -> NDArray[np.float64]:
-    """Unit normals per triangle corner (m, 3, 3): the angle-weighted mean over the faces around the vertex that
-    turn less than 60° from the corner's own face, so that sharp edges stay sharp."""
+    """Compute normals at the corners of triangles, smooth but across sharp edges.
+
+    A normal is the angle-weighted mean over the faces around the vertex that turn less than 60° from the corner's own
+    face.
+
+    Parameters
+    ----------
+    points
+        Vertices, shape (n, 3).
+    triangles
+        Vertex indices, shape (m, 3).
+
+    Returns
+    -------
+    NDArray[np.float64]
+        Unit normals, shape (m, 3, 3).
+    """
     corners = points[triangles]
     face = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     face /= np.maximum(np.linalg.norm(face, axis=1, keepdims=True), 1e-300)

@@ -7,30 +7,32 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from lappet.core.problem import refused
+from lappet.core.problem_code import ProblemCode
+
 RIGID_TOLERANCE = 1e-4
 
 
 class RigidMotion:
     """The motion of a prim relative to its first sample.
 
-    samples: (time, 16 numbers or 4x4: a row-major matrix in USD's row-vector convention, mm), at least one; any order.
-    Raises ValueError with a sentence where there is no sample, a number is not finite, a matrix cannot be inverted, or
-    the motion between two samples is not rigid (it scales, shears or mirrors by more than 1e-4).
+    Parameters
+    ----------
+    samples
+        Samples (time code, row-major 4 × 4 matrix in USD's row-vector convention, mm), at least one, in any order.
     """
 
-    def __init__(self, samples: Sequence[tuple[float, Sequence[float]]]) -> None:
+    def __init__(self, samples: Sequence[tuple[float, Sequence[float]]], prim: str = "") -> None:
         if not samples:
-            raise ValueError("it has no motion samples; author a transform.")
+            raise refused(ProblemCode.MOTION_NO_SAMPLES, prim)
         ordered = sorted(samples, key=lambda sample: sample[0])
         # Column-vector convention from here on: p' = M p.
         matrices = np.array([np.asarray(matrix, np.float64).reshape(4, 4).T for _, matrix in ordered])
         self._times = np.array([time for time, _ in ordered], np.float64)
         if not (np.isfinite(matrices).all() and np.isfinite(self._times).all()):
-            raise ValueError("its motion holds a number that is not finite.")
+            raise refused(ProblemCode.MOTION_NOT_FINITE, prim)
         if abs(np.linalg.det(matrices[0, :3, :3])) < 1e-12:
-            raise ValueError(
-                f"its transform at time {self._times[0]:g} cannot be inverted; give it a scale that is not 0."
-            )
+            raise refused(ProblemCode.MOTION_NOT_INVERTIBLE, prim, f"{self._times[0]:g}")
         motions = matrices @ np.linalg.inv(matrices[0])
         self._rotations = motions[:, :3, :3]
         # Interpolated about the prim's own origin, which so moves along a straight line.
@@ -39,13 +41,21 @@ class RigidMotion:
         for time, rotation in zip(self._times, self._rotations, strict=True):
             strain = np.abs(rotation.T @ rotation - np.eye(3)).max()
             if strain > RIGID_TOLERANCE or np.linalg.det(rotation) < 0.0:
-                raise ValueError(
-                    f"its motion at time {time:g} is not rigid (it scales, shears or mirrors by {strain:.3g}); "
-                    "animate translation and rotation only."
-                )
+                raise refused(ProblemCode.MOTION_NOT_RIGID, prim, f"{time:g}", strain=strain)
 
     def at(self, time: float) -> NDArray[np.float64]:
-        """The motion (4, 4) from the first sample to `time`, column-vector convention, mm; held beyond the ends."""
+        """Compute the motion from the first sample to a time.
+
+        Parameters
+        ----------
+        time
+            Time code; beyond the ends the motion is held.
+
+        Returns
+        -------
+        NDArray[np.float64]
+            Matrix of shape (4, 4), column-vector convention, mm.
+        """
         times = self._times
         after = int(np.searchsorted(times, time, side="right"))
         low, high = max(after - 1, 0), min(after, len(times) - 1)
@@ -60,7 +70,20 @@ class RigidMotion:
         return motion
 
     def between(self, start: float, time: float) -> NDArray[np.float64]:
-        """The motion (4, 4) from `start` to `time`, column-vector convention, mm."""
+        """Compute the motion from one time to another.
+
+        Parameters
+        ----------
+        start
+            Time code from which the motion is counted.
+        time
+            Time code.
+
+        Returns
+        -------
+        NDArray[np.float64]
+            Matrix of shape (4, 4), column-vector convention, mm.
+        """
         return self.at(time) @ np.linalg.inv(self.at(start))
 
 

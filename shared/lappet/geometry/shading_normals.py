@@ -18,7 +18,17 @@ _BLOCK = 4096  # faces at once, so that what is computed of them stays in the ca
 
 
 class ShadingNormals:
-    """The smooth groups of one surface. groups: how many. indices: (3 m,) int32, the group of every face corner."""
+    """The smooth groups of one surface.
+
+    `groups` is their number, `indices` the group of every face corner, shape (3m,), int32.
+
+    Parameters
+    ----------
+    surface
+        The surface at rest.
+    crease_degrees
+        Angle in degrees between faces from which the edge stays sharp.
+    """
 
     def __init__(self, surface: Surface, crease_degrees: float = CREASE_DEGREES) -> None:
         self._triangles = np.asarray(surface.triangles, np.int64)
@@ -30,7 +40,18 @@ class ShadingNormals:
         self.groups = int(self.indices.max()) + 1 if len(self.indices) else 0
 
     def at(self, points: ArrayLike) -> NDArray[np.float32]:
-        """Unit normals (groups, 3) of the deformed points (n, 3); a group of vanished faces gets (0, 0, 1)."""
+        """Compute the normals of the deformed surface.
+
+        Parameters
+        ----------
+        points
+            Deformed vertices, shape (n, 3).
+
+        Returns
+        -------
+        NDArray[np.float32]
+            Unit normals of the smooth groups, shape (groups, 3); a group of vanished faces gets (0, 0, 1).
+        """
         placed = np.asarray(points, np.float64)
         weighted = np.empty((3, *self._triangles.shape))
         for start in range(0, len(self._triangles), _BLOCK):

@@ -1,4 +1,4 @@
-"""Collapses very short edges of a labelled surface; nothing opens and no triangle turns over."""
+"""Collapse very short edges of a labelled surface; nothing opens and no triangle turns over."""
 
 from __future__ import annotations
 
@@ -10,10 +10,22 @@ from lappet.geometry.surface_check import directed_edges, unique_edges
 
 
 def collapse_short_edges(surface: Surface, length: float) -> Surface:
-    """The surface with edges shorter than `length` (mm) shrunk to one of their ends, where that keeps it manifold.
+    """Shrink short edges to one of their ends, where that keeps the surface manifold.
 
-    An edge stays when its ends have more than two neighbours in common, or when a triangle that is not itself lower
-    than `length` would turn by more than 60°. Triangles keep their labels and their corners' UVs.
+    An edge stays when its ends have more than two neighbors in common, or when a triangle that is not itself lower than
+    `length` would turn by more than 60°. Triangles keep their labels and their corners' UVs.
+
+    Parameters
+    ----------
+    surface
+        The surface.
+    length
+        Edges shorter than this are short, mm.
+
+    Returns
+    -------
+    Surface
+        The surface with fewer vertices.
     """
     points = surface.points
     every = directed_edges(surface.triangles)

@@ -8,15 +8,28 @@ import manifold3d
 import numpy as np
 from numpy.typing import NDArray
 
-from lappet.core.problem import RefusedError
+from lappet.core.problem import refused
+from lappet.core.problem_code import ProblemCode
 from lappet.geometry.labelled_surface import FaceOrigin, Surface
-from lappet.geometry.surface_check import SurfaceError, signed_volume
+from lappet.geometry.surface_check import signed_volume
 from lappet.geometry.unique_rows import unique_rows
 
 
 @dataclass(frozen=True)
 class Label:
-    """What the triangles of one run have in common."""
+    """What the triangles of one run have in common.
+
+    Parameters
+    ----------
+    origin
+        Where they come from.
+    fixed
+        Whether they are held in space.
+    bed
+        Whether they are attached to the bed.
+    grips
+        Names of the subsets that hold them.
+    """
 
     origin: FaceOrigin
     fixed: bool = False
@@ -26,7 +39,17 @@ class Label:
 
 @dataclass(frozen=True, eq=False)
 class LabelledSolid:
-    """Tissue in a Boolean: the solid, what each run id means, and the subset names in use."""
+    """Tissue in a Boolean operation.
+
+    Parameters
+    ----------
+    solid
+        The solid.
+    labels
+        What each run id means.
+    grips
+        Names of the subsets in use.
+    """
 
     solid: manifold3d.Manifold
     labels: dict[int, Label]
@@ -34,7 +57,25 @@ class LabelledSolid:
 
     @staticmethod
     def from_surface(surface: Surface, tolerance: float = 0.0) -> LabelledSolid:
-        """The solid of a closed surface. Raises SurfaceError where manifold3d refuses it."""
+        """Make the solid of a closed surface.
+
+        Parameters
+        ----------
+        surface
+            The labelled surface.
+        tolerance
+            Tolerance of the Boolean in mm; 0 leaves it to the library.
+
+        Returns
+        -------
+        LabelledSolid
+            The solid with its labels.
+
+        Raises
+        ------
+        RefusedError
+            If the library refuses the surface.
+        """
         names = tuple(surface.grips)
         kinds, kind = unique_rows(
             np.stack([surface.origin, surface.fixed, surface.bed, *(surface.grips[n] for n in names)], axis=1)
@@ -64,15 +105,34 @@ class LabelledSolid:
         )
         solid = manifold3d.Manifold(mesh)
         if solid.status() != manifold3d.Error.NoError:
-            raise SurfaceError(f"the tissue's surface is no closed solid ({solid.status().name}); repair the mesh")
+            raise refused(ProblemCode.MESH_NOT_SOLID, "/Procedure/Tissue", solid.status().name)
         return LabelledSolid(solid, labels, names)
 
     def with_solid(self, solid: manifold3d.Manifold, extra: dict[int, Label] | None = None) -> LabelledSolid:
-        """The same labels, and `extra` ones, for another solid."""
+        """Put another solid under the same labels.
+
+        Parameters
+        ----------
+        solid
+            The other solid.
+        extra
+            Further labels by run id.
+
+        Returns
+        -------
+        LabelledSolid
+            The labelled solid.
+        """
         return LabelledSolid(solid, {**self.labels, **(extra or {})}, self.grips)
 
     def surface(self) -> Surface:
-        """The labelled surface; vertices in the order in which the triangles name them."""
+        """Read the labelled surface back.
+
+        Returns
+        -------
+        Surface
+            The surface; its vertices come in the order in which the triangles name them.
+        """
         mesh = self.solid.to_mesh64()
         vertices = np.asarray(mesh.vert_properties)
         corners = np.asarray(mesh.tri_verts).astype(np.int64).reshape(-1, 3)
@@ -140,6 +200,27 @@ def _split_by_uv(
 
 
 def closed_solid(points: NDArray[np.float64], triangles: NDArray[np.integer], path: str) -> manifold3d.Manifold:
+    """Make a solid of a closed triangle surface.
+
+    Parameters
+    ----------
+    points
+        Vertices in mm, shape (n, 3).
+    triangles
+        Vertex indices, shape (m, 3).
+    path
+        Path of the prim, for the message of an error.
+
+    Returns
+    -------
+    manifold3d.Manifold
+        The solid.
+
+    Raises
+    ------
+    RefusedError
+        If the surface is no closed solid.
+    """
     if signed_volume(points, triangles) < 0.0:
         triangles = triangles[:, ::-1]
     mesh = manifold3d.Mesh64(
@@ -148,11 +229,23 @@ def closed_solid(points: NDArray[np.float64], triangles: NDArray[np.integer], pa
     )
     solid = manifold3d.Manifold(mesh)
     if solid.status() != manifold3d.Error.NoError:
-        raise RefusedError(f"{path}: its surface is no closed solid ({solid.status().name}); repair the mesh.")
+        raise refused(ProblemCode.MESH_NOT_SOLID, path, solid.status().name)
     return solid
 
 
 def solid_surface(solid: manifold3d.Manifold) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
+    """Read the triangle surface of a solid.
+
+    Parameters
+    ----------
+    solid
+        The solid.
+
+    Returns
+    -------
+    tuple[NDArray[np.float64], NDArray[np.int32]]
+        Vertices in mm, shape (n, 3), and vertex indices, shape (m, 3).
+    """
     mesh = solid.to_mesh64()
     points = np.ascontiguousarray(np.asarray(mesh.vert_properties, np.float64)[:, :3])
     return points, np.asarray(mesh.tri_verts).astype(np.int32).reshape(-1, 3)

@@ -1,4 +1,4 @@
-"""Splits chosen edges of a labelled surface and the triangles on both sides of them; nothing opens."""
+"""Split chosen edges of a labelled surface and the triangles on both sides of them; nothing opens."""
 
 from __future__ import annotations
 
@@ -9,11 +9,26 @@ from lappet.geometry.labelled_surface import Surface
 
 
 def split_edges(surface: Surface, edges: NDArray[np.integer], at: NDArray[np.float64]) -> Surface:
-    """The surface with a new vertex on each of `edges`, labels and UVs carried over.
+    """Put a new vertex on chosen edges, and split the triangles on both sides of them.
 
-    edges: (k, 2) vertex pairs, smaller index first, each once. at: (k,) where on the edge, 0 < at < 1 from its
-    first vertex. New vertices follow the old ones in the order of `edges`. Raises ValueError where all three edges
-    of a triangle are to be split.
+    Parameters
+    ----------
+    surface
+        The surface.
+    edges
+        Vertex pairs, smaller index first, each once, shape (k, 2).
+    at
+        Where on each edge, from 0 at its first vertex to 1, both excluded, shape (k,).
+
+    Returns
+    -------
+    Surface
+        The surface with labels and UVs carried over; new vertices follow the old ones in the order of `edges`.
+
+    Raises
+    ------
+    ValueError
+        If all three edges of a triangle are to be split.
     """
     n = len(surface.points)
     a, b = surface.points[edges[:, 0]], surface.points[edges[:, 1]]

@@ -1,17 +1,38 @@
-"""Splits polygons into triangles: quads along their shorter diagonal, larger ones by ears."""
+"""Split polygons into triangles: quads along their shorter diagonal, larger ones by ears."""
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
 
-from lappet.geometry.surface_check import SurfaceError
+from lappet.core.problem import refused
+from lappet.core.problem_code import ProblemCode
 
 
 def triangulate(
     points: NDArray[np.float64], counts: NDArray[np.int64], indices: NDArray[np.int64]
 ) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
-    """Polygons (counts (m,), indices (k,)) as triangles: vertices (t, 3), face corners (t, 3) and faces (t,)."""
+    """Split polygons into triangles.
+
+    Parameters
+    ----------
+    points
+        Vertices in mm, shape (n, 3).
+    counts
+        Corners of each polygon, shape (m,).
+    indices
+        Vertices of the polygons, shape (k,).
+
+    Returns
+    -------
+    tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]
+        Vertices, shape (t, 3), face corners, shape (t, 3), and face, shape (t,), of each triangle.
+
+    Raises
+    ------
+    RefusedError
+        If no polygon has three or more corners.
+    """
     starts = np.concatenate([[0], np.cumsum(counts)[:-1]])
     pieces, owners = [], []
     for size in np.unique(counts):
@@ -32,7 +53,7 @@ def triangulate(
                 pieces.append(row[ears])
                 owners.append(np.full(len(ears), face))
     if not pieces:
-        raise SurfaceError("the mesh has no face of three or more corners; give a closed mesh")
+        raise refused(ProblemCode.MESH_NO_FACE)
     corners: NDArray[np.int64] = np.vstack(pieces)
     owner: NDArray[np.int64] = np.concatenate(owners)
     order = np.argsort(owner, kind="stable")
@@ -41,7 +62,18 @@ def triangulate(
 
 
 def clip_ears(polygon: NDArray[np.float64]) -> NDArray[np.int64]:
-    """Triangles (n - 2, 3) of one polygon (n, 3), by ear clipping in the plane of its mean normal."""
+    """Split one polygon by ear clipping in the plane of its mean normal.
+
+    Parameters
+    ----------
+    polygon
+        Corners in order, shape (n, 3).
+
+    Returns
+    -------
+    NDArray[np.int64]
+        Corner indices of the triangles, shape (n - 2, 3).
+    """
     normal = np.cross(polygon, np.roll(polygon, -1, axis=0)).sum(axis=0)
     axis = int(np.abs(normal).argmax())
     keep = [(axis + 1) % 3, (axis + 2) % 3]

@@ -25,11 +25,32 @@ def inspect_procedure(
     connect: Connect | None = None,
     economy: Path | None = None,
 ) -> str:
-    """The text of `lappet inspect`.
+    """Compose the text of `lappet inspect`.
 
-    spacing: mm (the tissue's when None). lattice: ask the daemon for the counts of every epoch's lattice; where it
-    cannot be had a note says why. economy: the file of `lappet report economy` that costs are taken from. Raises
-    RefusedError and RefusedError for a procedure that cannot be read or compiled, or a file that is no such report.
+    Parameters
+    ----------
+    path
+        The procedure's file.
+    spacing
+        Lattice spacing in mm; the tissue's when None.
+    lattice
+        Whether to ask the daemon for the counts of every epoch's lattice; where they cannot be had a note says why.
+    daemon
+        Address of a running daemon; None starts one.
+    connect
+        Makes the solver; the daemon when None.
+    economy
+        File of `lappet report economy` that costs are taken from.
+
+    Returns
+    -------
+    str
+        Several lines of text.
+
+    Raises
+    ------
+    RefusedError
+        If the procedure cannot be read or compiled, or the file of costs is no such report.
     """
     notes: list[str] = []
     procedure = read_procedure(path, notes)

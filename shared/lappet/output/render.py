@@ -1,4 +1,4 @@
-"""Draws a skin cache: starts one process of a Python that has bpy, which runs the add-on's figure module.
+"""Draw a skin cache: start one process of a Python that has bpy, which runs the add-on's figure module.
 
 lappet itself never imports bpy: Blender takes a second and 400 MB to load, and clashes with usd-core in one process.
 """
@@ -14,7 +14,8 @@ import tempfile
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from lappet.core.problem import RefusedError
+from lappet.core.problem import Problem, RefusedError, problem, refused
+from lappet.core.problem_code import ProblemCode
 
 PYTHON_VARIABLE = "LAPPET_BLENDER_PYTHON"
 ANIMATIONS = ("none", "png", "mp4")
@@ -28,19 +29,29 @@ SYSTEM_PACKAGES = "libx11-6 libxrender1 libxfixes3 libxi6 libxkbcommon0 libsm6 l
 Progress = Callable[[str], None]
 
 
-class RenderError(RefusedError):
-    """Pictures could not be drawn; the message is a sentence with the cause and the remedy."""
-
-
 def blender_python() -> str:
-    """The Python that has bpy: `LAPPET_BLENDER_PYTHON`, else the current one."""
+    """Find the Python that has bpy: `LAPPET_BLENDER_PYTHON`, else the current one.
+
+    Returns
+    -------
+    str
+        The interpreter's program.
+    """
     return os.environ.get(PYTHON_VARIABLE) or sys.executable
 
 
 def addon_folder() -> Path:
-    """The folder that holds the package of the add-on: installed beside lappet, or `addon/` of a source tree.
+    """Find the folder that holds the add-on's package: installed beside lappet, or `addon/` of a source tree.
 
-    Raises RenderError where neither is there.
+    Returns
+    -------
+    Path
+        The folder.
+
+    Raises
+    ------
+    RefusedError
+        If neither is there.
     """
     spec = importlib.util.find_spec("lappet_blender")
     if spec is not None and spec.origin is not None:
@@ -48,7 +59,7 @@ def addon_folder() -> Path:
     source = Path(__file__).resolve().parents[3] / "addon"
     if (source / "lappet_blender" / "figure" / "__main__.py").is_file():
         return source
-    raise RenderError(f"The package lappet_blender, which draws the pictures, is not installed; {INSTALL}.")
+    raise refused(ProblemCode.RENDER_NO_ADDON, "lappet_blender", install=INSTALL)
 
 
 def render_command(
@@ -67,7 +78,49 @@ def render_command(
     movie: tuple[int, int] | None = None,
     movie_samples: int = MOVIE_SAMPLES,
 ) -> list[str]:
-    """The command line of the figure process; raises RenderError where a value makes no sense."""
+    """Compose the command line of the figure process.
+
+    Parameters
+    ----------
+    cache
+        The skin cache.
+    out_dir
+        Folder for the pictures.
+    frames
+        Time codes of the stills; None for the last one.
+    filmstrip
+        Whether to write the filmstrip.
+    animation
+        "none", "png" or "mp4".
+    size
+        Width and height of stills in pixels.
+    samples
+        Cycles samples per pixel of stills and panels.
+    panel
+        Width and height of the filmstrip's panels in pixels, or None.
+    engine
+        One of `ENGINES`.
+    view
+        One of `VIEWS`.
+    color
+        One of `COLORS`.
+    threads
+        Number of threads; 0 for all.
+    movie
+        Width and height of an animation in pixels, or None.
+    movie_samples
+        Cycles samples per pixel of an animation.
+
+    Returns
+    -------
+    list[str]
+        The program and its arguments.
+
+    Raises
+    ------
+    RefusedError
+        If a value makes no sense.
+    """
     for name, value, known in (
         ("animation", animation, ANIMATIONS),
         ("engine", engine, ENGINES),
@@ -75,15 +128,16 @@ def render_command(
         ("color", color, COLORS),
     ):
         if value not in known:
-            raise RenderError(f"{name} is {value!r}; it must be one of {', '.join(known)}.")
+            raise refused(ProblemCode.RENDER_CHOICE, name, value, name=name, known=", ".join(known))
     for name, count in (("samples", samples), ("movie_samples", movie_samples)):
         if not 1 <= count <= 65536:
-            raise RenderError(f"{name} is {count}; it must be between 1 and 65536.")
+            raise refused(ProblemCode.RENDER_RANGE, name, count, name=name, range="1 to 65536")
     for name, pixels in (("size", size), ("panel", panel), ("movie_size", movie)):
         if pixels is not None and not all(16 <= side <= 16384 for side in pixels):
-            raise RenderError(f"{name} is {pixels[0]}x{pixels[1]}; each side must be 16 to 16384 pixels.")
+            given, allowed = f"{pixels[0]}x{pixels[1]}", "16 to 16384 pixels for each side"
+            raise refused(ProblemCode.RENDER_RANGE, name, given, name=name, range=allowed)
     if frames is not None and not frames:
-        raise RenderError("The list of frames is empty; name at least one frame or leave it out.")
+        raise refused(ProblemCode.RENDER_NO_FRAMES)
     command = [blender_python(), "-m", "lappet_blender.figure", str(cache), "-o", str(out_dir)]
     if frames is not None:
         command.append("--frames=" + ",".join(f"{float(f):.17g}" for f in frames))
@@ -114,22 +168,57 @@ def render_cache(
     movie_samples: int = MOVIE_SAMPLES,
     progress: Progress | None = None,
 ) -> list[Path]:
-    """Draw a skin cache as pictures in one Blender process and return the files, in the order they were written.
+    """Draw a skin cache as pictures in one Blender process.
 
-    cache: the `.usdc` that `lappet solve` wrote. frames: time codes of the stills, None: the last one. filmstrip:
-    write `filmstrip.png`, the steps of the operation (or the chosen frames, where there are several) captioned on one
-    sheet. animation: "none", "png" (a numbered sequence) or "mp4". size, panel: pixels of stills and of filmstrip
-    panels (None: 7/16 of size). movie_size: pixels of an animation (None: half of size). samples, movie_samples: Cycles
-    samples a pixel of stills and panels, and of an animation, denoised. view, color, engine: see `VIEWS`, `COLORS`,
-    `ENGINES`.
-    threads: 0 is all. progress: called with a line of text for every file, and with how long an animation will take.
+    On KeyboardInterrupt the process is ended and the pictures that are done stay.
 
-    Raises RenderError when bpy is missing, the cache cannot be drawn or the process dies. On KeyboardInterrupt the
-    process is ended and the pictures that are done stay.
+    Parameters
+    ----------
+    cache
+        The `.usdc` that `lappet solve` wrote.
+    out_dir
+        Folder for the pictures.
+    frames
+        Time codes of the stills; None for the last one.
+    filmstrip
+        Whether to write `filmstrip.png`: the steps of the operation (or the chosen frames, where there are several),
+        captioned on one sheet.
+    animation
+        "none", "png" (a numbered sequence) or "mp4".
+    size
+        Width and height of stills in pixels.
+    samples
+        Cycles samples per pixel of stills and panels, which are denoised.
+    panel
+        Width and height of the filmstrip's panels in pixels; None for 7/16 of `size`.
+    engine
+        One of `ENGINES`.
+    view
+        One of `VIEWS`.
+    color
+        One of `COLORS`.
+    threads
+        Number of threads; 0 for all.
+    movie_size
+        Width and height of an animation in pixels; None for half of `size`.
+    movie_samples
+        Cycles samples per pixel of an animation, which is denoised.
+    progress
+        Called with a line of text for every file, and with how long an animation will take.
+
+    Returns
+    -------
+    list[Path]
+        The files in the order in which they were written.
+
+    Raises
+    ------
+    RefusedError
+        If bpy is missing, the cache cannot be drawn or the process dies.
     """
     cache, out_dir = Path(cache).resolve(), Path(out_dir).resolve()
     if not cache.is_file():
-        raise RenderError(f"There is no skin cache at {cache}; solve the procedure first (lappet solve).")
+        raise refused(ProblemCode.RENDER_NO_CACHE, cache, cache)
     command = render_command(
         cache,
         out_dir,
@@ -163,9 +252,7 @@ def render_cache(
                 errors="replace",
             )
         except OSError as error:
-            raise RenderError(
-                f"{command[0]} could not be started ({error.strerror}); set {PYTHON_VARIABLE} to a Python that has bpy."
-            ) from error
+            raise refused(ProblemCode.RENDER_NO_PYTHON, command[0], command[0], reason=error.strerror) from error
         try:
             written, refusal, finished = _follow(process, say)
             status = process.wait()
@@ -173,10 +260,10 @@ def render_cache(
             _end(process)
             raise
         if refusal:
-            raise RenderError(refusal)
+            raise refused(ProblemCode.RENDER_REFUSED, cache, refusal)
         if status != 0 or not finished:
             chatter.seek(0)
-            raise RenderError(_reason(status, chatter.read(), command[0]))
+            raise RefusedError([_failure(status, chatter.read(), command[0])])
     return written
 
 
@@ -212,16 +299,13 @@ def _end(process: subprocess.Popen[str]) -> None:
         process.wait()
 
 
-def _reason(status: int, chatter: str, python: str) -> str:
-    """One sentence on why the figure process failed, from its exit status and its standard error."""
+def _failure(status: int, chatter: str, python: str) -> Problem:
+    """Return why the figure process failed, from its exit status and what Python and the linker printed."""
     if "No module named 'bpy'" in chatter:
-        return (
-            f"The Python {python} has no bpy (Blender as a module), which draws the pictures; install it with "
-            f"{INSTALL}, or set {PYTHON_VARIABLE} to a Python that has it."
-        )
+        return problem(ProblemCode.RENDER_NO_BPY, python, python, install=INSTALL)
     lines = [line.strip() for line in chatter.splitlines() if line.strip()]
     last = lines[-1] if lines else "it said nothing"
     if "cannot open shared object file" in chatter:
-        return f"Blender lacks a system library ({last}); install it with: apt-get install {SYSTEM_PACKAGES}."
+        return problem(ProblemCode.RENDER_NO_LIBRARY, python, last, packages=SYSTEM_PACKAGES)
     how = f"was ended by signal {-status}" if status < 0 else f"ended with status {status}"
-    return f"The figure process {how}: {last}"
+    return problem(ProblemCode.RENDER_FAILED, python, last, how=how)

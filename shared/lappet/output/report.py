@@ -28,13 +28,22 @@ LATTICE_COUNTS = ("fine_voxels", "cells", "grid_cells", "mesh_cells", "nodes", "
 
 
 def report(result: SolveResult) -> dict[str, Any]:
-    """The report of a solve as JSON-able values.
+    """Compose the report of a solve.
 
     `lattice` holds the counts of the epoch with the most cells, `epochs` those of every epoch that was solved.
-    `cache_hit` says that it came from the store, its iterations and seconds by stage then being those of when it was
-    solved.
-    """
+    `cache_hit` says that a frame came from the store, its iterations and seconds by stage then being those of when it
+    was solved.
 
+    Parameters
+    ----------
+    result
+        What the solve gave.
+
+    Returns
+    -------
+    dict[str, Any]
+        Values that JSON can hold.
+    """
     program = result.program
     lattices = {frame.constraints.epoch: frame.header.get("lattice") or {} for frame in result.frames}
     epochs = [
@@ -67,7 +76,8 @@ def report(result: SolveResult) -> dict[str, Any]:
         "epochs": epochs,
         "complete": result.complete,
         "interrupted": result.interrupted,
-        "reason": result.reason,
+        "reason": None if result.reason is None else str(result.reason),
+        "code": None if result.reason is None else result.reason.code,
         "notes": list(result.notes),
         "error_estimate": None
         if result.errors is None
@@ -75,7 +85,8 @@ def report(result: SolveResult) -> dict[str, Any]:
             "companion_spacing_mm": result.errors.spacing,
             "order": result.errors.order,
             "seconds": result.errors.seconds,
-            "reason": result.errors.reason,
+            "reason": None if result.errors.reason is None else str(result.errors.reason),
+            "code": None if result.errors.reason is None else result.errors.reason.code,
         },
         "frames": [_frame(program, frame, error) for frame, error in zip(result.frames, _errors(result), strict=True)],
         "failed": None if result.failed is None else _frame(program, result.failed),
@@ -90,7 +101,20 @@ def report(result: SolveResult) -> dict[str, Any]:
 
 
 def write_report(result: SolveResult, path: Path | str) -> None:
-    """Writes the report atomically; makes its folder. Raises OSError."""
+    """Write the report of a solve atomically; its folder is made.
+
+    Parameters
+    ----------
+    result
+        What the solve gave.
+    path
+        The JSON file.
+
+    Raises
+    ------
+    OSError
+        If the file system refuses.
+    """
     path = Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
     text = json.dumps(report(result), indent=1, allow_nan=False) + "\n"

@@ -1,4 +1,4 @@
-"""Writes solved frames as a USD layer over the procedure (the layout is in ARCHITECTURE.md, "The skin cache").
+"""Write solved frames as a USD layer over the procedure (docs/skin_cache.md has the layout).
 
 One mesh prim per epoch, with constant topology and time-sampled points; an animated visibility shows the one whose
 frame it is.
@@ -41,10 +41,27 @@ SCALARS = ("strain", "stress", "tension")
 def write_skin_cache(
     output: Path, procedure_path: Path, procedure: Procedure, program: Program, frames: Sequence[FrameResult]
 ) -> None:
-    """Writes the skin cache of consecutive frames, atomically.
+    """Write the skin cache of consecutive frames, atomically.
 
-    output: .usdc, .usda or .usd; its folder is made. procedure_path: the file that it goes over, referred to by a path
-    relative to `output`. Raises RefusedError for another suffix, OSError where the file system refuses.
+    Parameters
+    ----------
+    output
+        The file (.usdc, .usda or .usd); its folder is made.
+    procedure_path
+        The procedure's file, which the cache refers to by a path relative to `output`.
+    procedure
+        The procedure.
+    program
+        What the solver was told.
+    frames
+        The solved frames, one after the other.
+
+    Raises
+    ------
+    RefusedError
+        If the suffix is another one.
+    OSError
+        If the file system refuses.
     """
     output = Path(output)
     output.parent.mkdir(parents=True, exist_ok=True)
@@ -149,8 +166,10 @@ def _write_epoch(stage: Any, epoch: Epoch, frames: Sequence[FrameResult], times:
 
 
 def _velocity(points: Sequence[NDArray[np.float32]], i: int, fps: float) -> NDArray[np.float32]:
-    """Velocity (n, 3) in mm/s at frame i of an epoch: central differences, one-sided at its ends, 0 for a single
-    frame."""
+    """Velocity (n, 3) in mm/s at frame i of an epoch.
+
+    Central differences, one-sided at the ends of the epoch, 0 for a single frame.
+    """
     before, after = max(i - 1, 0), min(i + 1, len(points) - 1)
     if before == after:
         return np.zeros_like(points[i])

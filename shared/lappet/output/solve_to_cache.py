@@ -1,4 +1,4 @@
-"""Solves a procedure and writes its skin cache: known frames are looked up, the daemon solves the rest."""
+"""Solve a procedure and write its skin cache: known frames are looked up, the daemon solves the rest."""
 
 from __future__ import annotations
 
@@ -9,11 +9,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 from lappet.checks.validation import check
-from lappet.core.problem import RefusedError
+from lappet.core.problem import Problem, RefusedError, refused
+from lappet.core.problem_code import ProblemCode
 from lappet.daemon.daemon_solver import connect_to, solver_identity
 from lappet.daemon.frame_solver import Connect, Iteration
 from lappet.output.skin_cache import write_skin_cache
 from lappet.procedure import Procedure
+from lappet.procedure.prim_paths import ROOT
 from lappet.program.compile import compile_program, frame_times
 from lappet.program.program import Program
 from lappet.solve.solve_frames import FrameResult, SolveObserver, solve_program
@@ -26,16 +28,36 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class SolveResult:
-    """What a solve gave. frames: those done, from the first one of the procedure on. reason: why it ended before its
-    last frame, a sentence, or None. interrupted: the user stopped it. output: the skin cache, or None where no frame of
-    the wanted range is done. failed: the unconverged frame that stopped it. notes: what the user was told meanwhile.
-    errors: of `frames`, None where no estimate was wanted.
+    """What a solve gave.
+
+    Parameters
+    ----------
+    procedure
+        The procedure that was solved.
+    program
+        What the solver was told.
+    frames
+        Frames that are done, from the first one of the procedure on.
+    reason
+        Why the solve ended before its last frame, a sentence, or None.
+    interrupted
+        Whether the user stopped it.
+    failed
+        The unconverged frame that stopped it, or None.
+    output
+        The skin cache, or None where no frame of the wanted range is done.
+    wall_seconds
+        Run time in seconds.
+    notes
+        What the user was told meanwhile.
+    errors
+        Estimate of the errors of `frames`, or None where none was wanted.
     """
 
     procedure: Procedure
     program: Program
     frames: tuple[FrameResult, ...]
-    reason: str | None = None
+    reason: Problem | None = None
     interrupted: bool = False
     failed: FrameResult | None = None
     output: Path | None = None
@@ -50,12 +72,12 @@ class SolveResult:
 
     @property
     def looked_up(self) -> int:
-        """How many frames came from the store."""
+        """Number of frames that came from the store."""
         return sum(frame.looked_up for frame in self.frames)
 
     @property
     def solved(self) -> int:
-        """How many frames the daemon solved."""
+        """Number of frames that the daemon solved."""
         return len(self.frames) - self.looked_up
 
 
@@ -77,18 +99,53 @@ def solve_procedure(
     strain: bool = True,
     whole: bool = False,
 ) -> SolveResult:
-    """Solves a procedure and writes its skin cache to `output` (.usdc, .usda or .usd).
-
-    source: a USD file, or a Procedure, which is then written beside the cache as `<output>.procedure.usda`. spacing:
-    mm (the tissue's when None). frames: first and last time code to write; everything up to the last one is solved.
-    daemon: the address of a running daemon. store: where frames are kept. connect, solver: who solves, and what
-    identifies it (the daemon that is installed when None). error_estimate: also solve on a coarser lattice, to say how
-    large the error is (`lappet.solve.error_estimate`). strain: the cache gets strain, stress and tension. whole: every
-    frame is solved everywhere, also where its changes do not reach.
+    """Solve a procedure and write its skin cache.
 
     A frame that does not converge, a daemon that cannot be kept alive and Ctrl-C end the solve early and keep what is
-    done: see `SolveResult.reason`. Raises RefusedError or RefusedError with a sentence for what cannot be solved at
-    all.
+    done: see `SolveResult.reason`.
+
+    Parameters
+    ----------
+    source
+        A USD file, or a procedure, which is then written beside the cache as `<output>.procedure.usda`.
+    output
+        The skin cache (.usdc, .usda or .usd).
+    spacing
+        Lattice spacing in mm; the tissue's when None.
+    tolerance
+        Relative residual at which a frame has converged.
+    quadrature
+        Quadrature points of a cell: 1, 4 or 8.
+    precision
+        Arithmetic of the solver.
+    frames
+        First and last time code to write, None for the procedure's; everything up to the last one is solved.
+    daemon
+        Address of a running daemon; None starts one.
+    store
+        Where frames are kept; the user's store when None.
+    observer
+        Is told how the solve goes.
+    connect
+        Makes the solver; the installed daemon when None.
+    solver
+        What identifies the solver in the frames' keys; that of the installed daemon when None.
+    error_estimate
+        Whether to solve on a coarser lattice too, to estimate the error (`lappet.solve.error_estimate`).
+    strain
+        Whether the cache gets strain, stress and tension.
+    whole
+        Whether every frame is solved everywhere, also where its changes do not reach.
+
+    Returns
+    -------
+    SolveResult
+        What is done, and why no more.
+
+    Raises
+    ------
+    RefusedError
+        If the procedure has errors, cannot be solved at all, or the output cannot be written.
     """
     started = time.perf_counter()
     watch = _Noting(observer or SolveObserver())
@@ -121,7 +178,7 @@ def solve_procedure(
         write_skin_cache(output, path, procedure, program, wanted)
         written = output
     elif result.reason is not None and result.failed is None:
-        raise RefusedError(result.reason)
+        raise RefusedError([result.reason])
     errors = None
     if error_estimate and result.frames and not result.interrupted:
         from lappet.solve.error_estimate import estimate_errors  # a solve without an estimate does not load it
@@ -142,20 +199,17 @@ def solve_procedure(
 
 
 def _refuse_output(output: Path) -> None:
-    """Refuses, before anything is solved, a file that the skin cache could not be written to."""
+    """Refuse, before anything is solved, a file that the skin cache could not be written to."""
     if output.suffix not in SUFFIXES:
-        raise RefusedError(f"{output} does not end in a USD suffix; name the skin cache .usdc, .usda or .usd.")
+        raise refused(ProblemCode.CACHE_SUFFIX, output, output.suffix)
     if output.is_dir():
-        raise RefusedError(f"{output} is a folder; name a file for the skin cache.")
+        raise refused(ProblemCode.CACHE_IS_FOLDER, output)
     try:
         output.parent.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=output.parent):
             pass
     except OSError as error:
-        why = error.strerror or str(error)
-        raise RefusedError(
-            f"The skin cache {output} cannot be written ({why}); name a file in a folder that you may write to."
-        ) from error
+        raise refused(ProblemCode.CACHE_NOT_WRITABLE, output, error.strerror or error) from error
 
 
 def _read(source: Path | str | Procedure, output: Path) -> tuple[Procedure, Path]:
@@ -166,13 +220,13 @@ def _read(source: Path | str | Procedure, output: Path) -> tuple[Procedure, Path
         return source, path
     path = Path(source)
     if path.resolve() == output.resolve():
-        raise RefusedError(f"{output} is the procedure itself; name another file for the skin cache.")
+        raise refused(ProblemCode.CACHE_IS_PROCEDURE, output)
     return read_procedure(path), path
 
 
 def _check(procedure: Procedure, spacing: float | None) -> None:
 
-    errors = [problem for problem in check(procedure, spacing=spacing) if problem.severity == "error"]
+    errors = [each for each in check(procedure, spacing=spacing) if each.severity == "error"]
     if errors:
         raise RefusedError(errors)
 
@@ -182,15 +236,12 @@ def _range(procedure: Procedure, frames: tuple[int | None, int | None]) -> tuple
     first = times[0] if frames[0] is None else frames[0]
     last = times[-1] if frames[1] is None else frames[1]
     if not times[0] <= first <= last <= times[-1]:
-        raise RefusedError(
-            f"The frames {first}:{last} are not in the timeline, which runs from {times[0]} to {times[-1]}; "
-            "give a first and a last frame inside it."
-        )
+        raise refused(ProblemCode.FRAMES_OUTSIDE, ROOT, f"{first}:{last}", start=times[0], end=times[-1])
     return first, last
 
 
 class _Noting(SolveObserver):
-    """Passes everything on and keeps the notes."""
+    """Pass everything on and keep the notes."""
 
     def __init__(self, observer: SolveObserver) -> None:
         self._watcher = observer

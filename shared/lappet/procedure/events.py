@@ -1,23 +1,51 @@
 """The surgical events of a timeline: what is cut, freed, pulled, gripped, sewn and followed.
 
+Below the classes is what differs from event to event and belongs to none of the later stages: when an event begins, how
+it is shifted in time, and its line in the storyboard.
+
 All points are material (rest) coordinates in mm; times are USD time codes; stiffness is in mN/mm.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import ClassVar, Literal
 
 import numpy as np
 
+from lappet.core.problem import refused
+from lappet.core.problem_code import ProblemCode
 from lappet.procedure.exact_values import Point, double_point, set_fields, single_points
+from lappet.procedure.plain_text import number, place
+from lappet.procedure.prim_paths import TIMELINE
 
 Basis = Literal["linear", "bspline", "catmullRom", "bezier"]
 
 
 @dataclass(frozen=True)
 class Incision:
-    """A cut along a curve on the rest surface; depth in mm along the surface normal, None = through."""
+    """A cut along a curve on the skin at rest.
+
+    Parameters
+    ----------
+    name
+        Name of the event, unique in the procedure.
+    time
+        Time code of the cut; it begins an epoch.
+    points
+        Control points of the curve in mm, shape (n, 3), kept in single precision.
+    depth
+        Depth along the surface normal in mm, or None to cut through.
+    kerf
+        Width of the cut in mm.
+    basis
+        How the curve runs through or beside its points, as USD's `basis`.
+    closed
+        Whether the curve returns to its first point.
+    """
 
     kind: ClassVar[str] = "Incision"
     name: str
@@ -34,7 +62,17 @@ class Incision:
 
 @dataclass(frozen=True)
 class Excision:
-    """Discards the fragments that hold the seed points."""
+    """A removal of the fragments that hold the seed points.
+
+    Parameters
+    ----------
+    name
+        Name of the event, unique in the procedure.
+    time
+        Time code of the removal; it begins an epoch.
+    seeds
+        Material points in mm, shape (n, 3), kept in single precision; each selects the fragment that it lies in.
+    """
 
     kind: ClassVar[str] = "Excision"
     name: str
@@ -47,7 +85,19 @@ class Excision:
 
 @dataclass(frozen=True)
 class Undermine:
-    """Frees the bed faces below the area inside a closed curve on the rest surface."""
+    """A release of the bed faces below the area inside a closed curve on the skin at rest.
+
+    Parameters
+    ----------
+    name
+        Name of the event, unique in the procedure.
+    time
+        Time code of the release; it begins an epoch.
+    points
+        Control points of the curve in mm, shape (n, 3), kept in single precision.
+    basis
+        How the curve runs through or beside its points, as USD's `basis`.
+    """
 
     kind: ClassVar[str] = "Undermine"
     name: str
@@ -61,7 +111,23 @@ class Undermine:
 
 @dataclass(frozen=True)
 class Hook:
-    """A spring (mN/mm) from a material point to a moving target; targets are (time, position) samples."""
+    """A spring from a material point to a moving target.
+
+    Parameters
+    ----------
+    name
+        Name of the event, unique in the procedure.
+    anchor
+        Material point on the tissue in mm.
+    targets
+        Samples (time code, position in mm) of the target; linear between them, held before and after.
+    start
+        Time code at which the hook begins to act.
+    release
+        Time code at which it lets go.
+    stiffness
+        Stiffness of the spring in mN/mm.
+    """
 
     kind: ClassVar[str] = "Hook"
     name: str
@@ -78,10 +144,21 @@ class Hook:
 
 @dataclass(frozen=True)
 class Retractor:
-    """Moves the surface points of the tissue subset `grip` rigidly.
+    """A rigid motion of the surface points of a face subset.
 
-    motion: (time, 4x4 row-major matrix in USD's row-vector convention) samples of the prim's own
-    transform; what acts on the tissue is the transform relative to its value at `start`.
+    Parameters
+    ----------
+    name
+        Name of the event, unique in the procedure.
+    grip
+        Name of the tissue's face subset whose points move.
+    motion
+        Samples (time code, 4 × 4 matrix) of the prim's own transform, 16 numbers, row-major, in USD's row-vector
+        convention. What acts on the tissue is the transform relative to its value at `start`.
+    start
+        Time code at which the grip begins.
+    release
+        Time code at which it ends.
     """
 
     kind: ClassVar[str] = "Retractor"
@@ -101,7 +178,21 @@ class Retractor:
 
 @dataclass(frozen=True)
 class Suture:
-    """Draws two material points together from `start` over `duration`, then holds them."""
+    """A stitch that draws two material points together and then holds them.
+
+    Parameters
+    ----------
+    name
+        Name of the event, unique in the procedure.
+    anchors
+        The two material points in mm.
+    start
+        Time code at which drawing together begins.
+    duration
+        How many time codes it takes.
+    stiffness
+        Stiffness in mN/mm.
+    """
 
     kind: ClassVar[str] = "Suture"
     name: str
@@ -117,7 +208,17 @@ class Suture:
 
 @dataclass(frozen=True)
 class Landmark:
-    """Material points to follow and measure."""
+    """Material points to follow and measure.
+
+    Parameters
+    ----------
+    name
+        Name of the event, unique in the procedure.
+    points
+        Material points in mm, shape (n, 3), kept in single precision.
+    label
+        What reports and figures call them.
+    """
 
     kind: ClassVar[str] = "Landmark"
     name: str
@@ -135,3 +236,139 @@ HOLDS = (Hook, Retractor)  # these act from `start` to `release`
 
 
 Event = Incision | Excision | Undermine | Hook | Retractor | Suture | Landmark
+
+
+def begins(event: Event) -> float:
+    """Tell when an event begins to act.
+
+    Parameters
+    ----------
+    event
+        The event.
+
+    Returns
+    -------
+    float
+        Its time code; minus infinity for a landmark.
+    """
+    match event:
+        case Incision() | Excision() | Undermine():
+            return event.time
+        case Landmark():
+            return -math.inf
+        case _:
+            return event.start
+
+
+def retimed(event: Event, shift: float) -> Event:
+    """Shift an event in time with all its samples.
+
+    Parameters
+    ----------
+    event
+        The event.
+    shift
+        Time codes to add.
+
+    Returns
+    -------
+    Event
+        The shifted event.
+
+    Raises
+    ------
+    RefusedError
+        If the event is a landmark, which has no time.
+    """
+    match event:
+        case Incision() | Excision() | Undermine():
+            return replace(event, time=event.time + shift)
+        case Hook():
+            targets = tuple((time + shift, target) for time, target in event.targets)
+            return replace(event, start=event.start + shift, release=event.release + shift, targets=targets)
+        case Retractor():
+            motion = tuple((time + shift, matrix) for time, matrix in event.motion)
+            return replace(event, start=event.start + shift, release=event.release + shift, motion=motion)
+        case Suture():
+            return replace(event, start=event.start + shift)
+        case Landmark():
+            raise refused(ProblemCode.LANDMARK_RETIMED, f"{TIMELINE}/{event.name}", "landmark", name=event.name)
+
+
+def duration_text(event: Event) -> str:
+    """Write when an event acts, as the storyboard does.
+
+    Parameters
+    ----------
+    event
+        The event.
+
+    Returns
+    -------
+    str
+        A time code, two with a dash, or "always".
+    """
+    match event:
+        case Hook() | Retractor():
+            return f"{number(event.start)} – {number(event.release)}"
+        case Suture():
+            return f"{number(event.start)} – {number(event.start + event.duration)}"
+        case Landmark():
+            return "always"
+        case _:
+            return number(event.time)
+
+
+def describe(event: Event) -> str:
+    """Describe what an event does, in a few words with units.
+
+    Parameters
+    ----------
+    event
+        The event.
+
+    Returns
+    -------
+    str
+        A part of a sentence.
+    """
+    match event:
+        case Incision():
+            depth = "through" if event.depth is None else f"{number(event.depth)} mm deep"
+            closed = ", closed" if event.closed else ""
+            return f"{depth}, {_curve(event.points, event.basis, event.closed)}{closed}, kerf {number(event.kerf)} mm"
+        case Excision():
+            return "discards the fragment at " + " and ".join(place(seed) for seed in event.seeds)
+        case Undermine():
+            return f"frees the bed inside {_curve(event.points, event.basis, True)}"
+        case Hook():
+            last = event.targets[-1][1] if event.targets else event.anchor
+            travel = math.dist(event.anchor, last)
+            return f"{place(event.anchor)} drawn {number(travel)} mm to {place(last)}, {number(event.stiffness)} mN/mm"
+        case Retractor():
+            return f"moves {event.grip!r}{_motion(event)}"
+        case Suture():
+            first, second = event.anchors
+            gap = f"{number(math.dist(first, second))} mm apart at rest"
+            return f"{place(first)} to {place(second)}, {gap}, {number(event.stiffness)} mN/mm"
+        case Landmark():
+            return f"{event.label!r} at " + " and ".join(place(point) for point in event.points)
+
+
+def _curve(points: Sequence[Point], basis: str, closed: bool) -> str:
+    ring = [*points, points[0]] if closed and points else list(points)
+    if basis == "linear":
+        return f"{number(sum(math.dist(a, b) for a, b in pairwise(ring)))} mm through {len(points)} points"
+    return f"a {basis} curve of {len(points)} points"
+
+
+def _motion(event: Retractor) -> str:
+    samples = [np.array(matrix).reshape(4, 4) for _, matrix in event.motion if len(matrix) == 16]
+    if not samples:
+        return ""
+    with np.errstate(invalid="ignore"):
+        turn = samples[0][:3, :3].T @ samples[-1][:3, :3]
+        angle = math.degrees(math.acos(float(np.clip((np.trace(turn) - 1.0) / 2.0, -1.0, 1.0))))
+    travel = number(float(np.linalg.norm(samples[-1][3, :3] - samples[0][3, :3])))
+    turned = f" and turns it by {angle:.3g}°" if angle > 0.05 else ""
+    return f" by {travel} mm{turned} over {len(samples)} samples"

@@ -10,25 +10,49 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any, Protocol
 
-from lappet.core.problem import Problem, RefusedError
+from lappet.core.problem import refused
 from lappet.core.problem_code import ProblemCode
-from lappet.procedure.events import Event, Excision, Hook, Incision, Landmark, Retractor, Suture, Undermine
+from lappet.procedure.events import Event, retimed
 from lappet.procedure.prim_paths import BONE, MATERIALS, ROOT, TIMELINE, TISSUE
 from lappet.procedure.procedure import Procedure
 from lappet.procedure.tissue import Bone, Material, Region, Tissue
 
 
 class Command(Protocol):
-    """An edit. `label` is what an undo menu shows; `apply` raises RefusedError where the edit makes no sense."""
+    """An edit of a procedure."""
 
     @property
-    def label(self) -> str: ...
+    def label(self) -> str:
+        """What an undo menu shows."""
 
-    def apply(self, procedure: Procedure) -> Procedure: ...
+    def apply(self, procedure: Procedure) -> Procedure:
+        """Make the edited procedure.
+
+        Parameters
+        ----------
+        procedure
+            The procedure before the edit; it stays as it is.
+
+        Returns
+        -------
+        Procedure
+            The procedure after it.
+
+        Raises
+        ------
+        RefusedError
+            If the edit makes no sense for this procedure.
+        """
 
 
 class History:
-    """A procedure and the commands that led to it."""
+    """A procedure and the commands that led to it.
+
+    Parameters
+    ----------
+    procedure
+        The procedure to start from.
+    """
 
     def __init__(self, procedure: Procedure) -> None:
         self._states = [procedure]
@@ -42,16 +66,32 @@ class History:
 
     @property
     def undo_label(self) -> str | None:
-        """What `undo` would take back, None where there is nothing."""
+        """Label of the command that `undo` would take back, or None."""
         return self._labels[self._at - 1] if self._at else None
 
     @property
     def redo_label(self) -> str | None:
-        """What `redo` would do again, None where there is nothing."""
+        """Label of the command that `redo` would apply again, or None."""
         return self._labels[self._at] if self._at < len(self._labels) else None
 
     def do(self, command: Command) -> Procedure:
-        """Applies a command and forgets what was undone; a command that is refused changes nothing."""
+        """Apply a command and drop what could be redone; a command that is refused changes nothing.
+
+        Parameters
+        ----------
+        command
+            The edit.
+
+        Returns
+        -------
+        Procedure
+            The procedure after it.
+
+        Raises
+        ------
+        RefusedError
+            If the command refuses.
+        """
         after = command.apply(self.procedure)
         del self._states[self._at + 1 :], self._labels[self._at :]
         self._states.append(after)
@@ -60,14 +100,36 @@ class History:
         return after
 
     def undo(self) -> Procedure:
-        """Goes back to before the last command; raises IndexError where there is none."""
+        """Go back to before the last command.
+
+        Returns
+        -------
+        Procedure
+            The procedure as it was.
+
+        Raises
+        ------
+        IndexError
+            If there is nothing to undo.
+        """
         if not self._at:
             raise IndexError("There is nothing to undo.")
         self._at -= 1
         return self.procedure
 
     def redo(self) -> Procedure:
-        """Does again what was undone last; raises IndexError where nothing was."""
+        """Apply again what was undone last.
+
+        Returns
+        -------
+        Procedure
+            The procedure as it was before `undo`.
+
+        Raises
+        ------
+        IndexError
+            If there is nothing to redo.
+        """
         if self._at == len(self._labels):
             raise IndexError("There is nothing to redo.")
         self._at += 1
@@ -76,7 +138,15 @@ class History:
 
 @dataclass(frozen=True)
 class AddEvent:
-    """Adds an event before the event at `index` of the timeline, or at its end."""
+    """Add an event before the event at `index` of the timeline, or at its end.
+
+    Parameters
+    ----------
+    event
+        The new event.
+    index
+        Place in the order of the timeline, or None for its end.
+    """
 
     event: Event
     index: int | None = None
@@ -94,7 +164,13 @@ class AddEvent:
 
 @dataclass(frozen=True)
 class RemoveEvent:
-    """Removes the event of that name."""
+    """Remove the event of that name.
+
+    Parameters
+    ----------
+    name
+        Name of the event.
+    """
 
     name: str
 
@@ -108,7 +184,15 @@ class RemoveEvent:
 
 @dataclass(frozen=True)
 class ReplaceEvent:
-    """Puts another event, of any kind and name, in the place of the event of that name."""
+    """Put another event, of any kind and name, in the place of the event of that name.
+
+    Parameters
+    ----------
+    name
+        Name of the event that goes.
+    event
+        The event that comes.
+    """
 
     name: str
     event: Event
@@ -125,7 +209,15 @@ class ReplaceEvent:
 
 @dataclass(frozen=True)
 class MoveEvent:
-    """Moves an event to another place in the order of the timeline."""
+    """Move an event to another place in the order of the timeline.
+
+    Parameters
+    ----------
+    name
+        Name of the event.
+    index
+        Its new place.
+    """
 
     name: str
     index: int
@@ -143,7 +235,15 @@ class MoveEvent:
 
 @dataclass(frozen=True)
 class Retime:
-    """Shifts an event in time, all its samples included; landmarks have no time and are refused."""
+    """Shift an event in time with all its samples; landmarks have no time and are refused.
+
+    Parameters
+    ----------
+    name
+        Name of the event.
+    shift
+        Time codes to add.
+    """
 
     name: str
     shift: float
@@ -159,7 +259,13 @@ class Retime:
 
 @dataclass(frozen=True)
 class SetMaterial:
-    """Replaces the material of the same name, or adds it."""
+    """Replace the material of the same name, or add it.
+
+    Parameters
+    ----------
+    material
+        The material.
+    """
 
     material: Material
 
@@ -173,7 +279,13 @@ class SetMaterial:
 
 @dataclass(frozen=True)
 class RemoveMaterial:
-    """Removes a material that neither the tissue nor a region of it is made of."""
+    """Remove a material of which neither the tissue nor a region of it is made.
+
+    Parameters
+    ----------
+    name
+        Name of the material.
+    """
 
     name: str
 
@@ -183,22 +295,23 @@ class RemoveMaterial:
 
     def apply(self, procedure: Procedure) -> Procedure:
         if procedure.tissue.material == self.name:
-            sentence = f"The tissue is made of {self.name!r}."
-            remedy = "Give the tissue another material first."
-            raise RefusedError([Problem(ProblemCode.UNSORTED, f"{MATERIALS}/{self.name}", self.name, sentence, remedy)])
+            raise refused(ProblemCode.MATERIAL_IN_USE, f"{MATERIALS}/{self.name}", self.name, user="The tissue")
         for region in procedure.tissue.regions:
             if region.material == self.name:
-                sentence = f"The region {region.faces!r} is made of {self.name!r}."
-                remedy = "Give the region another material first, or remove it."
-                raise RefusedError(
-                    [Problem(ProblemCode.UNSORTED, f"{MATERIALS}/{self.name}", self.name, sentence, remedy)]
-                )
+                user = f"The region {region.faces!r}"
+                raise refused(ProblemCode.MATERIAL_IN_USE, f"{MATERIALS}/{self.name}", self.name, user=user)
         return replace(procedure, materials=_without(procedure.materials, self.name, MATERIALS))
 
 
 @dataclass(frozen=True)
 class SetRegion:
-    """Gives a face subset of the tissue a region, in place of the one that it has."""
+    """Give a face subset of the tissue a region, in place of the one that it has.
+
+    Parameters
+    ----------
+    region
+        The region; its `faces` name the subset.
+    """
 
     region: Region
 
@@ -210,18 +323,21 @@ class SetRegion:
         tissue = procedure.tissue
         if self.region.faces not in tissue.subsets:
             known = ", ".join(tissue.subsets) or "none"
-            sentence = f"The tissue has no face subset {self.region.faces!r}."
-            remedy = f"Add it first; there are: {known}."
-            raise RefusedError(
-                [Problem(ProblemCode.UNSORTED, f"{TISSUE}/{self.region.faces}", self.region.faces, sentence, remedy)]
-            )
+            prim = f"{TISSUE}/{self.region.faces}"
+            raise refused(ProblemCode.REGION_NO_SUBSET, prim, repr(self.region.faces), known=known)
         others = tuple(region for region in tissue.regions if region.faces != self.region.faces)
         return replace(procedure, tissue=replace(tissue, regions=(*others, self.region)))
 
 
 @dataclass(frozen=True)
 class RemoveRegion:
-    """Takes the region off a face subset; the subset stays."""
+    """Take the region off a face subset; the subset stays.
+
+    Parameters
+    ----------
+    faces
+        Name of the subset.
+    """
 
     faces: str
 
@@ -234,16 +350,21 @@ class RemoveRegion:
         others = tuple(region for region in tissue.regions if region.faces != self.faces)
         if len(others) == len(tissue.regions):
             known = ", ".join(region.faces for region in tissue.regions) or "none"
-            sentence = f"The face subset {self.faces!r} has no region."
-            raise RefusedError(
-                [Problem(ProblemCode.UNSORTED, f"{TISSUE}/{self.faces}", self.faces, sentence, f"There are: {known}.")]
-            )
+            raise refused(ProblemCode.REGION_UNKNOWN, f"{TISSUE}/{self.faces}", self.faces, known=known)
         return replace(procedure, tissue=replace(tissue, regions=others))
 
 
 @dataclass(frozen=True)
 class SetTissue:
-    """Replaces the tissue."""
+    """Replace the tissue.
+
+    Parameters
+    ----------
+    tissue
+        The new tissue.
+    label
+        What an undo menu shows.
+    """
 
     tissue: Tissue
     label: str = "Set tissue"
@@ -254,7 +375,13 @@ class SetTissue:
 
 @dataclass(frozen=True)
 class SetBone:
-    """Replaces the bone of the same name, or adds it."""
+    """Replace the bone of the same name, or add it.
+
+    Parameters
+    ----------
+    bone
+        The bone.
+    """
 
     bone: Bone
 
@@ -268,7 +395,13 @@ class SetBone:
 
 @dataclass(frozen=True)
 class RemoveBone:
-    """Removes a bone."""
+    """Remove a bone.
+
+    Parameters
+    ----------
+    name
+        Name of the bone.
+    """
 
     name: str
 
@@ -282,7 +415,19 @@ class RemoveBone:
 
 @dataclass(frozen=True)
 class SetTimeline:
-    """Sets start and end (time codes) and time codes per second; None leaves as it is."""
+    """Set the timeline's start, end and rate; None leaves a value as it is.
+
+    Parameters
+    ----------
+    start_time
+        First time code.
+    end_time
+        Last time code.
+    fps
+        Time codes per second.
+    label
+        What an undo menu shows.
+    """
 
     start_time: float | None = None
     end_time: float | None = None
@@ -295,16 +440,21 @@ class SetTimeline:
         after = replace(procedure, **changes)
         if not after.start_time <= after.end_time:
             span = f"{after.start_time:g} to {after.end_time:g}"
-            remedy = "Let it end at its start or later."
-            raise RefusedError(
-                [Problem(ProblemCode.UNSORTED, ROOT, span, f"The timeline would run from {span}.", remedy)]
-            )
+            raise refused(ProblemCode.TIMELINE_REVERSED, ROOT, span)
         return after
 
 
 @dataclass(frozen=True)
 class Together:
-    """Several commands as one step of the history; all are applied, or none."""
+    """Several commands as one step of the history: all are applied, or none.
+
+    Parameters
+    ----------
+    commands
+        The commands in order.
+    label
+        What an undo menu shows.
+    """
 
     commands: tuple[Command, ...]
     label: str
@@ -317,7 +467,15 @@ class Together:
 
 @dataclass(frozen=True)
 class Edit:
-    """Any other edit: a function from the old procedure to the new one."""
+    """Any other edit, as a function.
+
+    Parameters
+    ----------
+    edit
+        Makes the new procedure from the old one.
+    label
+        What an undo menu shows.
+    """
 
     edit: Callable[[Procedure], Procedure]
     label: str
@@ -326,43 +484,17 @@ class Edit:
         return self.edit(procedure)
 
 
-def retimed(event: Event, shift: float) -> Event:
-    """The event `shift` time codes later, its samples too. Raises RefusedError for a landmark."""
-    match event:
-        case Incision() | Excision() | Undermine():
-            return replace(event, time=event.time + shift)
-        case Hook():
-            targets = tuple((time + shift, target) for time, target in event.targets)
-            return replace(event, start=event.start + shift, release=event.release + shift, targets=targets)
-        case Retractor():
-            motion = tuple((time + shift, matrix) for time, matrix in event.motion)
-            return replace(event, start=event.start + shift, release=event.release + shift, motion=motion)
-        case Suture():
-            return replace(event, start=event.start + shift)
-        case Landmark():
-            sentence = f"The landmark {event.name} has no time to move."
-            raise RefusedError(
-                [
-                    Problem(
-                        ProblemCode.UNSORTED, f"{TIMELINE}/{event.name}", "landmark", sentence, "Retime another event."
-                    )
-                ]
-            )
-
-
 def _find(things: tuple[Any, ...], name: str, place: str) -> int:
     for i, thing in enumerate(things):
         if thing.name == name:
             return i
     known = ", ".join(thing.name for thing in things) or "nothing"
-    sentence = f"Nothing there is named {name!r}."
-    raise RefusedError([Problem(ProblemCode.UNSORTED, f"{place}/{name}", name, sentence, f"There is {known}.")])
+    raise refused(ProblemCode.NAME_UNKNOWN, f"{place}/{name}", name, known=known)
 
 
 def _refuse_taken(things: tuple[Any, ...], name: str, place: str) -> None:
     if any(thing.name == name for thing in things):
-        sentence = f"The name {name!r} is taken."
-        raise RefusedError([Problem(ProblemCode.UNSORTED, f"{place}/{name}", name, sentence, "Choose another name.")])
+        raise refused(ProblemCode.NAME_TAKEN, f"{place}/{name}", name)
 
 
 def _without(things: tuple[Any, ...], name: str, place: str) -> tuple[Any, ...]:

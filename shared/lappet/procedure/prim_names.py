@@ -4,14 +4,25 @@ from __future__ import annotations
 
 from collections import Counter
 
-from lappet.core.problem import Problem
+from lappet.core.problem import Problem, problem
 from lappet.core.problem_code import ProblemCode
 from lappet.procedure.prim_paths import BONE, MATERIALS, TIMELINE, TISSUE
 from lappet.procedure.procedure import Procedure
 
 
 def name_problems(procedure: Procedure) -> list[Problem]:
-    """A problem for every name that cannot be the name of a prim, or that two things in one place have."""
+    """Find names that no prim can have, and names that two things in one place share.
+
+    Parameters
+    ----------
+    procedure
+        The procedure to check.
+
+    Returns
+    -------
+    list[Problem]
+        A problem for each such name.
+    """
     places = [
         (TIMELINE, "event", [event.name for event in procedure.events]),
         (MATERIALS, "material", [material.name for material in procedure.materials]),
@@ -21,30 +32,16 @@ def name_problems(procedure: Procedure) -> list[Problem]:
     problems = []
     for place, kind, names in places:
         for name, times in Counter(names).items():
+            prim = f"{place}/{name}"
             if not (isinstance(name, str) and name.isidentifier() and name.isascii()):
-                sentence = f"The {kind} is named {name!r}, which cannot be the name of a prim."
-                remedy = "Use letters, digits and underscores, and no digit first."
-                problems.append(Problem(ProblemCode.UNSORTED, f"{place}/{name}", repr(name), sentence, remedy))
+                problems.append(problem(ProblemCode.NAME_NOT_A_PRIM, prim, repr(name), kind=kind))
             if times > 1:
-                sentence = f"{times} {kind}s are named {name!r}."
-                problems.append(
-                    Problem(ProblemCode.UNSORTED, f"{place}/{name}", repr(name), sentence, "Give each its own name.")
-                )
-    regions = Counter(region.faces for region in procedure.tissue.regions)
-    for name, times in regions.items():
+                problems.append(problem(ProblemCode.NAME_TWICE, prim, repr(name), kind=kind, times=times))
+    known = ", ".join(procedure.tissue.subsets) or "none"
+    for name, times in Counter(region.faces for region in procedure.tissue.regions).items():
+        prim = f"{TISSUE}/{name}"
         if name not in procedure.tissue.subsets:
-            known = ", ".join(procedure.tissue.subsets) or "none"
-            sentence = f"A region lies below the face subset {name!r}, which the tissue does not have."
-            problems.append(
-                Problem(
-                    ProblemCode.UNSORTED, f"{TISSUE}/{name}", repr(name), sentence, f"Name one of its subsets: {known}."
-                )
-            )
+            problems.append(problem(ProblemCode.REGION_NO_SUBSET, prim, repr(name), known=known))
         elif times > 1:
-            sentence = f"{times} regions lie below the face subset {name!r}."
-            problems.append(
-                Problem(
-                    ProblemCode.UNSORTED, f"{TISSUE}/{name}", repr(name), sentence, "Give each a subset of its own."
-                )
-            )
+            problems.append(problem(ProblemCode.REGION_SUBSET_TWICE, prim, repr(name), times=times))
     return problems

@@ -20,6 +20,32 @@ class Procedure:
 
     Events keep the order in which they are given (the order of the prims), whatever their times. `==` compares every
     value exactly; `repr` is a storyboard.
+
+    Parameters
+    ----------
+    tissue
+        The tissue that is operated on.
+    materials
+        Materials that the tissue and its regions name.
+    events
+        The timeline, in the order of the prims.
+    bones
+        Rigid meshes that the tissue may not enter.
+    start_time
+        First time code.
+    end_time
+        Last time code.
+    fps
+        Time codes per second.
+
+    Examples
+    --------
+    >>> from lappet import Incision, Procedure
+    >>> from lappet.tissue import flat_patch
+    >>> cut = Incision("cut", 2, [(-10, 0, 4), (10, 0, 4)])
+    >>> procedure = Procedure(flat_patch((40.0, 30.0, 4.0), spacing=2.0), events=(cut,), end_time=3)
+    >>> procedure.event("cut").kerf, list(procedure.frames())
+    (0.05, [1, 2, 3])
     """
 
     tissue: Tissue
@@ -31,32 +57,86 @@ class Procedure:
     fps: float = 24.0
 
     def with_events(self, *events: Event) -> Procedure:
-        """The same procedure with these events added."""
+        """Make the same procedure with events added at the end of the timeline.
+
+        Parameters
+        ----------
+        *events
+            The events to add.
+
+        Returns
+        -------
+        Procedure
+            The longer procedure.
+        """
         return replace(self, events=(*self.events, *events))
 
     def event(self, name: str) -> Event:
-        """The event of that name; KeyError if there is none."""
+        """Look up an event.
+
+        Parameters
+        ----------
+        name
+            Name of the event.
+
+        Returns
+        -------
+        Event
+            The event.
+
+        Raises
+        ------
+        KeyError
+            If there is none of that name.
+        """
         for event in self.events:
             if event.name == name:
                 return event
         raise KeyError(name)
 
     def material(self, name: str) -> Material:
-        """The material of that name; KeyError if there is none."""
+        """Look up a material.
+
+        Parameters
+        ----------
+        name
+            Name of the material.
+
+        Returns
+        -------
+        Material
+            The material.
+
+        Raises
+        ------
+        KeyError
+            If there is none of that name.
+        """
         for material in self.materials:
             if material.name == name:
                 return material
         raise KeyError(name)
 
     def materials_in_use(self) -> tuple[Material, ...]:
-        """The tissue's material, then those of its regions in their order, each once; names without one are left
-        out."""
+        """List the tissue's material, then those of its regions.
+
+        Returns
+        -------
+        tuple[Material, ...]
+            Each material once, in the order of the regions; names that no material has are left out.
+        """
         names = dict.fromkeys([self.tissue.material, *(region.material for region in self.tissue.regions)])
         known = {material.name: material for material in reversed(self.materials)}
         return tuple(known[name] for name in names if name in known)
 
     def frames(self) -> range:
-        """The frames: every whole time code from `start_time` to `end_time`, both included."""
+        """List the frames: every whole time code from `start_time` to `end_time`, both included.
+
+        Returns
+        -------
+        range
+            The time codes; none where an end is not finite.
+        """
         if not (math.isfinite(self.start_time) and math.isfinite(self.end_time)):
             return range(0)
         return range(math.ceil(self.start_time), math.floor(self.end_time) + 1)

@@ -7,7 +7,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from lappet.core.problem import RefusedError
+from lappet.core.problem import refused
+from lappet.core.problem_code import ProblemCode
 from lappet.procedure.events import Event, Excision, Hook, Incision, Landmark, Retractor, Suture, Undermine
 from lappet.procedure.tissue import Material
 
@@ -28,10 +29,19 @@ _SHOWN = 3  # prims named in a reason; the others are counted
 
 
 def scene_reasons(procedure: Procedure) -> dict[str, str]:
-    """Why the scene needs each feature, by name: the prims that ask for it; empty for what it does without.
+    """Find why the scene needs each feature.
 
-    fixed: faces held in space; contact: bones; fibres, muscle, prestretch: of a material in use; materials: more than
-    one in use; the others: present.
+    Parameters
+    ----------
+    procedure
+        The procedure.
+
+    Returns
+    -------
+    dict[str, str]
+        By feature the prims that ask for it, as text; empty for what the scene does without. `fixed` stands for faces
+        held in space, `contact` for bones; `fibres`, `muscle` and `prestretch` are of a material in use, `materials`
+        stands for more than one in use; the others are there where their prims are.
     """
     tissue = procedure.tissue
     materials = procedure.materials_in_use()
@@ -66,14 +76,35 @@ def scene_reasons(procedure: Procedure) -> dict[str, str]:
 
 
 def scene_profile(procedure: Procedure) -> dict[str, bool]:
-    """Which features the scene needs, by the names of `scene_reasons`; the report and `lappet inspect` share it."""
+    """Find which features the scene needs.
+
+    Parameters
+    ----------
+    procedure
+        The procedure.
+
+    Returns
+    -------
+    dict[str, bool]
+        Whether each feature of `scene_reasons` is needed; the report and `lappet inspect` share it.
+    """
     return {name: bool(reason) for name, reason in scene_reasons(procedure).items()}
 
 
 def profile_lines(procedure: Procedure, costs: Mapping[str, str] | None = None) -> list[str]:
-    """The scene profile as lines: what the scene needs, why and at what cost; then what it does without.
+    """Describe the scene profile in lines: what the scene needs, why and at what cost; then what it does without.
 
-    costs: what features cost, by name, for those where it is known.
+    Parameters
+    ----------
+    procedure
+        The procedure.
+    costs
+        What features cost, as text by name, for those where it is known.
+
+    Returns
+    -------
+    list[str]
+        Lines of text.
     """
     reasons, costs = scene_reasons(procedure), costs or {}
     lines = []
@@ -89,9 +120,22 @@ def profile_lines(procedure: Procedure, costs: Mapping[str, str] | None = None) 
 
 
 def measured_costs(path: Path) -> dict[str, str]:
-    """What features cost by a file that `lappet report economy` wrote (economy.json), by the names of the profile.
+    """Read what features cost from a file that `lappet report economy` wrote.
 
-    Raises RefusedError where the file is none of these.
+    Parameters
+    ----------
+    path
+        The file `economy.json`.
+
+    Returns
+    -------
+    dict[str, str]
+        Costs as text, by the names of the profile.
+
+    Raises
+    ------
+    RefusedError
+        If the file is no such report.
     """
     try:
         rows = json.loads(path.read_text(encoding="utf-8"))["rows"]
@@ -107,9 +151,7 @@ def measured_costs(path: Path) -> dict[str, str]:
             costs[name] = f"{share:+.0f} % {unit} in the {scene} of `lappet report economy`"
         return costs
     except (OSError, ValueError, KeyError, TypeError, ZeroDivisionError) as error:
-        raise RefusedError(
-            f"{path} is no file of `lappet report economy` ({type(error).__name__}); give its economy.json."
-        ) from error
+        raise refused(ProblemCode.ECONOMY_FILE, path, type(error).__name__) from error
 
 
 def _named(paths: Iterable[str]) -> str:

@@ -15,11 +15,37 @@ MODELS = ("corotated", "neoHookean", "stableNeoHookean", "mooneyRivlin")
 
 @dataclass(frozen=True)
 class Material:
-    """A hyperelastic material (`LappetMaterialAPI`); moduli in kPa, density in kg/m³.
+    """A hyperelastic material (`LappetMaterialAPI`).
 
-    fiber_k1: kPa, 0 = no fibres. prestretch: in-vivo stretch along and across the fibre direction. muscle_stress: kPa,
-    the greatest isometric stress of muscle along the fibre direction, 0 = no muscle. muscle_activation: (time, 0 to 1)
-    samples, linear between and held at the ends; none = never active.
+    Parameters
+    ----------
+    name
+        Name of the material, unique in the procedure.
+    model
+        One of `MODELS`.
+    youngs_modulus
+        Young's modulus in kPa.
+    poissons_ratio
+        Poisson's ratio, 0 to 0.4999.
+    mooney_ratio
+        Ratio μ₀₁/μ₁₀ of `mooneyRivlin`, at least 0.
+    fiber_k1
+        Stiffness of the fibers in kPa; 0 for none.
+    fiber_k2
+        How the fibers stiffen, at least 0, without unit.
+    fiber_dispersion
+        Dispersion of the fibers, from 0 (aligned) to 1/3 (isotropic).
+    fiber_direction
+        Direction of fibers, muscle and prestretch at rest.
+    prestretch
+        In-vivo stretch along and across the fiber direction, 1 for none.
+    density
+        Density in kg/m³.
+    muscle_stress
+        Greatest isometric stress of muscle along the fiber direction in kPa; 0 for no muscle.
+    muscle_activation
+        Samples (time code, activation from 0 to 1), linear between and held at the ends; none for a muscle that is
+        never active.
     """
 
     name: str = "skin"
@@ -45,22 +71,22 @@ class Material:
 
     @property
     def has_fibers(self) -> bool:
-        """Whether fibres stiffen it."""
+        """Whether fibers stiffen the material."""
         return self.fiber_k1 > 0.0
 
     @property
     def has_muscle(self) -> bool:
-        """Whether it holds muscle, active or not."""
+        """Whether the material holds muscle, active or not."""
         return self.muscle_stress > 0.0
 
     @property
     def has_prestretch(self) -> bool:
-        """Whether it is stretched in vivo."""
+        """Whether the material is stretched in vivo."""
         return self.prestretch != (1.0, 1.0)
 
     @property
     def has_direction(self) -> bool:
-        """Whether `fiber_direction` has an effect: it runs along the skin."""
+        """Whether `fiber_direction` has an effect."""
         return self.has_fibers or self.has_muscle or self.has_prestretch
 
 
@@ -68,8 +94,16 @@ class Material:
 class Region:
     """A part of the tissue that is of another material (`LappetRegionAPI` on a face subset).
 
-    faces: the name of a subset of the tissue; of its faces those on the skin count. The region is what lies below them,
-    from `depth_from` (included) to `depth_to` mm under the skin before any cut.
+    Parameters
+    ----------
+    faces
+        Name of a face subset of the tissue; of its faces those on the skin count. The region is what lies below them.
+    material
+        Name of the region's material.
+    depth_from
+        Least depth below the skin before any cut in mm, included.
+    depth_to
+        Greatest depth in mm, not included.
     """
 
     faces: str
@@ -80,14 +114,32 @@ class Region:
 
 @dataclass(frozen=True, eq=False)
 class Tissue:
-    """A closed skin mesh at rest (`/Procedure/Tissue`).
+    """A closed mesh of tissue at rest (`/Procedure/Tissue`).
 
-    points: (n, 3) float64 in mm (float32-representable). face_vertex_counts: (m,) int32.
-    face_vertex_indices: (k,) int32. uv: (k, 2) float32 per face corner, or None. subsets: face
-    index arrays by name ("fixed", "bed", and those that retractors grip). spacing: lattice edge in
-    mm. gravity: m/s² along -z, or None. bed_stiffness: kPa/mm (mN/mm³), the tie of bed faces to
-    their rest position. regions: parts of other materials than `material`, one per subset, kept in the order of the
-    subsets; where several hold a place, the last one does.
+    Parameters
+    ----------
+    points
+        Vertices in mm, shape (n, 3), float64 that single precision can hold.
+    face_vertex_counts
+        Corners of each face, shape (m,), int32.
+    face_vertex_indices
+        Vertices of the faces one after another, shape (k,), int32.
+    uv
+        Texture coordinates of each face corner, shape (k, 2), float32, or None.
+    subsets
+        Face indices by name: "fixed" (held in space), "bed" (attached to deep tissue), "rim", "underside", those that
+        retractors grip and those of regions.
+    material
+        Name of the material of what no region holds.
+    spacing
+        Edge of the lattice's cells in mm.
+    gravity
+        Gravity along -z in m/s², or None.
+    bed_stiffness
+        Stiffness that ties bed faces to their rest position in kPa/mm (mN/mm³).
+    regions
+        Parts of other materials, one per subset, kept in the order of the subsets; where several hold a place, the last
+        one does.
     """
 
     points: NDArray[np.float64]
@@ -127,7 +179,19 @@ class Tissue:
 
 @dataclass(frozen=True, eq=False)
 class Bone:
-    """A rigid mesh that the tissue may not enter (`/Procedure/Bone/<name>`)."""
+    """A rigid mesh that the tissue may not enter (`/Procedure/Bone/<name>`).
+
+    Parameters
+    ----------
+    name
+        Name of the bone, unique in the procedure.
+    points
+        Vertices in mm, shape (n, 3), float64 that single precision can hold.
+    face_vertex_counts
+        Corners of each face, shape (m,), int32.
+    face_vertex_indices
+        Vertices of the faces one after another, shape (k,), int32.
+    """
 
     name: str
     points: NDArray[np.float64]

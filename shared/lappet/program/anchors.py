@@ -18,8 +18,17 @@ OFF_TISSUE = 0.05
 
 @dataclass(frozen=True)
 class Tied:
-    """Anchors on a surface: point (q, 3) float64 mm on the triangle (q,) int32, distance (q,) mm from what was
-    asked."""
+    """Anchors on a surface.
+
+    Parameters
+    ----------
+    point
+        Points of the surface in mm, shape (q, 3), float64.
+    triangle
+        Triangle of each point, shape (q,), int32.
+    distance
+        Distance of each from what was asked for in mm, shape (q,).
+    """
 
     point: NDArray[np.float64]
     triangle: NDArray[np.int32]
@@ -31,10 +40,17 @@ class Tied:
 
 
 class AnchorTie:
-    """Finds the triangle under each anchor of one epoch's surface.
+    """A search for the triangle under each anchor of one epoch's surface.
 
-    A face of the skin, the underside or the rim is preferred to a wound wall unless the wall is nearer by more than
-    `margin` mm: what is drawn at a wound's edge belongs to the skin.
+    A face of the skin, the underside or the rim is preferred to a wound wall unless the wall is nearer by more than a
+    margin: what is drawn at a wound's edge belongs to the skin.
+
+    Parameters
+    ----------
+    surface
+        Surface of the epoch.
+    margin
+        The margin in mm.
     """
 
     def __init__(self, surface: Surface, margin: float) -> None:
@@ -47,7 +63,18 @@ class AnchorTie:
         ]
 
     def tie(self, points: ArrayLike) -> Tied:
-        """Ties rest points (q, 3), mm."""
+        """Tie rest points to the surface.
+
+        Parameters
+        ----------
+        points
+            Points in mm, shape (q, 3).
+
+        Returns
+        -------
+        Tied
+            The anchors.
+        """
         found = []
         for faces, closest in self._parts:
             index, point, distance = closest.query(points)
@@ -63,10 +90,15 @@ class AnchorTie:
 
 
 class TissueLoss:
-    """Tells whether the tissue under an anchor has been cut away.
+    """A test of whether the tissue under an anchor has been cut away.
 
     An anchor may be farther from an epoch's surface than from the uncut tissue by the widest kerf (it may lie in it)
     and by rounding; beyond that the tissue under it is gone.
+
+    Parameters
+    ----------
+    procedure
+        The procedure.
     """
 
     def __init__(self, procedure: Procedure) -> None:
@@ -78,13 +110,48 @@ class TissueLoss:
         self.margin = kerf + 1e-4 * self.diagonal
 
     def distance(self, points: ArrayLike) -> NDArray[np.float64]:
-        """The distances (q,) of points (q, 3) from the uncut tissue, mm."""
+        """Measure how far points are from the uncut tissue.
+
+        Parameters
+        ----------
+        points
+            Points in mm, shape (q, 3).
+
+        Returns
+        -------
+        NDArray[np.float64]
+            Distances in mm, shape (q,).
+        """
         return self._tissue.query(points)[2]
 
     def is_off(self, distance: NDArray[np.float64]) -> NDArray[np.bool_]:
-        """Which distances (q,) from the uncut tissue are too large to be meant."""
+        """Find distances from the uncut tissue that are too large to be meant.
+
+        Parameters
+        ----------
+        distance
+            Distances in mm, shape (q,).
+
+        Returns
+        -------
+        NDArray[np.bool_]
+            Which are, shape (q,).
+        """
         return ~(distance <= OFF_TISSUE * self.diagonal)
 
     def is_lost(self, points: ArrayLike, tied: Tied) -> NDArray[np.bool_]:
-        """Which of the points (q, 3) have lost their tissue, given how they were tied to an epoch."""
+        """Find anchors that have lost their tissue.
+
+        Parameters
+        ----------
+        points
+            Points in mm, shape (q, 3).
+        tied
+            How they were tied to an epoch.
+
+        Returns
+        -------
+        NDArray[np.bool_]
+            Which have lost it, shape (q,).
+        """
         return tied.distance > self.distance(points) + self.margin

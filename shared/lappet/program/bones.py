@@ -20,9 +20,22 @@ NEAR = 1.0  # mm that tissue may sink before bone bears it
 
 
 def united_bones(bones: Sequence[Bone]) -> Bones:
-    """All bones as one closed surface without faces inside: those that touch or overlap become one.
+    """Unite all bones in one closed surface without faces inside: those that touch or overlap become one.
 
-    Raises RefusedError, naming the prim, for a bone that is not closed.
+    Parameters
+    ----------
+    bones
+        The bones.
+
+    Returns
+    -------
+    Bones
+        The surface.
+
+    Raises
+    ------
+    RefusedError
+        If a bone is not closed; names the prim.
     """
     if not bones:
         return Bones()
@@ -31,10 +44,22 @@ def united_bones(bones: Sequence[Bone]) -> Bones:
 
 
 def over_bone(surface: Surface, bones: Bones) -> NDArray[np.bool_]:
-    """The resting faces, (m,), at most `NEAR` mm from a face of bone that looks at them; none where there are no bones.
+    """Find the resting faces close above bone, which need no plane to rest on.
 
-    They need no plane to rest on, and on curved bone it would be wrong: tissue that slides by s over a radius R is held
-    s² / 2R above the bone.
+    On curved bone a plane would be wrong: tissue that slides by s over a radius R would be held s² / 2R above the bone.
+
+    Parameters
+    ----------
+    surface
+        Surface of an epoch.
+    bones
+        The bones.
+
+    Returns
+    -------
+    NDArray[np.bool_]
+        Which faces are at most `NEAR` mm from a face of bone that looks at them, shape (m,); none where there are no
+        bones.
     """
     if len(bones.triangles) == 0:
         return np.zeros(0, bool)

@@ -1,4 +1,4 @@
-"""Compiles a procedure and its epochs to the program that the daemon is told: per frame, the constraints."""
+"""Compile a procedure and its epochs to the program that the daemon is told: per frame, the constraints."""
 
 from __future__ import annotations
 
@@ -11,11 +11,13 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from lappet.core.problem import RefusedError
+from lappet.core.problem import Place, refused
+from lappet.core.problem_code import ProblemCode
 from lappet.cutting.epoch import Epoch
 from lappet.cutting.epochs import build_epochs
 from lappet.geometry.rigid_motion import RigidMotion
 from lappet.procedure import Event, Hook, Landmark, Point, Procedure, Retractor, Suture
+from lappet.procedure.prim_paths import ROOT
 from lappet.program.anchors import AnchorTie, Tied, TissueLoss
 from lappet.program.bones import over_bone, united_bones
 from lappet.program.materials import activation, materials_in_use, parameters, region_program
@@ -33,18 +35,42 @@ def compile_program(
     until: float | None = None,
     **settings: Any,
 ) -> Program:
-    """The program of a procedure: a frame for every integer time code from its start to its end.
+    """Compile a procedure: a frame for every integer time code from its start to its end.
 
-    epochs: those of `lappet.cutting.epochs`, in order (made here when None). spacing: lattice edge in mm (the tissue's
-    when None). until: leave out frames after this time code. settings: other fields of `SolverSettings`. A frame
-    belongs to the last epoch that starts at or before it. Hook targets are linear between samples and held at the
-    ends; a hook or
-    retractor acts from `start` until before `release`; a suture from `start` on, its closure growing linearly over
-    `duration`.
+    A frame belongs to the last epoch that starts at or before it. Hook targets are linear between samples and held at
+    the ends. A hook or retractor acts from `start` until before `release`; a suture from `start` on, its closure
+    growing linearly over `duration`.
 
-    Raises RefusedError naming the prim where an anchor is off the tissue or its tissue is excised, two retractors grip
-    one face, a motion is not rigid, a bone is not closed, the timeline has no frame, or a material or the faces of a
-    region are not there.
+    Parameters
+    ----------
+    procedure
+        The procedure.
+    epochs
+        Its epochs in order, as `lappet.cutting.epochs` makes them; made here when None.
+    spacing
+        Lattice spacing in mm; the tissue's when None.
+    tolerance
+        Relative residual at which a frame has converged.
+    quadrature
+        Quadrature points of a cell: 1, 4 or 8.
+    precision
+        Arithmetic of the solver.
+    until
+        Time code after which frames are left out.
+    **settings
+        Other fields of `SolverSettings`.
+
+    Returns
+    -------
+    Program
+        The program.
+
+    Raises
+    ------
+    RefusedError
+        If an anchor is off the tissue or its tissue is excised, two retractors grip one face, a motion is not rigid, a
+        bone is not closed, the timeline has no frame, or a material or the faces of a region are not there; names the
+        prim.
     """
     if spacing is None:
         spacing = procedure.tissue.spacing
@@ -137,13 +163,27 @@ def compile_program(
 
 
 def frame_times(procedure: Procedure) -> list[int]:
-    """The integer time codes from the procedure's start to its end; raises RefusedError where there are none."""
+    """List the integer time codes from the procedure's start to its end.
+
+    Parameters
+    ----------
+    procedure
+        The procedure.
+
+    Returns
+    -------
+    list[int]
+        The time codes.
+
+    Raises
+    ------
+    RefusedError
+        If there is none.
+    """
     first, last = math.ceil(procedure.start_time), math.floor(procedure.end_time)
     if first > last:
-        raise RefusedError(
-            f"The timeline has no frame: it runs from {procedure.start_time:g} to {procedure.end_time:g}; "
-            "set endTimeCode to startTimeCode or later."
-        )
+        start, end = procedure.start_time, procedure.end_time
+        raise refused(ProblemCode.TIMELINE_NO_FRAME, ROOT, f"{start:g} to {end:g}", start=start, end=end)
     return list(range(first, last + 1))
 
 
@@ -169,10 +209,8 @@ def _refuse_off_tissue(procedure: Procedure, loss: TissueLoss) -> None:
     for (event, points), distances in zip(placed, np.split(every, ends[:-1]), strict=True):
         if loss.is_off(distances).any():
             worst = int(np.argmax(distances))
-            raise RefusedError(
-                f"{_path(event)}: the point {_mm(points[worst])} is {distances[worst]:.3g} mm off the tissue; "
-                "move it onto the rest surface."
-            )
+            at, code = points[worst], ProblemCode.PROGRAM_POINT_OFF_TISSUE
+            raise refused(code, _path(event), _mm(at), place=Place.at(at), off=distances[worst])
 
 
 def _tied(
@@ -195,16 +233,12 @@ def _tied(
     tied = every[rows]
     lost = np.flatnonzero(is_lost[rows])
     if len(lost):
-        where = _mm(points[lost[0]])
-        remedy = "start it before and release it by then" if isinstance(event, Hook) else "move the anchor or delete it"
-        raise RefusedError(
-            f"{_path(event)}: its anchor {where} lies in tissue that is excised by time {acts[0]}; {remedy}."
-        )
+        at, hook = points[lost[0]], isinstance(event, Hook)
+        code = ProblemCode.PROGRAM_HOOK_EXCISED if hook else ProblemCode.PROGRAM_ANCHOR_EXCISED
+        raise refused(code, _path(event), _mm(at), place=Place.at(at), time=acts[0])
     if len(points) == 2 and float(np.linalg.norm(tied.point[0] - tied.point[1])) == 0.0:
-        raise RefusedError(
-            f"{_path(event)}: both anchors fall on the point {_mm(tied.point[0])} of the tissue; "
-            "put them on the two edges of the wound."
-        )
+        at, code = tied.point[0], ProblemCode.PROGRAM_ANCHORS_FALL_TOGETHER
+        raise refused(code, _path(event), _mm(at), place=Place.at(at))
     return tied
 
 
@@ -224,7 +258,7 @@ def _hook_arrays(
 
 def _target(hook: Hook, time: float) -> NDArray[np.float64]:
     if not hook.targets:
-        raise RefusedError(f"{_path(hook)}: it has no target; author a translate for it.")
+        raise refused(ProblemCode.HOOK_NO_TARGET, _path(hook))
     samples = sorted(hook.targets)
     when = [sample[0] for sample in samples]
     where = np.array([sample[1] for sample in samples], np.float64)
@@ -251,10 +285,7 @@ def _closure(suture: Suture, time: float) -> float:
 
 
 def _motion(retractor: Retractor) -> RigidMotion:
-    try:
-        return RigidMotion(retractor.motion)
-    except ValueError as error:
-        raise RefusedError(f"{_path(retractor)}: {error}") from error
+    return RigidMotion(retractor.motion, _path(retractor))
 
 
 def _retractor_arrays(
@@ -279,21 +310,14 @@ def _grips(epoch: Epoch, retractors: Sequence[Retractor], own: Sequence[int]) ->
             continue
         mask = surface.grips.get(retractor.grip)
         if mask is None:
-            raise RefusedError(
-                f"{_path(retractor)}: it grips the subset {retractor.grip!r}, which the tissue does not have; "
-                "name one of its GeomSubsets."
-            )
+            known = ", ".join(surface.grips) or "none"
+            raise refused(ProblemCode.GRIP_UNKNOWN, _path(retractor), retractor.grip, known=known)
         if not mask.any():
-            raise RefusedError(
-                f"{_path(retractor)}: no face of its subset {retractor.grip!r} is left at time {acts[0]}; "
-                "release it before its tissue is excised."
-            )
+            raise refused(ProblemCode.GRIP_EXCISED, _path(retractor), retractor.grip, time=acts[0])
         taken = np.unique(grip[mask & (grip >= 0)])
         if len(taken):
-            raise RefusedError(
-                f"{_path(retractor)}: it grips faces that {_path(retractors[int(taken[0])])} grips too while the "
-                "tissue's topology is the same; give each a subset of its own."
-            )
+            other = _path(retractors[int(taken[0])])
+            raise refused(ProblemCode.GRIP_SHARED, _path(retractor), retractor.grip, other=other)
         grip[mask] = i
     return grip
 

@@ -25,7 +25,20 @@ _SIZE = 32
 
 
 def frame_keys(program: Program, solver: str) -> tuple[str, ...]:
-    """The key of every frame, in order, as 64 hexadecimal digits. solver: identifies the daemon that would solve it."""
+    """Compute the content key of every frame.
+
+    Parameters
+    ----------
+    program
+        The program.
+    solver
+        What identifies the daemon that would solve it.
+
+    Returns
+    -------
+    tuple[str, ...]
+        Keys in the frames' order, each of 64 hexadecimal digits.
+    """
     settings = settings_digest(program.settings, solver) + bones_digest(program.bones)
     epochs = {
         epoch.index: epoch_digest(epoch, grip, landmarks)
@@ -41,21 +54,60 @@ def frame_keys(program: Program, solver: str) -> tuple[str, ...]:
 
 
 def settings_digest(settings: SolverSettings, solver: str) -> bytes:
-    """The digest of the settings that change a solution, and of the solver."""
+    """Compute the digest of the settings that change a solution, and of the solver.
+
+    Parameters
+    ----------
+    settings
+        The settings.
+    solver
+        What identifies the solver.
+
+    Returns
+    -------
+    bytes
+        The digest.
+    """
     names = sorted(item.name for item in fields(settings) if item.name not in NOT_IN_KEY)
     lines = [f"{name}={getattr(settings, name)!r}" for name in names]
     return _digest(b"settings", solver.encode(), *(line.encode() for line in lines))
 
 
 def bones_digest(bones: Bones) -> bytes:
-    """The digest of the bones that the message `open` carries; empty where there are none."""
+    """Compute the digest of the bones that the message `open` carries.
+
+    Parameters
+    ----------
+    bones
+        The bones.
+
+    Returns
+    -------
+    bytes
+        The digest; empty where there are none.
+    """
     if len(bones.triangles) == 0:
         return b""
     return _arrays(b"bones", [(bones.points, "<f8"), (bones.triangles, "<i4")])
 
 
 def epoch_digest(epoch: Epoch, grip: NDArray[np.int32], landmarks: Landmarks) -> bytes:
-    """The digest of what the message `epoch` carries, but for its index."""
+    """Compute the digest of what the message `epoch` carries, but for its index.
+
+    Parameters
+    ----------
+    epoch
+        The epoch.
+    grip
+        Retractor that grips each triangle, or -1, shape (m,).
+    landmarks
+        The landmarks that the epoch's tissue holds.
+
+    Returns
+    -------
+    bytes
+        The digest.
+    """
     surface, regions = epoch.surface, epoch.regions
     return _arrays(
         b"epoch",
@@ -78,7 +130,18 @@ def epoch_digest(epoch: Epoch, grip: NDArray[np.int32], landmarks: Landmarks) ->
 
 
 def constraints_digest(frame: FrameConstraints) -> bytes:
-    """The digest of what the message `solve` carries."""
+    """Compute the digest of what the message `solve` carries.
+
+    Parameters
+    ----------
+    frame
+        The frame's constraints.
+
+    Returns
+    -------
+    bytes
+        The digest.
+    """
     arrays: list[tuple[Any, str]] = [(np.float64(frame.time), "<f8")]
     for item in fields(frame):
         value = getattr(frame, item.name)

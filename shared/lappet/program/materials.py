@@ -7,29 +7,57 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from lappet.core.problem import RefusedError
+from lappet.core.problem import refused
+from lappet.core.problem_code import ProblemCode
 from lappet.cutting.epoch import Regions
 from lappet.geometry.labelled_surface import FaceOrigin
 from lappet.procedure import Material, Procedure
+from lappet.procedure.prim_paths import MATERIALS, TISSUE
 from lappet.program.program import MaterialParameters
 from lappet.tissue.surface import tissue_surface
 
-_TISSUE = "/Procedure/Tissue"
-
 
 def materials_in_use(procedure: Procedure) -> tuple[Material, ...]:
-    """The tissue's material, then those of its regions, each once. Raises RefusedError for one that is not there."""
-    known = {material.name for material in procedure.materials}
-    users = [(_TISSUE, procedure.tissue.material)]
-    users += [(f"{_TISSUE}/{region.faces}", region.material) for region in procedure.tissue.regions]
+    """List the tissue's material, then those of its regions.
+
+    Parameters
+    ----------
+    procedure
+        The procedure.
+
+    Returns
+    -------
+    tuple[Material, ...]
+        Each material once.
+
+    Raises
+    ------
+    RefusedError
+        If one is not there.
+    """
+    known = [material.name for material in procedure.materials]
+    users = [(TISSUE, procedure.tissue.material)]
+    users += [(f"{TISSUE}/{region.faces}", region.material) for region in procedure.tissue.regions]
     for path, name in users:
+        code = ProblemCode.TISSUE_MATERIAL_UNKNOWN if path == TISSUE else ProblemCode.REGION_MATERIAL_UNKNOWN
         if name not in known:
-            raise RefusedError(f"{path}: its material {name!r} is not under /Procedure/Materials; add it.")
+            raise refused(code, path, name, materials=MATERIALS, known=", ".join(known) or "none")
     return procedure.materials_in_use()
 
 
 def parameters(material: Material) -> MaterialParameters:
-    """A material as the daemon is told it: what has no effect is as in any other, so that it changes no key."""
+    """Translate a material for the daemon; what has no effect is as in any other material, so that it changes no key.
+
+    Parameters
+    ----------
+    material
+        The material.
+
+    Returns
+    -------
+    MaterialParameters
+        Its parameters.
+    """
     fibres, plain = material.has_fibers, MaterialParameters()
     direction = np.asarray(material.fiber_direction, np.float64)
     x, y, z = (
@@ -51,7 +79,20 @@ def parameters(material: Material) -> MaterialParameters:
 
 
 def activation(materials: Sequence[Material], time: float) -> NDArray[np.float64]:
-    """How active each material's muscle is at a time code, (M,) in 0 to 1; (0,) where no material has any muscle."""
+    """Compute how active each material's muscle is.
+
+    Parameters
+    ----------
+    materials
+        The materials.
+    time
+        Time code.
+
+    Returns
+    -------
+    NDArray[np.float64]
+        Activation from 0 to 1, shape (M,); shape (0,) where no material has any muscle.
+    """
     if not any(material.has_muscle for material in materials):
         return np.zeros(0)
     return np.array([_activation(material, time) for material in materials])
@@ -65,10 +106,25 @@ def _activation(material: Material, time: float) -> float:
 
 
 def region_program(procedure: Procedure, materials: Sequence[Material]) -> Regions:
-    """The regions of the tissue over the triangles of its uncut skin.
+    """Lay the regions of the tissue over the triangles of its uncut skin.
 
-    Nothing for a tissue without regions whose materials have no direction: then the skin is not needed. materials: the
-    table that the regions index. Raises RefusedError for a region whose face subset is not there.
+    Parameters
+    ----------
+    procedure
+        The procedure.
+    materials
+        The table of materials that the regions index.
+
+    Returns
+    -------
+    Regions
+        The regions; nothing for a tissue without regions whose materials have no direction, where the skin is not
+        needed.
+
+    Raises
+    ------
+    RefusedError
+        If a region's face subset is not there.
     """
     tissue = procedure.tissue
     if not tissue.regions and not any(material.has_direction for material in materials):
@@ -77,10 +133,8 @@ def region_program(procedure: Procedure, materials: Sequence[Material]) -> Regio
     skin = surface.origin == FaceOrigin.SKIN
     for region in tissue.regions:
         if region.faces not in surface.grips:
-            raise RefusedError(
-                f"{_TISSUE}/{region.faces}: a region needs a face subset of its own; name one of "
-                f"{', '.join(surface.grips) or 'those that you add'}."
-            )
+            known = ", ".join(surface.grips) or "none"
+            raise refused(ProblemCode.REGION_NO_SUBSET, f"{TISSUE}/{region.faces}", repr(region.faces), known=known)
     used, triangles = np.unique(surface.triangles[skin], return_inverse=True)
     names = [material.name for material in materials]
     return Regions(

@@ -15,7 +15,30 @@ from lappet.cutting.epoch import Epoch, no_entries
 class MaterialParameters:
     """A material as the daemon is told it: a map of the list `materials` of `open` (PROTOCOL.md).
 
-    youngs_modulus, fibre_k1, muscle_stress: kPa. density: kg/m³. fibre_direction: of length 1.
+    Parameters
+    ----------
+    model
+        Name of the model.
+    youngs_modulus
+        Young's modulus in kPa.
+    poissons_ratio
+        Poisson's ratio.
+    density
+        Density in kg/m³.
+    mooney_ratio
+        Ratio μ₀₁/μ₁₀.
+    fibre_direction
+        Unit vector along the fibers at rest.
+    fibre_k1
+        Stiffness of the fibers in kPa; 0 for none.
+    fibre_k2
+        How the fibers stiffen, without unit.
+    fibre_dispersion
+        Dispersion of the fibers, 0 to 1/3.
+    muscle_stress
+        Greatest isometric stress of muscle in kPa; 0 for no muscle.
+    prestretch
+        In-vivo stretch along and across the direction.
     """
 
     model: str = "neoHookean"
@@ -35,7 +58,12 @@ class MaterialParameters:
 class Bones:
     """What the tissue may not enter: all bones as one closed triangle surface; without triangles: none.
 
-    points: (b, 3) float64, mm. triangles: (c, 3) int32.
+    Parameters
+    ----------
+    points
+        Vertices in mm, shape (b, 3), float64.
+    triangles
+        Vertex indices, shape (c, 3), int32.
     """
 
     points: NDArray[np.float64] = field(default_factory=lambda: no_entries((0, 3), np.float64))
@@ -46,14 +74,48 @@ class Bones:
 class SolverSettings:
     """How a session solves: `settings` and `materials` of `open` (PROTOCOL.md).
 
-    spacing: lattice edge, mm. fine_ratio: fine voxels per lattice edge. origin: a grid point, mm. quadrature: points
-    per cell (1, 4 or 8). precision: "float" or "double". tolerance: residual over force scale. gap_tolerance: largest
-    suture and grip gap as a fraction of the spacing. bed_stiffness: kPa/mm. gravity: m/s². time_budget: s per frame, 0
-    = none. memory_budget: bytes. threads: 0 = all. sutures, retractors: their numbers in the whole procedure.
-    preconditioner: "chebyshev" leaves out the coarse space. correction: frames carry the Newton step left over, from
-    which the algebraic error is estimated. strain: frames carry strain, stress and tension. region: "auto"
-    solves a frame where its changes reach, "whole" everywhere. materials: the tissue's first, then those of its
-    regions.
+    Parameters
+    ----------
+    spacing
+        Edge of the lattice's cells in mm.
+    fine_ratio
+        Fine voxels per lattice edge.
+    origin
+        A point of the grid in mm.
+    quadrature
+        Quadrature points of a cell: 1, 4 or 8.
+    precision
+        Arithmetic of the solver.
+    tolerance
+        Residual over force scale at which a frame has converged.
+    gap_tolerance
+        Largest suture and grip gap, as a fraction of the spacing.
+    max_newton
+        Newton iterations of a frame at most.
+    bed_stiffness
+        Stiffness of the bed in kPa/mm.
+    gravity
+        Gravity in m/s².
+    time_budget
+        Seconds per frame; 0 for no limit.
+    memory_budget
+        Memory in bytes.
+    threads
+        Number of threads; 0 for all.
+    sutures
+        Number of sutures in the whole procedure.
+    retractors
+        Number of retractors in the whole procedure.
+    preconditioner
+        The preconditioner; "chebyshev" leaves out the coarse space.
+    correction
+        Whether frames carry the Newton step left over, from which the algebraic error is estimated.
+    strain
+        Whether frames carry strain, stress and tension.
+    region
+        Where a frame is solved: "auto" where its changes reach, "whole" everywhere.
+    materials
+        The tissue's material first, then those of its regions.
     """
 
     spacing: float = 1.0
@@ -82,16 +144,39 @@ class SolverSettings:
 class FrameConstraints:
     """What acts on the tissue in one frame: the arrays of the message `solve` (PROTOCOL.md) under their own names.
 
-    time: time code. epoch: index of the epoch that the frame belongs to.
+    There are H hooks, A sutures that are placed by now, R active retractors and M materials.
 
-    Hooks (H): hook_anchors (H, 3) float64 rest points in mm; hook_triangles (H,) int32, the triangle of the epoch's
-    surface under each; hook_targets (H, 3) float64 mm; hook_stiffness (H,) float64 mN/mm.
-    Sutures placed by now (A): suture_index (A,) int32 in the procedure; suture_anchors (A, 2, 3) float64 rest points;
-    suture_triangles (A, 2) int32; suture_closure (A,) float64, 0 = as placed, 1 = drawn together; suture_stiffness (A,)
-    float64 mN/mm.
-    Active retractors (R): retractor_index (R,) int32; retractor_motion (R, 4, 4) float64, column-vector convention (the
-    translation is the last column, mm), relative to the retractor's start.
-    activation (M,) float64, 0 to 1: of each material's muscle; empty where no material has any.
+    Parameters
+    ----------
+    time
+        Time code.
+    epoch
+        Index of the epoch that the frame belongs to.
+    hook_anchors
+        Rest points in mm, shape (H, 3), float64.
+    hook_triangles
+        Triangle of the epoch's surface under each, shape (H,), int32.
+    hook_targets
+        Targets in mm, shape (H, 3), float64.
+    hook_stiffness
+        Stiffness in mN/mm, shape (H,), float64.
+    suture_index
+        Index of each suture in the procedure, shape (A,), int32.
+    suture_anchors
+        Rest points in mm, shape (A, 2, 3), float64.
+    suture_triangles
+        Triangles under them, shape (A, 2), int32.
+    suture_closure
+        Closure from 0 (as placed) to 1 (drawn together), shape (A,), float64.
+    suture_stiffness
+        Stiffness in mN/mm, shape (A,), float64.
+    retractor_index
+        Index of each retractor in the procedure, shape (R,), int32.
+    retractor_motion
+        Motion relative to the retractor's start, shape (R, 4, 4), float64, column-vector convention (the translation is
+        the last column, mm).
+    activation
+        Activation of each material's muscle from 0 to 1, shape (M,), float64; empty where no material has any.
     """
 
     time: float
@@ -114,8 +199,14 @@ class FrameConstraints:
 class Landmarks:
     """The landmarks that an epoch's tissue still holds.
 
-    index: (k,) int32 into `Program.landmarks`. points: (k, 3) float64 rest points, mm. triangles: (k,) int32, the
-    triangle of the epoch's surface under each.
+    Parameters
+    ----------
+    index
+        Index of each in `Program.landmarks`, shape (k,), int32.
+    points
+        Rest points in mm, shape (k, 3), float64.
+    triangles
+        Triangle of the epoch's surface under each, shape (k,), int32.
     """
 
     index: NDArray[np.int32] = field(default_factory=lambda: no_entries((0,), np.int32))
@@ -127,13 +218,38 @@ class Landmarks:
 class Program:
     """A compiled procedure (`lappet.program.compile.compile_program`).
 
-    epochs: in order of time. frames: one per integer time code. bones: the same in all of them. active_hooks: per frame
-    the (H,) indices into `hooks` of the rows of its hook arrays. grips: per epoch (m,) int32, the retractor that grips
-    each triangle, or -1; only retractors that act in the epoch. landmarks_at: per epoch. fps: time codes per second.
+    Hooks are in the procedure's order; sutures and retractors are in order of their start, so that what is added to the
+    end of the timeline renumbers nothing before it.
 
-    Names of prims: hooks in the procedure's order; sutures and retractors in order of their start, so that what is
-    added to the end of the timeline renumbers nothing before it. landmarks: a label per landmark point. notes:
-    sentences about what the procedure holds and the solve leaves out.
+    Parameters
+    ----------
+    epochs
+        Epochs in order of time.
+    frames
+        Constraints for every integer time code.
+    settings
+        How the session solves.
+    bones
+        The bones, the same in all frames.
+    fps
+        Time codes per second.
+    hooks
+        Names of the hooks.
+    sutures
+        Names of the sutures.
+    retractors
+        Names of the retractors.
+    landmarks
+        A label per landmark point.
+    active_hooks
+        For each frame the indices in `hooks` of the rows of its hook arrays, each of shape (H,).
+    grips
+        For each epoch the retractor that grips each triangle, or -1, each of shape (m,), int32; only retractors that
+        act in the epoch.
+    landmarks_at
+        Landmarks of each epoch.
+    notes
+        Sentences about what the procedure holds and the solve leaves out.
     """
 
     epochs: tuple[Epoch, ...]

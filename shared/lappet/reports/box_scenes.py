@@ -23,10 +23,46 @@ SKIN = MaterialParameters(model="neoHookean", youngs_modulus=50.0, poissons_rati
 
 @dataclass(frozen=True)
 class BoxScene:
-    """A scene. size: mm. divisions: of the surface grid along each axis. fixed, bedded, gripped: sides, 2 axis + (0
-    low, 1 high). bed_stiffness: kPa/mm. motion: of the gripped side, 4x4, column vectors. shape: moves grid points
-    (n, 3) of the box to the tissue. widest_edge: degrees, the widest angle between a clamped side and a free one.
-    spacings, reference, smooth, every_combination: see `lappet.reports.error_time.measurement.Scene`, mm.
+    """A scene whose tissue is a box or a tapered plate.
+
+    Parameters
+    ----------
+    name
+        Name of the scene.
+    what
+        What it is, for people.
+    size
+        Extent in mm.
+    divisions
+        Divisions of the surface grid along each axis.
+    fixed
+        Sides that are held, 2 axis + (0 low, 1 high).
+    bedded
+        Sides that are on a bed.
+    bed_stiffness
+        Stiffness of the bed in kPa/mm.
+    gripped
+        Sides that are gripped.
+    motion
+        Motion of the gripped side, shape (4, 4), column vectors.
+    gravity
+        Gravity in m/s².
+    material
+        The material.
+    shape
+        Moves grid points of the box, shape (n, 3), to the tissue; None leaves them.
+    spacings
+        Lattice spacings of the report in mm.
+    reference
+        Three spacings in mm, see `lappet.reports.error_time.measurement.Scene`.
+    widest_edge
+        Widest angle between a clamped side and a free one in degrees.
+    is_box
+        Whether the tissue is a box.
+    smooth
+        Whether nothing lowers its order.
+    every_combination
+        Whether settings are not only varied alone.
     """
 
     name: str
@@ -50,13 +86,24 @@ class BoxScene:
 
     @property
     def edge_exponent(self) -> float | None:
-        """Of the displacement where a clamped side meets a free one; None where nothing is clamped."""
+        """Exponent of the displacement where a clamped side meets a free one; None where nothing is clamped."""
         if not self.fixed and not self.gripped:
             return None
         return edge_exponent(self.material.poissons_ratio, self.widest_edge)
 
     def away(self, points: NDArray[np.float64]) -> NDArray[np.bool_]:
-        """Which points (n, 3) are a quarter of the length or more away from every held, bedded or gripped side."""
+        """Find points that are a quarter of the length or more away from every held, bedded or gripped side.
+
+        Parameters
+        ----------
+        points
+            Points in mm, shape (n, 3).
+
+        Returns
+        -------
+        NDArray[np.bool_]
+            Which are, shape (n,).
+        """
         far = np.ones(len(points), np.bool_)
         for side in (*self.fixed, *self.bedded, *self.gripped):
             length = self.size[side // 2]
@@ -65,7 +112,20 @@ class BoxScene:
         return far
 
     def program(self, spacing: float, **settings: Any) -> Program:
-        """The scene at a spacing; settings: other fields of `SolverSettings`."""
+        """Make the scene at a spacing.
+
+        Parameters
+        ----------
+        spacing
+            Lattice spacing in mm.
+        **settings
+            Other fields of `SolverSettings`.
+
+        Returns
+        -------
+        Program
+            The program.
+        """
         surface, side = grid_box(self.size, self.divisions)
         points = surface.points if self.shape is None else self.shape(surface.points)
         surface = replace(surface, points=points, fixed=np.isin(side, self.fixed), bed=np.isin(side, self.bedded))
@@ -94,7 +154,20 @@ class BoxScene:
 
 
 def grid_box(size: Sequence[float], divisions: Sequence[int]) -> tuple[Surface, NDArray[np.int64]]:
-    """A closed box with a corner at the origin whose sides are grids of triangles, and each triangle's side."""
+    """Make a closed box with a corner at the origin whose sides are grids of triangles.
+
+    Parameters
+    ----------
+    size
+        Extent in mm.
+    divisions
+        Divisions along each axis.
+
+    Returns
+    -------
+    tuple[Surface, NDArray[np.int64]]
+        The surface, and each triangle's side.
+    """
     index: dict[tuple[int, int, int], int] = {}
 
     def vertex(i: int, j: int, k: int) -> int:
@@ -124,12 +197,23 @@ def grid_box(size: Sequence[float], divisions: Sequence[int]) -> tuple[Surface, 
 
 
 def stretched(by: float) -> NDArray[np.float64]:
-    """The motion, 4x4, of an end drawn `by` mm along x."""
+    """Make the motion of an end drawn along x.
+
+    Parameters
+    ----------
+    by
+        Distance in mm.
+
+    Returns
+    -------
+    NDArray[np.float64]
+        Motion, shape (4, 4), column vectors.
+    """
     return _motion((by, 0.0, 0.0))
 
 
 def _motion(shift: Sequence[float], turn: float = 0.0, centre: Sequence[float] = (0.0, 0.0, 0.0)) -> NDArray[Any]:
-    """Turns about the x axis through `centre` by `turn` degrees, then shifts by mm."""
+    """Turn about the x axis through `centre` by `turn` degrees, then shift by mm."""
     angle = math.radians(turn)
     motion = np.eye(4)
     motion[1:3, 1:3] = [[math.cos(angle), -math.sin(angle)], [math.sin(angle), math.cos(angle)]]

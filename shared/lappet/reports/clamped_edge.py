@@ -12,10 +12,23 @@ import numpy as np
 
 
 def edge_exponent(poissons_ratio: float, angle: float = 90.0) -> float:
-    """The exponent a of plane strain in a corner of `angle` degrees, at most 1, where nothing is singular any more.
+    """Compute how singular plane strain is in a corner where a held side meets a free one.
 
-    The least root of sin²(a w) = (4 (1 - nu)² - a² sin² w) / (3 - 4 nu) (Williams 1952, J Appl Mech 19:526; clamped and
-    free side): 0.71 at 90° and nu = 0.3, 0.62 at nu = 0.45. At nu = 0 it is 1: what is pulled does not get narrower.
+    The exponent is the least root of sin²(a w) = (4 (1 - nu)² - a² sin² w) / (3 - 4 nu) (Williams 1952, J Appl Mech
+    19:526; clamped and free side): 0.71 at 90° and nu = 0.3, 0.62 at nu = 0.45. At nu = 0 it is 1: what is pulled does
+    not get narrower.
+
+    Parameters
+    ----------
+    poissons_ratio
+        Poisson's ratio nu.
+    angle
+        Angle w of the corner in degrees.
+
+    Returns
+    -------
+    float
+        The exponent a, at most 1, where nothing is singular any more.
     """
     turn = math.radians(angle)
     exponents = np.linspace(0.01, 1.0, 9901)

@@ -12,22 +12,39 @@ from typing import Any
 
 from lappet.bench.circumstances import circumstances, cores
 from lappet.bench.tables import markdown_table
+from lappet.core.problem import refused
+from lappet.core.problem_code import ProblemCode
 from lappet.daemon.client import SolverClient
-from lappet.reports.report_error import ReportError
 
 __all__ = ["described", "head", "make_folder", "markdown_table", "write_csv", "write_json"]
 
 
 def head() -> dict[str, Any]:
-    """Machine, compiler, instruction set, threads, revision and date, as the daemon that is installed says."""
+    """Gather machine, compiler, instruction set, threads, revision and date, as the installed daemon says.
 
+    Returns
+    -------
+    dict[str, Any]
+        Values that JSON can hold.
+    """
     with SolverClient() as client:
         welcome = client.welcome
     return circumstances({name: str(welcome[name]) for name in ("compiler", "isa")}, cores())
 
 
 def described(head: Mapping[str, Any]) -> str:
-    """The same for people, a line."""
+    """Say the same for people.
+
+    Parameters
+    ----------
+    head
+        What a report starts with.
+
+    Returns
+    -------
+    str
+        A line of text.
+    """
     machine = head["machine"]
     return (
         f"{machine['processor']}, {machine['cores']} cores, {machine['memory_bytes'] / 2**30:.0f} GiB; "
@@ -36,21 +53,52 @@ def described(head: Mapping[str, Any]) -> str:
 
 
 def make_folder(folder: Path) -> None:
-    """Makes the folder of a report. Raises ReportError where it cannot be."""
+    """Make the folder of a report.
+
+    Parameters
+    ----------
+    folder
+        The folder.
+
+    Raises
+    ------
+    RefusedError
+        If it cannot be made.
+    """
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise ReportError(f"The folder {folder} cannot be made ({error.strerror}); choose another.") from error
+        raise refused(ProblemCode.REPORT_FOLDER, folder, error.strerror) from error
 
 
 def write_json(path: Path, head: Mapping[str, Any], rows: Sequence[Any], **more: Any) -> None:
-    """`head`, then `rows` as maps, then what else there is; numbers that are not finite become null."""
+    """Write a report's JSON; numbers that are not finite become null.
+
+    Parameters
+    ----------
+    path
+        The file.
+    head
+        What it starts with.
+    rows
+        Rows, written as maps.
+    **more
+        What else there is.
+    """
     values = _plain({**head, "rows": list(rows), **more})
     path.write_text(json.dumps(values, indent=1, ensure_ascii=False, allow_nan=False) + "\n", encoding="utf-8")
 
 
 def write_csv(path: Path, rows: Sequence[Any]) -> None:
-    """The rows (of one dataclass), a line each."""
+    """Write rows, a line each.
+
+    Parameters
+    ----------
+    path
+        The file.
+    rows
+        Rows of one dataclass.
+    """
     with path.open("w", newline="", encoding="utf-8") as file:
         lines = [_plain(row) for row in rows]
         if lines:

@@ -22,6 +22,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from lappet.core.problem import Problem, problem
+from lappet.core.problem_code import ProblemCode
 from lappet.cutting.epoch import Epoch
 from lappet.daemon.frame_solver import Connect
 from lappet.geometry.labelled_surface import FaceOrigin
@@ -46,10 +48,26 @@ SUTURED_TOLERANCE, SUTURED_GAP = 1e-2, 1e-1
 
 @dataclass(frozen=True)
 class FrameErrorEstimate:
-    """The estimated displacement error of a frame in mm: greatest and root mean square over the skin's vertices.
+    """The estimated displacement error of a frame over the skin's vertices.
 
-    landmarks: per landmark of the frame, in the order of its array. A part that could not be had is None; the totals
-    are those of the sum, as vectors, of the parts that are there.
+    A part that could not be had is None; the totals are those of the sum, as vectors, of the parts that are there.
+
+    Parameters
+    ----------
+    greatest
+        Greatest error in mm.
+    rms
+        Root mean square error in mm.
+    algebraic_greatest
+        Greatest error of stopping early in mm.
+    algebraic_rms
+        Root mean square error of stopping early in mm.
+    discretization_greatest
+        Greatest error of the lattice in mm.
+    discretization_rms
+        Root mean square error of the lattice in mm.
+    landmarks
+        Error of each landmark of the frame in mm, in the order of its array.
     """
 
     greatest: float
@@ -63,19 +81,44 @@ class FrameErrorEstimate:
 
 @dataclass(frozen=True)
 class ErrorEstimate:
-    """The estimate of a solve. frames: one per frame, None where there is none. spacing: of the coarse program, mm.
-    order: that was reckoned with. seconds: that it took. reason: why frames lack the discretization part, or None.
+    """The estimate of a solve.
+
+    Parameters
+    ----------
+    frames
+        One per frame, None where there is none.
+    spacing
+        Spacing of the coarse program in mm.
+    order
+        Order of convergence that was reckoned with.
+    seconds
+        Time that the estimate took.
+    reason
+        Why frames lack the discretization part, or None.
     """
 
     frames: tuple[FrameErrorEstimate | None, ...]
     spacing: float
     order: float
     seconds: float
-    reason: str | None = None
+    reason: Problem | None = None
 
 
 def expected_order(program: Program, lattice: Mapping[str, Any] | None = None) -> float:
-    """The order of convergence to reckon with. lattice: the counts of the message `lattice` where they are known."""
+    """Choose the order of convergence to reckon with.
+
+    Parameters
+    ----------
+    program
+        The program.
+    lattice
+        Counts of the message `lattice` where they are known.
+
+    Returns
+    -------
+    float
+        The order.
+    """
     wounded = (
         len(program.epochs) > 1
         or any(np.any(epoch.surface.origin == FaceOrigin.WOUND_WALL) for epoch in program.epochs)
@@ -96,7 +139,18 @@ def expected_order(program: Program, lattice: Mapping[str, Any] | None = None) -
 
 
 def coarse_program(program: Program) -> Program:
-    """The program on a lattice of `RATIO` times the spacing: the same surfaces and constraints."""
+    """Make the program on a lattice of `RATIO` times the spacing, with the same surfaces and constraints.
+
+    Parameters
+    ----------
+    program
+        The program.
+
+    Returns
+    -------
+    Program
+        The coarse program.
+    """
     settings = program.settings
     sutured = bool(program.sutures)
     return replace(
@@ -114,7 +168,18 @@ def coarse_program(program: Program) -> Program:
 
 
 def far_coarse_program(program: Program) -> Program | None:
-    """The program of the second indicator, or None where the estimate does without."""
+    """Make the program of the second indicator.
+
+    Parameters
+    ----------
+    program
+        The program.
+
+    Returns
+    -------
+    Program | None
+        The program, or None where the estimate does without.
+    """
     if program.settings.quadrature != 1 or expected_order(program) == WOUNDED_ORDER:
         return None
     near = coarse_program(program)
@@ -123,7 +188,18 @@ def far_coarse_program(program: Program) -> Program | None:
 
 
 def coarse_programs(program: Program) -> tuple[Program, ...]:
-    """All programs that the estimate solves besides."""
+    """List all programs that the estimate solves besides.
+
+    Parameters
+    ----------
+    program
+        The program.
+
+    Returns
+    -------
+    tuple[Program, ...]
+        The programs.
+    """
     far = far_coarse_program(program)
     return (coarse_program(program),) if far is None else (coarse_program(program), far)
 
@@ -136,11 +212,31 @@ def estimate_errors(
     solver: str,
     watch: SolveObserver | None = None,
 ) -> ErrorEstimate:
-    """The estimate for solved frames of a program, the first ones in order.
+    """Estimate the errors of solved frames.
 
     The coarse programs' frames are looked up in and kept in the store like any others. Ctrl-C ends the coarse program
     and leaves the rest of the frames without their discretization part. Without its second indicator a frame has the
     first alone.
+
+    Parameters
+    ----------
+    program
+        The program.
+    frames
+        Solved frames, the first ones in order.
+    store
+        Where frames are kept.
+    connect
+        Makes the solver.
+    solver
+        What identifies it.
+    watch
+        Is told how the coarse solves go.
+
+    Returns
+    -------
+    ErrorEstimate
+        The estimate.
     """
     begun = time.perf_counter()
     known = replace(program, frames=program.frames[: len(frames)])
@@ -157,7 +253,8 @@ def estimate_errors(
     ]
     reason = None
     if len(solved.frames) < len(frames):
-        reason = f"At {partner.settings.spacing:g} mm, for the estimate of the error: {solved.reason}"
+        at = partner.settings.spacing
+        reason = problem(ProblemCode.ESTIMATE_MISSING, "", f"{at:g}", spacing=at, said=solved.reason)
     return ErrorEstimate(tuple(errors), partner.settings.spacing, order, time.perf_counter() - begun, reason)
 
 
@@ -168,8 +265,26 @@ def frame_error(
     order: float,
     far: FrameResult | None = None,
 ) -> FrameErrorEstimate | None:
-    """The error of one frame. coarse: the same frame of the coarse program. skin: (s,) the vertices of the skin. far:
-    the same frame of the far coarse program."""
+    """Estimate the error of one frame.
+
+    Parameters
+    ----------
+    frame
+        The frame.
+    coarse
+        The same frame of the coarse program, or None.
+    skin
+        Vertices of the skin, shape (s,).
+    order
+        Order of convergence to reckon with.
+    far
+        The same frame of the far coarse program, or None.
+
+    Returns
+    -------
+    FrameErrorEstimate | None
+        The estimate, or None where no part can be had.
+    """
     algebraic = _left_over(frame, "correction", skin)
     if algebraic is None and coarse is None:
         return None
@@ -194,8 +309,11 @@ def frame_error(
 
 
 class _Parts(NamedTuple):
-    """At n places, (n, 3) mm: what is left to the equilibrium of the lattice; from there to the truth, by the coarse
-    program (0 without one) and by the far one (as `near` without one)."""
+    """Displacements that are left at n places, each of shape (n, 3), in mm.
+
+    To the equilibrium of the lattice; from there to the truth, by the coarse program (0 without one) and by the far one
+    (as `near` without one).
+    """
 
     left: NDArray[np.float64]
     near: NDArray[np.float64]

@@ -1,15 +1,17 @@
-"""Solves a procedure: looks up the frames that are known, has the daemon solve the rest, and writes the skin cache."""
+"""Solve a program: look up the frames that are known and have the solver find the rest."""
 
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from lappet.core.problem import RefusedError
+from lappet.core.problem import Problem, ProblemsError, RefusedError, problem
+from lappet.core.problem_code import ProblemCode
 from lappet.daemon.frame_solver import (
     STATE_ARRAYS,
     Connect,
@@ -28,27 +30,63 @@ TRIES = 3
 
 
 class SolveObserver:
-    """Is told how a solve goes; this one keeps silent."""
+    """An observer of a solve; this one keeps silent."""
 
     def begin(self, frames: int) -> None:
-        """So many frames are to be had."""
+        """Hear how many frames are to be had.
+
+        Parameters
+        ----------
+        frames
+            Number of frames.
+        """
 
     def iteration(self, iteration: Iteration) -> None:
-        """A Newton iteration is done."""
+        """Hear of a Newton iteration.
+
+        Parameters
+        ----------
+        iteration
+            Where the solve stands.
+        """
 
     def frame(self, frame: FrameResult) -> None:
-        """A frame is there."""
+        """Hear of a frame that is done.
+
+        Parameters
+        ----------
+        frame
+            The frame.
+        """
 
     def note(self, sentence: str) -> None:
-        """Something that the user should know."""
+        """Hear something that the user should know.
+
+        Parameters
+        ----------
+        sentence
+            The sentence.
+        """
 
 
 @dataclass(frozen=True, eq=False)
 class FrameResult:
     """A frame as it goes into the skin cache and the report.
 
-    header, arrays: the fields and arrays of the message `frame` (PROTOCOL.md) without the state; header also holds
-    `lattice`, the counts of the epoch. looked_up: it came from the store. wall_seconds: the time it took here.
+    Parameters
+    ----------
+    constraints
+        What acted on the tissue.
+    key
+        Content key of the frame.
+    header
+        Fields of the message `frame` (PROTOCOL.md), and `lattice`, the counts of the epoch.
+    arrays
+        Arrays of the message `frame` without the state.
+    looked_up
+        Whether it came from the store.
+    wall_seconds
+        Time that it took here in seconds.
     """
 
     constraints: FrameConstraints
@@ -61,18 +99,48 @@ class FrameResult:
 
 @dataclass(frozen=True, eq=False)
 class Frames:
-    """The frames that `solve_program` got, and why it ended where it did not get all of them."""
+    """The frames that `solve_program` got.
+
+    Parameters
+    ----------
+    frames
+        Frames that are done, the first ones in order.
+    reason
+        Why it ended before the last frame, a sentence, or None.
+    interrupted
+        Whether the user stopped it.
+    failed
+        The unconverged frame that stopped it, or None.
+    """
 
     frames: tuple[FrameResult, ...]
-    reason: str | None = None
+    reason: Problem | None = None
     interrupted: bool = False
     failed: FrameResult | None = None
 
 
 def solve_program(program: Program, store: FrameStore, connect: Connect, solver: str, watch: SolveObserver) -> Frames:
-    """Gets every frame of a program, from the store where it is there, else from a solver that is started when needed.
+    """Get every frame of a program: from the store where it is there, else from a solver that is started when needed.
 
     A solver that dies is started again, at most three times for one frame, from the last frame's state.
+
+    Parameters
+    ----------
+    program
+        The program.
+    store
+        Where frames are kept.
+    connect
+        Makes the solver.
+    solver
+        What identifies it.
+    watch
+        Is told how the solve goes.
+
+    Returns
+    -------
+    Frames
+        The frames, and why there are no more.
     """
     keys = frame_keys(program, solver)
     watch.begin(len(keys))
@@ -82,15 +150,53 @@ def solve_program(program: Program, store: FrameStore, connect: Connect, solver:
             try:
                 result = _frame(session, index, keys[index], store, watch)
                 if not result.header["converged"]:
-                    why = str(result.header.get("reason") or "the solver gave no reason.")
-                    return Frames(tuple(done), f"Frame {constraints.time:g} did not converge: {why}", failed=result)
+                    return Frames(tuple(done), not_converged(constraints.time, result.header), failed=result)
                 done.append(result)
                 watch.frame(result)
             except KeyboardInterrupt:
-                return Frames(tuple(done), f"Stopped: {len(done)} of {len(keys)} frames are done.", interrupted=True)
+                stopped = problem(ProblemCode.SOLVE_STOPPED, "", len(done), frames=len(keys))
+                return Frames(tuple(done), stopped, interrupted=True)
             except (RefusedError, SolverDiedError) as error:
-                return Frames(tuple(done), f"Frame {constraints.time:g} was not solved: {error}")
+                return Frames(tuple(done), at_frame(constraints.time, error))
     return Frames(tuple(done))
+
+
+def not_converged(time: float, header: Mapping[str, Any]) -> Problem:
+    """Make the problem of a frame that did not converge.
+
+    Parameters
+    ----------
+    time
+        Time code of the frame.
+    header
+        Header of its message `frame`.
+
+    Returns
+    -------
+    Problem
+        The problem.
+    """
+    said = str(header.get("reason") or "the solver gives no reason.")
+    return problem(ProblemCode.FRAME_NOT_CONVERGED, f"Frame {time:g}", said)
+
+
+def at_frame(time: float, error: ProblemsError) -> Problem:
+    """Take the first problem of what refused or ended the solve of a frame.
+
+    Parameters
+    ----------
+    time
+        Time code of the frame, which is the problem's prim if it has none.
+    error
+        What refused or ended the solve.
+
+    Returns
+    -------
+    Problem
+        The problem.
+    """
+    first = error.problems[0]
+    return replace(first, prim=first.prim or f"Frame {time:g}")
 
 
 def _frame(session: _Session, index: int, key: str, store: FrameStore, watch: SolveObserver) -> FrameResult:
@@ -134,11 +240,11 @@ class _Session:
         self._close()
 
     def remember(self, index: int, frame: StoredFrame) -> None:
-        """Keeps the last frame: the state to go on from."""
+        """Keep the last frame: the state to go on from."""
         self._last = (index, frame)
 
     def solve(self, index: int, watch: SolveObserver) -> StoredFrame:
-        """Solves a frame whose predecessor has been remembered."""
+        """Solve a frame whose predecessor has been remembered."""
         frame = self.program.frames[index]
         for attempt in range(1, TRIES + 1):
             try:
@@ -147,7 +253,7 @@ class _Session:
             except SolverDiedError as error:
                 self._abandon()
                 if attempt == TRIES:
-                    raise SolverDiedError(f"{error} That was try {TRIES} of {TRIES}.") from error
+                    raise SolverDiedError.of(ProblemCode.DAEMON_DIED_AGAIN, "", TRIES, said=error) from error
                 watch.note(f"{error} It was solving frame {frame.time:g} and is started again.")
             except BaseException:
                 self._abandon()
@@ -192,10 +298,22 @@ class _Session:
 
 
 def fitted_state(arrays: dict[str, NDArray[Any]], sutures: int) -> dict[str, NDArray[Any]]:
-    """The state arrays of a frame for a procedure with so many sutures.
+    """Fit the state arrays of a frame to a procedure with another number of sutures.
 
     Sutures are numbered in order of their start, so those that an edit added or removed after the frame are rows at the
     end that the frame had not placed yet: a gap of NaN, a multiplier of 0.
+
+    Parameters
+    ----------
+    arrays
+        State arrays by name.
+    sutures
+        Number of sutures in the procedure.
+
+    Returns
+    -------
+    dict[str, NDArray[Any]]
+        The fitted arrays.
     """
     state = {name: arrays[name] for name in STATE_ARRAYS}
     for name, fill in (("state_suture_gaps", np.nan), ("suture_multipliers", 0.0)):

@@ -26,6 +26,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from lappet.core.problem import Problem, problem
+from lappet.core.problem_code import ProblemCode
+
 DEFAULT_LIMIT = 4 << 30
 _MAGIC = b"LAPPETF1"
 _CHECKSUM = 32
@@ -37,14 +40,28 @@ _DTYPES = frozenset({"<f4", "<f8", "<i4", "<i8", "|u1"})
 
 @dataclass(frozen=True, eq=False)
 class StoredFrame:
-    """What is kept of a frame: a JSON-able header and named arrays (f4, f8, i4, i8 or u1, any shape)."""
+    """What is kept of a frame.
+
+    Parameters
+    ----------
+    header
+        Any JSON object.
+    arrays
+        Arrays by name, of the kinds f4, f8, i4, i8 or u1 and of any shape.
+    """
 
     header: dict[str, Any]
     arrays: dict[str, NDArray[Any]] = field(default_factory=dict)
 
 
 def default_folder() -> Path:
-    """The store's folder: LAPPET_STORE where that is set, else `frames` in the user's cache folder."""
+    """Find the store's folder: `LAPPET_STORE` where that is set, else `frames` in the user's cache folder.
+
+    Returns
+    -------
+    Path
+        The folder; it may not exist yet.
+    """
     named = os.environ.get("LAPPET_STORE")
     if named:
         return Path(named).expanduser()
@@ -56,18 +73,40 @@ def default_folder() -> Path:
 class FrameStore:
     """A content-addressed store of frames, bounded in size; what has not been used for longest goes first.
 
-    folder: made when the first frame is written. limit: bytes. Trouble with the disk (full, read-only) never raises:
-    the store stops writing and `trouble` holds the sentence.
+    Trouble with the disk (full, read-only) never raises: the store stops writing and `trouble` says why.
+
+    Parameters
+    ----------
+    folder
+        Folder of the frames, made when the first is written; `default_folder()` where it is None.
+    limit
+        Greatest size in bytes.
     """
 
     def __init__(self, folder: Path | None = None, limit: int = DEFAULT_LIMIT) -> None:
         self.folder = default_folder() if folder is None else Path(folder)
         self.limit = limit
-        self.trouble: str | None = None
+        self.trouble: Problem | None = None
         self._bytes: int | None = None
 
     def path(self, key: str) -> Path:
-        """The file of a key; raises ValueError for what is not a lower-case hexadecimal key."""
+        """Find the file of a key.
+
+        Parameters
+        ----------
+        key
+            Content key.
+
+        Returns
+        -------
+        Path
+            The file; it may not exist.
+
+        Raises
+        ------
+        ValueError
+            If the key is not lower-case hexadecimal.
+        """
         if not _KEY.fullmatch(key):
             raise ValueError(f"{key!r} is not a content key; give 16 to 128 lower-case hexadecimal digits.")
         return self.folder / key[:2] / (key + _SUFFIX)
@@ -76,7 +115,18 @@ class FrameStore:
         return self.path(key).is_file()
 
     def get(self, key: str) -> StoredFrame | None:
-        """The frame of a key, or None where it is absent, unreadable or damaged (a damaged file is removed)."""
+        """Look up a frame.
+
+        Parameters
+        ----------
+        key
+            Content key.
+
+        Returns
+        -------
+        StoredFrame | None
+            The frame, or None where it is absent, unreadable or damaged (a damaged file is removed).
+        """
         path = self.path(key)
         try:
             data = path.read_bytes()
@@ -91,9 +141,26 @@ class FrameStore:
         return frame
 
     def put(self, key: str, frame: StoredFrame) -> bool:
-        """Keeps a frame; False where the disk did not take it (see `trouble`).
+        """Keep a frame.
 
-        Raises TypeError for a header that JSON cannot hold and ValueError for an array of another kind.
+        Parameters
+        ----------
+        key
+            Content key.
+        frame
+            The frame.
+
+        Returns
+        -------
+        bool
+            Whether the disk took it; where it did not, `trouble` says why.
+
+        Raises
+        ------
+        TypeError
+            If JSON cannot hold the header.
+        ValueError
+            If an array is of another kind.
         """
         path = self.path(key)
         data = _pack(frame)
@@ -112,10 +179,7 @@ class FrameStore:
                     Path(name).unlink()
                 raise
         except OSError as error:
-            self.trouble = (
-                f"Solved frames are no longer kept: the store {self.folder} cannot be written "
-                f"({error.strerror or error}); free some space, or name another folder with --store."
-            )
+            self.trouble = problem(ProblemCode.STORE_NOT_WRITABLE, self.folder, error.strerror or error)
             return False
         if self._bytes is not None:
             self._bytes += len(data) - before
@@ -124,7 +188,13 @@ class FrameStore:
         return True
 
     def size(self) -> int:
-        """The bytes of all frames in the store."""
+        """Measure the store.
+
+        Returns
+        -------
+        int
+            The bytes of all frames in it.
+        """
         return sum(size for _, size, _ in self._entries())
 
     def _entries(self) -> list[tuple[float, int, Path]]:
@@ -137,8 +207,7 @@ class FrameStore:
         return found
 
     def _prune(self, keep: Path) -> None:
-        """Removes the frames used longest ago until nine tenths of the limit are kept, and what crashed writers
-        left."""
+        """Remove the frames used longest ago until nine tenths of the limit are kept, and what crashed writers left."""
         entries = sorted(self._entries(), key=lambda entry: entry[0])
         total = sum(size for _, size, _ in entries)
         if total > self.limit:

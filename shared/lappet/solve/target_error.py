@@ -1,4 +1,4 @@
-"""Chooses lattice spacing, quadrature and tolerance so that the displacement error meets a target.
+"""Choose lattice spacing, quadrature and tolerance so that the displacement error meets a target.
 
 A pilot at twice the tissue's own spacing is solved with each quadrature that may pay; its estimated error e at the
 spacing h says the spacing that the target needs, h (target / e)^(1/p), and its seconds what that will cost. The
@@ -10,7 +10,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from lappet.core.problem import RefusedError
+from lappet.core.problem import Problem, problem, refused
+from lappet.core.problem_code import ProblemCode
 from lappet.daemon.frame_solver import Connect
 from lappet.procedure import Procedure
 from lappet.program.compile import compile_program
@@ -30,7 +31,21 @@ COST_ORDER = 3.0  # seconds grow as h^-3
 
 @dataclass(frozen=True)
 class Choice:
-    """What to solve with. expected: the root mean square error in mm that the pilot foresees. sentence: for people."""
+    """What to solve with.
+
+    Parameters
+    ----------
+    spacing
+        Lattice spacing in mm.
+    quadrature
+        Quadrature points of a cell.
+    tolerance
+        Relative residual.
+    expected
+        Root mean square error in mm that the pilot foresees.
+    sentence
+        What to tell the user.
+    """
 
     spacing: float
     quadrature: int
@@ -51,7 +66,18 @@ class _Pilot:
 
 
 def worst_rms(errors: ErrorEstimate) -> float:
-    """The greatest root mean square error of all frames, mm; infinite where a frame has no discretization part."""
+    """Find the greatest root mean square error of all frames.
+
+    Parameters
+    ----------
+    errors
+        The estimate.
+
+    Returns
+    -------
+    float
+        Error in mm; infinite where a frame has no discretization part.
+    """
     if errors.reason is not None or any(error is None for error in errors.frames):
         return float("inf")
     return max((error.rms for error in errors.frames if error is not None), default=0.0)
@@ -68,19 +94,46 @@ def choose(
     until: float | None = None,
     say: Callable[[str], None] = lambda _: None,
 ) -> Choice:
-    """The settings that a target (mm, root mean square over the skin in the worst frame) needs.
+    """Choose the settings that a target error needs, by pilots.
 
-    Raises RefusedError where no pilot can be solved.
+    Parameters
+    ----------
+    procedure
+        The procedure.
+    target
+        Root mean square error in mm over the skin in the worst frame.
+    connect
+        Makes the solver.
+    solver
+        What identifies it.
+    store
+        Where frames are kept.
+    precision
+        Arithmetic of the solver.
+    until
+        Last time code of the pilots.
+    say
+        Is told of every pilot.
+
+    Returns
+    -------
+    Choice
+        The choice.
+
+    Raises
+    ------
+    RefusedError
+        If the target is no length or no pilot can be solved.
     """
     if not target > 0.0:
-        raise RefusedError(f"The target error is {target:g} mm; give a length above 0.")
+        raise refused(ProblemCode.TARGET_ERROR_NOT_POSITIVE, "", f"{target:g}")
     spacing = PILOT * procedure.tissue.spacing
     pilots: list[_Pilot] = []
-    reasons: list[str] = []
+    reasons: list[Problem] = []
     while not pilots:
         for quadrature in QUADRATURES:
             pilot = _pilot(procedure, spacing, quadrature, target, connect, solver, store, until)
-            if isinstance(pilot, str):
+            if isinstance(pilot, Problem):
                 reasons.append(pilot)
             else:
                 pilots.append(pilot)
@@ -90,7 +143,7 @@ def choose(
                 )
         spacing /= 2.0
         if not pilots and spacing < procedure.tissue.spacing / 4.0:
-            raise RefusedError(f"No error can be estimated: {reasons[-1]}")
+            raise refused(ProblemCode.TARGET_ERROR_NO_PILOT, "", said=reasons[-1])
     best = min(pilots, key=lambda pilot: pilot.cost)
     tolerance = TOLERANCE
     if best.algebraic > ALGEBRAIC_SHARE * target:
@@ -107,7 +160,24 @@ def choose(
 
 
 def finer(choice: Choice, reached: float, target: float, order: float) -> Choice:
-    """The next choice after a solve that reached only `reached` mm."""
+    """Make the next choice after a solve that did not reach the target.
+
+    Parameters
+    ----------
+    choice
+        What was solved with.
+    reached
+        Root mean square error that was reached in mm.
+    target
+        Root mean square error that is wanted in mm.
+    order
+        Order of convergence.
+
+    Returns
+    -------
+    Choice
+        The finer choice.
+    """
     spacing = _round(CAUTION * choice.spacing * (target / reached) ** (1.0 / order))
     sentence = f"The estimate is {reached:.2g} mm, above {target:g} mm: once more with a spacing of {spacing:.3g} mm."
     return Choice(spacing, choice.quadrature, choice.tolerance, target, sentence)
@@ -122,9 +192,8 @@ def _pilot(
     solver: str,
     store: FrameStore,
     until: float | None,
-) -> _Pilot | str:
+) -> _Pilot | Problem:
     """The pilot, or why there is none."""
-
     program = compile_program(
         procedure, spacing=spacing, quadrature=quadrature, tolerance=TOLERANCE, until=until, correction=True
     )
@@ -136,7 +205,7 @@ def _pilot(
     errors = estimate_errors(program, solved.frames, store, connect, solver)
     error = worst_rms(errors)
     if error == float("inf"):
-        return errors.reason or "a frame has no estimate."
+        return errors.reason or problem(ProblemCode.ESTIMATE_OF_NO_FRAME)
     algebraic = max((each.algebraic_rms or 0.0 for each in errors.frames if each is not None), default=0.0)
     order = expected_order(program)
     needed = _round(CAUTION * spacing * (target / error) ** (1.0 / order)) if error > 0.0 else spacing

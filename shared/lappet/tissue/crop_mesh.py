@@ -1,4 +1,4 @@
-"""Cuts a region out of a surface: inside a sphere or a box, with a clean border on its faces."""
+"""Cut a region out of a surface: inside a sphere or a box, with a clean border on its faces."""
 
 from __future__ import annotations
 
@@ -15,13 +15,39 @@ _SNAP = 0.2  # of an edge: a vertex nearer to the border than this is moved onto
 
 
 def sphere_level(center: Sequence[float], radius: float) -> list[Level]:
-    """Signed distances in mm that are negative inside a sphere."""
+    """Make the signed distance that is negative inside a sphere.
+
+    Parameters
+    ----------
+    center
+        Center in mm.
+    radius
+        Radius in mm.
+
+    Returns
+    -------
+    list[Level]
+        One function from points (k, 3) in mm to distances (k,) in mm.
+    """
     middle = np.asarray(center, np.float64)
     return [lambda p: np.linalg.norm(p - middle, axis=1) - radius]
 
 
 def box_levels(low: Sequence[float], high: Sequence[float]) -> list[Level]:
-    """Signed distances in mm to the six sides of a box, all negative inside."""
+    """Make the signed distances to the six sides of a box, all negative inside.
+
+    Parameters
+    ----------
+    low
+        Lowest corner in mm.
+    high
+        Highest corner in mm.
+
+    Returns
+    -------
+    list[Level]
+        Six functions from points (k, 3) in mm to distances (k,) in mm.
+    """
 
     def side(axis: int, at: float, sign: float) -> Level:
         return lambda p: sign * (p[:, axis] - at)
@@ -32,11 +58,24 @@ def box_levels(low: Sequence[float], high: Sequence[float]) -> list[Level]:
 def refine_smoothly(
     points: NDArray[np.float64], triangles: NDArray[np.int64], length: float
 ) -> tuple[NDArray[np.float64], NDArray[np.int64], float]:
-    """Quarters all triangles until edges are at most `length` mm (on the average), new vertices on a smooth surface.
+    """Quarter all triangles until their edges are short enough, with the new vertices on a smooth surface.
 
     A new vertex is the middle of its edge on the cubic of the curved point-normal triangle (Vlachos et al. 2001); old
-    vertices stay. Edges that turn 60° and more, and borders, keep straight middles. Returns points, triangles and how
-    far the farthest new vertex left its edge, mm.
+    vertices stay. Edges that turn 60° and more, and borders, keep straight middles.
+
+    Parameters
+    ----------
+    points
+        Vertices in mm, shape (n, 3).
+    triangles
+        Vertex indices, shape (m, 3).
+    length
+        Length of the edges in mm, on the average, at most.
+
+    Returns
+    -------
+    tuple[NDArray[np.float64], NDArray[np.int64], float]
+        Vertices, vertex indices, and how far the farthest new vertex left its edge in mm.
     """
     moved = 0.0
     while True:
@@ -70,7 +109,22 @@ def refine_smoothly(
 
 
 def near(points: NDArray[np.float64], triangles: NDArray[np.int64], levels: list[Level]) -> NDArray[np.int64]:
-    """The triangles (k, 3) that may reach inside: those whose bounding sphere meets the region."""
+    """Find the triangles that may reach inside: those whose bounding sphere meets the region.
+
+    Parameters
+    ----------
+    points
+        Vertices in mm, shape (n, 3).
+    triangles
+        Vertex indices, shape (m, 3).
+    levels
+        Signed distances, all negative inside.
+
+    Returns
+    -------
+    NDArray[np.int64]
+        Vertex indices of these triangles, shape (k, 3).
+    """
     corners = points[triangles]
     middle = corners.mean(axis=1)
     reach = np.linalg.norm(corners - middle[:, None], axis=2).max(axis=1)
@@ -83,7 +137,22 @@ def near(points: NDArray[np.float64], triangles: NDArray[np.int64], levels: list
 def crop(
     points: NDArray[np.float64], triangles: NDArray[np.int64], levels: list[Level]
 ) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-    """The part of a surface where all levels are negative; triangles on the border are cut along it."""
+    """Cut out the part of a surface where all levels are negative; triangles on the border are cut along it.
+
+    Parameters
+    ----------
+    points
+        Vertices in mm, shape (n, 3).
+    triangles
+        Vertex indices, shape (m, 3).
+    levels
+        Signed distances, all negative inside.
+
+    Returns
+    -------
+    tuple[NDArray[np.float64], NDArray[np.int64]]
+        Vertices in mm and vertex indices of the part.
+    """
     for level in levels:
         points, triangles = _crop_one(points, triangles, level)
         if len(triangles) == 0:

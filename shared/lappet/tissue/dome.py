@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from lappet.core.problem import RefusedError
+from lappet.core.problem import refused
+from lappet.core.problem_code import ProblemCode
 from lappet.procedure import Bone, Tissue
 from lappet.tissue.patch import UV_SCALE
 from lappet.tissue.placement import Place
@@ -20,12 +21,37 @@ def dome_scalp(
     spacing: float = 1.0,
     bed_stiffness: float = 10.0,
 ) -> Tissue:
-    """A cap of a shell about the origin: skin at `radius` mm, pole at (0, 0, radius), underside `thickness` mm deeper.
+    """Make a cap of a spherical shell of tissue about the origin, its pole at (0, 0, radius).
 
-    reach: from the pole to the rim along the skin, mm. resolution: edges of the triangles, mm. The texture is 1 unit
-    per 100 mm, laid out from the pole (true distances from it), the rim continuing the skin. Subsets: "fixed" (the rim,
-    a cone towards the origin), "bed" (the underside). Other arguments: see `Tissue`. Raises RefusedError for lengths
-    that make no cap.
+    The texture is 1 unit per 100 mm, laid out from the pole (true distances from it), the rim continuing the skin. The
+    rim, a cone towards the origin, is the subset "fixed", the underside the subset "bed".
+
+    Parameters
+    ----------
+    radius
+        Radius of the skin in mm.
+    reach
+        Distance from the pole to the rim along the skin in mm.
+    thickness
+        Depth of the underside below the skin in mm.
+    resolution
+        Length of the triangles' edges in mm.
+    material
+        Name of the tissue's material.
+    spacing
+        Edge of the lattice's cells in mm.
+    bed_stiffness
+        Stiffness of the bed in kPa/mm.
+
+    Returns
+    -------
+    Tissue
+        The tissue.
+
+    Raises
+    ------
+    RefusedError
+        If the lengths make no cap.
     """
     half = _half_angle("dome_scalp", radius, reach, thickness, resolution)
     directions, triangles, border = _cap(half, max(2, round(reach / resolution)))
@@ -68,9 +94,30 @@ def dome_scalp(
 def dome_bone(
     radius: float, reach: float, thickness: float = 6.0, resolution: float = 4.0, name: str = "skull"
 ) -> Bone:
-    """A cap of bone about the origin with its outer face at `radius` mm; reach along it and thickness in mm.
+    """Make a cap of bone about the origin.
 
-    Raises RefusedError for lengths that make no cap.
+    Parameters
+    ----------
+    radius
+        Radius of its outer face in mm.
+    reach
+        Distance from the pole to its border along the outer face in mm.
+    thickness
+        Thickness in mm.
+    resolution
+        Length of the triangles' edges in mm.
+    name
+        Name of the bone.
+
+    Returns
+    -------
+    Bone
+        The bone.
+
+    Raises
+    ------
+    RefusedError
+        If the lengths make no cap.
     """
     half = _half_angle("dome_bone", radius, reach, thickness, resolution)
     directions, triangles, border = _cap(half, max(2, round(reach / resolution)))
@@ -87,7 +134,18 @@ def dome_bone(
 
 
 def draped(radius: float) -> Place:
-    """A `project` for designs drawn in the plane z = radius: onto the sphere, distances from the pole kept."""
+    """Make a `project` for designs drawn in the plane z = radius: onto the sphere, distances from the pole kept.
+
+    Parameters
+    ----------
+    radius
+        Radius of the sphere in mm.
+
+    Returns
+    -------
+    Place
+        A function from points of the plane, shape (k, 3), to points on the sphere, shape (k, 3), in mm.
+    """
 
     def drape(points: NDArray[np.float64]) -> NDArray[np.float64]:
         away = np.linalg.norm(points[:, :2], axis=1)
@@ -102,12 +160,9 @@ def _half_angle(what: str, radius: float, reach: float, thickness: float, resolu
     lengths = {"radius": radius, "reach": reach, "thickness": thickness, "resolution": resolution}
     for name, value in lengths.items():
         if not (np.isfinite(value) and value > 0.0):
-            raise RefusedError(f"{what}: the {name} is {value:g} mm; give a length above 0")
+            raise refused(ProblemCode.LENGTH_NOT_POSITIVE, what, f"{value:g}", name=name)
     if thickness >= radius or reach > 0.5 * np.pi * radius:
-        raise RefusedError(
-            f"{what}: a radius of {radius:g} mm with a thickness of {thickness:g} mm and a reach of {reach:g} mm makes "
-            "no cap; give a thickness below the radius and a reach of at most a quarter of the circumference"
-        )
+        raise refused(ProblemCode.DOME_NO_CAP, what, radius=radius, thickness=thickness, reach=reach)
     return reach / radius
 
 

@@ -9,7 +9,18 @@ from lappet.procedure import Tissue
 
 
 def fan_triangles(tissue: Tissue) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
-    """The faces of a tissue as fans of triangles (t, 3), and the face of each (t,)."""
+    """Split the faces of a tissue into fans of triangles.
+
+    Parameters
+    ----------
+    tissue
+        The tissue.
+
+    Returns
+    -------
+    tuple[NDArray[np.int32], NDArray[np.int32]]
+        Vertex indices, shape (t, 3), and the face of each triangle, shape (t,).
+    """
     counts = np.asarray(tissue.face_vertex_counts, np.int64)
     starts = np.concatenate(([0], np.cumsum(counts)[:-1]))
     pieces = np.maximum(counts - 2, 0)

@@ -1,4 +1,4 @@
-"""Reads a triangle mesh from any file that trimesh or USD reads, in mm with Z up."""
+"""Read a triangle mesh from any file that trimesh or USD reads, in mm with Z up."""
 
 from __future__ import annotations
 
@@ -8,7 +8,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from lappet.core.problem import RefusedError
+from lappet.core.problem import refused
+from lappet.core.problem_code import ProblemCode
 from lappet.geometry.triangulation import triangulate
 from lappet.usd.stage import open_stage, pxr
 
@@ -16,13 +17,19 @@ UNITS = {"m": 1000.0, "cm": 10.0, "mm": 1.0, "in": 25.4}
 _USD = (".usd", ".usda", ".usdc", ".usdz")
 
 
-class MeshError(RefusedError):
-    """A mesh file that cannot become tissue; the sentence names the file, the value and the remedy."""
-
-
 @dataclass(frozen=True, eq=False)
 class Mesh:
-    """Triangles as a file has them: points (n, 3) mm, triangles (m, 3), uv (m, 3, 2) or None."""
+    """Triangles as a file has them.
+
+    Parameters
+    ----------
+    points
+        Vertices in mm, shape (n, 3).
+    triangles
+        Vertex indices, shape (m, 3).
+    uv
+        Texture coordinates of the corners, shape (m, 3, 2), or None.
+    """
 
     points: NDArray[np.float64]
     triangles: NDArray[np.int64]
@@ -30,18 +37,33 @@ class Mesh:
 
 
 def read_mesh(path: str | Path, units: str | None = None) -> tuple[Mesh, list[str]]:
-    """The mesh of a file, in mm, and what was found (lines for a report).
+    """Read the mesh of a file, in mm with Z up.
 
-    units: "m", "cm", "mm" or "in"; by default those that the file states (USD, glTF), or else a guess from its size.
-    Several meshes in one file become one. What states that Y is up (glTF, USD) is turned to have Z up. Raises
-    MeshError for a file that is missing or unreadable, holds no triangles or points that are not finite, and for
-    unknown units.
+    Several meshes in one file become one. What states that Y is up (glTF, USD) is turned.
+
+    Parameters
+    ----------
+    path
+        A file of any kind that trimesh or USD reads.
+    units
+        "m", "cm", "mm" or "in"; None for those that the file states (USD, glTF), or else a guess from its size.
+
+    Returns
+    -------
+    tuple[Mesh, list[str]]
+        The mesh, and lines about what was found.
+
+    Raises
+    ------
+    RefusedError
+        If the file is missing or unreadable, holds no triangles or points that are not finite, or the units are
+        unknown.
     """
     path = Path(path)
     if units is not None and units not in UNITS:
-        raise MeshError(f'{path}: the units "{units}" are unknown; use one of {", ".join(UNITS)}')
+        raise refused(ProblemCode.FILE_UNKNOWN_UNITS, path, units, known=", ".join(UNITS))
     if not path.is_file():
-        raise MeshError(f"{path}: there is no such file; give the path of a mesh")
+        raise refused(ProblemCode.FILE_MISSING, path, what="a mesh")
     if path.suffix.lower() in _USD:
         mesh, scale, turn = _read_usd(path)
         stated = f"the stage says {scale / 1000.0:g} m per unit"
@@ -50,10 +72,10 @@ def read_mesh(path: str | Path, units: str | None = None) -> tuple[Mesh, list[st
         turn = path.suffix.lower() in (".glb", ".gltf")
         scale, stated = (1000.0, "glTF is in metres") if turn else (0.0, "")
     if len(mesh.triangles) == 0:
-        raise MeshError(f"{path}: the file holds no triangles; give a surface mesh")
+        raise refused(ProblemCode.FILE_NO_TRIANGLES, path)
     bad = np.flatnonzero(~np.isfinite(mesh.points).all(axis=1))
     if len(bad):
-        raise MeshError(f"{path}: point {bad[0]} is {mesh.points[bad[0]].tolist()}; export the mesh with finite points")
+        raise refused(ProblemCode.FILE_POINTS_NOT_FINITE, path, mesh.points[bad[0]].tolist(), first=bad[0])
     extent = float(np.ptp(mesh.points[np.unique(mesh.triangles)], axis=0).max())
     if units is not None:
         scale, stated = UNITS[units], "as asked"
@@ -80,7 +102,7 @@ def _read_trimesh(path: Path) -> Mesh:
         scene = trimesh.load_scene(path, process=False)
         geometry = scene.to_mesh()
     except Exception as error:  # trimesh's readers raise anything on broken files
-        raise MeshError(f"{path}: cannot be read as a mesh ({error}); give OBJ, STL, PLY, glTF or USD") from error
+        raise refused(ProblemCode.FILE_NO_MESH, path, error) from error
     triangles = np.asarray(geometry.faces, np.int64).reshape(-1, 3)
     uv = getattr(geometry.visual, "uv", None)
     corner_uv = np.asarray(uv, np.float64)[triangles] if uv is not None and len(uv) == len(geometry.vertices) else None
@@ -89,7 +111,6 @@ def _read_trimesh(path: Path) -> Mesh:
 
 def _read_usd(path: Path) -> tuple[Mesh, float, bool]:
     """The meshes of a stage at its default time, mm per unit, and whether Y is up."""
-
     usd = pxr()
     stage = open_stage(path)
     cache = usd.UsdGeom.XformCache()
@@ -104,7 +125,7 @@ def _read_usd(path: Path) -> tuple[Mesh, float, bool]:
         if len(local) == 0 or len(counts) == 0:
             continue
         if counts.sum() != len(indices) or indices.min() < 0 or indices.max() >= len(local):
-            raise MeshError(f"{path}: the faces of {prim.GetPath()} do not fit its points; export the mesh again")
+            raise refused(ProblemCode.FILE_FACES_DO_NOT_FIT, path, prim.GetPath())
         faces = triangulate(local, counts, indices)[0]
         if mesh.GetOrientationAttr().Get() == "leftHanded":
             faces = faces[:, ::-1]

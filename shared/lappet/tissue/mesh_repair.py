@@ -1,4 +1,4 @@
-"""Repairs of a triangle mesh: welds, drops, turns and fills, and says what it did."""
+"""Repair a triangle mesh: weld, drop, turn and fill, and say what was done."""
 
 from __future__ import annotations
 
@@ -15,7 +15,18 @@ _WELD = 1e-6  # of the mesh's diagonal
 
 
 def weld(mesh: Mesh) -> tuple[Mesh, list[str]]:
-    """One vertex per position (to 10⁻⁶ of the diagonal); faces without area of their own and doubles dropped."""
+    """Keep one vertex per position (to 10⁻⁶ of the diagonal), and drop doubles and faces without area.
+
+    Parameters
+    ----------
+    mesh
+        The mesh.
+
+    Returns
+    -------
+    tuple[Mesh, list[str]]
+        The welded mesh, and lines about what was done.
+    """
     used = np.unique(mesh.triangles)
     grid = _WELD * max(float(np.linalg.norm(np.ptp(mesh.points[used], axis=0))), 1e-300)
     _, first, inverse = np.unique(np.round(mesh.points[used] / grid), axis=0, return_index=True, return_inverse=True)
@@ -45,10 +56,20 @@ def weld(mesh: Mesh) -> tuple[Mesh, list[str]]:
 
 
 def orient(mesh: Mesh) -> tuple[Mesh, list[str]]:
-    """Neighbouring faces turned alike; closed parts outwards, open parts as most of their faces were.
+    """Turn neighboring faces alike: closed parts outwards, open parts as most of their faces were.
 
     Faces that meet along an edge of three or more are not compared. A surface that cannot be turned alike (a Möbius
     strip) is left with its seam, which the later check names.
+
+    Parameters
+    ----------
+    mesh
+        The mesh.
+
+    Returns
+    -------
+    tuple[Mesh, list[str]]
+        The oriented mesh, and lines about what was done.
     """
     edges = directed_edges(mesh.triangles)
     count = len(mesh.triangles)
@@ -99,7 +120,18 @@ def orient(mesh: Mesh) -> tuple[Mesh, list[str]]:
 
 
 def border_loops(triangles: NDArray[np.int64]) -> list[NDArray[np.int64]]:
-    """The closed loops of border vertices, each in the direction of its faces; longest first."""
+    """Find the closed loops of border vertices.
+
+    Parameters
+    ----------
+    triangles
+        Vertex indices, shape (m, 3).
+
+    Returns
+    -------
+    list[NDArray[np.int64]]
+        Vertex indices of each loop, in the direction of its faces; longest loop first.
+    """
     border = open_edges(triangles)
     following: dict[int, list[int]] = {}
     for a, b in border.tolist():
@@ -121,12 +153,38 @@ def border_loops(triangles: NDArray[np.int64]) -> list[NDArray[np.int64]]:
 
 
 def perimeter(points: NDArray[np.float64], loop: NDArray[np.int64]) -> float:
-    """The length of a loop in mm."""
+    """Measure a loop.
+
+    Parameters
+    ----------
+    points
+        Vertices in mm, shape (n, 3).
+    loop
+        Vertex indices in order, shape (k,).
+
+    Returns
+    -------
+    float
+        Length of the loop in mm.
+    """
     return float(np.linalg.norm(points[np.roll(loop, -1)] - points[loop], axis=1).sum())
 
 
 def fill(mesh: Mesh, loops: list[NDArray[np.int64]]) -> Mesh:
-    """The mesh with these border loops closed by triangles; the UVs there are those of the loop's vertices."""
+    """Close border loops by triangles; the UVs there are those of the loop's vertices.
+
+    Parameters
+    ----------
+    mesh
+        The mesh.
+    loops
+        Vertex indices of each loop.
+
+    Returns
+    -------
+    Mesh
+        The mesh with these loops closed.
+    """
     pieces, uvs = [mesh.triangles], [mesh.uv]
     uv_at = None
     if mesh.uv is not None:
@@ -143,7 +201,20 @@ def fill(mesh: Mesh, loops: list[NDArray[np.int64]]) -> Mesh:
 
 
 def parts_of(triangles: NDArray[np.int64], size: int) -> NDArray[np.int64]:
-    """The connected part (m,) of each triangle, numbered by their first vertex; size: number of points."""
+    """Number the connected parts of a surface by their first vertex.
+
+    Parameters
+    ----------
+    triangles
+        Vertex indices, shape (m, 3).
+    size
+        Number of vertices.
+
+    Returns
+    -------
+    NDArray[np.int64]
+        Part of each triangle, shape (m,).
+    """
     label = np.arange(size)
     t = triangles
     while True:

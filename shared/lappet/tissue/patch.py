@@ -7,6 +7,8 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from lappet.core.problem import refused
+from lappet.core.problem_code import ProblemCode
 from lappet.procedure import Tissue
 
 UV_SCALE = 0.01  # texture units per mm
@@ -22,16 +24,50 @@ def flat_patch(
     gravity: float | None = None,
     bed_stiffness: float = 10.0,
 ) -> Tissue:
-    """A closed sheet of `size` (x, y, thickness) mm, its skin at z = thickness and its underside at z = 0.
+    """Make a closed flat sheet, its skin at z = thickness and its underside at z = 0.
 
-    resolution: edge of the quadrilaterals, mm; a side that is no multiple of it is divided into the nearest number of
-    equal parts. centre: (x, y) of the middle. triangles: split the quadrilaterals. The texture is 1 unit per 100 mm
-    over the unfolded sheet: (0, 0) mm maps to (0, 0) on the skin, and the sides continue it. Subsets: "fixed" (the
-    four sides), "bed" (the underside). Other arguments: see `Tissue`. Raises ValueError for a size or resolution that
-    is not positive.
+    The texture is 1 unit per 100 mm over the unfolded sheet: (0, 0) mm maps to (0, 0) on the skin, and the sides
+    continue it. The four sides are the subset "fixed", the underside is the subset "bed".
+
+    Parameters
+    ----------
+    size
+        Extent in x and y and the thickness in mm.
+    resolution
+        Edge of the quadrilaterals in mm; a side that is no multiple of it is divided into the nearest number of equal
+        parts.
+    centre
+        Middle of the sheet, x and y in mm.
+    triangles
+        Whether the quadrilaterals are split.
+    material
+        Name of the tissue's material.
+    spacing
+        Edge of the lattice's cells in mm.
+    gravity
+        Gravity along -z in m/s², or None.
+    bed_stiffness
+        Stiffness of the bed in kPa/mm.
+
+    Returns
+    -------
+    Tissue
+        The tissue.
+
+    Raises
+    ------
+    ValueError
+        If the size or the resolution is not positive.
+
+    Examples
+    --------
+    >>> from lappet.tissue import flat_patch
+    >>> sheet = flat_patch((40.0, 30.0, 4.0), resolution=5.0, spacing=2.0)
+    >>> len(sheet.points), sorted(sheet.subsets)
+    (126, ['bed', 'fixed'])
     """
     if not all(math.isfinite(v) and v > 0.0 for v in (*size, resolution)):
-        raise ValueError(f"The size {size} mm and the resolution {resolution:g} mm of a patch must be positive.")
+        raise refused(ProblemCode.PATCH_SIZE, "patch", size, resolution=resolution)
     parts = [max(1, round(length / resolution)) for length in size]
     axes = [np.linspace(0.0, length, n + 1) for length, n in zip(size, parts, strict=True)]
     axes[0] += centre[0] - size[0] / 2

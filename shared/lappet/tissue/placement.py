@@ -13,6 +13,19 @@ Place = Callable[[NDArray[np.float64]], NDArray[np.float64]]
 
 
 def onto(points: ArrayLike, triangles: ArrayLike) -> Place:
-    """A `project` for the designs above: to the closest point of a surface, points (n, 3) and triangles (m, 3)."""
+    """Make a `project` for designs that takes points to the closest point of a surface.
+
+    Parameters
+    ----------
+    points
+        Vertices in mm, shape (n, 3).
+    triangles
+        Vertex indices, shape (m, 3).
+
+    Returns
+    -------
+    Place
+        A function from points (k, 3) to points (k, 3) on the surface, in mm.
+    """
     surface = ClosestPoint(points, triangles)
     return lambda drawn: surface.query(drawn)[1]

@@ -9,7 +9,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from lappet.core.problem import refused
+from lappet.core.problem_code import ProblemCode
 from lappet.procedure import Material, Procedure, Region
+from lappet.procedure.prim_paths import MATERIALS
 from lappet.tissue.surface import skin_faces
 
 FAT_FACES = "fat_below"
@@ -17,7 +20,17 @@ FAT_FACES = "fat_below"
 
 @dataclass(frozen=True)
 class Preset:
-    """A material and its source. measured: its stiffness was fitted to measurements of that tissue."""
+    """A material and its source.
+
+    Parameters
+    ----------
+    material
+        The material.
+    source
+        Where its numbers come from.
+    measured
+        Whether its stiffness was fitted to measurements of that tissue.
+    """
 
     material: Material
     source: str
@@ -71,15 +84,36 @@ PRESETS = {preset.material.name: preset for preset in (SKIN, TAUT_SKIN, DERMIS_O
 def skin_over_fat(
     procedure: Procedure, thickness: float, skin: Material = SKIN.material, fat: Material = FAT.material
 ) -> Procedure:
-    """The procedure with its tissue made of `skin` down to `thickness` mm and of `fat` below.
+    """Lay skin over fat: the tissue is made of one material down to a depth and of another below.
 
-    Replaces materials of these names and adds the face subset `FAT_FACES` with a region, before all others, so that
-    those win. Raises ValueError for a thickness that is not positive and for two materials of one name.
+    Materials of these names are replaced. The face subset `FAT_FACES` is added with a region, before all others, so
+    that those win.
+
+    Parameters
+    ----------
+    procedure
+        The procedure.
+    thickness
+        Thickness of the skin in mm.
+    skin
+        Material of the skin.
+    fat
+        Material below.
+
+    Returns
+    -------
+    Procedure
+        The layered procedure.
+
+    Raises
+    ------
+    ValueError
+        If the thickness is not positive or both materials have one name.
     """
     if not (np.isfinite(thickness) and thickness > 0.0):
-        raise ValueError(f"The skin would be {thickness:g} mm thick; give a thickness above 0.")
+        raise refused(ProblemCode.LENGTH_NOT_POSITIVE, skin.name, f"{thickness:g}", name="thickness")
     if skin.name == fat.name:
-        raise ValueError(f"Skin and fat are both named {skin.name!r}; give each its own name.")
+        raise refused(ProblemCode.SKIN_FAT_NAME, MATERIALS, skin.name)
     tissue = procedure.tissue
     others = {name: faces for name, faces in tissue.subsets.items() if name != FAT_FACES}
     regions = [region for region in tissue.regions if region.faces != FAT_FACES]

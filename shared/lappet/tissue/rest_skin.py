@@ -21,8 +21,16 @@ from lappet.geometry.surface_check import open_edges
 class SkinPoints:
     """Points placed on the skin.
 
-    points, normals: (k, 3), mm and unit. height: (k,) mm, how far the drawn point hovered over the skin.
-    beyond: (k,) mm, how far it lies outside the skin's border (0 on the skin).
+    Parameters
+    ----------
+    points
+        Places in mm, shape (k, 3).
+    normals
+        Unit normals there, shape (k, 3).
+    height
+        How far each drawn point hovered over the skin in mm, shape (k,).
+    beyond
+        How far each lies outside the skin's border in mm, 0 on the skin, shape (k,).
     """
 
     points: NDArray[np.float64]
@@ -32,7 +40,15 @@ class SkinPoints:
 
 
 class RestSkin:
-    """Answers where points lie on the skin of an uncut surface (its faces of origin SKIN)."""
+    """The skin of an uncut surface, which tells where points lie on it.
+
+    Parameters
+    ----------
+    surface
+        The surface; its faces of origin `SKIN` are the skin.
+    solid
+        The same surface as a solid.
+    """
 
     def __init__(self, surface: Surface, solid: manifold3d.Manifold) -> None:
         skin = np.flatnonzero(surface.origin == FaceOrigin.SKIN)
@@ -49,7 +65,18 @@ class RestSkin:
         self._border = ClosestPoint(self.points, degenerate) if len(border) else None
 
     def locate(self, points: NDArray[np.float64]) -> SkinPoints:
-        """Places points (k, 3) on the skin; past its border they stay out there, in the border's tangent plane."""
+        """Place points on the skin; past its border they stay out there, in the border's tangent plane.
+
+        Parameters
+        ----------
+        points
+            Points in mm, shape (k, 3).
+
+        Returns
+        -------
+        SkinPoints
+            The placed points.
+        """
         index, closest, _ = self._closest.query(points)
         weights = _barycentric(closest, self.points[self.triangles[index]])
         normals = np.einsum("kc,kci->ki", weights, self._normals[index])
@@ -65,15 +92,50 @@ class RestSkin:
         return SkinPoints(placed, normals, height, beyond)
 
     def to_border(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
-        """The distance (k,) in mm of points (k, 3) to the skin's border; infinite for a skin without one."""
+        """Measure the distance to the skin's border.
+
+        Parameters
+        ----------
+        points
+            Points in mm, shape (k, 3).
+
+        Returns
+        -------
+        NDArray[np.float64]
+            Distances in mm, shape (k,); infinite for a skin without a border.
+        """
         return np.full(len(points), np.inf) if self._border is None else self._border.query(points)[2]
 
     def distance(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
-        """The distance (k,) in mm of points (k, 3) to the skin."""
+        """Measure the distance to the skin.
+
+        Parameters
+        ----------
+        points
+            Points in mm, shape (k, 3).
+
+        Returns
+        -------
+        NDArray[np.float64]
+            Distances in mm, shape (k,).
+        """
         return self._closest.query(points)[2]
 
     def thickness(self, points: NDArray[np.float64], normals: NDArray[np.float64]) -> NDArray[np.float64]:
-        """How deep the tissue is below skin points (k, 3) along -normal, in mm; 0 where a ray meets none."""
+        """Measure how deep the tissue is below points of the skin.
+
+        Parameters
+        ----------
+        points
+            Points on the skin in mm, shape (k, 3).
+        normals
+            Unit normals, shape (k, 3); rays go against them.
+
+        Returns
+        -------
+        NDArray[np.float64]
+            Depths in mm, shape (k,); 0 where a ray meets no tissue.
+        """
         lift = 1e-6 * self._size
         depth = np.zeros(len(points))
         for k, (point, normal) in enumerate(zip(points, normals, strict=True)):

@@ -11,7 +11,15 @@ OFF_TISSUE = 0.01  # how far off the tissue an anchor may be, as a fraction of t
 
 
 class RestSpace:
-    """A closed triangle surface at rest: points (n, 3) mm, triangles (m, 3)."""
+    """A closed triangle surface at rest, which tells how far points are off it.
+
+    Parameters
+    ----------
+    points
+        Vertices in mm, shape (n, 3).
+    triangles
+        Vertex indices, shape (m, 3).
+    """
 
     def __init__(self, points: NDArray[np.float64], triangles: NDArray[np.integer]) -> None:
         self._closest = ClosestPoint(points, triangles)
@@ -20,11 +28,33 @@ class RestSpace:
         self.margin = OFF_TISSUE * self.diagonal
 
     def distance(self, points: ArrayLike) -> NDArray[np.float64]:
-        """How far points (q, 3) are from the surface, mm, (q,)."""
+        """Measure how far points are from the surface.
+
+        Parameters
+        ----------
+        points
+            Points in mm, shape (q, 3).
+
+        Returns
+        -------
+        NDArray[np.float64]
+            Distances in mm, shape (q,).
+        """
         return self._closest.query(points)[2]
 
     def off(self, points: ArrayLike) -> NDArray[np.float64]:
-        """How far points (q, 3) are outside the tissue, mm, (q,); 0 where they are inside or within the margin."""
+        """Measure how far points are outside the tissue.
+
+        Parameters
+        ----------
+        points
+            Points in mm, shape (q, 3).
+
+        Returns
+        -------
+        NDArray[np.float64]
+            Distances in mm, shape (q,); 0 for points inside or within the margin.
+        """
         queries = np.asarray(points, np.float64).reshape(-1, 3)
         distance = self.distance(queries)
         distance[distance <= self.margin] = 0.0

@@ -1,4 +1,4 @@
-"""Makes tissue of an open surface of polygons that keeps its faces, their groups and its texture coordinates."""
+"""Make tissue of an open surface of polygons that keeps its faces, their groups and its texture coordinates."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from lappet.geometry.surface_check import check_finite, check_oriented
+from lappet.geometry.mesh_faults import EDGES, refuse_faults, refuse_unreadable
 from lappet.geometry.triangulation import triangulate
 from lappet.procedure import Tissue
 from lappet.tissue.thicken import Sheet, rim_rows, thicken
@@ -22,19 +22,45 @@ def sheet_tissue(
     subsets: Mapping[str, NDArray[np.integer]] | None = None,
     name: str = "tissue",
 ) -> Tissue:
-    """The closed sheet of `thickness` mm below an open surface; its first faces are those of the surface, in order.
+    """Make a closed sheet below an open surface of polygons; its first faces are those of the surface, in order.
 
-    points: (n, 3) mm. counts: (m,), indices: (k,): the polygons, oriented outwards. uv: (k, 2), which the underside
-    shares and the rim continues outwards at the same scale. subsets: face indices by name. The rim joins the subset
-    "fixed", the underside "bed"; where the surface has faces in one of these itself, the subsets "rim" and "underside"
-    say which faces are skin. Raises MeshError or SurfaceError where no sheet can be made, naming the place.
+    The rim joins the subset "fixed", the underside "bed"; where the surface has faces in one of these itself, the
+    subsets "rim" and "underside" say which faces are no skin.
+
+    Parameters
+    ----------
+    points
+        Vertices in mm, shape (n, 3).
+    counts
+        Corners of each polygon, shape (m,).
+    indices
+        Vertices of the polygons, oriented outwards, shape (k,).
+    thickness
+        Thickness of the sheet in mm.
+    uv
+        Texture coordinates of the corners, shape (k, 2), which the underside shares and the rim continues outwards at
+        the same scale.
+    subsets
+        Face indices by name.
+    name
+        What messages call the tissue.
+
+    Returns
+    -------
+    Tissue
+        The tissue.
+
+    Raises
+    ------
+    RefusedError
+        If the surface is not manifold or not oriented alike, or no sheet can be made; names the place.
     """
     sizes = np.asarray(counts, np.int64)
-    check_finite(points, sizes, np.asarray(indices, np.int64), name)
+    refuse_unreadable(name, points, sizes, indices)
     used, compact = np.unique(indices, return_inverse=True)
     points, corners = points[used], compact.reshape(-1).astype(np.int64)
     triangles = triangulate(points, sizes, corners)[0]
-    check_oriented(points, triangles, name)
+    refuse_faults(name, points, triangles, EDGES)
     sheet = thicken(points, triangles, thickness, rim_rows(points, triangles, thickness), name)
 
     back = _reversed_corners(sizes)

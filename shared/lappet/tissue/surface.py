@@ -9,14 +9,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from lappet.core.problem import refused
+from lappet.core.problem_code import ProblemCode
 from lappet.geometry.labelled_surface import FaceOrigin, Surface
-from lappet.geometry.surface_check import (
-    SurfaceError,
-    check_closed,
-    check_finite,
-    check_not_self_intersecting,
-    signed_volume,
-)
+from lappet.geometry.mesh_faults import SOLID, refuse_faults, refuse_unreadable
+from lappet.geometry.surface_check import signed_volume
 from lappet.geometry.triangulation import triangulate
 from lappet.procedure import Tissue
 from lappet.tissue.patch import UV_SCALE
@@ -25,33 +22,46 @@ LABELS = ("fixed", "bed", "underside", "rim")  # what these subsets say of their
 
 
 def tissue_surface(tissue: Tissue, prim: str = "/Procedure/Tissue") -> Surface:
-    """The tissue as a closed, outward oriented, labelled triangle surface.
+    """Make the closed, outward oriented, labelled triangle surface of a tissue.
 
     Quads are split along their shorter diagonal, larger polygons by ears. A surface that is closed and consistent but
-    turned inside out is turned around. Without UVs the surface gets its two widest coordinates, one
-    unit per 100 mm. Raises
-    SurfaceError, naming `prim`, for a mesh that is not finite, open, not orientable, not manifold, self-intersecting
-    or empty inside.
+    turned inside out is turned around. Without UVs the surface gets its two widest coordinates, one unit per 100 mm.
+
+    Parameters
+    ----------
+    tissue
+        The tissue.
+    prim
+        Path of its prim, for messages.
+
+    Returns
+    -------
+    Surface
+        The surface.
+
+    Raises
+    ------
+    RefusedError
+        If the mesh is not finite, open, not orientable, not manifold, self-intersecting or empty inside, or a subset
+        names a face that it lacks.
     """
     points = np.ascontiguousarray(tissue.points, np.float64)
     counts = np.asarray(tissue.face_vertex_counts, np.int64)
     indices = np.asarray(tissue.face_vertex_indices, np.int64)
-    check_finite(points, counts, indices, prim)
+    refuse_unreadable(prim, points, counts, indices)
     triangles, corners, faces = triangulate(points, counts, indices)
     triangles, corners, faces = _without_collapsed(triangles, corners, faces)
-    check_closed(points, triangles, prim)
+    refuse_faults(prim, points, triangles, SOLID)
     if signed_volume(points, triangles) < 0.0:
         triangles, corners = triangles[:, ::-1], corners[:, ::-1]
-    check_not_self_intersecting(points, triangles, prim)
 
     masks = {}
     for name, subset in tissue.subsets.items():
         mask = np.zeros(len(counts), bool)
         picked = np.asarray(subset, np.int64)
         if len(picked) and (picked.min() < 0 or picked.max() >= len(counts)):
-            raise SurfaceError(
-                f'{prim}: the subset "{name}" names face {int(picked.max())}, but the mesh has {len(counts)} faces; '
-                "mark the subset's faces again"
+            raise refused(
+                ProblemCode.SUBSET_INDEX_RANGE, f"{prim}/{name}", int(picked.max()), name=name, faces=len(counts)
             )
         mask[picked] = True
         masks[name] = mask[faces]
@@ -72,7 +82,23 @@ def tissue_surface(tissue: Tissue, prim: str = "/Procedure/Tissue") -> Surface:
 
 
 def skin_faces(tissue: Tissue) -> NDArray[np.bool_]:
-    """Which faces of the tissue, (m,), are outer skin. Raises IndexError for a subset that names a face it lacks."""
+    """Find the faces of a tissue that are outer skin.
+
+    Parameters
+    ----------
+    tissue
+        The tissue.
+
+    Returns
+    -------
+    NDArray[np.bool_]
+        Which faces are, shape (m,).
+
+    Raises
+    ------
+    IndexError
+        If a subset names a face that the tissue lacks.
+    """
     count = len(tissue.face_vertex_counts)
     masks = {}
     for name in LABELS:
@@ -94,7 +120,7 @@ def _origins(masks: dict[str, NDArray[np.bool_]], count: int) -> NDArray[np.uint
 def _without_collapsed(
     triangles: NDArray[np.int64], corners: NDArray[np.int64], faces: NDArray[np.int64]
 ) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
-    """Drops triangles that name a vertex twice: they are edges and no faces."""
+    """Drop triangles that name a vertex twice: they are edges and no faces."""
     a, b, c = triangles.T
     keep = (a != b) & (b != c) & (c != a)
     return triangles[keep], corners[keep], faces[keep]

@@ -1,4 +1,4 @@
-"""Thickens an open surface inwards to a closed sheet: skin, underside and rim."""
+"""Thicken an open surface inwards to a closed sheet: skin, underside and rim."""
 
 from __future__ import annotations
 
@@ -8,9 +8,10 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from lappet.core.problem import Place, refused
+from lappet.core.problem_code import ProblemCode
 from lappet.geometry.normals import corner_normals
 from lappet.geometry.surface_check import directed_edges, first_intersection, place, unique_edges
-from lappet.tissue.mesh_file import MeshError
 from lappet.tissue.mesh_repair import border_loops
 
 _ATTEMPTS = (4, 16, 64, 256)
@@ -20,9 +21,26 @@ _ATTEMPTS = (4, 16, 64, 256)
 class Sheet:
     """A closed sheet: the skin's vertices come first, then the underside's in the same order, then the rim's rows.
 
-    points: (n, 3) mm. triangles: (m, 3). skin, underside, rim: (m,) bool. rim_level: (n,) 0 on the skin's side to 1 on
-    the underside. top: (n,) the skin vertex that a vertex belongs to. smoothing: rounds of smoothing that the normals
-    took.
+    Parameters
+    ----------
+    points
+        Vertices in mm, shape (n, 3).
+    triangles
+        Vertex indices, shape (m, 3).
+    skin
+        Which triangles are skin, shape (m,).
+    underside
+        Which triangles are underside, shape (m,).
+    rim
+        Which triangles are rim, shape (m,).
+    rim_level
+        Level of each vertex, from 0 on the skin's side to 1 on the underside, shape (n,).
+    top
+        Skin vertex that each vertex belongs to, shape (n,).
+    smoothing
+        Rounds of smoothing that the normals took.
+    rim_quads
+        Corners of the rim's quadrilaterals, shape (q, 4).
     """
 
     points: NDArray[np.float64]
@@ -37,17 +55,53 @@ class Sheet:
 
 
 def rim_rows(points: NDArray[np.float64], triangles: NDArray[np.int64], thickness: float) -> int:
-    """How many rows of faces the rim needs for them to be about as high as the median edge (mm) is long."""
+    """Count the rows of faces that a rim needs for them to be about as high as the median edge is long.
+
+    Parameters
+    ----------
+    points
+        Vertices in mm, shape (n, 3).
+    triangles
+        Vertex indices, shape (m, 3).
+    thickness
+        Thickness of the sheet in mm.
+
+    Returns
+    -------
+    int
+        Number of rows, at least 1.
+    """
     edges = np.linalg.norm(points[triangles] - points[np.roll(triangles, 1, axis=1)], axis=2)
     return max(1, round(thickness / float(np.median(edges))))
 
 
 def thicken(points: NDArray[np.float64], triangles: NDArray[np.int64], thickness: float, rows: int, name: str) -> Sheet:
-    """The sheet between an open surface and its offset by `thickness` mm against smoothed normals.
+    """Make the sheet between an open surface and its offset against smoothed normals.
 
-    points: (n, 3) mm, all used. triangles: (m, 3), oriented outwards. rows: of quadrilaterals on the rim. The normals
-    are smoothed more, up to 256 rounds, where the underside would fold or pass through the skin; where that does not
-    help MeshError names the place.
+    The normals are smoothed more, up to 256 rounds, where the underside would fold or pass through the skin.
+
+    Parameters
+    ----------
+    points
+        Vertices in mm, all used, shape (n, 3).
+    triangles
+        Vertex indices, oriented outwards, shape (m, 3).
+    thickness
+        Thickness of the sheet in mm.
+    rows
+        Number of rows of quadrilaterals on the rim.
+    name
+        What messages call the tissue.
+
+    Returns
+    -------
+    Sheet
+        The sheet.
+
+    Raises
+    ------
+    RefusedError
+        If smoothing does not help; the message names the place.
     """
     edges = unique_edges(directed_edges(triangles))[0]
     corner = corner_normals(points, triangles)
@@ -69,10 +123,7 @@ def thicken(points: NDArray[np.float64], triangles: NDArray[np.int64], thickness
         if where is None:
             return sheet
     assert where is not None
-    raise MeshError(
-        f"{name}: at a thickness of {thickness:g} mm the underside folds or meets the skin near {place(where)}; "
-        "give a thinner sheet, or a region without this place"
-    )
+    raise refused(ProblemCode.SHEET_FOLDS, name, f"{thickness:g}", place=Place.at(where), where=place(where))
 
 
 def _unit(vectors: NDArray[np.float64]) -> NDArray[np.float64]:

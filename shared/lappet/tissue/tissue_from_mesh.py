@@ -1,4 +1,4 @@
-"""Makes tissue from a mesh file: `lappet new`."""
+"""Make tissue from a mesh file: `lappet new`."""
 
 from __future__ import annotations
 
@@ -8,18 +8,14 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from lappet.core.problem import Place, refused
+from lappet.core.problem_code import ProblemCode
 from lappet.geometry.flatten import flatten
-from lappet.geometry.surface_check import (
-    check_closed,
-    check_not_self_intersecting,
-    check_oriented,
-    open_edges,
-    place,
-    signed_volume,
-)
+from lappet.geometry.mesh_faults import EDGES, SOLID, refuse_faults
+from lappet.geometry.surface_check import open_edges, place, signed_volume
 from lappet.procedure import Tissue
 from lappet.tissue.crop_mesh import Level, box_levels, crop, near, refine_smoothly, sphere_level
-from lappet.tissue.mesh_file import Mesh, MeshError, read_mesh
+from lappet.tissue.mesh_file import Mesh, read_mesh
 from lappet.tissue.mesh_repair import border_loops, fill, orient, parts_of, perimeter, weld
 from lappet.tissue.patch import UV_SCALE
 from lappet.tissue.thicken import Sheet, rim_rows, thicken
@@ -37,23 +33,48 @@ def new_tissue(
     units: str | None = None,
     resolution: float | None = None,
 ) -> tuple[Tissue, list[str]]:
-    """Tissue from a mesh file, and what was found and repaired, a line each.
+    """Make tissue from a mesh file.
 
-    A closed surface is taken as it is. An open one, or the region of one inside `sphere` (center, radius) or `box`
-    (low, high), mm, is thickened inwards by `thickness` mm into a closed sheet: its rim is the subset "fixed", its
-    underside "bed", its UVs lay the skin out flat at 1 unit per 100 mm. spacing: mm; by default a quarter of the
-    thickness, and not so fine that there are more than about 40 000 cells. units: of the file, see `read_mesh`.
-    resolution: the edges, mm, down to which the triangles of a region are divided (the thickness when None). Raises
-    MeshError or SurfaceError for what cannot be repaired, saying where.
+    A closed surface is taken as it is. An open one, or the region of one inside a sphere or a box, is thickened inwards
+    into a closed sheet: its rim is the subset "fixed", its underside "bed", its UVs lay the skin out flat at 1 unit per
+    100 mm.
+
+    Parameters
+    ----------
+    path
+        A mesh file.
+    thickness
+        Thickness of the sheet in mm; None for a closed surface.
+    sphere
+        Center and radius in mm of a region to take.
+    box
+        Lowest and highest corner in mm of a region to take.
+    spacing
+        Lattice spacing in mm; None for a quarter of the thickness, and not so fine that there are more than about 40
+        000 cells.
+    units
+        Units of the file, see `read_mesh`.
+    resolution
+        Length in mm down to which the edges of a region are divided; the thickness when None.
+
+    Returns
+    -------
+    tuple[Tissue, list[str]]
+        The tissue, and a line for each thing that was found or repaired.
+
+    Raises
+    ------
+    RefusedError
+        If the arguments or the mesh make no tissue, or the surface cannot be repaired; names the place.
     """
     path = Path(path)
     name = path.name
     lengths = {"thickness": thickness, "spacing": spacing, "resolution": resolution}
     for what, value in {**lengths, "radius": sphere[1] if sphere else None}.items():
         if value is not None and not (np.isfinite(value) and value > 0.0):
-            raise MeshError(f"{name}: the {what} is {value:g} mm; give a length above 0")
+            raise refused(ProblemCode.LENGTH_NOT_POSITIVE, name, f"{value:g}", name=what)
     if sphere is not None and box is not None:
-        raise MeshError(f"{name}: a sphere and a box are both given; give one of them")
+        raise refused(ProblemCode.REGION_TWICE, name)
     mesh, lines = read_mesh(path, units)
     for repair in (weld, orient):
         mesh, done = repair(mesh)
@@ -65,42 +86,48 @@ def new_tissue(
     levels = sphere_level(*sphere) if sphere else box_levels(*box) if box else None
     if levels is not None:
         if thickness is None:
-            raise MeshError(f"{name}: a region of the surface needs a thickness; add --thickness MM, for instance 4")
+            raise refused(ProblemCode.REGION_NEEDS_THICKNESS, name)
         mesh = _region(mesh, levels, resolution or thickness, name, lines)
     if thickness is None:
         tissue = _closed_tissue(mesh, spacing, name, lines)
     else:
         if levels is None and closed:
-            raise MeshError(
-                f"{name}: the surface is closed, so a thickness of {thickness:g} mm says nothing; "
-                "leave --thickness out, or choose a region with --sphere or --box"
-            )
+            raise refused(ProblemCode.SHEET_OF_CLOSED_SURFACE, name, f"{thickness:g}")
         tissue = _sheet_tissue(mesh, thickness, spacing, name, lines)
     return tissue, lines
 
 
 def chosen_spacing(volume: float, thickness: float = 0.0) -> float:
-    """A lattice spacing, mm with two digits: about 40 000 cells in `volume` mm³, at least a quarter of a sheet's
-    `thickness` mm."""
+    """Choose a lattice spacing: about 40 000 cells, and at least a quarter of a sheet's thickness.
+
+    Parameters
+    ----------
+    volume
+        Volume of the tissue in mm³.
+    thickness
+        Thickness of a sheet in mm, 0 for other tissue.
+
+    Returns
+    -------
+    float
+        Spacing in mm with two digits.
+    """
     return float(f"{max(thickness / 4.0, (volume / _CELLS) ** (1.0 / 3.0)):.2g}")
 
 
 def _region(mesh: Mesh, levels: list[Level], edge: float, name: str, lines: list[str]) -> Mesh:
     """The largest connected part of the surface inside the region, refined to edges of `edge` mm and cut cleanly."""
+    low, high = place(mesh.points.min(axis=0)), place(mesh.points.max(axis=0))
     triangles = near(mesh.points, mesh.triangles, levels)
     if len(triangles) == 0:
-        low, high = mesh.points.min(axis=0), mesh.points.max(axis=0)
-        raise MeshError(
-            f"{name}: the region holds nothing of the surface, which reaches from {place(low)} to {place(high)} mm; "
-            "move it"
-        )
+        raise refused(ProblemCode.REGION_EMPTY, name, low=low, high=high)
     used, compact = np.unique(triangles, return_inverse=True)
     points, triangles, moved = refine_smoothly(mesh.points[used], compact.reshape(-1, 3), edge)
     if moved > 0.0:
         lines.append(f"refined to edges of about {edge:g} mm; new points lie up to {moved:.2g} mm off the old edges")
     points, triangles = crop(points, triangles, levels)
     if len(triangles) == 0:
-        raise MeshError(f"{name}: the region holds nothing of the surface; move it or make it larger")
+        raise refused(ProblemCode.REGION_EMPTY, name, low=low, high=high)
     return _largest_part(Mesh(points, triangles), lines)
 
 
@@ -120,15 +147,12 @@ def _closed_tissue(mesh: Mesh, spacing: float | None, name: str, lines: list[str
     limit = _SMALL_HOLE * float(np.linalg.norm(np.ptp(mesh.points, axis=0)))
     large = [loop for loop in loops if len(loop) > 4 and perimeter(mesh.points, loop) > limit]
     if large:
-        raise MeshError(
-            f"{name}: the surface is open: a border of {perimeter(mesh.points, large[0]):.4g} mm runs through "
-            f"{place(mesh.points[large[0][0]])}; give --thickness MM to make a sheet of it, or close the mesh"
-        )
+        value, border = f"{perimeter(mesh.points, large[0]):.4g}", mesh.points[large[0]]
+        raise refused(ProblemCode.MESH_LARGE_HOLE, name, value, place=Place.at(*border[:100]), where=place(border[0]))
     if loops:
         mesh = fill(mesh, loops)
         lines.append(f"repaired: filled {len(loops)} small holes")
-    check_closed(mesh.points, mesh.triangles, name)
-    check_not_self_intersecting(mesh.points, mesh.triangles, name)
+    refuse_faults(name, mesh.points, mesh.triangles, SOLID)
     volume = signed_volume(mesh.points, mesh.triangles)
     if spacing is None:
         spacing = chosen_spacing(volume)
@@ -144,10 +168,10 @@ def _closed_tissue(mesh: Mesh, spacing: float | None, name: str, lines: list[str
 
 def _sheet_tissue(mesh: Mesh, thickness: float, spacing: float | None, name: str, lines: list[str]) -> Tissue:
     mesh = _largest_part(mesh, lines)
-    check_oriented(mesh.points, mesh.triangles, name)
+    refuse_faults(name, mesh.points, mesh.triangles, EDGES)
     loops = sorted(border_loops(mesh.triangles), key=lambda loop: -perimeter(mesh.points, loop))
     if not loops:
-        raise MeshError(f"{name}: the region holds a whole closed surface; make it smaller, or leave it out")
+        raise refused(ProblemCode.REGION_WHOLE_SURFACE, name)
     limit = _SMALL_HOLE * perimeter(mesh.points, loops[0])
     small = [loop for loop in loops[1:] if perimeter(mesh.points, loop) < limit]
     if small:
@@ -159,7 +183,7 @@ def _sheet_tissue(mesh: Mesh, thickness: float, spacing: float | None, name: str
     uv = flatten(mesh.points, mesh.triangles)
     rows = rim_rows(mesh.points, mesh.triangles, thickness)
     sheet = thicken(mesh.points, mesh.triangles, thickness, rows, name)
-    check_closed(sheet.points, sheet.triangles, name)
+    refuse_faults(name, sheet.points, sheet.triangles)
     volume = signed_volume(sheet.points, sheet.triangles)
     if spacing is None:
         spacing = chosen_spacing(volume, thickness)

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lappet.core.problem import Problem, RefusedError
+from lappet.core.problem_code import ProblemCode
 from lappet.procedure import (
     Basis,
     Bone,
@@ -47,9 +48,26 @@ PRIM_TYPES = {
 
 
 def read(stage: Any, usd: Any, notes: list[str]) -> Procedure:
-    """The procedure on an open stage; `notes` gets a sentence for what was converted or left aside.
+    """Read the procedure on an open stage.
 
-    Raises RefusedError with every problem that kept something from being read.
+    Parameters
+    ----------
+    stage
+        The stage.
+    usd
+        USD's modules, as `lappet.usd.stage.pxr` gives them.
+    notes
+        Gets a sentence for what was converted or left aside.
+
+    Returns
+    -------
+    Procedure
+        The procedure.
+
+    Raises
+    ------
+    RefusedError
+        If something could not be read; holds every such problem.
     """
     procedure, problems = read_what_can_be(stage, usd, notes)
     if procedure is None or problems:
@@ -58,26 +76,36 @@ def read(stage: Any, usd: Any, notes: list[str]) -> Procedure:
 
 
 def read_what_can_be(stage: Any, usd: Any, notes: list[str]) -> tuple[Procedure | None, list[Problem]]:
-    """The procedure on an open stage, as far as it can be read, and every problem that kept something from being read.
+    """Read the procedure on an open stage as far as possible.
 
-    A value that could not be read is NaN or empty in the procedure; without a tissue there is no procedure.
+    Parameters
+    ----------
+    stage
+        The stage.
+    usd
+        USD's modules, as `lappet.usd.stage.pxr` gives them.
+    notes
+        Gets a sentence for what was converted or left aside.
+
+    Returns
+    -------
+    tuple[Procedure | None, list[Problem]]
+        The procedure, or None without a tissue, and every problem that kept something from being read. A value that
+        could not be read is NaN or empty in the procedure.
     """
     reader = Reader(stage, usd, notes)
     found = _find(reader)
     tissues = found["LappetTissueAPI"]
     if len(tissues) != 1:
         paths = ", ".join(str(prim.GetPath()) for prim in tissues) or "none"
-        sentence = f"There are {len(tissues)} tissues: {paths}." if tissues else "The stage has no tissue."
-        remedy = "Apply LappetTissueAPI to one closed mesh, /Procedure/Tissue; lappet new makes one from a mesh file."
-        reader.problem("/Procedure/Tissue", paths, sentence, remedy)
+        reader.problem(ProblemCode.STAGE_TISSUES, "/Procedure/Tissue", paths, count=len(tissues) or "no")
     tissue = _tissue(reader, tissues[0], found["LappetRegionAPI"]) if tissues else None
     materials = tuple(_material(reader, prim) for prim in found["LappetMaterialAPI"])
     bones = tuple(_bone(reader, prim) for prim in found["LappetBoneAPI"])
     events = tuple(_event(reader, prim, schema, tissues) for prim, schema in found["events"])
     start, end = float(stage.GetStartTimeCode()), float(stage.GetEndTimeCode())
     if not stage.HasAuthoredTimeCodeRange():
-        sentence = "The stage has no startTimeCode and endTimeCode."
-        reader.problem("/Procedure", "no value", sentence, "Author both; frames are the whole time codes between them.")
+        reader.problem(ProblemCode.STAGE_NO_TIME_CODES, "/Procedure", "no value")
         start, end = -np.inf, np.inf
     if tissue is None:
         return None, reader.problems
@@ -101,17 +129,17 @@ def _find(reader: Reader) -> dict[str, list[Any]]:
         schemas = [str(s) for s in prim.GetPrimTypeInfo().GetAppliedAPISchemas() if str(s).startswith("Lappet")]
         for schema in schemas:
             if schema not in PRIM_TYPES:
-                remedy = f"Remove {schema}, or use a newer Lappet."
-                reader.problem(prim.GetPath(), schema, f"{schema} is not a schema that this Lappet knows.", remedy)
+                reader.problem(ProblemCode.SCHEMA_UNKNOWN, prim.GetPath(), schema)
         schemas = [schema for schema in schemas if schema in PRIM_TYPES]
         if len(schemas) > 1:
-            sentence = f"The prim carries {len(schemas)} of Lappet's schemas: {', '.join(schemas)}."
-            reader.problem(prim.GetPath(), ", ".join(schemas), sentence, "Leave one, and make a prim for each other.")
+            code = ProblemCode.SCHEMA_SEVERAL
+            reader.problem(code, prim.GetPath(), ", ".join(schemas), count=len(schemas))
         for schema in schemas[:1]:
             wanted, kind = PRIM_TYPES[schema], str(prim.GetTypeName())
             if wanted is not None and kind != wanted:
-                sentence = f"The prim carries {schema} but is a {kind or 'prim without a type'}, not a {wanted}."
-                reader.problem(prim.GetPath(), kind, sentence, f"Make it a {wanted}, or remove {schema}.")
+                shown = kind or "prim without a type"
+                code = ProblemCode.SCHEMA_PRIM_TYPE
+                reader.problem(code, prim.GetPath(), kind, schema=schema, kind=shown, wanted=wanted)
             elif schema in found:
                 found[schema].append(prim)
             else:
@@ -126,14 +154,12 @@ def _tissue(reader: Reader, prim: Any, regions: list[Any]) -> Tissue:
         child = subset.GetPrim()
         element = str(subset.GetElementTypeAttr().Get())
         if element != "face":
-            sentence = f"The subset {child.GetName()!r} is of {element}s, not of faces."
-            reader.problem(child.GetPath(), element, sentence, "Set its elementType to face.")
+            reader.problem(ProblemCode.SUBSET_ELEMENT, child.GetPath(), element, name=child.GetName())
             continue
         subsets[child.GetName()] = reader.integers(child, "indices")
     material = reader.target(prim, "lappet:material")
     if not material:
-        remedy = "Point lappet:material to a prim with LappetMaterialAPI."
-        reader.problem(prim.GetPath(), "no material", "The tissue has no material.", remedy)
+        reader.problem(ProblemCode.TISSUE_NO_MATERIAL, prim.GetPath(), "no material")
     gravity = reader.number(prim, "lappet:gravity", np.inf)
     return Tissue(
         points=points,
@@ -152,13 +178,10 @@ def _tissue(reader: Reader, prim: Any, regions: list[Any]) -> Tissue:
 def _region(reader: Reader, prim: Any, tissue: Any, subsets: dict[str, NDArray[np.int32]]) -> Region:
     name = prim.GetName()
     if prim.GetParent() != tissue or name not in subsets:
-        sentence = "The region is no face subset of the tissue of the family lappet."
-        remedy = f"Put it below {tissue.GetPath()} with familyName lappet and elementType face."
-        reader.problem(prim.GetPath(), name, sentence, remedy)
+        reader.problem(ProblemCode.REGION_NOT_A_SUBSET, prim.GetPath(), name, tissue=tissue.GetPath())
     material = reader.target(prim, "lappet:material")
     if not material:
-        remedy = "Point lappet:material to a prim with LappetMaterialAPI, or remove LappetRegionAPI."
-        reader.problem(prim.GetPath(), "no material", "The region has no material.", remedy)
+        reader.problem(ProblemCode.REGION_NO_MATERIAL, prim.GetPath(), "no material")
     return Region(
         name,
         material.rpartition("/")[2],
@@ -204,9 +227,8 @@ def _uv(reader: Reader, prim: Any, indices: NDArray[np.int32], corners: NDArray[
             and 0 <= indices.min() <= indices.max() < len(values)
         ):
             return values[indices]
-    sentence = f"primvars:st has {len(values)} {interpolation} values for {len(corners)} face corners."
-    remedy = "Author one texture coordinate for each face corner (faceVarying), or remove primvars:st."
-    reader.problem(prim.GetPath(), len(values), sentence, remedy)
+    code = ProblemCode.PRIMVAR_COUNT
+    reader.problem(code, prim.GetPath(), len(values), interpolation=interpolation, corners=len(corners))
     return None
 
 
@@ -252,8 +274,7 @@ def _event(reader: Reader, prim: Any, schema: str, tissues: list[Any]) -> Event:
         case "LappetUndermineAPI":
             points, basis, closed = _curve(reader, prim)
             if not closed:
-                sentence = "The area is undermined inside an open curve."
-                reader.problem(prim.GetPath(), "nonperiodic", sentence, "Close the curve: set its wrap to periodic.")
+                reader.problem(ProblemCode.UNDERMINE_OPEN_CURVE, prim.GetPath(), "nonperiodic")
             return Undermine(name, reader.number(prim, "lappet:time"), points, basis)
         case "LappetHookAPI":
             start, release = reader.number(prim, "lappet:start"), reader.number(prim, "lappet:release")
@@ -269,8 +290,7 @@ def _event(reader: Reader, prim: Any, schema: str, tissues: list[Any]) -> Event:
             start = reader.number(prim, "lappet:start")
             anchors = _tuples(reader.placed(reader.vectors(prim, "lappet:anchors"), prim.GetParent()))
             if len(anchors) != 2:
-                sentence = f"The suture has {len(anchors)} anchors."
-                reader.problem(prim.GetPath(), len(anchors), sentence, "Give lappet:anchors two rest points.")
+                reader.problem(ProblemCode.SUTURE_ANCHORS, prim.GetPath(), len(anchors))
                 anchors = ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
             duration = reader.number(prim, "lappet:duration", Suture.duration)
             stiffness = reader.number(prim, "lappet:stiffness", Suture.stiffness)
@@ -283,12 +303,9 @@ def _grip(reader: Reader, prim: Any, tissues: list[Any]) -> str:
     target = reader.target(prim, "lappet:grip")
     parent, _, name = target.rpartition("/")
     if not target:
-        remedy = "Point lappet:grip to a face subset of the tissue."
-        reader.problem(prim.GetPath(), "no grip", "The retractor grips nothing.", remedy)
+        reader.problem(ProblemCode.GRIP_MISSING, prim.GetPath(), "no grip")
     elif tissues and parent != str(tissues[0].GetPath()):
-        sentence = f"The retractor grips {target}, which is no face subset of the tissue."
-        remedy = f"Point lappet:grip to a subset below {tissues[0].GetPath()}."
-        reader.problem(prim.GetPath(), target, sentence, remedy)
+        reader.problem(ProblemCode.GRIP_ELSEWHERE, prim.GetPath(), target, tissue=tissues[0].GetPath())
     return name
 
 
@@ -297,16 +314,13 @@ def _curve(reader: Reader, prim: Any) -> tuple[tuple[Point, ...], Basis, bool]:
     points = reader.points(prim)
     counts = reader.integers(prim, "curveVertexCounts")
     if len(counts) != 1:
-        sentence = f"The prim holds {len(counts)} curves."
-        reader.problem(prim.GetPath(), len(counts), sentence, "Make one prim for each curve.")
+        reader.problem(ProblemCode.CURVE_SEVERAL, prim.GetPath(), len(counts))
     elif counts[0] != len(points):
-        sentence = f"curveVertexCounts is {counts[0]}, but the curve has {len(points)} points."
-        reader.problem(prim.GetPath(), int(counts[0]), sentence, f"Set curveVertexCounts to [{len(points)}].")
+        reader.problem(ProblemCode.CURVE_COUNT, prim.GetPath(), int(counts[0]), points=len(points))
     kind = str(prim.GetAttribute("type").Get() or "cubic")
     basis = "linear" if kind == "linear" else str(prim.GetAttribute("basis").Get() or "bezier")
     if basis not in ("linear", "bspline", "catmullRom", "bezier"):
-        remedy = "Use linear, bspline, catmullRom or bezier."
-        reader.problem(prim.GetPath(), basis, f"The basis {basis!r} of the curve is not known.", remedy)
+        reader.problem(ProblemCode.CURVE_UNKNOWN_BASIS, prim.GetPath(), basis)
         basis = "linear"
     wrap = str(prim.GetAttribute("wrap").Get() or "nonperiodic")
     if wrap == "pinned" and basis in ("bspline", "catmullRom") and len(points) >= 2:

@@ -14,7 +14,7 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
-from lappet.core.problem import Problem, RefusedError
+from lappet.core.problem import Problem, ProblemsError, RefusedError, problem, refused
 from lappet.core.problem_code import ProblemCode
 from lappet.procedure import Procedure
 from lappet.usd import reader as usd_reader
@@ -25,7 +25,7 @@ SUFFIXES = (".usda", ".usdc", ".usd")
 
 
 class Pxr(SimpleNamespace):
-    """The USD modules that Lappet uses: Gf, Plug, Sdf, Tf, Usd, UsdGeom, UsdShade, UsdUtils, Vt."""
+    """The USD modules that Lappet uses."""
 
     Gf: Any
     Plug: Any
@@ -38,37 +38,55 @@ class Pxr(SimpleNamespace):
     Vt: Any
 
 
+class UsdMissingError(ProblemsError, ModuleNotFoundError):
+    """USD's Python modules cannot be imported."""
+
+
 @lru_cache(maxsize=1)
 def pxr() -> Pxr:
-    """USD's Python modules, with Lappet's schemas registered.
+    """Load USD's Python modules and register Lappet's schemas.
 
-    Raises ModuleNotFoundError, with the line that installs it, where USD is missing.
+    Returns
+    -------
+    Pxr
+        The modules.
+
+    Raises
+    ------
+    UsdMissingError
+        If USD is missing; the message has the line that installs it.
     """
     try:
         from pxr import Gf, Plug, Sdf, Tf, Usd, UsdGeom, UsdShade, UsdUtils, Vt
     except ImportError as cause:
-        raise ModuleNotFoundError(
-            f"Procedures are USD files, and USD's Python modules cannot be imported ({cause}). "
-            "In Blender they come with Blender 4.5 or newer from blender.org; elsewhere install them with: pip install "
-            "usd-core.",
-            name="pxr",
-        ) from cause
+        raise UsdMissingError((problem(ProblemCode.USD_MISSING, "", cause),)) from cause
     Plug.Registry().RegisterPlugins(str(SCHEMA.resolve()))
     return Pxr(Gf=Gf, Plug=Plug, Sdf=Sdf, Tf=Tf, Usd=Usd, UsdGeom=UsdGeom, UsdShade=UsdShade, UsdUtils=UsdUtils, Vt=Vt)
 
 
 def open_stage(path: str | os.PathLike[str]) -> Any:
-    """The stage in a file, as it is on disk now.
+    """Open the stage in a file, as it is on disk now.
 
-    Raises RefusedError where the file is missing, cannot be read as USD, or refers to files that are missing.
+    Parameters
+    ----------
+    path
+        A .usda, .usdc or .usd file.
+
+    Returns
+    -------
+    Any
+        The stage.
+
+    Raises
+    ------
+    RefusedError
+        If the file is missing, cannot be read as USD, or refers to files that are missing.
     """
     file = Path(path)
     if not file.exists():
-        raise _refused(
-            file, "no such file", f"The file {file} does not exist.", "Give the path of a .usda or .usdc file."
-        )
+        raise refused(ProblemCode.USD_NO_FILE, file, "no such file")
     if file.is_dir():
-        raise _refused(file, "a folder", f"The path {file} is a folder.", "Give the path of a .usda or .usdc file.")
+        raise refused(ProblemCode.USD_IS_FOLDER, file, "a folder")
     usd = pxr()
     # What USD would print while it opens the stage is collected, and dropped: it comes back below as errors.
     quiet = usd.UsdUtils.CoalescingDiagnosticDelegate()
@@ -79,55 +97,51 @@ def open_stage(path: str | os.PathLike[str]) -> Any:
         layer = usd.Sdf.Layer.FindOrOpen(str(file.resolve()))
         stage = usd.Usd.Stage.Open(layer) if layer else None
     except usd.Tf.ErrorException as cause:
-        remedy = "Give a .usda or .usdc file; a mesh file becomes a procedure with: lappet new MESH -o P.usda."
-        sentence = f"The file {file} cannot be read as USD: {_reason(cause)}."
-        raise _refused(file, file.suffix, sentence, remedy) from cause
+        raise refused(ProblemCode.USD_UNREADABLE, file, file.suffix, reason=_reason(cause)) from cause
     finally:
         del quiet
     if stage is None:
-        remedy = "Give a .usda or .usdc file; a mesh file becomes a procedure with: lappet new MESH -o P.usda."
-        raise _refused(file, file.suffix, f"The file {file} is of a kind that USD does not read.", remedy)
+        raise refused(ProblemCode.USD_UNKNOWN_KIND, file, file.suffix)
     errors = [str(error) for error in stage.GetCompositionErrors()]
     if errors:
-        remedy = "Put the missing file back, or remove what refers to it."
-        raise RefusedError(
-            [
-                Problem(
-                    ProblemCode.UNSORTED,
-                    str(file),
-                    "composition",
-                    f"The file {file} does not compose: {_one_line(error)}.",
-                    remedy,
-                )
-                for error in errors
-            ]
-        )
+        code = ProblemCode.USD_COMPOSITION
+        raise RefusedError([problem(code, file, "composition", reason=_one_line(error)) for error in errors])
     return stage
 
 
 def save_layer(layer: Any, path: str | os.PathLike[str]) -> None:
-    """Writes a layer to a file atomically: whoever reads the file sees the old content or the new, never a part.
+    """Write a layer to a file atomically: readers see the old content or the new, never a part.
 
-    The suffix (.usda, .usdc or .usd) chooses the format. Raises RefusedError for another suffix or a missing folder,
-    OSError where the file system refuses.
+    Parameters
+    ----------
+    layer
+        The layer.
+    path
+        The file; its suffix (.usda, .usdc or .usd) chooses the format.
+
+    Raises
+    ------
+    RefusedError
+        If the suffix is another one or the folder is missing.
+    OSError
+        If the file system refuses.
     """
     file = Path(path).resolve()
     if file.suffix not in SUFFIXES:
-        sentence = f"{file.name} does not end in a USD suffix."
-        raise _refused(file, file.suffix, sentence, f"Use one of {', '.join(SUFFIXES)}.")
+        raise refused(ProblemCode.USD_SUFFIX, file, file.suffix, name=file.name, known=", ".join(SUFFIXES))
     if not file.parent.is_dir():
-        raise _refused(file, "no such folder", f"The folder {file.parent} does not exist.", "Make the folder first.")
+        raise refused(ProblemCode.FILE_NO_FOLDER, file, file.parent)
     with tempfile.TemporaryDirectory(prefix=f".{file.stem}-", dir=file.parent) as folder:
         fresh = Path(folder) / file.name
         quiet = pxr().UsdUtils.CoalescingDiagnosticDelegate()
         try:
             written = layer.Export(str(fresh))
         except pxr().Tf.ErrorException as cause:
-            raise OSError(f"USD could not write {file}: {_reason(cause)}.") from cause
+            raise refused(ProblemCode.FILE_NOT_WRITTEN, file, _reason(cause), folder=file.parent) from cause
         finally:
             del quiet
         if not written:
-            raise OSError(f"USD could not write {file}; look for space and permissions in {file.parent}.")
+            raise refused(ProblemCode.FILE_NOT_WRITTEN, file, "USD gives no reason", folder=file.parent)
         fresh.replace(file)
     known = pxr().Sdf.Layer.Find(str(file))
     if known is not None:
@@ -135,10 +149,24 @@ def save_layer(layer: Any, path: str | os.PathLike[str]) -> None:
 
 
 def read_procedure(path: str | os.PathLike[str], notes: list[str] | None = None) -> Procedure:
-    """The procedure in a USD file, in mm and Z up whatever the stage's own units and axes.
+    """Read the procedure in a USD file, in mm and Z up whatever the stage's own units and axes.
 
-    notes: gets a sentence for everything that was converted or left aside. Raises RefusedError with every problem
-    that kept the file from being read; what was read may still be wrong, see `lappet.checks.validation.check`.
+    Parameters
+    ----------
+    path
+        A .usda, .usdc or .usd file.
+    notes
+        Gets a sentence for everything that was converted or left aside.
+
+    Returns
+    -------
+    Procedure
+        The procedure. It may still be wrong; see `lappet.check`.
+
+    Raises
+    ------
+    RefusedError
+        If something kept the file from being read; holds every such problem.
     """
     stage = open_stage(path)
     return usd_reader.read(stage, pxr(), notes if notes is not None else [])
@@ -147,27 +175,48 @@ def read_procedure(path: str | os.PathLike[str], notes: list[str] | None = None)
 def read_what_can_be(
     path: str | os.PathLike[str], notes: list[str] | None = None
 ) -> tuple[Procedure | None, list[Problem]]:
-    """The procedure in a USD file as far as it can be read, and every problem that kept something from being read.
+    """Read a USD file as far as possible, so that `lappet check` can name every problem at once.
 
-    Where `read_procedure` raises, this goes on, so that `lappet check` can name everything at once; only a file that
-    cannot be opened raises RefusedError. Without a tissue there is no procedure.
+    Parameters
+    ----------
+    path
+        A .usda, .usdc or .usd file.
+    notes
+        Gets a sentence for everything that was converted or left aside.
+
+    Returns
+    -------
+    tuple[Procedure | None, list[Problem]]
+        The procedure, or None without a tissue, and every problem that kept something from being read.
+
+    Raises
+    ------
+    RefusedError
+        If the file cannot be opened.
     """
     stage = open_stage(path)
     return usd_reader.read_what_can_be(stage, pxr(), notes if notes is not None else [])
 
 
 def write_procedure(procedure: Procedure, path: str | os.PathLike[str]) -> None:
-    """Writes a procedure to a .usda or .usdc file, atomically.
+    """Write a procedure to a USD file, atomically.
 
     Reading it back gives an equal procedure. The file is replaced: prims and attributes of other tools are not kept, so
-    put cameras and lights into a layer of their own that has this file as a sublayer. Raises RefusedError where a
-    name cannot be the name of a prim or is used twice.
+    put cameras and lights into a layer of their own that has this file as a sublayer.
+
+    Parameters
+    ----------
+    procedure
+        The procedure.
+    path
+        The file; its suffix (.usda, .usdc or .usd) chooses the format.
+
+    Raises
+    ------
+    RefusedError
+        If a name cannot be the name of a prim or is used twice.
     """
     save_layer(usd_writer.layer(procedure, pxr()), path)
-
-
-def _refused(file: Path, value: str, sentence: str, remedy: str) -> RefusedError:
-    return RefusedError([Problem(ProblemCode.UNSORTED, str(file), value, sentence, remedy)])
 
 
 def _one_line(text: object) -> str:

@@ -1,4 +1,4 @@
-"""Reads single values from USD prims, with a `Problem` for every value that is missing or has the wrong type.
+"""Read single values from USD prims, with a `Problem` for every value that is missing or has the wrong type.
 
 `usd` is `lappet.usd.stage.pxr()`; this module imports nothing of USD itself.
 """
@@ -10,15 +10,24 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from lappet.core.problem import Problem
+from lappet.core.problem import Problem, problem
 from lappet.core.problem_code import ProblemCode
 
 
 class Reader:
-    """Collects the problems and notes of one stage while values are read from it.
+    """A reader of single values that collects the problems and notes of one stage.
 
     Geometry is returned in mm with Z up: `space` is the (4, 4) row-vector matrix from stage space, None where the two
     are the same.
+
+    Parameters
+    ----------
+    stage
+        The stage.
+    usd
+        USD's modules, as `lappet.usd.stage.pxr` gives them.
+    notes
+        Gets a sentence for what was converted or left aside.
     """
 
     def __init__(self, stage: Any, usd: Any, notes: list[str]) -> None:
@@ -27,12 +36,39 @@ class Reader:
         self.space = self._stage_space()
         self._rest = usd.UsdGeom.XformCache(usd.Usd.TimeCode(stage.GetStartTimeCode()))
 
-    def problem(self, path: object, value: object, sentence: str, remedy: str) -> None:
-        """Adds an error."""
-        self.problems.append(Problem(ProblemCode.UNSORTED, str(path), str(value), sentence, remedy))
+    def problem(self, code: ProblemCode, path: object, value: object, **fields: Any) -> None:
+        """Add an error.
+
+        Parameters
+        ----------
+        code
+            What kind of problem it is.
+        path
+            Path of the prim.
+        value
+            What was found.
+        **fields
+            What else the texts name.
+        """
+        self.problems.append(problem(code, path, value, **fields))
 
     def number(self, prim: Any, name: str, default: float | None = None) -> float:
-        """A number or time code; without a default it must be authored. NaN where it could not be read."""
+        """Read a number or time code.
+
+        Parameters
+        ----------
+        prim
+            The prim.
+        name
+            Name of the attribute.
+        default
+            Number where nothing is authored; without one it must be authored.
+
+        Returns
+        -------
+        float
+            The number, or NaN where it could not be read.
+        """
         value = self._value(prim, name, default is None)
         if value is None:
             return float("nan") if default is None else default
@@ -44,8 +80,20 @@ class Reader:
         return float(value)
 
     def samples(self, prim: Any, name: str) -> tuple[tuple[float, float], ...]:
-        """The (time, number) samples of an animated number; one that does not move gives one at the start; none where
-        nothing is authored."""
+        """Read the samples of an animated number.
+
+        Parameters
+        ----------
+        prim
+            The prim.
+        name
+            Name of the attribute.
+
+        Returns
+        -------
+        tuple[tuple[float, float], ...]
+            Samples (time code, number); one at the start where it does not move, none where nothing is authored.
+        """
         attribute = prim.GetAttribute(name)
         if not (attribute and attribute.HasAuthoredValue()):
             return ()
@@ -61,7 +109,22 @@ class Reader:
         return tuple(found)
 
     def text(self, prim: Any, name: str, default: str | None = None) -> str:
-        """A token or string; without a default it must be authored."""
+        """Read a token or string.
+
+        Parameters
+        ----------
+        prim
+            The prim.
+        name
+            Name of the attribute.
+        default
+            Text where nothing is authored; without one it must be authored.
+
+        Returns
+        -------
+        str
+            The text, empty where it could not be read.
+        """
         value = self._value(prim, name, default is None)
         if value is None:
             return default or ""
@@ -71,7 +134,22 @@ class Reader:
         return value
 
     def flag(self, prim: Any, name: str, default: bool) -> bool:
-        """A bool."""
+        """Read a bool.
+
+        Parameters
+        ----------
+        prim
+            The prim.
+        name
+            Name of the attribute.
+        default
+            Value where nothing is authored.
+
+        Returns
+        -------
+        bool
+            The bool.
+        """
         value = self._value(prim, name, False)
         if value is None:
             return default
@@ -81,7 +159,24 @@ class Reader:
         return bool(value)
 
     def vector(self, prim: Any, name: str, width: int, default: tuple[float, ...] | None = None) -> tuple[float, ...]:
-        """`width` numbers; without a default they must be authored."""
+        """Read a vector.
+
+        Parameters
+        ----------
+        prim
+            The prim.
+        name
+            Name of the attribute.
+        width
+            How many numbers it has.
+        default
+            Vector where nothing is authored; without one it must be authored.
+
+        Returns
+        -------
+        tuple[float, ...]
+            The numbers, NaN where they could not be read.
+        """
         missing = default if default is not None else (float("nan"),) * width
         value = self._value(prim, name, default is None)
         if value is None:
@@ -93,7 +188,20 @@ class Reader:
         return tuple(float(v) for v in array)
 
     def vectors(self, prim: Any, name: str) -> NDArray[np.float64]:
-        """An authored array of 3-vectors, (n, 3)."""
+        """Read an authored array of 3-vectors.
+
+        Parameters
+        ----------
+        prim
+            The prim.
+        name
+            Name of the attribute.
+
+        Returns
+        -------
+        NDArray[np.float64]
+            The vectors, shape (n, 3); none where they could not be read.
+        """
         value = self._value(prim, name, True)
         if value is None:
             return np.zeros((0, 3))
@@ -106,7 +214,22 @@ class Reader:
         return array
 
     def integers(self, prim: Any, name: str, optional: bool = False) -> NDArray[np.int32]:
-        """An array of integers of a built-in attribute, (n,)."""
+        """Read an array of integers of a built-in attribute.
+
+        Parameters
+        ----------
+        prim
+            The prim.
+        name
+            Name of the attribute.
+        optional
+            Whether it may be left out.
+
+        Returns
+        -------
+        NDArray[np.int32]
+            The integers, shape (n,); none where they could not be read.
+        """
         value = self._value(prim, name, not optional)
         if value is None:
             return np.zeros(0, np.int32)
@@ -122,37 +245,95 @@ class Reader:
         return array.astype(np.int32)
 
     def target(self, prim: Any, name: str) -> str:
-        """The path of a relationship's one target, "" if there is none."""
+        """Read a relationship's one target.
+
+        Parameters
+        ----------
+        prim
+            The prim.
+        name
+            Name of the relationship.
+
+        Returns
+        -------
+        str
+            Path of the target, "" where there is none.
+        """
         relationship = prim.GetRelationship(name)
         targets = relationship.GetForwardedTargets() if relationship else []
         if len(targets) > 1:
             found = ", ".join(str(target) for target in targets)
-            sentence = f"{name} has {len(targets)} targets: {found}."
-            self.problem(prim.GetPath(), found, sentence, "Leave one target.")
+            code = ProblemCode.RELATIONSHIP_TARGETS
+            self.problem(code, prim.GetPath(), found, name=name, count=len(targets))
         return str(targets[0]) if targets else ""
 
     def points(self, prim: Any) -> NDArray[np.float64]:
-        """The rest points of a mesh, curve or Points prim, (n, 3) in mm."""
+        """Read the rest points of a mesh, curve or Points prim.
+
+        Parameters
+        ----------
+        prim
+            The prim.
+
+        Returns
+        -------
+        NDArray[np.float64]
+            Points in mm, shape (n, 3).
+        """
         return self.placed(self.vectors(prim, "points"), prim)
 
     def placed(self, points: NDArray[np.float64], prim: Any) -> NDArray[np.float64]:
-        """Points from the space of a prim to mm and Z up, at the start of the timeline."""
+        """Take points from the space of a prim to mm and Z up, at the start of the timeline.
+
+        Parameters
+        ----------
+        points
+            Points in the prim's space, shape (n, 3).
+        prim
+            The prim.
+
+        Returns
+        -------
+        NDArray[np.float64]
+            Points in mm, shape (n, 3).
+        """
         matrix = self.to_rest(prim)
         if matrix is None or len(points) == 0:
             return points
         return np.asarray(points @ matrix[:3, :3] + matrix[3, :3], np.float64)
 
     def to_rest(self, prim: Any) -> NDArray[np.float64] | None:
-        """The (4, 4) row-vector matrix from the space of a prim to mm and Z up; None for the identity."""
+        """Find the matrix from the space of a prim to mm and Z up.
+
+        Parameters
+        ----------
+        prim
+            The prim.
+
+        Returns
+        -------
+        NDArray[np.float64] | None
+            Row-vector matrix of shape (4, 4), or None for the identity.
+        """
         matrix = np.array(self._rest.GetLocalToWorldTransform(prim), np.float64)
         if np.array_equal(matrix, np.eye(4)):
             return self.space
         return matrix if self.space is None else matrix @ self.space
 
     def motion(self, prim: Any, start: float) -> list[tuple[float, NDArray[np.float64]]]:
-        """(time, (4, 4) matrix) at every time sample of the prim and its parents, in mm and Z up.
+        """Read the transform of a prim and its parents at every time sample.
 
-        A prim that does not move gives one sample at `start`.
+        Parameters
+        ----------
+        prim
+            The prim.
+        start
+            Time code of the one sample of a prim that does not move.
+
+        Returns
+        -------
+        list[tuple[float, NDArray[np.float64]]]
+            Samples (time code, matrix of shape (4, 4)) in mm and Z up.
         """
         times: set[float] = set()
         parent = prim
@@ -179,21 +360,19 @@ class Reader:
                     f"{prim.GetPath()}: {name} is animated; its first value, {value}, is used throughout."
                 )
         if value is None and required:
-            self.problem(prim.GetPath(), "no value", f"{name} has no value.", f"Author {name}.")
+            self.problem(ProblemCode.ATTRIBUTE_MISSING, prim.GetPath(), "no value", name=name)
         return value
 
     def _wrong_type(self, prim: Any, name: str, value: object, wanted: str) -> None:
         shown = " ".join(str(value).split())
         shown = shown if len(shown) <= 40 else shown[:37] + "..."
-        sentence = f"{name} is {shown!r}, not {wanted}."
-        self.problem(prim.GetPath(), shown, sentence, f"Author {name} as {wanted}.")
+        self.problem(ProblemCode.ATTRIBUTE_TYPE, prim.GetPath(), shown, name=name, wanted=wanted)
 
     def _stage_space(self) -> NDArray[np.float64] | None:
         geom = self.usd.UsdGeom
         units, axis = float(geom.GetStageMetersPerUnit(self.stage)), str(geom.GetStageUpAxis(self.stage))
         if not (np.isfinite(units) and units > 0.0):
-            sentence = f"The stage has {units:g} metres per unit."
-            self.problem("/", f"{units:g}", sentence, "Set metersPerUnit to 0.001 for mm.")
+            self.problem(ProblemCode.STAGE_UNITS, "/", f"{units:g}")
             return None
         matrix = np.eye(4)
         if abs(units - 0.001) > 1e-12:

@@ -34,9 +34,24 @@ LINE_WIDTH = 0.4  # mm, how thick other viewers draw curves and points
 
 
 def layer(procedure: Procedure, usd: Any) -> Any:
-    """An anonymous layer that holds the procedure.
+    """Make an anonymous layer that holds a procedure.
 
-    Raises RefusedError where a name cannot be the name of a prim or is used twice.
+    Parameters
+    ----------
+    procedure
+        The procedure.
+    usd
+        USD's modules, as `lappet.usd.stage.pxr` gives them.
+
+    Returns
+    -------
+    Any
+        The layer.
+
+    Raises
+    ------
+    RefusedError
+        If a name cannot be the name of a prim or is used twice.
     """
     problems = name_problems(procedure)
     if problems:
@@ -172,7 +187,7 @@ def _event(stage: Any, usd: Any, event: Event) -> None:
 
 
 class _Values:
-    """Authors uniform attributes and relationships in the namespace `lappet:` of one prim."""
+    """Author uniform attributes and relationships in the namespace `lappet:` of one prim."""
 
     def __init__(self, prim: Any, usd: Any) -> None:
         self._prim, self._usd = prim, usd

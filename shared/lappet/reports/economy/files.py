@@ -1,4 +1,4 @@
-"""Writes the report of economy: economy.json, .csv and .md."""
+"""Write the report of economy: economy.json, .csv and .md."""
 
 from __future__ import annotations
 
@@ -14,7 +14,22 @@ from lappet.reports.report_files import described, markdown_table, write_csv, wr
 
 
 def write_economy(folder: Path, head: Mapping[str, Any], report: EconomyReport) -> list[Path]:
-    """Writes the files into `folder`, which is there, and returns them."""
+    """Write the files of the report.
+
+    Parameters
+    ----------
+    folder
+        A folder that is there.
+    head
+        What each starts with.
+    report
+        What was measured.
+
+    Returns
+    -------
+    list[Path]
+        The files.
+    """
     files = [folder / f"economy.{suffix}" for suffix in ("json", "csv", "md")]
     absences = [{**asdict(each), "share": each.share, "ok": each.share <= AGREEMENT} for each in report.absences]
     write_json(
@@ -33,7 +48,20 @@ def write_economy(folder: Path, head: Mapping[str, Any], report: EconomyReport) 
 
 
 def markdown(head: Mapping[str, Any], report: EconomyReport) -> str:
-    """The report for people."""
+    """Write the report for people.
+
+    Parameters
+    ----------
+    head
+        What it starts with.
+    report
+        What was measured.
+
+    Returns
+    -------
+    str
+        Markdown.
+    """
     parts = [
         "# Economy\n",
         described(head) + "\n",

@@ -17,10 +17,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from lappet.core.problem import Problem, RefusedError, problem, refused
+from lappet.core.problem_code import ProblemCode
 from lappet.daemon.client import SolverClient
 from lappet.daemon.process import SolverDaemon, find_daemon
 from lappet.program.program import Program
-from lappet.reports.report_error import ReportError
 
 FRAME, SEARCH = "lappet::Session::solve(", "lappet::find_equilibrium<"
 KERNELS = {"evaluate": "evaluate_groups<", "linearize": "linearize_groups<", "product": "multiply_groups<"}
@@ -28,14 +29,24 @@ _PATIENCE = 300.0  # seconds that valgrind may take to bring the daemon up
 _COST = re.compile(r"^[+\-*]?\d* ?(\d+)$")
 
 
-class NoCounterError(ReportError):
+class NoCounterError(RefusedError):
     """Instructions cannot be counted here; the sentence says why."""
 
 
 @dataclass(frozen=True)
 class Instructions:
-    """What one frame took. frame: all of it. search: of these inside the search for the equilibrium, the hot loops.
-    kernels: of these in the fused passes themselves, by the names of `KERNELS`. work: the header's counts.
+    """What one frame took.
+
+    Parameters
+    ----------
+    frame
+        Instructions of all of it.
+    search
+        Of these inside the search for the equilibrium, the hot loops.
+    kernels
+        Of these in the fused passes themselves, by the names of `KERNELS`.
+    work
+        The header's counts.
     """
 
     frame: int
@@ -44,24 +55,46 @@ class Instructions:
     work: Mapping[str, float]
 
 
-def why_not() -> str | None:
-    """Why instructions cannot be counted on this machine, a sentence; None where they can."""
+def why_not() -> Problem | None:
+    """Say why instructions cannot be counted on this machine.
+
+    Returns
+    -------
+    Problem | None
+        A sentence, or None where they can.
+    """
     if shutil.which("valgrind") is None:
-        return "valgrind is not installed, so no instruction was counted."
+        return problem(ProblemCode.COUNTER_NO_VALGRIND)
     if sys.platform != "linux":
-        return f"Callgrind's counts are taken on Linux only; this is {sys.platform}."
+        return problem(ProblemCode.COUNTER_NOT_LINUX, "", sys.platform)
     return None
 
 
 def count_instructions(program: Program, binary: Path | None = None) -> Instructions:
-    """Solves the program's first frame under callgrind, on one thread. binary: the daemon (found when None).
+    """Solve a program's first frame under callgrind, on one thread.
 
-    Raises NoCounterError where valgrind is not there or the daemon has no symbols, ReportError for a frame that does
-    not converge.
+    Parameters
+    ----------
+    program
+        The program.
+    binary
+        The daemon; found when None.
+
+    Returns
+    -------
+    Instructions
+        The counts.
+
+    Raises
+    ------
+    NoCounterError
+        If valgrind is not there or the daemon has no symbols.
+    RefusedError
+        If the frame does not converge.
     """
     reason = why_not()
     if reason is not None:
-        raise NoCounterError(reason)
+        raise NoCounterError([reason])
     with tempfile.TemporaryDirectory() as name:
         out = Path(name) / "callgrind.out"
         wrapper = _wrapper(Path(name), find_daemon() if binary is None else binary, out)
@@ -75,14 +108,20 @@ def count_instructions(program: Program, binary: Path | None = None) -> Instruct
         finally:
             daemon.stop(_PATIENCE)  # callgrind writes as the daemon ends
         if not frame.header["converged"]:
-            raise ReportError(f"The scene did not converge under callgrind: {frame.reason}")
+            raise refused(ProblemCode.REPORT_NOT_CONVERGED, "callgrind", frame.reason)
         if not out.is_file():
-            raise NoCounterError("Callgrind left no counts behind; run the report again.")
+            raise NoCounterError.of(ProblemCode.COUNTER_NO_COUNTS)
         return _totals(out.read_text(encoding="utf-8", errors="replace"), frame.header["work"])
 
 
 def isa_to_count() -> str | None:
-    """The instruction set to ask for under valgrind: LAPPET_ISA where it is set; avx2 where AVX-512 would be chosen."""
+    """Choose the instruction set to ask for under valgrind.
+
+    Returns
+    -------
+    str | None
+        `LAPPET_ISA` where it is set, avx2 where AVX-512 would be chosen, else None.
+    """
     named = os.environ.get("LAPPET_ISA")
     if named and named != "avx512":
         return named
@@ -112,7 +151,7 @@ def _totals(text: str, work: Mapping[str, float]) -> Instructions:
     frame = sum(own.values())
     search = sum(cost for name, cost in inside.items() if SEARCH in name)
     if not frame or not search:
-        raise NoCounterError("The daemon has no symbols to count by (it was stripped); build one in a source checkout.")
+        raise NoCounterError.of(ProblemCode.COUNTER_NO_SYMBOLS)
     kernels = {
         kernel: sum(cost for name, cost in own.items() if f"lappet::{mark}" in name) for kernel, mark in KERNELS.items()
     }
@@ -120,7 +159,18 @@ def _totals(text: str, work: Mapping[str, float]) -> Instructions:
 
 
 def callgrind_costs(text: str) -> tuple[dict[str, int], dict[str, int]]:
-    """The instructions of each function itself, and those inside calls of it, from a file that callgrind wrote."""
+    """Read a file that callgrind wrote.
+
+    Parameters
+    ----------
+    text
+        Its content.
+
+    Returns
+    -------
+    tuple[dict[str, int], dict[str, int]]
+        Instructions of each function itself, and those inside calls of it.
+    """
     names: dict[str, str] = {}
     own: dict[str, int] = {}
     inside: dict[str, int] = {}
@@ -148,7 +198,13 @@ def callgrind_costs(text: str) -> tuple[dict[str, int], dict[str, int]]:
 
 
 def valgrind_version() -> str | None:
-    """What `valgrind --version` says, None where there is none."""
+    """Ask valgrind for its version.
+
+    Returns
+    -------
+    str | None
+        What `valgrind --version` says, or None where there is none.
+    """
     if shutil.which("valgrind") is None:
         return None
     return subprocess.run(["valgrind", "--version"], capture_output=True, text=True, check=False).stdout.strip() or None

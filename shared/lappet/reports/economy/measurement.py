@@ -11,12 +11,13 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from statistics import median
 
+from lappet.core.problem import refused
+from lappet.core.problem_code import ProblemCode
 from lappet.daemon.client import SolverClient
 from lappet.daemon.process import SolverDaemon
 from lappet.program.program import Program
 from lappet.reports.economy.instructions import Instructions, NoCounterError, count_instructions
 from lappet.reports.economy.scenes import FEATURES, Feature, plain
-from lappet.reports.report_error import ReportError
 
 REPEATS = 3
 AGREEMENT = 5e-3  # share of the hot loops' instructions that an absent feature may cost
@@ -24,10 +25,36 @@ AGREEMENT = 5e-3  # share of the hot loops' instructions that an absent feature 
 
 @dataclass(frozen=True)
 class Cost:
-    """One row: the bar with or without a feature. Instructions are None where they cannot be counted.
+    """The bar with or without a feature; instructions are None where they cannot be counted.
 
-    instructions: of the frame; search_instructions: of these in the search for the equilibrium. product_per_cell,
-    evaluation_per_cell: those of the kernels alone, a pass and a cell. newton_iterations to products: of the frame.
+    Parameters
+    ----------
+    feature
+        Name of the feature.
+    present
+        Whether the bar has it.
+    seconds
+        Run time, or None.
+    instructions
+        Instructions of the frame.
+    bytes
+        Memory, or None.
+    search_instructions
+        Of these in the search for the equilibrium.
+    product_per_cell
+        Instructions of the product's kernel alone, a pass and a cell.
+    evaluation_per_cell
+        Instructions of the evaluation's kernel alone, a pass and a cell.
+    cells
+        Number of cells.
+    newton_iterations
+        Newton iterations of the frame.
+    evaluations
+        Evaluations of the frame.
+    products
+        Products of the frame.
+    note
+        A remark.
     """
 
     feature: str
@@ -49,7 +76,18 @@ class Cost:
 class Absence:
     """A scene without some features on the daemon, and on a yardstick that was built without them.
 
-    instructions: of the hot loops, the search for the equilibrium. kernels: of the fused passes, here and there.
+    Parameters
+    ----------
+    left_out
+        What the yardstick lacks.
+    scene
+        Name of the scene.
+    instructions
+        Instructions of the hot loops, the search for the equilibrium.
+    yardstick_instructions
+        Those of the yardstick.
+    kernels
+        Instructions of the fused passes, here and there.
     """
 
     left_out: str
@@ -66,7 +104,17 @@ class Absence:
 
 @dataclass(frozen=True)
 class EconomyReport:
-    """The rows, the proofs of absence, and why no instruction was counted (None where they were)."""
+    """The report of economy.
+
+    Parameters
+    ----------
+    rows
+        What each feature costs.
+    absences
+        Proofs of absence.
+    uncounted
+        Why no instruction was counted, or None where they were.
+    """
 
     rows: tuple[Cost, ...]
     absences: tuple[Absence, ...]
@@ -78,9 +126,26 @@ def economy(
     features: tuple[Feature, ...] = FEATURES,
     say: Callable[[str], None] = lambda _: None,
 ) -> EconomyReport:
-    """Measures every feature. yardsticks: daemons built with LAPPET_LEAVE_OUT, to hold the plain scene against.
+    """Measure every feature.
 
-    Raises ReportError where a scene does not converge.
+    Parameters
+    ----------
+    yardsticks
+        Daemons built with `LAPPET_LEAVE_OUT`, to hold the plain scene against.
+    features
+        The features.
+    say
+        Is told of every solve.
+
+    Returns
+    -------
+    EconomyReport
+        The report.
+
+    Raises
+    ------
+    RefusedError
+        If a scene does not converge.
     """
     reasons: list[str] = []
     rows = []
@@ -105,16 +170,33 @@ def economy(
 
 
 def absence(program: Program, scene: str, yardstick: Path, left_out: str) -> Absence:
-    """Counts the hot loops of a program on the daemon that is installed and on a yardstick. left_out: what it lacks.
+    """Count the hot loops of a program on the installed daemon and on a yardstick.
 
-    Raises ReportError where the two did not take the same iterations: then the counts do not compare.
+    Parameters
+    ----------
+    program
+        The program.
+    scene
+        Name of the scene.
+    yardstick
+        The yardstick's program.
+    left_out
+        What it lacks.
+
+    Returns
+    -------
+    Absence
+        Both counts.
+
+    Raises
+    ------
+    RefusedError
+        If the two did not take the same iterations: then the counts do not compare.
     """
     whole, bare = count_instructions(program), count_instructions(program, yardstick)
     passes = ("evaluations", "linearizations", "products")
     if any(whole.work[each] != bare.work[each] for each in passes):
-        raise ReportError(
-            f"The daemon and the yardstick {yardstick} took other iterations; build both of one revision."
-        )
+        raise refused(ProblemCode.REPORT_NOT_COMPARABLE, yardstick)
     kernels = {name: (whole.kernels[name], bare.kernels[name]) for name in whole.kernels}
     return Absence(left_out, scene, whole.search, bare.search, kernels)
 
@@ -164,7 +246,7 @@ class _Native:
 
 
 def _native(program: Program) -> _Native:
-    """Solves the first frame as it is solved every day, several times from rest."""
+    """Solve the first frame as it is solved every day, several times from rest."""
     seconds = []
     with SolverDaemon() as daemon, SolverClient(daemon.address, daemon.token) as client:
         for _ in range(REPEATS):
@@ -172,7 +254,7 @@ def _native(program: Program) -> _Native:
             lattice = client.set_epoch(program.epochs[0], program.grips[0], program.landmarks_at[0])
             frame = client.solve(program.frames[0])
             if not frame.header["converged"]:
-                raise ReportError(f"The scene did not converge: {frame.reason}")
+                raise refused(ProblemCode.REPORT_NOT_CONVERGED, "", frame.reason)
             seconds.append(float(frame.header["seconds"]["total"]))
     carried = sum(array.nbytes for array in frame.arrays.values())
     return _Native(

@@ -45,9 +45,20 @@ PATCH = BoxScene(
 
 @dataclass(frozen=True)
 class Feature:
-    """A feature: how to put it into the plain program, or why there is nothing to put in.
+    """A feature that costs are measured of.
 
-    coarse_programs: the programs that are solved besides. base: what it is put into instead of the bar.
+    Parameters
+    ----------
+    name
+        Name of the feature.
+    what
+        What it is, for people.
+    put_into
+        Puts it into the plain program; None where there is nothing to put in.
+    coarse_programs
+        Makes the programs that are solved besides.
+    base
+        Makes what it is put into instead of the bar.
     """
 
     name: str
@@ -58,12 +69,34 @@ class Feature:
 
 
 def plain(spacing: float = SPACING) -> Program:
-    """The bar with none of the features."""
+    """Make the bar with none of the features.
+
+    Parameters
+    ----------
+    spacing
+        Lattice spacing in mm.
+
+    Returns
+    -------
+    Program
+        The program.
+    """
     return BAR.program(spacing, strain=False, threads=1)
 
 
 def patch(spacing: float = SPACING) -> Program:
-    """A wide patch that one hook lifts by 1.5 mm; all of it is solved."""
+    """Make a wide patch that one hook lifts by 1.5 mm; all of it is solved.
+
+    Parameters
+    ----------
+    spacing
+        Lattice spacing in mm.
+
+    Returns
+    -------
+    Program
+        The program.
+    """
     program = PATCH.program(spacing, strain=False, threads=1, region="whole")
     surface = program.epochs[0].surface
     above = surface.points[surface.triangles].mean(axis=1) - np.array([96.0, 96.0, 6.0])

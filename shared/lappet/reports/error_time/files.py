@@ -1,4 +1,4 @@
-"""Writes the report of error against time: error_time.json, .csv, .md and a picture per scene."""
+"""Write the report of error against time: error_time.json, .csv, .md and a picture per scene."""
 
 from __future__ import annotations
 
@@ -15,7 +15,22 @@ _ANSWERS = {True: "yes", False: "no", None: "cannot be judged"}
 
 
 def write_error_time(folder: Path, head: Mapping[str, Any], reports: Sequence[SceneReport]) -> list[Path]:
-    """Writes the files into `folder`, which is there, and returns them."""
+    """Write the files of the report.
+
+    Parameters
+    ----------
+    folder
+        A folder that is there.
+    head
+        What each starts with.
+    reports
+        What was measured.
+
+    Returns
+    -------
+    list[Path]
+        The files.
+    """
     rows = [row for report in reports for row in report.rows]
     orders = [found for report in reports for found in report.convergence]
     references = [
@@ -41,7 +56,20 @@ def write_error_time(folder: Path, head: Mapping[str, Any], reports: Sequence[Sc
 
 
 def markdown(head: Mapping[str, Any], reports: Sequence[SceneReport]) -> str:
-    """The report for people."""
+    """Write the report for people.
+
+    Parameters
+    ----------
+    head
+        What it starts with.
+    reports
+        What was measured.
+
+    Returns
+    -------
+    str
+        Markdown.
+    """
     parts = ["# Error against run time\n", described(head) + "\n"]
     parts += [f"{line}\n" for line in totals(reports).splitlines()]
     for report in reports:
@@ -115,5 +143,16 @@ def _order_row(found: Convergence) -> list[str]:
 
 
 def reference_spacings(report: SceneReport) -> tuple[float, float, float]:
-    """The spacings that the reference was extrapolated from, mm."""
+    """List the spacings that the reference was extrapolated from.
+
+    Parameters
+    ----------
+    report
+        A scene's report.
+
+    Returns
+    -------
+    tuple[float, float, float]
+        Spacings in mm.
+    """
     return report.scene.reference

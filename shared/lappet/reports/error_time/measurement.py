@@ -17,11 +17,11 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from lappet.core.problem import Problem, RefusedError
 from lappet.daemon.frame_solver import Connect
 from lappet.geometry.labelled_surface import FaceOrigin
 from lappet.program.program import Program
 from lappet.reports.error_time.reference import Reference, fitted_order, greatest, observed_orders, richardson, rms
-from lappet.reports.report_error import ReportError
 from lappet.solve.error_estimate import coarse_program, expected_order, far_coarse_program, frame_error
 from lappet.solve.solve_frames import FrameResult, SolveObserver, solve_program
 from lappet.solve.store import FrameStore
@@ -39,48 +39,120 @@ LEAST_ORDER = 1.8  # that displacements must converge with where nothing lowers 
 
 
 class Scene(Protocol):
-    """What is solved. `reference`: three spacings, each half of the one before, finer than those of the report.
-    `smooth`: nothing lowers its order. `every_combination`: settings are not only varied alone. `edge_exponent`: of the
-    displacement at its held edges, or None. `away`: which of these places (n, 3) are well away from what is held.
-    """
+    """What is solved."""
 
     @property
-    def name(self) -> str: ...
+    def name(self) -> str:
+        """Name of the scene."""
 
     @property
-    def what(self) -> str: ...
+    def what(self) -> str:
+        """What the scene is, for people."""
 
     @property
-    def spacings(self) -> tuple[float, ...]: ...
+    def spacings(self) -> tuple[float, ...]:
+        """Lattice spacings of the report in mm."""
 
     @property
-    def reference(self) -> tuple[float, float, float]: ...
+    def reference(self) -> tuple[float, float, float]:
+        """Three spacings in mm, each half of the one before, finer than those of the report."""
 
     @property
-    def is_box(self) -> bool: ...
+    def is_box(self) -> bool:
+        """Whether the tissue is a box."""
 
     @property
-    def smooth(self) -> bool: ...
+    def smooth(self) -> bool:
+        """Whether nothing lowers the scene's order."""
 
     @property
-    def every_combination(self) -> bool: ...
+    def every_combination(self) -> bool:
+        """Whether settings are not only varied alone."""
 
     @property
-    def edge_exponent(self) -> float | None: ...
+    def edge_exponent(self) -> float | None:
+        """Exponent of the displacement at the held edges, or None."""
 
-    def away(self, points: NDArray[np.float64]) -> NDArray[np.bool_]: ...
+    def away(self, points: NDArray[np.float64]) -> NDArray[np.bool_]:
+        """Find places that are well away from what is held.
 
-    def program(self, spacing: float, **settings: Any) -> Program: ...
+        Parameters
+        ----------
+        points
+            Points in mm, shape (n, 3).
+
+        Returns
+        -------
+        NDArray[np.bool_]
+            Which are, shape (n,).
+        """
+
+    def program(self, spacing: float, **settings: Any) -> Program:
+        """Make the scene at a spacing.
+
+        Parameters
+        ----------
+        spacing
+            Lattice spacing in mm.
+        **settings
+            Other fields of `SolverSettings`.
+
+        Returns
+        -------
+        Program
+            The program.
+        """
 
 
 @dataclass(frozen=True)
 class Measure:
-    """One row: the last frame's error against the reference and its estimate, over the skin's vertices, in mm.
+    """The last frame's error against the reference and its estimate, over the skin's vertices.
 
-    error_mm, estimate_mm: root mean square; the others the greatest. within_3, max_within_3: the estimate is within a
-    factor 3 of the error; None where there is no telling: nothing converged, or the error is below the uncertainty of
-    the reference. seconds: all frames; estimate_seconds: what the estimate takes besides. Where the scene did not
-    converge errors are None and `reason` says why.
+    `within_3` and `max_within_3` are None where there is no telling: nothing converged, or the error is below the
+    uncertainty of the reference.
+
+    Parameters
+    ----------
+    scene
+        Name of the scene.
+    spacing_mm
+        Lattice spacing.
+    quadrature
+        Quadrature points of a cell.
+    tolerance
+        Relative residual.
+    precision
+        Precision of the arithmetic.
+    preconditioner
+        The preconditioner.
+    default
+        Whether these are the default settings.
+    cells
+        Number of cells.
+    frames
+        Number of frames.
+    seconds
+        Time of all frames.
+    estimate_seconds
+        Time that the estimate takes besides.
+    newton_iterations
+        Newton iterations.
+    pcg_iterations
+        Iterations of conjugate gradients.
+    error_mm
+        Root mean square error; None where the scene did not converge.
+    error_max_mm
+        Greatest error.
+    estimate_mm
+        Root mean square estimate.
+    estimate_max_mm
+        Greatest estimate.
+    within_3
+        Whether the root mean square estimate is within a factor 3 of the error.
+    max_within_3
+        Whether the greatest estimate is.
+    reason
+        Why the scene did not converge, or None.
     """
 
     scene: str
@@ -107,8 +179,27 @@ class Measure:
 
 @dataclass(frozen=True)
 class Convergence:
-    """How a scene converges at one quadrature with the tolerance out of the way. orders: from spacing to spacing. away:
-    well away from what is held, else over the whole skin; None where nothing is."""
+    """How a scene converges at one quadrature with the tolerance out of the way.
+
+    Parameters
+    ----------
+    scene
+        Name of the scene.
+    quadrature
+        Quadrature points of a cell.
+    spacings
+        Lattice spacings in mm.
+    errors_mm
+        Errors over the whole skin.
+    orders
+        Orders from spacing to spacing.
+    fitted
+        Order over all spacings.
+    away_errors_mm
+        Errors well away from what is held; None where nothing is.
+    away_fitted
+        Order over all spacings there, or None.
+    """
 
     scene: str
     quadrature: int
@@ -122,7 +213,19 @@ class Convergence:
 
 @dataclass(frozen=True, eq=False)
 class SceneReport:
-    """A scene's rows, its convergence and its reference."""
+    """A scene's rows, its convergence and its reference.
+
+    Parameters
+    ----------
+    scene
+        The scene.
+    reference
+        What is taken for the truth.
+    rows
+        The rows.
+    convergence
+        How it converges, by quadrature.
+    """
 
     scene: Scene
     reference: Reference
@@ -131,7 +234,18 @@ class SceneReport:
 
 
 def combinations(product: bool) -> Iterator[dict[str, Any]]:
-    """The settings to run, the default first: all of them, or each varied alone."""
+    """List the settings to run, the default first.
+
+    Parameters
+    ----------
+    product
+        Whether to run all combinations, or each setting varied alone.
+
+    Yields
+    ------
+    dict[str, Any]
+        Settings by name.
+    """
     yield dict(DEFAULT)
     if product:
         for values in itertools.product(*CHOICES.values()):
@@ -150,7 +264,24 @@ def error_time(
     product: bool,
     say: Callable[[str], None] = lambda _: None,
 ) -> SceneReport:
-    """Measures a scene. say: is told of every solve."""
+    """Measure a scene.
+
+    Parameters
+    ----------
+    scene
+        The scene.
+    connect
+        Makes the solver.
+    product
+        Whether to run all combinations, or each setting varied alone.
+    say
+        Is told of every solve.
+
+    Returns
+    -------
+    SceneReport
+        The scene's report.
+    """
     say(f"{scene.name}: reference at {', '.join(f'{h:.3g}' for h in scene.reference)} mm")
     reference = _reference(scene, connect)
     rows = []
@@ -170,12 +301,23 @@ def error_time(
 
 
 def skin_of(program: Program) -> NDArray[np.integer]:
-    """The vertices (s,) of the last epoch's skin."""
+    """Find the vertices of the last epoch's skin.
+
+    Parameters
+    ----------
+    program
+        The program.
+
+    Returns
+    -------
+    NDArray[np.integer]
+        Vertex indices, shape (s,).
+    """
     surface = program.epochs[-1].surface
     return np.unique(surface.triangles[surface.origin == FaceOrigin.SKIN])
 
 
-def _solve(program: Program, connect: Connect) -> tuple[tuple[FrameResult, ...], str | None]:
+def _solve(program: Program, connect: Connect) -> tuple[tuple[FrameResult, ...], Problem | None]:
     with tempfile.TemporaryDirectory() as folder:  # nothing is looked up
         found = solve_program(program, FrameStore(Path(folder)), connect, "report", SolveObserver())
     return found.frames, found.reason
@@ -209,7 +351,7 @@ def _limit(scene: Scene, settings: dict[str, Any], connect: Connect) -> Referenc
         program = scene.program(spacing, **settings)
         frames, reason = _solve(program, connect)
         if reason is not None:
-            raise ReportError(f"The reference of {scene.name} at {spacing:.3g} mm failed: {reason}")
+            raise RefusedError([replace(reason, prim=f"{scene.name} at {spacing:.3g} mm")])
         positions.append(frames[-1].arrays["points"][skin_of(program)].astype(float))
     return richardson(*positions)
 
@@ -232,7 +374,7 @@ def _measure(scene: Scene, spacing: float, chosen: dict[str, Any], reference: Re
         error_max_mm=None,
         estimate_mm=None,
         estimate_max_mm=None,
-        reason=reason,
+        reason=None if reason is None else str(reason),
     )
     if reason is not None:
         return row
@@ -241,8 +383,11 @@ def _measure(scene: Scene, spacing: float, chosen: dict[str, Any], reference: Re
     partners, failure = _solve(coarse_program(program), connect)
     partner = partners[-1] if failure is None else None
     other = far_coarse_program(program)
-    others, failure = ((), "") if other is None else _solve(other, connect)
-    far = others[-1] if failure is None else None
+    others: tuple[FrameResult, ...] = ()
+    far = None
+    if other is not None:
+        others, failure = _solve(other, connect)
+        far = others[-1] if failure is None else None
     estimate = frame_error(frames[-1], partner, skin, expected_order(program, frames[0].header["lattice"]), far)
     row = replace(
         row,

@@ -20,8 +20,30 @@ from lappet.usd.stage import read_procedure
 
 @dataclass(eq=False)
 class ProcedureScene:
-    """A procedure. surface_spacing: mm, how finely its surfaces are divided. The other fields: see
-    `lappet.reports.error_time.measurement.Scene`.
+    """A procedure as a scene of a report.
+
+    Parameters
+    ----------
+    name
+        Name of the scene.
+    what
+        What it is, for people.
+    procedure
+        The procedure.
+    spacings
+        Lattice spacings of the report in mm.
+    reference
+        Three spacings in mm, see `lappet.reports.error_time.measurement.Scene`.
+    surface_spacing
+        How finely its surfaces are divided in mm.
+    is_box
+        Whether the tissue is a box.
+    smooth
+        Whether nothing lowers its order.
+    every_combination
+        Whether settings are not only varied alone.
+    edge_exponent
+        Exponent of the displacement at held edges, or None.
     """
 
     name: str
@@ -37,19 +59,48 @@ class ProcedureScene:
     _program: Program | None = field(default=None, repr=False)
 
     def away(self, points: NDArray[np.float64]) -> NDArray[np.bool_]:
-        """Everywhere: what is held is cut and sutured besides."""
+        """Find places that are well away from what is held: everywhere, since what is held is cut and sutured besides.
+
+        Parameters
+        ----------
+        points
+            Points in mm, shape (n, 3).
+
+        Returns
+        -------
+        NDArray[np.bool_]
+            All true, shape (n,).
+        """
         return np.ones(len(points), np.bool_)
 
     def program(self, spacing: float, **settings: Any) -> Program:
-        """The whole procedure at a spacing."""
+        """Make the whole procedure at a spacing.
+
+        Parameters
+        ----------
+        spacing
+            Lattice spacing in mm.
+        **settings
+            Other fields of `SolverSettings`.
+
+        Returns
+        -------
+        Program
+            The program.
+        """
         if self._program is None:
             self._program = compile_program(self.procedure, spacing=self.surface_spacing)
         return replace(self._program, settings=replace(self._program.settings, spacing=spacing, **settings))
 
 
 def z_plasty_scene() -> ProcedureScene:
-    """The Z-plasty that comes with Lappet."""
+    """Make the scene of the Z-plasty that comes with Lappet.
 
+    Returns
+    -------
+    ProcedureScene
+        The scene.
+    """
     return ProcedureScene(
         "z-plasty",
         "the Z-plasty of the demo, 40 frames, the error in the last",
@@ -60,8 +111,15 @@ def z_plasty_scene() -> ProcedureScene:
 
 
 def scalp_flap() -> ProcedureScene:
-    """Dufourmentel and Mouly's flap on a domed scalp over a skull: as `examples/dufourmentel_mouly_scalp`."""
+    """Make the scene of Dufourmentel and Mouly's flap on a domed scalp over a skull.
 
+    It is that of `examples/dufourmentel_mouly_scalp`.
+
+    Returns
+    -------
+    ProcedureScene
+        The scene.
+    """
     radius, thickness = 90.0, 6.0
     tissue = dome_scalp(radius, 48.0, thickness, resolution=2.0, spacing=2.0)
     design = dufourmentel((0.0, 0.0, radius), (1.0, 0.0, 0.0), 12.0, 66.0, project=draped(radius))

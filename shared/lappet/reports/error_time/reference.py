@@ -14,8 +14,18 @@ LEAST_ORDER, GREATEST_ORDER = 0.8, 2.5
 
 @dataclass(frozen=True, eq=False)
 class Reference:
-    """Positions (s, 3) in mm that errors are measured against. order: observed between the three spacings.
-    uncertainty, uncertainty_max: root mean square and greatest, in mm, of how far the extrapolation may be off.
+    """Positions that errors are measured against.
+
+    Parameters
+    ----------
+    points
+        Positions in mm, shape (s, 3).
+    order
+        Order observed between the three spacings.
+    uncertainty
+        Root mean square of how far the extrapolation may be off in mm.
+    uncertainty_max
+        Greatest of it in mm.
     """
 
     points: NDArray[np.float64]
@@ -25,20 +35,56 @@ class Reference:
 
 
 def rms(vectors: NDArray[np.floating]) -> float:
-    """The root mean square length of vectors (s, 3)."""
+    """Compute the root mean square length of vectors.
+
+    Parameters
+    ----------
+    vectors
+        Vectors, shape (s, 3).
+
+    Returns
+    -------
+    float
+        The length.
+    """
     return float(np.sqrt(np.mean(np.einsum("ij,ij->i", vectors, vectors)))) if len(vectors) else 0.0
 
 
 def greatest(vectors: NDArray[np.floating]) -> float:
-    """The greatest length of vectors (s, 3)."""
+    """Compute the greatest length of vectors.
+
+    Parameters
+    ----------
+    vectors
+        Vectors, shape (s, 3).
+
+    Returns
+    -------
+    float
+        The length.
+    """
     return float(np.sqrt(np.max(np.einsum("ij,ij->i", vectors, vectors)))) if len(vectors) else 0.0
 
 
 def richardson(coarse: NDArray[np.float64], middle: NDArray[np.float64], fine: NDArray[np.float64]) -> Reference:
-    """The limit of positions (s, 3) at spacings 4h, 2h and h: fine + (fine - middle) / (2^p - 1).
+    """Extrapolate the limit of positions at three spacings: fine + (fine - middle) / (2^p - 1).
 
     p is observed from the three (Roache 1994, J Fluids Eng 116:405) and kept within 0.8 to 2.5; where it falls outside,
     the positions do not converge regularly and the whole last difference is the uncertainty, else what is added.
+
+    Parameters
+    ----------
+    coarse
+        Positions at the spacing 4h in mm, shape (s, 3).
+    middle
+        Positions at 2h in mm, shape (s, 3).
+    fine
+        Positions at h in mm, shape (s, 3).
+
+    Returns
+    -------
+    Reference
+        The limit with its uncertainty.
     """
     first, second = rms(middle - coarse), rms(fine - middle)
     observed = math.log2(first / second) if first > 0.0 and second > 0.0 else GREATEST_ORDER
@@ -50,11 +96,37 @@ def richardson(coarse: NDArray[np.float64], middle: NDArray[np.float64], fine: N
 
 
 def observed_orders(spacings: Sequence[float], errors: Sequence[float]) -> list[float]:
-    """The orders between one spacing and the next finer one: log(e1 / e2) / log(h1 / h2)."""
+    """Compute the orders between one spacing and the next finer one: log(e1 / e2) / log(h1 / h2).
+
+    Parameters
+    ----------
+    spacings
+        Spacings h.
+    errors
+        Errors e.
+
+    Returns
+    -------
+    list[float]
+        The orders.
+    """
     pairs = zip(spacings, spacings[1:], errors, errors[1:], strict=False)
     return [math.log(e1 / e2) / math.log(h1 / h2) if e1 > 0.0 and e2 > 0.0 else math.nan for h1, h2, e1, e2 in pairs]
 
 
 def fitted_order(spacings: Sequence[float], errors: Sequence[float]) -> float:
-    """The order over all spacings, least squares of the logarithms."""
+    """Fit the order over all spacings by least squares of the logarithms.
+
+    Parameters
+    ----------
+    spacings
+        Spacings.
+    errors
+        Errors.
+
+    Returns
+    -------
+    float
+        The order.
+    """
     return float(np.polyfit(np.log(spacings), np.log(np.maximum(errors, 1e-300)), 1)[0])

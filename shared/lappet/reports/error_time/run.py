@@ -1,4 +1,4 @@
-"""Runs the report of error against time: which scenes there are, and at which spacings."""
+"""Run the report of error against time: which scenes there are, and at which spacings."""
 
 from __future__ import annotations
 
@@ -6,13 +6,14 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
+from lappet.core.problem import refused
+from lappet.core.problem_code import ProblemCode
 from lappet.daemon.daemon_solver import connect_to
 from lappet.reports.box_scenes import BOXES
 from lappet.reports.error_time.files import write_error_time
 from lappet.reports.error_time.measurement import Scene, error_time
 from lappet.reports.error_time.procedure_scenes import ProcedureScene, scalp_flap, z_plasty_scene
 from lappet.reports.error_time.totals import totals
-from lappet.reports.report_error import ReportError
 from lappet.reports.report_files import head, make_folder
 from lappet.usd.stage import read_procedure
 
@@ -22,12 +23,29 @@ NAMES = (*(scene.name for scene in BOXES), "z-plasty", "scalp-flap")
 def run_error_time(
     names: Sequence[str], folder: Path, quick: bool, say: Callable[[str], None] = lambda _: None
 ) -> tuple[str, list[Path]]:
-    """Measures the scenes (all where none is named) and writes the files. Returns the totals, sentences, and the files.
+    """Measure scenes and write the files.
 
-    quick: a coarser reference, and each setting varied alone. Raises ReportError for a name that is none, and where a
-    reference cannot be solved.
+    Parameters
+    ----------
+    names
+        Names of the scenes; all where none is named.
+    folder
+        Folder of the files.
+    quick
+        Whether to take a coarser reference, and vary each setting alone.
+    say
+        Is told of every solve.
+
+    Returns
+    -------
+    tuple[str, list[Path]]
+        The totals as sentences, and the files.
+
+    Raises
+    ------
+    RefusedError
+        If a name is no scene, or a reference cannot be solved.
     """
-
     scenes = [find_scene(name) for name in names or NAMES]
     make_folder(folder)
     circumstances = head()
@@ -43,7 +61,23 @@ def run_error_time(
 
 
 def find_scene(name: str) -> Scene:
-    """The scene of that name, or the procedure in that file."""
+    """Find a scene.
+
+    Parameters
+    ----------
+    name
+        Name of a scene, or a procedure's file.
+
+    Returns
+    -------
+    Scene
+        The scene.
+
+    Raises
+    ------
+    RefusedError
+        If it is neither.
+    """
     for box in BOXES:
         if box.name == name:
             return box
@@ -56,4 +90,5 @@ def find_scene(name: str) -> Scene:
         procedure = read_procedure(path)
         h = procedure.tissue.spacing
         return ProcedureScene(path.stem, path.name, procedure, (2 * h, 1.5 * h, h), (2 * h, h, h / 2), h)
-    raise ReportError(f"There is no scene {name!r}; there are {', '.join(NAMES)}, or give a procedure (.usda).")
+    known = f"{', '.join(NAMES)}, or a procedure (.usda)"
+    raise refused(ProblemCode.REPORT_UNKNOWN, "", name, what="scene", known=known)

@@ -8,12 +8,34 @@ from lappet.reports.error_time.measurement import FACTOR, LEAST_ORDER, Measure, 
 
 
 def outside(rows: Sequence[Measure]) -> list[Measure]:
-    """The rows whose estimate is not within a factor 3 of the true error, root mean square or greatest."""
+    """List the rows whose estimate is not within a factor 3 of the true error, root mean square or greatest.
+
+    Parameters
+    ----------
+    rows
+        The rows.
+
+    Returns
+    -------
+    list[Measure]
+        Those outside.
+    """
     return [row for row in rows if row.within_3 is False or row.max_within_3 is False]
 
 
 def totals(reports: Sequence[SceneReport]) -> str:
-    """Sentences for people, one to a line."""
+    """Sum up the reports for people.
+
+    Parameters
+    ----------
+    reports
+        The reports.
+
+    Returns
+    -------
+    str
+        Sentences, one to a line.
+    """
     rows = [row for report in reports for row in report.rows]
     lines = []
     for what, held in (

@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
+from lappet.core.problem import refused
+from lappet.core.problem_code import ProblemCode
 from lappet.reports.error_time.measurement import CHOICES, DEFAULT, Measure, SceneReport
-from lappet.reports.report_error import ReportError
 
 _COLOURS = {"quadrature": "#c1272d", "tolerance": "#0b6e4f", "precision": "#1f4e8c", "preconditioner": "#8a5a00"}
 _DASHES = ("--", ":", "-.")
@@ -21,10 +22,21 @@ _WORDS = {
 
 
 def plot_scene(report: SceneReport, path: Path) -> None:
-    """The plot of one scene: the root mean square error over the daemon's seconds.
+    """Plot one scene: the root mean square error over the daemon's seconds.
 
-    Curves in colour vary one setting from the default; all other combinations are grey. Raises ReportError without
-    matplotlib.
+    Curves in color vary one setting from the default; all other combinations are gray.
+
+    Parameters
+    ----------
+    report
+        The scene's report.
+    path
+        The picture.
+
+    Raises
+    ------
+    RefusedError
+        If matplotlib is missing.
     """
     try:
         import matplotlib as mpl
@@ -32,7 +44,9 @@ def plot_scene(report: SceneReport, path: Path) -> None:
         mpl.use("Agg")
         from matplotlib import pyplot
     except ImportError as error:
-        raise ReportError("Plots need matplotlib; install it with: pip install 'lappet[report]'.") from error
+        raise refused(
+            ProblemCode.REPORT_NEEDS, "", error, what="A plot", package="matplotlib", extra="report"
+        ) from error
 
     figure, axes = pyplot.subplots(figsize=(7.2, 5.0), layout="constrained")
     for curve in curves(report.rows):
@@ -82,7 +96,18 @@ def plot_scene(report: SceneReport, path: Path) -> None:
 
 
 def curves(rows: Sequence[Measure]) -> list[list[Measure]]:
-    """The rows that converged, a list per combination of settings, from coarse to fine."""
+    """Sort the rows that converged into curves.
+
+    Parameters
+    ----------
+    rows
+        The rows.
+
+    Returns
+    -------
+    list[list[Measure]]
+        A list per combination of settings, from coarse to fine.
+    """
     found: dict[tuple[object, ...], list[Measure]] = {}
     for row in rows:
         if row.error_mm:

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from lappet.core.problem_code import ProblemCode
 from lappet.procedure import Event, Excision, Hook, Incision, Undermine
 from lappet.program.program import Program
 from lappet.reports.stability.measurement import Case
@@ -18,20 +19,60 @@ LONG: tuple[Vector, ...] = ((-6.0, 0.0, TOP), (6.0, 0.0, TOP))
 
 
 def cut_cases() -> Iterator[Case]:
-    """Groups cuts and many cuts."""
+    """List the groups cuts and many cuts.
+
+    Yields
+    ------
+    Case
+        The cases.
+    """
     yield from _few()
     yield from _many()
 
 
 def opened(*cuts: Event, end: float = 4.0, size: Vector = (24.0, 16.0, TOP), **more: Any) -> Program:
-    """Cuts in a patch that a hook then pulls at, beside the middle."""
+    """Make cuts in a patch that a hook then pulls at, beside the middle.
+
+    Parameters
+    ----------
+    *cuts
+        The cuts.
+    end
+        Last time code.
+    size
+        Extent of the patch in mm.
+    **more
+        What `procedure` and `patch` take besides.
+
+    Returns
+    -------
+    Program
+        The program.
+    """
     place = (0.5, 1.5, TOP)
     hook = Hook("pull", place, ((end - 1.0, place), (end, (0.5, 3.0, TOP + 1.0))), end - 1.0, end + 1.0, 20.0)
     return compiled(procedure(patch(size), *cuts, hook, end=end), **more)
 
 
 def line(name: str, time: float, *points: Sequence[float], **more: Any) -> Incision:
-    """An incision through points (x, y) of the skin."""
+    """Make an incision through points of the skin.
+
+    Parameters
+    ----------
+    name
+        Name of the event.
+    time
+        Time code.
+    *points
+        Points (x, y) in mm.
+    **more
+        Other fields of the incision.
+
+    Returns
+    -------
+    Incision
+        The incision.
+    """
     return Incision(name, time, tuple((x, y, TOP) for x, y in points), **more)
 
 
@@ -89,7 +130,7 @@ def _few() -> Iterator[Case]:
         "cuts",
         lambda: opened(around, Excision("out", 2.0, ((0.0, 0.0, TOP),))),
         converges=False,
-        says=("excised",),
+        refuses=(ProblemCode.PROGRAM_HOOK_EXCISED,),
     )
     yield Case(
         "excision of everything",
@@ -98,7 +139,7 @@ def _few() -> Iterator[Case]:
             procedure(patch(), around, Excision("out", 2.0, ((0.0, 0.0, TOP), (10.0, 0.0, TOP))), end=4.0)
         ),
         converges=False,
-        says=("discards the last",),
+        refuses=(ProblemCode.EXCISION_OF_ALL,),
     )
     needle = ((5.0, 0.0, TOP), (-3.0, 0.5, TOP), (-3.0, 0.0, TOP))
     sharp = Incision("sharp", 1.0, needle, closed=True)
@@ -125,7 +166,28 @@ def _aside() -> Hook:
 def scattered(
     count: int, length: float, size: Vector, *, seed: int, depth: float | None, times: int = 1
 ) -> list[Event]:
-    """Straight cuts of about a length, anywhere in a patch, in any direction, spread over so many frames."""
+    """Make straight cuts anywhere in a patch, in any direction, spread over frames.
+
+    Parameters
+    ----------
+    count
+        Number of cuts.
+    length
+        Their length in mm, about.
+    size
+        Extent of the patch in mm.
+    seed
+        Seed of the random numbers.
+    depth
+        Depth in mm, or None to cut through.
+    times
+        Number of frames.
+
+    Returns
+    -------
+    list[Event]
+        The cuts.
+    """
     random = np.random.default_rng(seed)
     cuts: list[Event] = []
     for k in range(count):

@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
+from lappet.core.problem_code import ProblemCode
+from lappet.procedure import MODELS
 from lappet.program.program import MaterialParameters, Program
 from lappet.reports.stability.measurement import Case, Scene
 from lappet.reports.stability.scenes import (
     LEFT,
-    MODELS,
     RIGHT,
     STARTS,
     as_from_rest,
@@ -23,11 +24,17 @@ from lappet.reports.stability.scenes import (
 # Corotated tissue draws in by lambda (stretch - 1) / (2 lambda + 2 mu): at a Poisson's ratio of 0.45 to nothing at a
 # stretch of 3.2, and at held ends before. There two singular values cancel, where its energy has a kink: a search for a
 # vanishing gradient does not end.
-KINK = ("no equilibrium after", "no step lowers")
+KINK = (ProblemCode.FRAME_NOT_CONVERGED,)
 
 
 def deformation_cases() -> Iterator[Case]:
-    """Groups stretch, compression, twist and starts."""
+    """List the groups stretch, compression, twist and starts.
+
+    Yields
+    ------
+    Case
+        The cases.
+    """
     for model in MODELS:
         skin = material(model)
         yield from _stretch(model, skin)
@@ -37,7 +44,24 @@ def deformation_cases() -> Iterator[Case]:
 
 
 def squeezed(length: float, steps: int, skin: MaterialParameters, **settings: Any) -> Program:
-    """A slab of 8 x 16 x 16 mm pressed between two plates that it sticks to, to a share of its thickness."""
+    """Make a slab of 8 x 16 x 16 mm pressed between two plates that it sticks to.
+
+    Parameters
+    ----------
+    length
+        Share of its thickness to which it is pressed.
+    steps
+        Number of frames.
+    skin
+        The material.
+    **settings
+        Other fields of `SolverSettings`.
+
+    Returns
+    -------
+    Program
+        The program.
+    """
     size = (8.0, 16.0, 16.0)
     motions = [[moved((size[0] * (length - 1.0) * (step + 1) / steps, 0.0, 0.0))] for step in range(steps)]
     return block(size, 2.0, fixed=(LEFT,), gripped=(RIGHT,), motions=motions, materials=(skin,), **settings)
@@ -50,7 +74,7 @@ def _stretch(model: str, skin: MaterialParameters) -> Iterator[Case]:
             "stretch",
             lambda f=factor, s=steps: stretched(f, steps=s, materials=(skin,)),
             converges=model != "corotated" or factor == 2.0,
-            says=KINK if model == "corotated" and factor > 2.0 else (),
+            refuses=KINK if model == "corotated" and factor > 2.0 else (),
         )
     if model == "corotated":
         compressible = material(model, poissons_ratio=0.3)
@@ -75,7 +99,7 @@ def _compression(model: str, skin: MaterialParameters) -> Iterator[Case]:
                 "compression",
                 lambda s=steps, q=quadrature: squeezed(0.2, s, skin, quadrature=q),
                 converges=not wanders or steps == 1,
-                says=("no equilibrium after",) if wanders else (),
+                refuses=KINK if wanders else (),
             )
             if wanders:
                 yield Case(

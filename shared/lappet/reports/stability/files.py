@@ -1,4 +1,4 @@
-"""Writes the report of stability: stability.json, .csv and .md."""
+"""Write the report of stability: stability.json, .csv and .md."""
 
 from __future__ import annotations
 
@@ -11,7 +11,22 @@ from lappet.reports.stability.measurement import Row, totals
 
 
 def write_stability(folder: Path, head: Mapping[str, Any], rows: Sequence[Row]) -> list[Path]:
-    """Writes the files into `folder`, which is there, and returns them."""
+    """Write the files of the report.
+
+    Parameters
+    ----------
+    folder
+        A folder that is there.
+    head
+        What each starts with.
+    rows
+        What became of the cases.
+
+    Returns
+    -------
+    list[Path]
+        The files.
+    """
     files = [folder / f"stability.{suffix}" for suffix in ("json", "csv", "md")]
     write_json(files[0], head, rows, totals=totals(rows))
     write_csv(files[1], rows)
@@ -20,7 +35,18 @@ def write_stability(folder: Path, head: Mapping[str, Any], rows: Sequence[Row]) 
 
 
 def totals_table(rows: Sequence[Row]) -> str:
-    """The groups' totals, a table."""
+    """Write the groups' totals.
+
+    Parameters
+    ----------
+    rows
+        What became of the cases.
+
+    Returns
+    -------
+    str
+        A table of Markdown.
+    """
     return markdown_table(
         ["group", "cases", "as expected", "converged", "refused with the reason"],
         [[group, t["cases"], t["ok"], t["converged"], t["refused"]] for group, t in totals(rows).items()],
@@ -28,7 +54,20 @@ def totals_table(rows: Sequence[Row]) -> str:
 
 
 def markdown(head: Mapping[str, Any], rows: Sequence[Row]) -> str:
-    """The report for people."""
+    """Write the report for people.
+
+    Parameters
+    ----------
+    head
+        What it starts with.
+    rows
+        What became of the cases.
+
+    Returns
+    -------
+    str
+        Markdown.
+    """
     failures = [row for row in rows if not row.ok]
     parts = ["# Stability\n", described(head) + "\n", totals_table(rows)]
     if failures:

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 import multiprocessing
-import re
 import tempfile
 import time
 from collections import Counter, deque
@@ -21,7 +20,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from lappet.bench.circumstances import cores
-from lappet.core.problem import RefusedError
+from lappet.core.problem import Problem, RefusedError, refused
+from lappet.core.problem_code import ProblemCode
 from lappet.daemon.daemon_solver import DaemonSolver
 from lappet.daemon.frame_solver import FrameSolver
 from lappet.daemon.process import SolverDaemon, find_daemon
@@ -42,7 +42,6 @@ from lappet.procedure import (
     Undermine,
 )
 from lappet.program.program import Bones, SolverSettings
-from lappet.reports.report_error import ReportError
 from lappet.solve.store import FrameStore
 from lappet.tissue.patch import flat_patch
 
@@ -60,11 +59,24 @@ PATIENT = ("--silence", "86400")
 
 
 def procedures() -> SearchStrategy[Procedure]:
-    """Procedures of 2 to 4 frames on a patch of 16 x 12 x 2 mm. Raises ReportError where hypothesis is missing."""
+    """Make the strategy for procedures of 2 to 4 frames on a patch of 16 x 12 x 2 mm.
+
+    Returns
+    -------
+    SearchStrategy[Procedure]
+        The strategy.
+
+    Raises
+    ------
+    RefusedError
+        If hypothesis is missing.
+    """
     try:
         from hypothesis import strategies as st
     except ImportError as error:
-        raise ReportError(f"The fuzz needs hypothesis ({error}); pip install 'lappet[test]'.") from error
+        raise refused(
+            ProblemCode.REPORT_NEEDS, "", error, what="The fuzz", package="hypothesis", extra="test"
+        ) from error
 
     def number(low: float, high: float) -> SearchStrategy[float]:
         # to a thousandth: simple numbers collide, which is what tissue does not like
@@ -176,18 +188,58 @@ def _tissue(spacing: float, *, rim: bool, bed: bool, gravity: float | None) -> T
     return replace(patch, subsets={name: faces.astype(np.int32) for name, faces in subsets.items()})
 
 
+FAULTS = frozenset(
+    {
+        ProblemCode.INTERNAL,
+        ProblemCode.WIRE_MALFORMED,
+        ProblemCode.SOLVER_MALFORMED,
+        ProblemCode.SOLVER_OUT_OF_ORDER,
+        ProblemCode.SOLVER_INTERNAL,
+        ProblemCode.SOLVER_TIME_BUDGET,
+        ProblemCode.DAEMON_DIED,
+        ProblemCode.DAEMON_DIED_AGAIN,
+        ProblemCode.DAEMON_SILENT,
+    }
+)
+"""Refusals that are none: the program is at fault, or the time ran out."""
+
+
 @dataclass(frozen=True)
 class Verdict:
-    """What became of a procedure. wrong: what breaks the property, a sentence; empty if nothing. reason: why it was
-    refused, else empty. late: what is wrong is the time it took."""
+    """What became of a procedure.
+
+    Parameters
+    ----------
+    wrong
+        What breaks the property, a sentence; empty if nothing does.
+    reason
+        Why it was refused, else empty.
+    late
+        Whether what is wrong is the time it took.
+    """
 
     wrong: str = ""
-    reason: str = ""
+    reason: Problem | None = None
     late: bool = False
 
 
 def judge(procedure: Procedure, daemon: SolverDaemon, folder: Path) -> Verdict:
-    """Solves a procedure. daemon: runs, and must go on running. folder: for the skin cache."""
+    """Solve a procedure and judge what became of it.
+
+    Parameters
+    ----------
+    procedure
+        The procedure.
+    daemon
+        A daemon that runs, and must go on running.
+    folder
+        Folder for the skin cache.
+
+    Returns
+    -------
+    Verdict
+        The verdict.
+    """
 
     def connect(settings: SolverSettings, bones: Bones) -> FrameSolver:
         return DaemonSolver(
@@ -203,7 +255,7 @@ def judge(procedure: Procedure, daemon: SolverDaemon, folder: Path) -> Verdict:
             )
     except RefusedError as error:
         if daemon.alive():
-            return _refused(str(error))
+            return _refused(error.problems[0])
         return Verdict(f"The daemon died: {daemon.death()}")
     except Exception as error:
         return Verdict(f"{type(error).__name__}: {error}")
@@ -214,19 +266,18 @@ def judge(procedure: Procedure, daemon: SolverDaemon, folder: Path) -> Verdict:
     claims = _claims(result)
     if result.reason is not None and not claims:
         return _refused(result.reason)
-    return Verdict(claims, result.reason or "")
+    return Verdict(claims, result.reason)
 
 
-def _refused(reason: str) -> Verdict:
-    return Verdict(_unfit(reason), reason, late="time budget" in reason)
+def _refused(reason: Problem) -> Verdict:
+    return Verdict(_unfit(reason), reason, late=reason.code is ProblemCode.SOLVER_TIME_BUDGET)
 
 
-def _unfit(sentence: str) -> str:
-    """Why a reason is none: it is empty, tells of a fault or of time that ran out."""
-    for sign in ("internal", "Traceback", "not finite number", "time budget", "dead", "silent", "report"):
-        if sign in sentence:
-            return f"It is refused with: {sentence}"
-    return "" if sentence.strip() else "It is refused without a word."
+def _unfit(reason: Problem) -> str:
+    """Why a reason is none: it tells of a fault or of time that ran out, or says nothing."""
+    if reason.code in FAULTS:
+        return f"It is refused with: {reason}"
+    return "" if reason.message.strip() else "It is refused without a word."
 
 
 def _claims(result: SolveResult) -> str:
@@ -244,17 +295,37 @@ def _claims(result: SolveResult) -> str:
 
 
 def fuzz(count: int, say: Callable[[str], None] = lambda _: None, jobs: int | None = None) -> dict[str, Any]:
-    """Solves so many procedures, the same ones every time. jobs: how many at once, each in a process and with a daemon
-    of its own; one per core by default. Returns their number `procedures`, how many were `solved` to the end, why
-    others were `refused` (the sentences without their numbers, counted), and the `failures`, each with its `wrong` and
-    its `procedure` (`told`). Raises ReportError where hypothesis is missing, DaemonMissing where the daemon is."""
+    """Solve procedures made at random, the same ones every time.
+
+    Parameters
+    ----------
+    count
+        Number of procedures.
+    say
+        Is told how it goes.
+    jobs
+        How many at once, each in a process and with a daemon of its own; one per core when None.
+
+    Returns
+    -------
+    dict[str, Any]
+        Their number `procedures`, how many were `solved` to the end, why others were `refused` (the sentences without
+        their numbers, counted), and the `failures`, each with its `wrong` and its `procedure` (`told`).
+
+    Raises
+    ------
+    RefusedError
+        If hypothesis is missing.
+    DaemonMissing
+        If there is no daemon.
+    """
     from hypothesis import HealthCheck, Phase, given, settings
 
     jobs = jobs or cores()
     strategy = procedures()
     find_daemon()  # raises here rather than in every process
     failures: list[dict[str, str]] = []
-    refused: Counter[str] = Counter()
+    reasons: Counter[str] = Counter()
     done = solved = 0
     waiting: deque[tuple[Procedure, Future[Verdict]]] = deque()
 
@@ -264,7 +335,7 @@ def fuzz(count: int, say: Callable[[str], None] = lambda _: None, jobs: int | No
         verdict = future.result()
         done += 1
         if verdict.reason:
-            refused[re.sub(r"[-+]?\d[-+.\de]*", "#", verdict.reason.splitlines()[0])] += 1
+            reasons[verdict.reason.code] += 1
         solved += not verdict.reason and not verdict.wrong
         if verdict.wrong:
             failures.append({"wrong": verdict.wrong, "procedure": told(procedure)})
@@ -295,7 +366,7 @@ def fuzz(count: int, say: Callable[[str], None] = lambda _: None, jobs: int | No
     return {
         "procedures": done,
         "solved": solved,
-        "refused": dict(refused.most_common()),
+        "refused": dict(reasons.most_common()),
         "failures": failures,
     }
 
@@ -315,7 +386,18 @@ def _judge_here(procedure: Procedure) -> Verdict:
 
 
 def told(procedure: Procedure) -> str:
-    """All that a procedure of `procedures` is made of, to make it again."""
+    """Describe all that a procedure of `procedures` is made of, to make it again.
+
+    Parameters
+    ----------
+    procedure
+        The procedure.
+
+    Returns
+    -------
+    str
+        The text.
+    """
     tissue = procedure.tissue
     lines = [
         f"spacing {tissue.spacing}, gravity {tissue.gravity}, subsets {sorted(tissue.subsets)}, "

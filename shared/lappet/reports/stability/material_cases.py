@@ -8,7 +8,9 @@ from typing import Any
 
 import numpy as np
 
+from lappet.core.problem_code import ProblemCode
 from lappet.cutting.epoch import Regions
+from lappet.procedure import MODELS
 from lappet.program.program import MaterialParameters, Program
 from lappet.reports.box_scenes import grid_box
 from lappet.reports.stability.deformation_cases import KINK
@@ -17,7 +19,6 @@ from lappet.reports.stability.scenes import (
     ABOVE,
     BELOW,
     LEFT,
-    MODELS,
     RIGHT,
     SKIN,
     Vector,
@@ -32,7 +33,13 @@ KEPT = 0.02  # of the volume
 
 
 def material_cases() -> Iterator[Case]:
-    """Groups poisson, contrast, fibres and models."""
+    """List the groups poisson, contrast, fibres and models.
+
+    Yields
+    ------
+    Case
+        The cases.
+    """
     yield from _poisson()
     yield from _contrast()
     yield from _fibres()
@@ -40,13 +47,37 @@ def material_cases() -> Iterator[Case]:
 
 
 def pressed(share: float, **more: Any) -> Program:
-    """A block held below, its upper side pressed down by a share of its height."""
+    """Make a block held below, its upper side pressed down.
+
+    Parameters
+    ----------
+    share
+        Share of its height by which it is pressed.
+    **more
+        What `block` takes besides.
+
+    Returns
+    -------
+    Program
+        The program.
+    """
     motion = [[moved((0.0, 0.0, -share * BLOCK[2]))]]
     return block(BLOCK, 2.0, fixed=(BELOW,), gripped=(ABOVE,), motions=motion, **more)
 
 
 def volume_kept(share: float) -> Check:
-    """A check: the surface encloses what it did at rest."""
+    """Make the check that the surface encloses what it did at rest.
+
+    Parameters
+    ----------
+    share
+        Share by which the volume may differ.
+
+    Returns
+    -------
+    Check
+        The check.
+    """
 
     def check(solved: Solved) -> str:
         surface = solved.program.epochs[0].surface
@@ -88,7 +119,22 @@ def _poisson() -> Iterator[Case]:
 
 
 def inclusion(contrast: float, depth: float = 4.0, **settings: Any) -> Program:
-    """A block stretched by 30 % with an inclusion below the middle of its upper side, so many times as stiff."""
+    """Make a block stretched by 30 % with an inclusion below the middle of its upper side.
+
+    Parameters
+    ----------
+    contrast
+        How many times as stiff the inclusion is.
+    depth
+        Depth of the inclusion in mm.
+    **settings
+        Other fields of `SolverSettings`.
+
+    Returns
+    -------
+    Program
+        The program.
+    """
     surface, side = grid_box(BLOCK, (8, 8, 4))
     centre = surface.points[surface.triangles].mean(axis=1)
     inside = (side == ABOVE) & (np.abs(centre[:, :2] - 8.0) < 4.0).all(axis=1)
@@ -122,7 +168,7 @@ def _contrast() -> Iterator[Case]:
             "contrast",
             lambda power=power: inclusion(10.0**power),
             converges=power < 5,
-            says=("try precision 'double'",) if power > 4 else (),
+            refuses=KINK if power > 4 else (),
         )
         if power:
             yield Case(f"inclusion 10^-{power} as stiff", "contrast", lambda power=power: inclusion(10.0**-power))
@@ -180,7 +226,7 @@ def _models() -> Iterator[Case]:
                 "models",
                 lambda plain=plain, precision=precision: stretched(3.0, materials=(plain,), precision=precision),
                 converges=model != "corotated",
-                says=KINK if model == "corotated" else (),
+                refuses=KINK if model == "corotated" else (),
             )
     stiff, soft = (material("mooneyRivlin", youngs_modulus=e) for e in (1e9, 1e-6))
     yield Case("Young's modulus 10^9 kPa", "models", lambda: stretched(1.3, materials=(stiff,)))
@@ -193,12 +239,25 @@ def _models() -> Iterator[Case]:
         "models",
         lambda: stretched(1.5, materials=(beyond,)),
         converges=False,
-        says=("it must be 0 to 0.4999",),
+        refuses=(ProblemCode.SOLVER_INVALID_INPUT,),
     )
 
 
 def replace_motions(program: Program, steps: int) -> Program:
-    """A program of one frame that only shifts, its shifts reached in equal steps."""
+    """Reach the shifts of a program of one frame in equal steps.
+
+    Parameters
+    ----------
+    program
+        The program, which only shifts.
+    steps
+        Number of steps.
+
+    Returns
+    -------
+    Program
+        The program of as many frames.
+    """
     (frame,) = program.frames
     frames = []
     for step in range(1, steps + 1):

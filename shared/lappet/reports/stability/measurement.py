@@ -17,12 +17,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from lappet.core.problem import RefusedError
+from lappet.core.problem import Problem, RefusedError
+from lappet.core.problem_code import ProblemCode
 from lappet.daemon.client import FrameSolution, SolverClient, SolverState
 from lappet.daemon.frame_solver import Iteration, SolverDiedError
 from lappet.daemon.process import SolverDaemon
 from lappet.daemon.wire import WireError
 from lappet.program.program import Program
+from lappet.solve.solve_frames import not_converged
 
 # A float state lies within its tolerance as float sees it; in double precision it may be this much worse.
 VERIFIED = 1.5
@@ -36,7 +38,17 @@ Start = Callable[[NDArray[np.float64]], NDArray[np.float64]]
 
 @dataclass(frozen=True, eq=False)
 class Solved:
-    """The frames of a case that converged. twin: the last frame of its twin."""
+    """The frames of a case that converged.
+
+    Parameters
+    ----------
+    program
+        What was solved.
+    frames
+        The frames.
+    twin
+        Last frame of its twin, or None.
+    """
 
     program: Program
     frames: tuple[FrameSolution, ...]
@@ -45,9 +57,19 @@ class Solved:
 
 @dataclass(frozen=True, eq=False)
 class Scene:
-    """What is solved. start: where the first frame starts from, positions (N, 3) mm for nodes at rest (N, 3) mm. check:
-    what is wrong with the result, a sentence, or an empty text. twin: what the result is compared with, solved before
-    and from rest; the program itself where there is a start."""
+    """What is solved.
+
+    Parameters
+    ----------
+    program
+        The program.
+    start
+        Where the first frame starts from: positions in mm, shape (N, 3), for nodes at rest in mm, shape (N, 3).
+    check
+        Says what is wrong with the result, a sentence or an empty text.
+    twin
+        What the result is compared with, solved before and from rest; the program itself where there is a start.
+    """
 
     program: Program
     start: Start | None = None
@@ -57,29 +79,76 @@ class Scene:
 
 @dataclass(frozen=True)
 class Case:
-    """A case. scene: makes it; may refuse. converges: an equilibrium is a right outcome. says: so is a refusal with one
-    of these in its reason. budget: seconds. slow: left out of the quick report."""
+    """A case of the matrix.
+
+    Parameters
+    ----------
+    name
+        Name of the case.
+    group
+        Name of its group.
+    scene
+        Makes what is solved; may refuse.
+    converges
+        Whether an equilibrium is a right outcome.
+    refuses
+        Codes of the refusals that are a right outcome too.
+    budget
+        Seconds that it may take.
+    slow
+        Whether it is left out of the quick report.
+    """
 
     name: str
     group: str
     scene: Callable[..., Scene | Program]
     converges: bool = True
-    says: tuple[str, ...] = ()
+    refuses: tuple[ProblemCode, ...] = ()
     budget: float = 60.0
     slow: bool = False
 
     @property
     def expected(self) -> str:
         """The outcomes that are right, for people."""
-        refuses = "refuses: " + " | ".join(self.says) if self.says else ""
+        refuses = "refuses: " + " | ".join(self.refuses) if self.refuses else ""
         return " or ".join(part for part in ("converges" if self.converges else "", refuses) if part)
 
 
 @dataclass(frozen=True)
 class Row:
-    """What became of a case. outcome: converges, refuses, wrong (a claim that does not hold), crashes or hangs. reason:
-    why, a sentence; empty where it converged. residual, gap_mm: the greatest of all frames as the daemon says;
-    verified_residual: of the last frame in double precision. ok: the outcome is expected, within the budget."""
+    """What became of a case.
+
+    Parameters
+    ----------
+    case
+        Name of the case.
+    group
+        Name of its group.
+    expected
+        The outcomes that are right.
+    outcome
+        Converges, refuses, wrong (a claim that does not hold), crashes or hangs.
+    reason
+        Why, a sentence; empty where it converged.
+    residual
+        Greatest residual of all frames as the daemon says.
+    verified_residual
+        Residual of the last frame in double precision.
+    gap_mm
+        Greatest gap of all frames.
+    frames
+        Number of frames.
+    cells
+        Number of cells.
+    seconds
+        Time that it took.
+    budget
+        Seconds that it may take.
+    ok
+        Whether the outcome is expected, within the budget.
+    code
+        Code of the problem, or None where it converged.
+    """
 
     case: str
     group: str
@@ -94,10 +163,24 @@ class Row:
     seconds: float
     budget: float
     ok: bool
+    code: ProblemCode | None = None
 
 
 def run_cases(cases: Iterable[Case], say: Callable[[str], None] = lambda _: None) -> Iterator[Row]:
-    """Runs cases one after the other."""
+    """Run cases one after the other.
+
+    Parameters
+    ----------
+    cases
+        The cases.
+    say
+        Is told of every case.
+
+    Yields
+    ------
+    Row
+        What became of each.
+    """
     for case in cases:
         row = run_case(case)
         say(f"{'ok ' if row.ok else 'NOT'} {row.case}: {row.outcome} in {row.seconds:.1f} s. {row.reason}".rstrip())
@@ -105,7 +188,18 @@ def run_cases(cases: Iterable[Case], say: Callable[[str], None] = lambda _: None
 
 
 def run_case(case: Case) -> Row:
-    """Runs a case; never raises but for what ends the program."""
+    """Run a case; nothing is raised but what ends the program.
+
+    Parameters
+    ----------
+    case
+        The case.
+
+    Returns
+    -------
+    Row
+        What became of it.
+    """
     begun = time.perf_counter()
     row = Row(case.name, case.group, case.expected, "converges", "", None, None, None, 0, 0, 0.0, case.budget, False)
     watchdog = _Watchdog(PATIENCE * case.budget + GRACE)
@@ -117,15 +211,13 @@ def run_case(case: Case) -> Row:
     except SolverDiedError as error:
         row = replace(row, outcome="hangs" if watchdog.bit else "crashes", reason=str(error))
     except RefusedError as error:
-        row = replace(row, outcome="refuses", reason=str(error))
+        row = replace(row, outcome="refuses", reason=str(error), code=error.problems[0].code)
     except WireError as error:
         row = replace(row, outcome="wrong", reason=f"The daemon's answer is no answer: {error}")
     except Exception as error:
         row = replace(row, outcome="crashes", reason=f"{type(error).__name__}: {error}".splitlines()[0])
     seconds = time.perf_counter() - begun
-    right = (row.outcome == "converges" and case.converges) or (
-        row.outcome == "refuses" and any(part in row.reason for part in case.says)
-    )
+    right = (row.outcome == "converges" and case.converges) or (row.outcome == "refuses" and row.code in case.refuses)
     if right and seconds > case.budget:
         row = replace(row, reason=f"{row.reason} It took {seconds:.0f} s, more than its budget.".strip())
     return replace(row, seconds=seconds, ok=right and seconds <= case.budget)
@@ -139,7 +231,8 @@ def _solve(client: SolverClient, scene: Scene, case: Case, row: Row) -> Row:
     if other is not None:
         before, reason, _ = _frames(client, other, None)
         if reason:
-            return replace(row, outcome="refuses", reason=f"What it is compared with is refused already: {reason}")
+            said = f"What it is compared with is refused already: {reason}"
+            return replace(row, outcome="refuses", reason=said, code=reason.code)
         twin = before[-1]
     frames, reason, cells = _frames(client, program, scene.start)
     finite = [frame for frame in frames if frame.converged]
@@ -158,14 +251,16 @@ def _solve(client: SolverClient, scene: Scene, case: Case, row: Row) -> Row:
             wrong = f"In double precision its relative residual is {residual:.2e}."
         elif gap is not None and not gap <= VERIFIED * settings.gap_tolerance * settings.spacing:
             wrong = f"In double precision its gap is {gap:.3g} mm."
-    if not wrong and not reason and scene.check is not None:
+    if not wrong and reason is None and scene.check is not None:
         wrong = scene.check(Solved(program, tuple(frames), twin))
     if wrong:
         return replace(row, outcome="wrong", reason=wrong)
-    return replace(row, outcome="refuses", reason=reason) if reason else row
+    return row if reason is None else replace(row, outcome="refuses", reason=str(reason), code=reason.code)
 
 
-def _frames(client: SolverClient, program: Program, start: Start | None) -> tuple[list[FrameSolution], str, int]:
+def _frames(
+    client: SolverClient, program: Program, start: Start | None
+) -> tuple[list[FrameSolution], Problem | None, int]:
     """The frames up to the first one that fails (included), why it failed, and the most cells of an epoch."""
     client.open(program.settings, program.bones)
     frames: list[FrameSolution] = []
@@ -178,8 +273,8 @@ def _frames(client: SolverClient, program: Program, start: Start | None) -> tupl
                 client.set_state(_state(program, start(lattice["nodes"]) - lattice["nodes"]))
         frames.append(client.solve(frame))
         if not frames[-1].converged:
-            return frames, frames[-1].reason or "It did not converge and does not say why.", cells
-    return frames, "", cells
+            return frames, not_converged(frame.time, frames[-1].header), cells
+    return frames, None, cells
 
 
 def _set_epoch(client: SolverClient, program: Program, index: int, nodes: bool = False) -> dict[str, Any]:
@@ -252,7 +347,7 @@ def _again(client: SolverClient, program: Program, frame: FrameSolution) -> tupl
 
 
 class _Watchdog:
-    """Ends a daemon that does not answer in time. bit: it has."""
+    """End a daemon that does not answer in time. bit: it has."""
 
     def __init__(self, seconds: float) -> None:
         self.bit = False
@@ -260,7 +355,7 @@ class _Watchdog:
 
     @contextlib.contextmanager
     def over(self, daemon: SolverDaemon) -> Iterator[None]:
-        """Watches over a daemon that runs."""
+        """Watch over a daemon that runs."""
 
         def bite() -> None:
             self.bit = True
@@ -275,7 +370,18 @@ class _Watchdog:
 
 
 def totals(rows: Sequence[Row]) -> dict[str, dict[str, int]]:
-    """How many cases there are, as expected, converged and refused, by group and in all."""
+    """Count the cases by group and in all.
+
+    Parameters
+    ----------
+    rows
+        What became of the cases.
+
+    Returns
+    -------
+    dict[str, dict[str, int]]
+        How many there are, as expected, converged and refused.
+    """
     groups = {group: [row for row in rows if row.group == group] for group in dict.fromkeys(row.group for row in rows)}
     return {
         group: {

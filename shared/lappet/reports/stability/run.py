@@ -1,11 +1,12 @@
-"""Runs the stability matrix: which cases there are, and the files of their report."""
+"""Run the stability matrix: which cases there are, and the files of their report."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from lappet.reports.report_error import ReportError
+from lappet.core.problem import refused
+from lappet.core.problem_code import ProblemCode
 from lappet.reports.report_files import head, make_folder, write_json
 from lappet.reports.stability.constraint_cases import constraint_cases
 from lappet.reports.stability.cut_cases import cut_cases
@@ -17,26 +18,68 @@ from lappet.reports.stability.shape_cases import shape_cases
 
 
 def all_cases() -> list[Case]:
-    """The matrix."""
+    """List the matrix.
+
+    Returns
+    -------
+    list[Case]
+        The cases.
+    """
     return [*material_cases(), *deformation_cases(), *constraint_cases(), *shape_cases(), *cut_cases()]
 
 
 def chosen_cases(only: Sequence[str], quick: bool) -> list[Case]:
-    """The cases of these groups (all where none is named), without the slow ones where it is to be quick. Raises
-    ReportError for a name that is none."""
+    """Choose cases by their groups.
+
+    Parameters
+    ----------
+    only
+        Names of groups; all where none is named.
+    quick
+        Whether to leave out the slow ones.
+
+    Returns
+    -------
+    list[Case]
+        The cases.
+
+    Raises
+    ------
+    RefusedError
+        If a name is no group.
+    """
     cases = all_cases()
     groups = list(dict.fromkeys(case.group for case in cases))
     for name in only:
         if name not in groups:
-            raise ReportError(f"There is no group {name!r} of cases; there are {', '.join(groups)}.")
+            raise refused(ProblemCode.REPORT_UNKNOWN, "", name, what="group of cases", known=", ".join(groups))
     return [case for case in cases if (not only or case.group in only) and not (quick and case.slow)]
 
 
 def run_stability(
     folder: Path, cases: Sequence[Case], say: Callable[[str], None] = lambda _: None
 ) -> tuple[str, bool, list[Path]]:
-    """Runs the cases and writes the files. Returns the table of totals, whether every case is ok, and the files.
-    Raises RefusedError where there is no daemon or no folder."""
+    """Run cases and write the files.
+
+    Parameters
+    ----------
+    folder
+        Folder of the files.
+    cases
+        The cases.
+    say
+        Is told of every case.
+
+    Returns
+    -------
+    tuple[str, bool, list[Path]]
+        The table of totals, whether every case is ok, and the files.
+
+    Raises
+    ------
+    RefusedError
+        If there is no daemon or no folder.
+    """
     make_folder(folder)
     circumstances = head()
     rows = list(run_cases(cases, say))
@@ -46,9 +89,29 @@ def run_stability(
 def run_fuzz(
     folder: Path, count: int, say: Callable[[str], None] = lambda _: None, jobs: int | None = None
 ) -> tuple[str, bool, list[Path]]:
-    """Fuzzes so many procedures, `jobs` at once (one per core by default), and writes stability_fuzz.json. Returns a
-    sentence, whether all hold the property, and the file. Raises RefusedError where there is no daemon, no folder or no
-    hypothesis."""
+    """Fuzz procedures and write stability_fuzz.json.
+
+    Parameters
+    ----------
+    folder
+        Folder of the file.
+    count
+        Number of procedures.
+    say
+        Is told how it goes.
+    jobs
+        How many at once; one per core when None.
+
+    Returns
+    -------
+    tuple[str, bool, list[Path]]
+        A sentence, whether all hold the property, and the file.
+
+    Raises
+    ------
+    RefusedError
+        If there is no daemon, no folder or no hypothesis.
+    """
     from lappet.reports.stability.fuzz import fuzz
 
     make_folder(folder)

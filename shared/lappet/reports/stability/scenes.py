@@ -22,7 +22,6 @@ from lappet.reports.stability.measurement import Solved, Start
 from lappet.tissue.patch import flat_patch
 
 SKIN = MaterialParameters(model="neoHookean", youngs_modulus=50.0, poissons_ratio=0.45)
-MODELS = ("corotated", "neoHookean", "stableNeoHookean", "mooneyRivlin")
 Vector = tuple[float, float, float]
 Pull = tuple[Vector, Vector, float]  # anchor, target or other anchor, stiffness
 # The low and high side of each axis, as `grid_box` numbers them.
@@ -31,7 +30,20 @@ MOST_DIVISIONS = 24
 
 
 def material(model: str = "neoHookean", **changes: Any) -> MaterialParameters:
-    """Skin of another model or with other parameters."""
+    """Make skin of another model or with other parameters.
+
+    Parameters
+    ----------
+    model
+        Name of the model.
+    **changes
+        Other parameters.
+
+    Returns
+    -------
+    MaterialParameters
+        The material.
+    """
     return replace(SKIN, model=model, mooney_ratio=0.5 if model == "mooneyRivlin" else 0.0, **changes)
 
 
@@ -49,9 +61,37 @@ def block(
     bones: Bones | None = None,
     **settings: Any,
 ) -> Program:
-    """A box with a corner at the origin. fixed: sides held. gripped: a side for each retractor. motions: for each frame
-    a motion (4, 4) for each retractor. hooks, sutures: the same in every frame, all sutures drawn together. settings:
-    other fields of `SolverSettings`.
+    """Make a box with a corner at the origin.
+
+    Parameters
+    ----------
+    size
+        Extent in mm.
+    spacing
+        Lattice spacing in mm.
+    fixed
+        Sides that are held.
+    gripped
+        A side for each retractor.
+    motions
+        For each frame a motion, shape (4, 4), for each retractor.
+    hooks
+        Hooks, the same in every frame.
+    sutures
+        Sutures, the same in every frame, all drawn together.
+    materials
+        The materials.
+    regions
+        Material regions, or None.
+    bones
+        Bones, or None.
+    **settings
+        Other fields of `SolverSettings`.
+
+    Returns
+    -------
+    Program
+        The program.
     """
     divisions = [max(1, min(MOST_DIVISIONS, round(length / spacing))) for length in size]
     surface, side = grid_box(size, divisions)
@@ -95,7 +135,22 @@ def block(
 
 
 def moved(shift: Vector = (0.0, 0.0, 0.0), turn: float = 0.0, centre: Vector = (0.0, 0.0, 0.0)) -> NDArray[np.float64]:
-    """A motion: about the x axis through `centre` (mm) by `turn` degrees, then by `shift` mm."""
+    """Make a motion: a turn about the x axis, then a shift.
+
+    Parameters
+    ----------
+    shift
+        Shift in mm.
+    turn
+        Angle in degrees.
+    centre
+        Point in mm about which it turns.
+
+    Returns
+    -------
+    NDArray[np.float64]
+        Motion, shape (4, 4).
+    """
     angle = math.radians(turn)
     motion = np.eye(4)
     motion[1:3, 1:3] = [[math.cos(angle), -math.sin(angle)], [math.sin(angle), math.cos(angle)]]
@@ -107,33 +162,114 @@ def moved(shift: Vector = (0.0, 0.0, 0.0), turn: float = 0.0, centre: Vector = (
 def stretched(
     factor: float, *, steps: int = 1, size: Vector = (16.0, 8.0, 8.0), spacing: float = 2.0, **more: Any
 ) -> Program:
-    """A bar held at one end whose other end is moved along it, in equal steps, until it is `factor` times as long."""
+    """Make a bar held at one end whose other end is moved along it, in equal steps.
+
+    Parameters
+    ----------
+    factor
+        How many times as long it becomes.
+    steps
+        Number of frames.
+    size
+        Extent in mm.
+    spacing
+        Lattice spacing in mm.
+    **more
+        What `block` takes besides.
+
+    Returns
+    -------
+    Program
+        The program.
+    """
     shifts = [size[0] * (factor - 1.0) * (step + 1) / steps for step in range(steps)]
     motions = [[moved((shift, 0.0, 0.0))] for shift in shifts]
     return block(size, spacing, fixed=(LEFT,), gripped=(RIGHT,), motions=motions, **more)
 
 
 def twisted(degrees: float, steps: int, **more: Any) -> Program:
-    """A bar of 32 x 8 x 8 mm held at one end whose other end is turned, in equal steps."""
+    """Make a bar of 32 x 8 x 8 mm held at one end whose other end is turned, in equal steps.
+
+    Parameters
+    ----------
+    degrees
+        The angle.
+    steps
+        Number of frames.
+    **more
+        What `block` takes besides.
+
+    Returns
+    -------
+    Program
+        The program.
+    """
     motions = [[moved(turn=degrees * (step + 1) / steps, centre=(0.0, 4.0, 4.0))] for step in range(steps)]
     return block((32.0, 8.0, 8.0), 2.0, fixed=(LEFT,), gripped=(RIGHT,), motions=motions, **more)
 
 
 def box_bone(low: Vector, high: Vector) -> Bones:
-    """A bone that fills a box, mm."""
+    """Make a bone that fills a box.
+
+    Parameters
+    ----------
+    low
+        Lowest corner in mm.
+    high
+        Highest corner in mm.
+
+    Returns
+    -------
+    Bones
+        The bone.
+    """
     size = (high[0] - low[0], high[1] - low[1], high[2] - low[2])
     surface, _ = grid_box(size, (2, 2, 2))
     return Bones(surface.points + low, surface.triangles)
 
 
 def procedure(tissue: Tissue, *events: Event, end: float = 3.0, **more: Any) -> Procedure:
-    """Events on a tissue, from frame 1 on."""
+    """Make a procedure of events on a tissue, from frame 1 on.
+
+    Parameters
+    ----------
+    tissue
+        The tissue.
+    *events
+        The events.
+    end
+        Last time code.
+    **more
+        Other fields of the procedure.
+
+    Returns
+    -------
+    Procedure
+        The procedure.
+    """
     return Procedure(tissue=tissue, events=events, start_time=1.0, end_time=end, **more)
 
 
 def compiled(made: Procedure, **settings: Any) -> Program:
-    """The program of a procedure. Raises RefusedError, RefusedError as `lappet solve` does."""
+    """Compile a procedure as `lappet solve` does.
 
+    Parameters
+    ----------
+    made
+        The procedure.
+    **settings
+        Other fields of `SolverSettings`.
+
+    Returns
+    -------
+    Program
+        The program.
+
+    Raises
+    ------
+    RefusedError
+        If the procedure has errors or cannot be compiled.
+    """
     errors = [problem for problem in check(made) if problem.severity == "error"]
     if errors:
         raise RefusedError(errors)
@@ -141,18 +277,57 @@ def compiled(made: Procedure, **settings: Any) -> Program:
 
 
 def patch(size: Vector = (24.0, 16.0, 2.0), spacing: float = 1.0, **more: Any) -> Tissue:
-    """A flat patch about the origin, its skin at z = thickness, its rim fixed, its underside on a bed."""
+    """Make a flat patch about the origin, its skin at z = thickness, its rim fixed, its underside on a bed.
+
+    Parameters
+    ----------
+    size
+        Extent in mm.
+    spacing
+        Lattice spacing in mm.
+    **more
+        What `flat_patch` takes besides.
+
+    Returns
+    -------
+    Tissue
+        The tissue.
+    """
     return flat_patch(size, resolution=2.0 * spacing, spacing=spacing, **more)
 
 
 def loose(tissue: Tissue, *, rim: bool = True) -> Tissue:
-    """A tissue without a bed, and where `rim` is false without anything that is fixed."""
+    """Free a tissue from its bed.
+
+    Parameters
+    ----------
+    tissue
+        The tissue.
+    rim
+        Whether what is fixed stays fixed.
+
+    Returns
+    -------
+    Tissue
+        The loose tissue.
+    """
     kept = {name: faces for name, faces in tissue.subsets.items() if name != "bed" and (rim or name != "fixed")}
     return replace(tissue, subsets=kept)
 
 
 def skin_material(**changes: Any) -> tuple[Material, ...]:
-    """The materials of a procedure whose skin has these parameters."""
+    """List the materials of a procedure whose skin has other parameters.
+
+    Parameters
+    ----------
+    **changes
+        The parameters.
+
+    Returns
+    -------
+    tuple[Material, ...]
+        The materials.
+    """
     return (replace(Material(), **changes),)
 
 
@@ -160,32 +335,98 @@ def skin_material(**changes: Any) -> tuple[Material, ...]:
 
 
 def at_rest(rest: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Where it is."""
+    """Start at rest.
+
+    Parameters
+    ----------
+    rest
+        Nodes at rest in mm, shape (N, 3).
+
+    Returns
+    -------
+    NDArray[np.float64]
+        The same positions.
+    """
     return rest
 
 
 def collapsed(rest: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Everything in one point."""
+    """Start with everything in one point.
+
+    Parameters
+    ----------
+    rest
+        Nodes at rest in mm, shape (N, 3).
+
+    Returns
+    -------
+    NDArray[np.float64]
+        Positions in mm, shape (N, 3).
+    """
     return np.broadcast_to(rest.mean(axis=0), rest.shape)
 
 
 def flattened(rest: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Pressed into the plane half way up."""
+    """Start pressed into the plane half way up.
+
+    Parameters
+    ----------
+    rest
+        Nodes at rest in mm, shape (N, 3).
+
+    Returns
+    -------
+    NDArray[np.float64]
+        Positions in mm, shape (N, 3).
+    """
     return np.column_stack([rest[:, :2], np.full(len(rest), rest[:, 2].mean())])
 
 
 def inverted(rest: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Turned inside out through its middle."""
+    """Start turned inside out through the middle.
+
+    Parameters
+    ----------
+    rest
+        Nodes at rest in mm, shape (N, 3).
+
+    Returns
+    -------
+    NDArray[np.float64]
+        Positions in mm, shape (N, 3).
+    """
     return 2.0 * rest.mean(axis=0) - rest
 
 
 def mirrored(rest: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Upside down without having been turned."""
+    """Start upside down without having been turned.
+
+    Parameters
+    ----------
+    rest
+        Nodes at rest in mm, shape (N, 3).
+
+    Returns
+    -------
+    NDArray[np.float64]
+        Positions in mm, shape (N, 3).
+    """
     return np.column_stack([rest[:, :2], rest[:, 2].max() + rest[:, 2].min() - rest[:, 2]])
 
 
 def scattered(rest: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Every node anywhere in the box of the tissue."""
+    """Start with every node anywhere in the box of the tissue.
+
+    Parameters
+    ----------
+    rest
+        Nodes at rest in mm, shape (N, 3).
+
+    Returns
+    -------
+    NDArray[np.float64]
+        Positions in mm, shape (N, 3).
+    """
     low, high = rest.min(axis=0), rest.max(axis=0)
     return low + (high - low) * np.random.default_rng(5).random(rest.shape)
 
@@ -201,7 +442,18 @@ STARTS: dict[str, Start] = {
 
 
 def as_from_rest(share: float) -> Any:
-    """A check: the last frame is the one from rest, to `share` of the spacing."""
+    """Make the check that the last frame is the one from rest.
+
+    Parameters
+    ----------
+    share
+        How far it may differ, as a share of the spacing.
+
+    Returns
+    -------
+    Any
+        The check.
+    """
 
     def check(solved: Solved) -> str:
         assert solved.twin is not None

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from lappet.core.problem_code import ProblemCode
 from lappet.procedure import Hook, Incision, Suture, Undermine
 from lappet.program.program import Program
 from lappet.reports.stability.measurement import Case, Check, Scene, Solved
@@ -28,7 +29,13 @@ from lappet.tissue.patch import flat_patch
 
 
 def shape_cases() -> Iterator[Case]:
-    """Groups thin, floating, scale and spacing."""
+    """List the groups thin, floating, scale and spacing.
+
+    Yields
+    ------
+    Case
+        The cases.
+    """
     yield from _thin()
     yield from _floating()
     yield from _scale()
@@ -36,7 +43,18 @@ def shape_cases() -> Iterator[Case]:
 
 
 def needle(width: float) -> Program:
-    """A strip of that width, 14 mm long, freed on three sides and from its bed, lifted at its tip by 6 mm."""
+    """Make a strip 14 mm long, freed on three sides and from its bed, lifted at its tip by 6 mm.
+
+    Parameters
+    ----------
+    width
+        Its width in mm.
+
+    Returns
+    -------
+    Program
+        The program.
+    """
     x, y = 7.0, width / 2
     outline = ((x, -y, 2.0), (-x, -y, 2.0), (-x, y, 2.0), (x, y, 2.0))
     ring = ((x, -y, 2.0), (x, y, 2.0), (-x, y, 2.0), (-x, -y, 2.0))
@@ -64,14 +82,31 @@ def _thin() -> Iterator[Case]:
         "thin",
         lambda: stretched(1.3, size=(16.0, 16.0, 0.02), spacing=2.0),
         converges=False,
-        says=("too thin for this lattice",),
+        refuses=(ProblemCode.SOLVER_INVALID_INPUT,),
     )
     ring = tuple((5.0 * np.cos(a), 5.0 * np.sin(a), 2.0) for a in np.linspace(0.1, 2 * np.pi - 0.1, 24))
     yield Case("island that a single cell holds, lifted", "thin", lambda: island(ring, 20.0))
 
 
 def island(ring: tuple[Vector, ...], stiffness: float, **more: Any) -> Program:
-    """A patch in which a ring is cut and what lies inside freed from the bed, a hook lifting its middle by 5 mm."""
+    """Make a patch in which a ring is cut and what lies inside is freed from the bed.
+
+    A hook lifts its middle by 5 mm.
+
+    Parameters
+    ----------
+    ring
+        Points of the ring in mm.
+    stiffness
+        Stiffness of the hook in mN/mm.
+    **more
+        What `procedure` and `patch` take besides.
+
+    Returns
+    -------
+    Program
+        The program.
+    """
     closed = bool(more.pop("closed", False))
     lift = Hook("lift", (0.0, 0.0, 2.0), ((2.0, (0.0, 0.0, 2.0)), (4.0, (0.0, 0.0, 7.0))), 2.0, 9.0, stiffness)
     cut = Incision("ring", 1.0, ring, kerf=0.1, closed=closed)
@@ -124,7 +159,22 @@ def _follows(solved: Solved) -> str:
 
 
 def scaled_patch(unit: float, stiffness: float = 20.0, **more: Any) -> Program:
-    """The slit of 12 mm in a patch of 24 x 16 x 2 mm with a hook and sutures, every length times `unit`."""
+    """Make a slit of 12 mm in a patch of 24 x 16 x 2 mm with a hook and sutures, scaled.
+
+    Parameters
+    ----------
+    unit
+        Factor of every length.
+    stiffness
+        Stiffness of the hook in mN/mm.
+    **more
+        What `procedure` and `patch` take besides.
+
+    Returns
+    -------
+    Program
+        The program.
+    """
 
     def at(*point: float) -> Vector:
         x, y, z = (unit * value for value in point)
@@ -164,8 +214,10 @@ def _scale() -> Iterator[Case]:
 
 
 def _as_in_mm(unit: float) -> Check:
-    """A check: the sides draw in by the same share of the width as those of a bar in mm (neo-Hookean, stretch 1.3,
-    Poisson's ratio 0.45: by 5 to 13 %, its ends being held)."""
+    """A check: the sides draw in by the same share of the width as those of a bar in mm.
+
+    That is by 5 to 13 % (neo-Hookean, stretch 1.3, Poisson's ratio 0.45, its ends being held).
+    """
 
     def check(solved: Solved) -> str:
         points = solved.frames[-1].points / unit
@@ -210,7 +262,7 @@ def _spacing() -> Iterator[Case]:
         "spacing",
         lambda: stretched(1.3, size=(10.0, 10.0, 10.0), spacing=100.0),
         converges=False,
-        says=("too thin for this lattice",),
+        refuses=(ProblemCode.SOLVER_INVALID_INPUT,),
     )
     for cells, budget in ((46, 120.0), (100, 600.0)):
         yield Case(
@@ -225,7 +277,7 @@ def _spacing() -> Iterator[Case]:
         "spacing",
         lambda: stretched(1.3, size=(10.0, 10.0, 10.0), spacing=1e-3),
         converges=False,
-        says=("memory budget", "GiB", "bytes"),
+        refuses=(ProblemCode.SOLVER_MEMORY_BUDGET,),
     )
     yield Case(
         "slab of 1 x 64 x 64 cells, sheared by its thickness",

@@ -1,0 +1,112 @@
+"""A camera, light and paper for a picture of the solved skin as in a textbook."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import bpy
+import numpy as np
+
+from lappet.background.plan import Plan
+from lappet.core.problem import RefusedError
+
+from ..figure.figure_scene import Studio, add_backdrop, add_camera, add_lights, half_angles, set_render, set_size
+from ..figure.framing import TURN, WHOLE_FILL, Region, surgical_region, viewpoint
+from ..look.skin_material import backdrop_material
+from ..model.units import mm_per_unit
+from ..solving import frames
+from . import skin_display
+from .display_collection import STAGE_OWNER as OWNER
+from .display_collection import find_collection
+from .solid_shading import shading_for
+
+NAME = "Lappet stage"
+_FRAMES = 9  # of a procedure, that the camera must hold
+
+
+def set_stage(scene: bpy.types.Scene, view: str, engine: str, size: tuple[int, int], samples: int) -> None:
+    """Frame what the scene shows, at any frame of its procedure, and set the render.
+
+    view: of `figure.framing.VIEWS`. engine: "cycles", "workbench" or "keep". size: pixels; (0, 0) keeps the scene's.
+    A stage that was set before is replaced. Raises RefusedError where nothing is solved or planned.
+    """
+    shown = skin_display.shown_of(scene, scene.frame_current)
+    if shown is None:
+        raise RefusedError(
+            f"The scene {scene.name} shows no solved skin that a camera could frame; mark its tissue, switch on Solved "
+            "skin and solve it."
+        )
+    units = 1.0 / mm_per_unit(scene)
+    region, lowest = _framed(scene, shown.plan)
+    turned = TURN
+    other = scene.lappet.compare_with
+    beside = None if other is None or other == scene else frames.shown_at(other, scene.frame_current)
+    if other is not None and beside is not None:
+        region, lowest = _both(scene, region, lowest, other, beside.plan, shown.plan)
+        turned = 0.0
+    studio = Studio(scene, _empty_stage(scene), units)
+    if size != (0, 0):
+        set_size(size, samples, scene)
+    render = scene.render
+    pixels = (max(render.resolution_x, 1), max(render.resolution_y, 1))
+    seen = viewpoint(region, view, half_angles(pixels), turned)
+    add_backdrop(region, lowest - 1.5, backdrop_material(), studio)
+    add_lights(region, studio)
+    add_camera(seen, studio)
+    if engine != "keep":
+        set_render(scene, engine)
+        scene.display.shading.color_type = shading_for(scene.lappet.look)
+    collection = find_collection(scene)
+    if collection is not None:
+        collection["lappet_pixel"] = float(2 * seen.distance * half_angles(pixels)[0] / pixels[0])
+    skin_display.refresh(scene)
+
+
+def clear_stage(scene: bpy.types.Scene) -> bool:
+    """Remove the stage; False where there is none."""
+    found = [c for c in scene.collection.children if OWNER in c and c[OWNER] == scene]
+    for stage in found:
+        for each in list(stage.objects):
+            bpy.data.objects.remove(each)
+        bpy.data.collections.remove(stage)
+    return bool(found)
+
+
+def _empty_stage(scene: bpy.types.Scene) -> bpy.types.Collection:
+    clear_stage(scene)
+    for child in list(scene.collection.children):
+        if OWNER in child:  # of the scene that this one is a copy of
+            scene.collection.children.unlink(child)
+    stage = bpy.data.collections.new(NAME)
+    stage[OWNER] = scene
+    scene.collection.children.link(stage)
+    return stage
+
+
+def _framed(scene: bpy.types.Scene, plan: Plan) -> tuple[Region, float]:
+    """The region of a plan over some of its frames, and the lowest point along its normal, mm."""
+    shown = frames.shown_at(scene, scene.frame_current)
+    assert shown is not None
+    source = skin_display.decorations_of(scene, shown).source
+    times = [float(f.time) for f in plan.frames]
+    spread = tuple(dict.fromkeys(times[round(k)] for k in np.linspace(0, len(times) - 1, _FRAMES)))
+    region = surgical_region(source, spread)
+    lowest = min(float((source.positions(source.epoch_at(t), t) @ region.normal).min()) for t in spread)
+    return region, lowest
+
+
+def _both(
+    scene: bpy.types.Scene, region: Region, lowest: float, other: bpy.types.Scene, beside: Plan, plan: Plan
+) -> tuple[Region, float]:
+    """The region of two skins side by side, whole, with their labels."""
+    own, theirs = skin_display.rest_box(plan), skin_display.rest_box(beside)
+    gap = skin_display.offset_of(scene, own, theirs)
+    _, other_lowest = _framed(other, beside)
+    own[1][1] += skin_display.LABEL_GAP + skin_display.LABEL_SIZE
+    boxes = [own, theirs + np.array([gap, 0.0, 0.0])]
+    points = np.array([(x, y, z) for b in boxes for x in b[:, 0] for y in b[:, 1] for z in b[:, 2]])
+    frame = np.stack([region.right, region.up, region.normal])
+    local = points @ frame.T
+    centre = (local.min(axis=0) + local.max(axis=0)) / 2 @ frame
+    low = min(lowest, other_lowest + gap * float(region.normal[0]))
+    return replace(region, points=points, centre=centre, fill=WHOLE_FILL), low

@@ -1,0 +1,30 @@
+"""How much the display may draw at a time on the main thread: Blender answers its user between two slices."""
+
+from __future__ import annotations
+
+from time import monotonic
+
+SECONDS = 0.012
+
+
+class TimeSlice:
+    """Costly pieces are begun only while there is time; the first one always is, so that every slice makes progress.
+
+    unfinished: whether a piece was put off to the next slice.
+    """
+
+    def __init__(self, soon: bool) -> None:
+        """soon: somebody is looking on; otherwise the slice has no end."""
+        self.until = monotonic() + SECONDS if soon else None
+        self.unfinished = False
+        self._begun = False
+
+    def begins(self, costly: bool = True) -> bool:
+        """Whether a piece may be begun now; one that is not costly always may."""
+        if not costly or self.until is None:
+            return True
+        if self._begun and monotonic() > self.until:
+            self.unfinished = True
+            return False
+        self._begun = True
+        return True

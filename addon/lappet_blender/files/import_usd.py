@@ -1,0 +1,154 @@
+"""Reads a procedure, or a skin cache with its frames, into a scene."""
+
+from __future__ import annotations
+
+import hashlib
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import bpy
+import numpy as np
+
+from lappet.core.problem import RefusedError
+
+from ..look.skin_read import SkinCache
+from ..look.skin_source import SCALARS, FigureError
+from ..model.scene_filling import fill_scene
+from ..solving import reconcile
+from ..solving.controller import controller_of, frame_cache
+from .bundled_pxr import bundled_pxr
+from .export_usd import compiled
+
+if TYPE_CHECKING:
+    from lappet.background.plan import Plan, ShownFrame
+    from lappet.procedure import Procedure
+
+
+@dataclass(frozen=True)
+class FoundFile:
+    """A USD file: the procedure's own, and the skin cache over it if that is what was given."""
+
+    procedure: Path
+    cache: Path | None = None
+    spacing: float | None = None
+    last_key: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class CacheFrames:
+    """The frames of a skin cache. exact: they are what this solver would give for the file's procedure."""
+
+    plan: Plan
+    frames: dict[str, ShownFrame]
+    exact: bool
+
+
+def look_into(path: Path) -> FoundFile:
+    """What a USD file holds. Raises RefusedError where it cannot be opened."""
+    bundled_pxr()
+    from lappet.usd.stage import open_stage
+
+    stage = open_stage(path)
+    if not stage.GetPrimAtPath("/Procedure/Skin"):
+        return FoundFile(path)
+    layer = stage.GetRootLayer()
+    below = [layer.ComputeAbsolutePath(each) for each in layer.subLayerPaths]
+    told = dict(layer.customLayerData).get("lappet", {})
+    return FoundFile(Path(below[0]) if below else path, path, told.get("spacing"), str(told.get("lastKey", "")))
+
+
+def read_into(scene: bpy.types.Scene, path: Path) -> list[str]:
+    """Puts the procedure of a USD file into a scene in place of what it had; of a skin cache the frames as well.
+
+    Returns a sentence for everything that was converted or left aside. Raises RefusedError or RefusedError, with the
+    scene as it was.
+    """
+    from lappet.usd.stage import read_procedure
+
+    found = look_into(path)
+    notes: list[str] = []
+    procedure = read_procedure(found.procedure, notes)
+    notes += fill_scene(scene, procedure, _collection(scene, path.stem))
+    if found.cache is not None:
+        notes.append(_show(scene, procedure, found))
+    return notes
+
+
+def _collection(scene: bpy.types.Scene, name: str) -> bpy.types.Collection:
+    collection = bpy.data.collections.new(name)
+    scene.collection.children.link(collection)
+    return collection
+
+
+def _show(scene: bpy.types.Scene, procedure: Procedure, found: FoundFile) -> str:
+    """Gives the frames of a cache to the solving side, and says which they are."""
+    from lappet.background.plan_store import put_plan
+    from lappet.solve.store import StoredFrame
+
+    try:
+        read = cache_frames(scene, procedure, found)
+    except (RefusedError, FigureError, OSError) as refused:
+        return f"The frames of the cache cannot be shown, press Solve instead: {refused}"
+    controller = controller_of(scene)
+    for key, frame in read.frames.items():
+        frame_cache.put(key, frame)
+        if not read.exact:  # under keys of their own: what lies under a solver's key must hold its state too
+            controller.store.put(key, StoredFrame(frame.header, {"points": frame.points, **frame.arrays}))
+    if not read.exact:
+        put_plan(controller.store, read.plan)
+    controller.past.append(read.plan)
+    controller.recheck_frames(read.plan)
+    controller.mark_dirty()
+    times = [frame.time for frame in read.plan.frames if frame.key in read.frames]
+    said = f"Frames {times[0]} to {times[-1]} of the cache can be scrubbed"
+    if read.exact:
+        return f"{said}."
+    return f"{said}; they were solved elsewhere or otherwise, so Solve will make them anew."
+
+
+def cache_frames(scene: bpy.types.Scene, procedure: Procedure, found: FoundFile) -> CacheFrames:
+    """The frames of a skin cache as they are shown.
+
+    Raises RefusedError where its surfaces are not those that this Lappet cuts, FigureError for a damaged cache.
+    """
+    from lappet.background.make_plan import epoch_shapes, make_plan
+    from lappet.background.plan import ShownFrame
+    from lappet.program.keys import frame_keys
+
+    assert found.cache is not None
+    cache = SkinCache(found.cache)
+    program = compiled(scene, procedure, found.spacing)
+    shapes = epoch_shapes(program.epochs, procedure.tissue)
+    shape_at = {epoch.index: shape for epoch, shape in zip(program.epochs, shapes, strict=True)}
+    times = {round(frame.time): i for i, frame in enumerate(program.frames)}
+    indices = {time: times[round(time)] for time in cache.frames if round(time) in times}
+    if not indices:
+        raise RefusedError("It holds no frame of its procedure.")
+    for epoch in cache.epochs:
+        shape = shape_at.get(int(epoch.name.rpartition("_")[2]))
+        if shape is None or not np.array_equal(shape.triangles, epoch.triangles):
+            raise RefusedError("Its surface was cut by another version of Lappet.")
+    last = max(indices)
+    try:
+        keys = frame_keys(program, reconcile.identity())
+    except RefusedError:
+        keys = ()
+    exact = bool(keys) and keys[indices[last]] == found.last_key
+    if not exact:
+        own = hashlib.blake2b(f"{found.last_key} {last:g}".encode() + found.cache.read_bytes(), digest_size=16)
+        keys = tuple(f"{own.hexdigest()}{i:08x}" for i in range(len(program.frames)))
+    plan_key = hashlib.blake2b("imported".join(keys).encode(), digest_size=32).hexdigest()
+    plan = make_plan(plan_key, program, keys, shapes)
+    frames: dict[str, ShownFrame] = {}
+    for time, index in indices.items():
+        epoch, planned = cache.epoch_at(time), plan.frames[index]
+        arrays: dict[str, Any] = {
+            name: values for name in SCALARS if (values := cache.scalar(epoch, name, time)) is not None
+        }
+        arrays["suture_points"] = cache.sutures(time).ends[list(planned.sutures)].astype(np.float64)
+        arrays["hook_points"] = cache.hooks(time).ends[list(planned.hooks), 0].astype(np.float64)
+        arrays["landmarks"] = cache.landmarks(time)[list(plan.landmarks_at[planned.epoch])].astype(np.float64)
+        points = np.ascontiguousarray(cache.positions(epoch, time), np.float32)
+        frames[planned.key] = ShownFrame(points, {"time": float(time), "converged": True, "from": "cache"}, arrays)
+    return CacheFrames(plan, frames, exact)

@@ -1,0 +1,130 @@
+"""Takes in what the worker tells: plans, frames, refusals, ends of jobs."""
+
+from __future__ import annotations
+
+import math
+import time
+
+from lappet.background.plan import (
+    Finished,
+    FrameFailed,
+    FrameReady,
+    Happening,
+    IterationDone,
+    LiveFrame,
+    Note,
+    Planned,
+    Refused,
+    ShownFrame,
+)
+
+from .controller import Controller, Failure, Job, frame_at, frame_cache, plans
+from .reconcile import activate_plan, request_plan, stop_obsolete
+from .speed_estimate import speed_estimate
+
+
+def handle_worker_events(controller: Controller) -> bool:
+    """Applies what has come from the worker since the last call; whether there was anything."""
+    if controller.client is None:
+        return False
+    happenings = controller.client.poll()
+    for happening in happenings:
+        _apply(controller, happening)
+    return bool(happenings)
+
+
+def _apply(controller: Controller, happening: Happening) -> None:
+    if isinstance(happening, Note):
+        controller.note(happening.sentence)
+        return
+    job = next((job for job in controller.jobs() if job.number == happening.job), None)
+    if job is None:
+        return  # of a job that nobody waits for any more; its frames are in the store
+    match happening:
+        case Planned():
+            _planned(controller, job, happening)
+        case Refused():
+            plans.refuse(job.key, happening.problems)
+            if job.key == controller.key:
+                controller.refused = happening.problems
+            controller.notify()
+        case IterationDone():
+            if not math.isclose(job.time, happening.time):
+                job.frame_started = time.monotonic()
+            job.time, job.newton, job.residual = happening.time, happening.newton, happening.residual
+        case FrameReady():
+            _ready(controller, job, happening)
+        case FrameFailed():
+            _failed(controller, job, happening)
+        case LiveFrame():
+            _live(controller, happening)
+        case Finished():
+            _finished(controller, job, happening)
+
+
+def _planned(controller: Controller, job: Job, planned: Planned) -> None:
+    plan = plans.keep(planned.plan, job.key)
+    job.plan = plan
+    job.total = sum(1 for frame in plan.frames if job.until is None or frame.time <= job.until)
+    controller.known.update(frame.key for frame, there in zip(plan.frames, planned.known, strict=True) if there)
+    if job.key == controller.key:
+        controller.plan = plan
+        controller.refused = ()
+        activate_plan(controller)
+    controller.notify()
+
+
+def _ready(controller: Controller, job: Job, ready: FrameReady) -> None:
+    job.done += 1
+    controller.known.add(ready.key)
+    plans.failures.pop(ready.key, None)
+    now = time.monotonic()
+    if not ready.looked_up:
+        job.solved += 1
+        job.frame_seconds.append(now - job.frame_started)
+        if ready.frame is not None:
+            _learn(controller, ready.frame)
+    if ready.frame is not None:
+        frame_cache.put(ready.key, ready.frame)
+    job.frame_started, job.time, job.newton = now, math.nan, 0
+    stop_obsolete(controller)
+    controller.notify()
+
+
+def _learn(controller: Controller, frame: ShownFrame) -> None:
+    cells = float(frame.header.get("lattice", {}).get("cells", 0.0))
+    seconds = frame.header.get("seconds", {})
+    total = float(seconds.get("total", 0.0)) if isinstance(seconds, dict) else float(seconds)
+    controller.cells = cells or controller.cells
+    speed_estimate().measured(cells, total)
+
+
+def _failed(controller: Controller, job: Job, failed: FrameFailed) -> None:
+    frame = None if job.plan is None else frame_at(job.plan, failed.time)
+    if frame is not None:
+        plans.failures[frame.key] = str(failed.problem)
+    if job.key == controller.key or frame is None:
+        controller.failure = Failure(failed.time, str(failed.problem))
+    controller.notify()
+
+
+def _live(controller: Controller, frame: LiveFrame) -> None:
+    live = controller.live
+    if live is not None and live.job == frame.job:
+        live.frame, live.seconds, live.converged = frame.frame, frame.seconds, frame.converged
+        controller.notify()
+
+
+def _finished(controller: Controller, job: Job, finished: Finished) -> None:
+    if controller.planning is job:
+        controller.planning = None
+    if controller.job is job:
+        controller.job = None
+        if job.kind == "live":
+            controller.live = None
+        else:
+            speed_estimate().keep()
+        if job.kind == "solve" and job.plan is not None:
+            controller.recheck_frames(job.plan)
+    request_plan(controller)  # a solve takes the place of a plan that was being made
+    controller.notify()

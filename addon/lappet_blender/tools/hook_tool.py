@@ -1,0 +1,223 @@
+"""The tools Hook and Retractor: press on the skin and drag to where it is pulled."""
+
+from typing import Any, ClassVar
+
+import bpy
+import numpy as np
+from bpy.props import FloatProperty, FloatVectorProperty, IntProperty, StringProperty
+from mathutils import Vector
+
+from lappet.core.problem import RefusedError
+
+from ..events.add_events import add_hook, add_retractor, straight_motion, straight_targets
+from ..model.mesh_values import GROUP, group_names
+from ..model.units import to_mm
+from ..tissue.face_groups import change_group, remove_group
+from .face_patch import faces_around, free_group_name
+from .preview import Preview, show_preview
+from .shown_surface import ShownSurface, shown_surface
+from .skin_modal import Result, SkinModal, check_shown, check_tissue
+from .skin_pick import SkinHit
+from .view_under_mouse import View
+
+_HINTS = (
+    ("MOUSE_LMB_DRAG", "Pull from the skin"),
+    ("EVENT_SHIFT", "Along the normal"),
+    ("EVENT_ESC", "Cancel"),
+)
+
+
+class _DragTool(SkinModal):
+    """What both share: where it was taken hold of, and where the mouse has pulled it to."""
+
+    hints = _HINTS
+    start: Any
+    end: Any
+
+    def begin(self, context: bpy.types.Context) -> None:
+        self.hit: SkinHit | None = None
+        self.pulled_to: Vector | None = None
+        self._said = ""
+
+    def pressed(self, context: bpy.types.Context, view: View) -> Result | None:
+        self.hit = view.pick(context.scene)
+        self._said = "" if self.hit else "the mouse is not on the skin; "
+        return self.moved(context, view)
+
+    def moved(self, context: bpy.types.Context, view: View | None) -> Result | None:
+        preview = Preview(context.scene.name)
+        if view is None:
+            return None
+        hover = self.hit or view.pick(context.scene)
+        if hover is not None:
+            preview.dots = [hover.rest]
+            self.show_hold(context, view, hover, preview)
+        if self.hit is not None:
+            free = view.on_plane_through(self.hit.world)
+            self.pulled_to = view.along(self.hit.world, self.hit.normal) if self.shift else free
+            preview.arrows = [(self.hit.world, self.pulled_to)]
+        show_preview(preview)
+        return None
+
+    def show_hold(self, context: bpy.types.Context, view: View, hit: SkinHit, preview: Preview) -> None:
+        """Shows what is taken hold of."""
+
+    def text(self, context: bpy.types.Context) -> str:
+        if self.hit is None or self.pulled_to is None:
+            return f"{self.title}: {self._said}press on the skin and drag"
+        way = Vector(to_mm(context.scene, self.pulled_to - self.hit.world))
+        return f"{self.title} from frame {context.scene.frame_current}: {way.length:.1f} mm"
+
+    def _times(self, context: bpy.types.Context) -> tuple[float, float]:
+        """Start and release, as given or from the current frame to after the scene's end."""
+        given = self.properties.is_property_set
+        start = self.start if given("start") else float(context.scene.frame_current)
+        return start, self.end if given("end") else float(max(context.scene.frame_end, start) + 1)
+
+
+def _start() -> object:
+    return FloatProperty(name="Frame", description="The frame at which it begins", options={"SKIP_SAVE"})
+
+
+def _end() -> object:
+    return FloatProperty(name="Release", description="The frame at which it lets go", options={"SKIP_SAVE"})
+
+
+def _frames() -> object:
+    return IntProperty(
+        name="Frames", description="How many frames the pull takes", default=12, min=0, soft_max=100, max=100000
+    )
+
+
+def _place(name: str, words: str) -> object:
+    return FloatVectorProperty(name=name, description=words, size=3, precision=3, options={"SKIP_SAVE"})
+
+
+class LAPPET_OT_place_hook(_DragTool, bpy.types.Operator):
+    """Place a hook: press on the skin and drag to where it pulls"""
+
+    bl_idname = "lappet.place_hook"
+    bl_label = "Place Hook"
+    bl_options: ClassVar[set[str]] = {"REGISTER", "UNDO"}
+    title = "Hook"
+
+    anchor: _place("Anchor", "The point of the skin at rest, in mm")
+    begins: _place("From", "Where the target begins, in mm")
+    target: _place("Target", "Where the hook pulls to, in mm")
+    start: _start()
+    end: _end()
+    frames: _frames()
+    stiffness: FloatProperty(name="Stiffness", description="In mN/mm", default=500.0, min=0.001, soft_max=5000.0)
+
+    def released(self, context: bpy.types.Context, view: View | None) -> Result | None:
+        if self.hit is None:
+            return None
+        self.anchor = self.hit.rest
+        self.begins = to_mm(context.scene, self.hit.world)
+        self.target = to_mm(context.scene, self.pulled_to or self.hit.world)
+        self.start, self.end = self._times(context)
+        return self.execute(context)
+
+    def run(self, context: bpy.types.Context) -> None:
+        check_tissue(context)
+        start, end = self._times(context)
+        begins = self.begins if self.properties.is_property_set("begins") else self.anchor
+        targets = straight_targets(begins, self.target, start, min(float(self.frames), max(end - start, 0.0)))
+        add_hook(context.scene, self.anchor, targets, start, end, stiffness=self.stiffness)
+
+    def draw(self, _context: bpy.types.Context) -> None:
+        self.layout.use_property_split = True
+        for name in ("start", "end", "frames", "stiffness", "target"):
+            self.layout.prop(self, name)
+
+
+def _grips(tissue: bpy.types.Object | None) -> list[str]:
+    """The groups of the tissue's faces that a retractor may hold."""
+    if tissue is None or tissue.type != "MESH":
+        return []
+    return [name for name in group_names(tissue.data) if name not in ("fixed", "bed")]
+
+
+class LAPPET_OT_place_retractor(_DragTool, bpy.types.Operator):
+    """Place a retractor: it grips faces of the skin around the mouse, or a group of them, and is dragged"""
+
+    bl_idname = "lappet.place_retractor"
+    bl_label = "Place Retractor"
+    bl_options: ClassVar[set[str]] = {"REGISTER", "UNDO"}
+    title = "Retractor"
+
+    grip: StringProperty(
+        name="Group",
+        description="The group of the tissue's faces that is gripped; empty: the faces around the mouse",
+        search=lambda _self, context, _text: _grips(context.scene.lappet.tissue.object),
+    )
+    radius: FloatProperty(
+        name="Radius", description="Of the faces that are gripped around the mouse, in mm", default=3.0, min=0.1
+    )
+    at: _place("Point", "The point of the skin at rest around which faces are gripped, in mm")
+    way: _place("Way", "How far it is pulled, in mm")
+    start: _start()
+    end: _end()
+    frames: _frames()
+
+    def show_hold(self, context: bpy.types.Context, view: View, hit: SkinHit, preview: Preview) -> None:
+        surface = shown_surface(context.scene, view.space)
+        if surface is not None:
+            preview.faces = self._gripped(context, surface, hit)
+
+    def _gripped(self, context: bpy.types.Context, surface: ShownSurface, hit: SkinHit) -> np.ndarray:
+        """The triangles (k, 3, 3) of the world that the retractor would hold."""
+        shape = surface.rest
+        faces = faces_around(shape, hit.rest, self.radius)
+        attribute = context.scene.lappet.tissue.object.data.attributes.get(GROUP + self.grip)
+        if self.grip and attribute is not None:
+            inside = np.zeros(len(attribute.data), bool)
+            attribute.data.foreach_get("value", inside)
+            faces = np.flatnonzero(inside)
+        held = shape.skin[np.isin(shape.face[shape.skin], faces)]
+        return surface.positions[shape.triangles[held]]
+
+    def released(self, context: bpy.types.Context, view: View | None) -> Result | None:
+        if self.hit is None:
+            return None
+        self.at = self.hit.rest
+        self.way = to_mm(context.scene, (self.pulled_to or self.hit.world) - self.hit.world)
+        self.start, self.end = self._times(context)
+        return self.execute(context)
+
+    def run(self, context: bpy.types.Context) -> None:
+        tissue, surface = check_tissue(context), shown_surface(context.scene)
+        if surface is None and not self.grip:
+            check_shown(context)
+        start, end = self._times(context)
+        grip = self.grip
+        if not grip and surface is not None:
+            grip = self._new_grip(tissue, surface)
+        try:
+            arrive = min(float(self.frames), max(end - start, 0.0))
+            motion = straight_motion(context.scene, grip, self.way, start, arrive)
+            add_retractor(context.scene, grip, motion, start, end)
+        except RefusedError:
+            if not self.grip:  # nothing is left half done
+                remove_group(tissue, grip)
+            raise
+
+    def _new_grip(self, tissue: bpy.types.Object, surface: ShownSurface) -> str:
+        """Make a group of the faces around the point and return its name."""
+        faces = faces_around(surface.rest, self.at, self.radius)
+        faces = faces[faces < len(tissue.data.polygons)]
+        if len(faces) == 0:
+            raise RefusedError(f"No face of {tissue.name!r} lies around this point; make the radius larger.")
+        chosen = np.zeros(len(tissue.data.polygons), bool)
+        chosen[faces] = True
+        grip = free_group_name(tissue)
+        change_group(tissue, grip, chosen, "SET")
+        return grip
+
+    def draw(self, _context: bpy.types.Context) -> None:
+        self.layout.use_property_split = True
+        for name in ("grip", "radius", "start", "end", "frames", "way"):
+            self.layout.prop(self, name)
+
+
+CLASSES = (LAPPET_OT_place_hook, LAPPET_OT_place_retractor)

@@ -1,0 +1,183 @@
+"""Stage the site's pages: every Markdown file of the repository with the files that it links to."""
+
+from __future__ import annotations
+
+import re
+import shutil
+from pathlib import Path
+from urllib.parse import unquote
+
+from documents import FENCE, LINK, markdown_files
+
+FRONT_PAGE = "README.md"
+# Sections of the site and the pages in each, in reading order; a page belongs to the first pattern that it matches.
+CONTENTS = (
+    (
+        "In Blender",
+        (
+            "docs/blender_tutorial.md",
+            "docs/blender_tools.md",
+            "docs/blender_timeline.md",
+            "docs/blender_scripting.md",
+            "docs/blender_troubleshooting.md",
+            "docs/blender_*.md",
+        ),
+    ),
+    (
+        "In the shell and in Python",
+        (
+            "docs/command_line.md",
+            "docs/python_scripting.md",
+            "examples/README.md",
+            "docs/materials.md",
+            "docs/problem*.md",
+            "docs/reports.md",
+            "docs/performance.md",
+        ),
+    ),
+    (
+        "How it works",
+        (
+            "ARCHITECTURE.md",
+            "GLOSSARY.md",
+            "docs/solver.md",
+            "docs/background.md",
+            "docs/skin_cache.md",
+            "PROTOCOL.md",
+            "docs/*.md",
+        ),
+    ),
+    ("Project", ("CHANGELOG.md", "CONTRIBUTING.md", "SECURITY.md", "*.md", "packaging/*.md", "tests/**/*.md")),
+)
+# Pages below another page, folded away in the sidebar.
+BELOW = {"examples/README.md": "examples/*/README.md"}
+API_SECTION = "How it works"  # the API reference closes this section
+API_INDEX = "/api/index"
+
+
+def section_pages(pages: list[Path]) -> list[tuple[str, list[Path]]]:
+    """Sort pages into the site's sections.
+
+    Parameters
+    ----------
+    pages
+        Paths relative to the repository.
+
+    Returns
+    -------
+    list of (str, list of Path)
+        Each section's title and its pages in reading order, without the front page and those of `BELOW`.
+
+    Raises
+    ------
+    ValueError
+        If a page belongs to no section.
+    """
+    below = {page for pattern in BELOW.values() for page in pages if _matches(page, pattern)}
+    left = sorted(page for page in pages if page != Path(FRONT_PAGE) and page not in below)
+    sections = []
+    for title, patterns in CONTENTS:
+        taken: list[Path] = []
+        for pattern in patterns:
+            matching = [page for page in left if _matches(page, pattern)]
+            taken += matching
+            left = [page for page in left if page not in matching]
+        sections.append((title, taken))
+    if left:
+        names = ", ".join(map(str, left))
+        raise ValueError(f"The site has no section for {names}; name one in packaging/website/pages.py.")
+    return sections
+
+
+def stage(root: Path, into: Path) -> list[Path]:
+    """Copy the repository's pages, and what they link to, into a folder for Sphinx.
+
+    Files that are the same there already are left alone, so that Sphinx reads only what changed.
+
+    Parameters
+    ----------
+    root
+        The repository.
+    into
+        The staging folder; what is in it from a page that no longer exists is removed.
+
+    Returns
+    -------
+    list of Path
+        The pages, relative to `root`.
+    """
+    pages = [page.relative_to(root) for page in markdown_files(root)]
+    sections = section_pages(pages)
+    wanted = set()
+    for page in pages:
+        text = (root / page).read_text(encoding="utf-8")
+        for file in _linked_files(root, root / page, text):
+            wanted.add(file)
+            _copy(root / file, into / file)
+        if page == Path(FRONT_PAGE):
+            text += _contents(sections)
+        if pattern := BELOW.get(page.as_posix()):
+            text += _tree("", [_document(other) for other in pages if _matches(other, pattern)])
+        wanted.add(page)
+        write_if_changed(into / page, text)
+    _remove_others(into, wanted)
+    return pages
+
+
+def write_if_changed(path: Path, text: str) -> None:
+    """Write a text file unless it holds that text already."""
+    if not path.is_file() or path.read_text(encoding="utf-8") != text:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text, encoding="utf-8")
+
+
+def _matches(page: Path, pattern: str) -> bool:
+    """Whether the page matches; `*` matches no slash, `**/` any number of folders."""
+    expression = re.escape(pattern).replace(r"\*\*/", "(?:[^/]+/)*").replace(r"\*", "[^/]*")
+    return re.fullmatch(expression, page.as_posix()) is not None
+
+
+def _contents(sections: list[tuple[str, list[Path]]]) -> str:
+    """The front page's hidden tables of contents, from which the sidebar is made."""
+    trees = []
+    for title, pages in sections:
+        names = [_document(page) for page in pages]
+        trees.append(_tree(title, [*names, API_INDEX] if title == API_SECTION else names))
+    return "".join(trees)
+
+
+def _document(page: Path) -> str:
+    """Sphinx's name of a page, from the top of the staging folder."""
+    return f"/{page.with_suffix('').as_posix()}"
+
+
+def _tree(title: str, names: list[str]) -> str:
+    caption = f":caption: {title}\n" if title else ""
+    return f"\n```{{toctree}}\n:hidden:\n{caption}\n" + "\n".join(names) + "\n```\n"
+
+
+def _linked_files(root: Path, page: Path, text: str) -> list[Path]:
+    """Files of the repository, other than pages, that a page links to; relative to `root`."""
+    found = []
+    for target in LINK.findall(FENCE.sub("", text)):
+        if re.match(r"[a-z][a-z0-9+.-]*:|#", target):
+            continue
+        file = (page.parent / unquote(target).partition("#")[0]).resolve()
+        if file.is_file() and file.suffix != ".md" and file.is_relative_to(root):
+            found.append(file.relative_to(root))
+    return found
+
+
+def _copy(source: Path, target: Path) -> None:
+    if target.is_file() and target.read_bytes() == source.read_bytes():
+        return
+    target.parent.mkdir(parents=True, exist_ok=True)
+    shutil.copyfile(source, target)
+
+
+def _remove_others(folder: Path, wanted: set[Path]) -> None:
+    """Remove files that were staged for pages of before; the API's pages are its own writer's."""
+    for file in folder.rglob("*"):
+        relative = file.relative_to(folder)
+        if file.is_file() and relative not in wanted and relative.parts[0] != "api":
+            file.unlink()
