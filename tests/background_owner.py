@@ -9,11 +9,12 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import TypeVar
 
-from lappet.background.plan import Finished, FrameReady, Happening, Note, Planned, SolveSettings
 from lappet.background.solver import BackgroundSolver
+from lappet.background.worker_events import Finished, FrameReady, Note, Planned, WorkerEvent
+from lappet.program.settings import SolverSettings
 
 Kind = TypeVar("Kind")
-SETTINGS = SolveSettings()
+SETTINGS = SolverSettings()
 WATCHDOG = 90.0
 
 
@@ -22,11 +23,11 @@ class Owner:
 
     def __init__(self, solver: BackgroundSolver) -> None:
         self.solver = solver
-        self.happened: list[Happening] = []
+        self.happened: list[WorkerEvent] = []
         self.slowest = 0.0
 
-    def until(self, wanted: Callable[[Happening], bool]) -> Happening:
-        """Polls until a happening is as wanted, and returns it."""
+    def until(self, wanted: Callable[[WorkerEvent], bool]) -> WorkerEvent:
+        """Polls until an event is as wanted, and returns it."""
         end = time.monotonic() + WATCHDOG
         while time.monotonic() < end:
             begun = time.perf_counter()

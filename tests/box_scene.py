@@ -15,7 +15,8 @@ from lappet.cutting.epoch import Epoch
 from lappet.daemon.client import SolverClient
 from lappet.daemon.frame_solver import Iteration
 from lappet.geometry.labelled_surface import Surface
-from lappet.program.program import FrameConstraints, SolverSettings
+from lappet.program.program import FrameConstraints
+from lappet.program.settings import SolverSettings
 
 
 def box(size: tuple[float, float, float] = (4.0, 4.0, 2.0)) -> Surface:
@@ -35,6 +36,7 @@ def pull(time_code: float = 1.0, by: float = 0.2) -> FrameConstraints:
     return FrameConstraints(
         time_code,
         0,
+        hook_index=np.zeros(1, np.int32),
         hook_anchors=np.array([[2.0, 1.0, 2.0]]),
         hook_triangles=np.array([10], np.int32),
         hook_targets=np.array([[2.0, 1.0, 2.0 + by]]),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -10,9 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lappet.cutting.epoch import Epoch
-from lappet.daemon.frame_solver import Iteration, SolvedFrame, SolverDiedError
+from lappet.daemon.frame_solver import Iteration, SolverDiedError
+from lappet.daemon.solved_frame import Diagnostics, LatticeCounts, SolvedFrame, SolverState, StageSeconds
 from lappet.procedure import Excision, Hook, Incision, Landmark, Procedure, Suture
-from lappet.program.program import Bones, FrameConstraints, Landmarks, SolverSettings
+from lappet.program.program import Bones, FrameConstraints, Landmarks
+from lappet.program.settings import SolverSettings
 from lappet.tissue.patch import flat_patch
 
 TOP = 2.0
@@ -69,9 +71,10 @@ class FakeSession:
         self._value = 0.0
         self._epoch: Epoch | None = None
         self._landmarks = Landmarks()
+        self._lattice: LatticeCounts | None = None
         self._dead = False
 
-    def set_epoch(self, epoch: Epoch, grip: NDArray[np.int32], landmarks: Landmarks) -> Mapping[str, Any]:
+    def set_epoch(self, epoch: Epoch, grip: NDArray[np.int32], landmarks: Landmarks) -> LatticeCounts:
         self._alive()
         self._solver.log.append(("epoch", epoch.index))
         assert len(grip) == len(epoch.surface.triangles)
@@ -79,25 +82,26 @@ class FakeSession:
             self._value += 100.0
         self._epoch, self._landmarks = epoch, landmarks
         count = 10 * (epoch.index + 1)
-        return {
-            "fine_voxels": 64 * count,
-            "cells": count,
-            "grid_cells": count - 1,
-            "mesh_cells": 1,
-            "nodes": 2 * count,
-            "blocks": 2,
-            "fragments": epoch.fragments,
-            "fixed_nodes": 0,
-            "bytes": 1000,
-            "seconds": 0.01,
-        }
+        self._lattice = LatticeCounts(
+            fine_voxels=64 * count,
+            cells=count,
+            grid_cells=count - 1,
+            mesh_cells=1,
+            nodes=2 * count,
+            blocks=2,
+            fragments=epoch.fragments,
+            fixed_nodes=0,
+            bytes=1000.0,
+            seconds=0.01,
+        )
+        return self._lattice
 
-    def set_state(self, precision: str, arrays: Mapping[str, NDArray[Any]]) -> None:
+    def set_state(self, state: SolverState) -> None:
         self._alive()
-        assert precision == "float"
-        assert arrays["state_suture_gaps"].shape == (self._settings.sutures, 3)
-        assert arrays["suture_multipliers"].shape == (self._settings.sutures, 3)
-        self._value = float(arrays["nodes"][0, 0])
+        assert state.precision == "float"
+        assert state.suture_gaps.shape == (self._settings.sutures, 3)
+        assert state.suture_multipliers.shape == (self._settings.sutures, 3)
+        self._value = float(state.nodes[0, 0])
         self._solver.log.append(("state", self._value))
 
     def solve(self, frame: FrameConstraints, progress: Callable[[Iteration], None]) -> SolvedFrame:
@@ -116,47 +120,49 @@ class FakeSession:
             self._value += frame.time
         surface = self._epoch.surface
         n, hooks, placed = len(surface.points), len(frame.hook_stiffness), len(frame.suture_index)
-        header = {
-            "time": frame.time,
-            "converged": converged,
-            "reason": "" if converged else "the line search found no decrease.",
-            "newton": 3,
-            "pcg": 40,
-            "load_steps": 1,
-            "active_cells": 8,
-            "residual": 1e-4,
-            "force_scale": 10.0,
-            "largest_gap": 0.0,
-            "minimum_j": 0.9,
-            "inverted_cells": 0,
-            "energy": 1.0,
-            "largest_penetration": 0.0,
-            "contacts": 0,
-            "seconds": {"update": 0.1, "linear": 0.2, "setup": 0.0, "total": 0.3},
-            "peak_bytes": 1000.0 + frame.time,
-            "precision": "float",
-        }
+        said = Diagnostics(
+            converged=converged,
+            reason="" if converged else "the line search found no decrease.",
+            newton=3,
+            pcg=40,
+            load_steps=1,
+            active_cells=8,
+            residual=1e-4,
+            force_scale=10.0,
+            minimum_j=0.9,
+            energy=1.0,
+            peak_bytes=1000.0 + frame.time,
+            seconds=StageSeconds(update=0.1, linear=0.2, setup=0.0, total=0.3),
+        )
         gaps = np.full((self._settings.sutures, 3), np.nan)
         gaps[frame.suture_index] = frame.time
         lift = np.array([0.0, 0.0, self._value * 1e-3])
-        arrays = {
-            "points": (surface.points + lift).astype(np.float32),
-            "strain": np.full(n, 0.1, np.float32),
-            "stress": np.full(n, 0.2, np.float32),
-            "tension": np.full(n, 0.3, np.float32),
-            "landmarks": self._landmarks.points + lift,
-            "suture_gaps": np.zeros(placed),
-            "suture_forces": np.full(placed, 5.0),
-            "suture_points": frame.suture_anchors.copy(),
-            "hook_forces": np.full((hooks, 3), 2.0),
-            "hook_points": frame.hook_anchors.copy(),
-            "nodes": np.full((4, 3), self._value, np.float32),
-            "state_suture_gaps": gaps,
-            "suture_multipliers": np.zeros((self._settings.sutures, 3)),
-            "grip_multipliers": np.zeros(0),
-            "activation": np.zeros(len(self._settings.materials)),
-        }
-        return SolvedFrame(header, arrays)
+        return SolvedFrame(
+            frame.time,
+            (surface.points + lift).astype(np.float32),
+            strain=np.full(n, 0.1, np.float32),
+            stress=np.full(n, 0.2, np.float32),
+            tension=np.full(n, 0.3, np.float32),
+            landmark_index=self._landmarks.index,
+            landmarks=self._landmarks.points + lift,
+            hook_index=frame.hook_index,
+            hook_points=frame.hook_anchors.copy(),
+            hook_forces=np.full((hooks, 3), 2.0),
+            suture_index=frame.suture_index,
+            suture_points=frame.suture_anchors.copy(),
+            suture_gaps=np.zeros(placed),
+            suture_forces=np.full(placed, 5.0),
+            diagnostics=said,
+            lattice=self._lattice,
+            state=SolverState(
+                "float",
+                nodes=np.full((4, 3), self._value, np.float32),
+                suture_gaps=gaps,
+                suture_multipliers=np.zeros((self._settings.sutures, 3)),
+                grip_multipliers=np.zeros(0),
+                activation=np.zeros(len(self._settings.materials)),
+            ),
+        )
 
     def close(self) -> None:
         self._solver.closed += 1

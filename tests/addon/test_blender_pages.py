@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 
 from blender_operators import operators
+from lappet.core.problem_text import catalogue
 
 ROOT = Path(__file__).resolve().parents[2]
 DOCS = ROOT / "docs"
@@ -42,6 +43,8 @@ def said() -> str:
     for file in CPP.rglob("*.cpp"):
         whole = re.sub(r'"\s*\n\s*"', "", file.read_text(encoding="utf-8"))
         words += [re.sub(r"\{[^{}]*\}", "…", text) for text in re.findall(r'"((?:[^"\\]|\\.)*)"', whole)]
+    for text in catalogue().values():
+        words += [re.sub(r"\{[^{}]*\}", "…", f"{text.message} {text.remedy}")]
     return "\n".join(words)
 
 

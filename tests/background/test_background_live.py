@@ -11,14 +11,15 @@ import pytest
 
 from background_owner import SETTINGS, Owner, daemon_of, kill, owner
 from lappet.background.live_session import LiveSession
-from lappet.background.plan import Finished, FrameFailed, FrameReady, Happening, LiveFrame, Refused
-from lappet.background.plan_store import get_shown
-from lappet.daemon.frame_solver import SolvedFrame, SolverDiedError
+from lappet.background.worker_events import Finished, FrameFailed, FrameReady, LiveFrame, Refused, WorkerEvent
+from lappet.daemon.frame_solver import SolverDiedError
+from lappet.daemon.solved_frame import SCALARS, SolvedFrame
 from lappet.output.solve_to_cache import solve_procedure
 from lappet.procedure import Hook, Incision, Point
 from lappet.program.compile import compile_program
-from lappet.program.program import Bones, SolverSettings
-from lappet.solve.store import FrameStore, StoredFrame
+from lappet.program.program import Bones
+from lappet.program.settings import SolverSettings
+from lappet.solve.store import FrameStore
 from small_procedure import TOP, FakeSolver, small_procedure
 
 
@@ -26,7 +27,7 @@ def pulled(own: Owner, job: int, target: Point) -> LiveFrame:
     """Moves the hook and waits for the skin at that target."""
     own.solver.live_target(job, target)
 
-    def there(each: Happening) -> bool:
+    def there(each: WorkerEvent) -> bool:
         return isinstance(each, LiveFrame) and each.job == job and each.target == target
 
     found = own.until(there)
@@ -50,18 +51,18 @@ def test_the_hooked_point_follows_the_target_until_it_is_let_go(tmp_path: Path, 
         # The frames before were solved on the way, and told as such; the frame itself was not.
         assert list(own.frames(job)) == [1, 2, 3, 4]
         assert first.converged
-        reached = [first.frame.arrays["hook_points"][0]]
+        reached = [first.frame.hook_points[0]]
         for k in range(1, 9):
             live = pulled(own, job, (0.0, 3.0 + 0.25 * k, 3.0 + 0.25 * k))
             assert live.converged
             assert live.frame.points.shape == first.frame.points.shape
-            reached.append(live.frame.arrays["hook_points"][0])
+            reached.append(live.frame.hook_points[0])
         way = np.array(reached)
         assert (np.diff(way[:, 1:], axis=0) > 0.1).all()
         assert np.linalg.norm(way[-1] - [0.0, 5.0, 5.0]) < 1.0
         moved = np.linalg.norm(live.frame.points - first.frame.points, axis=1)
         assert moved.max() > 1.0
-        assert not {"strain", "stress", "tension"} & set(live.frame.arrays)
+        assert all(live.frame.scalar(name) is None for name in SCALARS)
         own.solver.cancel(job)
         assert own.finished(job).cancelled
         assert own.solver.running == ()
@@ -71,7 +72,7 @@ def test_the_hooked_point_follows_the_target_until_it_is_let_go(tmp_path: Path, 
 def test_live_mode_finds_the_frame_that_a_solve_finds(tmp_path: Path, binary: Path) -> None:
     """Away and back again: an elastic tissue has one equilibrium, whatever the way there."""
     result = solve_procedure(small_procedure(), tmp_path / "c.usdc", store=FrameStore(tmp_path / "store"))
-    solved = result.frames[5].arrays["points"]
+    solved = result.frames[5].solved.points
     target = (0.0, 4.0, TOP + 2.0)
     with owner(tmp_path / "store") as own:
         job = own.solver.live(small_procedure(), SETTINGS, 6, "hook")
@@ -95,7 +96,7 @@ def test_live_states_never_enter_the_store(tmp_path: Path, binary: Path) -> None
         own.solver.cancel(job)
         own.finished(job)
         assert {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()} == files
-        assert get_shown(FrameStore(tmp_path), own.plan(job).plan.frames[4].key) is None
+        assert own.plan(job).plan.frames[4].key not in FrameStore(tmp_path)
 
 
 @pytest.mark.slow
@@ -107,11 +108,11 @@ def test_a_target_out_of_reach_leaves_the_tissue_where_it_was(tmp_path: Path, bi
         for target in ((0.0, 1e5, 4.0), (float("inf"), 0.0, 0.0)):
             bad = pulled(own, job, target)
             assert not bad.converged
-            assert bad.frame.header["reason"]
+            assert bad.frame.reason
             np.testing.assert_array_equal(bad.frame.points, good.frame.points)
         again = pulled(own, job, (0.0, 4.0, 4.5))
         assert again.converged
-        assert again.frame.arrays["hook_points"][0, 2] > good.frame.arrays["hook_points"][0, 2]
+        assert again.frame.hook_points[0, 2] > good.frame.hook_points[0, 2]
 
 
 @pytest.mark.slow
@@ -213,7 +214,7 @@ def test_a_session_solves_one_frame_at_a_relaxed_tolerance_with_the_hook_moved()
 def test_a_session_whose_solver_died_goes_on_from_the_last_good_state() -> None:
     solver, notes = FakeSolver(), []
     live = session(solver, notes)
-    value = float(live.pull((1.0, 2.0, 3.0), lambda _: None).arrays["nodes"][0, 0])
+    value = float(live.pull((1.0, 2.0, 3.0), lambda _: None).state.nodes[0, 0])
     deaths = [SolverDiedError("The daemon died: it was ended by SIGKILL.")]
 
     def dies_once(_: float) -> None:
@@ -248,7 +249,6 @@ def test_a_state_of_the_epoch_before_is_carried_into_the_frames_own() -> None:
     solver.log.clear()
 
     moved = replace(program, frames=(program.frames[0], *program.frames[2:]))
-    stored = StoredFrame(before.header, before.arrays)
-    live = LiveSession(moved, 1, 0, (0, stored), solver.connect, lambda _: None)
+    live = LiveSession(moved, 1, 0, (0, before), solver.connect, lambda _: None)
     live.pull((0.0, 3.0, 3.0), lambda _: None)
     assert [what for what, _ in solver.log] == ["epoch", "state", "epoch", "solve"]

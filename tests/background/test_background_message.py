@@ -3,45 +3,39 @@
 from __future__ import annotations
 
 import contextlib
-import io
-import os
+import subprocess
+import sys
 from dataclasses import fields, is_dataclass, replace
 from typing import Any
 
-import msgpack
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import procedure_strategies
-from lappet.background.frame_stream import StreamError, read_frame, write_frame
-from lappet.background.plan import (
-    EpochShape,
-    FrameReady,
-    LiveFrame,
-    Plan,
-    Planned,
-    PlannedFrame,
-    Refused,
-    ShownFrame,
-    SolveSettings,
-)
+from lappet.background.pipes import MAX_BYTES, WorkerPipes
+from lappet.background.plan import EpochShape, Plan, PlannedFrame
 from lappet.background.plan_key import plan_key
-from lappet.background.procedure_message import MessageError, pack, unpack
+from lappet.background.worker_events import Finished, FrameReady, LiveFrame, Planned, Refused, WorkerEvent
+from lappet.background.worker_requests import Aim, Ask, Cancel, WorkerRequest
+from lappet.core.array_codec import CodecError
 from lappet.core.problem import Problem
 from lappet.core.problem_code import ProblemCode
+from lappet.core.value_codec import pack, unpack
+from lappet.daemon.solved_frame import Diagnostics, LatticeCounts, SolvedFrame
 from lappet.procedure import Bone, Hook, Incision, Landmark, Procedure, Suture
+from lappet.program.settings import SolverSettings
 from small_procedure import small_procedure
 
 numbers = st.floats(allow_nan=False, width=64)
 choices = st.builds(
-    SolveSettings,
-    st.none() | numbers,
-    numbers,
-    st.sampled_from([1, 4, 8]),
-    st.sampled_from(["float", "double"]),
-    st.integers(0, 64),
+    SolverSettings,
+    spacing=numbers,
+    tolerance=numbers,
+    quadrature=st.sampled_from([1, 4, 8]),
+    precision=st.sampled_from(["float", "double"]),
+    threads=st.integers(0, 64),
 )
 
 
@@ -65,15 +59,15 @@ def same_bits(a: Any, b: Any) -> bool:
 @settings(max_examples=150, deadline=None)
 @given(procedure_strategies.procedures())
 def test_every_procedure_comes_back_with_every_bit(procedure: Procedure) -> None:
-    back = unpack(pack(procedure))
+    back = unpack(pack(procedure), Procedure)
     assert back == procedure
     assert same_bits(back, procedure)
 
 
 @settings(max_examples=50, deadline=None)
 @given(choices)
-def test_settings_come_back_with_every_bit(choice: SolveSettings) -> None:
-    assert same_bits(unpack(pack(choice)), choice)
+def test_settings_come_back_with_every_bit(choice: SolverSettings) -> None:
+    assert same_bits(unpack(pack(choice), SolverSettings), choice)
 
 
 def a_plan(seed: int = 0) -> Plan:
@@ -92,11 +86,14 @@ def a_plan(seed: int = 0) -> Plan:
     return Plan("ef" * 32, (shape,), frames, ("hook",), ("a", "b"), ("mark 1",), ((0,),), ("Größer als «1 mm».",))
 
 
-def test_plans_and_happenings_come_back_with_every_bit() -> None:
-    shown = ShownFrame(
+def test_plans_and_events_come_back_with_every_bit() -> None:
+    shown = SolvedFrame(
+        7.0,
         np.zeros((3, 3), np.float32),
-        {"newton": 3, "residual": 1e-300, "seconds": {"total": 0.1}, "converged": True, "reason": ""},
-        {"hook_points": np.full((1, 3), np.nan), "empty": np.zeros((0, 2, 3))},
+        hook_index=np.array([2], np.int32),
+        hook_points=np.full((1, 3), np.nan),
+        diagnostics=Diagnostics(converged=False, reason="why", newton=3, residual=1e-300),
+        lattice=LatticeCounts(64, 1, 1, 0, 8, 1, 1, 0, 1000.0, 0.1),
     )
     for value in (
         Planned(1, a_plan(), (True, False)),
@@ -105,59 +102,72 @@ def test_plans_and_happenings_come_back_with_every_bit() -> None:
         FrameReady(3, 7, "00" * 32, True, None),
         LiveFrame(4, 7, (0.1, -0.0, 1e308), shown, False, 0.25),
     ):
-        assert same_bits(unpack(pack(value)), value)
+        assert same_bits(unpack(pack(value), WorkerEvent), value)
 
 
-@pytest.mark.parametrize("dtype", ["u1", "<i4", "<i8", "<f4", "<f8", ">f4", "?"])
+def test_requests_come_back_with_every_bit() -> None:
+    ask = Ask(1, "live", small_procedure(), SolverSettings(), time=5, hook="hook", identity="solver")
+    for value in (ask, Aim(2, (0.1, -0.0, 1e308)), Cancel(3)):
+        assert same_bits(unpack(pack(value), WorkerRequest), value)
+    with pytest.raises(CodecError, match="not known"):
+        unpack(pack(ask), WorkerEvent)
+
+
+@pytest.mark.parametrize("dtype", ["u1", "<i4", "<i8", "<f4", "<f8", ">f4"])
 def test_an_array_is_read_in_place_and_aligned(dtype: str) -> None:
     for length in range(20):
         array = np.arange(2 * length).reshape(length, 2).astype(dtype)
-        back = unpack(pack((length * "x", array)))[1]
+        back = unpack(pack((length * "x", array)), tuple)[1]
         np.testing.assert_array_equal(back, array)
         assert back.flags.aligned
         assert not back.flags.writeable
 
 
 @settings(max_examples=300, deadline=None)
-@given(
-    st.binary(max_size=60) | st.binary(max_size=40).map(lambda b: msgpack.packb(msgpack.ExtType(1 + b[:1].count(0), b)))
-)
-def test_bytes_that_are_no_message_are_refused_and_nothing_else_happens(data: bytes) -> None:
-    with contextlib.suppress(MessageError):
-        unpack(data)
+@given(st.binary(max_size=60), st.integers(0, 200), st.integers(0, 255))
+def test_bytes_that_are_no_message_are_refused_and_nothing_else_happens(data: bytes, at: int, byte: int) -> None:
+    with contextlib.suppress(CodecError):
+        unpack(data, WorkerEvent)
+    damaged = bytearray(pack(Finished(1, 2, 0.5)))
+    damaged[at % len(damaged)] = byte
+    for bad in (damaged, damaged[: at % len(damaged)]):
+        with contextlib.suppress(CodecError):
+            unpack(bytes(bad), WorkerEvent)
 
 
 def test_only_known_classes_are_made() -> None:
-    for inner in (["Popen", "true"], ["Finished", 1], [3], []):
-        with pytest.raises(MessageError):
-            unpack(msgpack.packb(msgpack.ExtType(1, msgpack.packb(inner))))
-    with pytest.raises(MessageError, match="background worker"):
+    with pytest.raises(CodecError, match="'Finished' that is not known"):
+        unpack(pack(Finished(1, 2, 0.5)), Procedure)
+    with pytest.raises(CodecError, match="not what is read here"):
+        unpack(pack(small_procedure().tissue), Procedure)
+    with pytest.raises(CodecError, match="cannot be written"):
         pack(object())
 
 
-def test_a_stream_gives_its_messages_and_ends() -> None:
-    receiving, sending = os.pipe()
-    messages = [b"", b"x" * 1000, bytes(range(256))]
-    with io.FileIO(receiving, "rb") as reader:
-        with io.FileIO(sending, "wb") as writer:
-            for message in messages:
-                write_frame(writer, message)
-            writer.write((5).to_bytes(8, "little") + b"abc")  # breaks off
-        assert [read_frame(reader) for _ in messages] == messages
-        assert read_frame(reader) is None
-
-
-def test_a_length_that_cannot_be_is_refused_before_memory_is_taken() -> None:
-    with pytest.raises(StreamError, match=str(2**63)):
-        read_frame(io.BytesIO((2**63).to_bytes(8, "little")))  # type: ignore[arg-type]
+def test_the_pipes_of_a_worker_carry_messages_and_end_with_it() -> None:
+    pipes = WorkerPipes()
+    program = (
+        "import sys\n"
+        "from lappet.background.pipes import MAX_BYTES, inherited\n"
+        "requests, events = inherited(sys.argv[1], sys.argv[2])\n"
+        "events.send_bytes(requests.recv_bytes(MAX_BYTES)[::-1])\n"
+    )
+    with subprocess.Popen([sys.executable, "-c", program, *pipes.handles], **pipes.inherit) as worker:
+        pipes.close_theirs()
+        pipes.requests.send_bytes(bytes(range(256)) * 4096)
+        assert pipes.events.recv_bytes(MAX_BYTES) == bytes(range(255, -1, -1)) * 4096
+        with pytest.raises(EOFError):
+            pipes.events.recv_bytes(MAX_BYTES)
+        assert worker.wait(10.0) == 0
+    pipes.close()
 
 
 @settings(max_examples=60, deadline=None)
 @given(procedure_strategies.procedures(), procedure_strategies.procedures())
 def test_the_key_of_a_plan_tells_procedures_apart_as_equality_does(a: Procedure, b: Procedure) -> None:
-    key = plan_key(a, SolveSettings(), "solver")
-    assert plan_key(unpack(pack(a)), SolveSettings(), "solver") == key
-    assert (plan_key(b, SolveSettings(), "solver") == key) == (a == b)
+    key = plan_key(a, SolverSettings(), "solver")
+    assert plan_key(unpack(pack(a), Procedure), SolverSettings(), "solver") == key
+    assert (plan_key(b, SolverSettings(), "solver") == key) == (a == b)
 
 
 def test_every_value_of_a_procedure_and_what_changes_a_frame_is_in_the_key() -> None:
@@ -181,20 +191,20 @@ def test_every_value_of_a_procedure_and_what_changes_a_frame_is_in_the_key() -> 
         replace(base, tissue=replace(tissue, gravity=9.81)),
         replace(base, bones=(bone,)),
     ]
-    keys = {plan_key(each, SolveSettings(), "s") for each in (base, *others)}
+    keys = {plan_key(each, SolverSettings(), "s") for each in (base, *others)}
     assert len(keys) == 1 + len(others)
     changes: list[dict[str, Any]] = [{"spacing": 0.5}, {"tolerance": 1e-4}, {"quadrature": 8}, {"precision": "double"}]
-    choices = [SolveSettings(**change) for change in changes]
-    assert len({plan_key(base, choice, "s") for choice in (SolveSettings(), *choices)}) == 5
-    assert plan_key(base, SolveSettings(), "s") != plan_key(base, SolveSettings(), "t")
+    choices = [SolverSettings(**change) for change in changes]
+    assert len({plan_key(base, choice, "s") for choice in (SolverSettings(), *choices)}) == 5
+    assert plan_key(base, SolverSettings(), "s") != plan_key(base, SolverSettings(), "t")
 
 
 def test_what_changes_no_frame_changes_no_key() -> None:
     base = small_procedure()
-    key = plan_key(base, SolveSettings(), "s")
-    assert plan_key(base, SolveSettings(threads=3), "s") == key
-    assert plan_key(base, SolveSettings(spacing=base.tissue.spacing), "s") == key
-    assert plan_key(replace(base, start_time=1, fps=24), SolveSettings(), "s") == key
+    key = plan_key(base, SolverSettings(), "s")
+    assert plan_key(base, SolverSettings(threads=3), "s") == key
+    assert plan_key(base, SolverSettings(spacing=base.tissue.spacing), "s") == key
+    assert plan_key(replace(base, start_time=1, fps=24), SolverSettings(), "s") == key
     (slit, *others) = base.events
     assert isinstance(slit, Incision)
-    assert plan_key(replace(base, events=(replace(slit, time=3), *others)), SolveSettings(), "s") == key
+    assert plan_key(replace(base, events=(replace(slit, time=3), *others)), SolverSettings(), "s") == key

@@ -12,23 +12,25 @@ from test_background_message import a_plan, same_bits
 from lappet.background.compilation import Compilation
 from lappet.background.kept_frames import KeptFrames
 from lappet.background.make_plan import epoch_shapes
-from lappet.background.plan import EpochShape, Plan, SolveSettings
-from lappet.background.plan_store import get_plan, get_shown, put_plan
+from lappet.background.plan import EpochShape, Plan
+from lappet.background.plan_store import get_plan, put_plan
 from lappet.background.skin_shape import depth_below_skin, uv_scale
 from lappet.background.tissue_face import TissueFaces
 from lappet.core.problem import RefusedError
 from lappet.cutting.epochs import build_epochs
+from lappet.daemon.solved_frame import SolvedFrame
 from lappet.geometry.closest_point import ClosestPoint
 from lappet.geometry.labelled_surface import FaceOrigin
 from lappet.procedure import Hook, Incision, Procedure, Suture
 from lappet.program.compile import compile_program
 from lappet.program.keys import frame_keys
-from lappet.solve.store import FrameStore, StoredFrame
+from lappet.program.settings import SolverSettings
+from lappet.solve.store import FrameStore
 from lappet.tissue.fan_triangles import fan_triangles
 from lappet.tissue.patch import flat_patch
 from small_procedure import TOP, small_procedure
 
-SETTINGS = SolveSettings()
+SETTINGS = SolverSettings()
 
 
 def silent() -> None:
@@ -161,15 +163,13 @@ def test_frames_and_plans_are_not_taken_for_each_other(plan: Plan, tmp_path: Pat
     store = FrameStore(tmp_path)
     put_plan(store, plan)
     points = np.ones((2, 3), np.float32)
-    arrays = {"points": points, "strain": np.zeros(2, np.float32), "nodes": np.zeros((9, 3), np.float32)}
-    store.put("ab" * 32, StoredFrame({"newton": 2}, arrays))
-    shown = get_shown(store, "ab" * 32)
-    assert shown is not None
-    np.testing.assert_array_equal(shown.points, points)
-    assert (shown.header["newton"], list(shown.arrays)) == (2, ["strain"])
+    store.put("ab" * 32, SolvedFrame(2.0, points))
+    found = store.get("ab" * 32, SolvedFrame)
+    assert found is not None
+    np.testing.assert_array_equal(found.points, points)
     assert get_plan(store, "ab" * 32) is None
-    assert get_shown(store, plan.key) is None
-    assert get_shown(store, plan.epochs[0].key) is None
+    assert store.get(plan.key, SolvedFrame) is None
+    assert store.get(plan.epochs[0].key, SolvedFrame) is None
 
 
 def test_only_what_cuts_builds_epochs_again(tmp_path: Path) -> None:

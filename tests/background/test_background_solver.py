@@ -14,21 +14,22 @@ import numpy as np
 import pytest
 
 from background_owner import SETTINGS, Owner, alive, daemon_of, kill, owner, wait_gone
-from lappet.background.plan import (
+from lappet.background.plan_store import get_plan, put_plan
+from lappet.background.solver import BackgroundSolver
+from lappet.background.worker_events import (
     Finished,
     FrameFailed,
     FrameReady,
-    Happening,
     IterationDone,
     Planned,
     Refused,
-    SolveSettings,
+    WorkerEvent,
 )
-from lappet.background.plan_store import get_plan, get_shown
-from lappet.background.solver import BackgroundSolver
-from lappet.daemon.frame_solver import STATE_ARRAYS
+from lappet.core.value_codec import pack
+from lappet.daemon.solved_frame import Diagnostics, SolvedFrame
 from lappet.output.solve_to_cache import solve_procedure
 from lappet.procedure import Hook, Incision, Procedure, Suture
+from lappet.program.settings import SolverSettings
 from lappet.solve.store import FrameStore
 from small_procedure import TOP, small_procedure
 
@@ -49,15 +50,16 @@ def long_procedure(frames: int = 24) -> Procedure:
     )
 
 
-def is_frame(time: int) -> Callable[[Happening], bool]:
+def is_frame(time: int) -> Callable[[WorkerEvent], bool]:
     return lambda each: isinstance(each, FrameReady) and each.time == time
 
 
-def contents(store: Path, keys: list[str]) -> list[dict[str, bytes]]:
-    """The arrays of frames in a store, the state among them."""
-    frames = [FrameStore(store).get(key) for key in keys]
-    assert all(frame is not None and set(STATE_ARRAYS) <= set(frame.arrays) for frame in frames)
-    return [{name: array.tobytes() for name, array in frame.arrays.items()} for frame in frames if frame is not None]
+def contents(store: Path, keys: list[str]) -> list[bytes]:
+    """The frames in a store with their states, but for the times that they took."""
+    frames = [FrameStore(store).get(key, SolvedFrame) for key in keys]
+    assert all(frame is not None and frame.state is not None for frame in frames)
+    plain = Diagnostics(converged=True)
+    return [pack(replace(frame, diagnostics=plain, lattice=None)) for frame in frames if frame is not None]
 
 
 @pytest.fixture(scope="module")
@@ -87,11 +89,8 @@ def test_a_background_solve_has_the_keys_and_the_bits_of_lappet_solve(tmp_path: 
     for frame, told in zip(result.frames, frames.values(), strict=True):
         assert not told.looked_up
         assert told.frame is not None
-        assert told.frame.points.tobytes() == frame.arrays["points"].tobytes()
-        assert set(told.frame.arrays) == set(frame.arrays) - {"points"}
-        shown = get_shown(FrameStore(tmp_path / "background"), frame.key)
-        assert shown is not None
-        assert shown.points.tobytes() == told.frame.points.tobytes()
+        assert pack(told.frame.arrays()) == pack(frame.solved.arrays())
+        assert told.frame.state is None
 
 
 def test_the_other_way_round_lappet_solve_finds_every_frame_of_the_background(tmp_path: Path, binary: Path) -> None:
@@ -224,9 +223,7 @@ def test_a_plan_is_found_in_the_store_after_a_restart_without_compiling(tmp_path
     assert get_plan(FrameStore(tmp_path), first.key) is not None
     # Compiled again the plan would have notes of its own; that of the store is told as it lies there.
     store = FrameStore(tmp_path)
-    stored = store.get(first.key)
-    assert stored is not None
-    store.put(first.key, replace(stored, header={**stored.header, "notes": ["from the store"]}))
+    put_plan(store, replace(first, notes=("from the store",)))
     with owner(tmp_path) as own:
         job = own.solver.plan(small_procedure(), SETTINGS)
         own.finished(job)
@@ -245,7 +242,7 @@ def test_a_procedure_that_cannot_be_solved_is_refused_with_its_sentences(tmp_pat
             assert f"/Procedure/Timeline/{path}" in [problem.prim for problem in refused.problems]
             assert all(problem.message for problem in refused.problems)
             assert not own.of(Planned, job)
-        job = own.solver.solve(small_procedure(), SolveSettings(spacing=-1.0))
+        job = own.solver.solve(small_procedure(), SolverSettings(spacing=-1.0))
         own.finished(job)
         (refused,) = own.of(Refused, job)
         assert "-1" in refused.problems[0].message
@@ -303,17 +300,17 @@ def test_a_plan_does_not_wait_for_a_solve_and_a_newer_plan_replaces_those_that_w
     tmp_path: Path, binary: Path
 ) -> None:
     with owner(tmp_path) as own:
-        solve = own.solver.solve(long_procedure(), SolveSettings(spacing=0.7))
+        solve = own.solver.solve(long_procedure(), SolverSettings(spacing=0.7))
         own.until(is_frame(1))
         plans = [
-            own.solver.plan(replace(small_procedure(), fps=float(fps)), SolveSettings(spacing=0.7))
+            own.solver.plan(replace(small_procedure(), fps=float(fps)), SolverSettings(spacing=0.7))
             for fps in range(1, 6)
         ]
         ended = own.finished(plans[-1])
         assert not ended.cancelled
         assert solve in own.solver.running
         assert own.plan(plans[-1]).plan.key == own.solver.key(
-            replace(small_procedure(), fps=5.0), SolveSettings(spacing=0.7)
+            replace(small_procedure(), fps=5.0), SolverSettings(spacing=0.7)
         )
         assert all(own.of(Finished, plan) for plan in plans)
         assert sum(end.cancelled for plan in plans for end in own.of(Finished, plan)) >= 2
@@ -325,7 +322,7 @@ OWNER = """
 import json, sys, time
 sys.path[:0] = json.loads(sys.argv[1])
 from pathlib import Path
-from lappet.background.plan import FrameReady
+from lappet.background.worker_events import FrameReady
 from lappet.background.solver import BackgroundSolver
 from background_owner import SETTINGS, daemon_of
 from test_background_solver import long_procedure
@@ -443,11 +440,10 @@ def test_frames_of_a_plan_fit_the_surface_of_their_epoch(tmp_path: Path, binary:
         plan = own.plan(job).plan
         for planned, told in zip(plan.frames, own.frames(job).values(), strict=True):
             assert told.frame is not None
-            arrays = told.frame.arrays
             assert told.frame.points.shape == plan.epochs[planned.epoch].rest.shape
-            assert len(arrays["hook_points"]) == len(planned.hooks)
-            assert len(arrays["suture_points"]) == len(planned.sutures)
-            assert len(arrays["landmarks"]) == len(plan.landmarks_at[planned.epoch])
+            assert tuple(told.frame.hook_index) == planned.hooks
+            assert tuple(told.frame.suture_index) == planned.sutures
+            assert tuple(told.frame.landmark_index) == plan.landmarks_at[planned.epoch]
         rest = plan.epochs[0].rest
         whole = own.frames(job)[1].frame
         assert whole is not None

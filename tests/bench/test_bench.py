@@ -16,48 +16,50 @@ from lappet.bench import kernels, scenes, sheets, tables
 from lappet.bench.circumstances import circumstances, revision
 from lappet.bench.scenes import SceneMeasure, measure, pass_times, state_hash
 from lappet.core.problem import RefusedError
+from lappet.daemon.solved_frame import Diagnostics, LatticeCounts, PassCounts, SolvedFrame, StageSeconds
 
-WORK = {
-    "evaluations": 5,
-    "evaluation_seconds": 0.5,
-    "linearizations": 4,
-    "linearization_seconds": 0.08,
-    "products": 100,
-    "product_seconds": 0.3,
-}
-
-
-def header(**changes: Any) -> dict[str, Any]:
-    lattice = {"cells": 100, "grid_cells": 90, "mesh_cells": 10, "nodes": 150, "blocks": 20, "fine_voxels": 6400}
-    plain = {
-        "converged": True,
-        "newton": 4,
-        "pcg": 30,
-        "seconds": {"total": 2.0, "linear": 1.5},
-        "work": WORK,
-        "residual": 1e-4,
-        "largest_gap": 1e-5,
-        "minimum_j": 0.9,
-        "peak_bytes": 1000.0,
-        "lattice": lattice,
-    }
-    return {**plain, **changes}
+WORK = PassCounts(
+    evaluations=5,
+    evaluation_seconds=0.5,
+    linearizations=4,
+    linearization_seconds=0.08,
+    products=100,
+    product_seconds=0.3,
+)
 
 
-def row(headers: list[dict[str, Any]]) -> SceneMeasure:
-    return measure("flap", 1.0, 2, "avx2", 3, 9.0, headers, "0123 1.5 mm")
+LATTICE = LatticeCounts(6400, 100, 90, 10, 150, 1, 20, 0, 1000.0, 0.1)
+
+
+def solved(lattice: LatticeCounts = LATTICE, **changes: Any) -> SolvedFrame:
+    plain = Diagnostics(
+        converged=True,
+        newton=4,
+        pcg=30,
+        residual=1e-4,
+        largest_gap=1e-5,
+        minimum_j=0.9,
+        peak_bytes=1000.0,
+        seconds=StageSeconds(total=2.0, linear=1.5),
+        work=WORK,
+    )
+    return SolvedFrame(1.0, np.zeros((1, 3), np.float32), diagnostics=replace(plain, **changes), lattice=lattice)
+
+
+def row(frames: list[SolvedFrame]) -> SceneMeasure:
+    return measure("flap", 1.0, 2, "avx2", 3, 9.0, frames, "0123 1.5 mm")
 
 
 # --- scenes ------------------------------------------------------------------------------------------------------
 
 
 def test_a_row_sums_work_and_takes_the_worst_of_the_frames() -> None:
-    cut = {"cells": 120, "grid_cells": 80, "mesh_cells": 40, "nodes": 190, "blocks": 26, "fine_voxels": 6300}
+    cut = LatticeCounts(6300, 120, 80, 40, 190, 2, 26, 0, 1000.0, 0.1)
     found = row(
         [
-            header(),
-            header(newton=6, residual=5e-4),
-            header(lattice=cut, largest_gap=2e-4, minimum_j=0.4, peak_bytes=2400),
+            solved(),
+            solved(newton=6, residual=5e-4),
+            solved(lattice=cut, largest_gap=2e-4, minimum_j=0.4, peak_bytes=2400),
         ]
     )
     assert found.converged
@@ -74,14 +76,14 @@ def test_a_row_sums_work_and_takes_the_worst_of_the_frames() -> None:
 
 
 def test_passes_are_means_over_the_frames_weighted_by_how_often_they_ran() -> None:
-    idle = {**WORK, "products": 0, "product_seconds": 0.0, "evaluations": 1, "evaluation_seconds": 0.04}
-    update, product = pass_times([header(), header(work=idle)])
+    idle = replace(WORK, products=0, product_seconds=0.0, evaluations=1, evaluation_seconds=0.04)
+    update, product = pass_times([each.diagnostics for each in (solved(), solved(work=idle))])
     assert update == pytest.approx(1e3 * (0.54 / 6 + 0.16 / 8))
     assert product == pytest.approx(3.0)
 
 
 def test_a_frame_that_did_not_converge_makes_the_row_say_why() -> None:
-    found = row([header(), header(converged=False, reason="the line search found no step")])
+    found = row([solved(), solved(converged=False, reason="the line search found no step")])
     assert not found.converged
     assert found.reason == "the line search found no step"
 
@@ -319,7 +321,7 @@ def test_the_twisted_sheet_of_192_000_cells_takes_at_most_750_bytes_a_cell_at_it
 
 
 def test_the_markdown_has_the_layout_of_the_paper_s_table_with_ours_below_theirs() -> None:
-    lines = tables.scenes_markdown([row([header()])]).splitlines()
+    lines = tables.scenes_markdown([row([solved()])]).splitlines()
     heading = next(line for line in lines if line.startswith("| scene"))
     columns = [name.strip() for name in heading.strip("|").split("|")]
     assert columns[:7] == [
@@ -340,7 +342,7 @@ def test_the_files_hold_the_machine_and_rows_of_the_agreed_names(tmp_path: Path)
     suite = kernels.read_suite(printed())
     head = circumstances(suite.context, 2)
     tables.write_json(tmp_path / "kernels.json", head, rows=suite.rows, parallel=suite.parallel)
-    tables.write_json(tmp_path / "scenes.json", head, rows=[row([header()])])
+    tables.write_json(tmp_path / "scenes.json", head, rows=[row([solved()])])
     tables.write_csv(tmp_path / "kernels.csv", suite.rows, head)
     kept = json.loads((tmp_path / "kernels.json").read_text("utf-8"))
     assert {"machine", "compiler", "isa", "threads", "environment", "revision"} <= set(kept)

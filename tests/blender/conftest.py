@@ -9,12 +9,26 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import bpy
 import pytest
 
 import lappet_blender
+from lappet.core import problem_text
+from lappet.core.problem_code import ProblemCode
+
+_plain = problem_text.text_of
+
+
+def _scrambled(code: ProblemCode) -> problem_text.ProblemText:
+    """The text of a code without a word of the catalogue."""
+    return replace(_plain(code), message="Xq zvw.", remedy="Kj.")
+
+
+if os.environ.get("LAPPET_SCRAMBLED_TEXTS"):  # for tests/addon/test_blender.py: no behaviour depends on the wording
+    problem_text.text_of = _scrambled
 
 
 @pytest.fixture(scope="session", autouse=True)

@@ -13,27 +13,25 @@ from pathlib import Path
 
 import numpy as np
 
-from lappet.background.plan import (
-    EpochShape,
+from lappet.background.plan import EpochShape, Plan, PlannedFrame
+from lappet.background.plan_key import digest, plan_key
+from lappet.background.plan_store import put_plan
+from lappet.background.worker_events import (
     Finished,
     FrameFailed,
     FrameReady,
-    Happening,
     IterationDone,
     LiveFrame,
-    Plan,
     Planned,
-    PlannedFrame,
     Refused,
-    ShownFrame,
-    SolveSettings,
+    WorkerEvent,
 )
-from lappet.background.plan_key import digest, plan_key
-from lappet.background.plan_store import put_plan
 from lappet.core.problem import Problem, problem
 from lappet.core.problem_code import ProblemCode
+from lappet.daemon.solved_frame import Diagnostics, LatticeCounts, SolvedFrame, StageSeconds
 from lappet.procedure import CUTS, Event, Hook, Landmark, Procedure
-from lappet.solve.store import FrameStore, StoredFrame
+from lappet.program.settings import SolverSettings
+from lappet.solve.store import FrameStore
 
 IDENTITY = "fake"
 
@@ -71,15 +69,15 @@ class FakeWorker:
         self.targets: list[tuple[float, float, float]] = []
         self.cancelled: set[int] = set()
         self._number = 0
-        self._jobs: dict[int, Iterator[Happening]] = {}
+        self._jobs: dict[int, Iterator[WorkerEvent]] = {}
 
-    def plan(self, procedure: Procedure, settings: SolveSettings) -> int:
+    def plan(self, procedure: Procedure, settings: SolverSettings) -> int:
         return self._ask("plan", procedure, settings, self._planning)
 
-    def solve(self, procedure: Procedure, settings: SolveSettings, until: int | None = None) -> int:
+    def solve(self, procedure: Procedure, settings: SolverSettings, until: int | None = None) -> int:
         return self._ask("solve", procedure, settings, lambda job, p, s: self._solving(job, p, s, until))
 
-    def live(self, procedure: Procedure, settings: SolveSettings, time: int, hook: str) -> int:
+    def live(self, procedure: Procedure, settings: SolverSettings, time: int, hook: str) -> int:
         self.targets.clear()
         return self._ask("live", procedure, settings, lambda job, p, s: self._pulling(job, p, s, time))
 
@@ -93,7 +91,7 @@ class FakeWorker:
         self.closed = True
         self._jobs.clear()
 
-    def poll(self) -> list[Happening]:
+    def poll(self) -> list[WorkerEvent]:
         """The next step of every job."""
         if self.script.held:
             return []
@@ -112,7 +110,7 @@ class FakeWorker:
         self._jobs[self._number] = self._guarded(self._number, steps(self._number, procedure, settings))
         return self._number
 
-    def _guarded(self, job: int, steps: Iterator[Happening]) -> Iterator[Happening]:
+    def _guarded(self, job: int, steps: Iterator[WorkerEvent]) -> Iterator[WorkerEvent]:
         frames = 0
         for step in steps:
             if job in self.cancelled:
@@ -121,7 +119,7 @@ class FakeWorker:
             yield step
         yield Finished(job, frames, 0.1, job in self.cancelled)
 
-    def _planning(self, job: int, procedure: Procedure, settings: SolveSettings) -> Iterator[Happening]:
+    def _planning(self, job: int, procedure: Procedure, settings: SolverSettings) -> Iterator[WorkerEvent]:
         if self.script.refusal:
             yield Refused(job, self.script.refusal)
             return
@@ -130,8 +128,8 @@ class FakeWorker:
         yield Planned(job, plan, tuple(frame.key in self.store for frame in plan.frames))
 
     def _solving(
-        self, job: int, procedure: Procedure, settings: SolveSettings, until: int | None
-    ) -> Iterator[Happening]:
+        self, job: int, procedure: Procedure, settings: SolverSettings, until: int | None
+    ) -> Iterator[WorkerEvent]:
         yield from self._planning(job, procedure, settings)
         if self.script.refusal:
             return
@@ -147,20 +145,20 @@ class FakeWorker:
                 yield FrameFailed(job, frame.time, problem(ProblemCode.UNSORTED, "", self.script.failing[frame.time]))
                 return
             shown = solved(plan, index, len(procedure.events))
-            self.store.put(frame.key, StoredFrame(shown.header, {"points": shown.points, **shown.arrays}))
+            self.store.put(frame.key, shown)
             yield FrameReady(job, frame.time, frame.key, False, shown)
 
-    def _pulling(self, job: int, procedure: Procedure, settings: SolveSettings, time: int) -> Iterator[Happening]:
+    def _pulling(self, job: int, procedure: Procedure, settings: SolverSettings, time: int) -> Iterator[WorkerEvent]:
         yield from self._planning(job, procedure, settings)
         plan = make_plan(procedure, settings, self.script.points)
         rest = plan.epochs[plan.frames[time - plan.frames[0].time].epoch].rest
         target = next(e for e in procedure.events if isinstance(e, Hook)).targets[0][1]
         while True:
             target = self.targets[-1] if self.targets else target
-            yield LiveFrame(job, time, target, ShownFrame(rest + np.float32(target)), True, 0.05)
+            yield LiveFrame(job, time, target, SolvedFrame(float(time), rest + np.float32(target)), True, 0.05)
 
 
-def make_plan(procedure: Procedure, settings: SolveSettings, points: int = 4) -> Plan:
+def make_plan(procedure: Procedure, settings: SolverSettings, points: int = 4) -> Plan:
     """A plan whose keys depend on what the frames of a real one depend on."""
     start = procedure.start_time
     cuts = sorted({max(e.time, start) for e in procedure.events if isinstance(e, CUTS)} | {start})
@@ -173,11 +171,13 @@ def make_plan(procedure: Procedure, settings: SolveSettings, points: int = 4) ->
     return Plan(plan_key(procedure, settings, IDENTITY), epochs, tuple(frames), landmarks_at=((),) * len(epochs))
 
 
-def solved(plan: Plan, index: int, events: int) -> ShownFrame:
+def solved(plan: Plan, index: int, events: int) -> SolvedFrame:
     """The frame that the fake solver finds."""
     rest = plan.epochs[plan.frames[index].epoch].rest
-    header = {"newton": 2, "seconds": {"total": 0.6}, "lattice": {"cells": 1000}}
-    return ShownFrame(rest + np.float32((0.0, 0.0, index + events)), header)
+    said = Diagnostics(converged=True, newton=2, seconds=StageSeconds(total=0.6))
+    lattice = LatticeCounts(64_000, 1000, 1000, 0, 1331, 1, 125, 0, 1e6, 0.1)
+    points = rest + np.float32((0.0, 0.0, index + events))
+    return SolvedFrame(float(plan.frames[index].time), points, diagnostics=said, lattice=lattice)
 
 
 def _begins(event: Event) -> float:

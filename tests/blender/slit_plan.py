@@ -19,7 +19,8 @@ import pytest
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
 import synthetic_skin_cache as slit
-from lappet.background.plan import EpochShape, Plan, PlannedFrame, ShownFrame
+from lappet.background.plan import EpochShape, Plan, PlannedFrame
+from lappet.daemon.solved_frame import SolvedFrame
 from lappet_blender.look.skin_fields import depth_below_skin
 from lappet_blender.solving import frames
 from lappet_blender.solving.shown_frame import Shown
@@ -44,7 +45,7 @@ def epoch_shape(step: float, cut: bool) -> EpochShape:
     )
 
 
-def frame_at(shape: EpochShape, time: int, sutures: int, hooks: bool) -> ShownFrame:
+def frame_at(shape: EpochShape, time: int, sutures: int, hooks: bool) -> SolvedFrame:
     """A frame by formula; strain is the displacement over 20 mm."""
     cut = time >= slit.INCISED
     rest = shape.rest.astype(np.float64)
@@ -54,18 +55,22 @@ def frame_at(shape: EpochShape, time: int, sutures: int, hooks: bool) -> ShownFr
     ends = np.array([[(x, -0.1, 0.0), (x, 0.1, 0.0)] for x in places]).reshape(-1, 3)
     lips = np.array([(0.0, -0.1, 0.0), (0.0, 0.1, 0.0)]) if hooks else np.zeros((0, 3))
     marks = np.array([(-slit.HALF_SLIT, 0.0, 0.0), (slit.HALF_SLIT, 0.0, 0.0)])
-    arrays = {
-        "strain": strain,
-        "stress": 50.0 * strain,
-        "tension": 40.0 * strain,
-        "suture_points": slit.deform(ends, time, cut).reshape(-1, 2, 3).astype(np.float64),
-        "hook_points": slit.deform(lips, time, cut).astype(np.float64),
-        "landmarks": slit.deform(marks, time, cut).astype(np.float64),
-    }
-    return ShownFrame(points, {"time": time}, arrays)
+    return SolvedFrame(
+        float(time),
+        points,
+        strain=strain,
+        stress=50.0 * strain,
+        tension=40.0 * strain,
+        landmark_index=np.arange(len(marks), dtype=np.int32),
+        landmarks=slit.deform(marks, time, cut).astype(np.float64),
+        hook_index=np.arange(len(lips), dtype=np.int32),
+        hook_points=slit.deform(lips, time, cut).astype(np.float64),
+        suture_index=np.arange(sutures, dtype=np.int32),
+        suture_points=slit.deform(ends, time, cut).reshape(-1, 2, 3).astype(np.float64),
+    )
 
 
-def slit_plan(step: float, name: str = "slit", sutures: int = SUTURES) -> tuple[Plan, dict[int, ShownFrame]]:
+def slit_plan(step: float, name: str = "slit", sutures: int = SUTURES) -> tuple[Plan, dict[int, SolvedFrame]]:
     """A plan and its frames by time; name: makes its keys."""
     shapes = (epoch_shape(step, False), epoch_shape(step, True))
     planned, solved = [], {}
@@ -92,7 +97,7 @@ def slit_plan(step: float, name: str = "slit", sutures: int = SUTURES) -> tuple[
 class Solved:
     """Stands in for the solving side: what it knows of each scene, by the scene's name."""
 
-    plans: dict[str, tuple[Plan, dict[int, ShownFrame]]] = field(default_factory=dict)
+    plans: dict[str, tuple[Plan, dict[int, SolvedFrame]]] = field(default_factory=dict)
     listeners: list[Callable[[bpy.types.Scene], None]] = field(default_factory=list)
 
     def shown_at(self, scene: bpy.types.Scene, time: float) -> Shown | None:

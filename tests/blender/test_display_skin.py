@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from dataclasses import replace
 from pathlib import Path
 
 import bpy
@@ -131,7 +132,7 @@ def test_a_frame_that_the_store_has_lost_shows_the_epoch_at_rest(shown: bpy.type
 def test_a_damaged_frame_shows_the_epoch_at_rest(shown: bpy.types.Scene, solved: Solved, damage: str) -> None:
     plan, frames = solved.plans[shown.name]
     points = frames[9].points[:-1] if damage == "short" else np.full_like(frames[9].points, np.nan)
-    frames[9] = type(frames[9])(points, {}, frames[9].arrays)
+    frames[9] = replace(frames[9], points=points)
     shown.frame_set(9)
     np.testing.assert_allclose(positions(shown, skin(shown)), plan.epochs[1].rest * UNITS, atol=1e-6)
 

@@ -62,9 +62,7 @@ def test_the_button_gives_the_frames_of_the_command_line_bit_for_bit(patch: bpy.
     solve(patch)
     procedure = read_scene(patch).procedure
     settings = solve_settings(patch)
-    program = compile_program(
-        procedure, tolerance=settings.tolerance, quadrature=settings.quadrature, precision=settings.precision
-    )
+    program = compile_program(procedure, settings=settings)
     plan = frames.plan_of(patch)
     assert plan.key == plan_key(procedure, settings, solver_identity(None))
     assert tuple(frame.key for frame in plan.frames) == frame_keys(program, solver_identity(None))
@@ -73,8 +71,8 @@ def test_the_button_gives_the_frames_of_the_command_line_bit_for_bit(patch: bpy.
     assert solved.reason is None
     for frame, own in zip(solved.frames, plan.frames, strict=True):
         shown = frames.shown_at(patch, own.time).frame
-        np.testing.assert_array_equal(shown.points, frame.arrays["points"])
-        np.testing.assert_array_equal(shown.arrays["stress"], frame.arrays["stress"])
+        np.testing.assert_array_equal(shown.points, frame.solved.points)
+        np.testing.assert_array_equal(shown.stress, frame.solved.stress)
 
 
 def test_the_hook_lifts_the_skin_and_a_changed_hook_is_solved_from_its_start_on(patch: bpy.types.Scene) -> None:

@@ -8,6 +8,7 @@ import bpy
 
 import lappet_blender
 from fake_worker import Script
+from lappet.core.problem_code import ProblemCode
 from lappet_blender.model.event_list import add_event, find_event
 from lappet_blender.model.procedure_properties import VERSION
 from lappet_blender.solving import controller, frames, solve_settings, workers
@@ -99,7 +100,7 @@ def test_a_file_of_a_newer_version_opens_with_a_warning_and_still_solves(
     scene = bpy.context.scene
     (problem,) = frames.problems_of(scene)
     assert problem.severity == "warning"
-    assert "newer Lappet" in problem.message
+    assert problem.code is ProblemCode.SCENE_NEWER
     solve(scene)
 
 

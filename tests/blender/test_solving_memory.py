@@ -10,12 +10,13 @@ import numpy as np
 import pytest
 
 from fake_worker import make_plan
-from lappet.background.plan import ShownFrame, SolveSettings
 from lappet.background.plan_store import put_plan
 from lappet.core.problem import Problem
 from lappet.core.problem_code import ProblemCode
+from lappet.daemon.solved_frame import SolvedFrame, SolverState
 from lappet.procedure import Incision, Procedure
-from lappet.solve.store import FrameStore, StoredFrame
+from lappet.program.settings import SolverSettings
+from lappet.solve.store import FrameStore
 from lappet.tissue.patch import flat_patch
 from lappet_blender.interface.duration_text import duration_text
 from lappet_blender.solving.cell_count import cell_count
@@ -31,8 +32,8 @@ def key(number: int) -> str:
     return f"{number:064x}"
 
 
-def frame(points: int = 100) -> ShownFrame:
-    return ShownFrame(np.zeros((points, 3), np.float32))
+def frame(points: int = 100) -> SolvedFrame:
+    return SolvedFrame(0.0, np.zeros((points, 3), np.float32))
 
 
 @pytest.fixture
@@ -67,10 +68,11 @@ def test_a_frame_comes_from_the_store_where_memory_has_it_not(store: FrameStore)
     frame_cache = FrameCache()
     assert frame_cache.get(key(1), store) is None
     points = np.arange(12, dtype=np.float32).reshape(4, 3)
-    store.put(key(1), StoredFrame({"newton": 3}, {"points": points, "nodes": np.zeros((2, 3), np.float32)}))
+    state = SolverState("float", np.zeros((2, 3), np.float32), *(np.zeros((0, 3)),) * 2, *(np.zeros(0),) * 2)
+    store.put(key(1), SolvedFrame(1.0, points, state=state))
     found = frame_cache.get(key(1), store)
     np.testing.assert_array_equal(found.points, points)
-    assert "nodes" not in found.arrays, "the state is of no use to a window"
+    assert found.state is None, "the state is of no use to a window"
     store.path(key(1)).unlink()
     assert frame_cache.get(key(1), store) is found
 
@@ -78,7 +80,7 @@ def test_a_frame_comes_from_the_store_where_memory_has_it_not(store: FrameStore)
 def test_reading_ahead_fills_memory_and_goes_on_after_it_was_closed(store: FrameStore) -> None:
     frame_cache = FrameCache()
     for number in range(6):
-        store.put(key(number), StoredFrame({}, {"points": np.full((4, 3), number, np.float32)}))
+        store.put(key(number), SolvedFrame(0.0, np.full((4, 3), number, np.float32)))
     for wanted in ((0, 1, 2), (3, 4, 5)):
         frame_cache.read_ahead([key(number) for number in wanted], store)
         end = time.monotonic() + 10.0
@@ -90,7 +92,7 @@ def test_reading_ahead_fills_memory_and_goes_on_after_it_was_closed(store: Frame
 
 def test_plans_share_their_surfaces_and_are_found_in_the_store(store: FrameStore, procedure: Procedure) -> None:
     memory = PlanMemory(limit=2)
-    made = [make_plan(procedure, SolveSettings(tolerance=10.0**-n)) for n in (2, 3, 4)]
+    made = [make_plan(procedure, SolverSettings(tolerance=10.0**-n)) for n in (2, 3, 4)]
     kept = [memory.keep(plan) for plan in made]
     assert kept[0].epochs[1] is kept[2].epochs[1]
     assert memory.find(made[0].key, store) is None, "only so many are kept"
@@ -107,10 +109,10 @@ def test_plans_share_their_surfaces_and_are_found_in_the_store(store: FrameStore
 
 def test_an_epoch_of_equal_shape_at_another_time_keeps_its_time(store: FrameStore, procedure: Procedure) -> None:
     memory = PlanMemory()
-    early = memory.keep(make_plan(procedure, SolveSettings()))
+    early = memory.keep(make_plan(procedure, SolverSettings()))
     moved = procedure.events[0]
     later = Procedure(procedure.tissue, events=(Incision("cut", 4.0, moved.points),), end_time=5.0)
-    plan = make_plan(later, SolveSettings())
+    plan = make_plan(later, SolverSettings())
     assert plan.epochs[1].key == early.epochs[1].key
     assert memory.keep(plan).epochs[1].start_time == 4.0
 
@@ -144,19 +146,19 @@ def test_the_cells_of_a_box_are_its_volume_over_that_of_a_cell_and_those_its_sur
     assert 4.0 < cell_count(box) / cell_count(coarse) < 8.0
 
 
-def test_what_is_carried_over_to_another_folder_is_all_that_a_plan_needs(
+def test_what_is_copied_to_another_folder_is_all_that_a_plan_needs(
     store: FrameStore, procedure: Procedure, tmp_path: Path
 ) -> None:
-    plan = make_plan(procedure, SolveSettings())
+    plan = make_plan(procedure, SolverSettings())
     put_plan(store, plan)
     for planned in plan.frames[:3]:
-        store.put(planned.key, StoredFrame({}, {"points": np.zeros((4, 3), np.float32)}))
+        store.put(planned.key, SolvedFrame(0.0, np.zeros((4, 3), np.float32)))
     other = FrameStore(tmp_path / "other")
     copying = FrameCopy([plan], store, other)
     end = time.monotonic() + 10.0
     while not copying.done:
         assert time.monotonic() < end
         time.sleep(0.005)
-    assert copying.trouble == ""
+    assert copying.problem is None
     assert PlanMemory().find(plan.key, other).frames == plan.frames
     assert [frame.key in other for frame in plan.frames] == [True] * 3 + [False] * 2

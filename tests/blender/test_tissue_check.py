@@ -7,11 +7,14 @@ import bpy
 import numpy as np
 import pytest
 
+from lappet.core.problem_code import ProblemCode
 from lappet.tissue.surface import tissue_surface
+from lappet_blender.interface.problem_repairs import repair_of
 from lappet_blender.model.mesh_values import mesh_values
 from lappet_blender.model.surface_border import open_edge_count
 from lappet_blender.tissue.problem_places import ProblemPlace
 from lappet_blender.tissue.tissue_check import check_tissue, last_check
+from refusals import refusal
 from tissue_scenes import add_box, add_mesh, add_sheet, fill_with_patch, read
 
 
@@ -26,13 +29,18 @@ def edit(obj: bpy.types.Object, change) -> None:  # type: ignore[no-untyped-def]
     work.free()
 
 
-def found(scene: bpy.types.Scene, kind: str) -> ProblemPlace:
-    """The one problem of that kind of remedy."""
-    places = [
-        each for each in check_tissue(scene).places if dict(getattr(each.problem, "arguments", ())) == {"kind": kind}
-    ]
-    assert len(places) == 1, [each.problem.message for each in check_tissue(scene).places]
-    return places[0]
+def found(scene: bpy.types.Scene, code: ProblemCode) -> ProblemPlace:
+    """The one problem of the tissue, which is of that code."""
+    (place,) = check_tissue(scene).places
+    assert place.problem.code is code
+    return place
+
+
+def kind_of(place: ProblemPlace) -> str:
+    """The kind of `tissue_repair` that a problem's button calls."""
+    repair = repair_of(place.problem)
+    assert repair is not None
+    return dict(repair.arguments)["kind"]
 
 
 def held(scene: bpy.types.Scene) -> None:
@@ -54,8 +62,9 @@ def test_a_small_hole_is_shown_at_its_edges_and_filled_without_losing_groups(sce
     )
     hole = given.tissue.points[given.tissue.face_vertex_indices.reshape(-1, 4)[top]]
     edit(obj, lambda work: bmesh.ops.delete(work, geom=[work.faces[top]], context="FACES_ONLY"))
-    place = found(scene, "HOLES")
-    assert "The surface is open: 4 edges" in place.problem.message
+    place = found(scene, ProblemCode.MESH_OPEN)
+    assert kind_of(place) == "HOLES"
+    assert len(place.lines) == 4
     assert {tuple(p) for p in place.lines.reshape(-1, 3).tolist()} == {tuple(p) for p in hole.tolist()}
     assert bpy.ops.lappet.tissue_repair(kind="HOLES") == {"FINISHED"}
     assert check_tissue(scene).places == ()
@@ -74,8 +83,8 @@ def test_a_hole_as_large_as_the_mesh_is_not_filled_unless_asked(scene: bpy.types
     edit(obj, lambda work: bmesh.ops.delete(work, geom=[work.faces[1]], context="FACES_ONLY"))
     edit(obj, lambda work: bmesh.ops.subdivide_edges(work, edges=work.edges, cuts=1, use_grid_fill=True))
     bpy.ops.lappet.tissue_set()
-    with pytest.raises(RuntimeError, match=r"The smallest hole of 'block' is 72 mm around, too large"):
-        bpy.ops.lappet.tissue_repair(kind="HOLES")
+    large = refusal(lambda: bpy.ops.lappet.tissue_repair(kind="HOLES"))
+    assert (large.code, large.prim, large.value) == (ProblemCode.HOLES_LARGE, "block", "72")
     assert open_edge_count(mesh_values(scene, obj)) == 8
     bpy.ops.lappet.tissue_repair(kind="HOLES", everything=True)
     assert open_edge_count(mesh_values(scene, obj)) == 0
@@ -85,8 +94,9 @@ def test_a_hole_in_a_sheet_is_told_and_filled_and_the_rim_stays(scene: bpy.types
     obj = add_sheet(scene, cells=16)
     edit(obj, lambda work: bmesh.ops.delete(work, geom=[work.faces[120]], context="FACES_ONLY"))
     bpy.ops.lappet.tissue_set(thickness=3.0)
-    place = found(scene, "HOLES")
-    assert place.problem.message == "The surface has 2 borders; each becomes a fixed rim."
+    place = found(scene, ProblemCode.SHEET_BORDERS)
+    assert kind_of(place) == "HOLES"
+    assert place.problem.value == "2"
     assert place.problem.severity == "warning"
     assert len(place.lines) == 4  # of the hole; the rim is as it should be
     bpy.ops.lappet.tissue_repair(kind="HOLES")
@@ -140,8 +150,8 @@ def test_a_face_without_area_is_shown_and_welded_away(scene: bpy.types.Scene) ->
     edit(obj, collapse)
     bpy.ops.lappet.tissue_set(spacing=1.0)
     held(scene)
-    place = found(scene, "WELD")
-    assert "no area" in place.problem.message
+    place = found(scene, ProblemCode.MESH_NO_AREA)
+    assert kind_of(place) == "WELD"
     assert len(place.lines) >= 3
     bpy.ops.lappet.tissue_repair(kind="WELD")
     assert check_tissue(scene).places == ()
@@ -156,8 +166,8 @@ def test_turned_faces_are_shown_at_their_edges_and_turned_back(scene: bpy.types.
         work.faces[5].normal_flip()
 
     edit(obj, flip)
-    place = found(scene, "ORIENT")
-    assert "(4 such edges)" in place.problem.message
+    place = found(scene, ProblemCode.MESH_NOT_ORIENTED)
+    assert kind_of(place) == "ORIENT"
     assert len(place.lines) == 4
     bpy.ops.lappet.tissue_repair(kind="ORIENT")
     assert check_tissue(scene).places == ()
@@ -170,17 +180,17 @@ def test_a_turned_face_of_a_sheet_is_told_once(scene: bpy.types.Scene) -> None:
     bpy.ops.lappet.tissue_set(thickness=3.0)
     edit(obj, lambda work: work.faces[20].normal_flip())
     (place,) = check_tissue(scene).places
-    assert place.problem.message.startswith("Neighbouring faces look opposite ways at (")
+    assert place.problem.code is ProblemCode.MESH_NOT_ORIENTED
     bpy.ops.lappet.tissue_repair(kind="ORIENT")
     assert check_tissue(scene).places == ()
 
 
-def test_a_surface_inside_out_is_a_warning_that_turning_mends(scene: bpy.types.Scene) -> None:
+def test_a_surface_inside_out_is_a_warning_that_turning_repairs(scene: bpy.types.Scene) -> None:
     fill_with_patch(scene)
     scene.lappet.tissue.object.data.flip_normals()
-    place = found(scene, "ORIENT")
+    place = found(scene, ProblemCode.MESH_INSIDE_OUT)
     assert place.problem.severity == "warning"
-    assert "inside out" in place.problem.message
+    assert kind_of(place) == "ORIENT"
     bpy.ops.lappet.tissue_repair(kind="ORIENT")
     assert check_tissue(scene).places == ()
 
@@ -193,8 +203,9 @@ def test_vertices_without_a_face_are_shown_and_removed(scene: bpy.types.Scene) -
         work.edges.new((one, two))
 
     edit(scene.lappet.tissue.object, add)
-    place = found(scene, "LOOSE")
-    assert place.problem.message == "2 vertices belong to no face, the first at (0, 0, 30)."
+    place = found(scene, ProblemCode.MESH_LOOSE_POINTS)
+    assert kind_of(place) == "LOOSE"
+    assert place.problem.value == "(0, 0, 30)"
     np.testing.assert_allclose(place.points, [(0.0, 0.0, 30.0), (0.0, 1.0, 30.0)])
     bpy.ops.lappet.tissue_repair(kind="LOOSE")
     assert len(read(scene).tissue.points) == len(given.tissue.points)
@@ -210,7 +221,8 @@ def test_a_surface_through_itself_is_shown_at_its_triangles(scene: bpy.types.Sce
         bpy.ops.object.join()
     scene.lappet.tissue.object = objects[0]
     (place,) = [each for each in check_tissue(scene).places if len(each.triangles)]
-    assert "passes through itself: 12 triangles cross" in place.problem.message
+    assert place.problem.code is ProblemCode.MESH_SELF_INTERSECTING
+    assert len(place.triangles) == 12
     # The edges of each cube pierce three faces of the other: of these only can a triangle be.
     middles = place.triangles.reshape(-1, 3)
     assert middles.min() >= 0.0
@@ -244,8 +256,8 @@ def test_a_lattice_larger_than_the_memory_gets_a_spacing_that_fits(scene: bpy.ty
     add_box(scene, (0.0, 0.0, 0.0), (0.2, 0.2, 0.2))
     bpy.ops.lappet.tissue_set(spacing=0.5)
     held(scene)
-    place = found(scene, "SPACING")
-    assert "more than the memory budget of 8 GiB" in place.problem.message
+    place = found(scene, ProblemCode.LATTICE_MEMORY)
+    assert kind_of(place) == "SPACING"
     bpy.ops.lappet.tissue_repair(kind="SPACING")
     assert read(scene).tissue.spacing > 0.5
     assert check_tissue(scene).places == ()
@@ -256,9 +268,8 @@ def test_what_the_procedure_itself_is_wrong_about_is_found_too(scene: bpy.types.
     scene.lappet.tissue.material = "silk"
     bpy.ops.lappet.faces_clear(group="fixed")
     bpy.ops.lappet.faces_clear(group="bed")
-    sentences = " ".join(each.message for each in check_tissue(scene).problems())
-    assert "made of 'silk', which no material is named" in sentences
-    assert "Nothing holds the tissue" in sentences
+    codes = {each.code for each in check_tissue(scene).problems()}
+    assert {ProblemCode.TISSUE_MATERIAL_UNKNOWN, ProblemCode.TISSUE_NOT_HELD} <= codes
 
 
 def test_what_was_found_is_forgotten_when_the_tissue_changes(scene: bpy.types.Scene) -> None:
@@ -278,5 +289,4 @@ def test_the_cursor_goes_to_a_problem(scene: bpy.types.Scene) -> None:
     bpy.ops.lappet.tissue_check()
     bpy.ops.lappet.tissue_show_problem(index=0)
     assert scene.cursor.location[:] == pytest.approx((0.001, 0.002, 0.03))
-    with pytest.raises(RuntimeError, match="There is no problem 7"):
-        bpy.ops.lappet.tissue_show_problem(index=7)
+    assert refusal(lambda: bpy.ops.lappet.tissue_show_problem(index=7)).code is ProblemCode.PROBLEM_UNKNOWN

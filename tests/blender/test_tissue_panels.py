@@ -112,7 +112,7 @@ def test_the_panel_shows_groups_with_their_counts_cells_and_time(scene: bpy.type
 def test_a_problem_is_said_with_the_button_that_mends_it(scene: bpy.types.Scene) -> None:
     scene.lappet.tissue.object = add_sheet(scene)
     drawn = draw(LAPPET_PT_tissue, scene)
-    assert "is open: 32 edges belong to one face only." in said(drawn)
+    assert "is open: 32 edges belong to one face only" in said(drawn)
     (remedy,) = [each for each in drawn if isinstance(each, Button) and each.name == "lappet.tissue_repair"]
     assert remedy.given == {"kind": "HOLES"}
     assert remedy.text == "Fill Small Holes"
@@ -150,7 +150,7 @@ def test_what_a_check_found_is_listed_with_its_places(scene: bpy.types.Scene) ->
     assert "inside out" in said(drawn)
     bpy.ops.lappet.tissue_repair(kind="ORIENT")
     bpy.ops.lappet.tissue_check()
-    assert "Nothing is wrong." in draw(LAPPET_PT_tissue, scene)
+    assert "No problems found." in draw(LAPPET_PT_tissue, scene)
 
 
 def test_materials_show_what_they_have_and_where_a_presets_numbers_come_from(scene: bpy.types.Scene) -> None:

@@ -11,6 +11,7 @@ import pytest
 from scipy.spatial import cKDTree
 
 import lappet_blender
+from lappet.core.problem_code import ProblemCode
 from lappet.geometry.curve import sample_curve
 from lappet_blender.tools import registration, toolbar
 from lappet_blender.tools import shown_surface as shown
@@ -20,6 +21,7 @@ from lappet_blender.tools.face_patch import faces_around
 from lappet_blender.tools.icon_file import read_icon, write_icon
 from lappet_blender.tools.icon_shapes import ICONS, draw_icon, icon_path
 from lappet_blender.tools.stroke_fit import fit_stroke, simplify, with_ends
+from refusals import refusal_code
 from tool_scenes import flat_tissue, stand_in_display
 
 Point = tuple[float, float, float]
@@ -286,16 +288,14 @@ def test_a_retractor_grips_the_faces_around_the_point(scene: bpy.types.Scene) ->
     assert scene.lappet.events[-1].grip == "grip_2"
 
 
-def test_what_cannot_be_done_is_said_in_a_sentence_and_changes_nothing(scene: bpy.types.Scene) -> None:
-    with pytest.raises(RuntimeError, match="There is no tissue yet; choose a mesh in the sidebar"):
-        bpy.ops.lappet.draw_incision(points=points((0, 0, 0), (1, 0, 0)))
+def test_what_cannot_be_done_is_refused_and_changes_nothing(scene: bpy.types.Scene) -> None:
+    draw = bpy.ops.lappet.draw_incision
+    assert refusal_code(lambda: draw(points=points((0, 0, 0), (1, 0, 0)))) is ProblemCode.TISSUE_NONE
     flat_tissue(scene)
-    with pytest.raises(RuntimeError, match="point"):
-        bpy.ops.lappet.draw_incision(points=points((0, 0, 0)))
-    with pytest.raises(RuntimeError, match="give at least one point of each, or an incision"):
-        bpy.ops.lappet.place_suture()
-    with pytest.raises(RuntimeError, match="no point"):
-        bpy.ops.lappet.draw_incision("INVOKE_DEFAULT")  # without a window there is nothing to click on
+    assert refusal_code(lambda: draw(points=points((0, 0, 0)))) is ProblemCode.CURVE_TOO_SHORT
+    assert refusal_code(bpy.ops.lappet.place_suture) is ProblemCode.SUTURE_NO_EDGES
+    # Without a window there is nothing to click on.
+    assert refusal_code(lambda: draw("INVOKE_DEFAULT")) is ProblemCode.EVENT_NO_POINT
     assert len(scene.lappet.events) == 0
 
 

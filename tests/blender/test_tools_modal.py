@@ -8,6 +8,8 @@ from typing import Any
 import bpy
 import pytest
 
+from lappet.core.problem_code import ProblemCode
+from lappet_blender.interface.operator_base import last_refusal
 from lappet_blender.tools import shown_surface as shown
 from lappet_blender.tools import skin_modal
 from lappet_blender.tools.incision_tool import _LineTool
@@ -196,9 +198,10 @@ def test_what_was_drawn_on_may_be_deleted_under_the_hand(context: Any) -> None:
         def moved(self, _context: Any, _view: Any) -> None:
             raise ReferenceError("StructRNA of type Object has been removed")
 
-        def report(self, kind: set[str], sentence: str) -> None:
-            context.said["report"] = sentence
+        def report(self, kind: set[str], text: str) -> None:
+            context.said["report"] = text
 
     tool = Broken(context)
     assert tool.modal(context, event("MOUSEMOVE", "NOTHING")) == {"CANCELLED"}
-    assert context.said["report"] == "Incision: what was drawn on is gone; start again."
+    assert [each.code for each in last_refusal()] == [ProblemCode.TOOL_GROUND_GONE]
+    assert "Incision" in context.said["report"]

@@ -19,7 +19,7 @@ from lappet.cutting.epoch import Epoch
 from lappet.daemon.client import DaemonDied, DaemonMissing, SolveCancelled, SolverClient
 from lappet.daemon.frame_solver import Iteration
 from lappet.daemon.process import SolverDaemon, find_daemon
-from lappet.program.program import SolverSettings
+from lappet.program.settings import SolverSettings
 from raw_peer import Raw
 
 pytestmark = [pytest.mark.slow, pytest.mark.timeout(120)]
@@ -45,7 +45,7 @@ def test_a_ping_is_answered_and_a_cancel_obeyed_while_a_solve_runs(daemon: Solve
         assert error.value.code == "cancelled"
         assert answered
         assert answered[0] < 1.0
-        client.open(SolverSettings(threads=1))
+        client.open(SolverSettings(spacing=1.0, threads=1))
         client.set_epoch(Epoch(0, 1.0, box(), 1))
         assert client.solve(pull()).converged
 
@@ -57,7 +57,7 @@ def test_ctrl_c_cancels_the_solve_and_the_session_goes_on(daemon: SolverDaemon) 
             client.solve(frame, started)
         assert time.monotonic() - started.at < 10.0
         assert client.ping() < 1.0
-        client.open(SolverSettings(threads=1))
+        client.open(SolverSettings(spacing=1.0, threads=1))
         client.set_epoch(Epoch(0, 1.0, box(), 1))
         assert client.solve(pull()).converged
 

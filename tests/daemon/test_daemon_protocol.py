@@ -19,7 +19,9 @@ from lappet.daemon.frame_solver import Iteration
 from lappet.daemon.process import SolverDaemon
 from lappet.daemon.wire import Message, WireError, encode
 from lappet.geometry.labelled_surface import Surface
-from lappet.program.program import FrameConstraints, MaterialParameters, SolverSettings
+from lappet.program.payloads import solve_payload
+from lappet.program.program import FrameConstraints
+from lappet.program.settings import MaterialParameters, SolverSettings
 from raw_peer import Raw
 
 pytestmark = [pytest.mark.slow, pytest.mark.timeout(120)]
@@ -32,7 +34,7 @@ def test_a_frame_is_solved_and_its_state_goes_on(daemon: SolverDaemon) -> None:
         assert client.welcome["isa"] in {"scalar", "sse42", "avx2", "avx512", "neon"}
         assert client.open(SolverSettings(spacing=1.0, sutures=2, threads=1)) >= 1
         counts = client.set_epoch(Epoch(0, 1.0, box(), 1))
-        assert counts["cells"] > 0
+        assert counts.cells > 0
         seen: list[Iteration] = []
         first = client.solve(pull(1.0, 0.2), seen.append)
         assert first.converged
@@ -40,19 +42,19 @@ def test_a_frame_is_solved_and_its_state_goes_on(daemon: SolverDaemon) -> None:
         assert first.points.dtype == np.float32
         assert first.time == 1.0
         assert first.hook_forces.shape == (1, 3)
-        work = first.header["work"]
-        assert work["evaluations"] > first.header["newton"]  # the start, and each step
-        assert work["linearizations"] >= first.header["newton"]
-        assert work["products"] > first.header["pcg"]  # smoothing takes some more
-        spent = work["evaluation_seconds"] + work["linearization_seconds"] + work["product_seconds"]
-        assert 0.0 < spent < first.header["seconds"]["total"]
+        work = first.diagnostics.work
+        assert work.evaluations > first.diagnostics.newton  # the start, and each step
+        assert work.linearizations >= first.diagnostics.newton
+        assert work.products > first.diagnostics.pcg  # smoothing takes some more
+        spent = work.evaluation_seconds + work.linearization_seconds + work.product_seconds
+        assert 0.0 < spent < first.diagnostics.seconds.total
         assert first.state.suture_gaps.shape == (2, 3)
         assert all(iteration.time == 1.0 for iteration in seen)
         second = client.solve(pull(2.0, 0.4))
         client.set_state(first.state)
         again = client.solve(pull(2.0, 0.4))
-        for name, array in second.arrays.items():
-            np.testing.assert_array_equal(again.arrays[name], array, err_msg=name)
+        for name, array in second.arrays().items():
+            np.testing.assert_array_equal(again.arrays()[name], array, err_msg=name)
         with pytest.raises(AttributeError, match="no 'colour'"):
             _ = first.colour
 
@@ -247,7 +249,7 @@ def test_the_client_sends_materials_regions_and_activation_and_the_state_keeps_i
         np.array([np.inf, 2.0]),
     )
     with SolverClient(daemon=daemon) as client:
-        client.open(SolverSettings(threads=1, materials=(MaterialParameters(), muscle)))
+        client.open(SolverSettings(spacing=1.0, threads=1, materials=(MaterialParameters(), muscle)))
         client.set_epoch(Epoch(0, 1.0, surface, 1, regions))
         slack = client.solve(pull(1.0))
         np.testing.assert_array_equal(slack.state.activation, [0.0, 0.0])
@@ -256,8 +258,8 @@ def test_the_client_sends_materials_regions_and_activation_and_the_state_keeps_i
         np.testing.assert_array_equal(first.state.activation, [0.0, 0.5])
         client.set_state(slack.state)
         again = client.solve(tense)
-        for name, array in first.arrays.items():
-            np.testing.assert_array_equal(again.arrays[name], array, err_msg=name)
+        for name, array in first.arrays().items():
+            np.testing.assert_array_equal(again.arrays()[name], array, err_msg=name)
         with pytest.raises(SolverRefused, match="'activation'"):
             client.solve(replace(tense, activation=np.array([0.5])))
         with pytest.raises(SolverRefused, match=r"activates material 1 by 1\.5"):
@@ -299,11 +301,7 @@ def test_settings_that_make_no_sense_are_named(raw: Raw, changes: dict[str, Any]
 
 
 def test_what_comes_out_of_order_is_refused_and_the_session_goes_on(raw: Raw) -> None:
-    solve = {
-        name: np.asarray(getattr(pull(), name))
-        for name in FrameConstraints.__dataclass_fields__
-        if name not in ("time", "epoch", "activation")
-    }
+    solve = solve_payload(pull()).arrays
     assert raw.ask("epoch", {"index": 0}, epoch_arrays()).fields["code"] == "out_of_order"
     assert raw.ask("close").fields["code"] == "out_of_order"
     assert raw.ask("open", open_fields()).type == "opened"
@@ -340,7 +338,7 @@ def test_garbage_from_a_raw_socket_does_not_kill_it(daemon: SolverDaemon, raw: R
 
 def test_two_clients_have_sessions_of_their_own(daemon: SolverDaemon) -> None:
     with SolverClient(daemon=daemon) as first, SolverClient(daemon.address, daemon.token) as second:
-        numbers = {client.open(SolverSettings(threads=1)) for client in (first, second)}
+        numbers = {client.open(SolverSettings(spacing=1.0, threads=1)) for client in (first, second)}
         assert len(numbers) == 2
         first.set_epoch(Epoch(0, 1.0, box(), 1))
         with pytest.raises(SolverRefused, match="'epoch' first"):
@@ -368,7 +366,7 @@ def test_clients_that_leave_make_room(daemon: SolverDaemon) -> None:
 
 def test_a_frame_of_another_epoch_and_a_message_too_large_are_not_sent(daemon: SolverDaemon) -> None:
     with SolverClient(daemon=daemon) as client:
-        client.open(SolverSettings(threads=1))
+        client.open(SolverSettings(spacing=1.0, threads=1))
         client.set_epoch(Epoch(0, 1.0, box(), 1))
         with pytest.raises(ValueError, match="belongs to epoch 3"):
             client.solve(FrameConstraints(1.0, 3))

@@ -12,7 +12,9 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
-from lappet.daemon.wire import DTYPES, Message, WireError, decode, encode, require
+from lappet.core.array_codec import DTYPES
+from lappet.daemon.solved_frame import StageSeconds
+from lappet.daemon.wire import Message, WireError, decode, encode, read_array, read_fields
 
 names = st.text("abcdefghij_", min_size=1, max_size=12)
 own = {"v", "type", "id", "session", "arrays"}
@@ -115,8 +117,8 @@ def test_a_damaged_message_raises_wire_error_or_is_a_message(data: st.DataObject
         ([header(long="x" * 5000)], "not a msgpack map"),
         ([header(arrays=[{}] * 33), *[b""] * 33], "33 arrays"),
         ([header(arrays=[5]), b""], "must be a map"),
-        ([described([2, 3])], "names 1 arrays and the message holds 0"),
-        ([header(), b"extra"], "names 0 arrays and the message holds 1"),
+        ([described([2, 3])], "names 1 arrays; 0 frames follow it"),
+        ([header(), b"extra"], "names 0 arrays; 1 frames follow it"),
         ([described([2, 3]), b"x" * 47], "has 47 bytes"),
         ([described([2, 3]), b"x" * 49], "has 49 bytes"),
         ([described([2**60]), b""], "too large"),
@@ -140,7 +142,7 @@ def test_each_way_to_break_a_message_is_named(frames: list[bytes], says: str) ->
 
 def test_two_arrays_of_one_name_are_refused() -> None:
     entry = {"name": "points", "dtype": "u1", "shape": [1]}
-    with pytest.raises(WireError, match="'points' twice"):
+    with pytest.raises(WireError, match="'points' is there twice"):
         decode([header(arrays=[entry, entry]), b"x", b"x"])
 
 
@@ -166,15 +168,31 @@ def test_what_would_be_refused_is_not_sent(message: Message, says: str) -> None:
 
 def test_required_arrays_are_checked_by_name_kind_and_shape() -> None:
     message = Message("frame", 1, arrays={"points": np.zeros((4, 3), "<f4")})
-    require(message, points=("f4", (None, 3)))
-    require(message, points=(("f4", "f8"), (4, 3)))
+    assert read_array(message, "points", "f4", (None, 3)) is message.arrays["points"]
+    assert read_array(message, "points", "f4", (4, 3)) is message.arrays["points"]
     with pytest.raises(WireError, match="no array 'strain'"):
-        require(message, strain=("f4", (4,)))
+        read_array(message, "strain", "f4", (4,))
     with pytest.raises(WireError, match="must be f8"):
-        require(message, points=("f8", (None, 3)))
+        read_array(message, "points", "f8", (None, 3))
     for shape in ((4,), (5, 3), (None, 2)):
         with pytest.raises(WireError, match="the shape"):
-            require(message, points=("f4", shape))
+            read_array(message, "points", "f4", shape)
+
+
+def test_fields_are_checked_by_name_and_kind() -> None:
+    told = {"update": 1, "linear": 0.5, "setup": 0.0, "total": 1.5, "more": "not read"}
+    assert read_fields(StageSeconds, told, "frame.seconds") == StageSeconds(1.0, 0.5, 0.0, 1.5)
+    for name, value, says in (
+        ("total", "1.5", "'frame.seconds.total' is '1.5'; it must be a float"),
+        ("total", True, "it must be a float"),
+        ("linear", None, "it must be a float"),
+    ):
+        with pytest.raises(WireError, match=says):
+            read_fields(StageSeconds, {**told, name: value}, "frame.seconds")
+    with pytest.raises(WireError, match="has no field 'setup'"):
+        read_fields(StageSeconds, {name: told[name] for name in told if name != "setup"}, "frame.seconds")
+    with pytest.raises(WireError, match="must be a map"):
+        read_fields(StageSeconds, [1.0], "frame.seconds")
 
 
 def test_not_a_number_survives_the_wire() -> None:

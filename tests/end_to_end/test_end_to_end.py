@@ -31,7 +31,7 @@ from lappet.procedure import (
     Undermine,
 )
 from lappet.procedure.history import History, ReplaceEvent
-from lappet.program.program import SolverSettings
+from lappet.program.settings import SolverSettings
 from lappet.tissue.patch import flat_patch
 from lappet.tissue.surface import skin_faces
 from lappet.usd.stage import write_procedure

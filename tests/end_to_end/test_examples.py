@@ -21,6 +21,7 @@ from lappet.output.report import report
 from lappet.output.solve_to_cache import solve_procedure
 from lappet.procedure import Incision, Procedure
 from lappet.program.full_check import full_check
+from lappet.program.settings import SolverSettings
 from lappet.solve.store import FrameStore
 from lappet.tissue.fan_triangles import fan_triangles
 from lappet.tissue.skin_sheet import SkinSheet
@@ -225,7 +226,7 @@ def test_flaps_lie_in_the_defect_corner_in_corner_with_all_walls_closed(
 ) -> None:
     procedure = read_procedure(EXAMPLES / folder / f"{folder}.usda")
     cache = tmp_path / f"{folder}.usdc"
-    result = solve_procedure(procedure, cache, spacing=spacing, store=FrameStore(tmp_path / "store"))
+    result = solve_procedure(procedure, cache, SolverSettings(spacing=spacing), store=FrameStore(tmp_path / "store"))
     assert result.complete, result.reason
     frames = report(result)["frames"]
     assert all(frame["converged"] for frame in frames)

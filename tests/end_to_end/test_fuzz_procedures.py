@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -47,8 +48,9 @@ def test_a_fault_and_a_false_claim_are_failures(
 
     def looser(*arguments: object, **more: object) -> object:
         result = solve_procedure(*arguments, **more)  # type: ignore[arg-type]
-        result.frames[-1].header["residual"] = 0.5
-        return result
+        last = result.frames[-1]
+        off = replace(last.solved, diagnostics=replace(last.solved.diagnostics, residual=0.5))
+        return replace(result, frames=(*result.frames[:-1], replace(last, solved=off)))
 
     def faulty(*arguments: object, **more: object) -> object:
         raise IndexError("index 7 is out of bounds")

@@ -48,7 +48,7 @@ def by_lappet(spacing: float, quadrature: int, store: Path) -> NDArray[np.float6
     rest = program.epochs[0].surface.points
     frames = solve_program(program, FrameStore(store), connect_to(None), "test", SolveObserver()).frames
     at = [int(np.argmin(np.linalg.norm(rest - place, axis=1))) for place in PLACES]
-    return frames[-1].arrays["points"][at, 2].astype(float) - rest[at, 2]
+    return frames[-1].solved.points[at, 2].astype(float) - rest[at, 2]
 
 
 @pytest.mark.parametrize("spacing", [3.0, 2.0])
@@ -85,5 +85,5 @@ def test_the_beam_is_in_the_linear_range(tmp_path: Path) -> None:
     rest = program.epochs[0].surface.points
     frame = solve_program(program, FrameStore(tmp_path / "two"), connect_to(None), "test", SolveObserver()).frames[-1]
     at = [int(np.argmin(np.linalg.norm(rest - place, axis=1))) for place in PLACES]
-    twice = frame.arrays["points"][at, 2] - rest[at, 2]
+    twice = frame.solved.points[at, 2] - rest[at, 2]
     np.testing.assert_allclose(twice, 2.0 * once, rtol=2e-3)

@@ -13,6 +13,7 @@ from lappet.demo import z_plasty
 from lappet.output.report import report
 from lappet.output.solve_to_cache import solve_procedure
 from lappet.program.program import Program
+from lappet.program.settings import SolverSettings
 from lappet.reports.error_time.measurement import DEFAULT, skin_of
 from lappet.reports.error_time.procedure_scenes import z_plasty_scene
 from lappet.reports.error_time.reference import greatest, rms
@@ -27,7 +28,7 @@ THICKNESS = 4.0  # mm
 @pytest.mark.timeout(900)
 def test_the_z_plasty_closes_lies_flat_and_turns_its_limb_by_90_degrees(tmp_path: Path) -> None:
     cache = tmp_path / "z_plasty.usdc"
-    result = solve_procedure(z_plasty(), cache, spacing=1.0, store=FrameStore(tmp_path / "store"))
+    result = solve_procedure(z_plasty(), cache, SolverSettings(spacing=1.0), store=FrameStore(tmp_path / "store"))
     assert result.complete, result.reason
     values = report(result)
     frames = values["frames"]
@@ -83,7 +84,7 @@ def test_the_z_plasty_rests_in_one_way_on_every_lattice_and_its_error_is_estimat
         return found.frames[-1]
 
     def points(frame: FrameResult) -> np.ndarray:
-        return frame.arrays["points"][skin].astype(float)
+        return frame.solved.points[skin].astype(float)
 
     truth = points(last(scene.program(0.8, **DEFAULT)))  # within 0.04 mm of what finer lattices tend to
     for spacing, changed in ((2.0, {}), (2.0, {"quadrature": 4}), (2.0, {"tolerance": 1e-2}), (4.0 / 3.0, {})):

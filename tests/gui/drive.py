@@ -207,7 +207,7 @@ def solve(blender: Driver, pulse: Pulse) -> Steps:
     blender.notes["solving"] = pulse.words()
     blender.expect(pulse.gap < GAP, f"the window keeps answering while it solves: {pulse.words()}")
     if frames().failure_of(scene) is not None:
-        blender.expect(False, f"no frame fails: {frames().failure_of(scene).sentence}")
+        blender.expect(False, f"no frame fails: {frames().failure_of(scene).problem}")
     yield from blender.screenshot("09_solved")
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -73,9 +74,10 @@ def test_an_unconverged_frame_is_reported_apart_with_its_reason(tmp_path: Path) 
 
 def test_what_is_not_finite_is_null(tmp_path: Path) -> None:
     made = result(tmp_path, FakeSolver())
-    made.frames[0].header["residual"] = math.nan
-    made.frames[0].header["energy"] = np.float64(np.inf)
-    frame = report(made)["frames"][0]
+    first = made.frames[0]
+    said = replace(first.solved.diagnostics, residual=math.nan, energy=np.float64(np.inf))
+    lost = replace(first, solved=replace(first.solved, diagnostics=said))
+    frame = report(replace(made, frames=(lost, *made.frames[1:])))["frames"][0]
     assert frame["residual"] is None
     assert frame["energy_mn_mm"] is None
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -51,8 +52,12 @@ def cache(
     folder = tmp_path_factory.mktemp("cache")
     write_procedure(procedure, folder / "p.usda")
     path = folder / "caches" / f"skin{request.param}"
-    write_skin_cache(path, folder / "p.usda", procedure, program, frames)
+    write(path, folder / "p.usda", procedure, program, frames)
     return path
+
+
+def write(output: Path, below: Path, procedure: Procedure, program: Program, frames: Sequence[FrameResult]) -> None:
+    write_skin_cache(output, below, procedure, program, [frame.solved for frame in frames], frames[-1].key)
 
 
 def mesh_at(stage: Usd.Stage, index: int) -> UsdGeom.Mesh:
@@ -87,7 +92,7 @@ def test_one_epoch_shows_at_every_frame_with_the_points_that_were_solved(
         shown = [mesh for mesh in (mesh_at(stage, 0), mesh_at(stage, 1)) if mesh.ComputeVisibility(time) == "inherited"]
         assert [mesh.GetPrim().GetName() for mesh in shown] == [f"epoch_{frame.constraints.epoch:02d}"]
         points = np.array(shown[0].GetPointsAttr().Get(time))
-        assert np.array_equal(points, frame.arrays["points"])
+        assert np.array_equal(points, frame.solved.points)
         assert np.array_equal(np.array(shown[0].GetExtentAttr().Get(time)), [points.min(0), points.max(0)])
         for name, value in (("strain", 0.1), ("stress", 0.2), ("tension", 0.3)):
             primvar = UsdGeom.PrimvarsAPI(shown[0]).GetPrimvar(name)
@@ -131,7 +136,7 @@ def test_topology_texture_and_subsets_are_those_of_the_epoch(cache: Path, progra
 def test_velocities_are_in_mm_per_second_and_stay_inside_an_epoch(cache: Path, frames: tuple[FrameResult, ...]) -> None:
     stage = Usd.Stage.Open(str(cache))
     mesh = mesh_at(stage, 1)
-    at = {frame.constraints.time: frame.arrays["points"] for frame in frames}
+    at = {frame.constraints.time: frame.solved.points for frame in frames}
     inside = (at[6] - at[4]) * 12.0
     assert np.allclose(np.array(mesh.GetVelocitiesAttr().Get(5)), inside, atol=1e-4)
     assert np.allclose(np.array(mesh.GetVelocitiesAttr().Get(3)), (at[4] - at[3]) * 24.0, atol=1e-4)
@@ -173,10 +178,10 @@ def test_a_cache_is_replaced_whole_also_while_it_is_open(
 ) -> None:
     write_procedure(procedure, tmp_path / "p.usda")
     path = tmp_path / "c.usdc"
-    write_skin_cache(path, tmp_path / "p.usda", procedure, program, frames[:2])
+    write(path, tmp_path / "p.usda", procedure, program, frames[:2])
     first = Usd.Stage.Open(str(path))
     assert first.GetEndTimeCode() == 2
-    write_skin_cache(path, tmp_path / "p.usda", procedure, program, frames)
+    write(path, tmp_path / "p.usda", procedure, program, frames)
     assert Usd.Stage.Open(str(path)).GetEndTimeCode() == 8
     assert sorted(each.name for each in tmp_path.iterdir()) == ["c.usdc", "p.usda"]
 
@@ -185,7 +190,7 @@ def test_frames_of_one_epoch_alone_make_a_cache_without_the_others(
     procedure: Procedure, program: Program, frames: tuple[FrameResult, ...], tmp_path: Path
 ) -> None:
     write_procedure(procedure, tmp_path / "p.usda")
-    write_skin_cache(tmp_path / "c.usda", tmp_path / "p.usda", procedure, program, frames[4:6])
+    write(tmp_path / "c.usda", tmp_path / "p.usda", procedure, program, frames[4:6])
     stage = Usd.Stage.Open(str(tmp_path / "c.usda"))
     assert not stage.GetPrimAtPath("/Procedure/Skin/epoch_00")
     assert (stage.GetStartTimeCode(), stage.GetEndTimeCode()) == (5, 6)

@@ -91,7 +91,8 @@ def solve(arrays: Path, result: Path, seen: dict[str, Any]) -> None:
     from lappet.daemon.client import SolverClient
     from lappet.daemon.process import SolverDaemon, find_daemon
     from lappet.geometry.labelled_surface import Surface
-    from lappet.program.program import FrameConstraints, SolverSettings
+    from lappet.program.program import FrameConstraints
+    from lappet.program.settings import SolverSettings
 
     seen["daemon"] = str(find_daemon())
     given = np.load(arrays)
@@ -100,7 +101,7 @@ def solve(arrays: Path, result: Path, seen: dict[str, Any]) -> None:
     with SolverDaemon() as daemon, SolverClient(daemon=daemon) as client:
         maps = Path(f"/proc/{daemon.pid}/maps").read_text(encoding="utf-8")
         seen["libraries"] = sorted({line.split()[5] for line in maps.splitlines() if ".so" in line})
-        client.open(SolverSettings(threads=1))
+        client.open(SolverSettings(spacing=1.0, threads=1))
         client.set_epoch(Epoch(0, 1.0, surface, 1))
         frame = client.solve(hook)
         seen["converged"] = bool(frame.converged)

@@ -25,7 +25,7 @@ from extension import assemble, with_wheels
 from lappet.cutting.epoch import Epoch
 from lappet.daemon.client import SolverClient
 from lappet.daemon.process import SolverDaemon, find_daemon
-from lappet.program.program import SolverSettings
+from lappet.program.settings import SolverSettings
 
 ROOT = Path(__file__).resolve().parents[2]
 LIFE = Path(__file__).with_name("extension_life.py")
@@ -229,7 +229,7 @@ def check_life(seen: dict[str, Any], arrays: dict[str, np.ndarray]) -> None:
     assert seen["left"] == []
 
     with SolverDaemon() as daemon, SolverClient(daemon=daemon) as client:
-        client.open(SolverSettings(threads=1))
+        client.open(SolverSettings(spacing=1.0, threads=1))
         client.set_epoch(Epoch(0, 1.0, box(), 1))
         expected = client.solve(pull()).arrays
     assert sorted(arrays) == sorted(expected)

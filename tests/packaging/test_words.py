@@ -52,7 +52,7 @@ WORDS = (
     Word(r"(far_)?companions?", "coarse_program"),
     Word(r"FrameError", "FrameErrorEstimate"),
     Word(r"Watcher", "SolveObserver"),
-    Word(r"[Hh]appenings|Happening", "WorkerEvent, worker_events"),
+    Word(r"[Hh]appenings|WorkerEvent", "WorkerEvent, worker_events"),
     Word(r"contradictions", "event_conflicts"),
     Word(r"pump(s|ed|ing)?|Pump", "solve_timer", ADDON),
     Word(r"shelf|Shelf", "frame_cache", ADDON),

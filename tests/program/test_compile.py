@@ -29,7 +29,8 @@ from lappet.procedure import (
 )
 from lappet.program.compile import compile_program, frame_times
 from lappet.program.keys import frame_keys
-from lappet.program.program import MaterialParameters, Program
+from lappet.program.program import Program
+from lappet.program.settings import MaterialParameters, SolverSettings
 from lappet.tissue.patch import flat_patch
 from lappet.tissue.surface import skin_faces
 from small_procedure import EXCISED, TOP, small_procedure
@@ -55,7 +56,7 @@ def test_frames_are_the_whole_time_codes_and_belong_to_the_last_epoch_begun(prog
 
 
 def test_a_hook_acts_from_its_start_until_before_its_release(program: Program) -> None:
-    assert [len(hooks) for hooks in program.active_hooks] == [0, 0, 0, 1, 1, 1, 0, 0]
+    assert [len(frame.hook_index) for frame in program.frames] == [0, 0, 0, 1, 1, 1, 0, 0]
     assert [len(frame.hook_stiffness) for frame in program.frames] == [0, 0, 0, 1, 1, 1, 0, 0]
 
 
@@ -346,9 +347,8 @@ def test_a_procedure_without_regions_and_muscle_says_nothing_of_them(program: Pr
 def test_the_settings_are_those_of_the_procedure_and_of_the_call(program: Program) -> None:
     procedure = small_procedure(materials=(Material("skin", "corotated", 30.0, 0.4, density=900.0),))
     procedure = replace(procedure, tissue=replace(procedure.tissue, gravity=9.81, bed_stiffness=4.0))
-    settings = compile_program(
-        procedure, program.epochs, spacing=0.5, tolerance=1e-4, quadrature=8, precision="double", threads=2
-    ).settings
+    asked = SolverSettings(spacing=0.5, tolerance=1e-4, quadrature=8, precision="double", threads=2)
+    settings = compile_program(procedure, program.epochs, asked).settings
     assert settings.materials == (MaterialParameters("corotated", 30.0, 0.4, 900.0),)
     assert (settings.spacing, settings.tolerance, settings.quadrature, settings.precision) == (0.5, 1e-4, 8, "double")
     assert (settings.gravity, settings.bed_stiffness, settings.threads) == ((0.0, 0.0, -9.81), 4.0, 2)
@@ -357,7 +357,10 @@ def test_the_settings_are_those_of_the_procedure_and_of_the_call(program: Progra
 
 
 def test_another_spacing_divides_the_surface_accordingly() -> None:
-    coarse, fine = (compile_program(small_procedure(), spacing=spacing).epochs[0].surface for spacing in (2.0, 0.7))
+    coarse, fine = (
+        compile_program(small_procedure(), settings=SolverSettings(spacing=spacing)).epochs[0].surface
+        for spacing in (2.0, 0.7)
+    )
     assert len(fine.triangles) > 2 * len(coarse.triangles)
 
 

@@ -12,7 +12,8 @@ from lappet.geometry.labelled_surface import FaceOrigin
 from lappet.procedure import Hook, Landmark, Material, Procedure, Suture
 from lappet.program.compile import compile_program
 from lappet.program.keys import frame_keys
-from lappet.program.program import Bones, MaterialParameters, Program
+from lappet.program.program import Bones, Program
+from lappet.program.settings import MaterialParameters
 from small_procedure import TOP, small_procedure
 
 

@@ -96,7 +96,7 @@ def test_a_smooth_solution_converges_with_second_order() -> None:
         program = SHELF.program(spacing, **EXACT)
         with tempfile.TemporaryDirectory() as store:
             solved = solve_program(program, FrameStore(Path(store)), connect_to(None), "test", SolveObserver())
-        found.append(solved.frames[-1].arrays["points"].astype(float))
+        found.append(solved.frames[-1].solved.points.astype(float))
     assert richardson(*found).order > 1.8
 
 
@@ -124,7 +124,7 @@ def test_without_lateral_contraction_a_held_end_lowers_the_order_no_more() -> No
             program = scene.program(spacing, **{**EXACT, "quadrature": quadrature})
             with tempfile.TemporaryDirectory() as store:
                 solved = solve_program(program, FrameStore(Path(store)), connect_to(None), "test", SolveObserver())
-            found.append(solved.frames[-1].arrays["points"].astype(float))
+            found.append(solved.frames[-1].solved.points.astype(float))
         return richardson(*found).order
 
     for quadrature in (1, 8):

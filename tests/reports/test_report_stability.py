@@ -13,7 +13,7 @@ from click.testing import CliRunner
 
 from lappet.commands.cli import cli
 from lappet.core.problem_code import ProblemCode
-from lappet.daemon.client import FrameSolution
+from lappet.daemon.solved_frame import Diagnostics, SolvedFrame, SolverState
 from lappet.reports import stability_run
 from lappet.reports.stability.files import write_stability
 from lappet.reports.stability.measurement import Case, Row, Scene, run_case, totals
@@ -91,11 +91,11 @@ def test_a_mirrored_start_ends_where_rest_does_and_a_shifted_twin_is_noticed(bin
     assert "another equilibrium" in row.reason
 
 
-def solution(**changes: float) -> FrameSolution:
-    header = {"time": 1.0, "converged": True, "residual": 1e-4, "largest_gap": 1e-4, "energy": 1.0,
-              "largest_penetration": 0.0, "reason": ""}  # fmt: skip
-    arrays = {"points": np.zeros((2, 3), np.float32), "state_suture_gaps": np.full((1, 3), np.nan)}
-    return FrameSolution({**header, **changes}, arrays)
+def solution(**changes: float) -> SolvedFrame:
+    said = {"converged": True, "residual": 1e-4, "largest_gap": 1e-4, "energy": 1.0, **changes}
+    none = np.zeros((0, 3))
+    state = SolverState("float", none, np.full((1, 3), np.nan), none, np.zeros(0), np.zeros(1))
+    return SolvedFrame(1.0, np.zeros((2, 3), np.float32), diagnostics=Diagnostics(**said), state=state)  # type: ignore[arg-type]
 
 
 def test_a_claim_of_convergence_is_held_against_its_own_numbers() -> None:
@@ -108,7 +108,7 @@ def test_a_claim_of_convergence_is_held_against_its_own_numbers() -> None:
     assert "energy" in disproved(solution(energy=np.inf), program)
     lost = solution(converged=False, residual=np.inf)
     assert disproved(lost, program) == ""
-    lost.arrays["points"][0, 0] = np.nan
+    lost.points[0, 0] = np.nan
     assert "'points'" in disproved(lost, program)
 
 

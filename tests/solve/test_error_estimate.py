@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from lappet.daemon.daemon_solver import connect_to
+from lappet.daemon.solved_frame import LatticeCounts, SolvedFrame
 from lappet.geometry.labelled_surface import FaceOrigin
 from lappet.output.solve_to_cache import solve_procedure
 from lappet.reports.box_scenes import BAR, BLOCK, BLOCK_SLACK, CANTILEVER, COOK, SHELF, BoxScene
@@ -74,13 +75,13 @@ def estimated(scene: BoxScene, spacing: float, store: Path, **settings: Any) -> 
 def test_the_estimate_lies_within_a_factor_of_three_of_the_true_error_at_every_setting(
     scene: BoxScene, tmp_path: Path
 ) -> None:
-    fine = [solve(scene, h, tmp_path, **EXACT).arrays["points"].astype(float) for h in scene.reference]
+    fine = [solve(scene, h, tmp_path, **EXACT).solved.points.astype(float) for h in scene.reference]
     truth = richardson(*fine)
     for spacing in SPACINGS[scene.name]:
         for changed in SETTINGS:
             frame, estimate = estimated(scene, spacing, tmp_path, **{**DEFAULT, **changed})
             skin = skin_of(scene.program(spacing))
-            off = frame.arrays["points"][skin] - truth.points[skin]
+            off = frame.solved.points[skin] - truth.points[skin]
             said = (spacing, changed, rms(off), estimate.rms, greatest(off), estimate.greatest)
             assert rms(off) / 3.0 < estimate.rms < 3.0 * rms(off), said
             assert greatest(off) / 3.0 < estimate.greatest < 3.0 * greatest(off), said
@@ -88,12 +89,12 @@ def test_the_estimate_lies_within_a_factor_of_three_of_the_true_error_at_every_s
 
 @pytest.mark.slow
 def test_the_newton_step_left_over_is_the_error_of_stopping_early(tmp_path: Path) -> None:
-    exact = solve(BLOCK, 2.0, tmp_path, **{**EXACT, "tolerance": 1e-9}).arrays["points"].astype(float)
+    exact = solve(BLOCK, 2.0, tmp_path, **{**EXACT, "tolerance": 1e-9}).solved.points.astype(float)
     for tolerance in (1e-2, 1e-3, 1e-4):
         early = solve(BLOCK, 2.0, tmp_path, **{**EXACT, "tolerance": tolerance, "correction": True})
-        off = rms(early.arrays["points"] - exact)
+        off = rms(early.solved.points - exact)
         # Single precision of the points limits what can be seen.
-        assert rms(early.arrays["correction"]) == pytest.approx(off, rel=0.6, abs=1e-6)
+        assert rms(early.solved.correction) == pytest.approx(off, rel=0.6, abs=1e-6)
 
 
 @pytest.mark.slow
@@ -102,7 +103,7 @@ def test_every_solve_estimates_its_error_and_one_without_the_estimate_solves_not
     with_it = solve_procedure(procedure, tmp_path / "a.usdc", store=FrameStore(tmp_path / "a"))
     without = solve_procedure(procedure, tmp_path / "b.usdc", store=FrameStore(tmp_path / "b"), error_estimate=False)
     assert without.errors is None
-    assert all(len(frame.arrays["correction"]) == 0 for frame in without.frames)
+    assert all(len(frame.solved.correction) == 0 for frame in without.frames)
     errors = with_it.errors
     assert errors is not None
     assert errors.spacing == 2.0 * with_it.program.settings.spacing
@@ -117,37 +118,26 @@ def test_every_solve_estimates_its_error_and_one_without_the_estimate_solves_not
     assert len(last.landmarks) == 1
     # The frames themselves are the same bits.
     for one, other in zip(with_it.frames, without.frames, strict=True):
-        np.testing.assert_array_equal(one.arrays["points"], other.arrays["points"])
+        np.testing.assert_array_equal(one.solved.points, other.solved.points)
         assert one.key == other.key
 
 
 def test_a_frame_that_the_companion_lacks_keeps_its_algebraic_part() -> None:
-    frame = FrameResult(
-        None,  # type: ignore[arg-type]
-        "",
-        {},
-        {
-            "points": np.zeros((2, 3), np.float32),
-            "landmarks": np.zeros((0, 3)),
-            "correction": np.array([[3.0, 0.0, 0.0], [0.0, 4.0, 0.0]], np.float32),
-        },
-        False,
-        0.0,
-    )
+    step = np.array([[3.0, 0.0, 0.0], [0.0, 4.0, 0.0]], np.float32)
+    frame = SolvedFrame(1.0, np.zeros((2, 3), np.float32), correction=step)
     error = frame_error(frame, None, np.array([0, 1]), 1.0)
     assert error is not None
     assert error.greatest == 4.0
     assert error.rms == pytest.approx(np.sqrt(12.5))
     assert error.discretization_rms is None
-    bare = replace(frame, arrays={**frame.arrays, "correction": np.zeros((0, 3), np.float32)})
+    bare = replace(frame, correction=np.zeros((0, 3), np.float32))
     assert frame_error(bare, None, np.array([0, 1]), 1.0) is None
 
 
-def at(*place: float, left_over: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> FrameResult:
+def at(*place: float, left_over: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> SolvedFrame:
     """A frame with one vertex and a landmark there."""
     where, step = np.array([place]), np.array([left_over])
-    arrays = {"points": where, "correction": step, "landmarks": where, "landmark_correction": step}
-    return FrameResult(None, "", {}, arrays, False, 0.0)  # type: ignore[arg-type]
+    return SolvedFrame(1.0, where, correction=step, landmarks=where, landmark_correction=step)  # type: ignore[arg-type]
 
 
 ONE = np.array([0])
@@ -195,9 +185,9 @@ def test_a_second_indicator_is_asked_for_one_point_per_cell_without_wounds() -> 
 
 def test_holding_lowers_the_order_that_is_reckoned_with_and_wounds_hooks_and_sutures_more() -> None:
     smooth = BLOCK.program(4.0)
-    whole = {"cells": 64, "fine_voxels": 64 * smooth.settings.fine_ratio**3}
+    whole = LatticeCounts(64 * smooth.settings.fine_ratio**3, 64, 64, 0, 125, 1, 8, 0, 1000.0, 0.1)
     assert expected_order(SHELF.program(4.0), whole) == 2.0
-    assert expected_order(SHELF.program(4.0), {**whole, "fine_voxels": 4000}) == 1.5
+    assert expected_order(SHELF.program(4.0), replace(whole, fine_voxels=4000)) == 1.5
     assert expected_order(smooth, whole) == expected_order(smooth) == 1.5
     assert expected_order(BLOCK_SLACK.program(4.0), whole) == 2.0
     epoch = smooth.epochs[0]

@@ -5,52 +5,46 @@ from __future__ import annotations
 import errno
 import multiprocessing
 import os
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from lappet.solve.store import FrameStore, StoredFrame, default_folder
+from lappet.core.array_codec import CodecError
+from lappet.core.value_codec import pack
+from lappet.daemon.solved_frame import LatticeCounts, SolvedFrame, SolverState
+from lappet.solve.store import FrameStore, default_folder
 
 KEY = "ab" * 32
 
 
-def frame(seed: int = 0, size: int = 100) -> StoredFrame:
+def frame(seed: int = 0, size: int = 100) -> SolvedFrame:
     rng = np.random.default_rng(seed)
-    return StoredFrame(
-        {"time": float(seed), "lattice": {"cells": 3}, "reason": ""},
-        {
-            "points": rng.random((size, 3)).astype(np.float32),
-            "gaps": np.array([[1.0, np.nan, -0.0]]),
-            "none": np.zeros((0, 2, 3)),
-            "index": np.arange(4, dtype=np.int32),
-        },
+    return SolvedFrame(
+        float(seed),
+        rng.random((size, 3)).astype(np.float32),
+        suture_index=np.arange(3, dtype=np.int32),
+        suture_gaps=np.array([1.0, np.nan, -0.0]),
+        lattice=LatticeCounts(64, 1, 1, 0, 8, 1, 1, 0, 1000.0, 0.1),
+        state=SolverState("float", np.zeros((8, 3), np.float32), *(np.zeros((0, 3)),) * 2, *(np.zeros(0),) * 2),
     )
 
 
-def same(a: StoredFrame, b: StoredFrame) -> bool:
-    return (
-        a.header == b.header
-        and a.arrays.keys() == b.arrays.keys()
-        and all(
-            x.dtype == b.arrays[name].dtype
-            and x.shape == b.arrays[name].shape
-            and x.tobytes() == b.arrays[name].tobytes()
-            for name, x in a.arrays.items()
-        )
-    )
+def same(a: SolvedFrame, b: SolvedFrame) -> bool:
+    return pack(a) == pack(b)
 
 
 def test_a_frame_comes_back_bit_for_bit(tmp_path: Path) -> None:
     store = FrameStore(tmp_path / "not" / "yet")
-    assert store.get(KEY) is None
+    assert store.get(KEY, SolvedFrame) is None
     assert KEY not in store
     assert store.put(KEY, frame())
     assert KEY in store
-    back = FrameStore(tmp_path / "not" / "yet").get(KEY)
+    back = FrameStore(tmp_path / "not" / "yet").get(KEY, SolvedFrame)
     assert back is not None
     assert same(back, frame())
-    assert all(array.flags.aligned and array.flags.writeable for array in back.arrays.values())
+    assert all(array.flags.aligned and not array.flags.writeable for array in back.arrays().values())
 
 
 @pytest.mark.parametrize("where", [0, 10, 60, 200, -1])
@@ -60,10 +54,10 @@ def test_a_flipped_bit_anywhere_makes_an_entry_absent_and_removes_it(tmp_path: P
     data = bytearray(store.path(KEY).read_bytes())
     data[where] ^= 1
     store.path(KEY).write_bytes(data)
-    assert store.get(KEY) is None
+    assert store.get(KEY, SolvedFrame) is None
     assert not store.path(KEY).exists()
     assert store.put(KEY, frame())
-    assert store.get(KEY) is not None
+    assert store.get(KEY, SolvedFrame) is not None
 
 
 @pytest.mark.parametrize("length", [0, 7, 39, 48, 300])
@@ -72,7 +66,7 @@ def test_a_truncated_entry_is_absent(tmp_path: Path, length: int) -> None:
     store.put(KEY, frame())
     data = store.path(KEY).read_bytes()
     store.path(KEY).write_bytes(data[:length])
-    assert store.get(KEY) is None
+    assert store.get(KEY, SolvedFrame) is None
 
 
 def test_the_store_keeps_to_its_limit_and_drops_what_was_unused_for_longest(tmp_path: Path) -> None:
@@ -82,7 +76,7 @@ def test_the_store_keeps_to_its_limit_and_drops_what_was_unused_for_longest(tmp_
     for i, key in enumerate(keys[:10]):
         store.put(key, frame(i, 1500))
         os.utime(store.path(key), (1000.0 + i, 1000.0 + i))
-    assert store.get(keys[0]) is not None  # used again just now
+    assert store.get(keys[0], SolvedFrame) is not None  # used again just now
     for i, key in enumerate(keys[10:16]):
         store.put(key, frame(10 + i, 1500))
     assert store.size() <= 12 * one
@@ -95,7 +89,7 @@ def test_the_store_keeps_to_its_limit_and_drops_what_was_unused_for_longest(tmp_
 def test_a_frame_larger_than_the_limit_does_not_push_itself_out(tmp_path: Path) -> None:
     store = FrameStore(tmp_path, limit=1000)
     assert store.put(KEY, frame(0, 1000))
-    assert store.get(KEY) is not None
+    assert store.get(KEY, SolvedFrame) is not None
 
 
 def test_what_crashed_writers_left_is_removed_but_not_what_is_being_written(tmp_path: Path) -> None:
@@ -127,14 +121,14 @@ def test_a_full_disk_is_a_sentence_and_the_store_stays_readable(
     assert "No space left" in store.trouble
     assert "--store" in store.trouble
     assert other not in store
-    assert store.get(KEY) is not None
+    assert store.get(KEY, SolvedFrame) is not None
     assert not list(tmp_path.rglob(".writing-*"))
 
 
 def test_a_store_that_cannot_be_made_is_a_sentence(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("in the way")
     store = FrameStore(tmp_path / "file")
-    assert store.get(KEY) is None
+    assert store.get(KEY, SolvedFrame) is None
     assert not store.put(KEY, frame())
     assert store.trouble is not None
     assert str(tmp_path / "file") in store.trouble
@@ -143,12 +137,19 @@ def test_a_store_that_cannot_be_made_is_a_sentence(tmp_path: Path) -> None:
 @pytest.mark.parametrize("key", ["", "../../etc/passwd", "AB" * 32, "ab", "g" * 64])
 def test_what_is_no_key_is_refused(tmp_path: Path, key: str) -> None:
     with pytest.raises(ValueError, match="content key"):
-        FrameStore(tmp_path).get(key)
+        FrameStore(tmp_path).get(key, SolvedFrame)
 
 
 def test_an_array_of_another_kind_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(ValueError, match="'words'"):
-        FrameStore(tmp_path).put(KEY, StoredFrame({}, {"words": np.array(["a"])}))
+    with pytest.raises(CodecError, match="dtype <U1"):
+        FrameStore(tmp_path).put(KEY, replace(frame(), strain=np.array(["a"])))
+
+
+def test_a_value_of_another_class_is_absent_and_stays(tmp_path: Path) -> None:
+    store = FrameStore(tmp_path)
+    store.put(KEY, frame())
+    assert store.get(KEY, SolverState) is None
+    assert store.get(KEY, SolvedFrame) is not None
 
 
 def test_the_folder_is_the_users_unless_it_is_named(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
@@ -170,7 +171,7 @@ def _hammer(folder: str, seed: int) -> int:
         if not store.put(key, frame(i, 800)):
             wrong += 1
         j = int(rng.integers(0, 6))
-        found = store.get(f"{j:02x}" * 32)
+        found = store.get(f"{j:02x}" * 32, SolvedFrame)
         if found is not None and not same(found, frame(j, 800)):
             wrong += 1
     return wrong

@@ -6,7 +6,8 @@ from time import monotonic
 
 import bpy
 
-from lappet.background.plan import Plan, ShownFrame
+from lappet.background.plan import Plan
+from lappet.daemon.solved_frame import SolvedFrame
 
 from ..look.quantity_scale import frame_peak, full_value
 from ..solving import frames
@@ -15,12 +16,12 @@ _BUDGET = 0.01  # seconds of the main thread that one call may read frames for, 
 _peaks: dict[tuple[str, str], float] = {}
 
 
-def peak_of(key: str, quantity: str, frame: ShownFrame) -> float:
+def peak_of(key: str, quantity: str, frame: SolvedFrame) -> float:
     """What a frame asks of the scale of a quantity, kept by the frame's key."""
     if (key, quantity) not in _peaks:
         if len(_peaks) > 50_000:
             _peaks.clear()
-        values = frame.arrays.get(quantity)
+        values = frame.scalar(quantity)
         _peaks[key, quantity] = 0.0 if values is None else frame_peak(values)
     return _peaks[key, quantity]
 

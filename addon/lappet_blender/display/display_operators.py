@@ -3,7 +3,8 @@
 import bpy
 from bpy.props import EnumProperty, IntProperty, StringProperty
 
-from lappet.core.problem import RefusedError
+from lappet.core.problem import refused
+from lappet.core.problem_code import ProblemCode
 
 from ..events.variant import copy_scene
 from ..figure.framing import VIEWS
@@ -27,7 +28,7 @@ _PRESET_ITEMS = (
 
 
 class LAPPET_OT_look_preset(OperatorBase, bpy.types.Operator):
-    """Set colour and parts of the display for a purpose"""
+    """Set the colors and the visible parts of the display for a purpose"""
 
     bl_idname = "lappet.look_preset"
     bl_label = "Look Preset"
@@ -48,28 +49,30 @@ class LAPPET_OT_compare(OperatorBase, bpy.types.Operator):
     bl_label = "Compare"
     bl_options = UNDOABLE
 
-    scene: StringProperty(name="Scene", description="Its name; empty = no comparison", options={"SKIP_SAVE"})
+    scene: StringProperty(
+        name="Scene", description="Name of the other scene; empty = no comparison", options={"SKIP_SAVE"}
+    )
 
     def run(self, context: bpy.types.Context) -> None:
         here = context.scene
         other = bpy.data.scenes.get(self.scene) if self.scene else None
         if self.scene and other is None:
             names = ", ".join(s.name for s in bpy.data.scenes if s != here) or "there is no other"
-            raise RefusedError(f"There is no scene {self.scene!r} to compare with; choose another scene ({names}).")
+            raise refused(ProblemCode.COMPARE_UNKNOWN, "", self.scene, known=names)
         if other == here:
-            raise RefusedError(f"{here.name} cannot be compared with itself; choose another scene or make a variant.")
+            raise refused(ProblemCode.COMPARE_ITSELF, here.name)
         here.lappet.compare_with = other
         skin_display.refresh(here)
 
 
 class LAPPET_OT_variant_new(OperatorBase, bpy.types.Operator):
-    """Copy this scene with its procedure, go there, and show this one beside it"""
+    """Copy this scene with its procedure, switch to the copy and show this scene beside it"""
 
     bl_idname = "lappet.variant_new"
     bl_label = "New Variant"
     bl_options = UNDOABLE
 
-    name: StringProperty(name="Name", description="Of the new scene; empty = like this one", options={"SKIP_SAVE"})
+    name: StringProperty(name="Name", description="Name of the new scene; empty = from this one", options={"SKIP_SAVE"})
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
@@ -86,7 +89,7 @@ class LAPPET_OT_variant_new(OperatorBase, bpy.types.Operator):
 
 
 class LAPPET_OT_set_stage(OperatorBase, bpy.types.Operator):
-    """Set camera, lights and paper, and the render, for a picture as in a textbook"""
+    """Set up camera, lights, paper and render settings for a textbook picture"""
 
     bl_idname = "lappet.set_stage"
     bl_label = "Set Stage"
@@ -106,7 +109,7 @@ class LAPPET_OT_set_stage(OperatorBase, bpy.types.Operator):
     )
     width: IntProperty(name="Width", description="Pixels; 0 = the scene's", default=0, min=0, max=16384)
     height: IntProperty(name="Height", description="Pixels; 0 = the scene's", default=0, min=0, max=16384)
-    samples: IntProperty(name="Samples", description="Of Cycles, a pixel", default=32, min=1, max=4096)
+    samples: IntProperty(name="Samples", description="Cycles samples per pixel", default=32, min=1, max=4096)
 
     def run(self, context: bpy.types.Context) -> None:
         size = (self.width, self.height) if self.width and self.height else (0, 0)
@@ -122,7 +125,7 @@ class LAPPET_OT_clear_stage(OperatorBase, bpy.types.Operator):
 
     def run(self, context: bpy.types.Context) -> None:
         if not clear_stage(context.scene):
-            raise RefusedError(f"The scene {context.scene.name} has no stage; Set Stage makes one.")
+            raise refused(ProblemCode.FIGURE_NOT_SET, context.scene.name)
 
 
 class LAPPET_OT_render_still(OperatorBase, bpy.types.Operator):

@@ -8,7 +8,8 @@ import bpy
 import numpy as np
 
 from lappet.background.plan import Plan
-from lappet.core.problem import RefusedError
+from lappet.core.problem import refused
+from lappet.core.problem_code import ProblemCode
 
 from ..figure.figure_scene import Studio, add_backdrop, add_camera, add_lights, half_angles, set_render, set_size
 from ..figure.framing import TURN, WHOLE_FILL, Region, surgical_region, viewpoint
@@ -32,10 +33,7 @@ def set_stage(scene: bpy.types.Scene, view: str, engine: str, size: tuple[int, i
     """
     shown = skin_display.shown_of(scene, scene.frame_current)
     if shown is None:
-        raise RefusedError(
-            f"The scene {scene.name} shows no solved skin that a camera could frame; mark its tissue, switch on Solved "
-            "skin and solve it."
-        )
+        raise refused(ProblemCode.FIGURE_NOTHING_SHOWN, scene.name)
     units = 1.0 / mm_per_unit(scene)
     region, lowest = _framed(scene, shown.plan)
     turned = TURN

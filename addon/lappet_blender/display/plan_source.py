@@ -8,15 +8,16 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from lappet.background.plan import EpochShape, Plan, ShownFrame
+from lappet.background.plan import EpochShape, Plan
 from lappet.core.problem import RefusedError
+from lappet.daemon.solved_frame import SolvedFrame
 from lappet.geometry.curve import sample_curve
 from lappet.procedure.events import Basis
 
 from ..look.skin_source import FigureError, SkinEpoch, StepEvent, Strands
 from ..model.event_kinds import BASIS_OF
 
-Lookup = Callable[[int], ShownFrame | None]
+Lookup = Callable[[int], SolvedFrame | None]
 _COURSE = 5  # frames that tell where a hook goes
 
 
@@ -44,7 +45,7 @@ class PlanSource:
         )
         self._shape_of = {e.name: s for e, s in zip(self._epochs, plan.epochs, strict=True)}
         self._planned = {float(frame.time): frame for frame in plan.frames}
-        self._now: tuple[float, SkinEpoch, ShownFrame | None] | None = None
+        self._now: tuple[float, SkinEpoch, SolvedFrame | None] | None = None
         self._last: dict[str, float | None] = {}
         self.read_events(scene)
 
@@ -58,7 +59,7 @@ class PlanSource:
         }
         self._events = tuple(sorted((_step(e) for e in scene.lappet.events if e.enabled), key=lambda e: e.start))
 
-    def at(self, time: float, shape: EpochShape, frame: ShownFrame | None) -> None:
+    def at(self, time: float, shape: EpochShape, frame: SolvedFrame | None) -> None:
         """From now on a time shows this epoch and frame, whatever the store holds (live frames, stand-ins)."""
         index = next((k for k, s in enumerate(self._shapes) if s is shape or s.key == shape.key), None)
         if index is None:
@@ -87,7 +88,7 @@ class PlanSource:
         """The surface of an epoch."""
         return self._shape_of[epoch.name]
 
-    def frame(self, time: float) -> ShownFrame | None:
+    def frame(self, time: float) -> SolvedFrame | None:
         """The solved frame of a time, or None."""
         if self._now is not None and self._now[0] == time:
             return self._now[2]
@@ -112,16 +113,17 @@ class PlanSource:
     def scalar(self, epoch: SkinEpoch, name: str, time: float) -> NDArray[np.float32] | None:
         """A vertex quantity (n,), or None where the frame is not known."""
         frame = self.frame(time)
-        values = None if frame is None else frame.arrays.get(name)
-        return values if values is not None and len(values) == len(self.rest(epoch)) else None
+        return None if frame is None else frame.scalar(name)
 
     def sutures(self, time: float) -> Strands:
         """The sutures of the plan at a frame."""
-        return self._strands(time, "suture_points", "sutures", len(self.plan.sutures))
+        frame, count = self.frame(time), len(self.plan.sutures)
+        return _no_strands(count) if frame is None else _strands(frame.suture_points, frame.suture_index, count)
 
     def hooks(self, time: float) -> Strands:
         """The hooks of the plan at a frame; both ends are on the tissue."""
-        return self._strands(time, "hook_points", "hooks", len(self.plan.hooks))
+        frame, count = self.frame(time), len(self.plan.hooks)
+        return _no_strands(count) if frame is None else _strands(frame.hook_points[:, None], frame.hook_index, count)
 
     def hook_courses(self) -> dict[int, NDArray[np.float64]]:
         """Where the hooks' ends go, (k, 3) mm by the hook's index, as far as a few known frames tell."""
@@ -191,27 +193,23 @@ class PlanSource:
             if kind != wanted:
                 continue
             try:
-                line = sample_curve(points, basis, closed, step)  # type: ignore[arg-type]
+                line = sample_curve(points, basis, closed, step)
             except RefusedError:
                 continue  # the panel says what is wrong with it
             lines.append(np.vstack([line, line[:1]]) if closed else line)
         return lines
 
-    def _strands(self, time: float, array: str, which: str, count: int) -> Strands:
-        frame, planned = self.frame(time), self._planned.get(time)
-        points = None if frame is None else frame.arrays.get(array)
-        if points is None or planned is None:
-            return _no_strands(count)
-        indices = np.array(getattr(planned, which), np.int64)
-        if not len(indices) or len(points) != len(indices) or indices.max() >= count:
-            return _no_strands(count)
-        strands = _no_strands(count)
-        strands.ends[indices] = points if points.ndim == 3 else points[:, None]
-        strands.active[indices] = np.isfinite(strands.ends[indices]).all(axis=(1, 2))
-        return strands
+
+def _strands(ends: NDArray[np.float64], index: NDArray[np.int32], count: int) -> Strands:
+    """The ends (k, 2 or 1, 3) of the strands of these numbers, of `count` in all."""
+    strands = _no_strands(count)
+    if len(index) and index.max() < count:
+        strands.ends[index] = ends
+        strands.active[index] = np.isfinite(strands.ends[index]).all(axis=(1, 2))
+    return strands
 
 
-def fitting(frame: ShownFrame | None, shape: EpochShape) -> ShownFrame | None:
+def fitting(frame: SolvedFrame | None, shape: EpochShape) -> SolvedFrame | None:
     """The frame, or None where it is not of this surface or not finite (a damaged store, a lost frame)."""
     if frame is None or frame.points.shape != shape.rest.shape or not np.isfinite(frame.points).all():
         return None

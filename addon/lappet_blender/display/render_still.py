@@ -6,18 +6,19 @@ from pathlib import Path
 
 import bpy
 
-from lappet.core.problem import RefusedError
+from lappet.core.problem import refused
+from lappet.core.problem_code import ProblemCode
 
 
 def render_still(scene: bpy.types.Scene, filepath: str) -> None:
     """Render the current frame to a .png file. Raises RefusedError where there is no camera or no such folder."""
     path = Path(bpy.path.abspath(filepath)) if filepath else None
     if path is None or path.suffix.lower() != ".png":
-        raise RefusedError(f"The picture's name {filepath!r} does not end in .png; give a .png file.")
+        raise refused(ProblemCode.PICTURE_NAME, "", filepath)
     if scene.camera is None:
-        raise RefusedError(f"The scene {scene.name} has no camera; press Set Stage or add one.")
+        raise refused(ProblemCode.PICTURE_NO_CAMERA, scene.name)
     if not path.parent.is_dir():
-        raise RefusedError(f"There is no folder {path.parent}; make it or choose another file.")
+        raise refused(ProblemCode.FILE_NO_FOLDER, "", path.parent)
     before = scene.render.filepath
     kept = scene.render.image_settings.file_format
     try:
@@ -27,11 +28,9 @@ def render_still(scene: bpy.types.Scene, filepath: str) -> None:
         scene.render.filepath = str(path)
         bpy.ops.render.render(write_still=True, scene=scene.name)
     except RuntimeError as error:
-        raise RefusedError(
-            f"{path} was not written: {str(error).strip()}; see whether the folder is writable."
-        ) from error
+        raise refused(ProblemCode.FILE_NOT_WRITTEN, path, str(error).strip(), folder=path.parent) from error
     finally:
         scene.render.filepath = before
         scene.render.image_settings.file_format = kept
     if not path.is_file():
-        raise RefusedError(f"Blender wrote no picture to {path}; see whether the folder is writable.")
+        raise refused(ProblemCode.FILE_NOT_WRITTEN, path, "Blender wrote no picture", folder=path.parent)

@@ -124,7 +124,7 @@ class SkinDecorations:
 
     def _draw_landmarks(self, where: Where, time: float, wanted: bool) -> None:
         frame = self.source.frame(time)
-        at = None if frame is None or not wanted else frame.arrays.get("landmarks")
+        at = None if frame is None or not wanted else frame.landmarks
         at = np.zeros((0, 3)) if at is None else at[np.isfinite(at).all(axis=1)]
         target = _part(where, "landmark", "Landmarks", len(at) > 0)
         if target is not None:

@@ -258,8 +258,8 @@ def _draw_skin(
     quantity = quantity_of(look)
     values = None
     if quantity is not None:
-        found = None if frame is None else frame.arrays.get(quantity)
-        values = np.zeros(len(points), np.float32) if found is None or len(found) != len(points) else found
+        found = None if frame is None else frame.scalar(quantity)
+        values = np.zeros(len(points), np.float32) if found is None else found
         set_attribute(mesh, "quantity", "FLOAT", "POINT", values.astype(np.float32, copy=False))
     color_vertices(mesh, shape, values, highest)
     if list(mesh.materials) != list(materials):

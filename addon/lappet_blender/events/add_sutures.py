@@ -9,7 +9,8 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from lappet.core.problem import RefusedError
+from lappet.core.problem import refused
+from lappet.core.problem_code import ProblemCode
 from lappet.geometry.closest_point import ClosestPoint
 from lappet.procedure import Incision, Suture
 from lappet.tissue.fan_triangles import fan_triangles
@@ -85,7 +86,7 @@ def ends_between(first: Sequence[Place], second: Sequence[Place], flip: bool, sp
     edges = [list(first), list(second)]
     for name, edge in zip(("first", "second"), edges, strict=True):
         if len(edge) < 2 or length(edge) == 0.0:
-            raise RefusedError(f"The {name} edge has {len(edge)} points and no length; draw it along the wound.")
+            raise refused(ProblemCode.SUTURE_EDGE, "", name, count=len(edge))
     if flip:
         edges[1].reverse()
     shares = spacing.shares(0.5 * (length(edges[0]) + length(edges[1])))
@@ -97,7 +98,7 @@ def ends_across(scene: bpy.types.Scene, incision: str, bite: float, spacing: Spa
     event = named_event(scene, incision)
     value = event_value(scene, event)
     if not isinstance(value, Incision):
-        raise RefusedError(f"{event.name} is no incision; name one, or give two edges.")
+        raise refused(ProblemCode.SUTURE_NOT_INCISION, event.name)
     skin, normals = _skin(scene)
     bite = bite if bite > 0.0 else 0.5 * value.kerf + BESIDE
     return across_incision(value, spacing.shares(length(incision_line(value))), bite, skin, normals)

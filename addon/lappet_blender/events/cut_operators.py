@@ -11,20 +11,22 @@ from .operator_values import given, places
 
 
 class LAPPET_OT_incision_add(OperatorBase, bpy.types.Operator):
-    """Cuts along a line on the skin"""
+    """Cut along a line on the skin"""
 
     bl_idname = "lappet.incision_add"
     bl_label = "Incision"
     bl_options = UNDOABLE
 
-    points: CollectionProperty(name="Points", description="Of the line, in mm at rest", type=LappetPoint)
-    time: FloatProperty(name="Frame", description="When the cut is made; left out: the scene's frame")
+    points: CollectionProperty(name="Points", description="Points of the line at rest, in mm", type=LappetPoint)
+    time: FloatProperty(name="Frame", description="When the cut is made; if not given, the current frame")
     through: BoolProperty(name="Through", description="Cut through the whole tissue", default=True)
-    depth: FloatProperty(name="Depth", description="How deep, in mm, if not through", default=2.0, min=0.0)
-    kerf: FloatProperty(name="Kerf", description="How wide, in mm", default=0.05, min=0.0, precision=3)
+    depth: FloatProperty(
+        name="Depth", description="Depth of the cut in mm, unless it goes through", default=2.0, min=0.0
+    )
+    kerf: FloatProperty(name="Kerf", description="Width of the cut in mm", default=0.05, min=0.0, precision=3)
     basis: EnumProperty(name="Line", items=BASES, default="LINEAR")
     closed: BoolProperty(name="Closed", description="The line returns to its first point", default=False)
-    name: StringProperty(name="Name", description="Left out: incision and a number")
+    name: StringProperty(name="Name", description="If not given, incision and a number")
 
     def run(self, context: bpy.types.Context) -> None:
         add_incision(
@@ -40,31 +42,31 @@ class LAPPET_OT_incision_add(OperatorBase, bpy.types.Operator):
 
 
 class LAPPET_OT_excise(OperatorBase, bpy.types.Operator):
-    """Takes the piece of tissue at a point away"""
+    """Remove the piece of tissue at a point"""
 
     bl_idname = "lappet.excise"
     bl_label = "Excise"
     bl_options = UNDOABLE
 
-    point: FloatVectorProperty(name="Point", description="Of the piece, in mm at rest", size=3, precision=3)
-    time: FloatProperty(name="Frame", description="When it is taken away; left out: the scene's frame")
-    name: StringProperty(name="Name", description="Left out: excision and a number")
+    point: FloatVectorProperty(name="Point", description="A point of the piece at rest, in mm", size=3, precision=3)
+    time: FloatProperty(name="Frame", description="When it is removed; if not given, the current frame")
+    name: StringProperty(name="Name", description="If not given, excision and a number")
 
     def run(self, context: bpy.types.Context) -> None:
         add_excision(context.scene, self.point, given(self, "time", context.scene.frame_current), name=self.name)
 
 
 class LAPPET_OT_undermine_add(OperatorBase, bpy.types.Operator):
-    """Frees the skin inside a closed line from its bed"""
+    """Free the skin inside a closed line from its bed"""
 
     bl_idname = "lappet.undermine_add"
     bl_label = "Undermine"
     bl_options = UNDOABLE
 
-    points: CollectionProperty(name="Points", description="Around the area, in mm at rest", type=LappetPoint)
-    time: FloatProperty(name="Frame", description="When it is freed; left out: the scene's frame")
+    points: CollectionProperty(name="Points", description="Outline of the area at rest, in mm", type=LappetPoint)
+    time: FloatProperty(name="Frame", description="When the area is freed; if not given, the current frame")
     basis: EnumProperty(name="Line", items=BASES, default="LINEAR")
-    name: StringProperty(name="Name", description="Left out: undermine and a number")
+    name: StringProperty(name="Name", description="If not given, undermine and a number")
 
     def run(self, context: bpy.types.Context) -> None:
         time = given(self, "time", context.scene.frame_current)
@@ -72,16 +74,18 @@ class LAPPET_OT_undermine_add(OperatorBase, bpy.types.Operator):
 
 
 class LAPPET_OT_landmark_add(OperatorBase, bpy.types.Operator):
-    """Marks a point of the skin to follow and measure"""
+    """Mark a point on the skin to follow and measure"""
 
     bl_idname = "lappet.landmark_add"
     bl_label = "Landmark"
     bl_options = UNDOABLE
 
-    point: FloatVectorProperty(name="Point", description="In mm at rest", size=3, precision=3)
-    points: CollectionProperty(name="Points", description="Several of one label, instead of one", type=LappetPoint)
-    label: StringProperty(name="Label", description="What reports call it; left out: its name")
-    name: StringProperty(name="Name", description="Left out: landmark and a number")
+    point: FloatVectorProperty(name="Point", description="At rest, in mm", size=3, precision=3)
+    points: CollectionProperty(
+        name="Points", description="Several points with one label, instead of one point", type=LappetPoint
+    )
+    label: StringProperty(name="Label", description="Name in reports; if not given, the landmark's name")
+    name: StringProperty(name="Name", description="If not given, landmark and a number")
 
     def run(self, context: bpy.types.Context) -> None:
         points = places(self.points) or [self.point]

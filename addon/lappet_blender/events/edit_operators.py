@@ -12,7 +12,7 @@ from .operator_values import named_event
 class _OnEvent(OperatorBase):
     """An operator on one event."""
 
-    event: StringProperty(name="Event", description="Name or identifier; left out: the active one")
+    event: StringProperty(name="Event", description="Name or identifier; if not given, the active event")
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
@@ -20,7 +20,7 @@ class _OnEvent(OperatorBase):
 
 
 class LAPPET_OT_event_remove(_OnEvent, bpy.types.Operator):
-    """Takes an event out of the timeline, with the empty that was made for it"""
+    """Remove an event from the timeline, with the empty that was made for it"""
 
     bl_idname = "lappet.event_remove"
     bl_label = "Remove Event"
@@ -31,14 +31,14 @@ class LAPPET_OT_event_remove(_OnEvent, bpy.types.Operator):
 
 
 class LAPPET_OT_event_retime(_OnEvent, bpy.types.Operator):
-    """Moves an event to another frame, its release and its target's keyframes with it"""
+    """Move an event to another frame, together with its release and its target's keyframes"""
 
     bl_idname = "lappet.event_retime"
     bl_label = "Retime Event"
     bl_options = UNDOABLE
 
-    time: FloatProperty(name="Frame", description="To which frame")
-    shift: FloatProperty(name="Shift", description="By how many frames, where no frame is given")
+    time: FloatProperty(name="Frame", description="The new frame")
+    shift: FloatProperty(name="Shift", description="Number of frames to move by, if no frame is given")
 
     def run(self, context: bpy.types.Context) -> None:
         event = named_event(context.scene, self.event)
@@ -47,7 +47,7 @@ class LAPPET_OT_event_retime(_OnEvent, bpy.types.Operator):
 
 
 class LAPPET_OT_event_rename(_OnEvent, bpy.types.Operator):
-    """Renames an event; letters, digits and underscores are kept"""
+    """Rename an event; only letters, digits and underscores are kept"""
 
     bl_idname = "lappet.event_rename"
     bl_label = "Rename Event"
@@ -63,7 +63,7 @@ class LAPPET_OT_event_rename(_OnEvent, bpy.types.Operator):
 
 
 class LAPPET_OT_event_enable(_OnEvent, bpy.types.Operator):
-    """Switches an event on or off; one that is off stays in the timeline and does not take place"""
+    """Turn an event on or off; an event that is off stays in the timeline but does not happen"""
 
     bl_idname = "lappet.event_enable"
     bl_label = "Enable Event"
@@ -76,7 +76,7 @@ class LAPPET_OT_event_enable(_OnEvent, bpy.types.Operator):
 
 
 class LAPPET_OT_event_select(_OnEvent, bpy.types.Operator):
-    """Makes an event the active one, and selects its empty"""
+    """Make an event active and select its empty"""
 
     bl_idname = "lappet.event_select"
     bl_label = "Select Event"
@@ -87,7 +87,7 @@ class LAPPET_OT_event_select(_OnEvent, bpy.types.Operator):
 
 
 class LAPPET_OT_event_jump(_OnEvent, bpy.types.Operator):
-    """Goes to the frame of an event and makes it the active one"""
+    """Go to the frame of an event and make it active"""
 
     bl_idname = "lappet.event_jump"
     bl_label = "Jump to Event"
@@ -98,13 +98,13 @@ class LAPPET_OT_event_jump(_OnEvent, bpy.types.Operator):
 
 
 class LAPPET_OT_event_duplicate(_OnEvent, bpy.types.Operator):
-    """Adds a copy of an event, with an empty and keyframes of its own"""
+    """Add a copy of an event with its own empty and keyframes"""
 
     bl_idname = "lappet.event_duplicate"
     bl_label = "Duplicate Event"
     bl_options = UNDOABLE
 
-    shift: FloatProperty(name="Shift", description="How many frames later", default=0.0)
+    shift: FloatProperty(name="Shift", description="Number of frames later", default=0.0)
 
     def run(self, context: bpy.types.Context) -> None:
         duplicate_event(context.scene, named_event(context.scene, self.event), self.shift)

@@ -6,7 +6,8 @@ from typing import Any
 
 import bpy
 
-from lappet.core.problem import RefusedError
+from lappet.core.problem import RefusedError, refused
+from lappet.core.problem_code import ProblemCode
 
 from ..model.changes import changed
 from ..model.event_list import set_points
@@ -29,7 +30,7 @@ def insert_point(scene: bpy.types.Scene, event: Any, index: int, co: Place) -> N
     """Insert a point into the line of an event, before the one of this index. co: mm at rest."""
     places = _places(event, index, beyond=1)
     if event.kind not in MIN_POINTS:
-        raise RefusedError(f"{event.name} has its {len(places)} points and takes no more; add another event.")
+        raise refused(ProblemCode.EVENT_POINTS_FIXED, event.name, len(places))
     places.insert(index, tuple(co))
     _change(scene, event, places)
 
@@ -38,7 +39,7 @@ def remove_point(scene: bpy.types.Scene, event: Any, index: int) -> None:
     """Remove a point from the line of an event."""
     places = _places(event, index)
     if len(places) <= MIN_POINTS.get(event.kind, len(places)):
-        raise RefusedError(f"{event.name} needs its {len(places)} points; remove the event instead.")
+        raise refused(ProblemCode.EVENT_POINTS_NEEDED, event.name, len(places))
     del places[index]
     _change(scene, event, places)
 
@@ -47,7 +48,7 @@ def _places(event: Any, index: int, beyond: int = 0) -> list[tuple[float, ...]]:
     """The points of an event; raises RefusedError for an index that it has not."""
     places = [tuple(point.co) for point in event.points]
     if index >= len(places) + beyond:
-        raise RefusedError(f"{event.name} has no point {index}; it has {len(places)}, counted from 0.")
+        raise refused(ProblemCode.EVENT_POINT_UNKNOWN, event.name, index, count=len(places))
     return places
 
 

@@ -9,7 +9,7 @@ import bpy
 from lappet.checks.event_conflicts import event_conflicts
 from lappet.checks.event_problems import EventCheck
 from lappet.checks.mesh_problems import mesh_problems
-from lappet.core.problem import Problem, RefusedError
+from lappet.core.problem import RefusedError, problem
 from lappet.core.problem_code import ProblemCode
 from lappet.procedure import Event, Procedure, Tissue
 from lappet.procedure.prim_paths import TIMELINE, TISSUE
@@ -45,7 +45,7 @@ def check_events(scene: bpy.types.Scene, values: Sequence[Event]) -> None:
         checked.check(value, f"{TIMELINE}/{value.name}")
     paths = {f"{TIMELINE}/{name}" for name in names}
     problems = [*checked.problems, *(each for each in event_conflicts(procedure) if each.prim in paths)]
-    errors = [_in_blender(each) for each in problems if each.severity == "error"]
+    errors = [each for each in problems if each.severity == "error"]
     if errors:
         raise RefusedError(errors)
 
@@ -54,7 +54,7 @@ def tissue_of(scene: bpy.types.Scene) -> Tissue:
     """The scene's tissue; raises RefusedError with the reason where it has none that can be used."""
     tissue, problems = tissue_value(scene)
     if tissue is None:
-        raise RefusedError(f"{problems[0].message} {problems[0].remedy}" if problems else "The scene has no tissue.")
+        raise RefusedError(problems or [problem(ProblemCode.TISSUE_NONE)])
     return tissue
 
 
@@ -64,9 +64,3 @@ def rest_space(tissue: Tissue) -> RestSpace | None:
         readable = mesh_problems(tissue, TISSUE).readable
         _rest[:] = [(tissue, RestSpace(tissue.points, fan_triangles(tissue)[0]) if readable else None)]
     return _rest[0][1]
-
-
-def _in_blender(found: Problem) -> Problem:
-    name = found.prim.rpartition("/")[2]
-    remedy = found.remedy.replace("set endTimeCode later", "set the end of the scene later")
-    return Problem(ProblemCode.UNSORTED, found.prim, found.value, f"{name}: {found.message}", remedy, found.severity)

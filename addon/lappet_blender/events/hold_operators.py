@@ -13,35 +13,35 @@ class LappetKey(bpy.types.PropertyGroup):
     """Where a hook's or retractor's empty is at a frame."""
 
     frame: FloatProperty(name="Frame")
-    co: FloatVectorProperty(name="Place", description="mm", size=3)
-    rotation: FloatVectorProperty(name="Turn", description="Of a retractor", size=3, subtype="EULER")
+    co: FloatVectorProperty(name="Location", description="In mm", size=3)
+    rotation: FloatVectorProperty(name="Rotation", description="Of a retractor", size=3, subtype="EULER")
 
 
 class LAPPET_OT_hook_add(OperatorBase, bpy.types.Operator):
-    """Sets a hook into the skin; its empty is keyframed like anything else"""
+    """Set a hook into the skin; its empty can be keyframed like any object"""
 
     bl_idname = "lappet.hook_add"
     bl_label = "Hook"
     bl_options = UNDOABLE
 
-    anchor: FloatVectorProperty(name="Anchor", description="In mm at rest", size=3, precision=3)
-    target: FloatVectorProperty(name="Target", description="Where it pulls to, in mm", size=3, precision=3)
+    anchor: FloatVectorProperty(name="Anchor", description="At rest, in mm", size=3, precision=3)
+    target: FloatVectorProperty(name="Target", description="Where the hook pulls to, in mm", size=3, precision=3)
     begin: FloatVectorProperty(
         name="From",
-        description="Where it starts to pull, in mm: where the skin is by then. Left out: the anchor",
+        description="Where the hook starts to pull, in mm: where the skin is at that time. If not given, the anchor",
         size=3,
         precision=3,
     )
-    start: FloatProperty(name="Frame", description="When it is set; left out: the scene's frame")
+    start: FloatProperty(name="Frame", description="When it is placed; if not given, the current frame")
     arrive: FloatProperty(
         name="Arrives after", description="Frames from the start to the target; 0 = at once", default=8.0, min=0.0
     )
-    end: FloatProperty(name="Release", description="When it lets go; left out: after the scene's last frame")
+    end: FloatProperty(name="Release", description="When it lets go; if not given, after the last frame")
     stiffness: FloatProperty(name="Stiffness", description="mN/mm", default=500.0, min=0.0)
     keys: CollectionProperty(
-        name="Keyframes", description="Of the empty, instead of a way from the start to the target", type=LappetKey
+        name="Keyframes", description="Of the empty, instead of a straight path to the target", type=LappetKey
     )
-    name: StringProperty(name="Name", description="Left out: hook and a number")
+    name: StringProperty(name="Name", description="If not given, hook and a number")
 
     def run(self, context: bpy.types.Context) -> None:
         scene = context.scene
@@ -55,23 +55,23 @@ class LAPPET_OT_hook_add(OperatorBase, bpy.types.Operator):
 
 
 class LAPPET_OT_retractor_add(OperatorBase, bpy.types.Operator):
-    """Grips a group of the tissue's faces and moves them with an empty"""
+    """Grip a group of faces of the tissue and move them with an empty"""
 
     bl_idname = "lappet.retractor_add"
     bl_label = "Retractor"
     bl_options = UNDOABLE
 
-    grip: StringProperty(name="Grip", description="The group of the tissue's faces that it holds")
+    grip: StringProperty(name="Grip", description="The group of faces to hold")
     shift: FloatVectorProperty(name="Shift", description="How far it pulls, in mm", size=3, precision=3)
-    start: FloatProperty(name="Frame", description="When it is set; left out: the scene's frame")
+    start: FloatProperty(name="Frame", description="When it is placed; if not given, the current frame")
     arrive: FloatProperty(
-        name="Arrives after", description="Frames from the start to the end of its way", default=8.0, min=0.0
+        name="Arrives after", description="Frames from the start to the end of the movement", default=8.0, min=0.0
     )
-    end: FloatProperty(name="Release", description="When it lets go; left out: after the scene's last frame")
+    end: FloatProperty(name="Release", description="When it lets go; if not given, after the last frame")
     keys: CollectionProperty(
-        name="Keyframes", description="Of the empty, instead of a way by the shift", type=LappetKey
+        name="Keyframes", description="Of the empty, instead of a straight movement", type=LappetKey
     )
-    name: StringProperty(name="Name", description="Left out: retractor and a number")
+    name: StringProperty(name="Name", description="If not given, retractor and a number")
 
     def run(self, context: bpy.types.Context) -> None:
         scene = context.scene

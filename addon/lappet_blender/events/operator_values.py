@@ -7,7 +7,8 @@ from typing import Any
 
 import bpy
 
-from lappet.core.problem import RefusedError
+from lappet.core.problem import refused
+from lappet.core.problem_code import ProblemCode
 
 from ..model.event_list import event_index
 
@@ -19,9 +20,9 @@ def named_event(scene: bpy.types.Scene, name: str) -> Any:
     if 0 <= index < len(events):
         return events[index]
     if not name:
-        raise RefusedError("No event is active; choose one in the timeline.")
-    known = ", ".join(event.name for event in events[:12]) or "none"
-    raise RefusedError(f"There is no event {name!r}; there are: {known}{', …' * (len(events) > 12)}.")
+        raise refused(ProblemCode.EVENT_NONE_ACTIVE)
+    known = ", ".join([event.name for event in events[:12]] + ["…"] * (len(events) > 12)) or "none"
+    raise refused(ProblemCode.EVENT_UNKNOWN, "", name, known=known)
 
 
 def given(operator: bpy.types.Operator, name: str, otherwise: float) -> float:

@@ -11,7 +11,7 @@ from .operator_values import named_event
 class _OnPoint(OperatorBase):
     """An operator on one point of an event."""
 
-    event: StringProperty(name="Event", description="Name or identifier; left out: the active one")
+    event: StringProperty(name="Event", description="Name or identifier; if not given, the active event")
     index: IntProperty(name="Point", description="Counted from 0", default=0, min=0)
 
     @classmethod
@@ -20,33 +20,33 @@ class _OnPoint(OperatorBase):
 
 
 class LAPPET_OT_point_move(_OnPoint, bpy.types.Operator):
-    """Moves a point of an event"""
+    """Move a point of an event"""
 
     bl_idname = "lappet.point_move"
     bl_label = "Move Point"
     bl_options = UNDOABLE
 
-    co: FloatVectorProperty(name="Position", description="In mm at rest", size=3, precision=3)
+    co: FloatVectorProperty(name="Position", description="At rest, in mm", size=3, precision=3)
 
     def run(self, context: bpy.types.Context) -> None:
         move_point(context.scene, named_event(context.scene, self.event), self.index, self.co)
 
 
 class LAPPET_OT_point_insert(_OnPoint, bpy.types.Operator):
-    """Puts a point into the line of an event, before the one of this index"""
+    """Insert a point into the line of an event, before the point of this index"""
 
     bl_idname = "lappet.point_insert"
     bl_label = "Insert Point"
     bl_options = UNDOABLE
 
-    co: FloatVectorProperty(name="Position", description="In mm at rest", size=3, precision=3)
+    co: FloatVectorProperty(name="Position", description="At rest, in mm", size=3, precision=3)
 
     def run(self, context: bpy.types.Context) -> None:
         insert_point(context.scene, named_event(context.scene, self.event), self.index, self.co)
 
 
 class LAPPET_OT_point_remove(_OnPoint, bpy.types.Operator):
-    """Takes a point out of the line of an event"""
+    """Remove a point from the line of an event"""
 
     bl_idname = "lappet.point_remove"
     bl_label = "Remove Point"

@@ -10,19 +10,19 @@ from .operator_values import given, places
 
 
 class LAPPET_OT_suture_add(OperatorBase, bpy.types.Operator):
-    """Draws two points together and holds them"""
+    """Draw two points together and hold them"""
 
     bl_idname = "lappet.suture_add"
     bl_label = "Suture"
     bl_options = UNDOABLE
 
-    first: FloatVectorProperty(name="From", description="In mm at rest", size=3, precision=3)
-    second: FloatVectorProperty(name="To", description="In mm at rest", size=3, precision=3)
-    start: FloatProperty(name="Frame", description="When it is placed; left out: the scene's frame")
-    duration: FloatProperty(name="Duration", description="Frames that it takes to close", default=1.0, min=0.0)
+    first: FloatVectorProperty(name="From", description="At rest, in mm", size=3, precision=3)
+    second: FloatVectorProperty(name="To", description="At rest, in mm", size=3, precision=3)
+    start: FloatProperty(name="Frame", description="When it is placed; if not given, the current frame")
+    duration: FloatProperty(name="Duration", description="Number of frames until it is closed", default=1.0, min=0.0)
     stiffness: FloatProperty(name="Stiffness", description="mN/mm", default=1000.0, min=0.0)
-    depth: FloatProperty(name="Depth", description="Of both ends below the skin, in mm", default=0.0, min=0.0)
-    name: StringProperty(name="Name", description="Left out: suture and a number")
+    depth: FloatProperty(name="Depth", description="Depth of both ends below the skin, in mm", default=0.0, min=0.0)
+    name: StringProperty(name="Name", description="If not given, suture and a number")
 
     def run(self, context: bpy.types.Context) -> None:
         times = SutureTimes(given(self, "start", context.scene.frame_current), self.duration, self.stiffness)
@@ -30,45 +30,52 @@ class LAPPET_OT_suture_add(OperatorBase, bpy.types.Operator):
 
 
 class LAPPET_OT_suture_run(OperatorBase, bpy.types.Operator):
-    """Places evenly spaced sutures between two wound edges, or across an incision"""
+    """Place evenly spaced sutures between two wound edges or across an incision"""
 
     bl_idname = "lappet.suture_run"
     bl_label = "Run of Sutures"
     bl_options = UNDOABLE
 
-    first_edge: CollectionProperty(name="First edge", description="In mm at rest", type=LappetPoint)
+    first_edge: CollectionProperty(name="First edge", description="At rest, in mm", type=LappetPoint)
     second_edge: CollectionProperty(
-        name="Second edge", description="In mm at rest; its first point meets the first edge's", type=LappetPoint
+        name="Second edge",
+        description="At rest, in mm; its first point meets the first point of the first edge",
+        type=LappetPoint,
     )
-    flip: BoolProperty(name="Flip", description="The second edge runs the other way", default=False)
-    incision: StringProperty(name="Incision", description="Suture across this incision, instead of between two edges")
+    flip: BoolProperty(name="Flip", description="Reverse the second edge", default=False)
+    incision: StringProperty(name="Incision", description="Suture across this incision instead of between two edges")
     bite: FloatProperty(
         name="Bite",
-        description="From the middle of the incision to an anchor, in mm; 0 = at the wound's edge",
+        description="Distance from the middle of the incision to an anchor, in mm; 0 = at the wound edge",
         default=0.0,
         min=0.0,
     )
     depth: FloatProperty(
         name="Depth",
-        description="Of the anchors below the skin, in mm: a buried row holds the walls of the wound together",
+        description="Depth of the anchors below the skin, in mm: a buried row holds the wound walls together",
         default=0.0,
         min=0.0,
     )
-    count: IntProperty(name="Sutures", description="How many; 0 = as many as the spacing gives", default=0, min=0)
-    spacing: FloatProperty(name="Spacing", description="From suture to suture, in mm", default=4.0, min=0.01)
+    count: IntProperty(name="Sutures", description="Number of sutures; 0 = from the spacing", default=0, min=0)
+    spacing: FloatProperty(name="Spacing", description="Distance between sutures, in mm", default=4.0, min=0.01)
     inset_start: FloatProperty(
         name="First",
-        description="Share of the edge before the first suture; left out: half a distance",
+        description="Fraction of the edge before the first suture; if not given, half a distance",
         min=0.0,
         max=1.0,
     )
     inset_end: FloatProperty(
-        name="Last", description="Share of the edge after the last suture; left out: half a distance", min=0.0, max=1.0
+        name="Last",
+        description="Fraction of the edge after the last suture; if not given, half a distance",
+        min=0.0,
+        max=1.0,
     )
-    start: FloatProperty(name="Frame", description="When they are placed; left out: the scene's frame")
-    duration: FloatProperty(name="Duration", description="Frames that they take to close", default=8.0, min=0.0)
+    start: FloatProperty(name="Frame", description="When they are placed; if not given, the current frame")
+    duration: FloatProperty(name="Duration", description="Number of frames until they are closed", default=8.0, min=0.0)
     stiffness: FloatProperty(name="Stiffness", description="mN/mm", default=1000.0, min=0.0)
-    name: StringProperty(name="Name", description="Of the first; the others are counted up. Left out: suture")
+    name: StringProperty(
+        name="Name", description="Name of the first suture; the others are numbered. If not given, suture"
+    )
 
     def run(self, context: bpy.types.Context) -> None:
         times = SutureTimes(given(self, "start", context.scene.frame_current), self.duration, self.stiffness)

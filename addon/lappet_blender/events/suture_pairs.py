@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from lappet.core.problem import RefusedError
+from lappet.core.problem import refused
+from lappet.core.problem_code import ProblemCode
 from lappet.geometry.closest_point import ClosestPoint
 from lappet.geometry.curve import sample_curve
 from lappet.procedure import Incision
@@ -20,12 +21,12 @@ def shares_along(count: int, inset_start: float | None, inset_end: float | None)
     insets that leave nothing.
     """
     if count < 1:
-        raise RefusedError(f"A run of {count} sutures is none; give at least 1.")
+        raise refused(ProblemCode.SUTURE_RUN_EMPTY, "", count)
     half = 0.5 / count
     first = half if inset_start is None else inset_start
     last = 1.0 - (half if inset_end is None else inset_end)
     if first > last:
-        raise RefusedError(f"The insets {first:g} and {1.0 - last:g} leave nothing between them; make them smaller.")
+        raise refused(ProblemCode.SUTURE_INSETS, "", f"{first:g}", last=1.0 - last)
     if count == 1:
         return np.array([0.5 * (first + last)])
     return np.linspace(first, last, count)
@@ -62,7 +63,7 @@ def across_incision(
     side = np.cross(normals[triangle], tangent)
     size = np.linalg.norm(side, axis=1, keepdims=True)
     if not (size > 1e-9).all():
-        raise RefusedError(f"{incision.name} runs straight into the skin at one place; draw it along the skin.")
+        raise refused(ProblemCode.SUTURE_INTO_SKIN, incision.name)
     side = bite * side / size
     return skin.query(middle + side)[1], skin.query(middle - side)[1]
 

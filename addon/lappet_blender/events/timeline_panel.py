@@ -93,7 +93,7 @@ class LAPPET_UL_events(bpy.types.UIList):
 
 
 class LAPPET_MT_event_add(bpy.types.Menu):
-    """Takes up the tool that places an event."""
+    """Switch to the tool that places an event."""
 
     bl_idname = "LAPPET_MT_event_add"
     bl_label = "Add Event"
@@ -104,7 +104,7 @@ class LAPPET_MT_event_add(bpy.types.Menu):
 
 
 class LAPPET_PT_timeline(bpy.types.Panel):
-    """What is done to the tissue, and when."""
+    """The events of the operation and when they happen."""
 
     bl_idname = "LAPPET_PT_timeline"
     bl_label = "Timeline"
@@ -124,7 +124,7 @@ class LAPPET_PT_timeline(bpy.types.Panel):
         side.separator()
         side.operator("lappet.event_select", text="", icon="RESTRICT_SELECT_OFF")
         if not len(data.events):
-            layout.label(text="Draw an incision to begin.", icon="INFO")
+            layout.label(text="Draw an incision to start.", icon="INFO")
             return
         if 0 <= data.active_event < len(data.events):
             draw_fields(layout, context.scene, data.events[data.active_event])

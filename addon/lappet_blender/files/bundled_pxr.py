@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import bpy
 
-from lappet.core.problem import RefusedError
+from lappet.core.problem import refused
+from lappet.core.problem_code import ProblemCode
 from lappet.usd.stage import Pxr, pxr
 
 
@@ -18,7 +19,4 @@ def bundled_pxr() -> Pxr:
     try:
         return pxr()
     except ImportError as cause:
-        raise RefusedError(
-            f"This Blender comes without USD ({cause}), so procedures can be neither imported nor exported; "
-            "everything else works. The Blender of blender.org, 4.5 or newer, has it."
-        ) from cause
+        raise refused(ProblemCode.USD_NOT_IN_BLENDER, "", cause) from cause

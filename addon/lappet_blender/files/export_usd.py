@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import bpy
 
-from lappet.core.problem import RefusedError
+from lappet.core.problem import RefusedError, refused
+from lappet.core.problem_code import ProblemCode
 
 from ..model.scene_procedure import read_scene
 from ..solving import reconcile
@@ -15,17 +17,17 @@ from ..solving.solve_settings import frame_store, solve_settings
 from .bundled_pxr import bundled_pxr
 
 if TYPE_CHECKING:
+    from lappet.daemon.solved_frame import SolvedFrame
     from lappet.procedure import Procedure
     from lappet.program.program import Program
-    from lappet.solve.store import FrameStore, StoredFrame
+    from lappet.solve.store import FrameStore
 
 
 def procedure_of(scene: bpy.types.Scene) -> Procedure:
     """The procedure that a scene holds; raises RefusedError with what stands in the way."""
     reading = read_scene(scene)
     if reading.procedure is None:
-        first = next((each for each in reading.problems if each.severity == "error"), None)
-        raise RefusedError("The scene holds no procedure." if first is None else f"{first.message} {first.remedy}")
+        raise RefusedError([each for each in reading.problems if each.severity == "error"])
     return reading.procedure
 
 
@@ -49,21 +51,17 @@ def write_cache(scene: bpy.types.Scene, path: Path) -> Path:
     bundled_pxr()
     from lappet.output.skin_cache import write_skin_cache
     from lappet.program.keys import frame_keys
-    from lappet.solve.solve_frames import FrameResult
     from lappet.usd.stage import SUFFIXES, write_procedure
 
     if path.suffix not in SUFFIXES:
-        raise RefusedError(f"{path.name} does not end in a USD suffix; name it {', '.join(SUFFIXES)}.")
+        raise refused(ProblemCode.USD_SUFFIX, path, path.suffix, name=path.name, known=", ".join(SUFFIXES))
     procedure = procedure_of(scene)
     program = compiled(scene, procedure)
-    found = _stored(program, frame_keys(program, reconcile.identity()), frame_store(scene))
-    frames = [
-        FrameResult(constraints, key, stored.header, dict(stored.arrays), True, 0.0)
-        for constraints, (key, stored) in zip(program.frames, found, strict=True)
-    ]
+    keys = frame_keys(program, reconcile.identity())
+    frames = _stored(program, keys, frame_store(scene))
     beside = path.with_suffix(".procedure.usda")
     write_procedure(procedure, beside)
-    write_skin_cache(path, beside, procedure, program, frames)
+    write_skin_cache(path, beside, procedure, program, frames, keys[-1])
     return beside
 
 
@@ -71,25 +69,19 @@ def compiled(scene: bpy.types.Scene, procedure: Procedure, spacing: float | None
     """The program of a procedure with the settings of a scene's Solve panel."""
     from lappet.program.compile import compile_program
 
-    settings = solve_settings(scene)
-    return compile_program(
-        procedure,
-        spacing=settings.spacing if spacing is None else spacing,
-        tolerance=settings.tolerance,
-        quadrature=settings.quadrature,
-        precision=settings.precision,
-    )
+    return compile_program(procedure, settings=replace(solve_settings(scene), spacing=spacing or 0.0))
 
 
-def _stored(program: Program, keys: tuple[str, ...], store: FrameStore) -> list[tuple[str, StoredFrame]]:
+def _stored(program: Program, keys: tuple[str, ...], store: FrameStore) -> list[SolvedFrame]:
+    from lappet.daemon.solved_frame import SolvedFrame
+
     found, missing = [], []
     for constraints, key in zip(program.frames, keys, strict=True):
-        stored = store.get(key)
+        stored = store.get(key, SolvedFrame)
         if stored is None:
             missing.append(round(constraints.time))
         else:
-            found.append((key, stored))
+            found.append(stored)
     if missing:
-        which = f"Frame {missing[0]} is" if len(missing) == 1 else f"{len(missing)} frames, from {missing[0]} on, are"
-        raise RefusedError(f"{which} not solved as the procedure is now; press Solve, then export again.")
+        raise refused(ProblemCode.FRAMES_NOT_SOLVED, "", missing[0], count=len(missing))
     return found

@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any
 import bpy
 import numpy as np
 
-from lappet.core.problem import RefusedError
+from lappet.core.problem import RefusedError, refused
+from lappet.core.problem_code import ProblemCode
 
 from ..look.skin_read import SkinCache
 from ..look.skin_source import SCALARS, FigureError
@@ -21,7 +22,8 @@ from .bundled_pxr import bundled_pxr
 from .export_usd import compiled
 
 if TYPE_CHECKING:
-    from lappet.background.plan import Plan, ShownFrame
+    from lappet.background.plan import Plan
+    from lappet.daemon.solved_frame import SolvedFrame
     from lappet.procedure import Procedure
 
 
@@ -40,7 +42,7 @@ class CacheFrames:
     """The frames of a skin cache. exact: they are what this solver would give for the file's procedure."""
 
     plan: Plan
-    frames: dict[str, ShownFrame]
+    frames: dict[str, SolvedFrame]
     exact: bool
 
 
@@ -84,7 +86,6 @@ def _collection(scene: bpy.types.Scene, name: str) -> bpy.types.Collection:
 def _show(scene: bpy.types.Scene, procedure: Procedure, found: FoundFile) -> str:
     """Gives the frames of a cache to the solving side, and says which they are."""
     from lappet.background.plan_store import put_plan
-    from lappet.solve.store import StoredFrame
 
     try:
         read = cache_frames(scene, procedure, found)
@@ -94,7 +95,7 @@ def _show(scene: bpy.types.Scene, procedure: Procedure, found: FoundFile) -> str
     for key, frame in read.frames.items():
         frame_cache.put(key, frame)
         if not read.exact:  # under keys of their own: what lies under a solver's key must hold its state too
-            controller.store.put(key, StoredFrame(frame.header, {"points": frame.points, **frame.arrays}))
+            controller.store.put(key, frame)
     if not read.exact:
         put_plan(controller.store, read.plan)
     controller.past.append(read.plan)
@@ -113,7 +114,7 @@ def cache_frames(scene: bpy.types.Scene, procedure: Procedure, found: FoundFile)
     Raises RefusedError where its surfaces are not those that this Lappet cuts, FigureError for a damaged cache.
     """
     from lappet.background.make_plan import epoch_shapes, make_plan
-    from lappet.background.plan import ShownFrame
+    from lappet.daemon.solved_frame import SolvedFrame
     from lappet.program.keys import frame_keys
 
     assert found.cache is not None
@@ -124,11 +125,11 @@ def cache_frames(scene: bpy.types.Scene, procedure: Procedure, found: FoundFile)
     times = {round(frame.time): i for i, frame in enumerate(program.frames)}
     indices = {time: times[round(time)] for time in cache.frames if round(time) in times}
     if not indices:
-        raise RefusedError("It holds no frame of its procedure.")
+        raise refused(ProblemCode.CACHE_NO_FRAME)
     for epoch in cache.epochs:
         shape = shape_at.get(int(epoch.name.rpartition("_")[2]))
         if shape is None or not np.array_equal(shape.triangles, epoch.triangles):
-            raise RefusedError("Its surface was cut by another version of Lappet.")
+            raise refused(ProblemCode.CACHE_OTHER_CUT)
     last = max(indices)
     try:
         keys = frame_keys(program, reconcile.identity())
@@ -140,15 +141,23 @@ def cache_frames(scene: bpy.types.Scene, procedure: Procedure, found: FoundFile)
         keys = tuple(f"{own.hexdigest()}{i:08x}" for i in range(len(program.frames)))
     plan_key = hashlib.blake2b("imported".join(keys).encode(), digest_size=32).hexdigest()
     plan = make_plan(plan_key, program, keys, shapes)
-    frames: dict[str, ShownFrame] = {}
+    frames: dict[str, SolvedFrame] = {}
     for time, index in indices.items():
         epoch, planned = cache.epoch_at(time), plan.frames[index]
-        arrays: dict[str, Any] = {
+        scalars: dict[str, Any] = {
             name: values for name in SCALARS if (values := cache.scalar(epoch, name, time)) is not None
         }
-        arrays["suture_points"] = cache.sutures(time).ends[list(planned.sutures)].astype(np.float64)
-        arrays["hook_points"] = cache.hooks(time).ends[list(planned.hooks), 0].astype(np.float64)
-        arrays["landmarks"] = cache.landmarks(time)[list(plan.landmarks_at[planned.epoch])].astype(np.float64)
-        points = np.ascontiguousarray(cache.positions(epoch, time), np.float32)
-        frames[planned.key] = ShownFrame(points, {"time": float(time), "converged": True, "from": "cache"}, arrays)
+        hooks, sutures = np.array(planned.hooks, np.int32), np.array(planned.sutures, np.int32)
+        landmarks = np.array(plan.landmarks_at[planned.epoch], np.int32)
+        frames[planned.key] = SolvedFrame(
+            float(time),
+            np.ascontiguousarray(cache.positions(epoch, time), np.float32),
+            **scalars,
+            landmark_index=landmarks,
+            landmarks=cache.landmarks(time)[landmarks].astype(np.float64),
+            hook_index=hooks,
+            hook_points=cache.hooks(time).ends[hooks, 0].astype(np.float64),
+            suture_index=sutures,
+            suture_points=cache.sutures(time).ends[sutures].astype(np.float64),
+        )
     return CacheFrames(plan, frames, exact)

@@ -20,7 +20,7 @@ def _path(operator: Any) -> Path:
 
 
 class LAPPET_OT_export_procedure(OperatorBase, bpy.types.Operator, ExportHelper):
-    """Writes the procedure as a USD file that the command lappet solve and other programs read"""
+    """Write the procedure to a USD file, for `lappet solve` and other programs"""
 
     bl_idname = "lappet.export_procedure"
     bl_label = "Export Lappet Procedure"
@@ -36,7 +36,7 @@ class LAPPET_OT_export_procedure(OperatorBase, bpy.types.Operator, ExportHelper)
 
 
 class LAPPET_OT_export_cache(OperatorBase, bpy.types.Operator, ExportHelper):
-    """Writes the solved frames as a skin cache, a USD file over the procedure; solves nothing"""
+    """Write the solved frames to a skin cache, a USD file layered over the procedure; nothing is solved"""
 
     bl_idname = "lappet.export_cache"
     bl_label = "Export Lappet Skin Cache"
@@ -52,7 +52,7 @@ class LAPPET_OT_export_cache(OperatorBase, bpy.types.Operator, ExportHelper):
 
 
 class LAPPET_OT_import_procedure(OperatorBase, bpy.types.Operator, ImportHelper):
-    """Reads a procedure or a skin cache"""
+    """Read a procedure or a skin cache"""
 
     bl_idname = "lappet.import_procedure"
     bl_label = "Import Lappet Procedure"
@@ -61,7 +61,7 @@ class LAPPET_OT_import_procedure(OperatorBase, bpy.types.Operator, ImportHelper)
     filter_glob: StringProperty(default=_GLOB, options={"HIDDEN"})
     new_scene: BoolProperty(
         name="New Scene",
-        description="Into a scene of its own; left out: where this one already has a tissue or events",
+        description="Import into a new scene; if not given, only if this scene already has a tissue or events",
         default=False,
     )
 

@@ -7,12 +7,21 @@ from typing import Any, ClassVar
 
 import bpy
 
-from lappet.core.problem import RefusedError
+from lappet.core.problem import Problem, RefusedError, problem
+from lappet.core.problem_code import ProblemCode
 
 from ..model.changes import changed
+from .problem_sentence import problem_sentence
 
 UNDOABLE = {"REGISTER", "UNDO"}
 NO_UNDO = {"REGISTER"}
+_MAX_SAID = 3  # problems that one report names
+_refused: list[Problem] = []
+
+
+def last_refusal() -> tuple[Problem, ...]:
+    """Return why the last operator of Lappet refused, () where it did not: `bpy.ops` passes only text to Python."""
+    return tuple(_refused)
 
 
 class OperatorBase:
@@ -39,16 +48,23 @@ class OperatorBase:
 
     def attempt(self, work: Callable[[], str | None]) -> bool:
         """Do a piece of work and show the sentence that it returns; report a refusal and return False."""
+        _refused.clear()
         try:
             done = work()
         except RefusedError as refused:
-            self.report({"ERROR"}, str(refused))
+            self.refuse(*refused.problems)
             return False
         except OSError as error:
-            where = f"{error.filename}: " if error.filename else ""
-            said = (error.strerror or str(error)).rstrip(".")
-            self.report({"ERROR"}, f"{where}{said}; choose another folder or file.")
+            self.refuse(problem(ProblemCode.FILE_ERROR, error.filename or "", error.strerror or str(error)))
             return False
         if done:
             self.report({"INFO"}, done)
         return True
+
+    def refuse(self, *problems: Problem) -> set[str]:
+        """Report why nothing is done, and cancel."""
+        _refused[:] = problems
+        more = len(problems) - _MAX_SAID
+        tail = [f"({more} more.)"] if more > 0 else []
+        self.report({"ERROR"}, " ".join([*map(problem_sentence, problems[:_MAX_SAID]), *tail]))
+        return {"CANCELLED"}

@@ -12,7 +12,8 @@ _PIXELS_PER_LETTER = 7.0
 def draw_sentence(layout: bpy.types.UILayout, context: bpy.types.Context, sentence: str, icon: str = "NONE") -> None:
     """Labels that together say the sentence in the width of the region."""
     region = context.region
-    scale = context.preferences.system.ui_scale if context.preferences is not None else 1.0
+    preferences = context.preferences
+    scale = (preferences.system.ui_scale if preferences is not None else 1.0) or 1.0  # 0 without a window
     width = region.width if region is not None else 300
     letters = max(20, int((width - 60 * scale) / (_PIXELS_PER_LETTER * scale)))
     column = layout.column(align=True)

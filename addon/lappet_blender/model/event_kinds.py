@@ -6,7 +6,7 @@ from lappet.procedure import Basis
 
 KINDS = (
     ("INCISION", "Incision", "A cut along a line on the skin", "SCULPTMODE_HLT", 0),
-    ("EXCISION", "Excision", "Takes a piece of tissue away", "TRASH", 1),
+    ("EXCISION", "Excision", "Removes a piece of tissue", "TRASH", 1),
     ("UNDERMINE", "Undermining", "Frees the skin inside a line from its bed", "MOD_EXPLODE", 2),
     ("HOOK", "Hook", "Pulls a point of the skin to a target", "HOOK", 3),
     ("RETRACTOR", "Retractor", "Grips faces of the skin and moves them as one", "VIEW_PAN", 4),

@@ -50,17 +50,17 @@ def _set_moment(event: "LappetEvent", start: float) -> None:
 class LappetEvent(bpy.types.PropertyGroup):
     """An event; which of the fields count depends on its kind."""
 
-    uid: StringProperty(name="Identifier", description="Never changes and is never given twice", options={"HIDDEN"})
+    uid: StringProperty(name="Identifier", description="Unique, and never changes", options={"HIDDEN"})
     # `name` is PropertyGroup's own: the name of the prim, a USD identifier, unique in the scene (operators see to it).
     kind: EnumProperty(name="Kind", items=KINDS)
     enabled: BoolProperty(
         name="Enabled",
-        description="Whether the event takes place; one that is off stays in the list",
+        description="Whether the event happens; an event that is off stays in the list",
         default=True,
         update=property_changed,
     )
     start: FloatProperty(
-        name="Frame", description="The frame at which it happens or begins", default=1.0, update=property_changed
+        name="Frame", description="The frame at which it happens or starts", default=1.0, update=property_changed
     )
     end: FloatProperty(
         name="Release",
@@ -70,7 +70,7 @@ class LappetEvent(bpy.types.PropertyGroup):
     )
     duration: FloatProperty(
         name="Duration",
-        description="How many frames the suture takes to close",
+        description="Number of frames until the suture is closed",
         default=1.0,
         min=0.0,
         update=property_changed,
@@ -85,14 +85,14 @@ class LappetEvent(bpy.types.PropertyGroup):
     )
     depth: FloatProperty(
         name="Depth",
-        description="How deep the cut goes below the skin, in mm",
+        description="Depth of the cut below the skin, in mm",
         default=2.0,
         min=0.0,
         update=property_changed,
     )
     kerf: FloatProperty(
         name="Kerf",
-        description="How wide the cut is, in mm",
+        description="Width of the cut in mm",
         default=0.05,
         min=0.0,
         precision=3,
@@ -100,27 +100,29 @@ class LappetEvent(bpy.types.PropertyGroup):
     )
     stiffness: FloatProperty(
         name="Stiffness",
-        description="Of the hook or the suture, in mN/mm",
+        description="Stiffness of the hook or suture, in mN/mm",
         default=500.0,
         min=0.0,
         update=property_changed,
     )
     target: PointerProperty(
         name="Target",
-        description="The empty whose place (hook) or motion (retractor) is followed; keyframe it like anything else",
+        description="The empty whose location (hook) or motion (retractor) is followed; keyframe it like any object",
         type=bpy.types.Object,
         update=property_changed,
     )
     grip: StringProperty(
-        name="Grip", description="The group of the tissue's faces that the retractor holds", update=property_changed
+        name="Grip", description="The group of faces that the retractor holds", update=property_changed
     )
-    label: StringProperty(name="Label", description="What reports call the landmark", update=property_changed)
+    label: StringProperty(name="Label", description="Name of the landmark in reports", update=property_changed)
     # What the interface edits in place of `name` and `start`: the name stays one that USD takes and nothing else has,
     # and the release and the target's keyframes move with the start.
-    title: StringProperty(name="Name", description="Of the event; double-click to rename", get=_title, set=_set_title)
+    title: StringProperty(
+        name="Name", description="Name of the event; double-click to rename", get=_title, set=_set_title
+    )
     moment: FloatProperty(
         name="Frame",
-        description="The frame at which it happens or begins; its end and its target's keyframes move with it",
+        description="The frame at which it happens or starts; its end and its target's keyframes move with it",
         precision=2,
         step=100,
         get=_moment,

@@ -10,7 +10,8 @@ import bpy
 import numpy as np
 from mathutils import Matrix
 
-from lappet.core.problem import RefusedError
+from lappet.core.problem import refused
+from lappet.core.problem_code import ProblemCode
 from lappet.geometry.rigid_motion import RigidMotion
 from lappet.procedure import Event, Excision, Hook, Incision, Landmark, Point, Retractor, Suture, Undermine
 
@@ -119,18 +120,14 @@ def _points(event: Any) -> tuple[Point, ...]:
 
 def _exactly(event: Any, points: tuple[Point, ...], count: int) -> tuple[Point, ...]:
     if len(points) != count:
-        has = f"{len(points)} point{'s' * (len(points) != 1)}"
-        raise RefusedError(f"{event.name} has {has}, not {count}; remove it and place it again.")
+        raise refused(ProblemCode.EVENT_POINT_COUNT, event.name, len(points), need=count)
     return points
 
 
 def _followed(scene: bpy.types.Scene, event: Any) -> bpy.types.Object:
     if not is_there(scene, event.target):
         what = "is not set" if event.target is None else f"{event.target.name!r} is not in the scene any more"
-        raise RefusedError(
-            f"The target of {event.name} {what}, so that it pulls nowhere; "
-            "choose an empty as its target in the timeline, or remove the event."
-        )
+        raise refused(ProblemCode.EVENT_TARGET_MISSING, event.name, what)
     return event.target
 
 

@@ -8,7 +8,8 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from lappet.core.problem import RefusedError
+from lappet.core.problem import refused
+from lappet.core.problem_code import ProblemCode
 from lappet.geometry.mesh_faults import refuse_unreadable
 
 from .mesh_values import GROUP
@@ -61,12 +62,8 @@ def _check(
     groups: Mapping[str, NDArray[np.integer]],
 ) -> None:
     refuse_unreadable(name, points, counts, indices)
-    if len(counts) and counts.min() < 3:
-        raise RefusedError(f"{name}: a face has {counts.min()} corners; give every face at least 3")
     if uv is not None and len(uv) != len(indices):
-        raise RefusedError(f"{name}: there are {len(uv)} texture coordinates for {len(indices)} face corners")
+        raise refused(ProblemCode.TISSUE_UV_COUNT, name, len(uv), corners=len(indices))
     for group, faces in groups.items():
         if len(faces) and not 0 <= faces.min() <= faces.max() < len(counts):
-            raise RefusedError(
-                f"{name}: the group {group!r} names face {faces.max()} of {len(counts)}; select it again"
-            )
+            raise refused(ProblemCode.SUBSET_INDEX_RANGE, name, faces.max(), name=group, faces=len(counts))

@@ -21,16 +21,16 @@ VERSION = 1  # of these properties; `migrate.py` brings older files up to it
 
 # What the menu says of a model; one that is not here shows its name.
 MODEL_TEXTS = {
-    "corotated": ("Corotated", "Linear elasticity that turns with the tissue"),
-    "neoHookean": ("Neo-Hookean", "Rubber-like: the usual choice for skin at small stretch"),
-    "stableNeoHookean": ("Stable neo-Hookean", "Finite even where cells are turned inside out"),
+    "corotated": ("Corotated", "Linear elasticity that rotates with the tissue"),
+    "neoHookean": ("Neo-Hookean", "Rubber-like: the usual choice for skin at small strains"),
+    "stableNeoHookean": ("Stable neo-Hookean", "Stays finite even where cells are inverted"),
     "mooneyRivlin": ("Mooney–Rivlin", "Two moduli"),
 }
 MODEL_ITEMS = tuple((name, *MODEL_TEXTS.get(name, (name, ""))) for name in MODELS)
 COLORS = (
     ("PLAIN", "Skin", "Plain skin"),
-    ("GRID", "Grid", "A printed grid of millimetres that shows how the skin moves"),
-    ("CHECKER", "Checkerboard", "A checkerboard of 5 mm that shows how the skin moves"),
+    ("GRID", "Grid", "A printed millimeter grid that shows how the skin moves"),
+    ("CHECKER", "Checkerboard", "A 5 mm checkerboard that shows how the skin moves"),
     ("STRAIN", "Strain", "How far the skin is stretched"),
     ("STRESS", "Stress", "Von Mises stress in kPa"),
     ("TENSION", "Tension", "Tension along the skin"),
@@ -46,7 +46,7 @@ class LappetMaterial(bpy.types.PropertyGroup):
     )
     poissons_ratio: FloatProperty(
         name="Poisson's ratio",
-        description="How nearly incompressible, below 0.5",
+        description="Below 0.5, which is incompressible",
         default=0.45,
         min=-0.99,
         max=0.49999,
@@ -57,14 +57,14 @@ class LappetMaterial(bpy.types.PropertyGroup):
         name="Mooney ratio", description="The second modulus over the first", default=0.0, update=property_changed
     )
     fiber_k1: FloatProperty(
-        name="Fibre stiffness", description="kPa; 0 = no fibres", default=0.0, min=0.0, update=property_changed
+        name="Fiber stiffness", description="kPa; 0 = no fibers", default=0.0, min=0.0, update=property_changed
     )
     fiber_k2: FloatProperty(
-        name="Fibre exponent", description="How fast fibres stiffen", default=0.0, min=0.0, update=property_changed
+        name="Fiber exponent", description="How fast fibers stiffen", default=0.0, min=0.0, update=property_changed
     )
     fiber_dispersion: FloatProperty(
         name="Dispersion",
-        description="0 = all fibres along the direction, 1/3 = in every direction",
+        description="0 = all fibers along the direction, 1/3 = equally in all directions",
         default=0.0,
         min=0.0,
         max=1.0 / 3.0,
@@ -72,7 +72,7 @@ class LappetMaterial(bpy.types.PropertyGroup):
     )
     fiber_direction: FloatVectorProperty(
         name="Direction",
-        description="Of fibres, muscle and prestretch: along the relaxed skin tension lines",
+        description="Direction of fibers, muscle and prestretch: along the relaxed skin tension lines",
         size=3,
         default=(1.0, 0.0, 0.0),
         update=property_changed,
@@ -88,11 +88,11 @@ class LappetMaterial(bpy.types.PropertyGroup):
     )
     density: FloatProperty(name="Density", description="kg/m³", default=1100.0, min=0.0, update=property_changed)
     muscle_stress: FloatProperty(
-        name="Muscle", description="Greatest active stress in kPa; 0 = none", default=0.0, update=property_changed
+        name="Muscle", description="Maximum active stress in kPa; 0 = none", default=0.0, update=property_changed
     )
     activation: FloatProperty(
         name="Activation",
-        description="Of the muscle, 0 to 1; keyframe it",
+        description="Activation of the muscle, 0 to 1; can be keyframed",
         default=0.0,
         min=0.0,
         max=1.0,
@@ -105,10 +105,12 @@ class LappetRegion(bpy.types.PropertyGroup):
 
     material: StringProperty(name="Material", update=property_changed)
     depth_from: FloatProperty(
-        name="From", description="mm below the skin", default=0.0, min=0.0, update=property_changed
+        name="From", description="Depth below the skin, in mm", default=0.0, min=0.0, update=property_changed
     )
     to_bottom: BoolProperty(name="To the bottom", default=True, update=property_changed)
-    depth_to: FloatProperty(name="To", description="mm below the skin", default=2.0, min=0.0, update=property_changed)
+    depth_to: FloatProperty(
+        name="To", description="Depth below the skin, in mm", default=2.0, min=0.0, update=property_changed
+    )
 
 
 class LappetBone(bpy.types.PropertyGroup):
@@ -125,11 +127,11 @@ class LappetTissue(bpy.types.PropertyGroup):
     """
 
     object: PointerProperty(
-        name="Tissue", description="The mesh that is operated on", type=bpy.types.Object, update=property_changed
+        name="Tissue", description="The mesh to operate on", type=bpy.types.Object, update=property_changed
     )
     thicken: BoolProperty(
         name="Thicken",
-        description="The mesh is the outer surface only; the tissue is that much below it",
+        description="The mesh is only the outer surface; the tissue is a sheet of this thickness below it",
         default=False,
         update=property_changed,
     )
@@ -139,7 +141,7 @@ class LappetTissue(bpy.types.PropertyGroup):
     material: StringProperty(name="Material", default="skin", update=property_changed)
     spacing: FloatProperty(
         name="Lattice spacing",
-        description="Edge of a cell in mm: half of it takes about ten times as long",
+        description="Edge of a cell in mm: half the spacing takes about ten times as long",
         default=1.0,
         min=1e-6,
         soft_min=0.2,
@@ -175,7 +177,7 @@ class LappetSolving(bpy.types.PropertyGroup):
     )
     tolerance: FloatProperty(
         name="Tolerance",
-        description="Residual over force scale at which a frame has come to rest",
+        description="Residual relative to the force scale below which a frame is at rest",
         default=1e-3,
         min=1e-8,
         max=0.1,
@@ -183,22 +185,22 @@ class LappetSolving(bpy.types.PropertyGroup):
         update=property_changed,
     )
     threads: IntProperty(name="Threads", description="0 = all", default=0, min=0, max=256)
-    live: BoolProperty(name="Live", description="The skin follows while a hook's target is dragged", default=False)
+    live: BoolProperty(name="Live", description="The skin follows while the target of a hook is dragged", default=False)
     beside_file: BoolProperty(
         name="Beside the .blend",
-        description="Keep solved frames in a folder beside the .blend instead of the user's cache",
+        description="Keep solved frames in a folder beside the .blend file instead of the user's cache",
         default=False,
         update=property_changed,
     )
     last_plan: StringProperty(
-        name="Last plan", description="Key of the plan that was shown when the file was saved", options={"HIDDEN"}
+        name="Last plan", description="Key of the plan shown when the file was saved", options={"HIDDEN"}
     )
 
 
 class LappetLook(bpy.types.PropertyGroup):
     """How the solved skin is shown. The display side subscribes to changes by `update` of its own operators."""
 
-    color: EnumProperty(name="Colour", items=COLORS, default="GRID", update=property_changed)
+    color: EnumProperty(name="Color", items=COLORS, default="GRID", update=property_changed)
     show_solved: BoolProperty(
         name="Solved skin",
         description="Show the solved skin instead of the tissue at rest",
@@ -212,7 +214,7 @@ class LappetLook(bpy.types.PropertyGroup):
     show_landmarks: BoolProperty(name="Landmarks", default=True, update=property_changed)
     show_legend: BoolProperty(
         name="Legend",
-        description="The colour scale beside the skin, in renders too",
+        description="Show the color scale beside the skin, also in renders",
         default=True,
         update=property_changed,
     )

@@ -6,14 +6,14 @@ from dataclasses import dataclass
 
 import bpy
 
-from lappet.core.problem import Problem, RefusedError
+from lappet.core.problem import Problem, RefusedError, problem
+from lappet.core.problem_code import ProblemCode
 from lappet.procedure import Event, Procedure
 
 from .decimals import decimal
 from .event_values import event_value
 from .material_values import material_values
 from .scene_filling import fill_scene
-from .scene_problem import problem
 from .tissue_values import bone_values, tissue_value
 
 
@@ -54,12 +54,10 @@ def _events(scene: bpy.types.Scene, problems: list[Problem]) -> tuple[Event, ...
         try:
             found.append(event_value(scene, each))
         except RefusedError as refused:
-            sentence, _, remedy = str(refused).partition("; ")
-            problems.append(problem(each.name, each.kind, sentence, remedy or "Change the event, or switch it off."))
+            problems += refused.problems
         except (ValueError, ReferenceError, TypeError, KeyError, AttributeError) as error:
             # A scene may hold anything, and panels read it while they draw: say which event, and go on.
-            sentence = f"The event {each.name!r} cannot be read: {error}."
-            problems.append(problem(each.name, each.kind, sentence, "Remove the event and place it anew."))
+            problems.append(problem(ProblemCode.EVENT_UNREADABLE, each.name, error))
     return tuple(found)
 
 

@@ -12,7 +12,9 @@ from dataclasses import dataclass, replace
 import bpy
 import numpy as np
 
-from lappet.core.problem import Problem, RefusedError
+from lappet.core.problem import Problem, RefusedError, problem
+from lappet.core.problem_code import ProblemCode
+from lappet.geometry.mesh_faults import mesh_faults
 from lappet.procedure import Bone, Region, Tissue
 from lappet.tissue.sheet_tissue import sheet_tissue
 
@@ -20,10 +22,7 @@ from .decimals import decimal
 from .material_values import region_values
 from .mesh_values import MeshValues, mesh_values
 from .object_problems import object_problems
-from .scene_problem import problem
 from .surface_border import open_edge_count
-
-_SLOT = "Tissue"
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,9 +75,8 @@ def tissue_value(scene: bpy.types.Scene) -> tuple[Tissue | None, list[Problem]]:
     settings = scene.lappet.tissue
     obj = settings.object
     if obj is None:
-        remedy = "Select a mesh and press Make Tissue."
-        return None, [problem(_SLOT, "none", "The scene has no tissue.", remedy, "lappet.tissue_set")]
-    problems: list[Problem] = list(object_problems(scene, obj, "tissue"))
+        return None, [problem(ProblemCode.TISSUE_NONE)]
+    problems = object_problems(scene, obj, "tissue")
     if problems:
         return None, problems
     mesh = mesh_values(scene, obj)
@@ -125,14 +123,11 @@ def bone_values(scene: bpy.types.Scene) -> tuple[tuple[Bone, ...], list[Problem]
         obj = entry.object
         if obj is None:
             continue
-        remove = {"operator": "lappet.bone_remove", "object": obj.name}
         if obj == scene.lappet.tissue.object:
-            sentence = f"The mesh {obj.name!r} is the tissue and a bone at once."
-            problems.append(problem(obj.name, "bone", sentence, "Remove it from the bones.", **remove))
+            problems.append(problem(ProblemCode.BONE_IS_TISSUE, obj.name))
             continue
         if obj in seen:
-            sentence = f"The bone {obj.name!r} is listed twice."
-            problems.append(problem(obj.name, "twice", sentence, "Remove one of them.", **remove))
+            problems.append(problem(ProblemCode.BONE_TWICE, obj.name))
             continue
         seen.add(obj)
         found = object_problems(scene, obj, "bone")
@@ -163,37 +158,18 @@ def _bone(obj: bpy.types.Object, mesh: MeshValues, name: str) -> Bone:
 
 
 def _made(mesh: MeshValues, thickness: float, name: str) -> _Kept:
-    if len(mesh.counts) == 0:
-        sentence = f"The tissue {name!r} has {len(mesh.points)} vertices and no face."
-        return _Kept(mesh, thickness, None, (problem(name, 0, sentence, "Give it faces, or choose another mesh."),))
-    unset = np.flatnonzero(~np.isfinite(mesh.points).all(axis=1))
-    if len(unset):
-        sentence = f"{len(unset)} vertices of the tissue {name!r} have no finite place, the first is vertex {unset[0]}."
-        return _Kept(mesh, thickness, None, (problem(name, unset[0], sentence, "Delete them, or undo what did it."),))
     border = open_edge_count(mesh)
-    if thickness == 0.0 and border:
-        sentence = f"The surface of the tissue {name!r} is open: {border} edges belong to one face only."
-        remedy = "Turn Thicken on and give a thickness, or fill the holes."
-        found = problem(name, border, sentence, remedy, "lappet.tissue_repair", kind="HOLES")
-        return _Kept(mesh, thickness, None, (found,))
-    if thickness > 0.0 and not border:
-        sentence = f"The surface of the tissue {name!r} is closed; a thickness of {thickness:g} mm says nothing."
-        found = problem(
-            name, f"{thickness:g} mm", sentence, "Turn Thicken off.", "lappet.tissue_repair", kind="THICKEN"
-        )
+    if thickness == 0.0 and (border or len(mesh.counts) == 0 or not np.isfinite(mesh.points).all()):
+        faults = mesh_faults(mesh.points, mesh.counts, mesh.indices, {ProblemCode.MESH_OPEN})
+        return _Kept(mesh, thickness, None, tuple(fault.problem(name) for fault in faults))
+    if thickness > 0.0 and not border and len(mesh.counts):
+        found = problem(ProblemCode.SHEET_OF_CLOSED_SURFACE, name, f"{thickness:g}")
         return _Kept(mesh, thickness, None, (found,))
     try:
         tissue = _sheet(mesh, thickness, name) if thickness > 0.0 else _closed_tissue(mesh)
     except RefusedError as refused:
-        sentence = str(refused).removeprefix(f"{name}: ")
-        what, _, remedy = sentence.partition("; ")
-        found = problem(name, f"{thickness:g} mm", f"{_capital(what)}.", f"{_capital(remedy or 'Check the mesh')}.")
-        return _Kept(mesh, thickness, None, (found,))
+        return _Kept(mesh, thickness, None, refused.problems)
     return _Kept(mesh, thickness, tissue, ())
-
-
-def _capital(text: str) -> str:
-    return text[:1].upper() + text[1:]
 
 
 def _sheet(mesh: MeshValues, thickness: float, name: str) -> Tissue:

@@ -14,9 +14,11 @@ from typing import TYPE_CHECKING, Literal
 
 import bpy
 
-from lappet.background.plan import Plan, PlannedFrame, ShownFrame, SolveSettings
+from lappet.background.plan import Plan, PlannedFrame
 from lappet.core.problem import Problem
+from lappet.daemon.solved_frame import SolvedFrame
 from lappet.procedure import Point, Procedure
+from lappet.program.settings import SolverSettings
 from lappet.solve.store import FrameStore
 
 from . import workers
@@ -41,7 +43,7 @@ class Job:
     kind: JobKind
     key: str
     procedure: Procedure
-    settings: SolveSettings
+    settings: SolverSettings
     plan: Plan | None = None
     started: float = field(default_factory=monotonic)
     until: int | None = None
@@ -66,7 +68,7 @@ class Live:
     job: int
     target: Point | None = None
     moved: bool = False
-    frame: ShownFrame | None = None
+    frame: SolvedFrame | None = None
     seconds: float = 0.0
     converged: bool = True
     needs_check: bool = False  # a property has changed: it may be one that the procedure is made of
@@ -77,7 +79,7 @@ class Failure:
     """Why the last job stopped; time: at which frame, None where it was none."""
 
     time: int | None
-    sentence: str
+    problem: Problem
 
 
 @dataclass(eq=False)
@@ -94,11 +96,11 @@ class Controller:
     store: FrameStore
     client: BackgroundSolver | None = None
     procedure: Procedure | None = None
-    settings: SolveSettings = field(default_factory=SolveSettings)
+    settings: SolverSettings = field(default_factory=SolverSettings)
     key: str = ""
     plan: Plan | None = None
     past: list[Plan] = field(default_factory=list)
-    past_of: tuple[Procedure, SolveSettings] | None = None
+    past_of: tuple[Procedure, SolverSettings] | None = None
     changed_from: float = -math.inf
     problems: tuple[Problem, ...] = ()
     refused: tuple[Problem, ...] = ()

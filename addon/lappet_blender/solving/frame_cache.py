@@ -10,7 +10,7 @@ import threading
 from collections import OrderedDict
 from collections.abc import Sequence
 
-from lappet.background.plan import ShownFrame
+from lappet.daemon.solved_frame import SolvedFrame
 from lappet.solve.store import FrameStore
 
 LIMIT = 512 << 20
@@ -22,7 +22,7 @@ class FrameCache:
     def __init__(self, limit: int = LIMIT) -> None:
         self.limit = limit
         self.bytes = 0
-        self._frames: OrderedDict[str, ShownFrame] = OrderedDict()
+        self._frames: OrderedDict[str, SolvedFrame] = OrderedDict()
         self._lock = threading.Lock()
         self._wanted: list[str] = []
         self._store: FrameStore | None = None
@@ -33,7 +33,7 @@ class FrameCache:
     def __contains__(self, key: str) -> bool:
         return key in self._frames
 
-    def get(self, key: str, store: FrameStore) -> ShownFrame | None:
+    def get(self, key: str, store: FrameStore) -> SolvedFrame | None:
         """The frame of a key, from memory or from the store; None where neither holds it."""
         with self._lock:
             found = self._frames.get(key)
@@ -45,23 +45,23 @@ class FrameCache:
             self.put(key, read)
         return read
 
-    def put(self, key: str, frame: ShownFrame) -> None:
+    def put(self, key: str, frame: SolvedFrame) -> None:
         """Keeps a frame; those used longest ago go when the bound is passed, but never this one."""
-        size = _bytes(frame)
+        size = frame.nbytes
         with self._lock:
             old = self._frames.pop(key, None)
-            self.bytes += size - (0 if old is None else _bytes(old))
+            self.bytes += size - (0 if old is None else old.nbytes)
             self._frames[key] = frame
             while self.bytes > self.limit and len(self._frames) > 1:
                 _, gone = self._frames.popitem(last=False)
-                self.bytes -= _bytes(gone)
+                self.bytes -= gone.nbytes
 
     def drop(self, key: str) -> None:
         """Forgets a frame; one that is not there is no error."""
         with self._lock:
             gone = self._frames.pop(key, None)
             if gone is not None:
-                self.bytes -= _bytes(gone)
+                self.bytes -= gone.nbytes
 
     def clear(self) -> None:
         """Forgets every frame."""
@@ -105,13 +105,8 @@ class FrameCache:
                     self.put(key, frame)
 
 
-def _read(store: FrameStore, key: str) -> ShownFrame | None:
-    from lappet.background.plan_store import get_shown
-
+def _read(store: FrameStore, key: str) -> SolvedFrame | None:
     with contextlib.suppress(OSError):
-        return get_shown(store, key)
+        frame = store.get(key, SolvedFrame)
+        return None if frame is None else frame.shown()
     return None
-
-
-def _bytes(frame: ShownFrame) -> int:
-    return int(frame.points.nbytes) + sum(int(array.nbytes) for array in frame.arrays.values())

@@ -8,19 +8,21 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from lappet.background.plan import Plan
+from lappet.core.problem import Problem, problem
+from lappet.core.problem_code import ProblemCode
 from lappet.solve.store import FrameStore
 
 
 class FrameCopy:
-    """Copies the frames, surfaces and plans of some plans, on a thread. done: it has ended; trouble: why it stopped
-    before all was copied, a sentence, or ""."""
+    """Copies the frames, surfaces and plans of some plans, on a thread. done: it has ended; problem: why it stopped
+    before all was copied, or None."""
 
     def __init__(self, plans: Iterable[Plan], old: FrameStore, new: FrameStore) -> None:
         keys: dict[str, None] = {}
         for plan in plans:
             each = (plan.key, *(epoch.key for epoch in plan.epochs), *(frame.key for frame in plan.frames))
             keys.update(dict.fromkeys(each))
-        self.trouble = ""
+        self.problem: Problem | None = None
         self._pairs = [(old.path(key), new.path(key)) for key in keys]
         self._folder = new.folder
         self._thread = threading.Thread(target=self._copy_all, name="lappet copying", daemon=True)
@@ -37,10 +39,7 @@ class FrameCopy:
                 if source.is_file() and not target.is_file():
                     _copy(source, target)
         except OSError as error:
-            self.trouble = (
-                f"Solved frames cannot be kept in {self._folder} ({error.strerror or error}); free some space there, "
-                "or switch off Beside the .blend, in the Settings of Solve."
-            )
+            self.problem = problem(ProblemCode.FRAMES_NOT_COPIED, self._folder, error.strerror or error)
 
 
 def _copy(source: Path, target: Path) -> None:

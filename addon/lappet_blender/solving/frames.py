@@ -40,11 +40,11 @@ def frame_runs(scene: bpy.types.Scene) -> tuple[FrameRun, ...]:
     return frame_runs_of(controller_of(scene))
 
 
-def frame_reason(scene: bpy.types.Scene, time: float) -> str:
-    """Why the frame at a time failed, a sentence; "" where it did not."""
+def frame_problem(scene: bpy.types.Scene, time: float) -> Problem | None:
+    """Why the frame at a time failed; None where it did not."""
     plan = controller_of(scene).newest()
     frame = None if plan is None else frame_at(plan, time)
-    return "" if frame is None else plans.failures.get(frame.key, "")
+    return None if frame is None else plans.failures.get(frame.key)
 
 
 def shown_at(scene: bpy.types.Scene, time: float) -> Shown | None:
@@ -88,8 +88,9 @@ def failure_of(scene: bpy.types.Scene) -> Failure | None:
     controller = controller_of(scene)
     if controller.failure is not None:
         return controller.failure
-    failed = next((time for time, state in frame_states(controller).items() if state == "failed"), None)
-    return None if failed is None else Failure(failed, frame_reason(scene, failed))
+    failed = (time for time, state in frame_states(controller).items() if state == "failed")
+    found = ((time, frame_problem(scene, time)) for time in failed)
+    return next((Failure(time, problem) for time, problem in found if problem is not None), None)
 
 
 def subscribe(listener: Listener) -> None:

@@ -7,7 +7,8 @@ from dataclasses import replace
 
 import bpy
 
-from lappet.core.problem import RefusedError
+from lappet.core.problem import RefusedError, refused
+from lappet.core.problem_code import ProblemCode
 from lappet.procedure import Hook, Procedure
 
 from ..model.decimals import decimal
@@ -17,7 +18,7 @@ from ..model.units import mm_per_unit
 from .controller import Controller, Job, Live, controller_of
 from .frames import problems_of
 from .reconcile import reconcile
-from .solve_jobs import first_sentence, refuse_problems
+from .solve_jobs import refuse_problems, worst_first
 from .solve_settings import solve_settings
 
 _LEAST_MOVE = 1e-4  # mm
@@ -30,17 +31,17 @@ def start_live(scene: bpy.types.Scene, hook: str = "") -> Live:
     """
     controller = controller_of(scene)
     if controller.job is not None and not controller.job.cancelled:
-        raise RefusedError("This scene is being solved; wait for it, or cancel it before a hook is dragged.")
+        raise refused(ProblemCode.SOLVE_RUNNING)
     reconcile(scene, controller, ask=False)
     refuse_problems(controller.problems)
     if controller.procedure is None or not controller.key:
-        raise RefusedError(first_sentence(problems_of(scene)))
+        raise RefusedError(worst_first(problems_of(scene)))
     event = _hook(scene, hook)
     time = scene.frame_current
     try:
         number = controller.solver().live(controller.procedure, controller.settings, time, event.name)
     except (RuntimeError, OSError) as error:
-        raise RefusedError(f"The solver could not be started: {error}") from error
+        raise refused(ProblemCode.SOLVER_NOT_STARTED, "", error) from error
     job = Job(number, "live", controller.key, controller.procedure, controller.settings, plan=controller.plan)
     controller.job, controller.planning, controller.failure = job, None, None
     controller.live = Live(event.name, event.uid, time, number, target=_place(scene, event.target))
@@ -125,17 +126,14 @@ def _hook(scene: bpy.types.Scene, hook: str):  # type: ignore[no-untyped-def]
     active = scene.lappet.active_event
     event = find_event(scene, hook) if hook else events[active] if 0 <= active < len(events) else None
     if event is None:
-        what = f"There is no event {hook!r} in the timeline" if hook else "No event is active in the timeline"
-        raise RefusedError(f"{what}; choose the hook to drag there.")
+        raise refused(ProblemCode.LIVE_NO_EVENT, "", hook or "none is active")
     if event.kind != "HOOK":
-        raise RefusedError(f"{event.name} is no hook, and only hooks are dragged live; choose one in the timeline.")
+        raise refused(ProblemCode.LIVE_NOT_A_HOOK, event.name)
     if not event.enabled or not decimal(event.start) <= scene.frame_current < decimal(event.end):
-        raise RefusedError(
-            f"{event.name} does not pull at frame {scene.frame_current}; go to a frame from {event.start:g} to before "
-            f"{event.end:g}{'' if event.enabled else ', and switch the hook on'}."
-        )
+        span = {"start": event.start, "end": event.end}
+        raise refused(ProblemCode.HOOK_NOT_PULLING, event.name, scene.frame_current, **span)
     if event.target is None:
-        raise RefusedError(f"{event.name} has no target to drag; choose an empty as its target in the timeline.")
+        raise refused(ProblemCode.EVENT_TARGET_MISSING, event.name, "is not set")
     return event
 
 

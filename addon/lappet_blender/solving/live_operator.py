@@ -20,13 +20,13 @@ def _stop(scene: bpy.types.Scene) -> None:
 
 
 class LAPPET_OT_live(OperatorBase, bpy.types.Operator):
-    """Drag the target of the active hook and see the skin follow; again, Return or Esc ends it"""
+    """Drag the target of the active hook and watch the skin follow; press again, Return or Esc to end"""
 
     bl_idname = "lappet.live"
     bl_label = "Live"
     bl_options = NO_UNDO
 
-    hook: StringProperty(name="Hook", description="Its name; empty = the active event", options={"SKIP_SAVE"})
+    hook: StringProperty(name="Hook", description="Name of the hook; empty = the active event", options={"SKIP_SAVE"})
 
     def run(self, context: bpy.types.Context) -> None:
         """Without a window it only switches: the timer follows the target."""

@@ -16,7 +16,7 @@ class PlanMemory:
     """The plans and refusals used last, and why frames failed. Equal epochs are one object in all plans."""
 
     def __init__(self, limit: int = LIMIT) -> None:
-        self.failures: dict[str, str] = {}  # frame key -> reason
+        self.failures: dict[str, Problem] = {}  # by frame key: why it failed
         self._limit = limit
         self._plans: OrderedDict[str, Plan] = OrderedDict()
         self._refused: OrderedDict[str, tuple[Problem, ...]] = OrderedDict()

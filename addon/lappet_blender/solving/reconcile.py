@@ -14,12 +14,13 @@ from collections.abc import Iterator
 
 import bpy
 
-from lappet.background.plan import SolveSettings
-from lappet.core.problem import Problem, RefusedError
+from lappet.core.problem import Problem, RefusedError, problem
 from lappet.core.problem_code import ProblemCode
 from lappet.procedure import Procedure
+from lappet.program.settings import SolverSettings
 from lappet.solve.store import FrameStore
 
+from ..interface.problem_sentence import problem_sentence
 from ..model.migrate import from_newer_version
 from ..model.scene_procedure import read_scene
 from .controller import PAST_PLANS, Controller, Job, plans
@@ -62,17 +63,7 @@ def reconcile(scene: bpy.types.Scene, controller: Controller, *, ask: bool = Tru
 def _newer(scene: bpy.types.Scene) -> tuple[Problem, ...]:
     if not from_newer_version(scene):
         return ()
-    sentence = f"The scene {scene.name!r} was saved by a newer Lappet, and parts of it may be missing here."
-    return (
-        Problem(
-            ProblemCode.UNSORTED,
-            scene.name,
-            str(scene.lappet.version),
-            sentence,
-            "Update Lappet before you save.",
-            "warning",
-        ),
-    )
+    return (problem(ProblemCode.SCENE_NEWER, scene.name, scene.lappet.version),)
 
 
 def request_plan(controller: Controller) -> None:
@@ -92,8 +83,11 @@ def reporting(controller: Controller) -> Iterator[None]:
     """What the worker cannot do becomes a problem of the scene instead of an exception."""
     try:
         yield
-    except (RefusedError, RuntimeError, OSError) as error:
-        controller.refused = (Problem(ProblemCode.UNSORTED, "solver", "", str(error), "Then press Solve again."),)
+    except RefusedError as refused:
+        controller.refused = refused.problems
+        controller.notify()
+    except (RuntimeError, OSError) as error:
+        controller.refused = (problem(ProblemCode.SOLVER_NOT_STARTED, "", error),)
         controller.notify()
 
 
@@ -139,7 +133,7 @@ def stop_obsolete(controller: Controller) -> None:
 
 
 def _take(
-    controller: Controller, procedure: Procedure | None, settings: SolveSettings, problems: tuple[Problem, ...]
+    controller: Controller, procedure: Procedure | None, settings: SolverSettings, problems: tuple[Problem, ...]
 ) -> None:
     if problems != controller.problems:
         controller.problems = problems
@@ -161,11 +155,8 @@ def _take(
     except (RefusedError, OSError) as error:
         _retire(controller)
         controller.procedure, controller.settings, controller.key = procedure, settings, ""
-        controller.refused = (
-            Problem(
-                ProblemCode.UNSORTED, "solver", "", str(error), "Install Lappet again, or repair its installation."
-            ),
-        )
+        unreadable = (problem(ProblemCode.SOLVER_UNREADABLE, "", error),)
+        controller.refused = error.problems if isinstance(error, RefusedError) else unreadable
         controller.notify()
         return
     if key != controller.key:
@@ -201,7 +192,7 @@ def _retire(controller: Controller) -> None:
     controller.past = [plan, *others][:PAST_PLANS]
 
 
-def _still_holds(controller: Controller, procedure: Procedure | None, settings: SolveSettings) -> float:
+def _still_holds(controller: Controller, procedure: Procedure | None, settings: SolverSettings) -> float:
     """The time before which the newest past plan holds for this procedure."""
     if procedure is None or not controller.past or controller.past_of is None:
         return -math.inf
@@ -228,6 +219,6 @@ def finish_copying(controller: Controller) -> None:
     if copying is None or not copying.done:
         return
     controller.copying = None
-    if copying.trouble:
-        controller.note(copying.trouble)
+    if copying.problem:
+        controller.note(problem_sentence(copying.problem))
     controller.recheck_frames(*([controller.plan] if controller.plan else []), *controller.past)

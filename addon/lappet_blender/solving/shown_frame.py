@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from lappet.background.plan import EpochShape, Plan, PlannedFrame, ShownFrame
+from lappet.background.plan import EpochShape, Plan, PlannedFrame
+from lappet.daemon.solved_frame import SolvedFrame
 
 from .controller import Controller, frame_at, frame_cache
 from .frame_states import is_current
@@ -21,7 +22,7 @@ class Shown:
     plan: Plan
     epoch: EpochShape
     time: int
-    frame: ShownFrame | None
+    frame: SolvedFrame | None
     stale: bool
 
 

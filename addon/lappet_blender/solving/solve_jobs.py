@@ -1,4 +1,4 @@
-"""Starts and stops the jobs of a scene; every refusal is one sentence in a RefusedError."""
+"""Starts and stops the jobs of a scene; what is refused is a RefusedError with its problems."""
 
 from __future__ import annotations
 
@@ -6,7 +6,8 @@ from pathlib import Path
 
 import bpy
 
-from lappet.core.problem import Problem, RefusedError
+from lappet.core.problem import Problem, RefusedError, problem, refused
+from lappet.core.problem_code import ProblemCode
 
 from .controller import Job, controller_of, controllers, frame_cache, plans
 from .frames import problems_of
@@ -17,19 +18,16 @@ def start_solve(scene: bpy.types.Scene, until: int | None = None) -> Job:
     """Reads the scene as it is now and has the worker solve it up to the frame `until` (None: all)."""
     controller = controller_of(scene)
     if controller.job is not None and not controller.job.cancelled:
-        what = "A hook is being dragged" if controller.job.kind == "live" else "This scene is being solved"
-        raise RefusedError(f"{what} already; wait for it, or cancel it first.")
+        raise refused(ProblemCode.SOLVE_LIVE if controller.job.kind == "live" else ProblemCode.SOLVE_RUNNING)
     reconcile(scene, controller, ask=False)
     refuse_problems(controller.problems)
     procedure = controller.procedure
     if procedure is None or not controller.key:
-        raise RefusedError(first_sentence(problems_of(scene)))
+        raise RefusedError(worst_first(problems_of(scene)))
     controller.refused = ()  # what was refused once is asked again: the disk or the installation may be repaired
     frames = procedure.frames()
     if until is not None and until not in frames:
-        raise RefusedError(
-            f"Frame {until} is not in the timeline, which runs from {frames[0]} to {frames[-1]}; give one inside it."
-        )
+        raise refused(ProblemCode.SOLVE_UNTIL, "", until, first=frames[0], last=frames[-1])
     if controller.plan is not None:
         for frame in controller.plan.frames:
             plans.failures.pop(frame.key, None)
@@ -38,7 +36,7 @@ def start_solve(scene: bpy.types.Scene, until: int | None = None) -> Job:
     try:
         number = controller.solver().solve(procedure, controller.settings, until)
     except (RuntimeError, OSError) as error:
-        raise RefusedError(f"The solver could not be started: {error}") from error
+        raise refused(ProblemCode.SOLVER_NOT_STARTED, "", error) from error
     job = Job(number, "solve", controller.key, procedure, controller.settings, plan=controller.plan, until=until)
     job.total = len(frames) if until is None else until - frames[0] + 1
     controller.job = job
@@ -67,7 +65,7 @@ def start_plan(scene: bpy.types.Scene) -> None:
     reconcile(scene, controller, ask=False)
     refuse_problems(controller.problems)
     if controller.procedure is None or not controller.key:
-        raise RefusedError(first_sentence(problems_of(scene)))
+        raise RefusedError(worst_first(problems_of(scene)))
     controller.refused = ()
     request_plan(controller)
     refuse_problems(controller.refused)
@@ -80,7 +78,7 @@ def clear_frames(scene: bpy.types.Scene) -> int:
     """
     controller = controller_of(scene)
     if controller.job is not None:
-        raise RefusedError("The scene is being solved; cancel that before its frames are cleared.")
+        raise refused(ProblemCode.SOLVE_RUNNING)
     every = [*([controller.plan] if controller.plan else []), *controller.past]
     keys = {frame.key for plan in every for frame in plan.frames}
     there = [key for key in keys if controller.holds(key)]
@@ -111,26 +109,19 @@ def recheck_all_scenes() -> None:
 
 
 def refuse_problems(problems: tuple[Problem, ...]) -> None:
-    """Raises the first error with its remedy, if there is one."""
-    errors = tuple(problem for problem in problems if problem.severity == "error")
+    """Raise RefusedError with the errors among the problems, if there are any."""
+    errors = [each for each in problems if each.severity == "error"]
     if errors:
-        raise RefusedError(first_sentence(errors))
+        raise RefusedError(errors)
 
 
-def first_sentence(problems: tuple[Problem, ...]) -> str:
-    """The first problem as people read it, and how many more there are."""
-    if not problems:
-        return "There is no tissue to solve; make a mesh the tissue first."
-    more = len(problems) - 1
-    tail = f" ({more} more in the Solve panel.)" if more else ""
-    worst = next((problem for problem in problems if problem.severity == "error"), problems[0])
-    return f"{worst}{tail}"
+def worst_first(problems: tuple[Problem, ...]) -> list[Problem]:
+    """Return the problems, errors first; where there are none, that there is no tissue."""
+    return sorted(problems, key=lambda each: each.severity != "error") or [problem(ProblemCode.TISSUE_NONE)]
 
 
 def _remove(path: Path) -> None:
     try:
         path.unlink(missing_ok=True)
     except OSError as error:
-        raise RefusedError(
-            f"The solved frame {path} cannot be removed ({error.strerror or error}); make its folder writable."
-        ) from error
+        raise refused(ProblemCode.FRAME_NOT_REMOVED, path, error.strerror or error) from error

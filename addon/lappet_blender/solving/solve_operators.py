@@ -3,7 +3,8 @@
 import bpy
 from bpy.props import BoolProperty, IntProperty
 
-from lappet.core.problem import RefusedError
+from lappet.core.problem import refused
+from lappet.core.problem_code import ProblemCode
 
 from ..interface.operator_base import NO_UNDO, UNDOABLE, OperatorBase
 from .frames import failure_of, problems_of, progress_of
@@ -14,14 +15,14 @@ from .wait_for_solve import wait_for_plan, wait_for_solve
 
 
 class LAPPET_OT_solve(OperatorBase, bpy.types.Operator):
-    """Solve every frame that is not solved yet, in the background"""
+    """Solve all frames that are not solved yet, in the background"""
 
     bl_idname = "lappet.solve"
     bl_label = "Solve"
     bl_options = NO_UNDO
 
     wait: BoolProperty(
-        name="Wait", description="Return when it is done; for scripts, Ctrl-C cancels", options={"SKIP_SAVE"}
+        name="Wait", description="Return when solving is done, for scripts; Ctrl-C cancels", options={"SKIP_SAVE"}
     )
     until: IntProperty(
         name="Until", description="The last frame to solve; -1 = all", default=-1, min=-1, options={"SKIP_SAVE"}
@@ -59,13 +60,13 @@ class LAPPET_OT_solve_cancel(OperatorBase, bpy.types.Operator):
 
 
 class LAPPET_OT_plan_now(OperatorBase, bpy.types.Operator):
-    """Cut the tissue at rest and find out which frames are solved, without solving any"""
+    """Cut the tissue at rest and find out which frames are solved; nothing is solved"""
 
     bl_idname = "lappet.plan_now"
     bl_label = "Plan Now"
     bl_options = NO_UNDO
 
-    wait: BoolProperty(name="Wait", description="Return when it is done", default=True, options={"SKIP_SAVE"})
+    wait: BoolProperty(name="Wait", description="Return when the plan is ready", default=True, options={"SKIP_SAVE"})
 
     def run(self, context: bpy.types.Context) -> None:
         with reading():
@@ -75,7 +76,7 @@ class LAPPET_OT_plan_now(OperatorBase, bpy.types.Operator):
 
 
 class LAPPET_OT_clear_frames(OperatorBase, bpy.types.Operator):
-    """Delete the solved frames of this scene's procedure, in its copies too; undo does not bring them back"""
+    """Delete the solved frames of this procedure, also for copies of the scene; this cannot be undone"""
 
     bl_idname = "lappet.clear_frames"
     bl_label = "Clear Solved Frames"
@@ -91,7 +92,7 @@ class LAPPET_OT_clear_frames(OperatorBase, bpy.types.Operator):
 
 
 class LAPPET_OT_reload_frames(OperatorBase, bpy.types.Operator):
-    """Look again which frames are solved: another program may have solved some"""
+    """Check again which frames are solved: another program may have solved some"""
 
     bl_idname = "lappet.reload_frames"
     bl_label = "Reload Frames"
@@ -133,8 +134,7 @@ class LAPPET_OT_problem_show(OperatorBase, bpy.types.Operator):
     def run(self, context: bpy.types.Context) -> str | None:
         problems = problems_of(context.scene)
         if self.index >= len(problems):
-            many = f"There are {len(problems)} problems" if len(problems) != 1 else "There is 1 problem"
-            raise RefusedError(f"{many}, and none of the index {self.index}; give one from 0.")
+            raise refused(ProblemCode.PROBLEM_UNKNOWN, "", self.index, count=len(problems))
         if not select_problem(context.scene, context.view_layer, problems[self.index]):
             return f"{problems[self.index].prim} is nothing in the scene that could be selected."
         return None

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import bpy
 
-from lappet.background.plan import SolveSettings
+from lappet.program.settings import SolverSettings
 from lappet.solve.store import FrameStore, default_folder
 
 from ..model.decimals import decimal
@@ -15,12 +15,12 @@ BESIDE = "lappet_frames"
 _stores: dict[Path, FrameStore] = {}
 
 
-def solve_settings(scene: bpy.types.Scene) -> SolveSettings:
+def solve_settings(scene: bpy.types.Scene) -> SolverSettings:
     """The settings of a scene."""
     solving = scene.lappet.solving
-    return SolveSettings(
+    return SolverSettings(
         tolerance=decimal(solving.tolerance),
-        quadrature=int(solving.quadrature),  # type: ignore[arg-type]
+        quadrature=int(solving.quadrature),
         precision=solving.precision,
         threads=solving.threads,
     )

@@ -13,7 +13,10 @@ _WEIGHT = 0.2  # of the newest frame in the running mean
 
 
 class SpeedEstimate:
-    """Seconds per cell and frame. folder: where the measure is kept between sessions; trouble with it is no error."""
+    """Seconds per cell and frame.
+
+    folder: where the estimate is kept between sessions; a file there that cannot be used is ignored.
+    """
 
     def __init__(self, folder: Path) -> None:
         self._file = folder / _FILE

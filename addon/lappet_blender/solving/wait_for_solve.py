@@ -3,29 +3,27 @@
 from __future__ import annotations
 
 import time
+from dataclasses import replace
 
 import bpy
 
-from lappet.core.problem import RefusedError
+from lappet.core.problem import Problem, RefusedError, refused
+from lappet.core.problem_code import ProblemCode
 
-from .controller import controller_of
+from .controller import Failure, controller_of
 from .frame_states import count_states
 from .frames import follow_up, notify_listeners
-from .solve_jobs import cancel_solve, first_sentence
+from .solve_jobs import cancel_solve
 from .worker_events import handle_worker_events
 
 _NAP = 0.01
 
 
-class SolveFailedError(RuntimeError):
-    """A solve ended before its last frame; the message is the sentence that the user reads."""
-
-
 def wait_for_solve(scene: bpy.types.Scene) -> bool:
     """Waits until the scene's job has ended; True where it ran to its end, False where it was cancelled.
 
-    Prints a line per frame. Ctrl-C cancels. Raises RefusedError where the procedure was refused and SolveFailedError
-    where a frame failed.
+    Prints a line per frame. Ctrl-C cancels. Raises RefusedError where the procedure was refused or a frame
+    failed.
     """
     controller = controller_of(scene)
     job, printed = controller.job, 0
@@ -43,10 +41,9 @@ def wait_for_solve(scene: bpy.types.Scene) -> bool:
             cancel_solve(scene)
     _finish_pictures()
     if controller.refused:
-        raise RefusedError(first_sentence(controller.refused))
+        raise RefusedError(controller.refused)
     if controller.failure is not None:
-        at = "" if controller.failure.time is None else f"Frame {controller.failure.time} failed: "
-        raise SolveFailedError(f"{at}{controller.failure.sentence}")
+        raise RefusedError([_with_frame(controller.failure)])
     if not job.cancelled:
         counts = count_states(controller)
         print(f"Lappet: {counts['solved']} frames solved in {time.monotonic() - job.started:.1f} s", flush=True)
@@ -62,9 +59,16 @@ def wait_for_plan(scene: bpy.types.Scene) -> None:
     notify_listeners(scene, controller)
     _finish_pictures()
     if controller.refused:
-        raise RefusedError(first_sentence(controller.refused))
+        raise RefusedError(controller.refused)
     if controller.plan is None:
-        raise SolveFailedError("The procedure could not be planned; the notes in the Solve panel say why.")
+        raise refused(ProblemCode.PLAN_FAILED)
+
+
+def _with_frame(failure: Failure) -> Problem:
+    """The problem with the frame at which it arose in its message."""
+    if failure.time is None:
+        return failure.problem
+    return replace(failure.problem, message=f"Frame {failure.time} failed: {failure.problem.message}")
 
 
 def _finish_pictures() -> None:

@@ -5,18 +5,18 @@ from __future__ import annotations
 import math
 import time
 
-from lappet.background.plan import (
+from lappet.background.worker_events import (
     Finished,
     FrameFailed,
     FrameReady,
-    Happening,
     IterationDone,
     LiveFrame,
     Note,
     Planned,
     Refused,
-    ShownFrame,
+    WorkerEvent,
 )
+from lappet.daemon.solved_frame import SolvedFrame
 
 from .controller import Controller, Failure, Job, frame_at, frame_cache, plans
 from .reconcile import activate_plan, request_plan, stop_obsolete
@@ -27,39 +27,39 @@ def handle_worker_events(controller: Controller) -> bool:
     """Applies what has come from the worker since the last call; whether there was anything."""
     if controller.client is None:
         return False
-    happenings = controller.client.poll()
-    for happening in happenings:
-        _apply(controller, happening)
-    return bool(happenings)
+    events = controller.client.poll()
+    for event in events:
+        _apply(controller, event)
+    return bool(events)
 
 
-def _apply(controller: Controller, happening: Happening) -> None:
-    if isinstance(happening, Note):
-        controller.note(happening.sentence)
+def _apply(controller: Controller, event: WorkerEvent) -> None:
+    if isinstance(event, Note):
+        controller.note(event.sentence)
         return
-    job = next((job for job in controller.jobs() if job.number == happening.job), None)
+    job = next((job for job in controller.jobs() if job.number == event.job), None)
     if job is None:
         return  # of a job that nobody waits for any more; its frames are in the store
-    match happening:
+    match event:
         case Planned():
-            _planned(controller, job, happening)
+            _planned(controller, job, event)
         case Refused():
-            plans.refuse(job.key, happening.problems)
+            plans.refuse(job.key, event.problems)
             if job.key == controller.key:
-                controller.refused = happening.problems
+                controller.refused = event.problems
             controller.notify()
         case IterationDone():
-            if not math.isclose(job.time, happening.time):
+            if not math.isclose(job.time, event.time):
                 job.frame_started = time.monotonic()
-            job.time, job.newton, job.residual = happening.time, happening.newton, happening.residual
+            job.time, job.newton, job.residual = event.time, event.newton, event.residual
         case FrameReady():
-            _ready(controller, job, happening)
+            _ready(controller, job, event)
         case FrameFailed():
-            _failed(controller, job, happening)
+            _failed(controller, job, event)
         case LiveFrame():
-            _live(controller, happening)
+            _live(controller, event)
         case Finished():
-            _finished(controller, job, happening)
+            _finished(controller, job, event)
 
 
 def _planned(controller: Controller, job: Job, planned: Planned) -> None:
@@ -91,20 +91,18 @@ def _ready(controller: Controller, job: Job, ready: FrameReady) -> None:
     controller.notify()
 
 
-def _learn(controller: Controller, frame: ShownFrame) -> None:
-    cells = float(frame.header.get("lattice", {}).get("cells", 0.0))
-    seconds = frame.header.get("seconds", {})
-    total = float(seconds.get("total", 0.0)) if isinstance(seconds, dict) else float(seconds)
+def _learn(controller: Controller, frame: SolvedFrame) -> None:
+    cells = 0.0 if frame.lattice is None else float(frame.lattice.cells)
     controller.cells = cells or controller.cells
-    speed_estimate().measured(cells, total)
+    speed_estimate().measured(cells, frame.diagnostics.seconds.total)
 
 
 def _failed(controller: Controller, job: Job, failed: FrameFailed) -> None:
     frame = None if job.plan is None else frame_at(job.plan, failed.time)
     if frame is not None:
-        plans.failures[frame.key] = str(failed.problem)
+        plans.failures[frame.key] = failed.problem
     if job.key == controller.key or frame is None:
-        controller.failure = Failure(failed.time, str(failed.problem))
+        controller.failure = Failure(failed.time, failed.problem)
     controller.notify()
 
 

@@ -3,7 +3,8 @@
 import bpy
 from bpy.props import StringProperty
 
-from lappet.core.problem import RefusedError
+from lappet.core.problem import refused
+from lappet.core.problem_code import ProblemCode
 
 from ..interface.operator_base import UNDOABLE
 from ..model.tissue_values import identifier
@@ -12,13 +13,13 @@ from .tissue_operator import TissueOperator
 
 
 class LAPPET_OT_bone_add(TissueOperator, bpy.types.Operator):
-    """Make a closed mesh a bone, which the tissue may not enter"""
+    """Make a closed mesh a bone, which the tissue cannot enter"""
 
     bl_idname = "lappet.bone_add"
     bl_label = "Add Bone"
     bl_options = UNDOABLE
 
-    object: StringProperty(name="Object", description="Its name; empty for the active object")
+    object: StringProperty(name="Object", description="Name of the object; empty = the active object")
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
@@ -28,24 +29,24 @@ class LAPPET_OT_bone_add(TissueOperator, bpy.types.Operator):
         procedure = context.scene.lappet
         obj = named_object(context, self.object)
         if obj.type != "MESH":
-            raise RefusedError(f"{obj.name!r} is a {obj.type.lower()} and no mesh; select a mesh.")
+            raise refused(ProblemCode.OBJECT_NOT_A_MESH, obj.name, obj.type.lower(), role="object")
         if obj == procedure.tissue.object:
-            raise RefusedError(f"{obj.name!r} is the tissue; a bone is another mesh below it.")
+            raise refused(ProblemCode.BONE_IS_TISSUE, obj.name)
         if any(bone.object == obj for bone in procedure.bones):
-            raise RefusedError(f"{obj.name!r} is a bone already.")
+            raise refused(ProblemCode.BONE_KNOWN, obj.name)
         taken = {bone.name for bone in procedure.bones}
         bone = procedure.bones.add()
         bone.name, bone.object = identifier(obj.name, taken), obj
 
 
 class LAPPET_OT_bone_remove(TissueOperator, bpy.types.Operator):
-    """Take a bone out of the procedure; the object stays"""
+    """Remove a bone from the procedure; the object stays"""
 
     bl_idname = "lappet.bone_remove"
     bl_label = "Remove Bone"
     bl_options = UNDOABLE
 
-    object: StringProperty(name="Object", description="Its name; empty for the active object")
+    object: StringProperty(name="Object", description="Name of the object; empty = the active object")
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
@@ -58,7 +59,7 @@ class LAPPET_OT_bone_remove(TissueOperator, bpy.types.Operator):
         index = next((i for i in range(len(bones) - 1, -1, -1) if _is(bones[i], name)), -1)
         if index < 0:
             known = ", ".join(bone.object.name for bone in bones if bone.object) or "none"
-            raise RefusedError(f"{name!r} is no bone; there are: {known}.")
+            raise refused(ProblemCode.BONE_UNKNOWN, "", name, known=known)
         bones.remove(index)
 
 

@@ -3,7 +3,8 @@
 import bpy
 from bpy.props import IntProperty
 
-from lappet.core.problem import RefusedError
+from lappet.core.problem import refused
+from lappet.core.problem_code import ProblemCode
 
 from ..interface.operator_base import NO_UNDO, UNDOABLE
 from ..model.units import to_world
@@ -18,7 +19,7 @@ class _OnTissue(TissueOperator):
 
 
 class LAPPET_OT_tissue_check(_OnTissue, bpy.types.Operator):
-    """Look for holes, crossings, thin places and everything else that would be refused, and show it on the mesh"""
+    """Look for holes, self-intersections, thin places and other problems, and show them on the mesh"""
 
     bl_idname = "lappet.tissue_check"
     bl_label = "Check"
@@ -28,7 +29,7 @@ class LAPPET_OT_tissue_check(_OnTissue, bpy.types.Operator):
         problems = check_tissue(context.scene).problems()
         errors = sum(each.severity == "error" for each in problems)
         if not problems:
-            return "Nothing is wrong with the tissue."
+            return "No problems found."
         warnings = len(problems) - errors
         return (
             f"{errors} problem{'s' * (errors != 1)}, {warnings} warning{'s' * (warnings != 1)}: {problems[0].message}"
@@ -47,10 +48,10 @@ class LAPPET_OT_tissue_show_problem(_OnTissue, bpy.types.Operator):
     def run(self, context: bpy.types.Context) -> None:
         found = last_check(context.scene)
         if found is None or self.index >= len(found.places):
-            raise RefusedError(f"There is no problem {self.index}; press Check again.")
+            raise refused(ProblemCode.PROBLEM_UNKNOWN, "", self.index, count=0 if found is None else len(found.places))
         middle = found.places[self.index].middle()
         if middle is None:
-            raise RefusedError("This problem has no one place on the mesh.")
+            raise refused(ProblemCode.PROBLEM_NOWHERE)
         context.scene.cursor.location = to_world(context.scene, middle.tolist())
         if context.region_data is not None:
             context.region_data.view_location = context.scene.cursor.location

@@ -6,7 +6,8 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from lappet.core.problem import RefusedError
+from lappet.core.problem import refused
+from lappet.core.problem_code import ProblemCode
 
 from ..model.mesh_values import mesh_values
 from ..model.surface_border import directed_edges
@@ -17,18 +18,18 @@ _STEEP = 0.5  # of a normal's height: below this a face is a side
 WHICH = (
     ("SELECTED", "Selected", "The selected faces"),
     ("ALL", "All", "Every face"),
-    ("TOP", "Top", "Faces that look up"),
-    ("BOTTOM", "Bottom", "Faces that look down"),
-    ("SIDES", "Sides", "Faces that look sideways"),
+    ("TOP", "Top", "Faces that point up"),
+    ("BOTTOM", "Bottom", "Faces that point down"),
+    ("SIDES", "Sides", "Faces that point sideways"),
     ("BOUNDARY", "Border", "Faces at the border of an open surface"),
 )
-_NONE = {
-    "SELECTED": "None of the {count} faces of {name!r} is selected; select faces in edit mode.",
-    "ALL": "{name!r} has no face.",
-    "TOP": "None of the {count} faces of {name!r} looks up; select faces in edit mode.",
-    "BOTTOM": "None of the {count} faces of {name!r} looks down; select faces in edit mode.",
-    "SIDES": "None of the {count} faces of {name!r} looks sideways; select faces in edit mode.",
-    "BOUNDARY": "The surface of {name!r} is closed and has no border; select faces in edit mode.",
+_CHOSEN = {
+    "SELECTED": "is selected",
+    "ALL": "is there",
+    "TOP": "faces up",
+    "BOTTOM": "faces down",
+    "SIDES": "faces sideways",
+    "BOUNDARY": "lies at a border: the surface is closed",
 }
 
 
@@ -53,7 +54,7 @@ def chosen_faces(scene: bpy.types.Scene, obj: bpy.types.Object, faces: str, whic
         height = _heights(obj)
         chosen = {"TOP": height >= _STEEP, "BOTTOM": height <= -_STEEP, "SIDES": np.abs(height) < _STEEP}[which]
     if not chosen.any():
-        raise RefusedError(_NONE[which].format(name=obj.name, count=count))
+        raise refused(ProblemCode.FACES_NONE, obj.name, _CHOSEN[which], count=count)
     return chosen
 
 
@@ -62,10 +63,10 @@ def _listed(name: str, count: int, faces: str) -> NDArray[np.bool_]:
     for part in faces.replace(" ", "").split(","):
         first, _, last = part.partition("-")
         if not first.isdigit() or not (last or first).isdigit():
-            raise RefusedError(f"{part!r} is no face of {name!r}; give indices and ranges such as 0,1,5-9.")
+            raise refused(ProblemCode.FACES_TEXT, name, part)
         low, high = int(first), int(last or first)
         if not low <= high < count:
-            raise RefusedError(f"{name!r} has no face {part}: its {count} faces are 0 to {count - 1}.")
+            raise refused(ProblemCode.FACES_RANGE, name, part, count=count, last=count - 1)
         chosen[low : high + 1] = True
     return chosen
 

@@ -6,7 +6,8 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from lappet.core.problem import RefusedError
+from lappet.core.problem import refused
+from lappet.core.problem_code import ProblemCode
 
 from ..model.mesh_values import GROUP, group_faces, group_names
 from .edited_mesh import edited_mesh
@@ -16,16 +17,14 @@ from .tissue_objects import changeable_mesh
 def check_name(name: str) -> None:
     """Raises RefusedError for a name that no face subset of a procedure may have."""
     if not (name.isidentifier() and name.isascii()):
-        raise RefusedError(
-            f"A group cannot be named {name!r}; use letters, digits and underscores, and no digit first."
-        )
+        raise refused(ProblemCode.GROUP_NAME, "", name)
 
 
 def check_group(obj: bpy.types.Object, name: str) -> None:
     """Raises RefusedError where the object has no such group."""
     if name not in group_names(obj.data):
         known = ", ".join(group_names(obj.data)) or "none"
-        raise RefusedError(f"{obj.name!r} has no group of faces {name!r}; there are: {known}.")
+        raise refused(ProblemCode.GROUP_UNKNOWN, obj.name, name, known=known)
 
 
 def change_group(obj: bpy.types.Object, name: str, faces: NDArray[np.bool_], action: str) -> int:
@@ -37,7 +36,7 @@ def change_group(obj: bpy.types.Object, name: str, faces: NDArray[np.bool_], act
     changeable_mesh(obj)
     taken = obj.data.attributes.get(GROUP + name)
     if taken is not None and (taken.domain, taken.data_type) != ("FACE", "BOOLEAN"):
-        raise RefusedError(f"The mesh of {obj.name!r} has another attribute named {GROUP + name!r}; rename that.")
+        raise refused(ProblemCode.GROUP_ATTRIBUTE, obj.name, GROUP + name)
     count = 0
     if obj.mode == "EDIT":
         with edited_mesh(obj) as work:

@@ -3,7 +3,8 @@
 import bpy
 from bpy.props import BoolProperty, EnumProperty, StringProperty
 
-from lappet.core.problem import RefusedError
+from lappet.core.problem import refused
+from lappet.core.problem_code import ProblemCode
 
 from ..interface.operator_base import UNDOABLE
 from ..model.mesh_values import group_names
@@ -22,14 +23,14 @@ class _OnTissue(TissueOperator):
 
 
 class LAPPET_OT_faces_assign(_OnTissue, bpy.types.Operator):
-    """Put faces of the tissue into a group: fixed faces are held, bed faces are tied to deep tissue"""
+    """Add faces of the tissue to a group: fixed faces are held, bed faces are tied to deep tissue"""
 
     bl_idname = "lappet.faces_assign"
     bl_label = "Assign Faces"
     bl_options = UNDOABLE
 
     group: StringProperty(name="Group", default="fixed")
-    faces: StringProperty(name="Faces", description='Indices, such as "0,1,5-9"; empty for the choice below')
+    faces: StringProperty(name="Faces", description='Indices such as "0,1,5-9"; empty = the choice below')
     which: EnumProperty(name="Which", items=WHICH, default="SELECTED")
     action: EnumProperty(
         name="Action",
@@ -63,13 +64,13 @@ class LAPPET_OT_faces_new(_OnTissue, bpy.types.Operator):
     def run(self, context: bpy.types.Context) -> str:
         obj = tissue_object(context.scene)
         if self.group in group_names(obj.data):
-            raise RefusedError(f"{obj.name!r} has a group {self.group!r} already; add to that, or give another name.")
+            raise refused(ProblemCode.GROUP_EXISTS, obj.name, self.group)
         count = change_group(obj, self.group, chosen_faces(context.scene, obj, "", "SELECTED"), "SET")
         return f"The group {self.group!r} has {count} faces."
 
 
 class LAPPET_OT_faces_clear(_OnTissue, bpy.types.Operator):
-    """Take a group away; its faces stay"""
+    """Remove a group; its faces stay"""
 
     bl_idname = "lappet.faces_clear"
     bl_label = "Remove Group"

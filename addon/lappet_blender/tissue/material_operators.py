@@ -7,7 +7,8 @@ from dataclasses import replace
 import bpy
 from bpy.props import EnumProperty, FloatProperty, StringProperty
 
-from lappet.core.problem import RefusedError
+from lappet.core.problem import refused
+from lappet.core.problem_code import ProblemCode
 from lappet.procedure import Region
 from lappet.tissue.presets import PRESETS
 
@@ -27,17 +28,15 @@ def _material(scene: bpy.types.Scene, name: str) -> bpy.types.PropertyGroup:
     found = scene.lappet.materials.get(name)
     if found is None:
         known = ", ".join(each.name for each in scene.lappet.materials) or "none"
-        raise RefusedError(f"There is no material {name!r}; there are: {known}.")
+        raise refused(ProblemCode.MATERIAL_UNKNOWN, "", name, known=known)
     return found
 
 
 def _check_new(scene: bpy.types.Scene, name: str) -> None:
     if not (name.isidentifier() and name.isascii()):
-        raise RefusedError(
-            f"A material cannot be named {name!r}; use letters, digits and underscores, and no digit first."
-        )
+        raise refused(ProblemCode.MATERIAL_NAME, "", name)
     if name in scene.lappet.materials:
-        raise RefusedError(f"There is a material {name!r} already; give another name.")
+        raise refused(ProblemCode.MATERIAL_EXISTS, "", name)
 
 
 class _OnScene(TissueOperator):
@@ -55,7 +54,7 @@ class LAPPET_OT_material_add(_OnScene, bpy.types.Operator):
     bl_label = "Add Material"
     bl_options = UNDOABLE
 
-    name: StringProperty(name="Name", description="Empty for the preset's own")
+    name: StringProperty(name="Name", description="Empty = the name of the preset")
     preset: EnumProperty(name="Preset", items=PRESET_ITEMS, default="SKIN")
 
     def run(self, context: bpy.types.Context) -> None:
@@ -82,10 +81,10 @@ class LAPPET_OT_material_remove(_OnScene, bpy.types.Operator):
         scene = context.scene
         _material(scene, self.name)
         if scene.lappet.tissue.material == self.name and scene.lappet.tissue.object is not None:
-            raise RefusedError(f"The tissue is made of {self.name!r}; give the tissue another material first.")
+            raise refused(ProblemCode.MATERIAL_IN_USE, "", self.name, user="The tissue")
         users = [region.name for region in scene.lappet.regions if region.material == self.name]
         if users:
-            raise RefusedError(f"The region {users[0]!r} is made of {self.name!r}; give it another material first.")
+            raise refused(ProblemCode.MATERIAL_IN_USE, "", self.name, user=f"The region {users[0]!r}")
         index = scene.lappet.materials.find(self.name)
         _move_curves(scene, index)
         scene.lappet.materials.remove(index)
@@ -136,7 +135,7 @@ class LAPPET_OT_material_preset(_OnScene, bpy.types.Operator):
     bl_label = "Use Preset"
     bl_options = UNDOABLE
 
-    name: StringProperty(name="Name", description="Of the material; empty for the tissue's")
+    name: StringProperty(name="Name", description="Name of the material; empty = the material of the tissue")
     preset: EnumProperty(name="Preset", items=PRESET_ITEMS, default="SKIN")
 
     @classmethod
@@ -150,16 +149,18 @@ class LAPPET_OT_material_preset(_OnScene, bpy.types.Operator):
 
 
 class LAPPET_OT_region_add(_OnScene, bpy.types.Operator):
-    """Make the tissue below a group of faces of another material"""
+    """Give the tissue below a group of faces another material"""
 
     bl_idname = "lappet.region_add"
     bl_label = "Add Region"
     bl_options = UNDOABLE
 
-    group: StringProperty(name="Group", description="Of the tissue's faces")
+    group: StringProperty(name="Group", description="A group of faces of the tissue")
     material: StringProperty(name="Material")
-    depth_from: FloatProperty(name="From", description="mm below the skin", default=0.0, min=0.0)
-    depth_to: FloatProperty(name="To", description="mm below the skin; 0 = to the bottom", default=0.0, min=0.0)
+    depth_from: FloatProperty(name="From", description="Depth below the skin, in mm", default=0.0, min=0.0)
+    depth_to: FloatProperty(
+        name="To", description="Depth below the skin, in mm; 0 = to the bottom", default=0.0, min=0.0
+    )
 
     def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
         return context.window_manager.invoke_props_dialog(self)
@@ -176,17 +177,14 @@ class LAPPET_OT_region_add(_OnScene, bpy.types.Operator):
         scene = context.scene
         obj = tissue_object(scene)
         if not self.group and group_names(obj.data):
-            raise RefusedError(f"Give the region's group of faces; there are: {', '.join(group_names(obj.data))}.")
+            raise refused(ProblemCode.GROUP_NONE_GIVEN, obj.name, known=", ".join(group_names(obj.data)))
         check_group(obj, self.group)
         if self.group in scene.lappet.regions:
-            raise RefusedError(f"There is a region below {self.group!r} already; give each a group of its own.")
+            raise refused(ProblemCode.REGION_SUBSET_TWICE, obj.name, self.group, times=2)
         material = self.material or scene.lappet.tissue.material
         _material(scene, material)
         if 0.0 < self.depth_to <= self.depth_from:
-            raise RefusedError(
-                f"The region would end {self.depth_to:g} mm below the skin and begin at {self.depth_from:g} mm; "
-                "give a greater depth, or 0 for the bottom."
-            )
+            raise refused(ProblemCode.REGION_DEPTHS, self.group, f"{self.depth_to:g}", top=self.depth_from)
         region = Region(self.group, material, self.depth_from, self.depth_to or math.inf)
         set_region(scene.lappet.regions.add(), region)
         scene.lappet.active_region = len(scene.lappet.regions) - 1
@@ -206,7 +204,7 @@ class LAPPET_OT_region_remove(_OnScene, bpy.types.Operator):
         index = regions.find(self.group)
         if index < 0:
             known = ", ".join(each.name for each in regions) or "none"
-            raise RefusedError(f"There is no region below {self.group!r}; there are: {known}.")
+            raise refused(ProblemCode.REGION_OF_GROUP_UNKNOWN, "", self.group, known=known)
         regions.remove(index)
         context.scene.lappet.active_region = max(0, min(context.scene.lappet.active_region, len(regions) - 1))
 

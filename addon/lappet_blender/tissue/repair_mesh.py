@@ -6,7 +6,8 @@ import bmesh
 import bpy
 import numpy as np
 
-from lappet.core.problem import RefusedError
+from lappet.core.problem import refused
+from lappet.core.problem_code import ProblemCode
 from lappet.geometry.triangulation import clip_ears, triangulate
 from lappet.tissue.mesh_file import Mesh
 from lappet.tissue.mesh_repair import border_loops, orient, perimeter
@@ -69,7 +70,7 @@ def turn_alike(scene: bpy.types.Scene, obj: bpy.types.Object) -> str:
     turned = orient(Mesh(mesh.points, triangles))[0].triangles
     flip = np.unique(faces[(turned != triangles).any(axis=1)])
     if len(flip) == 0:
-        raise RefusedError("No face can be turned to look the way of its neighbours; the surface is one-sided there.")
+        raise refused(ProblemCode.FACES_CANNOT_TURN, obj.name)
     with edited_mesh(obj) as work:
         work.faces.ensure_lookup_table()
         for face in flip.tolist():
@@ -94,13 +95,10 @@ def fill_holes(scene: bpy.types.Scene, obj: bpy.types.Object, keep_rim: bool, ev
     else:
         limit = _SMALL_HOLE * float(np.linalg.norm(np.ptp(mesh.points, axis=0)))
     if not loops:
-        raise RefusedError(f"The surface of {obj.name!r} has no hole to fill.")
+        raise refused(ProblemCode.HOLES_NONE, obj.name)
     small = [loop for loop, size in zip(loops, lengths, strict=True) if everything or len(loop) <= 4 or size <= limit]
     if not small:
-        raise RefusedError(
-            f"The smallest hole of {obj.name!r} is {lengths[0]:.4g} mm around, too large to be filled on its own "
-            f"(up to {limit:.4g} mm): turn Thicken on, or close the mesh by hand."
-        )
+        raise refused(ProblemCode.HOLES_LARGE, obj.name, f"{lengths[0]:.4g}", limit=limit)
     with edited_mesh(obj) as work:
         work.verts.ensure_lookup_table()
         uv = work.loops.layers.uv.active

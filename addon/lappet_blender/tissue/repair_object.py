@@ -5,7 +5,8 @@ from __future__ import annotations
 import bpy
 from mathutils import Matrix
 
-from lappet.core.problem import RefusedError
+from lappet.core.problem import refused
+from lappet.core.problem_code import ProblemCode
 
 from ..model.keyframes import curves_of
 from ..model.world_matrix import keeps_shape, world_matrix
@@ -24,7 +25,7 @@ def apply_scale(obj: bpy.types.Object) -> None:
     _out_of_edit_mode(obj)
     world = world_matrix(obj)
     if abs(world.to_3x3().determinant()) < 1e-30:
-        raise RefusedError(f"The scale of {obj.name!r} is 0 in some direction; give it another scale first.")
+        raise refused(ProblemCode.OBJECT_SCALE_ZERO, obj.name)
     place, turn, _ = world.decompose()
     rigid = Matrix.LocRotScale(place, turn, None)
     if obj.data.users > 1:
@@ -55,7 +56,7 @@ def apply_shape(context: bpy.types.Context, obj: bpy.types.Object) -> str:
     made = bpy.data.meshes.new_from_object(obj.evaluated_get(graph), preserve_all_data_layers=True, depsgraph=graph)
     if len(made.polygons) == 0:
         bpy.data.meshes.remove(made)
-        raise RefusedError(f"The modifiers leave no face of {obj.name!r}; remove them instead.")
+        raise refused(ProblemCode.OBJECT_NO_FACE_LEFT, obj.name)
     before, name = obj.data, obj.data.name
     faces = len(before.polygons)
     obj.modifiers.clear()
@@ -69,7 +70,7 @@ def apply_shape(context: bpy.types.Context, obj: bpy.types.Object) -> str:
 def make_local(obj: bpy.types.Object) -> None:
     """Makes the object and its mesh local copies of what a library has."""
     if obj.library is None and obj.data.library is None:
-        raise RefusedError(f"{obj.name!r} is local already.")
+        raise refused(ProblemCode.OBJECT_LOCAL, obj.name)
     if obj.library is not None:
         obj.make_local()
     if obj.data.library is not None:
@@ -81,7 +82,7 @@ def make_local(obj: bpy.types.Object) -> None:
 def fix_place(obj: bpy.types.Object) -> None:
     """Leaves the object where it stands now, without constraints, parent, drivers and keyframes of its place."""
     if obj.library is not None:
-        raise RefusedError(f"{obj.name!r} is linked from {obj.library.filepath!r}; make it local first.")
+        raise refused(ProblemCode.OBJECT_LINKED, obj.name, obj.library.filepath, role="object")
     world = world_matrix(obj)
     obj.constraints.clear()
     if obj.animation_data is not None:
@@ -97,7 +98,7 @@ def fix_place(obj: bpy.types.Object) -> None:
 def restore(scene: bpy.types.Scene, obj: bpy.types.Object) -> None:
     """Links an object that was taken out of the scene into it again."""
     if scene in obj.users_scene:
-        raise RefusedError(f"{obj.name!r} is in the scene already.")
+        raise refused(ProblemCode.OBJECT_IN_SCENE, obj.name)
     scene.collection.objects.link(obj)
 
 
@@ -110,4 +111,4 @@ def _stand(obj: bpy.types.Object, world: Matrix) -> None:
 
 def _out_of_edit_mode(obj: bpy.types.Object) -> None:
     if obj.mode == "EDIT":
-        raise RefusedError(f"{obj.name!r} is in edit mode; leave it (Tab) first.")
+        raise refused(ProblemCode.OBJECT_IN_EDIT_MODE, obj.name)

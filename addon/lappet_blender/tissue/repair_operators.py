@@ -6,24 +6,17 @@ from bpy.props import BoolProperty, EnumProperty, StringProperty
 
 from lappet.checks.lattice_size import TissueMeasure
 from lappet.checks.validation import MEMORY_BUDGET
-from lappet.core.problem import RefusedError
+from lappet.core.problem import refused
+from lappet.core.problem_code import ProblemCode
 from lappet.geometry.triangulation import triangulate
 
 from ..interface.operator_base import UNDOABLE
+from ..interface.problem_repairs import REPAIRS
 from ..model.decimals import decimal
 from ..model.scene_procedure import read_scene
 from . import repair_mesh, repair_object
 from .tissue_objects import tissue_object
 from .tissue_operator import TissueOperator
-
-REPAIRS = (
-    ("HOLES", "Fill Small Holes", "Close holes that are small against the mesh or its rim"),
-    ("WELD", "Weld", "Merge vertices at one place and remove faces without area"),
-    ("ORIENT", "Turn Faces Alike", "Make all faces look outwards"),
-    ("LOOSE", "Remove Loose Parts", "Remove vertices and edges without a face"),
-    ("THICKEN", "Thicken", "Turn Thicken on for an open surface, off for a closed one"),
-    ("SPACING", "Choose Spacing", "A lattice spacing that fits the tissue and the memory"),
-)
 
 
 class _OnObject(TissueOperator):
@@ -42,9 +35,9 @@ class _OnObject(TissueOperator):
         own = [procedure.tissue.object, *(bone.object for bone in procedure.bones)]
         obj = next((each for each in own if each is not None and each.name == name), bpy.data.objects.get(name))
         if obj is None:
-            raise RefusedError(f"There is no object {name!r}; give the name of one that is.")
+            raise refused(ProblemCode.OBJECT_UNKNOWN, "", name)
         if obj.type != "MESH":
-            raise RefusedError(f"{name!r} is a {obj.type.lower()} and no mesh; choose a mesh.")
+            raise refused(ProblemCode.OBJECT_NOT_A_MESH, name, obj.type.lower(), role="object")
         return obj
 
 
@@ -55,20 +48,20 @@ class LAPPET_OT_tissue_apply_scale(_OnObject, bpy.types.Operator):
     bl_label = "Apply Scale"
     bl_options = UNDOABLE
 
-    object: StringProperty(name="Object", description="Its name; empty for the tissue")
+    object: StringProperty(name="Object", description="Name of the object; empty = the tissue")
 
     def run(self, context: bpy.types.Context) -> None:
         repair_object.apply_scale(self.meant(context))
 
 
 class LAPPET_OT_tissue_apply_modifiers(_OnObject, bpy.types.Operator):
-    """Make the mesh what its modifiers and shape keys make of it now"""
+    """Apply the modifiers and the current mix of shape keys to the mesh"""
 
     bl_idname = "lappet.tissue_apply_modifiers"
     bl_label = "Apply Modifiers and Shape Keys"
     bl_options = UNDOABLE
 
-    object: StringProperty(name="Object", description="Its name; empty for the tissue")
+    object: StringProperty(name="Object", description="Name of the object; empty = the tissue")
 
     def run(self, context: bpy.types.Context) -> str:
         return repair_object.apply_shape(context, self.meant(context))
@@ -81,20 +74,20 @@ class LAPPET_OT_tissue_make_local(_OnObject, bpy.types.Operator):
     bl_label = "Make Local"
     bl_options = UNDOABLE
 
-    object: StringProperty(name="Object", description="Its name; empty for the tissue")
+    object: StringProperty(name="Object", description="Name of the object; empty = the tissue")
 
     def run(self, context: bpy.types.Context) -> None:
         repair_object.make_local(self.meant(context))
 
 
 class LAPPET_OT_tissue_fix_place(_OnObject, bpy.types.Operator):
-    """Leave the object where it stands, without keyframes, drivers, constraints and parent"""
+    """Keep the object where it is, without keyframes, drivers, constraints and parent"""
 
     bl_idname = "lappet.tissue_fix_place"
     bl_label = "Fix in Place"
     bl_options = UNDOABLE
 
-    object: StringProperty(name="Object", description="Its name; empty for the tissue")
+    object: StringProperty(name="Object", description="Name of the object; empty = the tissue")
 
     def run(self, context: bpy.types.Context) -> None:
         repair_object.fix_place(self.meant(context))
@@ -104,10 +97,10 @@ class LAPPET_OT_tissue_restore(_OnObject, bpy.types.Operator):
     """Link the object into the scene again"""
 
     bl_idname = "lappet.tissue_restore"
-    bl_label = "Bring Back"
+    bl_label = "Restore to Scene"
     bl_options = UNDOABLE
 
-    object: StringProperty(name="Object", description="Its name; empty for the tissue")
+    object: StringProperty(name="Object", description="Name of the object; empty = the tissue")
 
     def run(self, context: bpy.types.Context) -> None:
         repair_object.restore(context.scene, self.meant(context))
@@ -156,7 +149,7 @@ def fitting_spacing(scene: bpy.types.Scene) -> float:
     """A spacing, mm, at which a cell is no larger than the tissue is thick and the lattice fits the memory."""
     procedure = read_scene(scene).procedure
     if procedure is None:
-        raise RefusedError("The tissue cannot be read yet; repair its other problems first.")
+        raise refused(ProblemCode.TISSUE_UNREAD)
     settings, tissue = scene.lappet.tissue, procedure.tissue
     counts, indices = tissue.face_vertex_counts.astype(np.int64), tissue.face_vertex_indices.astype(np.int64)
     measure = TissueMeasure(tissue.points, triangulate(tissue.points, counts, indices)[0])

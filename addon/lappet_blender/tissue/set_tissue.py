@@ -5,8 +5,10 @@ from __future__ import annotations
 import bpy
 import numpy as np
 
-from lappet.core.problem import RefusedError
+from lappet.core.problem import refused
+from lappet.core.problem_code import ProblemCode
 from lappet.geometry.flatten import flatten
+from lappet.geometry.mesh_faults import refuse_unreadable
 from lappet.geometry.surface_check import signed_volume
 from lappet.geometry.triangulation import triangulate
 from lappet.tissue.patch import UV_SCALE
@@ -32,22 +34,17 @@ def set_tissue(
     changed; returns what is worth saying.
     """
     if obj.type != "MESH":
-        raise RefusedError(f"{obj.name!r} is a {obj.type.lower()} and no mesh; select a mesh.")
+        raise refused(ProblemCode.OBJECT_NOT_A_MESH, obj.name, obj.type.lower(), role="object")
     if any(bone.object == obj for bone in scene.lappet.bones):
-        raise RefusedError(f"{obj.name!r} is a bone of this scene; remove it from the bones first.")
+        raise refused(ProblemCode.BONE_IS_TISSUE, obj.name)
     for name, value in {"thickness": thickness, "spacing": spacing}.items():
         if not (np.isfinite(value) and value >= 0.0):
-            raise RefusedError(f"The {name} is {value:g} mm; give a length above 0, or 0 to have it chosen.")
+            raise refused(ProblemCode.LENGTH_NOT_POSITIVE, obj.name, f"{value:g}", name=name)
     mesh = mesh_values(scene, obj)
-    if len(mesh.counts) == 0:
-        raise RefusedError(f"{obj.name!r} has {len(mesh.points)} vertices and no face; give it faces.")
-    if not np.isfinite(mesh.points).all():
-        raise RefusedError(f"{obj.name!r} has vertices without a finite place; delete them first.")
+    refuse_unreadable(obj.name, mesh.points, mesh.counts, mesh.indices)
     border = open_edge_count(mesh)
     if thickness > 0.0 and not border:
-        raise RefusedError(
-            f"The surface of {obj.name!r} is closed, so a thickness of {thickness:g} mm says nothing; leave it 0."
-        )
+        raise refused(ProblemCode.SHEET_OF_CLOSED_SURFACE, obj.name, f"{thickness:g}")
     procedure, settings = scene.lappet, scene.lappet.tissue
     settings.object = obj
     settings.thicken = thickness > 0.0

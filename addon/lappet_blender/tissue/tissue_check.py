@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import bpy
 
 from lappet.checks.validation import check
 from lappet.core.problem import Problem
+from lappet.core.problem_code import ProblemCode
 from lappet.procedure.prim_paths import TISSUE
 
 from ..model.decimals import decimal
 from ..model.mesh_values import MeshValues, mesh_values
 from ..model.object_problems import object_problems
-from ..model.scene_problem import SceneProblem
 from ..model.scene_procedure import read_scene
 from .problem_places import ProblemPlace, mesh_places, thin_places
 from .tissue_objects import tissue_object
@@ -49,20 +49,20 @@ def check_tissue(scene: bpy.types.Scene) -> TissueCheck:
     places += shape
     reading = read_scene(scene)
     broken = any(each.problem.severity == "error" for each in shape)
-    known = {each.problem.message for each in places}
+    known = {each.problem.code for each in places}
     for each in reading.problems:
         follows = broken and each.prim == obj.name  # no tissue can be made of a mesh that is broken
-        if each.message not in known and not follows:
+        if each.code not in known and not follows:
             places.append(ProblemPlace(each))
     if reading.procedure is not None and not broken:
         tissue = reading.procedure.tissue
         thin = thin_places(tissue, obj.name, settings[2])
         places += thin
-        for each in check(reading.procedure):
-            said = thin and "larger than the tissue is thick" in each.message
-            turned = "inside out" in each.message and each.prim == TISSUE
-            if not said and not turned:
-                places.append(ProblemPlace(_with_repair(each)))
+        known = {each.problem.code for each in places if each.problem.prim == obj.name}
+        if ProblemCode.TISSUE_THIN in known:
+            known.add(ProblemCode.LATTICE_TOO_COARSE)  # says the same without the places
+        of_check = check(reading.procedure)
+        places += [ProblemPlace(each) for each in of_check if each.prim != TISSUE or each.code not in known]
     found = TissueCheck(mesh, settings, tuple(places))
     _found[scene.session_uid] = found
     return found
@@ -88,13 +88,3 @@ def forget() -> None:
 def _settings(scene: bpy.types.Scene) -> tuple[bool, float, float]:
     settings = scene.lappet.tissue
     return bool(settings.thicken), decimal(settings.thickness), decimal(settings.spacing)
-
-
-def _with_repair(each: Problem) -> Problem:
-    """A problem of `lappet.check` with the operator of this part that repairs it, where there is one."""
-    if each.prim == TISSUE and "spacing" in each.remedy.lower() and each.value.endswith(" mm"):
-        values = {
-            name: getattr(each, name) for name in ("code", "prim", "value", "message", "remedy", "severity", "place")
-        }
-        return SceneProblem(**values, operator="lappet.tissue_repair", arguments=(("kind", "SPACING"),))
-    return replace(each)

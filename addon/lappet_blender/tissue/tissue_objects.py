@@ -4,16 +4,17 @@ from __future__ import annotations
 
 import bpy
 
-from lappet.core.problem import RefusedError
+from lappet.core.problem import refused
+from lappet.core.problem_code import ProblemCode
 
 
 def tissue_object(scene: bpy.types.Scene) -> bpy.types.Object:
     """The scene's tissue. Raises RefusedError where it has none to work on."""
     obj = scene.lappet.tissue.object
     if obj is None:
-        raise RefusedError("The scene has no tissue; select a mesh and press Make Tissue.")
+        raise refused(ProblemCode.TISSUE_NONE)
     if obj.type != "MESH":
-        raise RefusedError(f"The tissue {obj.name!r} is a {obj.type.lower()}; choose a mesh.")
+        raise refused(ProblemCode.OBJECT_NOT_A_MESH, obj.name, obj.type.lower(), role="tissue")
     return obj
 
 
@@ -21,7 +22,7 @@ def changeable_mesh(obj: bpy.types.Object) -> bpy.types.Mesh:
     """The object's mesh. Raises RefusedError where it is linked from a library."""
     library = obj.library or obj.data.library
     if library is not None:
-        raise RefusedError(f"The mesh of {obj.name!r} is linked from {library.filepath!r}; make it local first.")
+        raise refused(ProblemCode.OBJECT_LINKED, obj.name, library.filepath, role="object")
     return obj.data
 
 
@@ -30,9 +31,9 @@ def named_object(context: bpy.types.Context, name: str) -> bpy.types.Object:
     if name:
         obj = context.scene.objects.get(name)
         if obj is None:
-            raise RefusedError(f"There is no object {name!r} in the scene; give the name of one that is.")
+            raise refused(ProblemCode.OBJECT_UNKNOWN, "", name)
         return obj
     obj = context.view_layer.objects.active
     if obj is None:
-        raise RefusedError("No object is active; select one, or give its name.")
+        raise refused(ProblemCode.OBJECT_NONE_ACTIVE)
     return obj

@@ -19,23 +19,23 @@ _OPEN_THICKNESS = 4.0  # mm, proposed for an open surface
 
 
 class LAPPET_OT_tissue_set(TissueOperator, bpy.types.Operator):
-    """Make the active mesh the tissue that is operated on"""
+    """Make the active mesh the tissue to operate on"""
 
     bl_idname = "lappet.tissue_set"
     bl_label = "Make Tissue"
     bl_options = UNDOABLE
 
-    object: StringProperty(name="Object", description="Its name; empty for the active object")
+    object: StringProperty(name="Object", description="Name of the object; empty = the active object")
     thickness: FloatProperty(
         name="Thickness",
-        description="Of the sheet below an open surface, in mm; 0 for a closed surface",
+        description="Thickness of the sheet below an open surface, in mm; 0 for a closed surface",
         default=0.0,
         min=0.0,
         soft_max=20.0,
     )
     spacing: FloatProperty(
         name="Lattice spacing",
-        description="In mm; 0 = chosen for about 40 000 cells",
+        description="In mm; 0 = about 40 000 cells",
         default=0.0,
         min=0.0,
         precision=3,
@@ -58,10 +58,10 @@ class LAPPET_OT_tissue_set(TissueOperator, bpy.types.Operator):
 
 
 class LAPPET_OT_tissue_clear(TissueOperator, bpy.types.Operator):
-    """Let go of the tissue; the mesh, its groups and the events stay"""
+    """Remove the tissue from the scene's procedure; the mesh, its groups and the events stay"""
 
     bl_idname = "lappet.tissue_clear"
-    bl_label = "Let Go of Tissue"
+    bl_label = "Remove Tissue"
     bl_options = UNDOABLE
 
     @classmethod

@@ -5,12 +5,11 @@ import bpy
 from lappet.core.problem import Problem
 
 from ..interface.duration_text import duration_text
+from ..interface.repair_button import draw_repair
 from ..interface.sentence_lines import draw_sentence
-from ..model.scene_problem import SceneProblem
 from ..model.scene_procedure import SceneReading, read_scene
 from ..model.tissue_values import tissue_is_ready
 from .face_groups import group_counts
-from .repair_operators import REPAIRS
 from .tissue_check import last_check
 from .tissue_measure import cell_count, expected_seconds
 
@@ -117,7 +116,7 @@ def _groups(layout: bpy.types.UILayout, scene: bpy.types.Scene) -> None:
         row.operator("lappet.faces_select", text="", icon="RESTRICT_SELECT_OFF").group = name
         row.operator("lappet.faces_clear", text="", icon="X").group = name
     if scene.lappet.tissue.thicken:
-        box.label(text="The rim is fixed, the underside is bed.", icon="INFO")
+        box.label(text="The rim is fixed; the underside is the bed.", icon="INFO")
     box.operator("lappet.faces_new", text="New Group from Selection", icon="ADD")
 
 
@@ -129,7 +128,7 @@ def _lattice(layout: bpy.types.UILayout, scene: bpy.types.Scene) -> None:
     if scene.lappet.tissue.object.mode == "EDIT":
         return
     if not tissue_is_ready(scene):
-        column.label(text="The sheet is being made")
+        column.label(text="Making the sheet…")
         return
     cells, seconds = cell_count(scene), expected_seconds(scene)
     if cells is not None and seconds is not None:
@@ -154,7 +153,7 @@ def _problems(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
         for index, each in enumerate(found.places):
             _problem(layout, context, each.problem, index if each.middle() is not None else -1)
         if not found.places:
-            layout.label(text="Nothing is wrong.", icon="CHECKMARK")
+            layout.label(text="No problems found.", icon="CHECKMARK")
     elif scene.lappet.tissue.object.mode != "EDIT" and tissue_is_ready(scene):
         for problem in reading_problems(read_scene(scene)):
             _problem(layout, context, problem)
@@ -169,13 +168,7 @@ def _problem(layout: bpy.types.UILayout, context: bpy.types.Context, problem: Pr
     box = layout.box()
     draw_sentence(box, context, problem.message, "ERROR" if problem.severity == "error" else "INFO")
     row = box.row(align=True)
-    if isinstance(problem, SceneProblem) and problem.operator:
-        arguments = dict(problem.arguments)
-        label = {key: name for key, name, _ in REPAIRS}.get(str(arguments.get("kind", "")), "")
-        button = row.operator(problem.operator, icon="MODIFIER", **({"text": label} if label else {}))
-        for name, value in arguments.items():
-            setattr(button, name, value)
-    else:
+    if not draw_repair(row, problem):
         draw_sentence(box, context, problem.remedy)
     if index >= 0:
         row.operator("lappet.tissue_show_problem", text="", icon="ZOOM_SELECTED").index = index

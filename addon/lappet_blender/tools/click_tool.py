@@ -57,7 +57,7 @@ def _time() -> object:
 
 
 class LAPPET_OT_click_excision(_ClickTool, bpy.types.Operator):
-    """Take a piece of tissue away: click on a fragment that incisions have cut out"""
+    """Remove a piece of tissue: click a fragment that incisions have cut out"""
 
     bl_idname = "lappet.click_excision"
     bl_label = "Excise"
@@ -86,7 +86,7 @@ class LAPPET_OT_click_excision(_ClickTool, bpy.types.Operator):
 
 
 class LAPPET_OT_place_landmark(_ClickTool, bpy.types.Operator):
-    """Place a landmark: a point that is followed and measured"""
+    """Place a landmark: a point to follow and measure"""
 
     bl_idname = "lappet.place_landmark"
     bl_label = "Place Landmark"
@@ -95,7 +95,7 @@ class LAPPET_OT_place_landmark(_ClickTool, bpy.types.Operator):
 
     point: _point()
     time: _time()
-    label: StringProperty(name="Label", description="What reports call it; empty: the next letter")
+    label: StringProperty(name="Label", description="Name in reports; empty = the next letter")
 
     def moved(self, context: bpy.types.Context, view: View | None) -> Result | None:
         hit = view.pick(context.scene) if view is not None else None

@@ -214,7 +214,7 @@ class LAPPET_OT_edit_plan(SkinModal, bpy.types.Operator):
 
 
 class LAPPET_OT_edit_delete(OperatorBase, bpy.types.Operator):
-    """Remove the point that was clicked last, or its event"""
+    """Remove the last point clicked, or its event"""
 
     bl_idname = "lappet.edit_delete"
     bl_label = "Delete Point or Event"

@@ -7,7 +7,8 @@ import numpy as np
 from bpy.props import FloatProperty, FloatVectorProperty, IntProperty, StringProperty
 from mathutils import Vector
 
-from lappet.core.problem import RefusedError
+from lappet.core.problem import RefusedError, refused
+from lappet.core.problem_code import ProblemCode
 
 from ..events.add_events import add_hook, add_retractor, straight_motion, straight_targets
 from ..model.mesh_values import GROUP, group_names
@@ -76,7 +77,7 @@ class _DragTool(SkinModal):
 
 
 def _start() -> object:
-    return FloatProperty(name="Frame", description="The frame at which it begins", options={"SKIP_SAVE"})
+    return FloatProperty(name="Frame", description="The frame at which it starts", options={"SKIP_SAVE"})
 
 
 def _end() -> object:
@@ -85,7 +86,7 @@ def _end() -> object:
 
 def _frames() -> object:
     return IntProperty(
-        name="Frames", description="How many frames the pull takes", default=12, min=0, soft_max=100, max=100000
+        name="Frames", description="Number of frames that the pull takes", default=12, min=0, soft_max=100, max=100000
     )
 
 
@@ -94,7 +95,7 @@ def _place(name: str, words: str) -> object:
 
 
 class LAPPET_OT_place_hook(_DragTool, bpy.types.Operator):
-    """Place a hook: press on the skin and drag to where it pulls"""
+    """Place a hook: press on the skin and drag to where it should pull"""
 
     bl_idname = "lappet.place_hook"
     bl_label = "Place Hook"
@@ -139,7 +140,7 @@ def _grips(tissue: bpy.types.Object | None) -> list[str]:
 
 
 class LAPPET_OT_place_retractor(_DragTool, bpy.types.Operator):
-    """Place a retractor: it grips faces of the skin around the mouse, or a group of them, and is dragged"""
+    """Place a retractor: press on the skin and drag; it grips the faces around the mouse or a group"""
 
     bl_idname = "lappet.place_retractor"
     bl_label = "Place Retractor"
@@ -148,11 +149,11 @@ class LAPPET_OT_place_retractor(_DragTool, bpy.types.Operator):
 
     grip: StringProperty(
         name="Group",
-        description="The group of the tissue's faces that is gripped; empty: the faces around the mouse",
+        description="The group of faces to grip; empty = the faces around the mouse",
         search=lambda _self, context, _text: _grips(context.scene.lappet.tissue.object),
     )
     radius: FloatProperty(
-        name="Radius", description="Of the faces that are gripped around the mouse, in mm", default=3.0, min=0.1
+        name="Radius", description="Radius around the mouse within which faces are gripped, in mm", default=3.0, min=0.1
     )
     at: _place("Point", "The point of the skin at rest around which faces are gripped, in mm")
     way: _place("Way", "How far it is pulled, in mm")
@@ -207,7 +208,7 @@ class LAPPET_OT_place_retractor(_DragTool, bpy.types.Operator):
         faces = faces_around(surface.rest, self.at, self.radius)
         faces = faces[faces < len(tissue.data.polygons)]
         if len(faces) == 0:
-            raise RefusedError(f"No face of {tissue.name!r} lies around this point; make the radius larger.")
+            raise refused(ProblemCode.FACES_NONE_NEAR, tissue.name, f"{self.radius:g}")
         chosen = np.zeros(len(tissue.data.polygons), bool)
         chosen[faces] = True
         grip = free_group_name(tissue)

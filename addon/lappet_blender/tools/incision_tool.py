@@ -21,9 +21,9 @@ from .view_under_mouse import View
 SNAP_PIXELS = 12.0
 _HINTS = (
     ("MOUSE_LMB", "Add point"),
-    ("MOUSE_LMB_DRAG", "Draw free-hand"),
+    ("MOUSE_LMB_DRAG", "Draw freehand"),
     ("EVENT_CTRL", "Snap to incisions"),
-    ("EVENT_BACKSPACE", "Take back"),
+    ("EVENT_BACKSPACE", "Undo last"),
 )
 _END_HINTS = (("EVENT_RETURN", "Finish"), ("MOUSE_RMB", "Finish"), ("EVENT_ESC", "Cancel"))
 
@@ -142,13 +142,13 @@ LINES = (
 
 
 def _line_property() -> object:
-    return EnumProperty(name="Line", description="Between clicked points", items=LINES)
+    return EnumProperty(name="Line", description="Shape of the line between clicked points", items=LINES)
 
 
 def _tolerance_property() -> object:
     return FloatProperty(
         name="Smoothing",
-        description="How far the line may leave a free-hand stroke, in mm",
+        description="Largest distance between the line and a freehand stroke, in mm",
         default=0.4,
         min=0.01,
         soft_max=3.0,
@@ -156,7 +156,7 @@ def _tolerance_property() -> object:
 
 
 class LAPPET_OT_draw_incision(_LineTool, bpy.types.Operator):
-    """Draw an incision: click points on the skin, or draw with the button down"""
+    """Draw an incision: click points on the skin, or draw with the button held"""
 
     bl_idname = "lappet.draw_incision"
     bl_label = "Draw Incision"
@@ -172,10 +172,10 @@ class LAPPET_OT_draw_incision(_LineTool, bpy.types.Operator):
     tolerance: _tolerance_property()
     through: BoolProperty(name="Through", description="Cut through the whole tissue", default=True)
     depth: FloatProperty(
-        name="Depth", description="How deep the cut goes below the skin, in mm", default=2.0, min=0.01, soft_max=20.0
+        name="Depth", description="Depth of the cut below the skin, in mm", default=2.0, min=0.01, soft_max=20.0
     )
     kerf: FloatProperty(
-        name="Kerf", description="How wide the cut is, in mm", default=0.05, min=0.001, soft_max=1.0, precision=3
+        name="Kerf", description="Width of the cut in mm", default=0.05, min=0.001, soft_max=1.0, precision=3
     )
 
     def run(self, context: bpy.types.Context) -> None:
@@ -197,7 +197,7 @@ class LAPPET_OT_draw_incision(_LineTool, bpy.types.Operator):
 
 
 class LAPPET_OT_draw_undermining(_LineTool, bpy.types.Operator):
-    """Draw the outline of an area that is freed from its bed"""
+    """Draw the outline of an area to free from its bed"""
 
     bl_idname = "lappet.draw_undermining"
     bl_label = "Draw Undermining"

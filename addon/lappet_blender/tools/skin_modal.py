@@ -10,7 +10,8 @@ from typing import ClassVar
 
 import bpy
 
-from lappet.core.problem import RefusedError
+from lappet.core.problem import problem, refused
+from lappet.core.problem_code import ProblemCode
 
 from ..interface.operator_base import OperatorBase
 from .preview import clear_preview, redraw
@@ -28,14 +29,14 @@ def check_shown(context: bpy.types.Context) -> None:
     """Raise RefusedError where a tool has no skin to work on."""
     tissue = check_tissue(context)
     if shown_object(context.scene, context.space_data if context.area else None) is None:
-        raise RefusedError(f'Neither the tissue "{tissue.name}" nor its solved skin is visible here; show one of them.')
+        raise refused(ProblemCode.TISSUE_HIDDEN, tissue.name)
 
 
 def check_tissue(context: bpy.types.Context) -> bpy.types.Object:
     """Return the scene's tissue. Raises RefusedError where there is none."""
     tissue = context.scene.lappet.tissue.object
     if tissue is None:
-        raise RefusedError("There is no tissue yet; choose a mesh in the sidebar, Lappet > Tissue.")
+        raise refused(ProblemCode.TISSUE_NONE)
     return tissue
 
 
@@ -87,8 +88,7 @@ class SkinModal(OperatorBase):
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> Result:
         if context.area is None or context.area.type != "VIEW_3D":
-            self.report({"ERROR"}, f"{self.title} works in a 3D viewport; start it there.")
-            return {"CANCELLED"}
+            return self.refuse(problem(ProblemCode.TOOL_NOT_IN_VIEWPORT, "", self.title))
         if not self.attempt(lambda: check_shown(context)):
             return {"CANCELLED"}
         self._scene = context.scene.name
@@ -114,8 +114,7 @@ class SkinModal(OperatorBase):
         try:
             ended = self._handle(context, event)
         except ReferenceError:  # an object was deleted meanwhile
-            self.report({"ERROR"}, f"{self.title}: what was drawn on is gone; start again.")
-            ended = {"CANCELLED"}
+            ended = self.refuse(problem(ProblemCode.TOOL_GROUND_GONE, "", self.title))
         if ended is None:
             self._say(context)
             return RUNNING

@@ -7,7 +7,8 @@ import numpy as np
 from bpy.props import CollectionProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
 from mathutils import Vector
 
-from lappet.core.problem import RefusedError
+from lappet.core.problem import refused
+from lappet.core.problem_code import ProblemCode
 
 from ..events.add_sutures import Spacing, SutureTimes, add_suture, add_suture_run, ends_across, ends_between
 from ..events.operator_values import given, places
@@ -27,7 +28,7 @@ MODES = (
 
 
 class LAPPET_OT_place_suture(SkinModal, bpy.types.Operator):
-    """Sew: click one edge of the wound, then the other"""
+    """Place a suture: click one edge of the wound, then the other"""
 
     bl_idname = "lappet.place_suture"
     bl_label = "Place Suture"
@@ -35,35 +36,35 @@ class LAPPET_OT_place_suture(SkinModal, bpy.types.Operator):
     title = "Suture"
     hints = (
         ("MOUSE_LMB", "Click the edges"),
-        ("EVENT_SHIFT", "Begin a run"),
+        ("EVENT_SHIFT", "Start a run"),
         ("EVENT_RETURN", "Next edge, finish"),
-        ("EVENT_BACKSPACE", "Take back"),
+        ("EVENT_BACKSPACE", "Undo last"),
         ("EVENT_ESC", "Cancel"),
     )
 
-    mode: EnumProperty(name="Sew", items=MODES)
+    mode: EnumProperty(name="Mode", items=MODES)
     first: CollectionProperty(type=LappetPoint, options={"HIDDEN", "SKIP_SAVE"})
     second: CollectionProperty(type=LappetPoint, options={"HIDDEN", "SKIP_SAVE"})
     incision: StringProperty(name="Incision", options={"HIDDEN", "SKIP_SAVE"})
-    time: FloatProperty(name="Frame", description="The frame at which it begins to close", options={"SKIP_SAVE"})
+    time: FloatProperty(name="Frame", description="The frame at which it starts to close", options={"SKIP_SAVE"})
     spacing: FloatProperty(
-        name="Spacing", description="Between the sutures of a run, in mm", default=4.0, min=0.2, soft_max=30.0
+        name="Spacing", description="Distance between the sutures of a run, in mm", default=4.0, min=0.2, soft_max=30.0
     )
     count: IntProperty(
-        name="Count", description="How many sutures the run has; 0: as the spacing says", default=0, min=0, max=500
+        name="Count", description="Number of sutures in the run; 0 = from the spacing", default=0, min=0, max=500
     )
-    duration: FloatProperty(name="Duration", description="Frames that it takes to close", default=12.0, min=0.0)
+    duration: FloatProperty(name="Duration", description="Number of frames until it is closed", default=12.0, min=0.0)
     stiffness: FloatProperty(name="Stiffness", description="In mN/mm", default=1000.0, min=0.001, soft_max=5000.0)
     bite: FloatProperty(
         name="Bite",
-        description="From the middle of an incision to an anchor, in mm; 0: at its edge",
+        description="Distance from the middle of the incision to an anchor, in mm; 0 = at the wound edge",
         default=0.0,
         min=0.0,
     )
 
     depth: FloatProperty(
         name="Depth",
-        description="Of the anchors below the skin, in mm: a buried row holds the walls of the wound together",
+        description="Depth of the anchors below the skin, in mm: a buried row holds the wound walls together",
         default=0.0,
         min=0.0,
         soft_max=10.0,
@@ -168,7 +169,7 @@ class LAPPET_OT_place_suture(SkinModal, bpy.types.Operator):
         scene = context.scene
         check_tissue(context)
         if not self.incision and not (self.first and self.second):
-            raise RefusedError("A suture joins two edges; give at least one point of each, or an incision.")
+            raise refused(ProblemCode.SUTURE_NO_EDGES)
         times = SutureTimes(given(self, "time", scene.frame_current), self.duration, self.stiffness)
         if len(self.first) == len(self.second) == 1:
             add_suture(scene, self.first[0].co, self.second[0].co, times, depth=self.depth)

@@ -13,7 +13,7 @@ _CLICK = ("lappet.ignore_click", {"type": "LEFTMOUSE", "value": "CLICK", "any": 
 
 
 class LAPPET_OT_ignore_click(bpy.types.Operator):
-    """Does nothing: the press and the release have been answered"""
+    """Do nothing: a tool has handled the press and the release"""
 
     bl_idname = "lappet.ignore_click"
     bl_label = "Ignore Click"
@@ -76,7 +76,8 @@ class IncisionTool(_Tool):
     bl_idname = "lappet.cutting.incision"
     bl_label = "Incision"
     bl_description = (
-        "Click points on the skin, or draw with the button down.\nReturn or the right button ends, C closes the line"
+        "Click points on the skin, or draw with the button held.\n"
+        "Return or the right button finishes, C closes the line"
     )
     bl_icon = icon_path("incision")
     bl_cursor = "KNIFE"
@@ -93,7 +94,7 @@ class IncisionTool(_Tool):
 class ExciseTool(_Tool):
     bl_idname = "lappet.excise"
     bl_label = "Excise"
-    bl_description = "Click a piece that incisions have cut out: it is taken away"
+    bl_description = "Click a piece that incisions have cut out to remove it"
     bl_icon = icon_path("excise")
     bl_keymap = _on_press("lappet.click_excision")
 
@@ -101,7 +102,7 @@ class ExciseTool(_Tool):
 class UndermineTool(_Tool):
     bl_idname = "lappet.cutting.undermining"
     bl_label = "Undermine"
-    bl_description = "Draw around an area: its skin is freed from its bed"
+    bl_description = "Draw around an area to free its skin from the bed"
     bl_icon = icon_path("undermine")
     bl_cursor = "KNIFE"
     bl_keymap = _on_press("lappet.draw_undermining")
@@ -116,7 +117,9 @@ class UndermineTool(_Tool):
 class HookTool(_Tool):
     bl_idname = "lappet.hook"
     bl_label = "Hook"
-    bl_description = "Press on the skin and drag to where it is pulled.\nShift pulls along the skin's normal"
+    bl_description = (
+        "Press on the skin and drag to where it should be pulled.\nHold Shift to pull along the skin's normal"
+    )
     bl_icon = icon_path("hook")
     bl_keymap = _on_press("lappet.place_hook")
 
@@ -130,9 +133,7 @@ class HookTool(_Tool):
 class RetractorTool(_Tool):
     bl_idname = "lappet.retractor"
     bl_label = "Retractor"
-    bl_description = (
-        "Press on the skin and drag: the faces around the mouse are gripped,\nor the group that is chosen in the header"
-    )
+    bl_description = "Press on the skin and drag to grip the faces around the mouse,\nor the group chosen in the header"
     bl_icon = icon_path("retractor")
     bl_keymap = _on_press("lappet.place_retractor")
 
@@ -173,7 +174,7 @@ class SutureTool(_Tool):
 class LandmarkTool(_Tool):
     bl_idname = "lappet.landmark"
     bl_label = "Landmark"
-    bl_description = "Click a point of the skin to follow and measure"
+    bl_description = "Click a point on the skin to follow and measure"
     bl_icon = icon_path("landmark")
     bl_keymap = _on_press("lappet.place_landmark")
 

@@ -9,10 +9,11 @@ from dataclasses import dataclass, replace
 from typing import Generic, TypeVar
 
 from lappet.background.make_plan import epoch_shapes, make_plan
-from lappet.background.plan import EpochShape, Plan, SolveSettings
-from lappet.background.plan_key import digest, plan_key
+from lappet.background.plan import EpochShape, Plan
+from lappet.background.plan_key import plan_key
 from lappet.background.plan_store import get_plan, put_plan
 from lappet.checks.validation import check
+from lappet.core.digest import digest
 from lappet.core.problem import RefusedError
 from lappet.cutting.epoch import Epoch
 from lappet.cutting.epochs import build_epochs
@@ -20,6 +21,7 @@ from lappet.procedure import CUTS, Procedure
 from lappet.program.compile import compile_program
 from lappet.program.keys import frame_keys
 from lappet.program.program import Program
+from lappet.program.settings import SolverSettings
 from lappet.solve.store import FrameStore
 
 _KEPT = 4
@@ -64,7 +66,7 @@ class Compilation:
         self._epochs: _Last[tuple[tuple[Epoch, ...], tuple[EpochShape, ...]]] = _Last(_KEPT)
         self._lock = threading.Lock()
 
-    def plan(self, procedure: Procedure, settings: SolveSettings, step: Callable[[], None]) -> Plan:
+    def plan(self, procedure: Procedure, settings: SolverSettings, step: Callable[[], None]) -> Plan:
         """Find the plan of a procedure: remembered, from the store, or compiled.
 
         Parameters
@@ -88,7 +90,7 @@ class Compilation:
         found = get_plan(self._store, key)
         return found if found is not None else self.compiled(procedure, settings, step).plan
 
-    def compiled(self, procedure: Procedure, settings: SolveSettings, step: Callable[[], None]) -> Compiled:
+    def compiled(self, procedure: Procedure, settings: SolverSettings, step: Callable[[], None]) -> Compiled:
         """Find the plan and the program of a procedure.
 
         Parameters
@@ -118,23 +120,19 @@ class Compilation:
                 self._compiled.put(key, known)
             return known
 
-    def _compile(self, key: str, procedure: Procedure, settings: SolveSettings, step: Callable[[], None]) -> Compiled:
+    def _compile(self, key: str, procedure: Procedure, settings: SolverSettings, step: Callable[[], None]) -> Compiled:
         step()
-        problems = check(procedure, spacing=settings.spacing)
+        problems = check(procedure, spacing=settings.spacing or None)
         if any(problem.severity == "error" for problem in problems):
             raise RefusedError(sorted(problems, key=lambda problem: problem.severity != "error"))
         step()
-        spacing = procedure.tissue.spacing if settings.spacing is None else settings.spacing
+        spacing = settings.spacing or procedure.tissue.spacing
         epochs, shapes = self._cut(replace(procedure, tissue=replace(procedure.tissue, spacing=spacing)), step)
         step()
         program = compile_program(
             procedure,
             epochs,
-            spacing=settings.spacing,
-            tolerance=settings.tolerance,
-            quadrature=settings.quadrature,
-            precision=settings.precision,
-            threads=settings.threads,
+            settings,
         )
         step()
         plan = make_plan(key, program, frame_keys(program, self.identity), shapes, [str(each) for each in problems])
@@ -146,7 +144,7 @@ class Compilation:
         tissue = procedure.tissue
         mesh = (tissue.points, tissue.face_vertex_counts, tissue.face_vertex_indices, tissue.uv, tissue.subsets)
         cuts = tuple(replace(event, name="") for event in procedure.events if isinstance(event, CUTS))
-        key = digest((mesh, tissue.spacing, procedure.start_time, cuts)).hex()
+        key = digest(mesh, tissue.spacing, procedure.start_time, cuts).hex()
         known = self._epochs.get(key)
         if known is None:
             epochs = tuple(build_epochs(procedure))
@@ -175,7 +173,7 @@ def up_to(program: Program, last: int | None) -> Program:
     if last is None:
         return program
     kept = sum(frame.time <= last for frame in program.frames)
-    return replace(program, frames=program.frames[:kept], active_hooks=program.active_hooks[:kept])
+    return replace(program, frames=program.frames[:kept])
 
 
 class _Last(Generic[Value]):

@@ -4,12 +4,9 @@ from __future__ import annotations
 
 import threading
 from dataclasses import dataclass, field
-from typing import Literal
 
-from lappet.background.plan import SolveSettings
-from lappet.procedure import Point, Procedure
-
-Kind = Literal["plan", "solve", "live"]
+from lappet.background.worker_requests import Ask, JobKind
+from lappet.procedure import Point
 
 
 class CancelledError(Exception):
@@ -42,18 +39,22 @@ class Job:
         The frame that it is at, once planned.
     """
 
-    number: int
-    kind: Kind
-    procedure: Procedure
-    settings: SolveSettings
-    until: int | None = None
-    time: int = 0
-    hook: str = ""
+    ask: Ask
     running: bool = False
     at: int | None = None
     _target: Point | None = None
     _cancelled: bool = False
     _changed: threading.Condition = field(default_factory=threading.Condition)
+
+    @property
+    def number(self) -> int:
+        """What its owner calls it."""
+        return self.ask.job
+
+    @property
+    def kind(self) -> JobKind:
+        """What it is to give."""
+        return self.ask.kind
 
     @property
     def cancelled(self) -> bool:

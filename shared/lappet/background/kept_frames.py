@@ -6,9 +6,9 @@ import threading
 from collections import OrderedDict
 from pathlib import Path
 
-from lappet.solve.store import FrameStore, StoredFrame
+from lappet.solve.store import FrameStore, Value, unpack_as
 
-MOST_BYTES = 1 << 30
+MAX_BYTES = 1 << 30
 
 
 class KeptFrames(FrameStore):
@@ -22,10 +22,10 @@ class KeptFrames(FrameStore):
         The most that is held in memory.
     """
 
-    def __init__(self, folder: Path | None = None, most_bytes: int = MOST_BYTES) -> None:
+    def __init__(self, folder: Path | None = None, max_bytes: int = MAX_BYTES) -> None:
         super().__init__(folder)
-        self._most_bytes = most_bytes
-        self._held: OrderedDict[str, StoredFrame] = OrderedDict()
+        self._max_bytes = max_bytes
+        self._held: OrderedDict[str, bytes] = OrderedDict()  # as packed
         self._held_bytes = 0
         self._guard = threading.RLock()
 
@@ -52,7 +52,7 @@ class KeptFrames(FrameStore):
     def __contains__(self, key: str) -> bool:
         return key in self._held or super().__contains__(key)
 
-    def get(self, key: str) -> StoredFrame | None:
+    def get(self, key: str, kind: type[Value]) -> Value | None:
         """Look up a frame in memory or on the disk.
 
         Parameters
@@ -62,14 +62,14 @@ class KeptFrames(FrameStore):
 
         Returns
         -------
-        StoredFrame | None
+        SolvedFrame | None
             The frame, or None.
         """
         with self._guard:
             held = self._held.get(key)
-        return super().get(key) if held is None else held
+        return super().get(key, kind) if held is None else unpack_as(held, kind)
 
-    def put(self, key: str, frame: StoredFrame) -> bool:
+    def put_packed(self, key: str, packed: bytes) -> bool:
         """Keep a frame on the disk, else in memory.
 
         Parameters
@@ -85,15 +85,11 @@ class KeptFrames(FrameStore):
             Whether the disk took it.
         """
         with self._guard:
-            if super().put(key, frame):
+            if super().put_packed(key, packed):
                 return True
             if key not in self._held:
-                self._held[key] = frame
-                self._held_bytes += _size(frame)
-            while self._held_bytes > self._most_bytes and len(self._held) > 1:
-                self._held_bytes -= _size(self._held.popitem(last=False)[1])
+                self._held[key] = packed
+                self._held_bytes += len(packed)
+            while self._held_bytes > self._max_bytes and len(self._held) > 1:
+                self._held_bytes -= len(self._held.popitem(last=False)[1])
             return False
-
-
-def _size(frame: StoredFrame) -> int:
-    return sum(array.nbytes for array in frame.arrays.values())

@@ -6,23 +6,20 @@ import time
 from dataclasses import replace
 from typing import NoReturn
 
-import numpy as np
-
 from lappet.background.compilation import Compiled
 from lappet.background.job import CancelledError, Job
 from lappet.background.live_session import LiveSession
-from lappet.background.plan import FrameFailed, LiveFrame, Note, Plan, ShownFrame
-from lappet.background.plan_store import shown_frame
+from lappet.background.plan import Plan
 from lappet.background.solve_job import SolveJobs, stoppable
+from lappet.background.worker_events import FrameFailed, LiveFrame, Note
+from lappet.background.worker_requests import Ask
 from lappet.core.problem import RefusedError, refused
 from lappet.core.problem_code import ProblemCode
-from lappet.daemon.frame_solver import FrameRefusedError, SolvedFrame, SolverDiedError
+from lappet.daemon.frame_solver import FrameRefusedError, SolverDiedError
+from lappet.daemon.solved_frame import SolvedFrame
 from lappet.procedure import Point
 from lappet.procedure.prim_paths import TIMELINE
 from lappet.solve.solve_frames import at_frame
-from lappet.solve.store import StoredFrame
-
-_LEFT_OUT = ("strain", "stress", "tension")  # per vertex: not worth sending while the mouse moves
 
 
 class LiveJobs(SolveJobs):
@@ -30,8 +27,8 @@ class LiveJobs(SolveJobs):
 
     def _run(self, job: Job) -> int:
         plan = self.plan(job)
-        index, row = _place(plan, job)
-        compiled = self.compilation.compiled(job.procedure, job.settings, job.step)
+        index, row = _place(plan, job.ask)
+        compiled = self.compilation.compiled(job.ask.procedure, job.ask.settings, job.step)
         try:
             start = self._start(job, compiled, index)
         except _UnsolvedError:
@@ -49,23 +46,23 @@ class LiveJobs(SolveJobs):
         except KeyboardInterrupt:
             raise CancelledError from None
         except (RefusedError, SolverDiedError) as error:
-            self.tell(FrameFailed(job.number, job.time, at_frame(job.time, error)))
+            self.tell(FrameFailed(job.number, job.ask.time, at_frame(job.ask.time, error)))
             return 0
         finally:
             session.close()
 
-    def _start(self, job: Job, compiled: Compiled, index: int) -> tuple[int, StoredFrame] | None:
+    def _start(self, job: Job, compiled: Compiled, index: int) -> tuple[int, SolvedFrame] | None:
         """The epoch and the state to begin with; None: at rest. Raises _UnsolvedError."""
         program, planned = compiled.program, compiled.plan.frames
         for at in (index, index - 1):
             if at < 0:
                 return None
-            stored = self.store.get(planned[at].key)
+            stored = self.store.get(planned[at].key, SolvedFrame)
             if stored is None and at < index:
                 if self.solve(job, compiled.plan, planned[at].time) < index:
                     job.step()
                     raise _UnsolvedError
-                stored = self.store.get(planned[at].key)
+                stored = self.store.get(planned[at].key, SolvedFrame)
             if stored is not None:
                 return program.frames[at].epoch, stored
         raise _UnsolvedError
@@ -73,23 +70,23 @@ class LiveJobs(SolveJobs):
     def _follow(self, job: Job, compiled: Compiled, index: int, row: int, session: LiveSession) -> NoReturn:
         frame = compiled.program.frames[index]
         target: Point = tuple(float(x) for x in frame.hook_targets[row])  # type: ignore[assignment]
-        shown: ShownFrame | None = None
+        shown: SolvedFrame | None = None
         while True:
             begun = time.perf_counter()
             converged, reason = False, ""
             try:
                 solved = session.pull(target, lambda _: None)
-                converged, reason = solved.converged, str(solved.header.get("reason", ""))
+                converged, reason = solved.converged, solved.reason
                 if converged or shown is None:
-                    shown = _shown(solved)
+                    shown = solved.without_scalars().shown()  # not worth sending while the mouse moves
             except FrameRefusedError as error:
                 if shown is None:
                     raise
                 reason = str(error)
             if not converged:  # where the tissue stayed, and why
-                shown = replace(shown, header={**shown.header, "converged": False, "reason": reason})
+                shown = replace(shown, diagnostics=replace(shown.diagnostics, converged=False, reason=reason))
             seconds = time.perf_counter() - begun
-            self.tell(LiveFrame(job.number, job.time, target, shown, converged, seconds))
+            self.tell(LiveFrame(job.number, job.ask.time, target, shown, converged, seconds))
             target = job.next_target()
 
 
@@ -97,23 +94,18 @@ class _UnsolvedError(Exception):
     """A frame before the one that is pulled was not found; its FrameFailed says why."""
 
 
-def _place(plan: Plan, job: Job) -> tuple[int, int]:
+def _place(plan: Plan, ask: Ask) -> tuple[int, int]:
     """The index of the frame and the row of the hook in its arrays."""
-    path = f"{TIMELINE}/{job.hook}"
-    index = next((i for i, frame in enumerate(plan.frames) if frame.time == job.time), None)
+    path = f"{TIMELINE}/{ask.hook}"
+    index = next((i for i, frame in enumerate(plan.frames) if frame.time == ask.time), None)
     if index is None:
         start, end = plan.frames[0].time, plan.frames[-1].time
-        raise refused(ProblemCode.LIVE_NO_FRAME, path, job.time, start=start, end=end)
-    if job.hook not in plan.hooks:
-        raise refused(ProblemCode.LIVE_NO_HOOK, path, job.hook)
-    hook = plan.hooks.index(job.hook)
+        raise refused(ProblemCode.LIVE_NO_FRAME, path, ask.time, start=start, end=end)
+    if ask.hook not in plan.hooks:
+        raise refused(ProblemCode.LIVE_NO_HOOK, path, ask.hook)
+    hook = plan.hooks.index(ask.hook)
     if hook not in plan.frames[index].hooks:
         times = [frame.time for frame in plan.frames if hook in frame.hooks]
         when = f"it pulls from {times[0]} to {times[-1]}" if times else "it pulls at no frame"
-        raise refused(ProblemCode.LIVE_NOT_PULLING, path, job.time, when=when)
+        raise refused(ProblemCode.LIVE_NOT_PULLING, path, ask.time, when=when)
     return index, plan.frames[index].hooks.index(hook)
-
-
-def _shown(solved: SolvedFrame) -> ShownFrame:
-    arrays = {name: np.asarray(array) for name, array in solved.arrays.items() if name not in _LEFT_OUT}
-    return shown_frame(solved.header, arrays)

@@ -3,28 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
-from typing import Any
+from dataclasses import replace
 
-from numpy.typing import NDArray
-
-from lappet.daemon.frame_solver import Connect, FrameSolver, Iteration, SolvedFrame, SolverDiedError
+from lappet.daemon.frame_solver import Connect, FrameSolver, Iteration, SolverDiedError
+from lappet.daemon.solved_frame import SolvedFrame, SolverState
 from lappet.procedure import Point
 from lappet.program.program import Program
-from lappet.solve.solve_frames import TRIES, fitted_state
-from lappet.solve.store import StoredFrame
+from lappet.solve.solve_frames import TRIES
 
 TOLERANCE = 1e-2  # residual over force scale: what is shown while the mouse moves needs no more
 TIME_BUDGET = 2.0  # seconds for a target
-
-
-@dataclass(frozen=True, eq=False)
-class _State:
-    """What a solve starts from, and the epoch that it belongs to."""
-
-    epoch: int
-    precision: str
-    arrays: dict[str, NDArray[Any]]
 
 
 class LiveSession:
@@ -51,7 +39,7 @@ class LiveSession:
         program: Program,
         index: int,
         row: int,
-        start: tuple[int, StoredFrame] | None,
+        start: tuple[int, SolvedFrame] | None,
         connect: Connect,
         note: Callable[[str], None],
     ) -> None:
@@ -63,9 +51,9 @@ class LiveSession:
         self._connect = connect
         self._note = note
         self._solver: FrameSolver | None = None
-        self._state: _State | None = None
+        self._state: tuple[int, SolverState] | None = None  # with the epoch that it belongs to
         if start is not None:
-            self._keep(start[0], start[1].header, start[1].arrays)
+            self._keep(start[0], start[1])
 
     def pull(self, target: Point, progress: Callable[[Iteration], None]) -> SolvedFrame:
         """Find the equilibrium with the hook pulled to a target; where there is none the tissue stays where it was.
@@ -102,7 +90,7 @@ class LiveSession:
                 self._note(f"{error} It was pulling frame {self._frame.time:g} and is started again.")
             else:
                 if solved.converged:
-                    self._keep(frame.epoch, solved.header, solved.arrays)
+                    self._keep(frame.epoch, solved)
                 return solved
         raise AssertionError("unreachable")
 
@@ -115,11 +103,12 @@ class LiveSession:
     def _open(self) -> FrameSolver:
         if self._solver is None:
             solver = self._solver = self._connect(self._settings, self._program.bones)
-            state = self._state
-            if state is not None:
-                self._set_epoch(solver, state.epoch)
-                solver.set_state(state.precision, state.arrays)
-            if state is None or state.epoch != self._frame.epoch:
+            epoch = None
+            if self._state is not None:
+                epoch, state = self._state
+                self._set_epoch(solver, epoch)
+                solver.set_state(state)
+            if epoch != self._frame.epoch:
                 self._set_epoch(solver, self._frame.epoch)
         return self._solver
 
@@ -128,5 +117,6 @@ class LiveSession:
         at = next(i for i, each in enumerate(program.epochs) if each.index == epoch)
         solver.set_epoch(program.epochs[at], program.grips[at], program.landmarks_at[at])
 
-    def _keep(self, epoch: int, header: dict[str, Any], arrays: dict[str, NDArray[Any]]) -> None:
-        self._state = _State(epoch, str(header["precision"]), fitted_state(arrays, self._program.settings.sutures))
+    def _keep(self, epoch: int, solved: SolvedFrame) -> None:
+        assert solved.state is not None
+        self._state = epoch, solved.state.fitted(self._program.settings.sutures)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Sequence
 from typing import Any
 
@@ -12,6 +11,7 @@ from numpy.typing import NDArray
 from lappet.background.plan import EpochShape, Plan, PlannedFrame
 from lappet.background.skin_shape import depth_below_skin, uv_scale
 from lappet.background.tissue_face import TissueFaces
+from lappet.core.digest import digest
 from lappet.cutting.epoch import Epoch
 from lappet.geometry.labelled_surface import FaceOrigin, Surface
 from lappet.procedure import Tissue
@@ -50,7 +50,7 @@ def make_plan(
                 round(frame.time),
                 position[frame.epoch],
                 frames[i],
-                tuple(int(hook) for hook in program.active_hooks[i]),
+                tuple(int(hook) for hook in frame.hook_index),
                 tuple(int(suture) for suture in frame.suture_index),
             )
             for i, frame in enumerate(program.frames)
@@ -98,8 +98,4 @@ def _shape(surface: Surface, start: float, scale: NDArray[np.float64], faces: Ti
         "depth": depth_below_skin(rest, triangles, surface.origin),
         "face": faces.of(surface),
     }
-    hasher = hashlib.blake2b(b"lappet epoch shape 1", digest_size=32)
-    for array in arrays.values():
-        little = array.astype(array.dtype.newbyteorder("<"), copy=False)
-        hasher.update(f"{little.dtype.str}{little.shape}".encode() + little.tobytes())
-    return EpochShape(hasher.hexdigest(), float(start), **arrays)
+    return EpochShape(digest("epoch shape", arrays).hex(), float(start), **arrays)

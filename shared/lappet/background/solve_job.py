@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import time
 import traceback
-from collections.abc import Callable, Mapping
-from typing import Any
+from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,28 +12,28 @@ from numpy.typing import NDArray
 from lappet.background.compilation import Compilation, up_to
 from lappet.background.job import CancelledError, Job
 from lappet.background.kept_frames import KeptFrames
-from lappet.background.plan import (
+from lappet.background.plan import Plan
+from lappet.background.worker_events import (
     Finished,
     FrameFailed,
     FrameReady,
-    Happening,
     IterationDone,
     Note,
-    Plan,
     Planned,
     Refused,
-    ShownFrame,
+    WorkerEvent,
 )
-from lappet.background.plan_store import shown_frame
 from lappet.core.problem import Problem, ProblemsError, RefusedError, file_problem, problem
 from lappet.core.problem_code import ProblemCode
 from lappet.cutting.epoch import Epoch
-from lappet.daemon.frame_solver import Connect, FrameSolver, Iteration, SolvedFrame
+from lappet.daemon.frame_solver import Connect, FrameSolver, Iteration
+from lappet.daemon.solved_frame import LatticeCounts, SolvedFrame, SolverState
 from lappet.procedure.prim_paths import ROOT
-from lappet.program.program import Bones, FrameConstraints, Landmarks, Program, SolverSettings
+from lappet.program.program import Bones, FrameConstraints, Landmarks, Program
+from lappet.program.settings import SolverSettings
 from lappet.solve.solve_frames import FrameResult, Frames, SolveObserver, solve_program
 
-Tell = Callable[[Happening], None]
+Tell = Callable[[WorkerEvent], None]
 
 
 class SolveJobs:
@@ -86,7 +85,7 @@ class SolveJobs:
 
     def _run(self, job: Job) -> int:
         plan = self.plan(job)
-        return 0 if job.kind == "plan" else self.solve(job, plan, job.until)
+        return 0 if job.kind == "plan" else self.solve(job, plan, job.ask.until)
 
     def plan(self, job: Job) -> Plan:
         """Make the plan of a job and tell it to the owner.
@@ -102,11 +101,11 @@ class SolveJobs:
             The plan.
         """
         well = self.store.trouble is None
-        plan = self.compilation.plan(job.procedure, job.settings, job.step)
+        plan = self.compilation.plan(job.ask.procedure, job.ask.settings, job.step)
         if well and self.store.trouble is not None:
             self.tell(Note(job.number, str(self.store.trouble)))
         self.tell(Planned(job.number, plan, tuple(frame.key in self.store for frame in plan.frames)))
-        job.at = job.time if job.kind == "live" else plan.frames[0].time
+        job.at = job.ask.time if job.kind == "live" else plan.frames[0].time
         return plan
 
     def solve(self, job: Job, plan: Plan, until: int | None) -> int:
@@ -132,7 +131,7 @@ class SolveJobs:
                 job.step()
                 self.tell(FrameReady(job.number, frame.time, frame.key, True, self._held(frame.key)))
             return len(wanted)
-        program = up_to(self.compilation.compiled(job.procedure, job.settings, job.step).program, until)
+        program = up_to(self.compilation.compiled(job.ask.procedure, job.ask.settings, job.step).program, until)
         frames = self.frames(job, program)
         if frames.reason is not None and not frames.interrupted:
             self.tell(FrameFailed(job.number, round(program.frames[len(frames.frames)].time), frames.reason))
@@ -156,10 +155,10 @@ class SolveJobs:
         connect = stoppable(self.connect, job)
         return solve_program(program, self.store, connect, self.compilation.identity, _Telling(job, self))
 
-    def _held(self, key: str) -> ShownFrame | None:
+    def _held(self, key: str) -> SolvedFrame | None:
         """A frame that only this process has."""
-        stored = self.store.get(key) if self.store.holds(key) else None
-        return None if stored is None else shown_frame(stored.header, stored.arrays)
+        stored = self.store.get(key, SolvedFrame) if self.store.holds(key) else None
+        return None if stored is None else stored.shown()
 
 
 class _Telling(SolveObserver):
@@ -180,7 +179,7 @@ class _Telling(SolveObserver):
     def frame(self, frame: FrameResult) -> None:
         """A frame is there: told whole, unless the owner finds it in the store."""
         found = frame.looked_up and not self._jobs.store.holds(frame.key)
-        shown = None if found else shown_frame(frame.header, frame.arrays)
+        shown = None if found else frame.solved.shown()
         self._jobs.tell(FrameReady(self._job.number, round(frame.constraints.time), frame.key, frame.looked_up, shown))
         self._stop()
 
@@ -229,13 +228,13 @@ class _Stoppable:
         self._stop()
         self._solver: FrameSolver = connect(settings, bones)
 
-    def set_epoch(self, epoch: Epoch, grip: NDArray[np.int32], landmarks: Landmarks) -> Mapping[str, Any]:
+    def set_epoch(self, epoch: Epoch, grip: NDArray[np.int32], landmarks: Landmarks) -> LatticeCounts:
         self._stop()
         return self._solver.set_epoch(epoch, grip, landmarks)
 
-    def set_state(self, precision: str, arrays: Mapping[str, NDArray[Any]]) -> None:
+    def set_state(self, state: SolverState) -> None:
         self._stop()
-        self._solver.set_state(precision, arrays)
+        self._solver.set_state(state)
 
     def solve(self, frame: FrameConstraints, progress: Callable[[Iteration], None]) -> SolvedFrame:
         self._stop()

@@ -8,29 +8,30 @@ import threading
 import time
 from collections.abc import Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Literal
 
-from lappet.background.plan import (
+from lappet.background.plan_key import plan_key
+from lappet.background.worker_events import (
     Finished,
     FrameFailed,
     FrameReady,
-    Happening,
     IterationDone,
     LiveFrame,
     Note,
     Planned,
     Refused,
-    SolveSettings,
+    WorkerEvent,
 )
-from lappet.background.plan_key import plan_key
-from lappet.background.procedure_message import MessageError
 from lappet.background.worker_process import WorkerProcess
+from lappet.background.worker_requests import Aim, Ask, Cancel, JobKind
+from lappet.core.array_codec import CodecError
 from lappet.core.problem import Problem, RefusedError, file_problem, problem
 from lappet.core.problem_code import ProblemCode
 from lappet.daemon.process import daemon_identity
 from lappet.procedure import Point, Procedure
+from lappet.program.settings import SolverSettings
 
 _DEATHS = 3  # in a row, then the jobs that were running are given up
 _PATIENCE = 5.0
@@ -42,9 +43,7 @@ _Work = tuple[Literal["job", "target", "cancel", "restart"], int]
 class _Job:
     """A job that has not ended yet. done: times of the frames that were told of."""
 
-    number: int
-    kind: Literal["plan", "solve", "live"]
-    what: dict[str, Any]
+    ask: Ask
     begun: float = field(default_factory=time.perf_counter)
     target: Point | None = None
     target_waits: bool = False
@@ -75,7 +74,7 @@ class BackgroundSolver:
         self._path = tuple(path)
         self._numbers = itertools.count(1)
         self._lock = threading.Lock()
-        self._happenings: list[Happening] = []
+        self._events: list[WorkerEvent] = []
         self._jobs: dict[int, _Job] = {}
         self._process: WorkerProcess | None = None
         self._deaths = 0
@@ -83,7 +82,7 @@ class BackgroundSolver:
         self._work: queue.SimpleQueue[_Work | None] = queue.SimpleQueue()
         self._sender: threading.Thread | None = None
 
-    def plan(self, procedure: Procedure, settings: SolveSettings) -> int:
+    def plan(self, procedure: Procedure, settings: SolverSettings) -> int:
         """Compile a procedure; `Planned` or `Refused` follows, then `Finished`.
 
         A newer plan replaces one that has not begun.
@@ -100,9 +99,9 @@ class BackgroundSolver:
         int
             Number of the job.
         """
-        return self._ask("plan", procedure=procedure, settings=settings)
+        return self._begin_job("plan", procedure, settings)
 
-    def solve(self, procedure: Procedure, settings: SolveSettings, until: int | None = None) -> int:
+    def solve(self, procedure: Procedure, settings: SolverSettings, until: int | None = None) -> int:
         """Get frames; `Planned` follows, then `FrameReady` for each, then `Finished`.
 
         Parameters
@@ -119,9 +118,9 @@ class BackgroundSolver:
         int
             Number of the job.
         """
-        return self._ask("solve", procedure=procedure, settings=settings, until=until)
+        return self._begin_job("solve", procedure, settings, until=until)
 
-    def live(self, procedure: Procedure, settings: SolveSettings, time: int, hook: str) -> int:
+    def live(self, procedure: Procedure, settings: SolverSettings, time: int, hook: str) -> int:
         """Open the tissue at a frame for live mode.
 
         `Planned` follows, then `LiveFrame` until the job is cancelled, then `Finished`. The first `LiveFrame` is for
@@ -143,7 +142,7 @@ class BackgroundSolver:
         int
             Number of the job.
         """
-        return self._ask("live", procedure=procedure, settings=settings, time=time, hook=hook)
+        return self._begin_job("live", procedure, settings, time=time, hook=hook)
 
     def live_target(self, job: int, target: Point) -> None:
         """Move the hook of a live job; only the latest target counts.
@@ -180,16 +179,16 @@ class BackgroundSolver:
             found.cancelled = True
         self._work.put(("cancel", job))
 
-    def poll(self) -> list[Happening]:
+    def poll(self) -> list[WorkerEvent]:
         """Take what has happened since the last call, without waiting.
 
         Returns
         -------
-        list[Happening]
+        list[WorkerEvent]
             What happened, in order; of iterations and live frames in a row only the last.
         """
         with self._lock:
-            happened, self._happenings = self._happenings, []
+            happened, self._events = self._events, []
         return happened
 
     def close(self, wait: float = 0.0) -> None:
@@ -224,7 +223,7 @@ class BackgroundSolver:
         """What tells this solver from another (`plan_key`); the daemon's program is read once."""
         return daemon_identity(self._solverd)
 
-    def key(self, procedure: Procedure, settings: SolveSettings) -> str:
+    def key(self, procedure: Procedure, settings: SolverSettings) -> str:
         """Compute the key of the plan that this solver makes of a procedure.
 
         Parameters
@@ -241,12 +240,12 @@ class BackgroundSolver:
         """
         return plan_key(procedure, settings, self.identity)
 
-    def _ask(self, kind: Literal["plan", "solve", "live"], **what: Any) -> int:
+    def _begin_job(self, kind: JobKind, procedure: Procedure, settings: SolverSettings, **more: Any) -> int:
         with self._lock:
             if self._closed:
                 raise RuntimeError("The background solver is closed; make another one.")
             number = next(self._numbers)
-            self._jobs[number] = _Job(number, kind, what)
+            self._jobs[number] = _Job(Ask(number, kind, procedure, settings, **more))
             if self._sender is None:
                 self._sender = threading.Thread(target=self._send_all, name="lappet-worker-sender", daemon=True)
                 self._sender.start()
@@ -259,7 +258,7 @@ class BackgroundSolver:
         while (work := self._work.get()) is not None:
             try:
                 self._send(*work)
-            except MessageError as error:
+            except CodecError as error:
                 self._give_up(error.problems[0], (work[1],))
             except RefusedError as error:
                 self._give_up(error.problems[0])
@@ -289,7 +288,7 @@ class BackgroundSolver:
         for each in waiting:
             self._begin(process, each)
         if job is not None and kind == "cancel":
-            process.send({"ask": "cancel", "job": number})
+            process.send(Cancel(number))
         elif job is not None and kind == "target":
             self._aim(process, job)
 
@@ -299,50 +298,47 @@ class BackgroundSolver:
             identity = self.identity
         with self._lock:
             job.sent = True
-        process.send({"ask": job.kind, "job": job.number, "what": job.what, "identity": identity})
+        process.send(replace(job.ask, identity=identity))
         if job.target is not None:
             self._aim(process, job)
         if job.cancelled:
-            process.send({"ask": "cancel", "job": job.number})
+            process.send(Cancel(job.ask.job))
 
     def _aim(self, process: WorkerProcess, job: _Job) -> None:
         with self._lock:
             target, job.target_waits = job.target, False
-        process.send({"ask": "target", "job": job.number, "target": target})
+        if target is not None:
+            process.send(Aim(job.ask.job, target))
 
     # On the thread that reads from the process.
 
-    def _hear(self, happening: Happening) -> None:
+    def _hear(self, event: WorkerEvent) -> None:
         with self._lock:
-            job = self._jobs.get(happening.job)
+            job = self._jobs.get(event.job)
             if job is None:
                 return
-            if isinstance(happening, Planned):
+            if isinstance(event, Planned):
                 if job.planned is not None:
                     return  # said again after the worker died
-                job.planned = happening
-            elif isinstance(happening, FrameReady):
+                job.planned = event
+            elif isinstance(event, FrameReady):
                 self._deaths = 0
-                if job.done.get(happening.time) == happening.key:
+                if job.done.get(event.time) == event.key:
                     return
-                job.done[happening.time] = happening.key
-            elif isinstance(happening, LiveFrame):
+                job.done[event.time] = event.key
+            elif isinstance(event, LiveFrame):
                 self._deaths = 0
-            elif isinstance(happening, Finished):
+            elif isinstance(event, Finished):
                 self._deaths = 0
-                del self._jobs[happening.job]
-            self._tell(happening)
+                del self._jobs[event.job]
+            self._tell(event)
 
-    def _tell(self, happening: Happening) -> None:
-        last = self._happenings[-1] if self._happenings else None
-        if (
-            isinstance(happening, IterationDone | LiveFrame)
-            and type(last) is type(happening)
-            and (last.job == happening.job)
-        ):
-            self._happenings[-1] = happening
+    def _tell(self, event: WorkerEvent) -> None:
+        last = self._events[-1] if self._events else None
+        if isinstance(event, IterationDone | LiveFrame) and type(last) is type(event) and (last.job == event.job):
+            self._events[-1] = event
         else:
-            self._happenings.append(happening)
+            self._events.append(event)
 
     def _ended(self, process: WorkerProcess) -> None:
         how = process.death()
@@ -369,18 +365,18 @@ class BackgroundSolver:
                 if job.cancelled:
                     pass
                 elif job.planned is None:
-                    self._tell(Refused(job.number, (why,)))
+                    self._tell(Refused(job.ask.job, (why,)))
                 else:
-                    self._tell(FrameFailed(job.number, _next_time(job), why))
+                    self._tell(FrameFailed(job.ask.job, _next_time(job), why))
                 seconds = time.perf_counter() - job.begun
-                self._tell(Finished(job.number, len(job.done), seconds, job.cancelled))
-                del self._jobs[job.number]
+                self._tell(Finished(job.ask.job, len(job.done), seconds, job.cancelled))
+                del self._jobs[job.ask.job]
 
 
 def _next_time(job: _Job) -> int:
     """The frame that a job was at."""
-    if job.kind == "live":
-        return int(job.what["time"])
+    if job.ask.kind == "live":
+        return job.ask.time
     assert job.planned is not None
     times = [frame.time for frame in job.planned.plan.frames]
     return next((time for time in times if time not in job.done), times[-1])

@@ -1,29 +1,31 @@
-"""The worker's process: `python -m lappet.background.worker [--store FOLDER]`, spoken to by `BackgroundSolver`.
+"""The worker's process, which `BackgroundSolver` starts: `python -m lappet.background.worker REQUESTS EVENTS [STORE]`.
 
-Requests come through standard input, happenings go out through standard output (`frame_stream.py`,
-`procedure_message.py`). A thread reads requests; plans, solves and live mode each have a thread of their own. The
-process ends, and its daemons with it, when standard input ends.
+Requests come through one inherited pipe, events go out through another (`pipes.py`). A thread reads requests; plans,
+solves and live mode each have a thread of their own. The process ends, and its daemons with it, when the pipe of
+requests ends.
 """
 
 from __future__ import annotations
 
 import contextlib
-import io
 import os
 import queue
 import sys
 import threading
 import traceback
 from collections.abc import Callable
+from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any
 
-from lappet.background.frame_stream import read_frame, write_frame
 from lappet.background.job import Job
-from lappet.background.plan import Finished, Happening, Refused
-from lappet.background.procedure_message import MessageError, pack, unpack
+from lappet.background.pipes import MAX_BYTES, inherited
+from lappet.background.worker_events import Finished, Refused, WorkerEvent
+from lappet.background.worker_requests import Aim, Ask, Cancel, WorkerRequest
+from lappet.core.array_codec import CodecError
 from lappet.core.problem import ProblemsError, problem
 from lappet.core.problem_code import ProblemCode
+from lappet.core.value_codec import pack, unpack
 
 _PATIENCE = 3.0  # seconds for jobs to close their daemons when the owner is gone
 _NICENESS = 5  # so that the window stays lively while all cores solve
@@ -37,14 +39,13 @@ def main(arguments: list[str]) -> None:
     arguments
         Arguments of the process.
     """
-    requests, answers = _own_pipes()
+    requests, events = inherited(arguments[0], arguments[1])
     with contextlib.suppress(OSError, AttributeError):
         os.nice(_NICENESS)
-    folder = Path(arguments[arguments.index("--store") + 1]) if "--store" in arguments else None
-    worker = Worker(folder, answers)
-    with contextlib.suppress(OSError, MessageError):
-        while (data := read_frame(requests)) is not None:
-            worker.take(unpack(data))
+    worker = Worker(Path(arguments[2]) if len(arguments) > 2 else None, events)
+    with contextlib.suppress(OSError, EOFError, CodecError):
+        while True:
+            worker.take(unpack(requests.recv_bytes(MAX_BYTES), WorkerRequest))
     worker.end()
 
 
@@ -59,9 +60,9 @@ class Worker:
         Pipe to the owner.
     """
 
-    def __init__(self, store: Path | None, answers: io.RawIOBase) -> None:
+    def __init__(self, store: Path | None, events: Connection) -> None:
         self._folder = store
-        self._answers = answers
+        self._events = events
         self._writing = threading.Lock()
         self._jobs: dict[int, Job] = {}
         self._guard = threading.Lock()
@@ -69,7 +70,7 @@ class Worker:
         self._serving = threading.Lock()
         self._lanes = {kind: _Lane(kind, self._run) for kind in ("plan", "solve", "live")}
 
-    def take(self, request: dict[str, Any]) -> None:
+    def take(self, request: WorkerRequest) -> None:
         """Do what a request asks, without waiting for any job.
 
         Parameters
@@ -77,21 +78,17 @@ class Worker:
         request
             The request.
         """
-        ask, number = request["ask"], int(request["job"])
-        if ask == "cancel":
-            with self._guard:
-                job = self._jobs.get(number)
-            if job is not None:
-                job.cancel()
-        elif ask == "target":
-            with self._guard:
-                job = self._jobs.get(number)
-            if job is not None:
-                job.aim(request["target"])
-        else:
-            self._begin(Job(number, ask, **request["what"]), request["identity"])
+        if isinstance(request, Ask):
+            self._begin(Job(request))
+            return
+        with self._guard:
+            job = self._jobs.get(request.job)
+        if job is not None and isinstance(request, Cancel):
+            job.cancel()
+        elif job is not None and isinstance(request, Aim):
+            job.aim(request.target)
 
-    def _begin(self, job: Job, identity: str | None) -> None:
+    def _begin(self, job: Job) -> None:
         with self._guard:
             for other in self._jobs.values():
                 # A plan that is overtaken before it began is of no use; a solve makes its own.
@@ -99,12 +96,12 @@ class Worker:
                 if overtaken or other.kind == job.kind == "live":
                     other.cancel()
             self._jobs[job.number] = job
-        self._lanes[job.kind].put(job, identity)
+        self._lanes[job.kind].put(job)
 
-    def _run(self, job: Job, identity: str | None) -> None:
+    def _run(self, job: Job) -> None:
         job.running = True
         try:
-            solves, lives = self._serve(identity)
+            solves, lives = self._serve(job.ask.identity)
             (lives if job.kind == "live" else solves).run(job)
         except _Gone:
             pass
@@ -134,7 +131,7 @@ class Worker:
                 self._services = SolveJobs(*parts), LiveJobs(*parts)
             return self._services
 
-    def tell(self, happening: Happening) -> None:
+    def tell(self, event: WorkerEvent) -> None:
         """Send what happened to the owner.
 
         Parameters
@@ -142,10 +139,10 @@ class Worker:
         happening
             What happened.
         """
-        data = pack(happening)
+        data = pack(event)
         try:
             with self._writing:
-                write_frame(self._answers, data)
+                self._events.send_bytes(data)
         except OSError:
             raise _Gone from None
 
@@ -168,14 +165,14 @@ class _Gone(BaseException):
 class _Lane:
     """A thread that runs jobs one after another."""
 
-    def __init__(self, name: str, run: Callable[[Job, str | None], None]) -> None:
+    def __init__(self, name: str, run: Callable[[Job], None]) -> None:
         self._run = run
-        self._queue: queue.SimpleQueue[tuple[Job, str | None] | None] = queue.SimpleQueue()
+        self._queue: queue.SimpleQueue[Job | None] = queue.SimpleQueue()
         self._thread = threading.Thread(target=self._work, name=f"lappet-{name}", daemon=True)
         self._thread.start()
 
-    def put(self, job: Job, identity: str | None) -> None:
-        self._queue.put((job, identity))
+    def put(self, job: Job) -> None:
+        self._queue.put(job)
 
     def end(self) -> None:
         self._queue.put(None)
@@ -184,22 +181,8 @@ class _Lane:
         self._thread.join(seconds)
 
     def _work(self) -> None:
-        while (item := self._queue.get()) is not None:
-            self._run(*item)
-
-
-def _own_pipes() -> tuple[io.RawIOBase, io.RawIOBase]:
-    """Standard input and output for ourselves; what else is printed goes to standard error."""
-    requests, answers = os.dup(0), os.dup(1)
-    with open(os.devnull, "rb") as nothing:  # noqa: PTH123
-        os.dup2(nothing.fileno(), 0)
-    os.dup2(2, 1)
-    if sys.platform == "win32":
-        import msvcrt
-
-        for descriptor in (requests, answers):
-            msvcrt.setmode(descriptor, os.O_BINARY)
-    return io.FileIO(requests, "rb"), io.FileIO(answers, "wb")
+        while (job := self._queue.get()) is not None:
+            self._run(job)
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""The worker as its owner sees it: a process that is sent requests and whose happenings a thread reads."""
+"""The worker as its owner sees it: a process that is sent requests and whose events a thread reads."""
 
 from __future__ import annotations
 
@@ -7,22 +7,22 @@ import io
 import os
 import signal
 import subprocess
-import sys
 import threading
 from collections import deque
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any, cast
 
-from lappet.background.frame_stream import read_frame, write_frame
 from lappet.background.interpreter import find_python, worker_environment
-from lappet.background.procedure_message import MessageError, pack, unpack
+from lappet.background.pipes import MAX_BYTES, WorkerPipes
+from lappet.background.worker_events import WorkerEvent
+from lappet.background.worker_requests import WorkerRequest
+from lappet.core.array_codec import CodecError
 from lappet.core.problem import refused
 from lappet.core.problem_code import ProblemCode
+from lappet.core.value_codec import pack, unpack
 
-_STDERR_LINES = 40
+_LINES = 40
 _LAST_WORDS = 3
-_PIPE_BYTES = 1 << 20  # a frame of 20 000 vertices; where the system lets us
 
 
 class WorkerProcess:
@@ -47,31 +47,31 @@ class WorkerProcess:
         store: Path | None,
         solverd: Path | None,
         path: Sequence[str],
-        heard: Callable[[Any], None],
+        heard: Callable[[WorkerEvent], None],
         ended: Callable[[WorkerProcess], None],
     ) -> None:
         python = find_python()
-        command = [str(python), "-s", "-P", "-m", "lappet.background.worker"]
-        if store is not None:
-            command += ["--store", str(store)]
         self._heard, self._ended = heard, ended
-        self._stderr: deque[str] = deque(maxlen=_STDERR_LINES)
+        self._said: deque[str] = deque(maxlen=_LINES)
+        pipes = WorkerPipes()
+        self._requests, self._events = pipes.requests, pipes.events
+        command = [str(python), "-s", "-P", "-m", "lappet.background.worker", *pipes.handles]
         try:
             self._process = subprocess.Popen(
-                command,
-                stdin=subprocess.PIPE,
+                command if store is None else [*command, str(store)],
+                stdin=subprocess.DEVNULL,
                 stdout=subprocess.PIPE,
-                stderr=subprocess.PIPE,
-                bufsize=0,
+                stderr=subprocess.STDOUT,
                 env=worker_environment(os.environ, path, solverd),
                 start_new_session=True,  # Ctrl-C in the terminal is for its owner
                 creationflags=getattr(subprocess, "CREATE_NO_WINDOW", 0),
-                pipesize=_PIPE_BYTES if sys.platform == "linux" else -1,
+                **pipes.inherit,
             )
         except OSError as error:
+            pipes.close()
             raise refused(ProblemCode.BACKGROUND_NOT_STARTED, python, error.strerror or error) from error
-        self._stdin = cast(io.RawIOBase, self._process.stdin)
-        self._words = threading.Thread(target=self._read_stderr, name="lappet-worker-words", daemon=True)
+        pipes.close_theirs()
+        self._words = threading.Thread(target=self._read_words, name="lappet-worker-words", daemon=True)
         self._reader = threading.Thread(target=self._read, name="lappet-worker-reader", daemon=True)
         self._words.start()
         self._reader.start()
@@ -81,7 +81,7 @@ class WorkerProcess:
         """The process id."""
         return self._process.pid
 
-    def send(self, request: dict[str, Any]) -> None:
+    def send(self, request: WorkerRequest) -> None:
         """Send a request; where the process has ended, nothing happens: `ended` tells.
 
         Parameters
@@ -95,8 +95,8 @@ class WorkerProcess:
             If the request cannot be told in a message.
         """
         data = pack(request)
-        with contextlib.suppress(OSError, ValueError):  # ValueError: the pipe is closed
-            write_frame(self._stdin, data)
+        with contextlib.suppress(OSError):
+            self._requests.send_bytes(data)
 
     def death(self) -> str:
         """Tell how the process ended and what it said last.
@@ -123,8 +123,7 @@ class WorkerProcess:
         patience
             Seconds that it gets.
         """
-        with contextlib.suppress(OSError):
-            self._stdin.close()
+        self._requests.close()
         try:
             self._process.wait(patience)
         except subprocess.TimeoutExpired:
@@ -135,28 +134,23 @@ class WorkerProcess:
 
     def _with_last_words(self, how: str) -> str:
         self._words.join(timeout=1.0)
-        words = [line for line in list(self._stderr)[-_LAST_WORDS:] if line]
+        words = [line for line in list(self._said)[-_LAST_WORDS:] if line]
         return f"{how}.{' It said: ' + ' | '.join(words) if words else ''}"
 
     def _read(self) -> None:
-        pipe = cast(io.RawIOBase, self._process.stdout)
-        with contextlib.suppress(OSError, MessageError):
-            while (data := read_frame(pipe)) is not None:
-                self._heard(unpack(data))
-        with contextlib.suppress(OSError):
-            pipe.close()
-        if self._process.poll() is None:  # it may have closed its pipe alone, or said what nobody understands
-            with contextlib.suppress(OSError):
-                self._stdin.close()
-            try:
-                self._process.wait(1.0)
-            except subprocess.TimeoutExpired:
-                self._process.kill()
-                self._process.wait()
+        with contextlib.suppress(OSError, EOFError, CodecError):
+            while True:
+                self._heard(unpack(self._events.recv_bytes(MAX_BYTES), WorkerEvent))
+        self._events.close()
+        try:  # it may have closed its pipe alone, or said what nobody understands
+            self._process.wait(1.0)
+        except subprocess.TimeoutExpired:
+            self._process.kill()
+            self._process.wait()
         self._ended(self)
 
-    def _read_stderr(self) -> None:
-        assert self._process.stderr is not None
-        with self._process.stderr as pipe, io.TextIOWrapper(cast(Any, pipe), errors="replace") as lines:
+    def _read_words(self) -> None:
+        assert self._process.stdout is not None
+        with io.TextIOWrapper(self._process.stdout, errors="replace") as lines:
             for line in lines:
-                self._stderr.append(line.rstrip())
+                self._said.append(line.rstrip())

@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import tempfile
 import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -17,8 +17,10 @@ from lappet.bench.circumstances import cores
 from lappet.core.problem import RefusedError, refused
 from lappet.core.problem_code import ProblemCode
 from lappet.daemon.client import SolverClient
+from lappet.daemon.solved_frame import Diagnostics, SolvedFrame
 from lappet.output.solve_to_cache import solve_procedure
 from lappet.program.program import Program
+from lappet.program.settings import SolverSettings
 from lappet.solve.solve_frames import FrameResult
 from lappet.solve.store import FrameStore
 
@@ -129,10 +131,10 @@ def measure(
     isa: str,
     epochs: int,
     seconds: float,
-    headers: Sequence[Mapping[str, Any]],
+    frames: Sequence[SolvedFrame],
     state: str = "",
 ) -> SceneMeasure:
-    """Make the row of a scene from the headers of its solved frames.
+    """Make the row of a scene from its solved frames.
 
     Parameters
     ----------
@@ -148,8 +150,8 @@ def measure(
         Number of epochs.
     seconds
         Wall time of everything.
-    headers
-        Fields of the messages `frame` (PROTOCOL.md) and `lattice`.
+    frames
+        The frames.
     state
         `state_hash` of the last frame.
 
@@ -163,49 +165,49 @@ def measure(
     RefusedError
         If there is no frame.
     """
-    if not headers:
+    if not frames:
         raise refused(ProblemCode.BENCH_NO_FRAME, scene)
-    lattices = [header["lattice"] for header in headers]
-    largest = max(lattices, key=lambda lattice: int(lattice["cells"]))
-    newton = [int(header["newton"]) for header in headers]
-    solver_seconds = sum(float(header["seconds"]["total"]) for header in headers)
-    peak = max(float(header["peak_bytes"]) for header in headers)
-    reasons = [str(header.get("reason") or "no reason given") for header in headers if not header["converged"]]
-    update, product = pass_times(headers)
+    largest = max((each.lattice for each in frames if each.lattice is not None), key=lambda lattice: lattice.cells)
+    said = [each.diagnostics for each in frames]
+    newton = [each.newton for each in said]
+    solver_seconds = sum(each.seconds.total for each in said)
+    peak = max(each.peak_bytes for each in said)
+    reasons = [each.reason or "no reason given" for each in said if not each.converged]
+    update, product = pass_times(said)
     return SceneMeasure(
         scene=scene,
         spacing_mm=spacing,
         converged=not reasons,
         reason=reasons[0] if reasons else None,
-        frames=len(headers),
+        frames=len(frames),
         epochs=epochs,
-        cells=int(largest["cells"]),
-        grid_cells=int(largest["grid_cells"]),
-        mesh_cells=int(largest["mesh_cells"]),
-        nodes=int(largest["nodes"]),
-        blocks=int(largest["blocks"]),
-        fine_voxels=int(largest["fine_voxels"]),
+        cells=largest.cells,
+        grid_cells=largest.grid_cells,
+        mesh_cells=largest.mesh_cells,
+        nodes=largest.nodes,
+        blocks=largest.blocks,
+        fine_voxels=largest.fine_voxels,
         threads=threads,
         isa=isa,
         seconds=seconds,
         solver_seconds=solver_seconds,
-        linear_seconds=sum(float(header["seconds"]["linear"]) for header in headers),
+        linear_seconds=sum(each.seconds.linear for each in said),
         newton_iterations=sum(newton),
         newton_median=float(np.median(newton)),
-        pcg_iterations=sum(int(header["pcg"]) for header in headers),
+        pcg_iterations=sum(each.pcg for each in said),
         newton_iteration_s=solver_seconds / max(sum(newton), 1),
         update_state_ms=update,
         product_ms=product,
-        residual=max(float(header["residual"]) for header in headers),
-        largest_gap_mm=max(float(header["largest_gap"]) for header in headers),
-        minimum_j=min(float(header["minimum_j"]) for header in headers),
+        residual=max(each.residual for each in said),
+        largest_gap_mm=max(each.largest_gap for each in said),
+        minimum_j=min(each.minimum_j for each in said),
         peak_bytes=peak,
-        bytes_per_cell=peak / max(int(largest["cells"]), 1),
+        bytes_per_cell=peak / max(largest.cells, 1),
         state=state,
     )
 
 
-def pass_times(headers: Sequence[Mapping[str, Any]]) -> tuple[float, float]:
+def pass_times(said: Sequence[Diagnostics]) -> tuple[float, float]:
     """Compute the milliseconds of a state update (an evaluation and a linearization) and of a product.
 
     Parameters
@@ -220,8 +222,8 @@ def pass_times(headers: Sequence[Mapping[str, Any]]) -> tuple[float, float]:
     """
 
     def mean(seconds: str, count: str) -> float:
-        total = sum(float(header["work"][seconds]) for header in headers)
-        return 1e3 * total / max(sum(int(header["work"][count]) for header in headers), 1)
+        total = sum(getattr(each.work, seconds) for each in said)
+        return 1e3 * total / max(sum(getattr(each.work, count) for each in said), 1)
 
     update = mean("evaluation_seconds", "evaluations") + mean("linearization_seconds", "linearizations")
     return update, mean("product_seconds", "products")
@@ -230,7 +232,7 @@ def pass_times(headers: Sequence[Mapping[str, Any]]) -> tuple[float, float]:
 def _displacements(program: Program, frame: FrameResult) -> NDArray[np.float64]:
     """Of the surface's points, (n, 3) mm."""
     rest = next(epoch.surface.points for epoch in program.epochs if epoch.index == frame.constraints.epoch)
-    return np.asarray(frame.arrays["points"], np.float64) - rest
+    return np.asarray(frame.solved.points, np.float64) - rest
 
 
 def state_hash(displacements: NDArray[Any]) -> str:
@@ -291,7 +293,7 @@ def solve_scene(procedure: Path, spacing: float, folder: Path) -> SceneMeasure:
     """
     cache = folder / f"{procedure.stem}.usdc"
     with tempfile.TemporaryDirectory(prefix="lappet-bench-") as store:
-        result = solve_procedure(procedure, cache, spacing=spacing, store=FrameStore(Path(store)))
+        result = solve_procedure(procedure, cache, SolverSettings(spacing=spacing), store=FrameStore(Path(store)))
     frames = [*result.frames, *([result.failed] if result.failed else [])]
     threads = result.program.settings.threads or cores()
     row = measure(
@@ -301,7 +303,7 @@ def solve_scene(procedure: Path, spacing: float, folder: Path) -> SceneMeasure:
         daemon_isa(),
         len(result.program.epochs),
         result.wall_seconds,
-        [frame.header for frame in frames],
+        [frame.solved for frame in frames],
         state_hash(_displacements(result.program, frames[-1])) if frames else "",
     )
     if result.reason is None or not row.converged:

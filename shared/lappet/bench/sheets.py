@@ -25,7 +25,8 @@ from lappet.bench.scenes import pass_times, state_hash
 from lappet.cutting.epoch import Epoch
 from lappet.daemon.client import SolverClient
 from lappet.geometry.labelled_surface import Surface
-from lappet.program.program import FrameConstraints, MaterialParameters, SolverSettings
+from lappet.program.program import FrameConstraints
+from lappet.program.settings import MaterialParameters, SolverSettings
 
 SHEET = (100.0, 60.0, 4.0)  # mm
 PATCH = (100.0, 80.0, 4.0)
@@ -193,6 +194,7 @@ def hooked(spacing: float, tolerance: float, **settings: Any) -> SheetMeasure:
     frame = FrameConstraints(
         1.0,
         0,
+        hook_index=np.zeros(1, np.int32),
         hook_anchors=anchor,
         hook_triangles=np.array([top], np.int32),
         hook_targets=anchor + HOOK,
@@ -230,10 +232,11 @@ def solve(
         client.open(settings)
         lattice = client.set_epoch(epoch, grip.astype(np.int32))
         solved = client.solve(frame)
-    header = solved.header
-    cells = max(int(lattice["cells"]), 1)
-    newton, seconds = int(header["newton"]), float(header["seconds"]["total"])
-    update, product = pass_times([header])
+    said = solved.diagnostics
+    assert solved.state is not None
+    cells = max(lattice.cells, 1)
+    newton, seconds = said.newton, said.seconds.total
+    update, product = pass_times([said])
     return SheetMeasure(
         benchmark=name,
         spacing_mm=settings.spacing,
@@ -243,20 +246,20 @@ def solve(
         threads=settings.threads or cores(),
         isa=isa,
         converged=solved.converged,
-        reason=str(header["reason"]) or None,
+        reason=said.reason or None,
         cells=cells,
         seconds=seconds,
-        lattice_seconds=float(lattice["seconds"]),
+        lattice_seconds=lattice.seconds,
         newton_iterations=newton,
-        pcg_iterations=int(header["pcg"]),
-        load_steps=int(header["load_steps"]),
-        residual=float(header["residual"]),
+        pcg_iterations=said.pcg,
+        load_steps=said.load_steps,
+        residual=said.residual,
         newton_iteration_s=seconds / max(newton, 1),
         update_state_ms=update,
         product_ms=product,
-        bytes_per_cell=float(header["peak_bytes"]) / cells,
-        session_bytes_per_cell=float(lattice["bytes"]) / cells,
-        state=state_hash(solved.arrays["nodes"]),
+        bytes_per_cell=said.peak_bytes / cells,
+        session_bytes_per_cell=lattice.bytes / cells,
+        state=state_hash(solved.state.nodes),
     )
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +11,7 @@ import click
 from lappet.commands.parameters import FILE
 from lappet.commands.refusals import sentences
 from lappet.commands.solve_options import solve_options
+from lappet.program.settings import SolverSettings
 
 
 @click.command()
@@ -24,7 +26,7 @@ from lappet.commands.solve_options import solve_options
 )
 @solve_options
 @click.pass_context
-def demo(context: click.Context, /, folder: Path, **options: Any) -> None:
+def demo(context: click.Context, /, folder: Path, settings: SolverSettings, **options: Any) -> None:
     """Solve and render the bundled Z-plasty, at a spacing of 1.33 mm unless you give one."""
     import shutil
 
@@ -33,13 +35,12 @@ def demo(context: click.Context, /, folder: Path, **options: Any) -> None:
         from lappet.demo import SPACING, figures_of, z_plasty
         from lappet.output.render import render_cache
 
-        options["spacing"] = options["spacing"] or SPACING
-
+        settings = replace(settings, spacing=settings.spacing or SPACING)
         folder.mkdir(parents=True, exist_ok=True)
         procedure = folder / "z_plasty.usda"
         shutil.copyfile(z_plasty(), procedure)
         cache = folder / "z_plasty.cache.usdc"
-        result = run_solve(procedure, cache, folder / "z_plasty.report.json", **options)
+        result = run_solve(procedure, cache, folder / "z_plasty.report.json", settings, **options)
         click.echo(summary(result))
         if result.complete:
 

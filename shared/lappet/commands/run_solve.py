@@ -9,10 +9,13 @@ import click
 
 if TYPE_CHECKING:
     from lappet.output.solve_to_cache import SolveResult
+    from lappet.program.settings import SolverSettings
     from lappet.solve.error_estimate import ErrorEstimate
 
 
-def run_solve(procedure: Path, cache: Path, report_path: Path | None, **options: Any) -> SolveResult:
+def run_solve(
+    procedure: Path, cache: Path, report_path: Path | None, settings: SolverSettings, **options: Any
+) -> SolveResult:
     """Solve with progress on standard error, and write the report.
 
     Parameters
@@ -35,10 +38,9 @@ def run_solve(procedure: Path, cache: Path, report_path: Path | None, **options:
     from lappet.output.solve_to_cache import solve_procedure
     from lappet.solve.store import FrameStore
 
-    options["quadrature"] = int(options["quadrature"])
     options["store"] = FrameStore(options["store"])
     with solve_progress() as observer:
-        result = solve_procedure(procedure, cache, observer=observer, **options)
+        result = solve_procedure(procedure, cache, settings, observer=observer, **options)
     if report_path is not None:
         from lappet.output.report import write_report
 
@@ -46,7 +48,9 @@ def run_solve(procedure: Path, cache: Path, report_path: Path | None, **options:
     return result
 
 
-def run_to_target(procedure: Path, cache: Path, report_path: Path | None, target: float, **options: Any) -> SolveResult:
+def run_to_target(
+    procedure: Path, cache: Path, report_path: Path | None, settings: SolverSettings, target: float, **options: Any
+) -> SolveResult:
     """Solve with the settings that a target error needs, and say which.
 
     Parameters
@@ -57,10 +61,12 @@ def run_to_target(procedure: Path, cache: Path, report_path: Path | None, target
         The skin cache.
     report_path
         File of the report, or None.
+    settings
+        How to solve; spacing, quadrature and tolerance are chosen.
     target
         Root mean square error in mm that must be reached.
     **options
-        Those of `solve_options`.
+        The others of `solve_options`.
 
     Returns
     -------
@@ -87,21 +93,20 @@ def run_to_target(procedure: Path, cache: Path, report_path: Path | None, target
         connect_to(daemon),
         solver_identity(daemon),
         FrameStore(options["store"]),
-        precision=options["precision"],
+        settings,
         until=options["frames"][1],
         say=lambda line: click.echo(line, err=True),
     )
     for attempt in range(1, TRIES + 1):
         click.echo(choice.sentence)
-        chosen = {"spacing": choice.spacing, "quadrature": choice.quadrature, "tolerance": choice.tolerance}
-        result = run_solve(procedure, cache, report_path, **{**options, **chosen})
+        result = run_solve(procedure, cache, report_path, choice.settings, **options)
         if not result.complete or result.errors is None or worst_rms(result.errors) <= target:
             return result
         if attempt < TRIES:
             choice = finer(choice, worst_rms(result.errors), target, expected_order(result.program))
     assert result.errors is not None
     reached, code = worst_rms(result.errors), ProblemCode.TARGET_ERROR_MISSED
-    raise refused(code, cache, f"{target:g}", reached=reached, spacing=choice.spacing)
+    raise refused(code, cache, f"{target:g}", reached=reached, spacing=choice.settings.spacing)
 
 
 def summary(result: SolveResult) -> str:

@@ -10,6 +10,7 @@ import click
 from lappet.commands.parameters import FILE, FrameRange
 from lappet.commands.refusals import sentences
 from lappet.commands.solve_options import is_given, solve_options
+from lappet.program.settings import SolverSettings
 
 
 @click.command()
@@ -33,6 +34,7 @@ def solve(
     report_path: Path | None,
     frames: tuple[int | None, int | None] | None,
     target_error: float | None,
+    settings: SolverSettings,
     **options: Any,
 ) -> None:
     """Solve a procedure and write its skin cache."""
@@ -42,7 +44,7 @@ def solve(
         cache = output or procedure.with_suffix(".cache.usdc")
         options["frames"] = frames or (None, None)
         if target_error is None:
-            result = run_solve(procedure, cache, report_path, **options)
+            result = run_solve(procedure, cache, report_path, settings, **options)
         else:
             given = [
                 name for name in ("spacing", "quadrature", "tolerance", "error_estimate") if is_given(context, name)
@@ -50,7 +52,7 @@ def solve(
             if given:
                 option = "--" + given[0].replace("_", "-")
                 raise click.UsageError(f"--target-error chooses {option} itself; leave {option} out.")
-            result = run_to_target(procedure, cache, report_path, target_error, **options)
+            result = run_to_target(procedure, cache, report_path, settings, target_error, **options)
         click.echo(summary(result))
     if not result.complete:
         context.exit(1)

@@ -1,13 +1,16 @@
-"""The options that every command that solves has."""
+"""The options that every command that solves has: those of the solver's settings, and of the solve itself."""
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable
+from dataclasses import Field
 from typing import Any
 
 import click
 
 from lappet.commands.parameters import FILE
+from lappet.program.settings import Option, SolverSettings, options
 
 
 def solve_options(command: Callable[..., Any]) -> Callable[..., Any]:
@@ -23,25 +26,18 @@ def solve_options(command: Callable[..., Any]) -> Callable[..., Any]:
     Callable[..., Any]
         The function with the options.
     """
-    options = [
-        click.option("--spacing", type=click.FloatRange(min=0, min_open=True), help="Lattice edge in mm."),
-        click.option(
-            "--tolerance",
-            type=click.FloatRange(min=0, max=1, min_open=True, max_open=True),
-            default=1e-3,
-            show_default=True,
-            help="Residual over the scene's force scale.",
-        ),
-        click.option(
-            "--quadrature", type=click.Choice(["1", "4", "8"]), default="1", show_default=True, help="Points per cell."
-        ),
-        click.option(
-            "--precision",
-            type=click.Choice(["float", "double"]),
-            default="float",
-            show_default=True,
-            help="Arithmetic.",
-        ),
+
+    @functools.wraps(command)
+    def with_settings(*arguments: Any, **given: Any) -> Any:
+        chosen = {
+            item.name: _setting(item, option, value)
+            for item, option in options()
+            if (value := given.pop(item.name)) is not None
+        }
+        return command(*arguments, settings=SolverSettings(**chosen), **given)
+
+    added = [
+        *(_setting_option(item, option) for item, option in options()),
         click.option(
             "--store", type=FILE, help="Folder for solved frames.  [default: LAPPET_STORE or the user's cache]"
         ),
@@ -52,19 +48,10 @@ def solve_options(command: Callable[..., Any]) -> Callable[..., Any]:
             show_default=True,
             help="Estimate the displacement error with a coarser solve.",
         ),
-        click.option(
-            "--strain/--no-strain",
-            default=True,
-            show_default=True,
-            help="Compute strain, stress and tension on the surface.",
-        ),
-        click.option(
-            "--whole", is_flag=True, help="Solve every frame everywhere, also where its changes do not reach."
-        ),
     ]
-    for option in reversed(options):
-        command = option(command)
-    return command
+    for option in reversed(added):
+        with_settings = option(with_settings)
+    return with_settings
 
 
 def is_given(context: click.Context, name: str) -> bool:
@@ -84,3 +71,32 @@ def is_given(context: click.Context, name: str) -> bool:
     """
     source = context.get_parameter_source(name)
     return source is not None and source.name == "COMMANDLINE"
+
+
+def _setting_option(item: Field[Any], option: Option) -> Callable[..., Any]:
+    """Return a setting's option as click has it."""
+    name, default = "--" + item.name.replace("_", "-"), item.default
+    if option.value is not None:
+        return click.option(option.flags or name, item.name, is_flag=True, help=option.help)
+    if isinstance(default, bool):
+        flags = option.flags or f"{name}/--no-{item.name.replace('_', '-')}"
+        return click.option(flags, item.name, default=default, show_default=True, help=option.help)
+    if option.choices:
+        kind: click.ParamType = click.Choice([str(each) for each in option.choices])
+        default = str(default)
+    else:
+        ends = {"min": option.above, "max": option.below}
+        open_ends = {"min_open": option.above is not None, "max_open": option.below is not None}
+        kind = (click.IntRange if isinstance(default, int) else click.FloatRange)(**ends, **open_ends)  # type: ignore[arg-type]
+    shown = default if option.shown else None
+    return click.option(
+        option.flags or name, item.name, type=kind, default=shown, show_default=option.shown, help=option.help
+    )
+
+
+def _setting(item: Field[Any], option: Option, value: Any) -> Any:
+    """Return the value of a setting whose option has this one."""
+    if option.value is not None:
+        return option.value if value else item.default
+    kind: Any = type(item.default)
+    return kind(value)

@@ -121,8 +121,8 @@ def describe(frame: FrameResult) -> str:
     """
     if frame.looked_up:
         return f"frame {frame.constraints.time:g}: looked up"
-    header = frame.header
+    said = frame.solved.diagnostics
     return (
-        f"frame {frame.constraints.time:g}: {header['newton']} Newton, {header['pcg']} PCG iterations, "
-        f"residual {header['residual']:.1e}, {frame.wall_seconds:.1f} s"
+        f"frame {frame.constraints.time:g}: {said.newton} Newton, {said.pcg} PCG iterations, "
+        f"residual {said.residual:.1e}, {frame.wall_seconds:.1f} s"
     )

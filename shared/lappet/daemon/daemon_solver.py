@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from typing import Any
+from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
 
 from lappet.core.version import version
 from lappet.cutting.epoch import Epoch
-from lappet.daemon.client import SolverClient, SolverState
-from lappet.daemon.frame_solver import Connect, FrameRefusedError, Iteration, SolvedFrame
+from lappet.daemon.client import SolverClient
+from lappet.daemon.frame_solver import Connect, FrameRefusedError, Iteration
 from lappet.daemon.process import daemon_identity
+from lappet.daemon.solved_frame import LatticeCounts, SolvedFrame, SolverState
 from lappet.daemon.wire import WireError
-from lappet.program.program import Bones, FrameConstraints, Landmarks, SolverSettings
+from lappet.program.program import Bones, FrameConstraints, Landmarks
+from lappet.program.settings import SolverSettings
 
 
 class DaemonSolver:
@@ -43,7 +44,7 @@ class DaemonSolver:
             self._client.close()
             raise
 
-    def set_epoch(self, epoch: Epoch, grip: NDArray[np.int32], landmarks: Landmarks) -> Mapping[str, Any]:
+    def set_epoch(self, epoch: Epoch, grip: NDArray[np.int32], landmarks: Landmarks) -> LatticeCounts:
         """Install an epoch, carrying the state over.
 
         Parameters
@@ -70,7 +71,7 @@ class DaemonSolver:
         except WireError as error:
             raise FrameRefusedError(error.problems) from error
 
-    def set_state(self, precision: str, arrays: Mapping[str, NDArray[Any]]) -> None:
+    def set_state(self, state: SolverState) -> None:
         """Replace the state by that of an earlier frame of this epoch.
 
         Parameters
@@ -85,14 +86,6 @@ class DaemonSolver:
         FrameRefusedError
             If the daemon refuses the state.
         """
-        state = SolverState(
-            precision,
-            arrays["nodes"],
-            arrays["state_suture_gaps"],
-            arrays["suture_multipliers"],
-            arrays["grip_multipliers"],
-            arrays["activation"],
-        )
         try:
             self._client.set_state(state)
         except WireError as error:

@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from lappet.core.problem import ProblemsError, RefusedError
 from lappet.cutting.epoch import Epoch
-from lappet.program.program import Bones, FrameConstraints, Landmarks, SolverSettings
-
-STATE_ARRAYS = ("nodes", "state_suture_gaps", "suture_multipliers", "grip_multipliers", "activation")
+from lappet.daemon.solved_frame import LatticeCounts, SolvedFrame, SolverState
+from lappet.program.program import Bones, FrameConstraints, Landmarks
+from lappet.program.settings import SolverSettings
 
 
 class SolverDiedError(ProblemsError, RuntimeError):
@@ -46,31 +46,10 @@ class Iteration:
     gap: float
 
 
-@dataclass(frozen=True, eq=False)
-class SolvedFrame:
-    """What came back for a frame.
-
-    Parameters
-    ----------
-    header
-        Fields of the message `frame` (PROTOCOL.md).
-    arrays
-        Its arrays by name.
-    """
-
-    header: dict[str, Any]
-    arrays: dict[str, NDArray[Any]]
-
-    @property
-    def converged(self) -> bool:
-        """Whether the equilibrium was found to the tolerance and the gaps asked for."""
-        return bool(self.header["converged"])
-
-
 class FrameSolver(Protocol):
     """A session that is told epochs and frames in order; every method may raise `SolverDiedError`."""
 
-    def set_epoch(self, epoch: Epoch, grip: NDArray[np.int32], landmarks: Landmarks) -> Mapping[str, Any]:
+    def set_epoch(self, epoch: Epoch, grip: NDArray[np.int32], landmarks: Landmarks) -> LatticeCounts:
         """Install an epoch, carrying the state over.
 
         Parameters
@@ -93,7 +72,7 @@ class FrameSolver(Protocol):
             If the solver refuses the epoch.
         """
 
-    def set_state(self, precision: str, arrays: Mapping[str, NDArray[Any]]) -> None:
+    def set_state(self, state: SolverState) -> None:
         """Replace the state by that of an earlier frame of this epoch.
 
         Parameters

@@ -1,44 +1,30 @@
-"""Messages of the wire (PROTOCOL.md): a msgpack header frame and one raw little-endian frame per array, both ways.
+"""Messages of the wire (PROTOCOL.md): a header and arrays as `lappet.core.array_codec` writes them, within its limits.
 
 Everything that was received is checked before it is used, with the daemon's own limits.
 """
 
 from __future__ import annotations
 
-import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
-from typing import Any
+import typing
+from collections.abc import Sequence
+from dataclasses import dataclass, field, is_dataclass, replace
+from typing import Any, TypeVar
 
-import msgpack
-import numpy as np
 from numpy.typing import NDArray
 
-from lappet.core.problem import ProblemsError
+from lappet.core import array_codec
+from lappet.core.array_codec import DTYPES, Bytes, CodecError, Limits
 from lappet.core.problem_code import ProblemCode
 
 VERSION = 1
-MAX_HEADER_BYTES = 64 * 1024
-MAX_ARRAYS = 32
-MAX_DIMENSIONS = 4
-MAX_TEXT_BYTES = 4096
-MAX_ENTRIES = 64
-MAX_DEPTH = 5
-MAX_ELEMENTS = 1 << 40
 DEFAULT_MAX_MESSAGE_BYTES = 1 << 30
-
-DTYPES: dict[str, np.dtype[Any]] = {
-    "u1": np.dtype("u1"),
-    "i4": np.dtype("<i4"),
-    "i8": np.dtype("<i8"),
-    "f4": np.dtype("<f4"),
-    "f8": np.dtype("<f8"),
-}
-_NAMES = {(dtype.kind, dtype.itemsize): name for name, dtype in DTYPES.items()}
+LIMITS = Limits(header_bytes=64 * 1024, arrays=32, text_bytes=4096, entries=64, depth=5)
 _OWN_FIELDS = frozenset({"v", "type", "id", "session", "arrays"})
 
+Value = TypeVar("Value")
 
-class WireError(ProblemsError, ValueError):
+
+class WireError(CodecError):
     """A message that breaks PROTOCOL.md; the sentence names the field, its value and what is expected."""
 
     code_of_sentences = ProblemCode.WIRE_MALFORMED
@@ -94,38 +80,23 @@ def encode(message: Message, max_message_bytes: int = DEFAULT_MAX_MESSAGE_BYTES)
     taken = _OWN_FIELDS & message.fields.keys()
     if taken:
         raise WireError(f"The field '{min(taken)}' belongs to every header and cannot be given in fields.")
-    if len(message.arrays) > MAX_ARRAYS:
-        raise WireError(f"The message has {len(message.arrays)} arrays; at most {MAX_ARRAYS} are read.")
-    described = []
-    frames = []
-    for name, array in message.arrays.items():
-        dtype = _NAMES.get(("u", 1) if array.dtype.kind == "b" else (array.dtype.kind, array.dtype.itemsize))
-        if dtype is None:
-            raise WireError(f"The array '{name}' has the dtype {array.dtype}; known are {', '.join(DTYPES)}.")
-        if array.ndim > MAX_DIMENSIONS:
-            raise WireError(f"The array '{name}' has {array.ndim} dimensions; at most {MAX_DIMENSIONS} are known.")
-        described.append({"name": name, "dtype": dtype, "shape": list(array.shape)})
-        frames.append(np.ascontiguousarray(array, dtype=DTYPES[dtype]).tobytes())
-    header: dict[str, Any] = {"v": VERSION, "type": message.type, "id": message.id, "arrays": described}
+    header: dict[str, Any] = {"v": VERSION, "type": message.type, "id": message.id}
     if message.session is not None:
         header["session"] = message.session
-    header.update(message.fields)
     try:
-        packed = msgpack.packb(header, use_bin_type=True)
-    except (TypeError, ValueError, OverflowError) as error:
-        raise WireError(f"The header of '{message.type}' cannot be written: {error}.") from error
-    if len(packed) > MAX_HEADER_BYTES:
-        raise WireError(f"The header of '{message.type}' has {len(packed)} bytes; at most {MAX_HEADER_BYTES} are read.")
-    total = len(packed) + sum(map(len, frames))
+        frames = array_codec.encode({**header, **message.fields}, message.arrays, LIMITS)
+    except CodecError as error:
+        raise WireError(f"The message '{message.type}' cannot be sent. {error.problems[0].value}") from error
+    total = sum(map(len, frames))
     if total > max_message_bytes:
         raise WireError(
             f"The message '{message.type}' has {total} bytes; the daemon takes {max_message_bytes}: "
             "use a coarser surface, or start the daemon with a larger --max-message-bytes."
         )
-    return [packed, *frames]
+    return frames
 
 
-def decode(frames: Sequence[bytes | memoryview], max_message_bytes: int = DEFAULT_MAX_MESSAGE_BYTES) -> Message:
+def decode(frames: Sequence[Bytes], max_message_bytes: int = DEFAULT_MAX_MESSAGE_BYTES) -> Message:
     """Read a message from its frames.
 
     Parameters
@@ -145,9 +116,10 @@ def decode(frames: Sequence[bytes | memoryview], max_message_bytes: int = DEFAUL
     WireError
         If the bytes are no message; nothing else is raised, whatever they are.
     """
-    if not frames:
-        raise WireError("The message has no header frame.")
-    header = _header(frames[0])
+    try:
+        header, arrays = array_codec.decode(frames, replace(LIMITS, total_bytes=max_message_bytes))
+    except CodecError as error:
+        raise WireError(error.problems[0].value) from error
     version = _whole(header, "v")
     if version != VERSION:
         raise WireError(
@@ -159,117 +131,71 @@ def decode(frames: Sequence[bytes | memoryview], max_message_bytes: int = DEFAUL
     kind = header.get("type")
     if not isinstance(kind, str):
         raise WireError(f"The header field 'type' is {kind!r:.60}; it must be a text.")
-    described = header.get("arrays")
-    if not isinstance(described, list):
-        raise WireError("The header has no list 'arrays' (an empty one if there are none).")
-    if len(described) > MAX_ARRAYS:
-        raise WireError(f"The message has {len(described)} arrays; at most {MAX_ARRAYS} are read.")
-    if len(described) != len(frames) - 1:
-        raise WireError(f"The header names {len(described)} arrays and the message holds {len(frames) - 1} frames.")
-    total = len(frames[0])
-    arrays: dict[str, NDArray[Any]] = {}
-    for entry, frame in zip(described, frames[1:], strict=True):
-        name, dtype, shape = _description(entry)
-        size = math.prod(shape) * dtype.itemsize
-        total += size
-        if total > max_message_bytes:
-            raise WireError(f"The message needs {total} bytes up to its array '{name}'; {max_message_bytes} are taken.")
-        if name in arrays:
-            raise WireError(f"The message holds the array '{name:.60}' twice.")
-        held = memoryview(frame).nbytes
-        if held != size:
-            raise WireError(f"The array '{name}' has {held} bytes; its shape {shape} asks for {size}.")
-        array: NDArray[Any] = np.frombuffer(frame, dtype).reshape(shape)
-        array.flags.writeable = False
-        arrays[name] = array
-    fields = {name: value for name, value in header.items() if name not in _OWN_FIELDS}
-    return Message(kind, identifier, session, fields, arrays)
+    return Message(
+        kind, identifier, session, {name: value for name, value in header.items() if name not in _OWN_FIELDS}, arrays
+    )
 
 
-def require(message: Message, **arrays: tuple[str | tuple[str, ...], tuple[int | None, ...]]) -> None:
-    """Check the arrays of a message.
+def read_array(message: Message, name: str, dtype: str, shape: tuple[int | None, ...]) -> NDArray[Any]:
+    """Take an array of a message.
 
     Parameters
     ----------
     message
         The message.
-    **arrays
-        For each name the dtype or dtypes and the shape, None in a shape for any length.
+    name
+        Name of the array.
+    dtype
+        Its dtype, one of `DTYPES`.
+    shape
+        Its shape, None for any length.
+
+    Returns
+    -------
+    NDArray[Any]
+        The array.
 
     Raises
     ------
     WireError
         If an array is missing or does not fit; names it.
     """
-    for name, (dtypes, shape) in arrays.items():
-        array = message.arrays.get(name)
-        if array is None:
-            raise WireError(f"'{message.type}' has no array '{name}'.")
-        known = (dtypes,) if isinstance(dtypes, str) else dtypes
-        if array.dtype not in [DTYPES[dtype] for dtype in known]:
-            raise WireError(
-                f"The array '{name}' of '{message.type}' has the dtype {array.dtype}; it must be {' or '.join(known)}."
-            )
-        fits = array.ndim == len(shape) and all(
-            want is None or have == want for have, want in zip(array.shape, shape, strict=True)
-        )
-        if not fits:
-            raise WireError(f"The array '{name}' of '{message.type}' has the shape {array.shape}; it must be {shape}.")
+    array = message.arrays.get(name)
+    if array is None:
+        raise WireError(f"'{message.type}' has no array '{name}'.")
+    if array.dtype != DTYPES[dtype]:
+        raise WireError(f"The array '{name}' of '{message.type}' has the dtype {array.dtype}; it must be {dtype}.")
+    fits = array.ndim == len(shape) and all(
+        want is None or have == want for have, want in zip(array.shape, shape, strict=True)
+    )
+    if not fits:
+        raise WireError(f"The array '{name}' of '{message.type}' has the shape {array.shape}; it must be {shape}.")
+    return array
 
 
-def _header(frame: bytes | memoryview) -> dict[str, Any]:
-    size = memoryview(frame).nbytes
-    if size > MAX_HEADER_BYTES:
-        raise WireError(f"The header frame has {size} bytes; at most {MAX_HEADER_BYTES} are read.")
-    try:
-        header = msgpack.unpackb(
-            frame,
-            raw=False,
-            unicode_errors="replace",
-            strict_map_key=True,
-            object_pairs_hook=_without_twins,
-            ext_hook=_no_extension,
-            max_str_len=MAX_TEXT_BYTES,
-            max_bin_len=MAX_TEXT_BYTES,
-            max_ext_len=MAX_TEXT_BYTES,
-            max_array_len=MAX_ENTRIES,
-            max_map_len=MAX_ENTRIES,
-        )
-    except WireError:
-        raise
-    except Exception as error:  # msgpack raises a dozen kinds
-        raise WireError(f"The header frame is not a msgpack map ({type(error).__name__}).") from error
-    if not isinstance(header, dict):
-        raise WireError(f"The header frame is a {type(header).__name__}; it must be a map.")
-    _plain(header, 0)
-    return header
+def read_fields(kind: type[Value], fields_: object, where: str) -> Value:
+    """Return a dataclass of numbers, text, truth values and such dataclasses from a map of the same names.
+
+    What no field of the dataclass is named is not read. Raises WireError naming the field that is missing or of another
+    kind.
+    """
+    if not isinstance(fields_, dict):
+        raise WireError(f"'{where}' is {fields_!r:.60}; it must be a map.")
+    values: dict[str, Any] = {}
+    for name, type_ in typing.get_type_hints(kind).items():
+        if name not in fields_:
+            raise WireError(f"'{where}' has no field '{name}'.")
+        values[name] = _read_field(type_, fields_[name], f"{where}.{name}")
+    return kind(**values)
 
 
-def _without_twins(pairs: list[tuple[Any, Any]]) -> dict[Any, Any]:
-    result = dict(pairs)
-    if len(result) != len(pairs):
-        raise WireError("The header holds a field twice.")
-    return result
-
-
-def _no_extension(code: int, data: bytes) -> Any:
-    raise WireError(f"The header holds a msgpack extension ({code}, {len(data)} bytes).")
-
-
-def _plain(value: object, depth: int) -> None:
-    """Refuse what is neither number, text, truth value, list nor map."""
-    if depth > MAX_DEPTH:
-        raise WireError(f"The header is nested deeper than {MAX_DEPTH} levels.")
-    if isinstance(value, dict):
-        for key, entry in value.items():
-            if not isinstance(key, str):
-                raise WireError("A key of the header is not a text.")
-            _plain(entry, depth + 1)
-    elif isinstance(value, list):
-        for entry in value:
-            _plain(entry, depth + 1)
-    elif not isinstance(value, (bool, int, float, str)):
-        raise WireError(f"The header holds a {type(value).__name__}, which no field of the protocol is.")
+def _read_field(kind: Any, value: object, where: str) -> Any:
+    if is_dataclass(kind):
+        return read_fields(typing.cast(type[Any], kind), value, where)
+    accepted = (int, float) if kind is float else (kind,)
+    if not isinstance(value, accepted) or (isinstance(value, bool) and kind is not bool):
+        raise WireError(f"The field '{where}' is {value!r:.60}; it must be a {kind.__name__}.")
+    return kind(value)
 
 
 def _whole(header: dict[str, Any], name: str) -> int:
@@ -277,23 +203,3 @@ def _whole(header: dict[str, Any], name: str) -> int:
     if not isinstance(value, int) or isinstance(value, bool) or value < 0:
         raise WireError(f"The header field '{name}' is {value!r:.60}; it must be a whole number of 0 or more.")
     return value
-
-
-def _description(entry: object) -> tuple[str, np.dtype[Any], tuple[int, ...]]:
-    if not isinstance(entry, Mapping) or entry.keys() != {"name", "dtype", "shape"}:
-        raise WireError("An entry of 'arrays' must be a map of name, dtype and shape.")
-    name, dtype, shape = entry["name"], entry["dtype"], entry["shape"]
-    if not isinstance(name, str):
-        raise WireError(f"The name of an array is {name!r:.60}; it must be a text.")
-    if not isinstance(dtype, str) or dtype not in DTYPES:
-        raise WireError(f"The array '{name:.60}' has the dtype {dtype!r:.60}; known are {', '.join(DTYPES)}.")
-    if not isinstance(shape, list) or len(shape) > MAX_DIMENSIONS:
-        raise WireError(f"The shape of '{name:.60}' must be a list of at most {MAX_DIMENSIONS} lengths.")
-    elements = 1
-    for length in shape:
-        if not isinstance(length, int) or isinstance(length, bool) or length < 0:
-            raise WireError(f"The shape of '{name:.60}' holds {length!r:.60}; lengths are 0 or more.")
-        elements *= length
-        if length > MAX_ELEMENTS or elements > MAX_ELEMENTS:
-            raise WireError(f"The array '{name:.60}' is too large: its shape holds the length {length}.")
-    return name, DTYPES[dtype], tuple(shape)

@@ -13,6 +13,7 @@ from lappet.procedure.scene_profile import measured_costs
 from lappet.procedure.storyboard import inspection
 from lappet.program.compile import compile_program
 from lappet.program.program import Program
+from lappet.program.settings import SolverSettings
 from lappet.usd.stage import read_procedure
 
 
@@ -54,7 +55,7 @@ def inspect_procedure(
     """
     notes: list[str] = []
     procedure = read_procedure(path, notes)
-    program = compile_program(procedure, spacing=spacing)
+    program = compile_program(procedure, settings=SolverSettings(spacing=spacing or 0.0))
     notes += program.notes
     counts: list[str] = []
     if lattice:
@@ -90,10 +91,10 @@ def _lattice_lines(program: Program, daemon: str | None, connect: Connect | None
         for epoch, grip, landmarks in zip(program.epochs, program.grips, program.landmarks_at, strict=True):
             counts = solver.set_epoch(epoch, grip, landmarks)
             lines.append(
-                f"epoch {epoch.index}: {counts['cells']} cells "
-                f"({counts['grid_cells']} grid, {counts['mesh_cells']} mesh), "
-                f"{counts['nodes']} nodes, {counts['blocks']} blocks, {counts['fine_voxels']} fine voxels, "
-                f"{counts['bytes'] / 2**20:.1f} MiB"
+                f"epoch {epoch.index}: {counts.cells} cells "
+                f"({counts.grid_cells} grid, {counts.mesh_cells} mesh), "
+                f"{counts.nodes} nodes, {counts.blocks} blocks, {counts.fine_voxels} fine voxels, "
+                f"{counts.bytes / 2**20:.1f} MiB"
             )
     finally:
         solver.close()

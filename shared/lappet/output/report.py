@@ -45,7 +45,10 @@ def report(result: SolveResult) -> dict[str, Any]:
         Values that JSON can hold.
     """
     program = result.program
-    lattices = {frame.constraints.epoch: frame.header.get("lattice") or {} for frame in result.frames}
+    lattices = {
+        frame.constraints.epoch: asdict(frame.solved.lattice) if frame.solved.lattice is not None else {}
+        for frame in result.frames
+    }
     epochs = [
         {
             "index": epoch.index,
@@ -65,7 +68,7 @@ def report(result: SolveResult) -> dict[str, Any]:
         "explicit_mesh": any(counts.get("mesh_cells", 0) > 0 for counts in lattices.values()),
         "error_estimate": result.errors is not None,
     }
-    peaks = [frame.header["peak_bytes"] for frame in result.frames if frame.header.get("peak_bytes")]
+    peaks = [peak for frame in result.frames if (peak := frame.solved.diagnostics.peak_bytes)]
     values = {
         "version": REPORT_VERSION,
         "lappet": version(),
@@ -131,34 +134,32 @@ def write_report(result: SolveResult, path: Path | str) -> None:
 
 
 def _frame(program: Program, frame: FrameResult, error: FrameErrorEstimate | None = None) -> dict[str, Any]:
-    header, arrays, constraints = frame.header, frame.arrays, frame.constraints
-    position = next(i for i, each in enumerate(program.frames) if each is constraints)
-    epoch = next(i for i, each in enumerate(program.epochs) if each.index == constraints.epoch)
-    hooks = [program.hooks[i] for i in program.active_hooks[position]]
-    sutures = [program.sutures[i] for i in constraints.suture_index]
-    landmarks = [program.landmarks[i] for i in program.landmarks_at[epoch].index]
+    solved, said = frame.solved, frame.solved.diagnostics
+    hooks = [program.hooks[i] for i in solved.hook_index]
+    sutures = [program.sutures[i] for i in solved.suture_index]
+    landmarks = [program.landmarks[i] for i in solved.landmark_index]
     return {
-        "time_code": constraints.time,
-        "epoch": constraints.epoch,
-        "converged": bool(header["converged"]),
-        "reason": header.get("reason") or None,
-        "newton_iterations": header["newton"],
-        "pcg_iterations": header["pcg"],
-        "load_steps": header["load_steps"],
-        "active_cells": header["active_cells"],
-        "residual": header["residual"],
-        "force_scale_mn": header["force_scale"],
-        "largest_gap_mm": header["largest_gap"],
-        "minimum_j": header["minimum_j"],
-        "inverted_cells": header["inverted_cells"],
-        "energy_mn_mm": header["energy"],
-        "largest_penetration_mm": header["largest_penetration"],
-        "contacts": header["contacts"],
-        "seconds": {**header["seconds"], "wall": frame.wall_seconds},
-        "suture_gaps_mm": _named(sutures, arrays["suture_gaps"]),
-        "suture_forces_mn": _named(sutures, arrays["suture_forces"]),
-        "hook_forces_mn": _named(hooks, arrays["hook_forces"]),
-        "landmarks": _named(landmarks, arrays["landmarks"]),
+        "time_code": solved.time,
+        "epoch": frame.constraints.epoch,
+        "converged": said.converged,
+        "reason": said.reason or None,
+        "newton_iterations": said.newton,
+        "pcg_iterations": said.pcg,
+        "load_steps": said.load_steps,
+        "active_cells": said.active_cells,
+        "residual": said.residual,
+        "force_scale_mn": said.force_scale,
+        "largest_gap_mm": said.largest_gap,
+        "minimum_j": said.minimum_j,
+        "inverted_cells": said.inverted_cells,
+        "energy_mn_mm": said.energy,
+        "largest_penetration_mm": said.largest_penetration,
+        "contacts": said.contacts,
+        "seconds": {**asdict(said.seconds), "wall": frame.wall_seconds},
+        "suture_gaps_mm": _named(sutures, solved.suture_gaps),
+        "suture_forces_mn": _named(sutures, solved.suture_forces),
+        "hook_forces_mn": _named(hooks, solved.hook_forces),
+        "landmarks": _named(landmarks, solved.landmarks),
         "estimated_error_mm": _error(program, frame, error),
         "cache_hit": frame.looked_up,
         "key": frame.key,
@@ -172,8 +173,7 @@ def _errors(result: SolveResult) -> tuple[FrameErrorEstimate | None, ...]:
 def _error(program: Program, frame: FrameResult, error: FrameErrorEstimate | None) -> dict[str, Any] | None:
     if error is None:
         return None
-    epoch = next(i for i, each in enumerate(program.epochs) if each.index == frame.constraints.epoch)
-    landmarks = [program.landmarks[i] for i in program.landmarks_at[epoch].index]
+    landmarks = [program.landmarks[i] for i in frame.solved.landmark_index]
     return {
         "max": error.greatest,
         "rms": error.rms,

@@ -9,21 +9,19 @@ from __future__ import annotations
 import os
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from lappet.core.version import version
 from lappet.cutting.epoch import Epoch
+from lappet.daemon.solved_frame import SCALARS, SolvedFrame
 from lappet.geometry.labelled_surface import FaceOrigin
 from lappet.geometry.shading_normals import ShadingNormals
 from lappet.procedure import Hook, Landmark, Procedure, Suture
 from lappet.program.program import Program
 from lappet.usd.stage import pxr, save_layer
-
-if TYPE_CHECKING:
-    from lappet.solve.solve_frames import FrameResult
 
 SUBSETS = {
     FaceOrigin.SKIN: "skin",
@@ -35,11 +33,15 @@ SUBSETS = {
 _COLOURS = np.array([(0.80, 0.58, 0.48), (0.62, 0.16, 0.14), (0.85, 0.66, 0.42), (0.85, 0.66, 0.42)], np.float32)
 _THREAD_MM, _STEEL_MM, _MARK_MM = 0.3, 0.5, 1.0
 _INSTANT = 1.0 / 1024.0  # of a frame
-SCALARS = ("strain", "stress", "tension")
 
 
 def write_skin_cache(
-    output: Path, procedure_path: Path, procedure: Procedure, program: Program, frames: Sequence[FrameResult]
+    output: Path,
+    procedure_path: Path,
+    procedure: Procedure,
+    program: Program,
+    frames: Sequence[SolvedFrame],
+    last_key: str,
 ) -> None:
     """Write the skin cache of consecutive frames, atomically.
 
@@ -55,6 +57,8 @@ def write_skin_cache(
         What the solver was told.
     frames
         The solved frames, one after the other.
+    last_key
+        Key of the last one.
 
     Raises
     ------
@@ -66,49 +70,46 @@ def write_skin_cache(
     output = Path(output)
     output.parent.mkdir(parents=True, exist_ok=True)
     layer = pxr().Sdf.Layer.CreateAnonymous(".usda")
-    _author(layer, procedure, program, frames)
+    _author(layer, procedure, program, frames, last_key)
     # Only now that no stage is open on it: the path means nothing to a layer in memory.
     below = os.path.relpath(Path(procedure_path).resolve(), output.resolve().parent)
     layer.subLayerPaths.append(below if below.startswith(".") else f"./{below}")
     save_layer(layer, output)
 
 
-def _author(layer: Any, procedure: Procedure, program: Program, frames: Sequence[FrameResult]) -> None:
+def _author(layer: Any, procedure: Procedure, program: Program, frames: Sequence[SolvedFrame], last_key: str) -> None:
     usd = pxr()
     stage = usd.Usd.Stage.Open(layer)
     stage.OverridePrim("/Procedure")
-    _metadata(stage, procedure, program, frames)
+    _metadata(stage, procedure, program, frames, last_key)
     usd.UsdGeom.Imageable(stage.OverridePrim("/Procedure/Tissue")).CreateVisibilityAttr("invisible")
     usd.UsdGeom.Xform.Define(stage, "/Procedure/Skin")
-    times = [frame.constraints.time for frame in frames]
-    shown = {frame.constraints.epoch for frame in frames}
+    times = [frame.time for frame in frames]
+    epochs = {constraints.time: constraints.epoch for constraints in program.frames}
     for epoch in program.epochs:
-        if epoch.index in shown:
-            own = [frame for frame in frames if frame.constraints.epoch == epoch.index]
+        own = [frame for frame in frames if epochs[frame.time] == epoch.index]
+        if own:
             _write_epoch(stage, epoch, own, times, program.fps)
     _write_sutures(stage, procedure, program, frames)
     _write_hooks(stage, procedure, program, frames)
     _write_landmarks(stage, procedure, program, frames)
 
 
-def _metadata(stage: Any, procedure: Procedure, program: Program, frames: Sequence[FrameResult]) -> None:
-
+def _metadata(stage: Any, procedure: Procedure, program: Program, frames: Sequence[SolvedFrame], last_key: str) -> None:
     usd = pxr()
     usd.UsdGeom.SetStageMetersPerUnit(stage, 0.001)
     usd.UsdGeom.SetStageUpAxis(stage, usd.UsdGeom.Tokens.z)
-    stage.SetStartTimeCode(frames[0].constraints.time)
-    stage.SetEndTimeCode(frames[-1].constraints.time)
+    stage.SetStartTimeCode(frames[0].time)
+    stage.SetEndTimeCode(frames[-1].time)
     stage.SetTimeCodesPerSecond(procedure.fps)
     stage.SetFramesPerSecond(procedure.fps)
     stage.SetDefaultPrim(stage.GetPrimAtPath("/Procedure"))
     layer = stage.GetRootLayer()
     layer.comment = "A skin cache, written by lappet solve. Do not edit: it is written anew."
-    layer.customLayerData = {
-        "lappet": {"version": version(), "spacing": program.settings.spacing, "lastKey": frames[-1].key}
-    }
+    layer.customLayerData = {"lappet": {"version": version(), "spacing": program.settings.spacing, "lastKey": last_key}}
 
 
-def _write_epoch(stage: Any, epoch: Epoch, frames: Sequence[FrameResult], times: Sequence[float], fps: float) -> None:
+def _write_epoch(stage: Any, epoch: Epoch, frames: Sequence[SolvedFrame], times: Sequence[float], fps: float) -> None:
     usd = pxr()
     surface = epoch.surface
     types, tokens = usd.Sdf.ValueTypeNames, usd.UsdGeom.Tokens
@@ -138,20 +139,22 @@ def _write_epoch(stage: Any, epoch: Epoch, frames: Sequence[FrameResult], times:
     shading = ShadingNormals(surface)
     normals = primvars.CreatePrimvar("normals", types.Normal3fArray, tokens.faceVarying)
     normals.SetIndices(usd.Vt.IntArray.FromNumpy(shading.indices))
-    measured = [name for name in SCALARS if all(len(frame.arrays[name]) for frame in frames)]  # --no-strain: none
+    measured = [
+        name for name in SCALARS if all(frame.scalar(name) is not None for frame in frames)
+    ]  # --no-strain: none
     scalars = {name: primvars.CreatePrimvar(name, types.FloatArray, tokens.vertex) for name in measured}
     points, velocities, extent = mesh.CreatePointsAttr(), mesh.CreateVelocitiesAttr(), mesh.CreateExtentAttr()
     points.Set(_vectors(surface.points))  # at no time: at rest, which taut tissue leaves as soon as it is cut
-    moved = [np.asarray(frame.arrays["points"], np.float32) for frame in frames]
+    moved = [np.asarray(frame.points, np.float32) for frame in frames]
     for i, frame in enumerate(frames):
-        time = frame.constraints.time
+        time = frame.time
         points.Set(_vectors(moved[i]), time)
         normals.Set(_vectors(shading.at(moved[i])), time)
         velocities.Set(_vectors(_velocity(moved, i, fps)), time)
         extent.Set(_vectors(np.stack([moved[i].min(axis=0), moved[i].max(axis=0)])), time)
         for name, primvar in scalars.items():
-            primvar.Set(usd.Vt.FloatArray.FromNumpy(np.require(frame.arrays[name], np.float32, ["C", "A"])), time)
-    own = {frame.constraints.time for frame in frames}
+            primvar.Set(usd.Vt.FloatArray.FromNumpy(np.require(frame.scalar(name), np.float32, ["C", "A"])), time)
+    own = {frame.time for frame in frames}
     visibility = mesh.CreateVisibilityAttr()
     # Blender reads no animated visibility, but it reads an animated scale. Nothing is shown in part between two frames.
     scale = mesh.AddScaleOp()
@@ -176,7 +179,7 @@ def _velocity(points: Sequence[NDArray[np.float32]], i: int, fps: float) -> NDAr
     return ((points[after] - points[before]) * np.float32(fps / (after - before))).astype(np.float32)
 
 
-def _write_sutures(stage: Any, procedure: Procedure, program: Program, frames: Sequence[FrameResult]) -> None:
+def _write_sutures(stage: Any, procedure: Procedure, program: Program, frames: Sequence[SolvedFrame]) -> None:
     """Two points per suture, in the order in which they are placed; on one spot until then."""
     if not program.sutures:
         return
@@ -185,38 +188,36 @@ def _write_sutures(stage: Any, procedure: Procedure, program: Program, frames: S
     curves = _curves(stage, "/Procedure/Skin/Sutures", program.sutures, _THREAD_MM, (0.08, 0.12, 0.35))
     for frame in frames:
         active = np.zeros(len(program.sutures), np.int32)
-        placed = frame.constraints.suture_index
-        active[placed] = 1
-        held[placed] = frame.arrays["suture_points"].reshape(-1, 2, 3)
-        _set_curves(curves, held, active, frame.constraints.time)
+        active[frame.suture_index] = 1
+        held[frame.suture_index] = frame.suture_points
+        _set_curves(curves, held, active, frame.time)
 
 
-def _write_hooks(stage: Any, procedure: Procedure, program: Program, frames: Sequence[FrameResult]) -> None:
+def _write_hooks(stage: Any, procedure: Procedure, program: Program, frames: Sequence[SolvedFrame]) -> None:
     """Two points per hook, on the tissue and where it pulls to; on one spot while it does not act."""
     if not program.hooks:
         return
-    acting = {frame.time: hooks for frame, hooks in zip(program.frames, program.active_hooks, strict=True)}
+    constraints = {each.time: each for each in program.frames}
     anchors = {event.name: event.anchor for event in procedure.events if isinstance(event, Hook)}
     held = np.array([[anchors[name]] * 2 for name in program.hooks], np.float64)
     curves = _curves(stage, "/Procedure/Skin/Hooks", program.hooks, _STEEL_MM, (0.55, 0.57, 0.6))
     for frame in frames:
         active = np.zeros(len(program.hooks), np.int32)
-        hooks = acting[frame.constraints.time]
-        active[hooks] = 1
+        active[frame.hook_index] = 1
         held[:, 1] = held[:, 0]
-        held[hooks, 0] = frame.arrays["hook_points"].reshape(-1, 3)
-        held[hooks, 1] = frame.constraints.hook_targets
-        _set_curves(curves, held, active, frame.constraints.time)
+        held[frame.hook_index, 0] = frame.hook_points
+        pulled = constraints[frame.time]
+        held[pulled.hook_index, 1] = pulled.hook_targets
+        _set_curves(curves, held, active, frame.time)
 
 
-def _write_landmarks(stage: Any, procedure: Procedure, program: Program, frames: Sequence[FrameResult]) -> None:
+def _write_landmarks(stage: Any, procedure: Procedure, program: Program, frames: Sequence[SolvedFrame]) -> None:
     """The landmarks; one whose tissue is excised stays where it was last and is marked inactive."""
     if not program.landmarks:
         return
     usd = pxr()
     count = len(program.landmarks)
     positions = np.array([point for event in procedure.events if isinstance(event, Landmark) for point in event.points])
-    indices = {epoch.index: at.index for epoch, at in zip(program.epochs, program.landmarks_at, strict=True)}
     marks = usd.UsdGeom.Points.Define(stage, "/Procedure/Skin/Landmarks")
     marks.CreateWidthsAttr(usd.Vt.FloatArray.FromNumpy(np.full(count, _MARK_MM, np.float32)))
     types, tokens = usd.Sdf.ValueTypeNames, usd.UsdGeom.Tokens
@@ -226,8 +227,8 @@ def _write_landmarks(stage: Any, procedure: Procedure, program: Program, frames:
     active = primvars.CreatePrimvar("active", types.IntArray, tokens.vertex)
     primvars.CreatePrimvar("displayColor", types.Color3fArray, tokens.constant).Set([(0.1, 0.1, 0.1)])
     for frame in frames:
-        index, time = indices[frame.constraints.epoch], frame.constraints.time
-        positions[index] = frame.arrays["landmarks"].reshape(-1, 3)
+        index, time = frame.landmark_index, frame.time
+        positions[index] = frame.landmarks
         flags = np.zeros(count, np.int32)
         flags[index] = 1
         marks.CreatePointsAttr().Set(_vectors(positions), time)

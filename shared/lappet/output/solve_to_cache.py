@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import tempfile
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 from lappet.checks.validation import check
 from lappet.core.problem import Problem, RefusedError, refused
@@ -16,8 +16,10 @@ from lappet.daemon.frame_solver import Connect, Iteration
 from lappet.output.skin_cache import write_skin_cache
 from lappet.procedure import Procedure
 from lappet.procedure.prim_paths import ROOT
-from lappet.program.compile import compile_program, frame_times
+from lappet.program.compile import DEFAULT, compile_program, frame_times
 from lappet.program.program import Program
+from lappet.program.settings import SolverSettings
+from lappet.solve.error_estimate import ErrorEstimate
 from lappet.solve.solve_frames import FrameResult, SolveObserver, solve_program
 from lappet.solve.store import FrameStore
 from lappet.usd.stage import SUFFIXES, read_procedure, write_procedure
@@ -84,11 +86,8 @@ class SolveResult:
 def solve_procedure(
     source: Path | str | Procedure,
     output: Path | str,
+    settings: SolverSettings = DEFAULT,
     *,
-    spacing: float | None = None,
-    tolerance: float = 1e-3,
-    quadrature: int = 1,
-    precision: Literal["float", "double"] = "float",
     frames: tuple[int | None, int | None] = (None, None),
     daemon: str | None = None,
     store: FrameStore | None = None,
@@ -96,8 +95,6 @@ def solve_procedure(
     connect: Connect | None = None,
     solver: str | None = None,
     error_estimate: bool = True,
-    strain: bool = True,
-    whole: bool = False,
 ) -> SolveResult:
     """Solve a procedure and write its skin cache.
 
@@ -152,19 +149,9 @@ def solve_procedure(
     output = Path(output)
     _refuse_output(output)
     procedure, path = _read(source, output)
-    _check(procedure, spacing)
+    _check(procedure, settings)
     first, last = _range(procedure, frames)
-    program = compile_program(
-        procedure,
-        spacing=spacing,
-        tolerance=tolerance,
-        quadrature=quadrature,
-        precision=precision,
-        until=last,
-        correction=error_estimate,
-        strain=strain,
-        region="whole" if whole else "auto",
-    )
+    program = compile_program(procedure, settings=replace(settings, correction=error_estimate), until=last)
     for sentence in program.notes:
         watch.note(sentence)
     if connect is None or solver is None:
@@ -175,7 +162,7 @@ def solve_procedure(
     wanted = [frame for frame in result.frames if frame.constraints.time >= first]
     written = None
     if wanted:
-        write_skin_cache(output, path, procedure, program, wanted)
+        write_skin_cache(output, path, procedure, program, [frame.solved for frame in wanted], wanted[-1].key)
         written = output
     elif result.reason is not None and result.failed is None:
         raise RefusedError([result.reason])
@@ -224,9 +211,8 @@ def _read(source: Path | str | Procedure, output: Path) -> tuple[Procedure, Path
     return read_procedure(path), path
 
 
-def _check(procedure: Procedure, spacing: float | None) -> None:
-
-    errors = [each for each in check(procedure, spacing=spacing) if each.severity == "error"]
+def _check(procedure: Procedure, settings: SolverSettings) -> None:
+    errors = [each for each in check(procedure, spacing=settings.spacing or None) if each.severity == "error"]
     if errors:
         raise RefusedError(errors)
 

@@ -125,17 +125,17 @@ class TissueLoss:
         return self._tissue.query(points)[2]
 
     def is_off(self, distance: NDArray[np.float64]) -> NDArray[np.bool_]:
-        """Find distances from the uncut tissue that are too large to be meant.
+        """Find distances that are too large for the anchor to be meant.
 
         Parameters
         ----------
         distance
-            Distances in mm, shape (q,).
+            From the uncut tissue in mm, shape (q,).
 
         Returns
         -------
         NDArray[np.bool_]
-            Which are, shape (q,).
+            Which are too large, shape (q,).
         """
         return ~(distance <= OFF_TISSUE * self.diagonal)
 

@@ -6,7 +6,7 @@ import math
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,19 +21,18 @@ from lappet.procedure.prim_paths import ROOT
 from lappet.program.anchors import AnchorTie, Tied, TissueLoss
 from lappet.program.bones import over_bone, united_bones
 from lappet.program.materials import activation, materials_in_use, parameters, region_program
-from lappet.program.program import FrameConstraints, Landmarks, Program, SolverSettings
+from lappet.program.program import FrameConstraints, Landmarks, Program
+from lappet.program.settings import SolverSettings
+
+DEFAULT = SolverSettings()
 
 
 def compile_program(
     procedure: Procedure,
     epochs: Sequence[Epoch] | None = None,
+    settings: SolverSettings = DEFAULT,
     *,
-    spacing: float | None = None,
-    tolerance: float = 1e-3,
-    quadrature: int = 1,
-    precision: Literal["float", "double"] = "float",
     until: float | None = None,
-    **settings: Any,
 ) -> Program:
     """Compile a procedure: a frame for every integer time code from its start to its end.
 
@@ -47,18 +46,10 @@ def compile_program(
         The procedure.
     epochs
         Its epochs in order, as `lappet.cutting.epochs` makes them; made here when None.
-    spacing
-        Lattice spacing in mm; the tissue's when None.
-    tolerance
-        Relative residual at which a frame has converged.
-    quadrature
-        Quadrature points of a cell: 1, 4 or 8.
-    precision
-        Arithmetic of the solver.
+    settings
+        How to solve; what they say of the tissue is replaced by the procedure's own.
     until
         Time code after which frames are left out.
-    **settings
-        Other fields of `SolverSettings`.
 
     Returns
     -------
@@ -72,8 +63,7 @@ def compile_program(
         bone is not closed, the timeline has no frame, or a material or the faces of a region are not there; names the
         prim.
     """
-    if spacing is None:
-        spacing = procedure.tissue.spacing
+    spacing = settings.spacing or procedure.tissue.spacing
     if epochs is None:
         # The spacing also says how finely the surface is divided.
         epochs = build_epochs(replace(procedure, tissue=replace(procedure.tissue, spacing=spacing)))
@@ -86,6 +76,8 @@ def compile_program(
         times = [time for time in times if time <= until]
     belongs = [_epoch_at(epochs, time) for time in times]
     hooks = [event for event in procedure.events if isinstance(event, Hook)]
+    by_start = sorted(hooks, key=lambda event: event.start)
+    numbers = {hook.name: number for number, hook in enumerate(by_start)}
     sutures = sorted((event for event in procedure.events if isinstance(event, Suture)), key=lambda event: event.start)
     retractors = sorted(
         (event for event in procedure.events if isinstance(event, Retractor)), key=lambda event: event.start
@@ -103,7 +95,6 @@ def compile_program(
     anchors = np.array(anchored, np.float64).reshape(-1, 3)
     first_suture, first_mark = len(hooks), len(hooks) + 2 * len(sutures)
     frames: list[FrameConstraints] = []
-    active_hooks: list[NDArray[np.int32]] = []
     grips: list[NDArray[np.int32]] = []
     landmarks: list[Landmarks] = []
     for epoch in epochs:
@@ -121,11 +112,11 @@ def compile_program(
         }
         for time in own:
             pulled = [i for i, hook in enumerate(hooks) if hook.start <= time < hook.release]
-            active_hooks.append(np.array(pulled, np.int32))
             frames.append(
                 FrameConstraints(
                     time=float(time),
                     epoch=epoch.index,
+                    hook_index=np.array([numbers[hooks[i].name] for i in pulled], np.int32),
                     **_hook_arrays(hooks, pulled, hook_ties, time),
                     **_suture_arrays(sutures, suture_ties, time),
                     **_retractor_arrays(retractors, motions, time),
@@ -137,25 +128,21 @@ def compile_program(
     return Program(
         epochs=tuple(epochs),
         frames=tuple(frames),
-        settings=SolverSettings(
+        settings=replace(
+            settings,
             spacing=spacing,
             origin=(float(origin[0]), float(origin[1]), float(origin[2])),
-            quadrature=quadrature,
-            precision=precision,
-            tolerance=tolerance,
             bed_stiffness=procedure.tissue.bed_stiffness,
             gravity=(0.0, 0.0, -gravity if gravity else 0.0),
             sutures=len(sutures),
             retractors=len(retractors),
             materials=tuple(parameters(material) for material in materials),
-            **settings,
         ),
         fps=procedure.fps,
-        hooks=tuple(hook.name for hook in hooks),
+        hooks=tuple(hook.name for hook in by_start),
         sutures=tuple(suture.name for suture in sutures),
         retractors=tuple(retractor.name for retractor in retractors),
         landmarks=_labels(marks),
-        active_hooks=tuple(active_hooks),
         grips=tuple(grips),
         landmarks_at=tuple(landmarks),
         bones=bones,

@@ -13,7 +13,7 @@ from lappet.cutting.epoch import Regions
 from lappet.geometry.labelled_surface import FaceOrigin
 from lappet.procedure import Material, Procedure
 from lappet.procedure.prim_paths import MATERIALS, TISSUE
-from lappet.program.program import MaterialParameters
+from lappet.program.settings import MaterialParameters
 from lappet.tissue.surface import tissue_surface
 
 

@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 
 from lappet.cutting.epoch import Epoch
 from lappet.geometry.labelled_surface import Surface
-from lappet.program.program import FrameConstraints, Landmarks, MaterialParameters, Program, SolverSettings
+from lappet.program.program import FrameConstraints, Landmarks, Program
+from lappet.program.settings import MaterialParameters, SolverSettings
 from lappet.reports.clamped_edge import edge_exponent
 
 SKIN = MaterialParameters(model="neoHookean", youngs_modulus=50.0, poissons_ratio=0.45)
@@ -147,7 +148,6 @@ class BoxScene:
             frames=(frame,),
             settings=chosen,
             retractors=("grip",) if self.motion is not None else (),
-            active_hooks=(np.zeros(0, np.int32),),
             grips=(grip,),
             landmarks_at=(Landmarks(),),
         )

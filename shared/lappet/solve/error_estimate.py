@@ -15,7 +15,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
@@ -26,6 +26,7 @@ from lappet.core.problem import Problem, problem
 from lappet.core.problem_code import ProblemCode
 from lappet.cutting.epoch import Epoch
 from lappet.daemon.frame_solver import Connect
+from lappet.daemon.solved_frame import LatticeCounts, SolvedFrame
 from lappet.geometry.labelled_surface import FaceOrigin
 from lappet.program.program import Program
 from lappet.solve.solve_frames import FrameResult, SolveObserver, solve_program
@@ -104,7 +105,7 @@ class ErrorEstimate:
     reason: Problem | None = None
 
 
-def expected_order(program: Program, lattice: Mapping[str, Any] | None = None) -> float:
+def expected_order(program: Program, lattice: LatticeCounts | None = None) -> float:
     """Choose the order of convergence to reckon with.
 
     Parameters
@@ -128,8 +129,7 @@ def expected_order(program: Program, lattice: Mapping[str, Any] | None = None) -
     if wounded:
         return WOUNDED_ORDER
     settings = program.settings
-    counts = lattice or {"fine_voxels": 0, "cells": 1}
-    whole = counts["fine_voxels"] == counts["cells"] * settings.fine_ratio**3
+    whole = lattice is not None and lattice.fine_voxels == lattice.cells * settings.fine_ratio**3
     surfaces = [epoch.surface for epoch in program.epochs]
     held = any(np.any(each.fixed) or np.any(each.resting) for each in surfaces) or bool(program.retractors)
     # What does not draw in when it is pulled does so at no held edge.
@@ -245,10 +245,10 @@ def estimate_errors(
     far: Sequence[FrameResult] = ()
     if other is not None and not solved.interrupted:
         far = solve_program(other, store, connect, solver, watch or SolveObserver()).frames
-    order = expected_order(program, frames[0].header.get("lattice") if frames else None)
+    order = expected_order(program, frames[0].solved.lattice if frames else None)
     skins = {epoch.index: _skin(epoch) for epoch in program.epochs}
     errors = [
-        frame_error(frame, _at(solved.frames, index), skins[frame.constraints.epoch], order, _at(far, index))
+        frame_error(frame.solved, _at(solved.frames, index), skins[frame.constraints.epoch], order, _at(far, index))
         for index, frame in enumerate(frames)
     ]
     reason = None
@@ -259,11 +259,11 @@ def estimate_errors(
 
 
 def frame_error(
-    frame: FrameResult,
-    coarse: FrameResult | None,
+    frame: SolvedFrame,
+    coarse: SolvedFrame | None,
     skin: NDArray[np.integer],
     order: float,
-    far: FrameResult | None = None,
+    far: SolvedFrame | None = None,
 ) -> FrameErrorEstimate | None:
     """Estimate the error of one frame.
 
@@ -321,37 +321,37 @@ class _Parts(NamedTuple):
 
 
 def _parts(
-    frame: FrameResult,
-    coarse: FrameResult | None,
-    far: FrameResult | None,
+    frame: SolvedFrame,
+    coarse: SolvedFrame | None,
+    far: SolvedFrame | None,
     order: float,
     name: str,
     left_over: str,
     places: NDArray[np.integer] | slice,
 ) -> _Parts:
-    def equilibrium(of: FrameResult) -> NDArray[np.float64]:
-        found = np.asarray(of.arrays[name][places], float)
+    def equilibrium(of: SolvedFrame) -> NDArray[np.float64]:
+        found = np.asarray(getattr(of, name)[places], float)
         left = _left_over(of, left_over, places)
         return found if left is None else found + left
 
     here = equilibrium(frame)
-    left = here - frame.arrays[name][places]
-    if coarse is None or coarse.arrays[name].shape != frame.arrays[name].shape:
+    left = here - getattr(frame, name)[places]
+    if coarse is None or getattr(coarse, name).shape != getattr(frame, name).shape:
         return _Parts(left, np.zeros_like(here), np.zeros_like(here))
     near = (here - equilibrium(coarse)) / (RATIO**order - 1.0)
-    if far is None or far.arrays[name].shape != frame.arrays[name].shape:
+    if far is None or getattr(far, name).shape != getattr(frame, name).shape:
         return _Parts(left, near, near)
     return _Parts(left, near, ONE_POINT_SHARE * (here - equilibrium(far)))
 
 
-def _left_over(frame: FrameResult, name: str, places: NDArray[np.integer] | slice) -> NDArray[np.float64] | None:
+def _left_over(frame: SolvedFrame, name: str, places: NDArray[np.integer] | slice) -> NDArray[np.float64] | None:
     """The Newton step left over at these places, or None where the frame came without."""
-    step = frame.arrays.get(name)
-    return np.asarray(step[places], float) if step is not None and len(step) else None
+    step: NDArray[Any] = getattr(frame, name)
+    return np.asarray(step[places], float) if len(step) else None
 
 
-def _at(frames: Sequence[FrameResult], index: int) -> FrameResult | None:
-    return frames[index] if index < len(frames) else None
+def _at(frames: Sequence[FrameResult], index: int) -> SolvedFrame | None:
+    return frames[index].solved if index < len(frames) else None
 
 
 def _skin(epoch: Epoch) -> NDArray[np.integer]:

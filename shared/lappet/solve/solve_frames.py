@@ -3,28 +3,15 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
-
-import numpy as np
-from numpy.typing import NDArray
 
 from lappet.core.problem import Problem, ProblemsError, RefusedError, problem
 from lappet.core.problem_code import ProblemCode
-from lappet.daemon.frame_solver import (
-    STATE_ARRAYS,
-    Connect,
-    FrameSolver,
-    Iteration,
-    SolverDiedError,
-)
+from lappet.daemon.frame_solver import Connect, FrameSolver, Iteration, SolverDiedError
+from lappet.daemon.solved_frame import SolvedFrame
 from lappet.program.keys import frame_keys
 from lappet.program.program import FrameConstraints, Program
-from lappet.solve.store import FrameStore, StoredFrame
-
-if TYPE_CHECKING:
-    pass
+from lappet.solve.store import FrameStore
 
 TRIES = 3
 
@@ -71,7 +58,7 @@ class SolveObserver:
 
 @dataclass(frozen=True, eq=False)
 class FrameResult:
-    """A frame as it goes into the skin cache and the report.
+    """A frame and how it was had.
 
     Parameters
     ----------
@@ -79,10 +66,8 @@ class FrameResult:
         What acted on the tissue.
     key
         Content key of the frame.
-    header
-        Fields of the message `frame` (PROTOCOL.md), and `lattice`, the counts of the epoch.
-    arrays
-        Arrays of the message `frame` without the state.
+    solved
+        The frame, without the state.
     looked_up
         Whether it came from the store.
     wall_seconds
@@ -91,8 +76,7 @@ class FrameResult:
 
     constraints: FrameConstraints
     key: str
-    header: dict[str, Any]
-    arrays: dict[str, NDArray[Any]]
+    solved: SolvedFrame
     looked_up: bool
     wall_seconds: float
 
@@ -149,8 +133,8 @@ def solve_program(program: Program, store: FrameStore, connect: Connect, solver:
         for index, constraints in enumerate(program.frames):
             try:
                 result = _frame(session, index, keys[index], store, watch)
-                if not result.header["converged"]:
-                    return Frames(tuple(done), not_converged(constraints.time, result.header), failed=result)
+                if not result.solved.converged:
+                    return Frames(tuple(done), not_converged(result.solved), failed=result)
                 done.append(result)
                 watch.frame(result)
             except KeyboardInterrupt:
@@ -161,23 +145,22 @@ def solve_program(program: Program, store: FrameStore, connect: Connect, solver:
     return Frames(tuple(done))
 
 
-def not_converged(time: float, header: Mapping[str, Any]) -> Problem:
-    """Make the problem of a frame that did not converge.
+def not_converged(frame: SolvedFrame) -> Problem:
+    """Return the problem of a frame that did not converge.
 
     Parameters
     ----------
-    time
-        Time code of the frame.
-    header
-        Header of its message `frame`.
+    frame
+        The frame.
 
     Returns
     -------
     Problem
         The problem.
     """
-    said = str(header.get("reason") or "the solver gives no reason.")
-    return problem(ProblemCode.FRAME_NOT_CONVERGED, f"Frame {time:g}", said)
+    return problem(
+        ProblemCode.FRAME_NOT_CONVERGED, f"Frame {frame.time:g}", frame.reason or "the solver gives no reason."
+    )
 
 
 def at_frame(time: float, error: ProblemsError) -> Problem:
@@ -202,20 +185,19 @@ def at_frame(time: float, error: ProblemsError) -> Problem:
 def _frame(session: _Session, index: int, key: str, store: FrameStore, watch: SolveObserver) -> FrameResult:
     """A frame from the store or the solver; what is newly solved is kept."""
     begun = time.perf_counter()
-    stored = store.get(key)
-    looked_up = stored is not None
-    if stored is None:
-        stored = session.solve(index, watch)
-    if stored.header["converged"]:
-        session.remember(index, stored)
+    solved = store.get(key, SolvedFrame)
+    looked_up = solved is not None
+    if solved is None:
+        solved = session.solve(index, watch)
+    if solved.converged:
+        session.remember(index, solved)
         well = store.trouble is None
-        if not looked_up and not store.put(key, stored) and well:
+        if not looked_up and not store.put(key, solved) and well:
             watch.note(str(store.trouble))
     return FrameResult(
         session.program.frames[index],
         key,
-        stored.header,
-        {name: array for name, array in stored.arrays.items() if name not in STATE_ARRAYS},
+        replace(solved, state=None),
         looked_up,
         time.perf_counter() - begun,
     )
@@ -230,8 +212,7 @@ class _Session:
         self._solver: FrameSolver | None = None
         self._at: int | None = None  # the frame whose state the solver holds
         self._epoch: int | None = None  # the epoch that the solver holds
-        self._lattice: dict[str, Any] = {}
-        self._last: tuple[int, StoredFrame] | None = None
+        self._last: tuple[int, SolvedFrame] | None = None
 
     def __enter__(self) -> _Session:
         return self
@@ -239,11 +220,11 @@ class _Session:
     def __exit__(self, *_: object) -> None:
         self._close()
 
-    def remember(self, index: int, frame: StoredFrame) -> None:
+    def remember(self, index: int, frame: SolvedFrame) -> None:
         """Keep the last frame: the state to go on from."""
         self._last = (index, frame)
 
-    def solve(self, index: int, watch: SolveObserver) -> StoredFrame:
+    def solve(self, index: int, watch: SolveObserver) -> SolvedFrame:
         """Solve a frame whose predecessor has been remembered."""
         frame = self.program.frames[index]
         for attempt in range(1, TRIES + 1):
@@ -261,7 +242,7 @@ class _Session:
             else:
                 if solved.converged:
                     self._at = index
-                return StoredFrame({**solved.header, "lattice": self._lattice}, solved.arrays)
+                return solved
         raise AssertionError("unreachable")
 
     def _prepare(self, index: int) -> FrameSolver:
@@ -273,8 +254,9 @@ class _Session:
             if self._last is None or self._last[0] != previous:
                 raise AssertionError(f"frame {index} is wanted before frame {previous}")
             self._set_epoch(self._solver, self.program.frames[previous].epoch)
-            state = fitted_state(self._last[1].arrays, self.program.settings.sutures)
-            self._solver.set_state(str(self._last[1].header["precision"]), state)
+            state = self._last[1].state
+            assert state is not None
+            self._solver.set_state(state.fitted(self.program.settings.sutures))
         self._set_epoch(self._solver, self.program.frames[index].epoch)
         return self._solver
 
@@ -283,8 +265,7 @@ class _Session:
             return
         position = next(i for i, each in enumerate(self.program.epochs) if each.index == epoch)
         program = self.program
-        counts = solver.set_epoch(program.epochs[position], program.grips[position], program.landmarks_at[position])
-        self._lattice = dict(counts)
+        solver.set_epoch(program.epochs[position], program.grips[position], program.landmarks_at[position])
         self._epoch = epoch
 
     def _abandon(self) -> None:
@@ -295,30 +276,3 @@ class _Session:
         solver, self._solver = self._solver, None
         if solver is not None:
             solver.close()
-
-
-def fitted_state(arrays: dict[str, NDArray[Any]], sutures: int) -> dict[str, NDArray[Any]]:
-    """Fit the state arrays of a frame to a procedure with another number of sutures.
-
-    Sutures are numbered in order of their start, so those that an edit added or removed after the frame are rows at the
-    end that the frame had not placed yet: a gap of NaN, a multiplier of 0.
-
-    Parameters
-    ----------
-    arrays
-        State arrays by name.
-    sutures
-        Number of sutures in the procedure.
-
-    Returns
-    -------
-    dict[str, NDArray[Any]]
-        The fitted arrays.
-    """
-    state = {name: arrays[name] for name in STATE_ARRAYS}
-    for name, fill in (("state_suture_gaps", np.nan), ("suture_multipliers", 0.0)):
-        fitted = np.full((sutures, 3), fill)
-        kept = min(sutures, len(state[name]))
-        fitted[:kept] = state[name][:kept]
-        state[name] = fitted
-    return state

@@ -1,57 +1,37 @@
-"""The frame store: solved frames by content key, in files that are written whole or not at all.
+"""The frame store: solved frames, and what is shown besides, by content key, in files that are whole or not there.
 
-A file holds the magic, a checksum of the rest, the length of a JSON header, the header, and the arrays one after
-another:
+A file holds the magic, a checksum of the rest, and the value as `lappet.core.value_codec` writes it:
 
-    magic (8) | BLAKE2b-256 of what follows (32) | header bytes (8, little-endian) | header | array | array | ...
+    magic (16) | BLAKE2b-256 of what follows (32) | value
 
-The header is {"header": any JSON object, "arrays": [{"name", "dtype", "shape"}, ...]}. An entry that does not fit its
-checksum counts as absent. Several processes may use one store at once.
+An entry that does not fit its checksum, or holds no such value, counts as absent. Several processes may use one store
+at once.
 """
 
 from __future__ import annotations
 
 import contextlib
 import hashlib
-import json
-import math
 import os
 import re
 import tempfile
 import time
-from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import TypeVar
 
-import numpy as np
-from numpy.typing import NDArray
-
+from lappet.core.array_codec import Bytes, CodecError
 from lappet.core.problem import Problem, problem
 from lappet.core.problem_code import ProblemCode
+from lappet.core.value_codec import pack, unpack
 
 DEFAULT_LIMIT = 4 << 30
-_MAGIC = b"LAPPETF1"
+_MAGIC = b"LAPPET FRAMES 2\n"  # with the checksum a multiple of 16: arrays are read in place
 _CHECKSUM = 32
 _KEY = re.compile(r"[0-9a-f]{16,128}")
 _SUFFIX = ".frame"
 _STALE_SECONDS = 3600.0
-_DTYPES = frozenset({"<f4", "<f8", "<i4", "<i8", "|u1"})
 
-
-@dataclass(frozen=True, eq=False)
-class StoredFrame:
-    """What is kept of a frame.
-
-    Parameters
-    ----------
-    header
-        Any JSON object.
-    arrays
-        Arrays by name, of the kinds f4, f8, i4, i8 or u1 and of any shape.
-    """
-
-    header: dict[str, Any]
-    arrays: dict[str, NDArray[Any]] = field(default_factory=dict)
+Value = TypeVar("Value")
 
 
 def default_folder() -> Path:
@@ -114,7 +94,7 @@ class FrameStore:
     def __contains__(self, key: str) -> bool:
         return self.path(key).is_file()
 
-    def get(self, key: str) -> StoredFrame | None:
+    def get(self, key: str, kind: type[Value]) -> Value | None:
         """Look up a frame.
 
         Parameters
@@ -124,7 +104,7 @@ class FrameStore:
 
         Returns
         -------
-        StoredFrame | None
+        SolvedFrame | None
             The frame, or None where it is absent, unreadable or damaged (a damaged file is removed).
         """
         path = self.path(key)
@@ -132,23 +112,23 @@ class FrameStore:
             data = path.read_bytes()
         except OSError:
             return None
-        frame = _unpack(data)
+        body = _checked(data)
         with contextlib.suppress(OSError):
-            if frame is None:
+            if body is None:
                 path.unlink()
             else:
                 os.utime(path)
-        return frame
+        return None if body is None else unpack_as(body, kind)
 
-    def put(self, key: str, frame: StoredFrame) -> bool:
-        """Keep a frame.
+    def put(self, key: str, value: object) -> bool:
+        """Keep a value.
 
         Parameters
         ----------
         key
             Content key.
-        frame
-            The frame.
+        value
+            A value of dataclasses, arrays, numbers, text and tuples of these.
 
         Returns
         -------
@@ -157,13 +137,28 @@ class FrameStore:
 
         Raises
         ------
-        TypeError
-            If JSON cannot hold the header.
-        ValueError
-            If an array is of another kind.
+        CodecError
+            If it cannot be written.
+        """
+        return self.put_packed(key, pack(value))
+
+    def put_packed(self, key: str, packed: bytes) -> bool:
+        """Keep a value that `lappet.core.value_codec.pack` has written.
+
+        Parameters
+        ----------
+        key
+            Content key.
+        packed
+            The value.
+
+        Returns
+        -------
+        bool
+            Whether the disk took it.
         """
         path = self.path(key)
-        data = _pack(frame)
+        data = _MAGIC + hashlib.blake2b(packed, digest_size=_CHECKSUM).digest() + packed
         if self.trouble is not None:
             return False
         try:
@@ -234,35 +229,18 @@ def _size(path: Path) -> int:
         return 0
 
 
-def _pack(frame: StoredFrame) -> bytes:
-    described, payload = [], []
-    for name, value in frame.arrays.items():
-        array = np.ascontiguousarray(value)
-        array = array.astype(array.dtype.newbyteorder("<"), copy=False)
-        kind = array.dtype.str
-        if kind not in _DTYPES:
-            raise ValueError(f"The array {name!r} is of the kind {kind}, which a stored frame cannot hold.")
-        described.append({"name": name, "dtype": kind, "shape": list(np.shape(value))})
-        payload.append(array.tobytes())
-    head = json.dumps({"header": frame.header, "arrays": described}).encode()
-    body = b"".join([len(head).to_bytes(8, "little"), head, *payload])
-    return _MAGIC + hashlib.blake2b(body, digest_size=_CHECKSUM).digest() + body
-
-
-def _unpack(data: bytes) -> StoredFrame | None:
+def _checked(data: bytes) -> memoryview | None:
+    """Return the value's bytes in a file's, or None where they do not fit their checksum."""
     start = len(_MAGIC) + _CHECKSUM
-    body = data[start:]
+    body = memoryview(data)[start:]
     checksum = hashlib.blake2b(body, digest_size=_CHECKSUM).digest()
-    if not data.startswith(_MAGIC) or data[len(_MAGIC) : start] != checksum:
+    return body if data.startswith(_MAGIC) and data[len(_MAGIC) : start] == checksum else None
+
+
+def unpack_as(packed: Bytes, kind: type[Value]) -> Value | None:
+    """Return the value in these bytes, or None where it is of another class."""
+    try:
+        value: Value = unpack(packed, kind)
+    except CodecError:
         return None
-    length = int.from_bytes(body[:8], "little")
-    head = json.loads(body[8 : 8 + length])
-    offset = 8 + length
-    arrays = {}
-    for described in head["arrays"]:
-        dtype, shape = np.dtype(described["dtype"]), tuple(described["shape"])
-        count = math.prod(shape)
-        # A copy, so that it is aligned: what lies at an odd offset some libraries refuse.
-        arrays[described["name"]] = np.array(np.frombuffer(body, dtype, count, offset).reshape(shape))
-        offset += count * dtype.itemsize
-    return StoredFrame(head["header"], arrays)
+    return value

@@ -8,13 +8,14 @@ cheapest is solved in full, and refined again where its own estimate misses the 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from lappet.core.problem import Problem, problem, refused
 from lappet.core.problem_code import ProblemCode
 from lappet.daemon.frame_solver import Connect
 from lappet.procedure import Procedure
-from lappet.program.compile import compile_program
+from lappet.program.compile import DEFAULT, compile_program
+from lappet.program.settings import SolverSettings
 from lappet.solve.error_estimate import ErrorEstimate, estimate_errors, expected_order
 from lappet.solve.solve_frames import SolveObserver, solve_program
 from lappet.solve.store import FrameStore
@@ -47,17 +48,14 @@ class Choice:
         What to tell the user.
     """
 
-    spacing: float
-    quadrature: int
-    tolerance: float
+    settings: SolverSettings
     expected: float
     sentence: str
 
 
 @dataclass(frozen=True)
 class _Pilot:
-    quadrature: int
-    spacing: float
+    settings: SolverSettings
     needed: float
     error: float
     algebraic: float
@@ -89,8 +87,8 @@ def choose(
     connect: Connect,
     solver: str,
     store: FrameStore,
+    settings: SolverSettings = DEFAULT,
     *,
-    precision: str = "float",
     until: float | None = None,
     say: Callable[[str], None] = lambda _: None,
 ) -> Choice:
@@ -108,8 +106,8 @@ def choose(
         What identifies it.
     store
         Where frames are kept.
-    precision
-        Arithmetic of the solver.
+    settings
+        What else they hold; spacing, quadrature and tolerance are chosen.
     until
         Last time code of the pilots.
     say
@@ -132,7 +130,8 @@ def choose(
     reasons: list[Problem] = []
     while not pilots:
         for quadrature in QUADRATURES:
-            pilot = _pilot(procedure, spacing, quadrature, target, connect, solver, store, until)
+            chosen = SolverSettings(spacing=spacing, quadrature=quadrature, tolerance=TOLERANCE, correction=True)
+            pilot = _pilot(procedure, chosen, target, connect, solver, store, until)
             if isinstance(pilot, Problem):
                 reasons.append(pilot)
             else:
@@ -147,15 +146,13 @@ def choose(
     best = min(pilots, key=lambda pilot: pilot.cost)
     tolerance = TOLERANCE
     if best.algebraic > ALGEBRAIC_SHARE * target:
-        tolerance = max(TOLERANCE * ALGEBRAIC_SHARE * target / best.algebraic, LEAST_TOLERANCE[precision])
-    expected = best.error * (best.needed / best.spacing) ** best.order
+        tolerance = max(TOLERANCE * ALGEBRAIC_SHARE * target / best.algebraic, LEAST_TOLERANCE[settings.precision])
+    quadrature = best.settings.quadrature
     return Choice(
-        best.needed,
-        best.quadrature,
-        tolerance,
-        expected,
-        f"Chosen for an error of {target:g} mm: spacing {best.needed:.3g} mm, {best.quadrature} quadrature "
-        f"point{'s' * (best.quadrature > 1)}, tolerance {tolerance:.1e}.",
+        replace(settings, spacing=best.needed, quadrature=quadrature, tolerance=tolerance),
+        best.error * (best.needed / best.settings.spacing) ** best.order,
+        f"Chosen for an error of {target:g} mm: spacing {best.needed:.3g} mm, {quadrature} quadrature "
+        f"point{'s' * (quadrature > 1)}, tolerance {tolerance:.1e}.",
     )
 
 
@@ -178,15 +175,14 @@ def finer(choice: Choice, reached: float, target: float, order: float) -> Choice
     Choice
         The finer choice.
     """
-    spacing = _round(CAUTION * choice.spacing * (target / reached) ** (1.0 / order))
+    spacing = _round(CAUTION * choice.settings.spacing * (target / reached) ** (1.0 / order))
     sentence = f"The estimate is {reached:.2g} mm, above {target:g} mm: once more with a spacing of {spacing:.3g} mm."
-    return Choice(spacing, choice.quadrature, choice.tolerance, target, sentence)
+    return Choice(replace(choice.settings, spacing=spacing), target, sentence)
 
 
 def _pilot(
     procedure: Procedure,
-    spacing: float,
-    quadrature: int,
+    settings: SolverSettings,
     target: float,
     connect: Connect,
     solver: str,
@@ -194,9 +190,8 @@ def _pilot(
     until: float | None,
 ) -> _Pilot | Problem:
     """The pilot, or why there is none."""
-    program = compile_program(
-        procedure, spacing=spacing, quadrature=quadrature, tolerance=TOLERANCE, until=until, correction=True
-    )
+    spacing = settings.spacing
+    program = compile_program(procedure, settings=settings, until=until)
     solved = solve_program(program, store, connect, solver, SolveObserver())
     if solved.interrupted:
         raise KeyboardInterrupt
@@ -210,8 +205,8 @@ def _pilot(
     order = expected_order(program)
     needed = _round(CAUTION * spacing * (target / error) ** (1.0 / order)) if error > 0.0 else spacing
     needed = min(needed, 2.0 * spacing)
-    seconds = sum(float(frame.header["seconds"]["total"]) for frame in solved.frames)
-    return _Pilot(quadrature, spacing, needed, error, algebraic, order, seconds * (spacing / needed) ** COST_ORDER)
+    seconds = sum(frame.solved.diagnostics.seconds.total for frame in solved.frames)
+    return _Pilot(settings, needed, error, algebraic, order, seconds * (spacing / needed) ** COST_ORDER)
 
 
 def _round(spacing: float) -> float:

@@ -14,7 +14,7 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
 from lappet.core.problem import Problem, RefusedError, problem, refused
@@ -107,11 +107,11 @@ def count_instructions(program: Program, binary: Path | None = None) -> Instruct
                 frame = client.solve(program.frames[0])
         finally:
             daemon.stop(_PATIENCE)  # callgrind writes as the daemon ends
-        if not frame.header["converged"]:
+        if not frame.diagnostics.converged:
             raise refused(ProblemCode.REPORT_NOT_CONVERGED, "callgrind", frame.reason)
         if not out.is_file():
             raise NoCounterError.of(ProblemCode.COUNTER_NO_COUNTS)
-        return _totals(out.read_text(encoding="utf-8", errors="replace"), frame.header["work"])
+        return _totals(out.read_text(encoding="utf-8", errors="replace"), asdict(frame.diagnostics.work))
 
 
 def isa_to_count() -> str | None:

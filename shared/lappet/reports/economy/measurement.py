@@ -7,7 +7,7 @@ median of native solves of the same frame on one thread; bytes are what the sess
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from statistics import median
 
@@ -253,15 +253,16 @@ def _native(program: Program) -> _Native:
             client.open(program.settings, program.bones)
             lattice = client.set_epoch(program.epochs[0], program.grips[0], program.landmarks_at[0])
             frame = client.solve(program.frames[0])
-            if not frame.header["converged"]:
+            if not frame.diagnostics.converged:
                 raise refused(ProblemCode.REPORT_NOT_CONVERGED, "", frame.reason)
-            seconds.append(float(frame.header["seconds"]["total"]))
-    carried = sum(array.nbytes for array in frame.arrays.values())
+            seconds.append(float(frame.diagnostics.seconds.total))
+    assert frame.state is not None
+    carried = frame.nbytes + frame.state.nbytes
     return _Native(
         median(seconds),
-        int(lattice["bytes"]) + carried,
-        int(lattice["cells"]),
-        int(frame.header["active_cells"]),
-        int(frame.header["newton"]),
-        dict(frame.header["work"]),
+        int(lattice.bytes) + carried,
+        int(lattice.cells),
+        int(frame.diagnostics.active_cells),
+        int(frame.diagnostics.newton),
+        asdict(frame.diagnostics.work),
     )

@@ -14,7 +14,8 @@ import numpy as np
 
 from lappet.cutting.epoch import Regions
 from lappet.geometry.labelled_surface import FaceOrigin, Surface
-from lappet.program.program import Bones, Landmarks, MaterialParameters, Program
+from lappet.program.program import Bones, Landmarks, Program
+from lappet.program.settings import MaterialParameters
 from lappet.reports.box_scenes import BoxScene, grid_box, stretched
 from lappet.solve.error_estimate import coarse_programs
 
@@ -104,12 +105,13 @@ def patch(spacing: float = SPACING) -> Program:
     anchor = surface.points[surface.triangles[triangle]].mean(axis=0)
     hook = replace(
         program.frames[0],
+        hook_index=np.zeros(1, np.int32),
         hook_anchors=anchor[None],
         hook_triangles=np.array([triangle], np.int32),
         hook_targets=anchor[None] + np.array([0.0, 0.0, 1.5]),
         hook_stiffness=np.array([300.0]),
     )
-    return replace(program, frames=(hook,), hooks=("hook",), active_hooks=(np.zeros(1, np.int32),))
+    return replace(program, frames=(hook,), hooks=("hook",))
 
 
 def _material(program: Program, **changes: object) -> Program:

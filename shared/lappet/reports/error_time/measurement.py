@@ -324,9 +324,9 @@ def _solve(program: Program, connect: Connect) -> tuple[tuple[FrameResult, ...],
 
 
 def _seconds(frames: Sequence[FrameResult]) -> float:
-    lattices = {frame.constraints.epoch: frame.header["lattice"] for frame in frames}
-    built = sum(float(counts["seconds"]) for counts in lattices.values())
-    return built + sum(float(frame.header["seconds"]["total"]) for frame in frames)
+    lattices = {frame.constraints.epoch: frame.solved.lattice for frame in frames}
+    built = sum(counts.seconds for counts in lattices.values() if counts is not None)
+    return built + sum(float(frame.solved.diagnostics.seconds.total) for frame in frames)
 
 
 def _reference(scene: Scene, connect: Connect) -> Reference:
@@ -352,7 +352,7 @@ def _limit(scene: Scene, settings: dict[str, Any], connect: Connect) -> Referenc
         frames, reason = _solve(program, connect)
         if reason is not None:
             raise RefusedError([replace(reason, prim=f"{scene.name} at {spacing:.3g} mm")])
-        positions.append(frames[-1].arrays["points"][skin_of(program)].astype(float))
+        positions.append(frames[-1].solved.points[skin_of(program)].astype(float))
     return richardson(*positions)
 
 
@@ -364,12 +364,12 @@ def _measure(scene: Scene, spacing: float, chosen: dict[str, Any], reference: Re
         spacing_mm=spacing,
         **chosen,
         default=chosen == DEFAULT,
-        cells=max((int(frame.header["lattice"]["cells"]) for frame in frames), default=0),
+        cells=max((each.solved.lattice.cells for each in frames if each.solved.lattice is not None), default=0),
         frames=len(frames),
         seconds=_seconds(frames),
         estimate_seconds=None,
-        newton_iterations=sum(int(frame.header["newton"]) for frame in frames),
-        pcg_iterations=sum(int(frame.header["pcg"]) for frame in frames),
+        newton_iterations=sum(int(frame.solved.diagnostics.newton) for frame in frames),
+        pcg_iterations=sum(int(frame.solved.diagnostics.pcg) for frame in frames),
         error_mm=None,
         error_max_mm=None,
         estimate_mm=None,
@@ -379,16 +379,16 @@ def _measure(scene: Scene, spacing: float, chosen: dict[str, Any], reference: Re
     if reason is not None:
         return row
     skin = skin_of(program)
-    off = frames[-1].arrays["points"][skin] - reference.points
+    off = frames[-1].solved.points[skin] - reference.points
     partners, failure = _solve(coarse_program(program), connect)
-    partner = partners[-1] if failure is None else None
+    partner = partners[-1].solved if failure is None else None
     other = far_coarse_program(program)
     others: tuple[FrameResult, ...] = ()
     far = None
     if other is not None:
         others, failure = _solve(other, connect)
-        far = others[-1] if failure is None else None
-    estimate = frame_error(frames[-1], partner, skin, expected_order(program, frames[0].header["lattice"]), far)
+        far = others[-1].solved if failure is None else None
+    estimate = frame_error(frames[-1].solved, partner, skin, expected_order(program, frames[0].solved.lattice), far)
     row = replace(
         row,
         error_mm=rms(off),
@@ -420,7 +420,7 @@ def _convergence(scene: Scene, quadrature: int, reference: Reference, connect: C
         frames, reason = _solve(program, connect)
         if reason is not None:
             return None
-        off = frames[-1].arrays["points"][skin] - reference.points
+        off = frames[-1].solved.points[skin] - reference.points
         errors.append(rms(off))
         away = scene.away(program.epochs[-1].surface.points[skin])
         away_errors.append(rms(off[away]))

@@ -13,6 +13,7 @@ from lappet.designs import Row, Schedule, Technique, dufourmentel, flap_operatio
 from lappet.procedure import Material, Procedure
 from lappet.program.compile import compile_program
 from lappet.program.program import Program
+from lappet.program.settings import SolverSettings
 from lappet.tissue.dome import dome_bone, dome_scalp, draped
 from lappet.tissue.skin_sheet import SkinSheet
 from lappet.usd.stage import read_procedure
@@ -89,7 +90,7 @@ class ProcedureScene:
             The program.
         """
         if self._program is None:
-            self._program = compile_program(self.procedure, spacing=self.surface_spacing)
+            self._program = compile_program(self.procedure, settings=SolverSettings(spacing=self.surface_spacing))
         return replace(self._program, settings=replace(self._program.settings, spacing=spacing, **settings))
 
 

@@ -7,7 +7,8 @@ from typing import Any
 
 from lappet.core.problem_code import ProblemCode
 from lappet.procedure import MODELS
-from lappet.program.program import MaterialParameters, Program
+from lappet.program.program import Program
+from lappet.program.settings import MaterialParameters
 from lappet.reports.stability.measurement import Case, Scene
 from lappet.reports.stability.scenes import (
     LEFT,

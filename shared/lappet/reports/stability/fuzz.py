@@ -41,7 +41,8 @@ from lappet.procedure import (
     Tissue,
     Undermine,
 )
-from lappet.program.program import Bones, SolverSettings
+from lappet.program.program import Bones
+from lappet.program.settings import SolverSettings
 from lappet.solve.store import FrameStore
 from lappet.tissue.patch import flat_patch
 
@@ -283,14 +284,14 @@ def _unfit(reason: Problem) -> str:
 def _claims(result: SolveResult) -> str:
     settings = result.program.settings
     for frame in result.frames:
-        at, header = f"Frame {frame.constraints.time:g}", frame.header
-        for name, array in frame.arrays.items():
+        at, said = f"Frame {frame.constraints.time:g}", frame.solved.diagnostics
+        for name, array in frame.solved.arrays().items():
             if array.dtype.kind == "f" and not np.isfinite(array).all():
                 return f"{at} holds numbers in '{name}' that are not finite."
-        if not header["residual"] <= settings.tolerance:
-            return f"{at} is called converged at a relative residual of {header['residual']:.2e}."
-        if not header["largest_gap"] <= settings.gap_tolerance * settings.spacing:
-            return f"{at} is called converged with a gap of {header['largest_gap']:.3g} mm."
+        if not said.residual <= settings.tolerance:
+            return f"{at} is called converged at a relative residual of {said.residual:.2e}."
+        if not said.largest_gap <= settings.gap_tolerance * settings.spacing:
+            return f"{at} is called converged with a gap of {said.largest_gap:.3g} mm."
     return ""
 
 

@@ -11,7 +11,8 @@ import numpy as np
 from lappet.core.problem_code import ProblemCode
 from lappet.cutting.epoch import Regions
 from lappet.procedure import MODELS
-from lappet.program.program import MaterialParameters, Program
+from lappet.program.program import Program
+from lappet.program.settings import MaterialParameters
 from lappet.reports.box_scenes import grid_box
 from lappet.reports.stability.deformation_cases import KINK
 from lappet.reports.stability.measurement import Case, Check, Scene, Solved

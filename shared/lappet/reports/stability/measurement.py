@@ -12,16 +12,16 @@ import threading
 import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from lappet.core.problem import Problem, RefusedError
 from lappet.core.problem_code import ProblemCode
-from lappet.daemon.client import FrameSolution, SolverClient, SolverState
+from lappet.daemon.client import SolverClient
 from lappet.daemon.frame_solver import Iteration, SolverDiedError
 from lappet.daemon.process import SolverDaemon
+from lappet.daemon.solved_frame import LatticeCounts, SolvedFrame, SolverState
 from lappet.daemon.wire import WireError
 from lappet.program.program import Program
 from lappet.solve.solve_frames import not_converged
@@ -51,8 +51,8 @@ class Solved:
     """
 
     program: Program
-    frames: tuple[FrameSolution, ...]
-    twin: FrameSolution | None = None
+    frames: tuple[SolvedFrame, ...]
+    twin: SolvedFrame | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -240,8 +240,8 @@ def _solve(client: SolverClient, scene: Scene, case: Case, row: Row) -> Row:
         row,
         frames=len(finite),
         cells=cells,
-        residual=max((float(frame.header["residual"]) for frame in finite), default=None),
-        gap_mm=max((float(frame.header["largest_gap"]) for frame in finite), default=None),
+        residual=max((frame.diagnostics.residual for frame in finite), default=None),
+        gap_mm=max((frame.diagnostics.largest_gap for frame in finite), default=None),
     )
     wrong = next(filter(None, (_disproved(frame, program) for frame in frames)), "")
     if not wrong and finite and not case.slow and _begins_as_it_ended(program):
@@ -260,26 +260,26 @@ def _solve(client: SolverClient, scene: Scene, case: Case, row: Row) -> Row:
 
 def _frames(
     client: SolverClient, program: Program, start: Start | None
-) -> tuple[list[FrameSolution], Problem | None, int]:
+) -> tuple[list[SolvedFrame], Problem | None, int]:
     """The frames up to the first one that fails (included), why it failed, and the most cells of an epoch."""
     client.open(program.settings, program.bones)
-    frames: list[FrameSolution] = []
+    frames: list[SolvedFrame] = []
     at, cells = None, 0
     for frame in program.frames:
         if frame.epoch != at:
-            lattice = _set_epoch(client, program, frame.epoch, start is not None and at is None)
-            cells, at = max(cells, int(lattice["cells"])), frame.epoch
+            lattice, nodes = _set_epoch(client, program, frame.epoch)
+            cells, at = max(cells, lattice.cells), frame.epoch
             if start is not None and not frames:
-                client.set_state(_state(program, start(lattice["nodes"]) - lattice["nodes"]))
+                client.set_state(_state(program, start(nodes) - nodes))
         frames.append(client.solve(frame))
         if not frames[-1].converged:
-            return frames, not_converged(frame.time, frames[-1].header), cells
+            return frames, not_converged(frames[-1]), cells
     return frames, None, cells
 
 
-def _set_epoch(client: SolverClient, program: Program, index: int, nodes: bool = False) -> dict[str, Any]:
+def _set_epoch(client: SolverClient, program: Program, index: int) -> tuple[LatticeCounts, NDArray[np.float64]]:
     at = next(i for i, epoch in enumerate(program.epochs) if epoch.index == index)
-    return client.set_epoch(program.epochs[at], program.grips[at], program.landmarks_at[at], nodes=nodes)
+    return client.set_epoch_with_nodes(program.epochs[at], program.grips[at], program.landmarks_at[at])
 
 
 def _state(program: Program, displacements: NDArray[np.float64]) -> SolverState:
@@ -295,24 +295,31 @@ def _state(program: Program, displacements: NDArray[np.float64]) -> SolverState:
     )
 
 
-def _disproved(frame: FrameSolution, program: Program) -> str:
+def _disproved(frame: SolvedFrame, program: Program) -> str:
     """What a frame's own numbers say against it, a sentence; empty if nothing."""
-    for name, array in frame.arrays.items():
-        unknown = name == "state_suture_gaps"  # not a number before a suture is placed
-        if array.dtype.kind == "f" and not unknown and not np.isfinite(array).all():
+    assert frame.state is not None
+    state = frame.state
+    held = {
+        **frame.arrays(),
+        "nodes": state.nodes,
+        "suture_multipliers": state.suture_multipliers,
+        "grip_multipliers": state.grip_multipliers,
+    }
+    for name, array in held.items():
+        if array.dtype.kind == "f" and not np.isfinite(array).all():
             return f"Frame {frame.time:g} holds numbers in '{name}' that are not finite."
     if not frame.converged:
         return ""
     settings = program.settings
-    residual, gap = float(frame.header["residual"]), float(frame.header["largest_gap"])
+    residual, gap = frame.diagnostics.residual, frame.diagnostics.largest_gap
     if not residual <= settings.tolerance:
         return f"Frame {frame.time:g} is called converged at a relative residual of {residual:.2e}."
     if not gap <= settings.gap_tolerance * settings.spacing:
         return f"Frame {frame.time:g} is called converged with a gap of {gap:.3g} mm."
-    deep = float(frame.header["largest_penetration"])
+    deep = frame.diagnostics.largest_penetration
     if not deep <= DEEPEST * settings.spacing:
         return f"Frame {frame.time:g} is called converged with tissue {deep:.3g} mm deep in bone."
-    if not math.isfinite(float(frame.header["energy"])):
+    if not math.isfinite(frame.diagnostics.energy):
         return f"Frame {frame.time:g} is called converged and its energy is not finite."
     return ""
 
@@ -329,11 +336,12 @@ class _SeenError(Exception):
     """The first iteration has been told."""
 
 
-def _again(client: SolverClient, program: Program, frame: FrameSolution) -> tuple[float | None, float | None]:
+def _again(client: SolverClient, program: Program, frame: SolvedFrame) -> tuple[float | None, float | None]:
     """The relative residual and the gap (mm) of a converged frame in double precision; None where nothing is said."""
     client.open(replace(program.settings, precision="double"), program.bones)
     constraints = next(each for each in program.frames if each.time == frame.time)
     _set_epoch(client, program, constraints.epoch)
+    assert frame.state is not None
     client.set_state(replace(frame.state, precision="double", nodes=np.asarray(frame.state.nodes, np.float64)))
     told: list[Iteration] = []
 

@@ -16,7 +16,8 @@ from lappet.cutting.epoch import Epoch, Regions
 from lappet.procedure import Event, Material, Procedure, Tissue
 from lappet.program.anchors import AnchorTie
 from lappet.program.compile import compile_program
-from lappet.program.program import Bones, FrameConstraints, Landmarks, MaterialParameters, Program, SolverSettings
+from lappet.program.program import Bones, FrameConstraints, Landmarks, Program
+from lappet.program.settings import MaterialParameters, SolverSettings
 from lappet.reports.box_scenes import grid_box
 from lappet.reports.stability.measurement import Solved, Start
 from lappet.tissue.patch import flat_patch
@@ -107,6 +108,7 @@ def block(
         FrameConstraints(
             float(time),
             0,
+            hook_index=np.arange(len(hooks), dtype=np.int32),
             hook_anchors=pulled.point,
             hook_triangles=pulled.triangle,
             hook_targets=np.array([pull[1] for pull in hooks], float).reshape(-1, 3),
@@ -273,7 +275,7 @@ def compiled(made: Procedure, **settings: Any) -> Program:
     errors = [problem for problem in check(made) if problem.severity == "error"]
     if errors:
         raise RefusedError(errors)
-    return compile_program(made, **settings)
+    return compile_program(made, settings=SolverSettings(**settings))
 
 
 def patch(size: Vector = (24.0, 16.0, 2.0), spacing: float = 1.0, **more: Any) -> Tissue:

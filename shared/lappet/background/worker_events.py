@@ -1,0 +1,182 @@
+"""What the worker tells its owner: the plan of a procedure, its frames as they come, and how it ended."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from lappet.background.plan import Plan
+from lappet.core.problem import Problem
+from lappet.daemon.solved_frame import SolvedFrame
+
+
+@dataclass(frozen=True, eq=False)
+class Planned:
+    """The procedure of a job is compiled.
+
+    Parameters
+    ----------
+    job
+        Number of the job.
+    plan
+        The plan.
+    known
+        For each frame, whether the store holds it.
+    """
+
+    job: int
+    plan: Plan
+    known: tuple[bool, ...]
+
+
+@dataclass(frozen=True)
+class Refused:
+    """The procedure of a job cannot be solved; nothing was done.
+
+    Parameters
+    ----------
+    job
+        Number of the job.
+    problems
+        Why.
+    """
+
+    job: int
+    problems: tuple[Problem, ...]
+
+
+@dataclass(frozen=True)
+class IterationDone:
+    """A Newton iteration is done.
+
+    Parameters
+    ----------
+    job
+        Number of the job.
+    time
+        Time code.
+    newton
+        Number of the iteration.
+    residual
+        Residual over force scale.
+    gap
+        Largest gap in mm.
+    """
+
+    job: int
+    time: float
+    newton: int
+    residual: float
+    gap: float
+
+
+@dataclass(frozen=True, eq=False)
+class FrameReady:
+    """A frame is there.
+
+    Parameters
+    ----------
+    job
+        Number of the job.
+    time
+        Time code.
+    key
+        Its key in the store.
+    looked_up
+        Whether it came from the store.
+    frame
+        The frame; None where it was looked up (read it from there).
+    """
+
+    job: int
+    time: int
+    key: str
+    looked_up: bool
+    frame: SolvedFrame | None
+
+
+@dataclass(frozen=True)
+class FrameFailed:
+    """A frame did not converge or was refused; the job ends there.
+
+    Parameters
+    ----------
+    job
+        Number of the job.
+    time
+        Time code.
+    problem
+        Why.
+    """
+
+    job: int
+    time: int
+    problem: Problem
+
+
+@dataclass(frozen=True)
+class Finished:
+    """A job has ended.
+
+    Parameters
+    ----------
+    job
+        Number of the job.
+    frames
+        How many frames are there.
+    seconds
+        Run time in seconds.
+    cancelled
+        Whether its owner ended it.
+    """
+
+    job: int
+    frames: int
+    seconds: float
+    cancelled: bool = False
+
+
+@dataclass(frozen=True)
+class Note:
+    """A sentence for the user: the daemon died and was started again, the store cannot be written, ….
+
+    Parameters
+    ----------
+    job
+        Number of the job.
+    sentence
+        The sentence.
+    """
+
+    job: int
+    sentence: str
+
+
+@dataclass(frozen=True, eq=False)
+class LiveFrame:
+    """The skin in live mode for the hook's latest target.
+
+    Parameters
+    ----------
+    job
+        Number of the job.
+    time
+        Time code of the frame that is pulled at.
+    target
+        Target in mm.
+    frame
+        The frame.
+    converged
+        Whether the equilibrium was found.
+    seconds
+        Time that the solver took.
+    """
+
+    job: int
+    time: int
+    target: tuple[float, float, float]
+    frame: SolvedFrame
+    converged: bool
+    seconds: float
+
+
+WorkerEvent = Planned | Refused | IterationDone | FrameReady | FrameFailed | Finished | Note | LiveFrame

@@ -1,0 +1,68 @@
+"""Reads the message `frame` (PROTOCOL.md): the one place where a solved frame comes off the wire."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lappet.daemon.solved_frame import SCALARS, Diagnostics, LatticeCounts, SolvedFrame, SolverState
+from lappet.daemon.wire import Message, WireError, read_array, read_fields
+from lappet.program.program import FrameConstraints
+from lappet.program.settings import SolverSettings
+
+
+def read_frame(
+    message: Message,
+    constraints: FrameConstraints,
+    settings: SolverSettings,
+    landmark_index: NDArray[np.int32],
+    lattice: LatticeCounts | None,
+) -> SolvedFrame:
+    """Return the frame in a message that answers these constraints; raises WireError for one that does not.
+
+    landmark_index: (k,), the landmarks of the epoch. lattice: of the epoch.
+    """
+    hooks, sutures, marks = len(constraints.hook_stiffness), len(constraints.suture_index), len(landmark_index)
+    points = read_array(message, "points", "f4", (None, 3))
+    measured = len(points) if settings.strain else 0
+    corrections = {}
+    if settings.correction:
+        corrections = {
+            "correction": read_array(message, "correction", "f4", points.shape),
+            "landmark_correction": read_array(message, "landmark_correction", "f8", (marks, 3)),
+        }
+    time = message.fields.get("time")
+    if time != constraints.time:
+        raise WireError(f"The daemon answered frame {time!r:.60} where frame {constraints.time:g} was due.")
+    return SolvedFrame(
+        constraints.time,
+        points,
+        **{name: read_array(message, name, "f4", (measured,)) for name in SCALARS},
+        landmark_index=np.asarray(landmark_index, np.int32),
+        landmarks=read_array(message, "landmarks", "f8", (marks, 3)),
+        hook_index=np.asarray(constraints.hook_index, np.int32),
+        hook_points=read_array(message, "hook_points", "f8", (hooks, 3)),
+        hook_forces=read_array(message, "hook_forces", "f8", (hooks, 3)),
+        suture_index=np.asarray(constraints.suture_index, np.int32),
+        suture_points=read_array(message, "suture_points", "f8", (sutures, 2, 3)),
+        suture_gaps=read_array(message, "suture_gaps", "f8", (sutures,)),
+        suture_forces=read_array(message, "suture_forces", "f8", (sutures,)),
+        **corrections,
+        diagnostics=read_fields(Diagnostics, message.fields, "frame"),
+        lattice=lattice,
+        state=_read_state(message),
+    )
+
+
+def _read_state(message: Message) -> SolverState:
+    precision = message.fields.get("precision")
+    if precision not in ("float", "double"):
+        raise WireError(f"The field 'precision' of 'frame' is {precision!r:.60}; it must be 'float' or 'double'.")
+    return SolverState(
+        precision,
+        read_array(message, "nodes", "f8" if precision == "double" else "f4", (None, 3)),
+        read_array(message, "state_suture_gaps", "f8", (None, 3)),
+        read_array(message, "suture_multipliers", "f8", (None, 3)),
+        read_array(message, "grip_multipliers", "f8", (None,)),
+        read_array(message, "activation", "f8", (None,)),
+    )

@@ -1,0 +1,104 @@
+"""What the daemon is told, message by message, as fields and arrays under their names in PROTOCOL.md.
+
+The client sends these values and the keys of frames are digests of them: what is not told is in no key.
+"""
+
+from __future__ import annotations
+
+from dataclasses import MISSING, dataclass, fields
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lappet.cutting.epoch import Epoch, Regions
+from lappet.program.program import Bones, FrameConstraints, Landmarks
+from lappet.program.settings import MaterialParameters, SolverSettings
+
+ALWAYS_TOLD = frozenset({"model", "youngs_modulus", "poissons_ratio", "density"})
+NOT_TOLD = frozenset({"hook_index"})
+
+
+@dataclass(frozen=True, eq=False)
+class Payload:
+    """The fields and arrays of a message."""
+
+    fields: dict[str, Any]
+    arrays: dict[str, NDArray[Any]]
+
+
+def open_payload(settings: SolverSettings, bones: Bones | None = None) -> Payload:
+    """Return what `open` tells: the settings, the table of materials, the bones where there are any."""
+    told = {
+        item.name: _plain(item.type, getattr(settings, item.name))
+        for item in fields(settings)
+        if item.name != "materials"
+    }
+    materials = [_material(material) for material in settings.materials]
+    arrays: dict[str, NDArray[Any]] = {}
+    if bones is not None and len(bones.triangles):
+        arrays["bone_points"] = np.asarray(bones.points, np.float64)
+        arrays["bone_triangles"] = np.asarray(bones.triangles, np.int32)
+    return Payload({"settings": told, "materials": materials}, arrays)
+
+
+def epoch_payload(epoch: Epoch, grip: NDArray[np.int32], landmarks: Landmarks) -> Payload:
+    """Return what `epoch` tells: the surface, what holds it, the landmarks and the regions.
+
+    grip: (m,) index of the retractor that grips each triangle, or -1.
+    """
+    surface, regions = epoch.surface, epoch.regions
+    arrays: dict[str, NDArray[Any]] = {
+        "points": np.asarray(surface.points, np.float64),
+        "triangles": np.asarray(surface.triangles, np.int32),
+        "fixed": np.asarray(surface.fixed, np.uint8),
+        "bed": np.asarray(epoch.support, np.uint8),
+        "grip": np.asarray(grip, np.int32),
+        "landmarks": np.asarray(landmarks.points, np.float64).reshape(-1, 3),
+        "landmark_triangles": np.asarray(landmarks.triangles, np.int32),
+    }
+    told: dict[str, Any] = {"index": int(epoch.index)}
+    if len(regions.skin_triangles):
+        arrays["skin_points"] = np.asarray(regions.skin_points, np.float64)
+        arrays["skin_triangles"] = np.asarray(regions.skin_triangles, np.int32)
+    if len(regions):
+        told["regions"] = _regions(regions)
+        arrays["region_faces"] = np.asarray(regions.faces, np.uint8)
+    return Payload(told, arrays)
+
+
+def solve_payload(frame: FrameConstraints) -> Payload:
+    """Return what `solve` tells: the constraints of a frame."""
+    arrays = {
+        item.name: np.asarray(getattr(frame, item.name), item.default_factory().dtype)
+        for item in fields(frame)
+        if item.default_factory is not MISSING and item.name not in NOT_TOLD
+    }
+    if not len(arrays["activation"]):
+        del arrays["activation"]
+    return Payload({"time": float(frame.time)}, arrays)
+
+
+def _plain(kind: Any, value: Any) -> Any:
+    """Return a setting as the wire has it; kind: its annotation."""
+    if isinstance(value, tuple):
+        return [float(each) for each in value]
+    if kind == "float":
+        return float(value)
+    return value if isinstance(value, str) else int(value)
+
+
+def _material(material: MaterialParameters) -> dict[str, Any]:
+    """Return a material as a map; what it does without is left out."""
+    told = {item.name: _plain(item.type, getattr(material, item.name)) for item in fields(material)}
+    plain = {item.name: _plain(item.type, item.default) for item in fields(material)}
+    return {name: value for name, value in told.items() if name in ALWAYS_TOLD or value != plain[name]}
+
+
+def _regions(regions: Regions) -> list[dict[str, Any]]:
+    maps: list[dict[str, Any]] = []
+    for material, top, bottom in zip(regions.material, regions.depth_from, regions.depth_to, strict=True):
+        maps.append({"material": int(material), "from_depth": float(top)})
+        if np.isfinite(bottom):
+            maps[-1]["to_depth"] = float(bottom)
+    return maps

@@ -1,0 +1,180 @@
+"""How a session solves: one dataclass from the command line to the daemon.
+
+Everything else derives from its fields: the options of the command line (`option`), what is told to the daemon (every
+field), which fields are part of a frame's key (`in_key`), the report.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import Field, dataclass, field, fields
+from typing import Any, Literal
+
+
+@dataclass(frozen=True)
+class Option:
+    """A setting as an option of the command line.
+
+    Parameters
+    ----------
+    help
+        What the option says.
+    above
+        Lower end of its range, open.
+    below
+        Upper end of its range, open.
+    choices
+        Values that it may have.
+    flags
+        Its names where they do not follow from the field's.
+    value
+        What the field becomes where the option is a switch that is given.
+    shown
+        Whether the help shows the default.
+    """
+
+    help: str
+    above: int | None = None
+    below: int | None = None
+    choices: tuple[Any, ...] = ()
+    flags: str = ""
+    value: Any = None
+    shown: bool = True
+
+
+def setting(default: Any, *, option: Option | None = None, in_key: bool = True) -> Any:
+    """Define a setting; in_key: another value gives another equilibrium."""
+    return field(default=default, metadata={"option": option, "in_key": in_key})
+
+
+@dataclass(frozen=True)
+class MaterialParameters:
+    """A material as the daemon is told it: a map of the list `materials` of `open` (PROTOCOL.md).
+
+    Parameters
+    ----------
+    model
+        Name of the model.
+    youngs_modulus
+        Young's modulus in kPa.
+    poissons_ratio
+        Poisson's ratio.
+    density
+        Density in kg/m³.
+    mooney_ratio
+        Ratio μ₀₁/μ₁₀.
+    fibre_direction
+        Unit vector along the fibers at rest.
+    fibre_k1
+        Stiffness of the fibers in kPa; 0 for none.
+    fibre_k2
+        How the fibers stiffen, without unit.
+    fibre_dispersion
+        Dispersion of the fibers, 0 to 1/3.
+    muscle_stress
+        Greatest isometric stress of muscle in kPa; 0 for no muscle.
+    prestretch
+        In-vivo stretch along and across the direction.
+    """
+
+    model: str = "neoHookean"
+    youngs_modulus: float = 50.0
+    poissons_ratio: float = 0.45
+    density: float = 1100.0
+    mooney_ratio: float = 0.0
+    fibre_direction: tuple[float, float, float] = (1.0, 0.0, 0.0)
+    fibre_k1: float = 0.0
+    fibre_k2: float = 0.0
+    fibre_dispersion: float = 0.0
+    muscle_stress: float = 0.0
+    prestretch: tuple[float, float] = (1.0, 1.0)
+
+
+@dataclass(frozen=True)
+class SolverSettings:
+    """How a session solves: `settings` and `materials` of `open` (PROTOCOL.md).
+
+    From `origin` on what is meant is the procedure's, filled in when it is compiled.
+
+    Parameters
+    ----------
+    spacing
+        Edge of the lattice's cells in mm; 0 for the tissue's own, until a procedure is compiled.
+    tolerance
+        Residual over force scale at which a frame has converged.
+    quadrature
+        Quadrature points of a cell: 1, 4 or 8.
+    precision
+        Arithmetic of the solver.
+    gap_tolerance
+        Largest suture and grip gap, as a fraction of the spacing.
+    max_newton
+        Newton iterations of a frame at most.
+    fine_ratio
+        Fine voxels per lattice edge.
+    time_budget
+        Seconds per frame; 0 for no limit.
+    memory_budget
+        Memory in bytes.
+    threads
+        Number of threads; 0 for all.
+    preconditioner
+        The preconditioner; "chebyshev" leaves out the coarse space.
+    correction
+        Whether frames carry the Newton step left over, from which the algebraic error is estimated.
+    strain
+        Whether frames carry strain, stress and tension.
+    region
+        Where a frame is solved: "auto" where its changes reach, "whole" everywhere.
+    origin
+        A point of the grid in mm.
+    bed_stiffness
+        Stiffness of the bed in kPa/mm.
+    gravity
+        Gravity in m/s².
+    sutures
+        Number of sutures in the whole procedure.
+    retractors
+        Number of retractors in the whole procedure.
+    materials
+        The tissue's material first, then those of its regions.
+    """
+
+    spacing: float = setting(0.0, option=Option("Lattice edge in mm.", above=0, shown=False))
+    tolerance: float = setting(1e-3, option=Option("Residual over the scene's force scale.", above=0, below=1))
+    quadrature: int = setting(1, option=Option("Points per cell.", choices=(1, 4, 8)))
+    precision: Literal["float", "double"] = setting("float", option=Option("Arithmetic.", choices=("float", "double")))
+    gap_tolerance: float = setting(1e-3)
+    max_newton: int = setting(100)
+    fine_ratio: int = setting(4)
+    time_budget: float = setting(0.0, in_key=False)
+    memory_budget: int = setting(8 << 30, in_key=False)
+    threads: int = setting(0, in_key=False)
+    preconditioner: Literal["twoLevel", "chebyshev"] = setting("twoLevel")
+    correction: bool = setting(False, in_key=False)
+    strain: bool = setting(True, option=Option("Compute strain, stress and tension on the surface."))
+    region: Literal["auto", "whole"] = setting(
+        "auto",
+        option=Option(
+            "Solve every frame everywhere, also where its changes do not reach.", flags="--whole", value="whole"
+        ),
+    )
+    origin: tuple[float, float, float] = setting((0.0, 0.0, 0.0))
+    bed_stiffness: float = setting(10.0)
+    gravity: tuple[float, float, float] = setting((0.0, 0.0, 0.0))
+    sutures: int = setting(0, in_key=False)
+    retractors: int = setting(0, in_key=False)
+    materials: tuple[MaterialParameters, ...] = setting((MaterialParameters(),))
+
+
+def options() -> Iterator[tuple[Field[Any], Option]]:
+    """Yield the settings that are options of the command line."""
+    for item in fields(SolverSettings):
+        option = item.metadata["option"]
+        if option is not None:
+            yield item, option
+
+
+def in_key(name: str) -> bool:
+    """Return whether another value of the setting of this name gives another equilibrium."""
+    return bool(SolverSettings.__dataclass_fields__[name].metadata["in_key"])
