@@ -22,6 +22,7 @@ from lappet.core.problem import RefusedError
 
 PARTS = ("kernels", "scenes", "sheets", "pipeline")
 # What the scenes need to know of the machine, when the kernels are not measured: its limits, in a second or two.
+QUICK_UNTIL = 3  # of the stages' scenes
 LIMITS_ONLY = "^(copy|multiply_add)/"
 
 
@@ -32,7 +33,11 @@ LIMITS_ONLY = "^(copy|multiply_add)/"
 )
 @click.option("--examples", default=Path("examples"), show_default=True, type=click.Path(path_type=Path))
 @click.option("--fine", is_flag=True, help="Scenes at their fine spacings too, sheets up to a million cells: an hour.")
-@click.option("--quick", is_flag=True, help="Kernels once and on little memory: to see that all of it works.")
+@click.option(
+    "--quick",
+    is_flag=True,
+    help="Kernels once and on little memory, stages of a few frames: to see that all of it works.",
+)
 def main(parts: tuple[str, ...], folder: Path, examples: Path, fine: bool, quick: bool) -> None:
     """Measure the PARTS (kernels, scenes, sheets, pipeline; all of them by default)."""
     folder.mkdir(parents=True, exist_ok=True)
@@ -96,7 +101,7 @@ def run(parts: tuple[str, ...], folder: Path, examples: Path, fine: bool, quick:
         write("Sheets", "sheets", tables.sheets_markdown(found), found, summary=summary(found))
         failures += [f"{row.benchmark} at {row.spacing_mm:g} mm: {row.reason}" for row in found if not row.converged]
     if "pipeline" in parts:
-        stages = pipeline_suite.pipeline(examples, folder)
+        stages = pipeline_suite.pipeline(examples, folder, until=QUICK_UNTIL if quick else None)
         write("Pipeline", "pipeline", tables.pipeline_markdown(stages), stages)
     (folder / "bench.md").write_text("\n".join(document), encoding="utf-8")
     print(f"written: {folder}")

@@ -93,7 +93,7 @@ class _Stopwatch:
             self.own_seconds[name] += time.process_time() - own
 
 
-def pipeline(examples: Path, folder: Path) -> list[StageMeasure]:
+def pipeline(examples: Path, folder: Path, until: float | None = None) -> list[StageMeasure]:
     """Measure `EXAMPLE` at each of `SPACINGS`.
 
     Parameters
@@ -102,6 +102,8 @@ def pipeline(examples: Path, folder: Path) -> list[StageMeasure]:
         Folder of the examples.
     folder
         Folder of the caches.
+    until
+        Leave out frames after this time code.
 
     Returns
     -------
@@ -111,12 +113,12 @@ def pipeline(examples: Path, folder: Path) -> list[StageMeasure]:
     rows: list[StageMeasure] = []
     for spacing in SPACINGS:
         print(f"{EXAMPLE} at {spacing:g} mm, stage by stage …", file=sys.stderr)
-        rows += measure_pipeline(examples / EXAMPLE / f"{EXAMPLE}.usda", spacing, folder)
+        rows += measure_pipeline(examples / EXAMPLE / f"{EXAMPLE}.usda", spacing, folder, until=until)
     return rows
 
 
 def measure_pipeline(
-    procedure: Path, spacing: float, folder: Path, connect: Connect | None = None
+    procedure: Path, spacing: float, folder: Path, connect: Connect | None = None, until: float | None = None
 ) -> list[StageMeasure]:
     """Solve every frame of a procedure's file as `lappet solve` does, and time the stages.
 
@@ -130,6 +132,8 @@ def measure_pipeline(
         Folder of the cache.
     connect
         Makes the solver; the installed daemon when None.
+    until
+        Leave out frames after this time code.
 
     Returns
     -------
@@ -151,7 +155,7 @@ def measure_pipeline(
     with watch.stage("cut"):
         epochs = build_epochs(replace(read, tissue=replace(read.tissue, spacing=spacing)))
     with watch.stage("compile"):
-        program = compile_program(read, epochs, SolverSettings(spacing=spacing, correction=True))
+        program = compile_program(read, epochs, SolverSettings(spacing=spacing, correction=True), until=until)
     solver = connect or connect_to(None)
     identity = solver_identity(None) if connect is None else "measured"
     with tempfile.TemporaryDirectory(prefix="lappet-bench-") as kept:

@@ -180,10 +180,12 @@ def _of_edges(
 
 def _all_paired(edges: NDArray[np.int64]) -> bool:
     """Whether each directed edge (k, 2) occurs once, and once the other way around."""
+    if len(edges) % 2:
+        return False
     a, b = edges.T
     size = int(edges.max(initial=0)) + 1
-    ahead = np.sort(a * size + b)
-    return bool((np.diff(ahead) > 0).all() and np.array_equal(ahead, np.sort(b * size + a)))
+    keys = np.sort(2 * (np.minimum(a, b) * size + np.maximum(a, b)) + (a > b))  # even ahead, odd back
+    return bool((keys[::2] % 2 == 0).all() and (keys[1::2] == keys[::2] + 1).all() and (np.diff(keys) > 0).all())
 
 
 def _of_volume(points: NDArray[np.float64], triangles: NDArray[np.int64]) -> list[MeshFault]:
