@@ -33,7 +33,7 @@ from lappet.usd import read_procedure
 
 STAGES = ("read", "check", "cut", "compile", "lattice", "solve", "estimate", "cache")
 # One procedure at three sizes: about 10 000, 100 000 and 400 000 cells.
-EXAMPLE, SPACINGS = "rhomboid", (1.9, 0.8, 0.5)
+EXAMPLE, SPACINGS = "rhomboid", (1.7, 0.8, 0.5)
 
 
 @dataclass(frozen=True)
