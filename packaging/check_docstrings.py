@@ -1,10 +1,9 @@
-"""Check docstrings beyond their layout: `check_docstrings.py [PACKAGE ...]`.
+"""Check docstrings beyond their layout, which ruff checks.
 
-Every public name of `lappet` has a docstring whose first line is one sentence and starts with no verb in the third
-person. The names in the `__all__` of `lappet` and its packages, with their public methods, are held to more of
-numpydoc's rules: every parameter is described, and so is what is returned. In the packages of `HELD` (or those named)
-that goes for every public name of every module, and ruff finds each `raise` that the docstring leaves out. Types are in
-the signatures and not asked for here. Prints every breach and exits with 1 if there is one.
+Every public function, class and method of `lappet` keeps numpydoc's rules: a first line that is one sentence and starts
+with no verb in the third person, and a description of every parameter and of what is returned. Every `raise` is
+described, and what a docstring says is raised is an exception that exists. Types are in the signatures and not asked
+for here. Prints every breach and exits with 1 if there is one.
 """
 
 from __future__ import annotations
@@ -25,30 +24,8 @@ from types import ModuleType
 from numpydoc.docscrape import get_doc_object
 from numpydoc.validate import validate
 
-from website.api_pages import PACKAGE, api_packages, offered_names
-
 ROOT = Path(__file__).resolve().parent.parent
-FOLDER = ROOT / "shared" / PACKAGE
-# Packages whose every public name is held to the rule. A package joins when it passes; none leaves.
-HELD = (
-    "core",
-    "procedure",
-    "usd",
-    "tissue",
-    "checks",
-    "designs",
-    "cutting",
-    "program",
-    "daemon",
-    "solve",
-    "background",
-    "output",
-    "bench",
-    "demo",
-    "reports",
-    "commands",
-)
-SUMMARY = frozenset(("GL08", "SS01", "SS02", "SS03", "SS05", "SS06"))
+PACKAGE = "lappet"
 # numpydoc's codes, by section. Not asked for: types (PR04, RT02), longer summaries, examples, the place of quotes.
 RULES = frozenset(
     f"{section}{number}"
@@ -61,28 +38,15 @@ RULES = frozenset(
     )
     for number in numbers
 )
-RAISES = "DOC102,DOC201,DOC402,DOC501"
+SECTIONS = "DOC102,DOC201,DOC402"  # ruff's: parameters that there are not, returns and yields that are left out
 
 
-def modules_of(package: str) -> list[str]:
-    """List a package's modules.
-
-    Parameters
-    ----------
-    package
-        Name of a folder in `shared/lappet`.
-
-    Returns
-    -------
-    list of str
-        Dotted names of the package and of every module below it that can be imported without being run.
-    """
-    names = []
-    for file in sorted((FOLDER / package).rglob("*.py")):
-        parts = file.relative_to(FOLDER.parent).with_suffix("").parts
+def modules(folder: Path) -> Iterator[ModuleType]:
+    """Import every module below a folder of `shared`, but for those that run when they are imported."""
+    for file in sorted(folder.rglob("*.py")):
+        parts = file.relative_to(ROOT / "shared").with_suffix("").parts
         if parts[-1] != "__main__":
-            names.append(".".join(parts[:-1] if parts[-1] == "__init__" else parts))
-    return names
+            yield importlib.import_module(".".join(parts[:-1] if parts[-1] == "__init__" else parts))
 
 
 def public_names(module: ModuleType) -> list[str]:
@@ -133,62 +97,28 @@ def has_own_parameters(full_name: str) -> bool:
     return not is_protocol(value) and not issubclass(value, enum.Enum) and "__init__" in vars(value)
 
 
-def full_names(values: Iterable[object]) -> list[str]:
-    """Full names of the functions, classes and methods among values, each once, by the module that defines it."""
-    found: dict[str, None] = {}
-    for value in values:
-        if inspect.isclass(value) or inspect.isfunction(value):
-            found.update(dict.fromkeys(with_methods(f"{value.__module__}.{value.__qualname__}", value)))
-    return list(found)
-
-
-def offered() -> list[str]:
-    """Full names of what `lappet` and its packages offer in their `__all__`."""
-    packages = map(importlib.import_module, api_packages(FOLDER))
-    return full_names(getattr(package, name) for package in packages for name in offered_names(package))
-
-
-def defined(package: str) -> list[str]:
-    """Full names of what the modules of a package define.
+def checked_names(folder: Path) -> list[str]:
+    """List the public functions, classes and methods of the modules below a folder.
 
     Parameters
     ----------
-    package
-        Name of a folder in `shared/lappet`.
+    folder
+        `shared/lappet`, or a folder in it.
 
     Returns
     -------
     list of str
-        Every public function, class and method.
+        Full names, each by the module that defines it.
     """
-    modules = map(importlib.import_module, modules_of(package))
-    return full_names(getattr(module, name) for module in modules for name in public_names(module))
+    values = [(module, name) for module in modules(folder) for name in public_names(module)]
+    return [full for module, name in values for full in with_methods(f"{module.__name__}.{name}", vars(module)[name])]
 
 
-def rules_by_name(held: Iterable[str]) -> dict[str, frozenset[str]]:
-    """The rules that each name is held to.
-
-    Parameters
-    ----------
-    held
-        Packages whose every public name is held to all rules.
-
-    Returns
-    -------
-    dict of str to frozenset of str
-        numpydoc's codes by full name.
-    """
-    packages = sorted(file.parent.name for file in FOLDER.glob("*/__init__.py"))
-    rules = {name: SUMMARY for package in packages for name in defined(package)}
-    rules |= {name: RULES for package in held for name in defined(package)}
-    return rules | dict.fromkeys(offered(), RULES)
-
-
-def breaches(full_name: str, rules: frozenset[str]) -> Iterator[str]:
-    """One line for each rule that a name's docstring breaks."""
+def breaches(full_name: str) -> Iterator[str]:
+    """One line for each of `RULES` that a name's docstring breaks."""
     found = validate(full_name)
     for code, sentence in found["errors"]:
-        asked = code in rules
+        asked = code in RULES
         if asked and code == "PR01":
             missing = [name for name in re.findall(r"'(\w+)'", sentence) if not name.startswith("_")]
             asked = bool(missing) and has_own_parameters(full_name)
@@ -228,12 +158,14 @@ def is_exception(value: object) -> bool:
     return inspect.isclass(value) and issubclass(value, BaseException)
 
 
-def public_lines(file: Path) -> set[int]:
-    """Lines at which the docstrings of public functions and methods begin; those of commands are help texts."""
+def public_functions(file: Path) -> Iterator[ast.FunctionDef]:
+    """Every public function and method of a module that has a docstring; those of commands are help texts."""
     tree = ast.parse(file.read_text(encoding="utf-8"))
     scopes = [tree, *(node for node in tree.body if isinstance(node, ast.ClassDef) and not node.name.startswith("_"))]
-    functions = [node for scope in scopes for node in scope.body if isinstance(node, ast.FunctionDef)]
-    return {node.body[0].lineno for node in functions if not node.name.startswith("_") and not is_command(node)}
+    for node in (node for scope in scopes for node in scope.body):
+        is_public = isinstance(node, ast.FunctionDef) and not node.name.startswith("_")
+        if is_public and ast.get_docstring(node) and not is_command(node):
+            yield node
 
 
 def is_command(function: ast.FunctionDef) -> bool:
@@ -241,36 +173,64 @@ def is_command(function: ast.FunctionDef) -> bool:
     return any(re.search(r"\.(command|group)\(", ast.unparse(decorator)) for decorator in function.decorator_list)
 
 
-def undocumented_raises(held: Iterable[str]) -> list[str]:
-    """Ruff's findings in the packages held to the full rule: sections that do not agree with the function's body."""
-    options = ["check", "--quiet", "--preview", "--output-format", "concise", "--select", RAISES]
-    folders = [str(FOLDER / package) for package in held]
+def raised_names(function: ast.FunctionDef) -> Iterator[str]:
+    """What a function itself raises: names of exceptions, and of functions that make one."""
+    waiting: list[ast.AST] = list(function.body)
+    while waiting:
+        node = waiting.pop()
+        if isinstance(node, (ast.FunctionDef, ast.Lambda)):
+            continue
+        if isinstance(node, ast.Raise) and isinstance(node.exc, ast.Call):
+            yield ast.unparse(node.exc.func)
+        waiting += ast.iter_child_nodes(node)
+
+
+def undocumented_raises(file: Path) -> Iterator[str]:
+    """Find exceptions that the docstrings of a module's public functions leave out.
+
+    An assertion is a fault of the function, and a private exception is no promise. Where a function makes the exception
+    (`raise refused(…)`, `raise DaemonDied.of(…)`), any section `Raises` will do.
+
+    Parameters
+    ----------
+    file
+        The module.
+
+    Yields
+    ------
+    str
+        A line for each.
+    """
+    for function in public_functions(file):
+        section = (ast.get_docstring(function) or "").partition("\nRaises\n---")[2]
+        for name in sorted(set(raised_names(function))):
+            made = "." in name or name.lstrip("_")[0].islower()
+            promised = bool(section) if made else re.search(rf"^{name}$", section, re.MULTILINE) is not None
+            if not promised and not re.match(r"_[A-Z]|AssertionError$", name):
+                yield f"{file.relative_to(ROOT)}:{function.lineno}: {function.name}: `{name}` is missing in Raises"
+
+
+def disagreements(folder: Path) -> list[str]:
+    """Sections below a folder that do not agree with the function's signature or body."""
+    options = ["check", "--quiet", "--preview", "--output-format", "concise", "--select", SECTIONS]
     done = subprocess.run(
-        [sys.executable, "-m", "ruff", *options, *folders], cwd=ROOT, capture_output=True, text=True, check=False
+        [sys.executable, "-m", "ruff", *options, str(folder)], cwd=ROOT, capture_output=True, text=True, check=False
     )
-    if done.stderr:
-        return done.stderr.splitlines()
-    found = []
-    for line in done.stdout.splitlines():
-        file, row, _ = line.split(":", 2)
-        # Ruff takes a function that makes the exception for its class: such names are not capitalized. An assertion is
-        # a fault of the function, and a private exception is no promise.
-        if int(row) in public_lines(ROOT / file) and not re.search(r"exception `(_|[a-z]|AssertionError)", line):
-            found.append(line)
-    return found
+    files = sorted(folder.rglob("*.py"))
+    public = {f"{f.relative_to(ROOT)}:{node.body[0].lineno}" for f in files for node in public_functions(f)}
+    found = [line for line in done.stdout.splitlines() if ":".join(line.split(":")[:2]) in public]
+    return done.stderr.splitlines() + found + [line for file in files for line in undocumented_raises(file)]
 
 
-def main(arguments: list[str]) -> int:
+def main() -> int:
     """Print every breach; 1 if there is one."""
-    held = arguments or HELD
-    rules = rules_by_name(held)
-    found = [breach for name, codes in rules.items() for breach in breaches(name, codes)]
-    found += unknown_exceptions(rules) + undocumented_raises(held)
-    print("\n".join(found))
-    whole = sum(codes == RULES for codes in rules.values())
-    print(f"{len(rules)} docstrings checked, {whole} of them in whole: {len(found)} breaches.")
+    folder = ROOT / "shared" / PACKAGE
+    names = checked_names(folder)
+    found = [breach for name in names for breach in breaches(name)]
+    found += unknown_exceptions(names) + disagreements(folder)
+    print("\n".join([*found, f"{len(names)} docstrings checked, {len(found)} breaches."]))
     return 1 if found else 0
 
 
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))
+    sys.exit(main())

@@ -3,9 +3,9 @@
 Python: addon -> lappet -> its dependencies. `lappet` imports neither bpy nor the add-on, only `lappet/usd/stage.py`
 imports pxr, and only the add-on imports bpy. Inside each of the two a folder imports only from the folders above it in
 `FOLDERS` and `ADDON_FOLDERS`; no modules import each other in a circle, also not by a late import inside a function.
-C++: server -> session -> solve -> force -> lattice -> math; SIMD intrinsics and xsimd appear in `solverd/src/math` and
-in kernel files (`*_kernel*`, `*_avx2.cpp`, ...) only; the daemon includes neither Python nor USD.
-Prints every breach with its line and exits with 1 if there is one.
+C++: server -> session -> solve -> force -> lattice -> math, inside solve and force in the order of `LAYERS`; SIMD
+intrinsics and xsimd appear in `solverd/src/math` and in kernel files (`*_kernel*`, `*_avx2.cpp`, ...) only; the daemon
+includes neither Python nor USD. Prints every breach with its line and exits with 1 if there is one.
 """
 
 from __future__ import annotations
@@ -17,7 +17,21 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-LAYERS = ("math", "lattice", "force", "solve", "session", "server")
+# Folders of `solverd/src`: each includes only from itself and from those before it. The longest match counts.
+LAYERS = (
+    "math",
+    "lattice",
+    "force/materials",
+    "force/kernels",
+    "force/elastic",
+    "force/constraints",
+    "solve/system",
+    "solve/subdomain",
+    "solve/multigrid",
+    "solve/newton",
+    "session",
+    "server",
+)
 BLENDER = {"bpy", "bmesh", "mathutils", "gpu", "gpu_extras", "bpy_extras", "bl_ui"}
 ADDON = "lappet_blender"
 PXR_MODULE = Path("shared/lappet/usd/stage.py")
@@ -217,22 +231,30 @@ def circles(imports: dict[str, dict[str, int]]) -> Iterator[tuple[str, str, str]
                 stack.append((target, iter(imports.get(target, {}))))
 
 
+def layer_of(path: str) -> str | None:
+    """Return the layer that a file of `solverd/src` belongs to, by its path from there; None if to none."""
+    found = [layer for layer in LAYERS if path.startswith(f"{layer}/")]
+    return max(found, key=len, default=None)
+
+
 def include_breaches(root: Path) -> Iterator[Breach]:
     """Breaches of the include direction under `root/solverd/src`."""
     source = root / "solverd" / "src"
     for file in sorted([*source.rglob("*.h"), *source.rglob("*.cpp")]):
         path = file.relative_to(root)
-        layer = file.relative_to(source).parts[0]
+        folder = file.relative_to(source).parent.as_posix()
+        layer = layer_of(f"{folder}/")
+        if layer is None:
+            yield Breach(path, 1, f"{folder}/ is none of the layers {', '.join(LAYERS)}.")
+            continue
         for line, text in enumerate(file.read_text(encoding="utf-8").splitlines(), start=1):
             match = INCLUDE.match(text)
             if not match:
                 continue
             included = match.group(1)
-            target = included.split("/")[0]
-            if "/" in included and target in LAYERS:
-                if layer not in LAYERS:
-                    yield Breach(path, line, f"{layer}/ is none of the layers {', '.join(LAYERS)}.")
-                elif LAYERS.index(target) > LAYERS.index(layer):
+            target = layer_of(included)
+            if target is not None:
+                if LAYERS.index(target) > LAYERS.index(layer):
                     yield Breach(path, line, f"{layer}/ includes {included}; includes run {' -> '.join(LAYERS[::-1])}.")
             elif INTRINSICS.match(included) and layer != "math" and not KERNEL_FILE.search(file.name):
                 yield Breach(path, line, f"{included} belongs in solverd/src/math and kernel files only.")

@@ -51,7 +51,7 @@ def epoch_arrays(**changes: Any) -> dict[str, NDArray[Any]]:
         "points": surface.points,
         "triangles": surface.triangles,
         "fixed": surface.fixed.astype(np.uint8),
-        "bed": surface.bed.astype(np.uint8),
+        "support": surface.bed.astype(np.uint8),
         "grip": np.full(m, -1, np.int32),
         "landmarks": np.zeros((0, 3)),
         "landmark_triangles": np.zeros(0, np.int32),

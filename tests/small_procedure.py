@@ -99,7 +99,7 @@ class FakeSession:
     def set_state(self, state: SolverState) -> None:
         self._alive()
         assert state.precision == "float"
-        assert state.suture_gaps.shape == (self._settings.sutures, 3)
+        assert state.suture_separations.shape == (self._settings.sutures, 3)
         assert state.suture_multipliers.shape == (self._settings.sutures, 3)
         self._value = float(state.nodes[0, 0])
         self._solver.log.append(("state", self._value))
@@ -157,7 +157,7 @@ class FakeSession:
             state=SolverState(
                 "float",
                 nodes=np.full((4, 3), self._value, np.float32),
-                suture_gaps=gaps,
+                suture_separations=gaps,
                 suture_multipliers=np.zeros((self._settings.sutures, 3)),
                 grip_multipliers=np.zeros(0),
                 activation=np.zeros(len(self._settings.materials)),

@@ -13,7 +13,7 @@ _PARTS = ("model", "tissue", "events", "files", "solving", "display", "tools")
 
 
 def register() -> None:
-    """Adds the properties, operators, tools, panels and handlers; what a failure leaves half done is taken back."""
+    """Add the properties, operators, tools, panels and handlers; what a failure leaves half done is taken back."""
     done: list[str] = []
     try:
         for part in _PARTS:
@@ -25,7 +25,7 @@ def register() -> None:
 
 
 def unregister() -> None:
-    """Takes everything away again."""
+    """Take everything away again."""
     _unregister(list(_PARTS))
 
 

@@ -1,8 +1,7 @@
-"""Write the API reference's pages: one for each package that offers names, with a table of its modules."""
+"""Write the API reference's pages: one for each package, with the names that it offers, then its modules."""
 
 from __future__ import annotations
 
-import ast
 import importlib
 import inspect
 import re
@@ -16,33 +15,9 @@ PACKAGE = "lappet"
 LONGEST_VALUE = 160  # letters of a value that is shown whole
 
 
-def api_packages(folder: Path) -> list[str]:
-    """Find the packages that offer names to scripts.
-
-    Parameters
-    ----------
-    folder
-        The package's folder, `shared/lappet`.
-
-    Returns
-    -------
-    list of str
-        Dotted names of `lappet`, then of its packages in the order in which data passes through them, where the
-        `__init__.py` sets `__all__`.
-    """
-    found = []
-    order = [folder, *(folder / name for name in FOLDERS)]
-    for file in (place / "__init__.py" for place in order):
-        tree = ast.parse(file.read_text(encoding="utf-8"))
-        targets = [ast.unparse(t) for node in tree.body if isinstance(node, ast.Assign) for t in node.targets]
-        if "__all__" in targets:
-            found.append(".".join(file.parent.relative_to(folder.parent).parts))
-    return found
-
-
 def offered_names(package: ModuleType) -> list[str]:
     """Names that a package offers: what its `__all__` lists, without dunder names."""
-    return [name for name in package.__all__ if not name.startswith("__")]
+    return [name for name in getattr(package, "__all__", []) if not name.startswith("__")]
 
 
 def write_api_pages(folder: Path, into: Path) -> None:
@@ -55,9 +30,11 @@ def write_api_pages(folder: Path, into: Path) -> None:
     into
         The staging folder.
     """
-    packages = [importlib.import_module(name) for name in api_packages(folder) if name != PACKAGE]
-    pages = {f"{package.__name__}.rst": _package_page(package) for package in packages}
-    pages["index.rst"] = _index_page(importlib.import_module(PACKAGE), packages)
+    top = importlib.import_module(PACKAGE)
+    packages = [importlib.import_module(f"{PACKAGE}.{name}") for name in FOLDERS]
+    described = {id(getattr(package, name)) for package in (top, *packages) for name in offered_names(package)}
+    pages = {f"{package.__name__}.rst": _package_page(package, described) for package in packages}
+    pages["index.rst"] = _index_page(top, packages)
     for name, text in pages.items():
         write_if_changed(into / "api" / name, text)
     for file in (into / "api").iterdir():
@@ -67,32 +44,56 @@ def write_api_pages(folder: Path, into: Path) -> None:
 
 def _index_page(top: ModuleType, packages: list[ModuleType]) -> str:
     """The reference's first page: the packages, and the names of `lappet` itself with links to their homes."""
-    rows = [(f":doc:`{package.__name__}`", _summary(package)) for package in packages]
+    offering = [_row(package) for package in packages if offered_names(package)]
+    others = [_row(package) for package in packages if not offered_names(package)]
     homes = {name: _home(top, name, packages) for name in offered_names(top)}
     names = [(f":py:obj:`{name} <{home}.{name}>`", _summary(getattr(top, name))) for name, home in homes.items()]
     return (
         _heading("Python API", "=")
         + f".. py:module:: {top.__name__}\n\n"
         + f"{inspect.getdoc(top)}\n\n"
-        + _table("", rows)
-        + _heading("The names of lappet itself", "-")
         + _table("", names)
+        + _heading("Packages that offer names to scripts", "-")
+        + _table("", offering)
+        + _heading("Other packages", "-")
+        + _table("", others)
         + "".join(_description(top, name) for name, home in homes.items() if home == top.__name__)
         + "\n.. toctree::\n   :hidden:\n\n"
         + "".join(f"   {package.__name__}\n" for package in packages)
     )
 
 
-def _package_page(package: ModuleType) -> str:
-    """A package's page: each name that it offers in full, then its modules."""
+def _row(package: ModuleType) -> tuple[str, str]:
+    """A package's row in a table: a link and its first line."""
+    return f":doc:`{package.__name__}`", _summary(package)
+
+
+def _package_page(package: ModuleType, described: set[int]) -> str:
+    """A package's page: each name that it offers in full, then its modules without what is described elsewhere."""
     text = _heading(package.__name__, "=") + f".. automodule:: {package.__name__}\n   :no-members:\n\n"
     names = offered_names(package)
     if names:
         text += _table("", [(f":py:obj:`~{package.__name__}.{name}`", _value_summary(package, name)) for name in names])
     for name in names:
         text += _description(package, name)
-    rows = [(f"``{name}``", summary) for name, summary in _module_summaries(package)]
-    return text + _heading("Modules", "-") + _table("", rows) if rows else text
+    return text + "".join(_module_section(module, described) for module in _modules(package))
+
+
+def _modules(package: ModuleType) -> list[ModuleType]:
+    """The modules below a package, but for what runs when it is imported."""
+    folder = Path(package.__path__[0])
+    files = [file for file in sorted(folder.rglob("*.py")) if not file.name.startswith("__")]
+    names = [".".join((package.__name__, *file.relative_to(folder).with_suffix("").parts)) for file in files]
+    return [importlib.import_module(name) for name in names]
+
+
+def _module_section(module: ModuleType, described: set[int]) -> str:
+    """A module's section: its docstring and what it defines."""
+    elsewhere = [name for name, value in vars(module).items() if id(value) in described]
+    imported = [name for name in offered_names(module) if getattr(module, name).__module__ != module.__name__]
+    left_out = sorted({name for name in (*elsewhere, *imported) if not name.startswith("_")})
+    section = _heading(module.__name__, "-") + f".. automodule:: {module.__name__}\n   :members:\n"
+    return section + (f"   :exclude-members: {', '.join(left_out)}\n\n" if left_out else "\n")
 
 
 def _description(package: ModuleType, name: str) -> str:
@@ -120,16 +121,6 @@ def _summary(value: object) -> str:
     """The first paragraph of a docstring on one line; nothing where only a builtin's docstring is inherited."""
     docstring = getattr(value, "__doc__", None) or ""
     return " ".join(inspect.cleandoc(docstring).partition("\n\n")[0].split())
-
-
-def _module_summaries(package: ModuleType) -> list[tuple[str, str]]:
-    """Name and first line of each module in a package's folder."""
-    rows = []
-    for file in sorted(Path(package.__path__[0]).glob("*.py")):
-        if not file.name.startswith("_"):
-            docstring = ast.get_docstring(ast.parse(file.read_text(encoding="utf-8"))) or ""
-            rows.append((file.stem, " ".join(docstring.partition("\n\n")[0].split())))
-    return rows
 
 
 def _home(top: ModuleType, name: str, packages: list[ModuleType]) -> str:

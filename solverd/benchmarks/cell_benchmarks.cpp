@@ -74,14 +74,14 @@ void fill(Content content, int lanes, std::int64_t groups, float* to) {
 
 double bytes_per_cell(const CellKernel& kernel) {
   double bytes = 0.0;
-  for (int i = 0; i < kMostArrays; ++i)
+  for (int i = 0; i < kMaxArrays; ++i)
     bytes += sizeof(float) * (numbers_per_block(kernel.in[i]) + numbers_per_block(kernel.out[i])) / 8.0;
   return bytes;
 }
 
 struct Arrays {
-  const float* in[kMostArrays] = {};
-  float* out[kMostArrays] = {};
+  const float* in[kMaxArrays] = {};
+  float* out[kMaxArrays] = {};
 
   Arrays() = default;
   Arrays(const CellKernel& kernel, int lanes, std::int64_t groups, Arena& arena) {
@@ -90,7 +90,7 @@ struct Arrays {
       fill(content, lanes, groups, array);
       return array;
     };
-    for (int i = 0; i < kMostArrays; ++i) {
+    for (int i = 0; i < kMaxArrays; ++i) {
       if (kernel.in[i] != Content::kNothing) in[i] = take(kernel.in[i]);
       if (kernel.out[i] != Content::kNothing) out[i] = take(kernel.out[i]);
     }

@@ -1,9 +1,9 @@
 // The elastic kernels taken apart: what a part costs without the others, on plain arrays in the layout of
-// force/elastic_arrays.h, for every instruction set. Neo-Hookean, one quadrature point, float.
+// force/kernels/elastic_arrays.h, for every instruction set. Neo-Hookean, one quadrature point, float.
 #pragma once
 #include <cstdint>
 
-#include "force/elastic_arrays.h"
+#include "force/kernels/elastic_arrays.h"
 #include "math/instruction_set.h"
 
 namespace lappet {
@@ -45,12 +45,12 @@ constexpr int numbers_per_block(Content content) {
   return 0;
 }
 
-inline constexpr int kMostArrays = 4;
+inline constexpr int kMaxArrays = 4;
 
 struct CellKernel {
   const char* name;
   // What it reads and what it writes, in this order; each array is its own.
-  Content in[kMostArrays], out[kMostArrays];
+  Content in[kMaxArrays], out[kMaxArrays];
   // Works on the groups begin..end.
   void (*run)(const float* const* in, float* const* out, std::int64_t begin, std::int64_t end);
 };

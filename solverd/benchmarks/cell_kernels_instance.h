@@ -3,9 +3,9 @@
 // is compiled for a set that another processor lacks.
 #pragma once
 #include "cell_kernels.h"
-#include "force/cell_corners.h"
-#include "force/material.h"
-#include "force/product_kernel.h"
+#include "force/kernels/cell_corners.h"
+#include "force/kernels/product_kernel.h"
+#include "force/materials/material.h"
 #include "math/svd3.h"
 
 namespace lappet {
@@ -67,7 +67,7 @@ struct CellParts {
       write(q, tangent + kV * w);
       TangentHat<Number> t;
       NeoHookean::dpdf_hat(s, moduli(), t);
-      make_definite(t, Number(static_cast<float>(kDefiniteFloor)) * moduli().mu, Definiteness::kClamp);
+      make_definite(t, Number(static_cast<float>(kDefiniteFloor)) * moduli().mu, PsdProjection::kClamp);
       write(t.hessian, tangent + kHessian * w);
       for (int k = 0; k < 3; ++k) {
         store(Number(0.5f) * (t.stretch[k] + t.rotation[k]), tangent + (kSame + k) * w);

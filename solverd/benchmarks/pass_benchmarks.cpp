@@ -13,8 +13,8 @@
 
 #include "box_lattice.h"
 #include "cell_kernels.h"
-#include "force/elastic.h"
-#include "force/state_kernel.h"
+#include "force/elastic/elastic.h"
+#include "force/kernels/state_kernel.h"
 #include "pass_operations.h"
 #include "working_set.h"
 
@@ -59,7 +59,7 @@ struct Copies {
     const auto u = displacements<Real>(*lattice);
     std::vector<double> force(u.size()), scale(u.size() / 3);
     elastic->evaluate(u, force, scale);
-    elastic->linearize(Definiteness::kClamp);
+    elastic->linearize(PsdProjection::kClamp);
     const BlockLayout& layout = elastic->layout();
     groups = layout.groups;
     nodes = static_cast<std::int64_t>(lattice->node_rest.size());
@@ -161,7 +161,7 @@ std::vector<Pass<Real>> passes(InstructionSet set) {
                   }});
   list.push_back({"stress_derivative", precision, r * (3 + 1 + 12), 0.0, count.stress_derivative,
                   [](Copies<Real>& c, std::int64_t begin, std::int64_t end) {
-                    c.elastic->kernels().linearize(c.arrays, begin, end, Definiteness::kClamp);
+                    c.elastic->kernels().linearize(c.arrays, begin, end, PsdProjection::kClamp);
                   }});
   list.push_back({"diagonal", precision, r * (kTangentFields + 1), 12 * r, count.diagonal,
                   [](Copies<Real>& c, std::int64_t begin, std::int64_t end) {
@@ -236,7 +236,7 @@ void enlist_threads() {
           std::vector<double> force(u.size()), scale(u.size() / 3);
           std::vector<float> y(u.size());
           elastic.evaluate(u, force, scale);
-          elastic.linearize(Definiteness::kClamp);
+          elastic.linearize(PsdProjection::kClamp);
           tbb::task_arena workers(threads);
           workers.execute([&] {
             elastic.multiply(u, y);

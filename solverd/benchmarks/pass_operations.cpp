@@ -2,9 +2,9 @@
 
 #include "box_lattice.h"
 #include "counted_number.h"
-#include "force/diagonal_kernel.h"
-#include "force/elastic.h"
-#include "force/state_kernel.h"
+#include "force/elastic/elastic.h"
+#include "force/kernels/diagonal_kernel.h"
+#include "force/kernels/state_kernel.h"
 
 namespace lappet {
 
@@ -34,8 +34,8 @@ PassOperations count_pass_operations() {
     evaluate_groups<Double, float, 1, NeoHookean, true, false, false>(arrays, 0, groups, u.data(), gradient.data(),
                                                                       magnitude.data(), sums);
   });
-  result.stress_derivative =
-      counted(0.0f, [&] { linearize_groups<Float, NeoHookean, true, false>(arrays, 0, groups, Definiteness::kClamp); });
+  result.stress_derivative = counted(
+      0.0f, [&] { linearize_groups<Float, NeoHookean, true, false>(arrays, 0, groups, PsdProjection::kClamp); });
   result.product =
       counted(0.0f, [&] { multiply_groups<Float, true, false, false>(arrays, 0, groups, u.data(), y.data()); });
   result.diagonal =

@@ -13,9 +13,10 @@ file(MAKE_DIRECTORY "${neon_directory}/include")
 file(CREATE_LINK "${LAPPET_XSIMD_INCLUDE}/xsimd" "${neon_directory}/include/xsimd" SYMBOLIC)
 
 set(neon_objects)
-foreach(source tests/neon_twins tests/kernel_twins tests/kernel_twins_scalar tests/kernel_twins_neon
-        tests/kernel_twins_check tests/kernel_twins_nodes tests/fused_twins_check src/force/elastic_kernels
-        src/force/elastic_kernels_scalar src/force/elastic_kernels_neon)
+foreach(source tests/force/neon_twins tests/force/kernel_twins tests/force/kernel_twins_scalar
+        tests/force/kernel_twins_neon tests/force/kernel_twins_check tests/force/kernel_twins_nodes
+        tests/force/fused_twins_check src/force/kernels/elastic_kernels src/force/kernels/elastic_kernels_scalar
+        src/force/kernels/elastic_kernels_neon)
   cmake_path(GET source FILENAME stem)
   set(object "${neon_directory}/${stem}.cpp.o")
   add_custom_command(

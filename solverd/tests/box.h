@@ -54,21 +54,21 @@ inline std::int32_t add_vertex(Surface& s, const Vec3& point) {
   return middle;
 }
 
-inline Vec3 centre(const Surface& s, std::size_t t) {
+inline Vec3 center(const Surface& s, std::size_t t) {
   return (s.points[static_cast<std::size_t>(s.triangles[t][0])] +
           s.points[static_cast<std::size_t>(s.triangles[t][1])] +
           s.points[static_cast<std::size_t>(s.triangles[t][2])]) /
          3;
 }
 
-// An epoch whose triangles are labelled by where their centres are.
+// An epoch whose triangles are labeled by where their centers are.
 inline EpochInput make_epoch(const Surface& surface, const std::function<bool(const Vec3&)>& fixed,
                              const std::function<std::int32_t(const Vec3&)>& grip = {},
                              const std::function<bool(const Vec3&)>& bed = {}) {
   EpochInput epoch;
   epoch.surface = surface;
   for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
-    const Vec3 c = centre(surface, t);
+    const Vec3 c = center(surface, t);
     epoch.fixed.push_back(fixed && fixed(c));
     epoch.bed.push_back(bed && bed(c));
     epoch.grip.push_back(grip ? grip(c) : -1);

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "force/block_layout.h"
-#include "force/cell_corners.h"
+#include "force/elastic/block_layout.h"
+#include "force/kernels/cell_corners.h"
 #include "lattice/lattice.h"
 #include "test_surfaces.h"
 

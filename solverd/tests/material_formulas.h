@@ -3,7 +3,7 @@
 #include <Eigen/Dense>
 #include <cmath>
 
-#include "force/material_parameters.h"
+#include "force/materials/material_parameters.h"
 
 namespace lappet {
 
@@ -29,20 +29,20 @@ inline Eigen::Matrix3d isotropic_piola(const MaterialParameters& m, const Eigen:
   return (kappa * std::log(j) * Matrix::Identity() + 2 * deviator) * inverse;
 }
 
-// Fibres (Gasser, Ogden, Holzapfel 2006, equations 4.1 to 4.3) and muscle (Blemker, Pinsky, Delp 2005, table 1).
-inline Eigen::Matrix3d fibre_piola(const MaterialParameters& m, const Eigen::Matrix3d& f, double activation = 0) {
-  const Eigen::Vector3d a = m.fibre_direction;
+// Fibers (Gasser, Ogden, Holzapfel 2006, equations 4.1 to 4.3) and muscle (Blemker, Pinsky, Delp 2005, table 1).
+inline Eigen::Matrix3d fiber_piola(const MaterialParameters& m, const Eigen::Matrix3d& f, double activation = 0) {
+  const Eigen::Vector3d a = m.fiber_direction;
   const Eigen::Matrix3d structure =
-      m.fibre_dispersion * Eigen::Matrix3d::Identity() + (1 - 3 * m.fibre_dispersion) * a * a.transpose();
+      m.fiber_dispersion * Eigen::Matrix3d::Identity() + (1 - 3 * m.fiber_dispersion) * a * a.transpose();
   const double e = std::max((structure * (f.transpose() * f)).trace() - 1, 0.0);
   const double stretch = (f * a).norm(), off = std::abs(stretch - 1);
   const double curve = off < 0.4 ? 1 - 4 * off * off : off < 0.6 ? 9 * (off - 0.6) * (off - 0.6) : 0.0;
-  return 2 * m.fibre_k1 * e * std::exp(m.fibre_k2 * e * e) * f * structure +
+  return 2 * m.fiber_k1 * e * std::exp(m.fiber_k2 * e * e) * f * structure +
          activation * m.muscle_stress * curve / stretch * f * a * a.transpose();
 }
 
 inline Eigen::Matrix3d full_piola(const MaterialParameters& m, const Eigen::Matrix3d& f, double activation = 0) {
-  return isotropic_piola(m, f) + fibre_piola(m, f, activation);
+  return isotropic_piola(m, f) + fiber_piola(m, f, activation);
 }
 
 }  // namespace lappet

@@ -20,6 +20,7 @@ _OF_PROBLEMS = [
     for file in _FILES
     if file.stem
     in (
+        "test_interface_refusals",
         "test_tissue_problems",
         "test_tissue_check",
         "test_tissue_operators",

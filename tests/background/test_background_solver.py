@@ -256,7 +256,7 @@ def test_a_frame_that_cannot_converge_fails_with_its_reason(tmp_path: Path, bina
         assert own.finished(job).frames == 3
         (failed,) = own.of(FrameFailed, job)
         assert failed.time == 4
-        assert "Frame 4" in failed.problem.message
+        assert "Frame 4" in str(failed.problem)
 
 
 def test_without_a_daemon_the_refusal_says_so(tmp_path: Path) -> None:

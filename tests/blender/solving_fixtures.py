@@ -19,11 +19,11 @@ def own_store(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Iterator[Path]
     """A store and memories of the test's own; no worker outlives it."""
     monkeypatch.setenv("LAPPET_STORE", str(tmp_path / "store"))
     monkeypatch.setattr(speed_estimate, "_speed_estimate", None)
-    controller.forget_all()
+    controller.drop_all()
     controller.frame_cache.clear()
     controller.plans.clear()
     yield tmp_path / "store"
-    controller.forget_all()
+    controller.drop_all()
     workers.close_all()
 
 

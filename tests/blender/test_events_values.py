@@ -15,8 +15,8 @@ from lappet.geometry.rigid_motion import RigidMotion
 from lappet.procedure import Excision, Hook, Incision, Landmark, Retractor, Suture, Undermine
 from lappet_blender.model import event_list, target_samples
 from lappet_blender.model.event_list import add_event, find_event, move_event, remove_event, rename_event
-from lappet_blender.model.event_target import all_fcurves
 from lappet_blender.model.event_values import event_value, set_event
+from lappet_blender.model.keyframes import curves_of
 
 TOP = 4.0
 HOOK = Hook(
@@ -137,7 +137,7 @@ def test_an_empty_that_rides_on_another_is_followed_without_touching_the_users_f
     for frame, x in ((2, 0.0), (8, 6.0)):
         rail.location.x = x
         rail.keyframe_insert("location", frame=frame)
-    for curve in all_fcurves(rail):
+    for curve in curves_of(rail):
         for key in curve.keyframe_points:
             key.interpolation = "LINEAR"
     copying = empty.constraints.new("COPY_LOCATION")
@@ -146,7 +146,7 @@ def test_an_empty_that_rides_on_another_is_followed_without_touching_the_users_f
     scene.frame_set(5)
     rail.location.x = 99.0
     bpy.context.view_layer.update()
-    target_samples.forget()
+    target_samples.mark_dirty()
     targets = event_value(scene, scene.lappet.events[0]).targets
     expected = [(float(f), (f - 2.0, 5.0, 1.0)) for f in range(2, 9)]
     assert [time for time, _ in targets] == [time for time, _ in expected]

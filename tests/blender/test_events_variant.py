@@ -183,4 +183,3 @@ def test_the_panel_lists_events_in_order_of_time_with_the_fields_of_the_active_o
             SimpleNamespace(), bpy.context, Drawn(row), None, pulled.lappet.events[name], 0, None, ""
         )
         assert ("prop", "enabled") in row
-    assert timeline_panel.span_text(pulled.lappet.events["suture_1"]) == "5 – 9"

@@ -24,7 +24,7 @@ from lappet_blender.solving import controller, frames, speed_estimate
 from lappet_blender.solving.solve_settings import solve_settings
 from lappet_blender.solving.solve_timer import run_timer
 from patch_scene import make_patch_scene
-from solving_steps import solve, states
+from solving_steps import live_points, solve, states
 
 pytest_plugins = ("solving_fixtures",)
 PATIENCE = 120.0
@@ -118,7 +118,7 @@ def test_a_saved_file_opens_with_its_frames_and_starts_no_worker(patch: bpy.type
     solve(patch)
     points = frames.shown_at(patch, 8).frame.points
     bpy.ops.wm.save_as_mainfile(filepath=str(blend))
-    controller.forget_all()
+    controller.drop_all()
     controller.frame_cache.clear()
     controller.plans.clear()
     bpy.ops.wm.open_mainfile(filepath=str(blend))
@@ -192,13 +192,13 @@ def test_the_skin_follows_a_hook_that_is_dragged(patch: bpy.types.Scene) -> None
     target = bpy.data.objects["target"]
     rest = frames.shown_at(patch, 6).frame.points[:, 2].max()
     assert bpy.ops.lappet.live(hook="hook_1") == {"FINISHED"}
-    pump_until(lambda: frames.live_points(patch) is not None, "the first live frame is there")
-    assert frames.live_points(patch)[:, 2].max() == pytest.approx(rest, abs=0.02)
+    pump_until(lambda: live_points(patch) is not None, "the first live frame is there")
+    assert live_points(patch)[:, 2].max() == pytest.approx(rest, abs=0.02)
     target.location.z += 3.0
     bpy.context.view_layer.update()
-    pump_until(lambda: frames.live_points(patch)[:, 2].max() > rest + 0.3, "the skin has followed")
+    pump_until(lambda: live_points(patch)[:, 2].max() > rest + 0.3, "the skin has followed")
     shown = frames.shown_at(patch, 6)
-    np.testing.assert_array_equal(shown.frame.points, frames.live_points(patch))
+    np.testing.assert_array_equal(shown.frame.points, live_points(patch))
     assert bpy.ops.lappet.live() == {"FINISHED"}
     quiet()
     assert states(patch) == "sssttttt"

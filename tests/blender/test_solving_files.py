@@ -18,7 +18,7 @@ from solving_steps import QUIET, solve, states
 pytest_plugins = ("solving_fixtures",)
 
 
-def forget_memory() -> None:
+def clear_memory() -> None:
     """As a Blender that has just been started."""
     controller.frame_cache.clear()
     controller.plans.clear()
@@ -31,7 +31,7 @@ def test_a_saved_file_shows_its_frames_when_it_is_opened_without_a_worker(
     height = frames.shown_at(patch, 8).frame.points[0, 2]
     bpy.ops.wm.save_as_mainfile(filepath=str(blend))
     bpy.ops.wm.read_homefile(use_empty=True)
-    forget_memory()
+    clear_memory()
     asked = list(script.asked)
     bpy.ops.wm.open_mainfile(filepath=str(blend))
     scene = bpy.context.scene
@@ -52,7 +52,7 @@ def test_a_file_that_was_saved_with_stale_frames_shows_them_as_stale(
     run_timer(0.5)
     bpy.ops.wm.save_as_mainfile(filepath=str(blend))
     bpy.ops.wm.read_homefile(use_empty=True)
-    forget_memory()
+    clear_memory()
     script.held = False
     bpy.ops.wm.open_mainfile(filepath=str(blend))
     scene = bpy.context.scene
@@ -116,7 +116,7 @@ def test_frames_can_be_kept_beside_the_file_and_those_solved_before_go_with_it(
     beside = blend.parent / "lappet_frames"
     assert solve_settings.frame_folder(patch) == beside
     assert states(patch) == "ssssssss"
-    forget_memory()
+    clear_memory()
     keys = [frame.key for frame in frames.plan_of(patch).frames]
     store = controller.controller_of(patch).store
     assert store.folder == beside
@@ -139,7 +139,7 @@ def test_a_folder_that_cannot_be_made_is_a_sentence_and_the_frames_stay_where_th
     (note,) = frames.notes_of(patch)
     assert note.startswith("Solved frames cannot be kept in ")
     assert states(patch) == "ssssssss", "they are still in memory"
-    forget_memory()
+    clear_memory()
     bpy.ops.lappet.reload_frames()
     run_timer(QUIET)
     patch.lappet.solving.beside_file = False

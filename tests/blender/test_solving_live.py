@@ -13,7 +13,7 @@ from lappet_blender.model.keyframes import curves_of
 from lappet_blender.solving import controller, frames
 from lappet_blender.solving.solve_timer import run_timer
 from refusals import refusal_code
-from solving_steps import QUIET, states
+from solving_steps import QUIET, live_points, states
 
 pytest_plugins = ("solving_fixtures",)
 
@@ -43,8 +43,8 @@ def test_the_skin_follows_the_target_and_only_the_frame_it_is_dragged_at(live: b
         drag(z)
         for _ in range(3):
             run_timer()
-        np.testing.assert_allclose(frames.live_points(live)[0], (0.0, 3.0, z), atol=1e-6)
-        np.testing.assert_array_equal(frames.shown_at(live, 5).frame.points, frames.live_points(live))
+        np.testing.assert_allclose(live_points(live)[0], (0.0, 3.0, z), atol=1e-6)
+        np.testing.assert_array_equal(frames.shown_at(live, 5).frame.points, live_points(live))
     assert script.workers[-1].targets == [(0.0, 3.0, 4.0), (0.0, 3.0, 5.5), (0.0, 3.0, 7.0)]
     assert frames.shown_at(live, 6).frame.points[0, 2] == 7.0
     assert states(live) == "ssssssss", "nothing is read anew while it is dragged"
@@ -57,7 +57,7 @@ def test_ending_it_leaves_the_target_where_it_is_and_makes_the_frames_stale(
     for _ in range(4):
         run_timer()
     assert bpy.ops.lappet.live() == {"FINISHED"}
-    assert frames.live_points(live) is None
+    assert live_points(live) is None
     assert not live.lappet.solving.live
     assert not run_timer(QUIET)
     assert bpy.data.objects["target"].location.z == 6.0
@@ -75,7 +75,7 @@ def test_changing_how_it_looks_does_not_end_it(live: bpy.types.Scene, script: Sc
     drag(7.0)
     for _ in range(3):
         run_timer()
-    assert frames.live_points(live)[0, 2] == 7.0
+    assert live_points(live)[0, 2] == 7.0
 
 
 def test_switching_the_property_off_going_to_another_frame_or_editing_ends_it(

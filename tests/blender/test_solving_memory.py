@@ -19,7 +19,7 @@ from lappet.program.settings import SolverSettings
 from lappet.solve.store import FrameStore
 from lappet.tissue.patch import flat_patch
 from lappet_blender.interface.duration_text import duration_text
-from lappet_blender.solving.cell_count import cell_count
+from lappet_blender.model.tissue_size import cell_count
 from lappet_blender.solving.frame_cache import FrameCache
 from lappet_blender.solving.frame_copy import FrameCopy
 from lappet_blender.solving.plan_memory import PlanMemory

@@ -8,10 +8,10 @@ import pytest
 
 from lappet_blender.interface.duration_text import duration_text
 from lappet_blender.model.decimals import decimal
-from lappet_blender.tissue import tissue_measure
+from lappet_blender.tissue import expected_time
+from lappet_blender.tissue.expected_time import cell_count, expected_seconds
 from lappet_blender.tissue.lattice_lines import MOST_LINES, box_lines, cell_lines, lattice_lines, touched_cells
 from lappet_blender.tissue.overlay import _lattice_batches, lattice_of
-from lappet_blender.tissue.tissue_measure import cell_count, expected_seconds
 from tissue_scenes import add_box, add_sheet, fill_with_patch
 
 SQUARE = np.array([[0.1, 0.1, 0.5], [9.9, 0.1, 0.5], [9.9, 9.9, 0.5], [0.1, 9.9, 0.5]])
@@ -82,7 +82,7 @@ def test_the_expected_time_grows_with_cells_and_frames_by_the_rate_of_earlier_so
         def seconds(self, cells: float) -> float:
             return 2e-6 * cells
 
-    monkeypatch.setattr(tissue_measure, "speed_estimate", Rate)
+    monkeypatch.setattr(expected_time, "speed_estimate", Rate)
     assert expected_seconds(scene) is None
     fill_with_patch(scene)
     assert expected_seconds(scene) == pytest.approx(2e-6 * cell_count(scene) * 10)

@@ -18,7 +18,7 @@ from lappet_blender.tools import shown_surface as shown
 from lappet_blender.tools.click_tool import next_label
 from lappet_blender.tools.drawing import LineDrawing
 from lappet_blender.tools.face_patch import faces_around
-from lappet_blender.tools.icon_file import read_icon, write_icon
+from lappet_blender.tools.icon_file import MAGIC, Icon, write_icon
 from lappet_blender.tools.icon_shapes import ICONS, draw_icon, icon_path
 from lappet_blender.tools.stroke_fit import fit_stroke, simplify, with_ends
 from refusals import refusal_code
@@ -27,12 +27,22 @@ from tool_scenes import flat_tissue, stand_in_display
 Point = tuple[float, float, float]
 
 
+def read_icon(path: Path) -> Icon:
+    """Reads an icon. Raises ValueError for a file that is none."""
+    data = path.read_bytes()
+    count, rest = divmod(len(data) - 8, 18)
+    if data[:4] != MAGIC or rest:
+        raise ValueError(f"{path} is no icon of Blender: {len(data)} bytes that begin with {data[:4]!r}.")
+    corners = np.frombuffer(data, np.uint8, 6 * count, 8).reshape(-1, 3, 2)
+    return Icon(corners, np.frombuffer(data, np.uint8, 12 * count, 8 + 6 * count).reshape(-1, 3, 4))
+
+
 @pytest.fixture(autouse=True)
 def _display(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     stand_in_display(monkeypatch)
-    shown.forget()
+    shown.clear_cache()
     yield
-    shown.forget()
+    shown.clear_cache()
 
 
 def click(drawing: LineDrawing, *points: Point) -> None:

@@ -61,7 +61,7 @@ class Points(list):
 @pytest.fixture
 def context(scene: bpy.types.Scene, monkeypatch: pytest.MonkeyPatch) -> Any:
     stand_in_display(monkeypatch)
-    shown.forget()
+    shown.clear_cache()
     flat_tissue(scene)
     said: dict[str, Any] = {"header": "", "status": ""}
     area = SimpleNamespace(type="VIEW_3D", header_text_set=lambda text: said.update(header=text))
@@ -184,7 +184,7 @@ def test_the_scene_the_area_or_the_tissue_may_go_while_a_line_is_drawn(context: 
     tool = Tool(context)
     click(tool, context, (-80, 0))
     bpy.data.objects.remove(context.scene.lappet.tissue.object)
-    shown.forget()
+    shown.clear_cache()
     assert tool.modal(context, event("MOUSEMOVE", "NOTHING", (10, 10))) == RUNNING
     assert tool.modal(context, event("LEFTMOUSE", "PRESS", (10, 10))) == RUNNING
     assert "The mouse is not on the skin" in context.said["header"]

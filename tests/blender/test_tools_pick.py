@@ -24,9 +24,9 @@ from tool_scenes import dome_tissue, flat_tissue, solved_skin, stand_in_display
 @pytest.fixture(autouse=True)
 def _display(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     stand_in_display(monkeypatch)
-    shown.forget()
+    shown.clear_cache()
     yield
-    shown.forget()
+    shown.clear_cache()
 
 
 def test_a_ray_on_flat_tissue_gives_the_point_it_was_aimed_at(scene: bpy.types.Scene) -> None:
@@ -76,7 +76,7 @@ def test_the_underside_and_wound_walls_are_picked_only_where_any_face_will_do(sc
     assert hit.origin == 2
     origin = skin.data.attributes["origin"]
     origin.data.foreach_set("value", np.ones(len(skin.data.polygons), np.int32))
-    shown.forget()
+    shown.clear_cache()
     above = ((-5.0, 2.0, 60.0), (0.0, 0.0, -1.0))
     assert pick_along_ray(scene, *above) is None
     wall = pick_along_ray(scene, *above, any_face=True)
@@ -264,7 +264,7 @@ def test_a_fragment_is_what_hangs_together(scene: bpy.types.Scene) -> None:
     whole = shown.shown_surface(scene)
     assert whole is not None
     assert len(fragment_of(whole.rest, 0)) == 0  # one piece: there is no fragment
-    shown.forget()
+    shown.clear_cache()
     solved_skin(scene, keep=lambda centers: np.abs(centers[:, 0] - 4.5) > 1.0)
     surface = shown.shown_surface(scene)
     assert surface is not None

@@ -158,9 +158,11 @@ def test_a_frame_that_does_not_converge_exits_with_1_and_keeps_the_cache(
     report = tmp_path / "r.json"
     done = run("solve", procedure, "-o", tmp_path / "c.usdc", "--report", report)
     assert done.exit_code == 1
-    assert "Frame 4 did not converge" in done.stderr
+    assert "Frame 4: " in done.stderr
     assert (tmp_path / "c.usdc").is_file()
-    assert json.loads(report.read_text())["failed"]["time_code"] == 4
+    told = json.loads(report.read_text())
+    assert told["failed"]["time_code"] == 4
+    assert told["code"] == told["failed"]["code"] == "frame-not-converged"
 
 
 def test_ctrl_c_writes_what_is_done(procedure: Path, solver: FakeSolver, tmp_path: Path) -> None:
@@ -243,7 +245,7 @@ def test_check_finds_what_only_shows_in_the_cut_tissue(tmp_path: Path) -> None:
     write_procedure(small_procedure(events=(*EXCISED, hook)), tmp_path / "p.usda")
     done = run("check", tmp_path / "p.usda")
     assert done.exit_code == 1
-    assert done.stdout.startswith("error: /Procedure/Timeline/late: its anchor")
+    assert done.stdout.startswith("error: /Procedure/Timeline/late: Its anchor")
     assert "excised" in done.stdout
 
 

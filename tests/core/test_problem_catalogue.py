@@ -12,10 +12,11 @@ from pathlib import Path
 import pytest
 
 import problem_page
-from lappet.background.procedure_message import MessageError, pack, unpack
+from lappet.core.array_codec import CodecError
 from lappet.core.problem import Place, Problem, ProblemsError, RefusedError, problem, refused
 from lappet.core.problem_code import ProblemCode
 from lappet.core.problem_text import catalogue
+from lappet.core.value_codec import pack, unpack
 from lappet.daemon.frame_solver import FrameRefusedError
 from lappet.daemon.process import DaemonDied, DaemonMissing
 from lappet.daemon.wire import WireError
@@ -119,7 +120,7 @@ def test_the_text_of_an_error_is_made_of_its_problems() -> None:
 
 
 @pytest.mark.parametrize(
-    "kind", [RefusedError, FrameRefusedError, DaemonMissing, DaemonDied, WireError, MessageError, UsdMissingError]
+    "kind", [RefusedError, FrameRefusedError, DaemonMissing, DaemonDied, WireError, CodecError, UsdMissingError]
 )
 def test_errors_can_be_pickled_with_their_problems(kind: type[ProblemsError]) -> None:
     error = kind.of(
@@ -134,7 +135,7 @@ def test_errors_can_be_pickled_with_their_problems(kind: type[ProblemsError]) ->
 def test_problems_go_through_the_worker_s_pipe() -> None:
     place = Place((3, 4), ((0.5, 1.0, -2.0),))
     found = refused(ProblemCode.MESH_OPEN, "/Procedure/Tissue", 4, place=place, count=4, where="there").problems[0]
-    back = unpack(pack(found))
+    back = unpack(pack(found), type(found))
     assert isinstance(back, Problem)
     assert back == found
     assert back.code is ProblemCode.MESH_OPEN

@@ -96,7 +96,7 @@ def test_a_damaged_message_raises_wire_error_or_is_a_message(data: st.DataObject
 @pytest.mark.parametrize(
     ("frames", "says"),
     [
-        ([], "no header frame"),
+        ([], "no header part"),
         ([b""], "not a msgpack map"),
         ([b"\xc1"], "not a msgpack map"),
         ([msgpack.packb([1, 2])], "is a list"),

@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from lappet.core.problem import RefusedError
+from lappet.core.problem_code import ProblemCode
 from lappet.designs import Edge, FlapDesign, dual_s_plasty, dufourmentel, limberg
 from lappet.tissue.dome import dome_bone, dome_scalp, draped
 from lappet.tissue.skin_sheet import SkinSheet
+from refusals import refuses
 from surface_measures import spherical_cap
 
 
@@ -188,19 +189,19 @@ def test_a_place_beside_an_edge_of_the_skin_is_on_the_skin_and_one_below_it_is_a
 
 
 @pytest.mark.parametrize(
-    ("draw", "words"),
+    ("draw", "code"),
     [
-        (lambda: limberg((0, 0, 0), (1, 0, 0), 0.0), "limberg: the side is 0 mm"),
-        (lambda: limberg((0, 0, 0), (0, 0, 1), 10.0), "does not lie along the skin"),
-        (lambda: dufourmentel((0, 0, 0), (1, 0, 0), 10.0, 50.0), "angle is 50°"),
-        (lambda: dual_s_plasty((0, 0, 0), (1, 0, 0), 20.0, 30.0, 40.0, 5.0), "width 30 mm is above the length 20 mm"),
-        (lambda: dual_s_plasty((0, 0, 0), (1, 0, 0), 30.0, 20.0, 40.0, 35.0), "advance of 35 mm is more than half"),
-        (lambda: dual_s_plasty((0, 0, 0), (1, 0, 0), 30.0, 20.0, float("nan"), 5.0), "incision is nan mm"),
-        (lambda: dome_scalp(80.0, 52.0, 90.0), "makes no cap"),
-        (lambda: dome_bone(80.0, 200.0), "makes no cap"),
-        (lambda: dome_scalp(-80.0), "radius is -80 mm"),
+        (lambda: limberg((0, 0, 0), (1, 0, 0), 0.0), ProblemCode.LENGTH_NOT_POSITIVE),
+        (lambda: limberg((0, 0, 0), (0, 0, 1), 10.0), ProblemCode.DESIGN_DIRECTION),
+        (lambda: dufourmentel((0, 0, 0), (1, 0, 0), 10.0, 50.0), ProblemCode.DESIGN_ANGLE),
+        (lambda: dual_s_plasty((0, 0, 0), (1, 0, 0), 20.0, 30.0, 40.0, 5.0), ProblemCode.DESIGN_OVAL),
+        (lambda: dual_s_plasty((0, 0, 0), (1, 0, 0), 30.0, 20.0, 40.0, 35.0), ProblemCode.DESIGN_ADVANCE),
+        (lambda: dual_s_plasty((0, 0, 0), (1, 0, 0), 30.0, 20.0, float("nan"), 5.0), ProblemCode.LENGTH_NOT_POSITIVE),
+        (lambda: dome_scalp(80.0, 52.0, 90.0), ProblemCode.DOME_NO_CAP),
+        (lambda: dome_bone(80.0, 200.0), ProblemCode.DOME_NO_CAP),
+        (lambda: dome_scalp(-80.0), ProblemCode.LENGTH_NOT_POSITIVE),
     ],
 )
-def test_what_cannot_be_drawn_is_refused(draw, words) -> None:
-    with pytest.raises(RefusedError, match=words):
+def test_what_cannot_be_drawn_is_refused(draw, code) -> None:
+    with refuses(code):
         draw()

@@ -157,6 +157,15 @@ def draw(blender: Driver) -> Steps:
     scene.lappet.events[-1].end = SEW + 6.0
     bpy.ops.ed.undo_push(message="Release")
 
+    yield from place_sutures(blender)
+    yield from blender.set_tool("lappet.edit")
+    yield from blender.screenshot("06_planned")
+
+
+def place_sutures(blender: Driver) -> Steps:
+    """Three sutures on one edge of the flap, and a run along the other."""
+    scene = bpy.context.scene
+    at = lambda x, y: blender.at((x, y, 0.0))  # noqa: E731
     scene.frame_set(SEW)
     yield 1.0
     yield from blender.set_tool("lappet.suture")
@@ -182,8 +191,6 @@ def draw(blender: Driver) -> Steps:
     yield 0.3
     count = sum(event.kind == "SUTURE" for event in scene.lappet.events) - 3
     blender.expect(count > 1, f"a run along the other edge sews {count} more")
-    yield from blender.set_tool("lappet.edit")
-    yield from blender.screenshot("06_planned")
 
 
 def solve(blender: Driver, pulse: Pulse) -> Steps:
@@ -340,7 +347,7 @@ def variant(blender: Driver) -> Steps:
         bpy.ops.view3d.view_all()
     yield 0.8
     yield from blender.screenshot("17_compared")
-    display = import_module(f"{MODULE}.display.collection")
+    display = import_module(f"{MODULE}.display.display_collection")
     beside = display.find_object(display.find_collection(scene), "other skin")
     blender.expect(beside is not None and not beside.hide_viewport, "the first procedure is seen beside it")
 

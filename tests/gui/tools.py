@@ -40,6 +40,9 @@ def height(x: float, y: float) -> tuple[float, float, float]:
     return (x, y, -(x * x + y * y) / 200.0)
 
 
+DRAWN = [height(-20, -8), height(-5, 4), height(10, -6)]  # the points of the clicked incision
+
+
 def events() -> list[str]:
     return [event.name for event in bpy.context.scene.lappet.events]
 
@@ -82,12 +85,26 @@ def prepare(blender: Driver) -> Steps:
 
 
 def scenario(blender: Driver) -> Steps:
-    """Draws, pulls, sews, marks and edits."""
+    """Draws, pulls, sutures, marks and edits."""
     yield from prepare(blender)
-    at = lambda x, y: blender.at(height(x, y))  # noqa: E731
     tools = [name for name in blender.tools() if name.startswith("lappet.")]
     blender.expect(len(tools) == 8, f"the toolbar has {len(tools)} tools of Lappet")
+    yield from clicked_incision(blender)
+    yield from freehand_incision(blender)
+    yield from undermining(blender)
+    yield from hook(blender)
+    yield from small_tools(blender)
+    yield from editing(blender)
+    yield from target(blender)
+    yield from runs(blender)
+    yield from views(blender)
+    yield from without_toolbar(blender)
+    yield from interrupted(blender)
 
+
+def clicked_incision(blender: Driver) -> Steps:
+    """Three clicks and Return; one click is taken back."""
+    at = lambda x, y: blender.at(height(x, y))  # noqa: E731
     yield from blender.set_tool("lappet.cutting.incision")
     yield from blender.click(at(-20, -8))
     yield from blender.click(at(-5, 4))
@@ -98,10 +115,13 @@ def scenario(blender: Driver) -> Steps:
     yield from blender.key("BACK_SPACE")
     yield from blender.key("RET")
     yield from blender.wait_until(lambda: len(events()) == 1, 2.0, "three clicks and Return make an incision")
-    wanted = [height(-20, -8), height(-5, 4), height(10, -6)]
-    blender.expect(near(first_points(last()), *wanted), "its points are where the mouse clicked")
+    blender.expect(near(first_points(last()), *DRAWN), "its points are where the mouse clicked")
     yield from blender.screenshot("incision")
 
+
+def freehand_incision(blender: Driver) -> Steps:
+    """A stroke closed by C, undone and redone; a line given up."""
+    at = lambda x, y: blender.at(height(x, y))  # noqa: E731
     circle = [at(14 + 6 * np.cos(a), 8 + 5 * np.sin(a)) for a in np.linspace(0, 5.2, 14)]
     yield from blender.drag(circle, steps=3)
     yield from blender.screenshot("free_hand_preview")
@@ -117,6 +137,10 @@ def scenario(blender: Driver) -> Steps:
     yield 0.2
     blender.expect(len(events()) == 2, "Esc leaves nothing behind")
 
+
+def undermining(blender: Driver) -> Steps:
+    """Clicks around an area; the last one snaps to the first."""
+    at = lambda x, y: blender.at(height(x, y))  # noqa: E731
     yield from blender.set_tool("lappet.cutting.undermining")
     corners = [(-24, -14), (-2, -14), (-2, 10), (-24, 10)]
     for corner in corners:
@@ -127,6 +151,11 @@ def scenario(blender: Driver) -> Steps:
     yield from blender.wait_until(lambda: last().kind == "UNDERMINE", 2.0, "a click near the first point closes it")
     blender.expect(near(first_points(last()), *(height(*c) for c in corners)), "it has the four corners, none twice")
 
+
+def hook(blender: Driver) -> Steps:
+    """A drag from the skin; the empty is there in the end."""
+    at = lambda x, y: blender.at(height(x, y))  # noqa: E731
+    scene = bpy.context.scene
     yield from blender.set_tool("lappet.hook")
     x, y = at(-6, -4)
     steps = [(x, y), (x + 30, y + 60), (x + 60, y + 120)]
@@ -139,14 +168,17 @@ def scenario(blender: Driver) -> Steps:
     blender.event("LEFTMOUSE", "RELEASE")
     yield 0.1
     yield from blender.wait_until(lambda: last().kind == "HOOK", 2.0, "press, drag and release place a hook")
-    hook = last().target
-    scene = bpy.context.scene
+    target = last().target
     scene.frame_set(scene.frame_current + 12)
     yield 0.3
-    u, v = blender.at(bpy.data.objects[hook.name].matrix_world.translation)
+    u, v = blender.at(bpy.data.objects[target.name].matrix_world.translation)
     blender.expect(abs(u - steps[2][0]) < 3 and abs(v - steps[2][1]) < 3, "12 frames on it is where it was dragged")
     yield from blender.screenshot("hook")
 
+
+def small_tools(blender: Driver) -> Steps:
+    """Suture, landmark, retractor and excision, one each."""
+    at = lambda x, y: blender.at(height(x, y))  # noqa: E731
     yield from blender.set_tool("lappet.suture")
     yield from blender.click(at(-12, -4))
     yield from blender.move(at(-12, 1))
@@ -168,6 +200,11 @@ def scenario(blender: Driver) -> Steps:
     yield 0.1
     yield from blender.wait_until(lambda: last().kind == "EXCISION", 2.0, "a click makes an excision")
 
+
+def editing(blender: Driver) -> Steps:
+    """Selects, moves, inserts and removes points, and undoes it."""
+    at = lambda x, y: blender.at(height(x, y))  # noqa: E731
+    scene = bpy.context.scene
     yield from blender.set_tool("lappet.edit")
     scene.frame_set(1)
     yield 0.2
@@ -197,16 +234,11 @@ def scenario(blender: Driver) -> Steps:
     yield from blender.key("Z", ctrl=True)
     yield from blender.key("Z", ctrl=True)
     yield from blender.wait_until(
-        lambda: near(first_points(bpy.context.scene.lappet.events[0]), *wanted),
+        lambda: near(first_points(bpy.context.scene.lappet.events[0]), *DRAWN),
         2.0,
         "three Ctrl-Z undo the three acts",
     )
     yield from blender.screenshot("undone")
-    yield from target(blender)
-    yield from runs(blender)
-    yield from views(blender)
-    yield from without_toolbar(blender)
-    yield from interrupted(blender)
 
 
 def target(blender: Driver) -> Steps:

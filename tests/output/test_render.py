@@ -17,8 +17,9 @@ import pytest
 from numpy.typing import NDArray
 
 import synthetic_skin_cache as synthetic
-from lappet.core.problem import RefusedError
-from lappet.output.render import PYTHON_VARIABLE, RenderError, render_cache
+from lappet.core.problem_code import ProblemCode
+from lappet.output.render import PYTHON_VARIABLE, render_cache
+from refusals import refuses
 
 SIZE = (112, 84)
 
@@ -152,7 +153,7 @@ def test_the_last_panel_is_the_still_made_smaller_and_not_drawn_again(
 
 @pytest.mark.slow
 def test_a_frame_that_the_cache_lacks_is_refused_before_anything_is_drawn(cache: Path, tmp_path: Path) -> None:
-    with pytest.raises(RenderError, match=r"Frame 99 is not in cache\.usdc, which holds frames 1 to 12"):
+    with refuses(ProblemCode.RENDER_REFUSED, str(cache)):
         render_cache(cache, tmp_path / "out", frames=[1, 99], filmstrip=False)
     assert not (tmp_path / "out").exists()
 
@@ -173,32 +174,32 @@ def test_strain_is_drawn_with_a_key_from_above(cache: Path, tmp_path: Path) -> N
 @pytest.mark.slow
 def test_a_file_that_is_no_cache_is_refused_with_its_name(tmp_path: Path) -> None:
     (tmp_path / "noise.usdc").write_bytes(b"nothing of use")
-    with pytest.raises(RenderError, match=r"noise\.usdc is not a USD file"):
+    with refuses(ProblemCode.RENDER_REFUSED, str(tmp_path / "noise.usdc")):
         render_cache(tmp_path / "noise.usdc", tmp_path / "out")
 
 
 def test_a_missing_cache_is_refused_and_the_refusal_is_one_of_lappets(tmp_path: Path) -> None:
-    with pytest.raises(RefusedError, match=r"There is no skin cache at .*gone\.usdc; solve the procedure first"):
+    with refuses(ProblemCode.RENDER_NO_CACHE, str(tmp_path / "gone.usdc")):
         render_cache(tmp_path / "gone.usdc", tmp_path)
 
 
 @pytest.mark.parametrize(
-    ("wrong", "sentence"),
+    ("wrong", "code"),
     [
-        ({"animation": "gif"}, "animation is 'gif'; it must be one of none, png, mp4"),
-        ({"engine": "eevee"}, "engine is 'eevee'"),
-        ({"view": "below"}, "view is 'below'; it must be one of oblique, top, low"),
-        ({"color": "red"}, "color is 'red'"),
-        ({"samples": 0}, "samples is 0; it must be between"),
-        ({"size": (0, 480)}, "size is 0x480"),
-        ({"panel": (99999, 480)}, "panel is 99999x480"),
-        ({"movie_size": (8, 480)}, "movie_size is 8x480"),
-        ({"movie_samples": 0}, "movie_samples is 0; it must be between"),
-        ({"frames": []}, "The list of frames is empty"),
+        ({"animation": "gif"}, ProblemCode.RENDER_CHOICE),
+        ({"engine": "eevee"}, ProblemCode.RENDER_CHOICE),
+        ({"view": "below"}, ProblemCode.RENDER_CHOICE),
+        ({"color": "red"}, ProblemCode.RENDER_CHOICE),
+        ({"samples": 0}, ProblemCode.RENDER_RANGE),
+        ({"size": (0, 480)}, ProblemCode.RENDER_RANGE),
+        ({"panel": (99999, 480)}, ProblemCode.RENDER_RANGE),
+        ({"movie_size": (8, 480)}, ProblemCode.RENDER_RANGE),
+        ({"movie_samples": 0}, ProblemCode.RENDER_RANGE),
+        ({"frames": []}, ProblemCode.RENDER_NO_FRAMES),
     ],
 )
-def test_a_value_that_makes_no_sense_is_named(cache: Path, tmp_path: Path, wrong: dict, sentence: str) -> None:
-    with pytest.raises(RenderError, match=sentence):
+def test_a_value_that_makes_no_sense_is_named(cache: Path, tmp_path: Path, wrong: dict, code: ProblemCode) -> None:
+    with refuses(code, None if code is ProblemCode.RENDER_NO_FRAMES else next(iter(wrong))):
         render_cache(cache, tmp_path, **wrong)
 
 
@@ -207,13 +208,13 @@ def test_a_python_without_bpy_is_told_how_to_get_it(
 ) -> None:
     bare = script(tmp_path / "python", f'#!/bin/sh\nexec {shlex.quote(sys.executable)} -S "$@"\n')
     monkeypatch.setenv(PYTHON_VARIABLE, str(bare))
-    with pytest.raises(RenderError, match=r"has no bpy .* install it with pip install 'lappet\[render\]'"):
+    with refuses(ProblemCode.RENDER_NO_BPY, str(bare)):
         render_cache(cache, tmp_path / "out")
 
 
 def test_a_python_that_cannot_be_started_is_named(cache: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv(PYTHON_VARIABLE, str(tmp_path / "no-such-python"))
-    with pytest.raises(RenderError, match=rf"no-such-python could not be started .*{PYTHON_VARIABLE}"):
+    with refuses(ProblemCode.RENDER_NO_PYTHON, str(tmp_path / "no-such-python")):
         render_cache(cache, tmp_path / "out")
 
 
@@ -222,8 +223,9 @@ def test_a_figure_process_that_dies_is_reported_with_its_last_words(
 ) -> None:
     dying = script(tmp_path / "python", "#!/bin/sh\necho 'Blender ran out of memory' >&2\nkill -9 $$\n")
     monkeypatch.setenv(PYTHON_VARIABLE, str(dying))
-    with pytest.raises(RenderError, match=r"ended by signal 9: Blender ran out of memory"):
+    with refuses(ProblemCode.RENDER_FAILED, str(dying)) as problems:
         render_cache(cache, tmp_path / "out")
+    assert problems[0].value == "Blender ran out of memory"
 
 
 def test_a_missing_system_library_is_answered_with_the_packages(
@@ -231,8 +233,9 @@ def test_a_missing_system_library_is_answered_with_the_packages(
 ) -> None:
     words = "ImportError: libSM.so.6: cannot open shared object file: No such file or directory"
     monkeypatch.setenv(PYTHON_VARIABLE, str(script(tmp_path / "python", f"#!/bin/sh\necho '{words}' >&2\nexit 1\n")))
-    with pytest.raises(RenderError, match=r"libSM\.so\.6.*apt-get install .*libsm6"):
+    with refuses(ProblemCode.RENDER_NO_LIBRARY) as problems:
         render_cache(cache, tmp_path / "out")
+    assert problems[0].value == words
 
 
 def test_an_interrupt_ends_the_figure_process_and_keeps_what_is_done(

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import fields
 from pathlib import Path
 
 import click
 import pytest
 
 from documents import PAGE, ROOT, broken_links, command_line_page, heading_anchor
+from lappet.program.settings import MaterialParameters, SolverSettings
 
 
 def test_every_link_of_the_repository_leads_somewhere() -> None:
@@ -72,3 +74,10 @@ def test_a_link_that_leads_somewhere_passes(tmp_path: Path) -> None:
 
 def test_headings_have_the_anchors_that_the_web_page_gives_them() -> None:
     assert heading_anchor("What it is not (yet)") == "what-it-is-not-yet"
+
+
+def test_the_protocol_describes_every_setting_and_every_parameter_of_a_material() -> None:
+    text = (ROOT / "PROTOCOL.md").read_text(encoding="utf-8")
+    for start, told in (("`settings`:", SolverSettings), ("`materials`:", MaterialParameters)):
+        paragraph = text.partition(f"\n{start}")[2].partition("\n\n")[0]
+        assert [item.name for item in fields(told) if f"`{item.name}`" not in paragraph] in ([], ["materials"])

@@ -80,7 +80,8 @@ def test_every_document_is_a_page_and_every_offered_name_is_described(site: Path
         assert site / document.relative_to(ROOT).with_suffix(".html") in pages
     assert "lappet.procedure.Hook" in pages[site / "api/lappet.procedure.html"].anchors
     assert "lappet.designs.z_plasty" in pages[site / "api/lappet.designs.html"].anchors
-    assert "lappet.output.solve_to_cache" in pages[site / "api/lappet.output.html"].anchors
+    assert "lappet.output.render_cache" in pages[site / "api/lappet.output.html"].anchors
+    assert "lappet.cutting.epochs.build_epochs" in pages[site / "api/lappet.cutting.html"].anchors
     for name in offered_names(lappet):
         assert f">{name}<" in (site / "api/index.html").read_text(encoding="utf-8")
     assert (site / "index.html").read_bytes() == (site / FRONT_PAGE).with_suffix(".html").read_bytes()

@@ -52,7 +52,7 @@ WORDS = (
     Word(r"(far_)?companions?", "coarse_program"),
     Word(r"FrameError", "FrameErrorEstimate"),
     Word(r"Watcher", "SolveObserver"),
-    Word(r"[Hh]appenings|WorkerEvent", "WorkerEvent, worker_events"),
+    Word(r"[Hh]appenings|Happening", "WorkerEvent, worker_events"),
     Word(r"contradictions", "event_conflicts"),
     Word(r"pump(s|ed|ing)?|Pump", "solve_timer", ADDON),
     Word(r"shelf|Shelf", "frame_cache", ADDON),
@@ -63,6 +63,8 @@ WORDS = (
     Word(r"vitals", "polled_state"),
     Word(r"(?<=def )(touch|bump)(?=\(self\))|(?<=controller\.)(touch|bump)|(?<=self\.)bump", "mark_dirty", ADDON),
     Word(r"look_around", "drop_idle_clients"),
+    # A frame is a time sample of a procedure and nothing else.
+    Word(r"[Hh]eader[ _]frames?|(skin|design)_frame", "header part; axes"),
     # One spelling: American.
     Word(r"\w*(fibre|colour|centre|Fibre|Colour|Centre)\w*", "fiber, color, center"),
 )

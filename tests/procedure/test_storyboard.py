@@ -7,13 +7,12 @@ import re
 from dataclasses import replace
 from pathlib import Path
 
-import pytest
-
-from lappet.core.problem import RefusedError
+from lappet.core.problem_code import ProblemCode
 from lappet.procedure import Bone, Hook, Incision, Landmark, Material, Procedure, Region, Retractor, Suture, Undermine
 from lappet.procedure.scene_profile import measured_costs, profile_lines, scene_profile, scene_reasons
 from lappet.procedure.storyboard import inspection
 from lappet.tissue.patch import flat_patch
+from refusals import refuses
 
 STILL = (1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0)
 TURNED = (0.0, 1.0, 0.0, 0.0, -1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 3.0, 0.0, 4.0, 1.0)
@@ -97,7 +96,7 @@ def test_costs_are_those_of_the_report_of_economy(tmp_path: Path) -> None:
     assert costs["fibres"].startswith("+25 % instructions")
     assert costs["materials"].startswith("+50 % seconds")
     file.write_text("[]")
-    with pytest.raises(RefusedError, match=r"give its economy\.json"):
+    with refuses(ProblemCode.ECONOMY_FILE, str(file)):
         measured_costs(file)
 
 

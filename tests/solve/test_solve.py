@@ -8,7 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from lappet.core.problem import RefusedError
+from lappet.core.problem import refused
+from lappet.core.problem_code import ProblemCode
 from lappet.daemon.frame_solver import FrameRefusedError, SolverDiedError
 from lappet.procedure import Procedure, Suture
 from lappet.program.compile import compile_program
@@ -176,8 +177,9 @@ def test_a_daemon_that_dies_three_times_over_one_frame_ends_the_solve(program: P
     assert solver.opened == solver.closed == 3
     assert len(result.frames) == 3
     assert result.reason is not None
-    assert "Frame 4" in result.reason
-    assert "SIGSEGV" in result.reason
+    assert result.reason.code is ProblemCode.DAEMON_DIED_AGAIN
+    assert result.reason.prim == "Frame 4"
+    assert "SIGSEGV" in result.reason.message
 
 
 def test_a_frame_that_does_not_converge_ends_the_solve_and_is_not_kept(program: Program, tmp_path: Path) -> None:
@@ -187,7 +189,9 @@ def test_a_frame_that_does_not_converge_ends_the_solve_and_is_not_kept(program: 
     assert result.failed is not None
     assert result.failed.constraints.time == 6.0
     assert result.failed.key not in store
-    assert result.reason == "Frame 6 did not converge: the line search found no decrease."
+    assert result.reason is not None
+    assert (result.reason.code, result.reason.prim) == (ProblemCode.FRAME_NOT_CONVERGED, "Frame 6")
+    assert result.reason.value == "the line search found no decrease."
     solver = FakeSolver()
     assert run(program, store, solver).reason is None
     assert solver.times() == [6, 7, 8]
@@ -210,23 +214,26 @@ def test_ctrl_c_keeps_the_frames_that_are_done_and_ends_the_daemon(program: Prog
 
 def test_what_the_daemon_refuses_ends_the_solve_with_its_sentence(program: Program, tmp_path: Path) -> None:
     def refuse(time: float) -> None:
-        raise FrameRefusedError("the lattice needs 9 GiB, the budget is 8 GiB; coarsen the spacing.")
+        raise FrameRefusedError.of(
+            ProblemCode.SOLVER_MEMORY_BUDGET, "", "the lattice needs 9 GiB; coarsen the spacing."
+        )
 
     solver = FakeSolver(before=refuse)
     result = run(program, FrameStore(tmp_path), solver)
     assert result.frames == ()
     assert result.reason is not None
-    assert "9 GiB" in result.reason
+    assert (result.reason.code, result.reason.prim) == (ProblemCode.SOLVER_MEMORY_BUDGET, "Frame 1")
+    assert result.reason.value == "the lattice needs 9 GiB; coarsen the spacing."
     assert (solver.opened, solver.closed) == (1, 1)
 
 
 def test_a_daemon_that_cannot_be_started_is_a_reason(program: Program, tmp_path: Path) -> None:
     def missing(*_: object) -> None:
-        raise RefusedError("The daemon lappet-solverd is not installed.")
+        raise refused(ProblemCode.DAEMON_MISSING, "lappet-solverd", "here")
 
     result = solve_program(program, FrameStore(tmp_path), missing, "x", Ear())  # type: ignore[arg-type]
     assert result.reason is not None
-    assert "not installed" in result.reason
+    assert (result.reason.code, result.reason.prim) == (ProblemCode.DAEMON_MISSING, "lappet-solverd")
 
 
 def test_only_frames_up_to_the_last_one_wanted_are_solved(tmp_path: Path, program: Program) -> None:

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from lappet.core.array_codec import CodecError
+from lappet.core.problem_code import ProblemCode
 from lappet.core.value_codec import pack
 from lappet.daemon.solved_frame import LatticeCounts, SolvedFrame, SolverState
 from lappet.solve.store import FrameStore, default_folder
@@ -117,9 +118,8 @@ def test_a_full_disk_is_a_sentence_and_the_store_stays_readable(
     other = "cd" * 32
     assert not store.put(other, frame(1))
     assert store.trouble is not None
-    assert str(tmp_path) in store.trouble
-    assert "No space left" in store.trouble
-    assert "--store" in store.trouble
+    assert (store.trouble.code, store.trouble.prim) == (ProblemCode.STORE_NOT_WRITABLE, str(tmp_path))
+    assert store.trouble.value == os.strerror(errno.ENOSPC)
     assert other not in store
     assert store.get(KEY, SolvedFrame) is not None
     assert not list(tmp_path.rglob(".writing-*"))
@@ -131,7 +131,7 @@ def test_a_store_that_cannot_be_made_is_a_sentence(tmp_path: Path) -> None:
     assert store.get(KEY, SolvedFrame) is None
     assert not store.put(KEY, frame())
     assert store.trouble is not None
-    assert str(tmp_path / "file") in store.trouble
+    assert (store.trouble.code, store.trouble.prim) == (ProblemCode.STORE_NOT_WRITABLE, str(tmp_path / "file"))
 
 
 @pytest.mark.parametrize("key", ["", "../../etc/passwd", "AB" * 32, "ab", "g" * 64])

@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from lappet.core.problem import RefusedError
+from lappet.core.problem_code import ProblemCode
 from lappet.geometry.surface_check import signed_volume
 from lappet.tissue.sheet_tissue import sheet_tissue
 from lappet.tissue.surface import tissue_surface
+from refusals import refuses
 
 THICKNESS = 3.0
 
@@ -77,5 +78,8 @@ def test_faces_that_look_opposite_ways_are_refused_with_the_place() -> None:
     points, counts, indices = cap(40.0)
     indices = indices.copy()
     indices[72:76] = indices[72:76][::-1]
-    with pytest.raises(RefusedError, match="skin: the surface is not oriented alike"):
+    with refuses(ProblemCode.MESH_NOT_ORIENTED, "skin") as problems:
         sheet_tissue(points, counts, indices, THICKNESS, name="skin")
+    assert problems[0].place is not None
+    assert problems[0].place.faces
+    assert problems[0].place.points

@@ -10,14 +10,14 @@ _CLASSES = (*display_operators.CLASSES, *look_panel.CLASSES)
 
 
 def register() -> None:
-    """Adds operators, panels and handlers."""
+    """Add operators, panels and handlers."""
     for each in _CLASSES:
         bpy.utils.register_class(each)
     skin_handlers.register()
 
 
 def unregister() -> None:
-    """Takes them away."""
+    """Take them away."""
     skin_handlers.unregister()
     for each in reversed(_CLASSES):
         bpy.utils.unregister_class(each)

@@ -80,7 +80,7 @@ def show(scene: bpy.types.Scene, time: float, soon: bool | None = None) -> None:
 
 
 def continue_drawing() -> bool:
-    """Does a turn of what was put off; whether some is left."""
+    """Do a turn of what was put off; whether some is left."""
     for scene in bpy.data.scenes:
         if scene.session_uid in _unfinished:
             show(scene, scene.frame_current, soon=True)
@@ -120,7 +120,7 @@ def tidy() -> None:
     remove_unused({e.key for decorations in _decorations.values() for e in decorations.source.plan.epochs})
 
 
-def forget_all() -> None:
+def clear_all() -> None:
     """Before another file is loaded: nothing that is kept here belongs to it."""
     _decorations.clear()
     _said.clear()

@@ -45,7 +45,7 @@ def _undone(*_: object) -> None:
 
 
 def _before_load(*_: object) -> None:
-    skin_display.forget_all()
+    skin_display.clear_all()
     _looks.clear()
 
 
@@ -109,4 +109,4 @@ def unregister() -> None:
         handlers = getattr(bpy.app.handlers, name)
         if handler in handlers:
             handlers.remove(handler)
-    skin_display.forget_all()
+    skin_display.clear_all()

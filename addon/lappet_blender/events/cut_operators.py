@@ -3,6 +3,8 @@
 import bpy
 from bpy.props import BoolProperty, CollectionProperty, EnumProperty, FloatProperty, FloatVectorProperty, StringProperty
 
+from lappet.procedure import Incision
+
 from ..interface.operator_base import UNDOABLE, OperatorBase
 from ..model.event_kinds import BASES, BASIS_OF
 from ..model.event_properties import LappetPoint
@@ -23,7 +25,7 @@ class LAPPET_OT_incision_add(OperatorBase, bpy.types.Operator):
     depth: FloatProperty(
         name="Depth", description="Depth of the cut in mm, unless it goes through", default=2.0, min=0.0
     )
-    kerf: FloatProperty(name="Kerf", description="Width of the cut in mm", default=0.05, min=0.0, precision=3)
+    kerf: FloatProperty(name="Kerf", description="Width of the cut in mm", default=Incision.kerf, min=0.0, precision=3)
     basis: EnumProperty(name="Line", items=BASES, default="LINEAR")
     closed: BoolProperty(name="Closed", description="The line returns to its first point", default=False)
     name: StringProperty(name="Name", description="If not given, incision and a number")

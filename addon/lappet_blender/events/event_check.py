@@ -23,7 +23,7 @@ _rest: list[tuple[Tissue, RestSpace | None]] = []  # of the tissue that was aske
 
 
 def check_events(scene: bpy.types.Scene, values: Sequence[Event]) -> None:
-    """Raises RefusedError for what is wrong with new or changed events, alone or beside the scene's others.
+    """Raise RefusedError for what is wrong with new or changed events, alone or beside the scene's others.
 
     Events of the scene that have the name of one of `values` are left out. Raises RefusedError where there is no tissue
     to place them on.

@@ -4,6 +4,8 @@ import bpy
 from bpy.props import CollectionProperty, FloatProperty, FloatVectorProperty, StringProperty
 from mathutils import Euler, Matrix
 
+from lappet.procedure import Hook
+
 from ..interface.operator_base import UNDOABLE, OperatorBase
 from .add_events import add_hook, add_retractor, straight_motion, straight_targets
 from .operator_values import given
@@ -37,7 +39,7 @@ class LAPPET_OT_hook_add(OperatorBase, bpy.types.Operator):
         name="Arrives after", description="Frames from the start to the target; 0 = at once", default=8.0, min=0.0
     )
     end: FloatProperty(name="Release", description="When it lets go; if not given, after the last frame")
-    stiffness: FloatProperty(name="Stiffness", description="mN/mm", default=500.0, min=0.0)
+    stiffness: FloatProperty(name="Stiffness", description="mN/mm", default=Hook.stiffness, min=0.0)
     keys: CollectionProperty(
         name="Keyframes", description="Of the empty, instead of a straight path to the target", type=LappetKey
     )

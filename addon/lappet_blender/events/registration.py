@@ -25,14 +25,14 @@ _CLASSES = (
 
 
 def register() -> None:
-    """Adds the part."""
+    """Add the part."""
     for each in _CLASSES:
         bpy.utils.register_class(each)
     target_watch.register()
 
 
 def unregister() -> None:
-    """Takes it away."""
+    """Take it away."""
     target_watch.unregister()
     for each in reversed(_CLASSES):
         bpy.utils.unregister_class(each)

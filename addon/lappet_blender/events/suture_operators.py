@@ -3,6 +3,8 @@
 import bpy
 from bpy.props import BoolProperty, CollectionProperty, FloatProperty, FloatVectorProperty, IntProperty, StringProperty
 
+from lappet.procedure import Suture
+
 from ..interface.operator_base import UNDOABLE, OperatorBase
 from ..model.event_properties import LappetPoint
 from .add_sutures import Spacing, SutureTimes, add_suture, add_suture_run, ends_across, ends_between
@@ -19,8 +21,10 @@ class LAPPET_OT_suture_add(OperatorBase, bpy.types.Operator):
     first: FloatVectorProperty(name="From", description="At rest, in mm", size=3, precision=3)
     second: FloatVectorProperty(name="To", description="At rest, in mm", size=3, precision=3)
     start: FloatProperty(name="Frame", description="When it is placed; if not given, the current frame")
-    duration: FloatProperty(name="Duration", description="Number of frames until it is closed", default=1.0, min=0.0)
-    stiffness: FloatProperty(name="Stiffness", description="mN/mm", default=1000.0, min=0.0)
+    duration: FloatProperty(
+        name="Duration", description="Number of frames until it is closed", default=Suture.duration, min=0.0
+    )
+    stiffness: FloatProperty(name="Stiffness", description="mN/mm", default=Suture.stiffness, min=0.0)
     depth: FloatProperty(name="Depth", description="Depth of both ends below the skin, in mm", default=0.0, min=0.0)
     name: StringProperty(name="Name", description="If not given, suture and a number")
 
@@ -72,7 +76,7 @@ class LAPPET_OT_suture_run(OperatorBase, bpy.types.Operator):
     )
     start: FloatProperty(name="Frame", description="When they are placed; if not given, the current frame")
     duration: FloatProperty(name="Duration", description="Number of frames until they are closed", default=8.0, min=0.0)
-    stiffness: FloatProperty(name="Stiffness", description="mN/mm", default=1000.0, min=0.0)
+    stiffness: FloatProperty(name="Stiffness", description="mN/mm", default=Suture.stiffness, min=0.0)
     name: StringProperty(
         name="Name", description="Name of the first suture; the others are numbered. If not given, suture"
     )

@@ -46,11 +46,11 @@ def _place(owner: bpy.types.Object) -> tuple[object, ...]:
 def _after_update(_scene: bpy.types.Scene, depsgraph: Any) -> None:
     every = {event.target for scene in bpy.data.scenes for event in scene.lappet.events if event.target is not None}
     if every and moved(depsgraph.updates, every, any(not target_samples.is_plain(target) for target in every)):
-        target_samples.forget()
+        target_samples.mark_dirty()
 
 
 def _after_step(*_: object) -> None:
-    target_samples.forget()
+    target_samples.mark_dirty()
     _placed.clear()
 
 
@@ -62,14 +62,14 @@ _STEPS = ("undo_post", "redo_post", "load_post")
 
 
 def register() -> None:
-    """Adds the handlers."""
+    """Add the handlers."""
     bpy.app.handlers.depsgraph_update_post.append(_after_update)
     for name in _STEPS:
         getattr(bpy.app.handlers, name).append(_after_step)
 
 
 def unregister() -> None:
-    """Takes them off."""
+    """Take them off."""
     bpy.app.handlers.depsgraph_update_post.remove(_after_update)
     for name in _STEPS:
         getattr(bpy.app.handlers, name).remove(_after_step)

@@ -27,12 +27,6 @@ TOOLS = {
 }
 
 
-def span_text(event: Any) -> str:
-    """The frames of an event as people read them: "8 – 26", or "3"."""
-    start, end = event_time(event), event_end(event)
-    return f"{start:g} – {end:g}" if end > start else f"{start:g}"
-
-
 def time_order(scene: bpy.types.Scene) -> list[int]:
     """For each event its row in the list."""
     rows = [0] * len(scene.lappet.events)

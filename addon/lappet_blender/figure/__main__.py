@@ -215,22 +215,34 @@ def draw_figures(
         write_filmstrip(done_panels, steps, sheet)
         done(sheet)
     if movie:
-        folder = request.out / "frames"
-        _make_folder(folder)
-        pictures = []
-        begun = monotonic()
-        for number, frame in enumerate(movie, start=1):
-            path = folder / f"{number:04d}.png"
-            plate.render(frame, request.movie, request.movie_samples, path)
-            pictures.append(path)
-            done(path)
-            if number == 2:
-                note(_expectation(len(movie), request.movie, (monotonic() - begun) / 2))
-        if request.animation == "mp4":
-            film = request.out / "animation.mp4"
-            encode_mp4(pictures, request.movie, cache.fps, film)
-            done(film)
+        _draw_animation(plate, request, movie, cache.fps, done, note)
     return written
+
+
+def _draw_animation(
+    plate: Plate,
+    request: FigureRequest,
+    times: tuple[float, ...],
+    fps: float,
+    done: Callable[[Path], None],
+    note: Callable[[str], None],
+) -> None:
+    """Draw the frames of an animation, and encode them where that is asked for."""
+    folder = request.out / "frames"
+    _make_folder(folder)
+    pictures = []
+    begun = monotonic()
+    for number, time in enumerate(times, start=1):
+        path = folder / f"{number:04d}.png"
+        plate.render(time, request.movie, request.movie_samples, path)
+        pictures.append(path)
+        done(path)
+        if number == 2:
+            note(_expectation(len(times), request.movie, (monotonic() - begun) / 2))
+    if request.animation == "mp4":
+        film = request.out / "animation.mp4"
+        encode_mp4(pictures, request.movie, fps, film)
+        done(film)
 
 
 def _expectation(frames: int, size: tuple[int, int], seconds: float) -> str:
@@ -308,7 +320,7 @@ def _part(size: tuple[int, int], share: float) -> tuple[int, int]:
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Draw figures as the command line asks; returns the exit status."""
+    """Draw figures as the command line asks; return the exit status."""
     signal.signal(signal.SIGINT, signal.SIG_DFL)  # an interrupt ends a long render at once
     request = parse_request(arguments)
     lines = os.fdopen(os.dup(1), "w", buffering=1, encoding="utf-8")

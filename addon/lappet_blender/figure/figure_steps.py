@@ -56,53 +56,20 @@ def story_steps(
     frames: the cache's frames, ascending, not empty. height: how far the hooked tissue stands above the skin at a frame
     (any unit); decides which frame shows the flaps lifted. buried: how many of the sutures lie in the depth.
     """
-
-    def at_or_after(time: float) -> float:
-        return next((f for f in frames if f >= time - 1e-6), frames[-1])
-
-    def before(time: float) -> float:
-        return next((f for f in reversed(frames) if f < time - 1e-6), frames[0])
-
     steps = [Step(frames[0], "Before", "planned incision" if any(e.kind == "Incision" for e in events) else "")]
     begin_held = min((e.start for e in events if e.kind in HELD), default=float("inf"))
     cuts = [e for e in events if e.kind in CUTTING]
     cuts = [e for e in cuts if e.start <= begin_held] or cuts
     if cuts:
-        kinds = [DONE[k] for k in CUTTING if any(e.kind == k for e in cuts)]
-        if "Excised" in kinds and "Incised" in kinds:
-            kinds.remove("Incised")  # what is excised was incised all around
-        caption = " and ".join([kinds[0], *(k.lower() for k in kinds[1:])])
-        detail = _named([e for e in cuts if e.kind != "Undermine"])
-        if any(e.kind == "Undermine" for e in cuts):
-            detail += ("; " if detail else "") + "dashed: undermined"
-        last_cut = at_or_after(max(e.start for e in cuts))
-        steps.append(
-            Step(max(last_cut, before(begin_held)) if begin_held < float("inf") else last_cut, caption, detail)
-        )
-    pulls = [e for e in events if e.kind in ("Hook", "Retractor")]
+        steps.append(_cut_step(cuts, frames, begin_held))
     sutures = [e for e in events if e.kind == "Suture"]
+    pulls = [e for e in events if e.kind in ("Hook", "Retractor")]
     if pulls:
-        begin, end = min(e.start for e in pulls), max(e.end for e in pulls)
-        last = before(min([end, *(e.start for e in sutures if e.start > begin)]))
-        span = [f for f in frames if begin <= f <= last]
-        if span:
-            top = max(span, key=height) if height else span[len(span) // 2]
-            if top == last and len(span) > 2:
-                top = span[len(span) // 2]
-            elif len(span) <= 2 and height:  # the sutures begin with the hooks: the hooks' height tells
-                top = max((f for f in frames if begin <= f < end), key=height, default=top)
-            steps.append(
-                Step(top, "Lifted with hooks" if any(e.kind == "Hook" for e in pulls) else "Retracted", _named(pulls))
-            )
-            if last > top:
-                # Around what is excised one incision runs; more of them cut a flap.
-                flap = sum(e.kind == "Incision" for e in cuts) > 1 or all(e.kind != "Excision" for e in cuts)
-                moved = "Transposed" if flap else "Advanced"
-                steps.append(Step(last, moved if sutures else "Held"))
+        steps += _pull_steps(pulls, cuts, sutures, frames, height)
     if sutures:
         begin_closing = min(e.start for e in sutures)
-        closed = at_or_after(max(e.end for e in sutures))
-        halfway = at_or_after((begin_closing + closed) / 2)
+        closed = _at_or_after(frames, max(e.end for e in sutures))
+        halfway = _at_or_after(frames, (begin_closing + closed) / 2)
         if len(steps) < MOST_PANELS - 2 and steps[-1].frame < halfway < closed:
             steps.append(Step(halfway, "Drawn together"))
         steps.append(Step(closed, "Sutured", _counted(len(sutures), buried)))
@@ -110,6 +77,54 @@ def story_steps(
         steps += [Step(f, f"Frame {f:g}") for f in _spread(frames[1:-1], MOST_PANELS - 2)]
     steps.append(Step(frames[-1], "Final result"))
     return _distinct(steps)
+
+
+def _at_or_after(frames: Sequence[float], time: float) -> float:
+    return next((f for f in frames if f >= time - 1e-6), frames[-1])
+
+
+def _before(frames: Sequence[float], time: float) -> float:
+    return next((f for f in reversed(frames) if f < time - 1e-6), frames[0])
+
+
+def _cut_step(cuts: Sequence[StepEvent], frames: Sequence[float], begin_held: float) -> Step:
+    """The step that shows what was cut before anything holds the tissue."""
+    kinds = [DONE[k] for k in CUTTING if any(e.kind == k for e in cuts)]
+    if "Excised" in kinds and "Incised" in kinds:
+        kinds.remove("Incised")  # what is excised was incised all around
+    caption = " and ".join([kinds[0], *(k.lower() for k in kinds[1:])])
+    detail = _named([e for e in cuts if e.kind != "Undermine"])
+    if any(e.kind == "Undermine" for e in cuts):
+        detail += ("; " if detail else "") + "dashed: undermined"
+    last_cut = _at_or_after(frames, max(e.start for e in cuts))
+    return Step(max(last_cut, _before(frames, begin_held)) if begin_held < float("inf") else last_cut, caption, detail)
+
+
+def _pull_steps(
+    pulls: Sequence[StepEvent],
+    cuts: Sequence[StepEvent],
+    sutures: Sequence[StepEvent],
+    frames: Sequence[float],
+    height: Callable[[float], float] | None,
+) -> list[Step]:
+    """The steps that show the tissue lifted, and where it is when hooks let go or sutures begin."""
+    begin, end = min(e.start for e in pulls), max(e.end for e in pulls)
+    last = _before(frames, min([end, *(e.start for e in sutures if e.start > begin)]))
+    span = [f for f in frames if begin <= f <= last]
+    if not span:
+        return []
+    top = max(span, key=height) if height else span[len(span) // 2]
+    if top == last and len(span) > 2:
+        top = span[len(span) // 2]
+    elif len(span) <= 2 and height:  # the sutures begin with the hooks: the hooks' height tells
+        top = max((f for f in frames if begin <= f < end), key=height, default=top)
+    steps = [Step(top, "Lifted with hooks" if any(e.kind == "Hook" for e in pulls) else "Retracted", _named(pulls))]
+    if last > top:
+        # Around what is excised one incision runs; more of them cut a flap.
+        flap = sum(e.kind == "Incision" for e in cuts) > 1 or all(e.kind != "Excision" for e in cuts)
+        moved = "Transposed" if flap else "Advanced"
+        steps.append(Step(last, moved if sutures else "Held"))
+    return steps
 
 
 def _counted(sutures: int, buried: int) -> str:

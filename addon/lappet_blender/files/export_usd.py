@@ -4,23 +4,23 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import bpy
 
 from lappet.core.problem import RefusedError, refused
 from lappet.core.problem_code import ProblemCode
+from lappet.daemon.solved_frame import SolvedFrame
+from lappet.output.skin_cache import write_skin_cache
+from lappet.procedure import Procedure
+from lappet.program.keys import frame_keys
+from lappet.program.program import Program
+from lappet.solve.store import FrameStore
+from lappet.usd.stage import SUFFIXES, write_procedure
 
 from ..model.scene_procedure import read_scene
 from ..solving import reconcile
 from ..solving.solve_settings import frame_store, solve_settings
 from .bundled_pxr import bundled_pxr
-
-if TYPE_CHECKING:
-    from lappet.daemon.solved_frame import SolvedFrame
-    from lappet.procedure import Procedure
-    from lappet.program.program import Program
-    from lappet.solve.store import FrameStore
 
 
 def procedure_of(scene: bpy.types.Scene) -> Procedure:
@@ -32,26 +32,21 @@ def procedure_of(scene: bpy.types.Scene) -> Procedure:
 
 
 def write_scene(scene: bpy.types.Scene, path: Path) -> None:
-    """Writes the procedure of a scene to a .usda, .usdc or .usd file; events that are off are left out.
+    """Write the procedure of a scene to a .usda, .usdc or .usd file; events that are off are left out.
 
     Raises RefusedError where it cannot be written as USD, OSError where the file system refuses.
     """
     bundled_pxr()
-    from lappet.usd.stage import write_procedure
-
     write_procedure(procedure_of(scene), path)
 
 
 def write_cache(scene: bpy.types.Scene, path: Path) -> Path:
-    """Writes the solved frames of a scene as a skin cache, and its procedure beside it; returns the procedure's file.
+    """Write the solved frames of a scene as a skin cache, and its procedure beside it; return the procedure's file.
 
     Nothing is solved: raises RefusedError where a frame is not, as for a file that cannot be written. OSError where the
     file system refuses.
     """
     bundled_pxr()
-    from lappet.output.skin_cache import write_skin_cache
-    from lappet.program.keys import frame_keys
-    from lappet.usd.stage import SUFFIXES, write_procedure
 
     if path.suffix not in SUFFIXES:
         raise refused(ProblemCode.USD_SUFFIX, path, path.suffix, name=path.name, known=", ".join(SUFFIXES))
@@ -73,8 +68,6 @@ def compiled(scene: bpy.types.Scene, procedure: Procedure, spacing: float | None
 
 
 def _stored(program: Program, keys: tuple[str, ...], store: FrameStore) -> list[SolvedFrame]:
-    from lappet.daemon.solved_frame import SolvedFrame
-
     found, missing = [], []
     for constraints, key in zip(program.frames, keys, strict=True):
         stored = store.get(key, SolvedFrame)

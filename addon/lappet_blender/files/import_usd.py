@@ -5,13 +5,20 @@ from __future__ import annotations
 import hashlib
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import bpy
 import numpy as np
 
+from lappet.background.make_plan import epoch_shapes, make_plan
+from lappet.background.plan import Plan
+from lappet.background.plan_store import put_plan
 from lappet.core.problem import RefusedError, refused
 from lappet.core.problem_code import ProblemCode
+from lappet.daemon.solved_frame import SolvedFrame
+from lappet.procedure import Procedure
+from lappet.program.keys import frame_keys
+from lappet.usd.stage import open_stage, read_procedure
 
 from ..look.skin_read import SkinCache
 from ..look.skin_source import SCALARS, FigureError
@@ -20,11 +27,6 @@ from ..solving import reconcile
 from ..solving.controller import controller_of, frame_cache
 from .bundled_pxr import bundled_pxr
 from .export_usd import compiled
-
-if TYPE_CHECKING:
-    from lappet.background.plan import Plan
-    from lappet.daemon.solved_frame import SolvedFrame
-    from lappet.procedure import Procedure
 
 
 @dataclass(frozen=True)
@@ -49,8 +51,6 @@ class CacheFrames:
 def look_into(path: Path) -> FoundFile:
     """What a USD file holds. Raises RefusedError where it cannot be opened."""
     bundled_pxr()
-    from lappet.usd.stage import open_stage
-
     stage = open_stage(path)
     if not stage.GetPrimAtPath("/Procedure/Skin"):
         return FoundFile(path)
@@ -61,13 +61,11 @@ def look_into(path: Path) -> FoundFile:
 
 
 def read_into(scene: bpy.types.Scene, path: Path) -> list[str]:
-    """Puts the procedure of a USD file into a scene in place of what it had; of a skin cache the frames as well.
+    """Put the procedure of a USD file into a scene in place of what it had; of a skin cache the frames as well.
 
-    Returns a sentence for everything that was converted or left aside. Raises RefusedError or RefusedError, with the
+    Returns a sentence for everything that was converted or left aside. Raises RefusedError, with the
     scene as it was.
     """
-    from lappet.usd.stage import read_procedure
-
     found = look_into(path)
     notes: list[str] = []
     procedure = read_procedure(found.procedure, notes)
@@ -84,13 +82,11 @@ def _collection(scene: bpy.types.Scene, name: str) -> bpy.types.Collection:
 
 
 def _show(scene: bpy.types.Scene, procedure: Procedure, found: FoundFile) -> str:
-    """Gives the frames of a cache to the solving side, and says which they are."""
-    from lappet.background.plan_store import put_plan
-
+    """Give the frames of a cache to the solving side, and says which they are."""
     try:
         read = cache_frames(scene, procedure, found)
     except (RefusedError, FigureError, OSError) as refused:
-        return f"The frames of the cache cannot be shown, press Solve instead: {refused}"
+        return f"The frames of the cache cannot be shown: {refused}"
     controller = controller_of(scene)
     for key, frame in read.frames.items():
         frame_cache.put(key, frame)
@@ -113,10 +109,6 @@ def cache_frames(scene: bpy.types.Scene, procedure: Procedure, found: FoundFile)
 
     Raises RefusedError where its surfaces are not those that this Lappet cuts, FigureError for a damaged cache.
     """
-    from lappet.background.make_plan import epoch_shapes, make_plan
-    from lappet.daemon.solved_frame import SolvedFrame
-    from lappet.program.keys import frame_keys
-
     assert found.cache is not None
     cache = SkinCache(found.cache)
     program = compiled(scene, procedure, found.spacing)

@@ -8,7 +8,7 @@ from .usd_operators import CLASSES, export_entries, import_entries
 
 
 def register() -> None:
-    """Adds the operators, the menu entries and the drop of files."""
+    """Add the operators, the menu entries and the drop of files."""
     for each in CLASSES:
         bpy.utils.register_class(each)
     bpy.types.TOPBAR_MT_file_export.append(export_entries)
@@ -16,7 +16,7 @@ def register() -> None:
 
 
 def unregister() -> None:
-    """Takes them away."""
+    """Take them away."""
     bpy.types.TOPBAR_MT_file_import.remove(import_entries)
     bpy.types.TOPBAR_MT_file_export.remove(export_entries)
     for each in reversed(CLASSES):

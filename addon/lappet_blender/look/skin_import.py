@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .deep_bed import DeepBed
-from .skin_fields import RIM, SKIN, depth_below_skin, uv_scale
+from .skin_fields import SKIN, depth_below_skin, uv_scale
 from .skin_read import SkinCache
 from .skin_source import SkinEpoch
 
@@ -121,8 +121,3 @@ class Bed:
             moved = (self._bed.positions(time) * SCALE).astype(np.float32)
             self._mesh.attributes["position"].data.foreach_set("vector", moved.ravel())
             self._mesh.update()
-
-
-def has_rim(cache: SkinCache) -> bool:
-    """Whether the skin ends in a cut rim (a patch) rather than closing on itself."""
-    return bool((cache.epochs[0].origin == RIM).any())

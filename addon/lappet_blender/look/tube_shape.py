@@ -3,23 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 Radius = NDArray[np.floating] | float
-
-
-@dataclass(frozen=True, eq=False)
-class TubeShape:
-    """points: (n, 3) in the lines' unit. corners: vertex indices of the faces, one after another; starts: where each
-    begins. Faces are quads and, at the ends, polygons with `sides` corners.
-    """
-
-    points: NDArray[np.float64]
-    corners: NDArray[np.int32]
-    starts: NDArray[np.int32]
 
 
 def tube_points(lines: Sequence[NDArray[np.float64]], radii: Sequence[Radius], sides: int) -> NDArray[np.float64]:

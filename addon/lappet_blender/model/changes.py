@@ -14,13 +14,13 @@ _listeners: list[Listener] = []
 
 
 def subscribe(listener: Listener) -> None:
-    """Calls `listener(scene)` after every change, on the main thread; it must be quick."""
+    """Call `listener(scene)` after every change, on the main thread; it must be quick."""
     if listener not in _listeners:
         _listeners.append(listener)
 
 
 def unsubscribe(listener: Listener) -> None:
-    """Takes a listener off; one that is not there is no error."""
+    """Take a listener off; one that is not there is no error."""
     if listener in _listeners:
         _listeners.remove(listener)
 

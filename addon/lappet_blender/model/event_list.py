@@ -22,7 +22,7 @@ KIND_NAMES = tuple(kind[0] for kind in KINDS)
 
 
 def add_event(scene: bpy.types.Scene, kind: str, name: str = "", **fields: Any) -> Any:
-    """Adds an event of a kind ("HOOK") at the end of the list, makes it the active one and returns it.
+    """Add an event of a kind ("HOOK") at the end of the list, make it the active one and return it.
 
     name: what it should be called (made a USD identifier that no other event has; "" = kind and number). fields: values
     of `LappetEvent`; points is a sequence of (x, y, z) in mm at rest.
@@ -45,7 +45,7 @@ def add_event(scene: bpy.types.Scene, kind: str, name: str = "", **fields: Any) 
 
 
 def set_points(event: Any, points: Iterable[Sequence[float]]) -> None:
-    """Replaces the points of an event by (x, y, z) in mm at rest."""
+    """Replace the points of an event by (x, y, z) in mm at rest."""
     event.points.clear()
     for point in points:
         event.points.add().co = point
@@ -67,7 +67,7 @@ def event_index(scene: bpy.types.Scene, name_or_uid: str) -> int:
 
 
 def remove_event(scene: bpy.types.Scene, event: Any) -> None:
-    """Takes an event out of the list, and the empty that was made for it and that nothing else follows."""
+    """Take an event out of the list, and the empty that was made for it and that nothing else follows."""
     events = scene.lappet.events
     uid, target = event.uid, event.target
     index = event_index(scene, uid)
@@ -100,7 +100,7 @@ def event_end(event: Any) -> float:
 
 
 def move_event(scene: bpy.types.Scene, event: Any, new_start: float) -> None:
-    """Moves an event to another frame, its release and the keyframes of its target with it.
+    """Move an event to another frame, its release and the keyframes of its target with it.
 
     The keyframes of a target that another event follows too, or that is of a library, stay where they are.
     """
@@ -117,7 +117,7 @@ def move_event(scene: bpy.types.Scene, event: Any, new_start: float) -> None:
 
 
 def rename_event(scene: bpy.types.Scene, event: Any, name: str) -> str:
-    """Renames an event as near to `name` as USD and the other events let it, and returns the name it got."""
+    """Rename an event as near to `name` as USD and the other events let it, and return the name it got."""
     taken = {each.name for each in scene.lappet.events if each.uid != event.uid}
     event.name = unique_name(name, taken) if identifier(name) else numbered_name(event.kind, taken)
     if event.target is not None and event.target.get(EVENT_TAG) == event.uid:

@@ -14,6 +14,8 @@ from bpy.props import (
     StringProperty,
 )
 
+from lappet.procedure import Hook, Incision
+
 from .changes import property_changed
 from .event_kinds import BASES, KINDS
 from .event_list import move_event, rename_event
@@ -93,7 +95,7 @@ class LappetEvent(bpy.types.PropertyGroup):
     kerf: FloatProperty(
         name="Kerf",
         description="Width of the cut in mm",
-        default=0.05,
+        default=Incision.kerf,
         min=0.0,
         precision=3,
         update=property_changed,
@@ -101,7 +103,7 @@ class LappetEvent(bpy.types.PropertyGroup):
     stiffness: FloatProperty(
         name="Stiffness",
         description="Stiffness of the hook or suture, in mN/mm",
-        default=500.0,
+        default=Hook.stiffness,
         min=0.0,
         update=property_changed,
     )

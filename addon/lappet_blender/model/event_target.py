@@ -7,6 +7,8 @@ from typing import Any
 
 import bpy
 
+from .keyframes import curves_of
+
 EVENT_TAG = "lappet_event"  # custom property of an empty that was made for an event: the event's uid
 COLLECTION_TAG = "lappet_targets"  # custom property of the collection that a scene's empties are put into
 
@@ -47,7 +49,7 @@ def copy_target(scene: bpy.types.Scene, target: bpy.types.Object, uid: str) -> b
 
 
 def remove_target(target: bpy.types.Object, uid: str) -> None:
-    """Deletes an empty that was made for the event `uid`, once no event follows it."""
+    """Delete an empty that was made for the event `uid`, once no event follows it."""
     if target.get(EVENT_TAG) != uid or target.library is not None or followers(target):
         return
     action = target.animation_data.action if target.animation_data is not None else None
@@ -68,32 +70,20 @@ def is_there(scene: bpy.types.Scene, target: bpy.types.Object | None) -> bool:
     return target is not None and scene.objects.get(target.name) == target
 
 
-def all_fcurves(owner: bpy.types.Object) -> list[Any]:
-    """Every F-curve of an object's action; since Blender 4.4 an action has slots and layers."""
-    data = owner.animation_data
-    if data is None or data.action is None:
-        return []
-    slot = getattr(data, "action_slot", None)
-    if slot is None:
-        return list(getattr(data.action, "fcurves", ()))  # 5.0 has none, and an action without a slot moves nothing
-    bags = (strip.channelbag(slot) for layer in data.action.layers for strip in layer.strips)
-    return [curve for bag in bags if bag is not None for curve in bag.fcurves]
-
-
 def active_fcurves(owner: bpy.types.Object) -> dict[tuple[str, int], Any]:
     """The F-curves that move an object, by (data path, array index): neither muted nor without a keyframe."""
     return {
         (curve.data_path, curve.array_index): curve
-        for curve in all_fcurves(owner)
+        for curve in curves_of(owner)
         if not curve.mute and len(curve.keyframe_points)
     }
 
 
 def shift_keyframes(target: bpy.types.Object, shift: float) -> None:
-    """Moves every keyframe of an object by so many frames; one of a library stays as it is."""
+    """Move every keyframe of an object by so many frames; one of a library stays as it is."""
     if target.library is not None:
         return
-    for curve in all_fcurves(target):
+    for curve in curves_of(target):
         for key in curve.keyframe_points:
             before = key.co[0]
             left, right = key.handle_left[:], key.handle_right[:]
@@ -105,8 +95,8 @@ def shift_keyframes(target: bpy.types.Object, shift: float) -> None:
 
 
 def set_keyframes(target: bpy.types.Object, path: str, samples: Sequence[tuple[float, Sequence[float]]]) -> None:
-    """Gives a property of an object these (frame, values) and straight lines between them; one sample stands still."""
-    for curve in all_fcurves(target):
+    """Give a property of an object these (frame, values) and straight lines between them; one sample stands still."""
+    for curve in curves_of(target):
         if curve.data_path == path:
             for key in reversed(list(curve.keyframe_points)):
                 target.keyframe_delete(path, index=curve.array_index, frame=key.co[0])
@@ -114,7 +104,7 @@ def set_keyframes(target: bpy.types.Object, path: str, samples: Sequence[tuple[f
         setattr(target, path, values)
         if len(samples) > 1:
             target.keyframe_insert(path, frame=frame, options=set())
-    for curve in all_fcurves(target):
+    for curve in curves_of(target):
         if curve.data_path == path:
             for key in curve.keyframe_points:
                 key.interpolation = "LINEAR"

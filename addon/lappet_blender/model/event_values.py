@@ -70,14 +70,14 @@ def free_name(scene: bpy.types.Scene, kind: str, name: str = "", taken: Collecti
 
 
 def add_value(scene: bpy.types.Scene, value: Event) -> Any:
-    """Adds a value as an event of its kind, by its own name where that is free, and returns the event."""
+    """Add a value as an event of its kind, by its own name where that is free, and return the event."""
     event = add_event(scene, type(value).__name__.upper(), value.name)
     set_event(scene, event, value)
     return event
 
 
 def set_event(scene: bpy.types.Scene, event: Any, value: Event) -> None:
-    """Gives an event the values of a procedure's; its kind must be the value's and its name is left alone.
+    """Give an event the values of a procedure's; its kind must be the value's and its name is left alone.
 
     The empty of a hook gets straight keyframes at the samples, that of a retractor keyframes that follow its motion at
     every whole frame while it turns; both are made where the event has none.

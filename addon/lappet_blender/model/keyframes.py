@@ -2,25 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from typing import Any
 
 import bpy
 
 
-def curves_of(owner: bpy.types.ID) -> Iterator[Any]:
-    """The F-curves that act on the datablock."""
+def curves_of(owner: bpy.types.ID) -> list[Any]:
+    """Return the F-curves that act on the datablock; since Blender 4.4 an action has slots and layers."""
     data = owner.animation_data
     if data is None or data.action is None:
-        return
-    if hasattr(data.action, "fcurves"):
-        yield from data.action.fcurves
-        return
-    for layer in data.action.layers:
-        for strip in layer.strips:
-            bag = strip.channelbag(data.action_slot) if data.action_slot is not None else None
-            if bag is not None:
-                yield from bag.fcurves
+        return []
+    slot = getattr(data, "action_slot", None)
+    if slot is None:
+        return list(getattr(data.action, "fcurves", ()))  # 5.0 has none, and an action without a slot moves nothing
+    bags = (strip.channelbag(slot) for layer in data.action.layers for strip in layer.strips)
+    return [curve for bag in bags if bag is not None for curve in bag.fcurves]
 
 
 def samples(curve: Any, start: int, end: int) -> list[tuple[float, float]]:

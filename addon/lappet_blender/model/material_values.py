@@ -57,7 +57,7 @@ def _activation(
 
 
 def set_material(scene: bpy.types.Scene, each: bpy.types.PropertyGroup, material: Material) -> None:
-    """Gives an entry of `scene.lappet.materials` the values of a material; muscle activation becomes keyframes."""
+    """Give an entry of `scene.lappet.materials` the values of a material; muscle activation becomes keyframes."""
     each.name, each.model = material.name, material.model
     for name in _NUMBERS:
         setattr(each, name, getattr(material, name))
@@ -89,7 +89,7 @@ def region_values(scene: bpy.types.Scene) -> tuple[Region, ...]:
 
 
 def set_region(each: bpy.types.PropertyGroup, region: Region) -> None:
-    """Gives an entry of `scene.lappet.regions` the values of a region."""
+    """Give an entry of `scene.lappet.regions` the values of a region."""
     each.name, each.material, each.depth_from = region.faces, region.material, region.depth_from
     each.to_bottom = math.isinf(region.depth_to)
     if not each.to_bottom:

@@ -14,7 +14,7 @@ STEPS: dict[int, Callable[[bpy.types.Scene], None]] = {}
 
 
 def migrate(scene: bpy.types.Scene) -> bool:
-    """Brings the scene's procedure up to this version, one at a time; whether anything was to be done.
+    """Bring the scene's procedure up to this version, one at a time; whether anything was to be done.
 
     Scenes of a library, scenes without a procedure and those of a newer version stay as they are.
     """

@@ -12,7 +12,8 @@ from bpy.props import (
     StringProperty,
 )
 
-from lappet.procedure import MODELS
+from lappet.procedure import MODELS, Material, Tissue
+from lappet.program.settings import SolverSettings
 
 from .changes import property_changed
 from .event_properties import LappetEvent
@@ -40,14 +41,14 @@ COLORS = (
 class LappetMaterial(bpy.types.PropertyGroup):
     """A material (`lappet.procedure.procedure.Material`); `name` is its name."""
 
-    model: EnumProperty(name="Model", items=MODEL_ITEMS, default="neoHookean", update=property_changed)
+    model: EnumProperty(name="Model", items=MODEL_ITEMS, default=Material.model, update=property_changed)
     youngs_modulus: FloatProperty(
-        name="Young's modulus", description="kPa", default=50.0, min=1e-6, update=property_changed
+        name="Young's modulus", description="kPa", default=Material.youngs_modulus, min=1e-6, update=property_changed
     )
     poissons_ratio: FloatProperty(
         name="Poisson's ratio",
         description="Below 0.5, which is incompressible",
-        default=0.45,
+        default=Material.poissons_ratio,
         min=-0.99,
         max=0.49999,
         precision=4,
@@ -86,7 +87,9 @@ class LappetMaterial(bpy.types.PropertyGroup):
         max=2.0,
         update=property_changed,
     )
-    density: FloatProperty(name="Density", description="kg/m³", default=1100.0, min=0.0, update=property_changed)
+    density: FloatProperty(
+        name="Density", description="kg/m³", default=Material.density, min=0.0, update=property_changed
+    )
     muscle_stress: FloatProperty(
         name="Muscle", description="Maximum active stress in kPa; 0 = none", default=0.0, update=property_changed
     )
@@ -142,7 +145,7 @@ class LappetTissue(bpy.types.PropertyGroup):
     spacing: FloatProperty(
         name="Lattice spacing",
         description="Edge of a cell in mm: half the spacing takes about ten times as long",
-        default=1.0,
+        default=Tissue.spacing,
         min=1e-6,
         soft_min=0.2,
         soft_max=5.0,
@@ -152,7 +155,7 @@ class LappetTissue(bpy.types.PropertyGroup):
     bed_stiffness: FloatProperty(
         name="Bed",
         description="Tie of bed faces to deep tissue, kPa/mm",
-        default=10.0,
+        default=Tissue.bed_stiffness,
         min=0.0,
         update=property_changed,
     )
@@ -166,25 +169,25 @@ class LappetSolving(bpy.types.PropertyGroup):
     quadrature: EnumProperty(
         name="Quadrature",
         items=(("1", "1 point", "The default"), ("4", "4 points", ""), ("8", "8 points", "The slowest")),
-        default="1",
+        default=str(SolverSettings.quadrature),
         update=property_changed,
     )
     precision: EnumProperty(
         name="Precision",
         items=(("float", "Single", "The default"), ("double", "Double", "For reference")),
-        default="float",
+        default=SolverSettings.precision,
         update=property_changed,
     )
     tolerance: FloatProperty(
         name="Tolerance",
         description="Residual relative to the force scale below which a frame is at rest",
-        default=1e-3,
+        default=SolverSettings.tolerance,
         min=1e-8,
         max=0.1,
         precision=6,
         update=property_changed,
     )
-    threads: IntProperty(name="Threads", description="0 = all", default=0, min=0, max=256)
+    threads: IntProperty(name="Threads", description="0 = all", default=SolverSettings.threads, min=0, max=256)
     live: BoolProperty(name="Live", description="The skin follows while the target of a hook is dragged", default=False)
     beside_file: BoolProperty(
         name="Beside the .blend",

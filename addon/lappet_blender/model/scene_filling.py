@@ -19,7 +19,7 @@ from .procedure_properties import VERSION
 
 
 def fill_scene(scene: bpy.types.Scene, procedure: Procedure, collection: bpy.types.Collection) -> list[str]:
-    """Puts the procedure's tissue, bones, materials, timeline and events into the scene in place of what it had.
+    """Put the procedure's tissue, bones, materials, timeline and events into the scene in place of what it had.
 
     Objects are linked to `collection`; the scene keeps its unit. Objects of the procedure before stay in the scene, but
     no part of it. Returns a sentence for everything that a scene cannot hold. Raises RefusedError, with the

@@ -24,8 +24,8 @@ _stamp = 0
 _evaluated: dict[tuple[object, ...], tuple[int, list[Matrix]]] = {}
 
 
-def forget() -> None:
-    """Objects that targets depend on may move otherwise than they did."""
+def mark_dirty() -> None:
+    """Have targets sampled again: objects that they depend on may move differently now."""
     global _stamp
     _stamp += 1
 

@@ -209,8 +209,8 @@ def _with_settings(tissue: Tissue, settings: bpy.types.PropertyGroup, regions: S
     return tissue if same and made.regions == tissue.regions else made
 
 
-def forget() -> None:
-    """Lets go of everything that is kept (a new file was loaded)."""
+def clear_cache() -> None:
+    """Drop everything that is kept (a new file was loaded)."""
     _kept.clear()
     _making.clear()
     _sheets.clear()

@@ -143,7 +143,7 @@ class Controller:
         return key in self.known
 
     def recheck_frames(self, *plans: Plan) -> None:
-        """Asks the store anew which frames of these plans it holds."""
+        """Ask the store anew which frames of these plans it holds."""
         for plan in plans:
             for frame in plan.frames:
                 if frame.key in frame_cache or frame.key in self.store:
@@ -171,7 +171,7 @@ class Controller:
             yield self.planning
 
     def release(self) -> None:
-        """Cancels everything and gives the worker back."""
+        """Cancel everything and give the worker back."""
         if self.client is not None:
             for job in self.jobs():
                 self.client.cancel(job.number)
@@ -208,16 +208,16 @@ def controllers() -> list[Controller]:
     return list(_controllers.values())
 
 
-def forget(controller: Controller) -> None:
-    """Cancels the jobs of a scene and forgets it; frames and plans stay."""
+def drop(controller: Controller) -> None:
+    """Cancel the jobs of a scene and drop its controller; frames and plans stay."""
     controller.release()
     _controllers.pop(controller.uid, None)
 
 
-def forget_all() -> None:
-    """Cancels the jobs of every scene and forgets them."""
+def drop_all() -> None:
+    """Cancel the jobs of every scene and drop their controllers."""
     for controller in controllers():
-        forget(controller)
+        drop(controller)
 
 
 def frame_at(plan: Plan, time: float) -> PlannedFrame | None:

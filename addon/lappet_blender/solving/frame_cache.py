@@ -46,7 +46,7 @@ class FrameCache:
         return read
 
     def put(self, key: str, frame: SolvedFrame) -> None:
-        """Keeps a frame; those used longest ago go when the bound is passed, but never this one."""
+        """Keep a frame; those used longest ago go when the bound is passed, but never this one."""
         size = frame.nbytes
         with self._lock:
             old = self._frames.pop(key, None)
@@ -57,21 +57,21 @@ class FrameCache:
                 self.bytes -= gone.nbytes
 
     def drop(self, key: str) -> None:
-        """Forgets a frame; one that is not there is no error."""
+        """Drop a frame; one that is not there is no error."""
         with self._lock:
             gone = self._frames.pop(key, None)
             if gone is not None:
                 self.bytes -= gone.nbytes
 
     def clear(self) -> None:
-        """Forgets every frame."""
+        """Drop every frame."""
         with self._lock:
             self._frames.clear()
             self._wanted = []
             self.bytes = 0
 
     def read_ahead(self, keys: Sequence[str], store: FrameStore) -> None:
-        """Has these frames read in this order, in place of those that were wanted before; returns at once."""
+        """Have these frames read in this order, in place of those that were wanted before; return at once."""
         missing = [key for key in keys if key not in self._frames]
         with self._lock:
             self._wanted, self._store = missing, store
@@ -83,7 +83,7 @@ class FrameCache:
         self._wake.set()
 
     def close(self) -> None:
-        """Ends the reading thread until something is to be read ahead again."""
+        """End the reading thread until something is to be read ahead again."""
         if self._reader is not None:
             self._closed = True
             self._wake.set()

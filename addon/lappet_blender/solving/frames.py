@@ -6,8 +6,6 @@ import math
 from collections.abc import Callable
 
 import bpy
-import numpy as np
-from numpy.typing import NDArray
 
 from lappet.background.plan import Plan
 from lappet.core.problem import Problem
@@ -58,13 +56,6 @@ def shown_at(scene: bpy.types.Scene, time: float) -> Shown | None:
     return shown
 
 
-def live_points(scene: bpy.types.Scene) -> NDArray[np.float32] | None:
-    """The skin's points (n, 3) in mm for the hook as it is dragged; None where live mode is off or has none yet."""
-    controller = find_controller(scene)
-    live = None if controller is None else controller.live
-    return None if live is None or live.frame is None else live.frame.points
-
-
 def progress_of(scene: bpy.types.Scene) -> Progress:
     """How the solving of a scene stands."""
     return progress(controller_of(scene))
@@ -94,31 +85,31 @@ def failure_of(scene: bpy.types.Scene) -> Failure | None:
 
 
 def subscribe(listener: Listener) -> None:
-    """Calls `listener(scene)` on the main thread when what is shown, or a state, may have changed."""
+    """Call `listener(scene)` on the main thread when what is shown, or a state, may have changed."""
     if listener not in _listeners:
         _listeners.append(listener)
 
 
 def unsubscribe(listener: Listener) -> None:
-    """Takes a listener off; one that is not there is no error."""
+    """Take a listener off; one that is not there is no error."""
     if listener in _listeners:
         _listeners.remove(listener)
 
 
 def add_follow_up(step: FollowUp) -> None:
-    """Calls `step()` when the timer comes by, for what a listener puts off; it does a little, True = there is more."""
+    """Call `step()` when the timer comes by, for what a listener puts off; it does a little, True = there is more."""
     if step not in _follow_ups:
         _follow_ups.append(step)
 
 
 def remove_follow_up(step: FollowUp) -> None:
-    """Takes it off; one that is not there is no error."""
+    """Take it off; one that is not there is no error."""
     if step in _follow_ups:
         _follow_ups.remove(step)
 
 
 def follow_up() -> bool:
-    """Does a little of what listeners put off; whether there is more."""
+    """Do a little of what listeners put off; whether there is more."""
     more = [step() for step in list(_follow_ups)]  # every one gets its turn
     return any(more)
 

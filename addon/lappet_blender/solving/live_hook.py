@@ -25,7 +25,7 @@ _LEAST_MOVE = 1e-4  # mm
 
 
 def start_live(scene: bpy.types.Scene, hook: str = "") -> Live:
-    """Opens the current frame with the hook of that name or uid (the active event when "") ready to be dragged.
+    """Open the current frame with the hook of that name or uid (the active event when "") ready to be dragged.
 
     Raises RefusedError for an event that is no hook, that does not pull at this frame or that has no target.
     """
@@ -51,7 +51,7 @@ def start_live(scene: bpy.types.Scene, hook: str = "") -> Live:
 
 
 def step_live(scene: bpy.types.Scene, controller: Controller) -> None:
-    """Sends the target's place where it has moved; ends live mode where it was switched off or its ground is gone."""
+    """Send the target's place where it has moved; ends live mode where it was switched off or its ground is gone."""
     live = controller.live
     if live is None:
         if scene.lappet.solving.live:
@@ -73,7 +73,7 @@ def step_live(scene: bpy.types.Scene, controller: Controller) -> None:
 
 
 def stop_live(scene: bpy.types.Scene, controller: Controller, *, may_key: bool = True) -> bool:
-    """Ends live mode. The target stays where it was dragged: one that is animated is keyed there, at the frame that was
+    """End live mode. The target stays where it was dragged: one that is animated is keyed there, at the frame that was
     shown, unless `may_key` is off. Returns whether a keyframe was set."""
     live, controller.live = controller.live, None
     if live is None:

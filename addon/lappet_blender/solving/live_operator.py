@@ -11,7 +11,7 @@ from .scene_watch import reading
 
 
 def _stop(scene: bpy.types.Scene) -> None:
-    """Ends live mode; a keyframe that this sets is an act of its own to undo."""
+    """End live mode; a keyframe that this sets is an act of its own to undo."""
     controller = controller_of(scene)
     keyed = stop_live(scene, controller)
     notify_listeners(scene, controller)

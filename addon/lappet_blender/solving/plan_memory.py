@@ -22,7 +22,7 @@ class PlanMemory:
         self._refused: OrderedDict[str, tuple[Problem, ...]] = OrderedDict()
 
     def keep(self, plan: Plan, key: str = "") -> Plan:
-        """Keeps a plan, under its key and under that it was asked for with; returns it with epochs shared."""
+        """Keep a plan, under its key and under that it was asked for with; return it with epochs shared."""
         known = self._epochs()
         epochs: tuple[EpochShape, ...] = tuple(known.get((epoch.key, epoch.start_time), epoch) for epoch in plan.epochs)
         plan = replace(plan, epochs=epochs)
@@ -46,7 +46,7 @@ class PlanMemory:
         return None if stored is None else self.keep(stored, key)
 
     def refuse(self, key: str, problems: tuple[Problem, ...]) -> None:
-        """Remembers why the procedure of a key is refused."""
+        """Remember why the procedure of a key is refused."""
         self._refused[key] = problems
         while len(self._refused) > self._limit:
             self._refused.popitem(last=False)
@@ -55,13 +55,13 @@ class PlanMemory:
         """Why the procedure of a key is refused, or None."""
         return self._refused.get(key)
 
-    def forget(self, key: str) -> None:
-        """Forgets the plan and the refusal of a key, so that it is asked for again."""
+    def drop(self, key: str) -> None:
+        """Drop the plan and the refusal of a key, so that it is asked for again."""
         self._plans.pop(key, None)
         self._refused.pop(key, None)
 
     def clear(self) -> None:
-        """Forgets everything."""
+        """Drop everything."""
         self._plans.clear()
         self._refused.clear()
         self.failures.clear()

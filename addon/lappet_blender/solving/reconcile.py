@@ -45,7 +45,7 @@ def due(controller: Controller) -> bool:
 
 
 def reconcile(scene: bpy.types.Scene, controller: Controller, *, ask: bool = True) -> None:
-    """Reads the scene now. ask: have the worker plan what is not known."""
+    """Read the scene now. ask: have the worker plan what is not known."""
     started = time.monotonic()
     controller.dirty_since = None
     reading = read_scene(scene)
@@ -67,7 +67,7 @@ def _newer(scene: bpy.types.Scene) -> tuple[Problem, ...]:
 
 
 def request_plan(controller: Controller) -> None:
-    """Has the worker plan the procedure in the background, where its plan is neither known nor refused."""
+    """Have the worker plan the procedure in the background, where its plan is neither known nor refused."""
     if controller.procedure is None or not controller.key or controller.plan is not None or controller.refused:
         return
     if any(job.key == controller.key and not job.cancelled for job in controller.jobs()):
@@ -101,7 +101,7 @@ def identity() -> str:
 
 
 def warm_up() -> None:
-    """Imports what solving needs and reads the solver's program, on a thread: the first reading would stall for it."""
+    """Import what solving needs and read the solver's program, on a thread: the first reading would stall for it."""
     global _warming
 
     def import_all() -> None:
@@ -117,7 +117,7 @@ def warm_up() -> None:
 
 
 def stop_obsolete(controller: Controller) -> None:
-    """Cancels a solve that has reached what the procedure no longer asks for; what it solved is kept."""
+    """Cancel a solve that has reached what the procedure no longer asks for; what it solved is kept."""
     job = controller.job
     if job is None or job.kind != "solve" or job.cancelled or job.key == controller.key or job.plan is None:
         return

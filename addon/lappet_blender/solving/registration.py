@@ -10,7 +10,7 @@ _CLASSES = (*solve_operators.CLASSES, *live_operator.CLASSES, *solve_panel.CLASS
 
 
 def register() -> None:
-    """Adds operators, panels, handlers and the timer."""
+    """Add operators, panels, handlers and the timer."""
     for each in _CLASSES:
         bpy.utils.register_class(each)
     scene_watch.register()
@@ -19,7 +19,7 @@ def register() -> None:
 
 
 def unregister() -> None:
-    """Takes them away again and ends every worker."""
+    """Take them away again and end every worker."""
     solve_timer.unregister()
     scene_watch.unregister()
     controller.frame_cache.close()

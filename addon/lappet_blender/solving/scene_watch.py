@@ -15,7 +15,7 @@ from bpy.app.handlers import persistent
 from ..model import changes, target_samples
 from ..model.migrate import migrate
 from . import workers
-from .controller import Controller, controller_of, controllers, find_controller, forget_all, plans, scene_of
+from .controller import Controller, controller_of, controllers, drop_all, find_controller, plans, scene_of
 from .frames import notify_listeners
 from .live_hook import stop_live
 from .reconcile import reconcile
@@ -37,7 +37,7 @@ def reading() -> Iterator[None]:
 
 
 def read_now(scene: bpy.types.Scene, *, ask: bool = True) -> Controller:
-    """Reads a scene at once and tells who listens."""
+    """Read a scene at once and notify the listeners."""
     controller = controller_of(scene)
     with reading():
         reconcile(scene, controller, ask=ask)
@@ -46,7 +46,7 @@ def read_now(scene: bpy.types.Scene, *, ask: bool = True) -> Controller:
 
 
 def check_polled_state(scene: bpy.types.Scene, controller: Controller) -> None:
-    """Compares what Blender does not tell about."""
+    """Compare what Blender does not tell about."""
     tissue = scene.lappet.tissue.object
     polled_state = (
         scene.frame_start,
@@ -98,7 +98,7 @@ def _changed(scene: bpy.types.Scene) -> None:
     controller = controller_of(scene)
     if controller.live is not None and not _updating:  # else it is a target that moved
         controller.live.needs_check = True
-    target_samples.forget()
+    target_samples.mark_dirty()
     controller.mark_dirty()
 
 
@@ -133,13 +133,13 @@ def _depsgraph_updated(_scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) 
         if other is None:
             continue
         if not relevant(each).isdisjoint(ids):
-            target_samples.forget()
+            target_samples.mark_dirty()
             other.mark_dirty()
 
 
 def _undone(*_: object) -> None:
     """Undo and redo point back to plans and frames that are known: no timer, no worker."""
-    target_samples.forget()
+    target_samples.mark_dirty()
     read = []
     for scene in bpy.data.scenes:
         controller = find_controller(scene)
@@ -153,11 +153,11 @@ def _undone(*_: object) -> None:
 
 
 def _before_load(*_: object) -> None:
-    forget_all()
+    drop_all()
 
 
 def _loaded(*_: object) -> None:
-    target_samples.forget()
+    target_samples.mark_dirty()
     for scene in bpy.data.scenes:
         migrate(scene)
         if scene.lappet.tissue.object is None:
@@ -203,7 +203,7 @@ _HANDLERS = (
 
 
 def register() -> None:
-    """Adds the handlers."""
+    """Add the handlers."""
     for name, handler in _HANDLERS:
         getattr(bpy.app.handlers, name).append(persistent(handler))
     bpy.app.handlers.depsgraph_update_post.insert(0, persistent(_update_begins))
@@ -211,11 +211,11 @@ def register() -> None:
 
 
 def unregister() -> None:
-    """Takes the handlers away and ends the workers."""
+    """Take the handlers away and end the workers."""
     changes.unsubscribe(_changed)
     for name, handler in (*_HANDLERS, ("depsgraph_update_post", _update_begins)):
         handlers = getattr(bpy.app.handlers, name)
         if handler in handlers:
             handlers.remove(handler)
-    forget_all()
+    drop_all()
     workers.close_all()

@@ -17,7 +17,7 @@ def problem_event(scene: bpy.types.Scene, problem: Problem) -> int:
 
 
 def select_problem(scene: bpy.types.Scene, layer: bpy.types.ViewLayer, problem: Problem) -> bool:
-    """Makes the problem's event active and goes to its frame, or selects its object; False where it has none."""
+    """Make the problem's event active and go to its frame, or select its object; False where it has none."""
     index = problem_event(scene, problem)
     if index >= 0:
         scene.lappet.active_event = index

@@ -44,7 +44,7 @@ def find_shown(controller: Controller, time: float) -> Shown | None:
 
 
 def read_neighbours(controller: Controller, time: float) -> None:
-    """Has the frames about a time read into memory, those ahead first, on a thread."""
+    """Have the frames about a time read into memory, those ahead first, on a thread."""
     plan = controller.newest()
     if plan is None or not plan.frames:
         return

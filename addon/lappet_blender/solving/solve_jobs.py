@@ -15,7 +15,7 @@ from .reconcile import reconcile, request_plan
 
 
 def start_solve(scene: bpy.types.Scene, until: int | None = None) -> Job:
-    """Reads the scene as it is now and has the worker solve it up to the frame `until` (None: all)."""
+    """Read the scene as it is now and have the worker solve it up to the frame `until` (None: all)."""
     controller = controller_of(scene)
     if controller.job is not None and not controller.job.cancelled:
         raise refused(ProblemCode.SOLVE_LIVE if controller.job.kind == "live" else ProblemCode.SOLVE_RUNNING)
@@ -46,7 +46,7 @@ def start_solve(scene: bpy.types.Scene, until: int | None = None) -> Job:
 
 
 def cancel_solve(scene: bpy.types.Scene) -> bool:
-    """Stops the scene's job at the solver's next iteration; False where there is none."""
+    """Stop the scene's job at the solver's next iteration; False where there is none."""
     controller = controller_of(scene)
     job = controller.job
     if job is None or controller.client is None:
@@ -58,10 +58,10 @@ def cancel_solve(scene: bpy.types.Scene) -> bool:
 
 
 def start_plan(scene: bpy.types.Scene) -> None:
-    """Reads the scene now and has it planned where its plan is not known."""
+    """Read the scene now and have it planned where its plan is not known."""
     controller = controller_of(scene)
     if controller.key and controller.refused:
-        plans.forget(controller.key)
+        plans.drop(controller.key)
     reconcile(scene, controller, ask=False)
     refuse_problems(controller.problems)
     if controller.procedure is None or not controller.key:
@@ -72,7 +72,7 @@ def start_plan(scene: bpy.types.Scene) -> None:
 
 
 def clear_frames(scene: bpy.types.Scene) -> int:
-    """Removes the solved frames of the scene's plans from memory and from the store; how many there were.
+    """Remove the solved frames of the scene's plans from memory and from the store; how many there were.
 
     Frames belong to what was solved, not to a scene: a copy of the scene that shares them loses them as well.
     """
@@ -93,17 +93,17 @@ def clear_frames(scene: bpy.types.Scene) -> int:
 
 
 def reload_frames(scene: bpy.types.Scene) -> None:
-    """Forgets what is in memory and looks into the store again: another program may have solved meanwhile."""
+    """Drop the frames in memory and look into the store again: another program may have solved meanwhile."""
     controller = controller_of(scene)
     frame_cache.clear()
     if controller.key:
-        plans.forget(controller.key)
+        plans.drop(controller.key)
     reconcile(scene, controller)
     recheck_all_scenes()
 
 
 def recheck_all_scenes() -> None:
-    """Has every scene ask the store anew which frames there are."""
+    """Have every scene ask the store anew which frames there are."""
     for each in controllers():
         each.recheck_frames(*([each.plan] if each.plan else []), *each.past)
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from ..interface.duration_text import duration_text
-from .cell_count import cell_count
+from ..model.tissue_size import cell_count
 from .controller import Controller, Job
 from .frame_states import count_states
 from .speed_estimate import speed_estimate

@@ -8,7 +8,7 @@ import traceback
 import bpy
 
 from ..model.tissue_values import tissue_is_ready
-from .controller import Controller, controller_of, controllers, find_controller, forget, scene_of
+from .controller import Controller, controller_of, controllers, drop, find_controller, scene_of
 from .frames import follow_up, notify_listeners
 from .live_hook import step_live
 from .reconcile import due, finish_copying
@@ -24,7 +24,7 @@ _redraw_wanted = False
 
 
 def run_timer(timeout: float = 0.0) -> bool:
-    """Does what the timer does: once, or until nothing is under way or `timeout` seconds have passed.
+    """Do what the timer does: once, or until nothing is under way or `timeout` seconds have passed.
 
     Returns whether something is still under way: a job, a change that was not read yet, a picture to be finished.
     """
@@ -58,7 +58,7 @@ def _once() -> bool:
         notify_listeners(scene, controller)
     for controller in controllers():
         if scene_of(controller) is None:
-            forget(controller)
+            drop(controller)
     busy |= notified or follow_up()  # one of them per slice
     if _redraw_wanted:
         _redraw()
@@ -81,7 +81,7 @@ def _is_dragging() -> bool:
 
 
 def _redraw() -> None:
-    """Has the views and timelines drawn again, ten times a second at most."""
+    """Have the views and timelines drawn again, ten times a second at most."""
     global _drawn_at, _redraw_wanted
     now = time.monotonic()
     if bpy.app.background or now - _drawn_at < _REDRAW_SECONDS:
@@ -107,11 +107,11 @@ def _timer() -> float:
 
 
 def register() -> None:
-    """Starts the timer."""
+    """Start the timer."""
     bpy.app.timers.register(_timer, first_interval=FIRST_INTERVAL, persistent=True)
 
 
 def unregister() -> None:
-    """Stops the timer."""
+    """Stop the timer."""
     if bpy.app.timers.is_registered(_timer):
         bpy.app.timers.unregister(_timer)

@@ -41,7 +41,7 @@ class SpeedEstimate:
         return None if self._rate is None or cells <= 0.0 else self._rate * cells
 
     def keep(self) -> None:
-        """Writes the measure down."""
+        """Write the measure down."""
         if self._rate is not None:
             with contextlib.suppress(OSError):
                 self._file.parent.mkdir(parents=True, exist_ok=True)

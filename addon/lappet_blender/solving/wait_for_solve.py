@@ -20,7 +20,7 @@ _NAP = 0.01
 
 
 def wait_for_solve(scene: bpy.types.Scene) -> bool:
-    """Waits until the scene's job has ended; True where it ran to its end, False where it was cancelled.
+    """Wait until the scene's job has ended; True where it ran to its end, False where it was cancelled.
 
     Prints a line per frame. Ctrl-C cancels. Raises RefusedError where the procedure was refused or a frame
     failed.
@@ -51,7 +51,7 @@ def wait_for_solve(scene: bpy.types.Scene) -> bool:
 
 
 def wait_for_plan(scene: bpy.types.Scene) -> None:
-    """Waits until the scene's procedure is planned; Ctrl-C stops waiting. Raises RefusedError where it is refused."""
+    """Wait until the scene's procedure is planned; Ctrl-C stops waiting. Raises RefusedError where it is refused."""
     controller = controller_of(scene)
     while controller.planning is not None or (controller.plan is None and controller.job is not None):
         if not handle_worker_events(controller):

@@ -24,7 +24,7 @@ from .speed_estimate import speed_estimate
 
 
 def handle_worker_events(controller: Controller) -> bool:
-    """Applies what has come from the worker since the last call; whether there was anything."""
+    """Apply what has come from the worker since the last call; whether there was anything."""
     if controller.client is None:
         return False
     events = controller.client.poll()

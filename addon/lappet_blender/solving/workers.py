@@ -53,7 +53,7 @@ def borrow(store: Path) -> BackgroundSolver:
 
 
 def give_back(solver: BackgroundSolver) -> None:
-    """Takes a solver back; its jobs must have been cancelled. One free solver is kept, others are closed."""
+    """Take a solver back; its jobs must have been cancelled. One free solver is kept, others are closed."""
     for each in [each for each in _lent if each[1] is solver]:
         _lent.remove(each)
         if _free:
@@ -63,7 +63,7 @@ def give_back(solver: BackgroundSolver) -> None:
 
 
 def close_all() -> None:
-    """Ends every worker."""
+    """End every worker."""
     for _, solver in [*_lent, *_free]:
         with contextlib.suppress(Exception):
             solver.close()

@@ -21,10 +21,6 @@ class LAPPET_OT_bone_add(TissueOperator, bpy.types.Operator):
 
     object: StringProperty(name="Object", description="Name of the object; empty = the active object")
 
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        return context.scene is not None
-
     def run(self, context: bpy.types.Context) -> None:
         procedure = context.scene.lappet
         obj = named_object(context, self.object)
@@ -47,10 +43,6 @@ class LAPPET_OT_bone_remove(TissueOperator, bpy.types.Operator):
     bl_options = UNDOABLE
 
     object: StringProperty(name="Object", description="Name of the object; empty = the active object")
-
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        return context.scene is not None
 
     def run(self, context: bpy.types.Context) -> None:
         bones = context.scene.lappet.bones

@@ -9,16 +9,10 @@ from lappet.core.problem_code import ProblemCode
 from ..interface.operator_base import NO_UNDO, UNDOABLE
 from ..model.units import to_world
 from .tissue_check import check_tissue, last_check
-from .tissue_operator import TissueOperator
+from .tissue_operator import OnTissue
 
 
-class _OnTissue(TissueOperator):
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        return context.scene is not None and context.scene.lappet.tissue.object is not None
-
-
-class LAPPET_OT_tissue_check(_OnTissue, bpy.types.Operator):
+class LAPPET_OT_tissue_check(OnTissue, bpy.types.Operator):
     """Look for holes, self-intersections, thin places and other problems, and show them on the mesh"""
 
     bl_idname = "lappet.tissue_check"
@@ -36,7 +30,7 @@ class LAPPET_OT_tissue_check(_OnTissue, bpy.types.Operator):
         )
 
 
-class LAPPET_OT_tissue_show_problem(_OnTissue, bpy.types.Operator):
+class LAPPET_OT_tissue_show_problem(OnTissue, bpy.types.Operator):
     """Move the 3D cursor to the problem and look there"""
 
     bl_idname = "lappet.tissue_show_problem"

@@ -15,20 +15,20 @@ from .tissue_objects import changeable_mesh
 
 
 def check_name(name: str) -> None:
-    """Raises RefusedError for a name that no face subset of a procedure may have."""
+    """Raise RefusedError for a name that no face subset of a procedure may have."""
     if not (name.isidentifier() and name.isascii()):
         raise refused(ProblemCode.GROUP_NAME, "", name)
 
 
 def check_group(obj: bpy.types.Object, name: str) -> None:
-    """Raises RefusedError where the object has no such group."""
+    """Raise RefusedError where the object has no such group."""
     if name not in group_names(obj.data):
         known = ", ".join(group_names(obj.data)) or "none"
         raise refused(ProblemCode.GROUP_UNKNOWN, obj.name, name, known=known)
 
 
 def change_group(obj: bpy.types.Object, name: str, faces: NDArray[np.bool_], action: str) -> int:
-    """Adds faces (m,) to a group, removes them from it, or makes them the group; returns how many it has then.
+    """Add faces (m,) to a group, remove them from it, or make them the group; return how many it has then.
 
     action: "ADD", "REMOVE" or "SET". Raises RefusedError for a name that cannot be, or a mesh that cannot be changed.
     """
@@ -60,7 +60,7 @@ def _after(before: bool, chosen: bool, action: str) -> bool:
 
 
 def remove_group(obj: bpy.types.Object, name: str) -> None:
-    """Takes a group away; its faces stay. Raises RefusedError where there is none of that name."""
+    """Take a group away; its faces stay. Raises RefusedError where there is none of that name."""
     changeable_mesh(obj)
     check_group(obj, name)
     if obj.mode == "EDIT":
@@ -73,7 +73,7 @@ def remove_group(obj: bpy.types.Object, name: str) -> None:
 
 
 def select_group(obj: bpy.types.Object, name: str, extend: bool) -> int:
-    """Selects the faces of a group; returns how many. Raises RefusedError where there is none of that name."""
+    """Select the faces of a group; return how many. Raises RefusedError where there is none of that name."""
     check_group(obj, name)
     if obj.mode == "EDIT":
         with edited_mesh(obj) as work:

@@ -11,18 +11,10 @@ from ..model.mesh_values import group_names
 from .face_choice import WHICH, chosen_faces
 from .face_groups import change_group, remove_group, select_group
 from .tissue_objects import tissue_object
-from .tissue_operator import TissueOperator
+from .tissue_operator import OnTissue
 
 
-class _OnTissue(TissueOperator):
-    """An operator that needs a tissue."""
-
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        return context.scene is not None and context.scene.lappet.tissue.object is not None
-
-
-class LAPPET_OT_faces_assign(_OnTissue, bpy.types.Operator):
+class LAPPET_OT_faces_assign(OnTissue, bpy.types.Operator):
     """Add faces of the tissue to a group: fixed faces are held, bed faces are tied to deep tissue"""
 
     bl_idname = "lappet.faces_assign"
@@ -49,7 +41,7 @@ class LAPPET_OT_faces_assign(_OnTissue, bpy.types.Operator):
         return f"The group {self.group!r} has {count} faces."
 
 
-class LAPPET_OT_faces_new(_OnTissue, bpy.types.Operator):
+class LAPPET_OT_faces_new(OnTissue, bpy.types.Operator):
     """Make a group of the selected faces: for a retractor to grip, or for a region of another material"""
 
     bl_idname = "lappet.faces_new"
@@ -69,7 +61,7 @@ class LAPPET_OT_faces_new(_OnTissue, bpy.types.Operator):
         return f"The group {self.group!r} has {count} faces."
 
 
-class LAPPET_OT_faces_clear(_OnTissue, bpy.types.Operator):
+class LAPPET_OT_faces_clear(OnTissue, bpy.types.Operator):
     """Remove a group; its faces stay"""
 
     bl_idname = "lappet.faces_clear"
@@ -82,7 +74,7 @@ class LAPPET_OT_faces_clear(_OnTissue, bpy.types.Operator):
         remove_group(tissue_object(context.scene), self.group)
 
 
-class LAPPET_OT_faces_select(_OnTissue, bpy.types.Operator):
+class LAPPET_OT_faces_select(OnTissue, bpy.types.Operator):
     """Select the faces of a group"""
 
     bl_idname = "lappet.faces_select"

@@ -39,15 +39,7 @@ def _check_new(scene: bpy.types.Scene, name: str) -> None:
         raise refused(ProblemCode.MATERIAL_EXISTS, "", name)
 
 
-class _OnScene(TissueOperator):
-    """An operator that needs a scene."""
-
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        return context.scene is not None
-
-
-class LAPPET_OT_material_add(_OnScene, bpy.types.Operator):
+class LAPPET_OT_material_add(TissueOperator, bpy.types.Operator):
     """Add a material, with the values of a preset"""
 
     bl_idname = "lappet.material_add"
@@ -68,7 +60,7 @@ class LAPPET_OT_material_add(_OnScene, bpy.types.Operator):
         scene.lappet.active_material = len(scene.lappet.materials) - 1
 
 
-class LAPPET_OT_material_remove(_OnScene, bpy.types.Operator):
+class LAPPET_OT_material_remove(TissueOperator, bpy.types.Operator):
     """Remove a material that nothing is made of"""
 
     bl_idname = "lappet.material_remove"
@@ -104,7 +96,7 @@ def _move_curves(scene: bpy.types.Scene, index: int) -> None:
             curve.data_path = f"lappet.materials[{int(found[1]) - 1}].{curve.data_path[found.end() :]}"
 
 
-class LAPPET_OT_material_rename(_OnScene, bpy.types.Operator):
+class LAPPET_OT_material_rename(TissueOperator, bpy.types.Operator):
     """Rename a material, wherever it is used"""
 
     bl_idname = "lappet.material_rename"
@@ -128,7 +120,7 @@ class LAPPET_OT_material_rename(_OnScene, bpy.types.Operator):
                 user.material = self.new_name
 
 
-class LAPPET_OT_material_preset(_OnScene, bpy.types.Operator):
+class LAPPET_OT_material_preset(TissueOperator, bpy.types.Operator):
     """Give a material the values of a preset"""
 
     bl_idname = "lappet.material_preset"
@@ -148,7 +140,7 @@ class LAPPET_OT_material_preset(_OnScene, bpy.types.Operator):
         set_material(scene, each, replace(PRESETS[self.preset.lower()].material, name=each.name))
 
 
-class LAPPET_OT_region_add(_OnScene, bpy.types.Operator):
+class LAPPET_OT_region_add(TissueOperator, bpy.types.Operator):
     """Give the tissue below a group of faces another material"""
 
     bl_idname = "lappet.region_add"
@@ -190,7 +182,7 @@ class LAPPET_OT_region_add(_OnScene, bpy.types.Operator):
         scene.lappet.active_region = len(scene.lappet.regions) - 1
 
 
-class LAPPET_OT_region_remove(_OnScene, bpy.types.Operator):
+class LAPPET_OT_region_remove(TissueOperator, bpy.types.Operator):
     """Remove a region; its group of faces stays"""
 
     bl_idname = "lappet.region_remove"

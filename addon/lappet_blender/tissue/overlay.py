@@ -9,11 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..model.decimals import decimal
+from ..model.tissue_size import tissue_size
 from ..model.tissue_values import tissue_is_ready, tissue_value
 from ..model.units import mm_per_unit
 from .lattice_lines import lattice_lines
 from .tissue_check import last_check
-from .tissue_measure import tissue_triangles
 
 _LATTICE = (0.35, 0.75, 1.0, 0.35)
 _ERROR, _WARNING = (1.0, 0.15, 0.1, 1.0), (1.0, 0.7, 0.1, 1.0)
@@ -28,18 +28,19 @@ def lattice_of(scene: bpy.types.Scene) -> NDArray[np.float32]:
     tissue, _ = tissue_value(scene)
     if tissue is None:
         return np.zeros((0, 2, 3), np.float32)
-    return lattice_lines(*tissue_triangles(scene, tissue), decimal(scene.lappet.tissue.spacing))
+    size = tissue_size(tissue)
+    return lattice_lines(size.points, size.triangles, decimal(scene.lappet.tissue.spacing))
 
 
 def register() -> None:
-    """Draws in every 3D viewport from now on; not without a window."""
+    """Draw in every 3D viewport from now on; not without a window."""
     global _handle
     if not bpy.app.background and _handle is None:
         _handle = bpy.types.SpaceView3D.draw_handler_add(_draw, (), "WINDOW", "POST_VIEW")
 
 
 def unregister() -> None:
-    """Draws no more."""
+    """Draw no more."""
     global _handle
     if _handle is not None:
         bpy.types.SpaceView3D.draw_handler_remove(_handle, "WINDOW")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import bpy
 from bpy.app.handlers import persistent
 
-from ..model import tissue_values
+from ..model import tissue_size, tissue_values
 from . import (
     bone_operators,
     check_operator,
@@ -15,7 +15,6 @@ from . import (
     overlay,
     repair_operators,
     tissue_check,
-    tissue_measure,
     tissue_operators,
     tissue_panel,
 )
@@ -39,12 +38,12 @@ _CLASSES = tuple(
 @persistent  # type: ignore[untyped-decorator]
 def _on_load_pre(*_: object) -> None:
     """What is kept of the file before is of no use any more."""
-    for module in (tissue_values, tissue_check, tissue_measure):
-        module.forget()
+    for module in (tissue_values, tissue_check, tissue_size):
+        module.clear_cache()
 
 
 def register() -> None:
-    """Adds them."""
+    """Add them."""
     for each in _CLASSES:
         bpy.utils.register_class(each)
     overlay.register()
@@ -52,7 +51,7 @@ def register() -> None:
 
 
 def unregister() -> None:
-    """Takes them away."""
+    """Take them away."""
     if _on_load_pre in bpy.app.handlers.load_pre:
         bpy.app.handlers.load_pre.remove(_on_load_pre)
     overlay.unregister()

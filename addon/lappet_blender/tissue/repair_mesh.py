@@ -79,7 +79,7 @@ def turn_alike(scene: bpy.types.Scene, obj: bpy.types.Object) -> str:
 
 
 def fill_holes(scene: bpy.types.Scene, obj: bpy.types.Object, keep_rim: bool, everything: bool = False) -> str:
-    """Closes holes with triangles: those shorter than 0.15 of the longest border, or of the diagonal.
+    """Close holes with triangles: those shorter than 0.15 of the longest border, or of the diagonal.
 
     keep_rim: the longest border is the sheet's rim and stays. everything: whatever their length. Raises RefusedError
     where nothing is that small, naming the shortest.

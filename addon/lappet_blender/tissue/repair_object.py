@@ -16,7 +16,7 @@ _PLACE = ("location", "rotation", "scale", "delta_")
 
 
 def apply_scale(obj: bpy.types.Object) -> None:
-    """Moves the object's scale, and what a parent stretches, into its mesh, which stays where it is in the world.
+    """Move the object's scale, and what a parent stretches, into its mesh, which stays where it is in the world.
 
     A mesh that other objects use is copied first. An object whose parent stretches it lets go of the parent. Raises
     RefusedError for a linked mesh and for a scale of 0.
@@ -46,7 +46,7 @@ def apply_scale(obj: bpy.types.Object) -> None:
 
 
 def apply_shape(context: bpy.types.Context, obj: bpy.types.Object) -> str:
-    """Makes the mesh what modifiers and shape keys make of it as they are now, and removes them.
+    """Make the mesh what modifiers and shape keys make of it as they are now, and remove them.
 
     Raises RefusedError for a linked mesh, and where nothing would be left.
     """
@@ -68,7 +68,7 @@ def apply_shape(context: bpy.types.Context, obj: bpy.types.Object) -> str:
 
 
 def make_local(obj: bpy.types.Object) -> None:
-    """Makes the object and its mesh local copies of what a library has."""
+    """Make the object and its mesh local copies of what a library has."""
     if obj.library is None and obj.data.library is None:
         raise refused(ProblemCode.OBJECT_LOCAL, obj.name)
     if obj.library is not None:
@@ -80,7 +80,7 @@ def make_local(obj: bpy.types.Object) -> None:
 
 
 def fix_place(obj: bpy.types.Object) -> None:
-    """Leaves the object where it stands now, without constraints, parent, drivers and keyframes of its place."""
+    """Leave the object where it stands now, without constraints, parent, drivers and keyframes of its place."""
     if obj.library is not None:
         raise refused(ProblemCode.OBJECT_LINKED, obj.name, obj.library.filepath, role="object")
     world = world_matrix(obj)
@@ -96,7 +96,7 @@ def fix_place(obj: bpy.types.Object) -> None:
 
 
 def restore(scene: bpy.types.Scene, obj: bpy.types.Object) -> None:
-    """Links an object that was taken out of the scene into it again."""
+    """Link an object that was taken out of the scene into it again."""
     if scene in obj.users_scene:
         raise refused(ProblemCode.OBJECT_IN_SCENE, obj.name)
     scene.collection.objects.link(obj)

@@ -1,30 +1,24 @@
 """Operators that repair what a problem of tissue or bone names."""
 
 import bpy
-import numpy as np
 from bpy.props import BoolProperty, EnumProperty, StringProperty
 
-from lappet.checks.lattice_size import TissueMeasure
 from lappet.checks.validation import MEMORY_BUDGET
 from lappet.core.problem import refused
 from lappet.core.problem_code import ProblemCode
-from lappet.geometry.triangulation import triangulate
 
 from ..interface.operator_base import UNDOABLE
 from ..interface.problem_repairs import REPAIRS
 from ..model.decimals import decimal
 from ..model.scene_procedure import read_scene
+from ..model.tissue_size import tissue_size
 from . import repair_mesh, repair_object
 from .tissue_objects import tissue_object
-from .tissue_operator import TissueOperator
+from .tissue_operator import OnTissue, TissueOperator
 
 
 class _OnObject(TissueOperator):
     """An operator on a named object: by default the tissue."""
-
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        return context.scene is not None
 
     def meant(self, context: bpy.types.Context) -> bpy.types.Object:
         """The object meant. Raises RefusedError where it is not there or no mesh."""
@@ -106,7 +100,7 @@ class LAPPET_OT_tissue_restore(_OnObject, bpy.types.Operator):
         repair_object.restore(context.scene, self.meant(context))
 
 
-class LAPPET_OT_tissue_repair(TissueOperator, bpy.types.Operator):
+class LAPPET_OT_tissue_repair(OnTissue, bpy.types.Operator):
     """Repair the mesh of the tissue"""
 
     bl_idname = "lappet.tissue_repair"
@@ -115,10 +109,6 @@ class LAPPET_OT_tissue_repair(TissueOperator, bpy.types.Operator):
 
     kind: EnumProperty(name="Repair", items=REPAIRS, default="WELD")
     everything: BoolProperty(name="All holes", description="Fill holes of any size", default=False)
-
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        return context.scene is not None and context.scene.lappet.tissue.object is not None
 
     @classmethod
     def description(cls, _context: bpy.types.Context, properties: bpy.types.OperatorProperties) -> str:
@@ -151,8 +141,7 @@ def fitting_spacing(scene: bpy.types.Scene) -> float:
     if procedure is None:
         raise refused(ProblemCode.TISSUE_UNREAD)
     settings, tissue = scene.lappet.tissue, procedure.tissue
-    counts, indices = tissue.face_vertex_counts.astype(np.int64), tissue.face_vertex_indices.astype(np.int64)
-    measure = TissueMeasure(tissue.points, triangulate(tissue.points, counts, indices)[0])
+    measure = tissue_size(tissue).measure
     thin = decimal(settings.thickness) if settings.thicken else float(measure.size.min())
     least = measure.least_spacing(MEMORY_BUDGET)
     return max(least, min(tissue.spacing, thin))

@@ -27,7 +27,7 @@ _FRAMES = (1, 40)
 def set_tissue(
     scene: bpy.types.Scene, obj: bpy.types.Object, thickness: float, spacing: float, preset: str
 ) -> str | None:
-    """Makes the object the scene's tissue.
+    """Make the object the scene's tissue.
 
     thickness: mm of the sheet below an open surface, 0 for a closed one. spacing: mm, 0 = about 40 000 cells.
     preset: name in `lappet.tissue.presets.PRESETS` of the material. Raises RefusedError before anything has
@@ -62,7 +62,7 @@ def set_tissue(
 
 
 def use_preset(scene: bpy.types.Scene, preset: str) -> None:
-    """Makes the tissue of the preset's material, which is added where no material has its name."""
+    """Make the tissue of the preset's material, which is added where no material has its name."""
     material = PRESETS[preset].material
     if material.name not in scene.lappet.materials:
         set_material(scene, scene.lappet.materials.add(), material)

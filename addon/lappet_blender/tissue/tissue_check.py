@@ -1,4 +1,4 @@
-"""What the last check of a scene's tissue found; forgotten as soon as the tissue is another."""
+"""What the last check of a scene's tissue found; dropped as soon as the tissue changes."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ _found: dict[int, TissueCheck] = {}
 
 
 def check_tissue(scene: bpy.types.Scene) -> TissueCheck:
-    """Looks for everything that is wrong with the scene's tissue and procedure, about a second at 20 000 vertices.
+    """Look for everything that is wrong with the scene's tissue and procedure, about a second at 20 000 vertices.
 
     Raises RefusedError where there is no tissue.
     """
@@ -80,8 +80,8 @@ def last_check(scene: bpy.types.Scene) -> TissueCheck | None:
     return found
 
 
-def forget() -> None:
-    """Lets go of everything."""
+def clear_cache() -> None:
+    """Drop everything."""
     _found.clear()
 
 

@@ -10,7 +10,7 @@ from ..model.mesh_values import mesh_values
 from ..model.surface_border import open_edge_count
 from .set_tissue import set_tissue
 from .tissue_objects import named_object
-from .tissue_operator import TissueOperator
+from .tissue_operator import OnTissue, TissueOperator
 
 PRESET_ITEMS = tuple(
     (name.upper(), name.capitalize().replace("_", " "), preset.source) for name, preset in PRESETS.items()
@@ -42,10 +42,6 @@ class LAPPET_OT_tissue_set(TissueOperator, bpy.types.Operator):
     )
     preset: EnumProperty(name="Material", items=PRESET_ITEMS, default="SKIN")
 
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        return context.scene is not None
-
     def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
         obj = context.active_object
         if not self.properties.is_property_set("thickness") and obj is not None and obj.type == "MESH":
@@ -57,16 +53,12 @@ class LAPPET_OT_tissue_set(TissueOperator, bpy.types.Operator):
         return set_tissue(context.scene, obj, self.thickness, self.spacing, self.preset.lower())
 
 
-class LAPPET_OT_tissue_clear(TissueOperator, bpy.types.Operator):
+class LAPPET_OT_tissue_clear(OnTissue, bpy.types.Operator):
     """Remove the tissue from the scene's procedure; the mesh, its groups and the events stay"""
 
     bl_idname = "lappet.tissue_clear"
     bl_label = "Remove Tissue"
     bl_options = UNDOABLE
-
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        return context.scene is not None and context.scene.lappet.tissue.object is not None
 
     def run(self, context: bpy.types.Context) -> None:
         context.scene.lappet.tissue.object = None

@@ -9,9 +9,9 @@ from ..interface.repair_button import draw_repair
 from ..interface.sentence_lines import draw_sentence
 from ..model.scene_procedure import SceneReading, read_scene
 from ..model.tissue_values import tissue_is_ready
+from .expected_time import cell_count, expected_seconds
 from .face_groups import group_counts
 from .tissue_check import last_check
-from .tissue_measure import cell_count, expected_seconds
 
 _HELD = (("fixed", "LOCKED"), ("bed", "LINKED"))
 

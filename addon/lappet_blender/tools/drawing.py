@@ -95,7 +95,7 @@ class LineDrawing:
         self._pressed, self._dragging, self._stroke = None, False, []
 
     def back(self) -> bool:
-        """Takes the last click or stroke back; False where there is none."""
+        """Take the last click or stroke back; False where there is none."""
         self._pressed, self._dragging, self._stroke = None, False, []
         if not self._acts:
             return False
@@ -104,7 +104,7 @@ class LineDrawing:
         return True
 
     def close(self) -> bool:
-        """Closes the line; False for fewer than three points."""
+        """Close the line; False for fewer than three points."""
         self.closed = len(self.points) >= 3
         return self.closed
 

@@ -65,7 +65,7 @@ def handle_under(context: bpy.types.Context, view: View) -> Handle | None:
 
 
 def select(context: bpy.types.Context, uid: str, index: int) -> None:
-    """Makes an event the active one and holds one of its handles; a target becomes the selected object."""
+    """Make an event the active one and hold one of its handles; a target becomes the selected object."""
     scene = context.scene
     scene.lappet.active_event = next(k for k, event in enumerate(scene.lappet.events) if event.uid == uid)
     HeldHandle.hold(uid, index)
@@ -121,7 +121,7 @@ class LAPPET_OT_edit_plan(SkinModal, bpy.types.Operator):
         return SkinModal.invoke(self, context, event)
 
     def _take(self, context: bpy.types.Context, view: View) -> bool:
-        """Takes hold of what is under the mouse; whether there is anything."""
+        """Take hold of what is under the mouse; whether there is anything."""
         scene = context.scene
         handle = None if self.insert else handle_under(context, view)
         if handle is not None:
@@ -262,14 +262,14 @@ class LAPPET_OT_edit_jump(OperatorBase, bpy.types.Operator):
 
 
 def key_here(empty: bpy.types.Object, frame: float) -> None:
-    """Keeps the place of an empty that is keyframed: a key at this frame, so that the next frame does not take it."""
+    """Keep the place of an empty that is keyframed: a key at this frame, so that the next frame does not take it."""
     data = empty.animation_data
     if data is not None and data.action is not None:
         empty.keyframe_insert("location", frame=frame)
 
 
 def _put(target: bpy.types.Object, place: Vector) -> None:
-    """Moves an object to a place in the world, whatever it is parented to."""
+    """Move an object to a place in the world, whatever it is parented to."""
     matrix = target.matrix_world.copy()
     matrix.translation = place
     target.matrix_world = matrix

@@ -9,6 +9,7 @@ from mathutils import Vector
 
 from lappet.core.problem import RefusedError, refused
 from lappet.core.problem_code import ProblemCode
+from lappet.procedure import Hook
 
 from ..events.add_events import add_hook, add_retractor, straight_motion, straight_targets
 from ..model.mesh_values import GROUP, group_names
@@ -61,7 +62,7 @@ class _DragTool(SkinModal):
         return None
 
     def show_hold(self, context: bpy.types.Context, view: View, hit: SkinHit, preview: Preview) -> None:
-        """Shows what is taken hold of."""
+        """Show what is taken hold of."""
 
     def text(self, context: bpy.types.Context) -> str:
         if self.hit is None or self.pulled_to is None:
@@ -108,7 +109,9 @@ class LAPPET_OT_place_hook(_DragTool, bpy.types.Operator):
     start: _start()
     end: _end()
     frames: _frames()
-    stiffness: FloatProperty(name="Stiffness", description="In mN/mm", default=500.0, min=0.001, soft_max=5000.0)
+    stiffness: FloatProperty(
+        name="Stiffness", description="In mN/mm", default=Hook.stiffness, min=0.001, soft_max=5000.0
+    )
 
     def released(self, context: bpy.types.Context, view: View | None) -> Result | None:
         if self.hit is None:

@@ -1,4 +1,4 @@
-"""Blender's geometry icons (`.dat`): triangles in 256 x 256 places, coloured per corner, written and read.
+"""Blender's geometry icons (`.dat`): triangles in 256 x 256 places, colored per corner.
 
 The format, as Blender's `blender_icons_geom.py` writes it: b"VCO\\0", the largest x and y, the start x and y (a byte
 each), then x, y per corner, then red, green, blue, alpha per corner, three corners a triangle; y points up.
@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-_MAGIC = b"VCO\x00"
+MAGIC = b"VCO\x00"
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,18 +24,8 @@ class Icon:
 
 
 def write_icon(path: Path, icon: Icon) -> None:
-    """Writes an icon; triangles are turned counterclockwise, as they are in Blender's own icons."""
+    """Write an icon; triangles are turned counterclockwise, as they are in Blender's own icons."""
     a, b, c = np.moveaxis(icon.corners.astype(np.int64), 1, 0)
     turn = (b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0]
     corners = np.where((turn < 0)[:, None, None], icon.corners[:, ::-1], icon.corners)
-    path.write_bytes(_MAGIC + bytes((255, 255, 0, 0)) + corners.tobytes() + icon.colors.tobytes())
-
-
-def read_icon(path: Path) -> Icon:
-    """Reads an icon. Raises ValueError for a file that is none."""
-    data = path.read_bytes()
-    count, rest = divmod(len(data) - 8, 18)
-    if data[:4] != _MAGIC or rest:
-        raise ValueError(f"{path} is no icon of Blender: {len(data)} bytes that begin with {data[:4]!r}.")
-    corners = np.frombuffer(data, np.uint8, 6 * count, 8).reshape(-1, 3, 2)
-    return Icon(corners, np.frombuffer(data, np.uint8, 12 * count, 8 + 6 * count).reshape(-1, 3, 4))
+    path.write_bytes(MAGIC + bytes((255, 255, 0, 0)) + corners.tobytes() + icon.colors.tobytes())

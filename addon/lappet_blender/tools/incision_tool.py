@@ -6,6 +6,8 @@ import bpy
 import numpy as np
 from bpy.props import BoolProperty, CollectionProperty, EnumProperty, FloatProperty
 
+from lappet.procedure import Incision
+
 from ..events.add_events import add_incision, add_undermining
 from ..events.operator_values import given, places
 from ..model.event_kinds import BASES, BASIS_OF
@@ -175,7 +177,7 @@ class LAPPET_OT_draw_incision(_LineTool, bpy.types.Operator):
         name="Depth", description="Depth of the cut below the skin, in mm", default=2.0, min=0.01, soft_max=20.0
     )
     kerf: FloatProperty(
-        name="Kerf", description="Width of the cut in mm", default=0.05, min=0.001, soft_max=1.0, precision=3
+        name="Kerf", description="Width of the cut in mm", default=Incision.kerf, min=0.001, soft_max=1.0, precision=3
     )
 
     def run(self, context: bpy.types.Context) -> None:

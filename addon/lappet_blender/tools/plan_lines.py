@@ -47,7 +47,7 @@ class LineSet:
     labels: list[tuple[NDArray[np.float64], str, Color]] = field(default_factory=list)
 
     def line(self, points: NDArray[np.float64], color: Color, width: float = _WIDTH) -> None:
-        """Adds a polyline (k, 3)."""
+        """Add a polyline (k, 3)."""
         if len(points) > 1:
             pairs = np.repeat(points, 2, axis=0)[1:-1]
             self.segments.setdefault((color, width), []).append(pairs)
@@ -63,7 +63,7 @@ def event_color(event: LappetEvent) -> Color:
 
 
 def add_event_lines(line_set: LineSet, surface: ShownSurface, event: LappetEvent, time: float, active: bool) -> None:
-    """Adds what is drawn of an event at a frame: dashed while it is still to come, on both lips once it is cut."""
+    """Add what is drawn of an event at a frame: dashed while it is still to come, on both lips once it is cut."""
     color, future = event_color(event), time < event.start
     lines: list[NDArray[np.float64]] = []
     if event.kind in LINE_KINDS:
@@ -91,7 +91,7 @@ def add_event_lines(line_set: LineSet, surface: ShownSurface, event: LappetEvent
 
 
 def add_preview_lines(line_set: LineSet, surface: ShownSurface, line: DrawnLine, color: Color = VIOLET) -> None:
-    """Adds a line that is being drawn."""
+    """Add a line that is being drawn."""
     for run in _runs(surface, np.array(line.points), line.basis, line.closed, keep=False):
         line_set.line(run, color, _WIDTH + 0.5)
 
@@ -184,7 +184,7 @@ def _grip_lines(surface: ShownSurface, event: LappetEvent) -> list[NDArray[np.fl
 
 
 def plan_key(scene: bpy.types.Scene) -> tuple[Any, ...]:
-    """Changes whenever what is drawn of a scene's events may change, apart from the surface and the frame."""
+    """Change whenever what is drawn of a scene's events may change, apart from the surface and the frame."""
     rows = []
     for e in scene.lappet.events:
         target = tuple(e.target.matrix_world.translation) if e.target is not None else ()

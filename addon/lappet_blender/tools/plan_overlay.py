@@ -39,7 +39,7 @@ _kept: dict[str, tuple[Any, LineSet]] = {}
 
 
 def register() -> None:
-    """Draws from now on; without windows there is nothing to draw into."""
+    """Draw from now on; without windows there is nothing to draw into."""
     if not bpy.app.background and not _handlers:
         add = bpy.types.SpaceView3D.draw_handler_add
         _handlers.append(add(_draw_lines, (), "WINDOW", "POST_VIEW"))
@@ -47,7 +47,7 @@ def register() -> None:
 
 
 def unregister() -> None:
-    """Draws no more."""
+    """Draw no more."""
     for each in _handlers:
         bpy.types.SpaceView3D.draw_handler_remove(each, "WINDOW")
     _handlers.clear()

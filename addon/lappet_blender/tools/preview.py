@@ -34,13 +34,13 @@ _current: list[Preview] = []
 
 
 def show_preview(preview: Preview) -> None:
-    """Shows this instead of what was shown."""
+    """Show this instead of what was shown."""
     _current[:] = [preview]
     redraw()
 
 
 def clear_preview() -> None:
-    """Shows nothing any more."""
+    """Show nothing any more."""
     _current.clear()
     redraw()
 
@@ -51,7 +51,7 @@ def preview_of(scene: bpy.types.Scene) -> Preview | None:
 
 
 def redraw() -> None:
-    """Asks every 3D viewport to draw itself anew."""
+    """Ask every 3D viewport to draw itself anew."""
     manager = bpy.context.window_manager
     for window in manager.windows if manager is not None else ():
         for area in window.screen.areas:

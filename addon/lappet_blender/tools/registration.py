@@ -7,7 +7,7 @@ from bpy.app.handlers import persistent
 
 from . import click_tool, edit_tool, hook_tool, incision_tool, plan_overlay, suture_tool, tool_menu, toolbar
 from .preview import clear_preview
-from .shown_surface import forget
+from .shown_surface import clear_cache
 
 _CLASSES = (
     *incision_tool.CLASSES,
@@ -24,11 +24,11 @@ _CLASSES = (
 def _another_file(_path: str) -> None:
     """What is kept or shown belongs to the file that is closed."""
     clear_preview()
-    forget()
+    clear_cache()
 
 
 def register() -> None:
-    """Adds the tools to the toolbar and the menu to the 3D viewport's header."""
+    """Add the tools to the toolbar and the menu to the 3D viewport's header."""
     for each in _CLASSES:
         bpy.utils.register_class(each)
     toolbar.register()
@@ -38,13 +38,13 @@ def register() -> None:
 
 
 def unregister() -> None:
-    """Takes everything away again."""
+    """Take everything away again."""
     if _another_file in bpy.app.handlers.load_pre:
         bpy.app.handlers.load_pre.remove(_another_file)
     plan_overlay.unregister()
     tool_menu.unregister()
     toolbar.unregister()
     clear_preview()
-    forget()
+    clear_cache()
     for each in reversed(_CLASSES):
         bpy.utils.unregister_class(each)

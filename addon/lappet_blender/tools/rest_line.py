@@ -20,7 +20,7 @@ _GONE = 1.0
 
 
 def rest_samples(points: ArrayLike, basis: str = "LINEAR", closed: bool = False) -> NDArray[np.float64]:
-    """Samples (k, 3) in mm of the line through control points (n, 3), about 0.6 mm apart and at most some hundreds.
+    """Sample (k, 3) in mm of the line through control points (n, 3), about 0.6 mm apart and at most some hundreds.
 
     A closed line's first sample is repeated. A line that cannot be followed yet (too few points) is its points.
     """

@@ -117,8 +117,8 @@ _shown: dict[str, ShownSurface] = {}
 _KEPT = 12
 
 
-def forget() -> None:
-    """Drops what is kept; after another file was opened."""
+def clear_cache() -> None:
+    """Drop what is kept, after another file was opened."""
     _rests.clear()
     _shown.clear()
 

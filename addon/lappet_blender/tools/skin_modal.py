@@ -56,7 +56,7 @@ class SkinModal(OperatorBase):
         return context.scene is not None and context.mode == "OBJECT"
 
     def begin(self, context: bpy.types.Context) -> None:
-        """Makes the tool's state."""
+        """Make the tool's state."""
 
     def pressed(self, context: bpy.types.Context, view: View) -> Result | None:
         """The left button went down in a view."""

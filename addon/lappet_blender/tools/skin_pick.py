@@ -67,9 +67,3 @@ def mouse_ray(region: bpy.types.Region, view: bpy.types.RegionView3D, mouse: Seq
     """Origin and direction in the world of the ray under a place (pixels) of a 3D view's region."""
     direction = view3d_utils.region_2d_to_vector_3d(region, view, mouse)
     return view3d_utils.region_2d_to_origin_3d(region, view, mouse), direction
-
-
-def pick_skin(context: bpy.types.Context, mouse: Sequence[float], any_face: bool = False) -> SkinHit | None:
-    """The skin under a place (pixels of the context's region) of a 3D view."""
-    origin, direction = mouse_ray(context.region, context.region_data, mouse)
-    return pick_along_ray(context.scene, origin, direction, any_face, context.space_data)

@@ -9,6 +9,7 @@ from mathutils import Vector
 
 from lappet.core.problem import refused
 from lappet.core.problem_code import ProblemCode
+from lappet.procedure import Suture
 
 from ..events.add_sutures import Spacing, SutureTimes, add_suture, add_suture_run, ends_across, ends_between
 from ..events.operator_values import given, places
@@ -54,7 +55,9 @@ class LAPPET_OT_place_suture(SkinModal, bpy.types.Operator):
         name="Count", description="Number of sutures in the run; 0 = from the spacing", default=0, min=0, max=500
     )
     duration: FloatProperty(name="Duration", description="Number of frames until it is closed", default=12.0, min=0.0)
-    stiffness: FloatProperty(name="Stiffness", description="In mN/mm", default=1000.0, min=0.001, soft_max=5000.0)
+    stiffness: FloatProperty(
+        name="Stiffness", description="In mN/mm", default=Suture.stiffness, min=0.001, soft_max=5000.0
+    )
     bite: FloatProperty(
         name="Bite",
         description="Distance from the middle of the incision to an anchor, in mm; 0 = at the wound edge",

@@ -40,10 +40,10 @@ CLASSES = (VIEW3D_MT_lappet,)
 
 
 def register() -> None:
-    """Hangs the menu into the header."""
+    """Hang the menu into the header."""
     bpy.types.VIEW3D_MT_editor_menus.append(_draw_menu)
 
 
 def unregister() -> None:
-    """Takes it away."""
+    """Take it away."""
     bpy.types.VIEW3D_MT_editor_menus.remove(_draw_menu)

@@ -187,13 +187,13 @@ TOOLS = (EditTool, IncisionTool, ExciseTool, UndermineTool, HookTool, RetractorT
 
 
 def register() -> None:
-    """Puts the tools at the end of the toolbar."""
+    """Put the tools at the end of the toolbar."""
     for index, each in enumerate(TOOLS):
         bpy.utils.register_tool(each, separator=index == 0)
 
 
 def unregister() -> None:
-    """Takes them out; a workspace that has one of them in hand gets Blender's own."""
+    """Take them out; a workspace that has one of them in hand gets Blender's own."""
     names = {each.bl_idname for each in TOOLS}
     for workspace in () if bpy.app.background else bpy.data.workspaces:
         tool = workspace.tools.from_space_view3d_mode("OBJECT", create=False)

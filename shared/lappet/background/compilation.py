@@ -179,8 +179,8 @@ def up_to(program: Program, last: int | None) -> Program:
 class _Last(Generic[Value]):
     """The values last used, by key."""
 
-    def __init__(self, most: int) -> None:
-        self._most = most
+    def __init__(self, max_kept: int) -> None:
+        self._max = max_kept
         self._values: OrderedDict[str, Value] = OrderedDict()
         self._lock = threading.Lock()
 
@@ -194,5 +194,5 @@ class _Last(Generic[Value]):
         with self._lock:
             self._values[key] = value
             self._values.move_to_end(key)
-            while len(self._values) > self._most:
+            while len(self._values) > self._max:
                 self._values.popitem(last=False)

@@ -15,24 +15,12 @@ class CancelledError(Exception):
 
 @dataclass(eq=False)
 class Job:
-    """What was asked of the worker.
+    """A job and how far it is.
 
     Parameters
     ----------
-    number
-        Number of the job.
-    kind
-        What is asked.
-    procedure
-        The procedure.
-    settings
-        How to solve.
-    until
-        Last frame to solve, or None for all.
-    time
-        Frame of live mode.
-    hook
-        Hook of live mode.
+    ask
+        What was asked.
     running
         Whether it has begun.
     at

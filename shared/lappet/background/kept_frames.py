@@ -18,7 +18,7 @@ class KeptFrames(FrameStore):
     ----------
     folder
         Folder of the frames; the user's store when None.
-    most_bytes
+    max_bytes
         The most that is held in memory.
     """
 
@@ -53,31 +53,33 @@ class KeptFrames(FrameStore):
         return key in self._held or super().__contains__(key)
 
     def get(self, key: str, kind: type[Value]) -> Value | None:
-        """Look up a frame in memory or on the disk.
+        """Look up a value in memory and on the disk.
 
         Parameters
         ----------
         key
             Content key.
+        kind
+            Dataclass that it is of.
 
         Returns
         -------
-        SolvedFrame | None
-            The frame, or None.
+        Value | None
+            The value, or None where neither holds it.
         """
         with self._guard:
             held = self._held.get(key)
         return super().get(key, kind) if held is None else unpack_as(held, kind)
 
     def put_packed(self, key: str, packed: bytes) -> bool:
-        """Keep a frame on the disk, else in memory.
+        """Keep a value on the disk, else in memory.
 
         Parameters
         ----------
         key
             Content key.
-        frame
-            The frame.
+        packed
+            The value as `lappet.core.value_codec.pack` wrote it.
 
         Returns
         -------

@@ -17,7 +17,6 @@ from lappet.core.problem import RefusedError, refused
 from lappet.core.problem_code import ProblemCode
 from lappet.daemon.frame_solver import FrameRefusedError, SolverDiedError
 from lappet.daemon.solved_frame import SolvedFrame
-from lappet.procedure import Point
 from lappet.procedure.prim_paths import TIMELINE
 from lappet.solve.solve_frames import at_frame
 
@@ -27,7 +26,7 @@ class LiveJobs(SolveJobs):
 
     def _run(self, job: Job) -> int:
         plan = self.plan(job)
-        index, row = _place(plan, job.ask)
+        index, hook = _place(plan, job.ask)
         compiled = self.compilation.compiled(job.ask.procedure, job.ask.settings, job.step)
         try:
             start = self._start(job, compiled, index)
@@ -36,13 +35,13 @@ class LiveJobs(SolveJobs):
         session = LiveSession(
             compiled.program,
             index,
-            row,
+            hook,
             start,
             stoppable(self.connect, job),
             lambda sentence: self.tell(Note(job.number, sentence)),
         )
         try:
-            self._follow(job, compiled, index, row, session)
+            self._follow(job, session)
         except KeyboardInterrupt:
             raise CancelledError from None
         except (RefusedError, SolverDiedError) as error:
@@ -67,9 +66,8 @@ class LiveJobs(SolveJobs):
                 return program.frames[at].epoch, stored
         raise _UnsolvedError
 
-    def _follow(self, job: Job, compiled: Compiled, index: int, row: int, session: LiveSession) -> NoReturn:
-        frame = compiled.program.frames[index]
-        target: Point = tuple(float(x) for x in frame.hook_targets[row])  # type: ignore[assignment]
+    def _follow(self, job: Job, session: LiveSession) -> NoReturn:
+        target = session.own_target
         shown: SolvedFrame | None = None
         while True:
             begun = time.perf_counter()
@@ -95,7 +93,7 @@ class _UnsolvedError(Exception):
 
 
 def _place(plan: Plan, ask: Ask) -> tuple[int, int]:
-    """The index of the frame and the row of the hook in its arrays."""
+    """The index of the frame and the number of the hook."""
     path = f"{TIMELINE}/{ask.hook}"
     index = next((i for i, frame in enumerate(plan.frames) if frame.time == ask.time), None)
     if index is None:
@@ -108,4 +106,4 @@ def _place(plan: Plan, ask: Ask) -> tuple[int, int]:
         times = [frame.time for frame in plan.frames if hook in frame.hooks]
         when = f"it pulls from {times[0]} to {times[-1]}" if times else "it pulls at no frame"
         raise refused(ProblemCode.LIVE_NOT_PULLING, path, ask.time, when=when)
-    return index, plan.frames[index].hooks.index(hook)
+    return index, hook

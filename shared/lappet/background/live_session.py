@@ -24,8 +24,8 @@ class LiveSession:
         The program.
     index
         Index of the frame.
-    row
-        Row of the hook in the frame's hook arrays.
+    hook
+        Number of the hook in `Program.hooks`.
     start
         Epoch and frame of the state to begin with, that of the frame itself or of the one before; None: at rest.
     connect
@@ -38,7 +38,7 @@ class LiveSession:
         self,
         program: Program,
         index: int,
-        row: int,
+        hook: int,
         start: tuple[int, SolvedFrame] | None,
         connect: Connect,
         note: Callable[[str], None],
@@ -47,13 +47,19 @@ class LiveSession:
         self._settings = replace(settings, tolerance=max(settings.tolerance, TOLERANCE), time_budget=TIME_BUDGET)
         self._program = program
         self._frame = program.frames[index]
-        self._row = row
+        self._pulled = self._frame.hook_index == hook
         self._connect = connect
         self._note = note
         self._solver: FrameSolver | None = None
         self._state: tuple[int, SolverState] | None = None  # with the epoch that it belongs to
         if start is not None:
             self._keep(start[0], start[1])
+
+    @property
+    def own_target(self) -> Point:
+        """Where the hook pulls to in the program, mm."""
+        x, y, z = (float(value) for value in self._frame.hook_targets[self._pulled][0])
+        return (x, y, z)
 
     def pull(self, target: Point, progress: Callable[[Iteration], None]) -> SolvedFrame:
         """Find the equilibrium with the hook pulled to a target; where there is none the tissue stays where it was.
@@ -78,7 +84,7 @@ class LiveSession:
             If the solver died three times in a row.
         """
         targets = self._frame.hook_targets.copy()
-        targets[self._row] = target
+        targets[self._pulled] = target
         frame = replace(self._frame, hook_targets=targets)
         for attempt in range(1, TRIES + 1):
             try:

@@ -20,8 +20,8 @@ _BUFFER_BYTES = 1 << 20  # a frame of 20 000 vertices; where the system lets us
 class WorkerPipes:
     """The pipes of a worker that is to be started.
 
-    requests: its owner writes; events: its owner reads. handles: what tells the worker its ends. inherit: arguments of
-    `subprocess.Popen` that hand them down.
+    `requests` is for its owner to write to and `events` to read from. `handles` tells the worker its ends as text, and
+    `inherit` has the arguments of `subprocess.Popen` that hand them down.
     """
 
     def __init__(self) -> None:
@@ -51,7 +51,20 @@ class WorkerPipes:
 
 
 def inherited(requests: str, events: str) -> tuple[Connection, Connection]:
-    """Return the worker's ends: requests to read, events to write. The arguments are `WorkerPipes.handles`."""
+    """Open the worker's ends.
+
+    Parameters
+    ----------
+    requests
+        First of `WorkerPipes.handles`.
+    events
+        Second of them.
+
+    Returns
+    -------
+    tuple[Connection, Connection]
+        Requests to read, events to write.
+    """
     if sys.platform == "win32":
         from multiprocessing.connection import PipeConnection as End
     else:

@@ -10,7 +10,15 @@ from lappet.solve.store import FrameStore
 
 @dataclass(frozen=True, eq=False)
 class StoredPlan:
-    """A plan whose epochs lie under keys of their own, since many plans share them. epochs: key and start time."""
+    """A plan whose epochs lie under keys of their own, since many plans share them.
+
+    Parameters
+    ----------
+    plan
+        The plan without epochs.
+    epochs
+        Key and start time of each epoch.
+    """
 
     plan: Plan
     epochs: tuple[tuple[str, float], ...]

@@ -12,7 +12,9 @@ from lappet.geometry.labelled_surface import FaceOrigin
 
 
 def uv_scale(positions: NDArray[Any], triangles: NDArray[np.int32], st: NDArray[np.float32]) -> NDArray[np.float64]:
-    """Compute the millimetres per unit of u and of v: the medians of |∂p/∂u| and |∂p/∂v| over the triangles.
+    """Compute the millimetres per unit of u and of v.
+
+    They are the medians of ``|∂p/∂u|`` and ``|∂p/∂v|`` over the triangles.
 
     Triangles without area in the UV plane are left out.
 

@@ -12,7 +12,13 @@ from lappet.procedure import Tissue
 
 
 class TissueFaces:
-    """Finds the nearest face of a tissue; the surfaces of its epochs lie on it but for their wound walls."""
+    """A search for the nearest face of a tissue; the surfaces of its epochs lie on it but for their wound walls.
+
+    Parameters
+    ----------
+    tissue
+        The tissue.
+    """
 
     def __init__(self, tissue: Tissue) -> None:
         points = np.asarray(tissue.points, np.float64)

@@ -56,7 +56,7 @@ class Worker:
     ----------
     store
         Folder of the frames, or None for the user's.
-    answers
+    events
         Pipe to the owner.
     """
 
@@ -132,12 +132,12 @@ class Worker:
             return self._services
 
     def tell(self, event: WorkerEvent) -> None:
-        """Send what happened to the owner.
+        """Send an event to the owner.
 
         Parameters
         ----------
-        happening
-            What happened.
+        event
+            The event.
         """
         data = pack(event)
         try:

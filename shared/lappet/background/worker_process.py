@@ -91,7 +91,7 @@ class WorkerProcess:
 
         Raises
         ------
-        MessageError
+        CodecError
             If the request cannot be told in a message.
         """
         data = pack(request)

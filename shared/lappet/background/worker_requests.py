@@ -13,7 +13,27 @@ JobKind = Literal["plan", "solve", "live"]
 
 @dataclass(frozen=True, eq=False)
 class Ask:
-    """A job. until: last frame to solve. time, hook: of live mode. identity: of the solver, where its owner knows."""
+    """A job.
+
+    Parameters
+    ----------
+    job
+        Number of the job.
+    kind
+        What is asked.
+    procedure
+        The procedure.
+    settings
+        How to solve.
+    until
+        Last frame to solve, or None for all.
+    time
+        Frame of live mode.
+    hook
+        Hook of live mode.
+    identity
+        What identifies the solver, where the owner knows it.
+    """
 
     job: int
     kind: JobKind
@@ -27,7 +47,15 @@ class Ask:
 
 @dataclass(frozen=True)
 class Aim:
-    """The newest target of a live job, mm."""
+    """The newest target of a live job.
+
+    Parameters
+    ----------
+    job
+        Number of the job.
+    target
+        Target in mm.
+    """
 
     job: int
     target: Point
@@ -35,7 +63,13 @@ class Aim:
 
 @dataclass(frozen=True)
 class Cancel:
-    """A job is not wanted any more."""
+    """A job that is not wanted any more.
+
+    Parameters
+    ----------
+    job
+        Number of the job.
+    """
 
     job: int
 

@@ -212,8 +212,8 @@ def pass_times(said: Sequence[Diagnostics]) -> tuple[float, float]:
 
     Parameters
     ----------
-    headers
-        Headers of the frames.
+    said
+        How the frames were solved.
 
     Returns
     -------

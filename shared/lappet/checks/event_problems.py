@@ -62,7 +62,7 @@ class EventCheck:
                     self._add(ProblemCode.UNDERMINE_NOTHING, "no bed")
             case Hook():
                 self._hold(event)
-                self._positive(ProblemCode.EVENT_STIFFNESS, event.stiffness, usual=500)
+                self._positive(ProblemCode.EVENT_STIFFNESS, event.stiffness, usual=f"{Hook.stiffness:g}")
                 if self._points("anchor", [event.anchor]):
                     self._on_tissue("anchor", [event.anchor])
                 self._samples("target", [time for time, _ in event.targets])
@@ -184,7 +184,7 @@ class EventCheck:
             elif event.start <= self.procedure.end_time < event.start + event.duration:
                 drawn, end = event.start + event.duration, self.procedure.end_time
                 self._add(ProblemCode.SUTURE_AFTER_END, f"{drawn:g}", end=end)
-        self._positive(ProblemCode.EVENT_STIFFNESS, event.stiffness, usual=1000)
+        self._positive(ProblemCode.EVENT_STIFFNESS, event.stiffness, usual=f"{Suture.stiffness:g}")
         if self._points("anchor", event.anchors):
             self._on_tissue("anchor", event.anchors)
             apart, least = math.dist(*event.anchors), same_point(self.procedure)

@@ -26,8 +26,10 @@ def run_solve(
         The skin cache.
     report_path
         File of the report, or None.
+    settings
+        How to solve.
     **options
-        Those of `solve_options`.
+        The other options of `solve_options`.
 
     Returns
     -------
@@ -62,11 +64,11 @@ def run_to_target(
     report_path
         File of the report, or None.
     settings
-        How to solve; spacing, quadrature and tolerance are chosen.
+        How to solve, but for spacing, quadrature and tolerance.
     target
         Root mean square error in mm that must be reached.
     **options
-        The others of `solve_options`.
+        The other options of `solve_options`.
 
     Returns
     -------

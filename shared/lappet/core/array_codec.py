@@ -1,6 +1,6 @@
-"""Values with arrays as bytes: a msgpack header, a map, and one raw frame per array, little-endian and C-ordered.
+"""Values with arrays as bytes: a msgpack header, a map, and one raw part per array, little-endian and C-ordered.
 
-The header's field `arrays` names each array with its dtype and shape, in the order of the frames. Messages to the
+The header's field `arrays` names each array with its dtype and shape, in the order of the parts. Messages to the
 daemon, the frame store and the worker's pipe all use this; they differ in their limits. Everything that is read is
 checked before it is used.
 """
@@ -46,8 +46,20 @@ class CodecError(ProblemsError, ValueError):
 class Limits:
     """What a header may hold at most.
 
-    header_bytes, total_bytes: of the header and of everything. arrays: their number. text_bytes: of one text. entries:
-    of one list or map. depth: levels of nesting.
+    Parameters
+    ----------
+    header_bytes
+        Bytes of the header.
+    total_bytes
+        Bytes of the header and all arrays.
+    arrays
+        Number of arrays.
+    text_bytes
+        Bytes of one text.
+    entries
+        Entries of one list or map.
+    depth
+        Levels of nesting.
     """
 
     header_bytes: int = 1 << 32
@@ -139,7 +151,7 @@ def decode(
         And only that, whatever the bytes are.
     """
     if not frames:
-        raise CodecError("There is no header frame.")
+        raise CodecError("There is no header part.")
     header = _header(frames[0], limits, extension)
     described = header.pop("arrays", None)
     if not isinstance(described, list):
@@ -168,7 +180,18 @@ def decode(
 
 
 def join(frames: Sequence[bytes]) -> bytes:
-    """Join frames to one block: their number and lengths, 8 bytes little-endian each, then each padded to 16 bytes."""
+    """Join frames to one block: their number and lengths, 8 bytes each, then each padded to 16 bytes.
+
+    Parameters
+    ----------
+    frames
+        The frames.
+
+    Returns
+    -------
+    bytes
+        The block.
+    """
     lengths = [len(frames), *map(len, frames)]
     parts = [length.to_bytes(_LENGTH, "little") for length in lengths]
     parts.append(bytes(-len(lengths) * _LENGTH % _ALIGN))
@@ -178,7 +201,23 @@ def join(frames: Sequence[bytes]) -> bytes:
 
 
 def split(block: Bytes) -> list[memoryview]:
-    """Split a block of `join` into its frames, without copying. Raises CodecError."""
+    """Split a block of `join` into its frames, without copying.
+
+    Parameters
+    ----------
+    block
+        The block.
+
+    Returns
+    -------
+    list[memoryview]
+        The frames, in the memory of the block.
+
+    Raises
+    ------
+    CodecError
+        If it is no such block.
+    """
     view = memoryview(block)
     count = int.from_bytes(view[:_LENGTH], "little")
     start = (1 + count) * _LENGTH
@@ -198,7 +237,7 @@ def split(block: Bytes) -> list[memoryview]:
 def _header(frame: Bytes, limits: Limits, extension: ExtensionHook | None) -> dict[str, Any]:
     size = memoryview(frame).nbytes
     if size > limits.header_bytes:
-        raise CodecError(f"The header frame has {size} bytes; at most {limits.header_bytes} are read.")
+        raise CodecError(f"The header part has {size} bytes; at most {limits.header_bytes} are read.")
     text, entries = min(limits.text_bytes, size), min(limits.entries, size)
     try:
         header = msgpack.unpackb(
@@ -217,9 +256,9 @@ def _header(frame: Bytes, limits: Limits, extension: ExtensionHook | None) -> di
     except CodecError:
         raise
     except Exception as error:  # msgpack raises a dozen kinds
-        raise CodecError(f"The header frame is not a msgpack map ({type(error).__name__}).") from error
+        raise CodecError(f"The header part is not a msgpack map ({type(error).__name__}).") from error
     if not isinstance(header, dict):
-        raise CodecError(f"The header frame is a {type(header).__name__}; it must be a map.")
+        raise CodecError(f"The header part is a {type(header).__name__}; it must be a map.")
     if extension is None:
         _check_plain(header, 0, limits.depth)
     return header

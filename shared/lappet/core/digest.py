@@ -27,15 +27,20 @@ def digest(*values: object, remember: Sequence[type[Any]] = ()) -> bytes:
 
     Parameters
     ----------
-    *values : object
+    *values
         What to hash, in order.
-    remember : sequence of type
+    remember
         Classes whose objects are large and never change: each object is hashed once.
 
     Returns
     -------
     bytes
-        `SIZE` bytes.
+        The digest, `SIZE` bytes.
+
+    Raises
+    ------
+    TypeError
+        If a value is of another kind.
     """
     hasher = hashlib.blake2b(digest_size=SIZE)
     for value in values:

@@ -22,7 +22,23 @@ _VALUE, _ARRAY = 1, 2
 
 
 def pack(value: object) -> bytes:
-    """Write a value made of dataclasses, arrays, numbers, text, tuples and maps. Raises CodecError."""
+    """Write a value as one block of bytes.
+
+    Parameters
+    ----------
+    value
+        A value of dataclasses, enumerations, arrays, numbers, text, tuples and maps.
+
+    Returns
+    -------
+    bytes
+        The block.
+
+    Raises
+    ------
+    CodecError
+        If it holds anything else.
+    """
     arrays: dict[str, NDArray[Any]] = {}
 
     def write(each: Any) -> bytes:
@@ -52,19 +68,24 @@ def pack(value: object) -> bytes:
 
 
 def unpack(data: Bytes, kind: Any) -> Any:
-    """Read a value; arrays are read-only and lie in `data`.
+    """Read a value from one block of bytes.
 
     Parameters
     ----------
-    data : bytes
+    data
         As `pack` wrote them.
-    kind : type or union of types
-        What it may be. Only this and the dataclasses that its fields name are made.
+    kind
+        A type, or union of types, that it may be; only this and what the types of its fields name is made.
+
+    Returns
+    -------
+    Any
+        The value; arrays are read-only and lie in `data`.
 
     Raises
     ------
     CodecError
-        And only that, where the bytes are no such value.
+        If the bytes are no such value; nothing else is raised.
     """
     known = classes_of(kind)
     trees: list[bytes] = []
@@ -99,7 +120,18 @@ def unpack(data: Bytes, kind: Any) -> Any:
 
 @lru_cache
 def classes_of(kind: Any) -> dict[str, type[Any]]:
-    """Return the dataclasses and enumerations that a type is made of, by name: its own, and their fields'."""
+    """Find the dataclasses and enumerations that a type is made of.
+
+    Parameters
+    ----------
+    kind
+        A type, or a union of types.
+
+    Returns
+    -------
+    dict[str, type[Any]]
+        By name: its own, and those that the types of fields name.
+    """
     found: dict[str, type[Any]] = {}
     waiting = [kind]
     while waiting:

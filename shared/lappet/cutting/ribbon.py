@@ -15,7 +15,7 @@ from lappet.core.problem import Place, refused
 from lappet.core.problem_code import ProblemCode
 from lappet.geometry.curve import sample_curve
 from lappet.geometry.surface_check import place
-from lappet.procedure import Basis, Point
+from lappet.procedure import Basis, Incision, Point
 from lappet.tissue.rest_skin import RestSkin, SkinPoints
 
 _STEP = 1.0  # mm
@@ -77,7 +77,7 @@ def skin_ribbons(
     basis: Basis = "linear",
     closed: bool = False,
     depth: float | None = None,
-    kerf: float = 0.05,
+    kerf: float = Incision.kerf,
     spacing: float = 1.0,
     step: float | None = None,
 ) -> list[Ribbon]:

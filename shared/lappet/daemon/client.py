@@ -145,12 +145,25 @@ class SolverClient:
     def set_epoch_with_nodes(
         self, epoch: Epoch, grip: NDArray[np.int32] | None = None, landmarks: Landmarks | None = None
     ) -> tuple[LatticeCounts, NDArray[np.float64]]:
-        """Install an epoch like `set_epoch`; return also the lattice's nodes at rest, (N, 3) mm, in the order of a
-        state.
+        """Install an epoch like `set_epoch`, and tell where its lattice's nodes are.
+
+        Parameters
+        ----------
+        epoch
+            The epoch.
+        grip
+            Index of the retractor that grips each triangle, or -1, shape (m,); none is gripped when left out.
+        landmarks
+            The landmarks that the epoch's tissue holds.
+
+        Returns
+        -------
+        tuple[LatticeCounts, NDArray[np.float64]]
+            Counts of the message `lattice`, and the nodes at rest in mm, shape (N, 3), in the order of a state.
         """
-        reply = self._set_epoch(epoch, grip, landmarks, nodes=1)
+        reply = self._set_epoch(epoch, grip, landmarks, rest_nodes=1)
         assert self._lattice is not None
-        return self._lattice, read_array(reply, "nodes", "f8", (None, 3))
+        return self._lattice, read_array(reply, "rest_nodes", "f8", (None, 3))
 
     def _set_epoch(
         self, epoch: Epoch, grip: NDArray[np.int32] | None, landmarks: Landmarks | None, **fields: int
@@ -175,7 +188,7 @@ class SolverClient:
         """
         arrays: dict[str, NDArray[Any]] = {
             "nodes": np.asarray(state.nodes, np.float64 if state.precision == "double" else np.float32),
-            "suture_gaps": np.asarray(state.suture_gaps, np.float64),
+            "suture_separations": np.asarray(state.suture_separations, np.float64),
             "suture_multipliers": np.asarray(state.suture_multipliers, np.float64),
             "grip_multipliers": np.asarray(state.grip_multipliers, np.float64),
             "activation": np.asarray(state.activation, np.float64),

@@ -76,10 +76,8 @@ class DaemonSolver:
 
         Parameters
         ----------
-        precision
-            "float" or "double".
-        arrays
-            State arrays by name.
+        state
+            The state.
 
         Raises
         ------

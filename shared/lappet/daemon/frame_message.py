@@ -1,4 +1,4 @@
-"""Reads the message `frame` (PROTOCOL.md): the one place where a solved frame comes off the wire."""
+"""Read the message `frame` (PROTOCOL.md): the one place where a solved frame comes off the wire."""
 
 from __future__ import annotations
 
@@ -18,9 +18,30 @@ def read_frame(
     landmark_index: NDArray[np.int32],
     lattice: LatticeCounts | None,
 ) -> SolvedFrame:
-    """Return the frame in a message that answers these constraints; raises WireError for one that does not.
+    """Read the message that answers the constraints of a frame.
 
-    landmark_index: (k,), the landmarks of the epoch. lattice: of the epoch.
+    Parameters
+    ----------
+    message
+        The message.
+    constraints
+        The constraints.
+    settings
+        Those of the session.
+    landmark_index
+        Numbers of the landmarks of the epoch, shape (k,).
+    lattice
+        Counts of the epoch's lattice.
+
+    Returns
+    -------
+    SolvedFrame
+        The frame.
+
+    Raises
+    ------
+    WireError
+        If it does not answer them.
     """
     hooks, sutures, marks = len(constraints.hook_stiffness), len(constraints.suture_index), len(landmark_index)
     points = read_array(message, "points", "f4", (None, 3))
@@ -61,7 +82,7 @@ def _read_state(message: Message) -> SolverState:
     return SolverState(
         precision,
         read_array(message, "nodes", "f8" if precision == "double" else "f4", (None, 3)),
-        read_array(message, "state_suture_gaps", "f8", (None, 3)),
+        read_array(message, "suture_separations", "f8", (None, 3)),
         read_array(message, "suture_multipliers", "f8", (None, 3)),
         read_array(message, "grip_multipliers", "f8", (None,)),
         read_array(message, "activation", "f8", (None,)),

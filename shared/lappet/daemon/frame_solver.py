@@ -77,10 +77,8 @@ class FrameSolver(Protocol):
 
         Parameters
         ----------
-        precision
-            "float" or "double".
-        arrays
-            State arrays by name (`STATE_ARRAYS`).
+        state
+            The state.
         """
 
     def solve(self, frame: FrameConstraints, progress: Callable[[Iteration], None]) -> SolvedFrame:

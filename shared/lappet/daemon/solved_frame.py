@@ -15,7 +15,31 @@ SCALARS = ("strain", "stress", "tension")
 
 @dataclass(frozen=True)
 class LatticeCounts:
-    """What an epoch's lattice has. bytes: that the session holds. seconds: that it took to build."""
+    """What an epoch's lattice has.
+
+    Parameters
+    ----------
+    fine_voxels
+        Fine voxels inside the tissue.
+    cells
+        Cells.
+    grid_cells
+        Cells of which the grid has one copy.
+    mesh_cells
+        Cells of which it has several, one per fragment.
+    nodes
+        Nodes.
+    fragments
+        Fragments of the tissue.
+    blocks
+        Blocks of cells that are computed.
+    fixed_nodes
+        Nodes that do not move.
+    bytes
+        Memory of the session in bytes.
+    seconds
+        Time that it took to build.
+    """
 
     fine_voxels: int
     cells: int
@@ -31,7 +55,19 @@ class LatticeCounts:
 
 @dataclass(frozen=True)
 class StageSeconds:
-    """Seconds of a frame: state updates, linear solves, the preconditioner's setup, everything."""
+    """Seconds of a frame by stage.
+
+    Parameters
+    ----------
+    update
+        State updates.
+    linear
+        Linear solves.
+    setup
+        Setting up the preconditioner.
+    total
+        Everything.
+    """
 
     update: float = 0.0
     linear: float = 0.0
@@ -41,8 +77,22 @@ class StageSeconds:
 
 @dataclass(frozen=True)
 class PassCounts:
-    """Passes over the whole lattice, and the seconds of each kind: of the energy and its gradient, of the tangent
-    there, of products with it.
+    """Passes over the whole lattice and their seconds.
+
+    Parameters
+    ----------
+    evaluations
+        Evaluations of the energy and its gradient.
+    evaluation_seconds
+        Their seconds.
+    linearizations
+        Evaluations of the tangent.
+    linearization_seconds
+        Their seconds.
+    products
+        Products with the tangent.
+    product_seconds
+        Their seconds.
     """
 
     evaluations: int = 0
@@ -57,10 +107,42 @@ class PassCounts:
 class Diagnostics:
     """How a frame was solved.
 
-    converged: to the tolerance and the gaps asked for; reason: why not, a sentence, or "". newton, pcg: iterations.
-    active_cells: that were solved for. residual: over `force_scale`, mN. largest_gap: of sutures and grips, mm.
-    minimum_j: least volume ratio. energy: mN mm. largest_penetration: of tissue into bone, mm. contacts: points that
-    touch bone. peak_bytes: of the daemon.
+    Parameters
+    ----------
+    converged
+        Whether it met the tolerance and the gaps asked for.
+    reason
+        Why it did not, a sentence; else empty.
+    newton
+        Newton iterations.
+    pcg
+        Iterations of the linear solver.
+    load_steps
+        Load steps.
+    active_cells
+        Cells that were solved for.
+    residual
+        Residual over force scale.
+    force_scale
+        Force scale in mN.
+    largest_gap
+        Largest gap of sutures and grips in mm.
+    minimum_j
+        Least volume ratio.
+    inverted_cells
+        Cells that are inside out.
+    energy
+        Energy in mN mm.
+    largest_penetration
+        Largest depth of tissue in bone in mm.
+    contacts
+        Points of the surface that touch bone.
+    peak_bytes
+        Peak memory of the daemon in bytes.
+    seconds
+        Seconds by stage.
+    work
+        Passes over the lattice.
     """
 
     converged: bool
@@ -84,15 +166,27 @@ class Diagnostics:
 
 @dataclass(frozen=True, eq=False)
 class SolverState:
-    """What a later frame depends on; opaque but for `precision`, "float" or "double".
+    """What a later frame depends on; opaque but for `precision`.
 
-    nodes: (N, 3) float32 or float64. suture_gaps: (S, 3) mm, the separation of each suture of the procedure when it was
-    placed, NaN before. suture_multipliers: (S, 3) mN. grip_multipliers: (G,). activation: (M,) of each material.
+    Parameters
+    ----------
+    precision
+        "float" or "double".
+    nodes
+        Positions of the lattice's nodes, shape (N, 3), float32 or float64.
+    suture_separations
+        Separation of each suture of the procedure when it was placed in mm, NaN before, shape (S, 3).
+    suture_multipliers
+        Multipliers of the sutures in mN, shape (S, 3).
+    grip_multipliers
+        Multipliers of the grips, shape (G,).
+    activation
+        Activation of each material's muscle, shape (M,).
     """
 
     precision: str
     nodes: NDArray[Any]
-    suture_gaps: NDArray[np.float64]
+    suture_separations: NDArray[np.float64]
     suture_multipliers: NDArray[np.float64]
     grip_multipliers: NDArray[np.float64]
     activation: NDArray[np.float64]
@@ -100,18 +194,28 @@ class SolverState:
     @property
     def nbytes(self) -> int:
         """The bytes of its arrays."""
-        arrays = (self.nodes, self.suture_gaps, self.suture_multipliers, self.grip_multipliers, self.activation)
+        arrays = (self.nodes, self.suture_separations, self.suture_multipliers, self.grip_multipliers, self.activation)
         return sum(array.nbytes for array in arrays)
 
     def fitted(self, sutures: int) -> SolverState:
-        """Return the state for a procedure with so many sutures.
+        """Fit the state to a procedure with another number of sutures.
 
         Sutures are numbered in order of their start, so those that an edit added or removed after the frame are rows at
         the end that the frame had not placed yet: a gap of NaN, a multiplier of 0.
+
+        Parameters
+        ----------
+        sutures
+            Number of sutures in the procedure.
+
+        Returns
+        -------
+        SolverState
+            The state.
         """
         return replace(
             self,
-            suture_gaps=_resized(self.suture_gaps, sutures, np.nan),
+            suture_separations=_resized(self.suture_separations, sutures, np.nan),
             suture_multipliers=_resized(self.suture_multipliers, sutures, 0.0),
         )
 
@@ -127,19 +231,46 @@ def _resized(rows: NDArray[np.float64], count: int, fill: float) -> NDArray[np.f
 class SolvedFrame:
     """A frame as it was solved, or as far as it is known where it comes from a skin cache.
 
-    time: time code. points: (n, 3) float32, mm, the epoch's surface. strain, stress, tension: (n,) float32, largest
-    principal stretch less 1, von Mises and largest principal Cauchy stress in kPa; (0,) where they are not known.
-
-    landmark_index: (k,) into `Program.landmarks`; landmarks: (k, 3) mm. hook_index: (H,) into `Program.hooks`;
-    hook_points: (H, 3) mm, where the anchors are; hook_forces: (H, 3) mN on the tissue. suture_index: (A,) into
-    `Program.sutures`; suture_points: (A, 2, 3) mm; suture_gaps: (A,) mm, from the separation asked for; suture_forces:
-    (A,) mN. All float64, the indices int32.
-
-    correction: (n, 3) float32 and landmark_correction: (k, 3) float64, mm, the Newton step left over; (0, 3) where it
-    was not asked for.
-
-    diagnostics: how it was solved. lattice: of its epoch, None where it is not known. state: what the next frame starts
-    from, None in what is shown.
+    Parameters
+    ----------
+    time
+        Time code.
+    points
+        Surface points of the epoch in mm, shape (n, 3), float32.
+    strain
+        Largest principal stretch less 1, shape (n,), float32; (0,) where it is not known.
+    stress
+        Von Mises stress in kPa, likewise.
+    tension
+        Largest principal Cauchy stress in kPa, likewise.
+    landmark_index
+        Number of each landmark in `Program.landmarks`, shape (k,), int32.
+    landmarks
+        Landmarks in mm, shape (k, 3), float64.
+    hook_index
+        Number of each hook in `Program.hooks`, shape (H,), int32.
+    hook_points
+        Where their anchors are in mm, shape (H, 3), float64.
+    hook_forces
+        Forces on the tissue in mN, shape (H, 3), float64.
+    suture_index
+        Number of each suture in `Program.sutures`, shape (A,), int32.
+    suture_points
+        Where their ends are in mm, shape (A, 2, 3), float64.
+    suture_gaps
+        Distance from the separation asked for in mm, shape (A,), float64.
+    suture_forces
+        Their pull in mN, shape (A,), float64.
+    correction
+        Newton step left over in mm, shape (n, 3), float32; (0, 3) where it was not asked for.
+    landmark_correction
+        The same at the landmarks, shape (k, 3), float64.
+    diagnostics
+        How it was solved.
+    lattice
+        Counts of its epoch's lattice, or None where they are not known.
+    state
+        What the next frame starts from, or None in what is shown.
     """
 
     time: float
@@ -169,7 +300,7 @@ class SolvedFrame:
 
     @property
     def reason(self) -> str:
-        """Why it did not converge, a sentence; empty when it did."""
+        """Why the frame did not converge, a sentence; empty when it did."""
         return self.diagnostics.reason
 
     @property
@@ -178,21 +309,50 @@ class SolvedFrame:
         return sum(array.nbytes for array in self.arrays().values())
 
     def arrays(self) -> dict[str, NDArray[Any]]:
-        """Return its arrays by name, without those of the state."""
+        """Collect its arrays, without those of the state.
+
+        Returns
+        -------
+        dict[str, NDArray[Any]]
+            The arrays by name.
+        """
         values = {item.name: getattr(self, item.name) for item in fields(self)}
         return {name: value for name, value in values.items() if isinstance(value, np.ndarray)}
 
     def shown(self) -> SolvedFrame:
-        """Return the view of it for display: without the state, whose memory it does not hold either."""
+        """Make the view of it for display: without the state, whose memory it does not hold either.
+
+        Returns
+        -------
+        SolvedFrame
+            The view.
+        """
         copies: dict[str, Any] = {name: array.copy() for name, array in self.arrays().items()}
         return replace(self, **copies, state=None)
 
     def without_scalars(self) -> SolvedFrame:
-        """Return it without strain, stress and tension."""
+        """Leave out strain, stress and tension.
+
+        Returns
+        -------
+        SolvedFrame
+            The rest.
+        """
         empty = no_entries((0,), np.float32)
         return replace(self, strain=empty, stress=empty, tension=empty)
 
     def scalar(self, name: str) -> NDArray[np.float32] | None:
-        """Return a quantity of `SCALARS` at the points, (n,), or None where it is not known."""
+        """Take a quantity at the points.
+
+        Parameters
+        ----------
+        name
+            One of `SCALARS`.
+
+        Returns
+        -------
+        NDArray[np.float32] | None
+            The values, shape (n,), or None where they are not known.
+        """
         values: NDArray[np.float32] = getattr(self, name)
         return values if len(values) == len(self.points) else None

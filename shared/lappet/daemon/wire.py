@@ -58,14 +58,12 @@ class Message:
 def encode(message: Message, max_message_bytes: int = DEFAULT_MAX_MESSAGE_BYTES) -> list[bytes]:
     """Write a message as frames, the header first.
 
-    Arrays of bool become u1; other dtypes must be one of `DTYPES`.
-
     Parameters
     ----------
     message
         The message.
     max_message_bytes
-        The most that the daemon takes.
+        What the daemon takes.
 
     Returns
     -------
@@ -75,7 +73,7 @@ def encode(message: Message, max_message_bytes: int = DEFAULT_MAX_MESSAGE_BYTES)
     Raises
     ------
     WireError
-        If the message would be refused.
+        If it would be refused.
     """
     taken = _OWN_FIELDS & message.fields.keys()
     if taken:
@@ -102,9 +100,9 @@ def decode(frames: Sequence[Bytes], max_message_bytes: int = DEFAULT_MAX_MESSAGE
     Parameters
     ----------
     frames
-        The frames, the header first.
+        The frames.
     max_message_bytes
-        The most that is taken.
+        What is taken.
 
     Returns
     -------
@@ -114,7 +112,7 @@ def decode(frames: Sequence[Bytes], max_message_bytes: int = DEFAULT_MAX_MESSAGE
     Raises
     ------
     WireError
-        If the bytes are no message; nothing else is raised, whatever they are.
+        If the frames are no message; nothing else is raised.
     """
     try:
         header, arrays = array_codec.decode(frames, replace(LIMITS, total_bytes=max_message_bytes))
@@ -174,10 +172,26 @@ def read_array(message: Message, name: str, dtype: str, shape: tuple[int | None,
 
 
 def read_fields(kind: type[Value], fields_: object, where: str) -> Value:
-    """Return a dataclass of numbers, text, truth values and such dataclasses from a map of the same names.
+    """Read a dataclass of numbers, text, truth values and such dataclasses from a map of the same names.
 
-    What no field of the dataclass is named is not read. Raises WireError naming the field that is missing or of another
-    kind.
+    Parameters
+    ----------
+    kind
+        The dataclass; what it has no field for is not read.
+    fields_
+        The map.
+    where
+        What the map is called in sentences.
+
+    Returns
+    -------
+    Value
+        The value.
+
+    Raises
+    ------
+    WireError
+        If a field is missing or of another kind; the sentence names it.
     """
     if not isinstance(fields_, dict):
         raise WireError(f"'{where}' is {fields_!r:.60}; it must be a map.")

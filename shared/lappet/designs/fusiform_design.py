@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from lappet.core.problem import refused
 from lappet.core.problem_code import ProblemCode
-from lappet.designs.design_frame import placed_on, skin_frame
+from lappet.designs.design_axes import placed_on, skin_axes
 from lappet.procedure import Point
 from lappet.tissue.placement import Place
 
@@ -92,7 +92,7 @@ def fusiform(
         raise refused(ProblemCode.DESIGN_OVAL, "fusiform", f"{width:g}", length=length)
     if samples < 2:
         raise refused(ProblemCode.DESIGN_SAMPLES, "fusiform", samples)
-    along, across = skin_frame(direction, normal, "fusiform")
+    along, across = skin_axes(direction, normal, "fusiform")
     middle = np.asarray(center, np.float64)
     radius = (length**2 + width**2) / (4.0 * width)
     half = 2.0 * np.arctan2(width, length)  # half the arc's opening angle

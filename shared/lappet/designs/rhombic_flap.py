@@ -2,7 +2,7 @@ r"""Rhombic transposition flaps: Limberg's, and Dufourmentel and Mouly's.
 
 The defect is a rhombus with sides a and the acute angle α at the ends A and C of its long diagonal; B and D are the
 ends of the short one. The flap has the corners C, D, E, F: the first limb DE begins at the defect's obtuse corner D,
-the second, EF, ends beside C, and CF is its base. In the design's plane, x along the short diagonal from B to D:
+the second, EF, ends beside C, and CF is its base. In the design's plane, x along the short diagonal from B to D::
 
             A
           /   \                Limberg (α = 60°): DE extends the short diagonal, EF is parallel to DC; |DE| = |EF| = a.
@@ -25,7 +25,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from lappet.core.problem import refused
 from lappet.core.problem_code import ProblemCode
-from lappet.designs.design_frame import placed_on, skin_frame
+from lappet.designs.design_axes import placed_on, skin_axes
 from lappet.designs.flap_design import Carry, Corner, Edge, FlapDesign, Seam, Spot
 from lappet.procedure import Point
 from lappet.tissue.placement import Place
@@ -142,7 +142,7 @@ def _rhombic(
     corners = np.stack([a, b, c, d, e, f])
     middle = 0.5 * (corners.min(axis=0) + corners.max(axis=0))
 
-    along, across = skin_frame(direction, normal, what)
+    along, across = skin_axes(direction, normal, what)
     if mirrored:
         across = -across
     origin = np.asarray(center, np.float64)

@@ -3,7 +3,7 @@
 The defect is an ellipse. From each end of its long axis an incision leaves along the axis and runs as an S: an arc that
 turns around the flap, then a shorter one that turns back and leaves the flap a broad base. The one half of the defect's
 rim is the leading edge of the first flap and the other half that of the second; the design is its own image when
-turned by 180° about the middle. In the design's plane, x along the long axis:
+turned by 180° about the middle. In the design's plane, x along the long axis::
 
           _____________
          /   flap 2
@@ -33,7 +33,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from lappet.core.problem import refused
 from lappet.core.problem_code import ProblemCode
-from lappet.designs.design_frame import placed_on, skin_frame
+from lappet.designs.design_axes import placed_on, skin_axes
 from lappet.designs.flap_design import Carry, Corner, Edge, FlapDesign, Seam, Spot
 from lappet.procedure import Point
 from lappet.tissue.placement import Place
@@ -100,7 +100,7 @@ def dual_s_plasty(
     whole = _length(rim)
     if advance > 0.5 * whole:
         raise refused(ProblemCode.DESIGN_ADVANCE, "dual_s_plasty", f"{advance:g}", half=0.5 * whole)
-    along, across = skin_frame(direction, normal, "dual_s_plasty")
+    along, across = skin_axes(direction, normal, "dual_s_plasty")
     if mirrored:
         across = -across
     origin = np.asarray(center, np.float64)

@@ -177,8 +177,8 @@ def outline(design: FlapDesign, skin: SkinSheet, beyond: float) -> tuple[Point, 
     middle, normal = skin.at(drawn.mean(axis=0))
     first = np.cross(normal[0], (0.0, 1.0, 0.0) if abs(normal[0][1]) < 0.9 else (1.0, 0.0, 0.0))
     first /= np.linalg.norm(first)
-    frame = np.stack([first, np.cross(normal[0], first)])
-    flat = (drawn - middle[0]) @ frame.T
+    axes = np.stack([first, np.cross(normal[0], first)])
+    flat = (drawn - middle[0]) @ axes.T
     # On curved skin the plane sees lengths shortened: measured from the middle they are those of the skin again.
     height = np.einsum("ij,j->i", drawn - middle[0], normal[0])
     size = np.linalg.norm(flat, axis=1)
@@ -186,7 +186,7 @@ def outline(design: FlapDesign, skin: SkinSheet, beyond: float) -> tuple[Point, 
     turn = 2.0 * np.pi * np.arange(48) / 48
     rays = np.stack([np.cos(turn), np.sin(turn)], axis=1)
     around = flat[(flat @ rays.T).argmax(axis=0)] + beyond * rays
-    return tuple(skin.below(point, 0.0) for point in middle[0] + around @ frame)
+    return tuple(skin.below(point, 0.0) for point in middle[0] + around @ axes)
 
 
 def carry_hook(carry: Carry, skin: SkinSheet, when: Schedule, how: Technique) -> Hook:
@@ -213,15 +213,15 @@ def carry_hook(carry: Carry, skin: SkinSheet, when: Schedule, how: Technique) ->
     pivot, normal = (value[0] for value in skin.at(carry.pivot))
     first = anchor - pivot
     first -= (first @ normal) * normal
-    frame = np.stack([first / np.linalg.norm(first), np.cross(normal, first / np.linalg.norm(first))])
-    begin, end = (frame @ (point - pivot) for point in (anchor, lay))
+    axes = np.stack([first / np.linalg.norm(first), np.cross(normal, first / np.linalg.norm(first))])
+    begin, end = (axes @ (point - pivot) for point in (anchor, lay))
     turn = float(np.arctan2(end[1], end[0]))
     sizes = np.linalg.norm(begin), np.linalg.norm(end)
 
     def over(turned: float) -> NDArray[np.float64]:
         """The skin below the way at this share of the turn."""
         size = sizes[0] + turned * (sizes[1] - sizes[0])
-        flat = pivot + size * (np.cos(turned * turn) * frame[0] + np.sin(turned * turn) * frame[1])
+        flat = pivot + size * (np.cos(turned * turn) * axes[0] + np.sin(turned * turn) * axes[1])
         return skin.place(flat)[0]
 
     # On curved skin the pivot's plane misses the ends by a little, which is spread along the way.

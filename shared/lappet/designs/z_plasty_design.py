@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from lappet.core.problem import refused
 from lappet.core.problem_code import ProblemCode
-from lappet.designs.design_frame import placed_on, skin_frame
+from lappet.designs.design_axes import placed_on, skin_axes
 from lappet.procedure import Point
 from lappet.tissue.placement import Place
 
@@ -88,7 +88,7 @@ def z_plasty(
         raise refused(ProblemCode.LENGTH_NOT_POSITIVE, "z_plasty", f"{limb:g}", name="limb")
     if not 10.0 <= angle <= 120.0:
         raise refused(ProblemCode.DESIGN_ANGLE, "z_plasty", f"{angle:g}", least=10, most=120)
-    along, across = skin_frame(direction, normal, "z_plasty")
+    along, across = skin_axes(direction, normal, "z_plasty")
     if mirrored:
         across = -across
     middle = np.asarray(center, np.float64)

@@ -21,20 +21,20 @@ Found = tuple[NDArray[np.int64], NDArray[np.float64], NDArray[np.float64]]
 
 
 class ClosestPoint:
-    """Answers closest-point queries against one surface.
+    """A search for the closest points of one surface.
 
     Parameters
     ----------
     surface_points
-        (n, 3), any length unit.
+        Vertices in any length unit, shape (n, 3).
     triangles
-        (m, 3) integer, m >= 1. Degenerate triangles count as the segments or points that they are; one with a corner
-        that is not finite is never closest.
+        Vertex indices, shape (m, 3), at least one triangle. Degenerate triangles count as the segments or points that
+        they are; one with a corner that is not finite is never closest.
 
     Raises
     ------
     ValueError
-        For a surface without triangles or with wrong shapes.
+        If the surface has no triangles, or the shapes are wrong.
     """
 
     def __init__(self, surface_points: ArrayLike, triangles: ArrayLike) -> None:
@@ -135,11 +135,27 @@ class ClosestPoint:
 
 
 def closest_points(points: ArrayLike, surface_points: ArrayLike, triangles: ArrayLike) -> Found:
-    """Return the closest point of a triangle surface to each point: (triangle index, point, distance).
+    """Find the closest point of a triangle surface to each of some points; keep a `ClosestPoint` for many calls.
 
-    points: (q, 3). surface_points: (n, 3). triangles: (m, 3). Returns (q,), (q, 3) and (q,), in the unit of the
-    input; see `ClosestPoint` for ties, degenerate triangles and errors. Keep a `ClosestPoint` for many calls
-    against one surface.
+    Parameters
+    ----------
+    points
+        Points, shape (q, 3).
+    surface_points
+        Vertices in the same unit, shape (n, 3).
+    triangles
+        Vertex indices, shape (m, 3).
+
+    Returns
+    -------
+    Found
+        Triangle index, shape (q,), closest point, shape (q, 3), and distance, shape (q,), as `ClosestPoint.query` gives
+        them.
+
+    Raises
+    ------
+    ValueError
+        If the surface has no triangles, or the shapes are wrong.
     """
     return ClosestPoint(surface_points, triangles).query(points)
 

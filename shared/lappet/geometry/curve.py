@@ -42,6 +42,8 @@ def sample_curve(
         Whether it returns to its first point.
     step
         Greatest distance of two samples in mm, above 0.
+    prim
+        Path of the prim, for the problem of an error.
 
     Returns
     -------

@@ -35,9 +35,24 @@ def _none(*shape: int) -> NDArray[np.int64]:
 class MeshFault:
     """One kind of fault of one mesh.
 
-    code: which. value: what was found. fields: further ones of the code's texts. edges (k, 2) and vertices (k,): of
-    the mesh's points; faces (k,): its polygons; corners (k, 3, 3): triangles, mm; places (k, 3): in mm, the first is
-    named.
+    Parameters
+    ----------
+    code
+        Which fault it is.
+    value
+        What was found.
+    fields
+        Further fields of the code's texts.
+    edges
+        Edges that have it, pairs of the mesh's points, shape (k, 2).
+    vertices
+        Points that have it, shape (k,).
+    faces
+        Polygons that have it, shape (k,).
+    corners
+        Triangles that have it in mm, shape (k, 3, 3).
+    places
+        Where it is in mm, shape (k, 3); the first is named.
     """
 
     code: ProblemCode
@@ -50,7 +65,18 @@ class MeshFault:
     places: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 3)))
 
     def problem(self, prim: str) -> Problem:
-        """Return the problem of this fault in the mesh of `prim`."""
+        """Make the problem of this fault.
+
+        Parameters
+        ----------
+        prim
+            Path of the mesh's prim.
+
+        Returns
+        -------
+        Problem
+            The problem.
+        """
         where = None
         if len(self.faces) or len(self.places):
             points = tuple((float(x), float(y), float(z)) for x, y, z in self.places[:MOST_PLACES])
@@ -65,14 +91,28 @@ def mesh_faults(
     kinds: Collection[ProblemCode] = SOLID,
     most_crossings: int = 1,
 ) -> list[MeshFault]:
-    """Find every fault of these kinds in a mesh.
+    """Find every fault of some kinds in a mesh.
+
+    A mesh whose numbers cannot be used has only the faults that say so, whatever the kinds.
 
     Parameters
     ----------
-    points: (n, 3) mm. counts: (m,) corners of each polygon. indices: (k,) the polygons' points.
-    kinds: which faults count. A mesh whose numbers cannot be used has only the faults that say so, whatever the kinds.
-    most_crossings: how many triangles that pierce others are looked for. With 1, a surface whose edges or volume are
-    wrong is not searched for crossings.
+    points
+        Points in mm, shape (n, 3).
+    counts
+        Corners of each polygon, shape (m,).
+    indices
+        Points of the polygons, shape (k,).
+    kinds
+        Which faults count.
+    most_crossings
+        How many triangles that pierce others are looked for. With 1, a surface whose edges or volume are wrong is not
+        searched for crossings.
+
+    Returns
+    -------
+    list[MeshFault]
+        The faults.
     """
     sizes, corner_points = np.asarray(counts, np.int64), np.asarray(indices, np.int64)
     unreadable = list(_unreadable(points, sizes, corner_points))
@@ -100,7 +140,24 @@ def mesh_faults(
 def refuse_faults(
     prim: str, points: NDArray[np.float64], triangles: NDArray[np.integer], kinds: Collection[ProblemCode] = CLOSED
 ) -> None:
-    """Raise RefusedError with every fault of these kinds in a mesh of triangles (m, 3), points (n, 3) mm."""
+    """Refuse a mesh of triangles with faults of some kinds.
+
+    Parameters
+    ----------
+    prim
+        Path of the mesh's prim.
+    points
+        Points in mm, shape (n, 3).
+    triangles
+        Point indices, shape (m, 3).
+    kinds
+        Which faults count.
+
+    Raises
+    ------
+    RefusedError
+        If there are any; holds every one.
+    """
     faults = mesh_faults(points, np.full(len(triangles), 3), np.asarray(triangles).reshape(-1), kinds)
     if faults:
         raise RefusedError([fault.problem(prim) for fault in faults])
@@ -109,14 +166,44 @@ def refuse_faults(
 def refuse_unreadable(
     prim: str, points: NDArray[np.float64], counts: NDArray[np.integer], indices: NDArray[np.integer]
 ) -> None:
-    """Raise RefusedError where the numbers of a mesh of polygons cannot be used."""
+    """Refuse a mesh of polygons whose numbers cannot be used.
+
+    Parameters
+    ----------
+    prim
+        Path of the mesh's prim.
+    points
+        Points in mm, shape (n, 3).
+    counts
+        Corners of each polygon, shape (m,).
+    indices
+        Points of the polygons, shape (k,).
+
+    Raises
+    ------
+    RefusedError
+        If the numbers cannot be used.
+    """
     faults = list(_unreadable(points, np.asarray(counts, np.int64), np.asarray(indices, np.int64)))
     if faults:
         raise RefusedError([fault.problem(prim) for fault in faults])
 
 
 def polygon_edges(counts: NDArray[np.int64], indices: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Return the edges (k, 2) of the polygons in their direction, one for each corner."""
+    """List the edges of polygons in their direction, one for each corner.
+
+    Parameters
+    ----------
+    counts
+        Corners of each polygon, shape (m,).
+    indices
+        Points of the polygons, shape (k,).
+
+    Returns
+    -------
+    NDArray[np.int64]
+        Pairs of points, shape (k, 2).
+    """
     starts = np.repeat(np.cumsum(counts) - counts, counts)
     within = np.arange(len(indices)) - starts
     return np.stack([indices, indices[starts + (within + 1) % np.repeat(counts, counts)]], axis=1)

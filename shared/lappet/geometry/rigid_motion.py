@@ -20,6 +20,14 @@ class RigidMotion:
     ----------
     samples
         Samples (time code, row-major 4 × 4 matrix in USD's row-vector convention, mm), at least one, in any order.
+    prim
+        Path of the prim, for the problem of an error.
+
+    Raises
+    ------
+    RefusedError
+        If there is no sample, a number is not finite, the first matrix cannot be inverted, or the motion between two
+        samples is not rigid (it scales, shears or mirrors by more than 1e-4).
     """
 
     def __init__(self, samples: Sequence[tuple[float, Sequence[float]]], prim: str = "") -> None:

@@ -9,9 +9,18 @@ from numpy.typing import NDArray
 
 
 def unique_rows(rows: NDArray[Any]) -> tuple[NDArray[Any], NDArray[np.int64]]:
-    """Return the distinct rows in ascending order, (u, c), and which of them each row is, (k,).
+    """Find the distinct rows of an array; -0 and 0 are equal.
 
-    rows: (k, c), numbers; -0 and 0 are equal. Of equal rows the first one is returned.
+    Parameters
+    ----------
+    rows
+        Numbers, shape (k, c).
+
+    Returns
+    -------
+    tuple[NDArray[Any], NDArray[np.int64]]
+        Distinct rows in ascending order, of equal rows the first one, shape (u, c); and which of them each row is,
+        shape (k,).
     """
     order = np.lexsort(rows.T[::-1])
     ordered = rows[order]

@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 
 from lappet.core.machine import machine
+from lappet.core.problem_code import ProblemCode
 from lappet.core.version import version
 from lappet.output.solve_to_cache import SolveResult
 from lappet.procedure.scene_profile import scene_profile
@@ -143,6 +144,7 @@ def _frame(program: Program, frame: FrameResult, error: FrameErrorEstimate | Non
         "epoch": frame.constraints.epoch,
         "converged": said.converged,
         "reason": said.reason or None,
+        "code": None if said.converged else ProblemCode.FRAME_NOT_CONVERGED,
         "newton_iterations": said.newton,
         "pcg_iterations": said.pcg,
         "load_steps": said.load_steps,

@@ -107,14 +107,8 @@ def solve_procedure(
         A USD file, or a procedure, which is then written beside the cache as `<output>.procedure.usda`.
     output
         The skin cache (.usdc, .usda or .usd).
-    spacing
-        Lattice spacing in mm; the tissue's when None.
-    tolerance
-        Relative residual at which a frame has converged.
-    quadrature
-        Quadrature points of a cell: 1, 4 or 8.
-    precision
-        Arithmetic of the solver.
+    settings
+        How to solve.
     frames
         First and last time code to write, None for the procedure's; everything up to the last one is solved.
     daemon
@@ -129,10 +123,6 @@ def solve_procedure(
         What identifies the solver in the frames' keys; that of the installed daemon when None.
     error_estimate
         Whether to solve on a coarser lattice too, to estimate the error (`lappet.solve.error_estimate`).
-    strain
-        Whether the cache gets strain, stress and tension.
-    whole
-        Whether every frame is solved everywhere, also where its changes do not reach.
 
     Returns
     -------

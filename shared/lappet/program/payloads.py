@@ -21,14 +21,35 @@ NOT_TOLD = frozenset({"hook_index"})
 
 @dataclass(frozen=True, eq=False)
 class Payload:
-    """The fields and arrays of a message."""
+    """The fields and arrays of a message.
+
+    Parameters
+    ----------
+    fields
+        Fields by name.
+    arrays
+        Arrays by name.
+    """
 
     fields: dict[str, Any]
     arrays: dict[str, NDArray[Any]]
 
 
 def open_payload(settings: SolverSettings, bones: Bones | None = None) -> Payload:
-    """Return what `open` tells: the settings, the table of materials, the bones where there are any."""
+    """Make what `open` tells: the settings, the table of materials, the bones where there are any.
+
+    Parameters
+    ----------
+    settings
+        The settings.
+    bones
+        The bones.
+
+    Returns
+    -------
+    Payload
+        Fields and arrays.
+    """
     told = {
         item.name: _plain(item.type, getattr(settings, item.name))
         for item in fields(settings)
@@ -43,16 +64,28 @@ def open_payload(settings: SolverSettings, bones: Bones | None = None) -> Payloa
 
 
 def epoch_payload(epoch: Epoch, grip: NDArray[np.int32], landmarks: Landmarks) -> Payload:
-    """Return what `epoch` tells: the surface, what holds it, the landmarks and the regions.
+    """Make what `epoch` tells: the surface, what holds it, the landmarks and the regions.
 
-    grip: (m,) index of the retractor that grips each triangle, or -1.
+    Parameters
+    ----------
+    epoch
+        The epoch.
+    grip
+        Index of the retractor that grips each triangle, or -1, shape (m,).
+    landmarks
+        The landmarks that the epoch's tissue holds.
+
+    Returns
+    -------
+    Payload
+        Fields and arrays.
     """
     surface, regions = epoch.surface, epoch.regions
     arrays: dict[str, NDArray[Any]] = {
         "points": np.asarray(surface.points, np.float64),
         "triangles": np.asarray(surface.triangles, np.int32),
         "fixed": np.asarray(surface.fixed, np.uint8),
-        "bed": np.asarray(epoch.support, np.uint8),
+        "support": np.asarray(epoch.support, np.uint8),
         "grip": np.asarray(grip, np.int32),
         "landmarks": np.asarray(landmarks.points, np.float64).reshape(-1, 3),
         "landmark_triangles": np.asarray(landmarks.triangles, np.int32),
@@ -68,7 +101,18 @@ def epoch_payload(epoch: Epoch, grip: NDArray[np.int32], landmarks: Landmarks) -
 
 
 def solve_payload(frame: FrameConstraints) -> Payload:
-    """Return what `solve` tells: the constraints of a frame."""
+    """Make what `solve` tells: the constraints of a frame.
+
+    Parameters
+    ----------
+    frame
+        The constraints.
+
+    Returns
+    -------
+    Payload
+        Fields and arrays.
+    """
     arrays = {
         item.name: np.asarray(getattr(frame, item.name), item.default_factory().dtype)
         for item in fields(frame)
@@ -98,7 +142,7 @@ def _material(material: MaterialParameters) -> dict[str, Any]:
 def _regions(regions: Regions) -> list[dict[str, Any]]:
     maps: list[dict[str, Any]] = []
     for material, top, bottom in zip(regions.material, regions.depth_from, regions.depth_to, strict=True):
-        maps.append({"material": int(material), "from_depth": float(top)})
+        maps.append({"material": int(material), "depth_from": float(top)})
         if np.isfinite(bottom):
-            maps[-1]["to_depth"] = float(bottom)
+            maps[-1]["depth_to"] = float(bottom)
     return maps

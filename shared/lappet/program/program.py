@@ -131,8 +131,6 @@ class Program:
         Names of the retractors.
     landmarks
         A label per landmark point.
-    active_hooks
-        For each frame the indices in `hooks` of the rows of its hook arrays, each of shape (H,).
     grips
         For each epoch the retractor that grips each triangle, or -1, each of shape (m,), int32; only retractors that
         act in the epoch.

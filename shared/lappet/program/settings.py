@@ -43,7 +43,22 @@ class Option:
 
 
 def setting(default: Any, *, option: Option | None = None, in_key: bool = True) -> Any:
-    """Define a setting; in_key: another value gives another equilibrium."""
+    """Define a setting.
+
+    Parameters
+    ----------
+    default
+        Its default.
+    option
+        What it is on the command line, if anything.
+    in_key
+        Whether another value gives another equilibrium.
+
+    Returns
+    -------
+    Any
+        The field.
+    """
     return field(default=default, metadata={"option": option, "in_key": in_key})
 
 
@@ -141,9 +156,11 @@ class SolverSettings:
     """
 
     spacing: float = setting(0.0, option=Option("Lattice edge in mm.", above=0, shown=False))
-    tolerance: float = setting(1e-3, option=Option("Residual over the scene's force scale.", above=0, below=1))
+    tolerance: float = setting(1e-3, option=Option("Largest residual, relative to the force scale.", above=0, below=1))
     quadrature: int = setting(1, option=Option("Points per cell.", choices=(1, 4, 8)))
-    precision: Literal["float", "double"] = setting("float", option=Option("Arithmetic.", choices=("float", "double")))
+    precision: Literal["float", "double"] = setting(
+        "float", option=Option("Precision of the arithmetic.", choices=("float", "double"))
+    )
     gap_tolerance: float = setting(1e-3)
     max_newton: int = setting(100)
     fine_ratio: int = setting(4)
@@ -156,7 +173,7 @@ class SolverSettings:
     region: Literal["auto", "whole"] = setting(
         "auto",
         option=Option(
-            "Solve every frame everywhere, also where its changes do not reach.", flags="--whole", value="whole"
+            "Solve all cells of a frame at once, not those near its changes first.", flags="--whole", value="whole"
         ),
     )
     origin: tuple[float, float, float] = setting((0.0, 0.0, 0.0))
@@ -168,7 +185,13 @@ class SolverSettings:
 
 
 def options() -> Iterator[tuple[Field[Any], Option]]:
-    """Yield the settings that are options of the command line."""
+    """List the settings that are options of the command line.
+
+    Yields
+    ------
+    tuple[Field[Any], Option]
+        The field and the option.
+    """
     for item in fields(SolverSettings):
         option = item.metadata["option"]
         if option is not None:
@@ -176,5 +199,16 @@ def options() -> Iterator[tuple[Field[Any], Option]]:
 
 
 def in_key(name: str) -> bool:
-    """Return whether another value of the setting of this name gives another equilibrium."""
+    """Tell whether another value of a setting gives another equilibrium.
+
+    Parameters
+    ----------
+    name
+        Name of the setting.
+
+    Returns
+    -------
+    bool
+        Whether it does.
+    """
     return bool(SolverSettings.__dataclass_fields__[name].metadata["in_key"])

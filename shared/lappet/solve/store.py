@@ -95,17 +95,21 @@ class FrameStore:
         return self.path(key).is_file()
 
     def get(self, key: str, kind: type[Value]) -> Value | None:
-        """Look up a frame.
+        """Look up a value.
+
+        A damaged file is removed.
 
         Parameters
         ----------
         key
             Content key.
+        kind
+            Dataclass that it is of.
 
         Returns
         -------
-        SolvedFrame | None
-            The frame, or None where it is absent, unreadable or damaged (a damaged file is removed).
+        Value | None
+            The value, or None where it is absent, of another class, unreadable or damaged; its arrays are read-only.
         """
         path = self.path(key)
         try:
@@ -238,7 +242,20 @@ def _checked(data: bytes) -> memoryview | None:
 
 
 def unpack_as(packed: Bytes, kind: type[Value]) -> Value | None:
-    """Return the value in these bytes, or None where it is of another class."""
+    """Read a value from its bytes.
+
+    Parameters
+    ----------
+    packed
+        The bytes.
+    kind
+        Dataclass that it is of.
+
+    Returns
+    -------
+    Value | None
+        The value, or None where it is of another class.
+    """
     try:
         value: Value = unpack(packed, kind)
     except CodecError:

@@ -23,8 +23,8 @@ from lappet.solve.store import FrameStore
 PILOT = 2.0  # of the tissue's spacing
 CAUTION = 0.85  # of the spacing that the pilot asks for
 ALGEBRAIC_SHARE = 0.25  # of the target that stopping early may take
-TOLERANCE = 1e-3
-LEAST_TOLERANCE = {"float": 1e-5, "double": 1e-9}
+TOLERANCE = SolverSettings.tolerance
+MIN_TOLERANCE = {"float": 1e-5, "double": 1e-9}
 QUADRATURES = (1, 4)
 TRIES = 3
 COST_ORDER = 3.0  # seconds grow as h^-3
@@ -36,16 +36,12 @@ class Choice:
 
     Parameters
     ----------
-    spacing
-        Lattice spacing in mm.
-    quadrature
-        Quadrature points of a cell.
-    tolerance
-        Relative residual.
+    settings
+        The settings.
     expected
         Root mean square error in mm that the pilot foresees.
     sentence
-        What to tell the user.
+        Says what was chosen.
     """
 
     settings: SolverSettings
@@ -146,7 +142,7 @@ def choose(
     best = min(pilots, key=lambda pilot: pilot.cost)
     tolerance = TOLERANCE
     if best.algebraic > ALGEBRAIC_SHARE * target:
-        tolerance = max(TOLERANCE * ALGEBRAIC_SHARE * target / best.algebraic, LEAST_TOLERANCE[settings.precision])
+        tolerance = max(TOLERANCE * ALGEBRAIC_SHARE * target / best.algebraic, MIN_TOLERANCE[settings.precision])
     quadrature = best.settings.quadrature
     return Choice(
         replace(settings, spacing=best.needed, quadrature=quadrature, tolerance=tolerance),

@@ -19,7 +19,7 @@ def dome_scalp(
     resolution: float = 2.0,
     material: str = "skin",
     spacing: float = 1.0,
-    bed_stiffness: float = 10.0,
+    bed_stiffness: float = Tissue.bed_stiffness,
 ) -> Tissue:
     """Make a cap of a spherical shell of tissue about the origin, its pole at (0, 0, radius).
 

@@ -22,7 +22,7 @@ def flat_patch(
     material: str = "skin",
     spacing: float = 1.0,
     gravity: float | None = None,
-    bed_stiffness: float = 10.0,
+    bed_stiffness: float = Tissue.bed_stiffness,
 ) -> Tissue:
     """Make a closed flat sheet, its skin at z = thickness and its underside at z = 0.
 

@@ -64,7 +64,18 @@ class RestSpace:
         return distance
 
     def nearest(self, points: ArrayLike) -> float:
-        """How far the nearest of points (q, 3) is outside the tissue, mm; 0 where one is inside or on it."""
+        """Measure how far the nearest of some points is outside the tissue.
+
+        Parameters
+        ----------
+        points
+            Points in mm, shape (q, 3).
+
+        Returns
+        -------
+        float
+            Distance in mm; 0 where a point is inside or on the tissue.
+        """
         if (self.distance(points) <= self.margin).any():
             return 0.0
         return float(self.off(points).min(initial=np.inf))

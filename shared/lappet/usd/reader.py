@@ -13,23 +13,8 @@ from numpy.typing import NDArray
 
 from lappet.core.problem import Problem, RefusedError
 from lappet.core.problem_code import ProblemCode
-from lappet.procedure import (
-    Basis,
-    Bone,
-    Event,
-    Excision,
-    Hook,
-    Incision,
-    Landmark,
-    Material,
-    Point,
-    Procedure,
-    Region,
-    Retractor,
-    Suture,
-    Tissue,
-    Undermine,
-)
+from lappet.procedure import Bone, Material, Point, Procedure, Region, Tissue
+from lappet.usd.event_prims import EVENT_PRIMS, read_event
 from lappet.usd.values import Reader
 
 PRIM_TYPES = {
@@ -37,13 +22,7 @@ PRIM_TYPES = {
     "LappetRegionAPI": "GeomSubset",
     "LappetBoneAPI": "Mesh",
     "LappetMaterialAPI": None,
-    "LappetIncisionAPI": "BasisCurves",
-    "LappetExcisionAPI": "Points",
-    "LappetUndermineAPI": "BasisCurves",
-    "LappetHookAPI": "Xform",
-    "LappetRetractorAPI": "Xform",
-    "LappetSutureAPI": "BasisCurves",
-    "LappetLandmarkAPI": "Points",
+    **EVENT_PRIMS,
 }
 
 
@@ -102,7 +81,7 @@ def read_what_can_be(stage: Any, usd: Any, notes: list[str]) -> tuple[Procedure 
     tissue = _tissue(reader, tissues[0], found["LappetRegionAPI"]) if tissues else None
     materials = tuple(_material(reader, prim) for prim in found["LappetMaterialAPI"])
     bones = tuple(_bone(reader, prim) for prim in found["LappetBoneAPI"])
-    events = tuple(_event(reader, prim, schema, tissues) for prim, schema in found["events"])
+    events = tuple(read_event(reader, prim, schema, tissues) for prim, schema in found["events"])
     start, end = float(stage.GetStartTimeCode()), float(stage.GetEndTimeCode())
     if not stage.HasAuthoredTimeCodeRange():
         reader.problem(ProblemCode.STAGE_NO_TIME_CODES, "/Procedure", "no value")
@@ -257,77 +236,3 @@ def _material(reader: Reader, prim: Any) -> Material:
         muscle_stress=number("muscleStress", Material.muscle_stress),
         muscle_activation=reader.samples(prim, "lappet:muscleActivation"),
     )
-
-
-def _event(reader: Reader, prim: Any, schema: str, tissues: list[Any]) -> Event:
-    name = prim.GetName()
-    match schema:
-        case "LappetIncisionAPI":
-            points, basis, closed = _curve(reader, prim)
-            through = reader.flag(prim, "lappet:through", True)
-            time, kerf = reader.number(prim, "lappet:time"), reader.number(prim, "lappet:kerf", Incision.kerf)
-            return Incision(
-                name, time, points, None if through else reader.number(prim, "lappet:depth"), kerf, basis, closed
-            )
-        case "LappetExcisionAPI":
-            return Excision(name, reader.number(prim, "lappet:time"), _tuples(reader.points(prim)))
-        case "LappetUndermineAPI":
-            points, basis, closed = _curve(reader, prim)
-            if not closed:
-                reader.problem(ProblemCode.UNDERMINE_OPEN_CURVE, prim.GetPath(), "nonperiodic")
-            return Undermine(name, reader.number(prim, "lappet:time"), points, basis)
-        case "LappetHookAPI":
-            start, release = reader.number(prim, "lappet:start"), reader.number(prim, "lappet:release")
-            anchor = reader.placed(np.array([reader.vector(prim, "lappet:anchor", 3)]), prim.GetParent())
-            moves = tuple((time, cast(Point, tuple(m[3, :3]))) for time, m in reader.motion(prim, start))
-            stiffness = reader.number(prim, "lappet:stiffness", Hook.stiffness)
-            return Hook(name, _tuples(anchor)[0], moves, start, release, stiffness)
-        case "LappetRetractorAPI":
-            start, release = reader.number(prim, "lappet:start"), reader.number(prim, "lappet:release")
-            motion = tuple((time, tuple(m.ravel())) for time, m in reader.motion(prim, start))
-            return Retractor(name, _grip(reader, prim, tissues), motion, start, release)
-        case "LappetSutureAPI":
-            start = reader.number(prim, "lappet:start")
-            anchors = _tuples(reader.placed(reader.vectors(prim, "lappet:anchors"), prim.GetParent()))
-            if len(anchors) != 2:
-                reader.problem(ProblemCode.SUTURE_ANCHORS, prim.GetPath(), len(anchors))
-                anchors = ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
-            duration = reader.number(prim, "lappet:duration", Suture.duration)
-            stiffness = reader.number(prim, "lappet:stiffness", Suture.stiffness)
-            return Suture(name, (anchors[0], anchors[1]), start, duration, stiffness)
-        case _:
-            return Landmark(name, _tuples(reader.points(prim)), reader.text(prim, "lappet:label", name))
-
-
-def _grip(reader: Reader, prim: Any, tissues: list[Any]) -> str:
-    target = reader.target(prim, "lappet:grip")
-    parent, _, name = target.rpartition("/")
-    if not target:
-        reader.problem(ProblemCode.GRIP_MISSING, prim.GetPath(), "no grip")
-    elif tissues and parent != str(tissues[0].GetPath()):
-        reader.problem(ProblemCode.GRIP_ELSEWHERE, prim.GetPath(), target, tissue=tissues[0].GetPath())
-    return name
-
-
-def _curve(reader: Reader, prim: Any) -> tuple[tuple[Point, ...], Basis, bool]:
-    """Points, basis and closedness of a prim with one curve; a pinned curve gets its phantom points."""
-    points = reader.points(prim)
-    counts = reader.integers(prim, "curveVertexCounts")
-    if len(counts) != 1:
-        reader.problem(ProblemCode.CURVE_SEVERAL, prim.GetPath(), len(counts))
-    elif counts[0] != len(points):
-        reader.problem(ProblemCode.CURVE_COUNT, prim.GetPath(), int(counts[0]), points=len(points))
-    kind = str(prim.GetAttribute("type").Get() or "cubic")
-    basis = "linear" if kind == "linear" else str(prim.GetAttribute("basis").Get() or "bezier")
-    if basis not in ("linear", "bspline", "catmullRom", "bezier"):
-        reader.problem(ProblemCode.CURVE_UNKNOWN_BASIS, prim.GetPath(), basis)
-        basis = "linear"
-    wrap = str(prim.GetAttribute("wrap").Get() or "nonperiodic")
-    if wrap == "pinned" and basis in ("bspline", "catmullRom") and len(points) >= 2:
-        points = np.concatenate([[2 * points[0] - points[1]], points, [2 * points[-1] - points[-2]]])
-        reader.notes.append(f"{prim.GetPath()}: the pinned curve got a phantom point at each end.")
-    return _tuples(points), cast(Basis, basis), wrap == "periodic"
-
-
-def _tuples(points: NDArray[np.float64]) -> tuple[Point, ...]:
-    return tuple((float(x), float(y), float(z)) for x, y, z in points)

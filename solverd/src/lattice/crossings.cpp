@@ -18,7 +18,7 @@ std::int64_t floor_divide(std::int64_t a, std::int64_t b) {  // b > 0
 
 std::int64_t ceil_divide(std::int64_t a, std::int64_t b) { return -floor_divide(-a, b); }
 
-std::int64_t centre(std::int64_t voxel) { return voxel * kSteps + kSteps / 2; }
+std::int64_t center(std::int64_t voxel) { return voxel * kSteps + kSteps / 2; }
 
 // Calls row(v, first_u, last_u) for the lines along `axis` that pass through the triangle; u and v are the two axes
 // after `axis` in cyclic order. `normal` is twice the area vector.
@@ -33,7 +33,7 @@ void scan_rows(std::array<StepPoint, 3> corner, const std::array<std::int64_t, 3
   const std::int64_t last_v =
       std::min<std::int64_t>(box.voxels(static_cast<int>(v)) - 1, floor_divide(high - kSteps / 2, kSteps));
 
-  // Edge a -> b: E(U, V) = du (V - a_v) - dv (U - a_u) must be positive at the moved centre. E = 0 is decided by
+  // Edge a -> b: E(U, V) = du (V - a_v) - dv (U - a_u) must be positive at the moved center. E = 0 is decided by
   // du e_v - dv e_u, of which the axis with the smaller number has the larger e.
   struct Edge {
     std::int64_t du, dv, a_u, a_v, least;
@@ -48,8 +48,8 @@ void scan_rows(std::array<StepPoint, 3> corner, const std::array<std::int64_t, 3
   for (std::int64_t line = first_v; line <= last_v; ++line) {
     std::int64_t first_u = 0, last_u = box.voxels(static_cast<int>(u)) - 1;
     for (const Edge& e : edges) {
-      // E - least = rest - dv kSteps u' for the centre u'.
-      const std::int64_t rest = e.du * (centre(line) - e.a_v) - e.dv * (kSteps / 2 - e.a_u) - e.least;
+      // E - least = rest - dv kSteps u' for the center u'.
+      const std::int64_t rest = e.du * (center(line) - e.a_v) - e.dv * (kSteps / 2 - e.a_u) - e.least;
       if (e.dv > 0)
         last_u = std::min(last_u, floor_divide(rest, e.dv * kSteps));
       else if (e.dv < 0)
@@ -66,9 +66,9 @@ std::array<StepPoint, 3> corners_of(std::span<const StepPoint> points, const std
           points[static_cast<std::size_t>(triangle[2])]};
 }
 
-// The crossing of one line with the plane of a triangle: floor of its height above the first centre, in steps, lowered
-// by one where the moved centre lies above a crossing that meets it exactly.
-std::int64_t height_above_first_centre(const StepPoint& on_plane, const std::array<std::int64_t, 3>& normal,
+// The crossing of one line with the plane of a triangle: floor of its height above the first center, in steps, lowered
+// by one where the moved center lies above a crossing that meets it exactly.
+std::int64_t height_above_first_center(const StepPoint& on_plane, const std::array<std::int64_t, 3>& normal,
                                        std::size_t axis, std::int64_t u_steps, std::int64_t v_steps) {
   const std::size_t u = (axis + 1) % 3, v = (axis + 2) % 3;
   Wide numerator = -(Wide{normal[u]} * (u_steps - on_plane[u]) + Wide{normal[v]} * (v_steps - on_plane[v]));
@@ -139,7 +139,7 @@ Crossings find_crossings(std::span<const StepPoint> points, std::span<const std:
         const std::size_t u = (axis + 1) % 3, v = (axis + 2) % 3;
         scan_rows(corner, normal, axis, box, [&](std::int64_t line, std::int64_t first_u, std::int64_t last_u) {
           for (std::int64_t i = first_u; i <= last_u; ++i) {
-            const std::int64_t height = height_above_first_centre(corner[0], normal, axis, centre(i), centre(line));
+            const std::int64_t height = height_above_first_center(corner[0], normal, axis, center(i), center(line));
             Voxel lower;
             lower[u] = static_cast<std::int32_t>(i);
             lower[v] = static_cast<std::int32_t>(line);

@@ -1,10 +1,10 @@
-// Where the surface crosses the lines through voxel centres: exact scan conversion along x, y and z.
+// Where the surface crosses the lines through voxel centers: exact scan conversion along x, y and z.
 //
-// All voxel centres are moved by one infinitesimal vector (e_x, e_y, e_z), e_x >> e_y >> e_z > 0 (simulation of
-// simplicity, Edelsbrunner and Mücke 1990). No line then meets an edge or a vertex, no centre lies on a triangle, and
-// the lines of all three axes pass through the same moved centres: so the winding numbers along x, y and z agree
-// exactly, and a walk from centre to centre cannot slip through the surface, not even where walls coincide or pass
-// through centres.
+// All voxel centers are moved by one infinitesimal vector (e_x, e_y, e_z), e_x >> e_y >> e_z > 0 (simulation of
+// simplicity, Edelsbrunner and Mücke 1990). No line then meets an edge or a vertex, no center lies on a triangle, and
+// the lines of all three axes pass through the same moved centers: so the winding numbers along x, y and z agree
+// exactly, and a walk from center to center cannot slip through the surface, not even where walls coincide or pass
+// through centers.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -17,7 +17,7 @@ namespace lappet {
 
 struct Crossing {
   Voxel lower;             // the voxel below the crossing, -1 along `axis` where that is outside the box
-  std::uint16_t fraction;  // steps above the lower centre, rounded down, in [0, kSteps)
+  std::uint16_t fraction;  // steps above the lower center, rounded down, in [0, kSteps)
   std::int8_t winding;     // change of the winding number along +axis: +1 enters the tissue, -1 leaves it
   std::uint8_t axis;
 };

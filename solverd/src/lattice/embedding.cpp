@@ -20,7 +20,7 @@ namespace {
 // Lengths here are in voxels. Points this close to a cell count as inside it; weights this close to 0 or 1 are set to
 // it.
 constexpr double kRounding = 1e-7;
-constexpr int kMostVoxelsWalked = 256;
+constexpr int kMaxVoxelsWalked = 256;
 constexpr std::size_t kManyVoxels = 48;  // of a triangle: from here on they are looked up in a tree
 
 double distance_to_segment(const Vec3& p, const Vec3& a, const Vec3& b) {
@@ -96,7 +96,7 @@ Voxel Embedder::inner_voxel(const Vec3& point, std::span<const std::int32_t> tri
     if (seen == search_) continue;
     seen = search_;
     const auto look = [&, least = reach](const Voxel& voxel) {
-      const double far = std::max(least, (VoxelTree::centre(voxel) - point).norm());
+      const double far = std::max(least, (VoxelTree::center(voxel) - point).norm());
       if ((far < best || (far == best && voxel < result)) && (none_dropped_ || fine_.lattice_cell(voxel) >= 0)) {
         best = far;
         result = voxel;
@@ -106,14 +106,14 @@ Voxel Embedder::inner_voxel(const Vec3& point, std::span<const std::int32_t> tri
     const auto voxels = fine_.inner_voxels(triangle);
     if (voxels.size() < kManyVoxels) {
       for (const Voxel voxel : voxels)
-        if (voxel[0] >= 0 && !VoxelTree::beyond((VoxelTree::centre(voxel) - point).squaredNorm(), best)) look(voxel);
+        if (voxel[0] >= 0 && !VoxelTree::beyond((VoxelTree::center(voxel) - point).squaredNorm(), best)) look(voxel);
     } else {
       tree_of(triangle).visit_nearest(voxels, point, best, look);
     }
-    const auto& neighbours = fine_.neighbours(triangle);
+    const auto& neighbors = fine_.neighbors(triangle);
     const auto corner = corners_of(triangle);
     for (std::size_t k = 0; k < 3; ++k) {
-      const std::int32_t next = neighbours[k];
+      const std::int32_t next = neighbors[k];
       if (next < 0 || seen_[static_cast<std::size_t>(next)] == search_) continue;
       const double edge = distance_to_segment(point, corner[k], corner[(k + 1) % 3]);
       if (std::max(reach, edge) < best) reach_later(std::max(reach, edge), next);
@@ -122,13 +122,13 @@ Voxel Embedder::inner_voxel(const Vec3& point, std::span<const std::int32_t> tri
   return result;
 }
 
-// For a crumb of tissue that no voxel centre lies in: it is carried by what is nearest.
+// For a crumb of tissue that no voxel center lies in: it is carried by what is nearest.
 Voxel Embedder::nearest_of_all(const Vec3& point) const {
   double best = std::numeric_limits<double>::infinity();
   Voxel result{-1, -1, -1};
   for (std::int32_t t = 0; t < fine_.triangle_count(); ++t)
     for (const Voxel voxel : fine_.inner_voxels(t)) {
-      const double far = (VoxelTree::centre(voxel) - point).squaredNorm();
+      const double far = (VoxelTree::center(voxel) - point).squaredNorm();
       if ((far < best || (far == best && voxel < result)) && fine_.lattice_cell(voxel) >= 0) {
         best = far;
         result = voxel;
@@ -150,15 +150,15 @@ std::int32_t Embedder::walk_to_cell(const Vec3& point, const Voxel& start) {
       out[axis] = std::max({0.0, low - point[axis], point[axis] - low - r});
     }
     const double cell = out.norm();
-    return Rank{cell < kRounding ? 0.0 : cell, (VoxelTree::centre(voxel) - point).norm(), voxel};
+    return Rank{cell < kRounding ? 0.0 : cell, (VoxelTree::center(voxel) - point).norm(), voxel};
   };
   Rank best = rank(start);
   if (!(std::get<0>(best) > 0.0)) return fine_.lattice_cell(start);
-  const double reach = (VoxelTree::centre(start) - point).norm() + 1.5;
+  const double reach = (VoxelTree::center(start) - point).norm() + 1.5;
   std::priority_queue<Rank, std::vector<Rank>, std::greater<>> front;
   std::vector<Voxel> seen{start};
   front.push(best);
-  for (int steps = 0; !front.empty() && steps < kMostVoxelsWalked && std::get<0>(best) > 0.0; ++steps) {
+  for (int steps = 0; !front.empty() && steps < kMaxVoxelsWalked && std::get<0>(best) > 0.0; ++steps) {
     const Rank here = front.top();
     front.pop();
     best = std::min(best, here);
@@ -167,7 +167,7 @@ std::int32_t Embedder::walk_to_cell(const Vec3& point, const Voxel& start) {
       for (const int direction : {-1, 1}) {
         Voxel next = voxel;
         next[static_cast<std::size_t>(axis)] += direction;
-        if ((VoxelTree::centre(next) - point).norm() > reach ||
+        if ((VoxelTree::center(next) - point).norm() > reach ||
             std::find(seen.begin(), seen.end(), next) != seen.end() ||
             !fine_.connected_above(direction > 0 ? voxel : next, axis))
           continue;

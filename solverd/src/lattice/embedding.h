@@ -1,7 +1,7 @@
-// Ties rest points on the surface to cells of the lattice.
+// Embeds rest points on the surface in cells of the lattice.
 //
 // The side at a wound is decided by the surface and the voxels alone: from the triangle the point lies on, the search
-// grows over shared edges until it meets a triangle that is crossed by a line of voxel centres nearby; the inside voxel
+// grows over shared edges until it meets a triangle that is crossed by a line of voxel centers nearby; the inside voxel
 // next to that crossing lies on the point's side. From there a walk over connected voxels finds the cell that holds the
 // point.
 #pragma once

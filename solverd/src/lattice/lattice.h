@@ -3,7 +3,7 @@
 //
 // Corner c of a cell at integer position p is the grid point p + (c>>2 & 1, c>>1 & 1, c & 1); its rest position is
 // origin + h * that. Everything is decided on integers: two fine voxels are connected unless the segment between
-// their centres crosses the surface, whatever the width of the cut.
+// their centers crosses the surface, whatever the width of the cut.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -25,7 +25,7 @@ struct LatticeSettings {
   std::size_t memory_budget = std::size_t{8} << 30;  // bytes; building refuses (throws) before exceeding it
 };
 
-// A point tied to one fragment of one cell with trilinear weights (they may leave [0, 1] by a voxel at thin edges).
+// A point embedded in one fragment of one cell with trilinear weights (they may leave [0, 1] by a voxel at thin edges).
 struct EmbeddedPoint {
   std::int32_t cell = -1;
   std::array<double, 8> weights{};

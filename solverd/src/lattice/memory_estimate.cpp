@@ -19,7 +19,7 @@ std::string gibibytes(double bytes) {
   return text.data();
 }
 
-std::string millimetres(double value) {
+std::string millimeters(double value) {
   std::array<char, 32> text{};
   std::snprintf(text.data(), text.size(), "%.4g mm", value);
   return text.data();
@@ -34,7 +34,7 @@ double round_up(double value) {
 bool fits(const SurfaceMeasure& measure, double spacing, int ratio, double budget) {
   return estimate_bytes(measure, spacing, ratio) <= budget &&
          (measure.high - measure.low).maxCoeff() / spacing * ratio + 2.0 * ratio <
-             static_cast<double>(kMostVoxelsPerAxis);
+             static_cast<double>(kMaxVoxelsPerAxis);
 }
 
 }  // namespace
@@ -64,7 +64,7 @@ double estimate_bytes(const SurfaceMeasure& measure, double spacing, int fine_ra
   const double box = cells.prod();
   const double crossings = measure.projected_area.sum() / (voxel * voxel);
   const double lines = box / cells.minCoeff() * r * r;
-  // A plane meets (sum of its projected areas) / h^2 cells; a crossing may touch a neighbour, too.
+  // A plane meets (sum of its projected areas) / h^2 cells; a crossing may touch a neighbor, too.
   const double touched = std::min(box, 1.3 * measure.projected_area.sum() / (spacing * spacing));
   const double occupied = std::min(box, std::abs(measure.volume) / std::pow(spacing, 3) + touched);
   const double per_crossing = 16.0 + 6.0 + 4.0;                 // crossing, inner voxel, order on its line
@@ -79,14 +79,14 @@ void check_memory(const SurfaceMeasure& measure, const LatticeSettings& settings
   if (fits(measure, h, settings.fine_ratio, budget)) return;
   const double bytes = estimate_bytes(measure, h, settings.fine_ratio);
   const Vec3 size = measure.high - measure.low;
-  std::string sentence = "A lattice of spacing " + millimetres(h) + " with " + std::to_string(settings.fine_ratio) +
+  std::string sentence = "A lattice of spacing " + millimeters(h) + " with " + std::to_string(settings.fine_ratio) +
                          " voxels per cell edge needs about " + gibibytes(bytes) + " for this tissue of " +
-                         millimetres(size.x()) + " x " + millimetres(size.y()) + " x " + millimetres(size.z());
+                         millimeters(size.x()) + " x " + millimeters(size.y()) + " x " + millimeters(size.z());
   sentence += bytes > budget ? ", more than the memory budget of " + gibibytes(budget)
-                             : ", and more than " + std::to_string(kMostVoxelsPerAxis) + " voxels along one side";
+                             : ", and more than " + std::to_string(kMaxVoxelsPerAxis) + " voxels along one side";
   double coarser = h;
   while (!fits(measure, coarser, settings.fine_ratio, budget) && coarser < 1e6 * h) coarser *= 1.02;
-  sentence += ": use a spacing of at least " + millimetres(round_up(coarser));
+  sentence += ": use a spacing of at least " + millimeters(round_up(coarser));
   int lower_ratio = settings.fine_ratio - 1;
   while (lower_ratio >= 2 && !fits(measure, h, lower_ratio, budget)) --lower_ratio;
   if (lower_ratio >= 2) sentence += ", or a fine ratio of at most " + std::to_string(lower_ratio);

@@ -16,7 +16,7 @@ struct SurfaceMeasure {
 SurfaceMeasure measure(const Surface& surface);
 
 // Bytes at the peak of building the lattice: the map of the box, the crossings of the surface with the lines of voxel
-// centres, masks of the cells that the surface touches, and what a cell and its nodes need.
+// centers, masks of the cells that the surface touches, and what a cell and its nodes need.
 double estimate_bytes(const SurfaceMeasure& measure, double spacing, int fine_ratio);
 
 // Throws RefusedError(kMemoryBudget) where the estimate exceeds settings.memory_budget; the sentence names the size and

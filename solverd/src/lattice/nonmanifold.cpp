@@ -147,13 +147,13 @@ Fragments find_fragments(const FineVoxels& fine, std::span<const CopyLink> links
 std::int64_t drop_specks(const FineVoxels& fine, Fragments& fragments) {
   const std::size_t count = fragments.voxels.size();
   if (count <= 1) return 0;
-  // Which fragments each part of the surface bounds, and the largest of them.
-  std::vector<std::pair<std::int32_t, std::int32_t>> bounds;  // part, fragment
+  // Which fragments each component of the surface bounds, and the largest of them.
+  std::vector<std::pair<std::int32_t, std::int32_t>> bounds;  // component, fragment
   for (std::int32_t t = 0; t < fine.triangle_count(); ++t)
     for (const Voxel voxel : fine.inner_voxels(t)) {
       const std::int32_t copy = fine.copy_of(voxel);
       if (copy < 0) continue;
-      const std::pair pair{fine.part_of(t), fragments.of_copy[static_cast<std::size_t>(copy)]};
+      const std::pair pair{fine.component_of(t), fragments.of_copy[static_cast<std::size_t>(copy)]};
       if (bounds.empty() || bounds.back() != pair) bounds.push_back(pair);
     }
   std::sort(bounds.begin(), bounds.end());
@@ -163,14 +163,14 @@ std::int64_t drop_specks(const FineVoxels& fine, Fragments& fragments) {
     const std::int64_t vb = fragments.voxels[static_cast<std::size_t>(b)];
     return va != vb ? va > vb : a < b;
   };
-  std::vector<std::int32_t> largest(static_cast<std::size_t>(fine.part_count()), -1);
-  for (const auto& [part, fragment] : bounds) {
-    std::int32_t& best = largest[static_cast<std::size_t>(part)];
+  std::vector<std::int32_t> largest(static_cast<std::size_t>(fine.component_count()), -1);
+  for (const auto& [component, fragment] : bounds) {
+    std::int32_t& best = largest[static_cast<std::size_t>(component)];
     if (best < 0 || before(fragment, best)) best = fragment;
   }
   std::vector<char> dropped(count, 0);
-  for (const auto& [part, fragment] : bounds)
-    if (largest[static_cast<std::size_t>(part)] != fragment) dropped[static_cast<std::size_t>(fragment)] = 1;
+  for (const auto& [component, fragment] : bounds)
+    if (largest[static_cast<std::size_t>(component)] != fragment) dropped[static_cast<std::size_t>(fragment)] = 1;
 
   // Keep those that are pieces in their own right: joined to the rest by a bridge that the voxels do not resolve.
   const std::int64_t cell_voxels = std::int64_t{fine.box().ratio} * fine.box().ratio * fine.box().ratio;

@@ -68,7 +68,7 @@ std::vector<std::int32_t> find_ancestors(const Lattice& from, const Lattice& to)
   return ancestor;
 }
 
-// Tissue that was not there before moves with its neighbours: nodes still without a value take, round by round, the
+// Tissue that was not there before moves with its neighbors: nodes still without a value take, round by round, the
 // mean displacement of the known nodes of their cells, or stay at rest where a whole fragment is new.
 void spread(const Lattice& lattice, std::vector<char>& known, std::vector<Vec3>& position) {
   for (bool progress = true; progress;) {

@@ -1,6 +1,6 @@
 // The box of coarse cells and fine voxels around a tissue, and its integer coordinates.
 //
-// Notation: h cell edge, r voxels per cell edge, voxel centre i at (i + 1/2) h/r from the box corner. Points are
+// Notation: h cell edge, r voxels per cell edge, voxel center i at (i + 1/2) h/r from the box corner. Points are
 // rounded to kSteps steps per voxel, so that every predicate downstream is exact in integers.
 #pragma once
 #include <array>
@@ -12,7 +12,7 @@ namespace lappet {
 inline constexpr int kStepBits = 14;
 inline constexpr std::int64_t kSteps = std::int64_t{1} << kStepBits;  // integer steps per voxel edge
 // Coordinates stay below 2^30 steps: edge functions then fit 64 bits, plane functions 128.
-inline constexpr std::int64_t kMostVoxelsPerAxis = (std::int64_t{1} << 30) / kSteps;
+inline constexpr std::int64_t kMaxVoxelsPerAxis = (std::int64_t{1} << 30) / kSteps;
 
 using Voxel = std::array<std::int32_t, 3>;  // relative to the box
 

@@ -31,12 +31,12 @@ class VoxelTree {
     }
   }
 
-  static Vec3 centre(const Voxel& voxel) { return Vec3(voxel[0] + 0.5, voxel[1] + 0.5, voxel[2] + 0.5); }
+  static Vec3 center(const Voxel& voxel) { return Vec3(voxel[0] + 0.5, voxel[1] + 0.5, voxel[2] + 0.5); }
 
   // Nudged down, so that what only touches the distance is still looked at.
   static bool beyond(double squared, double within) { return squared * (1.0 - 1e-12) > within * within; }
 
-  // Calls look(voxel), which returns the distance beyond which nothing matters any longer, for all voxels whose centres
+  // Calls look(voxel), which returns the distance beyond which nothing matters any longer, for all voxels whose centers
   // lie within that distance of the point, near ones first as far as the boxes tell. `voxels`: as they were given.
   template <class Look>
   void visit_nearest(std::span<const PackedVoxel> voxels, const Vec3& point, double within, const Look& look) const {
@@ -69,7 +69,7 @@ class VoxelTree {
              double& within, const Look& look) const {
     if (level == 0) {
       for (const Voxel voxel : voxels.subspan(kFan * index, std::min(kFan, voxels.size() - kFan * index)))
-        if (voxel[0] >= 0 && !beyond((centre(voxel) - point).squaredNorm(), within)) within = look(voxel);
+        if (voxel[0] >= 0 && !beyond((center(voxel) - point).squaredNorm(), within)) within = look(voxel);
       return;
     }
     const std::vector<Box>& boxes = levels_[level - 1];

@@ -11,12 +11,12 @@
 #include <limits>
 #include <string>
 
-#include "lattice/centre_lines.h"
+#include "lattice/center_lines.h"
 #include "lattice/crossings.h"
 #include "lattice/memory_estimate.h"
 #include "lattice/quantize.h"
 #include "lattice/refused.h"
-#include "lattice/surface_parts.h"
+#include "lattice/surface_components.h"
 
 namespace lappet {
 namespace {
@@ -61,7 +61,7 @@ struct FineVoxels::Builder {
   }
 
   // A cell that nothing touches is like its first voxel throughout.
-  void mark_whole(const CentreLines& z_lines) {
+  void mark_whole(const CenterLines& z_lines) {
     const std::int32_t r = out.box_.ratio;
     tbb::parallel_for(tbb::blocked_range<std::int32_t>(0, out.box_.cells[0], 8), [&](const auto& range) {
       for (std::int32_t x = range.begin(); x != range.end(); ++x)
@@ -125,7 +125,7 @@ struct FineVoxels::Builder {
 
   // Walks the lines of one axis: cut links, inner voxels, and (for z) the inside voxels. Returns false if a line says
   // that the surface is open there.
-  bool sweep(const CentreLines& lines, std::size_t axis, std::size_t& open_line) {
+  bool sweep(const CenterLines& lines, std::size_t axis, std::size_t& open_line) {
     const std::size_t u = axis == 0 ? 1 : 0, v = axis == 2 ? 1 : 2;
     const std::int32_t width = out.box_.voxels(static_cast<int>(v)), length = out.box_.voxels(static_cast<int>(axis));
     std::atomic<std::size_t> open = lines.count();
@@ -169,7 +169,7 @@ struct FineVoxels::Builder {
   }
 
   // Whether the inside voxels of a cell of at most 64 voxels are one component at most: it grows from the first voxel,
-  // from all that it has reached at once. upper_end: per axis, the voxels that have no neighbour above in the cell.
+  // from all that it has reached at once. upper_end: per axis, the voxels that have no neighbor above in the cell.
   bool is_connected(std::int32_t block, const std::array<std::uint64_t, 3>& upper_end) const {
     const auto r = static_cast<unsigned>(out.box_.ratio);
     const std::array<unsigned, 3> stride{r * r, r, 1};
@@ -257,14 +257,14 @@ struct FineVoxels::Builder {
         count[c] = label(block, local.labels, local.stack, local.sizes);
     });
     out.copy_first_.assign(cells + 1, 0);
-    std::int64_t labelled = 0;
+    std::int64_t labeled = 0;
     for (std::size_t c = 0; c < cells; ++c) {
       out.copy_first_[c + 1] = out.copy_first_[c] + count[c];
       if (out.block_[c] >= 0 && count[c] > 1)
-        out.label_first_[static_cast<std::size_t>(out.block_[c])] = std::int64_t{r} * r * r * labelled++;
+        out.label_first_[static_cast<std::size_t>(out.block_[c])] = std::int64_t{r} * r * r * labeled++;
     }
     out.copy_voxels_.assign(static_cast<std::size_t>(out.copy_first_.back()), r * r * r);
-    out.labels_.resize(static_cast<std::size_t>(std::int64_t{r} * r * r * labelled));
+    out.labels_.resize(static_cast<std::size_t>(std::int64_t{r} * r * r * labeled));
     each_touched([&](std::size_t c, std::int32_t block, Scratch& local) {
       const auto sizes = out.copy_voxels_.begin() + out.copy_first_[c];
       if (count[c] == 1) *sizes = inside_voxels(block);
@@ -296,7 +296,7 @@ FineVoxels::FineVoxels(const Surface& surface, const LatticeSettings& settings) 
   inner_.assign(builder.crossings.all.size(), PackedVoxel());
   builder.mark_touched();
   for (const std::size_t axis : {std::size_t{2}, std::size_t{1}, std::size_t{0}}) {
-    const CentreLines lines(builder.crossings, axis, box_);
+    const CenterLines lines(builder.crossings, axis, box_);
     if (axis == 2) {
       builder.mark_whole(lines);
       builder.number_cells();
@@ -320,10 +320,10 @@ FineVoxels::FineVoxels(const Surface& surface, const LatticeSettings& settings) 
   builder.crossings.all = {};
   builder.make_copies();
 
-  SurfaceParts parts = find_parts(surface);
-  neighbours_ = std::move(parts.neighbours);
-  part_ = std::move(parts.part);
-  part_count_ = parts.count;
+  SurfaceComponents components = find_components(surface);
+  neighbors_ = std::move(components.neighbors);
+  component_ = std::move(components.component);
+  component_count_ = components.count;
 }
 
 std::int32_t FineVoxels::copy_of(const Voxel& voxel) const {
@@ -379,7 +379,7 @@ std::vector<std::int8_t> FineVoxels::winding_numbers(const Surface& surface, con
                                              count_crossings(quantized.points, surface.triangles, box));
   const auto a = static_cast<std::size_t>(axis);
   const std::size_t u = a == 0 ? 1 : 0, v = a == 2 ? 1 : 2;
-  const CentreLines lines(crossings, a, box);
+  const CenterLines lines(crossings, a, box);
   std::vector<std::int8_t> result(static_cast<std::size_t>(box.voxels(0)) * static_cast<std::size_t>(box.voxels(1)) *
                                   static_cast<std::size_t>(box.voxels(2)));
   const auto width = static_cast<std::size_t>(box.voxels(static_cast<int>(v)));
@@ -402,7 +402,7 @@ std::size_t FineVoxels::bytes() const {
   const auto size = [](const auto& v) { return v.capacity() * sizeof(v[0]); };
   return size(occupied_) + size(position_) + size(block_) + size(inside_) + size(cut_[0]) + size(cut_[1]) +
          size(cut_[2]) + size(copy_first_) + size(copy_voxels_) + size(label_first_) + size(labels_) +
-         size(lattice_cell_) + size(inner_first_) + size(inner_) + size(neighbours_) + size(part_);
+         size(lattice_cell_) + size(inner_first_) + size(inner_) + size(neighbors_) + size(component_);
 }
 
 }  // namespace lappet

@@ -1,7 +1,7 @@
-// Fine rasterization of a closed surface (GRIDiron §5.2): which voxels hold tissue, which neighbours are cut apart, and
+// Fine rasterization of a closed surface (GRIDiron §5.2): which voxels hold tissue, which neighbors are cut apart, and
 // on which side of every triangle the tissue lies.
 //
-// Two neighbouring inside voxels are connected unless the segment between their centres crosses the surface, so a cut
+// Two neighboring inside voxels are connected unless the segment between their centers crosses the surface, so a cut
 // of any width separates at any ratio. Voxels are stored as bit masks for the coarse cells that the surface touches,
 // and not at all for the others, which are tissue throughout or empty.
 #pragma once
@@ -33,14 +33,14 @@ class FineVoxels {
     return occupied_[static_cast<std::size_t>(box_.cell_index(x, y, z))];
   }
   Voxel position(std::int32_t cell) const { return position_[static_cast<std::size_t>(cell)]; }  // in the box, cells
-  // No triangle near: all r^3 voxels inside, none cut from its neighbours.
+  // No triangle near: all r^3 voxels inside, none cut from its neighbors.
   bool is_whole(std::int32_t cell) const { return block_[static_cast<std::size_t>(cell)] < 0; }
 
   // --- voxels. Positions are relative to the box; those outside it are allowed and empty.
   bool inside(const Voxel& voxel) const { return copy_of(voxel) >= 0; }
-  // Is the segment from this voxel to its next neighbour along +axis crossed by the surface?
+  // Is the segment from this voxel to its next neighbor along +axis crossed by the surface?
   bool cut_above(const Voxel& voxel, int axis) const;
-  // Both inside, face neighbours along +axis, and not cut apart.
+  // Both inside, face neighbors along +axis, and not cut apart.
   bool connected_above(const Voxel& voxel, int axis) const;
 
   // --- copies: the connected components of the inside voxels of one coarse cell (Algorithm 2, line 2), numbered by
@@ -61,7 +61,7 @@ class FineVoxels {
     return copy < 0 ? -1 : lattice_cell_[static_cast<std::size_t>(copy)];
   }
 
-  // --- the tissue's side of the surface: for each crossing of a triangle with a line of centres, the inside voxel next
+  // --- the tissue's side of the surface: for each crossing of a triangle with a line of centers, the inside voxel next
   // to it on the inner side. Voxel {-1, -1, -1}: none (a sheet thinner than a voxel).
   std::span<const PackedVoxel> inner_voxels(std::int32_t triangle) const {
     const auto t = static_cast<std::size_t>(triangle);
@@ -69,12 +69,12 @@ class FineVoxels {
   }
   std::int32_t triangle_count() const { return static_cast<std::int32_t>(inner_first_.size()) - 1; }
   // Triangles across the edges (0,1), (1,2), (2,0); -1 where the edge is not shared by exactly two.
-  const std::array<std::int32_t, 3>& neighbours(std::int32_t triangle) const {
-    return neighbours_[static_cast<std::size_t>(triangle)];
+  const std::array<std::int32_t, 3>& neighbors(std::int32_t triangle) const {
+    return neighbors_[static_cast<std::size_t>(triangle)];
   }
-  // Connected part of the surface (over shared edges) that a triangle belongs to, and how many there are.
-  std::int32_t part_of(std::int32_t triangle) const { return part_[static_cast<std::size_t>(triangle)]; }
-  std::int32_t part_count() const { return part_count_; }
+  // Connected component of the surface (over shared edges) that a triangle belongs to, and how many there are.
+  std::int32_t component_of(std::int32_t triangle) const { return component_[static_cast<std::size_t>(triangle)]; }
+  std::int32_t component_count() const { return component_count_; }
 
   // Winding numbers of all voxels along the lines of one axis, box order with z fastest: one byte a voxel. Costs a
   // rasterization; for tests (all three axes must agree).
@@ -107,9 +107,9 @@ class FineVoxels {
   std::vector<std::int32_t> lattice_cell_;         // per copy
   std::vector<std::int64_t> inner_first_;          // per triangle
   std::vector<PackedVoxel> inner_;
-  std::vector<std::array<std::int32_t, 3>> neighbours_;
-  std::vector<std::int32_t> part_;
-  std::int32_t part_count_ = 0;
+  std::vector<std::array<std::int32_t, 3>> neighbors_;
+  std::vector<std::int32_t> component_;
+  std::int32_t component_count_ = 0;
 };
 
 }  // namespace lappet

@@ -23,7 +23,7 @@ consteval bool holds(std::string_view feature) {
   return true;
 }
 
-inline constexpr bool kHasContact = holds("contact"), kHasFibres = holds("fibres"), kHasMuscle = holds("muscle"),
+inline constexpr bool kHasContact = holds("contact"), kHasFibers = holds("fibres"), kHasMuscle = holds("muscle"),
                       kHasPrestretch = holds("prestretch"), kHasHeterogeneity = holds("heterogeneity"),
                       kHasMeshCells = holds("mesh_cells"), kHasLandmarks = holds("landmarks"),
                       kHasErrorEstimate = holds("error_estimate"), kHasStrain = holds("strain");

@@ -43,7 +43,7 @@ inline Number select(bool condition, Number yes, Number no) {
   return condition ? yes : no;
 }
 
-// 1/x to a few digits, for iterations that mend it; 1/sqrt(x) to rounding, x > 0.
+// 1/x to a few digits, for iterations that correct it; 1/sqrt(x) to rounding, x > 0.
 template <class Number>
 inline Number rough_reciprocal(Number x) {
   return NumberTraits<Number>::rough_reciprocal(x);

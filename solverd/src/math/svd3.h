@@ -20,7 +20,7 @@ inline void rotate_columns(Number (&b)[9], Number (&v)[9]) {
   const Number gamma = b[p] * b[q] + b[3 + p] * b[3 + q] + b[6 + p] * b[6 + q];
   const Number difference = beta - alpha;
   const Number twice = gamma + gamma;
-  // The angle may be rough, further sweeps mend it; the rotation must be one to rounding.
+  // The angle may be rough, further sweeps correct it; the rotation must be one to rounding.
   const Number tiny(tiny_number<Number>());
   const Number squared = difference * difference + twice * twice + tiny;
   const Number root = squared * rough_reciprocal_sqrt(squared);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <optional>
 
 #include "math/instruction_set.h"
@@ -81,6 +82,34 @@ void add_rows(MessageWriter& writer, const std::string& name, const std::vector<
   writer.array(name, std::span<const T>(elements), std::move(shape));
 }
 
+// Reads settings into a SessionSettings (visit_settings).
+class SettingReader {
+ public:
+  explicit SettingReader(FieldReader& reader) : reader_(&reader) {}
+
+  void operator()(std::string_view name, double& value) const { value = reader_->number(name); }
+  void operator()(std::string_view name, std::int32_t& value, std::int32_t low = 0,
+                  std::int32_t high = std::numeric_limits<std::int32_t>::max()) const {
+    value = integer_field(*reader_, name, low, high);
+  }
+  void operator()(std::string_view name, std::size_t& value) const {
+    value = static_cast<std::size_t>(reader_->integer(name, 0, kMaxBytes));
+  }
+  void operator()(std::string_view name, bool& value) const { value = integer_field(*reader_, name, 0, 1) == 1; }
+  void operator()(std::string_view name, std::string& value) const { value = reader_->text(name); }
+  void operator()(std::string_view name, Vec3& value) const {
+    const std::array<double, 3> numbers = reader_->vector3(name);
+    value = Vec3(numbers[0], numbers[1], numbers[2]);
+  }
+  template <class T>
+  void optional(std::string_view name, T& value) const {
+    if (reader_->has(name)) (*this)(name, value);
+  }
+
+ private:
+  FieldReader* reader_;
+};
+
 MaterialParameters decode_material(FieldReader& reader) {
   MaterialParameters material;
   material.model = reader.text("model");
@@ -90,11 +119,11 @@ MaterialParameters decode_material(FieldReader& reader) {
   material.mooney_ratio = reader.number("mooney_ratio", material.mooney_ratio);
   if (reader.has("fibre_direction")) {
     const std::array<double, 3> direction = reader.vector3("fibre_direction");
-    material.fibre_direction = Vec3(direction[0], direction[1], direction[2]);
+    material.fiber_direction = Vec3(direction[0], direction[1], direction[2]);
   }
-  material.fibre_k1 = reader.number("fibre_k1", material.fibre_k1);
-  material.fibre_k2 = reader.number("fibre_k2", material.fibre_k2);
-  material.fibre_dispersion = reader.number("fibre_dispersion", material.fibre_dispersion);
+  material.fiber_k1 = reader.number("fibre_k1", material.fiber_k1);
+  material.fiber_k2 = reader.number("fibre_k2", material.fiber_k2);
+  material.fiber_dispersion = reader.number("fibre_dispersion", material.fiber_dispersion);
   material.muscle_stress = reader.number("muscle_stress", material.muscle_stress);
   if (reader.has("prestretch")) {
     const std::vector<double> prestretch = reader.numbers("prestretch", 2);
@@ -122,8 +151,8 @@ void decode_regions(FieldReader& reader, ArrayReader& arrays, std::int32_t mater
   reader.maps("regions", [&](FieldReader& entry) {
     MaterialRegion region;
     region.material = integer_field(entry, "material", 0, materials - 1);
-    region.from_depth = entry.number("from_depth");
-    region.to_depth = entry.number("to_depth", region.to_depth);
+    region.from_depth = entry.number("depth_from");
+    region.to_depth = entry.number("depth_to", region.to_depth);
     epoch.regions.push_back(std::move(region));
   });
   const std::size_t count = epoch.skin.triangles.size();
@@ -134,42 +163,83 @@ void decode_regions(FieldReader& reader, ArrayReader& arrays, std::int32_t mater
   }
 }
 
+std::vector<HookState> decode_hooks(ArrayReader& arrays, const FrameLimits& limits) {
+  const std::vector<double> hook_anchors = arrays.read_finite("hook_anchors", {kAny, 3});
+  const std::size_t hooks = hook_anchors.size() / 3;
+  const auto hook_triangles = arrays.read<std::int32_t>("hook_triangles", {length(hooks)});
+  check_indices(hook_triangles, "hook_triangles", 0, limits.triangles, "triangles");
+  const std::vector<double> hook_targets = arrays.read_finite("hook_targets", {length(hooks), 3});
+  const std::vector<double> hook_stiffness = arrays.read_finite("hook_stiffness", {length(hooks)});
+  std::vector<std::int32_t> index(hooks);
+  std::iota(index.begin(), index.end(), 0);
+  if (arrays.has("hook_index")) index = arrays.read<std::int32_t>("hook_index", {length(hooks)});
+  check_distinct(index, "hook_index");
+  std::vector<HookState> result;
+  for (std::size_t i = 0; i < hooks; ++i)
+    result.push_back(
+        {{point_at(hook_anchors, i), hook_triangles[i]}, point_at(hook_targets, i), hook_stiffness[i], index[i]});
+  return result;
+}
+
+std::vector<SutureState> decode_sutures(ArrayReader& arrays, const FrameLimits& limits) {
+  const auto suture_index = arrays.read<std::int32_t>("suture_index", {kAny});
+  const std::size_t sutures = suture_index.size();
+  check_indices(suture_index, "suture_index", 0, limits.sutures, "sutures in the procedure");
+  check_distinct(suture_index, "suture_index");
+  const std::vector<double> suture_anchors = arrays.read_finite("suture_anchors", {length(sutures), 2, 3});
+  const auto suture_triangles = arrays.read<std::int32_t>("suture_triangles", {length(sutures), 2});
+  check_indices(suture_triangles, "suture_triangles", 0, limits.triangles, "triangles");
+  const std::vector<double> closure = arrays.read_finite("suture_closure", {length(sutures)});
+  const std::vector<double> suture_stiffness = arrays.read_finite("suture_stiffness", {length(sutures)});
+  std::vector<SutureState> result;
+  for (std::size_t i = 0; i < sutures; ++i) {
+    if (closure[i] < 0.0 || closure[i] > 1.0) {
+      invalid("The closure of suture " + std::to_string(suture_index[i]) + " is " + std::to_string(closure[i]) +
+              "; it must lie between 0 (as placed) and 1 (drawn together).");
+    }
+    result.push_back({suture_index[i],
+                      {point_at(suture_anchors, 2 * i), suture_triangles[2 * i]},
+                      {point_at(suture_anchors, 2 * i + 1), suture_triangles[2 * i + 1]},
+                      closure[i],
+                      suture_stiffness[i]});
+  }
+  return result;
+}
+
+std::vector<RetractorState> decode_retractors(ArrayReader& arrays, const FrameLimits& limits) {
+  const auto retractor_index = arrays.read<std::int32_t>("retractor_index", {kAny});
+  check_indices(retractor_index, "retractor_index", 0, limits.retractors, "retractors in the procedure");
+  check_distinct(retractor_index, "retractor_index");
+  const std::vector<double> motion = arrays.read_finite("retractor_motion", {length(retractor_index.size()), 4, 4});
+  std::vector<RetractorState> result;
+  for (std::size_t i = 0; i < retractor_index.size(); ++i) {
+    RetractorState retractor{retractor_index[i], Eigen::Matrix4d::Identity()};
+    for (int row = 0; row < 4; ++row) {
+      for (int column = 0; column < 4; ++column) {
+        retractor.motion(row, column) = motion[16 * i + static_cast<std::size_t>(4 * row + column)];
+      }
+    }
+    result.push_back(retractor);
+  }
+  return result;
+}
+
 }  // namespace
 
-Hello decode_hello(const Header& header, ArrayFrames frames) {
-  ArrayReader(header, frames).finish();
+Hello decode_hello(const Header& header, ArrayParts parts) {
+  ArrayReader(header, parts).finish();
   FieldReader reader(header.fields, header.type);
   Hello hello{reader.text("token"), reader.text("client")};
   reader.finish();
   return hello;
 }
 
-SessionSettings decode_open(const Header& header, ArrayFrames frames) {
-  ArrayReader arrays(header, frames);
+SessionSettings decode_open(const Header& header, ArrayParts parts) {
+  ArrayReader arrays(header, parts);
   FieldReader open(header.fields, header.type);
   SessionSettings settings;
   FieldReader reader(open.map("settings"), "settings");
-  settings.spacing = reader.number("spacing");
-  settings.fine_ratio = integer_field(reader, "fine_ratio", 1);
-  const std::array<double, 3> origin = reader.vector3("origin");
-  settings.origin = Vec3(origin[0], origin[1], origin[2]);
-  settings.quadrature = integer_field(reader, "quadrature", 0);
-  settings.precision = reader.text("precision");
-  settings.tolerance = reader.number("tolerance");
-  settings.gap_tolerance = reader.number("gap_tolerance");
-  settings.max_newton = integer_field(reader, "max_newton", 0);
-  settings.bed_stiffness = reader.number("bed_stiffness");
-  const std::array<double, 3> gravity = reader.vector3("gravity");
-  settings.gravity = Vec3(gravity[0], gravity[1], gravity[2]);
-  settings.time_budget = reader.number("time_budget");
-  settings.memory_budget = static_cast<std::size_t>(reader.integer("memory_budget", 0, kMaxBytes));
-  settings.threads = integer_field(reader, "threads", 0, 4096);
-  settings.sutures = integer_field(reader, "sutures", 0);
-  settings.retractors = integer_field(reader, "retractors", 0);
-  if (reader.has("region")) settings.region = reader.text("region");
-  if (reader.has("preconditioner")) settings.preconditioner = reader.text("preconditioner");
-  if (reader.has("correction")) settings.correction = integer_field(reader, "correction", 0, 1) == 1;
-  if (reader.has("strain")) settings.strain = integer_field(reader, "strain", 0, 1) == 1;
+  visit_settings(settings, SettingReader(reader));
   reader.finish();
   settings.materials.clear();
   open.maps("materials", [&](FieldReader& material) { settings.materials.push_back(decode_material(material)); });
@@ -186,9 +256,9 @@ SessionSettings decode_open(const Header& header, ArrayFrames frames) {
   return settings;
 }
 
-EpochInput decode_epoch(const Header& header, ArrayFrames frames, std::int32_t retractors, std::int32_t materials) {
+EpochInput decode_epoch(const Header& header, ArrayParts parts, std::int32_t retractors, std::int32_t materials) {
   FieldReader reader(header.fields, header.type);
-  ArrayReader arrays(header, frames);
+  ArrayReader arrays(header, parts);
   EpochInput epoch;
   epoch.index = integer_field(reader, "index", 0);
   epoch.surface = decode_surface(arrays, "points", "triangles", "surface points");
@@ -196,10 +266,10 @@ EpochInput decode_epoch(const Header& header, ArrayFrames frames, std::int32_t r
   if (reader.has("regions") || arrays.has("skin_points") || arrays.has("skin_triangles"))
     epoch.skin = decode_surface(arrays, "skin_points", "skin_triangles", "skin points");
   if (reader.has("regions")) decode_regions(reader, arrays, materials, epoch);
-  if (reader.has("nodes")) epoch.nodes = integer_field(reader, "nodes", 0, 1) == 1;
+  if (reader.has("rest_nodes")) epoch.nodes = integer_field(reader, "rest_nodes", 0, 1) == 1;
   reader.finish();
   epoch.fixed = arrays.read<std::uint8_t>("fixed", {count});
-  epoch.bed = arrays.read<std::uint8_t>("bed", {count});
+  epoch.bed = arrays.read<std::uint8_t>("support", {count});
   epoch.grip = arrays.read<std::int32_t>("grip", {count});
   check_indices(epoch.grip, "grip", -1, retractors, "retractors (-1: not gripped)");
   epoch.landmarks = to_points(arrays.read_finite("landmarks", {kAny, 3}));
@@ -209,9 +279,9 @@ EpochInput decode_epoch(const Header& header, ArrayFrames frames, std::int32_t r
   return epoch;
 }
 
-SolverState decode_state(const Header& header, ArrayFrames frames, std::int32_t sutures, std::int32_t materials) {
+SolverState decode_state(const Header& header, ArrayParts parts, std::int32_t sutures, std::int32_t materials) {
   FieldReader reader(header.fields, header.type);
-  ArrayReader arrays(header, frames);
+  ArrayReader arrays(header, parts);
   SolverState state;
   const std::string precision = reader.text("precision");
   reader.finish();
@@ -228,7 +298,7 @@ SolverState decode_state(const Header& header, ArrayFrames frames, std::int32_t 
   if (!std::ranges::all_of(state.nodes, [](double x) { return std::isfinite(x); })) {
     invalid("The array 'nodes' of the state holds a value that is not finite.");
   }
-  state.suture_gaps = arrays.read<double>("suture_gaps", {sutures, 3});  // NaN: not placed yet
+  state.suture_gaps = arrays.read<double>("suture_separations", {sutures, 3});  // NaN: not placed yet
   state.suture_multipliers = arrays.read_finite("suture_multipliers", {sutures, 3});
   state.grip_multipliers = arrays.read_finite("grip_multipliers", {kAny});
   state.activation = arrays.read_finite("activation", {materials});
@@ -236,69 +306,26 @@ SolverState decode_state(const Header& header, ArrayFrames frames, std::int32_t 
   return state;
 }
 
-FrameInput decode_solve(const Header& header, ArrayFrames frames, const FrameLimits& limits) {
+FrameInput decode_solve(const Header& header, ArrayParts parts, const FrameLimits& limits) {
   FieldReader reader(header.fields, header.type);
-  ArrayReader arrays(header, frames);
+  ArrayReader arrays(header, parts);
   FrameInput frame;
   frame.time = reader.number("time");
   reader.finish();
-
-  const std::vector<double> hook_anchors = arrays.read_finite("hook_anchors", {kAny, 3});
-  const std::size_t hooks = hook_anchors.size() / 3;
-  const auto hook_triangles = arrays.read<std::int32_t>("hook_triangles", {length(hooks)});
-  check_indices(hook_triangles, "hook_triangles", 0, limits.triangles, "triangles");
-  const std::vector<double> hook_targets = arrays.read_finite("hook_targets", {length(hooks), 3});
-  const std::vector<double> hook_stiffness = arrays.read_finite("hook_stiffness", {length(hooks)});
-  for (std::size_t i = 0; i < hooks; ++i) {
-    frame.hooks.push_back(
-        {{point_at(hook_anchors, i), hook_triangles[i]}, point_at(hook_targets, i), hook_stiffness[i]});
-  }
-
-  const auto suture_index = arrays.read<std::int32_t>("suture_index", {kAny});
-  const std::size_t sutures = suture_index.size();
-  check_indices(suture_index, "suture_index", 0, limits.sutures, "sutures in the procedure");
-  check_distinct(suture_index, "suture_index");
-  const std::vector<double> suture_anchors = arrays.read_finite("suture_anchors", {length(sutures), 2, 3});
-  const auto suture_triangles = arrays.read<std::int32_t>("suture_triangles", {length(sutures), 2});
-  check_indices(suture_triangles, "suture_triangles", 0, limits.triangles, "triangles");
-  const std::vector<double> closure = arrays.read_finite("suture_closure", {length(sutures)});
-  const std::vector<double> suture_stiffness = arrays.read_finite("suture_stiffness", {length(sutures)});
-  for (std::size_t i = 0; i < sutures; ++i) {
-    if (closure[i] < 0.0 || closure[i] > 1.0) {
-      invalid("The closure of suture " + std::to_string(suture_index[i]) + " is " + std::to_string(closure[i]) +
-              "; it must lie between 0 (as placed) and 1 (drawn together).");
-    }
-    frame.sutures.push_back({suture_index[i],
-                             {point_at(suture_anchors, 2 * i), suture_triangles[2 * i]},
-                             {point_at(suture_anchors, 2 * i + 1), suture_triangles[2 * i + 1]},
-                             closure[i],
-                             suture_stiffness[i]});
-  }
-
-  const auto retractor_index = arrays.read<std::int32_t>("retractor_index", {kAny});
-  check_indices(retractor_index, "retractor_index", 0, limits.retractors, "retractors in the procedure");
-  check_distinct(retractor_index, "retractor_index");
-  const std::vector<double> motion = arrays.read_finite("retractor_motion", {length(retractor_index.size()), 4, 4});
-  for (std::size_t i = 0; i < retractor_index.size(); ++i) {
-    RetractorState retractor{retractor_index[i], Eigen::Matrix4d::Identity()};
-    for (int row = 0; row < 4; ++row) {
-      for (int column = 0; column < 4; ++column) {
-        retractor.motion(row, column) = motion[16 * i + static_cast<std::size_t>(4 * row + column)];
-      }
-    }
-    frame.retractors.push_back(retractor);
-  }
+  frame.hooks = decode_hooks(arrays, limits);
+  frame.sutures = decode_sutures(arrays, limits);
+  frame.retractors = decode_retractors(arrays, limits);
   if (arrays.has("activation")) frame.activation = arrays.read_finite("activation", {limits.materials});
   arrays.finish();
   return frame;
 }
 
-void decode_bare(const Header& header, ArrayFrames frames) {
+void decode_bare(const Header& header, ArrayParts parts) {
   FieldReader(header.fields, header.type).finish();
-  ArrayReader(header, frames).finish();
+  ArrayReader(header, parts).finish();
 }
 
-std::vector<FrameBytes> encode_welcome(ReplyTo to, int threads, std::uint64_t max_message_bytes) {
+std::vector<PartBytes> encode_welcome(ReplyTo to, int threads, std::uint64_t max_message_bytes) {
   return reply("welcome", to)
       .field("version", std::string(kVersion))
       .field("threads", std::int64_t{threads})
@@ -308,11 +335,11 @@ std::vector<FrameBytes> encode_welcome(ReplyTo to, int threads, std::uint64_t ma
       .finish();
 }
 
-std::vector<FrameBytes> encode_opened(ReplyTo to) { return reply("opened", to).finish(); }
-std::vector<FrameBytes> encode_accepted(ReplyTo to) { return reply("accepted", to).finish(); }
-std::vector<FrameBytes> encode_pong(ReplyTo to) { return reply("pong", to).finish(); }
+std::vector<PartBytes> encode_opened(ReplyTo to) { return reply("opened", to).finish(); }
+std::vector<PartBytes> encode_accepted(ReplyTo to) { return reply("accepted", to).finish(); }
+std::vector<PartBytes> encode_pong(ReplyTo to) { return reply("pong", to).finish(); }
 
-std::vector<FrameBytes> encode_lattice(ReplyTo to, const EpochReport& report) {
+std::vector<PartBytes> encode_lattice(ReplyTo to, const EpochReport& report) {
   MessageWriter writer = reply("lattice", to);
   writer.field("fine_voxels", report.fine_voxels)
       .field("cells", std::int64_t{report.cells})
@@ -324,11 +351,11 @@ std::vector<FrameBytes> encode_lattice(ReplyTo to, const EpochReport& report) {
       .field("fixed_nodes", std::int64_t{report.fixed_nodes})
       .field("bytes", report.bytes)
       .field("seconds", report.seconds);
-  if (!report.nodes_at_rest.empty()) add_rows(writer, "nodes", report.nodes_at_rest, {3});
+  if (!report.nodes_at_rest.empty()) add_rows(writer, "rest_nodes", report.nodes_at_rest, {3});
   return writer.finish();
 }
 
-std::vector<FrameBytes> encode_progress(ReplyTo to, const Progress& progress) {
+std::vector<PartBytes> encode_progress(ReplyTo to, const Progress& progress) {
   return reply("progress", to)
       .field("time", progress.time)
       .field("newton", std::int64_t{progress.newton_iteration})
@@ -337,7 +364,7 @@ std::vector<FrameBytes> encode_progress(ReplyTo to, const Progress& progress) {
       .finish();
 }
 
-std::vector<FrameBytes> encode_frame(ReplyTo to, const FrameOutput& frame) {
+std::vector<PartBytes> encode_frame(ReplyTo to, const FrameOutput& frame) {
   MessageWriter writer = reply("frame", to);
   writer.field("time", frame.time)
       .field("converged", frame.converged)
@@ -371,9 +398,11 @@ std::vector<FrameBytes> encode_frame(ReplyTo to, const FrameOutput& frame) {
   add_rows(writer, "stress", frame.stress, {});
   add_rows(writer, "tension", frame.tension, {});
   add_rows(writer, "landmarks", frame.landmarks, {3});
+  add_rows(writer, "suture_index", frame.suture_indices, {});
   add_rows(writer, "suture_gaps", frame.suture_gaps, {});
   add_rows(writer, "suture_forces", frame.suture_forces, {});
   add_rows(writer, "suture_points", frame.suture_points, {2, 3});
+  add_rows(writer, "hook_index", frame.hook_indices, {});
   add_rows(writer, "hook_forces", frame.hook_forces, {3});
   add_rows(writer, "hook_points", frame.hook_points, {3});
   add_rows(writer, "correction", frame.correction, {3});
@@ -383,14 +412,14 @@ std::vector<FrameBytes> encode_frame(ReplyTo to, const FrameOutput& frame) {
   } else {
     add_rows(writer, "nodes", std::vector<float>(frame.state.nodes.begin(), frame.state.nodes.end()), {3});
   }
-  add_rows(writer, "state_suture_gaps", frame.state.suture_gaps, {3});
+  add_rows(writer, "suture_separations", frame.state.suture_gaps, {3});
   add_rows(writer, "suture_multipliers", frame.state.suture_multipliers, {3});
   add_rows(writer, "grip_multipliers", frame.state.grip_multipliers, {});
   add_rows(writer, "activation", frame.state.activation, {});
   return writer.finish();
 }
 
-std::vector<FrameBytes> encode_error(ReplyTo to, ErrorCode code, const std::string& sentence) {
+std::vector<PartBytes> encode_error(ReplyTo to, ErrorCode code, const std::string& sentence) {
   return reply("error", to)
       .field("code", std::string(error_name(code)))
       .field("message", sentence_of(sentence))

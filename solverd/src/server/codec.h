@@ -24,15 +24,15 @@ struct Hello {
   std::string client;
 };
 
-using ArrayFrames = std::span<const std::span<const std::byte>>;
+using ArrayParts = std::span<const std::span<const std::byte>>;
 
-Hello decode_hello(const Header& header, ArrayFrames frames);
-SessionSettings decode_open(const Header& header, ArrayFrames frames);
-EpochInput decode_epoch(const Header& header, ArrayFrames frames, std::int32_t retractors, std::int32_t materials);
-SolverState decode_state(const Header& header, ArrayFrames frames, std::int32_t sutures, std::int32_t materials);
-FrameInput decode_solve(const Header& header, ArrayFrames frames, const FrameLimits& limits);
+Hello decode_hello(const Header& header, ArrayParts parts);
+SessionSettings decode_open(const Header& header, ArrayParts parts);
+EpochInput decode_epoch(const Header& header, ArrayParts parts, std::int32_t retractors, std::int32_t materials);
+SolverState decode_state(const Header& header, ArrayParts parts, std::int32_t sutures, std::int32_t materials);
+FrameInput decode_solve(const Header& header, ArrayParts parts, const FrameLimits& limits);
 // For messages without fields and arrays: refuses any.
-void decode_bare(const Header& header, ArrayFrames frames);
+void decode_bare(const Header& header, ArrayParts parts);
 
 // Where a reply belongs: the request's id and the session, 0 for none.
 struct ReplyTo {
@@ -40,14 +40,14 @@ struct ReplyTo {
   std::uint64_t session = 0;
 };
 
-std::vector<FrameBytes> encode_welcome(ReplyTo to, int threads, std::uint64_t max_message_bytes);
-std::vector<FrameBytes> encode_opened(ReplyTo to);
-std::vector<FrameBytes> encode_lattice(ReplyTo to, const EpochReport& report);
-std::vector<FrameBytes> encode_accepted(ReplyTo to);
-std::vector<FrameBytes> encode_pong(ReplyTo to);
-std::vector<FrameBytes> encode_progress(ReplyTo to, const Progress& progress);
-std::vector<FrameBytes> encode_frame(ReplyTo to, const FrameOutput& frame);
-std::vector<FrameBytes> encode_error(ReplyTo to, ErrorCode code, const std::string& sentence);
+std::vector<PartBytes> encode_welcome(ReplyTo to, int threads, std::uint64_t max_message_bytes);
+std::vector<PartBytes> encode_opened(ReplyTo to);
+std::vector<PartBytes> encode_lattice(ReplyTo to, const EpochReport& report);
+std::vector<PartBytes> encode_accepted(ReplyTo to);
+std::vector<PartBytes> encode_pong(ReplyTo to);
+std::vector<PartBytes> encode_progress(ReplyTo to, const Progress& progress);
+std::vector<PartBytes> encode_frame(ReplyTo to, const FrameOutput& frame);
+std::vector<PartBytes> encode_error(ReplyTo to, ErrorCode code, const std::string& sentence);
 
 std::string_view error_name(ErrorCode code);  // as in PROTOCOL.md
 

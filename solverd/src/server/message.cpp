@@ -59,14 +59,14 @@ Value to_value(const msgpack::object& object, std::size_t depth) {
   }
 }
 
-msgpack::object_handle unpack(std::span<const std::byte> frame) {
+msgpack::object_handle unpack(std::span<const std::byte> part) {
   const msgpack::unpack_limit limit(kMaxMapEntries, kMaxMapEntries, kMaxTextBytes, kMaxTextBytes, kMaxTextBytes,
                                     kMaxDepth);
   std::size_t offset = 0;
   msgpack::object_handle handle =
-      msgpack::unpack(reinterpret_cast<const char*>(frame.data()), frame.size(), offset, nullptr, nullptr, limit);
-  if (offset != frame.size()) {
-    malformed("The header frame holds " + std::to_string(frame.size() - offset) + " bytes after its map.");
+      msgpack::unpack(reinterpret_cast<const char*>(part.data()), part.size(), offset, nullptr, nullptr, limit);
+  if (offset != part.size()) {
+    malformed("The header frame holds " + std::to_string(part.size() - offset) + " bytes after its map.");
   }
   return handle;
 }
@@ -185,10 +185,10 @@ std::size_t element_bytes(ElementType type) {
   return kBytes[static_cast<std::size_t>(type)];
 }
 
-std::uint64_t guess_id(std::span<const std::byte> frame) noexcept {
+std::uint64_t guess_id(std::span<const std::byte> part) noexcept {
   try {
-    if (frame.empty() || frame.size() > kMaxHeaderBytes) return 0;
-    const msgpack::object_handle handle = unpack(frame);
+    if (part.empty() || part.size() > kMaxHeaderBytes) return 0;
+    const msgpack::object_handle handle = unpack(part);
     const msgpack::object& object = handle.get();
     if (object.type != msgpack::type::MAP) return 0;
     for (std::uint32_t i = 0; i < object.via.map.size; ++i) {
@@ -204,15 +204,15 @@ std::uint64_t guess_id(std::span<const std::byte> frame) noexcept {
   return 0;
 }
 
-Header decode_header(std::span<const std::byte> frame, std::uint64_t max_message_bytes) {
-  if (frame.empty()) malformed("The header frame is empty.");
-  if (frame.size() > kMaxHeaderBytes) {
-    malformed("The header frame has " + std::to_string(frame.size()) + " bytes; at most " +
+Header decode_header(std::span<const std::byte> part, std::uint64_t max_message_bytes) {
+  if (part.empty()) malformed("The header frame is empty.");
+  if (part.size() > kMaxHeaderBytes) {
+    malformed("The header frame has " + std::to_string(part.size()) + " bytes; at most " +
               std::to_string(kMaxHeaderBytes) + " are read.");
   }
   Value value;
   try {
-    const msgpack::object_handle handle = unpack(frame);
+    const msgpack::object_handle handle = unpack(part);
     value = to_value(handle.get(), 0);
   } catch (const msgpack::unpack_error&) {
     malformed("The header frame is not a msgpack map.");
@@ -239,7 +239,7 @@ Header decode_header(std::span<const std::byte> frame, std::uint64_t max_message
     malformed("The message has " + std::to_string(list->size()) + " arrays; at most " + std::to_string(kMaxArrays) +
               " are read.");
   }
-  std::uint64_t total = frame.size();
+  std::uint64_t total = part.size();
   for (const Value& entry : *list) {
     ArrayDescription array = to_description(entry);
     for (const ArrayDescription& other : header.arrays) {
@@ -257,16 +257,16 @@ Header decode_header(std::span<const std::byte> frame, std::uint64_t max_message
   return header;
 }
 
-ArrayReader::ArrayReader(const Header& header, std::span<const std::span<const std::byte>> frames)
-    : header_(header), frames_(frames), read_(header.arrays.size(), false) {
-  if (frames.size() != header.arrays.size()) {
+ArrayReader::ArrayReader(const Header& header, std::span<const std::span<const std::byte>> parts)
+    : header_(header), parts_(parts), read_(header.arrays.size(), false) {
+  if (parts.size() != header.arrays.size()) {
     malformed("The header names " + std::to_string(header.arrays.size()) + " arrays and the message holds " +
-              std::to_string(frames.size()) + " array frames.");
+              std::to_string(parts.size()) + " array frames.");
   }
-  for (std::size_t i = 0; i < frames.size(); ++i) {
+  for (std::size_t i = 0; i < parts.size(); ++i) {
     const ArrayDescription& array = header.arrays[i];
-    if (frames[i].size() != array.bytes) {
-      malformed("The array " + in_quotes(array.name) + " has " + std::to_string(frames[i].size()) +
+    if (parts[i].size() != array.bytes) {
+      malformed("The array " + in_quotes(array.name) + " has " + std::to_string(parts[i].size()) +
                 " bytes; its shape " + shape_text(array.shape) + " of " + std::string(element_name(array.type)) +
                 " asks for " + std::to_string(array.bytes) + ".");
     }
@@ -294,7 +294,7 @@ std::span<const std::byte> ArrayReader::checked(std::string_view name, ElementTy
               "; it must be " + expected_text(shape) + ".");
   }
   read_[index] = true;
-  return frames_[index];
+  return parts_[index];
 }
 
 std::vector<double> ArrayReader::read_finite(std::string_view name, std::initializer_list<std::int64_t> shape) {
@@ -341,10 +341,10 @@ void MessageWriter::add_array(std::string name, ElementType type, std::span<cons
                                                  " bytes and the shape " + shape_text(shape) + ".");
   }
   header_.arrays.push_back({std::move(name), type, std::move(shape), expected});
-  frames_.emplace_back(bytes.begin(), bytes.end());
+  parts_.emplace_back(bytes.begin(), bytes.end());
 }
 
-std::vector<FrameBytes> MessageWriter::finish() {
+std::vector<PartBytes> MessageWriter::finish() {
   msgpack::sbuffer buffer;
   msgpack::packer<msgpack::sbuffer> packer(buffer);
   packer.pack_map(static_cast<std::uint32_t>(4 + (header_.session ? 1 : 0) + header_.fields.size()));
@@ -363,12 +363,12 @@ std::vector<FrameBytes> MessageWriter::finish() {
     packer.pack(name);
     pack(packer, buffer, value);
   }
-  std::vector<FrameBytes> frames;
-  frames.reserve(1 + frames_.size());
+  std::vector<PartBytes> parts;
+  parts.reserve(1 + parts_.size());
   const auto header = std::as_bytes(std::span(buffer.data(), buffer.size()));
-  frames.emplace_back(header.begin(), header.end());
-  std::ranges::move(frames_, std::back_inserter(frames));
-  return frames;
+  parts.emplace_back(header.begin(), header.end());
+  std::ranges::move(parts_, std::back_inserter(parts));
+  return parts;
 }
 
 }  // namespace lappet

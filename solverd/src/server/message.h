@@ -57,10 +57,10 @@ struct Header {
 };
 
 // The id of a header that may be unreadable otherwise, so that the error reply reaches its request; 0 if there is none.
-std::uint64_t guess_id(std::span<const std::byte> frame) noexcept;
+std::uint64_t guess_id(std::span<const std::byte> part) noexcept;
 
 // Reads a header frame. `max_message_bytes` bounds what its arrays may take together.
-Header decode_header(std::span<const std::byte> frame, std::uint64_t max_message_bytes = kDefaultMaxMessageBytes);
+Header decode_header(std::span<const std::byte> part, std::uint64_t max_message_bytes = kDefaultMaxMessageBytes);
 
 inline constexpr std::int64_t kAny = -1;  // a free dimension in an expected shape
 
@@ -68,7 +68,7 @@ inline constexpr std::int64_t kAny = -1;  // a free dimension in an expected sha
 class ArrayReader {
  public:
   // Checks that there is one frame per described array and that each has the described length.
-  ArrayReader(const Header& header, std::span<const std::span<const std::byte>> frames);
+  ArrayReader(const Header& header, std::span<const std::span<const std::byte>> parts);
 
   // Whether there is such an array; for those that may be left out.
   bool has(std::string_view name) const;
@@ -94,11 +94,11 @@ class ArrayReader {
   static void copy_bytes(std::span<const std::byte> bytes, void* target);
 
   const Header& header_;
-  std::span<const std::span<const std::byte>> frames_;
+  std::span<const std::span<const std::byte>> parts_;
   std::vector<bool> read_;
 };
 
-using FrameBytes = std::vector<std::byte>;
+using PartBytes = std::vector<std::byte>;
 
 // Builds a message: header fields and arrays in any order, then `finish` for its frames, the header first.
 class MessageWriter {
@@ -111,14 +111,14 @@ class MessageWriter {
     add_array(std::move(name), kElementOf<T>, std::as_bytes(elements), std::move(shape));
     return *this;
   }
-  std::vector<FrameBytes> finish();  // once: the arrays are moved out
+  std::vector<PartBytes> finish();  // once: the arrays are moved out
 
  private:
   void add_array(std::string name, ElementType type, std::span<const std::byte> bytes,
                  std::vector<std::uint64_t> shape);
 
   Header header_;
-  std::vector<FrameBytes> frames_;
+  std::vector<PartBytes> parts_;
 };
 
 }  // namespace lappet

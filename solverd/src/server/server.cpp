@@ -84,7 +84,7 @@ std::string Server::run() {
       handle(std::move(*message));
     }
     if (items.size() > 2 && items[2].revents != 0) read_input();
-    look_around();
+    drop_idle_clients();
   }
   return end_reason_;
 }
@@ -114,10 +114,10 @@ std::optional<Server::Incoming> Server::receive() {
     if (bytes > limit) {
       message.fault = "The message has more than " + std::to_string(limit) + " bytes, the most this daemon takes" +
                       (limit == kBytesBeforeHello ? " before 'hello'." : ".");
-    } else if (message.frames.size() > kMaxArrays) {
+    } else if (message.parts.size() > kMaxArrays) {
       message.fault = "The message has more than " + std::to_string(kMaxArrays) + " array frames.";
     } else {
-      message.frames.push_back(std::move(frame));
+      message.parts.push_back(std::move(frame));
     }
   }
   return message;
@@ -126,13 +126,13 @@ std::optional<Server::Incoming> Server::receive() {
 void Server::handle(Incoming message) {
   std::uint64_t id = 0;
   try {
-    if (message.frames.empty()) throw RefusedError(ErrorCode::kMalformed, "The message has no header frame.");
-    const std::span<const std::byte> header_frame = bytes_of(message.frames.front());
-    id = guess_id(header_frame);
+    if (message.parts.empty()) throw RefusedError(ErrorCode::kMalformed, "The message has no header frame.");
+    const std::span<const std::byte> header_part = bytes_of(message.parts.front());
+    id = guess_id(header_part);
     if (!message.fault.empty()) throw RefusedError(ErrorCode::kMalformed, message.fault);
-    Header header = decode_header(header_frame, options_.max_message_bytes);
-    message.frames.erase(message.frames.begin());
-    dispatch(message.identity, std::move(header), std::move(message.frames));
+    Header header = decode_header(header_part, options_.max_message_bytes);
+    message.parts.erase(message.parts.begin());
+    dispatch(message.identity, std::move(header), std::move(message.parts));
   } catch (const RefusedError& error) {
     spdlog::info("message {}: {}: {}", id, error_name(error.code()), error.what());
     send(message.identity, encode_error({id, 0}, error.code(), error.what()));
@@ -150,9 +150,9 @@ void Server::handle(Incoming message) {
 void Server::dispatch(const std::string& identity, Header header, std::vector<zmq::message_t> arrays) {
   const bool work = std::ranges::find(kWork, header.type) != kWork.end();
   if (header.type == "hello") {
-    std::vector<std::span<const std::byte>> frames;
-    for (const zmq::message_t& array : arrays) frames.push_back(bytes_of(array));
-    greet(identity, decode_hello(header, frames));
+    std::vector<std::span<const std::byte>> parts;
+    for (const zmq::message_t& array : arrays) parts.push_back(bytes_of(array));
+    greet(identity, decode_hello(header, parts));
     send(identity, encode_welcome({header.id, 0}, static_cast<int>(std::thread::hardware_concurrency()),
                                   options_.max_message_bytes));
     return;
@@ -210,11 +210,11 @@ void Server::greet(const std::string& identity, const Hello& hello) {
   spdlog::info("{} says hello", in_quotes(hello.client));
 }
 
-void Server::send(const std::string& identity, const std::vector<FrameBytes>& frames) {
+void Server::send(const std::string& identity, const std::vector<PartBytes>& parts) {
   if (!router_.send(zmq::buffer(identity), zmq::send_flags::sndmore | zmq::send_flags::dontwait)) return;
-  for (std::size_t i = 0; i < frames.size(); ++i) {
-    const bool last = i + 1 == frames.size();
-    router_.send(zmq::buffer(frames[i]), last ? zmq::send_flags::none : zmq::send_flags::sndmore);
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    const bool last = i + 1 == parts.size();
+    router_.send(zmq::buffer(parts[i]), last ? zmq::send_flags::none : zmq::send_flags::sndmore);
   }
 }
 
@@ -240,7 +240,7 @@ void Server::read_input() {
   if (count == 0 || (count < 0 && errno != EINTR && errno != EAGAIN)) end_reason_ = "its standard input closed";
 }
 
-void Server::look_around() {
+void Server::drop_idle_clients() {
   std::erase_if(retired_, [](const auto& worker) { return worker->finished(); });
   const auto now = Clock::now();
   for (auto client = clients_.begin(); client != clients_.end();) {

@@ -51,18 +51,18 @@ class Server {
   };
   struct Incoming {
     std::string identity;
-    std::vector<zmq::message_t> frames;  // header, arrays
-    std::string fault;                   // set when it was too large to keep
+    std::vector<zmq::message_t> parts;  // header, arrays
+    std::string fault;                  // set when it was too large to keep
   };
 
   std::optional<Incoming> receive();
   void handle(Incoming message);
   void dispatch(const std::string& identity, Header header, std::vector<zmq::message_t> arrays);
   void greet(const std::string& identity, const Hello& hello);
-  void send(const std::string& identity, const std::vector<FrameBytes>& frames);
+  void send(const std::string& identity, const std::vector<PartBytes>& parts);
   void forward_replies();
   void read_input();
-  void look_around();
+  void drop_idle_clients();
   void retire(Client client);
 
   const ServerOptions options_;

@@ -108,7 +108,7 @@ void Worker::serve(const Request& request, zmq::socket_t& replies) {
   }
 }
 
-std::vector<FrameBytes> Worker::answer(const Request& request, zmq::socket_t& replies) {
+std::vector<PartBytes> Worker::answer(const Request& request, zmq::socket_t& replies) {
   std::vector<std::span<const std::byte>> arrays;
   arrays.reserve(request.arrays.size());
   for (const zmq::message_t& array : request.arrays) {
@@ -132,8 +132,7 @@ std::vector<FrameBytes> Worker::answer(const Request& request, zmq::socket_t& re
   const ReplyTo to{header.id, session_number_};
   if (header.type == "epoch") {
     const EpochInput epoch = decode_epoch(header, arrays, settings_.retractors, materials);
-    epoch_triangles_.reset();  // a session that could not take an epoch has none
-    const EpochReport report = session.set_epoch(epoch);
+    const EpochReport report = session.set_epoch(epoch);  // where it throws the epoch before stays
     epoch_triangles_ = static_cast<std::int32_t>(epoch.surface.triangles.size());
     return encode_lattice(to, report);
   }
@@ -183,10 +182,10 @@ SolverPort& Worker::session_for(const Request& request) const {
   return *session_;
 }
 
-void Worker::send(zmq::socket_t& replies, const std::vector<FrameBytes>& frames) const {
+void Worker::send(zmq::socket_t& replies, const std::vector<PartBytes>& parts) const {
   replies.send(zmq::buffer(identity_), zmq::send_flags::sndmore);
-  for (std::size_t i = 0; i < frames.size(); ++i) {
-    replies.send(zmq::buffer(frames[i]), i + 1 < frames.size() ? zmq::send_flags::sndmore : zmq::send_flags::none);
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    replies.send(zmq::buffer(parts[i]), i + 1 < parts.size() ? zmq::send_flags::sndmore : zmq::send_flags::none);
   }
 }
 

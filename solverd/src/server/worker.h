@@ -49,9 +49,9 @@ class Worker {
  private:
   void run();
   void serve(const Request& request, zmq::socket_t& replies);
-  std::vector<FrameBytes> answer(const Request& request, zmq::socket_t& replies);
+  std::vector<PartBytes> answer(const Request& request, zmq::socket_t& replies);
   FrameOutput solve(const Request& request, std::span<const std::span<const std::byte>> arrays, zmq::socket_t& replies);
-  void send(zmq::socket_t& replies, const std::vector<FrameBytes>& frames) const;
+  void send(zmq::socket_t& replies, const std::vector<PartBytes>& parts) const;
   SolverPort& session_for(const Request& request) const;
 
   zmq::context_t& context_;

@@ -12,7 +12,7 @@ namespace {
 constexpr double kContactPenalty = 10.0;
 // The nodes of the bones' distance field, and how deep it knows distances, in spacings.
 constexpr double kBoneSpacing = 0.5, kBoneDepth = 3.0;
-constexpr double kMostRestPenetration = 0.5;  // in spacings
+constexpr double kMaxRestPenetration = 0.5;  // in spacings
 
 }  // namespace
 
@@ -34,14 +34,14 @@ std::unique_ptr<Contact> contact_with_bones(std::shared_ptr<const SignedDistance
         lattice.node_rest[static_cast<std::size_t>(lattice.cell_nodes[c][0])] + Vec3::Constant(0.5 * settings.spacing);
     if (const double inside = -bones->at(middle).value; inside > depth) depth = inside, where = middle;
   }
-  if (depth > kMostRestPenetration * settings.spacing)
+  if (depth > kMaxRestPenetration * settings.spacing)
     throw RefusedError(
         ErrorCode::kInvalidInput,
         fmt::format("the tissue of epoch {} lies {}{:.3g} mm deep in bone near ({:.4g}, {:.4g}, {:.4g}) mm before "
                     "anything moves it; move the bone or the tissue apart (up to {:g} mm, half the spacing, is pushed "
                     "out)",
                     epoch.index, depth < bones->depth() * (1 - 1e-6) ? "" : "at least ", depth, where[0], where[1],
-                    where[2], kMostRestPenetration * settings.spacing));
+                    where[2], kMaxRestPenetration * settings.spacing));
   return contact;
 }
 

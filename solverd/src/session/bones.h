@@ -2,7 +2,7 @@
 #pragma once
 #include <memory>
 
-#include "force/contact.h"
+#include "force/constraints/contact.h"
 #include "session/program.h"
 
 namespace lappet {

@@ -5,9 +5,10 @@
 #include <Eigen/LU>
 #include <cmath>
 #include <map>
+#include <set>
 
-#include "force/attachments.h"
-#include "force/prestretch.h"
+#include "force/constraints/attachments.h"
+#include "force/materials/prestretch.h"
 #include "lattice/refused.h"
 #include "math/features.h"
 
@@ -16,9 +17,9 @@ namespace lappet {
 namespace {
 
 // A cell keeps the number of its material in one byte.
-constexpr std::size_t kMostMaterials = 256;
-constexpr double kMostPoissonsRatio = 0.4999, kMostDispersion = 1.0 / 3.0 + 1e-12;
-constexpr double kLeastPrestretch = 0.5, kMostPrestretch = 2.0;
+constexpr std::size_t kMaxMaterials = 256;
+constexpr double kMaxPoissonsRatio = 0.4999, kMaxDispersion = 1.0 / 3.0 + 1e-12;
+constexpr double kMinPrestretch = 0.5, kMaxPrestretch = 2.0;
 
 template <class... Arguments>
 void require(bool condition, fmt::format_string<Arguments...> sentence, Arguments&&... arguments) {
@@ -50,28 +51,28 @@ void check_material(const MaterialParameters& m, std::size_t i) {
           i, m.model);
   require(std::isfinite(m.youngs_modulus) && m.youngs_modulus > 0,
           "Young's modulus of material {} is {} kPa; it must be positive", i, m.youngs_modulus);
-  require(m.poissons_ratio >= 0 && m.poissons_ratio <= kMostPoissonsRatio,
-          "Poisson's ratio of material {} is {}; it must be 0 to {}", i, m.poissons_ratio, kMostPoissonsRatio);
+  require(m.poissons_ratio >= 0 && m.poissons_ratio <= kMaxPoissonsRatio,
+          "Poisson's ratio of material {} is {}; it must be 0 to {}", i, m.poissons_ratio, kMaxPoissonsRatio);
   require(std::isfinite(m.density) && m.density >= 0,
           "the density of material {} is {} kg/m^3; it must not be negative", i, m.density);
   require(std::isfinite(m.mooney_ratio) && m.mooney_ratio >= 0,
           "the Mooney ratio mu01/mu10 of material {} is {}; it must not be negative", i, m.mooney_ratio);
-  require(finite(m.fibre_direction) && std::abs(m.fibre_direction.norm() - 1.0) < 1e-6,
-          "the fibre direction of material {} is ({:g}, {:g}, {:g}); it must have length 1", i, m.fibre_direction[0],
-          m.fibre_direction[1], m.fibre_direction[2]);
-  require(std::isfinite(m.fibre_k1) && m.fibre_k1 >= 0,
-          "the fibre stiffness k1 of material {} is {} kPa; give 0 for no fibres", i, m.fibre_k1);
-  require(std::isfinite(m.fibre_k2) && m.fibre_k2 >= 0,
-          "the fibre exponent k2 of material {} is {}; it must not be negative", i, m.fibre_k2);
-  require(m.fibre_dispersion >= 0 && m.fibre_dispersion <= kMostDispersion,
-          "the fibre dispersion of material {} is {}; it must be 0 (aligned) to 1/3 (isotropic)", i,
-          m.fibre_dispersion);
+  require(finite(m.fiber_direction) && std::abs(m.fiber_direction.norm() - 1.0) < 1e-6,
+          "the fiber direction of material {} is ({:g}, {:g}, {:g}); it must have length 1", i, m.fiber_direction[0],
+          m.fiber_direction[1], m.fiber_direction[2]);
+  require(std::isfinite(m.fiber_k1) && m.fiber_k1 >= 0,
+          "the fiber stiffness k1 of material {} is {} kPa; give 0 for no fibers", i, m.fiber_k1);
+  require(std::isfinite(m.fiber_k2) && m.fiber_k2 >= 0,
+          "the fiber exponent k2 of material {} is {}; it must not be negative", i, m.fiber_k2);
+  require(m.fiber_dispersion >= 0 && m.fiber_dispersion <= kMaxDispersion,
+          "the fiber dispersion of material {} is {}; it must be 0 (aligned) to 1/3 (isotropic)", i,
+          m.fiber_dispersion);
   require(std::isfinite(m.muscle_stress) && m.muscle_stress >= 0,
           "the muscle stress of material {} is {} kPa; give 0 for no muscle", i, m.muscle_stress);
   for (const double stretch : m.prestretch)
-    require(stretch >= kLeastPrestretch && stretch <= kMostPrestretch,
-            "a prestretch of material {} is {}; it must be {} to {}", i, stretch, kLeastPrestretch, kMostPrestretch);
-  require_held(kHasFibres, m.has_fibres(), "fibres");
+    require(stretch >= kMinPrestretch && stretch <= kMaxPrestretch,
+            "a prestretch of material {} is {}; it must be {} to {}", i, stretch, kMinPrestretch, kMaxPrestretch);
+  require_held(kHasFibers, m.has_fibers(), "fibres");
   require_held(kHasMuscle, m.has_muscle(), "muscle");
   require_held(kHasPrestretch, m.has_prestretch(), "prestretch");
   try {
@@ -165,8 +166,8 @@ void check_settings(const SessionSettings& s) {
   require(s.sutures >= 0 && s.sutures <= 1000000, "the procedure has {} sutures; give 0 to 1000000", s.sutures);
   require(s.retractors >= 0 && s.retractors <= 100000, "the procedure has {} retractors; give 0 to 100000",
           s.retractors);
-  require(!s.materials.empty() && s.materials.size() <= kMostMaterials,
-          "the session has {} materials; give 1 to {}, the first for the tissue", s.materials.size(), kMostMaterials);
+  require(!s.materials.empty() && s.materials.size() <= kMaxMaterials,
+          "the session has {} materials; give 1 to {}, the first for the tissue", s.materials.size(), kMaxMaterials);
   for (std::size_t i = 0; i < s.materials.size(); ++i) check_material(s.materials[i], i);
   for (std::size_t i = 1; i < s.materials.size(); ++i)
     require(s.materials[i].model == s.materials[0].model,
@@ -211,7 +212,9 @@ void check_epoch(const EpochInput& epoch, const SessionSettings& settings) {
 
 void check_frame(const FrameInput& frame, const SessionSettings& settings, const Surface& surface) {
   require(std::isfinite(frame.time), "the time of a frame is not finite");
+  std::set<std::int32_t> hooks;
   for (const auto& hook : frame.hooks) {
+    require(hooks.insert(hook.index).second, "frame {:g} names hook {} twice", frame.time, hook.index);
     check_anchor(hook.anchor, surface, "hook");
     require(finite(hook.target), "the target of a hook at frame {:g} is not finite", frame.time);
     require(std::isfinite(hook.stiffness) && hook.stiffness > 0,

@@ -1,4 +1,4 @@
-// Refusals: what a session does not accept, each as a sentence that names the value and the mend. All throw
+// Refusals: what a session does not accept, each as a sentence that names the value and the remedy. All throw
 // RefusedError.
 #pragma once
 #include "session/program.h"

@@ -9,7 +9,7 @@ namespace lappet {
 class LastFrame {
  public:
   // What it left is no longer the state that the next frame starts from.
-  void forget() { fields_.reset(); }
+  void clear() { fields_.reset(); }
   void keep(const FrameInput& frame, const FrameFields& fields) {
     frame_ = frame;
     fields_ = fields;

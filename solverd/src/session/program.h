@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
-#include "force/cell_materials.h"
+#include "force/materials/cell_materials.h"
 #include "lattice/surface.h"
-#include "solve/work.h"
+#include "solve/system/work.h"
 
 namespace lappet {
 
@@ -30,15 +30,40 @@ struct SessionSettings {
   std::size_t memory_budget = std::size_t{8} << 30;
   int threads = 0;                          // 0: all
   std::string preconditioner = "twoLevel";  // or "chebyshev": the smoother alone
-  std::string region = "auto";              // or "whole": frames are solved everywhere (solve/region.h)
-  bool correction = false;                  // frames carry the step that Newton-Raphson would take next
-  bool strain = true;                       // frames carry strain, stress and tension on the surface
-  std::int32_t sutures = 0;                 // number of sutures in the whole procedure; frames refer to them by index
-  std::int32_t retractors = 0;              // likewise
+  std::string region = "auto";  // or "whole": frames are solved everywhere (solve/newton/change_neighborhood.h)
+  bool correction = false;      // frames carry the step that Newton-Raphson would take next
+  bool strain = true;           // frames carry strain, stress and tension on the surface
+  std::int32_t sutures = 0;     // number of sutures in the whole procedure; frames refer to them by index
+  std::int32_t retractors = 0;  // likewise
   // materials[0] is what the tissue is made of where no region says otherwise.
   std::vector<MaterialParameters> materials{MaterialParameters{}};
   Surface bones;  // all of them as one closed surface; empty: none
 };
+
+// Every setting of the message `open` with its name on the wire, and what it may be: a setting is defined in
+// SessionSettings and here. An optional one may be left out.
+template <class Visitor>
+void visit_settings(SessionSettings& settings, Visitor&& visit) {
+  visit("spacing", settings.spacing);
+  visit("fine_ratio", settings.fine_ratio, 1);
+  visit("origin", settings.origin);
+  visit("quadrature", settings.quadrature);
+  visit("precision", settings.precision);
+  visit("tolerance", settings.tolerance);
+  visit("gap_tolerance", settings.gap_tolerance);
+  visit("max_newton", settings.max_newton);
+  visit("bed_stiffness", settings.bed_stiffness);
+  visit("gravity", settings.gravity);
+  visit("time_budget", settings.time_budget);
+  visit("memory_budget", settings.memory_budget);
+  visit("threads", settings.threads, 0, 4096);
+  visit("sutures", settings.sutures);
+  visit("retractors", settings.retractors);
+  visit.optional("region", settings.region);
+  visit.optional("preconditioner", settings.preconditioner);
+  visit.optional("correction", settings.correction);
+  visit.optional("strain", settings.strain);
+}
 
 struct EpochInput {
   std::int32_t index = 0;
@@ -48,7 +73,7 @@ struct EpochInput {
   std::vector<std::int32_t> grip;   // per triangle: index of the retractor that grips it, or -1
   std::vector<Vec3> landmarks;      // rest points
   std::vector<std::int32_t> landmark_triangles;
-  // The outer skin before any cut: regions measure their depth from it, fibres and prestretch run along it. May be
+  // The outer skin before any cut: regions measure their depth from it, fibers and prestretch run along it. May be
   // empty without regions; directions are then taken as they are, in tissue whose skin is upright to z.
   Surface skin;
   std::vector<MaterialRegion> regions;
@@ -73,7 +98,8 @@ struct Anchor {
 struct HookState {
   Anchor anchor;
   Vec3 target;
-  double stiffness;  // mN/mm
+  double stiffness;        // mN/mm
+  std::int32_t index = 0;  // tells it from the others of the frame
   bool operator==(const HookState&) const = default;
 };
 
@@ -112,35 +138,42 @@ struct SolverState {
 
 // What a frame says of the tissue: its surface, landmarks and constraints.
 struct FrameFields {
-  std::vector<float> points;                // 3 per surface vertex, mm
-  std::vector<float> strain;                // largest principal stretch - 1, per surface vertex
-  std::vector<float> stress;                // von Mises Cauchy, kPa
-  std::vector<float> tension;               // largest principal Cauchy stress, kPa
-  std::vector<double> landmarks;            // 3 per landmark, mm
-  std::vector<double> suture_gaps;          // per active suture: distance from its demanded separation, mm
-  std::vector<double> suture_forces;        // per active suture, mN
-  std::vector<double> hook_forces;          // 3 per hook, mN, on the tissue
-  std::vector<double> hook_points;          // 3 per hook: where the anchor is now, mm
-  std::vector<double> suture_points;        // 6 per active suture: both ends, mm
+  std::vector<float> points;          // 3 per surface vertex, mm
+  std::vector<float> strain;          // largest principal stretch - 1, per surface vertex
+  std::vector<float> stress;          // von Mises Cauchy, kPa
+  std::vector<float> tension;         // largest principal Cauchy stress, kPa
+  std::vector<double> landmarks;      // 3 per landmark, mm
+  std::vector<double> suture_gaps;    // per active suture: distance from its demanded separation, mm
+  std::vector<double> suture_forces;  // per active suture, mN
+  std::vector<std::int32_t> suture_indices, hook_indices;  // which suture or hook each of these is of
+  std::vector<double> hook_forces;                         // 3 per hook, mN, on the tissue
+  std::vector<double> hook_points;                         // 3 per hook: where the anchor is now, mm
+  std::vector<double> suture_points;                       // 6 per active suture: both ends, mm
   std::vector<float> correction;            // 3 per surface vertex, mm: the Newton step left over; empty: not wanted
   std::vector<double> landmark_correction;  // 3 per landmark, mm
 };
 
-struct FrameOutput : FrameFields {
+// What it took to find a frame, all attempts together.
+struct SolveEffort {
+  int newton_iterations = 0, pcg_iterations = 0;
+  int load_steps = 0;             // of the last attempt
+  std::int64_t active_cells = 0;  // that were solved for; all others stayed where they were
+  double seconds_update = 0.0, seconds_linear = 0.0, seconds_setup = 0.0;
+};
+
+struct FrameOutput : FrameFields, SolveEffort {
   double time = 0.0;
   bool converged = false;
-  std::string reason;  // empty when converged: otherwise one sentence
-  int newton_iterations = 0, pcg_iterations = 0, load_steps = 0;
-  std::int64_t active_cells = 0;  // that were solved for; all others stayed where they were
-  double residual = 0.0;          // relative to the force scale
-  double force_scale = 0.0;       // mN
-  double largest_gap = 0.0;       // mm, over sutures and grips
+  std::string reason;        // empty when converged: otherwise one sentence
+  double residual = 0.0;     // relative to the force scale
+  double force_scale = 0.0;  // mN
+  double largest_gap = 0.0;  // mm, over sutures and grips
   double minimum_j = 0.0;
   std::int32_t inverted_cells = 0;
   double energy = 0.0;               // mN mm
   double largest_penetration = 0.0;  // of the tissue into bone, mm
   std::int32_t contacts = 0;         // points of its surface that touch bone
-  double seconds_update = 0.0, seconds_linear = 0.0, seconds_setup = 0.0, seconds_total = 0.0;
+  double seconds_total = 0.0;
   Work work;
   double peak_bytes = 0.0;  // of the process
   SolverState state;

@@ -12,12 +12,13 @@ class Session {
  public:
   class Implementation;  // by precision, see session.cpp
 
-  // Throws RefusedError where a setting makes no sense (names it, its value and the mend).
+  // Throws RefusedError where a setting makes no sense (names it, its value and the remedy).
   explicit Session(const SessionSettings& settings);
   ~Session();
   Session(Session&&) noexcept;
 
-  // Installs an epoch. If there was one before, its state is carried over by rest position.
+  // Installs an epoch. If there was one before, its state is carried over by rest position. Where it throws the epoch
+  // before and its state stay.
   EpochReport set_epoch(const EpochInput& epoch);
   // Replaces the state of the current epoch by one that an earlier solve returned. Throws if its sizes do not fit.
   void set_state(const SolverState& state);

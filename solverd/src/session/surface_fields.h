@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "force/elastic.h"
+#include "force/elastic/elastic.h"
 #include "math/parallel.h"
 #include "session/program.h"
 
@@ -13,7 +13,7 @@ namespace lappet {
 // Fills strain, stress and tension of `output`, one value per surface vertex. u: the displacements last evaluated. Only
 // the cells around nodes that a vertex is embedded in are looked at.
 template <class Real>
-void write_surface_fields(const Elastic<Real>& elastic, std::span<const Real> u, FrameOutput& output) {
+void write_surface_fields(const Elastic<Real>& elastic, std::span<const Real> u, FrameFields& output) {
   const Lattice& lattice = elastic.lattice();
   const auto nodes_of = [&](std::int32_t cell) -> const auto& {
     return lattice.cell_nodes[static_cast<std::size_t>(cell)];

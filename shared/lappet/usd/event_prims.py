@@ -1,0 +1,193 @@
+"""The prims of events: how each kind is written to a stage and read from one.
+
+`usd` is `lappet.usd.stage.pxr()` throughout; this module imports nothing of USD itself.
+"""
+
+from __future__ import annotations
+
+from typing import Any, cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lappet.core.problem_code import ProblemCode
+from lappet.procedure import (
+    Basis,
+    Event,
+    Excision,
+    Hook,
+    Incision,
+    Landmark,
+    Point,
+    Retractor,
+    Suture,
+    Undermine,
+)
+from lappet.procedure.prim_paths import TIMELINE, TISSUE
+from lappet.usd.authoring import Values, curve_prim, points_prim
+from lappet.usd.values import Reader
+
+# The type of prim that carries each event's schema.
+EVENT_PRIMS = {
+    "LappetIncisionAPI": "BasisCurves",
+    "LappetExcisionAPI": "Points",
+    "LappetUndermineAPI": "BasisCurves",
+    "LappetHookAPI": "Xform",
+    "LappetRetractorAPI": "Xform",
+    "LappetSutureAPI": "BasisCurves",
+    "LappetLandmarkAPI": "Points",
+}
+
+
+def write_event(stage: Any, usd: Any, event: Event) -> None:
+    """Write an event as a prim of the timeline.
+
+    Parameters
+    ----------
+    stage
+        The stage.
+    usd
+        USD's modules, as `lappet.usd.stage.pxr` gives them.
+    event
+        The event.
+    """
+    path = f"{TIMELINE}/{event.name}"
+    match event:
+        case Incision():
+            prim = curve_prim(stage, usd, path, event.points, event.basis, event.closed)
+        case Undermine():
+            prim = curve_prim(stage, usd, path, event.points, event.basis, True)
+        case Suture():
+            prim = curve_prim(stage, usd, path, event.anchors, "linear", False)
+        case Excision():
+            prim = points_prim(stage, usd, path, event.seeds)
+        case Landmark():
+            prim = points_prim(stage, usd, path, event.points)
+        case Hook() | Retractor():
+            prim = usd.UsdGeom.Xform.Define(stage, path).GetPrim()
+    prim.AddAppliedSchema(f"Lappet{event.kind}API")
+    values = Values(prim, usd)
+    match event:
+        case Incision():
+            values.double("time", event.time)
+            values.author("through", usd.Sdf.ValueTypeNames.Bool, event.depth is None)
+            values.double("depth", 0.0 if event.depth is None else event.depth)
+            values.double("kerf", event.kerf)
+        case Excision() | Undermine():
+            values.double("time", event.time)
+        case Hook():
+            values.author("anchor", usd.Sdf.ValueTypeNames.Point3d, usd.Gf.Vec3d(*event.anchor))
+            values.double("stiffness", event.stiffness)
+            values.double("start", event.start)
+            values.double("release", event.release)
+            translate = usd.UsdGeom.Xformable(prim).AddTranslateOp(usd.UsdGeom.XformOp.PrecisionDouble)
+            for time, target in event.targets:
+                translate.Set(usd.Gf.Vec3d(*target), time)
+        case Retractor():
+            if event.grip:
+                values.relate("grip", f"{TISSUE}/{event.grip}")
+            values.double("start", event.start)
+            values.double("release", event.release)
+            transform = usd.UsdGeom.Xformable(prim).AddTransformOp(usd.UsdGeom.XformOp.PrecisionDouble)
+            for time, matrix in event.motion:
+                transform.Set(usd.Gf.Matrix4d(*matrix), time)
+        case Suture():
+            anchors = usd.Vt.Vec3dArray([usd.Gf.Vec3d(*anchor) for anchor in event.anchors])
+            values.author("anchors", usd.Sdf.ValueTypeNames.Point3dArray, anchors)
+            values.double("start", event.start)
+            values.double("duration", event.duration)
+            values.double("stiffness", event.stiffness)
+        case Landmark():
+            values.author("label", usd.Sdf.ValueTypeNames.String, event.label)
+
+
+def read_event(reader: Reader, prim: Any, schema: str, tissues: list[Any]) -> Event:
+    """Read the event that a prim carries.
+
+    Parameters
+    ----------
+    reader
+        The reader of the stage; gets the problems.
+    prim
+        The prim.
+    schema
+        Its schema, one of `EVENT_PRIMS`.
+    tissues
+        The prims of tissue on the stage.
+
+    Returns
+    -------
+    Event
+        The event; a value that could not be read is NaN or empty.
+    """
+    name = prim.GetName()
+    match schema:
+        case "LappetIncisionAPI":
+            points, basis, closed = _curve(reader, prim)
+            through = reader.flag(prim, "lappet:through", True)
+            time, kerf = reader.number(prim, "lappet:time"), reader.number(prim, "lappet:kerf", Incision.kerf)
+            return Incision(
+                name, time, points, None if through else reader.number(prim, "lappet:depth"), kerf, basis, closed
+            )
+        case "LappetExcisionAPI":
+            return Excision(name, reader.number(prim, "lappet:time"), _tuples(reader.points(prim)))
+        case "LappetUndermineAPI":
+            points, basis, closed = _curve(reader, prim)
+            if not closed:
+                reader.problem(ProblemCode.UNDERMINE_OPEN_CURVE, prim.GetPath(), "nonperiodic")
+            return Undermine(name, reader.number(prim, "lappet:time"), points, basis)
+        case "LappetHookAPI":
+            start, release = reader.number(prim, "lappet:start"), reader.number(prim, "lappet:release")
+            anchor = reader.placed(np.array([reader.vector(prim, "lappet:anchor", 3)]), prim.GetParent())
+            moves = tuple((time, cast(Point, tuple(m[3, :3]))) for time, m in reader.motion(prim, start))
+            stiffness = reader.number(prim, "lappet:stiffness", Hook.stiffness)
+            return Hook(name, _tuples(anchor)[0], moves, start, release, stiffness)
+        case "LappetRetractorAPI":
+            start, release = reader.number(prim, "lappet:start"), reader.number(prim, "lappet:release")
+            motion = tuple((time, tuple(m.ravel())) for time, m in reader.motion(prim, start))
+            return Retractor(name, _grip(reader, prim, tissues), motion, start, release)
+        case "LappetSutureAPI":
+            start = reader.number(prim, "lappet:start")
+            anchors = _tuples(reader.placed(reader.vectors(prim, "lappet:anchors"), prim.GetParent()))
+            if len(anchors) != 2:
+                reader.problem(ProblemCode.SUTURE_ANCHORS, prim.GetPath(), len(anchors))
+                anchors = ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
+            duration = reader.number(prim, "lappet:duration", Suture.duration)
+            stiffness = reader.number(prim, "lappet:stiffness", Suture.stiffness)
+            return Suture(name, (anchors[0], anchors[1]), start, duration, stiffness)
+        case _:
+            return Landmark(name, _tuples(reader.points(prim)), reader.text(prim, "lappet:label", name))
+
+
+def _grip(reader: Reader, prim: Any, tissues: list[Any]) -> str:
+    target = reader.target(prim, "lappet:grip")
+    parent, _, name = target.rpartition("/")
+    if not target:
+        reader.problem(ProblemCode.GRIP_MISSING, prim.GetPath(), "no grip")
+    elif tissues and parent != str(tissues[0].GetPath()):
+        reader.problem(ProblemCode.GRIP_ELSEWHERE, prim.GetPath(), target, tissue=tissues[0].GetPath())
+    return name
+
+
+def _curve(reader: Reader, prim: Any) -> tuple[tuple[Point, ...], Basis, bool]:
+    """Points, basis and closedness of a prim with one curve; a pinned curve gets its phantom points."""
+    points = reader.points(prim)
+    counts = reader.integers(prim, "curveVertexCounts")
+    if len(counts) != 1:
+        reader.problem(ProblemCode.CURVE_SEVERAL, prim.GetPath(), len(counts))
+    elif counts[0] != len(points):
+        reader.problem(ProblemCode.CURVE_COUNT, prim.GetPath(), int(counts[0]), points=len(points))
+    kind = str(prim.GetAttribute("type").Get() or "cubic")
+    basis = "linear" if kind == "linear" else str(prim.GetAttribute("basis").Get() or "bezier")
+    if basis not in ("linear", "bspline", "catmullRom", "bezier"):
+        reader.problem(ProblemCode.CURVE_UNKNOWN_BASIS, prim.GetPath(), basis)
+        basis = "linear"
+    wrap = str(prim.GetAttribute("wrap").Get() or "nonperiodic")
+    if wrap == "pinned" and basis in ("bspline", "catmullRom") and len(points) >= 2:
+        points = np.concatenate([[2 * points[0] - points[1]], points, [2 * points[-1] - points[-2]]])
+        reader.notes.append(f"{prim.GetPath()}: the pinned curve got a phantom point at each end.")
+    return _tuples(points), cast(Basis, basis), wrap == "periodic"
+
+
+def _tuples(points: NDArray[np.float64]) -> tuple[Point, ...]:
+    return tuple((float(x), float(y), float(z)) for x, y, z in points)

@@ -1,0 +1,185 @@
+#include "force/constraints/attachments.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/enumerable_thread_specific.h>
+#include <tbb/parallel_for.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <tuple>
+#include <vector>
+
+#include "lattice/embedding.h"
+
+namespace lappet {
+
+namespace {
+
+// Samples of one face group in one cell that lie on the same lattice plane (side 0 to 5) or on none (side 6).
+struct Bucket {
+  double area = 0.0;
+  std::array<double, 36> gram{};
+};
+
+struct RestingBucket {
+  double area = 0.0;
+  Vec3 inward = Vec3::Zero();
+  std::array<double, 8> weights{};
+};
+
+constexpr int kNoSide = 6;
+
+struct HeldFace {
+  std::int32_t triangle = -1;
+  std::array<std::int32_t, 2> groups{};
+  int count = 0;
+  bool rests = false;
+  double sample_area = 0.0;
+  Vec3 normal = Vec3::Zero();
+};
+
+int lattice_side(const EmbeddedPoint& point, const Vec3& normal) {
+  for (int axis = 0; axis < 3; ++axis) {
+    if (std::abs(normal[axis]) < 1 - 1e-6) continue;
+    double local = 0.0;
+    for (int c = 0; c < 8; ++c)
+      if (c >> (2 - axis) & 1) local += point.weights[static_cast<std::size_t>(c)];
+    if (std::abs(local) < 1e-5) return 2 * axis;
+    if (std::abs(local - 1.0) < 1e-5) return 2 * axis + 1;
+  }
+  return kNoSide;
+}
+
+// Ordered: the result is deterministic.
+struct Buckets {
+  std::map<std::tuple<std::int32_t, std::int32_t, int>, Bucket> held;  // by cell, group, side
+  std::map<std::int32_t, RestingBucket> resting;                       // by cell
+
+  void add(const HeldFace& face, const EmbeddedPoint& point) {
+    if (face.rests) {
+      auto& bucket = resting[point.cell];
+      bucket.area += face.sample_area;
+      bucket.inward -= face.sample_area * face.normal;
+      for (std::size_t p = 0; p < 8; ++p) bucket.weights[p] += face.sample_area * point.weights[p];
+    }
+    const int side = lattice_side(point, face.normal);
+    for (int g = 0; g < face.count; ++g) {
+      auto& bucket = held[{point.cell, face.groups[static_cast<std::size_t>(g)], side}];
+      bucket.area += face.sample_area;
+      double* entry = bucket.gram.data();
+      for (std::size_t p = 0; p < 8; ++p)
+        for (std::size_t q = p; q < 8; ++q) *entry++ += face.sample_area * point.weights[p] * point.weights[q];
+    }
+  }
+};
+
+// Samples are embedded in parallel and added in order, a batch at a time.
+class Samples {
+ public:
+  Samples(const Lattice& lattice, const Surface& surface)
+      : embedder_([&lattice, &surface] { return Embedder(lattice, surface); }) {}
+
+  // The face that the next samples lie on.
+  void begin(const HeldFace& face) { faces_.push_back(face); }
+  void add(const Vec3& point, Buckets& buckets) {
+    samples_.push_back({point, faces_.size() - 1, {}});
+    if (samples_.size() == kBatch) flush(buckets);
+  }
+  void flush(Buckets& buckets) {
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, samples_.size(), 64), [&](const auto& range) {
+      Embedder& embedder = embedder_.local();
+      for (std::size_t i = range.begin(); i != range.end(); ++i) {
+        Sample& sample = samples_[i];
+        sample.embedded = embedder.embed(sample.point, {&faces_[sample.face].triangle, 1});
+      }
+    });
+    for (const Sample& sample : samples_) buckets.add(faces_[sample.face], sample.embedded);
+    samples_.clear();
+    if (faces_.size() > 1) faces_.erase(faces_.begin(), faces_.end() - 1);
+  }
+
+ private:
+  static constexpr std::size_t kBatch = 2048;
+  struct Sample {
+    Vec3 point;
+    std::size_t face;
+    EmbeddedPoint embedded;
+  };
+  tbb::enumerable_thread_specific<Embedder> embedder_;
+  std::vector<HeldFace> faces_;
+  std::vector<Sample> samples_;
+};
+
+}  // namespace
+
+Attachments attach(const Lattice& lattice, const Surface& surface, std::span<const std::uint8_t> fixed,
+                   std::span<const std::uint8_t> bed, std::span<const std::int32_t> grip) {
+  const double h = lattice.settings.spacing;
+  Buckets buckets;
+  Samples samples(lattice, surface);
+  for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
+    HeldFace face;
+    if (fixed[t])
+      face.groups[face.count++] = kFixedGroup;
+    else if (grip[t] >= 0)
+      face.groups[face.count++] = grip[t];
+    if (bed[t] == kAttachedToBed) face.groups[face.count++] = kBedGroup;
+    face.rests = bed[t] == kRestsOnBed;
+    if (face.count == 0 && !face.rests) continue;
+    const auto& corners = surface.triangles[t];
+    const Vec3 a = surface.points[static_cast<std::size_t>(corners[0])];
+    const Vec3 ab = surface.points[static_cast<std::size_t>(corners[1])] - a;
+    const Vec3 ac = surface.points[static_cast<std::size_t>(corners[2])] - a;
+    const Vec3 cross = ab.cross(ac);
+    const double area = 0.5 * cross.norm();
+    if (area < 1e-12 * h * h) continue;
+    face.triangle = static_cast<std::int32_t>(t);
+    face.normal = cross.normalized();
+    const double longest = std::max({ab.norm(), ac.norm(), (ac - ab).norm()});
+    const int n = std::max(1, static_cast<int>(std::ceil(longest / (0.4 * h))));
+    face.sample_area = area / (n * n);
+    samples.begin(face);
+    for (int i = 0; i < n; ++i)
+      for (int j = 0; j < 2 * (n - i) - 1; ++j) {  // the upright and inverted triangles of row i
+        const bool inverted = j % 2 == 1;
+        const double s = (j / 2 + (inverted ? 2.0 / 3 : 1.0 / 3)) / n, r = (i + (inverted ? 2.0 / 3 : 1.0 / 3)) / n;
+        samples.add(a + s * ab + r * ac, buckets);
+      }
+  }
+  samples.flush(buckets);
+
+  Attachments result;
+  result.node_group.assign(lattice.node_rest.size(), kFree);
+  auto& held = buckets.held;
+  for (; !held.empty(); held.erase(held.begin())) {  // what has become a form makes room
+    const auto& [key, bucket] = *held.begin();
+    const auto [cell, group, side] = key;
+    if (group != kBedGroup && side != kNoSide && bucket.area >= 0.5 * h * h) {
+      const int axis = side / 2, value = side % 2;
+      for (int c = 0; c < 8; ++c)
+        if ((c >> (2 - axis) & 1) == value) {
+          auto& owner = result.node_group[static_cast<std::size_t>(
+              lattice.cell_nodes[static_cast<std::size_t>(cell)][static_cast<std::size_t>(c)])];
+          if (owner != kFixedGroup) owner = group;
+        }
+    } else {
+      FaceConstraint face{cell, group, bucket.area, bucket.gram};
+      if (group != kBedGroup) {
+        const double scale = h * h / bucket.area;
+        for (double& value : face.gram) value *= scale;
+        face.area = h * h;
+      }
+      result.face_constraints.push_back(face);
+    }
+  }
+  for (const auto& [cell, bucket] : buckets.resting) {
+    RestingFace face{cell, bucket.area, bucket.inward.normalized(), bucket.weights};
+    for (double& weight : face.weights) weight /= bucket.area;
+    result.resting.push_back(face);
+  }
+  return result;
+}
+
+}  // namespace lappet

@@ -1,0 +1,63 @@
+// What holds the tissue: fixed faces, faces gripped by a retractor, faces attached to the bed, faces that rest on it.
+//
+// A held face holds its surface points, not whole cells. With W_s the trilinear weights of a point s of the face and
+// xbar the rigidly moved rest positions, W_s (x - xbar) = 0 for every s is the quadratic form (x - xbar)^T M (x - xbar)
+// = 0, M = sum of area W_s^T W_s per cell. Where a face lies on a lattice plane M only sees the four nodes of that
+// plane: they are prescribed exactly. Elsewhere the form is a penalty with multipliers (augmented Lagrangian); there
+// only the demand counts, so that a sliver of a face weighs as much as a whole face and its multiplier converges as
+// fast. Bed faces are the same form with the bed's stiffness and no multipliers. Undermined faces rest: they may lift
+// off and slide, but where they sink below the plane of their rest position the bed pushes back with its stiffness.
+#pragma once
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "lattice/lattice.h"
+
+namespace lappet {
+
+inline constexpr std::int32_t kBedGroup = -2;
+inline constexpr std::int32_t kFixedGroup = -1;  // groups from 0 on: retractors
+inline constexpr std::int32_t kFree = -3;
+inline constexpr std::int32_t kStillGroup = -4;  // stays where it is, wherever that is: the rim of a subdomain
+
+struct FaceConstraint {
+  std::int32_t cell;
+  std::int32_t group;
+  double area;  // what the form integrates 1 to, mm^2
+  // Integral of W^T W over the face inside the cell; held: scaled to the area h^2; mm^2. The upper triangle by rows.
+  std::array<double, 36> gram;
+
+  Eigen::Matrix<double, 8, 8> matrix() const {
+    Eigen::Matrix<double, 8, 8> m;
+    const double* entry = gram.data();
+    for (int p = 0; p < 8; ++p)
+      for (int q = p; q < 8; ++q) m(p, q) = m(q, p) = *entry++;
+    return m;
+  }
+};
+
+// The mean height n . sum_k weights_k u_k of a resting face inside a cell above its rest position, n inwards.
+struct RestingFace {
+  std::int32_t cell;
+  double area;  // mm^2
+  Vec3 inward;  // unit
+  std::array<double, 8> weights;
+};
+
+inline constexpr std::uint8_t kAttachedToBed = 1, kRestsOnBed = 2;  // labels of triangles
+
+struct Attachments {
+  std::vector<std::int32_t> node_group;          // per node: kFree, kFixedGroup or a retractor; prescribed nodes
+  std::vector<FaceConstraint> face_constraints;  // bed faces, and held faces off the lattice planes
+  std::vector<RestingFace> resting;
+};
+
+// Per triangle: fixed, 0 or 1; bed, 0, kAttachedToBed or kRestsOnBed; grip, retractor index or -1. A face both fixed
+// and gripped is fixed.
+Attachments attach(const Lattice& lattice, const Surface& surface, std::span<const std::uint8_t> fixed,
+                   std::span<const std::uint8_t> bed, std::span<const std::int32_t> grip);
+
+}  // namespace lappet

@@ -1,0 +1,95 @@
+// Point constraints: hooks and sutures as linear functionals of the displacements, c(u) = sum_i w_i u_i + offset (mm).
+//
+// A hook is a spring, stiffness/2 |c|^2. A suture demands c = 0 and carries a multiplier lambda besides (augmented
+// Lagrangian, lambda . c + stiffness/2 |c|^2), so that its gap closes whatever the ratio of stiffnesses. A hook that is
+// much stiffer than tissue is such a constraint too, with a compliance s: it demands c = s lambda, where the penalty
+// and lambda = c/s together pull as the spring does, (stiffness + 1/s) c. Rounding of displacements is not blown up to
+// forces.
+#pragma once
+#include <compare>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "lattice/anchor_stencil.h"
+
+namespace lappet {
+
+// Which hook or suture a point constraint is: its index in the frame's hooks or in the procedure's sutures.
+struct ConstraintId {
+  enum class Kind : std::uint8_t { kHook, kSuture };
+  Kind kind = Kind::kHook;
+  std::int32_t index = 0;
+  auto operator<=>(const ConstraintId&) const = default;
+};
+
+struct PointConstraint {
+  ConstraintId id;
+  std::vector<std::int32_t> nodes;  // distinct
+  std::vector<double> weights;
+  Vec3 offset = Vec3::Zero();
+  double stiffness = 0.0;   // mN/mm
+  bool exact = false;       // a suture, a stiff hook
+  double compliance = 0.0;  // mm/mN, of an exact point constraint: a suture has none
+
+  template <class Real>
+  Vec3 value(std::span<const Real> u) const {
+    Vec3 sum = offset;
+    for (std::size_t i = 0; i < nodes.size(); ++i) {
+      const auto n = 3 * static_cast<std::size_t>(nodes[i]);
+      sum += weights[i] * Vec3(static_cast<double>(u[n]), static_cast<double>(u[n + 1]), static_cast<double>(u[n + 2]));
+    }
+    return sum;
+  }
+  // The multiplier (mN) is zero unless the constraint is exact.
+  Vec3 force(const Vec3& c, const Vec3& multiplier) const { return stiffness * c + multiplier; }
+  // What an exact point constraint leaves open, mm, and the multiplier that closes it further.
+  double gap(const Vec3& c, const Vec3& multiplier) const { return (c - compliance * multiplier).norm(); }
+  Vec3 next_multiplier(const Vec3& c, const Vec3& multiplier) const {
+    return force(c, multiplier) / (1.0 + compliance * stiffness);
+  }
+};
+
+// From what a hook holds to a place in space. most: the stiffness up to which it is a plain spring, mN/mm.
+PointConstraint make_hook(const Lattice& lattice, const AnchorStencil& anchor, const Vec3& target, double stiffness,
+                          double most = std::numeric_limits<double>::infinity());
+// Between what a suture holds at either end, a - b = separation.
+PointConstraint make_suture(const Lattice& lattice, const AnchorStencil& a, const AnchorStencil& b,
+                            const Vec3& separation, double stiffness);
+// Where an embedded point is.
+template <class Real>
+Vec3 displacement(const Lattice& lattice, const EmbeddedPoint& point, std::span<const Real> u) {
+  Vec3 sum = Vec3::Zero();
+  for (std::size_t k = 0; k < 8; ++k) {
+    const auto n = static_cast<std::size_t>(lattice.cell_nodes[static_cast<std::size_t>(point.cell)][k]);
+    sum += point.weights[k] *
+           Vec3(static_cast<double>(u[3 * n]), static_cast<double>(u[3 * n + 1]), static_cast<double>(u[3 * n + 2]));
+  }
+  return sum;
+}
+template <class Real>
+Vec3 position(const Lattice& lattice, const EmbeddedPoint& point, std::span<const Real> u) {
+  Vec3 sum = Vec3::Zero();
+  for (std::size_t k = 0; k < 8; ++k) {
+    const auto n = static_cast<std::size_t>(lattice.cell_nodes[static_cast<std::size_t>(point.cell)][k]);
+    sum += point.weights[k] *
+           (lattice.node_rest[n] +
+            Vec3(static_cast<double>(u[3 * n]), static_cast<double>(u[3 * n + 1]), static_cast<double>(u[3 * n + 2])));
+  }
+  return sum;
+}
+// Where what is held is, in the mean.
+template <class Real>
+Vec3 position(const Lattice& lattice, const AnchorStencil& stencil, std::span<const Real> u) {
+  Vec3 sum = Vec3::Zero();
+  for (std::size_t k = 0; k < stencil.nodes.size(); ++k) {
+    const auto n = static_cast<std::size_t>(stencil.nodes[k]);
+    sum += stencil.weights[k] *
+           (lattice.node_rest[n] +
+            Vec3(static_cast<double>(u[3 * n]), static_cast<double>(u[3 * n + 1]), static_cast<double>(u[3 * n + 2])));
+  }
+  return sum;
+}
+
+}  // namespace lappet

@@ -1,0 +1,332 @@
+#include "force/constraints/signed_distance.h"
+
+#include <spdlog/fmt/fmt.h>
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <unsupported/Eigen/BVH>
+
+#include "lattice/crossings.h"
+#include "lattice/quantize.h"
+#include "lattice/refused.h"
+
+namespace lappet {
+namespace {
+
+using Box = Eigen::AlignedBox<double, 3>;
+
+struct Corners {
+  std::array<Vec3, 3> at;
+  friend Box bounding_box(const Corners& triangle) {
+    Box box(triangle.at[0]);
+    box.extend(triangle.at[1]).extend(triangle.at[2]);
+    return box;
+  }
+};
+
+double squared_to_segment(const Vec3& p, const Vec3& a, const Vec3& b) {
+  const Vec3 along = b - a;
+  const double length2 = along.squaredNorm();
+  const double t = length2 > 0.0 ? std::clamp((p - a).dot(along) / length2, 0.0, 1.0) : 0.0;
+  return (p - a - t * along).squaredNorm();
+}
+
+double squared_to_triangle(const Vec3& p, const Corners& triangle) {
+  const auto& [a, b, c] = triangle.at;
+  const Vec3 normal = (b - a).cross(c - a);
+  const double area2 = normal.squaredNorm();
+  if (area2 > 0.0 && (b - a).cross(p - a).dot(normal) >= 0.0 && (c - b).cross(p - b).dot(normal) >= 0.0 &&
+      (a - c).cross(p - c).dot(normal) >= 0.0) {
+    const double height = (p - a).dot(normal);
+    return height * height / area2;
+  }
+  return std::min({squared_to_segment(p, a, b), squared_to_segment(p, b, c), squared_to_segment(p, c, a)});
+}
+
+// Asked by Eigen's search for the nearest triangle and for those within a ball.
+struct Nearest {
+  using Scalar = double;
+  Vec3 point;
+  double minimumOnVolume(const Box& box) const { return box.squaredExteriorDistance(point); }
+  double minimumOnObject(const Corners& triangle) const { return squared_to_triangle(point, triangle); }
+};
+struct Within {
+  Vec3 point;
+  double squared;
+  std::vector<Corners>& found;
+  bool intersectVolume(const Box& box) const { return box.squaredExteriorDistance(point) <= squared; }
+  bool intersectObject(const Corners& triangle) {
+    if (squared_to_triangle(point, triangle) <= squared) found.push_back(triangle);
+    return false;  // go on
+  }
+};
+
+class Distance {
+ public:
+  explicit Distance(const std::vector<Corners>& triangles) : tree_(triangles.begin(), triangles.end()) {}
+  double at(const Vec3& point) const {
+    Nearest nearest{point};
+    return std::sqrt(Eigen::BVMinimize(tree_, nearest));
+  }
+  std::vector<Corners> within(double radius, const Vec3& point) const {
+    std::vector<Corners> found;
+    Within ball{point, radius * radius, found};
+    Eigen::BVIntersect(tree_, ball);
+    return found;
+  }
+
+ private:
+  Eigen::KdBVH<double, 3, Corners> tree_;
+};
+
+// Distances of neighboring points to the triangles near them, which the tree gives in an order that keeps neighbors
+// together: runs of them, and single ones, are left out by the ball around each. What one point is near to is tried
+// first for the next.
+class NearbyDistance {
+ public:
+  explicit NearbyDistance(std::vector<Corners> triangles) : triangles_(std::move(triangles)) {
+    for (std::size_t first = 0; first < triangles_.size(); first += kRun) {
+      const std::size_t last = std::min(first + kRun, triangles_.size());
+      Box box;
+      for (std::size_t t = first; t < last; ++t) box.extend(bounding_box(triangles_[t]));
+      runs_.push_back({box.center(), 0.5 * box.diagonal().norm()});
+    }
+    for (const Corners& triangle : triangles_) balls_.push_back(ball_around(triangle));
+  }
+  // The distance, or `most` where that is less.
+  double at(const Vec3& point, double most) {
+    if (triangles_.empty()) return most;
+    double best = std::min(most, std::sqrt(squared_to_triangle(point, triangles_[last_])));
+    const std::size_t tried = last_;
+    for (std::size_t run = 0; run < runs_.size(); ++run) {
+      if (runs_[run].is_beyond(best, point)) continue;
+      for (std::size_t t = kRun * run; t < std::min(kRun * (run + 1), triangles_.size()); ++t) {
+        if (t == tried || balls_[t].is_beyond(best, point)) continue;
+        const double distance = std::sqrt(squared_to_triangle(point, triangles_[t]));
+        if (distance < best) {
+          best = distance;
+          last_ = t;
+        }
+      }
+    }
+    return best;
+  }
+
+ private:
+  static constexpr std::size_t kRun = 8;
+  struct Ball {
+    Vec3 middle;
+    double radius;
+    bool is_beyond(double distance, const Vec3& point) const {
+      const double reach = distance + radius;
+      return (middle - point).squaredNorm() >= reach * reach;
+    }
+  };
+  // About the middle of the longest edge: the least one, unless all angles are acute.
+  static Ball ball_around(const Corners& triangle) {
+    const auto& corner = triangle.at;
+    std::size_t longest = 0;
+    const auto edge = [&](std::size_t k) { return (corner[(k + 1) % 3] - corner[k]).squaredNorm(); };
+    for (std::size_t k = 1; k < 3; ++k)
+      if (edge(k) > edge(longest)) longest = k;
+    const Vec3 middle = 0.5 * (corner[longest] + corner[(longest + 1) % 3]);
+    return {middle, std::sqrt(std::max(0.25 * edge(longest), (corner[(longest + 2) % 3] - middle).squaredNorm()))};
+  }
+  std::vector<Corners> triangles_;
+  std::vector<Ball> runs_, balls_;
+  std::size_t last_ = 0;
+};
+
+// The triangles without those that come as often in one orientation as in the other.
+std::vector<Corners> outer_triangles(const Surface& surface, const std::vector<StepPoint>& points) {
+  std::map<std::array<StepPoint, 3>, int> turns;  // corners in order -> even less odd orders of them
+  const auto place = [&](const std::array<std::int32_t, 3>& t) {
+    std::array<StepPoint, 3> corners;
+    for (std::size_t k = 0; k < 3; ++k) corners[k] = points[static_cast<std::size_t>(t[k])];
+    int sign = 1;
+    for (const auto& [a, b] : {std::pair{0, 1}, {1, 2}, {0, 1}}) {
+      auto &low = corners[static_cast<std::size_t>(a)], &high = corners[static_cast<std::size_t>(b)];
+      if (high < low) {
+        std::swap(low, high);
+        sign = -sign;
+      }
+    }
+    return std::pair{corners, sign};
+  };
+  for (const auto& t : surface.triangles) {
+    const auto [corners, sign] = place(t);
+    turns[corners] += sign;
+  }
+  std::vector<Corners> result;
+  for (const auto& t : surface.triangles)
+    if (turns[place(t).first] != 0)
+      result.push_back({{surface.points[static_cast<std::size_t>(t[0])], surface.points[static_cast<std::size_t>(t[1])],
+                         surface.points[static_cast<std::size_t>(t[2])]}});
+  return result;
+}
+
+// Which nodes lie inside: the crossings of the surface with the lines of nodes along z.
+class Inside {
+ public:
+  Inside(const Surface& surface, const Quantized& quantized) : box_(quantized.box) {
+    auto first = count_crossings(quantized.points, surface.triangles, box_);
+    const Crossings crossings = find_crossings(quantized.points, surface.triangles, box_, std::move(first));
+    start_.assign(static_cast<std::size_t>(box_.voxels(0)) * static_cast<std::size_t>(box_.voxels(1)) + 1, 0);
+    for (const Crossing& c : crossings.all)
+      if (c.axis == 2) ++start_[line(c.lower[0], c.lower[1]) + 1];
+    for (std::size_t i = 1; i < start_.size(); ++i) start_[i] += start_[i - 1];
+    crossing_.resize(start_.back());
+    std::vector<std::size_t> next(start_.begin(), start_.end() - 1);
+    for (const Crossing& c : crossings.all)
+      if (c.axis == 2) crossing_[next[line(c.lower[0], c.lower[1])]++] = {c.lower[2], c.winding};
+  }
+  // Node z of a line is node z of the box; those outside it are outside the bodies.
+  bool at(std::int32_t x, std::int32_t y, std::int32_t z) const {
+    if (x < 0 || y < 0 || x >= box_.voxels(0) || y >= box_.voxels(1)) return false;
+    int winding = 0;
+    for (std::size_t i = start_[line(x, y)]; i < start_[line(x, y) + 1]; ++i)
+      if (crossing_[i].below < z) winding += crossing_[i].winding;
+    return winding != 0;
+  }
+
+ private:
+  struct Step {
+    std::int32_t below;
+    std::int8_t winding;
+  };
+  std::size_t line(std::int32_t x, std::int32_t y) const {
+    return static_cast<std::size_t>(x) * static_cast<std::size_t>(box_.voxels(1)) + static_cast<std::size_t>(y);
+  }
+  VoxelBox box_;
+  std::vector<std::size_t> start_;
+  std::vector<Step> crossing_;
+};
+
+}  // namespace
+
+SignedDistance::SignedDistance(const Surface& surface, double spacing, double depth, std::size_t memory_budget)
+    : spacing_(spacing), depth_(depth), reach_(2.0 * spacing) {
+  LatticeSettings grid;
+  grid.spacing = spacing;
+  grid.fine_ratio = 1;
+  grid.origin = surface.points.front();
+  for (const Vec3& p : surface.points) grid.origin = grid.origin.cwiseMin(p);
+  const Quantized quantized = quantize(surface, grid);
+  const VoxelBox& box = quantized.box;
+  const auto refuse = [&](double bytes) {
+    throw RefusedError(
+        ErrorCode::kMemoryBudget,
+        fmt::format("the distance field of the bones needs {:.3g} GiB at a spacing of {:g} mm, more than "
+                    "is left of the memory budget ({:.3g} GiB); use a larger spacing, leave out bone "
+                    "that the tissue cannot reach, or raise the budget",
+                    bytes / 0x1p30, spacing, static_cast<double>(memory_budget) / 0x1p30));
+  };
+  // A margin of nodes around the box: enough for the reach and for what an interpolation needs.
+  constexpr std::int32_t kMargin = 4;
+  double places = 1.0;
+  for (std::size_t a = 0; a < 3; ++a) {
+    blocks_[a] = (box.voxels(static_cast<int>(a)) + 2 * kMargin + kBlock - 1) / kBlock;
+    places *= blocks_[a];
+    first_node_[static_cast<Eigen::Index>(a)] =
+        grid.origin[static_cast<Eigen::Index>(a)] + spacing * (box.low[a] + 0.5 - kMargin);
+  }
+  const double columns = 1.0 * box.voxels(0) * box.voxels(1);
+  if (const double bytes = 4.0 * places + 8.0 * columns; bytes > static_cast<double>(memory_budget)) refuse(bytes);
+
+  const Inside inside(surface, quantized);
+  const Distance distance(outer_triangles(surface, quantized.points));
+  block_.assign(static_cast<std::size_t>(places), kFar);
+  const auto corner = [&](std::size_t place) {
+    const auto p = static_cast<std::int32_t>(place);
+    return std::array<std::int32_t, 3>{p / (blocks_[1] * blocks_[2]) * kBlock, p / blocks_[2] % blocks_[1] * kBlock,
+                                       p % blocks_[2] * kBlock};
+  };
+  const auto node = [&](std::int32_t x, std::int32_t y, std::int32_t z) {
+    return Vec3(first_node_ + spacing * Vec3(x, y, z));
+  };
+  const auto is_inside = [&](std::int32_t x, std::int32_t y, std::int32_t z) {
+    return inside.at(x - kMargin, y - kMargin, z - kMargin);
+  };
+  const double radius = 0.5 * std::sqrt(3.0) * (kSide + 1) * spacing;
+  tbb::parallel_for(std::size_t{0}, block_.size(), [&](std::size_t place) {
+    const auto c = corner(place);
+    constexpr std::int32_t kHalf = kBlock / 2;
+    const double far = distance.at(node(c[0] + kHalf, c[1] + kHalf, c[2] + kHalf));
+    const bool deep = far > radius && is_inside(c[0] + kHalf, c[1] + kHalf, c[2] + kHalf);
+    block_[place] = far > radius + (deep ? depth_ : reach_) ? (deep ? kDeep : kFar) : 0;
+  });
+  std::vector<std::size_t> used;
+  for (std::size_t place = 0; place < block_.size(); ++place)
+    if (block_[place] == 0) {
+      block_[place] = static_cast<std::int32_t>(used.size());
+      used.push_back(place);
+    }
+  constexpr std::size_t kNodes = std::size_t{kSide} * kSide * kSide;
+  if (const double b = 4.0 * kNodes * static_cast<double>(used.size()); b > static_cast<double>(memory_budget))
+    refuse(b);
+  values_.resize(kNodes * used.size());
+  tbb::parallel_for(std::size_t{0}, used.size(), [&](std::size_t block) {
+    const auto c = corner(used[block]);
+    constexpr std::int32_t kHalf = kBlock / 2;
+    const Vec3 middle = node(c[0] + kHalf, c[1] + kHalf, c[2] + kHalf);
+    NearbyDistance nearby(distance.within(radius + std::max(depth_, reach_), middle));
+    float* out = &values_[kNodes * block];
+    for (std::int32_t x = c[0] - 1; x < c[0] + kSide - 1; ++x)
+      for (std::int32_t y = c[1] - 1; y < c[1] + kSide - 1; ++y)
+        for (std::int32_t z = c[2] - 1; z < c[2] + kSide - 1; ++z)
+          *out++ = static_cast<float>(is_inside(x, y, z) ? -nearby.at(node(x, y, z), depth_)
+                                                         : nearby.at(node(x, y, z), reach_));
+  });
+}
+
+SignedDistance::Sample SignedDistance::at(const Vec3& point) const {
+  const Vec3 grid = (point - first_node_) / spacing_;
+  std::array<std::int32_t, 3> middle, place;
+  double weight[3][3], slope[3][3];
+  for (std::size_t a = 0; a < 3; ++a) {
+    const double g = grid[static_cast<Eigen::Index>(a)], rounded = std::floor(g + 0.5);
+    if (!(rounded >= 0.0 && rounded < blocks_[a] * kBlock)) return {reach_, Vec3::Zero()};
+    middle[a] = static_cast<std::int32_t>(rounded);
+    place[a] = middle[a] / kBlock;
+    const double t = g - rounded;
+    weight[a][0] = 0.5 * (0.5 - t) * (0.5 - t);
+    weight[a][1] = 0.75 - t * t;
+    weight[a][2] = 0.5 * (0.5 + t) * (0.5 + t);
+    slope[a][0] = t - 0.5;
+    slope[a][1] = -2.0 * t;
+    slope[a][2] = t + 0.5;
+  }
+  const std::int32_t block = block_[(static_cast<std::size_t>(place[0]) * static_cast<std::size_t>(blocks_[1]) +
+                                     static_cast<std::size_t>(place[1])) *
+                                        static_cast<std::size_t>(blocks_[2]) +
+                                    static_cast<std::size_t>(place[2])];
+  if (block == kFar) return {reach_, Vec3::Zero()};
+  if (block == kDeep) return {-depth_, Vec3::Zero()};
+  // Node `middle - 1` of the block, whose first node is one before its corner.
+  const float* base =
+      &values_[static_cast<std::size_t>(block) * kSide * kSide * kSide +
+               (static_cast<std::size_t>(middle[0] % kBlock) * kSide + static_cast<std::size_t>(middle[1] % kBlock)) *
+                   kSide +
+               static_cast<std::size_t>(middle[2] % kBlock)];
+  Sample sample{0.0, Vec3::Zero()};
+  for (std::size_t i = 0; i < 3; ++i)
+    for (std::size_t j = 0; j < 3; ++j) {
+      const float* row = base + (i * kSide + j) * kSide;
+      double value = 0.0, along = 0.0;
+      for (std::size_t k = 0; k < 3; ++k) {
+        value += weight[2][k] * static_cast<double>(row[k]);
+        along += slope[2][k] * static_cast<double>(row[k]);
+      }
+      sample.value += weight[0][i] * weight[1][j] * value;
+      sample.gradient += Vec3(slope[0][i] * weight[1][j] * value, weight[0][i] * slope[1][j] * value,
+                              weight[0][i] * weight[1][j] * along);
+    }
+  sample.gradient /= spacing_;
+  return sample;
+}
+
+}  // namespace lappet

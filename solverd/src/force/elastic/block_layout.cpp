@@ -1,0 +1,143 @@
+#include "force/elastic/block_layout.h"
+
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <span>
+
+#include "force/kernels/cell_corners.h"
+#include "lattice/blocks.h"
+#include "lattice/refused.h"
+#include "math/features.h"
+
+namespace lappet {
+
+namespace {
+
+// A slab has at least this many groups, so that few lanes stay empty, and there are at most kMaxSlabs.
+constexpr std::int64_t kMinGroups = 8;
+constexpr std::int64_t kMaxSlabs = 64;
+
+int longest_axis(const std::vector<Block>& blocks) {
+  std::array<std::int32_t, 3> low{}, high{};
+  low.fill(std::numeric_limits<std::int32_t>::max());
+  high.fill(std::numeric_limits<std::int32_t>::min());
+  for (const auto& block : blocks)
+    for (std::size_t i = 0; i < 3; ++i) {
+      low[i] = std::min(low[i], block.position[i]);
+      high[i] = std::max(high[i], block.position[i]);
+    }
+  int axis = 0;
+  for (std::size_t i = 1; i < 3; ++i)
+    if (high[i] - low[i] > high[static_cast<std::size_t>(axis)] - low[static_cast<std::size_t>(axis)])
+      axis = static_cast<int>(i);
+  return axis;
+}
+
+using BlockNodes = std::array<std::int32_t, kBlockNodes>;
+
+// What no cell has is -1.
+BlockNodes nodes_of(const Lattice& lattice, const Block& block) {
+  BlockNodes nodes;
+  nodes.fill(-1);
+  for (int place = 0; place < kBlockCells; ++place) {
+    const std::int32_t cell = block.cells[static_cast<std::size_t>(place)];
+    if (cell < 0) continue;
+    const auto& corners = lattice.cell_nodes[static_cast<std::size_t>(cell)];
+    for (int c = 0; c < 8; ++c)
+      nodes[static_cast<std::size_t>(block_node(place, c))] = corners[static_cast<std::size_t>(c)];
+  }
+  return nodes;
+}
+
+// A missing node would let the kernels touch one of another block, perhaps of another thread.
+bool has_columns(const BlockNodes& nodes) {
+  for (std::size_t n = 0; n < kBlockNodes; n += 3)
+    if (nodes[n] < 0 || nodes[n + 1] != nodes[n] + 1 || nodes[n + 2] != nodes[n] + 2) return false;
+  return true;
+}
+
+// Which of a group's blocks a lane takes. Blocks that follow one another are neighbors along a column: half the lanes
+// lie between them (column_lanes_kernel.h).
+std::size_t block_of_lane(std::size_t lane, std::size_t lanes) {
+  const std::size_t half = (lanes + 1) / 2;
+  return lane % half * 2 + lane / half;
+}
+
+// Appends groups of these blocks; the lanes that the last has too many repeat the first block, without cells.
+void append_groups(const Lattice& lattice, std::span<const Block> blocks, bool grid, BlockLayout& layout) {
+  const auto lanes = static_cast<std::size_t>(layout.lanes);
+  for (std::size_t first = 0; first < blocks.size(); first += lanes, ++layout.groups) {
+    const auto group = static_cast<std::size_t>(layout.groups);
+    const auto start = static_cast<std::size_t>(layout.node_start.back());
+    layout.nodes.resize(start + (grid ? kBlockColumns : kBlockNodes) * lanes);
+    layout.node_start.push_back(static_cast<std::int64_t>(layout.nodes.size()));
+    layout.cell_of_slot.resize((group + 1) * kBlockCells * lanes, -1);
+    for (std::size_t lane = 0; lane < lanes; ++lane) {
+      const std::size_t own = first + block_of_lane(lane, lanes);
+      const bool spare = own >= blocks.size();
+      const Block& block = blocks[spare ? first : own];
+      const BlockNodes nodes = nodes_of(lattice, block);
+      const std::int32_t any = *std::max_element(nodes.begin(), nodes.end());
+      if (grid)
+        for (std::size_t c = 0; c < kBlockColumns; ++c) layout.nodes[start + c * lanes + lane] = nodes[3 * c];
+      else
+        for (std::size_t n = 0; n < kBlockNodes; ++n)
+          layout.nodes[start + n * lanes + lane] = nodes[n] < 0 ? any : nodes[n];
+      for (std::size_t place = 0; !spare && place < kBlockCells; ++place) {
+        const std::int32_t cell = block.cells[place];
+        if (cell < 0) continue;
+        const std::size_t slot = (group * kBlockCells + place) * lanes + lane;
+        layout.cell_of_slot[slot] = cell;
+        layout.slot_of_cell[static_cast<std::size_t>(cell)] = static_cast<std::int32_t>(slot);
+      }
+    }
+  }
+}
+
+}  // namespace
+
+BlockLayout lay_out_blocks(const Lattice& lattice, int lanes, std::span<const std::uint8_t> still) {
+  auto blocks = build_blocks(lattice);
+  const auto moves = [&](const Block& block) {
+    return std::ranges::any_of(nodes_of(lattice, block),
+                               [&](std::int32_t n) { return n >= 0 && !still[static_cast<std::size_t>(n)]; });
+  };
+  // Where nothing moves there is still an energy to tell.
+  if (!still.empty() && std::ranges::any_of(blocks, moves))
+    std::erase_if(blocks, [&](const Block& block) { return !moves(block); });
+  const auto axis = static_cast<std::size_t>(longest_axis(blocks));
+  std::stable_sort(blocks.begin(), blocks.end(),
+                   [&](const Block& a, const Block& b) { return a.position[axis] < b.position[axis]; });
+  const auto count = static_cast<std::int64_t>(blocks.size());
+  const std::int64_t least = std::max(kMinGroups * lanes, (count + kMaxSlabs - 1) / kMaxSlabs);
+
+  BlockLayout layout;
+  layout.lanes = lanes;
+  layout.blocks = static_cast<std::int64_t>(blocks.size());
+  layout.slab_start = {0};
+  layout.node_start = {0};
+  layout.slot_of_cell.assign(lattice.cell_nodes.size(), -1);
+  std::int64_t begin = 0;
+  while (begin < count) {
+    // whole planes of blocks, until there are enough; what is too little for a slab joins the last
+    std::int64_t end = std::min(begin + least, count);
+    const auto plane = [&](std::int64_t b) { return blocks[static_cast<std::size_t>(b)].position[axis]; };
+    while (end < count && plane(end) == plane(end - 1)) ++end;
+    if (count - end < least) end = count;
+    const auto from = blocks.begin() + begin, to = blocks.begin() + end;
+    const auto mesh =
+        std::stable_partition(from, to, [&](const Block& b) { return has_columns(nodes_of(lattice, b)); });
+    if constexpr (!kHasMeshCells)
+      if (mesh != to)
+        throw RefusedError(ErrorCode::kInvalidInput,
+                           "this daemon was built without mesh cells, and the tissue is no box of whole blocks");
+    append_groups(lattice, {from, mesh}, true, layout);
+    append_groups(lattice, {mesh, to}, false, layout);
+    layout.slab_start.push_back(layout.groups);
+    begin = end;
+  }
+  return layout;
+}
+
+}  // namespace lappet

@@ -1,0 +1,286 @@
+#include "force/elastic/elastic.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+#include "force/kernels/state_kernel.h"
+#include "force/materials/material_models.h"
+#include "force/materials/prestretch.h"
+#include "lattice/refused.h"
+#include "math/features.h"
+#include "math/parallel.h"
+
+namespace lappet {
+
+namespace {
+
+SceneFeatures features_of(const CellMaterials& materials, int quadrature) {
+  SceneFeatures features;
+  features.model = MaterialModels::index(materials.table.at(0).model);
+  if (features.model < 0)
+    throw std::invalid_argument("there is no material model \"" + materials.table[0].model + "\"");
+  features.one_point = quadrature == 1;
+  for (const auto& material : materials.table) {
+    if (material.model != materials.table[0].model)
+      throw std::invalid_argument("the materials of one tissue must have the same model; \"" + material.model +
+                                  "\" and \"" + materials.table[0].model + "\" are mixed");
+    features.fibers = features.fibers || material.has_fibers() || material.has_muscle();
+    features.prestretched = features.prestretched || material.has_prestretch();
+  }
+  return features;
+}
+
+}  // namespace
+
+template <class Real>
+Elastic<Real>::Elastic(const Lattice& lattice, CellMaterials materials, int quadrature, InstructionSet set,
+                       std::span<const std::uint8_t> still)
+    : lattice_(lattice),
+      materials_(std::move(materials)),
+      features_(features_of(materials_, quadrature)),
+      set_(set),
+      kernels_(elastic_kernels<Real>(set, features_)),
+      layout_(lay_out_blocks(lattice, kernels_.lanes, still)),
+      quadrature_(quadrature_points(quadrature)),
+      uniform_(materials_.of_cell.empty() && materials_.normal_of_cell.empty()),
+      record_fields_(features_.prestretched ? kMaterialFields
+                     : features_.fibers     ? kPrestretch
+                                            : kFiberK1) {
+  if (!kHasHeterogeneity && !uniform_)
+    throw RefusedError(ErrorCode::kInvalidInput,
+                       "this daemon was built without heterogeneity, and the tissue's cells differ");
+  for (const auto& point : quadrature_) {
+    for (const double g : point.gradient) gradients_.push_back(4.0 * g);
+    weights_.push_back(point.weight);
+  }
+  const std::size_t slots = layout_.slots(), points = quadrature_.size();
+  volume_.assign(slots, Real(0));
+  if (features_.one_point) stabilization_.assign(slots, Real(0));
+  tangent_.assign(slots * points * kTangentFields, Real(0));
+  sigma_.assign(slots * points * 3, Real(1));
+  if (features_.fibers) fiber_tangent_.assign(slots * points * kFiberFields, Real(0));
+  fill_cells();
+  arrays_.points = static_cast<int>(points);
+  arrays_.spacing = lattice.settings.spacing;
+  arrays_.gradients = gradients_.data();
+  arrays_.weights = weights_.data();
+  arrays_.nodes = layout_.nodes.data();
+  arrays_.node_start = layout_.node_start.data();
+  arrays_.volume = volume_.data();
+  arrays_.stabilization = stabilization_.data();
+  arrays_.material = material_.data();
+  arrays_.material_stride = uniform_ ? 0 : static_cast<std::int64_t>(record_fields_) * layout_.lanes;
+  arrays_.tangent = tangent_.data();
+  arrays_.sigma = sigma_.data();
+  arrays_.fiber_tangent = fiber_tangent_.data();
+}
+
+template <class Real>
+void Elastic<Real>::fill_record(Real* record, std::size_t stride, std::size_t material, const Vec3& normal) const {
+  const MaterialParameters& m = materials_.table[material];
+  const auto put = [&](int field, double value) {
+    record[static_cast<std::size_t>(field) * stride] = static_cast<Real>(value);
+  };
+  put(kMu, m.mu());
+  put(kLambda, m.lambda());
+  put(kMooney, m.mooney_ratio);
+  if (record_fields_ == kFiberK1) return;
+  put(kFiberK1, m.fiber_k1);
+  put(kFiberK2, m.fiber_k2);
+  put(kFiberDispersion, m.fiber_dispersion);
+  put(kMuscle, muscle(material));
+  MaterialParameters turned = m;
+  if (!materials_.normal_of_cell.empty()) turned.fiber_direction = direction_in_plane(m, normal);
+  const Vec3 direction = turned.fiber_direction.normalized();
+  for (int i = 0; i < 3; ++i) put(kFiberDirection + i, direction[i]);
+  if (!features_.prestretched) return;
+  const bool upright = normal.cross(direction).norm() < 1e-3;
+  const Eigen::Matrix3d a =
+      prestretch_matrix(turned, upright ? direction.unitOrthogonal() : normal, third_prestretch_[material]);
+  int k = 0;
+  for (int i = 0; i < 3; ++i)
+    for (int j = i; j < 3; ++j, ++k) put(kPrestretch + k, a(i, j));
+}
+
+template <class Real>
+void Elastic<Real>::fill_cells() {
+  const auto lanes = static_cast<std::size_t>(layout_.lanes);
+  const double h = lattice_.settings.spacing;
+  material_.assign((uniform_ ? 1 : layout_.slots() / lanes) * record_fields_ * lanes, Real(0));
+  for (const auto& material : materials_.table) third_prestretch_.push_back(free_prestretch(material));
+  if (uniform_)
+    for (std::size_t lane = 0; lane < lanes; ++lane) fill_record(&material_[lane], lanes, 0, Vec3::UnitZ());
+  double laplacian = 0.0;
+  MaterialModels::with(features_.model, [&]<class Model>() { laplacian = Model::kLaplacian; });
+  for_each_index(layout_.slots(), [&](std::size_t slot) {
+    const std::int32_t cell = layout_.cell_of_slot[slot];
+    const auto c = static_cast<std::size_t>(std::max(cell, 0));
+    if (!uniform_)
+      fill_record(&material_[slot / lanes * record_fields_ * lanes + slot % lanes], lanes, material_of(c),
+                  normal_of(c));
+    if (cell < 0) return;
+    const double volume = h * h * h * static_cast<double>(lattice_.cell_fill[c]);
+    volume_[slot] = static_cast<Real>(volume);
+    if (features_.one_point)
+      stabilization_[slot] = static_cast<Real>(laplacian * materials_.of(c).mu() * volume * kHourglass[0] / (h * h));
+  });
+}
+
+template <class Real>
+void Elastic<Real>::set_activation(std::span<const double> activation) {
+  if (!features_.fibers) return;
+  activation_.assign(activation.begin(), activation.end());
+  arrays_.active = false;
+  for (std::size_t m = 0; m < materials_.table.size(); ++m) arrays_.active = arrays_.active || muscle(m) > 0.0;
+  const auto lanes = static_cast<std::size_t>(layout_.lanes);
+  for (std::size_t slot = 0; slot < (uniform_ ? lanes : layout_.slots()); ++slot) {
+    const auto cell = static_cast<std::size_t>(std::max(layout_.cell_of_slot[slot], 0));
+    material_[(slot / lanes * record_fields_ + kMuscle) * lanes + slot % lanes] =
+        static_cast<Real>(muscle(uniform_ ? 0 : material_of(cell)));
+  }
+}
+
+template <class Real>
+ElasticState Elastic<Real>::evaluate(std::span<const Real> u, std::span<double> gradient,
+                                     std::span<double> node_scale) {
+  for_each_index(lattice_.node_rest.size(), [&](std::size_t n) {
+    gradient[3 * n] = gradient[3 * n + 1] = gradient[3 * n + 2] = 0.0;
+    node_scale[n] = 0.0;
+  });
+  std::vector<StateSums> sums(layout_.slabs());
+  layout_.for_each_slab([&](std::size_t slab, std::int64_t begin, std::int64_t end) {
+    kernels_.evaluate(arrays_, begin, end, u.data(), gradient.data(), node_scale.data(), sums[slab]);
+  });
+  ElasticState state;
+  state.minimum_j = std::numeric_limits<double>::infinity();
+  for (const auto& sum : sums) {
+    state.energy += sum.energy;
+    state.minimum_j = std::min(state.minimum_j, sum.minimum_j);
+    state.inverted += sum.inverted;
+  }
+  return state;
+}
+
+template <class Real>
+void Elastic<Real>::linearize(PsdProjection how) {
+  layout_.for_each_slab(
+      [&](std::size_t, std::int64_t begin, std::int64_t end) { kernels_.linearize(arrays_, begin, end, how); });
+}
+
+template <class Real>
+void Elastic<Real>::multiply(std::span<const Real> x, std::span<Real> y) const {
+  for_each_chunk(y.size(), [&](std::size_t, std::size_t begin, std::size_t end) {
+    std::fill(y.begin() + static_cast<std::ptrdiff_t>(begin), y.begin() + static_cast<std::ptrdiff_t>(end), Real(0));
+  });
+  layout_.for_each_slab([&](std::size_t, std::int64_t begin, std::int64_t end) {
+    kernels_.multiply(arrays_, begin, end, x.data(), y.data());
+  });
+}
+
+template <class Real>
+void Elastic<Real>::set_cell_quadratics(std::span<const std::int32_t> of_cell, std::span<const Real> matrices) {
+  quadratic_of_.clear();
+  quadratics_.clear();
+  arrays_.quadratic_of = nullptr;
+  if (of_cell.empty()) return;
+  const auto lanes = static_cast<std::size_t>(layout_.lanes);
+  quadratic_of_.assign(layout_.slots() / lanes, -1);
+  for (std::size_t slot = 0; slot < layout_.slots(); ++slot) {
+    const std::int32_t cell = layout_.cell_of_slot[slot];
+    if (cell < 0 || of_cell[static_cast<std::size_t>(cell)] < 0) continue;
+    auto& index = quadratic_of_[slot / lanes];
+    if (index < 0) {
+      index = static_cast<std::int32_t>(quadratics_.size() / (36 * lanes));
+      quadratics_.resize(quadratics_.size() + 36 * lanes, Real(0));
+    }
+    const Real* matrix = &matrices[64 * static_cast<std::size_t>(of_cell[static_cast<std::size_t>(cell)])];
+    Real* entry = &quadratics_[static_cast<std::size_t>(index) * 36 * lanes + slot % lanes];
+    for (std::size_t a = 0; a < 8; ++a)
+      for (std::size_t b = a; b < 8; ++b, entry += lanes) *entry = matrix[8 * a + b];
+  }
+  if (quadratics_.empty()) return;
+  arrays_.quadratic_of = quadratic_of_.data();
+  arrays_.quadratics = quadratics_.data();
+}
+
+template <class Real>
+CellMeasures Elastic<Real>::measures(std::int32_t cell, std::span<const Real> u) const {
+  const std::int32_t slot = layout_.slot_of_cell[static_cast<std::size_t>(cell)];
+  const bool fixed = slot < 0;
+  const int lanes = fixed ? 1 : layout_.lanes;
+  const auto place = fixed ? std::size_t{0} : static_cast<std::size_t>(slot / lanes);
+  const auto lane = fixed ? std::size_t{0} : static_cast<std::size_t>(slot % lanes);
+  const auto width = static_cast<std::size_t>(lanes);
+  Real own[kMaterialFields] = {};
+  const Real* material = own;
+  if (fixed)
+    fill_record(own, 1, material_of(static_cast<std::size_t>(cell)), normal_of(static_cast<std::size_t>(cell)));
+  else
+    material = &material_[(uniform_ ? 0 : place) * record_fields_ * width + lane];
+
+  double rotation_u[9], rotation_v[9], sigma[3], p_hat[3];
+  if (!fixed && arrays_.points == 1 && !features_.fibers) {
+    for (std::size_t i = 0; i < 3; ++i) sigma[i] = static_cast<double>(sigma_[(3 * place + i) * width + lane]);
+  } else {
+    double f[9];
+    deformation_gradient(cell, u, f);
+    if (features_.prestretched) {
+      double a[9], unstretched[9];
+      load_symmetric3<double>(material + kPrestretch * lanes, a, lanes);
+      std::copy(std::begin(f), std::end(f), unstretched);
+      multiply3(unstretched, a, f);
+    }
+    svd3(f, rotation_u, sigma, rotation_v);
+  }
+  MaterialModels::with(features_.model,
+                       [&]<class Model>() { Model::p_hat(sigma, load_moduli<double>(material, lanes), p_hat); });
+  // Cauchy stress in the frame of the decomposition: P F^T / J
+  const double j = std::max(sigma[0] * sigma[1] * sigma[2], 1e-6);
+  double principal[3];
+  for (int i = 0; i < 3; ++i) principal[i] = sigma[i] * p_hat[i] / j;
+  if (features_.fibers) {
+    Eigen::Matrix3d stress = Eigen::Vector3d(principal[0], principal[1], principal[2]).asDiagonal();
+    const auto fiber = fiber_state(material, lanes, sigma, rotation_v);
+    const auto response = fiber_response(fiber.i1, fiber.i4, load_fiber<double>(material, lanes, arrays_.active));
+    for (int i = 0; i < 3; ++i) {
+      stress(i, i) += response.isotropic * sigma[i] * sigma[i] / j;
+      for (int k = 0; k < 3; ++k) stress(i, k) += response.along * fiber.fa[i] * fiber.fa[k] / j;
+    }
+    const double packed[6] = {stress(0, 0), stress(0, 1), stress(0, 2), stress(1, 1), stress(1, 2), stress(2, 2)};
+    double axes[9];
+    symmetric_eigen3(packed, principal, axes);
+  }
+  const double d01 = principal[0] - principal[1], d12 = principal[1] - principal[2], d20 = principal[2] - principal[0];
+  return {sigma[0], std::sqrt(0.5 * (d01 * d01 + d12 * d12 + d20 * d20)),
+          std::max({principal[0], principal[1], principal[2]})};
+}
+
+template <class Real>
+void Elastic<Real>::deformation_gradient(std::int32_t cell, std::span<const Real> u, double* f) const {
+  static const QuadraturePoint center = quadrature_point(0.5, 0.5, 0.5, 1.0);
+  const auto& nodes = lattice_.cell_nodes[static_cast<std::size_t>(cell)];
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) {
+      double sum = 0.0;
+      for (std::size_t k = 0; k < 8; ++k)
+        sum += double(u[3 * static_cast<std::size_t>(nodes[k]) + static_cast<std::size_t>(i)]) *
+               center.gradient[static_cast<std::size_t>(8 * j) + k];
+      f[3 * i + j] = sum / lattice_.settings.spacing + (i == j ? 1.0 : 0.0);
+    }
+}
+
+template <class Real>
+std::size_t Elastic<Real>::bytes() const {
+  const std::size_t numbers = volume_.size() + stabilization_.size() + material_.size() + tangent_.size() +
+                              sigma_.size() + fiber_tangent_.size() + quadratics_.size();
+  return numbers * sizeof(Real) + 8 * layout_.node_start.size() +
+         4 * (layout_.nodes.size() + layout_.cell_of_slot.size() + layout_.slot_of_cell.size() + quadratic_of_.size());
+}
+
+template class Elastic<float>;
+template class Elastic<double>;
+
+}  // namespace lappet

@@ -1,0 +1,68 @@
+#include "force/materials/prestretch.h"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+
+#include "force/materials/fiber.h"
+#include "force/materials/material_models.h"
+#include "lattice/refused.h"
+
+namespace lappet {
+
+namespace {
+// Between these the third stretch is looked for: 1/4 to 4 keep the volume at prestretches of 2 and of 1/2.
+constexpr double kThinnest = 0.05, kThickest = 6.0;
+}  // namespace
+
+Eigen::Matrix3d prestretch_matrix(const MaterialParameters& parameters, const Eigen::Vector3d& normal, double third) {
+  const auto [along, across] = parameters.prestretch;
+  if (!(std::isfinite(along) && std::isfinite(across) && along > 0.0 && across > 0.0))
+    throw RefusedError(
+        ErrorCode::kInvalidInput,
+        fmt::format("the prestretch is ({}, {}) along and across the fibers; both must be positive", along, across));
+  const Eigen::Vector3d d = parameters.fiber_direction.normalized(), perpendicular = normal.cross(d);
+  if (!(perpendicular.norm() > 1e-6 * normal.norm()))
+    throw RefusedError(ErrorCode::kInvalidInput,
+                       fmt::format("the normal ({:g}, {:g}, {:g}) of the skin has the direction of its fibers, ({:g}, "
+                                   "{:g}, {:g}), so that 'across' is undefined; give a direction in the skin's plane",
+                                   normal[0], normal[1], normal[2], d[0], d[1], d[2]));
+  const Eigen::Vector3d c = perpendicular.normalized(), e = d.cross(c);
+  return along * d * d.transpose() + across * c * c.transpose() + third * e * e.transpose();
+}
+
+double free_prestretch(const MaterialParameters& parameters) {
+  if (!parameters.has_prestretch()) return 1.0;
+  const auto [along, across] = parameters.prestretch;
+  const Moduli<double> moduli{parameters.mu(), parameters.lambda(), parameters.mooney_ratio};
+  const FiberParameters<double> fibers{parameters.fiber_k1, parameters.fiber_k2, parameters.fiber_dispersion, 0.0};
+  const auto stress = [&](double third) {
+    const double s[3] = {along, across, third};
+    double p[3] = {0, 0, 0};
+    MaterialModels::with(MaterialModels::index(parameters.model), [&]<class Model>() { Model::p_hat(s, moduli, p); });
+    const double i4 = along * along, i1 = i4 + across * across + third * third;
+    return p[2] + fiber_response(i1, i4, fibers).isotropic * third;
+  };
+  double low = kThinnest, high = kThickest;
+  if (!(stress(low) < 0.0 && stress(high) > 0.0))
+    throw RefusedError(
+        ErrorCode::kInvalidInput,
+        fmt::format(
+            "tissue of the model '{}' has no thickness at the prestretch ({:g}, {:g}) for which nothing presses "
+            "on it; prestretch it less, or use 'neoHookean'",
+            parameters.model, along, across));
+  for (int k = 0; k < 100; ++k) {
+    const double middle = 0.5 * (low + high);
+    (stress(middle) < 0.0 ? low : high) = middle;
+  }
+  return 0.5 * (low + high);
+}
+
+Eigen::Vector3d direction_in_plane(const MaterialParameters& parameters, const Eigen::Vector3d& normal) {
+  const Eigen::Vector3d d = parameters.fiber_direction.normalized(), n = normal.normalized();
+  const Eigen::Vector3d flat = d - n.dot(d) * n;
+  return flat.norm() > 1e-3 ? flat.normalized() : d;
+}
+
+}  // namespace lappet

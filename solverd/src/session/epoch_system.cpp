@@ -1,0 +1,61 @@
+#include "session/epoch_system.h"
+
+#include <algorithm>
+
+#include "session/bones.h"
+
+namespace lappet {
+
+namespace {
+
+constexpr int kChebyshevDegree = 4;
+
+LatticeSettings lattice_settings(const SessionSettings& settings) {
+  LatticeSettings result;
+  result.spacing = settings.spacing;
+  result.fine_ratio = settings.fine_ratio;
+  result.origin = settings.origin;
+  result.memory_budget = settings.memory_budget;
+  return result;
+}
+
+}  // namespace
+
+template <class Real>
+EpochSystem<Real>::EpochSystem(const EpochInput& epoch, const SessionSettings& settings,
+                               std::shared_ptr<const SignedDistance> bones)
+    : surface(epoch.surface),
+      lattice(build_lattice(surface, lattice_settings(settings))),
+      system(lattice, assign_materials(lattice, settings.materials, epoch.skin, epoch.regions), settings.quadrature,
+             attach(lattice, surface, epoch.fixed, epoch.bed, epoch.grip), settings.retractors, settings.bed_stiffness,
+             settings.gravity),
+      preconditioner(system, kChebyshevDegree),
+      constraints(settings, lattice, surface, system) {
+  if (bones) system.set_contact(contact_with_bones(std::move(bones), lattice, epoch, settings));
+  if (settings.preconditioner == "chebyshev") preconditioner.smoother_only();
+  for (std::size_t k = 0; k < epoch.landmarks.size(); ++k)
+    landmarks.push_back(embed_on_triangle(lattice, surface, epoch.landmarks[k], epoch.landmark_triangles[k]));
+}
+
+template <class Real>
+EpochReport EpochSystem<Real>::report(bool with_nodes) const {
+  EpochReport report;
+  report.fine_voxels = lattice.fine_voxels;
+  report.cells = static_cast<std::int32_t>(lattice.cell_nodes.size());
+  report.grid_cells = lattice.grid_cells;
+  report.mesh_cells = lattice.mesh_cells;
+  report.nodes = static_cast<std::int32_t>(lattice.node_rest.size());
+  report.fragments = lattice.fragments;
+  report.blocks = static_cast<std::int32_t>(system.elastic().layout().blocks);
+  report.fixed_nodes = static_cast<std::int32_t>(std::ranges::count(system.attachments().node_group, kFixedGroup));
+  report.bytes = static_cast<double>(lattice.bytes() + system.bytes() + preconditioner.bytes());
+  if (with_nodes)
+    for (const Vec3& rest : lattice.node_rest)
+      report.nodes_at_rest.insert(report.nodes_at_rest.end(), rest.begin(), rest.end());
+  return report;
+}
+
+template struct EpochSystem<float>;
+template struct EpochSystem<double>;
+
+}  // namespace lappet

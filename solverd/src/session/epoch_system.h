@@ -1,0 +1,34 @@
+// All that an epoch is solved with. It is made beside the epoch before it and takes its place whole, or not at all.
+#pragma once
+#include <memory>
+#include <vector>
+
+#include "session/frame_constraints.h"
+#include "solve/multigrid/two_level.h"
+
+namespace lappet {
+
+class SignedDistance;
+
+template <class Real>
+struct EpochSystem {
+  // bones: null without any. Refuses what bones and budgets do not allow.
+  EpochSystem(const EpochInput& epoch, const SessionSettings& settings, std::shared_ptr<const SignedDistance> bones);
+  EpochSystem(const EpochSystem&) = delete;
+  EpochSystem& operator=(const EpochSystem&) = delete;
+
+  // Its numbers; `bytes` counts what is held here.
+  EpochReport report(bool with_nodes) const;
+
+  Surface surface;
+  Lattice lattice;
+  System<Real> system;
+  TwoLevel<Real> preconditioner;
+  FrameConstraints<Real> constraints;
+  std::vector<EmbeddedPoint> landmarks;
+};
+
+extern template struct EpochSystem<float>;
+extern template struct EpochSystem<double>;
+
+}  // namespace lappet

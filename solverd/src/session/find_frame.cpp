@@ -1,0 +1,195 @@
+#include "session/find_frame.h"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+#include "lattice/refused.h"
+#include "session/check_targets.h"
+#include "session/is_valid_start.h"
+#include "session/retry_schedule.h"
+
+namespace lappet {
+
+namespace {
+
+// Two equilibria whose energies differ by less are the same.
+constexpr double kSameEnergy = 1e-6;
+
+template <class Real>
+class FrameSearch {
+ public:
+  FrameSearch(const SessionSettings& settings, EpochSystem<Real>& epoch, const TissueState<Real>& before,
+              const FrameInput& frame, const ProgressCallback& progress, const std::atomic<bool>& cancel)
+      : settings_(settings),
+        epoch_(epoch),
+        before_(before),
+        frame_(frame),
+        cancel_(cancel),
+        valid_(is_valid_start<Real>(epoch.lattice, before.u)),
+        moved_(std::ranges::any_of(before.u, [](Real x) { return x != Real(0); })) {
+    options_.tolerance = settings.tolerance;
+    options_.gap_tolerance = settings.gap_tolerance * settings.spacing;
+    options_.inverts = std::ranges::all_of(
+        settings.materials, [](const auto& m) { return m.model == "corotated" || m.model == "stableNeoHookean"; });
+    options_.moves_first = !moved_ && settings.gravity != Vec3::Zero();
+    observer_.stop = [this] { return cancel_.load(std::memory_order_relaxed) || out_of_time(); };
+    observer_.progress = [this, &progress](int newton, double residual, double gap) {
+      if (progress) progress({frame_.time, found_.effort.newton_iterations + newton, residual, gap});
+    };
+  }
+  FrameSearch(const FrameSearch&) = delete;
+  FrameSearch& operator=(const FrameSearch&) = delete;
+
+  FoundFrame<Real> run() {
+    const std::string unreachable = check_targets_reachable(
+        frame_, settings_.materials[0].youngs_modulus, epoch_.constraints.lowest(), epoch_.constraints.highest(),
+        [this](const Anchor& anchor) { return epoch_.constraints.where(anchor, before_.u); });
+    if (unreachable.empty()) {
+      walk(RetrySchedule(valid_ && moved_, settings_.max_newton));
+      settle_doubt();
+    } else {
+      found_.state = before_;
+      epoch_.constraints.apply(frame_, found_.state);
+      found_.outcome.reason = unreachable;
+    }
+    if (!found_.outcome.converged) {
+      refuse_if_stopped();
+      evaluate();
+    }
+    return std::move(found_);
+  }
+
+ private:
+  // Tries what the schedule says until an attempt succeeds or none is left.
+  void walk(RetrySchedule schedule) {
+    if (!valid_)
+      spdlog::info("frame {:g} starts from rest: too many cells of its start are inverted or flat", frame_.time);
+    while (const auto attempt = schedule.next()) {
+      const int reached = try_once(*attempt, schedule);
+      const EquilibriumOutcome& outcome = found_.outcome;
+      std::string why = outcome.reason;
+      if (outcome.converged && outcome.inverted > 0 && !attempt->from_rest) {
+        why = fmt::format("{} cells are inverted", outcome.inverted);
+        set_aside();
+        schedule.start_over(found_.effort.newton_iterations);
+      } else if (outcome.converged || observer_.stop()) {
+        return;
+      } else {
+        schedule.failed(reached, outcome.residual, found_.effort.newton_iterations);
+      }
+      if (schedule.next() && schedule.next()->from_rest && !attempt->from_rest)
+        spdlog::info("frame {:g} starts over from rest: {}", frame_.time, why);
+    }
+  }
+
+  void set_aside() {
+    Evaluation reused = std::move(found_.outcome.at);
+    doubtful_.emplace(std::exchange(found_.outcome, {}), std::move(found_.state));
+    found_.outcome.at = std::move(reused);
+  }
+
+  // Returns the load step that failed, or their number.
+  int try_once(const Attempt& attempt, const RetrySchedule& schedule) {
+    found_.state = before_;
+    if (attempt.from_rest && moved_) {
+      if (valid_) epoch_.constraints.place_sutures(frame_, found_.state);
+      found_.state.return_to_rest();
+    }
+    epoch_.preconditioner.restart();
+    found_.effort.load_steps = attempt.load_steps;
+    options_.neighborhood_first =
+        settings_.region == "auto" && !epoch_.preconditioner.is_smoother_only() && attempt.load_steps == 1;
+    const auto path = epoch_.constraints.path(frame_, attempt.load_steps, found_.state);
+    for (int step = 0; step < attempt.load_steps; ++step)
+      if (!take_load_step(path[static_cast<std::size_t>(step)], schedule)) return step;
+    return attempt.load_steps;
+  }
+
+  bool take_load_step(const FrameInput& to, const RetrySchedule& schedule) {
+    SolveEffort& effort = found_.effort;
+    EquilibriumOutcome& outcome = found_.outcome;
+    epoch_.constraints.apply(to, found_.state);
+    options_.max_newton = schedule.newton_left(effort.newton_iterations);
+    outcome = find_equilibrium<Real>(epoch_.system, epoch_.preconditioner, found_.state.u, found_.state.multipliers,
+                                     options_, observer_, std::move(outcome.at));
+    effort.newton_iterations += outcome.newton_iterations;
+    effort.pcg_iterations += outcome.pcg_iterations;
+    effort.active_cells = std::max(effort.active_cells, outcome.active_cells);
+    effort.seconds_update += outcome.seconds_update;
+    effort.seconds_linear += outcome.seconds_linear;
+    effort.seconds_setup += outcome.seconds_setup;
+    if (outcome.converged) found_.state.activation = epoch_.constraints.activation_of(to);
+    return outcome.converged;
+  }
+
+  // An equilibrium with inverted cells stands where one from rest has no lower energy; without one it does not.
+  void settle_doubt() {
+    if (!doubtful_) return;
+    auto& [doubtful, state] = *doubtful_;
+    EquilibriumOutcome& outcome = found_.outcome;
+    if (!outcome.converged) {
+      outcome.reason = fmt::format(
+          "{} cells are inverted in the equilibrium found from the frame before, and none is found from rest "
+          "to confirm it ({}); make smaller steps between frames or a smaller spacing",
+          doubtful.inverted, outcome.reason);
+    } else if (doubtful.energy <= outcome.energy + kSameEnergy * std::abs(outcome.energy)) {
+      outcome = std::move(doubtful);
+      found_.state = std::move(state);
+      epoch_.constraints.apply(frame_, found_.state);
+      evaluate();
+    }
+  }
+
+  void refuse_if_stopped() const {
+    if (!observer_.stop()) return;
+    if (cancel_.load()) throw RefusedError(ErrorCode::kCancelled, fmt::format("frame {:g} was cancelled", frame_.time));
+    throw RefusedError(
+        ErrorCode::kTimeBudget,
+        fmt::format("frame {:g} ran out of its time budget of {:g} s at relative residual {:.2e}; raise the "
+                    "budget or the spacing",
+                    frame_.time, settings_.time_budget, found_.outcome.residual));
+  }
+
+  void evaluate() {
+    Evaluation& at = found_.outcome.at;
+    at = epoch_.system.evaluate(found_.state.u, found_.state.multipliers, std::move(at));
+  }
+  bool out_of_time() const {
+    const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - start_;
+    return settings_.time_budget > 0.0 && passed.count() > settings_.time_budget;
+  }
+
+  const std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+  const SessionSettings& settings_;
+  EpochSystem<Real>& epoch_;
+  const TissueState<Real>& before_;
+  const FrameInput& frame_;
+  const std::atomic<bool>& cancel_;
+  bool valid_, moved_;  // the state before: may be started from, differs from rest
+  EquilibriumOptions options_;
+  SolveObserver observer_;
+  FoundFrame<Real> found_;
+  // An equilibrium with inverted cells, until one from rest confirms it.
+  std::optional<std::pair<EquilibriumOutcome, TissueState<Real>>> doubtful_;
+};
+
+}  // namespace
+
+template <class Real>
+FoundFrame<Real> find_frame(const SessionSettings& settings, EpochSystem<Real>& epoch, const TissueState<Real>& before,
+                            const FrameInput& frame, const ProgressCallback& progress,
+                            const std::atomic<bool>& cancel) {
+  return FrameSearch<Real>(settings, epoch, before, frame, progress, cancel).run();
+}
+
+template FoundFrame<float> find_frame(const SessionSettings&, EpochSystem<float>&, const TissueState<float>&,
+                                      const FrameInput&, const ProgressCallback&, const std::atomic<bool>&);
+template FoundFrame<double> find_frame(const SessionSettings&, EpochSystem<double>&, const TissueState<double>&,
+                                       const FrameInput&, const ProgressCallback&, const std::atomic<bool>&);
+
+}  // namespace lappet

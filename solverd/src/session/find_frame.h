@@ -1,0 +1,22 @@
+// The equilibrium of a frame, tried from the state before and from rest (retry_schedule.h).
+#pragma once
+#include <atomic>
+
+#include "session/epoch_system.h"
+#include "solve/newton/equilibrium.h"
+
+namespace lappet {
+
+template <class Real>
+struct FoundFrame {
+  EquilibriumOutcome outcome;  // its evaluation is the last of the epoch's system
+  TissueState<Real> state;     // where the search ended, an equilibrium or not
+  SolveEffort effort;          // of all attempts
+};
+
+// before: the state of the frame before. Throws RefusedError(kCancelled) or (kTimeBudget).
+template <class Real>
+FoundFrame<Real> find_frame(const SessionSettings& settings, EpochSystem<Real>& epoch, const TissueState<Real>& before,
+                            const FrameInput& frame, const ProgressCallback& progress, const std::atomic<bool>& cancel);
+
+}  // namespace lappet

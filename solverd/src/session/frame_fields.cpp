@@ -1,0 +1,69 @@
+#include "session/frame_fields.h"
+
+#include "session/surface_fields.h"
+#include "solve/newton/newton_correction.h"
+
+namespace lappet {
+
+namespace {
+
+template <class Number>
+void append(std::vector<Number>& array, const Vec3& v) {
+  for (int i = 0; i < 3; ++i) array.push_back(static_cast<Number>(v[i]));
+}
+
+template <class Real>
+void write_constraints(const EpochSystem<Real>& epoch, const FrameInput& frame, const TissueState<Real>& state,
+                       FrameFields& fields) {
+  for (const HookState& hook : frame.hooks) {
+    const PointConstraint& constraint = epoch.system.point_constraint(id_of(hook));
+    const Vec3 c = constraint.value<Real>(state.u);
+    fields.hook_indices.push_back(hook.index);
+    append(fields.hook_forces, -constraint.force(c, state.multipliers.of(constraint)));
+    append(fields.hook_points, epoch.constraints.where(hook.anchor, state.u));
+  }
+  for (const SutureState& suture : frame.sutures) {
+    const PointConstraint& constraint = epoch.system.point_constraint(id_of(suture));
+    const Vec3 c = constraint.value<Real>(state.u);
+    fields.suture_indices.push_back(suture.index);
+    fields.suture_gaps.push_back(c.norm());
+    fields.suture_forces.push_back(constraint.force(c, state.multipliers.of(constraint)).norm());
+    append(fields.suture_points, epoch.constraints.where(suture.a, state.u));
+    append(fields.suture_points, epoch.constraints.where(suture.b, state.u));
+  }
+}
+
+template <class Real>
+void write_correction(EpochSystem<Real>& epoch, const FoundFrame<Real>& found, FrameFields& fields) {
+  std::vector<Real> step(found.state.u.size());
+  newton_correction<Real>(epoch.system, epoch.preconditioner, found.state.u, found.outcome.at, step);
+  for (const auto& point : epoch.lattice.surface_points)
+    append(fields.correction, displacement<Real>(epoch.lattice, point, step));
+  for (const auto& point : epoch.landmarks)
+    append(fields.landmark_correction, displacement<Real>(epoch.lattice, point, step));
+}
+
+}  // namespace
+
+template <class Real>
+FrameFields frame_fields(const SessionSettings& settings, EpochSystem<Real>& epoch, const FrameInput& frame,
+                         const FoundFrame<Real>& found) {
+  FrameFields fields;
+  for (const auto& point : epoch.lattice.surface_points)
+    append(fields.points, position<Real>(epoch.lattice, point, found.state.u));
+  if constexpr (kHasLandmarks)
+    for (const auto& point : epoch.landmarks)
+      append(fields.landmarks, position<Real>(epoch.lattice, point, found.state.u));
+  if (kHasStrain && settings.strain)
+    write_surface_fields<Real>(epoch.system.elastic_at(found.outcome.at), found.state.u, fields);
+  write_constraints(epoch, frame, found.state, fields);
+  if (kHasErrorEstimate && settings.correction && found.outcome.converged) write_correction(epoch, found, fields);
+  return fields;
+}
+
+template FrameFields frame_fields(const SessionSettings&, EpochSystem<float>&, const FrameInput&,
+                                  const FoundFrame<float>&);
+template FrameFields frame_fields(const SessionSettings&, EpochSystem<double>&, const FrameInput&,
+                                  const FoundFrame<double>&);
+
+}  // namespace lappet

@@ -1,0 +1,65 @@
+// In which order a frame is tried: from the state before in one load step, in 2, 4, ... load steps, and at last from
+// rest in the same way. A state before that is not valid to start from is passed over. Halving the load stops where it
+// does not help, and all attempts together have a budget of iterations: a frame without an equilibrium ends soon.
+#pragma once
+#include <algorithm>
+#include <limits>
+#include <optional>
+
+namespace lappet {
+
+struct Attempt {
+  bool from_rest = false;
+  int load_steps = 1;
+};
+
+class RetrySchedule {
+ public:
+  // before: the state before differs from rest and is valid to start from. max_newton: iterations of one load step.
+  RetrySchedule(bool before, int max_newton)
+      : max_newton_(max_newton), budget_(kNewtonBudget * max_newton), next_{Attempt{!before, 1}} {}
+
+  const std::optional<Attempt>& next() const { return next_; }
+  // Newton iterations that a load step may take once the frame has taken `used`.
+  int newton_left(int used) const { return std::min(max_newton_, budget_ - used); }
+  // The attempt failed in this of its load steps (from 0), at this relative residual; the frame has taken `used`
+  // iterations.
+  void failed(int load_step, double residual, int used) {
+    if (used >= budget_) return give_up(used);
+    unimproved_ = load_step > 0 || residual < kHelp * residual_ ? 0 : unimproved_ + 1;
+    residual_ = residual;
+    if (unimproved_ < kMaxUnimproved && next_->load_steps < kMaxLoadSteps)
+      next_->load_steps *= 2;
+    else
+      give_up(used);
+  }
+  void start_over(int used) {
+    next_ = Attempt{true, 1};
+    unimproved_ = 0;
+    residual_ = std::numeric_limits<double>::infinity();
+    budget_ = used + kNewtonBudget * max_newton_ / 2;
+  }
+
+ private:
+  static constexpr int kMaxLoadSteps = 16;
+  // A halved first load step that fails at a residual not this much lower did not help; so often in a row.
+  static constexpr double kHelp = 0.5;
+  static constexpr int kMaxUnimproved = 2;
+  // All attempts from the state before together may take this many times max_newton iterations, those from rest half.
+  static constexpr int kNewtonBudget = 4;
+
+  // More load steps are of no use.
+  void give_up(int used) {
+    if (next_->from_rest)
+      next_.reset();
+    else
+      start_over(used);
+  }
+
+  int max_newton_, budget_;
+  std::optional<Attempt> next_;
+  double residual_ = std::numeric_limits<double>::infinity();
+  int unimproved_ = 0;
+};
+
+}  // namespace lappet

@@ -1,0 +1,86 @@
+#include "session/tissue_state.h"
+
+#include <limits>
+#include <type_traits>
+
+namespace lappet {
+
+namespace {
+
+// Three numbers per node of one lattice, as those of another.
+template <class Real>
+std::vector<Vec3> rows(const std::vector<Real>& values) {
+  std::vector<Vec3> result(values.size() / 3);
+  for (std::size_t n = 0; n < result.size(); ++n)
+    result[n] = {double(values[3 * n]), double(values[3 * n + 1]), double(values[3 * n + 2])};
+  return result;
+}
+
+}  // namespace
+
+template <class Real>
+TissueState<Real> initial_state(const SessionSettings& settings) {
+  TissueState<Real> state;
+  state.suture_gaps.assign(3 * static_cast<std::size_t>(settings.sutures), std::numeric_limits<double>::quiet_NaN());
+  state.activation.assign(settings.materials.size(), 0.0);
+  return state;
+}
+
+template <class Real>
+TissueState<Real> carry_over(const TissueState<Real>& state, const Lattice* from, const Lattice& to) {
+  TissueState<Real> carried;
+  carried.suture_gaps = state.suture_gaps;
+  carried.multipliers.of_constraint = state.multipliers.of_constraint;
+  carried.activation = state.activation;
+  carried.u.assign(3 * to.node_rest.size(), Real(0));
+  if (!from) return carried;
+  std::vector<Vec3> positions = rows(state.u);
+  for (std::size_t n = 0; n < positions.size(); ++n) positions[n] = from->node_rest[n] + positions[n];
+  const auto moved = transfer_positions(*from, positions, to);
+  for (std::size_t n = 0; n < moved.size(); ++n)
+    for (int i = 0; i < 3; ++i)
+      carried.u[3 * n + static_cast<std::size_t>(i)] = static_cast<Real>(moved[n][i] - to.node_rest[n][i]);
+  if (!state.multipliers.of_held_node.empty())
+    for (const Vec3& y : transfer_positions(*from, rows(state.multipliers.of_held_node), to))
+      carried.multipliers.of_held_node.insert(carried.multipliers.of_held_node.end(), {y[0], y[1], y[2]});
+  return carried;
+}
+
+template <class Real>
+SolverState exported(const TissueState<Real>& state) {
+  SolverState result;
+  result.is_double = std::is_same_v<Real, double>;
+  result.nodes.assign(state.u.begin(), state.u.end());
+  result.suture_gaps = state.suture_gaps;
+  result.suture_multipliers.assign(state.suture_gaps.size(), 0.0);
+  for (const auto& [id, multiplier] : state.multipliers.of_constraint)
+    if (id.kind == ConstraintId::Kind::kSuture)
+      for (int i = 0; i < 3; ++i) result.suture_multipliers[static_cast<std::size_t>(3 * id.index + i)] = multiplier[i];
+  result.grip_multipliers = state.multipliers.of_held_node;
+  result.activation = state.activation;
+  return result;
+}
+
+template <class Real>
+TissueState<Real> imported(const SolverState& state) {
+  TissueState<Real> result;
+  result.u.assign(state.nodes.begin(), state.nodes.end());
+  result.suture_gaps = state.suture_gaps;
+  const auto multipliers = rows(state.suture_multipliers);
+  for (std::size_t k = 0; k < multipliers.size(); ++k)
+    result.multipliers.of_constraint[{ConstraintId::Kind::kSuture, static_cast<std::int32_t>(k)}] = multipliers[k];
+  result.multipliers.of_held_node = state.grip_multipliers;
+  result.activation = state.activation;
+  return result;
+}
+
+template TissueState<float> initial_state<float>(const SessionSettings&);
+template TissueState<double> initial_state<double>(const SessionSettings&);
+template TissueState<float> carry_over<float>(const TissueState<float>&, const Lattice*, const Lattice&);
+template TissueState<double> carry_over<double>(const TissueState<double>&, const Lattice*, const Lattice&);
+template SolverState exported<float>(const TissueState<float>&);
+template SolverState exported<double>(const TissueState<double>&);
+template TissueState<float> imported<float>(const SolverState&);
+template TissueState<double> imported<double>(const SolverState&);
+
+}  // namespace lappet

@@ -1,0 +1,184 @@
+#include "solve/multigrid/coarse_cholesky.h"
+
+#if __has_include(<dlfcn.h>)
+#include <dlfcn.h>
+#endif
+
+#include <algorithm>
+
+namespace lappet {
+
+namespace {
+
+// CHOLMOD's supernodal routines open OpenMP regions of four threads for loops of microseconds, whatever
+// OMP_NUM_THREADS says; on a busy machine each waits spinning for threads that do not run, and a factorization takes a
+// hundred times as long. No other code here uses OpenMP: its regions get one thread. Looked up, as it is CHOLMOD that
+// may or may not bring an OpenMP along.
+void keep_openmp_serial() {
+#if __has_include(<dlfcn.h>)
+  static const auto set_levels = reinterpret_cast<void (*)(int)>(dlsym(RTLD_DEFAULT, "omp_set_max_active_levels"));
+  if (set_levels) set_levels(0);
+#endif
+}
+
+constexpr double kMaxShift = 1e-1, kNextShift = 1e-5, kShiftFactor = 100.0;
+
+}  // namespace
+
+CoarseCholesky::CoarseCholesky()
+    : matrix_(nullptr, Free{&common_}), factor_(nullptr, Free{&common_}), b_(nullptr, Free{&common_}) {
+  keep_openmp_serial();
+  cholmod_start(&common_);
+  common_.print = 0;
+  common_.supernodal = CHOLMOD_SUPERNODAL;
+  common_.quick_return_if_not_posdef = 1;
+}
+
+CoarseCholesky::~CoarseCholesky() {
+  for (auto** dense : {&x_, &y_, &e_}) cholmod_free_dense(dense, &common_);
+  b_.reset();
+  factor_.reset();
+  matrix_.reset();
+  cholmod_finish(&common_);
+}
+
+std::size_t CoarseCholesky::entry(std::int32_t row, std::int32_t column) const {
+  const auto begin = row_.begin() + start_[static_cast<std::size_t>(column)],
+             end = row_.begin() + start_[static_cast<std::size_t>(column) + 1];
+  return static_cast<std::size_t>(std::lower_bound(begin, end, row) - row_.begin());
+}
+
+// Orders the nodes, spreads the order over their six unknowns and analyses the pattern.
+void CoarseCholesky::analyze(std::size_t nodes) {
+  ++analyses_;
+  const auto graph = own(cholmod_allocate_sparse(nodes, nodes, row_.size(), 1, 1, -1, CHOLMOD_PATTERN, &common_));
+  std::copy(start_.begin(), start_.end(), static_cast<int*>(graph->p));
+  std::copy(row_.begin(), row_.end(), static_cast<int*>(graph->i));
+  common_.nmethods = 0;
+  common_.postorder = 1;
+  const auto ordered = own(cholmod_analyze(graph.get(), &common_));
+  std::vector<int> order(6 * nodes);
+  for (std::size_t n = 0; n < nodes; ++n)
+    for (int i = 0; i < 6; ++i)
+      order[6 * n + static_cast<std::size_t>(i)] = 6 * static_cast<const int*>(ordered->Perm)[n] + i;
+
+  std::size_t entries = 0;
+  for (std::size_t n = 0; n < nodes; ++n) entries += 36 * static_cast<std::size_t>(start_[n + 1] - start_[n]) - 15;
+  matrix_ = own(cholmod_allocate_sparse(6 * nodes, 6 * nodes, entries, 1, 1, -1, CHOLMOD_REAL, &common_));
+  auto* p = static_cast<int*>(matrix_->p);
+  auto* rows = static_cast<int*>(matrix_->i);
+  int next = 0;
+  for (std::size_t n = 0; n < nodes; ++n)
+    for (int c = 0; c < 6; ++c) {
+      p[6 * n + static_cast<std::size_t>(c)] = next;
+      for (auto i = start_[n]; i < start_[n + 1]; ++i)
+        for (int r = i == start_[n] ? c : 0; r < 6; ++r) rows[next++] = 6 * row_[static_cast<std::size_t>(i)] + r;
+    }
+  p[6 * nodes] = next;
+  common_.nmethods = 1;
+  common_.method[0].ordering = CHOLMOD_GIVEN;
+  factor_ = own(cholmod_analyze_p(matrix_.get(), order.data(), nullptr, 0, &common_));
+  b_ = own(cholmod_allocate_dense(6 * nodes, 1, 6 * nodes, CHOLMOD_REAL, &common_));
+}
+
+template <class Real>
+void CoarseCholesky::set_pattern(const CoarseMatrix<Real>& matrix, std::span<const CoarseConstraint> constraints) {
+  const std::size_t nodes = matrix.rows();
+  std::vector<std::vector<std::int32_t>> extra(nodes);
+  for (const auto& constraint : constraints)
+    for (std::size_t a = 0; a < constraint.nodes.size(); ++a)
+      extra[static_cast<std::size_t>(constraint.nodes[a])].insert(
+          extra[static_cast<std::size_t>(constraint.nodes[a])].end(),
+          constraint.nodes.begin() + static_cast<std::ptrdiff_t>(a), constraint.nodes.end());
+  start_.assign(1, 0);
+  row_.clear();
+  for (std::size_t n = 0; n < nodes; ++n) {
+    auto& rows = extra[n];
+    for (const std::int32_t c : matrix.columns(n)) rows.push_back(c);
+    std::sort(rows.begin(), rows.end());
+    row_.insert(row_.end(), rows.begin(), std::unique(rows.begin(), rows.end()));
+    start_.push_back(static_cast<std::int32_t>(row_.size()));
+  }
+  analyze(nodes);
+}
+
+template <class Real>
+void CoarseCholesky::fill(const CoarseMatrix<Real>& matrix, std::span<const CoarseConstraint> constraints) {
+  const std::size_t nodes = matrix.rows();
+  auto* values = static_cast<double*>(matrix_->x);
+  const auto* p = static_cast<const int*>(matrix_->p);
+  std::fill_n(values, p[6 * nodes], 0.0);
+  // Where entry (6 row + r, 6 column + c) of the lower triangle lies: the first block of a column lacks c rows above.
+  const auto place = [&](std::size_t column, int c, std::size_t entry, int r) {
+    return p[6 * column + static_cast<std::size_t>(c)] + 6 * (static_cast<int>(entry) - start_[column]) + r - c;
+  };
+  for (std::size_t n = 0; n < nodes; ++n) {
+    std::size_t slot = matrix.first(n);
+    auto at = static_cast<std::size_t>(start_[n]);
+    for (const std::int32_t column : matrix.columns(n)) {
+      const Real* block = matrix.block(slot++);
+      while (row_[at] != column) ++at;
+      // the block (n, column) is the transpose of (column, n)
+      for (int c = 0; c < 6; ++c)
+        for (int r = column == static_cast<std::int32_t>(n) ? c : 0; r < 6; ++r)
+          values[place(n, c, at, r)] = double(block[6 * c + r]);
+    }
+  }
+  for (const auto& constraint : constraints)
+    for (std::size_t a = 0; a < constraint.nodes.size(); ++a)
+      for (std::size_t b = a; b < constraint.nodes.size(); ++b) {
+        const Eigen::Matrix<double, 6, 6> block =
+            constraint.stiffness * constraint.rows[b].transpose() * constraint.rows[a];
+        const auto column = static_cast<std::size_t>(constraint.nodes[a]);
+        const std::size_t at = entry(constraint.nodes[b], constraint.nodes[a]);
+        for (int c = 0; c < 6; ++c)
+          for (int r = a == b ? c : 0; r < 6; ++r) values[place(column, c, at, r)] += block(r, c);
+      }
+}
+
+template <class Real>
+void CoarseCholesky::factor(CoarseMatrix<Real>& matrix, std::span<const CoarseConstraint> constraints, double shift) {
+  const std::size_t nodes = matrix.rows();
+  std::vector<std::int32_t> constraint_nodes;
+  for (const auto& constraint : constraints) {
+    constraint_nodes.push_back(-static_cast<std::int32_t>(constraint.nodes.size()));
+    constraint_nodes.insert(constraint_nodes.end(), constraint.nodes.begin(), constraint.nodes.end());
+  }
+  if (!factor_ || constraint_nodes != constraint_nodes_) {
+    constraint_nodes_ = std::move(constraint_nodes);
+    set_pattern(matrix, constraints);
+  }
+  fill(matrix, constraints);
+  auto* values = static_cast<double*>(matrix_->x);
+  const auto* p = static_cast<const int*>(matrix_->p);
+  const double largest = std::max(matrix.largest_diagonal(), 1e-30);
+  matrix.release();
+  for (double added = shift; added <= kMaxShift; added = std::max(kNextShift, kShiftFactor * added)) {
+    for (std::size_t i = 0; i < 6 * nodes; ++i) values[p[i]] += added * largest;
+    cholmod_factorize(matrix_.get(), factor_.get(), &common_);
+    if (common_.status == CHOLMOD_OK && factor_->minor == factor_->n) return;
+  }
+  throw NotDefiniteError("the coarse operator is not positive definite");
+}
+
+void CoarseCholesky::release() {
+  if (factor_ && factor_->xtype != CHOLMOD_PATTERN)
+    cholmod_change_factor(CHOLMOD_PATTERN, 1, 1, 1, 1, factor_.get(), &common_);
+}
+
+template <class Real>
+void CoarseCholesky::solve(std::span<const Real> b, std::span<Real> x) {
+  std::copy(b.begin(), b.end(), static_cast<double*>(b_->x));
+  cholmod_solve2(CHOLMOD_A, factor_.get(), b_.get(), nullptr, &x_, nullptr, &y_, &e_, &common_);
+  const auto* solution = static_cast<const double*>(x_->x);
+  for (std::size_t i = 0; i < x.size(); ++i) x[i] = static_cast<Real>(solution[i]);
+}
+
+std::size_t CoarseCholesky::bytes() const { return factor_ ? static_cast<std::size_t>(8 * common_.lnz) : 0; }
+
+template void CoarseCholesky::factor(CoarseMatrix<float>&, std::span<const CoarseConstraint>, double);
+template void CoarseCholesky::factor(CoarseMatrix<double>&, std::span<const CoarseConstraint>, double);
+template void CoarseCholesky::solve(std::span<const float>, std::span<float>);
+template void CoarseCholesky::solve(std::span<const double>, std::span<double>);
+
+}  // namespace lappet

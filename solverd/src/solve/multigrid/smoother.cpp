@@ -1,0 +1,53 @@
+#include "solve/multigrid/smoother.h"
+
+namespace lappet {
+
+namespace {
+
+// K is a sum of positive semidefinite cells (and contact penalties) that couple eight nodes each, and of constraints,
+// which D holds too: by Cauchy and Schwarz no eigenvalue of D^-1 K exceeds eight. Single cells come near it where they
+// are much stiffer than those around them, as at a suture's anchor, and an estimate from a few Lanczos steps misses
+// them, the more surely the more nodes there are: Chebyshev's polynomial then blows up on them and the preconditioner
+// is no longer definite.
+constexpr double kLargestEigenvalue = 8.0;
+
+}  // namespace
+
+template <class Real>
+void Smoother<Real>::update() {
+  const std::size_t nodes = system_.nodes();
+  // The blocks are gathered where their inverses go.
+  auto& diagonal = chebyshev_.diagonal();
+  diagonal.resize(nodes);
+  const auto blocks = diagonal.storage();
+  system_.elastic().diagonal_blocks(blocks);
+  for (const ContactPenalty& penalty : system_.contact_penalties()) {
+    const auto& corners = system_.lattice().cell_nodes[static_cast<std::size_t>(penalty.cell)];
+    const Vec3& d = penalty.direction;
+    for (std::size_t k = 0; k < 8; ++k) {
+      const double weight = penalty.stiffness * penalty.weights[k] * penalty.weights[k];
+      Real* block = &blocks[6 * static_cast<std::size_t>(corners[k])];
+      for (int i = 0; i < 3; ++i)
+        for (int j = i; j < 3; ++j) *block++ += static_cast<Real>(weight * d[i] * d[j]);
+    }
+  }
+  diagonal.set_from_storage([this](std::size_t n) { return system_.is_free(n); });
+  struct Rows {
+    std::span<const std::int32_t> nodes;
+    std::vector<Eigen::Matrix3d> rows;
+    double stiffness;
+  };
+  std::vector<Rows> constraints;
+  for (const auto& constraint : system_.point_constraints()) {
+    constraints.push_back({constraint.nodes, {}, constraint.stiffness});
+    for (const double weight : constraint.weights)
+      constraints.back().rows.push_back(weight * Eigen::Matrix3d::Identity());
+  }
+  diagonal.set_constraints(constraints);
+  chebyshev_.set_largest_eigenvalue(kLargestEigenvalue);
+}
+
+template class Smoother<float>;
+template class Smoother<double>;
+
+}  // namespace lappet

@@ -1,0 +1,28 @@
+// The neighborhood of a frame's changes is solved first, on its own, while all other tissue stays where it is.
+//
+// On an elastic bed a displacement decays with the distance d from its cause as exp(-d / l), l^2 = E t / k with the
+// modulus E, the thickness t and the bed's stiffness k. So what is displaced already, what has no bed to hold it, what
+// point constraints or retractors hold and what is out of equilibrium, with some l around it, is a Subdomain that is
+// solved alone, its multipliers with it. The result is verified: the search for the equilibrium of everything goes
+// on from there, and ends at once only where the residual of the whole, with the reactions of what stayed, is within
+// the tolerance.
+//
+// The neighborhood follows from the frame and the state before it alone, so that a resumed solve repeats it bit for
+// bit.
+#pragma once
+#include <span>
+
+#include "solve/multigrid/coarse_lattice.h"
+#include "solve/newton/equilibrium.h"
+
+namespace lappet {
+
+// u: 3 per node, moved in place with the multipliers where the outcome is converged, and must be evaluated anew then;
+// now: the evaluation at u. tiles: the lattice coarsened; the neighborhood is made of them. Does
+// nothing where the neighborhood is a large part of the tissue, without an attached bed, and with bones.
+template <class Real>
+EquilibriumOutcome solve_change_neighborhood(const System<Real>& system, const CoarseLattice& tiles, std::span<Real> u,
+                                             Multipliers& multipliers, const Evaluation& now,
+                                             const EquilibriumOptions& options, const SolveObserver& observer);
+
+}  // namespace lappet

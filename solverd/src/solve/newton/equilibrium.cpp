@@ -1,0 +1,305 @@
+#include "solve/newton/equilibrium.h"
+
+#include <spdlog/spdlog.h>
+
+#include <chrono>
+#include <cmath>
+#include <utility>
+
+#include "solve/multigrid/conjugate_gradients.h"
+#include "solve/newton/augmented_lagrangian.h"
+#include "solve/newton/change_neighborhood.h"
+#include "solve/newton/line_search.h"
+#include "solve/newton/local_relaxation.h"
+#include "solve/newton/tangent_choice.h"
+
+namespace lappet {
+
+namespace {
+
+constexpr int kMaxLinearIterations = 120;
+// The linear solve that carries prescribed motion is exact: nearly incompressible tissue otherwise starts from a volume
+// that is wrong everywhere. In a search that begins with a jump a few per cent do for the rest, as Newton's own model
+// is no better; one that starts near its end takes the fewest iterations at one.
+constexpr double kCarryTolerance = 1e-4, kFarTolerance = 5e-2, kNearTolerance = 1e-2, kMaxTolerance = 0.1;
+constexpr double kForcing = 0.3;
+constexpr double kJump = 1.0;  // spacings that a prescribed node moves at once
+// A residual below that no step lowers may be rounding in float: that of stiff cells which are carried far.
+constexpr double kRoundedResidual = 0.1;
+
+class Stopwatch {
+ public:
+  double lap() {
+    const auto now = std::chrono::steady_clock::now();
+    const double seconds = std::chrono::duration<double>(now - last_).count();
+    last_ = now;
+    return seconds;
+  }
+
+ private:
+  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+};
+
+template <class Real>
+class EquilibriumSearch {
+ public:
+  EquilibriumSearch(System<Real>& system, TwoLevel<Real>& preconditioner, std::span<Real> u, Multipliers& multipliers,
+                    const EquilibriumOptions& options, const SolveObserver& observer, Evaluation reused)
+      : system_(system),
+        preconditioner_(preconditioner),
+        u_(u),
+        multipliers_(multipliers),
+        options_(options),
+        observer_(observer),
+        augmented_lagrangian_(options.tolerance, options.gap_tolerance),
+        step_(u.size()),
+        linear_vectors_(u.size()),
+        line_(system, multipliers, options.inverts, linear_vectors_.p),
+        now_(std::move(reused)) {}
+
+  EquilibriumOutcome run() {
+    search();
+    outcome_.at = std::move(now_);
+    return std::move(outcome_);
+  }
+
+ private:
+  void search() {
+    evaluate();
+    bool moves_first = options_.moves_first && now_.residual > 0.0;
+    while (true) {
+      const bool carries = system_.prescribed_increment(u_, increment());
+      record();
+      observer_.progress(outcome_.newton_iterations, outcome_.residual, outcome_.gap);
+      if (!std::isfinite(outcome_.residual)) return fail("the residual is not a finite number");
+      const bool asked = std::exchange(moves_first, false) && !carries && outcome_.residual <= options_.tolerance;
+      if (!carries && !asked && settle()) return;
+      if (options_.neighborhood_first && !asked && !neighborhood_tried_ && neighborhood_goes_ahead()) continue;
+      if (outcome_.newton_iterations - newton_in_neighborhood_ >= options_.max_newton)
+        return fail(
+            fmt::format("no equilibrium after {} Newton iterations: relative residual {:.2e} (tolerance {:.1e}), gap "
+                        "{:.3g} mm",
+                        outcome_.newton_iterations, outcome_.residual, options_.tolerance, outcome_.gap));
+      if (observer_.stop()) return fail("stopped");
+      const bool solved = solve_tangent(carries);
+      if (observer_.stop()) return fail("stopped");
+      if (!solved || !take_step(carries)) {
+        if (!asked) return;
+        outcome_.reason.clear();
+        evaluate();
+        continue;
+      }
+      if (options_.relaxes && !carries && !jumped_ && used_ != PsdProjection::kExact) relax();
+    }
+  }
+
+  void evaluate() { now_ = system_.evaluate(u_, multipliers_, std::move(now_)); }
+  void record() {
+    outcome_.residual = now_.residual / now_.force_scale;
+    outcome_.force_scale = now_.force_scale;
+    outcome_.energy = now_.energy;
+    outcome_.minimum_j = now_.minimum_j;
+    outcome_.inverted = now_.inverted;
+    outcome_.gap = system_.largest_gap(u_, multipliers_, now_);
+  }
+  void fail(std::string reason) { outcome_.reason = std::move(reason); }
+
+  // Moves the multipliers on while the residual allows; true if the search has ended.
+  bool settle() {
+    while (true) {
+      switch (augmented_lagrangian_.next(outcome_.residual, outcome_.gap)) {
+        case AugmentedLagrangian::Action::kIterate:
+          return false;
+        case AugmentedLagrangian::Action::kConverged:
+          if (!options_.inverts && now_.inverted > 0)
+            fail(
+                fmt::format("{} cells are inverted at rest (smallest J {:.3g}); make smaller steps between frames "
+                            "or a smaller spacing",
+                            now_.inverted, now_.minimum_j));
+          else
+            outcome_.converged = true;
+          return true;
+        case AugmentedLagrangian::Action::kGiveUp:
+          if (system_.contact() && now_.contact.excess > options_.gap_tolerance)
+            fail(
+                fmt::format("tissue is pressed {:.3g} mm deep into bone; what holds or pulls it there contradicts the "
+                            "bone: move it, or move the bone away",
+                            now_.contact.largest_penetration));
+          else
+            fail(fmt::format(
+                "a suture, a held face or a stiff hook keeps a gap of {:.3g} mm (tolerance {:.3g} mm); its demands "
+                "contradict others or need more force than the tissue bears",
+                outcome_.gap, options_.gap_tolerance));
+          return true;
+        case AugmentedLagrangian::Action::kUpdate:
+          system_.update(multipliers_, u_, now_);
+          evaluate();
+          record();
+      }
+    }
+  }
+
+  std::span<Real> increment() { return linear_vectors_.z; }
+
+  // K step = -gradient - K increment on free nodes; false if the equations cannot be solved.
+  bool solve_tangent(bool carries) {
+    outcome_.seconds_update += watch_.lap();
+    const double forcing =
+        kForcing * augmented_lagrangian_.strictness() * options_.tolerance / std::max(outcome_.residual, 1e-300);
+    const double least = jumped_ ? kFarTolerance : kNearTolerance;
+    const double target = carries ? kCarryTolerance : std::clamp(forcing, least, kMaxTolerance);
+    used_ = tangent_.next();
+    while (true) {
+      system_.linearize(now_, used_);
+      try {
+        preconditioner_.update(u_);
+      } catch (const NotDefiniteError&) {
+        if (used_ != PsdProjection::kExact) {
+          fail("the stiffness of a hook or a suture is so large that the equations cannot be solved; lower it");
+          return false;
+        }
+        used_ = tangent_.replace_exact();
+        continue;
+      }
+      outcome_.seconds_setup += watch_.lap();
+      auto& rhs = linear_vectors_.r;
+      if (carries) {
+        system_.prescribed_increment(u_, increment());
+        system_.multiply(increment(), rhs);
+      } else {
+        set_zero<Real>(rhs);
+      }
+      for_each_index(rhs.size(), [&, gradient = now_.gradient.data()](std::size_t i) {
+        rhs[i] = static_cast<Real>(-gradient[i]) - rhs[i];
+      });
+      linear_ = conjugate_gradients<Real>(system_, preconditioner_, linear_vectors_, step_, target,
+                                          kMaxLinearIterations, observer_.stop);
+      outcome_.pcg_iterations += linear_.iterations;
+      outcome_.seconds_linear += watch_.lap();
+      if (!linear_.indefinite || used_ != PsdProjection::kExact) break;
+      used_ = tangent_.replace_exact();
+    }
+    tangent_.iteration_done();
+    outcome_.active_cells = static_cast<std::int64_t>(system_.lattice().cells());
+    ++outcome_.newton_iterations;
+    if (linear_.reduction < 1.0 && linear_.iterations > 0)
+      preconditioner_.observe(linear_.iterations / std::max(-std::log10(linear_.reduction), 0.5));
+    return true;
+  }
+
+  bool take_step(bool carries) {
+    const double minimum_j = now_.minimum_j;
+    StepTaken taken;
+    if (carries) {
+      system_.prescribed_increment(u_, increment());
+      const double jump = largest<Real>(increment());
+      add<Real>(Real(1), increment(), step_);
+      taken = line_.carry(u_, step_, increment(), std::move(now_));
+      now_ = std::move(taken.reached);
+      if (!(taken.alpha > 0.0)) {
+        fail("the retractors' motion turns cells inside out however small the step; move them less between frames");
+        return false;
+      }
+      if (jump > kJump * system_.lattice().settings.spacing) {
+        tangent_.jumped();
+        jumped_ = true;
+      }
+    } else {
+      const double slope =
+          reduce<1>(step_.size(), [g = now_.gradient.data(), s = step_.data()](std::size_t i, double* out) {
+            out[0] = g[i] * static_cast<double>(s[i]);
+          })[0];
+      if (!(slope < 0.0)) {
+        fail("the linear solve gave no descent direction");
+        return false;
+      }
+      auto& product = linear_vectors_.q;
+      system_.multiply(step_, product);
+      taken = line_.descend(u_, step_, std::move(now_), slope, dot<Real>(step_, product));
+      now_ = std::move(taken.reached);
+      if (!(taken.alpha > 0.0)) {
+        if (tangent_.try_another(used_)) return true;
+        fail(fmt::format("no step lowers the energy at relative residual {:.2e}{}", outcome_.residual,
+                         std::is_same_v<Real, float> && outcome_.residual < kRoundedResidual
+                             ? "; it may be the rounding of single precision: try precision 'double'"
+                             : ""));
+        return false;
+      }
+      tangent_.agreed(taken.ratio, used_);
+    }
+    if (!options_.relaxes) return true;  // the many small searches of a relaxation are not logged
+    spdlog::debug("newton {}: residual {:.2e} gap {:.2e} J {:.2f} | pcg {} to {:.1e} {} | alpha {:.3g} ratio {:.3g}",
+                  outcome_.newton_iterations, outcome_.residual, outcome_.gap, minimum_j, linear_.iterations,
+                  linear_.reduction, used_ == PsdProjection::kExact ? "exact" : "definite", taken.alpha, taken.ratio);
+    return true;
+  }
+
+  // What the changes reach goes to its equilibrium, before anything else is done; false where all is for the whole.
+  bool neighborhood_goes_ahead() {
+    neighborhood_tried_ = true;
+    const EquilibriumOutcome neighborhood = solve_change_neighborhood<Real>(
+        system_, preconditioner_.modes().coarse_lattice(), u_, multipliers_, now_, options_, observer_);
+    outcome_.newton_iterations += newton_in_neighborhood_ = neighborhood.newton_iterations;
+    outcome_.pcg_iterations += neighborhood.pcg_iterations;
+    outcome_.seconds_update += neighborhood.seconds_update;
+    outcome_.seconds_linear += neighborhood.seconds_linear;
+    outcome_.seconds_setup += neighborhood.seconds_setup;
+    watch_.lap();
+    if (!neighborhood.converged) return false;
+    outcome_.active_cells = neighborhood.active_cells;
+    evaluate();
+    spdlog::debug("  {} cells went ahead: newton {} residual {:.2e}", neighborhood.active_cells,
+                  neighborhood.newton_iterations, now_.residual / now_.force_scale);
+    return true;
+  }
+
+  // What a definite tangent is too stiff for is often a matter of a few nodes: they go ahead.
+  void relax() {
+    if (now_.residual <= options_.tolerance * now_.force_scale) return;
+    const LocalRelaxation relaxed =
+        relax_locally<Real>(system_, u_, multipliers_, now_, options_.tolerance, options_.inverts, observer_.stop);
+    if (relaxed.nodes == 0) return;
+    const double before = now_.residual;
+    evaluate();
+    spdlog::debug("  {} nodes relaxed in {} clusters and {} iterations: residual {:.2e} to {:.2e}", relaxed.nodes,
+                  relaxed.clusters, relaxed.newton_iterations, before / now_.force_scale,
+                  now_.residual / now_.force_scale);
+  }
+
+  System<Real>& system_;
+  TwoLevel<Real>& preconditioner_;
+  std::span<Real> u_;
+  Multipliers& multipliers_;
+  const EquilibriumOptions& options_;
+  const SolveObserver& observer_;
+  AugmentedLagrangian augmented_lagrangian_;
+  TangentChoice tangent_;
+  std::vector<Real> step_;
+  // Between linear solves r is the right-hand side, z the way that prescribed nodes have to go, p the line search's.
+  LinearVectors<Real> linear_vectors_;
+  LineSearch<Real> line_;
+  Evaluation now_;
+  bool jumped_ = false, neighborhood_tried_ = false;
+  int newton_in_neighborhood_ = 0;  // these leave those of the whole as many as ever
+  PsdProjection used_ = PsdProjection::kExact;
+  LinearOutcome linear_;
+  EquilibriumOutcome outcome_;
+  Stopwatch watch_;
+};
+
+}  // namespace
+
+template <class Real>
+EquilibriumOutcome find_equilibrium(System<Real>& system, TwoLevel<Real>& preconditioner, std::span<Real> u,
+                                    Multipliers& multipliers, const EquilibriumOptions& options,
+                                    const SolveObserver& observer, Evaluation reused) {
+  return EquilibriumSearch<Real>(system, preconditioner, u, multipliers, options, observer, std::move(reused)).run();
+}
+
+template EquilibriumOutcome find_equilibrium<float>(System<float>&, TwoLevel<float>&, std::span<float>, Multipliers&,
+                                                    const EquilibriumOptions&, const SolveObserver&, Evaluation);
+template EquilibriumOutcome find_equilibrium<double>(System<double>&, TwoLevel<double>&, std::span<double>,
+                                                     Multipliers&, const EquilibriumOptions&, const SolveObserver&,
+                                                     Evaluation);
+
+}  // namespace lappet

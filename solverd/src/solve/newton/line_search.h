@@ -1,0 +1,122 @@
+// How far to go along a Newton step: the energy must fall (Armijo), no node moves more than some spacings, and cells
+// of a material that does not invert stay upright. Where tissue buckles a definite tangent is too stiff and the step is
+// doubled while the energy falls.
+#pragma once
+#include <algorithm>
+#include <cmath>
+#include <span>
+#include <utility>
+
+#include "solve/system/system.h"
+#include "solve/system/vectors.h"
+
+namespace lappet {
+
+struct StepTaken {
+  double alpha = 0.0;  // 0: no step lowers the energy
+  double ratio = 1.0;  // actual to predicted decrease
+  Evaluation reached;
+};
+
+template <class Real>
+class LineSearch {
+ public:
+  // multipliers: stay as they are during a search. trial: 3 per node, for the search to write in.
+  LineSearch(System<Real>& system, const Multipliers& multipliers, bool inverts, std::span<Real> trial)
+      : system_(system), multipliers_(multipliers), inverts_(inverts), trial_(trial) {}
+
+  // Moves u along the step of a definite or exact tangent. slope: gradient . step, negative; curvature: step . K step.
+  // start: the evaluation at u, whose memory goes into those of the trials.
+  StepTaken descend(std::span<Real> u, std::span<const Real> step, Evaluation start, double slope, double curvature) {
+    const EvaluationSummary before = start;
+    StepTaken taken{.alpha = 0.0, .ratio = 1.0, .reached = std::move(start)};
+    Evaluation& now = taken.reached;
+    double alpha = std::min(1.0, kStepCap * system_.lattice().settings.spacing / std::max(largest<Real>(step), 1e-300));
+    alpha = system_.largest_step(u, step, alpha);
+    const double slack = 1e-12 * std::abs(before.energy);  // what rounding leaves of an energy
+    while (true) {
+      evaluate_at(u, step, alpha, now);
+      const bool upright = stays_upright(before, now, alpha);
+      if (upright && now.energy <= before.energy + kArmijo * alpha * slope + slack) break;
+      if (alpha < kMinStep) {
+        evaluate(u, now);
+        return taken;
+      }
+      double shrink = 0.5;
+      const double bend = now.energy - before.energy - alpha * slope;
+      // What meets bone along the way bends the energy late: a parabola from the start would make the step too short.
+      if (upright && std::isfinite(bend) && bend > 0.0 && !system_.contact())
+        shrink = std::clamp(-0.5 * slope * alpha / bend, 0.1, 0.5);
+      alpha *= shrink;
+    }
+    copy<Real>(trial_, u);
+    const double predicted = std::max(-alpha * slope - 0.5 * alpha * alpha * curvature, 1e-300);
+    taken.ratio = (before.energy - now.energy) / predicted;
+    if (alpha == 1.0 && taken.ratio > kSoftening) go_further(u, step, now, alpha);
+    taken.alpha = alpha;
+    return taken;
+  }
+
+  // Moves u along a step that carries the prescribed nodes, by `increment` where it is taken whole. Their motion does
+  // work: the step is only kept from turning cells over.
+  StepTaken carry(std::span<Real> u, std::span<const Real> step, std::span<const Real> increment, Evaluation start) {
+    const EvaluationSummary before = start;
+    StepTaken taken{.alpha = system_.largest_step(u, step, 1.0), .ratio = 1.0, .reached = std::move(start)};
+    while (true) {
+      for_each_index(u.size(), [&](std::size_t i) { trial_[i] = u[i] + static_cast<Real>(taken.alpha) * step[i]; });
+      if (taken.alpha == 1.0)  // land exactly
+        for_each_index(system_.nodes(), [&](std::size_t n) {
+          if (!system_.is_free(n))
+            for (std::size_t i = 3 * n; i < 3 * n + 3; ++i) trial_[i] = u[i] + increment[i];
+        });
+      evaluate(trial_, taken.reached);
+      if (std::isfinite(taken.reached.energy) && stays_upright(before, taken.reached, taken.alpha)) break;
+      if (taken.alpha < kMinStep) {
+        taken.alpha = 0.0;
+        evaluate(u, taken.reached);
+        return taken;
+      }
+      taken.alpha *= 0.5;
+    }
+    copy<Real>(trial_, u);
+    return taken;
+  }
+
+ private:
+  static constexpr double kArmijo = 1e-4;
+  static constexpr double kMinStep = 1e-5;
+  static constexpr double kStepCap = 8.0;      // spacings a node may move in one iteration
+  static constexpr double kMinUpright = 1e-3;  // shorter steps may turn cells over: the energy decides
+  static constexpr double kSoftening = 1.4;    // the energy falls this much more than predicted
+  static constexpr int kMaxDoublings = 5;
+
+  bool stays_upright(const EvaluationSummary& before, const EvaluationSummary& now, double alpha) const {
+    return inverts_ || now.inverted <= before.inverted || alpha < kMinUpright;
+  }
+  // These write a new evaluation over one that is no longer needed.
+  void evaluate(std::span<const Real> u, Evaluation& now) { now = system_.evaluate(u, multipliers_, std::move(now)); }
+  void evaluate_at(std::span<const Real> u, std::span<const Real> step, double alpha, Evaluation& now) {
+    for_each_index(u.size(), [&](std::size_t i) { trial_[i] = u[i] + static_cast<Real>(alpha) * step[i]; });
+    evaluate(trial_, now);
+  }
+  // Doubles the step that u has taken while the energy falls and no cell turns over.
+  void go_further(std::span<Real> u, std::span<const Real> step, Evaluation& now, double& alpha) {
+    EvaluationSummary reached = now;
+    double more = 1.0;
+    for (int k = 0; k < kMaxDoublings; ++k, more *= 2.0) {
+      evaluate_at(u, step, more, now);
+      if (!(now.energy < reached.energy) || now.inverted > reached.inverted) break;
+      copy<Real>(trial_, u);
+      alpha += more;
+      reached = now;
+    }
+    evaluate(u, now);
+  }
+
+  System<Real>& system_;
+  const Multipliers& multipliers_;
+  bool inverts_;
+  std::span<Real> trial_;
+};
+
+}  // namespace lappet

@@ -1,0 +1,151 @@
+#include "solve/newton/local_relaxation.h"
+
+#include <algorithm>
+#include <limits>
+#include <numeric>
+
+#include "solve/newton/equilibrium.h"
+#include "solve/subdomain/subdomain.h"
+
+namespace lappet {
+
+namespace {
+
+constexpr int kDegree = 4;           // of the smoother
+constexpr int kRings = 2;            // of cells around the nodes that are off
+constexpr double kOff = 0.1;         // nodes with this part of the largest force are off ...
+constexpr double kOffShare = 0.5;    // ... and have at least this much of the squared residual
+constexpr double kMaxMoving = 0.05;  // of the free nodes
+constexpr double kReduction = 0.1;   // of the residual
+constexpr double kTighter = 0.3;     // than the tolerance need nothing be
+constexpr int kMaxNewton = 40;       // for each cluster
+
+// The free nodes whose forces are the largest, and some rings of cells around them; empty where they are too many, or
+// where what is left of the residual is elsewhere.
+template <class Real>
+std::vector<std::uint8_t> around_what_is_off(const System<Real>& system, const Evaluation& now) {
+  const std::size_t size = system.nodes();
+  const auto squared = [&](std::size_t n) {
+    const double* g = &now.gradient[3 * n];
+    return g[0] * g[0] + g[1] * g[1] + g[2] * g[2];
+  };
+  double most = 0.0, share = 0.0;
+  for (std::size_t n = 0; n < size; ++n) most = std::max(most, squared(n));
+  std::vector<std::uint8_t> moving(size, 0);
+  for (std::size_t n = 0; n < size; ++n)
+    if (system.is_free(n) && squared(n) >= kOff * kOff * most) {
+      moving[n] = 1;
+      share += squared(n);
+    }
+  if (share < kOffShare * now.residual * now.residual) return {};
+  for (int ring = 0; ring < kRings; ++ring) {
+    std::vector<std::uint8_t> grown = moving;
+    const auto grow = [&](const auto& nodes) {
+      if (std::ranges::any_of(nodes, [&](std::int32_t n) { return moving[static_cast<std::size_t>(n)] != 0; }))
+        for (const std::int32_t n : nodes)
+          grown[static_cast<std::size_t>(n)] = system.is_free(static_cast<std::size_t>(n));
+    };
+    for (const auto& corners : system.lattice().cell_nodes) grow(corners);
+    if (ring == 0)  // a suture moves both its ends
+      for (const PointConstraint& constraint : system.point_constraints()) grow(constraint.nodes);
+    moving = std::move(grown);
+  }
+  const auto count = static_cast<double>(std::ranges::count(moving, std::uint8_t{1}));
+  if (count > kMaxMoving * static_cast<double>(system.free_nodes())) return {};
+  return moving;
+}
+
+// Which of the moving nodes hang together, by cells or by point constraints: numbers from 1 on, 0 where a node does not
+// move.
+template <class Real>
+std::vector<std::int32_t> clusters(const System<Real>& system, std::span<const std::uint8_t> moving, int& count) {
+  std::vector<std::int32_t> root(moving.size());
+  std::iota(root.begin(), root.end(), 0);
+  const auto find = [&](std::int32_t a) {
+    while (root[static_cast<std::size_t>(a)] != a)
+      a = root[static_cast<std::size_t>(a)] = root[static_cast<std::size_t>(root[static_cast<std::size_t>(a)])];
+    return a;
+  };
+  const auto join = [&](const auto& nodes) {
+    std::int32_t first = -1;
+    for (const std::int32_t n : nodes) {
+      if (!moving[static_cast<std::size_t>(n)]) continue;
+      const std::int32_t a = find(n);
+      if (first >= 0) root[static_cast<std::size_t>(std::max(a, first))] = std::min(a, first);
+      first = first < 0 ? a : std::min(a, first);
+    }
+  };
+  for (const auto& corners : system.lattice().cell_nodes) join(corners);
+  for (const PointConstraint& constraint : system.point_constraints()) join(constraint.nodes);
+  std::vector<std::int32_t> number(moving.size(), 0);
+  count = 0;
+  for (std::size_t n = 0; n < moving.size(); ++n) {
+    if (!moving[n]) continue;
+    auto& of_root = number[static_cast<std::size_t>(find(static_cast<std::int32_t>(n)))];
+    if (of_root == 0) of_root = ++count;
+    number[n] = of_root;
+  }
+  return number;
+}
+
+// Takes a cluster to its own equilibrium; `moved` where that lowers the energy.
+template <class Real>
+struct RelaxedCluster {
+  Subdomain<Real> subdomain;
+  int newton_iterations = 0;
+  bool moved = false;
+};
+template <class Real>
+RelaxedCluster<Real> relax_cluster(const Subdomain<Real>& all, std::span<const std::uint8_t> own, double target,
+                                   bool inverts, const std::function<bool()>& stop) {
+  RelaxedCluster<Real> cluster{restrict_to<Real>(own, *all.system, all.u, all.multipliers)};
+  auto& [lattice, cells, nodes, moves, u, multipliers, system] = cluster.subdomain;
+  TwoLevel<Real> preconditioner(*system, kDegree);
+  const EvaluationSummary start = system->evaluate(u, multipliers);
+  EquilibriumOptions options;
+  options.tolerance = target / start.force_scale;
+  options.gap_tolerance = std::numeric_limits<double>::infinity();  // multipliers are the whole's
+  options.max_newton = kMaxNewton;
+  options.inverts = inverts;
+  options.relaxes = false;
+  const EquilibriumOutcome outcome =
+      find_equilibrium<Real>(*system, preconditioner, u, multipliers, options, {[](int, double, double) {}, stop});
+  cluster.newton_iterations = outcome.newton_iterations;
+  cluster.moved = outcome.energy < start.energy;
+  return cluster;
+}
+
+}  // namespace
+
+template <class Real>
+LocalRelaxation relax_locally(const System<Real>& system, std::span<Real> u, const Multipliers& multipliers,
+                              const Evaluation& now, double tolerance, bool inverts,
+                              const std::function<bool()>& stop) {
+  LocalRelaxation result;
+  const auto moving = around_what_is_off(system, now);
+  if (moving.empty()) return result;
+  // First all together, so that each cluster is cut out of something small.
+  Subdomain<Real> all = restrict_to<Real>(moving, system, u, multipliers);
+  int count = 0;
+  const auto cluster_of = clusters(*all.system, all.moves, count);
+  const double target = std::max(kReduction * now.residual, kTighter * tolerance * now.force_scale);
+  for (int k = 1; k <= count && !stop(); ++k) {
+    std::vector<std::uint8_t> own(all.moves.size());
+    for (std::size_t n = 0; n < own.size(); ++n) own[n] = cluster_of[n] == k;
+    const RelaxedCluster<Real> cluster = relax_cluster<Real>(all, own, target, inverts, stop);
+    if (!cluster.moved) continue;
+    cluster.subdomain.write_back(all.u);
+    ++result.clusters;
+    result.newton_iterations += cluster.newton_iterations;
+    result.nodes += static_cast<std::size_t>(std::ranges::count(own, std::uint8_t{1}));
+  }
+  if (result.nodes > 0) all.write_back(u);
+  return result;
+}
+
+template LocalRelaxation relax_locally<float>(const System<float>&, std::span<float>, const Multipliers&,
+                                              const Evaluation&, double, bool, const std::function<bool()>&);
+template LocalRelaxation relax_locally<double>(const System<double>&, std::span<double>, const Multipliers&,
+                                               const Evaluation&, double, bool, const std::function<bool()>&);
+
+}  // namespace lappet

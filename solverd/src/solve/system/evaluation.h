@@ -1,0 +1,26 @@
+// What is found at a state of displacements. Whoever asked for it holds it and passes it on to what needs it.
+#pragma once
+#include <cstdint>
+#include <vector>
+
+#include "force/constraints/contact.h"
+#include "force/constraints/contact_penalty.h"
+
+namespace lappet {
+
+struct EvaluationSummary {
+  double energy = 0.0;
+  double residual = 0.0;     // 2-norm of the force on free nodes, mN
+  double force_scale = 0.0;  // 2-norm of the elastic nodal force magnitudes plus a floor, mN
+  double minimum_j = 1.0;
+  std::int32_t inverted = 0;
+};
+
+struct Evaluation : EvaluationSummary {
+  std::vector<double> gradient;                   // 3 per node; 0 where a node is not free
+  std::vector<ContactPenalty> contact_penalties;  // what the bed and the bones push with
+  ContactState contact;                           // what the bones do
+  std::uint64_t number = 0;                       // of the system's evaluations: see System::linearize
+};
+
+}  // namespace lappet

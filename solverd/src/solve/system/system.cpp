@@ -1,0 +1,488 @@
+#include "solve/system/system.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <set>
+#include <stdexcept>
+
+#include "math/parallel.h"
+#include "solve/system/vectors.h"
+
+namespace lappet {
+
+namespace {
+
+// The penalty of held faces, in Young's moduli per spacing; the multipliers do the rest.
+constexpr double kHeldStiffness = 300.0;
+// The least force scale, as a stress of this many Young's moduli on every node.
+constexpr double kScaleFloor = 1e-2;
+// The weak bed of floating fragments, at each corner of so many cells at most, in Young's moduli times spacing. More
+// cells share it: a finer lattice does not hold loose tissue back the more.
+constexpr double kDrift = 1e-5, kDriftCells = 64.0;
+
+template <class Real>
+Vec3 node_displacement(std::span<const Real> u, std::size_t node) {
+  return {static_cast<double>(u[3 * node]), static_cast<double>(u[3 * node + 1]), static_cast<double>(u[3 * node + 2])};
+}
+
+std::vector<std::uint8_t> fixed_nodes(const Attachments& attachments) {
+  std::vector<std::uint8_t> fixed;
+  for (const std::int32_t group : attachments.node_group) fixed.push_back(group == kFixedGroup);
+  return fixed;
+}
+
+}  // namespace
+
+template <class Real>
+System<Real>::System(const Lattice& lattice, CellMaterials materials, int quadrature, Attachments attachments,
+                     std::int32_t retractors, double bed_stiffness, const Vec3& gravity)
+    : elastic_(lattice, std::move(materials), quadrature, choose_instruction_set(), fixed_nodes(attachments)),
+      attachments_(std::move(attachments)),
+      bed_stiffness_(bed_stiffness),
+      held_stiffness_(kHeldStiffness * elastic_.materials().table[0].youngs_modulus / lattice.settings.spacing),
+      retractor_active_(static_cast<std::size_t>(retractors), 0),
+      retractor_motion_(static_cast<std::size_t>(retractors), Eigen::Matrix4d::Identity()),
+      free_(lattice.node_rest.size(), 1),
+      node_scale_(lattice.node_rest.size()) {
+  if (gravity.squaredNorm() > 0) {
+    // kg/m^3 * m/s^2 = N/m^3 = 1e-6 mN/mm^3
+    gravity_force_.assign(3 * lattice.node_rest.size(), 0.0);
+    const double h = lattice.settings.spacing;
+    for (std::size_t c = 0; c < lattice.cell_nodes.size(); ++c) {
+      const Vec3 share = gravity * (elastic_.materials().of(c).density * 1e-6 * h * h * h *
+                                    static_cast<double>(lattice.cell_fill[c]) / 8.0);
+      for (const std::int32_t n : lattice.cell_nodes[c])
+        for (int i = 0; i < 3; ++i)
+          gravity_force_[3 * static_cast<std::size_t>(n) + static_cast<std::size_t>(i)] += share[i];
+    }
+  }
+  find_fragments();
+  rebuild_constraints();
+}
+
+template <class Real>
+void System<Real>::find_fragments() {
+  auto& root = fragment_of_node_;
+  root.resize(free_.size());
+  std::iota(root.begin(), root.end(), 0);
+  const auto find = [&](std::int32_t a) {
+    while (root[static_cast<std::size_t>(a)] != a)
+      a = root[static_cast<std::size_t>(a)] = root[static_cast<std::size_t>(root[static_cast<std::size_t>(a)])];
+    return a;
+  };
+  for (const auto& nodes : elastic_.lattice().cell_nodes)
+    for (const std::int32_t n : nodes) {
+      const std::int32_t a = find(nodes[0]), b = find(n);
+      if (a != b) root[static_cast<std::size_t>(std::max(a, b))] = std::min(a, b);
+    }
+  bool one = true;
+  for (std::size_t n = 0; n < root.size(); ++n) {
+    root[n] = find(static_cast<std::int32_t>(n));
+    one = one && root[n] == root[0];
+  }
+  if (one) root = {};
+}
+
+template <class Real>
+void System<Real>::find_floating_cells() {
+  const Lattice& lattice = elastic_.lattice();
+  std::vector<std::uint8_t> held(free_.size(), 0);  // by fragment
+  for (std::size_t n = 0; n < free_.size(); ++n)
+    if (!free_[n]) held[fragment(n)] = 1;
+  for (const auto& face : attachments_.face_constraints) {
+    if (!acts(face) || (face.group == kBedGroup && !(bed_stiffness_ > 0.0))) continue;
+    const std::int32_t node = lattice.cell_nodes[static_cast<std::size_t>(face.cell)][0];
+    held[fragment(static_cast<std::size_t>(node))] = 1;
+  }
+  floating_cells_.clear();
+  for (std::size_t c = 0; c < lattice.cell_nodes.size(); ++c)
+    if (!held[fragment(static_cast<std::size_t>(lattice.cell_nodes[c][0]))])
+      floating_cells_.push_back(static_cast<std::int32_t>(c));
+  drift_stiffness_ = kDrift * elastic_.materials().table[0].youngs_modulus * lattice.settings.spacing *
+                     std::min(1.0, kDriftCells / static_cast<double>(std::max<std::size_t>(floating_cells_.size(), 1)));
+}
+
+template <class Real>
+void System<Real>::rebuild_constraints() {
+  ++revision_;
+  free_count_ = 0;
+  prescribed_nodes_.clear();
+  for (std::size_t n = 0; n < free_.size(); ++n) {
+    const std::int32_t group = attachments_.node_group[n];
+    free_[n] = group == kFree || (group >= 0 && !retractor_active_[static_cast<std::size_t>(group)]);
+    free_count_ += free_[n];
+    if (!free_[n]) prescribed_nodes_.push_back(static_cast<std::int32_t>(n));
+  }
+  find_floating_cells();
+  has_held_faces_ = std::ranges::any_of(attachments_.face_constraints,
+                                        [&](const auto& face) { return acts(face) && face.group != kBedGroup; });
+  set_quadratics();
+}
+
+template <class Real>
+void System<Real>::set_quadratics() {
+  const Lattice& lattice = elastic_.lattice();
+  std::vector<std::int32_t> of_cell;
+  std::vector<Real> matrices;
+  const auto matrix_of = [&](std::int32_t cell) {
+    if (of_cell.empty()) of_cell.assign(lattice.cell_nodes.size(), -1);
+    auto& index = of_cell[static_cast<std::size_t>(cell)];
+    if (index < 0) {
+      index = static_cast<std::int32_t>(matrices.size() / 64);
+      matrices.resize(matrices.size() + 64, Real(0));
+    }
+    return 64 * static_cast<std::size_t>(index);
+  };
+  for (const auto& face : attachments_.face_constraints) {
+    if (!acts(face)) continue;
+    const bool held = face.group != kBedGroup;
+    const std::size_t first = matrix_of(face.cell);
+    const Eigen::Matrix<double, 8, 8> gram = face.matrix();
+    for (std::size_t k = 0; k < 64; ++k)
+      matrices[first + k] += static_cast<Real>((held ? held_stiffness_ : bed_stiffness_) * gram.data()[k]);
+  }
+  for (const std::int32_t cell : floating_cells_) {
+    const std::size_t first = matrix_of(cell);
+    for (std::size_t k = 0; k < 8; ++k) matrices[first + 9 * k] += static_cast<Real>(drift_stiffness_);
+  }
+  elastic_.set_cell_quadratics(of_cell, matrices);
+}
+
+template <class Real>
+void System<Real>::set_retractors(std::span<const std::int32_t> active, std::span<const Eigen::Matrix4d> motions) {
+  std::vector<std::uint8_t> flags(retractor_active_.size(), 0);
+  for (std::size_t i = 0; i < active.size(); ++i) {
+    flags[static_cast<std::size_t>(active[i])] = 1;
+    retractor_motion_[static_cast<std::size_t>(active[i])] = motions[i];
+  }
+  if (flags != retractor_active_) {
+    retractor_active_ = std::move(flags);
+    rebuild_constraints();
+  }
+}
+
+template <class Real>
+void System<Real>::set_point_constraints(std::vector<PointConstraint> constraints) {
+  bool same = constraints.size() == point_constraints_.size();
+  for (std::size_t i = 0; same && i < constraints.size(); ++i)
+    same = constraints[i].nodes == point_constraints_[i].nodes &&
+           constraints[i].stiffness == point_constraints_[i].stiffness &&
+           constraints[i].weights == point_constraints_[i].weights;
+  point_constraints_ = std::move(constraints);
+  std::set<ConstraintId> exact;
+  for (const auto& constraint : point_constraints_)
+    if (constraint.exact && !exact.insert(constraint.id).second)
+      throw std::logic_error("two point constraints that hold exactly have the same id");
+  has_sutures_ = !exact.empty();
+  if (!same) ++revision_;
+}
+
+template <class Real>
+const PointConstraint& System<Real>::point_constraint(const ConstraintId& id) const {
+  const auto found = std::ranges::find(point_constraints_, id, &PointConstraint::id);
+  if (found == point_constraints_.end()) throw std::logic_error("no point constraint has this id");
+  return *found;
+}
+
+template <class Real>
+Vec3 System<Real>::held_displacement(std::int32_t group, std::size_t node) const {
+  if (group < 0) return Vec3::Zero();
+  const Vec3& rest = elastic_.lattice().node_rest[node];
+  const auto& motion = retractor_motion_[static_cast<std::size_t>(group)];
+  return motion.topLeftCorner<3, 3>() * rest + motion.topRightCorner<3, 1>() - rest;
+}
+
+// The forces of attached faces on the corners of their cells are found in parallel and added in order, a batch at a
+// time. Returns their energy.
+template <class Real>
+double System<Real>::add_face_constraints(std::span<const Real> u, const Multipliers& multipliers,
+                                          std::span<double> gradient) const {
+  constexpr std::size_t kBatch = 8192;
+  const auto& constraints = attachments_.face_constraints;
+  std::vector<std::array<double, 25>> found(std::min(kBatch, constraints.size()));  // forces, energy
+  double energy = 0.0;
+  for (std::size_t first = 0; first < constraints.size(); first += kBatch) {
+    const std::size_t count = std::min(kBatch, constraints.size() - first);
+    for_each_row(count, [&](std::size_t f) {
+      found[f].fill(0.0);
+      if (acts(constraints[first + f])) evaluate_face_constraint(constraints[first + f], u, multipliers, found[f]);
+    });
+    for (std::size_t f = 0; f < count; ++f) {
+      const auto& nodes = elastic_.lattice().cell_nodes[static_cast<std::size_t>(constraints[first + f].cell)];
+      for (std::size_t a = 0; a < 8; ++a)
+        for (std::size_t i = 0; i < 3; ++i) gradient[3 * static_cast<std::size_t>(nodes[a]) + i] += found[f][3 * a + i];
+      energy += found[f][24];
+    }
+  }
+  return energy;
+}
+
+template <class Real>
+void System<Real>::evaluate_face_constraint(const FaceConstraint& face, std::span<const Real> u,
+                                            const Multipliers& multipliers, std::array<double, 25>& out) const {
+  const bool held = face.group != kBedGroup;
+  const double stiffness = held ? held_stiffness_ : bed_stiffness_;
+  const auto& nodes = elastic_.lattice().cell_nodes[static_cast<std::size_t>(face.cell)];
+  Eigen::Matrix<double, 3, 8> off, demand;  // demand: stiffness times the gap, and the multiplier
+  for (int k = 0; k < 8; ++k) {
+    const auto n = static_cast<std::size_t>(nodes[static_cast<std::size_t>(k)]);
+    off.col(k) = node_displacement<Real>(u, n);
+    if (held) off.col(k) -= held_displacement(face.group, n);
+    demand.col(k) = stiffness * off.col(k);
+    if (held && !multipliers.of_held_node.empty()) demand.col(k) += Vec3::Map(&multipliers.of_held_node[3 * n]);
+  }
+  const Eigen::Matrix<double, 8, 8> gram = face.matrix();
+  Eigen::Map<Eigen::Matrix<double, 3, 8>>(out.data()) = demand * gram;
+  out[24] = (off.cwiseProduct((demand - 0.5 * stiffness * off) * gram)).sum();
+}
+
+template <class Real>
+Evaluation System<Real>::evaluate(std::span<const Real> u, const Multipliers& multipliers, Evaluation reused) {
+  const Timed timed(work_.evaluations);
+  Evaluation result = std::move(reused);
+  result.number = ++evaluations_;
+  result.gradient.resize(3 * free_.size());
+  const ElasticState state = elastic_.evaluate(u, result.gradient, node_scale_);
+  result.energy = state.energy;
+  result.minimum_j = state.minimum_j;
+  result.inverted = state.inverted;
+  result.energy += add_face_constraints(u, multipliers, result.gradient);
+  result.contact_penalties.clear();
+  add_resting_faces(u, result);
+  if (contact()) {
+    contact()->template evaluate<Real>(u, multipliers.of_contact_proxy, free_, result.gradient,
+                                       result.contact_penalties, result.contact);
+    result.energy += result.contact.energy;
+  }
+  add_point_constraints(u, multipliers, result);
+  add_drift(u, result);
+  if (!gravity_force_.empty())
+    result.energy -= reduce<1>(gravity_force_.size(), [&, g = result.gradient.data()](std::size_t i, double* out) {
+      out[0] = gravity_force_[i] * static_cast<double>(u[i]);
+      g[i] -= gravity_force_[i];
+    })[0];
+  measure_residual(result);
+  return result;
+}
+
+template <class Real>
+void System<Real>::add_resting_faces(std::span<const Real> u, Evaluation& result) const {
+  for (const auto& face : attachments_.resting) {
+    const auto& nodes = elastic_.lattice().cell_nodes[static_cast<std::size_t>(face.cell)];
+    double height = 0.0;
+    for (std::size_t k = 0; k < 8; ++k)
+      height += face.weights[k] * face.inward.dot(node_displacement(u, static_cast<std::size_t>(nodes[k])));
+    if (!(height < 0.0)) continue;
+    const double stiffness = bed_stiffness_ * face.area;
+    result.contact_penalties.push_back({face.cell, face.weights, face.inward, stiffness});
+    result.energy += 0.5 * stiffness * height * height;
+    for (std::size_t k = 0; k < 8; ++k)
+      for (int i = 0; i < 3; ++i)
+        result.gradient[3 * static_cast<std::size_t>(nodes[k]) + static_cast<std::size_t>(i)] +=
+            stiffness * height * face.weights[k] * face.inward[i];
+  }
+}
+
+template <class Real>
+void System<Real>::add_point_constraints(std::span<const Real> u, const Multipliers& multipliers,
+                                         Evaluation& result) const {
+  for (const auto& constraint : point_constraints_) {
+    const Vec3 c = constraint.value(u), multiplier = multipliers.of(constraint),
+               force = constraint.force(c, multiplier);
+    result.energy += c.dot(0.5 * constraint.stiffness * c + multiplier);
+    for (std::size_t k = 0; k < constraint.nodes.size(); ++k)
+      for (int i = 0; i < 3; ++i)
+        result.gradient[3 * static_cast<std::size_t>(constraint.nodes[k]) + static_cast<std::size_t>(i)] +=
+            constraint.weights[k] * force[i];
+  }
+}
+
+template <class Real>
+void System<Real>::add_drift(std::span<const Real> u, Evaluation& result) const {
+  for (const std::int32_t cell : floating_cells_)
+    for (const std::int32_t node : elastic_.lattice().cell_nodes[static_cast<std::size_t>(cell)]) {
+      const auto n = static_cast<std::size_t>(node);
+      const Vec3 off = node_displacement(u, n);
+      result.energy += 0.5 * drift_stiffness_ * off.squaredNorm();
+      for (int i = 0; i < 3; ++i) result.gradient[3 * n + static_cast<std::size_t>(i)] += drift_stiffness_ * off[i];
+    }
+}
+
+// The gradient of prescribed nodes is no residual: it is set to zero.
+template <class Real>
+void System<Real>::measure_residual(Evaluation& result) {
+  const auto [residual, scale] =
+      reduce<2>(free_.size(), [&, gradient = result.gradient.data()](std::size_t n, double* out) {
+        double* g = &gradient[3 * n];
+        if (!free_[n]) g[0] = g[1] = g[2] = 0.0;
+        out[0] = g[0] * g[0] + g[1] * g[1] + g[2] * g[2];
+        out[1] = free_[n] ? node_scale_[n] * node_scale_[n] : 0.0;
+      });
+  const double h = elastic_.lattice().settings.spacing;
+  result.residual = std::sqrt(residual);
+  result.force_scale = std::sqrt(scale) + kScaleFloor * elastic_.materials().table[0].youngs_modulus * h * h *
+                                              std::sqrt(static_cast<double>(std::max<std::size_t>(free_count_, 1)));
+}
+
+template <class Real>
+const Elastic<Real>& System<Real>::elastic_at(const Evaluation& at) const {
+  if (at.number != evaluations_) throw std::logic_error("another state was evaluated since");
+  return elastic_;
+}
+
+template <class Real>
+void System<Real>::linearize(const Evaluation& at, PsdProjection how) {
+  (void)elastic_at(at);
+  const Timed timed(work_.linearizations);
+  elastic_.linearize(how);
+  contact_penalties_ = at.contact_penalties;
+}
+
+template <class Real>
+void System<Real>::multiply(std::span<const Real> x, std::span<Real> y) const {
+  const Timed timed(work_.products);
+  elastic_.multiply(x, y);
+  for (const ContactPenalty& penalty : contact_penalties_) {
+    const auto& nodes = elastic_.lattice().cell_nodes[static_cast<std::size_t>(penalty.cell)];
+    double along = 0.0;
+    for (std::size_t k = 0; k < 8; ++k)
+      along += penalty.weights[k] * penalty.direction.dot(node_displacement(x, static_cast<std::size_t>(nodes[k])));
+    for (std::size_t k = 0; k < 8; ++k)
+      for (int i = 0; i < 3; ++i)
+        y[3 * static_cast<std::size_t>(nodes[k]) + static_cast<std::size_t>(i)] +=
+            static_cast<Real>(penalty.stiffness * along * penalty.weights[k] * penalty.direction[i]);
+  }
+  for (const auto& constraint : point_constraints_) {
+    Vec3 sum = Vec3::Zero();
+    for (std::size_t k = 0; k < constraint.nodes.size(); ++k)
+      sum += constraint.weights[k] * node_displacement(x, static_cast<std::size_t>(constraint.nodes[k]));
+    sum *= constraint.stiffness;
+    for (std::size_t k = 0; k < constraint.nodes.size(); ++k)
+      for (int i = 0; i < 3; ++i)
+        y[3 * static_cast<std::size_t>(constraint.nodes[k]) + static_cast<std::size_t>(i)] +=
+            static_cast<Real>(constraint.weights[k] * sum[i]);
+  }
+  for (const std::int32_t node : prescribed_nodes_)
+    for (std::size_t i = 0; i < 3; ++i) y[3 * static_cast<std::size_t>(node) + i] = Real(0);
+}
+
+template <class Real>
+bool System<Real>::prescribed_increment(std::span<const Real> u, std::span<Real> increment) const {
+  set_zero<Real>(increment);
+  bool any = false;
+  for (const std::int32_t node : prescribed_nodes_) {
+    const auto n = static_cast<std::size_t>(node);
+    if (attachments_.node_group[n] == kStillGroup) continue;
+    const Vec3 target = held_displacement(attachments_.node_group[n], n);
+    for (std::size_t i = 0; i < 3; ++i) {
+      increment[3 * n + i] = static_cast<Real>(target[static_cast<int>(i)]) - u[3 * n + i];
+      any = any || increment[3 * n + i] != Real(0);
+    }
+  }
+  return any;
+}
+
+template <class Real>
+std::vector<std::size_t> System<Real>::gripped_nodes(std::int32_t retractor) const {
+  std::vector<std::size_t> gripped;
+  for (std::size_t n = 0; n < free_.size(); ++n)
+    if (attachments_.node_group[n] == retractor) gripped.push_back(n);
+  for (const auto& face : attachments_.face_constraints)
+    if (face.group == retractor)
+      for (const std::int32_t n : elastic_.lattice().cell_nodes[static_cast<std::size_t>(face.cell)])
+        gripped.push_back(static_cast<std::size_t>(n));
+  return gripped;
+}
+
+template <class Real>
+Eigen::Matrix4d System<Real>::motion_towards(const Eigen::Matrix4d& motion, double fraction, std::int32_t retractor,
+                                             std::span<const Real> u) const {
+  const auto gripped = gripped_nodes(retractor);
+  if (gripped.size() < 3) return motion;
+  Eigen::Matrix3Xd rest(3, gripped.size()), now(3, gripped.size());
+  for (std::size_t k = 0; k < gripped.size(); ++k) {
+    rest.col(static_cast<Eigen::Index>(k)) = elastic_.lattice().node_rest[gripped[k]];
+    now.col(static_cast<Eigen::Index>(k)) = elastic_.lattice().node_rest[gripped[k]] + node_displacement(u, gripped[k]);
+  }
+  const Eigen::Matrix4d present = Eigen::umeyama(rest, now, false);
+  const Vec3 center = rest.rowwise().mean();
+  const Eigen::Quaterniond from(Eigen::Matrix3d(present.topLeftCorner<3, 3>()));
+  const Eigen::Quaterniond to(Eigen::Matrix3d(motion.topLeftCorner<3, 3>()));
+  Eigen::Matrix4d result = Eigen::Matrix4d::Identity();
+  result.topLeftCorner<3, 3>() = from.slerp(fraction, to).toRotationMatrix();
+  const Eigen::Vector4d place =
+      (1.0 - fraction) * (present * center.homogeneous()) + fraction * (motion * center.homogeneous());
+  result.topRightCorner<3, 1>() = place.head<3>() - result.topLeftCorner<3, 3>() * center;
+  return result;
+}
+
+template <class Real>
+double System<Real>::largest_gap(std::span<const Real> u, const Multipliers& multipliers, const Evaluation& at) const {
+  double gap = 0.0;
+  for (const auto& constraint : point_constraints_)
+    if (constraint.exact) gap = std::max(gap, constraint.gap(constraint.value(u), multipliers.of(constraint)));
+  if (contact()) gap = std::max(gap, at.contact.excess);
+  if (!has_held_faces_) return gap;
+  for (const auto& face : attachments_.face_constraints) {
+    if (face.group == kBedGroup || !acts(face)) continue;
+    const auto& nodes = elastic_.lattice().cell_nodes[static_cast<std::size_t>(face.cell)];
+    double squared = 0.0;
+    const Eigen::Matrix<double, 8, 8> gram = face.matrix();
+    Vec3 off[8];
+    for (std::size_t k = 0; k < 8; ++k) {
+      const auto n = static_cast<std::size_t>(nodes[k]);
+      off[k] = node_displacement(u, n) - held_displacement(face.group, n);
+    }
+    for (std::size_t a = 0; a < 8; ++a)
+      for (std::size_t b = 0; b < 8; ++b)
+        squared += gram(static_cast<int>(a), static_cast<int>(b)) * off[a].dot(off[b]);
+    gap = std::max(gap, std::sqrt(std::max(squared, 0.0) / face.area));
+  }
+  return gap;
+}
+
+template <class Real>
+void System<Real>::update(Multipliers& multipliers, std::span<const Real> u, const Evaluation& at) const {
+  for (const auto& constraint : point_constraints_)
+    if (constraint.exact)
+      multipliers.of_constraint[constraint.id] =
+          constraint.next_multiplier(constraint.value(u), multipliers.of(constraint));
+  if (contact()) contact()->update_pressures(at.contact, multipliers.of_contact_proxy);
+  fit(multipliers);
+  if (!has_held_faces_) return;
+  std::vector<std::uint8_t> done(free_.size(), 0);
+  for (const auto& face : attachments_.face_constraints) {
+    if (face.group == kBedGroup || !acts(face)) continue;
+    for (const std::int32_t node : elastic_.lattice().cell_nodes[static_cast<std::size_t>(face.cell)]) {
+      const auto n = static_cast<std::size_t>(node);
+      if (done[n]) continue;
+      done[n] = 1;
+      const Vec3 off = node_displacement(u, n) - held_displacement(face.group, n);
+      for (int i = 0; i < 3; ++i)
+        multipliers.of_held_node[3 * n + static_cast<std::size_t>(i)] += held_stiffness_ * off[i];
+    }
+  }
+}
+
+template <class Real>
+void System<Real>::fit(Multipliers& multipliers) const {
+  auto& held = multipliers.of_held_node;
+  if (!has_held_faces_)
+    held.clear();
+  else if (held.size() != 3 * free_.size())
+    held.assign(3 * free_.size(), 0.0);
+}
+
+template <class Real>
+std::size_t System<Real>::bytes() const {
+  return elastic_.bytes() + attachments_.face_constraints.size() * sizeof(FaceConstraint) +
+         3 * free_.size() * 8 * (has_held_faces_ ? 2 : 1) + node_scale_.size() * 8 + gravity_force_.size() * 8 +
+         free_.size() + (contact_ ? contact_->bytes() : 0);
+}
+
+template class System<float>;
+template class System<double>;
+
+}  // namespace lappet

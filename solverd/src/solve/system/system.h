@@ -1,0 +1,147 @@
+// The whole energy of a frame: elastic cells, attachments, point constraints, gravity, the push of the bed on resting
+// faces and of bones on whatever meets them; its gradient and its tangent product.
+//
+// Prescribed nodes (fixed, or gripped on a lattice plane) are not unknowns: products and residuals are zero there. A
+// fragment that no face holds is kept near its rest position by a very weak bed, so that the tangent is never singular.
+#pragma once
+#include <memory>
+
+#include "force/constraints/attachments.h"
+#include "force/elastic/elastic.h"
+#include "math/features.h"
+#include "solve/system/evaluation.h"
+#include "solve/system/multipliers.h"
+#include "solve/system/work.h"
+
+namespace lappet {
+
+template <class Real>
+class System {
+ public:
+  System(const Lattice& lattice, CellMaterials materials, int quadrature, Attachments attachments,
+         std::int32_t retractors, double bed_stiffness, const Vec3& gravity);
+
+  // Where a subdomain lies in this whole (solve/subdomain/subdomain.h). cells, nodes: their indices here; moves: per
+  // node of the subdomain, only of those that are free.
+  struct Place {
+    std::span<const std::int32_t> cells, nodes;
+    std::span<const std::uint8_t> moves;
+  };
+  // This system where only the nodes of a subdomain move, all others staying at u: its energy falls by what that of the
+  // whole falls. Keeps a reference to `subdomain`, the cells around every node that moves.
+  std::unique_ptr<System> restricted(const Lattice& subdomain, const Place& place, std::span<const Real> u) const;
+  // The multipliers of this whole, as those of such a system.
+  Multipliers restricted(const Multipliers& multipliers, const System& subdomain, const Place& place) const;
+
+  // Rigid motions (4x4, column vectors) of the retractors that grip now; the others let go.
+  void set_retractors(std::span<const std::int32_t> active, std::span<const Eigen::Matrix4d> motions);
+  // Those that hold exactly have different ids.
+  void set_point_constraints(std::vector<PointConstraint> constraints);
+  // How active the muscle of each material is, in [0, 1].
+  void set_activation(std::span<const double> activation) { elastic_.set_activation(activation); }
+  // Where there are bones; null: none.
+  void set_contact(std::unique_ptr<Contact> contact) { contact_ = std::move(contact); }
+  const Contact* contact() const { return kHasContact ? contact_.get() : nullptr; }
+  const std::vector<PointConstraint>& point_constraints() const { return point_constraints_; }
+  const PointConstraint& point_constraint(const ConstraintId& id) const;
+
+  // The energy and its gradient at u, with all else that is found on the way. reused: an evaluation that is no longer
+  // needed, whose memory this one takes.
+  Evaluation evaluate(std::span<const Real> u, const Multipliers& multipliers, Evaluation reused = {});
+  // Computes the tangent where `at` was found. That must be the last evaluation: the decomposition of each cell is kept
+  // where the kernels put it, once.
+  void linearize(const Evaluation& at, PsdProjection how);
+  void multiply(std::span<const Real> x, std::span<Real> y) const;  // y = K x on free nodes, 0 elsewhere
+
+  bool is_free(std::size_t node) const { return free_[node]; }
+  std::size_t nodes() const { return free_.size(); }
+  std::size_t free_nodes() const { return free_count_; }
+  std::size_t floating_cells() const { return floating_cells_.size(); }
+  // What is left to move the prescribed nodes to where they belong; true if any.
+  bool prescribed_increment(std::span<const Real> u, std::span<Real> increment) const;
+
+  // The rigid motion a fraction of the way from that of the nodes gripped by a retractor now (least squares) to
+  // another: their center moves straight while they turn about it.
+  Eigen::Matrix4d motion_towards(const Eigen::Matrix4d& motion, double fraction, std::int32_t retractor,
+                                 std::span<const Real> u) const;
+
+  // The fraction of a step, `most` at most, that takes no tissue through a bone.
+  double largest_step(std::span<const Real> u, std::span<const Real> step, double most) const {
+    return contact() ? contact()->template largest_step<Real>(u, step, most) : most;
+  }
+
+  // The largest violation of what must hold exactly, mm: sutures, held faces off the lattice planes (root mean square
+  // over the face in a cell), and what is deeper in bone than a penalty may leave. at: the evaluation at u.
+  double largest_gap(std::span<const Real> u, const Multipliers& multipliers, const Evaluation& at) const;
+  // lambda += stiffness c, for sutures, held faces and tissue that is too deep in bone. at: the evaluation at u.
+  void update(Multipliers& multipliers, std::span<const Real> u, const Evaluation& at) const;
+  // Makes room for those of the faces that are held now; zero where they are new.
+  void fit(Multipliers& multipliers) const;
+  bool has_exact_constraints() const { return has_held_faces_ || has_sutures_; }
+
+  // Of the tangent: what the bed and the bones push with.
+  std::span<const ContactPenalty> contact_penalties() const { return contact_penalties_; }
+  const Elastic<Real>& elastic() const { return elastic_; }
+  // The same, with the decompositions of an evaluation, which must be the last one.
+  const Elastic<Real>& elastic_at(const Evaluation& at) const;
+  const Attachments& attachments() const { return attachments_; }
+  double bed_stiffness() const { return bed_stiffness_; }
+  const Lattice& lattice() const { return elastic_.lattice(); }
+  // Changes whenever free nodes, point constraints or active attachments change: preconditioners look at it.
+  std::uint64_t constraint_revision() const { return revision_; }
+  // With an evaluation and the multipliers of a state.
+  std::size_t bytes() const;
+  // Since the system was made.
+  const Work& work() const { return work_; }
+
+ private:
+  Vec3 held_displacement(std::int32_t group, std::size_t node) const;
+  std::vector<std::size_t> gripped_nodes(std::int32_t retractor) const;
+  bool acts(const FaceConstraint& face) const {
+    return face.group < 0 || retractor_active_[static_cast<std::size_t>(face.group)];
+  }
+  // Parts of evaluate: each adds to the gradient and returns its energy, or adds it.
+  double add_face_constraints(std::span<const Real> u, const Multipliers& multipliers,
+                              std::span<double> gradient) const;
+  void evaluate_face_constraint(const FaceConstraint& face, std::span<const Real> u, const Multipliers& multipliers,
+                                std::array<double, 25>& out) const;
+  void add_resting_faces(std::span<const Real> u, Evaluation& result) const;
+  void add_point_constraints(std::span<const Real> u, const Multipliers& multipliers, Evaluation& result) const;
+  void add_drift(std::span<const Real> u, Evaluation& result) const;
+  void measure_residual(Evaluation& result);
+
+  void find_fragments();
+  std::size_t fragment(std::size_t node) const {
+    return fragment_of_node_.empty() ? 0 : static_cast<std::size_t>(fragment_of_node_[node]);
+  }
+  void find_floating_cells();
+  void rebuild_constraints();
+  void set_quadratics();
+  Attachments restricted_attachments(const Place& place, std::span<const std::int32_t> place_of_cell) const;
+  std::vector<PointConstraint> restricted_point_constraints(const Place& place, std::span<const Real> u) const;
+
+  Elastic<Real> elastic_;
+  Attachments attachments_;
+  double bed_stiffness_, held_stiffness_;
+  std::vector<double> gravity_force_;  // 3 per node or empty
+  std::vector<std::uint8_t> retractor_active_;
+  std::vector<Eigen::Matrix4d> retractor_motion_;
+  std::vector<PointConstraint> point_constraints_;
+  std::unique_ptr<Contact> contact_;
+  std::vector<ContactPenalty> contact_penalties_;  // of the tangent
+  std::vector<std::int32_t> fragment_of_node_;     // its lowest node; empty: all hang together
+  std::vector<std::int32_t> floating_cells_;
+  double drift_stiffness_ = 0.0;  // mN/mm on a corner of a floating cell
+  std::vector<std::uint8_t> free_;
+  std::size_t free_count_ = 0;
+  std::vector<std::int32_t> prescribed_nodes_;
+  bool has_held_faces_ = false, has_sutures_ = false;
+  std::vector<double> node_scale_;  // to write in
+  std::uint64_t revision_ = 0, evaluations_ = 0;
+  mutable Work work_;
+};
+
+extern template class System<float>;
+extern template class System<double>;
+
+}  // namespace lappet

@@ -1,0 +1,165 @@
+// Which material a cell gets, against what the geometry of a painted box and a ball says.
+#include "force/materials/cell_materials.h"
+
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <limits>
+#include <map>
+
+#include "test_surfaces.h"
+
+namespace lappet {
+namespace {
+
+constexpr double kDeep = std::numeric_limits<double>::infinity();
+
+Vec3 center(const Surface& s, std::size_t t) {
+  Vec3 sum = Vec3::Zero();
+  for (const std::int32_t p : s.triangles[t]) sum += s.points[static_cast<std::size_t>(p)];
+  return sum / 3;
+}
+
+// The top of a box as a grid of triangles, 1 mm wide.
+Surface top(int length, int width, double height) {
+  Surface skin;
+  for (int x = 0; x <= length; ++x)
+    for (int y = 0; y <= width; ++y) skin.points.emplace_back(x, y, height);
+  for (int x = 0; x < length; ++x)
+    for (int y = 0; y < width; ++y) {
+      const std::int32_t a = x * (width + 1) + y, b = a + width + 1;
+      skin.triangles.push_back({a, b, b + 1});
+      skin.triangles.push_back({a, b + 1, a + 1});
+    }
+  return skin;
+}
+
+MaterialRegion region(const Surface& skin, std::int32_t material, double from, double to,
+                      const std::function<bool(const Vec3&)>& painted = {}) {
+  MaterialRegion result{material, from, to, {}};
+  for (std::size_t t = 0; t < skin.triangles.size(); ++t) result.faces.push_back(!painted || painted(center(skin, t)));
+  return result;
+}
+
+std::vector<MaterialParameters> table(std::size_t count) { return std::vector<MaterialParameters>(count); }
+
+Vec3 middle(const Lattice& lattice, std::size_t c) {
+  const auto& p = lattice.cell_position(c);
+  return lattice.settings.origin + lattice.settings.spacing * Vec3(p[0] + 0.5, p[1] + 0.5, p[2] + 0.5);
+}
+
+Lattice lattice_of(const Surface& surface, double spacing) {
+  LatticeSettings settings;
+  settings.spacing = spacing;
+  return build_lattice(surface, settings);
+}
+
+TEST(CellMaterials, ALayeredBoxHasTheLayersThatTheDepthsSay) {
+  const Lattice lattice = lattice_of(test::box({0, 0, 0}, {8, 6, 5}), 0.5);
+  const Surface skin = top(8, 6, 5);
+  const std::vector<MaterialRegion> regions = {region(skin, 1, 1.0, 3.0), region(skin, 2, 3.0, kDeep)};
+  const CellMaterials materials = assign_materials(lattice, table(3), skin, regions);
+  std::map<int, int> counts;
+  for (std::size_t c = 0; c < lattice.cell_nodes.size(); ++c) {
+    const double depth = 5 - middle(lattice, c)[2];
+    EXPECT_EQ(materials.of_cell[c], depth < 1 ? 0 : depth < 3 ? 1 : 2) << depth;
+    ++counts[materials.of_cell[c]];
+  }
+  EXPECT_EQ(counts, (std::map<int, int>{{0, 16 * 12 * 2}, {1, 16 * 12 * 4}, {2, 16 * 12 * 4}}));
+}
+
+TEST(CellMaterials, AHalfPaintedBoxSplitsWhereItIsPaintedAndTheLaterRegionWins) {
+  const Lattice lattice = lattice_of(test::box({0, 0, 0}, {8, 6, 5}), 1.0);
+  const Surface skin = top(8, 6, 5);
+  const std::vector<MaterialRegion> regions = {
+      region(skin, 1, 0.0, kDeep, [](const Vec3& c) { return c[0] < 5; }),
+      region(skin, 2, 2.0, 4.0, [](const Vec3& c) { return c[1] > 3; }),
+  };
+  const CellMaterials materials = assign_materials(lattice, table(3), skin, regions);
+  for (std::size_t c = 0; c < lattice.cell_nodes.size(); ++c) {
+    const Vec3 m = middle(lattice, c);
+    const double depth = 5 - m[2];
+    EXPECT_EQ(materials.of_cell[c], m[1] > 3 && depth > 2 && depth < 4 ? 2 : m[0] < 5 ? 1 : 0) << m.transpose();
+  }
+}
+
+TEST(CellMaterials, ACutChangesNoMaterialAndBothCopiesOfACellAtAWoundHaveTheSame) {
+  const Surface skin = top(8, 6, 5);
+  const std::vector<MaterialRegion> regions = {region(skin, 1, 0.0, 2.0, [](const Vec3& c) { return c[0] < 5; }),
+                                               region(skin, 2, 2.0, kDeep)};
+  const auto by_place = [&](const Lattice& lattice) {
+    const CellMaterials materials = assign_materials(lattice, table(3), skin, regions);
+    std::map<std::array<std::int32_t, 3>, int> found;
+    for (std::size_t c = 0; c < lattice.cell_nodes.size(); ++c) {
+      const auto [at, fresh] = found.emplace(lattice.cell_position(c), materials.of_cell[c]);
+      EXPECT_TRUE(fresh || at->second == materials.of_cell[c]);
+    }
+    return found;
+  };
+  const auto whole = by_place(lattice_of(test::box({0, 0, 0}, {8, 6, 5}), 1.0));
+  for (const double kerf : {0.01, 3.0}) {  // a cut, and what is left where an ellipse was taken out
+    const Lattice cut = lattice_of(test::cut_slab(8, 6, 5, {{4.3, 0}, {4.7, 6}}, kerf).surface, 1.0);
+    EXPECT_EQ(cut.fragments, 2);
+    const auto after = by_place(cut);
+    EXPECT_LE(after.size(), whole.size());
+    for (const auto& [position, material] : after) EXPECT_EQ(material, whole.at(position));
+  }
+}
+
+TEST(CellMaterials, TheLayersOfABallAreShells) {
+  const Surface ball = test::sphere({0, 0, 0}, 6.0, 40);
+  LatticeSettings settings;
+  settings.spacing = 0.5;
+  settings.origin = Vec3(-6, -6, -6);
+  const Lattice lattice = build_lattice(ball, settings);
+  const CellMaterials materials =
+      assign_materials(lattice, table(2), ball, std::vector<MaterialRegion>{region(ball, 1, 2.0, kDeep)});
+  const double sag = 6.0 * (1 - std::cos(3.15 / 40));  // of the facets below the ball
+  int inner = 0;
+  for (std::size_t c = 0; c < lattice.cell_nodes.size(); ++c) {
+    const double radius = middle(lattice, c).norm();
+    if (std::abs(radius - 4.0) > sag + 1e-9) {
+      EXPECT_EQ(materials.of_cell[c], radius < 4.0 ? 1 : 0) << radius;
+    }
+    inner += materials.of_cell[c];
+  }
+  EXPECT_NEAR(inner * 0.125, 4.0 / 3.0 * 3.14159265 * 64, 0.05 * 4.0 / 3.0 * 3.14159265 * 64);
+}
+
+TEST(CellMaterials, CellsOfADirectedMaterialHaveTheNormalOfTheSkinAboveThem) {
+  const Surface ball = test::sphere({0, 0, 0}, 6.0, 24);
+  LatticeSettings settings;
+  settings.spacing = 0.5;
+  settings.origin = Vec3(-6, -6, -6);
+  const Lattice lattice = build_lattice(ball, settings);
+  auto directed = table(2);
+  directed[1].fiber_k1 = 10;
+  EXPECT_TRUE(assign_materials(lattice, table(2), ball, {}).normal_of_cell.empty());
+  const CellMaterials materials = assign_materials(lattice, directed, ball, {});
+  ASSERT_EQ(materials.normal_of_cell.size(), lattice.cell_nodes.size());
+  EXPECT_TRUE(materials.of_cell.empty());
+  for (std::size_t c = 0; c < lattice.cell_nodes.size(); ++c) {
+    const Vec3 radius = middle(lattice, c);
+    if (radius.norm() < 3) continue;  // further in a facet's width counts
+    EXPECT_GT(materials.normal_of_cell[c].cast<double>().dot(radius.normalized()), std::cos(2.5 * 3.1416 / 180));
+  }
+}
+
+TEST(CellMaterials, BelowAFlatSkinNoNormalIsKeptUnlessADirectionHasToBeTurned) {
+  const Lattice lattice = lattice_of(test::box({0, 0, 0}, {8, 6, 5}), 1.0);
+  auto directed = table(1);
+  directed[0].prestretch = {1.2, 1.1};
+  EXPECT_TRUE(assign_materials(lattice, directed, top(8, 6, 5), {}).normal_of_cell.empty());
+  directed[0].fiber_direction = Vec3(0.8, 0, 0.6);
+  EXPECT_FALSE(assign_materials(lattice, directed, top(8, 6, 5), {}).normal_of_cell.empty());
+}
+
+TEST(CellMaterials, WithoutRegionsNothingIsKeptPerCell) {
+  const Lattice lattice = lattice_of(test::box({0, 0, 0}, {4, 4, 4}), 1.0);
+  const CellMaterials materials = assign_materials(lattice, table(1), {}, {});
+  EXPECT_TRUE(materials.of_cell.empty());
+  EXPECT_EQ(&materials.of(3), &materials.table[0]);
+}
+
+}  // namespace
+}  // namespace lappet

@@ -1,0 +1,346 @@
+#include "force/materials/fiber.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+#include <cmath>
+#include <random>
+#include <vector>
+
+namespace lappet {
+namespace {
+
+using Matrix = Eigen::Matrix3d;
+using Vector = Eigen::Vector3d;
+using Parameters = FiberParameters<double>;
+
+FiberResponse<double> response(const Matrix& f, const Vector& a, const Parameters& p) {
+  return fiber_response(f.squaredNorm(), (f * a).squaredNorm(), p);
+}
+Matrix stress(const Matrix& f, const Vector& a, const FiberResponse<double>& r) {
+  return r.isotropic * f + r.along * (f * a) * a.transpose();
+}
+Matrix stress(const Matrix& f, const Vector& a, const Parameters& p) { return stress(f, a, response(f, a, p)); }
+// dP as fiber.h states it
+Matrix tangent(const Matrix& f, const Vector& a, double dispersion, const FiberResponse<double>& r, const Matrix& d) {
+  const Vector y = f * a, dy = d * a;
+  const Matrix b = dispersion * f + (1 - 3 * dispersion) * y * a.transpose();
+  return r.isotropic * d + r.along * dy * a.transpose() + r.curvature * b.cwiseProduct(d).sum() * b +
+         r.muscle_curvature * y.dot(dy) * y * a.transpose();
+}
+Eigen::Matrix<double, 9, 9> assembled(const Matrix& f, const Vector& a, double dispersion,
+                                      const FiberResponse<double>& r) {
+  Eigen::Matrix<double, 9, 9> k;
+  for (int c = 0; c < 9; ++c) {
+    Matrix d = Matrix::Zero();
+    d.data()[c] = 1;
+    k.col(c) = tangent(f, a, dispersion, r, d).reshaped();
+  }
+  return k;
+}
+double lowest_eigenvalue(const Eigen::Matrix<double, 9, 9>& k) {
+  return Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 9, 9>>(k).eigenvalues()[0];
+}
+
+struct Sample {
+  Matrix f;
+  Vector a;
+  Parameters p;
+};
+
+// Random F about I, a fifth of them inverted, a fifth flattened and a fifth stretched so far that the exponent is
+// capped.
+std::vector<Sample> samples() {
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> unit(0.0, 1.0), sign(-1.0, 1.0);
+  std::vector<Sample> all;
+  for (int k = 0; k < 400; ++k) {
+    Sample s;
+    for (double& x : s.f.reshaped()) x = 0.5 * sign(random);
+    s.f += Matrix::Identity();
+    if (k % 5 == 1) s.f.col(k % 3) *= -1;
+    if (k % 5 == 2) s.f.row(k % 3) *= 1e-6;
+    if (k % 5 == 3) s.f *= 4;
+    s.a = Vector(sign(random), sign(random), sign(random)).normalized();
+    s.p = {5 * unit(random), k % 4 == 0 ? 0.0 : 20 * unit(random), k % 6 == 0 ? 0.0 : unit(random) / 3,
+           k % 3 == 0 ? 0.0 : 40 * unit(random)};
+    all.push_back(s);
+  }
+  return all;
+}
+
+// E, and its smallest distance to a point where the second derivative of the energy steps.
+double strain(const Sample& s) {
+  return s.p.dispersion * (s.f.squaredNorm() - 3) + (1 - 3 * s.p.dispersion) * ((s.f * s.a).squaredNorm() - 1);
+}
+bool near_a_kink(const Sample& s) {
+  const double change = std::abs((s.f * s.a).norm() - 1);
+  return std::abs(strain(s)) < 1e-4 || std::abs(change - 0.4) < 1e-4 || std::abs(change - 0.6) < 1e-4;
+}
+
+TEST(Fiber, StressIsTheDerivativeOfTheEnergyInF) {
+  int stretched = 0, capped = 0;
+  for (const auto& s : samples()) {
+    const Matrix p = stress(s.f, s.a, s.p);
+    stretched += strain(s) > 0;
+    capped += s.p.k2 * strain(s) * strain(s) > fiber_detail::kGreatestExponent && strain(s) > 0;
+    for (int c = 0; c < 9; ++c) {
+      Matrix step = Matrix::Zero();
+      step.data()[c] = 1e-6;
+      const double energy = response(s.f, s.a, s.p).energy;
+      const double quotient = (response(s.f + step, s.a, s.p).energy - response(s.f - step, s.a, s.p).energy) / 2e-6;
+      EXPECT_NEAR(quotient, p.data()[c], 1e-6 * (1 + p.norm()) + 1e-9 * std::abs(energy)) << s.f;
+    }
+  }
+  EXPECT_GT(stretched, 100);
+  EXPECT_GT(capped, 20);
+}
+
+TEST(Fiber, TangentIsTheDerivativeOfTheStressInF) {
+  int checked = 0;
+  std::mt19937 random(2);
+  std::normal_distribution<double> normal;
+  for (const auto& s : samples()) {
+    if (near_a_kink(s)) continue;
+    ++checked;
+    Matrix d;
+    for (double& x : d.reshaped()) x = normal(random);
+    const auto r = response(s.f, s.a, s.p);
+    const Matrix quotient = (stress(s.f + 1e-6 * d, s.a, s.p) - stress(s.f - 1e-6 * d, s.a, s.p)) / 2e-6;
+    const double size = assembled(s.f, s.a, s.p.dispersion, r).norm();
+    EXPECT_LE((quotient - tangent(s.f, s.a, s.p.dispersion, r, d)).norm(), 1e-5 * (1 + size) * d.norm()) << s.f;
+  }
+  EXPECT_GT(checked, 350);
+}
+
+// Gasser, Ogden, Holzapfel 2006: Cauchy stress 2 psi' h, h = kappa b + (1 - 3 kappa) F a (F a)^T,
+// psi' = k1 E exp(k2 E^2), for uniaxial extension l along the fibers at constant volume: I1 = l^2 + 2/l, I4 = l^2.
+TEST(Fiber, UniaxialExtensionAtConstantVolumeGivesThePublishedStress) {
+  for (const double kappa : {0.0, 0.1, 0.226, 1.0 / 3})
+    for (const double l : {1.02, 1.1, 1.25}) {
+      const double k1 = 2.3, k2 = 4.7;
+      const double e = kappa * (l * l + 2 / l - 3) + (1 - 3 * kappa) * (l * l - 1);
+      const double slope = k1 * e * std::exp(k2 * e * e);
+      const Matrix f = Vector(l, 1 / std::sqrt(l), 1 / std::sqrt(l)).asDiagonal();
+      const Parameters p{k1, k2, kappa, 0.0};
+      const Matrix cauchy = stress(f, Vector::UnitX(), p) * f.transpose();
+      EXPECT_NEAR(cauchy(0, 0), 2 * slope * (1 - 2 * kappa) * l * l, 1e-12 * (1 + slope));
+      EXPECT_NEAR(cauchy(1, 1), 2 * slope * kappa / l, 1e-12 * (1 + slope));
+      EXPECT_NEAR(cauchy(2, 2), 2 * slope * kappa / l, 1e-12 * (1 + slope));
+      EXPECT_NEAR(response(f, Vector::UnitX(), p).energy, k1 / (2 * k2) * (std::exp(k2 * e * e) - 1),
+                  1e-13 * (1 + slope));
+    }
+}
+
+// Equal extension b in the plane of the fibers: I1 = 2 b^2 + b^-4, I4 = b^2. Simple shear g across fibers along y:
+// F a = (g, 1, 0), I1 = 3 + g^2, I4 = 1 + g^2, so E = (1 - 2 kappa) g^2.
+TEST(Fiber, EquibiaxialExtensionAndSimpleShearGiveThePublishedStress) {
+  const double k1 = 1.7, k2 = 3.1, kappa = 0.15;
+  const Parameters p{k1, k2, kappa, 0.0};
+  for (const double b : {1.05, 1.2}) {
+    const Matrix f = Vector(b, b, 1 / (b * b)).asDiagonal();
+    const double e = kappa * (2 * b * b + std::pow(b, -4) - 3) + (1 - 3 * kappa) * (b * b - 1);
+    const double slope = k1 * e * std::exp(k2 * e * e);
+    const Matrix cauchy = stress(f, Vector::UnitX(), p) * f.transpose();
+    EXPECT_NEAR(cauchy(0, 0), 2 * slope * (1 - 2 * kappa) * b * b, 1e-12);
+    EXPECT_NEAR(cauchy(1, 1), 2 * slope * kappa * b * b, 1e-12);
+    EXPECT_NEAR(cauchy(2, 2), 2 * slope * kappa * std::pow(b, -4), 1e-12);
+  }
+  for (const double g : {0.1, 0.6}) {
+    Matrix f = Matrix::Identity();
+    f(0, 1) = g;
+    const double e = (1 - 2 * kappa) * g * g, slope = k1 * e * std::exp(k2 * e * e);
+    const Matrix cauchy = stress(f, Vector::UnitY(), p) * f.transpose();
+    EXPECT_NEAR(cauchy(0, 1), 2 * slope * (kappa + 1 - 3 * kappa) * g, 1e-12);
+    EXPECT_NEAR(cauchy(0, 0), 2 * slope * (kappa * (1 + g * g) + (1 - 3 * kappa) * g * g), 1e-12);
+    EXPECT_NEAR(cauchy(2, 2), 2 * slope * kappa, 1e-12);
+  }
+}
+
+TEST(Fiber, ThirdOfDispersionHasNoDirection) {
+  const Parameters p{3.0, 2.0, 1.0 / 3, 0.0};
+  const Matrix f = Vector(1.3, 1.1, 0.9).asDiagonal();
+  const Matrix one = stress(f, Vector::UnitX(), p), other = stress(f, Vector(1, 2, -1).normalized(), p);
+  EXPECT_GT(one.norm(), 0.1);
+  EXPECT_LE((one - other).norm(), 1e-13 * one.norm());
+}
+
+TEST(Fiber, CarriesNothingWhereItIsCompressed) {
+  const Parameters p{3.0, 2.0, 0.1, 0.0};
+  const auto r = response(Matrix(Vector(0.8, 1.05, 1.1).asDiagonal()), Vector::UnitX(), p);
+  EXPECT_EQ(r.energy, 0.0);
+  EXPECT_EQ(r.isotropic, 0.0);
+  EXPECT_EQ(r.along, 0.0);
+  EXPECT_EQ(r.curvature, 0.0);
+}
+
+TEST(Fiber, WithoutTheExponentIsTheLimitOfSmallExponents) {
+  const Matrix f = Vector(1.3, 1.1, 0.9).asDiagonal();
+  const double e = 0.1 * (f.squaredNorm() - 3) + 0.7 * (1.3 * 1.3 - 1);
+  const auto limit = response(f, Vector::UnitX(), Parameters{3.0, 0.0, 0.1, 0.0});
+  EXPECT_NEAR(limit.energy, 1.5 * e * e, 1e-15);
+  EXPECT_NEAR(limit.curvature, 12.0, 1e-14);
+  for (const double k2 : {1e-3, 1e-6, 1e-12}) {
+    const auto r = response(f, Vector::UnitX(), Parameters{3.0, k2, 0.1, 0.0});
+    EXPECT_NEAR(r.energy, limit.energy, k2 * limit.energy);
+    EXPECT_NEAR(r.isotropic, limit.isotropic, k2 * limit.isotropic);
+    EXPECT_NEAR(r.curvature, limit.curvature, 2 * k2 * limit.curvature);
+  }
+}
+
+// The energy's series for small exponents and its closed form on the other side, and float beside double.
+TEST(Fiber, EnergyKeepsItsDigitsForEveryExponent) {
+  for (double x = 1e-10; x < 10; x *= 1.07) {
+    EXPECT_NEAR(fiber_detail::mean_growth(x, std::exp(x)) / (std::expm1(x) / x), 1.0, 5e-15) << x;
+    const float small = float(x);
+    EXPECT_NEAR(double(fiber_detail::mean_growth(small, std::exp(small))) / (std::expm1(x) / x), 1.0, 3e-6) << x;
+  }
+}
+
+TEST(Fiber, ContinuationMeetsTheExponentialInValueSlopeAndCurvature) {
+  const double k1 = 2.0, k2 = 5.0, e = std::sqrt(fiber_detail::kGreatestExponent / k2);
+  const Parameters p{k1, k2, 0.0, 0.0};
+  const auto below = fiber_response(3.0, 1 + e - 1e-9, p), above = fiber_response(3.0, 1 + e + 1e-9, p);
+  EXPECT_NEAR(below.energy, k1 / (2 * k2) * std::expm1(k2 * e * e), 1e-6 * below.energy);
+  EXPECT_NEAR(above.energy, below.energy, 1e-6 * below.energy);
+  EXPECT_NEAR(above.along, below.along, 1e-6 * below.along);
+  EXPECT_NEAR(above.curvature, below.curvature, 1e-6 * below.curvature);
+  // and beyond it is quadratic: equal second differences
+  double last = 0.0;
+  for (const double d : {1.0, 10.0, 100.0}) {
+    const auto r = fiber_response(3.0, 1 + e + d, p);
+    EXPECT_EQ(r.curvature, above.curvature);
+    EXPECT_GT(r.energy, last);
+    EXPECT_NEAR(r.along, 2 * (k1 * e * std::exp(10.0) + above.curvature / 4 * d), 1e-6 * r.along);
+    last = r.energy;
+  }
+}
+
+TEST(Fiber, FloatStaysFiniteFarFromAnyTissueAndAgreesWithDoubleInIt) {
+  for (const float k2 : {0.0f, 1e-30f, 1e-3f, 1.0f, 900.0f})
+    for (const float size : {0.0f, 1e-20f, 0.3f, 1.0f, 1.2f, 30.0f, 1e4f}) {
+      const FiberParameters<float> p{1000.0f, k2, 0.1f, 300.0f};
+      const float i1 = 3 * size * size, i4 = size * size;
+      auto r = fiber_response(i1, i4, p);
+      make_definite(r, i4, PsdProjection::kClamp);
+      for (const float x : {r.energy, r.isotropic, r.along, r.curvature, r.muscle_curvature})
+        EXPECT_TRUE(std::isfinite(x)) << k2 << " " << size;
+      const Parameters wide{1000.0, double(k2), double(0.1f), 300.0};
+      auto exact = fiber_response(double(i1), double(i4), wide);
+      make_definite(exact, double(i4), PsdProjection::kClamp);
+      // float knows E to about 1e-7 (1 + I4); the exponent multiplies that by 2 k2 E <= 2 sqrt(10 k2)
+      const double error = 1e-6 * (1 + 2 * std::sqrt(10 * double(k2)));
+      EXPECT_NEAR(double(r.energy), exact.energy, error * (std::abs(exact.energy) + 1e3)) << k2 << " " << size;
+      EXPECT_NEAR(double(r.along), exact.along, error * (std::abs(exact.along) + 4e3)) << k2 << " " << size;
+      EXPECT_NEAR(double(r.curvature), exact.curvature, error * (exact.curvature + 4e3)) << k2 << " " << size;
+    }
+}
+
+// Table 1 of Blemker, Pinsky, Delp 2005 at an optimal stretch of 1.
+double published_curve(double l) {
+  if (l <= 0.4 || l >= 1.6) return 0.0;
+  if (l <= 0.6) return 9 * (l - 0.4) * (l - 0.4);
+  if (l >= 1.4) return 9 * (l - 1.6) * (l - 1.6);
+  return 1 - 4 * (1 - l) * (1 - l);
+}
+
+TEST(Muscle, IsometricStressFollowsThePublishedForceLengthCurve) {
+  const double greatest = 280.0;
+  for (double l = 0.0; l < 2.2; l += 0.05) {
+    const Matrix f = Vector(l, 1.1, 0.9).asDiagonal();
+    const Matrix p = stress(f, Vector::UnitX(), Parameters{0.0, 0.0, 0.0, greatest});
+    EXPECT_NEAR(p(0, 0), greatest * published_curve(l), 1e-11 * greatest) << l;
+    EXPECT_NEAR(p.norm(), std::abs(p(0, 0)), 1e-12);
+  }
+}
+
+TEST(Muscle, PullsWithItsWholeStressAtTheOptimalLengthAndNotAtAllBeyondItsEnds) {
+  const Parameters p{0.0, 0.0, 0.0, 280.0};
+  const auto optimal = fiber_response(3.0, 1.0, p);
+  EXPECT_DOUBLE_EQ(optimal.along, 280.0);
+  EXPECT_DOUBLE_EQ(optimal.along + optimal.muscle_curvature, 0.0);  // the top of the curve is flat
+  EXPECT_EQ(optimal.energy, 0.0);
+  for (const double l : {0.0, 1e-12, 0.2, 0.399, 1.601, 3.0}) {
+    const auto r = fiber_response(3.0, l * l, p);
+    EXPECT_NEAR(r.along, 0.0, 1e-12) << l;
+    EXPECT_NEAR(r.muscle_curvature, 0.0, 1e-12) << l;
+  }
+}
+
+TEST(Muscle, EnergyIsTheWorkOfThePublishedCurve) {
+  const Parameters p{0.0, 0.0, 0.0, 1.0};
+  for (double l = 0.05; l < 2.0; l += 0.05) {
+    const int steps = 20000;
+    double work = 0.0;  // midpoint rule from 1 to l
+    for (int k = 0; k < steps; ++k) work += published_curve(1 + (l - 1) * (k + 0.5) / steps) * (l - 1) / steps;
+    EXPECT_NEAR(fiber_response(3.0, l * l, p).energy, work, 1e-8) << l;
+  }
+}
+
+TEST(Muscle, ThatPullsNothingIsPassedOverWithTheSameBits) {
+  for (Sample s : samples()) {
+    s.p.muscle = 0.0;
+    const double i1 = s.f.squaredNorm(), i4 = (s.f * s.a).squaredNorm();
+    auto whole = fiber_response(i1, i4, s.p);
+    make_definite(whole, i4, PsdProjection::kClamp);
+    s.p.active = false;
+    const auto passed_over = fiber_response(i1, i4, s.p);
+    EXPECT_EQ(passed_over.energy, whole.energy);
+    EXPECT_EQ(passed_over.isotropic, whole.isotropic);
+    EXPECT_EQ(passed_over.along, whole.along);
+    EXPECT_EQ(passed_over.curvature, whole.curvature);
+    EXPECT_EQ(passed_over.muscle_curvature, whole.muscle_curvature);
+  }
+}
+
+TEST(Fiber, TangentOfFibersAloneIsDefiniteAsItIs) {
+  for (auto s : samples()) {
+    s.p.muscle = 0.0;
+    const auto exact = response(s.f, s.a, s.p);
+    const auto k = assembled(s.f, s.a, s.p.dispersion, exact);
+    EXPECT_GE(lowest_eigenvalue(k), -1e-13 * k.norm());
+    for (const auto how : {PsdProjection::kClamp, PsdProjection::kAbsolute}) {
+      auto r = exact;
+      make_definite(r, (s.f * s.a).squaredNorm(), how);
+      EXPECT_LE((assembled(s.f, s.a, s.p.dispersion, r) - k).norm(), 1e-14 * k.norm());
+    }
+  }
+}
+
+TEST(Muscle, TangentBeyondTheOptimalLengthIsMadeDefiniteAndOthersAreLeft) {
+  int indefinite = 0, kept = 0;
+  for (const auto& s : samples()) {
+    const double i4 = (s.f * s.a).squaredNorm();
+    const auto exact = response(s.f, s.a, s.p);
+    const auto before = assembled(s.f, s.a, s.p.dispersion, exact);
+    const bool is_indefinite = exact.along + exact.muscle_curvature * i4 < -1e-12;
+    for (const auto how : {PsdProjection::kClamp, PsdProjection::kAbsolute}) {
+      auto r = exact;
+      make_definite(r, i4, how);
+      const auto k = assembled(s.f, s.a, s.p.dispersion, r);
+      EXPECT_LE((k - k.transpose()).norm(), 1e-13 * k.norm());
+      EXPECT_GE(lowest_eigenvalue(k), -1e-13 * (before.norm() + k.norm()));
+      const double value = exact.along + exact.muscle_curvature * i4;
+      const double definite = how == PsdProjection::kAbsolute ? std::abs(value) : std::max(value, 0.0);
+      EXPECT_NEAR(r.along + r.muscle_curvature * i4, definite, 1e-12 * (1 + std::abs(exact.along)));
+      if (!is_indefinite) {
+        EXPECT_LE((k - before).norm(), 1e-12 * (1 + before.norm()));
+      }
+      (is_indefinite ? indefinite : kept) += 1;
+    }
+    auto untouched = exact;
+    make_definite(untouched, i4, PsdProjection::kExact);
+    EXPECT_EQ(untouched.muscle_curvature, exact.muscle_curvature);
+  }
+  EXPECT_GT(indefinite, 20);
+  EXPECT_GT(kept, 20);
+  // a muscle alone on the falling side of its curve has a negative eigenvalue that is gone afterwards
+  const Matrix f = Vector(1.3, 1, 1).asDiagonal();
+  auto r = response(f, Vector::UnitX(), Parameters{0.0, 0.0, 0.0, 10.0});
+  EXPECT_NEAR(lowest_eigenvalue(assembled(f, Vector::UnitX(), 0.0, r)), -10 * 8 * 0.3, 1e-10);
+  make_definite(r, 1.69, PsdProjection::kAbsolute);
+  EXPECT_NEAR(r.along + 1.69 * r.muscle_curvature, 24.0, 1e-10);
+}
+
+}  // namespace
+}  // namespace lappet

@@ -1,0 +1,47 @@
+"""A setting is defined once: the command line, the wire, the protocol and the daemon follow from its field."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import fields, replace
+from pathlib import Path
+
+import pytest
+
+from lappet.commands.cli import cli
+from lappet.core.value_codec import pack, unpack
+from lappet.program.payloads import open_payload
+from lappet.program.settings import SolverSettings, options
+
+ROOT = Path(__file__).parents[2]
+NAMES = [item.name for item in fields(SolverSettings)]
+
+
+def test_every_setting_is_told_to_the_daemon_under_its_own_name() -> None:
+    told = open_payload(SolverSettings(spacing=1.0))
+    assert [*told.fields["settings"], "materials"] == NAMES
+    assert len(told.fields["materials"]) == 1
+
+
+def test_the_daemon_reads_these_settings_and_no_others() -> None:
+    text = (ROOT / "solverd" / "src" / "session" / "program.h").read_text(encoding="utf-8")
+    assert set(re.findall(r'visit(?:\.optional)?\("(\w+)"', text)) == set(NAMES) - {"materials"}
+
+
+def test_the_protocol_describes_every_setting() -> None:
+    text = (ROOT / "PROTOCOL.md").read_text(encoding="utf-8")
+    assert [name for name in NAMES if f"`{name}`" not in text] == []
+
+
+@pytest.mark.parametrize("command", ["solve", "demo"])
+def test_every_option_of_a_setting_is_on_the_command_line(command: str) -> None:
+    known = {parameter.name: parameter for parameter in cli.get_command(None, command).params}  # type: ignore[arg-type]
+    for item, option in options():
+        assert known[item.name].help == option.help  # type: ignore[attr-defined]
+        if option.shown and option.value is None:
+            assert type(item.default)(known[item.name].default) == item.default
+
+
+def test_settings_go_to_the_worker_and_back() -> None:
+    changed = replace(SolverSettings(), spacing=0.1, region="whole", strain=False)
+    assert unpack(pack(changed), SolverSettings) == changed
