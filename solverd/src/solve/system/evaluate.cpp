@@ -1,8 +1,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lattice/node_field.h"
 #include "math/parallel.h"
-#include "solve/system/node_displacement.h"
 #include "solve/system/system.h"
 #include "solve/system/vectors.h"
 
@@ -49,7 +49,7 @@ void System<Real>::evaluate_face_constraint(const FaceConstraint& face, std::spa
   Eigen::Matrix<double, 3, 8> off, demand;  // demand: stiffness times the gap, and the multiplier
   for (int k = 0; k < 8; ++k) {
     const auto n = static_cast<std::size_t>(nodes[static_cast<std::size_t>(k)]);
-    off.col(k) = node_displacement<Real>(u, n);
+    off.col(k) = NodeField(u)[n];
     if (held) off.col(k) -= held_displacement(face.group, n);
     demand.col(k) = stiffness * off.col(k);
     if (held && !multipliers.of_held_node.empty()) demand.col(k) += Vec3::Map(&multipliers.of_held_node[3 * n]);
@@ -93,8 +93,7 @@ void System<Real>::add_resting_faces(std::span<const Real> u, Evaluation& result
   for (const auto& face : attachments_.resting) {
     const auto& nodes = elastic_.lattice().cell_nodes[static_cast<std::size_t>(face.cell)];
     double height = 0.0;
-    for (std::size_t k = 0; k < 8; ++k)
-      height += face.weights[k] * face.inward.dot(node_displacement(u, static_cast<std::size_t>(nodes[k])));
+    for (std::size_t k = 0; k < 8; ++k) height += face.weights[k] * face.inward.dot(NodeField(u)[nodes[k]]);
     if (!(height < 0.0)) continue;
     const double stiffness = bed_stiffness_ * face.area;
     result.contact_penalties.push_back({face.cell, face.weights, face.inward, stiffness});
@@ -125,7 +124,7 @@ void System<Real>::add_drift(std::span<const Real> u, Evaluation& result) const 
   for (const std::int32_t cell : floating_cells_)
     for (const std::int32_t node : elastic_.lattice().cell_nodes[static_cast<std::size_t>(cell)]) {
       const auto n = static_cast<std::size_t>(node);
-      const Vec3 off = node_displacement(u, n);
+      const Vec3 off = NodeField(u)[n];
       result.energy += 0.5 * drift_stiffness_ * off.squaredNorm();
       for (int i = 0; i < 3; ++i) result.gradient[3 * n + static_cast<std::size_t>(i)] += drift_stiffness_ * off[i];
     }

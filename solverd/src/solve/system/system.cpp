@@ -3,13 +3,12 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <set>
 #include <stdexcept>
 
+#include "lattice/node_field.h"
 #include "math/disjoint_sets.h"
 #include "math/parallel.h"
-#include "solve/system/node_displacement.h"
 #include "solve/system/vectors.h"
 
 namespace lappet {
@@ -202,8 +201,7 @@ void System<Real>::multiply(std::span<const Real> x, std::span<Real> y) const {
   for (const ContactPenalty& penalty : contact_penalties_) {
     const auto& nodes = elastic_.lattice().cell_nodes[static_cast<std::size_t>(penalty.cell)];
     double along = 0.0;
-    for (std::size_t k = 0; k < 8; ++k)
-      along += penalty.weights[k] * penalty.direction.dot(node_displacement(x, static_cast<std::size_t>(nodes[k])));
+    for (std::size_t k = 0; k < 8; ++k) along += penalty.weights[k] * penalty.direction.dot(NodeField(x)[nodes[k]]);
     for (std::size_t k = 0; k < 8; ++k)
       for (int i = 0; i < 3; ++i)
         y[3 * static_cast<std::size_t>(nodes[k]) + static_cast<std::size_t>(i)] +=
@@ -212,7 +210,7 @@ void System<Real>::multiply(std::span<const Real> x, std::span<Real> y) const {
   for (const auto& constraint : point_constraints_) {
     Vec3 sum = Vec3::Zero();
     for (std::size_t k = 0; k < constraint.nodes.size(); ++k)
-      sum += constraint.weights[k] * node_displacement(x, static_cast<std::size_t>(constraint.nodes[k]));
+      sum += constraint.weights[k] * NodeField(x)[constraint.nodes[k]];
     sum *= constraint.stiffness;
     for (std::size_t k = 0; k < constraint.nodes.size(); ++k)
       for (int i = 0; i < 3; ++i)
@@ -259,7 +257,7 @@ Eigen::Matrix4d System<Real>::motion_towards(const Eigen::Matrix4d& motion, doub
   Eigen::Matrix3Xd rest(3, gripped.size()), now(3, gripped.size());
   for (std::size_t k = 0; k < gripped.size(); ++k) {
     rest.col(static_cast<Eigen::Index>(k)) = elastic_.lattice().node_rest[gripped[k]];
-    now.col(static_cast<Eigen::Index>(k)) = elastic_.lattice().node_rest[gripped[k]] + node_displacement(u, gripped[k]);
+    now.col(static_cast<Eigen::Index>(k)) = elastic_.lattice().node_rest[gripped[k]] + NodeField(u)[gripped[k]];
   }
   const Eigen::Matrix4d present = Eigen::umeyama(rest, now, false);
   const Vec3 center = rest.rowwise().mean();
@@ -288,7 +286,7 @@ double System<Real>::largest_gap(std::span<const Real> u, const Multipliers& mul
     Vec3 off[8];
     for (std::size_t k = 0; k < 8; ++k) {
       const auto n = static_cast<std::size_t>(nodes[k]);
-      off[k] = node_displacement(u, n) - held_displacement(face.group, n);
+      off[k] = NodeField(u)[n] - held_displacement(face.group, n);
     }
     for (std::size_t a = 0; a < 8; ++a)
       for (std::size_t b = 0; b < 8; ++b)
@@ -314,7 +312,7 @@ void System<Real>::update(Multipliers& multipliers, std::span<const Real> u, con
       const auto n = static_cast<std::size_t>(node);
       if (done[n]) continue;
       done[n] = 1;
-      const Vec3 off = node_displacement(u, n) - held_displacement(face.group, n);
+      const Vec3 off = NodeField(u)[n] - held_displacement(face.group, n);
       for (int i = 0; i < 3; ++i)
         multipliers.of_held_node[3 * n + static_cast<std::size_t>(i)] += held_stiffness_ * off[i];
     }
