@@ -16,7 +16,7 @@ import pytest
 from lappet.core.problem import refused
 from lappet.core.problem_code import ProblemCode
 from lappet.daemon.process import SolverDaemon
-from lappet.reports import stability_fuzz
+from lappet.reports.stability import fuzz as stability_fuzz
 from lappet.reports.stability.fuzz import PATIENT, fuzz, judge
 
 pytestmark = [pytest.mark.slow, pytest.mark.timeout(1800)]

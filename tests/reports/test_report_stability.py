@@ -14,7 +14,7 @@ from click.testing import CliRunner
 from lappet.commands.cli import cli
 from lappet.core.problem_code import ProblemCode
 from lappet.daemon.solved_frame import Diagnostics, SolvedFrame, SolverState
-from lappet.reports import stability_run
+from lappet.reports.stability import run as stability_run
 from lappet.reports.stability.files import write_stability
 from lappet.reports.stability.measurement import Case, Row, Scene, run_case, totals
 from lappet.reports.stability.measurement import _disproved as disproved
