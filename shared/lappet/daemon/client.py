@@ -172,7 +172,6 @@ class SolverClient:
         if grip is None:
             grip = np.full(len(epoch.surface.triangles), -1, np.int32)
         told = epoch_payload(epoch, grip, marks)
-        self._epoch = None
         reply = expect(self._connection.request("epoch", {**told.fields, **fields}, told.arrays), "lattice")
         self._epoch, self._landmarks = epoch.index, marks.index
         self._lattice = read_fields(LatticeCounts, reply.fields, "lattice")

@@ -408,6 +408,47 @@ TEST(Codec, AFrameActivatesEveryMaterialOrNone) {
   EXPECT_TRUE(says(refusal_of([&] { decode({0.5, std::nan("")}, 2); }), ErrorCode::kInvalidInput, "'activation'"));
 }
 
+TEST(Codec, HooksAreToldApartByTheirIndexOrTheirPlaceAndResultsSayWhichTheyAreOf) {
+  const std::vector<double> zeros(6, 0.0), stiffness(2, 1.0);
+  const std::vector<std::int32_t> triangles(2, 0);
+  const std::span<const double> reals;
+  const std::span<const std::int32_t> wholes;
+  const auto decode = [&](const std::vector<std::int32_t>& index) {
+    MessageWriter writer("solve", 1);
+    writer.field("time", 1.0)
+        .array("hook_anchors", std::span(zeros), {2, 3})
+        .array("hook_triangles", std::span(triangles), {2})
+        .array("hook_targets", std::span(zeros), {2, 3})
+        .array("hook_stiffness", std::span(stiffness), {2})
+        .array("suture_index", wholes, {0})
+        .array("suture_anchors", reals, {0, 2, 3})
+        .array("suture_triangles", wholes, {0, 2})
+        .array("suture_closure", reals, {0})
+        .array("suture_stiffness", reals, {0})
+        .array("retractor_index", wholes, {0})
+        .array("retractor_motion", reals, {0, 4, 4});
+    if (!index.empty()) writer.array("hook_index", std::span(index), {index.size()});
+    const auto parts = writer.finish();
+    const Views views = array_views(parts);
+    const FrameInput frame = decode_solve(decode_header(parts[0]), views, {2, 0, 0, 1});
+    return std::pair{frame.hooks[0].index, frame.hooks[1].index};
+  };
+  EXPECT_EQ(decode({}), (std::pair{0, 1}));
+  EXPECT_EQ(decode({7, 3}), (std::pair{7, 3}));
+  EXPECT_TRUE(says(refusal_of([&] { decode({7, 7}); }), ErrorCode::kInvalidInput, "'hook_index' holds 7 twice"));
+  EXPECT_TRUE(says(refusal_of([&] { decode({7}); }), ErrorCode::kMalformed, "'hook_index'"));
+
+  FrameOutput frame;
+  frame.hook_indices = {7, 3};
+  frame.suture_indices = {2};
+  const auto parts = encode_frame({1, 1}, frame);
+  const Header header = decode_header(parts[0]);
+  const Views views = array_views(parts);
+  ArrayReader arrays(header, views);
+  EXPECT_EQ(arrays.read<std::int32_t>("hook_index", {kAny}), frame.hook_indices);
+  EXPECT_EQ(arrays.read<std::int32_t>("suture_index", {kAny}), frame.suture_indices);
+}
+
 TEST(Codec, ALongSentenceIsCutBetweenTwoCharacters) {
   std::string sentence(kMaxTextBytes - 1, 'x');
   sentence += "\u00b2 and more";  // two bytes, of which one would fit

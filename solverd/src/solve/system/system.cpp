@@ -3,10 +3,11 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <set>
 #include <stdexcept>
 
+#include "lattice/node_field.h"
+#include "math/disjoint_sets.h"
 #include "math/parallel.h"
 #include "solve/system/vectors.h"
 
@@ -16,16 +17,9 @@ namespace {
 
 // The penalty of held faces, in Young's moduli per spacing; the multipliers do the rest.
 constexpr double kHeldStiffness = 300.0;
-// The least force scale, as a stress of this many Young's moduli on every node.
-constexpr double kScaleFloor = 1e-2;
 // The weak bed of floating fragments, at each corner of so many cells at most, in Young's moduli times spacing. More
 // cells share it: a finer lattice does not hold loose tissue back the more.
 constexpr double kDrift = 1e-5, kDriftCells = 64.0;
-
-template <class Real>
-Vec3 node_displacement(std::span<const Real> u, std::size_t node) {
-  return {static_cast<double>(u[3 * node]), static_cast<double>(u[3 * node + 1]), static_cast<double>(u[3 * node + 2])};
-}
 
 std::vector<std::uint8_t> fixed_nodes(const Attachments& attachments) {
   std::vector<std::uint8_t> fixed;
@@ -64,22 +58,14 @@ System<Real>::System(const Lattice& lattice, CellMaterials materials, int quadra
 
 template <class Real>
 void System<Real>::find_fragments() {
+  DisjointSets fragments(free_.size());
+  for (const auto& nodes : elastic_.lattice().cell_nodes)
+    for (const Index n : nodes) fragments.unite(nodes[0], n);
   auto& root = fragment_of_node_;
   root.resize(free_.size());
-  std::iota(root.begin(), root.end(), 0);
-  const auto find = [&](std::int32_t a) {
-    while (root[static_cast<std::size_t>(a)] != a)
-      a = root[static_cast<std::size_t>(a)] = root[static_cast<std::size_t>(root[static_cast<std::size_t>(a)])];
-    return a;
-  };
-  for (const auto& nodes : elastic_.lattice().cell_nodes)
-    for (const std::int32_t n : nodes) {
-      const std::int32_t a = find(nodes[0]), b = find(n);
-      if (a != b) root[static_cast<std::size_t>(std::max(a, b))] = std::min(a, b);
-    }
   bool one = true;
   for (std::size_t n = 0; n < root.size(); ++n) {
-    root[n] = find(static_cast<std::int32_t>(n));
+    root[n] = fragments.find(to_index(n));
     one = one && root[n] == root[0];
   }
   if (one) root = {};
@@ -194,138 +180,6 @@ Vec3 System<Real>::held_displacement(std::int32_t group, std::size_t node) const
   return motion.topLeftCorner<3, 3>() * rest + motion.topRightCorner<3, 1>() - rest;
 }
 
-// The forces of attached faces on the corners of their cells are found in parallel and added in order, a batch at a
-// time. Returns their energy.
-template <class Real>
-double System<Real>::add_face_constraints(std::span<const Real> u, const Multipliers& multipliers,
-                                          std::span<double> gradient) const {
-  constexpr std::size_t kBatch = 8192;
-  const auto& constraints = attachments_.face_constraints;
-  std::vector<std::array<double, 25>> found(std::min(kBatch, constraints.size()));  // forces, energy
-  double energy = 0.0;
-  for (std::size_t first = 0; first < constraints.size(); first += kBatch) {
-    const std::size_t count = std::min(kBatch, constraints.size() - first);
-    for_each_row(count, [&](std::size_t f) {
-      found[f].fill(0.0);
-      if (acts(constraints[first + f])) evaluate_face_constraint(constraints[first + f], u, multipliers, found[f]);
-    });
-    for (std::size_t f = 0; f < count; ++f) {
-      const auto& nodes = elastic_.lattice().cell_nodes[static_cast<std::size_t>(constraints[first + f].cell)];
-      for (std::size_t a = 0; a < 8; ++a)
-        for (std::size_t i = 0; i < 3; ++i) gradient[3 * static_cast<std::size_t>(nodes[a]) + i] += found[f][3 * a + i];
-      energy += found[f][24];
-    }
-  }
-  return energy;
-}
-
-template <class Real>
-void System<Real>::evaluate_face_constraint(const FaceConstraint& face, std::span<const Real> u,
-                                            const Multipliers& multipliers, std::array<double, 25>& out) const {
-  const bool held = face.group != kBedGroup;
-  const double stiffness = held ? held_stiffness_ : bed_stiffness_;
-  const auto& nodes = elastic_.lattice().cell_nodes[static_cast<std::size_t>(face.cell)];
-  Eigen::Matrix<double, 3, 8> off, demand;  // demand: stiffness times the gap, and the multiplier
-  for (int k = 0; k < 8; ++k) {
-    const auto n = static_cast<std::size_t>(nodes[static_cast<std::size_t>(k)]);
-    off.col(k) = node_displacement<Real>(u, n);
-    if (held) off.col(k) -= held_displacement(face.group, n);
-    demand.col(k) = stiffness * off.col(k);
-    if (held && !multipliers.of_held_node.empty()) demand.col(k) += Vec3::Map(&multipliers.of_held_node[3 * n]);
-  }
-  const Eigen::Matrix<double, 8, 8> gram = face.matrix();
-  Eigen::Map<Eigen::Matrix<double, 3, 8>>(out.data()) = demand * gram;
-  out[24] = (off.cwiseProduct((demand - 0.5 * stiffness * off) * gram)).sum();
-}
-
-template <class Real>
-Evaluation System<Real>::evaluate(std::span<const Real> u, const Multipliers& multipliers, Evaluation reused) {
-  const Timed timed(work_.evaluations);
-  Evaluation result = std::move(reused);
-  result.number = ++evaluations_;
-  result.gradient.resize(3 * free_.size());
-  const ElasticState state = elastic_.evaluate(u, result.gradient, node_scale_);
-  result.energy = state.energy;
-  result.minimum_j = state.minimum_j;
-  result.inverted = state.inverted;
-  result.energy += add_face_constraints(u, multipliers, result.gradient);
-  result.contact_penalties.clear();
-  add_resting_faces(u, result);
-  if (contact()) {
-    contact()->template evaluate<Real>(u, multipliers.of_contact_proxy, free_, result.gradient,
-                                       result.contact_penalties, result.contact);
-    result.energy += result.contact.energy;
-  }
-  add_point_constraints(u, multipliers, result);
-  add_drift(u, result);
-  if (!gravity_force_.empty())
-    result.energy -= reduce<1>(gravity_force_.size(), [&, g = result.gradient.data()](std::size_t i, double* out) {
-      out[0] = gravity_force_[i] * static_cast<double>(u[i]);
-      g[i] -= gravity_force_[i];
-    })[0];
-  measure_residual(result);
-  return result;
-}
-
-template <class Real>
-void System<Real>::add_resting_faces(std::span<const Real> u, Evaluation& result) const {
-  for (const auto& face : attachments_.resting) {
-    const auto& nodes = elastic_.lattice().cell_nodes[static_cast<std::size_t>(face.cell)];
-    double height = 0.0;
-    for (std::size_t k = 0; k < 8; ++k)
-      height += face.weights[k] * face.inward.dot(node_displacement(u, static_cast<std::size_t>(nodes[k])));
-    if (!(height < 0.0)) continue;
-    const double stiffness = bed_stiffness_ * face.area;
-    result.contact_penalties.push_back({face.cell, face.weights, face.inward, stiffness});
-    result.energy += 0.5 * stiffness * height * height;
-    for (std::size_t k = 0; k < 8; ++k)
-      for (int i = 0; i < 3; ++i)
-        result.gradient[3 * static_cast<std::size_t>(nodes[k]) + static_cast<std::size_t>(i)] +=
-            stiffness * height * face.weights[k] * face.inward[i];
-  }
-}
-
-template <class Real>
-void System<Real>::add_point_constraints(std::span<const Real> u, const Multipliers& multipliers,
-                                         Evaluation& result) const {
-  for (const auto& constraint : point_constraints_) {
-    const Vec3 c = constraint.value(u), multiplier = multipliers.of(constraint),
-               force = constraint.force(c, multiplier);
-    result.energy += c.dot(0.5 * constraint.stiffness * c + multiplier);
-    for (std::size_t k = 0; k < constraint.nodes.size(); ++k)
-      for (int i = 0; i < 3; ++i)
-        result.gradient[3 * static_cast<std::size_t>(constraint.nodes[k]) + static_cast<std::size_t>(i)] +=
-            constraint.weights[k] * force[i];
-  }
-}
-
-template <class Real>
-void System<Real>::add_drift(std::span<const Real> u, Evaluation& result) const {
-  for (const std::int32_t cell : floating_cells_)
-    for (const std::int32_t node : elastic_.lattice().cell_nodes[static_cast<std::size_t>(cell)]) {
-      const auto n = static_cast<std::size_t>(node);
-      const Vec3 off = node_displacement(u, n);
-      result.energy += 0.5 * drift_stiffness_ * off.squaredNorm();
-      for (int i = 0; i < 3; ++i) result.gradient[3 * n + static_cast<std::size_t>(i)] += drift_stiffness_ * off[i];
-    }
-}
-
-// The gradient of prescribed nodes is no residual: it is set to zero.
-template <class Real>
-void System<Real>::measure_residual(Evaluation& result) {
-  const auto [residual, scale] =
-      reduce<2>(free_.size(), [&, gradient = result.gradient.data()](std::size_t n, double* out) {
-        double* g = &gradient[3 * n];
-        if (!free_[n]) g[0] = g[1] = g[2] = 0.0;
-        out[0] = g[0] * g[0] + g[1] * g[1] + g[2] * g[2];
-        out[1] = free_[n] ? node_scale_[n] * node_scale_[n] : 0.0;
-      });
-  const double h = elastic_.lattice().settings.spacing;
-  result.residual = std::sqrt(residual);
-  result.force_scale = std::sqrt(scale) + kScaleFloor * elastic_.materials().table[0].youngs_modulus * h * h *
-                                              std::sqrt(static_cast<double>(std::max<std::size_t>(free_count_, 1)));
-}
-
 template <class Real>
 const Elastic<Real>& System<Real>::elastic_at(const Evaluation& at) const {
   if (at.number != evaluations_) throw std::logic_error("another state was evaluated since");
@@ -347,8 +201,7 @@ void System<Real>::multiply(std::span<const Real> x, std::span<Real> y) const {
   for (const ContactPenalty& penalty : contact_penalties_) {
     const auto& nodes = elastic_.lattice().cell_nodes[static_cast<std::size_t>(penalty.cell)];
     double along = 0.0;
-    for (std::size_t k = 0; k < 8; ++k)
-      along += penalty.weights[k] * penalty.direction.dot(node_displacement(x, static_cast<std::size_t>(nodes[k])));
+    for (std::size_t k = 0; k < 8; ++k) along += penalty.weights[k] * penalty.direction.dot(NodeField(x)[nodes[k]]);
     for (std::size_t k = 0; k < 8; ++k)
       for (int i = 0; i < 3; ++i)
         y[3 * static_cast<std::size_t>(nodes[k]) + static_cast<std::size_t>(i)] +=
@@ -357,7 +210,7 @@ void System<Real>::multiply(std::span<const Real> x, std::span<Real> y) const {
   for (const auto& constraint : point_constraints_) {
     Vec3 sum = Vec3::Zero();
     for (std::size_t k = 0; k < constraint.nodes.size(); ++k)
-      sum += constraint.weights[k] * node_displacement(x, static_cast<std::size_t>(constraint.nodes[k]));
+      sum += constraint.weights[k] * NodeField(x)[constraint.nodes[k]];
     sum *= constraint.stiffness;
     for (std::size_t k = 0; k < constraint.nodes.size(); ++k)
       for (int i = 0; i < 3; ++i)
@@ -404,7 +257,7 @@ Eigen::Matrix4d System<Real>::motion_towards(const Eigen::Matrix4d& motion, doub
   Eigen::Matrix3Xd rest(3, gripped.size()), now(3, gripped.size());
   for (std::size_t k = 0; k < gripped.size(); ++k) {
     rest.col(static_cast<Eigen::Index>(k)) = elastic_.lattice().node_rest[gripped[k]];
-    now.col(static_cast<Eigen::Index>(k)) = elastic_.lattice().node_rest[gripped[k]] + node_displacement(u, gripped[k]);
+    now.col(static_cast<Eigen::Index>(k)) = elastic_.lattice().node_rest[gripped[k]] + NodeField(u)[gripped[k]];
   }
   const Eigen::Matrix4d present = Eigen::umeyama(rest, now, false);
   const Vec3 center = rest.rowwise().mean();
@@ -433,7 +286,7 @@ double System<Real>::largest_gap(std::span<const Real> u, const Multipliers& mul
     Vec3 off[8];
     for (std::size_t k = 0; k < 8; ++k) {
       const auto n = static_cast<std::size_t>(nodes[k]);
-      off[k] = node_displacement(u, n) - held_displacement(face.group, n);
+      off[k] = NodeField(u)[n] - held_displacement(face.group, n);
     }
     for (std::size_t a = 0; a < 8; ++a)
       for (std::size_t b = 0; b < 8; ++b)
@@ -459,7 +312,7 @@ void System<Real>::update(Multipliers& multipliers, std::span<const Real> u, con
       const auto n = static_cast<std::size_t>(node);
       if (done[n]) continue;
       done[n] = 1;
-      const Vec3 off = node_displacement(u, n) - held_displacement(face.group, n);
+      const Vec3 off = NodeField(u)[n] - held_displacement(face.group, n);
       for (int i = 0; i < 3; ++i)
         multipliers.of_held_node[3 * n + static_cast<std::size_t>(i)] += held_stiffness_ * off[i];
     }

@@ -1,0 +1,168 @@
+#include <algorithm>
+#include <cmath>
+
+#include "lattice/node_field.h"
+#include "math/parallel.h"
+#include "solve/system/system.h"
+#include "solve/system/vectors.h"
+
+namespace lappet {
+
+namespace {
+
+// The least force scale, as a stress of this many Young's moduli on every node.
+constexpr double kScaleFloor = 1e-2;
+
+}  // namespace
+
+// The forces of attached faces on the corners of their cells are found in parallel and added in order, a batch at a
+// time. Returns their energy.
+template <class Real>
+double System<Real>::add_face_constraints(std::span<const Real> u, const Multipliers& multipliers,
+                                          std::span<double> gradient) const {
+  constexpr std::size_t kBatch = 8192;
+  const auto& constraints = attachments_.face_constraints;
+  std::vector<std::array<double, 25>> found(std::min(kBatch, constraints.size()));  // forces, energy
+  double energy = 0.0;
+  for (std::size_t first = 0; first < constraints.size(); first += kBatch) {
+    const std::size_t count = std::min(kBatch, constraints.size() - first);
+    for_each_row(count, [&](std::size_t f) {
+      found[f].fill(0.0);
+      if (acts(constraints[first + f])) evaluate_face_constraint(constraints[first + f], u, multipliers, found[f]);
+    });
+    for (std::size_t f = 0; f < count; ++f) {
+      const auto& nodes = elastic_.lattice().cell_nodes[static_cast<std::size_t>(constraints[first + f].cell)];
+      for (std::size_t a = 0; a < 8; ++a)
+        for (std::size_t i = 0; i < 3; ++i) gradient[3 * static_cast<std::size_t>(nodes[a]) + i] += found[f][3 * a + i];
+      energy += found[f][24];
+    }
+  }
+  return energy;
+}
+
+template <class Real>
+void System<Real>::evaluate_face_constraint(const FaceConstraint& face, std::span<const Real> u,
+                                            const Multipliers& multipliers, std::array<double, 25>& out) const {
+  const bool held = face.group != kBedGroup;
+  const double stiffness = held ? held_stiffness_ : bed_stiffness_;
+  const auto& nodes = elastic_.lattice().cell_nodes[static_cast<std::size_t>(face.cell)];
+  Eigen::Matrix<double, 3, 8> off, demand;  // demand: stiffness times the gap, and the multiplier
+  for (int k = 0; k < 8; ++k) {
+    const auto n = static_cast<std::size_t>(nodes[static_cast<std::size_t>(k)]);
+    off.col(k) = NodeField(u)[n];
+    if (held) off.col(k) -= held_displacement(face.group, n);
+    demand.col(k) = stiffness * off.col(k);
+    if (held && !multipliers.of_held_node.empty()) demand.col(k) += Vec3::Map(&multipliers.of_held_node[3 * n]);
+  }
+  const Eigen::Matrix<double, 8, 8> gram = face.matrix();
+  Eigen::Map<Eigen::Matrix<double, 3, 8>>(out.data()) = demand * gram;
+  out[24] = (off.cwiseProduct((demand - 0.5 * stiffness * off) * gram)).sum();
+}
+
+template <class Real>
+Evaluation System<Real>::evaluate(std::span<const Real> u, const Multipliers& multipliers, Evaluation reused) {
+  const Timed timed(work_.evaluations);
+  Evaluation result = std::move(reused);
+  result.number = ++evaluations_;
+  result.gradient.resize(3 * free_.size());
+  const ElasticState state = elastic_.evaluate(u, result.gradient, node_scale_);
+  result.energy = state.energy;
+  result.minimum_j = state.minimum_j;
+  result.inverted = state.inverted;
+  result.energy += add_face_constraints(u, multipliers, result.gradient);
+  result.contact_penalties.clear();
+  add_resting_faces(u, result);
+  if (contact()) {
+    contact()->template evaluate<Real>(u, multipliers.of_contact_proxy, free_, result.gradient,
+                                       result.contact_penalties, result.contact);
+    result.energy += result.contact.energy;
+  }
+  add_point_constraints(u, multipliers, result);
+  add_drift(u, result);
+  if (!gravity_force_.empty())
+    result.energy -= reduce<1>(gravity_force_.size(), [&, g = result.gradient.data()](std::size_t i, double* out) {
+      out[0] = gravity_force_[i] * static_cast<double>(u[i]);
+      g[i] -= gravity_force_[i];
+    })[0];
+  measure_residual(result);
+  return result;
+}
+
+template <class Real>
+void System<Real>::add_resting_faces(std::span<const Real> u, Evaluation& result) const {
+  for (const auto& face : attachments_.resting) {
+    const auto& nodes = elastic_.lattice().cell_nodes[static_cast<std::size_t>(face.cell)];
+    double height = 0.0;
+    for (std::size_t k = 0; k < 8; ++k) height += face.weights[k] * face.inward.dot(NodeField(u)[nodes[k]]);
+    if (!(height < 0.0)) continue;
+    const double stiffness = bed_stiffness_ * face.area;
+    result.contact_penalties.push_back({face.cell, face.weights, face.inward, stiffness});
+    result.energy += 0.5 * stiffness * height * height;
+    for (std::size_t k = 0; k < 8; ++k)
+      for (int i = 0; i < 3; ++i)
+        result.gradient[3 * static_cast<std::size_t>(nodes[k]) + static_cast<std::size_t>(i)] +=
+            stiffness * height * face.weights[k] * face.inward[i];
+  }
+}
+
+template <class Real>
+void System<Real>::add_point_constraints(std::span<const Real> u, const Multipliers& multipliers,
+                                         Evaluation& result) const {
+  for (const auto& constraint : point_constraints_) {
+    const Vec3 c = constraint.value(u), multiplier = multipliers.of(constraint),
+               force = constraint.force(c, multiplier);
+    result.energy += c.dot(0.5 * constraint.stiffness * c + multiplier);
+    for (std::size_t k = 0; k < constraint.nodes.size(); ++k)
+      for (int i = 0; i < 3; ++i)
+        result.gradient[3 * static_cast<std::size_t>(constraint.nodes[k]) + static_cast<std::size_t>(i)] +=
+            constraint.weights[k] * force[i];
+  }
+}
+
+template <class Real>
+void System<Real>::add_drift(std::span<const Real> u, Evaluation& result) const {
+  for (const std::int32_t cell : floating_cells_)
+    for (const std::int32_t node : elastic_.lattice().cell_nodes[static_cast<std::size_t>(cell)]) {
+      const auto n = static_cast<std::size_t>(node);
+      const Vec3 off = NodeField(u)[n];
+      result.energy += 0.5 * drift_stiffness_ * off.squaredNorm();
+      for (int i = 0; i < 3; ++i) result.gradient[3 * n + static_cast<std::size_t>(i)] += drift_stiffness_ * off[i];
+    }
+}
+
+// The gradient of prescribed nodes is no residual: it is set to zero.
+template <class Real>
+void System<Real>::measure_residual(Evaluation& result) {
+  const auto [residual, scale] =
+      reduce<2>(free_.size(), [&, gradient = result.gradient.data()](std::size_t n, double* out) {
+        double* g = &gradient[3 * n];
+        if (!free_[n]) g[0] = g[1] = g[2] = 0.0;
+        out[0] = g[0] * g[0] + g[1] * g[1] + g[2] * g[2];
+        out[1] = free_[n] ? node_scale_[n] * node_scale_[n] : 0.0;
+      });
+  const double h = elastic_.lattice().settings.spacing;
+  result.residual = std::sqrt(residual);
+  result.force_scale = std::sqrt(scale) + kScaleFloor * elastic_.materials().table[0].youngs_modulus * h * h *
+                                              std::sqrt(static_cast<double>(std::max<std::size_t>(free_count_, 1)));
+}
+
+template double System<float>::add_face_constraints(std::span<const float>, const Multipliers&,
+                                                    std::span<double>) const;
+template void System<float>::evaluate_face_constraint(const FaceConstraint&, std::span<const float>, const Multipliers&,
+                                                      std::array<double, 25>&) const;
+template void System<float>::add_resting_faces(std::span<const float>, Evaluation&) const;
+template void System<float>::add_point_constraints(std::span<const float>, const Multipliers&, Evaluation&) const;
+template void System<float>::add_drift(std::span<const float>, Evaluation&) const;
+template void System<float>::measure_residual(Evaluation&);
+template Evaluation System<float>::evaluate(std::span<const float>, const Multipliers&, Evaluation);
+template double System<double>::add_face_constraints(std::span<const double>, const Multipliers&,
+                                                     std::span<double>) const;
+template void System<double>::evaluate_face_constraint(const FaceConstraint&, std::span<const double>,
+                                                       const Multipliers&, std::array<double, 25>&) const;
+template void System<double>::add_resting_faces(std::span<const double>, Evaluation&) const;
+template void System<double>::add_point_constraints(std::span<const double>, const Multipliers&, Evaluation&) const;
+template void System<double>::add_drift(std::span<const double>, Evaluation&) const;
+template void System<double>::measure_residual(Evaluation&);
+template Evaluation System<double>::evaluate(std::span<const double>, const Multipliers&, Evaluation);
+
+}  // namespace lappet
