@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from mathutils.kdtree import KDTree
 from numpy.typing import NDArray
+
+from lappet.geometry.closest_point import ClosestPoint
 
 from .skin_fields import RIM, UNDERSIDE, WOUND_WALL, vertex_normals
 from .skin_source import SkinSource
@@ -41,10 +42,8 @@ class DeepBed:
         box = self.rest if len(used) else np.zeros((1, 3))
         self._low, self._high = box.min(axis=0) - REACH, box.max(axis=0) + REACH
         self._lower: dict[str, tuple[NDArray[np.int32], NDArray[np.float32]]] = {}
-        self._tree = KDTree(len(self.rest))
-        for k, point in enumerate(self.rest):
-            self._tree.insert(point, k)
-        self._tree.balance()
+        every = np.arange(len(used))
+        self._vertices = ClosestPoint(self.rest, np.stack([every] * 3, axis=1)) if len(used) else None
         count = max(len(used), 1)
         ways = ((0, 1), (1, 2), (2, 0), (1, 0), (2, 1), (0, 2))
         own = np.arange(len(used)) * (count + 1)
@@ -100,7 +99,8 @@ class DeepBed:
         inside = at < len(self._cells)
         known[inside] = self._cells[at[inside]] == seen[inside]
         if not known.all():
-            fresh = np.array([self._tree.find((cell[k] + 0.5) * _CELL)[1] for k in first[~known]], np.int64)
+            assert self._vertices is not None
+            fresh = self._vertices.query((cell[first[~known]] + 0.5) * _CELL)[0]
             cells = np.concatenate([self._cells, seen[~known]])
             order = np.argsort(cells)
             self._cells, self._nearest = cells[order], np.concatenate([self._nearest, fresh])[order]

@@ -35,8 +35,8 @@ class ShadingNormals:
         labels = _smooth_groups(
             np.asarray(surface.points, np.float64), self._triangles, surface.origin, np.cos(np.radians(crease_degrees))
         )
-        _, indices = np.unique(labels, return_inverse=True)
-        self.indices: NDArray[np.int32] = indices.reshape(-1).astype(np.int32)
+        first = labels == np.arange(len(labels))  # each group is labelled by its first corner
+        self.indices: NDArray[np.int32] = (np.cumsum(first) - 1)[labels].astype(np.int32)
         self.groups = int(self.indices.max()) + 1 if len(self.indices) else 0
 
     def at(self, points: ArrayLike) -> NDArray[np.float32]:
@@ -99,13 +99,12 @@ def _smooth_groups(
     a, b = a[smooth], b[smooth]
     # Half-edge a runs from its own corner to the next one of its face; its twin runs the other way.
     following = np.roll(corner, -1, axis=1).ravel()
-    left, right = np.concatenate([a, following[a]]), np.concatenate([following[b], b])
-    labels = corner.ravel().copy()
+    # The corners next to each one around its vertex, on either side; itself where the surface is not smooth there.
+    one, other = corner.ravel().copy(), corner.ravel().copy()
+    one[a], other[following[a]] = following[b], b
+    labels = corner.ravel()
     while True:
-        low = np.minimum(labels[left], labels[right])
-        fresh = labels.copy()
-        np.minimum.at(fresh, left, low)
-        np.minimum.at(fresh, right, low)
+        fresh = np.minimum(labels, np.minimum(labels[one], labels[other]))
         fresh = fresh[fresh]
         if np.array_equal(fresh, labels):
             return labels

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -54,13 +55,8 @@ class AnchorTie:
     """
 
     def __init__(self, surface: Surface, margin: float) -> None:
-        wall = surface.origin == FaceOrigin.WOUND_WALL
         self._margin = margin
-        self._parts = [
-            (faces, ClosestPoint(surface.points, surface.triangles[faces]))
-            for faces in (np.flatnonzero(~wall), np.flatnonzero(wall))
-            if len(faces)
-        ]
+        self._parts = _searches(surface)
 
     def tie(self, points: ArrayLike) -> Tied:
         """Tie rest points to the surface.
@@ -87,6 +83,20 @@ class AnchorTie:
             point = np.where(nearer[:, None], wall_point, point)
             distance = np.where(nearer, wall_distance, distance)
         return Tied(point, triangle.astype(np.int32), distance)
+
+
+@lru_cache(maxsize=16)
+def _searches(surface: Surface) -> list[tuple[NDArray[np.int64], ClosestPoint]]:
+    """The faces that are no wound walls, and the walls, each with a search.
+
+    They are kept, by the surface itself: a procedure that is compiled after each edit has the epochs it had.
+    """
+    wall = surface.origin == FaceOrigin.WOUND_WALL
+    return [
+        (faces, ClosestPoint(surface.points, surface.triangles[faces]))
+        for faces in (np.flatnonzero(~wall), np.flatnonzero(wall))
+        if len(faces)
+    ]
 
 
 class TissueLoss:
