@@ -11,7 +11,7 @@ import pytest
 
 import synthetic_skin_cache as synthetic
 from lappet_blender.figure.figure_steps import MOST_PANELS, hook_height, step_captions, story_steps
-from lappet_blender.figure.framing import FIELD_FILL, surgical_region, viewpoint
+from lappet_blender.figure.framing import FIELD_FILL, surgical_field, viewpoint
 from lappet_blender.figure.sheet_layout import columns_for, sheet_layout
 from lappet_blender.look.dashed_line import DASH, GAP, dashes
 from lappet_blender.look.hook_path import ELEVATION, hook_directions, hook_path
@@ -296,12 +296,12 @@ def test_an_undermined_area_is_marked_in_dashes_that_close_evenly() -> None:
 def test_the_camera_holds_the_whole_region_and_not_much_more(
     cache: SkinCache, view: str, halves: tuple[float, float]
 ) -> None:
-    region = surgical_region(cache, cache.frames)
-    np.testing.assert_allclose(region.normal, UP, atol=1e-6)
-    assert np.abs(region.points[:, 0]).max() < 35
-    seen = viewpoint(region, view, halves)
+    field = surgical_field(cache, cache.frames)
+    np.testing.assert_allclose(field.normal, UP, atol=1e-6)
+    assert np.abs(field.points[:, 0]).max() < 35
+    seen = viewpoint(field, view, halves)
     np.testing.assert_allclose(seen.axes @ seen.axes.T, np.eye(3), atol=1e-9)
-    local = (region.points - seen.position) @ seen.axes.T
+    local = (field.points - seen.position) @ seen.axes.T
     assert (local[:, 2] < 0).all()
     ends = local[:, :2] / -local[:, 2:] / halves
     filled = np.abs(ends).max(axis=0) / FIELD_FILL

@@ -97,9 +97,9 @@ class FakeWorker:
             return []
         happened = []
         for number, steps in list(self._jobs.items()):
-            happening = next(steps)
-            happened.append(happening)
-            if isinstance(happening, Finished):
+            event = next(steps)
+            happened.append(event)
+            if isinstance(event, Finished):
                 del self._jobs[number]
         return happened
 

@@ -12,7 +12,7 @@ from lappet.core.problem import refused
 from lappet.core.problem_code import ProblemCode
 
 from ..figure.figure_scene import Studio, add_backdrop, add_camera, add_lights, half_angles, set_render, set_size
-from ..figure.framing import TURN, WHOLE_FILL, Region, surgical_region, viewpoint
+from ..figure.framing import TURN, WHOLE_FILL, SurgicalField, surgical_field, viewpoint
 from ..look.skin_material import backdrop_material
 from ..model.units import mm_per_unit
 from ..solving import frames
@@ -35,21 +35,21 @@ def set_stage(scene: bpy.types.Scene, view: str, engine: str, size: tuple[int, i
     if shown is None:
         raise refused(ProblemCode.FIGURE_NOTHING_SHOWN, scene.name)
     units = 1.0 / mm_per_unit(scene)
-    region, lowest = _framed(scene, shown.plan)
+    field, lowest = _framed(scene, shown.plan)
     turned = TURN
     other = scene.lappet.compare_with
     beside = None if other is None or other == scene else frames.shown_at(other, scene.frame_current)
     if other is not None and beside is not None:
-        region, lowest = _both(scene, region, lowest, other, beside.plan, shown.plan)
+        field, lowest = _both(scene, field, lowest, other, beside.plan, shown.plan)
         turned = 0.0
     studio = Studio(scene, _empty_stage(scene), units)
     if size != (0, 0):
         set_size(size, samples, scene)
     render = scene.render
     pixels = (max(render.resolution_x, 1), max(render.resolution_y, 1))
-    seen = viewpoint(region, view, half_angles(pixels), turned)
-    add_backdrop(region, lowest - 1.5, backdrop_material(), studio)
-    add_lights(region, studio)
+    seen = viewpoint(field, view, half_angles(pixels), turned)
+    add_backdrop(field, lowest - 1.5, backdrop_material(), studio)
+    add_lights(field, studio)
     add_camera(seen, studio)
     if engine != "keep":
         set_render(scene, engine)
@@ -81,30 +81,30 @@ def _empty_stage(scene: bpy.types.Scene) -> bpy.types.Collection:
     return stage
 
 
-def _framed(scene: bpy.types.Scene, plan: Plan) -> tuple[Region, float]:
-    """The region of a plan over some of its frames, and the lowest point along its normal, mm."""
+def _framed(scene: bpy.types.Scene, plan: Plan) -> tuple[SurgicalField, float]:
+    """The field of a plan over some of its frames, and the lowest point along its normal, mm."""
     shown = frames.shown_at(scene, scene.frame_current)
     assert shown is not None
     source = skin_display.decorations_of(scene, shown).source
     times = [float(f.time) for f in plan.frames]
     spread = tuple(dict.fromkeys(times[round(k)] for k in np.linspace(0, len(times) - 1, _FRAMES)))
-    region = surgical_region(source, spread)
-    lowest = min(float((source.positions(source.epoch_at(t), t) @ region.normal).min()) for t in spread)
-    return region, lowest
+    field = surgical_field(source, spread)
+    lowest = min(float((source.positions(source.epoch_at(t), t) @ field.normal).min()) for t in spread)
+    return field, lowest
 
 
 def _both(
-    scene: bpy.types.Scene, region: Region, lowest: float, other: bpy.types.Scene, beside: Plan, plan: Plan
-) -> tuple[Region, float]:
-    """The region of two skins side by side, whole, with their labels."""
+    scene: bpy.types.Scene, field: SurgicalField, lowest: float, other: bpy.types.Scene, beside: Plan, plan: Plan
+) -> tuple[SurgicalField, float]:
+    """The field of two skins side by side, whole, with their labels."""
     own, theirs = skin_display.rest_box(plan), skin_display.rest_box(beside)
     gap = skin_display.offset_of(scene, own, theirs)
     _, other_lowest = _framed(other, beside)
     own[1][1] += skin_display.LABEL_GAP + skin_display.LABEL_SIZE
     boxes = [own, theirs + np.array([gap, 0.0, 0.0])]
     points = np.array([(x, y, z) for b in boxes for x in b[:, 0] for y in b[:, 1] for z in b[:, 2]])
-    frame = np.stack([region.right, region.up, region.normal])
-    local = points @ frame.T
-    centre = (local.min(axis=0) + local.max(axis=0)) / 2 @ frame
-    low = min(lowest, other_lowest + gap * float(region.normal[0]))
-    return replace(region, points=points, centre=centre, fill=WHOLE_FILL), low
+    axes = np.stack([field.right, field.up, field.normal])
+    local = points @ axes.T
+    centre = (local.min(axis=0) + local.max(axis=0)) / 2 @ axes
+    low = min(lowest, other_lowest + gap * float(field.normal[0]))
+    return replace(field, points=points, centre=centre, fill=WHOLE_FILL), low

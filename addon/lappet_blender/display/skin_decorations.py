@@ -10,7 +10,7 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from ..figure.framing import Region, region_around
+from ..figure.framing import SurgicalField, field_around
 from ..look.deep_bed import DeepBed
 from ..look.hook_steel import HookSteel
 from ..look.skin_fields import SKIN, WOUND_WALL
@@ -49,9 +49,9 @@ class SkinDecorations:
         self.source = source
         same = before is not None and [e.name for e in before.source.epochs] == [e.name for e in source.epochs]
         kept = before if same else None
-        self.region: Region = kept.region if kept else plan_region(source)
-        self._axes = np.stack([self.region.right, self.region.up, self.region.normal])
-        self._scale = self.region.stitch_scale
+        self.field: SurgicalField = kept.field if kept else plan_field(source)
+        self._axes = np.stack([self.field.right, self.field.up, self.field.normal])
+        self._scale = self.field.stitch_scale
         self._edge: WoundEdge = kept._edge if kept else WoundEdge(source)
         self._bed: DeepBed | None = kept._bed if kept else None
         self._edge.source = source
@@ -99,7 +99,7 @@ class SkinDecorations:
     def _steel(self) -> HookSteel:
         if self._hooks is None:
             known = self._old_hooks
-            self._hooks = HookSteel(self.source, self._axes, self.region.centre, self._scale, known)
+            self._hooks = HookSteel(self.source, self._axes, self.field.centre, self._scale, known)
         return self._hooks
 
     def _tubes(self, where: Where, role: str, name: str, sides: int, wanted: bool, tubes: Callable[[], Tubes]) -> None:
@@ -137,12 +137,12 @@ def has_wound(epoch: SkinEpoch) -> bool:
     return bool((epoch.origin == WOUND_WALL).any())
 
 
-def plan_region(source: PlanSource) -> Region:
-    """The region that wounds and hooks take up at rest, with its directions; all skin where there is none."""
+def plan_field(source: PlanSource) -> SurgicalField:
+    """The field that wounds and hooks take up at rest, with its directions; all skin where there is none."""
     first = source.epochs[0]
     rest = source.rest(first).astype(np.float64)
     walls = [source.rest(e)[np.unique(e.triangles[e.origin == WOUND_WALL])] for e in source.epochs]
-    return region_around(np.concatenate(walls).astype(np.float64), rest, first.triangles[first.origin == SKIN])
+    return field_around(np.concatenate(walls).astype(np.float64), rest, first.triangles[first.origin == SKIN])
 
 
 def _part(where: Where, role: str, name: str, wanted: bool) -> bpy.types.Object | None:

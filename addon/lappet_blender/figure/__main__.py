@@ -1,4 +1,4 @@
-"""Draws the figures of a solved procedure without a window: `python -m lappet_blender.figure CACHE.usdc -o DIR`.
+"""Draw the figures of a solved procedure without a window: `python -m lappet_blender.figure CACHE.usdc -o DIR`.
 
 Standard output carries one JSON object a line: `{"picture": path, "number": k, "of": n}` for every picture written,
 `{"note": line}` on how long an animation takes, then `{"done": true}`; a refusal is `{"error": sentence}` and exit
@@ -60,7 +60,7 @@ from .figure_scene import (
 )
 from .figure_steps import Step, hook_height, step_captions, story_steps
 from .filmstrip import write_filmstrip
-from .framing import VIEWS, Region, surgical_region, viewpoint
+from .framing import VIEWS, SurgicalField, surgical_field, viewpoint
 from .movie import encode_mp4
 from .quantity_key import draw_key, full_scale
 
@@ -117,7 +117,7 @@ class Plate:
     def __init__(
         self,
         cache: SkinCache,
-        region: Region,
+        field: SurgicalField,
         request: FigureRequest,
         frames: tuple[float, ...],
         hidden: frozenset[int],
@@ -127,7 +127,7 @@ class Plate:
         clear_scene()
         scalar = request.color if request.color in SCALARS else None
         self._highest = full_scale(cache, scalar) if scalar else 1.0
-        view = viewpoint(region, request.view, half_angles(request.size))
+        view = viewpoint(field, request.view, half_angles(request.size))
         pixel = 2 * view.distance * half_angles(request.size)[0] / request.size[0]
         materials = [
             skin_material(request.color, pixel, self._highest),
@@ -136,24 +136,24 @@ class Plate:
             rim_material(),
         ]
         self._skin = SkinObject(cache, materials, scalar)
-        right = view.axes[0] - (view.axes[0] @ region.normal) * region.normal
+        right = view.axes[0] - (view.axes[0] @ field.normal) * field.normal
         right /= np.linalg.norm(right)
-        seen = np.stack([right, np.cross(region.normal, right), region.normal])
-        scale = region.stitch_scale
+        seen = np.stack([right, np.cross(field.normal, right), field.normal])
+        scale = field.stitch_scale
         self._parts = (
             self._skin,
             Bed(cache, bed_material()),
             Drawn("Wound edge", WoundEdge(cache), edge_material(), 6),
             Drawn("Marks", SkinMarks(cache), ink_material(), 6),
             Drawn("Sutures", SutureThread(cache, 1.0 * seen[0] + 0.6 * seen[1], scale, hidden), thread_material(), 8),
-            Drawn("Hooks", HookSteel(cache, seen, region.centre, scale), steel_material(), 16),
+            Drawn("Hooks", HookSteel(cache, seen, field.centre, scale), steel_material(), 16),
         )
         lowest = min(
-            float((cache.positions(cache.epoch_at(t), t) @ region.normal).min()) for t in (cache.frames[0], *frames)
+            float((cache.positions(cache.epoch_at(t), t) @ field.normal).min()) for t in (cache.frames[0], *frames)
         )
         studio = figure_studio()
-        add_backdrop(region, lowest - 1.5, backdrop_material(), studio)
-        add_lights(region, studio)
+        add_backdrop(field, lowest - 1.5, backdrop_material(), studio)
+        add_lights(field, studio)
         add_camera(view, studio)
         set_render(studio.scene, request.engine, request.threads)
 
@@ -182,12 +182,12 @@ def draw_figures(
     for frame in stills:
         cache.epoch_at(frame)
     hidden = buried_sutures(cache)
-    steps = _steps(cache, request, surgical_region(cache, stills).normal, len(hidden)) if request.filmstrip else []
+    steps = _steps(cache, request, surgical_field(cache, stills).normal, len(hidden)) if request.filmstrip else []
     movie = cache.frames if request.animation != "none" else ()
     shown = tuple(sorted({*stills, *(s.frame for s in steps), *movie, cache.frames[-1]}))
-    region = surgical_region(cache, shown)
+    field = surgical_field(cache, shown)
     _make_folder(request.out)
-    plate = Plate(cache, region, request, shown, hidden)
+    plate = Plate(cache, field, request, shown, hidden)
     total = len(stills) + len(steps) + bool(steps) + len(movie) + (request.animation == "mp4")
     written: list[Path] = []
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ..look.skin_import import SCALE
 from ..look.skin_source import FigureError
-from .framing import Region, Viewpoint
+from .framing import SurgicalField, Viewpoint
 
 LENS, SENSOR = 90.0, 36.0
 ENGINES = {"cycles": "CYCLES", "workbench": "BLENDER_WORKBENCH"}
@@ -64,34 +64,34 @@ def _placed(position: NDArray[np.float64], axes: NDArray[np.float64], units: flo
 def _add_light(
     name: str,
     studio: Studio,
-    region: Region,
+    field: SurgicalField,
     reach: float,
     towards: tuple[float, float, float],
     size: float,
     power: float,
 ) -> None:
-    """A square area light that looks at the region's centre; power is scaled so that distance does not matter."""
-    frame = np.stack([region.right, region.up, region.normal])
-    back = np.asarray(towards, float) @ frame
+    """A square area light that looks at the field's centre; power is scaled so that distance does not matter."""
+    axes = np.stack([field.right, field.up, field.normal])
+    back = np.asarray(towards, float) @ axes
     back /= np.linalg.norm(back)
-    right = np.cross(region.up, back)
+    right = np.cross(field.up, back)
     right /= np.linalg.norm(right)
     data = bpy.data.lights.new(name, "AREA")
     data.shape, data.size = "DISK", size * reach * studio.units
     data.energy = power * (reach * studio.units) ** 2
     light = bpy.data.objects.new(name, data)
     light.matrix_world = _placed(
-        region.centre + reach * back, np.stack([right, np.cross(back, right), back]), studio.units
+        field.centre + reach * back, np.stack([right, np.cross(back, right), back]), studio.units
     )
     studio.collection.objects.link(light)
 
 
-def add_lights(region: Region, studio: Studio) -> None:
+def add_lights(field: SurgicalField, studio: Studio) -> None:
     """Key from the upper left, fill from the right, rim from behind, and an even sky."""
-    reach = 4.5 * region.extent
-    _add_light("Key", studio, region, reach, (-0.85, 0.55, 1.0), 0.45, 11.5)
-    _add_light("Fill", studio, region, reach, (1.0, -0.5, 0.8), 1.1, 3.0)
-    _add_light("Rim", studio, region, reach, (0.35, 1.2, 0.5), 0.7, 4.0)
+    reach = 4.5 * field.extent
+    _add_light("Key", studio, field, reach, (-0.85, 0.55, 1.0), 0.45, 11.5)
+    _add_light("Fill", studio, field, reach, (1.0, -0.5, 0.8), 1.1, 3.0)
+    _add_light("Rim", studio, field, reach, (0.35, 1.2, 0.5), 0.7, 4.0)
     world = bpy.data.worlds.new("World")
     studio.scene.world = world
     if not world.use_nodes:
@@ -101,12 +101,12 @@ def add_lights(region: Region, studio: Studio) -> None:
     background.inputs["Strength"].default_value = 0.36
 
 
-def add_backdrop(region: Region, lowest: float, material: bpy.types.Material, studio: Studio) -> None:
-    """A wide sheet of paper across the region's normal. lowest: mm along the normal, under everything."""
-    frame = np.stack([region.right, region.up, region.normal])
-    middle = region.centre + (lowest - region.centre @ region.normal) * region.normal
-    half = 60.0 * region.extent
-    corners = [middle + half * (x * frame[0] + y * frame[1]) for x, y in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
+def add_backdrop(field: SurgicalField, lowest: float, material: bpy.types.Material, studio: Studio) -> None:
+    """A wide sheet of paper across the field's normal. lowest: mm along the normal, under everything."""
+    axes = np.stack([field.right, field.up, field.normal])
+    middle = field.centre + (lowest - field.centre @ field.normal) * field.normal
+    half = 60.0 * field.extent
+    corners = [middle + half * (x * axes[0] + y * axes[1]) for x, y in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
     mesh = bpy.data.meshes.new("Backdrop")
     mesh.from_pydata([tuple(c * studio.units) for c in corners], [], [(0, 1, 2, 3)])
     mesh.materials.append(material)

@@ -1,4 +1,4 @@
-"""Where the camera stands: the surgical region, its frame of reference and the view that just holds it."""
+"""Where the camera stands: the surgical field, its axes and the view that just holds it."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ WHOLE_FILL = (0.94, 0.94)
 
 
 @dataclass(frozen=True, eq=False)
-class Region:
+class SurgicalField:
     """What the picture must show.
 
     points: (k, 3) mm. right, up, normal: unit vectors (3,), up along the skin. fill: the shares of the picture's width
@@ -36,7 +36,7 @@ class Region:
 
     @property
     def extent(self) -> float:
-        """Diagonal of the region with a margin around it, mm: what lights and backdrop are measured by."""
+        """Diagonal of the field with a margin around it, mm: what lights and backdrop are measured by."""
         return float(np.linalg.norm(np.ptp(self.points, axis=0) + 2 * MARGIN))
 
     @property
@@ -54,8 +54,8 @@ class Viewpoint:
     distance: float
 
 
-def surgical_region(cache: SkinSource, frames: tuple[float, ...]) -> Region:
-    """The region that wound walls, active sutures and hooks cover in any of the frames, or all skin where none is."""
+def surgical_field(cache: SkinSource, frames: tuple[float, ...]) -> SurgicalField:
+    """The field that wound walls, active sutures and hooks cover in any of the frames, or all skin where none is."""
     found = []
     everything = []
     for time in frames:
@@ -68,23 +68,23 @@ def surgical_region(cache: SkinSource, frames: tuple[float, ...]) -> Region:
         everything.append(points[np.unique(epoch.triangles)])
     epoch = cache.epoch_at(frames[0])
     points = cache.positions(epoch, frames[0]).astype(np.float64)
-    return region_around(np.concatenate(found), points, epoch.triangles[epoch.origin == SKIN], everything)
+    return field_around(np.concatenate(found), points, epoch.triangles[epoch.origin == SKIN], everything)
 
 
-def region_around(
+def field_around(
     found: NDArray[np.float64],
     points: NDArray[np.float64],
     skin: NDArray[np.int32],
     everything: Sequence[NDArray[np.float64]] = (),
-) -> Region:
-    """The region of some points (k, 3) on a skin, seen along its normal there; where there are none, all of it.
+) -> SurgicalField:
+    """The field of some points (k, 3) on a skin, seen along its normal there; where there are none, all of it.
 
     points: (n, 3) mm and skin: (m, 3), the triangles of the skin. everything: (k, 3) each, what all of it is; left out:
     the skin's points.
     """
     whole = not len(found)
-    region = np.concatenate(everything or [points[np.unique(skin)]]) if whole else found
-    low, high = region.min(axis=0) - MARGIN, region.max(axis=0) + MARGIN
+    field = np.concatenate(everything or [points[np.unique(skin)]]) if whole else found
+    low, high = field.min(axis=0) - MARGIN, field.max(axis=0) + MARGIN
     corners = points[skin]
     middle = corners.mean(axis=1)
     near = ((middle >= low) & (middle <= high)).all(axis=1)
@@ -96,30 +96,30 @@ def region_around(
     up = seed - (seed @ normal) * normal
     up /= np.linalg.norm(up)
     right = np.cross(up, normal)
-    frame = np.stack([right, up, normal])
-    local = region @ frame.T
-    centre = (local.min(axis=0) + local.max(axis=0)) / 2 @ frame
-    return Region(region, centre, right, up, normal, WHOLE_FILL if whole else FIELD_FILL)
+    axes = np.stack([right, up, normal])
+    local = field @ axes.T
+    centre = (local.min(axis=0) + local.max(axis=0)) / 2 @ axes
+    return SurgicalField(field, centre, right, up, normal, WHOLE_FILL if whole else FIELD_FILL)
 
 
-def viewpoint(region: Region, view: str, half_angles: tuple[float, float], turned: float = TURN) -> Viewpoint:
-    """The nearest camera in a view's direction that holds every point of the region within its share of the picture.
+def viewpoint(field: SurgicalField, view: str, half_angles: tuple[float, float], turned: float = TURN) -> Viewpoint:
+    """The nearest camera in a view's direction that holds every point of the field within its share of the picture.
 
     view: one of `VIEWS`. half_angles: tangents of half the horizontal and vertical field of view. turned: degrees to
     the right, but for a view from above.
     """
     elevation = np.radians(VIEWS[view])
-    # An oblique plate looks from below right of the region, so that both lips of a wound show.
+    # An oblique plate looks from below right of the field, so that both lips of a wound show.
     turn = 0.0 if view == "top" else np.radians(turned)
-    ground = -np.cos(turn) * region.up + np.sin(turn) * region.right
-    back = np.sin(elevation) * region.normal + np.cos(elevation) * ground
-    flat_up = region.up if view == "top" else region.normal
+    ground = -np.cos(turn) * field.up + np.sin(turn) * field.right
+    back = np.sin(elevation) * field.normal + np.cos(elevation) * ground
+    flat_up = field.up if view == "top" else field.normal
     up = flat_up - (flat_up @ back) * back
     up /= np.linalg.norm(up)
     right = np.cross(up, back)
-    local = (region.points - region.centre) @ np.stack([right, up, back]).T
-    room = np.asarray(half_angles) * region.fill
-    # Shift sideways and up so that the region is centred as the camera sees it, then stand just far enough.
+    local = (field.points - field.centre) @ np.stack([right, up, back]).T
+    room = np.asarray(half_angles) * field.fill
+    # Shift sideways and up so that the field is centred as the camera sees it, then stand just far enough.
     shift = np.zeros(2)
     distance = 0.0
     for _ in range(12):
@@ -127,5 +127,5 @@ def viewpoint(region: Region, view: str, half_angles: tuple[float, float], turne
         distance = float((xy.max(axis=1) + local[:, 2]).max())
         seen = (local[:, :2] - shift) / (distance - local[:, 2])[:, None]
         shift = shift + 0.5 * (seen.min(axis=0) + seen.max(axis=0)) * distance
-    position = region.centre + shift[0] * right + shift[1] * up + distance * back
+    position = field.centre + shift[0] * right + shift[1] * up + distance * back
     return Viewpoint(position, np.stack([right, up, back]), distance)
