@@ -26,7 +26,7 @@ from lappet.background.worker_events import (
     Refused,
     WorkerEvent,
 )
-from lappet.core.problem import Problem, problem
+from lappet.core.problem import Problem
 from lappet.core.problem_code import ProblemCode
 from lappet.daemon.solved_frame import Diagnostics, LatticeCounts, SolvedFrame, StageSeconds
 from lappet.procedure import CUTS, Event, Hook, Landmark, Procedure
@@ -142,7 +142,8 @@ class FakeWorker:
                 continue
             yield IterationDone(job, frame.time, 1, 1e-2, 0.0)
             if frame.time in self.script.failing:
-                yield FrameFailed(job, frame.time, problem(ProblemCode.UNSORTED, "", self.script.failing[frame.time]))
+                reason = self.script.failing[frame.time]
+                yield FrameFailed(job, frame.time, Problem(ProblemCode.UNSORTED, "", "", reason, ""))
                 return
             shown = solved(plan, index, len(procedure.events))
             self.store.put(frame.key, shown)
