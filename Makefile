@@ -49,7 +49,7 @@ docs:  ## write docs/command_line.md from the program and check the links of eve
 site:  ## build the documents and the API reference as a site into build/site
 	@$(PYTHON) packaging/build_site.py
 
-bench:  ## measure kernels, scenes and sheets into build/bench (PARTS=kernels; FINE=1: up to a million cells)
+bench:  ## measure kernels, scenes, sheets and stages into build/bench (PARTS=pipeline; FINE=1: up to a million cells)
 	@bash packaging/setup.sh --benchmarks
 	@$(PYTHON) -m lappet.bench $(PARTS) -o build/bench $(if $(FINE),--fine)
 

@@ -29,6 +29,7 @@ if TYPE_CHECKING:
         Undermine,
     )
     from lappet.procedure.history import History
+    from lappet.program.settings import SolverSettings
     from lappet.solve.store import FrameStore
     from lappet.usd.stage import read_procedure, write_procedure
 
@@ -47,6 +48,7 @@ _HOMES = {
     "Region": "procedure",
     "Retractor": "procedure",
     "SolveResult": "output.solve_to_cache",
+    "SolverSettings": "program.settings",
     "Suture": "procedure",
     "Tissue": "procedure",
     "Undermine": "procedure",
@@ -71,6 +73,7 @@ __all__ = [
     "Region",
     "Retractor",
     "SolveResult",
+    "SolverSettings",
     "Suture",
     "Tissue",
     "Undermine",

@@ -14,12 +14,11 @@ inline Lattice box_lattice(std::int32_t x, std::int32_t y, std::int32_t z) {
     for (std::int32_t j = 0; j < y; ++j)
       for (std::int32_t k = 0; k < z; ++k) {
         std::array<std::int32_t, 8> nodes{};
-        for (std::int32_t c = 0; c < 8; ++c)
-          nodes[static_cast<std::size_t>(c)] = node(i + (c >> 2), j + (c >> 1 & 1), k + (c & 1));
+        for (std::int32_t c = 0; c < 8; ++c) nodes[c] = node(i + (c >> 2), j + (c >> 1 & 1), k + (c & 1));
         lattice.cell_nodes.push_back(nodes);
       }
   lattice.cell_fill.assign(lattice.cell_nodes.size(), 1.0f);
-  lattice.grid_cells = static_cast<std::int32_t>(lattice.cell_nodes.size());
+  lattice.grid_cells = to_index(lattice.cell_nodes.size());
   return lattice;
 }
 

@@ -66,8 +66,7 @@ void fill(Content content, int lanes, std::int64_t groups, float* to) {
     for (int lane = 0; lane < lanes; ++lane)
       for (int r = 0; r < records; ++r) {
         describe(content, random, record.data());
-        for (int k = 0; k < fields; ++k)
-          to[((g * records + r) * fields + k) * lanes + lane] = record[static_cast<std::size_t>(k)];
+        for (int k = 0; k < fields; ++k) to[((g * records + r) * fields + k) * lanes + lane] = record[k];
       }
   repeat(to, tile, groups, std::int64_t{per_block} * lanes);
 }
@@ -104,7 +103,7 @@ double operations_per_cell(int kernel) {
   const Arrays arrays(counted.kernels[kernel], 1, 1, arena);
   Counted<float>::operations = 0;
   counted.kernels[kernel].run(arrays.in, arrays.out, 0, 1);
-  return static_cast<double>(Counted<float>::operations) / 8.0;
+  return double(Counted<float>::operations) / 8.0;
 }
 
 }  // namespace
@@ -119,9 +118,9 @@ void enlist_cell_kernels(Arena& arena) {
         walk.cells = 8.0 * kernels.lanes;
         walk.bytes = bytes_per_cell(kernel);
         walk.operations = operations_per_cell(k);
-        const double budget = 0.9 * static_cast<double>(arena.bytes());
-        walk.items = mode == Mode::kCache ? kCellsInCache / 8 / kernels.lanes
-                                          : static_cast<std::int64_t>(budget / walk.bytes / walk.cells);
+        const double budget = 0.9 * double(arena.bytes());
+        walk.items =
+            mode == Mode::kCache ? kCellsInCache / 8 / kernels.lanes : std::int64_t(budget / walk.bytes / walk.cells);
         const std::string owner =
             std::string(kernel.name) + "/" + std::string(name(set)) + "/" + std::string(name(mode));
         enlist(

@@ -67,7 +67,7 @@ struct CellParts {
       write(q, tangent + kV * w);
       TangentHat<Number> t;
       NeoHookean::dpdf_hat(s, moduli(), t);
-      make_definite(t, Number(static_cast<float>(kDefiniteFloor)) * moduli().mu, PsdProjection::kClamp);
+      make_definite(t, Number(float(kDefiniteFloor)) * moduli().mu, PsdProjection::kClamp);
       write(t.hessian, tangent + kHessian * w);
       for (int k = 0; k < 3; ++k) {
         store(Number(0.5f) * (t.stretch[k] + t.rotation[k]), tangent + (kSame + k) * w);
@@ -179,9 +179,9 @@ template <class Number>
 double multiply_add_rate(std::int64_t rounds, typename NumberTraits<Number>::Scalar* result) {
   using Scalar = typename NumberTraits<Number>::Scalar;
   constexpr int kChains = 12, kUnroll = 8;
-  const Number factor(static_cast<Scalar>(0.999999)), term(static_cast<Scalar>(1e-6));
+  const Number factor(Scalar(0.999999)), term(Scalar(1e-6));
   Number chain[kChains];
-  for (int i = 0; i < kChains; ++i) chain[i] = Number(static_cast<Scalar>(1 + i));
+  for (int i = 0; i < kChains; ++i) chain[i] = Number(Scalar(1 + i));
   for (std::int64_t round = 0; round < rounds; ++round)
     for (int k = 0; k < kUnroll; ++k)
       for (auto& c : chain) {
@@ -193,12 +193,12 @@ double multiply_add_rate(std::int64_t rounds, typename NumberTraits<Number>::Sca
         if constexpr (kLanes<Number> == 1 && std::is_floating_point_v<Number>) asm volatile("" : "+w"(c));
 #endif
       }
-  Number sum(static_cast<Scalar>(0));
+  Number sum(Scalar(0));
   for (const auto& c : chain) sum += c;
   alignas(64) Scalar lanes[kLanes<Number>];
   store(sum, lanes);
   *result = lanes[0];
-  return 2.0 * kChains * kUnroll * kLanes<Number> * static_cast<double>(rounds);
+  return 2.0 * kChains * kUnroll * kLanes<Number> * double(rounds);
 }
 
 template <class Number, class Double>

@@ -18,7 +18,7 @@ struct Counted {
   Counted() = default;
   template <class From>
     requires std::is_arithmetic_v<From>
-  Counted(From from) : value(static_cast<T>(from)) {}
+  Counted(From from) : value(T(from)) {}
 
   friend Counted operator-(Counted a) { return -a.value; }
   friend Counted operator+(Counted a, Counted b) { return count(a.value + b.value); }
@@ -53,11 +53,11 @@ struct NumberTraits<Counted<T>> {
   static constexpr int kLanes = 1;
   template <class From>
   static Counted<T> load(const From* from) {
-    return static_cast<T>(*from);
+    return T(*from);
   }
   template <class To>
   static void store(Counted<T> value, To* to) {
-    *to = static_cast<To>(value.value);
+    *to = To(value.value);
   }
   static Counted<T> rough_reciprocal(Counted<T> x) { return Counted<T>(1) / x; }
   static Counted<T> rough_reciprocal_sqrt(Counted<T> x) { return Counted<T>(1) / sqrt(x); }

@@ -30,7 +30,7 @@ void enlist_machine(Arena& arena) {
   for (const Mode mode : {Mode::kCache, Mode::kStream})
     enlist("copy", "bytes", "any", mode, [&arena, mode, walk = Walk{mode}](benchmark::State& state) mutable {
       if (arena.claim(std::string("copy/") + name(mode)))
-        walk.items = mode == Mode::kCache ? kCopiedInCache : static_cast<std::int64_t>(arena.bytes() / 2) / 64 * 64;
+        walk.items = mode == Mode::kCache ? kCopiedInCache : std::int64_t(arena.bytes() / 2) / 64 * 64;
       auto* from = arena.take<std::byte>(0);
       std::byte* to = from + walk.items;
       walk.cells = 1.0;

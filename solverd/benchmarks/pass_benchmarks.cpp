@@ -28,9 +28,9 @@ std::vector<Real> displacements(const Lattice& lattice) {
   std::vector<Real> u;
   for (const Vec3& p : lattice.node_rest) {
     const double s = 0.02 * p[0];
-    u.push_back(static_cast<Real>(0.15 * p[0] + 0.3 * std::sin(2.1 * p[1] + 1.3 * p[2])));
-    u.push_back(static_cast<Real>(-s * p[2] + 0.3 * std::sin(1.7 * p[0] + 2.3 * p[2])));
-    u.push_back(static_cast<Real>(s * p[1] + 0.3 * std::sin(2.7 * p[0] + 1.9 * p[1])));
+    u.push_back(Real(0.15 * p[0] + 0.3 * std::sin(2.1 * p[1] + 1.3 * p[2])));
+    u.push_back(Real(-s * p[2] + 0.3 * std::sin(1.7 * p[0] + 2.3 * p[2])));
+    u.push_back(Real(s * p[1] + 0.3 * std::sin(2.7 * p[0] + 1.9 * p[1])));
   }
   return u;
 }
@@ -62,17 +62,15 @@ struct Copies {
     elastic->linearize(PsdProjection::kClamp);
     const BlockLayout& layout = elastic->layout();
     groups = layout.groups;
-    nodes = static_cast<std::int64_t>(lattice->node_rest.size());
-    const auto cells = static_cast<double>(lattice->cell_nodes.size());
-    slots_per_cell = static_cast<double>(layout.slots()) / cells;
-    nodes_per_cell = static_cast<double>(nodes) / cells;
-    const auto slots = static_cast<std::int64_t>(layout.slots());
+    nodes = std::int64_t(lattice->node_rest.size());
+    const auto cells = double(lattice->cell_nodes.size());
+    slots_per_cell = double(layout.slots()) / cells;
+    nodes_per_cell = double(nodes) / cells;
+    const std::int64_t slots = layout.slots();
     // What comes out shares one place: of all passes the block nodes need most.
-    const double a_box = static_cast<double>(slots) * (sizeof(Real) * (kTangentFields + 5) + 4 * 27 / 8.0) +
-                         static_cast<double>(nodes) * 3 * sizeof(Real) + static_cast<double>(outputs(slots, nodes));
-    copies = mode == Mode::kCache
-                 ? 1
-                 : std::max<std::int64_t>(1, static_cast<std::int64_t>(static_cast<double>(arena.bytes()) / a_box));
+    const double a_box = double(slots) * (sizeof(Real) * (kTangentFields + 5) + 4 * 27 / 8.0) +
+                         double(nodes) * 3 * sizeof(Real) + double(outputs(slots, nodes));
+    copies = mode == Mode::kCache ? 1 : std::max<std::int64_t>(1, std::int64_t(double(arena.bytes()) / a_box));
     arrays = elastic->arrays();
     const auto copy = [&](auto& pointer, std::int64_t count) {
       using T = std::remove_const_t<std::remove_pointer_t<std::decay_t<decltype(pointer)>>>;
@@ -86,17 +84,17 @@ struct Copies {
     copy(arrays.volume, slots);
     copy(arrays.stabilization, slots);
     const std::int32_t* index = arrays.nodes;
-    const auto per_box = static_cast<std::int64_t>(layout.nodes.size());
+    const std::int64_t per_box = layout.nodes.size();
     copy(index, per_box);
     auto* moved = const_cast<std::int32_t*>(index);
-    for (std::int64_t k = 0; k < copies * per_box; ++k) moved[k] += static_cast<std::int32_t>(k / per_box * nodes);
+    for (std::int64_t k = 0; k < copies * per_box; ++k) moved[k] += to_index(k / per_box * nodes);
     arrays.nodes = index;
     for (std::int64_t k = 0; k < copies; ++k)
       for (std::int64_t group = 0; group < groups; ++group)
-        node_start.push_back(k * per_box + layout.node_start[static_cast<std::size_t>(group)]);
+        node_start.push_back(k * per_box + layout.node_start[group]);
     node_start.push_back(copies * per_box);
     arrays.node_start = node_start.data();
-    index_bytes = 4.0 * static_cast<double>(per_box) / static_cast<double>(slots);
+    index_bytes = 4.0 * double(per_box) / double(slots);
     const Real* from = u.data();
     copy(from, 3 * nodes);
     x = const_cast<Real*>(from);
@@ -108,9 +106,7 @@ struct Copies {
   }
 
   // Other passes leave numbers of another kind where results go, among them ones that processors are slow at.
-  void clear() {
-    std::fill_n(gradient, copies * outputs(static_cast<std::int64_t>(elastic->layout().slots()), nodes) / 8, 0.0);
-  }
+  void clear() { std::fill_n(gradient, copies * outputs(std::int64_t(elastic->layout().slots()), nodes) / 8, 0.0); }
 
   static std::int64_t outputs(std::int64_t slots, std::int64_t nodes) {
     return std::max({slots / 8 * kBlockNodes * 3 * std::int64_t{sizeof(float)}, nodes * 4 * std::int64_t{8},
@@ -198,7 +194,7 @@ void enlist_precision(InstructionSet set, Arena& arena) {
                if (arena.claim(owner) || !boxes->has_value()) boxes->emplace(set, mode, arena);
                auto& work = boxes->value();
                walk.items = work.copies * work.groups;
-               walk.cells = static_cast<double>(work.lattice->cell_nodes.size()) / static_cast<double>(work.groups);
+               walk.cells = double(work.lattice->cell_nodes.size()) / double(work.groups);
                // what touches nodes reads their indices
                const double per_slot = pass.per_slot + (pass.per_node > 0.0 ? work.index_bytes : 0.0);
                walk.bytes = per_slot * work.slots_per_cell + pass.per_node * work.nodes_per_cell;
@@ -225,7 +221,7 @@ void enlist_passes(Arena& arena) {
 void enlist_threads() {
   auto lattice = std::make_shared<const Lattice>(paper_sized_box());
   const InstructionSet set = choose_instruction_set();
-  const int all = static_cast<int>(std::thread::hardware_concurrency());
+  const int all = int(std::thread::hardware_concurrency());
   for (const int threads : {1, 2, 4, 8, 16}) {
     if (threads > all) break;
     auto* entry = benchmark::RegisterBenchmark(
@@ -242,7 +238,7 @@ void enlist_threads() {
             elastic.multiply(u, y);
             for (auto _ : state) elastic.multiply(u, y);
           });
-          state.counters["cells"] = static_cast<double>(lattice->cell_nodes.size());
+          state.counters["cells"] = double(lattice->cell_nodes.size());
           state.counters["threads_used"] = threads;
         });
     entry->UseRealTime();

@@ -13,7 +13,7 @@ PassOperations count_pass_operations() {
   Elastic<float> elastic(lattice, CellMaterials{{MaterialParameters{}}}, 1, InstructionSet::kScalar);
   const auto& arrays = elastic.arrays();
   const std::int64_t groups = elastic.layout().groups;
-  const auto cells = static_cast<double>(lattice.cell_nodes.size());
+  const auto cells = double(lattice.cell_nodes.size());
   const std::size_t size = 3 * lattice.node_rest.size();
   std::vector<float> u(size, 0.0f), y(size), blocks(2 * size);
   std::vector<double> gradient(size), magnitude(size / 3);
@@ -21,7 +21,7 @@ PassOperations count_pass_operations() {
   const auto counted = [&]<class T>(T, const auto& run) {
     Counted<T>::operations = 0;
     run();
-    return static_cast<double>(Counted<T>::operations) / cells;
+    return double(Counted<T>::operations) / cells;
   };
   using Float = Counted<float>;
   using Double = Counted<double>;

@@ -62,14 +62,14 @@ struct Walk {
     if (mode == Mode::kCache) {
       run(std::int64_t{0}, items);
       for (auto _ : state) run(std::int64_t{0}, items);
-      report(state, cells * static_cast<double>(items));
+      report(state, cells * double(items));
     } else {
       const std::int64_t window = std::max<std::int64_t>(1, items / kWindows), windows = items / window;
       for (auto _ : state) {
         run(next * window, (next + 1) * window);
         next = (next + 1) % windows;
       }
-      report(state, cells * static_cast<double>(window));
+      report(state, cells * double(window));
     }
   }
 
@@ -78,7 +78,7 @@ struct Walk {
     state.counters["cells"] = cells_an_iteration;
     state.counters["bytes_per_cell"] = bytes;
     state.counters["operations_per_cell"] = operations;
-    state.counters["set_bytes"] = bytes * cells * static_cast<double>(items);
+    state.counters["set_bytes"] = bytes * cells * double(items);
   }
 };
 

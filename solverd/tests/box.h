@@ -22,7 +22,7 @@ inline Surface box_surface(const Vec3& low, const Vec3& high) {
 }
 
 inline void append(Surface& to, const Surface& from) {
-  const auto first = static_cast<std::int32_t>(to.points.size());
+  const Index first = to_index(to.points.size());
   to.points.insert(to.points.end(), from.points.begin(), from.points.end());
   for (const auto& t : from.triangles) to.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
 }
@@ -32,8 +32,7 @@ inline std::int32_t add_vertex(Surface& s, const Vec3& point) {
   std::vector<std::array<std::int32_t, 3>> kept;
   std::vector<std::array<std::int32_t, 2>> edges;
   for (const auto& t : s.triangles) {
-    const Vec3 a = s.points[static_cast<std::size_t>(t[0])], b = s.points[static_cast<std::size_t>(t[1])],
-               c = s.points[static_cast<std::size_t>(t[2])];
+    const Vec3 a = s.points[t[0]], b = s.points[t[1]], c = s.points[t[2]];
     const Vec3 n = (b - a).cross(c - a).normalized();
     const bool holds = std::abs((point - a).dot(n)) < 1e-9 && (b - a).cross(point - a).dot(n) > -1e-9 &&
                        (c - b).cross(point - b).dot(n) > -1e-9 && (a - c).cross(point - c).dot(n) > -1e-9;
@@ -43,7 +42,7 @@ inline std::int32_t add_vertex(Surface& s, const Vec3& point) {
     }
     for (std::size_t i = 0; i < 3; ++i) edges.push_back({t[i], t[(i + 1) % 3]});
   }
-  const auto middle = static_cast<std::int32_t>(s.points.size());
+  const Index middle = to_index(s.points.size());
   s.points.push_back(point);
   for (const auto& edge : edges) {
     bool inner = false;
@@ -55,10 +54,7 @@ inline std::int32_t add_vertex(Surface& s, const Vec3& point) {
 }
 
 inline Vec3 center(const Surface& s, std::size_t t) {
-  return (s.points[static_cast<std::size_t>(s.triangles[t][0])] +
-          s.points[static_cast<std::size_t>(s.triangles[t][1])] +
-          s.points[static_cast<std::size_t>(s.triangles[t][2])]) /
-         3;
+  return (s.points[s.triangles[t][0]] + s.points[s.triangles[t][1]] + s.points[s.triangles[t][2]]) / 3;
 }
 
 // An epoch whose triangles are labeled by where their centers are.
@@ -88,7 +84,7 @@ inline FrameInput pulled(std::vector<Vec3> translations) {
   FrameInput frame;
   frame.time = 1;
   for (std::size_t r = 0; r < translations.size(); ++r)
-    frame.retractors.push_back({static_cast<std::int32_t>(r), translation(translations[r])});
+    frame.retractors.push_back({to_index(r), translation(translations[r])});
   return frame;
 }
 
@@ -98,16 +94,14 @@ inline void add_landmark(EpochInput& epoch, const Vec3& point) {
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t t = 0; t < epoch.surface.triangles.size(); ++t) {
     const auto& c = epoch.surface.triangles[t];
-    const Vec3 a = epoch.surface.points[static_cast<std::size_t>(c[0])],
-               b = epoch.surface.points[static_cast<std::size_t>(c[1])],
-               d = epoch.surface.points[static_cast<std::size_t>(c[2])];
+    const Vec3 a = epoch.surface.points[c[0]], b = epoch.surface.points[c[1]], d = epoch.surface.points[c[2]];
     const Vec3 n = (b - a).cross(d - a).normalized();
     const double off = std::abs((point - a).dot(n));
     const bool inside = (b - a).cross(point - a).dot(n) >= -1e-9 && (d - b).cross(point - b).dot(n) >= -1e-9 &&
                         (a - d).cross(point - d).dot(n) >= -1e-9;
     if (inside && off < least) {
       least = off;
-      best = static_cast<std::int32_t>(t);
+      best = to_index(t);
     }
   }
   epoch.landmarks.push_back(point);

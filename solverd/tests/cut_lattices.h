@@ -33,7 +33,7 @@ inline Lattice make_lattice(const CutLattice& cut) {
   std::vector<Eigen::Vector2d> outline{{0.0, 0.0}};
   for (const double middle : {5.0, 11.0}) {
     std::vector<Eigen::Vector2d> line;
-    const int steps = 2 + static_cast<int>(3 * unit(random));
+    const int steps = 2 + int(3 * unit(random));
     double x = middle + 2 * unit(random) - 1;
     for (int k = 0; k <= steps; ++k) {
       line.emplace_back(x, (depth - 2.3) * k / steps);
@@ -70,10 +70,9 @@ inline Lattice make_lattice(const CutLattice& cut) {
 
 // Node n (of 27) of a lane's block.
 inline std::int32_t node_of(const BlockLayout& layout, std::size_t group, std::size_t n, std::size_t lane) {
-  const auto w = static_cast<std::size_t>(layout.lanes), start = static_cast<std::size_t>(layout.node_start[group]);
+  const std::size_t w = layout.lanes, start = static_cast<std::size_t>(layout.node_start[group]);
   const bool grid = static_cast<std::size_t>(layout.node_start[group + 1]) - start == 9 * w;
-  return grid ? layout.nodes[start + n / 3 * w + lane] + static_cast<std::int32_t>(n % 3)
-              : layout.nodes[start + n * w + lane];
+  return grid ? layout.nodes[start + n / 3 * w + lane] + to_index(n % 3) : layout.nodes[start + n * w + lane];
 }
 
 }  // namespace lappet::test

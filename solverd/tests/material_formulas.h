@@ -2,12 +2,13 @@
 #pragma once
 #include <Eigen/Dense>
 #include <cmath>
+#include <stdexcept>
 
 #include "force/materials/material_parameters.h"
 
 namespace lappet {
 
-// First Piola stress of the isotropic part, kPa.
+// First Piola stress of the isotropic part, kPa; one formula for each model of the registry.
 //   corotated: 2 mu (F - R) + lambda tr(R^T F - I) R          stable: mu (F - F^-T J) + (lambda + mu)(J - 1) J F^-T
 //   neo-Hookean: mu (F - F^-T) + lambda ln J F^-T
 //   Mooney-Rivlin: Cauchy stress kappa ln J / J I + 2/J dev[(m10 + m01 tr b) b - m01 b^2], b = J^-2/3 F F^T
@@ -22,6 +23,7 @@ inline Eigen::Matrix3d isotropic_piola(const MaterialParameters& m, const Eigen:
     const Matrix rotation = f * right.operatorInverseSqrt();
     return 2 * mu * (f - rotation) + lambda * ((rotation.transpose() * f).trace() - 3) * rotation;
   }
+  if (m.model != "mooneyRivlin") throw std::invalid_argument("no formula for the model " + m.model);
   const double m10 = mu / 2 / (1 + m.mooney_ratio), m01 = m.mooney_ratio * m10, kappa = lambda + 2 * mu / 3;
   const Matrix b = std::pow(j, -2.0 / 3) * f * f.transpose();
   const Matrix stress = (m10 + m01 * b.trace()) * b - m01 * b * b;

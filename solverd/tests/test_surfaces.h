@@ -14,7 +14,7 @@
 namespace lappet::test {
 
 inline void append(Surface& to, const Surface& other) {
-  const auto shift = static_cast<std::int32_t>(to.points.size());
+  const Index shift = to_index(to.points.size());
   to.points.insert(to.points.end(), other.points.begin(), other.points.end());
   for (const auto& t : other.triangles) to.triangles.push_back({t[0] + shift, t[1] + shift, t[2] + shift});
 }
@@ -23,7 +23,7 @@ inline void append(Surface& to, const Surface& other) {
 // `axis` in cyclic order. Ear clipping, so that caps have the long thin triangles that real cuts have.
 inline Surface prism(const std::vector<Eigen::Vector2d>& polygon, double low, double high, int axis = 2) {
   Surface result;
-  const auto n = static_cast<std::int32_t>(polygon.size());
+  const Index n = to_index(polygon.size());
   const Eigen::Index u = (axis + 1) % 3, v = (axis + 2) % 3;
   for (const double end : {low, high})
     for (const auto& p : polygon) {
@@ -39,8 +39,8 @@ inline Surface prism(const std::vector<Eigen::Vector2d>& polygon, double low, do
     result.triangles.push_back({i, j + n, i + n});
   }
   std::vector<std::int32_t> rest(polygon.size());
-  for (std::int32_t i = 0; i < n; ++i) rest[static_cast<std::size_t>(i)] = i;
-  const auto at = [&](std::int32_t i) { return polygon[static_cast<std::size_t>(i)]; };
+  for (std::int32_t i = 0; i < n; ++i) rest[i] = i;
+  const auto at = [&](std::int32_t i) { return polygon[i]; };
   const auto area = [&](std::int32_t i, std::int32_t j, std::int32_t k) {
     const Eigen::Vector2d a = at(j) - at(i), b = at(k) - at(i);
     return a.x() * b.y() - a.y() * b.x();
@@ -57,7 +57,7 @@ inline Surface prism(const std::vector<Eigen::Vector2d>& polygon, double low, do
       if (!ear) continue;
       result.triangles.push_back({i + n, j + n, k + n});
       result.triangles.push_back({k, j, i});
-      rest.erase(rest.begin() + static_cast<std::ptrdiff_t>(m));
+      rest.erase(rest.begin() + m);
       clipped = true;
     }
     if (!clipped) throw std::logic_error("test polygon is not simple");
@@ -82,7 +82,7 @@ inline Surface sphere(const Vec3& middle, double radius, int rings) {
     }
   result.points.push_back(middle + radius * Vec3::UnitZ());
   const auto at = [&](int i, int j) { return 1 + (i - 1) * around + j % around; };
-  const auto last = static_cast<std::int32_t>(result.points.size()) - 1;
+  const auto last = to_index(result.points.size()) - 1;
   for (int j = 0; j < around; ++j) {
     result.triangles.push_back({0, at(1, j + 1), at(1, j)});
     result.triangles.push_back({last, at(rings - 1, j), at(rings - 1, j + 1)});
@@ -104,9 +104,8 @@ inline Surface refine(Surface surface, int times) {
       const std::pair key{std::min(a, b), std::max(a, b)};
       for (const auto& [edge, point] : edges)
         if (edge == key) return point;
-      finer.points.push_back(
-          0.5 * (surface.points[static_cast<std::size_t>(a)] + surface.points[static_cast<std::size_t>(b)]));
-      edges.emplace_back(key, static_cast<std::int32_t>(finer.points.size()) - 1);
+      finer.points.push_back(0.5 * (surface.points[a] + surface.points[b]));
+      edges.emplace_back(key, to_index(finer.points.size()) - 1);
       return edges.back().second;
     };
     for (const auto& [a, b, c] : surface.triangles) {

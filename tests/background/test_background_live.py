@@ -12,6 +12,7 @@ import pytest
 from background_owner import SETTINGS, Owner, daemon_of, kill, owner
 from lappet.background.live_session import LiveSession
 from lappet.background.worker_events import Finished, FrameFailed, FrameReady, LiveFrame, Refused, WorkerEvent
+from lappet.core.problem_code import ProblemCode
 from lappet.daemon.frame_solver import SolverDiedError
 from lappet.daemon.solved_frame import SCALARS, SolvedFrame
 from lappet.output.solve_to_cache import solve_procedure
@@ -215,7 +216,7 @@ def test_a_session_whose_solver_died_goes_on_from_the_last_good_state() -> None:
     solver, notes = FakeSolver(), []
     live = session(solver, notes)
     value = float(live.pull((1.0, 2.0, 3.0), lambda _: None).state.nodes[0, 0])
-    deaths = [SolverDiedError("The daemon died: it was ended by SIGKILL.")]
+    deaths = [SolverDiedError.of(ProblemCode.DAEMON_DIED, "", "it was ended by SIGKILL.")]
 
     def dies_once(_: float) -> None:
         if deaths:
@@ -232,7 +233,7 @@ def test_a_session_whose_solver_died_goes_on_from_the_last_good_state() -> None:
 
 def test_a_session_whose_solver_dies_three_times_gives_up() -> None:
     def dies(_: float) -> None:
-        raise SolverDiedError("The daemon died.")
+        raise SolverDiedError.of(ProblemCode.DAEMON_DIED, "", "The daemon died.")
 
     solver = FakeSolver(before=dies)
     with pytest.raises(SolverDiedError):

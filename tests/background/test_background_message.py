@@ -39,6 +39,9 @@ choices = st.builds(
 )
 
 
+TISSUE = "/Procedure/Tissue"
+
+
 def same_bits(a: Any, b: Any) -> bool:
     """Whether two values are of the same classes and hold the same bits."""
     if type(a) is not type(b):
@@ -97,7 +100,7 @@ def test_plans_and_events_come_back_with_every_bit() -> None:
     )
     for value in (
         Planned(1, a_plan(), (True, False)),
-        Refused(2, (Problem(ProblemCode.UNSORTED, "/Procedure/Tissue", "1", "It is wrong.", "Repair it.", "warning"),)),
+        Refused(2, (Problem(ProblemCode.MESH_OPEN, TISSUE, "1", "It is wrong.", "Repair it.", "warning"),)),
         FrameReady(3, 7, "00" * 32, False, shown),
         FrameReady(3, 7, "00" * 32, True, None),
         LiveFrame(4, 7, (0.1, -0.0, 1e308), shown, False, 0.25),

@@ -89,7 +89,7 @@ def test_a_frame_that_did_not_converge_makes_the_row_say_why() -> None:
 
 
 def test_no_frame_is_refused_by_the_scene_s_name() -> None:
-    with pytest.raises(RefusedError, match="flap: no frame was solved"):
+    with pytest.raises(RefusedError, match="flap: No frame was solved"):
         row([])
 
 

@@ -97,9 +97,9 @@ class FakeWorker:
             return []
         happened = []
         for number, steps in list(self._jobs.items()):
-            happening = next(steps)
-            happened.append(happening)
-            if isinstance(happening, Finished):
+            event = next(steps)
+            happened.append(event)
+            if isinstance(event, Finished):
                 del self._jobs[number]
         return happened
 
@@ -143,7 +143,7 @@ class FakeWorker:
             yield IterationDone(job, frame.time, 1, 1e-2, 0.0)
             if frame.time in self.script.failing:
                 reason = self.script.failing[frame.time]
-                yield FrameFailed(job, frame.time, Problem(ProblemCode.UNSORTED, "", "", reason, ""))
+                yield FrameFailed(job, frame.time, Problem(ProblemCode.FRAME_NOT_CONVERGED, "", "", reason, ""))
                 return
             shown = solved(plan, index, len(procedure.events))
             self.store.put(frame.key, shown)

@@ -100,7 +100,7 @@ def test_plans_share_their_surfaces_and_are_found_in_the_store(store: FrameStore
     found = memory.find(made[0].key, store)
     assert found.frames == made[0].frames
     assert found.epochs[1] is kept[2].epochs[1]
-    memory.refuse(key(7), (Problem(ProblemCode.UNSORTED, "/Procedure", "", "No.", "Yes."),))
+    memory.refuse(key(7), (Problem(ProblemCode.TIMELINE_NO_FRAME, "/Procedure", "", "No.", "Yes."),))
     assert memory.refused(key(7))
     memory.keep(made[1], key(7))
     assert memory.refused(key(7)) is None

@@ -109,7 +109,7 @@ def test_a_failure_is_a_sentence_and_a_button_that_goes_there_and_undo_keeps_it(
 
 def test_problems_are_shown_with_what_selects_and_what_mends_them(patch: bpy.types.Scene, script: Script) -> None:
     script.refusal = (
-        Problem(ProblemCode.UNSORTED, "/Procedure/Timeline/hook_1", "", "It is off the skin.", "Move it."),
+        Problem(ProblemCode.EVENT_OFF_TISSUE, "/Procedure/Timeline/hook_1", "", "It is off the skin.", "Move it."),
     )
     run_timer(QUIET)
     words, operators = draw(LAPPET_PT_solve)
@@ -121,7 +121,7 @@ def test_an_installation_without_solver_is_named_by_the_panel_and_by_the_button(
     patch: bpy.types.Scene, script: Script, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def missing() -> str:
-        raise RefusedError([Problem(ProblemCode.UNSORTED, "", "", "There is no lappet-solverd.", "")])
+        raise RefusedError([Problem(ProblemCode.DAEMON_MISSING, "", "", "There is no lappet-solverd.", "")])
 
     monkeypatch.setattr(reconcile, "identity", missing)
     run_timer(QUIET)

@@ -171,7 +171,7 @@ def test_a_solve_may_end_before_the_last_frame(patch: bpy.types.Scene, script: S
 def test_what_the_solver_refuses_is_shown_and_a_click_selects_the_event(patch: bpy.types.Scene, script: Script) -> None:
     script.refusal = (
         Problem(
-            ProblemCode.UNSORTED,
+            ProblemCode.EVENT_OFF_TISSUE,
             "/Procedure/Timeline/hook_1",
             "9 mm",
             "The anchor is 9 mm off the skin.",
@@ -196,7 +196,7 @@ def test_what_the_solver_refuses_is_shown_and_a_click_selects_the_event(patch: b
 
 
 def test_a_procedure_that_was_refused_is_not_asked_for_again_by_itself(patch: bpy.types.Scene, script: Script) -> None:
-    script.refusal = (Problem(ProblemCode.UNSORTED, "/Procedure", "", "No.", "Yes."),)
+    script.refusal = (Problem(ProblemCode.EVENT_OFF_TISSUE, "/Procedure", "", "No.", "Yes."),)
     run_timer(QUIET)
     asked = len(script.asked)
     changes.changed(patch)

@@ -16,6 +16,7 @@ from click.testing import CliRunner, Result
 
 import lappet.output.render
 from lappet.commands.cli import cli
+from lappet.core.problem_code import ProblemCode
 from lappet.daemon.frame_solver import FrameRefusedError
 from lappet.procedure import Hook
 from lappet.tissue.patch import flat_patch
@@ -183,7 +184,7 @@ def test_what_the_daemon_refuses_at_once_is_a_sentence_and_writes_nothing(
     procedure: Path, solver: FakeSolver, tmp_path: Path
 ) -> None:
     def refuse(_: float) -> None:
-        raise FrameRefusedError("The lattice needs 9 GiB, more than the 8 GiB allowed; coarsen the spacing.")
+        raise FrameRefusedError.of(ProblemCode.SOLVER_MEMORY_BUDGET, "", "The lattice needs 9 GiB.")
 
     solver.before = refuse
     done = run("solve", procedure, "-o", tmp_path / "c.usdc")
@@ -412,7 +413,7 @@ def test_a_terminal_gets_a_bar_and_notes_above_it(
     def die(time_code: float) -> None:
         if time_code in deaths:
             deaths.remove(time_code)
-            raise SolverDiedError("The daemon died: it was ended by [SIGKILL].")
+            raise SolverDiedError.of(ProblemCode.DAEMON_DIED, "", "it was ended by [SIGKILL].")
 
     solver.before = die
     with BarProgress() as observer:

@@ -121,7 +121,7 @@ def test_nobody_at_the_address_is_an_error_that_says_so() -> None:
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
         address = f"tcp://127.0.0.1:{free.getsockname()[1]}"
-        with pytest.raises(DaemonDied, match="is it running there"), SolverClient(address, "x", silence=0.5):
+        with pytest.raises(DaemonDied, match="whether it is running there"), SolverClient(address, "x", silence=0.5):
             pass
     with pytest.raises(DaemonMissing, match="is no address"), SolverClient("nowhere", "x"):
         pass

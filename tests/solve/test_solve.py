@@ -138,7 +138,7 @@ def test_a_daemon_that_dies_is_started_again_and_goes_on_from_the_last_frame(pro
     def die(time: float) -> None:
         if deaths and time == deaths[0]:
             deaths.pop(0)
-            raise SolverDiedError("it was ended by SIGKILL.")
+            raise SolverDiedError.of(ProblemCode.DAEMON_DIED, "", "it was ended by SIGKILL.")
 
     solver, ear = FakeSolver(before=die), Ear()
     result = run(program, FrameStore(tmp_path / "b"), solver, ear)
@@ -159,7 +159,7 @@ def test_it_goes_on_from_the_last_frame_without_a_store_too(program: Program, tm
     def die(time: float) -> None:
         if time in deaths:
             deaths.remove(time)
-            raise SolverDiedError("gone.")
+            raise SolverDiedError.of(ProblemCode.DAEMON_DIED, "", "gone.")
 
     solver, ear = FakeSolver(before=die), Ear()
     result = run(program, FrameStore(tmp_path / "file"), solver, ear)
@@ -170,7 +170,7 @@ def test_it_goes_on_from_the_last_frame_without_a_store_too(program: Program, tm
 def test_a_daemon_that_dies_three_times_over_one_frame_ends_the_solve(program: Program, tmp_path: Path) -> None:
     def die(time: float) -> None:
         if time == 4.0:
-            raise SolverDiedError("it was ended by SIGSEGV.")
+            raise SolverDiedError.of(ProblemCode.DAEMON_DIED, "", "it was ended by SIGSEGV.")
 
     solver = FakeSolver(before=die)
     result = run(program, FrameStore(tmp_path), solver)

@@ -1,8 +1,7 @@
-"""The collection in which a scene's display lies: one per scene, made when first needed, never holding what cannot be
-made again.
+"""The collection in which a scene's display lies: one per scene, made when first needed.
 
-Objects are found by their role and materials by pointers on the collection, so that renaming is harmless and an undo,
-a deletion or a copied scene costs no more than making them anew.
+It never holds what cannot be made again. Objects are found by their role and materials by pointers on the collection,
+so that renaming is harmless and an undo, a deletion or a copied scene costs no more than making them anew.
 """
 
 from __future__ import annotations
@@ -87,8 +86,10 @@ def set_visible(each: bpy.types.Object | bpy.types.Collection, visible: bool) ->
 
 
 def place(each: bpy.types.Object, location: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> None:
-    """Put an object where the display wants it, whatever was done to it: without a parent, turned and scaled by
-    nothing."""
+    """Put an object where the display wants it, whatever was done to it.
+
+    It then has no parent and is neither turned nor scaled.
+    """
     if each.parent is not None:
         each.parent = None
     if tuple(each.location) != location:

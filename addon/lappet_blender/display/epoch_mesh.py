@@ -52,8 +52,10 @@ def _whole(mesh: bpy.types.Mesh, shape: EpochShape) -> bool:
 
 
 def build_epoch_mesh(shape: EpochShape, walls: bool = True, units: float = 0.001) -> bpy.types.Mesh:
-    """A new mesh of an epoch at rest; attributes as in the add-on's contract: rest, origin, face, grid, depth,
-    quantity, and UVMap in tiles of `TILE` mm."""
+    """Make the mesh of an epoch at rest.
+
+    Its attributes are `rest`, `origin`, `face`, `grid`, `depth` and `quantity`, and `UVMap` in tiles of `TILE` mm.
+    """
     kept = slice(None) if walls else shape.origin != WOUND_WALL
     triangles, origin, grid = shape.triangles[kept], shape.origin[kept], shape.grid[kept]
     mesh = build_mesh(mesh_name(shape), shape.rest, triangles, units)

@@ -1,5 +1,4 @@
-"""Hides the user's own objects (the tissue, bones) while the display stands in for them, and brings them back as they
-were."""
+"""Hide the user's own objects (the tissue, bones) while the display stands in for them, and bring them back."""
 
 from __future__ import annotations
 

@@ -1,5 +1,7 @@
-"""The colour scale as an object: a card with a bar, ticks and numbers, held into the camera's picture, or lying beside
-the skin where the scene has no camera."""
+"""The color scale as an object: a card with a bar, ticks and numbers.
+
+It is held into the camera's picture, or lies beside the skin where the scene has no camera.
+"""
 
 from __future__ import annotations
 

@@ -17,7 +17,7 @@ class LAPPET_PT_look(bpy.types.Panel):
     bl_options = {"DEFAULT_CLOSED"}  # noqa: RUF012
 
     def draw(self, context: bpy.types.Context) -> None:
-        """Colour, parts, stage."""
+        """Color, parts, stage."""
         layout, scene = self.layout, context.scene
         look = scene.lappet.look
         layout.operator_menu_enum("lappet.look_preset", "preset", text="Preset")

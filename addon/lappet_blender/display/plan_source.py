@@ -151,8 +151,10 @@ class PlanSource:
         return self._shape_of[epoch.name].depth
 
     def suture_apart(self, epoch: SkinEpoch, index: int) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-        """Positions (n, 3) at which a suture's lips are easy to tell apart, and its ends (2, 3) there: at rest where
-        the scene still has the event."""
+        """Positions (n, 3) at which a suture's lips are easy to tell apart, and its ends (2, 3) there.
+
+        At rest where the scene still has the event.
+        """
         anchors = self._anchors.get(self.plan.sutures[index])
         if anchors is not None and len(anchors) == 2:
             return self.rest(epoch), anchors

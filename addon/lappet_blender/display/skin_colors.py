@@ -1,4 +1,4 @@
-"""Colours of the skin's vertices for Solid shading and Workbench, which know no shader nodes."""
+"""Colors of the skin's vertices for Solid shading and Workbench, which know no shader nodes."""
 
 from __future__ import annotations
 
@@ -27,10 +27,9 @@ _table: list[NDArray[np.float32]] = []
 def color_vertices(
     mesh: bpy.types.Mesh, shape: EpochShape, quantity: NDArray[np.float32] | None, highest: float
 ) -> None:
-    """Set the colour attribute: flesh by origin and depth; where a quantity (n,) is given, the ramp on the skin and
-    grey below it.
+    """Set the color attribute: flesh by origin and depth, or the ramp on the skin and gray below it.
 
-    highest: the value at the top of the ramp.
+    The ramp shows a quantity (n,) where one is given. highest: the value at the top of the ramp.
     """
     if quantity is None:
         if mesh.get(_STATE) != "flesh":

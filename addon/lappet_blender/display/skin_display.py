@@ -1,4 +1,4 @@
-"""Shows the solved skin of a scene: swaps the epoch's mesh, sets positions and colours, and dresses it.
+"""Show the solved skin of a scene: swap the epoch's mesh, set positions and colors, and decorate it.
 
 Everything happens in the scene itself, before Blender evaluates a frame, so that viewports and renders agree.
 """

@@ -1,4 +1,4 @@
-"""Adds events to a scene, after a check of what would be wrong with them there."""
+"""Add events to a scene, after a check of what would be wrong with them there."""
 
 from __future__ import annotations
 

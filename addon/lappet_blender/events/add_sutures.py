@@ -1,4 +1,4 @@
-"""Adds sutures to a scene: one between two points, or a run along two wound edges or an incision."""
+"""Add sutures to a scene: one between two points, or a run along two wound edges or an incision."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Moves, inserts and removes the points of an event."""
+"""Move, insert and remove the points of an event."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Registers the operators on events, the timeline panel and the watch over targets."""
+"""Register the operators on events, the timeline panel and the watch over targets."""
 
 from __future__ import annotations
 

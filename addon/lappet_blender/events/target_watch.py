@@ -1,4 +1,4 @@
-"""Has targets sampled anew once they, or what they hang on, were moved or keyframed.
+"""Have targets sampled anew once they, or what they hang on, were moved or keyframed.
 
 The solving side watches the same updates for its own sake; here only what `target_samples` remembers is at stake.
 """

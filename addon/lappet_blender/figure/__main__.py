@@ -1,4 +1,4 @@
-"""Draws the figures of a solved procedure without a window: `python -m lappet_blender.figure CACHE.usdc -o DIR`.
+"""Draw the figures of a solved procedure without a window: `python -m lappet_blender.figure CACHE.usdc -o DIR`.
 
 Standard output carries one JSON object a line: `{"picture": path, "number": k, "of": n}` for every picture written,
 `{"note": line}` on how long an animation takes, then `{"done": true}`; a refusal is `{"error": sentence}` and exit

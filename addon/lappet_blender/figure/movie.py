@@ -1,4 +1,4 @@
-"""Writes an animation: one PNG a frame, or an MP4 (H.264) through Blender's own ffmpeg."""
+"""Write an animation: one PNG a frame, or an MP4 (H.264) through Blender's own ffmpeg."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Writes the procedure of a scene, and the frames that are solved of it, as USD files."""
+"""Write the procedure of a scene, and the frames that are solved of it, as USD files."""
 
 from __future__ import annotations
 

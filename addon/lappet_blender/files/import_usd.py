@@ -1,4 +1,4 @@
-"""Reads a procedure, or a skin cache with its frames, into a scene."""
+"""Read a procedure, or a skin cache with its frames, into a scene."""
 
 from __future__ import annotations
 

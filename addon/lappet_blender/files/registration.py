@@ -1,4 +1,4 @@
-"""Registers import and export."""
+"""Register import and export."""
 
 from __future__ import annotations
 

@@ -11,8 +11,10 @@ from lappet.procedure.prim_paths import BONE
 
 @dataclass(frozen=True)
 class Repair:
-    """An operator that repairs a problem, to be called with these arguments. label: what its button says; "" = its
-    own."""
+    """An operator that repairs a problem, to be called with these arguments.
+
+    label: what its button says; "" = its own.
+    """
 
     operator: str
     arguments: tuple[tuple[str, str], ...] = ()

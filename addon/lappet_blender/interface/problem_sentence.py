@@ -8,8 +8,10 @@ from lappet.procedure.prim_paths import ROOT
 
 
 def problem_sentence(found: Problem) -> str:
-    """Return the message and the remedy of a problem, after the name of its prim, object or file where the message
-    leaves it out."""
+    """Return the message and the remedy of a problem.
+
+    The name of its prim, object or file comes first where the message leaves it out.
+    """
     name = found.prim.rpartition("/")[2] if found.prim.startswith(f"{ROOT}/") else found.prim
     named = not name or "{prim" in problem_text.text_of(found.code).message
     return f"{'' if named else f'{name}: '}{found.message} {found.remedy}".rstrip()

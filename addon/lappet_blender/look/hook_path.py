@@ -46,7 +46,7 @@ def hook_path(
     edge: NDArray[np.float64],
     scale: float = 1.0,
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Centre line (k, 3) in mm and radii (k,) in mm of a hook that holds an edge of skin by a point beside it.
+    """Center line (k, 3) in mm and radii (k,) in mm of a hook that holds an edge of skin by a point beside it.
 
     The point comes up through the skin at the anchor and shows a little above it; from there the crook runs under the
     skin, around its edge and up into the shank. direction, normal, edge: (3,) unit: of the handle, out of the skin at

@@ -1,4 +1,4 @@
-"""Draws the active hooks of a frame as steel skin hooks that reach in from both sides of the field."""
+"""Draw the active hooks of a frame as steel skin hooks that reach in from both sides of the field."""
 
 from __future__ import annotations
 
@@ -21,8 +21,11 @@ class HookSteel:
         scale: float,
         before: HookSteel | None = None,
     ) -> None:
-        """axes: (3, 3), rows right, up along the skin and normal, as the picture is seen. centre: (3,) mm, of it.
-        before: of the same epochs; what was found of them is kept."""
+        """Draw hooks along these axes.
+
+        axes: (3, 3), rows right, up along the skin and normal, as the picture is seen. centre: (3,) mm, of it. before:
+        of the same epochs; what was found of them is kept.
+        """
         self._source, self._normal, self._scale = source, axes[2], scale
         courses = source.hook_courses()
         found = hook_directions(list(courses.values()), centre, axes)

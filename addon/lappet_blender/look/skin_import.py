@@ -1,4 +1,4 @@
-"""Brings a skin cache into Blender: one mesh datablock per epoch, positions set for every frame with foreach_set."""
+"""Bring a skin cache into Blender: one mesh datablock per epoch, positions set for every frame with foreach_set."""
 
 from __future__ import annotations
 

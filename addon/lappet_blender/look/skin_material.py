@@ -38,8 +38,10 @@ RAMP = (
 
 @dataclass(frozen=True)
 class Space:
-    """Where a material is: Blender units per mm, and whether its mesh has the attribute `rest` (mm), on which blotches
-    then ride."""
+    """Where a material is.
+
+    Blender units per mm, and whether its mesh has the attribute `rest` (mm), on which blotches then ride.
+    """
 
     units: float = 0.1
     rest: bool = False
@@ -50,7 +52,7 @@ FULL_SCALE = "lappet_full_scale"  # the node that divides `quantity`
 
 
 class _Nodes:
-    """Adds nodes to a material's tree and links them; values may be constants or sockets."""
+    """Add nodes to a material's tree and link them; values may be constants or sockets."""
 
     def __init__(self, name: str, space: Space = FIGURE) -> None:
         self.space = space

@@ -1,4 +1,4 @@
-"""Reads a skin cache (docs/skin_cache.md) into arrays, through whatever pxr this Python has."""
+"""Read a skin cache (docs/skin_cache.md) into arrays, through whatever pxr this Python has."""
 
 from __future__ import annotations
 

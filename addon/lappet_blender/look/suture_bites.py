@@ -73,7 +73,7 @@ def buried(
 
 
 class TrianglesNear:
-    """Finds the triangles about a point; made once for many points of one surface."""
+    """A search for the triangles about a point; made once for many points of one surface."""
 
     def __init__(self, positions: NDArray[np.float32], triangles: NDArray[np.int32]) -> None:
         first = positions[triangles[:, 0]]
@@ -82,8 +82,11 @@ class TrianglesNear:
         self.longest = longest_edge(positions, triangles)
 
     def around(self, point: NDArray[np.floating[Any]], reach: float) -> NDArray[np.int64]:
-        """Indices (k,), ascending, of the triangles whose first vertex is at most `reach` mm farther from a point (3,)
-        than the nearest; the point lies on the surface, or as near to it as its longest edge, if it can be."""
+        """Indices (k,), ascending, of the triangles around a point (3,).
+
+        Those whose first vertex is at most `reach` mm farther from it than the nearest; the point lies on the surface,
+        or as near to it as its longest edge, if it can be.
+        """
         span = reach + self.longest
         while True:
             low, high = np.searchsorted(self._first[:, 0], [point[0] - span, point[0] + span])
@@ -109,7 +112,7 @@ def bites_at(
 
 
 class BitesInto:
-    """Finds the points of some triangles nearest to others; made once for many calls."""
+    """A search for the points of some triangles nearest to others; made once for many calls."""
 
     def __init__(self, positions: NDArray[np.float32], triangles: NDArray[np.int32]) -> None:
         self._positions, self._triangles = positions, triangles

@@ -1,4 +1,4 @@
-"""Draws the active skin sutures of a frame as simple interrupted stitches that ride on the skin; buried ones hide."""
+"""Draw the active skin sutures of a frame as simple interrupted stitches that ride on the skin; buried ones hide."""
 
 from __future__ import annotations
 
@@ -72,8 +72,11 @@ class SutureThread:
         hidden: frozenset[int] | None = None,
         before: SutureThread | None = None,
     ) -> None:
-        """facing: (3,), the side on which knots are tied. scale: of bites and thread. hidden: sutures not to draw;
-        None: those that turn out to be buried. before: of the same epochs; what was found of them is kept."""
+        """Draw threads seen from one side.
+
+        facing: (3,), the side on which knots are tied. scale: of bites and thread. hidden: sutures not to draw; None:
+        those that turn out to be buried. before: of the same epochs; what was found of them is kept.
+        """
         self._source, self._facing, self._scale, self._hidden = source, facing, scale, hidden
         self._stitches: dict[tuple[str, int], Stitch | None] = {}
         self._normals: dict[str, SkinNormals] = {}

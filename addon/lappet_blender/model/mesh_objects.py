@@ -1,4 +1,4 @@
-"""Makes mesh objects of arrays in mm."""
+"""Make mesh objects of arrays in mm."""
 
 from __future__ import annotations
 

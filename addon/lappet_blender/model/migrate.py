@@ -1,4 +1,4 @@
-"""Brings the properties of a scene that an earlier version saved up to this one."""
+"""Bring the properties of a scene that an earlier version saved up to this one."""
 
 from __future__ import annotations
 

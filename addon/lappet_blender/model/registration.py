@@ -1,4 +1,4 @@
-"""Registers the property groups and hangs them on scenes."""
+"""Register the property groups and hang them on scenes."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Gives a scene the values of a procedure: the inverse of reading it."""
+"""Give a scene the values of a procedure: the inverse of reading it."""
 
 from __future__ import annotations
 

@@ -19,8 +19,11 @@ from .tissue_values import bone_values, tissue_value
 
 @dataclass(frozen=True)
 class SceneReading:
-    """procedure: None where a problem that is an error stands in the way. problems: those of Blender's side; what the
-    values themselves are wrong about `lappet.check` and the plan say."""
+    """What reading a scene gave.
+
+    procedure: None where a problem that is an error stands in the way. problems: those of Blender's side; what the
+    values themselves are wrong about `lappet.check` and the plan say.
+    """
 
     procedure: Procedure | None
     problems: tuple[Problem, ...]

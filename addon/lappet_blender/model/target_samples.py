@@ -53,8 +53,10 @@ def hook_samples(
 def motion_samples(
     scene: bpy.types.Scene, target: bpy.types.Object, start: float, release: float
 ) -> tuple[tuple[float, tuple[float, ...]], ...]:
-    """(frame, 4x4 row-major matrix in USD's row-vector convention, mm) samples of a retractor's motion; without
-    scale."""
+    """Sample a retractor's motion, without scale.
+
+    The samples are (frame, 4x4 row-major matrix in USD's row-vector convention, mm).
+    """
     unit = mm_per_unit(scene)
     if not is_plain(target):
         frames = _frames(scene, start, release)

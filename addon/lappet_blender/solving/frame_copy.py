@@ -1,4 +1,4 @@
-"""Copies solved frames from one store to another when a scene keeps its frames elsewhere from now on."""
+"""Copy solved frames from one store to another when a scene keeps its frames elsewhere from now on."""
 
 from __future__ import annotations
 
@@ -14,8 +14,10 @@ from lappet.solve.store import FrameStore
 
 
 class FrameCopy:
-    """Copies the frames, surfaces and plans of some plans, on a thread. done: it has ended; problem: why it stopped
-    before all was copied, or None."""
+    """A copy of the frames, surfaces and plans of some plans, made on a thread.
+
+    done: it has ended; problem: why it stopped before all was copied, or None.
+    """
 
     def __init__(self, plans: Iterable[Plan], old: FrameStore, new: FrameStore) -> None:
         keys: dict[str, None] = {}

@@ -29,7 +29,7 @@ def plan_of(scene: bpy.types.Scene) -> Plan | None:
 
 
 def frame_state(scene: bpy.types.Scene, time: float) -> State:
-    """ "solved", "stale" (an older solve is shown), "failed" or "missing"."""
+    """Return "solved", "stale" (an older solve is shown), "failed" or "missing"."""
     return frame_states(controller_of(scene)).get(math.floor(time + 1e-6), "missing")
 
 
@@ -115,8 +115,10 @@ def follow_up() -> bool:
 
 
 def notify_listeners(scene: bpy.types.Scene, controller: Controller) -> None:
-    """Notify the listeners if anything has changed since they were last notified; an error of one does not stop the
-    others."""
+    """Notify the listeners if anything has changed since they were last notified.
+
+    An error of one does not stop the others.
+    """
     if controller.notified == controller.revision:
         return
     controller.notified = controller.revision

@@ -73,8 +73,11 @@ def step_live(scene: bpy.types.Scene, controller: Controller) -> None:
 
 
 def stop_live(scene: bpy.types.Scene, controller: Controller, *, may_key: bool = True) -> bool:
-    """End live mode. The target stays where it was dragged: one that is animated is keyed there, at the frame that was
-    shown, unless `may_key` is off. Returns whether a keyframe was set."""
+    """End live mode, and return whether a keyframe was set.
+
+    The target stays where it was dragged: one that is animated is keyed there, at the frame that was shown, unless
+    `may_key` is off.
+    """
     live, controller.live = controller.live, None
     if live is None:
         return False
@@ -92,8 +95,11 @@ def stop_live(scene: bpy.types.Scene, controller: Controller, *, may_key: bool =
 
 
 def _key(scene: bpy.types.Scene, target: bpy.types.Object, live: Live) -> bool:
-    """Keys an animated target where it was last dragged; elsewhere than at that frame only one that hangs on nothing,
-    since its place in the world is all that is known by then."""
+    """Key an animated target where it was last dragged.
+
+    Elsewhere than at that frame only one that hangs on nothing, since its place in the world is all that is known by
+    then.
+    """
     data = target.animation_data
     if data is None or data.action is None or target.library is not None or live.target is None:
         return False

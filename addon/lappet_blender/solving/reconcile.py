@@ -1,4 +1,4 @@
-"""Brings what is known about a scene's solving up to what the scene holds now.
+"""Bring what is known about a scene's solving up to what the scene holds now.
 
 Reads the scene, names its plan by key and looks it up; only what is nowhere is asked of the worker. So an undo finds
 its frames at once, and a file that is opened again finds those of the day before.
@@ -201,8 +201,10 @@ def _still_holds(controller: Controller, procedure: Procedure | None, settings: 
 
 
 def _move(controller: Controller, store: FrameStore) -> None:
-    """Frames go to another folder from now on, those that are there too; a worker is bound to its folder, so this scene
-    gets another."""
+    """Keep frames in another folder from now on, those that are there too.
+
+    A worker is bound to its folder, so this scene gets another.
+    """
     if controller.job is not None:
         controller.note("Frames are kept in another folder now; press Solve to go on.")
     controller.release()

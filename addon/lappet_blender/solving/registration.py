@@ -1,4 +1,4 @@
-"""Registers this part of the add-on."""
+"""Register this part of the add-on."""
 
 from __future__ import annotations
 

@@ -16,8 +16,11 @@ AHEAD, BEHIND = 12, 4  # frames that are read before they are asked for
 
 @dataclass(frozen=True, eq=False)
 class Shown:
-    """What is shown. time: that of the frame shown, whose hooks and sutures `plan` names. frame: None = the epoch at
-    rest. stale: the procedure has changed since, or this is an earlier frame in place of one that is not solved."""
+    """What is shown.
+
+    time: that of the frame shown, whose hooks and sutures `plan` names. frame: None = the epoch at rest. stale: the
+    procedure has changed since, or this is an earlier frame in place of one that is not solved.
+    """
 
     plan: Plan
     epoch: EpochShape

@@ -1,4 +1,4 @@
-"""Starts and stops the jobs of a scene; what is refused is a RefusedError with its problems."""
+"""Start and stop the jobs of a scene; what is refused is a RefusedError with its problems."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Takes in what the worker tells: plans, frames, refusals, ends of jobs."""
+"""Take in what the worker tells: plans, frames, refusals, ends of jobs."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Draws over the viewport: the lattice's cells, and where the tissue is wrong."""
+"""Draw over the viewport: the lattice's cells, and where the tissue is wrong."""
 
 from __future__ import annotations
 

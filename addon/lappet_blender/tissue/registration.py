@@ -1,4 +1,4 @@
-"""Registers the operators, panels, overlay and handlers of this part."""
+"""Register the operators, panels, overlay and handlers of this part."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Repairs the mesh of a tissue in place; faces keep their groups and texture coordinates."""
+"""Repair the mesh of a tissue in place; faces keep their groups and texture coordinates."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Repairs an object so that its mesh is what is seen: scale, modifiers, links, motion."""
+"""Repair an object so that its mesh is what is seen: scale, modifiers, links, motion."""
 
 from __future__ import annotations
 

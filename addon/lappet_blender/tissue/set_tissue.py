@@ -1,4 +1,4 @@
-"""Makes an object the tissue of a scene and chooses what it needs: spacing, material, texture, frames."""
+"""Make an object the tissue of a scene and choose what it needs: spacing, material, texture, frames."""
 
 from __future__ import annotations
 

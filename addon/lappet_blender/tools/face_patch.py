@@ -14,8 +14,10 @@ from .shown_surface import RestShape
 
 
 def faces_around(shape: RestShape, place: Sequence[float], radius: float) -> NDArray[np.int64]:
-    """The faces of the tissue (f,) on the skin with a triangle whose centre at rest lies within `radius` mm of a place,
-    or else the one face nearest to it."""
+    """The faces (f,) of the tissue on the skin around a place.
+
+    Those with a triangle whose center at rest lies within `radius` mm of it, or else the one face nearest to it.
+    """
     skin = shape.skin[shape.face[shape.skin] >= 0]
     if len(skin) == 0:
         return np.zeros(0, np.int64)

@@ -95,9 +95,11 @@ def indices_at(event: LappetEvent, index: int) -> list[int]:
 def nearest_handle(
     handles: Sequence[Handle], project: Project, mouse: Sequence[float], radius: float, prefer: str = ""
 ) -> Handle | None:
-    """The handle nearest to the mouse (pixels) within a radius; `project` takes places (k, 3) to pixels (k, 2), NaN
-    where they are behind the viewer. Of handles as near to within 2 pixels one of the event `prefer` is taken, then a
-    target before the anchor that it hides."""
+    """The handle nearest to the mouse (pixels) within a radius.
+
+    `project` takes places (k, 3) to pixels (k, 2), NaN where they are behind the viewer. Of handles as near to within 2
+    pixels one of the event `prefer` is taken, then a target before the anchor that it hides.
+    """
     if not handles:
         return None
     pixels = project(np.array([handle.world for handle in handles], np.float64))
@@ -116,8 +118,10 @@ def nearest_line(
     radius: float,
     kinds: Sequence[str] = (*LINE_KINDS, "SUTURE"),
 ) -> str | None:
-    """The uid of the event, of some kinds, whose line is nearest to the mouse (pixels) within a radius; None for
-    none."""
+    """The uid of the event, of some kinds, whose line is nearest to the mouse (pixels) within a radius.
+
+    None where there is none.
+    """
     best, found = radius, None
     for event in scene.lappet.events:
         if event.kind not in kinds or len(event.points) < 2:

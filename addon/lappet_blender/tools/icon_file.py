@@ -1,6 +1,6 @@
-"""Blender's geometry icons (`.dat`): triangles in 256 x 256 places, colored per corner.
+r"""Blender's geometry icons (`.dat`): triangles in 256 x 256 places, colored per corner.
 
-The format, as Blender's `blender_icons_geom.py` writes it: b"VCO\\0", the largest x and y, the start x and y (a byte
+The format, as Blender's `blender_icons_geom.py` writes it: b"VCO\0", the largest x and y, the start x and y (a byte
 each), then x, y per corner, then red, green, blue, alpha per corner, three corners a triangle; y points up.
 """
 

@@ -1,4 +1,4 @@
-"""Draws the plan over the skin in 3D viewports, with the handles of the active event and what a tool shows."""
+"""Draw the plan over the skin in 3D viewports, with the handles of the active event and what a tool shows."""
 
 from __future__ import annotations
 

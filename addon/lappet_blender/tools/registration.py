@@ -1,4 +1,4 @@
-"""Registers the tools, their operators, the menu and the overlay."""
+"""Register the tools, their operators, the menu and the overlay."""
 
 from __future__ import annotations
 

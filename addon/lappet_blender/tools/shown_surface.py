@@ -84,8 +84,11 @@ class RestShape:
 
 @dataclass(frozen=True, eq=False)
 class ShownSurface:
-    """A surface as it is shown. positions: (n, 3) of the world. solved: whether it is a solved skin. key: changes when
-    anything does. mm: millimetres per unit of the world."""
+    """A surface as it is shown.
+
+    positions: (n, 3) of the world. solved: whether it is a solved skin. key: changes when anything does. mm:
+    millimetres per unit of the world.
+    """
 
     rest: RestShape
     positions: NDArray[np.float64]
@@ -95,7 +98,7 @@ class ShownSurface:
 
     @cached_property
     def ray(self) -> SurfaceRay:
-        """Answers rays of the world."""
+        """Answer rays of the world."""
         return SurfaceRay(self.rest.blocks, self.positions)
 
     def carry(self, located: Located) -> NDArray[np.float64]:

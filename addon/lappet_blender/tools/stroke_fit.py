@@ -11,8 +11,10 @@ from lappet.geometry.curve import sample_curve
 
 
 def simplify(points: ArrayLike, tolerance: float) -> list[int]:
-    """The points of a polyline (n, 3) to keep so that no other lies farther than `tolerance` from what is left
-    (Douglas and Peucker 1973); the first and the last are always kept."""
+    """The points of a polyline (n, 3) to keep so that no other lies farther than `tolerance` from what is left.
+
+    The first and the last are always kept (Douglas and Peucker 1973).
+    """
     line = np.asarray(points, np.float64).reshape(-1, 3)
     if len(line) < 3:
         return list(range(len(line)))
@@ -58,8 +60,10 @@ def fit_stroke(points: ArrayLike, tolerance: float) -> NDArray[np.float64]:
 
 
 def with_ends(points: ArrayLike) -> NDArray[np.float64]:
-    """Control points of an open Catmull-Rom curve that begins and ends at the first and last of these (n, 3): USD's
-    curve runs from its second to its last but one point, so both ends are given twice."""
+    """Control points of an open Catmull-Rom curve that begins and ends at the first and last of these (n, 3).
+
+    USD's curve runs from its second to its last but one point, so both ends are given twice.
+    """
     line = np.asarray(points, np.float64).reshape(-1, 3)
     return np.concatenate([line[:1], line, line[-1:]])
 

@@ -31,7 +31,7 @@ class SurfaceBlocks:
 
 
 class SurfaceRay:
-    """Answers rays against one set of positions (n, 3) of a surface."""
+    """Answer rays against one set of positions (n, 3) of a surface."""
 
     def __init__(self, blocks: SurfaceBlocks, positions: NDArray[np.float64]) -> None:
         self._blocks = blocks

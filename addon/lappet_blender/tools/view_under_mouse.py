@@ -63,8 +63,10 @@ def viewer_of(data: bpy.types.RegionView3D) -> tuple[Vector, bool]:
 
 
 def nearest_on_line(place: Vector, axis: Vector, origin: Vector, direction: Vector) -> Vector:
-    """The point of the line through `place` along `axis` that is nearest to another line; `place` where they are
-    parallel."""
+    """The point of the line through `place` along `axis` that is nearest to another line.
+
+    `place` itself where they are parallel.
+    """
     u, v = axis.normalized(), direction.normalized()
     between, cosine = origin - place, u.dot(v)
     slope = 1.0 - cosine * cosine

@@ -93,7 +93,8 @@ class LiveSession:
                 self.close()
                 if attempt == TRIES:
                     raise
-                self._note(f"{error} It was pulling frame {self._frame.time:g} and is started again.")
+                at = f"It was pulling frame {self._frame.time:g} and is started again."
+                self._note(f"{error.problems[0].message} {at}")
             else:
                 if solved.converged:
                     self._keep(frame.epoch, solved)

@@ -1,8 +1,8 @@
-"""`python -m lappet.bench [kernels] [scenes] [sheets] -o DIR`: measures, writes the tables, prints them.
+"""`python -m lappet.bench [kernels] [scenes] [sheets] [pipeline] -o DIR`: measures, writes the tables, prints them.
 
-Writes kernels.json, scenes.json and sheets.json with a .csv of the rows of each, and bench.md with all of them as
-Markdown. Parts that are not asked for keep the files of an earlier run, but for bench.md. Exits with 1 where a scene or
-a sheet does not converge.
+Writes kernels.json, scenes.json, sheets.json and pipeline.json with a .csv of the rows of each, and bench.md with all
+of them as Markdown. Parts that are not asked for keep the files of an earlier run, but for bench.md. Exits with 1 where
+a scene or a sheet does not converge.
 """
 
 from __future__ import annotations
@@ -14,13 +14,15 @@ from typing import Any
 import click
 
 from lappet.bench import kernels as kernel_suite
+from lappet.bench import pipeline as pipeline_suite
 from lappet.bench import scenes as scene_suite
 from lappet.bench import tables
 from lappet.bench.circumstances import circumstances, cores
 from lappet.core.problem import RefusedError
 
-PARTS = ("kernels", "scenes", "sheets")
+PARTS = ("kernels", "scenes", "sheets", "pipeline")
 # What the scenes need to know of the machine, when the kernels are not measured: its limits, in a second or two.
+QUICK_UNTIL = 3  # of the stages' scenes
 LIMITS_ONLY = "^(copy|multiply_add)/"
 
 
@@ -31,9 +33,13 @@ LIMITS_ONLY = "^(copy|multiply_add)/"
 )
 @click.option("--examples", default=Path("examples"), show_default=True, type=click.Path(path_type=Path))
 @click.option("--fine", is_flag=True, help="Scenes at their fine spacings too, sheets up to a million cells: an hour.")
-@click.option("--quick", is_flag=True, help="Kernels once and on little memory: to see that all of it works.")
+@click.option(
+    "--quick",
+    is_flag=True,
+    help="Kernels once and on little memory, stages of a few frames: to see that all of it works.",
+)
 def main(parts: tuple[str, ...], folder: Path, examples: Path, fine: bool, quick: bool) -> None:
-    """Measure the PARTS (kernels, scenes, sheets; all of them by default)."""
+    """Measure the PARTS (kernels, scenes, sheets, pipeline; all of them by default)."""
     folder.mkdir(parents=True, exist_ok=True)
     try:
         failures = run(parts or PARTS, folder, examples, fine, quick)
@@ -94,6 +100,9 @@ def run(parts: tuple[str, ...], folder: Path, examples: Path, fine: bool, quick:
         found = sheets(fine)
         write("Sheets", "sheets", tables.sheets_markdown(found), found, summary=summary(found))
         failures += [f"{row.benchmark} at {row.spacing_mm:g} mm: {row.reason}" for row in found if not row.converged]
+    if "pipeline" in parts:
+        stages = pipeline_suite.pipeline(examples, folder, until=QUICK_UNTIL if quick else None)
+        write("Pipeline", "pipeline", tables.pipeline_markdown(stages), stages)
     (folder / "bench.md").write_text("\n".join(document), encoding="utf-8")
     print(f"written: {folder}")
     return failures

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from lappet.bench.kernels import KernelMeasure, Suite
+from lappet.bench.pipeline import StageMeasure
 from lappet.bench.scenes import SceneMeasure
 from lappet.bench.sheets import SheetMeasure, summary
 
@@ -198,6 +199,33 @@ def sheets_markdown(rows: Sequence[SheetMeasure]) -> str:
     ]
     said = "".join(f"\n- {name.replace('_', ' ')}: {value:.3g}" for name, value in summary(rows).items())
     return markdown_table([*(name.replace("_", " ") for name in names), ""], body) + said + "\n"
+
+
+def pipeline_markdown(rows: Sequence[StageMeasure]) -> str:
+    """Write the stages of the solves as Markdown.
+
+    Parameters
+    ----------
+    rows
+        The rows, those of a scene together.
+
+    Returns
+    -------
+    str
+        The text.
+    """
+    scenes = dict.fromkeys((row.scene, row.spacing_mm, row.cells, row.frames, row.threads) for row in rows)
+    stages = list(dict.fromkeys(row.stage for row in rows))
+    found = {(row.scene, row.spacing_mm, row.stage): row for row in rows}
+    body = []
+    for scene, spacing, cells, frames, threads in scenes:
+        own = [found[scene, spacing, stage] for stage in stages]
+        body.append(
+            [f"{scene} at {spacing:g} mm", cells, frames, threads]
+            + [f"{row.seconds:.2f} ({row.own_seconds:.2f}, {100 * row.share:.0f} %)" for row in own]
+        )
+    text = "Seconds; in brackets those on a processor without the daemon's, and the share of the whole solve.\n\n"
+    return text + markdown_table(["scene", "cells", "frames", "threads", *stages], body)
 
 
 def _kernel_cell(row: KernelMeasure | None) -> str:

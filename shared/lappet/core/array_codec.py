@@ -16,7 +16,7 @@ import msgpack
 import numpy as np
 from numpy.typing import NDArray
 
-from lappet.core.problem import ProblemsError
+from lappet.core.problem import SentenceError
 from lappet.core.problem_code import ProblemCode
 
 DTYPES: dict[str, np.dtype[Any]] = {
@@ -36,10 +36,10 @@ ExtensionHook = Callable[[int, bytes], Any]
 Bytes = bytes | memoryview
 
 
-class CodecError(ProblemsError, ValueError):
+class CodecError(SentenceError, ValueError):
     """Bytes that hold no value, or a value that cannot be written; the sentence names the field and its value."""
 
-    code_of_sentences = ProblemCode.PIPE_MALFORMED
+    code = ProblemCode.PIPE_MALFORMED
 
 
 @dataclass(frozen=True)

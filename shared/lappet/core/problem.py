@@ -84,19 +84,13 @@ class Problem:
 class ProblemsError(Exception):
     """An error that carries what is wrong as values; its text is made from them.
 
-    A subclass whose errors are all of one kind names its `code` and may be raised with a sentence alone.
-
     Parameters
     ----------
     problems
-        Every reason, or the sentence of the one reason.
+        Every reason.
     """
 
-    code_of_sentences: ClassVar[ProblemCode] = ProblemCode.UNSORTED
-
-    def __init__(self, problems: Sequence[Problem] | str) -> None:
-        if isinstance(problems, str):
-            problems = (problem(self.code_of_sentences, "", problems),)
+    def __init__(self, problems: Sequence[Problem]) -> None:
         super().__init__(tuple(problems))
 
     @classmethod
@@ -132,6 +126,21 @@ class ProblemsError(Exception):
 
     def __str__(self) -> str:
         return "\n".join(str(each) for each in self.problems)
+
+
+class SentenceError(ProblemsError):
+    """An error about the form of a message; all of a class have its code, and a sentence for developers.
+
+    Parameters
+    ----------
+    problems
+        The sentence, or the problems of another such error.
+    """
+
+    code: ClassVar[ProblemCode]
+
+    def __init__(self, problems: Sequence[Problem] | str) -> None:
+        super().__init__((problem(self.code, "", problems),) if isinstance(problems, str) else problems)
 
 
 class RefusedError(ProblemsError, ValueError):

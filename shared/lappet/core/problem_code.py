@@ -221,7 +221,6 @@ class ProblemCode(StrEnum):
     ECONOMY_FILE = auto()
 
     # texts/program.toml
-    UNSORTED = auto()
     INTERNAL = auto()
     PROGRAM_POINT_OFF_TISSUE = auto()
     PROGRAM_ANCHOR_EXCISED = auto()

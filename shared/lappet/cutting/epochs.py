@@ -69,10 +69,10 @@ def build_epochs(procedure: Procedure) -> list[Epoch]:
         freeing = [e for e in events if isinstance(e, Undermine)]
         for event in freeing:
             surface = undermine(surface, rest, skin, event, spacing, _TIMELINE)
-        if freeing:
-            tissue = LabelledSolid.from_surface(surface)
         _refuse_broken(surface, time)
-        epochs.append(Epoch(index, float(time), surface, len(tissue.solid.decompose())))
+        epochs.append(Epoch(index, float(time), surface, len(tissue.solid.decompose())))  # undermining parts nothing
+        if freeing and index + 1 < len(steps):
+            tissue = LabelledSolid.from_surface(surface)
     return epochs
 
 

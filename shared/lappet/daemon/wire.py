@@ -27,7 +27,7 @@ Value = TypeVar("Value")
 class WireError(CodecError):
     """A message that breaks PROTOCOL.md; the sentence names the field, its value and what is expected."""
 
-    code_of_sentences = ProblemCode.WIRE_MALFORMED
+    code = ProblemCode.WIRE_MALFORMED
 
 
 @dataclass(frozen=True, eq=False)

@@ -190,16 +190,16 @@ def _tree(
 
 def _halved(points: NDArray[np.float64], depth: int) -> NDArray[np.int64]:
     """An order of points (k, 3), k a multiple of 2^depth: halved so often, each part across its longest side."""
-    placed = np.ascontiguousarray(points.T)[:, None]  # coordinate, part, point
-    order = np.arange(len(points))[None]
-    for _ in range(depth):
-        half = order.shape[1] // 2
-        axis = (placed.max(axis=2) - placed.min(axis=2)).argmax(axis=0)
-        along = np.take_along_axis(placed, axis[None, :, None], axis=0)[0]
-        parted = np.argpartition(along, half, axis=1)
-        order = np.take_along_axis(order, parted, axis=1).reshape(-1, half)
-        placed = np.take_along_axis(placed, parted[None], axis=2).reshape(3, -1, half)
-    return order.ravel()
+    order, placed = np.arange(len(points)), np.ascontiguousarray(points.T)
+    for level in range(depth):
+        parts = 1 << level
+        size = len(points) // parts
+        rows = placed.reshape(3, parts, size)
+        axis = (rows.max(axis=2) - rows.min(axis=2)).argmax(axis=0)
+        parted = np.argpartition(rows[axis, np.arange(parts)], size // 2, axis=1)
+        moved = (parted + np.arange(0, len(points), size)[:, None]).ravel()
+        order, placed = order[moved], np.take(placed, moved, axis=1)
+    return order
 
 
 def _least(groups: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -249,6 +249,8 @@ def _of_edges(
     owners = np.repeat(np.arange(len(counts)), counts)
     real = edges[:, 0] != edges[:, 1]
     edges, owners = edges[real], owners[real]
+    if _all_paired(edges):  # what is wrong takes longer to find
+        return
     pairs, inverse, uses = unique_edges(edges)
     forward = np.zeros(len(pairs), np.int64)
     np.add.at(forward, inverse, np.where(edges[:, 0] < edges[:, 1], 1, -1))
@@ -261,6 +263,16 @@ def _of_edges(
             middles = points[pairs[wrong]].mean(axis=1)
             faces = np.unique(owners[wrong[inverse]])
             yield _fault(code, middles, edges=pairs[wrong], faces=faces, uses=int(uses[wrong][0]))
+
+
+def _all_paired(edges: NDArray[np.int64]) -> bool:
+    """Whether each directed edge (k, 2) occurs once, and once the other way around."""
+    if len(edges) % 2:
+        return False
+    a, b = edges.T
+    size = int(edges.max(initial=0)) + 1
+    keys = np.sort(2 * (np.minimum(a, b) * size + np.maximum(a, b)) + (a > b))  # even ahead, odd back
+    return bool((keys[::2] % 2 == 0).all() and (keys[1::2] == keys[::2] + 1).all() and (np.diff(keys) > 0).all())
 
 
 def _of_volume(points: NDArray[np.float64], triangles: NDArray[np.int64]) -> list[MeshFault]:

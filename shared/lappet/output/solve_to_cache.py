@@ -19,7 +19,6 @@ from lappet.procedure.prim_paths import ROOT
 from lappet.program.compile import DEFAULT, compile_program, frame_times
 from lappet.program.program import Program
 from lappet.program.settings import SolverSettings
-from lappet.solve.error_estimate import ErrorEstimate
 from lappet.solve.solve_frames import FrameResult, SolveObserver, solve_program
 from lappet.solve.store import FrameStore
 from lappet.usd.stage import SUFFIXES, read_procedure, write_procedure

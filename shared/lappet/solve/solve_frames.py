@@ -235,7 +235,7 @@ class _Session:
                 self._abandon()
                 if attempt == TRIES:
                     raise SolverDiedError.of(ProblemCode.DAEMON_DIED_AGAIN, "", TRIES, said=error) from error
-                watch.note(f"{error} It was solving frame {frame.time:g} and is started again.")
+                watch.note(f"{error.problems[0].message} It was solving frame {frame.time:g} and is started again.")
             except BaseException:
                 self._abandon()
                 raise

@@ -24,8 +24,8 @@ inline constexpr double kStencilRadius = 1.0;  // mm
 inline constexpr double kStencilShare = 0.5;
 
 struct AnchorStencil {
-  std::vector<std::int32_t> nodes;  // distinct
-  std::vector<double> weights;      // sum to one; the first moment is the anchor's
+  std::vector<Index> nodes;     // distinct
+  std::vector<double> weights;  // sum to one; the first moment is the anchor's
 };
 
 // reach: mm.

@@ -12,7 +12,7 @@ namespace lappet {
 
 struct Block {
   std::array<std::int32_t, 3> position;  // of its corner, in blocks
-  std::array<std::int32_t, 8> cells;     // by place in the block (x<<2 | y<<1 | z), -1 where missing
+  std::array<Index, 8> cells;            // by place in the block (x<<2 | y<<1 | z), -1 where missing
 };
 
 // Ordered by position; deterministic.

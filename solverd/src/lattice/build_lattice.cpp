@@ -17,7 +17,7 @@ namespace {
 // Voxels that hold less than half or more than twice the tissue's volume do not represent it.
 void check_volume(const Surface& surface, const LatticeSettings& settings, std::int64_t voxels) {
   const double edge = settings.spacing / settings.fine_ratio;
-  const double wanted = measure(surface).volume, got = static_cast<double>(voxels) * edge * edge * edge;
+  const double wanted = measure(surface).volume, got = double(voxels) * edge * edge * edge;
   if (voxels > 0 && got > 0.5 * wanted && got < 2.0 * wanted) return;
   std::array<char, 256> text{};
   std::snprintf(text.data(), text.size(),

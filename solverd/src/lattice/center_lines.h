@@ -19,15 +19,15 @@ class CenterLines {
  public:
   CenterLines(const Crossings& crossings, std::size_t axis, const VoxelBox& box)
       : crossings_(crossings.all), axis_(axis), u_(axis == 0 ? 1 : 0), v_(axis == 2 ? 1 : 2) {
-    width_ = box.voxels(static_cast<int>(v_));
-    first_.assign(static_cast<std::size_t>(std::int64_t{box.voxels(static_cast<int>(u_))} * width_) + 1, 0);
+    width_ = box.voxels(v_);
+    first_.assign(box.voxels(u_) * width_ + 1, 0);
     for (const Crossing& c : crossings_)
       if (c.axis == axis_) ++first_[line_of(c) + 1];
     for (std::size_t i = 1; i < first_.size(); ++i) first_[i] += first_[i - 1];
     order_.resize(first_.back());
     std::vector<std::uint32_t> next(first_.begin(), first_.end() - 1);
     for (std::size_t i = 0; i < crossings_.size(); ++i)
-      if (crossings_[i].axis == axis_) order_[next[line_of(crossings_[i])]++] = static_cast<std::uint32_t>(i);
+      if (crossings_[i].axis == axis_) order_[next[line_of(crossings_[i])]++] = std::uint32_t(i);
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count(), 4096), [&](const auto& range) {
       for (std::size_t line = range.begin(); line != range.end(); ++line) {
         // Crossings at one place: entering ones last, so that coincident walls leave the tissue before they enter it.
@@ -46,9 +46,6 @@ class CenterLines {
   std::span<const std::uint32_t> on(std::size_t line) const {
     return {order_.data() + first_[line], first_[line + 1] - first_[line]};
   }
-  std::span<const std::uint32_t> on(std::int32_t u, std::int32_t v) const {
-    return on(static_cast<std::size_t>(std::int64_t{u} * width_ + v));
-  }
 
   // Calls run(first, last + 1, winding) along a line for the voxels between crossings where the winding is not zero,
   // and segment(lower, crossings, winding before, winding after) for every crossed segment. Returns the winding at the
@@ -59,7 +56,7 @@ class CenterLines {
     int winding = 0;
     std::int32_t from = 0;
     for (std::size_t i = 0; i < list.size();) {
-      const std::int32_t lower = crossings_[list[i]].lower[axis_];
+      const Index lower = crossings_[list[i]].lower[axis_];
       std::size_t j = i;
       int after = winding;
       for (; j < list.size() && crossings_[list[j]].lower[axis_] == lower; ++j) after += crossings_[list[j]].winding;
@@ -73,9 +70,7 @@ class CenterLines {
   }
 
  private:
-  std::size_t line_of(const Crossing& c) const {
-    return static_cast<std::size_t>(std::int64_t{c.lower[u_]} * width_ + c.lower[v_]);
-  }
+  std::size_t line_of(const Crossing& c) const { return c.lower[u_] * width_ + c.lower[v_]; }
   const std::vector<Crossing>& crossings_;
   std::size_t axis_, u_, v_;
   std::int64_t width_ = 0;

@@ -30,13 +30,12 @@ void scan_rows(std::array<StepPoint, 3> corner, const std::array<std::int64_t, 3
   if (normal[axis] < 0) std::swap(corner[1], corner[2]);
   const auto [low, high] = std::minmax({corner[0][v], corner[1][v], corner[2][v]});
   const std::int64_t first_v = std::max<std::int64_t>(0, ceil_divide(low - kSteps / 2, kSteps));
-  const std::int64_t last_v =
-      std::min<std::int64_t>(box.voxels(static_cast<int>(v)) - 1, floor_divide(high - kSteps / 2, kSteps));
+  const std::int64_t last_v = std::min<std::int64_t>(box.voxels(v) - 1, floor_divide(high - kSteps / 2, kSteps));
 
   // Edge a -> b: E(U, V) = du (V - a_v) - dv (U - a_u) must be positive at the moved center. E = 0 is decided by
   // du e_v - dv e_u, of which the axis with the smaller number has the larger e.
   struct Edge {
-    std::int64_t du, dv, a_u, a_v, least;
+    std::int64_t du, dv, a_u, a_v, minimum;
   };
   std::array<Edge, 3> edges;
   for (std::size_t k = 0; k < 3; ++k) {
@@ -46,10 +45,10 @@ void scan_rows(std::array<StepPoint, 3> corner, const std::array<std::int64_t, 3
     edges[k] = {du, dv, a[u], a[v], tie > 0 ? 0 : 1};
   }
   for (std::int64_t line = first_v; line <= last_v; ++line) {
-    std::int64_t first_u = 0, last_u = box.voxels(static_cast<int>(u)) - 1;
+    std::int64_t first_u = 0, last_u = box.voxels(u) - 1;
     for (const Edge& e : edges) {
-      // E - least = rest - dv kSteps u' for the center u'.
-      const std::int64_t rest = e.du * (center(line) - e.a_v) - e.dv * (kSteps / 2 - e.a_u) - e.least;
+      // E - minimum = rest - dv kSteps u' for the center u'.
+      const std::int64_t rest = e.du * (center(line) - e.a_v) - e.dv * (kSteps / 2 - e.a_u) - e.minimum;
       if (e.dv > 0)
         last_u = std::min(last_u, floor_divide(rest, e.dv * kSteps));
       else if (e.dv < 0)
@@ -61,9 +60,8 @@ void scan_rows(std::array<StepPoint, 3> corner, const std::array<std::int64_t, 3
   }
 }
 
-std::array<StepPoint, 3> corners_of(std::span<const StepPoint> points, const std::array<std::int32_t, 3>& triangle) {
-  return {points[static_cast<std::size_t>(triangle[0])], points[static_cast<std::size_t>(triangle[1])],
-          points[static_cast<std::size_t>(triangle[2])]};
+std::array<StepPoint, 3> corners_of(std::span<const StepPoint> points, const std::array<Index, 3>& triangle) {
+  return {points[triangle[0]], points[triangle[1]], points[triangle[2]]};
 }
 
 // The crossing of one line with the plane of a triangle: floor of its height above the first center, in steps, lowered
@@ -80,12 +78,12 @@ std::int64_t height_above_first_center(const StepPoint& on_plane, const std::arr
   std::int64_t quotient;
   bool exact;
   if (numerator >= std::numeric_limits<std::int64_t>::min() && numerator <= std::numeric_limits<std::int64_t>::max()) {
-    const auto n = static_cast<std::int64_t>(numerator);
+    const std::int64_t n = numerator;
     quotient = floor_divide(n, denominator);
     exact = n % denominator == 0;
   } else {
     const Wide q = numerator / denominator, rest = numerator % denominator;
-    quotient = static_cast<std::int64_t>(q) - (rest < 0 ? 1 : 0);
+    quotient = std::int64_t(q) - (rest < 0 ? 1 : 0);
     exact = rest == 0;
   }
   std::int64_t height = quotient + on_plane[axis] - kSteps / 2;
@@ -108,7 +106,7 @@ std::array<std::int64_t, 3> area_vector(const StepPoint& a, const StepPoint& b, 
 }
 
 std::vector<std::int64_t> count_crossings(std::span<const StepPoint> points,
-                                          std::span<const std::array<std::int32_t, 3>> triangles, const VoxelBox& box) {
+                                          std::span<const std::array<Index, 3>> triangles, const VoxelBox& box) {
   std::vector<std::int64_t> first(triangles.size() + 1, 0);
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, triangles.size(), 256), [&](const auto& range) {
     for (std::size_t t = range.begin(); t != range.end(); ++t) {
@@ -125,11 +123,11 @@ std::vector<std::int64_t> count_crossings(std::span<const StepPoint> points,
   return first;
 }
 
-Crossings find_crossings(std::span<const StepPoint> points, std::span<const std::array<std::int32_t, 3>> triangles,
+Crossings find_crossings(std::span<const StepPoint> points, std::span<const std::array<Index, 3>> triangles,
                          const VoxelBox& box, std::vector<std::int64_t> first) {
   Crossings result;
   result.first = std::move(first);
-  result.all.resize(static_cast<std::size_t>(result.first.back()));
+  result.all.resize(result.first.back());
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, triangles.size(), 64), [&](const auto& range) {
     for (std::size_t t = range.begin(); t != range.end(); ++t) {
       const auto corner = corners_of(points, triangles[t]);
@@ -141,11 +139,11 @@ Crossings find_crossings(std::span<const StepPoint> points, std::span<const std:
           for (std::int64_t i = first_u; i <= last_u; ++i) {
             const std::int64_t height = height_above_first_center(corner[0], normal, axis, center(i), center(line));
             Voxel lower;
-            lower[u] = static_cast<std::int32_t>(i);
-            lower[v] = static_cast<std::int32_t>(line);
-            lower[axis] = static_cast<std::int32_t>(height >> kStepBits);
-            *out++ = {lower, static_cast<std::uint16_t>(height & (kSteps - 1)),
-                      static_cast<std::int8_t>(normal[axis] > 0 ? -1 : 1), static_cast<std::uint8_t>(axis)};
+            lower[u] = std::int32_t(i);
+            lower[v] = std::int32_t(line);
+            lower[axis] = std::int32_t(height >> kStepBits);
+            *out++ = {lower, std::uint16_t(height & (kSteps - 1)), std::int8_t(normal[axis] > 0 ? -1 : 1),
+                      std::uint8_t(axis)};
           }
         });
       }

@@ -13,6 +13,7 @@
 #include <tuple>
 
 #include "lattice/refused.h"
+#include "math/groups.h"
 
 namespace lappet {
 namespace {
@@ -55,13 +56,13 @@ Embedder::Embedder(const Lattice& lattice, const Surface& surface)
                                                  std::to_string(fine_.triangle_count()) + ".");
 }
 
-Vec3 Embedder::surface_point(std::int32_t index) const {
+Vec3 Embedder::surface_point(Index index) const {
   const auto& low = fine_.box().low;
-  return (surface_.points[static_cast<std::size_t>(index)] - lattice_.settings.origin) * voxels_per_mm_ -
+  return (surface_.points[index] - lattice_.settings.origin) * voxels_per_mm_ -
          fine_.box().ratio * Vec3(low[0], low[1], low[2]);
 }
 
-const VoxelTree& Embedder::tree_of(std::int32_t triangle) {
+const VoxelTree& Embedder::tree_of(Index triangle) {
   const auto [found, fresh] = trees_.try_emplace(triangle);
   if (fresh) found->second = VoxelTree(fine_.inner_voxels(triangle));
   return found->second;
@@ -70,20 +71,20 @@ const VoxelTree& Embedder::tree_of(std::int32_t triangle) {
 // The inside voxel on the inner side of the surface that is nearest to the point *along the surface*: a triangle
 // reached over an edge counts as at least as far as that edge is from the point, so the far wall of a narrow cut is as
 // far as the end of the cut.
-Voxel Embedder::inner_voxel(const Vec3& point, std::span<const std::int32_t> triangles) {
+Voxel Embedder::inner_voxel(const Vec3& point, std::span<const Index> triangles) {
   ++search_;
   front_.clear();
-  const auto reach_later = [&](double reach, std::int32_t triangle) {
+  const auto reach_later = [&](double reach, Index triangle) {
     front_.emplace_back(reach, triangle);
     std::push_heap(front_.begin(), front_.end(), std::greater<>());
   };
   double best = std::numeric_limits<double>::infinity();
   Voxel result{-1, -1, -1};
-  const auto corners_of = [&](std::int32_t triangle) {
-    const auto& corners = surface_.triangles[static_cast<std::size_t>(triangle)];
+  const auto corners_of = [&](Index triangle) {
+    const auto& corners = surface_.triangles[triangle];
     return std::array<Vec3, 3>{surface_point(corners[0]), surface_point(corners[1]), surface_point(corners[2])};
   };
-  for (const std::int32_t t : triangles) {
+  for (const Index t : triangles) {
     const auto [a, b, c] = corners_of(t);
     reach_later(distance_to_triangle(point, a, b, c), t);
   }
@@ -92,11 +93,11 @@ Voxel Embedder::inner_voxel(const Vec3& point, std::span<const std::int32_t> tri
     std::pop_heap(front_.begin(), front_.end(), std::greater<>());
     front_.pop_back();
     if (reach >= best) break;
-    auto& seen = seen_[static_cast<std::size_t>(triangle)];
+    auto& seen = seen_[triangle];
     if (seen == search_) continue;
     seen = search_;
-    const auto look = [&, least = reach](const Voxel& voxel) {
-      const double far = std::max(least, (VoxelTree::center(voxel) - point).norm());
+    const auto look = [&, min_distance = reach](const Voxel& voxel) {
+      const double far = std::max(min_distance, (VoxelTree::center(voxel) - point).norm());
       if ((far < best || (far == best && voxel < result)) && (none_dropped_ || fine_.lattice_cell(voxel) >= 0)) {
         best = far;
         result = voxel;
@@ -113,8 +114,8 @@ Voxel Embedder::inner_voxel(const Vec3& point, std::span<const std::int32_t> tri
     const auto& neighbors = fine_.neighbors(triangle);
     const auto corner = corners_of(triangle);
     for (std::size_t k = 0; k < 3; ++k) {
-      const std::int32_t next = neighbors[k];
-      if (next < 0 || seen_[static_cast<std::size_t>(next)] == search_) continue;
+      const Index next = neighbors[k];
+      if (next < 0 || seen_[next] == search_) continue;
       const double edge = distance_to_segment(point, corner[k], corner[(k + 1) % 3]);
       if (std::max(reach, edge) < best) reach_later(std::max(reach, edge), next);
     }
@@ -122,11 +123,11 @@ Voxel Embedder::inner_voxel(const Vec3& point, std::span<const std::int32_t> tri
   return result;
 }
 
-// For a crumb of tissue that no voxel center lies in: it is carried by what is nearest.
+// For a fragment so small that it holds no voxel center: the nearest voxel of all carries it.
 Voxel Embedder::nearest_of_all(const Vec3& point) const {
   double best = std::numeric_limits<double>::infinity();
   Voxel result{-1, -1, -1};
-  for (std::int32_t t = 0; t < fine_.triangle_count(); ++t)
+  for (Index t = 0; t < fine_.triangle_count(); ++t)
     for (const Voxel voxel : fine_.inner_voxels(t)) {
       const double far = (VoxelTree::center(voxel) - point).squaredNorm();
       if ((far < best || (far == best && voxel < result)) && fine_.lattice_cell(voxel) >= 0) {
@@ -138,14 +139,14 @@ Voxel Embedder::nearest_of_all(const Vec3& point) const {
 }
 
 // From a voxel on the right side over connected voxels to the cell that holds the point, or comes nearest to it.
-std::int32_t Embedder::walk_to_cell(const Vec3& point, const Voxel& start) {
+Index Embedder::walk_to_cell(const Vec3& point, const Voxel& start) {
   const std::int32_t r = fine_.box().ratio;
   // Distance of the point from the cell of a voxel, then from the voxel.
   using Rank = std::tuple<double, double, Voxel>;
   const auto rank = [&](const Voxel& voxel) {
     Vec3 out = Vec3::Zero();
     for (std::size_t a = 0; a < 3; ++a) {
-      const auto axis = static_cast<Eigen::Index>(a);
+      const Eigen::Index axis = a;
       const double low = voxel[a] / r * r;
       out[axis] = std::max({0.0, low - point[axis], point[axis] - low - r});
     }
@@ -166,7 +167,7 @@ std::int32_t Embedder::walk_to_cell(const Vec3& point, const Voxel& start) {
     for (int axis = 0; axis < 3; ++axis)
       for (const int direction : {-1, 1}) {
         Voxel next = voxel;
-        next[static_cast<std::size_t>(axis)] += direction;
+        next[axis] += direction;
         if ((VoxelTree::center(next) - point).norm() > reach ||
             std::find(seen.begin(), seen.end(), next) != seen.end() ||
             !fine_.connected_above(direction > 0 ? voxel : next, axis))
@@ -179,7 +180,7 @@ std::int32_t Embedder::walk_to_cell(const Vec3& point, const Voxel& start) {
   return fine_.lattice_cell(std::get<2>(best));
 }
 
-EmbeddedPoint Embedder::embed(const Vec3& point, std::span<const std::int32_t> triangles) {
+EmbeddedPoint Embedder::embed(const Vec3& point, std::span<const Index> triangles) {
   const std::int32_t r = fine_.box().ratio;
   const auto& low = fine_.box().low;
   const Vec3 grid = (point - lattice_.settings.origin) / lattice_.settings.spacing;
@@ -188,7 +189,7 @@ EmbeddedPoint Embedder::embed(const Vec3& point, std::span<const std::int32_t> t
   if (voxel[0] < 0) voxel = nearest_of_all(at);
   EmbeddedPoint result;
   result.cell = walk_to_cell(at, voxel);
-  const auto& position = lattice_.cell_position(static_cast<std::size_t>(result.cell));
+  const auto& position = lattice_.cell_position(result.cell);
   Vec3 local = grid - Vec3(position[0], position[1], position[2]);
   for (double& x : local)
     if (std::abs(x - std::round(x)) < kRounding) x = std::round(x);
@@ -199,28 +200,22 @@ EmbeddedPoint Embedder::embed(const Vec3& point, std::span<const std::int32_t> t
 }
 
 std::vector<EmbeddedPoint> embed_surface(const Lattice& lattice, const Surface& surface) {
-  std::vector<std::uint32_t> first(surface.points.size() + 1, 0);
-  for (const auto& t : surface.triangles)
-    for (const std::int32_t p : t) ++first[static_cast<std::size_t>(p) + 1];
-  for (std::size_t p = 1; p < first.size(); ++p) first[p] += first[p - 1];
-  std::vector<std::int32_t> incident(first.back());
-  std::vector<std::uint32_t> next(first.begin(), first.end() - 1);
-  for (std::size_t t = 0; t < surface.triangles.size(); ++t)
-    for (const std::int32_t p : surface.triangles[t])
-      incident[next[static_cast<std::size_t>(p)]++] = static_cast<std::int32_t>(t);
+  std::vector<Index> corners;
+  corners.reserve(3 * surface.triangles.size());
+  for (const auto& t : surface.triangles) corners.insert(corners.end(), t.begin(), t.end());
+  Groups triangles = group_by(corners, surface.points.size());
+  for (Index& corner : triangles.items) corner /= 3;
 
   std::vector<EmbeddedPoint> result(surface.points.size());
   tbb::enumerable_thread_specific<Embedder> embedder([&] { return Embedder(lattice, surface); });
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, surface.points.size(), 64), [&](const auto& range) {
     Embedder& local = embedder.local();
-    for (std::size_t p = range.begin(); p != range.end(); ++p)
-      result[p] = local.embed(surface.points[p], {incident.data() + first[p], first[p + 1] - first[p]});
+    for (std::size_t p = range.begin(); p != range.end(); ++p) result[p] = local.embed(surface.points[p], triangles[p]);
   });
   return result;
 }
 
-EmbeddedPoint embed_on_triangle(const Lattice& lattice, const Surface& surface, const Vec3& point,
-                                std::int32_t triangle) {
+EmbeddedPoint embed_on_triangle(const Lattice& lattice, const Surface& surface, const Vec3& point, Index triangle) {
   if (triangle < 0 || static_cast<std::size_t>(triangle) >= surface.triangles.size())
     throw RefusedError(ErrorCode::kInvalidInput, "An anchor names triangle " + std::to_string(triangle) +
                                                      " of the tissue surface, which has " +

@@ -23,14 +23,14 @@ class Embedder {
   Embedder(const Lattice& lattice, const Surface& surface);
 
   // `triangles`: those the point lies on or is a corner of.
-  EmbeddedPoint embed(const Vec3& point, std::span<const std::int32_t> triangles);
+  EmbeddedPoint embed(const Vec3& point, std::span<const Index> triangles);
 
  private:
-  Voxel inner_voxel(const Vec3& point, std::span<const std::int32_t> triangles);
-  const VoxelTree& tree_of(std::int32_t triangle);
+  Voxel inner_voxel(const Vec3& point, std::span<const Index> triangles);
+  const VoxelTree& tree_of(Index triangle);
   Voxel nearest_of_all(const Vec3& point) const;
-  std::int32_t walk_to_cell(const Vec3& point, const Voxel& start);
-  Vec3 surface_point(std::int32_t index) const;  // in voxels, relative to the box
+  Index walk_to_cell(const Vec3& point, const Voxel& start);
+  Vec3 surface_point(Index index) const;  // in voxels, relative to the box
 
   const Lattice& lattice_;
   const Surface& surface_;
@@ -39,8 +39,8 @@ class Embedder {
   bool none_dropped_;                // every inside voxel has a cell
   std::vector<std::uint32_t> seen_;  // per triangle: the search that met it last
   std::uint32_t search_ = 0;
-  std::vector<std::pair<double, std::int32_t>> front_;  // of a search: how far the point is at least, triangle
-  std::unordered_map<std::int32_t, VoxelTree> trees_;   // of triangles with many voxels
+  std::vector<std::pair<double, Index>> front_;  // of a search: how far the point is at least, triangle
+  std::unordered_map<Index, VoxelTree> trees_;   // of triangles with many voxels
 };
 
 // Every surface vertex, in order.

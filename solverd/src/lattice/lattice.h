@@ -21,13 +21,13 @@ struct LatticeSettings {
   double spacing = 1.0;                              // h, mm
   int fine_ratio = 4;                                // r: fine voxels per cell edge
   Vec3 origin = Vec3::Zero();                        // a grid point; the same for every epoch of a session
-  double fill_floor = 0.1;                           // least volume fraction a cell carries
+  double fill_floor = 0.1;                           // smallest volume fraction a cell carries
   std::size_t memory_budget = std::size_t{8} << 30;  // bytes; building refuses (throws) before exceeding it
 };
 
 // A point embedded in one fragment of one cell with trilinear weights (they may leave [0, 1] by a voxel at thin edges).
 struct EmbeddedPoint {
-  std::int32_t cell = -1;
+  Index cell = -1;
   std::array<double, 8> weights{};
 };
 
@@ -35,7 +35,7 @@ class FineVoxels;  // the rasterization behind a lattice, see voxelize.h
 
 struct Lattice {
   LatticeSettings settings;
-  std::vector<std::array<std::int32_t, 8>> cell_nodes;
+  std::vector<std::array<Index, 8>> cell_nodes;
   std::vector<float> cell_fill;  // volume fraction, in [fill_floor, 1]
   RestPositions node_rest;       // mm
 
@@ -51,9 +51,7 @@ struct Lattice {
 
   std::size_t cells() const { return cell_nodes.size(); }
   // The grid point of a cell's corner 0.
-  const GridPoint& cell_position(std::size_t cell) const {
-    return node_rest.grid_point(static_cast<std::size_t>(cell_nodes[cell][0]));
-  }
+  const GridPoint& cell_position(std::size_t cell) const { return node_rest.grid_point(cell_nodes[cell][0]); }
   std::vector<GridPoint> cell_positions() const;
   std::size_t bytes() const;
 };
@@ -64,8 +62,7 @@ Lattice build_lattice(const Surface& surface, const LatticeSettings& settings);
 
 // Embeds a rest point that lies on (or near) triangle `triangle` of the surface the lattice was built from; the side at
 // a wound is that of the triangle.
-EmbeddedPoint embed_on_triangle(const Lattice& lattice, const Surface& surface, const Vec3& point,
-                                std::int32_t triangle);
+EmbeddedPoint embed_on_triangle(const Lattice& lattice, const Surface& surface, const Vec3& point, Index triangle);
 
 // Carries a nodal field (positions) from the lattice of the previous epoch to a new one by rest position: a new cell
 // inherits from the old cell whose fragment contains it (fine voxels decide). Where several old cells reach one new

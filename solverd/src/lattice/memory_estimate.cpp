@@ -33,8 +33,7 @@ double round_up(double value) {
 
 bool fits(const SurfaceMeasure& measure, double spacing, int ratio, double budget) {
   return estimate_bytes(measure, spacing, ratio) <= budget &&
-         (measure.high - measure.low).maxCoeff() / spacing * ratio + 2.0 * ratio <
-             static_cast<double>(kMaxVoxelsPerAxis);
+         (measure.high - measure.low).maxCoeff() / spacing * ratio + 2.0 * ratio < double(kMaxVoxelsPerAxis);
 }
 
 }  // namespace
@@ -49,9 +48,9 @@ SurfaceMeasure measure(const Surface& surface) {
   }
   const Vec3 middle = 0.5 * (result.low + result.high);
   for (const auto& t : surface.triangles) {
-    const Vec3 a = surface.points[static_cast<std::size_t>(t[0])] - middle;
-    const Vec3 b = surface.points[static_cast<std::size_t>(t[1])] - middle;
-    const Vec3 c = surface.points[static_cast<std::size_t>(t[2])] - middle;
+    const Vec3 a = surface.points[t[0]] - middle;
+    const Vec3 b = surface.points[t[1]] - middle;
+    const Vec3 c = surface.points[t[2]] - middle;
     result.projected_area += 0.5 * (b - a).cross(c - a).cwiseAbs();
     result.volume += a.dot(b.cross(c)) / 6.0;
   }
@@ -74,7 +73,7 @@ double estimate_bytes(const SurfaceMeasure& measure, double spacing, int fine_ra
 }
 
 void check_memory(const SurfaceMeasure& measure, const LatticeSettings& settings) {
-  const auto budget = static_cast<double>(settings.memory_budget);
+  const auto budget = double(settings.memory_budget);
   const double h = settings.spacing;
   if (fits(measure, h, settings.fine_ratio, budget)) return;
   const double bytes = estimate_bytes(measure, h, settings.fine_ratio);

@@ -13,7 +13,7 @@ namespace lappet {
 
 // Two copies whose voxels are connected across the face between their cells; `upper` lies at +axis of `lower`.
 struct CopyLink {
-  std::int32_t lower, upper;
+  Index lower, upper;
   std::int32_t axis;
 };
 
@@ -22,8 +22,8 @@ std::vector<CopyLink> find_links(const FineVoxels& fine);
 
 // The connected components of the voxels, as a number per copy.
 struct Fragments {
-  std::vector<std::int32_t> of_copy;  // numbered by first copy; -1 once dropped
-  std::vector<std::int64_t> voxels;   // per fragment
+  std::vector<Index> of_copy;        // numbered by first copy; -1 once dropped
+  std::vector<std::int64_t> voxels;  // per fragment
 };
 Fragments find_fragments(const FineVoxels& fine, std::span<const CopyLink> links);
 
@@ -33,7 +33,7 @@ Fragments find_fragments(const FineVoxels& fine, std::span<const CopyLink> links
 // that its points are carried by the larger one); returns the number of voxels dropped and renumbers the rest.
 std::int64_t drop_specks(const FineVoxels& fine, Fragments& fragments);
 
-// Makes cells and nodes of what is left, tells `fine` which cell each copy became, and fills the counts of `lattice`.
+// Makes cells and nodes of what is left, stores in `fine` which cell each copy became, and fills the counts of `lattice`.
 void build_cells(FineVoxels& fine, std::span<const CopyLink> links, const Fragments& fragments, Lattice& lattice);
 
 }  // namespace lappet

@@ -1,5 +1,7 @@
 // Work that is refused: a small code for programs and a sentence for people. It ends at the daemon's boundary.
 #pragma once
+#include <array>
+#include <cstdio>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -25,5 +27,14 @@ class RefusedError : public std::runtime_error {
  private:
   ErrorCode code_;
 };
+
+[[noreturn]] inline void refuse(const std::string& sentence) { throw RefusedError(ErrorCode::kInvalidInput, sentence); }
+
+// A number as a sentence shows it.
+inline std::string shown(double value) {
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), "%g", value);
+  return text.data();
+}
 
 }  // namespace lappet

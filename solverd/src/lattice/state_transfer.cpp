@@ -17,35 +17,35 @@ namespace lappet {
 namespace {
 
 // Per new cell: the old cell that holds most of its voxels, or -1. The smallest number wins a tie.
-std::vector<std::int32_t> find_ancestors(const Lattice& from, const Lattice& to) {
+std::vector<Index> find_ancestors(const Lattice& from, const Lattice& to) {
   const FineVoxels &old_fine = *from.fine, &new_fine = *to.fine;
   const std::int32_t r = new_fine.box().ratio;
   std::array<std::int32_t, 3> shift;  // from the new box to the old one, cells
   for (std::size_t a = 0; a < 3; ++a) shift[a] = new_fine.box().low[a] - old_fine.box().low[a];
 
-  std::vector<std::int32_t> ancestor(to.cell_nodes.size(), -1);
-  tbb::parallel_for(tbb::blocked_range<std::int32_t>(0, new_fine.occupied_count(), 256), [&](const auto& range) {
+  std::vector<Index> ancestor(to.cell_nodes.size(), -1);
+  tbb::parallel_for(tbb::blocked_range<Index>(0, new_fine.occupied_count(), 256), [&](const auto& range) {
     struct Overlap {
-      std::int32_t new_cell, old_cell;
+      Index new_cell, old_cell;
       std::int64_t voxels;
     };
     std::vector<Overlap> overlaps;
-    for (std::int32_t place = range.begin(); place != range.end(); ++place) {
+    for (Index place = range.begin(); place != range.end(); ++place) {
       const auto& at = new_fine.position(place);
-      const std::int32_t old_place = old_fine.occupied_at(at[0] + shift[0], at[1] + shift[1], at[2] + shift[2]);
+      const Index old_place = old_fine.occupied_at(at[0] + shift[0], at[1] + shift[1], at[2] + shift[2]);
       if (old_place < 0) continue;
       if (new_fine.is_whole(place) && old_fine.is_whole(old_place)) {
         const auto& old_at = old_fine.position(old_place);
-        ancestor[static_cast<std::size_t>(new_fine.lattice_cell({at[0] * r, at[1] * r, at[2] * r}))] =
+        ancestor[new_fine.lattice_cell({at[0] * r, at[1] * r, at[2] * r})] =
             old_fine.lattice_cell({old_at[0] * r, old_at[1] * r, old_at[2] * r});
         continue;
       }
       overlaps.clear();
       for (std::int32_t i = 0; i < r * r * r; ++i) {
         const Voxel voxel{at[0] * r + i / (r * r), at[1] * r + i / r % r, at[2] * r + i % r};
-        const std::int32_t new_cell = new_fine.lattice_cell(voxel);
+        const Index new_cell = new_fine.lattice_cell(voxel);
         if (new_cell < 0) continue;
-        const std::int32_t old_cell =
+        const Index old_cell =
             old_fine.lattice_cell({voxel[0] + shift[0] * r, voxel[1] + shift[1] * r, voxel[2] + shift[2] * r});
         if (old_cell < 0) continue;
         const auto known = std::find_if(overlaps.begin(), overlaps.end(), [&](const Overlap& o) {
@@ -60,7 +60,7 @@ std::vector<std::int32_t> find_ancestors(const Lattice& from, const Lattice& to)
         return a.voxels != b.voxels ? a.voxels > b.voxels : a.old_cell < b.old_cell;
       });
       for (const Overlap& o : overlaps) {
-        std::int32_t& chosen = ancestor[static_cast<std::size_t>(o.new_cell)];
+        Index& chosen = ancestor[o.new_cell];
         if (chosen < 0) chosen = o.old_cell;
       }
     }
@@ -78,14 +78,14 @@ void spread(const Lattice& lattice, std::vector<char>& known, std::vector<Vec3>&
     for (const auto& nodes : lattice.cell_nodes) {
       Vec3 mean = Vec3::Zero();
       int values = 0;
-      for (const std::int32_t node : nodes)
-        if (const auto n = static_cast<std::size_t>(node); known[n]) {
+      for (const Index node : nodes)
+        if (const std::size_t n = node; known[n]) {
           mean += position[n] - lattice.node_rest[n];
           ++values;
         }
       if (values == 0 || values == 8) continue;
-      for (const std::int32_t node : nodes)
-        if (const auto n = static_cast<std::size_t>(node); !known[n]) {
+      for (const Index node : nodes)
+        if (const std::size_t n = node; !known[n]) {
           sum[n] += mean / values;
           ++count[n];
         }
@@ -116,15 +116,15 @@ std::vector<Vec3> transfer_positions(const Lattice& from, std::span<const Vec3> 
                                                  std::to_string(from.node_rest.size()) + " nodes.");
   const auto ancestor = find_ancestors(from, to);
   std::vector<Vec3> result(to.node_rest.size(), Vec3::Zero());
-  std::vector<std::int32_t> only(result.size(), -1);  // the one old node that reaches a node; -2: several
+  std::vector<Index> only(result.size(), -1);  // the one old node that reaches a node; -2: several
   std::vector<int> count(result.size(), 0);
   for (std::size_t cell = 0; cell < to.cell_nodes.size(); ++cell) {
     if (ancestor[cell] < 0) continue;
     for (std::size_t c = 0; c < 8; ++c) {
-      const auto node = static_cast<std::size_t>(to.cell_nodes[cell][c]);
-      const std::int32_t old = from.cell_nodes[static_cast<std::size_t>(ancestor[cell])][c];
+      const std::size_t node = to.cell_nodes[cell][c];
+      const Index old = from.cell_nodes[ancestor[cell]][c];
       only[node] = count[node] == 0 || only[node] == old ? old : -2;
-      result[node] += positions[static_cast<std::size_t>(old)];
+      result[node] += positions[old];
       ++count[node];
     }
   }
@@ -134,7 +134,7 @@ std::vector<Vec3> transfer_positions(const Lattice& from, std::span<const Vec3> 
     known[node] = count[node] > 0;
     all = all && known[node];
     if (only[node] >= 0)
-      result[node] = positions[static_cast<std::size_t>(only[node])];
+      result[node] = positions[only[node]];
     else if (count[node] > 0)
       result[node] /= count[node];
   }

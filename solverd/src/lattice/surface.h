@@ -5,13 +5,15 @@
 #include <cstdint>
 #include <vector>
 
+#include "math/index.h"
+
 namespace lappet {
 
 using Vec3 = Eigen::Vector3d;
 
 struct Surface {
   std::vector<Vec3> points;
-  std::vector<std::array<std::int32_t, 3>> triangles;
+  std::vector<std::array<Index, 3>> triangles;
 };
 
 }  // namespace lappet

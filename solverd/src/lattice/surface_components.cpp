@@ -1,67 +1,64 @@
 #include "lattice/surface_components.h"
 
 #include <algorithm>
-#include <cstddef>
+
+#include "math/groups.h"
 
 namespace lappet {
 
-SurfaceComponents find_components(const Surface& surface) {
-  const std::size_t triangles = surface.triangles.size();
-  // Half-edges bucketed by their smaller point.
-  struct HalfEdge {
-    std::int32_t high;
-    std::uint32_t slot;  // 3 * triangle + edge
-    bool forward;        // runs from the smaller to the larger point
-  };
-  std::vector<std::uint32_t> first(surface.points.size() + 1, 0);
-  const auto ends = [&](std::size_t t, std::size_t k) {
-    return std::pair{surface.triangles[t][k], surface.triangles[t][(k + 1) % 3]};
-  };
-  for (std::size_t t = 0; t < triangles; ++t)
-    for (std::size_t k = 0; k < 3; ++k) {
-      const auto [a, b] = ends(t, k);
-      ++first[static_cast<std::size_t>(std::min(a, b)) + 1];
-    }
-  for (std::size_t p = 1; p < first.size(); ++p) first[p] += first[p - 1];
-  std::vector<HalfEdge> half(3 * triangles);
-  std::vector<std::uint32_t> next(first.begin(), first.end() - 1);
-  for (std::size_t t = 0; t < triangles; ++t)
-    for (std::size_t k = 0; k < 3; ++k) {
-      const auto [a, b] = ends(t, k);
-      half[next[static_cast<std::size_t>(std::min(a, b))]++] = {std::max(a, b), static_cast<std::uint32_t>(3 * t + k),
-                                                                a < b};
-    }
+namespace {
 
-  SurfaceComponents result;
-  result.neighbors.assign(triangles, {-1, -1, -1});
-  for (std::size_t p = 0; p + 1 < first.size(); ++p) {
-    const auto begin = half.begin() + first[p], end = half.begin() + first[p + 1];
-    std::sort(begin, end, [](const HalfEdge& a, const HalfEdge& b) {
-      return a.high != b.high ? a.high < b.high : a.slot < b.slot;
-    });
+// The edge of a triangle as the triangle runs along it; number 3 * triangle + edge.
+struct HalfEdge {
+  Index low, high;  // points
+  bool forward;     // runs from the lower to the higher point
+};
+
+HalfEdge half_edge(const Surface& surface, std::size_t number) {
+  const auto& corners = surface.triangles[number / 3];
+  const Index a = corners[number % 3], b = corners[(number + 1) % 3];
+  return {std::min(a, b), std::max(a, b), a < b};
+}
+
+std::vector<std::array<Index, 3>> find_neighbors(const Surface& surface) {
+  std::vector<Index> low(3 * surface.triangles.size());
+  for (std::size_t i = 0; i < low.size(); ++i) low[i] = half_edge(surface, i).low;
+  Groups of_point = group_by(low, surface.points.size());
+  std::vector<std::array<Index, 3>> neighbors(surface.triangles.size(), {-1, -1, -1});
+  const auto high = [&](Index i) { return half_edge(surface, i).high; };
+  for (std::size_t p = 0; p < of_point.count(); ++p) {
+    const auto begin = of_point.items.begin() + of_point.start[p], end = of_point.items.begin() + of_point.start[p + 1];
+    std::stable_sort(begin, end, [&](Index a, Index b) { return high(a) < high(b); });
     for (auto i = begin; i != end;) {
       auto j = i;
-      while (j != end && j->high == i->high) ++j;
-      if (j - i == 2 && i->forward != (i + 1)->forward) {
-        result.neighbors[i->slot / 3][i->slot % 3] = static_cast<std::int32_t>((i + 1)->slot / 3);
-        result.neighbors[(i + 1)->slot / 3][(i + 1)->slot % 3] = static_cast<std::int32_t>(i->slot / 3);
+      while (j != end && high(*j) == high(*i)) ++j;
+      if (j - i == 2 && half_edge(surface, i[0]).forward != half_edge(surface, i[1]).forward) {
+        neighbors[i[0] / 3][i[0] % 3] = i[1] / 3;
+        neighbors[i[1] / 3][i[1] % 3] = i[0] / 3;
       }
       i = j;
     }
   }
+  return neighbors;
+}
 
-  result.component.assign(triangles, -1);
-  std::vector<std::int32_t> stack;
-  for (std::size_t seed = 0; seed < triangles; ++seed) {
+}  // namespace
+
+SurfaceComponents find_components(const Surface& surface) {
+  SurfaceComponents result;
+  result.neighbors = find_neighbors(surface);
+  result.component.assign(surface.triangles.size(), -1);
+  std::vector<Index> stack;
+  for (std::size_t seed = 0; seed < surface.triangles.size(); ++seed) {
     if (result.component[seed] >= 0) continue;
     result.component[seed] = result.count;
-    stack.push_back(static_cast<std::int32_t>(seed));
+    stack.push_back(to_index(seed));
     while (!stack.empty()) {
-      const auto t = static_cast<std::size_t>(stack.back());
+      const Index t = stack.back();
       stack.pop_back();
-      for (const std::int32_t n : result.neighbors[t])
-        if (n >= 0 && result.component[static_cast<std::size_t>(n)] < 0) {
-          result.component[static_cast<std::size_t>(n)] = result.count;
+      for (const Index n : result.neighbors[t])
+        if (n >= 0 && result.component[n] < 0) {
+          result.component[n] = result.count;
           stack.push_back(n);
         }
     }

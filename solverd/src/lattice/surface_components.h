@@ -9,8 +9,8 @@
 namespace lappet {
 
 struct SurfaceComponents {
-  std::vector<std::array<std::int32_t, 3>> neighbors;  // across the edges (0,1), (1,2), (2,0); -1: none or several
-  std::vector<std::int32_t> component;                 // per triangle
+  std::vector<std::array<Index, 3>> neighbors;  // across the edges (0,1), (1,2), (2,0); -1: none or several
+  std::vector<Index> component;                 // per triangle
   std::int32_t count = 0;
 };
 

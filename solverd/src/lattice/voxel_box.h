@@ -7,6 +7,8 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "math/index.h"
+
 namespace lappet {
 
 inline constexpr int kStepBits = 14;
@@ -21,8 +23,7 @@ class PackedVoxel {
  public:
   PackedVoxel() = default;
   explicit PackedVoxel(const Voxel& voxel)
-      : at_{static_cast<std::uint16_t>(voxel[0]), static_cast<std::uint16_t>(voxel[1]),
-            static_cast<std::uint16_t>(voxel[2])} {}
+      : at_{std::uint16_t(voxel[0]), std::uint16_t(voxel[1]), std::uint16_t(voxel[2])} {}
   operator Voxel() const {
     if ((at_[0] & at_[1] & at_[2]) == kNone) return {-1, -1, -1};
     return {at_[0], at_[1], at_[2]};
@@ -40,15 +41,20 @@ struct VoxelBox {
   std::array<std::int32_t, 3> cells{};  // extent, cells
   std::int32_t ratio = 1;
 
-  std::int32_t voxels(int axis) const { return cells[axis] * ratio; }
+  std::int32_t voxels(std::size_t axis) const { return cells[axis] * ratio; }
   std::int64_t cell_count() const { return std::int64_t{cells[0]} * cells[1] * cells[2]; }
   // z runs fastest.
   std::int64_t cell_index(std::int32_t x, std::int32_t y, std::int32_t z) const {
     return (std::int64_t{x} * cells[1] + y) * cells[2] + z;
   }
+  // The cell that a voxel lies in, and its place there.
+  Voxel cell_of(const Voxel& voxel) const { return {voxel[0] / ratio, voxel[1] / ratio, voxel[2] / ratio}; }
+  Voxel place_in(const Voxel& cell, const Voxel& voxel) const {
+    return {voxel[0] - cell[0] * ratio, voxel[1] - cell[1] * ratio, voxel[2] - cell[2] * ratio};
+  }
   bool contains(const Voxel& voxel) const {
     for (std::size_t a = 0; a < 3; ++a)
-      if (voxel[a] < 0 || voxel[a] >= voxels(static_cast<int>(a))) return false;
+      if (voxel[a] < 0 || voxel[a] >= voxels(a)) return false;
     return true;
   }
 };

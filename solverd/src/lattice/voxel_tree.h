@@ -33,11 +33,11 @@ class VoxelTree {
 
   static Vec3 center(const Voxel& voxel) { return Vec3(voxel[0] + 0.5, voxel[1] + 0.5, voxel[2] + 0.5); }
 
-  // Nudged down, so that what only touches the distance is still looked at.
+  // Rounded down, so that what only touches the distance is still looked at.
   static bool beyond(double squared, double within) { return squared * (1.0 - 1e-12) > within * within; }
 
   // Calls look(voxel), which returns the distance beyond which nothing matters any longer, for all voxels whose centers
-  // lie within that distance of the point, near ones first as far as the boxes tell. `voxels`: as they were given.
+  // lie within that distance of the point, roughly in order of distance. `voxels`: as they were given.
   template <class Look>
   void visit_nearest(std::span<const PackedVoxel> voxels, const Vec3& point, double within, const Look& look) const {
     visit(levels_.size(), 0, voxels, point, within, look);
@@ -49,13 +49,13 @@ class VoxelTree {
     std::array<std::uint16_t, 3> low{0xFFFF, 0xFFFF, 0xFFFF}, high{0, 0, 0};  // empty
     template <class Number>
     void include(std::size_t axis, Number from, Number to) {
-      low[axis] = std::min(low[axis], static_cast<std::uint16_t>(from));
-      high[axis] = std::max(high[axis], static_cast<std::uint16_t>(to));
+      low[axis] = std::min(low[axis], std::uint16_t(from));
+      high[axis] = std::max(high[axis], std::uint16_t(to));
     }
     double squared_distance(const Vec3& point) const {
       double sum = 0.0;
       for (std::size_t a = 0; a < 3; ++a) {
-        const double at = point[static_cast<Eigen::Index>(a)] - 0.5;
+        const double at = point[a] - 0.5;
         const double out = std::max({0.0, low[a] - at, at - high[a]});
         sum += out * out;
       }
@@ -76,7 +76,7 @@ class VoxelTree {
     const std::size_t first = kFan * index, count = std::min(kFan, boxes.size() - first);
     std::array<std::pair<double, std::size_t>, kFan> order;
     for (std::size_t i = 0; i < count; ++i) order[i] = {boxes[first + i].squared_distance(point), first + i};
-    std::sort(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(count));
+    std::sort(order.begin(), order.begin() + count);
     for (std::size_t i = 0; i < count && !beyond(order[i].first, within); ++i)
       visit(level - 1, order[i].second, voxels, point, within, look);
   }

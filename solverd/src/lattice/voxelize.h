@@ -26,15 +26,15 @@ class FineVoxels {
   const VoxelBox& box() const { return box_; }
 
   // --- occupied coarse cells: those that the surface touches or that are tissue throughout, in grid order (z fastest)
-  std::int32_t occupied_count() const { return static_cast<std::int32_t>(position_.size()); }
+  Index occupied_count() const { return to_index(position_.size()); }
   // Number of the occupied cell at a place of the box, -1 where there is none (or the place is outside the box).
-  std::int32_t occupied_at(std::int32_t x, std::int32_t y, std::int32_t z) const {
+  Index occupied_at(std::int32_t x, std::int32_t y, std::int32_t z) const {
     if (x < 0 || y < 0 || z < 0 || x >= box_.cells[0] || y >= box_.cells[1] || z >= box_.cells[2]) return -1;
-    return occupied_[static_cast<std::size_t>(box_.cell_index(x, y, z))];
+    return occupied_[box_.cell_index(x, y, z)];
   }
-  Voxel position(std::int32_t cell) const { return position_[static_cast<std::size_t>(cell)]; }  // in the box, cells
+  Voxel position(Index cell) const { return position_[cell]; }  // in the box, cells
   // No triangle near: all r^3 voxels inside, none cut from its neighbors.
-  bool is_whole(std::int32_t cell) const { return block_[static_cast<std::size_t>(cell)] < 0; }
+  bool is_whole(Index cell) const { return block_[cell] < 0; }
 
   // --- voxels. Positions are relative to the box; those outside it are allowed and empty.
   bool inside(const Voxel& voxel) const { return copy_of(voxel) >= 0; }
@@ -45,71 +45,60 @@ class FineVoxels {
 
   // --- copies: the connected components of the inside voxels of one coarse cell (Algorithm 2, line 2), numbered by
   // cell
-  std::int32_t copy_count() const { return copy_first_.back(); }
-  std::int32_t first_copy(std::int32_t cell) const { return copy_first_[static_cast<std::size_t>(cell)]; }
-  std::int32_t copy_of(const Voxel& voxel) const;  // -1: outside
-  std::int32_t voxels_of_copy(std::int32_t copy) const { return copy_voxels_[static_cast<std::size_t>(copy)]; }
+  Index copy_count() const { return copy_first_.back(); }
+  Index first_copy(Index cell) const { return copy_first_[cell]; }
+  Index copy_of(const Voxel& voxel) const;  // -1: outside
+  std::int32_t voxels_of_copy(Index copy) const { return copy_voxels_[copy]; }
 
-  // Lattice cell that a copy became; -1 where it was dropped. Set once by the construction of the lattice, which alone
-  // asks how many voxels a copy has.
-  void set_lattice_cells(std::vector<std::int32_t> cell_of_copy) {
+  // Lattice cell that a copy became; -1 where it was dropped. Set once, by the construction of the lattice; the numbers
+  // of voxels are freed then.
+  void set_lattice_cells(std::vector<Index> cell_of_copy) {
     lattice_cell_ = std::move(cell_of_copy);
     copy_voxels_ = {};
   }
-  std::int32_t lattice_cell(const Voxel& voxel) const {
-    const std::int32_t copy = copy_of(voxel);
-    return copy < 0 ? -1 : lattice_cell_[static_cast<std::size_t>(copy)];
+  Index lattice_cell(const Voxel& voxel) const {
+    const Index copy = copy_of(voxel);
+    return copy < 0 ? -1 : lattice_cell_[copy];
   }
 
   // --- the tissue's side of the surface: for each crossing of a triangle with a line of centers, the inside voxel next
   // to it on the inner side. Voxel {-1, -1, -1}: none (a sheet thinner than a voxel).
-  std::span<const PackedVoxel> inner_voxels(std::int32_t triangle) const {
-    const auto t = static_cast<std::size_t>(triangle);
-    return {inner_.data() + inner_first_[t], static_cast<std::size_t>(inner_first_[t + 1] - inner_first_[t])};
+  std::span<const PackedVoxel> inner_voxels(Index triangle) const {
+    return std::span(inner_).subspan(inner_first_[triangle], inner_first_[triangle + 1] - inner_first_[triangle]);
   }
-  std::int32_t triangle_count() const { return static_cast<std::int32_t>(inner_first_.size()) - 1; }
+  Index triangle_count() const { return to_index(inner_first_.size()) - 1; }
   // Triangles across the edges (0,1), (1,2), (2,0); -1 where the edge is not shared by exactly two.
-  const std::array<std::int32_t, 3>& neighbors(std::int32_t triangle) const {
-    return neighbors_[static_cast<std::size_t>(triangle)];
-  }
+  const std::array<Index, 3>& neighbors(Index triangle) const { return neighbors_[triangle]; }
   // Connected component of the surface (over shared edges) that a triangle belongs to, and how many there are.
-  std::int32_t component_of(std::int32_t triangle) const { return component_[static_cast<std::size_t>(triangle)]; }
-  std::int32_t component_count() const { return component_count_; }
-
-  // Winding numbers of all voxels along the lines of one axis, box order with z fastest: one byte a voxel. Costs a
-  // rasterization; for tests (all three axes must agree).
-  static std::vector<std::int8_t> winding_numbers(const Surface& surface, const LatticeSettings& settings, int axis);
+  Index component_of(Index triangle) const { return component_[triangle]; }
+  Index component_count() const { return component_count_; }
 
   std::size_t bytes() const;
 
  private:
   struct Builder;
-  std::size_t bit(const Voxel& local) const {
-    const auto r = static_cast<std::size_t>(box_.ratio);
-    return (static_cast<std::size_t>(local[0]) * r + static_cast<std::size_t>(local[1])) * r +
-           static_cast<std::size_t>(local[2]);
-  }
-  bool get(const std::vector<std::uint64_t>& masks, std::int32_t block, std::size_t bit) const {
-    return (masks[static_cast<std::size_t>(block) * words_ + bit / 64] >> (bit % 64)) & 1U;
+  std::size_t bit(const Voxel& local) const { return (local[0] * box_.ratio + local[1]) * box_.ratio + local[2]; }
+  bool get(const std::vector<std::uint64_t>& masks, Index block, std::size_t bit) const {
+    return (masks[block * words_ + bit / 64] >> (bit % 64)) & 1U;
   }
 
   VoxelBox box_;
   std::size_t words_ = 1;                          // 64-bit words per block: r^3 bits
-  std::vector<std::int32_t> occupied_;             // per place of the box
+  std::vector<Index> occupied_;                    // per place of the box
   std::vector<PackedVoxel> position_;              // per occupied cell
-  std::vector<std::int32_t> block_;                // per occupied cell: its masks, or -1 for a whole cell
+  std::vector<Index> block_;                       // per occupied cell: its masks, or -1 for a whole cell
   std::vector<std::uint64_t> inside_;              // per block
   std::array<std::vector<std::uint64_t>, 3> cut_;  // per block; bit of the lower voxel
-  std::vector<std::int32_t> copy_first_;           // per occupied cell, and one past the last
-  std::vector<std::int32_t> copy_voxels_;          // per copy
+  std::vector<Index> copy_first_;                  // per occupied cell, and one past the last
+  std::vector<Index> copy_voxels_;                 // per copy
   std::vector<std::int64_t> label_first_;          // per block: labels of a cell with several copies, or -1
   std::vector<std::uint16_t> labels_;              // r^3 per such cell
-  std::vector<std::int32_t> lattice_cell_;         // per copy
+  std::vector<Index> lattice_cell_;                // per copy
   std::vector<std::int64_t> inner_first_;          // per triangle
   std::vector<PackedVoxel> inner_;
-  std::vector<std::array<std::int32_t, 3>> neighbors_;
-  std::vector<std::int32_t> component_;
-  std::int32_t component_count_ = 0;
+  std::vector<std::array<Index, 3>> neighbors_;
+  std::vector<Index> component_;
+  Index component_count_ = 0;
 };
 
 }  // namespace lappet

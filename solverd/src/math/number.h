@@ -15,7 +15,7 @@ struct NumberTraits {
   // From and to kLanes consecutive values of any floating type.
   template <class From>
   static Number load(const From* from) {
-    return static_cast<Number>(*from);
+    return Number(*from);
   }
   template <class To>
   static void store(Number value, To* to) {

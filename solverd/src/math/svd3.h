@@ -90,11 +90,11 @@ inline void svd3(const Number (&f)[9], Number (&u)[9], Number (&sigma)[3], Numbe
   const Number epsilon(std::numeric_limits<typename NumberTraits<Number>::Scalar>::epsilon());
   const auto has1 = sqrt(w[0] * w[0] + w[1] * w[1] + w[2] * w[2]) > epsilon * length0 + tiny;
   // u0 x the axis it is farthest from
-  const auto x_least = (abs(u0[0]) <= abs(u0[1])) && (abs(u0[0]) <= abs(u0[2]));
-  const auto y_least = abs(u0[1]) <= abs(u0[2]);
-  const Number other[3] = {select(x_least, zero, select(y_least, -u0[2], u0[1])),
-                           select(x_least, u0[2], select(y_least, zero, -u0[0])),
-                           select(x_least, -u0[1], select(y_least, u0[0], zero))};
+  const auto x_smallest = (abs(u0[0]) <= abs(u0[1])) && (abs(u0[0]) <= abs(u0[2]));
+  const auto y_smallest = abs(u0[1]) <= abs(u0[2]);
+  const Number other[3] = {select(x_smallest, zero, select(y_smallest, -u0[2], u0[1])),
+                           select(x_smallest, u0[2], select(y_smallest, zero, -u0[0])),
+                           select(x_smallest, -u0[1], select(y_smallest, u0[0], zero))};
   for (int i = 0; i < 3; ++i) w[i] = select(has1, w[i], other[i]);
   const Number inverse1 = one / sqrt(w[0] * w[0] + w[1] * w[1] + w[2] * w[2]);
   const Number u1[3] = {w[0] * inverse1, w[1] * inverse1, w[2] * inverse1};

@@ -8,6 +8,7 @@
 #include <set>
 
 #include "force/constraints/attachments.h"
+#include "force/materials/material_models.h"
 #include "force/materials/prestretch.h"
 #include "lattice/refused.h"
 #include "math/features.h"
@@ -43,12 +44,9 @@ void check_anchor(const Anchor& anchor, const Surface& surface, const char* what
 }
 
 void check_material(const MaterialParameters& m, std::size_t i) {
-  const bool known =
-      m.model == "corotated" || m.model == "neoHookean" || m.model == "stableNeoHookean" || m.model == "mooneyRivlin";
-  require(known,
-          "the model of material {} is '{}', which this daemon does not solve; use 'corotated', 'neoHookean', "
-          "'stableNeoHookean' or 'mooneyRivlin'",
-          i, m.model);
+  require(MaterialModels::index(m.model) >= 0,
+          "the model of material {} is '{}', which this daemon does not solve; use one of {}", i, m.model,
+          fmt::join(MaterialModels::kNames, ", "));
   require(std::isfinite(m.youngs_modulus) && m.youngs_modulus > 0,
           "Young's modulus of material {} is {} kPa; it must be positive", i, m.youngs_modulus);
   require(m.poissons_ratio >= 0 && m.poissons_ratio <= kMaxPoissonsRatio,

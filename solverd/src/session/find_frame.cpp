@@ -8,6 +8,7 @@
 #include <optional>
 #include <utility>
 
+#include "force/materials/material_models.h"
 #include "lattice/refused.h"
 #include "session/check_targets.h"
 #include "session/is_valid_start.h"
@@ -34,8 +35,8 @@ class FrameSearch {
         moved_(std::ranges::any_of(before.u, [](Real x) { return x != Real(0); })) {
     options_.tolerance = settings.tolerance;
     options_.gap_tolerance = settings.gap_tolerance * settings.spacing;
-    options_.inverts = std::ranges::all_of(
-        settings.materials, [](const auto& m) { return m.model == "corotated" || m.model == "stableNeoHookean"; });
+    options_.inverts =
+        std::ranges::all_of(settings.materials, [](const auto& m) { return MaterialModels::inverts(m.model); });
     options_.moves_first = !moved_ && settings.gravity != Vec3::Zero();
     observer_.stop = [this] { return cancel_.load(std::memory_order_relaxed) || out_of_time(); };
     observer_.progress = [this, &progress](int newton, double residual, double gap) {

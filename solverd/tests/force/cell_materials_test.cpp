@@ -16,7 +16,7 @@ constexpr double kDeep = std::numeric_limits<double>::infinity();
 
 Vec3 center(const Surface& s, std::size_t t) {
   Vec3 sum = Vec3::Zero();
-  for (const std::int32_t p : s.triangles[t]) sum += s.points[static_cast<std::size_t>(p)];
+  for (const std::int32_t p : s.triangles[t]) sum += s.points[p];
   return sum / 3;
 }
 

@@ -25,15 +25,14 @@ Surface sheet(const Vec3& low, const Vec3& high, double edge) {
   std::map<std::array<std::int64_t, 3>, std::int32_t> known;
   const auto vertex = [&](const Vec3& p) {
     const std::array<std::int64_t, 3> key{std::llround(p[0] * 1e4), std::llround(p[1] * 1e4), std::llround(p[2] * 1e4)};
-    const auto [entry, inserted] = known.try_emplace(key, static_cast<std::int32_t>(s.points.size()));
+    const auto [entry, inserted] = known.try_emplace(key, to_index(s.points.size()));
     if (inserted) s.points.push_back(p);
     return entry->second;
   };
   for (int axis = 0; axis < 3; ++axis)
     for (const bool top : {false, true}) {
       const int u = (axis + 1) % 3, v = (axis + 2) % 3;
-      const int nu = static_cast<int>(std::lround((high[u] - low[u]) / edge)),
-                nv = static_cast<int>(std::lround((high[v] - low[v]) / edge));
+      const int nu = int(std::lround((high[u] - low[u]) / edge)), nv = int(std::lround((high[v] - low[v]) / edge));
       const auto at = [&](int i, int j) {
         Vec3 p;
         p[axis] = top ? high[axis] : low[axis];
@@ -180,8 +179,7 @@ TEST(Contact, AStrapOverARollerHasTheSameTensionOnBothSides) {
       const Vec3 c = center(strap, t);
       if (c[0] > 40 - 1e-9)
         constraints.push_back(make_hook(
-            scene.lattice(),
-            anchor_stencil(scene.lattice(), embed_on_triangle(scene.lattice(), strap, c, static_cast<std::int32_t>(t))),
+            scene.lattice(), anchor_stencil(scene.lattice(), embed_on_triangle(scene.lattice(), strap, c, to_index(t))),
             Vec3(40 - 0.4 * down, c[1], c[2] - down), 3.0));
     }
     scene.system().set_point_constraints(constraints);
@@ -370,9 +368,9 @@ TEST(Contact, ALongStepDoesNotTakeTissueThroughAThinBone) {
   // A hook draws the free end far below the plate.
   std::int32_t triangle = 0;
   for (std::size_t t = 0; t < epoch.surface.triangles.size(); ++t)
-    if ((center(epoch.surface, t) - Vec3(9.5, 3, 2)).norm() < 0.8) triangle = static_cast<std::int32_t>(t);
+    if ((center(epoch.surface, t) - Vec3(9.5, 3, 2)).norm() < 0.8) triangle = to_index(t);
   FrameInput frame = pulled({Vec3::Zero()});
-  frame.hooks.push_back({{center(epoch.surface, static_cast<std::size_t>(triangle)), triangle}, Vec3(9, 3, -12), 30.0});
+  frame.hooks.push_back({{center(epoch.surface, triangle), triangle}, Vec3(9, 3, -12), 30.0});
   const FrameOutput out = session.solve(frame, {}, kNever);
   ASSERT_TRUE(out.converged) << out.reason;
   for (std::size_t v = 0; v < epoch.surface.points.size(); ++v) EXPECT_GT(point(out, v)[2], -2.9) << v;

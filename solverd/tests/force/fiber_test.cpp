@@ -83,7 +83,7 @@ TEST(Fiber, StressIsTheDerivativeOfTheEnergyInF) {
   for (const auto& s : samples()) {
     const Matrix p = stress(s.f, s.a, s.p);
     stretched += strain(s) > 0;
-    capped += s.p.k2 * strain(s) * strain(s) > fiber_detail::kGreatestExponent && strain(s) > 0;
+    capped += s.p.k2 * strain(s) * strain(s) > fiber_detail::kMaxExponent && strain(s) > 0;
     for (int c = 0; c < 9; ++c) {
       Matrix step = Matrix::Zero();
       step.data()[c] = 1e-6;
@@ -198,7 +198,7 @@ TEST(Fiber, EnergyKeepsItsDigitsForEveryExponent) {
 }
 
 TEST(Fiber, ContinuationMeetsTheExponentialInValueSlopeAndCurvature) {
-  const double k1 = 2.0, k2 = 5.0, e = std::sqrt(fiber_detail::kGreatestExponent / k2);
+  const double k1 = 2.0, k2 = 5.0, e = std::sqrt(fiber_detail::kMaxExponent / k2);
   const Parameters p{k1, k2, 0.0, 0.0};
   const auto below = fiber_response(3.0, 1 + e - 1e-9, p), above = fiber_response(3.0, 1 + e + 1e-9, p);
   EXPECT_NEAR(below.energy, k1 / (2 * k2) * std::expm1(k2 * e * e), 1e-6 * below.energy);

@@ -17,7 +17,7 @@ namespace lappet {
 namespace {
 
 constexpr double kSpacing = 0.7;
-constexpr double kGreatestK2 = 20.0;
+constexpr double kMaxK2 = 20.0;
 constexpr int kBlocksX = 5, kBlocksY = 3, kBlocksZ = 2, kBlocks = kBlocksX * kBlocksY * kBlocksZ;
 
 template <class T>
@@ -68,7 +68,7 @@ Blocks make_blocks(const FusedScene& scene) {
     m[kMooney] = unit(random);
     if (scene.features.fibers) {
       m[kFiberK1] = 3.0 * unit(random);
-      m[kFiberK2] = kGreatestK2 * unit(random);
+      m[kFiberK2] = kMaxK2 * unit(random);
       m[kFiberDispersion] = unit(random) / 3;
       m[kMuscle] = 10.0 * unit(random);
     }
@@ -85,13 +85,12 @@ Blocks make_blocks(const FusedScene& scene) {
   for (int block = 0; block < kBlocks; ++block) {
     const int x = block / (kBlocksY * kBlocksZ), y = block / kBlocksZ % kBlocksY, z = block % kBlocksZ;
     std::array<std::int32_t, kBlockNodes> nodes{};
-    for (int n = 0; n < kBlockNodes; ++n)
-      nodes[static_cast<std::size_t>(n)] = ((2 * x + n / 9) * ny + 2 * y + n / 3 % 3) * nz + 2 * z + n % 3;
+    for (int n = 0; n < kBlockNodes; ++n) nodes[n] = ((2 * x + n / 9) * ny + 2 * y + n / 3 % 3) * nz + 2 * z + n % 3;
     if (block % 6 == 1)
       for (auto& node : nodes) {
         if (unit(random) < 0.5) continue;
-        b.rest.push_back(b.rest[static_cast<std::size_t>(node)]);
-        node = static_cast<std::int32_t>(b.rest.size()) - 1;
+        b.rest.push_back(b.rest[node]);
+        node = to_index(b.rest.size()) - 1;
       }
     std::array<double, kBlockCells> volume{};
     std::array<double, kBlockCells * kMaterialFields> material{};
@@ -99,7 +98,7 @@ Blocks make_blocks(const FusedScene& scene) {
     std::array<bool, kBlockNodes> used{};
     std::int32_t any = -1;
     for (int place = 0; place < kBlockCells; ++place) {
-      const auto p = static_cast<std::size_t>(place);
+      const std::size_t p = place;
       quadratic[p] = -1;
       if (scene.mixed)
         describe_cell(&material[p * kMaterialFields]);
@@ -108,12 +107,12 @@ Blocks make_blocks(const FusedScene& scene) {
       if (place > 0 && unit(random) < 0.1) continue;
       volume[p] = kSpacing * kSpacing * kSpacing * (0.1 + 0.9 * unit(random));
       for (int c = 0; c < 8; ++c) {
-        const auto n = static_cast<std::size_t>(block_node(place, c));
+        const std::size_t n = block_node(place, c);
         used[n] = true;
         any = nodes[n];
       }
       if (unit(random) > 0.2) continue;
-      quadratic[p] = static_cast<std::int32_t>(b.quadratics.size());
+      quadratic[p] = to_index(b.quadratics.size());
       std::array<double, 36> matrix{};
       for (double& value : matrix) value = 2 * unit(random) - 1;
       b.quadratics.push_back(matrix);
@@ -127,7 +126,7 @@ Blocks make_blocks(const FusedScene& scene) {
   }
   const auto on_grid = [&](std::size_t block) {
     for (std::size_t n = 0; n < kBlockNodes; ++n)
-      if (b.nodes[block][n] != b.nodes[block][n / 3 * 3] + static_cast<std::int32_t>(n % 3)) return false;
+      if (b.nodes[block][n] != b.nodes[block][n / 3 * 3] + to_index(n % 3)) return false;
     return true;
   };
   for (std::size_t block = 0; block < kBlocks; ++block) b.order.push_back(block);
@@ -153,8 +152,8 @@ class Lockstep {
         sigma_(size(kBlockCells * 3 * scene.points, lanes)),
         fiber_tangent_(size(kBlockCells * kFiberFields * scene.points, lanes)),
         quadratics_(size(kBlockCells * 36, lanes)) {
-    const auto w = static_cast<std::size_t>(lanes);
-    const auto round = [](double x) { return static_cast<Real>(static_cast<Rounded>(x)); };
+    const std::size_t w = lanes;
+    const auto round = [](double x) { return Real(Rounded(x)); };
     std::int32_t matrices = 0;
     for (std::size_t slot = 0; slot < static_cast<std::size_t>(groups) * w; ++slot) {
       const std::size_t group = slot / w, lane = slot % w;
@@ -162,7 +161,7 @@ class Lockstep {
       const std::size_t block = b.order[spare ? group * w : slot];
       const bool grid = std::min((group + 1) * w, std::size_t{kBlocks}) <= b.on_grid;
       if (lane == 0) node_start_.push_back(node_start_.back() + (grid ? kBlockColumns : kBlockNodes) * lanes);
-      const auto start = static_cast<std::size_t>(node_start_[group]);
+      const std::size_t start = node_start_[group];
       if (grid)
         for (std::size_t c = 0; c < kBlockColumns; ++c) nodes_[start + c * w + lane] = b.nodes[block][3 * c];
       else
@@ -182,7 +181,7 @@ class Lockstep {
         if (quadratic_of_[place] < 0) quadratic_of_[place] = matrices++;
         for (std::size_t e = 0; e < 36; ++e)
           quadratics_[(static_cast<std::size_t>(quadratic_of_[place]) * 36 + e) * w + lane] =
-              round(b.quadratics[static_cast<std::size_t>(matrix)][e]);
+              round(b.quadratics[matrix][e]);
       }
     }
     for (const auto& point : quadrature_points(scene.points)) {
@@ -269,7 +268,7 @@ template <class Real>
 double largest_difference(const std::vector<Real>& got, const std::vector<double>& expected) {
   double most = 0;
   for (std::size_t i = 0; i < got.size(); ++i) {
-    const double difference = std::abs(static_cast<double>(got[i]) - expected[i]);
+    const double difference = std::abs(double(got[i]) - expected[i]);
     if (!(difference <= most)) most = difference;  // NaN stays
   }
   return most;
@@ -291,7 +290,7 @@ class Worst {
 
 std::vector<FusedScene> fused_scenes() {
   std::vector<FusedScene> scenes;
-  for (int model = 0; model < kTwinModels; ++model)
+  for (int model = 0; model < MaterialModels::kCount; ++model)
     for (const int points : {1, 4, 8})
       for (int flags = 0; flags < 8; ++flags)
         scenes.push_back({{model, points == 1, (flags & 1) != 0, (flags & 2) != 0}, points, (flags & 4) != 0});
@@ -299,8 +298,7 @@ std::vector<FusedScene> fused_scenes() {
 }
 
 std::string describe(const FusedScene& scene) {
-  const char* models[kTwinModels] = {"corotated", "neoHookean", "stableNeoHookean", "mooneyRivlin"};
-  return std::string(models[scene.features.model]) + ", " + std::to_string(scene.points) + " points" +
+  return std::string(MaterialModels::kNames[scene.features.model]) + ", " + std::to_string(scene.points) + " points" +
          (scene.features.fibers ? ", fibers and muscle" : "") + (scene.features.prestretched ? ", prestretch" : "") +
          (scene.mixed ? ", mixed" : "");
 }
@@ -314,16 +312,16 @@ std::vector<TwinResult> compare_fused_twins(const FusedScene& scene, const Elast
   const std::size_t count = blocks.rest.size(), size = 3 * count;
   // See fiber_condition in kernel_twins_check.cpp: the property of the exponential, not of the arithmetic.
   const double fibers =
-      scene.features.fibers ? std::max(1.0, 2.0 * std::sqrt(fiber_detail::kGreatestExponent * kGreatestK2)) : 1.0;
+      scene.features.fibers ? std::max(1.0, 2.0 * std::sqrt(fiber_detail::kMaxExponent * kMaxK2)) : 1.0;
   const double tolerance = kTwinTolerance<Real> * fibers;
   Worst wide("forces and energies in double", kTwinTolerance<double> * fibers), fast("forces and energies", tolerance),
       product("tangent product", tolerance), diagonal("diagonal blocks", tolerance);
-  for (const auto& state : states_of(blocks, scene.features.model != 0)) {
+  for (const auto& state : states_of(blocks, scene.features.model != MaterialModels::index(Corotated::kName))) {
     std::vector<Real> u(size), x(size);
     std::mt19937 random(3);
     std::uniform_real_distribution<double> uniform(-1.0, 1.0);
-    for (std::size_t i = 0; i < size; ++i) u[i] = static_cast<Real>(state.u[i]);
-    for (auto& value : x) value = static_cast<Real>(uniform(random));
+    for (std::size_t i = 0; i < size; ++i) u[i] = Real(state.u[i]);
+    for (auto& value : x) value = Real(uniform(random));
     const std::vector<double> exact_u(u.begin(), u.end()), exact_x(x.begin(), x.end());
 
     std::vector<double> expected(size), expected_magnitude(count);
@@ -335,7 +333,8 @@ std::vector<TwinResult> compare_fused_twins(const FusedScene& scene, const Elast
       const double* s = &exact.sigma()[i];
       greatest = std::max(greatest, s[0]);
       // The corotated energy has no second derivative where the two smallest stretches cancel.
-      if (scene.features.model == 0) condition = std::max(condition, s[0] / std::max(s[1] + s[2], 1e-6));
+      if (scene.features.model == MaterialModels::index(Corotated::kName))
+        condition = std::max(condition, s[0] / std::max(s[1] + s[2], 1e-6));
     }
     // Forces are the difference of terms as large as the tangent times the size of the cell.
     std::vector<double> expected_blocks(6 * count);

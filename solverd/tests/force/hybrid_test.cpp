@@ -45,13 +45,13 @@ class ExplicitMesh {
   double cell(std::size_t c, const MaterialParameters& material, const std::vector<double>& u,
               const std::vector<double>* direction, std::vector<double>& result) const {
     const double h = lattice_.settings.spacing;
-    const double volume = h * h * h * static_cast<double>(lattice_.cell_fill[c]);
+    const double volume = h * h * h * double(lattice_.cell_fill[c]);
     const Moduli<double> moduli{material.mu(), material.lambda(), material.mooney_ratio};
     const auto& nodes = lattice_.cell_nodes[c];
     Eigen::Matrix<double, 3, 8> at, toward = Eigen::Matrix<double, 3, 8>::Zero(), force;
     for (int k = 0; k < 8; ++k)
       for (int i = 0; i < 3; ++i) {
-        const auto n = 3 * static_cast<std::size_t>(nodes[static_cast<std::size_t>(k)]) + static_cast<std::size_t>(i);
+        const auto n = offset_of(3, nodes[k]) + i;
         at(i, k) = u[n];
         if (direction != nullptr) toward(i, k) = (*direction)[n];
       }
@@ -97,16 +97,14 @@ class ExplicitMesh {
     if (one_point_)  // the Laplacian that the point misses
       for (std::size_t m = 0; m < 4; ++m) {
         Eigen::Matrix<double, 8, 1> mode;
-        for (int k = 0; k < 8; ++k) mode[k] = kHourglassModes[m][static_cast<std::size_t>(k)];
+        for (int k = 0; k < 8; ++k) mode[k] = kHourglassModes[m][k];
         const double stiffness = Model::kLaplacian * moduli.mu * volume * kHourglass[m] / (h * h);
         const Eigen::Vector3d amplitude = (direction == nullptr ? at : toward) * mode;
         energy += 0.5 * stiffness * amplitude.squaredNorm();
         force += stiffness * amplitude * mode.transpose();
       }
     for (int k = 0; k < 8; ++k)
-      for (int i = 0; i < 3; ++i)
-        result[3 * static_cast<std::size_t>(nodes[static_cast<std::size_t>(k)]) + static_cast<std::size_t>(i)] +=
-            force(i, k);
+      for (int i = 0; i < 3; ++i) result[offset_of(3, nodes[k]) + i] += force(i, k);
     return energy;
   }
 
@@ -134,7 +132,7 @@ class HybridLattice : public ::testing::TestWithParam<CutLattice> {
     std::mt19937 random(seed);
     std::uniform_real_distribution<double> uniform(-amplitude, amplitude);
     std::vector<double> u(size());
-    for (double& value : u) value = static_cast<double>(static_cast<float>(uniform(random)));
+    for (double& value : u) value = double(float(uniform(random)));
     return u;
   }
   template <class Real>
@@ -154,8 +152,7 @@ class HybridLattice : public ::testing::TestWithParam<CutLattice> {
     elastic.multiply(toward, product);
     double most = 0.0;
     for (const double value : expected) most = std::max(most, std::abs(value));
-    for (std::size_t i = 0; i < size(); ++i)
-      ASSERT_NEAR(static_cast<double>(product[i]), expected[i], narrow * most) << i;
+    for (std::size_t i = 0; i < size(); ++i) ASSERT_NEAR(double(product[i]), expected[i], narrow * most) << i;
   }
   Lattice lattice_;
   CellMaterials materials_;

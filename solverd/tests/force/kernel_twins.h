@@ -4,23 +4,23 @@
 #include <cstdint>
 
 #include "force/kernels/elastic_arrays.h"
+#include "force/materials/material_models.h"
 #include "math/instruction_set.h"
 
 namespace lappet {
-
-inline constexpr int kTwinModels = 4;
 
 template <class Real>
 struct KernelTwins {
   using Function = void (*)(const Real* in, Real* out);
   int lanes = 1;
-  Function roots = nullptr;          // x -> rough 1/x, rough 1/sqrt(x), 1/sqrt(x)
-  Function svd = nullptr;            // F (9) -> U (9), sigma (3), V (9)
-  Function products = nullptr;       // A (9), B (9) -> A B, A^T B, A B^T
-  Function quaternion = nullptr;     // rotation (9) -> quaternion (4), and the rotation of that (9)
-  Function eigen = nullptr;          // symmetric (6) -> values (3), vectors (9)
-  Function definite3[2] = {};        // clamp, absolute: symmetric (6), floor -> symmetric (6)
-  Function model[kTwinModels] = {};  // sigma (3), mu, lambda, mooney -> energy, p_hat (3), dpdf_hat (12)
+  Function roots = nullptr;       // x -> rough 1/x, rough 1/sqrt(x), 1/sqrt(x)
+  Function svd = nullptr;         // F (9) -> U (9), sigma (3), V (9)
+  Function products = nullptr;    // A (9), B (9) -> A B, A^T B, A B^T
+  Function quaternion = nullptr;  // rotation (9) -> quaternion (4), and the rotation of that (9)
+  Function eigen = nullptr;       // symmetric (6) -> values (3), vectors (9)
+  Function definite3[2] = {};     // clamp, absolute: symmetric (6), floor -> symmetric (6)
+  // By the registry's index: sigma (3), mu, lambda, mooney -> energy, p_hat (3), dpdf_hat (12)
+  Function model[MaterialModels::kCount] = {};
   Function definite[2] = {};         // clamp, absolute: dpdf_hat (12), floor -> dpdf_hat (12)
   Function fiber = nullptr;          // I1, I4, k1, k2, dispersion, muscle -> energy and 4 of the response
   Function fiber_definite[2] = {};   // the same, made definite

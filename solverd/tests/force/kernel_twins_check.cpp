@@ -52,7 +52,7 @@ class Comparison {
                KernelTwins<double>::Function reference, std::vector<Values> samples, std::size_t outputs,
                const Error& error, double tolerance = kTwinTolerance<Real>) {
     for (auto& sample : samples)
-      for (double& value : sample) value = static_cast<double>(static_cast<Real>(value));
+      for (double& value : sample) value = double(Real(value));
     const auto got = results<Real>(run, lanes_, samples, outputs);
     const auto expected = results<double>(reference, reference_lanes_, samples, outputs);
     TwinResult result{kernel, tolerance, samples.size()};
@@ -87,10 +87,10 @@ class Comparison {
     for (std::size_t begin = 0; begin < samples.size(); begin += lanes) {
       for (std::size_t lane = 0; lane < lanes; ++lane)
         for (std::size_t i = 0; i < inputs; ++i)
-          in[i * lanes + lane] = static_cast<T>(samples[std::min(begin + lane, samples.size() - 1)][i]);
+          in[i * lanes + lane] = T(samples[std::min(begin + lane, samples.size() - 1)][i]);
       run(in, out);
       for (std::size_t lane = 0; lane < lanes && begin + lane < samples.size(); ++lane)
-        for (std::size_t i = 0; i < outputs; ++i) all[begin + lane][i] = static_cast<double>(out[i * lanes + lane]);
+        for (std::size_t i = 0; i < outputs; ++i) all[begin + lane][i] = double(out[i * lanes + lane]);
     }
     return all;
   }
@@ -155,7 +155,7 @@ void compare_matrices(Comparison<Real>& c, const KernelTwins<Real>& twins, const
   for (int axis = 0; axis < 3; ++axis)  // half turns, and nearly
     for (const double angle : {0.0, 1e-4, 3.14159, 3.14159265358979}) {
       Values r(9, 0.0);
-      const auto i = static_cast<std::size_t>(axis), j = (i + 1) % 3, k = (i + 2) % 3;
+      const std::size_t i = axis, j = (i + 1) % 3, k = (i + 2) % 3;
       r[4 * i] = 1;
       r[4 * j] = r[4 * k] = std::cos(angle);
       r[3 * j + k] = -(r[3 * k + j] = std::sin(angle));
@@ -200,15 +200,14 @@ void compare_matrices(Comparison<Real>& c, const KernelTwins<Real>& twins, const
 template <class Real>
 void compare_materials(Comparison<Real>& c, const KernelTwins<Real>& twins, const KernelTwins<double>& reference) {
   Random random;
-  const char* names[kTwinModels] = {"corotated", "neoHookean", "stableNeoHookean", "mooneyRivlin"};
   std::vector<Values> states;
   for (int k = 0; k < 3000; ++k) {
     const auto s = random.stretches(k);
     const double mu = random.log_uniform(0.5, 50.0), poisson = k % 4 == 0 ? 0.499 : random.uniform(0.0, 0.49);
     states.push_back({s[0], s[1], s[2], mu, 2 * mu * poisson / (1 - 2 * poisson), random.uniform(0.0, 3.0)});
   }
-  for (int model = 0; model < kTwinModels; ++model) {
-    const std::string name = names[model];
+  for (std::size_t model = 0; model < MaterialModels::kCount; ++model) {
+    const std::string name(MaterialModels::kNames[model]);
     // The terms are as large as the tangent times the stretch; near rest they cancel.
     const auto scale = [](const Values& in, const Values& expected, int power) {
       return largest(&expected[4], 12) * std::pow(std::max(in[0], 1.0), power);
@@ -245,7 +244,7 @@ void compare_materials(Comparison<Real>& c, const KernelTwins<Real>& twins, cons
 // Near the cap of its exponent the fibers' energy has a condition number of its own: a relative error of E grows by
 // d ln stress / d ln E = 1 + 2 k2 E^2, at most 21, and E itself is a difference of squares: one rounding of I4 moves E
 // by I4/E roundings. In terms of k2 the two together are 2 sqrt(10 k2), whatever the arithmetic; that much is allowed.
-double fiber_condition(double k2) { return std::max(1.0, 2.0 * std::sqrt(fiber_detail::kGreatestExponent * k2)); }
+double fiber_condition(double k2) { return std::max(1.0, 2.0 * std::sqrt(fiber_detail::kMaxExponent * k2)); }
 
 template <class Real>
 void compare_fibers(Comparison<Real>& c, const KernelTwins<Real>& twins, const KernelTwins<double>& reference) {

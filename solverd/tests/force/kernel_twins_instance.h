@@ -179,7 +179,7 @@ struct TwinInstance {
     twins.eigen = &eigen;
     twins.definite3[0] = &definite3<false>;
     twins.definite3[1] = &definite3<true>;
-    for (int k = 0; k < kTwinModels; ++k)
+    for (int k = 0; k < MaterialModels::kCount; ++k)
       MaterialModels::with(k, [&]<class Model>() { twins.model[k] = &TwinInstance::model<Model>; });
     twins.definite[0] = &definite<PsdProjection::kClamp>;
     twins.definite[1] = &definite<PsdProjection::kAbsolute>;

@@ -20,20 +20,19 @@ TwinResult compare_nodes(const KernelTwins<Real>& twins) {
       // exactly as long as the nodes: a checker of addresses sees what reaches beyond
       std::vector<Real> field(3 * kNodes), expected;
       std::vector<std::int32_t> index(lanes);
-      for (auto& value : field) value = static_cast<Real>(random.normal());
+      for (auto& value : field) value = Real(random.normal());
       for (std::size_t lane = 0; lane < lanes; ++lane)
-        index[lane] = static_cast<std::int32_t>(random.uniform(0.0, static_cast<double>(distinct)));
+        index[lane] = std::int32_t(random.uniform(0.0, double(distinct)));
       if (repeat == 0) index[lanes - 1] = kNodes - 1;
-      for (std::size_t i = 0; i < 3 * lanes; ++i) values[i] = static_cast<Real>(random.normal());
+      for (std::size_t i = 0; i < 3 * lanes; ++i) values[i] = Real(random.normal());
       twins.gather(field.data(), index.data(), gathered);
       bool right = true;
       for (std::size_t lane = 0; lane < lanes; ++lane)
         for (std::size_t i = 0; i < 3; ++i)
-          right = right && gathered[i * lanes + lane] == field[3 * static_cast<std::size_t>(index[lane]) + i];
+          right = right && gathered[i * lanes + lane] == field[offset_of(3, index[lane]) + i];
       expected = field;
       for (std::size_t lane = 0; lane < lanes; ++lane)
-        for (std::size_t i = 0; i < 3; ++i)
-          expected[3 * static_cast<std::size_t>(index[lane]) + i] += values[i * lanes + lane];
+        for (std::size_t i = 0; i < 3; ++i) expected[offset_of(3, index[lane]) + i] += values[i * lanes + lane];
       twins.scatter_add(field.data(), index.data(), values);
       right = right && field == expected;
       if (!right) {
@@ -57,10 +56,10 @@ TwinResult compare_blocks(const KernelTwins<Real>& twins, bool grid) {
     alignas(64) Real values[kNumbers * 16], gathered[kNumbers * 16];
     std::vector<Real> field(3 * kNodes), expected;  // exactly as long as the nodes, see above
     std::vector<std::int32_t> index(rows * lanes);
-    const auto whole = [&] { return static_cast<Real>(std::floor(random.uniform(-99.0, 99.0))); };
+    const auto whole = [&] { return Real(std::floor(random.uniform(-99.0, 99.0))); };
     for (auto& value : field) value = whole();
-    for (auto& node : index) node = static_cast<std::int32_t>(random.uniform(0.0, static_cast<double>(distinct)));
-    index.back() = static_cast<std::int32_t>(grid ? kNodes - 3 : kNodes - 1);
+    for (auto& node : index) node = std::int32_t(random.uniform(0.0, double(distinct)));
+    index.back() = std::int32_t(grid ? kNodes - 3 : kNodes - 1);
     for (std::size_t i = 0; i < kNumbers * lanes; ++i) values[i] = whole();
     expected = field;
     const GroupNodes nodes{index.data(), twins.lanes, grid};

@@ -300,6 +300,8 @@ TEST(MaterialModels, AreFoundByTheNamesThatProceduresGiveThem) {
   };
   EXPECT_EQ(laplacian("corotated"), 2.0);
   for (const char* name : {"neoHookean", "stableNeoHookean", "mooneyRivlin"}) EXPECT_EQ(laplacian(name), 1.0);
+  for (const char* name : {"corotated", "stableNeoHookean"}) EXPECT_TRUE(MaterialModels::inverts(name)) << name;
+  for (const char* name : {"neoHookean", "mooneyRivlin", "ogden"}) EXPECT_FALSE(MaterialModels::inverts(name)) << name;
   EXPECT_EQ(MaterialModels::index("ogden"), -1);
 }
 

@@ -60,7 +60,7 @@ TEST(Prestretch, IsRefusedWhereAcrossIsUndefinedOrAStretchIsNotPositive) {
 }
 
 TEST(Prestretch, TheThirdStretchLeavesTheSkinsSurfaceFreeForEveryModelWithFibersToo) {
-  for (const char* model : {"corotated", "neoHookean", "stableNeoHookean", "mooneyRivlin"})
+  for (const std::string_view model : MaterialModels::kNames)
     for (const double k1 : {0.0, 40.0}) {
       auto m = skin(1.3, 1.1);
       m.model = model;

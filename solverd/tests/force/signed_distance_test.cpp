@@ -152,7 +152,7 @@ TEST(SignedDistance, IsCutOffFarFromTheSurfaceAndDoesNotAskHowFacesAreTurned) {
   // Memory goes with the surface, not with the volume.
   const SignedDistance fine(test::sphere({0, 0, 0}, 10.0, 40), 0.1, 0.3, kBudget);
   const SignedDistance coarse(test::sphere({0, 0, 0}, 10.0, 40), 0.2, 0.6, kBudget);
-  EXPECT_LT(static_cast<double>(fine.bytes()), 5.0 * static_cast<double>(coarse.bytes()));
+  EXPECT_LT(double(fine.bytes()), 5.0 * double(coarse.bytes()));
 }
 
 TEST(SignedDistance, RefusesAGridThatTheBudgetDoesNotHold) {

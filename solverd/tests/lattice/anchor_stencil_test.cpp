@@ -24,7 +24,7 @@ LatticeSettings spaced(double spacing) {
 }
 
 EmbeddedPoint anchored(const Lattice& lattice, const Surface& surface, std::size_t triangle) {
-  return embed_on_triangle(lattice, surface, center(surface, triangle), static_cast<std::int32_t>(triangle));
+  return embed_on_triangle(lattice, surface, center(surface, triangle), to_index(triangle));
 }
 
 // The lowest node of the piece of tissue that each node belongs to.
@@ -37,7 +37,7 @@ std::vector<std::size_t> pieces(const Lattice& lattice) {
   };
   for (const auto& nodes : lattice.cell_nodes)
     for (const std::int32_t n : nodes) {
-      const std::size_t a = find(static_cast<std::size_t>(nodes[0])), b = find(static_cast<std::size_t>(n));
+      const std::size_t a = find(nodes[0]), b = find(n);
       root[std::max(a, b)] = std::min(a, b);
     }
   for (std::size_t n = 0; n < root.size(); ++n) root[n] = find(n);
@@ -55,7 +55,7 @@ TEST(AnchorStencil, HoldsItsAnchorInEveryAffineMotion) {
       EXPECT_NEAR(std::accumulate(held.weights.begin(), held.weights.end(), 0.0), 1.0, 1e-12);
       Vec3 moved = Vec3::Zero();
       for (std::size_t k = 0; k < held.nodes.size(); ++k)
-        moved += held.weights[k] * (turn * lattice.node_rest[static_cast<std::size_t>(held.nodes[k])] + Vec3(7, 8, 9));
+        moved += held.weights[k] * (turn * lattice.node_rest[held.nodes[k]] + Vec3(7, 8, 9));
       EXPECT_LT((moved - turn * center(ball, t) - Vec3(7, 8, 9)).norm(), 1e-10);
     }
   }
@@ -72,7 +72,7 @@ TEST(AnchorStencil, SpreadsOverAsMuchTissueHoweverFineTheLattice) {
     const AnchorStencil held = anchor_stencil(lattice, anchored(lattice, block, top));
     double share = 0.0, along = 0.0, off = 0.0;
     for (std::size_t k = 0; k < held.nodes.size(); ++k) {
-      const Vec3 x = lattice.node_rest[static_cast<std::size_t>(held.nodes[k])] - anchor;
+      const Vec3 x = lattice.node_rest[held.nodes[k]] - anchor;
       EXPECT_LE(x.norm(), kStencilRadius);
       share += held.weights[k] * held.weights[k];
       along += held.weights[k] * x[0] * x[0];
@@ -93,8 +93,8 @@ TEST(AnchorStencil, NeverReachesAcrossACut) {
   for (std::size_t t = 0; t < slab.surface.triangles.size(); ++t) {
     const EmbeddedPoint anchor = anchored(lattice, slab.surface, t);
     const AnchorStencil held = anchor_stencil(lattice, anchor);
-    const auto own = static_cast<std::size_t>(lattice.cell_nodes[static_cast<std::size_t>(anchor.cell)][0]);
-    for (const std::int32_t n : held.nodes) EXPECT_EQ(piece[static_cast<std::size_t>(n)], piece[own]);
+    const std::size_t own = lattice.cell_nodes[anchor.cell][0];
+    for (const std::int32_t n : held.nodes) EXPECT_EQ(piece[n], piece[own]);
     beside += std::abs(center(slab.surface, t)[0] - 5.0) < 0.5;
   }
   EXPECT_GE(beside, 4u) << "anchors on the walls of the cut";
@@ -110,7 +110,7 @@ TEST(AnchorStencil, IsTrilinearWhereCellsAreAsLargeAsItIs) {
       const AnchorStencil held = anchor_stencil(lattice, anchor);
       double sum = 0.0;
       for (std::size_t k = 0; k < 8; ++k) {
-        const std::int32_t node = lattice.cell_nodes[static_cast<std::size_t>(anchor.cell)][k];
+        const std::int32_t node = lattice.cell_nodes[anchor.cell][k];
         for (std::size_t i = 0; i < held.nodes.size(); ++i)
           if (held.nodes[i] == node) {
             EXPECT_NEAR(held.weights[i], anchor.weights[k], 1e-12);

@@ -42,7 +42,7 @@ TEST_P(CutLattices, GridCellsConsistOfGridNodesAndMeshCellsHoldAMeshNode) {
   for (const auto& position : lattice_.cell_positions()) ++at[position];
   for (std::size_t c = 0; c < cells(); ++c) {
     const bool on_grid = std::all_of(lattice_.cell_nodes[c].begin(), lattice_.cell_nodes[c].end(),
-                                     [&](std::int32_t n) { return copies_of[static_cast<std::size_t>(n)] == 1; });
+                                     [&](std::int32_t n) { return copies_of[n] == 1; });
     ++(on_grid ? grid : mesh);
     if (on_grid) {
       EXPECT_EQ(at[lattice_.cell_position(c)], 1) << "two cells at the place of a grid cell";
@@ -64,16 +64,16 @@ TEST_P(CutLattices, EveryCellIsInOneBlockAndNoPlaceOfABlockHasTwoCellsOrTwoNodes
     std::array<std::int32_t, kBlockNodes> nodes;
     nodes.fill(-1);
     for (int place = 0; place < kBlockCells; ++place) {
-      const std::int32_t cell = block.cells[static_cast<std::size_t>(place)];
+      const std::int32_t cell = block.cells[place];
       if (cell < 0) continue;
-      ++seen[static_cast<std::size_t>(cell)];
-      const auto& p = lattice_.cell_position(static_cast<std::size_t>(cell));
+      ++seen[cell];
+      const auto& p = lattice_.cell_position(cell);
       EXPECT_EQ(p[0], 2 * block.position[0] + (place >> 2));
       EXPECT_EQ(p[1], 2 * block.position[1] + (place >> 1 & 1));
       EXPECT_EQ(p[2], 2 * block.position[2] + (place & 1));
       for (int c = 0; c < 8; ++c) {
-        auto& node = nodes[static_cast<std::size_t>(block_node(place, c))];
-        const std::int32_t corner = lattice_.cell_nodes[static_cast<std::size_t>(cell)][static_cast<std::size_t>(c)];
+        auto& node = nodes[block_node(place, c)];
+        const std::int32_t corner = lattice_.cell_nodes[cell][c];
         EXPECT_TRUE(node == -1 || node == corner) << "two nodes at one place of a block";
         node = corner;
       }
@@ -86,18 +86,18 @@ TEST_P(CutLattices, EveryCellIsInOneBlockAndNoPlaceOfABlockHasTwoCellsOrTwoNodes
 TEST_P(CutLattices, EveryCellHasOneSlotWithItsNodesAndEmptySlotsUseNodesOfTheirBlock) {
   for (const int lanes : {1, 4, 8, 16}) {
     const BlockLayout layout = lay_out_blocks(lattice_, lanes);
-    const auto w = static_cast<std::size_t>(lanes);
+    const std::size_t w = lanes;
     ASSERT_EQ(layout.slots(), static_cast<std::size_t>(layout.groups * kBlockCells) * w);
     std::vector<int> seen(cells(), 0);
     for (std::size_t slot = 0; slot < layout.slots(); ++slot) {
       const std::int32_t cell = layout.cell_of_slot[slot];
       if (cell < 0) continue;
-      ++seen[static_cast<std::size_t>(cell)];
-      EXPECT_EQ(layout.slot_of_cell[static_cast<std::size_t>(cell)], static_cast<std::int32_t>(slot));
+      ++seen[cell];
+      EXPECT_EQ(layout.slot_of_cell[cell], to_index(slot));
       const std::size_t group = slot / (kBlockCells * w), place = slot / w % kBlockCells, lane = slot % w;
       for (std::size_t c = 0; c < 8; ++c)
         EXPECT_EQ(test::node_of(layout, group, static_cast<std::size_t>(block_node(int(place), int(c))), lane),
-                  lattice_.cell_nodes[static_cast<std::size_t>(cell)][c]);
+                  lattice_.cell_nodes[cell][c]);
     }
     EXPECT_EQ(std::count(seen.begin(), seen.end(), 1), static_cast<std::ptrdiff_t>(cells()));
     for (std::size_t group = 0; group < static_cast<std::size_t>(layout.groups); ++group)
@@ -105,7 +105,7 @@ TEST_P(CutLattices, EveryCellHasOneSlotWithItsNodesAndEmptySlotsUseNodesOfTheirB
         for (std::size_t lane = 0; lane < w; ++lane) {
           const std::int32_t node = test::node_of(layout, group, n, lane);
           ASSERT_GE(node, 0);
-          ASSERT_LT(node, static_cast<std::int32_t>(lattice_.node_rest.size()));
+          ASSERT_LT(node, to_index(lattice_.node_rest.size()));
         }
   }
 }
@@ -121,14 +121,12 @@ TEST_P(CutLattices, BlocksOfTheGridStoreOnlyWhereTheirColumnsBegin) {
       if (stored != 9 * lanes) continue;
       for (std::size_t lane = 0; lane < static_cast<std::size_t>(lanes); ++lane)
         for (std::size_t n = 0; n < kBlockNodes; ++n) {
-          const auto at = [&](std::size_t k) {
-            return lattice_.node_rest[static_cast<std::size_t>(test::node_of(layout, group, k, lane))];
-          };
+          const auto at = [&](std::size_t k) { return lattice_.node_rest[test::node_of(layout, group, k, lane)]; };
           const Vec3 step(double(n / 9), double(n / 3 % 3), double(n % 3));
           EXPECT_LT((at(n) - at(0) - lattice_.settings.spacing * step).norm(), 1e-12);
         }
     }
-    EXPECT_EQ(layout.node_start.back(), static_cast<std::int64_t>(layout.nodes.size()));
+    EXPECT_EQ(layout.node_start.back(), std::int64_t(layout.nodes.size()));
     EXPECT_GT(grid, 0U);
     EXPECT_GT(mesh, 0U);
   }
@@ -148,9 +146,8 @@ TEST_P(CutLattices, SlabsThatRunAtTheSameTimeShareNoNode) {
         for (auto group = layout.slab_start[slab]; group < layout.slab_start[slab + 1]; ++group)
           for (std::size_t n = 0; n < kBlockNodes; ++n)
             for (int lane = 0; lane < lanes; ++lane) {
-              const std::int32_t node =
-                  test::node_of(layout, static_cast<std::size_t>(group), n, static_cast<std::size_t>(lane));
-              auto& owner = slab_of_node[static_cast<std::size_t>(node)];
+              const std::int32_t node = test::node_of(layout, static_cast<std::size_t>(group), n, lane);
+              auto& owner = slab_of_node[node];
               ASSERT_TRUE(owner == layout.slabs() || owner == slab) << "slabs " << owner << " and " << slab;
               owner = slab;
             }
@@ -180,8 +177,7 @@ TEST_P(CutLattices, BlocksThatCannotMoveAreLeftOutAndNoOthers) {
   for (const Vec3& rest : lattice_.node_rest) still.push_back(rest[0] <= 0.5 * (low + high));
   const BlockLayout layout = lay_out_blocks(lattice_, 4, still), whole = lay_out_blocks(lattice_, 4);
   const auto moves = [&](std::size_t cell) {
-    return std::ranges::any_of(lattice_.cell_nodes[cell],
-                               [&](std::int32_t n) { return !still[static_cast<std::size_t>(n)]; });
+    return std::ranges::any_of(lattice_.cell_nodes[cell], [&](std::int32_t n) { return !still[n]; });
   };
   std::size_t left_out = 0;
   for (std::size_t c = 0; c < cells(); ++c) {
@@ -197,7 +193,7 @@ TEST_P(CutLattices, BlocksThatCannotMoveAreLeftOutAndNoOthers) {
     const std::int32_t cell = layout.cell_of_slot[slot];
     if (cell < 0) continue;
     int& found = of_lane[slot / (4 * kBlockCells) * 4 + slot % 4];
-    found = std::max(found, static_cast<int>(moves(static_cast<std::size_t>(cell))));
+    found = std::max(found, int(moves(cell)));
   }
   EXPECT_EQ(std::ranges::count(of_lane, 0), 0);
   EXPECT_EQ(std::ranges::count(of_lane, 1), layout.blocks);
@@ -222,9 +218,7 @@ TEST(BlockLayout, NeighborsAlongAColumnAreHalfTheLanesApart) {
     for (std::size_t group = 0; group < static_cast<std::size_t>(layout.groups); ++group)
       for (int a = 0; a < lanes; ++a)
         for (int b = 0; b < lanes; ++b) {
-          const auto node = [&](std::size_t n, int lane) {
-            return test::node_of(layout, group, n, static_cast<std::size_t>(lane));
-          };
+          const auto node = [&](std::size_t n, int lane) { return test::node_of(layout, group, n, lane); };
           if (node(2, a) != node(0, b)) continue;
           ++pairs;
           // the first of a pair where the second is; else the next pair's first is one lane on and half the lanes back

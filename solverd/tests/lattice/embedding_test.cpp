@@ -19,9 +19,7 @@ LatticeSettings settings(double spacing, int ratio) {
 
 Vec3 evaluate(const Lattice& lattice, const EmbeddedPoint& point, std::span<const Vec3> positions) {
   Vec3 result = Vec3::Zero();
-  for (std::size_t c = 0; c < 8; ++c)
-    result += point.weights[c] *
-              positions[static_cast<std::size_t>(lattice.cell_nodes[static_cast<std::size_t>(point.cell)][c])];
+  for (std::size_t c = 0; c < 8; ++c) result += point.weights[c] * positions[lattice.cell_nodes[point.cell][c]];
   return result;
 }
 
@@ -47,7 +45,7 @@ TEST(Embedding, PointsOfALatticeAlignedFaceAreHeldByTheNodesOfThatFaceAlone) {
     for (std::size_t c = 0; c < 8; ++c) {
       EXPECT_GE(e.weights[c], 0.0);
       if (e.weights[c] == 0.0) continue;
-      const auto node = static_cast<std::size_t>(lattice.cell_nodes[static_cast<std::size_t>(e.cell)][c]);
+      const std::size_t node = lattice.cell_nodes[e.cell][c];
       EXPECT_NEAR(lattice.node_rest[node].x(), 0.7, 1e-12);
     }
   }
@@ -73,14 +71,12 @@ TEST(Embedding, MovingOneSideOfAWoundMovesOnlyThePointsOfThatSide) {
       for (const double kerf : {0.0, 0.01, 0.1}) {
         SCOPED_TRACE(testing::Message() << "ratio " << ratio << ", kerf " << kerf << ", refined " << refinements);
         auto slab = test::cut_slab(12, 8, 3, {{6, 0}, {6, 2}, {8.3, 3}, {3.6, 5}, {6, 6}, {6, 8}}, kerf);
-        Surface left{{slab.surface.points.begin(), slab.surface.points.begin() + static_cast<long>(slab.left_points)},
-                     {}};
+        Surface left{{slab.surface.points.begin(), slab.surface.points.begin() + slab.left_points}, {}};
         for (const auto& t : slab.surface.triangles)
           if (static_cast<std::size_t>(t[0]) < slab.left_points) left.triangles.push_back(t);
         Surface right;
-        right.points.assign(slab.surface.points.begin() + static_cast<long>(slab.left_points),
-                            slab.surface.points.end());
-        const auto shift = static_cast<std::int32_t>(slab.left_points);
+        right.points.assign(slab.surface.points.begin() + slab.left_points, slab.surface.points.end());
+        const Index shift = to_index(slab.left_points);
         for (const auto& t : slab.surface.triangles)
           if (t[0] >= shift) right.triangles.push_back({t[0] - shift, t[1] - shift, t[2] - shift});
         left = test::refine(left, refinements);
@@ -91,14 +87,13 @@ TEST(Embedding, MovingOneSideOfAWoundMovesOnlyThePointsOfThatSide) {
         const Lattice lattice = build_lattice(both, settings(1.0, ratio));
         // Move what hangs together with the first cell.
         std::vector<char> moved(lattice.node_rest.size(), 0);
-        for (const std::int32_t n : lattice.cell_nodes.front()) moved[static_cast<std::size_t>(n)] = 1;
+        for (const std::int32_t n : lattice.cell_nodes.front()) moved[n] = 1;
         for (bool grew = true; grew;) {
           grew = false;
           for (const auto& nodes : lattice.cell_nodes) {
-            const auto count =
-                std::count_if(nodes.begin(), nodes.end(), [&](auto n) { return moved[static_cast<std::size_t>(n)]; });
+            const auto count = std::count_if(nodes.begin(), nodes.end(), [&](auto n) { return moved[n]; });
             if (count == 0 || count == 8) continue;
-            for (const std::int32_t n : nodes) moved[static_cast<std::size_t>(n)] = 1;
+            for (const std::int32_t n : nodes) moved[n] = 1;
             grew = true;
           }
         }
@@ -135,10 +130,9 @@ TEST(Embedding, BesideASlotThatEndsInsideEachWallFollowsItsOwnSide) {
           for (std::size_t cell = 0; cell < lattice.cell_nodes.size(); ++cell) {
             if (lattice.cell_position(cell)[1] >= 6) continue;
             const auto& nodes = lattice.cell_nodes[cell];
-            const auto count =
-                std::count_if(nodes.begin(), nodes.end(), [&](auto n) { return left[static_cast<std::size_t>(n)]; });
+            const auto count = std::count_if(nodes.begin(), nodes.end(), [&](auto n) { return left[n]; });
             if (count == 0 || count == 8) continue;
-            for (const std::int32_t n : nodes) left[static_cast<std::size_t>(n)] = 1;
+            for (const std::int32_t n : nodes) left[n] = 1;
             grew = true;
           }
         }
@@ -149,8 +143,7 @@ TEST(Embedding, BesideASlotThatEndsInsideEachWallFollowsItsOwnSide) {
           if (std::abs(point.x() - wound.x) < 0.11) ++walls;
           double weight = 0.0;
           for (std::size_t c = 0; c < 8; ++c)
-            if (left[static_cast<std::size_t>(
-                    lattice.cell_nodes[static_cast<std::size_t>(lattice.surface_points[p].cell)][c])])
+            if (left[lattice.cell_nodes[lattice.surface_points[p].cell][c]])
               weight += lattice.surface_points[p].weights[c];
           EXPECT_NEAR(weight, point.x() < wound.x ? 1.0 : 0.0, 1e-9) << point.transpose();
         }
@@ -166,14 +159,14 @@ TEST(Embedding, AnAnchorTakesTheSideOfItsTriangle) {
   for (std::size_t t = 0; t < slab.surface.triangles.size(); ++t) {
     const auto& tri = slab.surface.triangles[t];
     bool wall = true;
-    for (const auto p : tri) wall = wall && std::abs(slab.surface.points[static_cast<std::size_t>(p)].x() - 6.2) < 0.01;
+    for (const auto p : tri) wall = wall && std::abs(slab.surface.points[p].x() - 6.2) < 0.01;
     if (!wall) continue;
     ++walls;
     for (const double y : {0.4, 4.0, 7.7})
       for (const double z : {0.1, 2.9}) {
-        const EmbeddedPoint e = embed_on_triangle(lattice, slab.surface, Vec3(6.2, y, z), static_cast<std::int32_t>(t));
+        const EmbeddedPoint e = embed_on_triangle(lattice, slab.surface, Vec3(6.2, y, z), to_index(t));
         const bool left = static_cast<std::size_t>(tri[0]) < slab.left_points;
-        const auto cell = static_cast<std::size_t>(e.cell);
+        const std::size_t cell = e.cell;
         EXPECT_EQ(lattice.cell_position(cell)[0], 6);
         // The two copies of that cell share no node; the left one has the smaller volume (a quarter of the cell).
         EXPECT_EQ(lattice.cell_fill[cell] < 0.5F, left);
@@ -189,8 +182,7 @@ TEST(Embedding, ACrumbWithoutAVoxelIsCarriedByTheNearestTissue) {
   const Lattice lattice = build_lattice(two, settings(1.0, 4));
   EXPECT_EQ(lattice.fragments, 1);
   for (std::size_t p = 8; p < 16; ++p) {
-    EXPECT_EQ(lattice.cell_position(static_cast<std::size_t>(lattice.surface_points[p].cell)),
-              (std::array<std::int32_t, 3>{3, 2, 2}));
+    EXPECT_EQ(lattice.cell_position(lattice.surface_points[p].cell), (std::array<std::int32_t, 3>{3, 2, 2}));
   }
 }
 

@@ -64,7 +64,7 @@ TEST(MemoryEstimate, CoversWhatTheVoxelsTake) {
       LatticeSettings settings;
       settings.fine_ratio = ratio;
       const Lattice lattice = build_lattice(surface, settings);
-      const auto kept = static_cast<double>(lattice.bytes());
+      const auto kept = double(lattice.bytes());
       EXPECT_GT(estimate_bytes(measure(surface), settings.spacing, ratio), kept) << ratio;
     }
 }

@@ -29,7 +29,7 @@ LatticeSettings settings(double spacing, int ratio) {
 std::vector<int> components(const Lattice& lattice, int& count) {
   std::vector<std::vector<std::size_t>> cells_of(lattice.node_rest.size());
   for (std::size_t cell = 0; cell < lattice.cell_nodes.size(); ++cell)
-    for (const std::int32_t n : lattice.cell_nodes[cell]) cells_of[static_cast<std::size_t>(n)].push_back(cell);
+    for (const std::int32_t n : lattice.cell_nodes[cell]) cells_of[n].push_back(cell);
   std::vector<int> result(lattice.cell_nodes.size(), -1);
   count = 0;
   for (std::size_t seed = 0; seed < result.size(); ++seed) {
@@ -40,7 +40,7 @@ std::vector<int> components(const Lattice& lattice, int& count) {
       const std::size_t cell = stack.back();
       stack.pop_back();
       for (const std::int32_t n : lattice.cell_nodes[cell])
-        for (const std::size_t other : cells_of[static_cast<std::size_t>(n)])
+        for (const std::size_t other : cells_of[n])
           if (result[other] < 0) {
             result[other] = count;
             stack.push_back(other);
@@ -61,7 +61,7 @@ void expect_sound(const Lattice& lattice) {
   for (std::size_t cell = 0; cell < lattice.cell_nodes.size(); ++cell) {
     bool on_grid = true;
     for (std::size_t c = 0; c < 8; ++c) {
-      const auto n = static_cast<std::size_t>(lattice.cell_nodes[cell][c]);
+      const std::size_t n = lattice.cell_nodes[cell][c];
       used[n] = 1;
       const auto& at = lattice.cell_position(cell);
       const Vec3 corner(at[0] + double(c >> 2 & 1), at[1] + double(c >> 1 & 1), at[2] + double(c & 1));
@@ -71,7 +71,7 @@ void expect_sound(const Lattice& lattice) {
     }
     ++(on_grid ? grid : mesh);
     EXPECT_TRUE(distinct.insert(lattice.cell_nodes[cell]).second) << "two cells with the same nodes";
-    EXPECT_GE(lattice.cell_fill[cell], static_cast<float>(lattice.settings.fill_floor));
+    EXPECT_GE(lattice.cell_fill[cell], float(lattice.settings.fill_floor));
     EXPECT_LE(lattice.cell_fill[cell], 1.0F);
   }
   EXPECT_EQ(grid, lattice.grid_cells);
@@ -149,12 +149,11 @@ TEST_P(ThroughCut, SeparatesTheSlabAtEveryRatioAndKerf) {
       EXPECT_NE(side.front(), side.back());
       EXPECT_GT(lattice.mesh_cells, 0);
       // Tissue is neither lost nor made: what the kerf takes is its area times the height.
-      double volume = static_cast<double>(lattice.fine_voxels) / std::pow(ratio, 3);
+      double volume = double(lattice.fine_voxels) / std::pow(ratio, 3);
       EXPECT_NEAR(volume, 20 * 12 * 3 - kerf * 12 * 3, 12 * 3 * 1.05 / ratio);
       // Every surface point is embedded in its own piece.
       for (std::size_t p = 0; p < slab.surface.points.size(); ++p)
-        EXPECT_EQ(side[static_cast<std::size_t>(lattice.surface_points[p].cell)],
-                  p < slab.left_points ? side.front() : side.back())
+        EXPECT_EQ(side[lattice.surface_points[p].cell], p < slab.left_points ? side.front() : side.back())
             << "point " << slab.surface.points[p].transpose();
     }
 }
@@ -227,7 +226,7 @@ TEST(Nonmanifold, VoxelsThatASharpTipTearsOffAreNoPiecesOfTheirOwn) {
     const Lattice lattice = build_lattice(surface, settings(1.0, ratio));
     EXPECT_EQ(lattice.fragments, 1) << ratio;
     dropped += lattice.dropped_voxels;
-    EXPECT_LT(static_cast<double>(lattice.dropped_voxels), 0.03 * static_cast<double>(lattice.fine_voxels));
+    EXPECT_LT(double(lattice.dropped_voxels), 0.03 * double(lattice.fine_voxels));
     for (const EmbeddedPoint& p : lattice.surface_points) EXPECT_GE(p.cell, 0);
   }
   EXPECT_GT(dropped, 0) << "this tip should have been too sharp for the voxels";
@@ -291,7 +290,7 @@ TEST(Nonmanifold, FragmentsEqualTheConnectedComponentsOfTheVoxels) {
       for (int axis = 0; axis < 3; ++axis)
         for (const int step : {-1, 1}) {
           Voxel n = v;
-          n[static_cast<std::size_t>(axis)] += step;
+          n[axis] += step;
           if (rest.contains(n) && fine.connected_above(step > 0 ? v : n, axis)) {
             rest.erase(n);
             stack.push_back(n);

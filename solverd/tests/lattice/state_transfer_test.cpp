@@ -54,9 +54,9 @@ TEST(StateTransfer, AFieldThatJumpsAcrossACutKeepsItsJumpThroughASecondCut) {
       grew = false;
       for (const auto& nodes : lattice.cell_nodes) {
         int count = 0;
-        for (const auto n : nodes) count += left[static_cast<std::size_t>(n)];
+        for (const auto n : nodes) count += left[n];
         if (count == 0 || count == 8) continue;
-        for (const auto n : nodes) left[static_cast<std::size_t>(n)] = 1;
+        for (const auto n : nodes) left[n] = 1;
         grew = true;
       }
     }
@@ -109,7 +109,7 @@ TEST(StateTransfer, TheSameSurfaceGivesTheSameLatticeAndKeepsTheStateBitForBit) 
     EXPECT_EQ(a.surface_points[p].weights, b.surface_points[p].weights);
   }
   std::vector<Vec3> state = a.node_rest.all();
-  for (std::size_t n = 0; n < state.size(); ++n) state[n] += Vec3::Constant(0.1 / (1.0 + static_cast<double>(n)));
+  for (std::size_t n = 0; n < state.size(); ++n) state[n] += Vec3::Constant(0.1 / (1.0 + double(n)));
   EXPECT_EQ(transfer_positions(a, state, b), state);
 }
 

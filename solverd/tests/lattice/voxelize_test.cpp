@@ -9,6 +9,7 @@
 #include <string>
 
 #include "lattice/refused.h"
+#include "lattice/winding_numbers.h"
 #include "test_surfaces.h"
 
 namespace lappet {
@@ -32,9 +33,9 @@ std::string refusal(const Surface& surface, const LatticeSettings& s) {
 }
 
 void expect_all_axes_agree(const Surface& surface, const LatticeSettings& s) {
-  const auto x = FineVoxels::winding_numbers(surface, s, 0);
-  EXPECT_EQ(x, FineVoxels::winding_numbers(surface, s, 1));
-  EXPECT_EQ(x, FineVoxels::winding_numbers(surface, s, 2));
+  const auto x = test::winding_numbers(surface, s, 0);
+  EXPECT_EQ(x, test::winding_numbers(surface, s, 1));
+  EXPECT_EQ(x, test::winding_numbers(surface, s, 2));
   for (const std::int8_t w : x) ASSERT_TRUE(w == 0 || w == 1);
 }
 
@@ -61,14 +62,14 @@ TEST(Voxelize, WindingNumbersAgreeWhereVerticesEdgesAndFacesLieOnVoxelCenters) {
   // |x| + |y| + |z| <= 6 voxels about a center has 377 points of the grid; the half-open rule keeps a definite part of
   // the 146 on the boundary, and the 231 strictly inside always.
   std::int64_t inside = 0;
-  for (const std::int8_t w : FineVoxels::winding_numbers(octahedron, settings(1.0, 4), 0)) inside += w;
+  for (const std::int8_t w : test::winding_numbers(octahedron, settings(1.0, 4), 0)) inside += w;
   EXPECT_GE(inside, 231);
   EXPECT_LE(inside, 377);
   // Moved centers: of a box with faces on centers the upper face is out and the lower face is in, so nothing is counted
   // twice.
   std::int64_t box = 0;
-  for (const std::int8_t w : FineVoxels::winding_numbers(
-           test::box(Vec3(0.125, 0.375, 0.625), Vec3(3.125, 2.875, 1.625)), settings(1.0, 4), 1))
+  for (const std::int8_t w :
+       test::winding_numbers(test::box(Vec3(0.125, 0.375, 0.625), Vec3(3.125, 2.875, 1.625)), settings(1.0, 4), 1))
     box += w;
   EXPECT_EQ(box, 12 * 10 * 4);
 }
@@ -84,9 +85,9 @@ TEST(Voxelize, RandomTrianglesThatFormAClosedSurfaceGiveTheSameWindingAlongEvery
       x = std::round((x + (seed >> 8) * 0x1p-24 - 0.5) * 8.0) / 8.0;
     }
   const auto s = settings(1.0, 4);
-  const auto x = FineVoxels::winding_numbers(shaken, s, 0);
-  EXPECT_EQ(x, FineVoxels::winding_numbers(shaken, s, 1));
-  EXPECT_EQ(x, FineVoxels::winding_numbers(shaken, s, 2));
+  const auto x = test::winding_numbers(shaken, s, 0);
+  EXPECT_EQ(x, test::winding_numbers(shaken, s, 1));
+  EXPECT_EQ(x, test::winding_numbers(shaken, s, 2));
 }
 
 TEST(Voxelize, ASlitBetweenTwoCentersCutsTheirLinkAndLeavesBothInside) {
@@ -122,9 +123,8 @@ TEST(Voxelize, EveryInnerVoxelIsInsideAndOnTheInnerSideOfItsTriangle) {
   const FineVoxels fine(ball, s);
   std::size_t seen = 0;
   for (std::int32_t t = 0; t < fine.triangle_count(); ++t) {
-    const auto& tri = ball.triangles[static_cast<std::size_t>(t)];
-    const Vec3 a = ball.points[static_cast<std::size_t>(tri[0])], b = ball.points[static_cast<std::size_t>(tri[1])],
-               c = ball.points[static_cast<std::size_t>(tri[2])];
+    const auto& tri = ball.triangles[t];
+    const Vec3 a = ball.points[tri[0]], b = ball.points[tri[1]], c = ball.points[tri[2]];
     for (const Voxel voxel : fine.inner_voxels(t)) {
       if (voxel[0] < 0) continue;
       ++seen;
@@ -143,8 +143,8 @@ TEST(Voxelize, InsideVoxelsOfABallConvergeToItsVolume) {
   double previous = 1.0;
   for (const int ratio : {2, 4, 8}) {
     std::int64_t count = 0;
-    for (const std::int8_t w : FineVoxels::winding_numbers(ball, settings(1.0, ratio), 2)) count += w;
-    const double error = std::abs(static_cast<double>(count) / std::pow(ratio, 3) / exact - 1.0);
+    for (const std::int8_t w : test::winding_numbers(ball, settings(1.0, ratio), 2)) count += w;
+    const double error = std::abs(double(count) / std::pow(ratio, 3) / exact - 1.0);
     EXPECT_LT(error, 0.05 / ratio);
     EXPECT_LT(error, previous + 1e-3);
     previous = error;

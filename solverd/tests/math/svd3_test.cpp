@@ -40,7 +40,7 @@ void expect_all(double tolerance) {
   std::normal_distribution<double> normal;
   const auto matrix = [&] {
     Matrix<Number> m;
-    for (int i = 0; i < 9; ++i) m.data()[i] = static_cast<Number>(normal(random));
+    for (int i = 0; i < 9; ++i) m.data()[i] = Number(normal(random));
     return m;
   };
   for (int k = 0; k < 2000; ++k) {

@@ -9,7 +9,7 @@
 namespace lappet {
 namespace {
 
-SessionSettings taut(double along, double across, const char* model = "neoHookean") {
+SessionSettings taut(double along, double across, std::string_view model = "neoHookean") {
   SessionSettings s;
   s.threads = 2;
   s.materials[0].model = model;
@@ -23,7 +23,7 @@ bool on_rim(const Vec3& c, double width, double depth) {
 }
 
 TEST(PrestretchSession, IntactSkinHeldAtItsRimStaysAsItIsWithTheStressOfItsPrestretch) {
-  for (const char* model : {"corotated", "neoHookean", "stableNeoHookean", "mooneyRivlin"}) {
+  for (const std::string_view model : MaterialModels::kNames) {
     SessionSettings s = taut(1.25, 1.1, model);
     s.materials[0].fiber_k1 = 10;
     s.materials[0].fiber_k2 = 1;

@@ -25,29 +25,28 @@ struct Chain {
     for (std::int32_t n = 0; n < rows; ++n) {
       for (const std::int32_t step : {0, 1, 3, 7})
         if (n + step < rows) {
-          if (step > 0)
-            lefts[static_cast<std::size_t>(n + step)].push_back({n, static_cast<std::int32_t>(column.size())});
+          if (step > 0) lefts[n + step].push_back({n, to_index(column.size())});
           column.push_back(n + step);
         }
-      start.push_back(static_cast<std::int32_t>(column.size()));
+      start.push_back(to_index(column.size()));
     }
     for (const auto& list : lefts) {
       left.insert(left.end(), list.begin(), list.end());
-      left_start.push_back(static_cast<std::int32_t>(left.size()));
+      left_start.push_back(to_index(left.size()));
     }
-    for (std::size_t i = 0; i < 36 * column.size(); ++i) blocks.push_back(static_cast<Real>(draw(random)));
+    for (std::size_t i = 0; i < 36 * column.size(); ++i) blocks.push_back(Real(draw(random)));
     // What belongs to no block must not matter.
-    for (std::size_t i = 0; i < kCoarsePadding; ++i) blocks.push_back(static_cast<Real>(NAN));
-    for (std::int32_t i = 0; i < 6 * rows; ++i) x.push_back(static_cast<Real>(draw(random)));
+    for (std::size_t i = 0; i < kCoarsePadding; ++i) blocks.push_back(Real(NAN));
+    for (std::int32_t i = 0; i < 6 * rows; ++i) x.push_back(Real(draw(random)));
     expected.assign(x.size(), 0.0);
     for (std::size_t n = 0; n + 1 < start.size(); ++n)
-      for (auto s = static_cast<std::size_t>(start[n]); s < static_cast<std::size_t>(start[n + 1]); ++s) {
-        const auto m = static_cast<std::size_t>(column[s]);
+      for (std::size_t s = start[n]; s < static_cast<std::size_t>(start[n + 1]); ++s) {
+        const std::size_t m = column[s];
         for (std::size_t i = 0; i < 6; ++i)
           for (std::size_t j = 0; j < 6; ++j) {
-            const auto entry = static_cast<double>(blocks[36 * s + 6 * i + j]);
-            expected[6 * n + i] += entry * static_cast<double>(x[6 * m + j]);
-            if (m != n) expected[6 * m + j] += entry * static_cast<double>(x[6 * n + i]);
+            const auto entry = double(blocks[36 * s + 6 * i + j]);
+            expected[6 * n + i] += entry * double(x[6 * m + j]);
+            if (m != n) expected[6 * m + j] += entry * double(x[6 * n + i]);
           }
       }
   }
@@ -66,7 +65,7 @@ void expect_the_product_on_every_set() {
     product(chain.rows(), 0, 10, chain.x.data(), y.data());
     product(chain.rows(), 10, 23, chain.x.data(), y.data());
     for (std::size_t i = 0; i < y.size(); ++i)
-      EXPECT_NEAR(static_cast<double>(y[i]), chain.expected[i], 60 * std::numeric_limits<Real>::epsilon()) << i;
+      EXPECT_NEAR(double(y[i]), chain.expected[i], 60 * std::numeric_limits<Real>::epsilon()) << i;
   }
 }
 

@@ -67,7 +67,7 @@ inline CutSheet make_cut_sheet(int nx, int ny, int nz, int half_limb, double sti
     for (std::size_t k = 0; k < 8; ++k) {
       auto& id = number[find(8 * c + k)];
       if (id < 0) {
-        id = static_cast<std::int32_t>(lattice.node_rest.size());
+        id = to_index(lattice.node_rest.size());
         const auto& p = position[c];
         lattice.node_rest.push_back({p[0] + int(k >> 2 & 1), p[1] + int(k >> 1 & 1), p[2] + int(k & 1)});
       }
@@ -85,8 +85,7 @@ inline CutSheet make_cut_sheet(int nx, int ny, int nz, int half_limb, double sti
     PointConstraint constraint;
     constraint.nodes = {left, right};
     constraint.weights = {1.0, -1.0};
-    constraint.offset =
-        lattice.node_rest[static_cast<std::size_t>(left)] - lattice.node_rest[static_cast<std::size_t>(right)];
+    constraint.offset = lattice.node_rest[left] - lattice.node_rest[right];
     constraint.stiffness = stiffness;
     constraint.exact = true;
     constraint.id = {ConstraintId::Kind::kSuture, static_cast<std::int32_t>(sheet.constraints.size())};

@@ -78,8 +78,7 @@ struct EverythingActs {
   std::int32_t node(const Vec3& at) const {
     std::int32_t best = 0;
     for (std::size_t n = 0; n < lattice.node_rest.size(); ++n)
-      if ((lattice.node_rest[n] - at).norm() < (lattice.node_rest[static_cast<std::size_t>(best)] - at).norm())
-        best = static_cast<std::int32_t>(n);
+      if ((lattice.node_rest[n] - at).norm() < (lattice.node_rest[best] - at).norm()) best = to_index(n);
     return best;
   }
 };
@@ -103,7 +102,7 @@ TEST(LocalRelaxation, TheSubdomainsEnergyForcesAndTangentAreThoseOfTheWholeWhenO
   const auto compare = [&](const std::vector<double>& u) {
     std::vector<double> v;
     for (const std::int32_t n : nodes)
-      for (int i = 0; i < 3; ++i) v.push_back(u[3 * static_cast<std::size_t>(n) + static_cast<std::size_t>(i)]);
+      for (int i = 0; i < 3; ++i) v.push_back(u[offset_of(3, n) + i]);
     const Evaluation all = whole.evaluate(u, scene.multipliers), own = local->evaluate(v, subdomain.multipliers);
     whole.linearize(all, PsdProjection::kExact);
     local->linearize(own, PsdProjection::kExact);
@@ -112,13 +111,13 @@ TEST(LocalRelaxation, TheSubdomainsEnergyForcesAndTangentAreThoseOfTheWholeWhenO
     std::normal_distribution<double> normal;
     for (std::size_t n = 0; n < nodes.size(); ++n)
       for (std::size_t i = 0; i < 3; ++i)
-        if (moves[n]) x[3 * static_cast<std::size_t>(nodes[n]) + i] = xv[3 * n + i] = normal(random);
+        if (moves[n]) x[offset_of(3, nodes[n]) + i] = xv[3 * n + i] = normal(random);
     whole.multiply(x, y);
     local->multiply(xv, yv);
     double most = 0.0, off = 0.0, tangent_off = 0.0, tangent_most = 0.0;
     for (std::size_t n = 0; n < nodes.size(); ++n)
       for (std::size_t i = 0; i < 3; ++i) {
-        const std::size_t at = 3 * static_cast<std::size_t>(nodes[n]) + i;
+        const std::size_t at = offset_of(3, nodes[n]) + i;
         EXPECT_TRUE(moves[n] || own.gradient[3 * n + i] == 0.0);
         if (!moves[n]) continue;
         most = std::max(most, std::abs(all.gradient[at]));

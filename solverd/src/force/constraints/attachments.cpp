@@ -32,7 +32,7 @@ struct RestingBucket {
 constexpr int kNoSide = 6;
 
 struct HeldFace {
-  std::int32_t triangle = -1;
+  Index triangle = -1;
   std::array<std::int32_t, 2> groups{};
   int count = 0;
   bool rests = false;
@@ -45,7 +45,7 @@ int lattice_side(const EmbeddedPoint& point, const Vec3& normal) {
     if (std::abs(normal[axis]) < 1 - 1e-6) continue;
     double local = 0.0;
     for (int c = 0; c < 8; ++c)
-      if (c >> (2 - axis) & 1) local += point.weights[static_cast<std::size_t>(c)];
+      if (c >> (2 - axis) & 1) local += point.weights[c];
     if (std::abs(local) < 1e-5) return 2 * axis;
     if (std::abs(local - 1.0) < 1e-5) return 2 * axis + 1;
   }
@@ -55,7 +55,7 @@ int lattice_side(const EmbeddedPoint& point, const Vec3& normal) {
 // Ordered: the result is deterministic.
 struct Buckets {
   std::map<std::tuple<std::int32_t, std::int32_t, int>, Bucket> held;  // by cell, group, side
-  std::map<std::int32_t, RestingBucket> resting;                       // by cell
+  std::map<Index, RestingBucket> resting;                              // by cell
 
   void add(const HeldFace& face, const EmbeddedPoint& point) {
     if (face.rests) {
@@ -66,7 +66,7 @@ struct Buckets {
     }
     const int side = lattice_side(point, face.normal);
     for (int g = 0; g < face.count; ++g) {
-      auto& bucket = held[{point.cell, face.groups[static_cast<std::size_t>(g)], side}];
+      auto& bucket = held[{point.cell, face.groups[g], side}];
       bucket.area += face.sample_area;
       double* entry = bucket.gram.data();
       for (std::size_t p = 0; p < 8; ++p)
@@ -112,42 +112,58 @@ class Samples {
   std::vector<Sample> samples_;
 };
 
+HeldFace held_face(std::uint8_t fixed, std::uint8_t bed, Index grip) {
+  HeldFace face;
+  if (fixed)
+    face.groups[face.count++] = kFixedGroup;
+  else if (grip >= 0)
+    face.groups[face.count++] = grip;
+  if (bed == kAttachedToBed) face.groups[face.count++] = kBedGroup;
+  face.rests = bed == kRestsOnBed;
+  return face;
+}
+
+// Samples a face at the middles of small triangles of equal area.
+void sample(const Surface& surface, Index triangle, double spacing, HeldFace face, Samples& samples, Buckets& buckets) {
+  const auto& corners = surface.triangles[triangle];
+  const Vec3 a = surface.points[corners[0]];
+  const Vec3 ab = surface.points[corners[1]] - a;
+  const Vec3 ac = surface.points[corners[2]] - a;
+  const Vec3 cross = ab.cross(ac);
+  const double area = 0.5 * cross.norm();
+  if (area < 1e-12 * spacing * spacing) return;
+  face.triangle = triangle;
+  face.normal = cross.normalized();
+  const double longest = std::max({ab.norm(), ac.norm(), (ac - ab).norm()});
+  const int n = std::max(1, int(std::ceil(longest / (0.4 * spacing))));
+  face.sample_area = area / (n * n);
+  samples.begin(face);
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; j < 2 * (n - i) - 1; ++j) {  // the upright and inverted triangles of row i
+      const bool inverted = j % 2 == 1;
+      const double s = (j / 2 + (inverted ? 2.0 / 3 : 1.0 / 3)) / n, r = (i + (inverted ? 2.0 / 3 : 1.0 / 3)) / n;
+      samples.add(a + s * ab + r * ac, buckets);
+    }
+}
+
+// Prescribes the four nodes on a side of a cell; those that are fixed stay so.
+void prescribe_side(const Lattice& lattice, Index cell, int side, Index group, std::vector<Index>& node_group) {
+  const int axis = side / 2, value = side % 2;
+  for (int c = 0; c < 8; ++c)
+    if ((c >> (2 - axis) & 1) == value)
+      if (Index& owner = node_group[lattice.cell_nodes[cell][c]]; owner != kFixedGroup) owner = group;
+}
+
 }  // namespace
 
 Attachments attach(const Lattice& lattice, const Surface& surface, std::span<const std::uint8_t> fixed,
-                   std::span<const std::uint8_t> bed, std::span<const std::int32_t> grip) {
+                   std::span<const std::uint8_t> bed, std::span<const Index> grip) {
   const double h = lattice.settings.spacing;
   Buckets buckets;
   Samples samples(lattice, surface);
-  for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
-    HeldFace face;
-    if (fixed[t])
-      face.groups[face.count++] = kFixedGroup;
-    else if (grip[t] >= 0)
-      face.groups[face.count++] = grip[t];
-    if (bed[t] == kAttachedToBed) face.groups[face.count++] = kBedGroup;
-    face.rests = bed[t] == kRestsOnBed;
-    if (face.count == 0 && !face.rests) continue;
-    const auto& corners = surface.triangles[t];
-    const Vec3 a = surface.points[static_cast<std::size_t>(corners[0])];
-    const Vec3 ab = surface.points[static_cast<std::size_t>(corners[1])] - a;
-    const Vec3 ac = surface.points[static_cast<std::size_t>(corners[2])] - a;
-    const Vec3 cross = ab.cross(ac);
-    const double area = 0.5 * cross.norm();
-    if (area < 1e-12 * h * h) continue;
-    face.triangle = static_cast<std::int32_t>(t);
-    face.normal = cross.normalized();
-    const double longest = std::max({ab.norm(), ac.norm(), (ac - ab).norm()});
-    const int n = std::max(1, static_cast<int>(std::ceil(longest / (0.4 * h))));
-    face.sample_area = area / (n * n);
-    samples.begin(face);
-    for (int i = 0; i < n; ++i)
-      for (int j = 0; j < 2 * (n - i) - 1; ++j) {  // the upright and inverted triangles of row i
-        const bool inverted = j % 2 == 1;
-        const double s = (j / 2 + (inverted ? 2.0 / 3 : 1.0 / 3)) / n, r = (i + (inverted ? 2.0 / 3 : 1.0 / 3)) / n;
-        samples.add(a + s * ab + r * ac, buckets);
-      }
-  }
+  for (std::size_t t = 0; t < surface.triangles.size(); ++t)
+    if (const HeldFace face = held_face(fixed[t], bed[t], grip[t]); face.count > 0 || face.rests)
+      sample(surface, to_index(t), h, face, samples, buckets);
   samples.flush(buckets);
 
   Attachments result;
@@ -157,22 +173,16 @@ Attachments attach(const Lattice& lattice, const Surface& surface, std::span<con
     const auto& [key, bucket] = *held.begin();
     const auto [cell, group, side] = key;
     if (group != kBedGroup && side != kNoSide && bucket.area >= 0.5 * h * h) {
-      const int axis = side / 2, value = side % 2;
-      for (int c = 0; c < 8; ++c)
-        if ((c >> (2 - axis) & 1) == value) {
-          auto& owner = result.node_group[static_cast<std::size_t>(
-              lattice.cell_nodes[static_cast<std::size_t>(cell)][static_cast<std::size_t>(c)])];
-          if (owner != kFixedGroup) owner = group;
-        }
-    } else {
-      FaceConstraint face{cell, group, bucket.area, bucket.gram};
-      if (group != kBedGroup) {
-        const double scale = h * h / bucket.area;
-        for (double& value : face.gram) value *= scale;
-        face.area = h * h;
-      }
-      result.face_constraints.push_back(face);
+      prescribe_side(lattice, cell, side, group, result.node_group);
+      continue;
     }
+    FaceConstraint face{cell, group, bucket.area, bucket.gram};
+    if (group != kBedGroup) {
+      const double scale = h * h / bucket.area;
+      for (double& value : face.gram) value *= scale;
+      face.area = h * h;
+    }
+    result.face_constraints.push_back(face);
   }
   for (const auto& [cell, bucket] : buckets.resting) {
     RestingFace face{cell, bucket.area, bucket.inward.normalized(), bucket.weights};

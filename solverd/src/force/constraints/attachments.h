@@ -24,8 +24,8 @@ inline constexpr std::int32_t kFree = -3;
 inline constexpr std::int32_t kStillGroup = -4;  // stays where it is, wherever that is: the rim of a subdomain
 
 struct FaceConstraint {
-  std::int32_t cell;
-  std::int32_t group;
+  Index cell;
+  Index group;
   double area;  // what the form integrates 1 to, mm^2
   // Integral of W^T W over the face inside the cell; held: scaled to the area h^2; mm^2. The upper triangle by rows.
   std::array<double, 36> gram;
@@ -41,7 +41,7 @@ struct FaceConstraint {
 
 // The mean height n . sum_k weights_k u_k of a resting face inside a cell above its rest position, n inwards.
 struct RestingFace {
-  std::int32_t cell;
+  Index cell;
   double area;  // mm^2
   Vec3 inward;  // unit
   std::array<double, 8> weights;
@@ -50,7 +50,7 @@ struct RestingFace {
 inline constexpr std::uint8_t kAttachedToBed = 1, kRestsOnBed = 2;  // labels of triangles
 
 struct Attachments {
-  std::vector<std::int32_t> node_group;          // per node: kFree, kFixedGroup or a retractor; prescribed nodes
+  std::vector<Index> node_group;                 // per node: kFree, kFixedGroup or a retractor; prescribed nodes
   std::vector<FaceConstraint> face_constraints;  // bed faces, and held faces off the lattice planes
   std::vector<RestingFace> resting;
 };
@@ -58,6 +58,6 @@ struct Attachments {
 // Per triangle: fixed, 0 or 1; bed, 0, kAttachedToBed or kRestsOnBed; grip, retractor index or -1. A face both fixed
 // and gripped is fixed.
 Attachments attach(const Lattice& lattice, const Surface& surface, std::span<const std::uint8_t> fixed,
-                   std::span<const std::uint8_t> bed, std::span<const std::int32_t> grip);
+                   std::span<const std::uint8_t> bed, std::span<const Index> grip);
 
 }  // namespace lappet

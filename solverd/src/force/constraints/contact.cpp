@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "force/constraints/point_constraint.h"
 #include "lattice/embedding.h"
 #include "math/parallel.h"
 
@@ -13,8 +14,8 @@ namespace {
 
 // What a penalty may leave, in spacings; a frame converges below it.
 constexpr double kAllowedPenetration = 0.08;
-constexpr double kLargestEdge = 1.5;  // of a triangle without proxies inside, spacings
-constexpr double kDeepestOnTheWay = 2.0;
+constexpr double kMaxEdge = 1.5;  // of a triangle without proxies inside, spacings
+constexpr double kMaxDepthOnTheWay = 2.0;
 
 }  // namespace
 
@@ -29,14 +30,14 @@ Contact::Contact(std::shared_ptr<const SignedDistance> bones, const Lattice& lat
   for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
     const auto& corners = surface.triangles[t];
     if (fixed[t]) {
-      for (const std::int32_t p : corners) held[static_cast<std::size_t>(p)] = 1;
+      for (const Index p : corners) held[p] = 1;
       continue;
     }
-    const Vec3 a = surface.points[static_cast<std::size_t>(corners[0])];
-    const Vec3 ab = surface.points[static_cast<std::size_t>(corners[1])] - a;
-    const Vec3 ac = surface.points[static_cast<std::size_t>(corners[2])] - a;
+    const Vec3 a = surface.points[corners[0]];
+    const Vec3 ab = surface.points[corners[1]] - a;
+    const Vec3 ac = surface.points[corners[2]] - a;
     const double longest = std::max({ab.norm(), ac.norm(), (ac - ab).norm()});
-    const int n = std::max(1, static_cast<int>(std::ceil(longest / (kLargestEdge * lattice.settings.spacing))));
+    const int n = std::max(1, int(std::ceil(longest / (kMaxEdge * lattice.settings.spacing))));
     const double third = 0.5 * ab.cross(ac).norm() / (3.0 * n * n);
     // n^2 small triangles; each gives a third of its area to its corners.
     for (int i = 0; i <= n; ++i)
@@ -44,11 +45,11 @@ Contact::Contact(std::shared_ptr<const SignedDistance> bones, const Lattice& lat
         const int k = n - i - j;
         const int at_end = (i == 0) + (j == 0) + (k == 0);
         if (at_end == 2) {
-          area_of_vertex[static_cast<std::size_t>(corners[k == n ? 0 : i == n ? 1 : 2])] += third;
+          area_of_vertex[corners[k == n ? 0 : i == n ? 1 : 2]] += third;
           continue;
         }
         const Vec3 point = a + (i * ab + j * ac) / n;
-        const auto triangle = static_cast<std::int32_t>(t);
+        const Index triangle = to_index(t);
         inner.push_back({embedder.embed(point, {&triangle, 1}), (at_end == 1 ? 3.0 : 6.0) * third});
         inner_rest.push_back(point);
       }
@@ -63,11 +64,11 @@ Contact::Contact(std::shared_ptr<const SignedDistance> bones, const Lattice& lat
   found_.resize((proxies_.size() + kChunk - 1) / kChunk);
 }
 
-Contact::Contact(const Contact& whole, const Lattice& lattice, std::span<const std::int32_t> place)
+Contact::Contact(const Contact& whole, const Lattice& lattice, std::span<const Index> place)
     : bones_(whole.bones_), lattice_(lattice), stiffness_(whole.stiffness_) {
   for (std::size_t p = 0; p < whole.proxies_.size(); ++p) {
     Proxy proxy = whole.proxies_[p];
-    proxy.point.cell = place[static_cast<std::size_t>(proxy.point.cell)];
+    proxy.point.cell = place[proxy.point.cell];
     if (proxy.point.cell < 0) continue;
     proxies_.push_back(proxy);
     rest_.push_back(whole.rest_[p]);
@@ -75,24 +76,11 @@ Contact::Contact(const Contact& whole, const Lattice& lattice, std::span<const s
   found_.resize((proxies_.size() + kChunk - 1) / kChunk);
 }
 
-std::vector<double> Contact::restrict_pressures(std::span<const double> pressures,
-                                                std::span<const std::int32_t> place) const {
+std::vector<double> Contact::restrict_pressures(std::span<const double> pressures, std::span<const Index> place) const {
   std::vector<double> restricted;
   for (std::size_t p = 0; p < pressures.size(); ++p)
-    if (place[static_cast<std::size_t>(proxies_[p].point.cell)] >= 0) restricted.push_back(pressures[p]);
+    if (place[proxies_[p].point.cell] >= 0) restricted.push_back(pressures[p]);
   return restricted;
-}
-
-template <class Real>
-Vec3 Contact::displacement(const Proxy& proxy, std::span<const Real> u) const {
-  Vec3 sum = Vec3::Zero();
-  const auto& nodes = lattice_.cell_nodes[static_cast<std::size_t>(proxy.point.cell)];
-  for (std::size_t k = 0; k < 8; ++k) {
-    const auto n = 3 * static_cast<std::size_t>(nodes[k]);
-    sum += proxy.point.weights[k] *
-           Vec3(static_cast<double>(u[n]), static_cast<double>(u[n + 1]), static_cast<double>(u[n + 2]));
-  }
-  return sum;
 }
 
 Contact::Depth Contact::deepest_at_rest() const {
@@ -110,15 +98,14 @@ void Contact::evaluate(std::span<const Real> u, std::span<const double> pressure
     auto& found = found_[chunk];
     found.clear();
     for (std::size_t p = begin; p < end; ++p) {
-      const auto sample = bones_->at(rest_[p] + displacement(proxies_[p], u));
+      const auto sample = bones_->at(rest_[p] + displacement(lattice_, proxies_[p].point, u));
       const double squeezed = (pressures.empty() ? 0.0 : pressures[p] / stiffness_) - sample.value;
       if (!(squeezed > 0.0)) continue;
-      const auto& nodes = lattice_.cell_nodes[static_cast<std::size_t>(proxies_[p].point.cell)];
+      const auto& nodes = lattice_.cell_nodes[proxies_[p].point.cell];
       bool moves = false;
-      for (std::size_t k = 0; k < 8; ++k)
-        moves = moves || (free[static_cast<std::size_t>(nodes[k])] && proxies_[p].point.weights[k] != 0.0);
+      for (std::size_t k = 0; k < 8; ++k) moves = moves || (free[nodes[k]] && proxies_[p].point.weights[k] != 0.0);
       if (moves)
-        found.push_back({static_cast<std::uint32_t>(p), -sample.value, squeezed, sample.gradient});
+        found.push_back({std::uint32_t(p), -sample.value, squeezed, sample.gradient});
       else if (const double sunk = bones_->at(rest_[p]).value - sample.value;
                sunk > kAllowedPenetration * lattice_.settings.spacing)
         carried[chunk] = std::max(carried[chunk], -sample.value);
@@ -138,11 +125,9 @@ void Contact::evaluate(std::span<const Real> u, std::span<const double> pressure
     const double stiffness = stiffness_ * proxy.area;
     energy += 0.5 * stiffness * active.squeezed * active.squeezed;
     const Vec3 force = stiffness * active.squeezed * active.normal;
-    const auto& nodes = lattice_.cell_nodes[static_cast<std::size_t>(proxy.point.cell)];
+    const auto& nodes = lattice_.cell_nodes[proxy.point.cell];
     for (std::size_t k = 0; k < 8; ++k)
-      for (int i = 0; i < 3; ++i)
-        gradient[3 * static_cast<std::size_t>(nodes[k]) + static_cast<std::size_t>(i)] -=
-            proxy.point.weights[k] * force[i];
+      for (int i = 0; i < 3; ++i) gradient[offset_of(3, nodes[k]) + i] -= proxy.point.weights[k] * force[i];
     penalties.push_back({proxy.point.cell, proxy.point.weights, active.normal, stiffness});
     penetration = std::max(penetration, active.depth);
     state.force += force;
@@ -159,22 +144,22 @@ void Contact::update_pressures(const ContactState& at, std::vector<double>& pres
 }
 
 template <class Real>
-double Contact::largest_step(std::span<const Real> u, std::span<const Real> step, double most) const {
-  const double deepest = kDeepestOnTheWay * lattice_.settings.spacing, stride = bones_->spacing();
-  std::vector<double> least(found_.size(), most);
+double Contact::largest_step(std::span<const Real> u, std::span<const Real> step, double max_part) const {
+  const double deepest = kMaxDepthOnTheWay * lattice_.settings.spacing, stride = bones_->spacing();
+  std::vector<double> part_of_chunk(found_.size(), max_part);
   for_each_chunk(proxies_.size(), [&](std::size_t chunk, std::size_t begin, std::size_t end) {
     for (std::size_t p = begin; p < end; ++p) {
-      const Vec3 move = displacement(proxies_[p], step);
+      const Vec3 move = displacement(lattice_, proxies_[p].point, step);
       const double length = move.norm();
-      if (!(most * length > stride)) continue;
-      const Vec3 from = rest_[p] + displacement(proxies_[p], u);
+      if (!(max_part * length > stride)) continue;
+      const Vec3 from = rest_[p] + displacement(lattice_, proxies_[p].point, u);
       const auto start = bones_->at(from);
       const double floor = std::max(deepest, -start.value);
       Vec3 entry = start.value < 0.0 ? start.gradient : Vec3::Zero();
-      const int strides = static_cast<int>(std::ceil(length * least[chunk] / stride));
+      const int strides = int(std::ceil(length * part_of_chunk[chunk] / stride));
       double clear = stride / length;  // some way at least
       for (int k = 1; k <= strides; ++k) {
-        const double part = std::min(most, k * stride / length);
+        const double part = std::min(max_part, k * stride / length);
         const auto sample = bones_->at(from + part * move);
         if (sample.value >= 0.0) {
           if (!entry.isZero()) {
@@ -188,11 +173,11 @@ double Contact::largest_step(std::span<const Real> u, std::span<const Real> step
         }
         clear = part;
       }
-      if (clear < most) least[chunk] = std::min(least[chunk], clear);
+      if (clear < max_part) part_of_chunk[chunk] = std::min(part_of_chunk[chunk], clear);
     }
   });
-  for (const double part : least) most = std::min(most, part);
-  return most;
+  for (const double part : part_of_chunk) max_part = std::min(max_part, part);
+  return max_part;
 }
 
 template void Contact::evaluate<float>(std::span<const float>, std::span<const double>, std::span<const std::uint8_t>,

@@ -42,9 +42,9 @@ class Contact {
           std::span<const std::uint8_t> fixed, double stiffness);
 
   // The proxies of some cells of a lattice as those of another lattice; place: per cell, its index there or -1.
-  Contact(const Contact& whole, const Lattice& lattice, std::span<const std::int32_t> place);
+  Contact(const Contact& whole, const Lattice& lattice, std::span<const Index> place);
   // Those of the pressures of all proxies here that belong to the proxies of those cells.
-  std::vector<double> restrict_pressures(std::span<const double> pressures, std::span<const std::int32_t> place) const;
+  std::vector<double> restrict_pressures(std::span<const double> pressures, std::span<const Index> place) const;
 
   // How deep the tissue lies in bone at rest, and where; mm.
   struct Depth {
@@ -63,12 +63,11 @@ class Contact {
   // m = k f, where some proxy is too deep.
   void update_pressures(const ContactState& at, std::vector<double>& pressures) const;
 
-  // The largest fraction of a step, `most` at most, that takes no proxy through a bone: along the way none gets deeper
-  // than `kDeepestOnTheWay` spacings (or than it is), and none to where another side of the bone is nearer.
+  // The largest fraction of a step, `max_part` at most, that takes no proxy through a bone: along the way none gets
+  // deeper than `kMaxDepthOnTheWay` spacings (or than it is), and none to where another side of the bone is nearer.
   template <class Real>
-  double largest_step(std::span<const Real> u, std::span<const Real> step, double most) const;
+  double largest_step(std::span<const Real> u, std::span<const Real> step, double max_part) const;
 
-  std::size_t proxies() const { return proxies_.size(); }
   std::size_t bytes() const { return proxies_.size() * (sizeof(Proxy) + sizeof(double)); }
 
  private:
@@ -76,9 +75,6 @@ class Contact {
     EmbeddedPoint point;
     double area;  // mm^2
   };
-  template <class Real>
-  Vec3 displacement(const Proxy& proxy, std::span<const Real> u) const;
-  Vec3 rest(const Proxy& proxy) const;
 
   std::shared_ptr<const SignedDistance> bones_;
   const Lattice& lattice_;

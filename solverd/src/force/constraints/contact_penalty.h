@@ -10,7 +10,7 @@ namespace lappet {
 
 // In the tangent: stiffness/2 (direction . sum_k weights_k du_k)^2 over the cell's nodes.
 struct ContactPenalty {
-  std::int32_t cell;
+  Index cell;
   std::array<double, 8> weights;
   Vec3 direction;
   double stiffness;  // mN/mm

@@ -9,8 +9,8 @@ namespace {
 
 void add(const Lattice& lattice, const AnchorStencil& stencil, double sign, PointConstraint& constraint) {
   for (std::size_t k = 0; k < stencil.nodes.size(); ++k) {
-    const std::int32_t node = stencil.nodes[k];
-    constraint.offset += sign * stencil.weights[k] * lattice.node_rest[static_cast<std::size_t>(node)];
+    const Index node = stencil.nodes[k];
+    constraint.offset += sign * stencil.weights[k] * lattice.node_rest[node];
     constraint.nodes.push_back(node);
     constraint.weights.push_back(sign * stencil.weights[k]);
   }
@@ -23,7 +23,7 @@ void merge(PointConstraint& constraint) {
   std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
     return constraint.nodes[a] != constraint.nodes[b] ? constraint.nodes[a] < constraint.nodes[b] : a < b;
   });
-  std::vector<std::int32_t> nodes;
+  std::vector<Index> nodes;
   std::vector<double> weights;
   for (const std::size_t k : order)
     if (!nodes.empty() && nodes.back() == constraint.nodes[k]) {
@@ -39,12 +39,12 @@ void merge(PointConstraint& constraint) {
 }  // namespace
 
 PointConstraint make_hook(const Lattice& lattice, const AnchorStencil& anchor, const Vec3& target, double stiffness,
-                          double most) {
+                          double max_stiffness) {
   PointConstraint constraint;
-  constraint.stiffness = std::min(stiffness, most);
-  if (stiffness > most) {
+  constraint.stiffness = std::min(stiffness, max_stiffness);
+  if (stiffness > max_stiffness) {
     constraint.exact = true;
-    constraint.compliance = 1.0 / (stiffness - most);
+    constraint.compliance = 1.0 / (stiffness - max_stiffness);
   }
   constraint.offset = -target;
   add(lattice, anchor, 1.0, constraint);

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "lattice/anchor_stencil.h"
+#include "lattice/node_field.h"
 
 namespace lappet {
 
@@ -26,7 +27,7 @@ struct ConstraintId {
 
 struct PointConstraint {
   ConstraintId id;
-  std::vector<std::int32_t> nodes;  // distinct
+  std::vector<Index> nodes;  // distinct
   std::vector<double> weights;
   Vec3 offset = Vec3::Zero();
   double stiffness = 0.0;   // mN/mm
@@ -36,10 +37,7 @@ struct PointConstraint {
   template <class Real>
   Vec3 value(std::span<const Real> u) const {
     Vec3 sum = offset;
-    for (std::size_t i = 0; i < nodes.size(); ++i) {
-      const auto n = 3 * static_cast<std::size_t>(nodes[i]);
-      sum += weights[i] * Vec3(static_cast<double>(u[n]), static_cast<double>(u[n + 1]), static_cast<double>(u[n + 2]));
-    }
+    for (std::size_t i = 0; i < nodes.size(); ++i) sum += weights[i] * NodeField(u)[nodes[i]];
     return sum;
   }
   // The multiplier (mN) is zero unless the constraint is exact.
@@ -51,31 +49,25 @@ struct PointConstraint {
   }
 };
 
-// From what a hook holds to a place in space. most: the stiffness up to which it is a plain spring, mN/mm.
+// From what a hook holds to a place in space. max_stiffness: up to which it is a plain spring, mN/mm.
 PointConstraint make_hook(const Lattice& lattice, const AnchorStencil& anchor, const Vec3& target, double stiffness,
-                          double most = std::numeric_limits<double>::infinity());
+                          double max_stiffness = std::numeric_limits<double>::infinity());
 // Between what a suture holds at either end, a - b = separation.
 PointConstraint make_suture(const Lattice& lattice, const AnchorStencil& a, const AnchorStencil& b,
                             const Vec3& separation, double stiffness);
-// Where an embedded point is.
+// How far an embedded point has moved, and where it is.
 template <class Real>
 Vec3 displacement(const Lattice& lattice, const EmbeddedPoint& point, std::span<const Real> u) {
   Vec3 sum = Vec3::Zero();
-  for (std::size_t k = 0; k < 8; ++k) {
-    const auto n = static_cast<std::size_t>(lattice.cell_nodes[static_cast<std::size_t>(point.cell)][k]);
-    sum += point.weights[k] *
-           Vec3(static_cast<double>(u[3 * n]), static_cast<double>(u[3 * n + 1]), static_cast<double>(u[3 * n + 2]));
-  }
+  for (std::size_t k = 0; k < 8; ++k) sum += point.weights[k] * NodeField(u)[lattice.cell_nodes[point.cell][k]];
   return sum;
 }
 template <class Real>
 Vec3 position(const Lattice& lattice, const EmbeddedPoint& point, std::span<const Real> u) {
   Vec3 sum = Vec3::Zero();
   for (std::size_t k = 0; k < 8; ++k) {
-    const auto n = static_cast<std::size_t>(lattice.cell_nodes[static_cast<std::size_t>(point.cell)][k]);
-    sum += point.weights[k] *
-           (lattice.node_rest[n] +
-            Vec3(static_cast<double>(u[3 * n]), static_cast<double>(u[3 * n + 1]), static_cast<double>(u[3 * n + 2])));
+    const Index n = lattice.cell_nodes[point.cell][k];
+    sum += point.weights[k] * (lattice.node_rest[n] + NodeField(u)[n]);
   }
   return sum;
 }
@@ -84,10 +76,8 @@ template <class Real>
 Vec3 position(const Lattice& lattice, const AnchorStencil& stencil, std::span<const Real> u) {
   Vec3 sum = Vec3::Zero();
   for (std::size_t k = 0; k < stencil.nodes.size(); ++k) {
-    const auto n = static_cast<std::size_t>(stencil.nodes[k]);
-    sum += stencil.weights[k] *
-           (lattice.node_rest[n] +
-            Vec3(static_cast<double>(u[3 * n]), static_cast<double>(u[3 * n + 1]), static_cast<double>(u[3 * n + 2])));
+    const Index n = stencil.nodes[k];
+    sum += stencil.weights[k] * (lattice.node_rest[n] + NodeField(u)[n]);
   }
   return sum;
 }

@@ -17,6 +17,13 @@
 namespace lappet {
 namespace {
 
+constexpr std::int32_t kBlock = 8;          // nodes along the edge of a block
+constexpr std::int32_t kSide = kBlock + 2;  // with those of its neighbors that an interpolation needs
+constexpr std::size_t kNodes = std::size_t{kSide} * kSide * kSide;
+constexpr Index kFar = -1, kDeep = -2;
+// Nodes around the box of the surface: enough for the reach and for what an interpolation needs.
+constexpr std::int32_t kMargin = 4;
+
 using Box = Eigen::AlignedBox<double, 3>;
 
 struct Corners {
@@ -47,7 +54,7 @@ double squared_to_triangle(const Vec3& p, const Corners& triangle) {
   return std::min({squared_to_segment(p, a, b), squared_to_segment(p, b, c), squared_to_segment(p, c, a)});
 }
 
-// Asked by Eigen's search for the nearest triangle and for those within a ball.
+// For Eigen's searches: the nearest triangle, and all within a ball.
 struct Nearest {
   using Scalar = double;
   Vec3 point;
@@ -97,10 +104,10 @@ class NearbyDistance {
     }
     for (const Corners& triangle : triangles_) balls_.push_back(ball_around(triangle));
   }
-  // The distance, or `most` where that is less.
-  double at(const Vec3& point, double most) {
-    if (triangles_.empty()) return most;
-    double best = std::min(most, std::sqrt(squared_to_triangle(point, triangles_[last_])));
+  // The distance, or `max_distance` where that is less.
+  double at(const Vec3& point, double max_distance) {
+    if (triangles_.empty()) return max_distance;
+    double best = std::min(max_distance, std::sqrt(squared_to_triangle(point, triangles_[last_])));
     const std::size_t tried = last_;
     for (std::size_t run = 0; run < runs_.size(); ++run) {
       if (runs_[run].is_beyond(best, point)) continue;
@@ -146,10 +153,10 @@ std::vector<Corners> outer_triangles(const Surface& surface, const std::vector<S
   std::map<std::array<StepPoint, 3>, int> turns;  // corners in order -> even less odd orders of them
   const auto place = [&](const std::array<std::int32_t, 3>& t) {
     std::array<StepPoint, 3> corners;
-    for (std::size_t k = 0; k < 3; ++k) corners[k] = points[static_cast<std::size_t>(t[k])];
+    for (std::size_t k = 0; k < 3; ++k) corners[k] = points[t[k]];
     int sign = 1;
     for (const auto& [a, b] : {std::pair{0, 1}, {1, 2}, {0, 1}}) {
-      auto &low = corners[static_cast<std::size_t>(a)], &high = corners[static_cast<std::size_t>(b)];
+      auto &low = corners[a], &high = corners[b];
       if (high < low) {
         std::swap(low, high);
         sign = -sign;
@@ -164,8 +171,7 @@ std::vector<Corners> outer_triangles(const Surface& surface, const std::vector<S
   std::vector<Corners> result;
   for (const auto& t : surface.triangles)
     if (turns[place(t).first] != 0)
-      result.push_back({{surface.points[static_cast<std::size_t>(t[0])], surface.points[static_cast<std::size_t>(t[1])],
-                         surface.points[static_cast<std::size_t>(t[2])]}});
+      result.push_back({{surface.points[t[0]], surface.points[t[1]], surface.points[t[2]]}});
   return result;
 }
 
@@ -175,7 +181,7 @@ class Inside {
   Inside(const Surface& surface, const Quantized& quantized) : box_(quantized.box) {
     auto first = count_crossings(quantized.points, surface.triangles, box_);
     const Crossings crossings = find_crossings(quantized.points, surface.triangles, box_, std::move(first));
-    start_.assign(static_cast<std::size_t>(box_.voxels(0)) * static_cast<std::size_t>(box_.voxels(1)) + 1, 0);
+    start_.assign(std::int64_t{box_.voxels(0)} * box_.voxels(1) + 1, 0);
     for (const Crossing& c : crossings.all)
       if (c.axis == 2) ++start_[line(c.lower[0], c.lower[1]) + 1];
     for (std::size_t i = 1; i < start_.size(); ++i) start_[i] += start_[i - 1];
@@ -198,12 +204,52 @@ class Inside {
     std::int32_t below;
     std::int8_t winding;
   };
-  std::size_t line(std::int32_t x, std::int32_t y) const {
-    return static_cast<std::size_t>(x) * static_cast<std::size_t>(box_.voxels(1)) + static_cast<std::size_t>(y);
-  }
+  std::size_t line(std::int32_t x, std::int32_t y) const { return std::int64_t{x} * box_.voxels(1) + y; }
   VoxelBox box_;
   std::vector<std::size_t> start_;
   std::vector<Step> crossing_;
+};
+
+using Node = std::array<std::int32_t, 3>;
+
+// What the values are made of: the bodies, and where the nodes lie.
+struct Source {
+  Vec3 first_node;
+  double spacing;
+  Node blocks;  // how many along each axis
+  double depth, reach;
+  Inside inside;
+  Distance distance;
+
+  // About the middle of a block, with all nodes that its interpolations need.
+  double radius() const { return 0.5 * std::sqrt(3.0) * (kSide + 1) * spacing; }
+  Node corner(std::size_t place) const {
+    const Index p = to_index(place);
+    return {p / (blocks[1] * blocks[2]) * kBlock, p / blocks[2] % blocks[1] * kBlock, p % blocks[2] * kBlock};
+  }
+  Node middle(const Node& corner) const {
+    constexpr std::int32_t kHalf = kBlock / 2;
+    return {corner[0] + kHalf, corner[1] + kHalf, corner[2] + kHalf};
+  }
+  Vec3 position(const Node& n) const { return first_node + spacing * Vec3(n[0], n[1], n[2]); }
+  bool is_inside(const Node& n) const { return inside.at(n[0] - kMargin, n[1] - kMargin, n[2] - kMargin); }
+
+  // kFar or kDeep where the value of a block is cut off throughout, else 0.
+  Index kind_of(std::size_t place) const {
+    const Node center = middle(corner(place));
+    const double far = distance.at(position(center));
+    const bool deep = far > radius() && is_inside(center);
+    return far > radius() + (deep ? depth : reach) ? (deep ? kDeep : kFar) : 0;
+  }
+  void fill(std::size_t place, float* out) const {
+    const Node c = corner(place);
+    NearbyDistance nearby(distance.within(radius() + std::max(depth, reach), position(middle(c))));
+    for (std::int32_t x = c[0] - 1; x < c[0] + kSide - 1; ++x)
+      for (std::int32_t y = c[1] - 1; y < c[1] + kSide - 1; ++y)
+        for (std::int32_t z = c[2] - 1; z < c[2] + kSide - 1; ++z)
+          *out++ = float(is_inside({x, y, z}) ? -nearby.at(position({x, y, z}), depth)
+                                              : nearby.at(position({x, y, z}), reach));
+  }
 };
 
 }  // namespace
@@ -217,70 +263,43 @@ SignedDistance::SignedDistance(const Surface& surface, double spacing, double de
   for (const Vec3& p : surface.points) grid.origin = grid.origin.cwiseMin(p);
   const Quantized quantized = quantize(surface, grid);
   const VoxelBox& box = quantized.box;
-  const auto refuse = [&](double bytes) {
-    throw RefusedError(
-        ErrorCode::kMemoryBudget,
-        fmt::format("the distance field of the bones needs {:.3g} GiB at a spacing of {:g} mm, more than "
-                    "is left of the memory budget ({:.3g} GiB); use a larger spacing, leave out bone "
-                    "that the tissue cannot reach, or raise the budget",
-                    bytes / 0x1p30, spacing, static_cast<double>(memory_budget) / 0x1p30));
+  const auto check_budget = [&](double bytes) {
+    if (bytes > double(memory_budget))
+      throw RefusedError(
+          ErrorCode::kMemoryBudget,
+          fmt::format("the distance field of the bones needs {:.3g} GiB at a spacing of {:g} mm, more than "
+                      "is left of the memory budget ({:.3g} GiB); use a larger spacing, leave out bone "
+                      "that the tissue cannot reach, or raise the budget",
+                      bytes / 0x1p30, spacing, double(memory_budget) / 0x1p30));
   };
-  // A margin of nodes around the box: enough for the reach and for what an interpolation needs.
-  constexpr std::int32_t kMargin = 4;
   double places = 1.0;
   for (std::size_t a = 0; a < 3; ++a) {
-    blocks_[a] = (box.voxels(static_cast<int>(a)) + 2 * kMargin + kBlock - 1) / kBlock;
+    blocks_[a] = (box.voxels(a) + 2 * kMargin + kBlock - 1) / kBlock;
     places *= blocks_[a];
-    first_node_[static_cast<Eigen::Index>(a)] =
-        grid.origin[static_cast<Eigen::Index>(a)] + spacing * (box.low[a] + 0.5 - kMargin);
+    first_node_[a] = grid.origin[a] + spacing * (box.low[a] + 0.5 - kMargin);
   }
   const double columns = 1.0 * box.voxels(0) * box.voxels(1);
-  if (const double bytes = 4.0 * places + 8.0 * columns; bytes > static_cast<double>(memory_budget)) refuse(bytes);
+  check_budget(4.0 * places + 8.0 * columns);
 
-  const Inside inside(surface, quantized);
-  const Distance distance(outer_triangles(surface, quantized.points));
-  block_.assign(static_cast<std::size_t>(places), kFar);
-  const auto corner = [&](std::size_t place) {
-    const auto p = static_cast<std::int32_t>(place);
-    return std::array<std::int32_t, 3>{p / (blocks_[1] * blocks_[2]) * kBlock, p / blocks_[2] % blocks_[1] * kBlock,
-                                       p % blocks_[2] * kBlock};
-  };
-  const auto node = [&](std::int32_t x, std::int32_t y, std::int32_t z) {
-    return Vec3(first_node_ + spacing * Vec3(x, y, z));
-  };
-  const auto is_inside = [&](std::int32_t x, std::int32_t y, std::int32_t z) {
-    return inside.at(x - kMargin, y - kMargin, z - kMargin);
-  };
-  const double radius = 0.5 * std::sqrt(3.0) * (kSide + 1) * spacing;
-  tbb::parallel_for(std::size_t{0}, block_.size(), [&](std::size_t place) {
-    const auto c = corner(place);
-    constexpr std::int32_t kHalf = kBlock / 2;
-    const double far = distance.at(node(c[0] + kHalf, c[1] + kHalf, c[2] + kHalf));
-    const bool deep = far > radius && is_inside(c[0] + kHalf, c[1] + kHalf, c[2] + kHalf);
-    block_[place] = far > radius + (deep ? depth_ : reach_) ? (deep ? kDeep : kFar) : 0;
-  });
+  const Source source{first_node_,
+                      spacing,
+                      blocks_,
+                      depth_,
+                      reach_,
+                      Inside(surface, quantized),
+                      Distance(outer_triangles(surface, quantized.points))};
+  block_.assign(std::size_t(places), kFar);
+  tbb::parallel_for(std::size_t{0}, block_.size(), [&](std::size_t place) { block_[place] = source.kind_of(place); });
   std::vector<std::size_t> used;
   for (std::size_t place = 0; place < block_.size(); ++place)
     if (block_[place] == 0) {
-      block_[place] = static_cast<std::int32_t>(used.size());
+      block_[place] = to_index(used.size());
       used.push_back(place);
     }
-  constexpr std::size_t kNodes = std::size_t{kSide} * kSide * kSide;
-  if (const double b = 4.0 * kNodes * static_cast<double>(used.size()); b > static_cast<double>(memory_budget))
-    refuse(b);
+  check_budget(4.0 * kNodes * double(used.size()));
   values_.resize(kNodes * used.size());
-  tbb::parallel_for(std::size_t{0}, used.size(), [&](std::size_t block) {
-    const auto c = corner(used[block]);
-    constexpr std::int32_t kHalf = kBlock / 2;
-    const Vec3 middle = node(c[0] + kHalf, c[1] + kHalf, c[2] + kHalf);
-    NearbyDistance nearby(distance.within(radius + std::max(depth_, reach_), middle));
-    float* out = &values_[kNodes * block];
-    for (std::int32_t x = c[0] - 1; x < c[0] + kSide - 1; ++x)
-      for (std::int32_t y = c[1] - 1; y < c[1] + kSide - 1; ++y)
-        for (std::int32_t z = c[2] - 1; z < c[2] + kSide - 1; ++z)
-          *out++ = static_cast<float>(is_inside(x, y, z) ? -nearby.at(node(x, y, z), depth_)
-                                                         : nearby.at(node(x, y, z), reach_));
-  });
+  tbb::parallel_for(std::size_t{0}, used.size(),
+                    [&](std::size_t block) { source.fill(used[block], &values_[kNodes * block]); });
 }
 
 SignedDistance::Sample SignedDistance::at(const Vec3& point) const {
@@ -288,9 +307,9 @@ SignedDistance::Sample SignedDistance::at(const Vec3& point) const {
   std::array<std::int32_t, 3> middle, place;
   double weight[3][3], slope[3][3];
   for (std::size_t a = 0; a < 3; ++a) {
-    const double g = grid[static_cast<Eigen::Index>(a)], rounded = std::floor(g + 0.5);
+    const double g = grid[a], rounded = std::floor(g + 0.5);
     if (!(rounded >= 0.0 && rounded < blocks_[a] * kBlock)) return {reach_, Vec3::Zero()};
-    middle[a] = static_cast<std::int32_t>(rounded);
+    middle[a] = std::int32_t(rounded);
     place[a] = middle[a] / kBlock;
     const double t = g - rounded;
     weight[a][0] = 0.5 * (0.5 - t) * (0.5 - t);
@@ -300,26 +319,20 @@ SignedDistance::Sample SignedDistance::at(const Vec3& point) const {
     slope[a][1] = -2.0 * t;
     slope[a][2] = t + 0.5;
   }
-  const std::int32_t block = block_[(static_cast<std::size_t>(place[0]) * static_cast<std::size_t>(blocks_[1]) +
-                                     static_cast<std::size_t>(place[1])) *
-                                        static_cast<std::size_t>(blocks_[2]) +
-                                    static_cast<std::size_t>(place[2])];
+  const Index block = block_[(std::int64_t{place[0]} * blocks_[1] + place[1]) * blocks_[2] + place[2]];
   if (block == kFar) return {reach_, Vec3::Zero()};
   if (block == kDeep) return {-depth_, Vec3::Zero()};
   // Node `middle - 1` of the block, whose first node is one before its corner.
   const float* base =
-      &values_[static_cast<std::size_t>(block) * kSide * kSide * kSide +
-               (static_cast<std::size_t>(middle[0] % kBlock) * kSide + static_cast<std::size_t>(middle[1] % kBlock)) *
-                   kSide +
-               static_cast<std::size_t>(middle[2] % kBlock)];
+      &values_[kNodes * block + ((middle[0] % kBlock) * kSide + middle[1] % kBlock) * kSide + middle[2] % kBlock];
   Sample sample{0.0, Vec3::Zero()};
   for (std::size_t i = 0; i < 3; ++i)
     for (std::size_t j = 0; j < 3; ++j) {
       const float* row = base + (i * kSide + j) * kSide;
       double value = 0.0, along = 0.0;
       for (std::size_t k = 0; k < 3; ++k) {
-        value += weight[2][k] * static_cast<double>(row[k]);
-        along += slope[2][k] * static_cast<double>(row[k]);
+        value += weight[2][k] * double(row[k]);
+        along += slope[2][k] * double(row[k]);
       }
       sample.value += weight[0][i] * weight[1][j] * value;
       sample.gradient += Vec3(slope[0][i] * weight[1][j] * value, weight[0][i] * slope[1][j] * value,

@@ -35,15 +35,11 @@ class SignedDistance {
   std::size_t bytes() const { return values_.size() * sizeof(float) + block_.size() * sizeof(std::int32_t); }
 
  private:
-  static constexpr int kBlock = 8;          // nodes along the edge of a block
-  static constexpr int kSide = kBlock + 2;  // with those of its neighbors that an interpolation needs
-  static constexpr std::int32_t kFar = -1, kDeep = -2;
-
   double spacing_, depth_, reach_;
   Vec3 first_node_ = Vec3::Zero();
   std::array<std::int32_t, 3> blocks_{};
-  std::vector<std::int32_t> block_;  // per place: its number, or kFar or kDeep where the value is cut off throughout
-  std::vector<float> values_;        // kSide^3 per block
+  std::vector<Index> block_;   // per place: its number; negative where the value is cut off throughout
+  std::vector<float> values_;  // of the nodes of each block and those around them
 };
 
 }  // namespace lappet

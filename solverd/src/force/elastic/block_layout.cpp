@@ -29,8 +29,7 @@ int longest_axis(const std::vector<Block>& blocks) {
     }
   int axis = 0;
   for (std::size_t i = 1; i < 3; ++i)
-    if (high[i] - low[i] > high[static_cast<std::size_t>(axis)] - low[static_cast<std::size_t>(axis)])
-      axis = static_cast<int>(i);
+    if (high[i] - low[i] > high[axis] - low[axis]) axis = int(i);
   return axis;
 }
 
@@ -41,11 +40,10 @@ BlockNodes nodes_of(const Lattice& lattice, const Block& block) {
   BlockNodes nodes;
   nodes.fill(-1);
   for (int place = 0; place < kBlockCells; ++place) {
-    const std::int32_t cell = block.cells[static_cast<std::size_t>(place)];
+    const Index cell = block.cells[place];
     if (cell < 0) continue;
-    const auto& corners = lattice.cell_nodes[static_cast<std::size_t>(cell)];
-    for (int c = 0; c < 8; ++c)
-      nodes[static_cast<std::size_t>(block_node(place, c))] = corners[static_cast<std::size_t>(c)];
+    const auto& corners = lattice.cell_nodes[cell];
+    for (int c = 0; c < 8; ++c) nodes[block_node(place, c)] = corners[c];
   }
   return nodes;
 }
@@ -66,30 +64,30 @@ std::size_t block_of_lane(std::size_t lane, std::size_t lanes) {
 
 // Appends groups of these blocks; the lanes that the last has too many repeat the first block, without cells.
 void append_groups(const Lattice& lattice, std::span<const Block> blocks, bool grid, BlockLayout& layout) {
-  const auto lanes = static_cast<std::size_t>(layout.lanes);
+  const std::size_t lanes = layout.lanes;
   for (std::size_t first = 0; first < blocks.size(); first += lanes, ++layout.groups) {
-    const auto group = static_cast<std::size_t>(layout.groups);
-    const auto start = static_cast<std::size_t>(layout.node_start.back());
+    const std::size_t group = layout.groups;
+    const std::size_t start = layout.node_start.back();
     layout.nodes.resize(start + (grid ? kBlockColumns : kBlockNodes) * lanes);
-    layout.node_start.push_back(static_cast<std::int64_t>(layout.nodes.size()));
+    layout.node_start.push_back(std::int64_t(layout.nodes.size()));
     layout.cell_of_slot.resize((group + 1) * kBlockCells * lanes, -1);
     for (std::size_t lane = 0; lane < lanes; ++lane) {
       const std::size_t own = first + block_of_lane(lane, lanes);
       const bool spare = own >= blocks.size();
       const Block& block = blocks[spare ? first : own];
       const BlockNodes nodes = nodes_of(lattice, block);
-      const std::int32_t any = *std::max_element(nodes.begin(), nodes.end());
+      const Index any = *std::max_element(nodes.begin(), nodes.end());
       if (grid)
         for (std::size_t c = 0; c < kBlockColumns; ++c) layout.nodes[start + c * lanes + lane] = nodes[3 * c];
       else
         for (std::size_t n = 0; n < kBlockNodes; ++n)
           layout.nodes[start + n * lanes + lane] = nodes[n] < 0 ? any : nodes[n];
       for (std::size_t place = 0; !spare && place < kBlockCells; ++place) {
-        const std::int32_t cell = block.cells[place];
+        const Index cell = block.cells[place];
         if (cell < 0) continue;
         const std::size_t slot = (group * kBlockCells + place) * lanes + lane;
         layout.cell_of_slot[slot] = cell;
-        layout.slot_of_cell[static_cast<std::size_t>(cell)] = static_cast<std::int32_t>(slot);
+        layout.slot_of_cell[cell] = to_index(slot);
       }
     }
   }
@@ -100,31 +98,30 @@ void append_groups(const Lattice& lattice, std::span<const Block> blocks, bool g
 BlockLayout lay_out_blocks(const Lattice& lattice, int lanes, std::span<const std::uint8_t> still) {
   auto blocks = build_blocks(lattice);
   const auto moves = [&](const Block& block) {
-    return std::ranges::any_of(nodes_of(lattice, block),
-                               [&](std::int32_t n) { return n >= 0 && !still[static_cast<std::size_t>(n)]; });
+    return std::ranges::any_of(nodes_of(lattice, block), [&](Index n) { return n >= 0 && !still[n]; });
   };
-  // Where nothing moves there is still an energy to tell.
+  // Where no node moves the energy of all blocks is computed all the same.
   if (!still.empty() && std::ranges::any_of(blocks, moves))
     std::erase_if(blocks, [&](const Block& block) { return !moves(block); });
-  const auto axis = static_cast<std::size_t>(longest_axis(blocks));
+  const std::size_t axis = longest_axis(blocks);
   std::stable_sort(blocks.begin(), blocks.end(),
                    [&](const Block& a, const Block& b) { return a.position[axis] < b.position[axis]; });
-  const auto count = static_cast<std::int64_t>(blocks.size());
-  const std::int64_t least = std::max(kMinGroups * lanes, (count + kMaxSlabs - 1) / kMaxSlabs);
+  const std::int64_t count = blocks.size();
+  const std::int64_t min_blocks = std::max(kMinGroups * lanes, (count + kMaxSlabs - 1) / kMaxSlabs);
 
   BlockLayout layout;
   layout.lanes = lanes;
-  layout.blocks = static_cast<std::int64_t>(blocks.size());
+  layout.blocks = count;
   layout.slab_start = {0};
   layout.node_start = {0};
   layout.slot_of_cell.assign(lattice.cell_nodes.size(), -1);
   std::int64_t begin = 0;
   while (begin < count) {
     // whole planes of blocks, until there are enough; what is too little for a slab joins the last
-    std::int64_t end = std::min(begin + least, count);
-    const auto plane = [&](std::int64_t b) { return blocks[static_cast<std::size_t>(b)].position[axis]; };
+    std::int64_t end = std::min(begin + min_blocks, count);
+    const auto plane = [&](std::int64_t b) { return blocks[b].position[axis]; };
     while (end < count && plane(end) == plane(end - 1)) ++end;
-    if (count - end < least) end = count;
+    if (count - end < min_blocks) end = count;
     const auto from = blocks.begin() + begin, to = blocks.begin() + end;
     const auto mesh =
         std::stable_partition(from, to, [&](const Block& b) { return has_columns(nodes_of(lattice, b)); });

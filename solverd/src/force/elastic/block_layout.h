@@ -20,11 +20,11 @@ namespace lappet {
 struct BlockLayout {
   int lanes = 1;
   std::int64_t blocks = 0, groups = 0;
-  std::vector<std::int32_t> nodes;         // per group [27][lane], or of a grid group [9][lane]
-  std::vector<std::int64_t> node_start;    // where the nodes of each group begin, and the end
-  std::vector<std::int32_t> cell_of_slot;  // [group][place][lane]; -1 where missing
-  std::vector<std::int32_t> slot_of_cell;  // index into cell_of_slot; -1 for a cell of a block that is left out
-  std::vector<std::int64_t> slab_start;    // first group of each slab, and the end
+  std::vector<Index> nodes;              // per group [27][lane], or of a grid group [9][lane]
+  std::vector<std::int64_t> node_start;  // where the nodes of each group begin, and the end
+  std::vector<Index> cell_of_slot;       // [group][place][lane]; -1 where missing
+  std::vector<Index> slot_of_cell;       // index into cell_of_slot; -1 for a cell of a block that is left out
+  std::vector<std::int64_t> slab_start;  // first group of each slab, and the end
 
   std::size_t slots() const { return cell_of_slot.size(); }
   std::size_t slabs() const { return slab_start.size() - 1; }

@@ -2,10 +2,12 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
 
+#include "force/kernels/projected_stiffness_kernel.h"
 #include "force/kernels/state_kernel.h"
 #include "force/materials/material_models.h"
 #include "force/materials/prestretch.h"
@@ -63,7 +65,7 @@ Elastic<Real>::Elastic(const Lattice& lattice, CellMaterials materials, int quad
   sigma_.assign(slots * points * 3, Real(1));
   if (features_.fibers) fiber_tangent_.assign(slots * points * kFiberFields, Real(0));
   fill_cells();
-  arrays_.points = static_cast<int>(points);
+  arrays_.points = int(points);
   arrays_.spacing = lattice.settings.spacing;
   arrays_.gradients = gradients_.data();
   arrays_.weights = weights_.data();
@@ -72,7 +74,7 @@ Elastic<Real>::Elastic(const Lattice& lattice, CellMaterials materials, int quad
   arrays_.volume = volume_.data();
   arrays_.stabilization = stabilization_.data();
   arrays_.material = material_.data();
-  arrays_.material_stride = uniform_ ? 0 : static_cast<std::int64_t>(record_fields_) * layout_.lanes;
+  arrays_.material_stride = uniform_ ? 0 : std::int64_t(record_fields_) * layout_.lanes;
   arrays_.tangent = tangent_.data();
   arrays_.sigma = sigma_.data();
   arrays_.fiber_tangent = fiber_tangent_.data();
@@ -81,9 +83,7 @@ Elastic<Real>::Elastic(const Lattice& lattice, CellMaterials materials, int quad
 template <class Real>
 void Elastic<Real>::fill_record(Real* record, std::size_t stride, std::size_t material, const Vec3& normal) const {
   const MaterialParameters& m = materials_.table[material];
-  const auto put = [&](int field, double value) {
-    record[static_cast<std::size_t>(field) * stride] = static_cast<Real>(value);
-  };
+  const auto put = [&](int field, double value) { record[field * stride] = Real(value); };
   put(kMu, m.mu());
   put(kLambda, m.lambda());
   put(kMooney, m.mooney_ratio);
@@ -107,7 +107,7 @@ void Elastic<Real>::fill_record(Real* record, std::size_t stride, std::size_t ma
 
 template <class Real>
 void Elastic<Real>::fill_cells() {
-  const auto lanes = static_cast<std::size_t>(layout_.lanes);
+  const std::size_t lanes = layout_.lanes;
   const double h = lattice_.settings.spacing;
   material_.assign((uniform_ ? 1 : layout_.slots() / lanes) * record_fields_ * lanes, Real(0));
   for (const auto& material : materials_.table) third_prestretch_.push_back(free_prestretch(material));
@@ -116,16 +116,16 @@ void Elastic<Real>::fill_cells() {
   double laplacian = 0.0;
   MaterialModels::with(features_.model, [&]<class Model>() { laplacian = Model::kLaplacian; });
   for_each_index(layout_.slots(), [&](std::size_t slot) {
-    const std::int32_t cell = layout_.cell_of_slot[slot];
-    const auto c = static_cast<std::size_t>(std::max(cell, 0));
+    const Index cell = layout_.cell_of_slot[slot];
+    const std::size_t c = std::max(cell, 0);
     if (!uniform_)
       fill_record(&material_[slot / lanes * record_fields_ * lanes + slot % lanes], lanes, material_of(c),
                   normal_of(c));
     if (cell < 0) return;
-    const double volume = h * h * h * static_cast<double>(lattice_.cell_fill[c]);
-    volume_[slot] = static_cast<Real>(volume);
+    const double volume = h * h * h * double(lattice_.cell_fill[c]);
+    volume_[slot] = Real(volume);
     if (features_.one_point)
-      stabilization_[slot] = static_cast<Real>(laplacian * materials_.of(c).mu() * volume * kHourglass[0] / (h * h));
+      stabilization_[slot] = Real(laplacian * materials_.of(c).mu() * volume * kHourglass[0] / (h * h));
   });
 }
 
@@ -135,11 +135,11 @@ void Elastic<Real>::set_activation(std::span<const double> activation) {
   activation_.assign(activation.begin(), activation.end());
   arrays_.active = false;
   for (std::size_t m = 0; m < materials_.table.size(); ++m) arrays_.active = arrays_.active || muscle(m) > 0.0;
-  const auto lanes = static_cast<std::size_t>(layout_.lanes);
+  const std::size_t lanes = layout_.lanes;
   for (std::size_t slot = 0; slot < (uniform_ ? lanes : layout_.slots()); ++slot) {
-    const auto cell = static_cast<std::size_t>(std::max(layout_.cell_of_slot[slot], 0));
+    const std::size_t cell = std::max(layout_.cell_of_slot[slot], 0);
     material_[(slot / lanes * record_fields_ + kMuscle) * lanes + slot % lanes] =
-        static_cast<Real>(muscle(uniform_ ? 0 : material_of(cell)));
+        Real(muscle(uniform_ ? 0 : material_of(cell)));
   }
 }
 
@@ -173,7 +173,7 @@ void Elastic<Real>::linearize(PsdProjection how) {
 template <class Real>
 void Elastic<Real>::multiply(std::span<const Real> x, std::span<Real> y) const {
   for_each_chunk(y.size(), [&](std::size_t, std::size_t begin, std::size_t end) {
-    std::fill(y.begin() + static_cast<std::ptrdiff_t>(begin), y.begin() + static_cast<std::ptrdiff_t>(end), Real(0));
+    std::fill(y.begin() + begin, y.begin() + end, Real(0));
   });
   layout_.for_each_slab([&](std::size_t, std::int64_t begin, std::int64_t end) {
     kernels_.multiply(arrays_, begin, end, x.data(), y.data());
@@ -181,23 +181,23 @@ void Elastic<Real>::multiply(std::span<const Real> x, std::span<Real> y) const {
 }
 
 template <class Real>
-void Elastic<Real>::set_cell_quadratics(std::span<const std::int32_t> of_cell, std::span<const Real> matrices) {
+void Elastic<Real>::set_cell_quadratics(std::span<const Index> of_cell, std::span<const Real> matrices) {
   quadratic_of_.clear();
   quadratics_.clear();
   arrays_.quadratic_of = nullptr;
   if (of_cell.empty()) return;
-  const auto lanes = static_cast<std::size_t>(layout_.lanes);
+  const std::size_t lanes = layout_.lanes;
   quadratic_of_.assign(layout_.slots() / lanes, -1);
   for (std::size_t slot = 0; slot < layout_.slots(); ++slot) {
-    const std::int32_t cell = layout_.cell_of_slot[slot];
-    if (cell < 0 || of_cell[static_cast<std::size_t>(cell)] < 0) continue;
+    const Index cell = layout_.cell_of_slot[slot];
+    if (cell < 0 || of_cell[cell] < 0) continue;
     auto& index = quadratic_of_[slot / lanes];
     if (index < 0) {
-      index = static_cast<std::int32_t>(quadratics_.size() / (36 * lanes));
+      index = to_index(quadratics_.size() / (36 * lanes));
       quadratics_.resize(quadratics_.size() + 36 * lanes, Real(0));
     }
-    const Real* matrix = &matrices[64 * static_cast<std::size_t>(of_cell[static_cast<std::size_t>(cell)])];
-    Real* entry = &quadratics_[static_cast<std::size_t>(index) * 36 * lanes + slot % lanes];
+    const Real* matrix = &matrices[offset_of(64, of_cell[cell])];
+    Real* entry = &quadratics_[offset_of(36 * lanes, index) + slot % lanes];
     for (std::size_t a = 0; a < 8; ++a)
       for (std::size_t b = a; b < 8; ++b, entry += lanes) *entry = matrix[8 * a + b];
   }
@@ -207,23 +207,41 @@ void Elastic<Real>::set_cell_quadratics(std::span<const std::int32_t> of_cell, s
 }
 
 template <class Real>
-CellMeasures Elastic<Real>::measures(std::int32_t cell, std::span<const Real> u) const {
-  const std::int32_t slot = layout_.slot_of_cell[static_cast<std::size_t>(cell)];
+void Elastic<Real>::diagonal_blocks(std::span<Real> blocks) const {
+  for_each_index(blocks.size(), [&](std::size_t i) { blocks[i] = Real(0); });
+  layout_.for_each_slab([&](std::size_t, std::int64_t begin, std::int64_t end) {
+    kernels_.diagonal(arrays_, begin, end, blocks.data());
+  });
+}
+
+template <class Real>
+void Elastic<Real>::add_projected_stiffness(std::span<const Index> cells, const Real* weights, const Real* arms,
+                                            Real* blocks) const {
+  std::array<std::int32_t, kProjectionLanes> slots;
+  for (std::size_t lane = 0; lane < slots.size(); ++lane)
+    // A cell that is not computed has no weight: any slot will do.
+    slots[lane] = std::max(layout_.slot_of_cell[cells[std::min(lane, cells.size() - 1)]], 0);
+  kernels_.project(arrays_, slots.data(), weights, arms, blocks);
+}
+
+template <class Real>
+CellMeasures Elastic<Real>::measures(Index cell, std::span<const Real> u) const {
+  const Index slot = layout_.slot_of_cell[cell];
   const bool fixed = slot < 0;
   const int lanes = fixed ? 1 : layout_.lanes;
-  const auto place = fixed ? std::size_t{0} : static_cast<std::size_t>(slot / lanes);
-  const auto lane = fixed ? std::size_t{0} : static_cast<std::size_t>(slot % lanes);
-  const auto width = static_cast<std::size_t>(lanes);
+  const std::size_t place = fixed ? 0 : slot / lanes;
+  const std::size_t lane = fixed ? 0 : slot % lanes;
+  const std::size_t width = lanes;
   Real own[kMaterialFields] = {};
   const Real* material = own;
   if (fixed)
-    fill_record(own, 1, material_of(static_cast<std::size_t>(cell)), normal_of(static_cast<std::size_t>(cell)));
+    fill_record(own, 1, material_of(cell), normal_of(cell));
   else
     material = &material_[(uniform_ ? 0 : place) * record_fields_ * width + lane];
 
   double rotation_u[9], rotation_v[9], sigma[3], p_hat[3];
   if (!fixed && arrays_.points == 1 && !features_.fibers) {
-    for (std::size_t i = 0; i < 3; ++i) sigma[i] = static_cast<double>(sigma_[(3 * place + i) * width + lane]);
+    for (std::size_t i = 0; i < 3; ++i) sigma[i] = double(sigma_[(3 * place + i) * width + lane]);
   } else {
     double f[9];
     deformation_gradient(cell, u, f);
@@ -259,15 +277,13 @@ CellMeasures Elastic<Real>::measures(std::int32_t cell, std::span<const Real> u)
 }
 
 template <class Real>
-void Elastic<Real>::deformation_gradient(std::int32_t cell, std::span<const Real> u, double* f) const {
+void Elastic<Real>::deformation_gradient(Index cell, std::span<const Real> u, double* f) const {
   static const QuadraturePoint center = quadrature_point(0.5, 0.5, 0.5, 1.0);
-  const auto& nodes = lattice_.cell_nodes[static_cast<std::size_t>(cell)];
+  const auto& nodes = lattice_.cell_nodes[cell];
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) {
       double sum = 0.0;
-      for (std::size_t k = 0; k < 8; ++k)
-        sum += double(u[3 * static_cast<std::size_t>(nodes[k]) + static_cast<std::size_t>(i)]) *
-               center.gradient[static_cast<std::size_t>(8 * j) + k];
+      for (std::size_t k = 0; k < 8; ++k) sum += double(u[offset_of(3, nodes[k]) + i]) * center.gradient[8 * j + k];
       f[3 * i + j] = sum / lattice_.settings.spacing + (i == j ? 1.0 : 0.0);
     }
 }

@@ -31,9 +31,6 @@ struct CellMeasures {
   double tension;    // largest principal Cauchy stress, kPa
 };
 
-using Matrix24 = Eigen::Matrix<double, 24, 24>;
-using Matrix9 = Eigen::Matrix<double, 9, 9>;
-
 template <class Real>
 class Elastic {
  public:
@@ -49,7 +46,7 @@ class Elastic {
   // How far each material's muscle is active, 0 to 1 (empty: not at all). Holds from the next evaluation on.
   void set_activation(std::span<const double> activation);
   std::span<const double> activation() const { return activation_; }
-  // Energy and gradient (3 per node, written) at u; remembers the decomposition for linearize. node_scale (1 per node,
+  // Energy and gradient (3 per node, written) at u; keeps the decomposition for linearize. node_scale (1 per node,
   // written): the sum of the magnitudes of the cells' forces on the node.
   ElasticState evaluate(std::span<const Real> u, std::span<double> gradient, std::span<double> node_scale);
   // Computes the tangent at the last evaluated u.
@@ -57,19 +54,16 @@ class Elastic {
   // y = K x
   void multiply(std::span<const Real> x, std::span<Real> y) const;
   // Quadratic terms on cells (attachments): 64 numbers each, symmetric, row-major; index per cell or -1.
-  void set_cell_quadratics(std::span<const std::int32_t> of_cell, std::span<const Real> matrices);
+  void set_cell_quadratics(std::span<const Index> of_cell, std::span<const Real> matrices);
   // 3x3 diagonal blocks of K, 6 per node: 00 01 02 11 12 22.
   void diagonal_blocks(std::span<Real> blocks) const;
-  // K of one cell, ordered corner-major (3 corner + component), with the cell's quadratic term.
-  Matrix24 cell_stiffness(std::int32_t cell) const;
   // Adds P^T K P of up to kProjectionLanes cells to a coarse block, in the layouts of projected_stiffness_kernel.h with
   // the lanes innermost: weights [64][lane] (zero in lanes without a cell), arms [24][lane], blocks
   // [kModePairSize][lane], all aligned to 64 bytes.
   static constexpr int kProjectionLanes = 16;
-  void add_projected_stiffness(std::span<const std::int32_t> cells, const Real* weights, const Real* arms,
-                               Real* blocks) const;
+  void add_projected_stiffness(std::span<const Index> cells, const Real* weights, const Real* arms, Real* blocks) const;
   // Of the middle of a cell; u: the displacements last evaluated, whose singular values are at hand.
-  CellMeasures measures(std::int32_t cell, std::span<const Real> u) const;
+  CellMeasures measures(Index cell, std::span<const Real> u) const;
 
   std::size_t bytes() const;
   const Lattice& lattice() const { return lattice_; }
@@ -78,7 +72,7 @@ class Elastic {
   const SceneFeatures& features() const { return features_; }
   const ElasticArrays<Real>& arrays() const { return arrays_; }
   const ElasticKernels<Real>& kernels() const { return kernels_; }
-  int points() const { return static_cast<int>(quadrature_.size()); }  // of quadrature
+  int points() const { return int(quadrature_.size()); }  // of quadrature
   InstructionSet instruction_set() const { return set_; }
 
  private:
@@ -94,10 +88,7 @@ class Elastic {
                                              : Vec3(materials_.normal_of_cell[cell].template cast<double>());
   }
   // Of the middle of a cell, 3x3 by rows.
-  void deformation_gradient(std::int32_t cell, std::span<const Real> u, double* f) const;
-  // d(volume weight P)/dF of a point, 9x9, row-major indices, in mN mm
-  Matrix9 point_tangent(std::size_t slot, std::size_t point) const;
-  Eigen::Matrix<double, 8, 8> scalar_stiffness(std::size_t slot) const;
+  void deformation_gradient(Index cell, std::span<const Real> u, double* f) const;
 
   const Lattice& lattice_;
   CellMaterials materials_;
@@ -113,7 +104,7 @@ class Elastic {
   template <class T>
   using Aligned = std::vector<T, tbb::cache_aligned_allocator<T>>;
   Aligned<Real> volume_, stabilization_, material_, tangent_, sigma_, fiber_tangent_, quadratics_;
-  std::vector<std::int32_t> quadratic_of_;
+  std::vector<Index> quadratic_of_;
   ElasticArrays<Real> arrays_;
 };
 

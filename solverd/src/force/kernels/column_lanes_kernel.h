@@ -34,7 +34,7 @@ struct ColumnLanes<Number> {
   static void gather(const float* field, const std::int32_t* index, float* out) {
     for (int lane = 0; lane < kWidth; lane += 8) {
       const float* from[8];
-      for (int k = 0; k < 8; ++k) from[k] = field + 3 * static_cast<std::ptrdiff_t>(index[lane + k]);
+      for (int k = 0; k < 8; ++k) from[k] = field + 3 * std::ptrdiff_t{index[lane + k]};
       for (int first : {0, 4}) {
         __m256 rows[4];
         for (int k = 0; k < 4; ++k) rows[k] = halves(from[k] + first, from[k + 4] + first);
@@ -53,7 +53,7 @@ struct ColumnLanes<Number> {
     for (int k = 0; k < 4; ++k) rows[k] = halves(first + k * kWidth, first + (k + 4) * kWidth);
     transpose(rows);
     for (int k = 0; k < 4; ++k) {
-      float* to = field + 3 * static_cast<std::ptrdiff_t>(index[lane + k]);
+      float* to = field + 3 * std::ptrdiff_t{index[lane + k]};
       _mm256_storeu_ps(to, _mm256_add_ps(_mm256_loadu_ps(to), rows[k]));
       to[8] += first[8 * kWidth + k];
     }

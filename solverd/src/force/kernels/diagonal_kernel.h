@@ -102,12 +102,12 @@ template <class Number, bool kOnePoint, bool kFibers, bool kPrestretched>
           Number g[3], block[6];
           for (int j = 0; j < 3; ++j)
             g[j] = kOnePoint ? Number((corner >> (2 - j) & 1) ? 1 : -1)
-                             : Number(static_cast<Real>(arrays.gradients[24 * q + 8 * j + corner]));
+                             : Number(Real(arrays.gradients[24 * q + 8 * j + corner]));
           for (auto& value : block) value = Number(0);
           add_corner_block<kFibers, kPrestretched>(tangent, sigma, fiber, material, u, v, g, block);
           if constexpr (kOnePoint) {
             // each of the modes xy, xz, yz gives 1, xyz a half
-            const Number stabilization = Number(static_cast<Real>(3.5)) * load<Number>(arrays.stabilization + cell * w);
+            const Number stabilization = Number(Real(3.5)) * load<Number>(arrays.stabilization + cell * w);
             block[0] += stabilization;
             block[3] += stabilization;
             block[5] += stabilization;

@@ -18,7 +18,7 @@ struct NodeLanes {
   // `out`: [component][lane]
   static void gather(const Scalar* field, const std::int32_t* index, Scalar* out) {
     for (int lane = 0; lane < kWidth; ++lane) {
-      const Scalar* from = field + 3 * static_cast<std::ptrdiff_t>(index[lane]);
+      const Scalar* from = field + 3 * std::ptrdiff_t{index[lane]};
       out[lane] = from[0];
       out[kWidth + lane] = from[1];
       out[2 * kWidth + lane] = from[2];
@@ -26,7 +26,7 @@ struct NodeLanes {
   }
   static void scatter_add(Scalar* field, const std::int32_t* index, const Scalar* values) {
     for (int lane = 0; lane < kWidth; ++lane) {
-      Scalar* to = field + 3 * static_cast<std::ptrdiff_t>(index[lane]);
+      Scalar* to = field + 3 * std::ptrdiff_t{index[lane]};
       to[0] += values[lane];
       to[1] += values[kWidth + lane];
       to[2] += values[2 * kWidth + lane];
@@ -43,10 +43,10 @@ struct NodeLanes<Number> {
 
   static void gather(const float* field, const std::int32_t* index, float* out) {
     for (int lane = 0; lane < kWidth; lane += 4) {
-      const float* a = field + 3 * static_cast<std::ptrdiff_t>(index[lane]);
-      const float* b = field + 3 * static_cast<std::ptrdiff_t>(index[lane + 1]);
-      const float* c = field + 3 * static_cast<std::ptrdiff_t>(index[lane + 2]);
-      const float* d = field + 3 * static_cast<std::ptrdiff_t>(index[lane + 3]);
+      const float* a = field + 3 * std::ptrdiff_t{index[lane]};
+      const float* b = field + 3 * std::ptrdiff_t{index[lane + 1]};
+      const float* c = field + 3 * std::ptrdiff_t{index[lane + 2]};
+      const float* d = field + 3 * std::ptrdiff_t{index[lane + 3]};
       const __m128 ab = pair(a, b), cd = pair(c, d);
       _mm_store_ps(out + lane, _mm_shuffle_ps(ab, cd, _MM_SHUFFLE(2, 0, 2, 0)));
       _mm_store_ps(out + kWidth + lane, _mm_shuffle_ps(ab, cd, _MM_SHUFFLE(3, 1, 3, 1)));
@@ -62,10 +62,10 @@ struct NodeLanes<Number> {
       const __m128 x = _mm_load_ps(values + lane), y = _mm_load_ps(values + kWidth + lane),
                    z = _mm_load_ps(values + 2 * kWidth + lane);
       const __m128 ab = _mm_unpacklo_ps(x, y), cd = _mm_unpackhi_ps(x, y);
-      add(field + 3 * static_cast<std::ptrdiff_t>(index[lane]), ab, z);
-      add(field + 3 * static_cast<std::ptrdiff_t>(index[lane + 1]), _mm_movehl_ps(ab, ab), _mm_shuffle_ps(z, z, 1));
-      add(field + 3 * static_cast<std::ptrdiff_t>(index[lane + 2]), cd, _mm_movehl_ps(z, z));
-      add(field + 3 * static_cast<std::ptrdiff_t>(index[lane + 3]), _mm_movehl_ps(cd, cd), _mm_shuffle_ps(z, z, 3));
+      add(field + 3 * std::ptrdiff_t{index[lane]}, ab, z);
+      add(field + 3 * std::ptrdiff_t{index[lane + 1]}, _mm_movehl_ps(ab, ab), _mm_shuffle_ps(z, z, 1));
+      add(field + 3 * std::ptrdiff_t{index[lane + 2]}, cd, _mm_movehl_ps(z, z));
+      add(field + 3 * std::ptrdiff_t{index[lane + 3]}, _mm_movehl_ps(cd, cd), _mm_shuffle_ps(z, z, 3));
     }
   }
 

@@ -141,8 +141,8 @@ template <class Number, class Scalar>
   const int column = kNewColumns[place / 2];
   const std::int32_t* row = next.nodes + (next.grid ? column : 3 * column) * w;
   for (int lane = place % 2 * w / 2; lane < (place % 2 + 1) * w / 2; ++lane) {
-    __builtin_prefetch(x + 3 * static_cast<std::ptrdiff_t>(row[lane]));
-    __builtin_prefetch(y + 3 * static_cast<std::ptrdiff_t>(row[lane]));
+    __builtin_prefetch(x + 3 * std::ptrdiff_t{row[lane]});
+    __builtin_prefetch(y + 3 * std::ptrdiff_t{row[lane]});
   }
 }
 
@@ -204,7 +204,7 @@ template <class Number, bool kOnePoint, bool kFibers, bool kPrestretched>
           for (int i = 0; i < 3; ++i)
             for (int j = 0; j < 3; ++j) {
               Number total(0);
-              for (int c = 0; c < 8; ++c) total += corners[i][c] * Number(static_cast<Scalar>(gradient[8 * j + c]));
+              for (int c = 0; c < 8; ++c) total += corners[i][c] * Number(Scalar(gradient[8 * j + c]));
               df[3 * i + j] = total;
             }
           differential<kFibers, kPrestretched>(arrays.tangent + point * kTangentFields * w,
@@ -212,8 +212,7 @@ template <class Number, bool kOnePoint, bool kFibers, bool kPrestretched>
                                                arrays.fiber_tangent + point * kFiberFields * w, material, df);
           for (int i = 0; i < 3; ++i)
             for (int c = 0; c < 8; ++c)
-              for (int j = 0; j < 3; ++j)
-                result[i][c] += df[3 * i + j] * Number(static_cast<Scalar>(gradient[8 * j + c]));
+              for (int j = 0; j < 3; ++j) result[i][c] += df[3 * i + j] * Number(Scalar(gradient[8 * j + c]));
         }
       }
       for (int i = 0; i < 3; ++i)

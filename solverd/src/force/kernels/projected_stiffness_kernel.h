@@ -119,17 +119,16 @@ void add_projected_tangent(const Number* u, const Number* v, const Number* hessi
 // The stabilization of one-point quadrature: coefficient * sum_m kHourglass[m] |h_m . x|^2 / 2.
 template <class Number>
 void add_projected_hourglass(const Number& coefficient, const Number* weight, const Number* arm, Number* blocks) {
+  using Scalar = typename NumberTraits<Number>::Scalar;
   Number w[4][8], a[4][8][3], scaled[4];
   for (int mode = 0; mode < 4; ++mode) {
-    const auto& signs = kHourglassModes[static_cast<std::size_t>(mode)];
-    scaled[mode] =
-        coefficient *
-        Number(static_cast<typename NumberTraits<Number>::Scalar>(kHourglass[static_cast<std::size_t>(mode)]));
+    const auto& signs = kHourglassModes[mode];
+    scaled[mode] = coefficient * Number(Scalar(kHourglass[mode]));
     for (int k = 0; k < 8; ++k) {
       w[mode][k] = weight[8 * k] - weight[8 * k];
       for (int i = 0; i < 3; ++i) a[mode][k][i] = w[mode][k];
       for (int n = 0; n < 8; ++n)
-        if (signs[static_cast<std::size_t>(n)] > 0) {
+        if (signs[n] > 0) {
           w[mode][k] += weight[8 * k + n];
           for (int i = 0; i < 3; ++i) a[mode][k][i] += weight[8 * k + n] * arm[3 * n + i];
         } else {
@@ -238,8 +237,7 @@ void project_cells(const ElasticArrays<typename NumberTraits<Number>::Scalar>& a
       Real gradient[24];
       for (int i = 0; i < 24; ++i) {
         const int j = i / 8, corner = i % 8;
-        gradient[i] = kOnePoint ? ((corner >> (2 - j) & 1) ? Real(1) : Real(-1))
-                                : static_cast<Real>(arrays.gradients[24 * q + i]);
+        gradient[i] = kOnePoint ? ((corner >> (2 - j) & 1) ? Real(1) : Real(-1)) : Real(arrays.gradients[24 * q + i]);
       }
       if constexpr (kFibers) {
         Number material[kPrestretch], sigma[3], response[kFiberFields];
@@ -257,7 +255,7 @@ void project_cells(const ElasticArrays<typename NumberTraits<Number>::Scalar>& a
     if constexpr (kOnePoint) {
       Number stabilization;
       collect(arrays.stabilization, w, 1, &stabilization);
-      add_projected_hourglass(stabilization * Number(static_cast<Real>(1.0 / kHourglass[0])), weight, arm, out);
+      add_projected_hourglass(stabilization * Number(Real(1.0 / kHourglass[0])), weight, arm, out);
     }
     bool attached = false;
     for (int lane = 0; lane < w && arrays.quadratic_of != nullptr; ++lane)

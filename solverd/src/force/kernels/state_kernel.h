@@ -60,11 +60,11 @@ template <class Number, class Real, int width, class Model, bool kOnePoint, bool
   static_assert(width % b == 0);
   using Scalar = typename NumberTraits<Number>::Scalar;
   const int points = kOnePoint ? 1 : arrays.points;
-  const Number to_gradient(static_cast<Scalar>(0.25 / arrays.spacing));
+  const Number to_gradient(Scalar(0.25 / arrays.spacing));
   alignas(64) Scalar at[kBlockNodes][3][b];
   alignas(64) Scalar sum[kBlockNodes][4][b];
   alignas(64) Scalar buffer[b];
-  Number least_j(std::numeric_limits<Scalar>::max());
+  Number min_j(std::numeric_limits<Scalar>::max());
   double energy = 0.0;
   for (std::int64_t group = begin; group < end; ++group)
     for (int lane = 0; lane < width; lane += b) {
@@ -72,7 +72,7 @@ template <class Number, class Real, int width, class Model, bool kOnePoint, bool
       nodes.for_each([&](int n, const std::int32_t* row, std::ptrdiff_t shift) __attribute__((always_inline)) {
         for (int k = 0; k < b; ++k) {
           const Real* from = u + 3 * (row[lane + k] + shift);
-          for (int i = 0; i < 3; ++i) at[n][i][k] = static_cast<Scalar>(from[i]);
+          for (int i = 0; i < 3; ++i) at[n][i][k] = Scalar(from[i]);
         }
       });
       for (auto& node : sum)
@@ -100,7 +100,7 @@ template <class Number, class Real, int width, class Model, bool kOnePoint, bool
             for (int i = 0; i < 3; ++i)
               for (int j = 0; j < 3; ++j) {
                 Number total(0);
-                for (int c = 0; c < 8; ++c) total += corners[i][c] * Number(static_cast<Scalar>(weights[8 * j + c]));
+                for (int c = 0; c < 8; ++c) total += corners[i][c] * Number(Scalar(weights[8 * j + c]));
                 f[3 * i + j] = total;
               }
           }
@@ -157,18 +157,17 @@ template <class Number, class Real, int width, class Model, bool kOnePoint, bool
             }
             group_energy += volume * density;
           } else {
-            const Number part = volume * Number(static_cast<Scalar>(arrays.weights[q]));
+            const Number part = volume * Number(Scalar(arrays.weights[q]));
             const Number scale = part * to_gradient;
             const double* gradients = arrays.gradients + 24 * q;
             for (int i = 0; i < 3; ++i)
               for (int c = 0; c < 8; ++c)
-                for (int j = 0; j < 3; ++j)
-                  force[i][c] += scale * p[3 * i + j] * Number(static_cast<Scalar>(gradients[8 * j + c]));
+                for (int j = 0; j < 3; ++j) force[i][c] += scale * p[3 * i + j] * Number(Scalar(gradients[8 * j + c]));
             group_energy += part * density;
           }
         }
         cell_j = select(present, cell_j, Number(1));
-        least_j = min(least_j, cell_j);
+        min_j = min(min_j, cell_j);
         store(cell_j, buffer);
         for (const Scalar j : buffer) sums.inverted += !(j > Scalar(0));
         for (int c = 0; c < 8; ++c) {
@@ -180,18 +179,18 @@ template <class Number, class Real, int width, class Model, bool kOnePoint, bool
         }
       }
       store(group_energy, buffer);
-      for (const Scalar e : buffer) energy += static_cast<double>(e);
+      for (const Scalar e : buffer) energy += double(e);
       nodes.for_each([&](int n, const std::int32_t* row, std::ptrdiff_t shift) __attribute__((always_inline)) {
         for (int k = 0; k < b; ++k) {
           const std::ptrdiff_t node = row[lane + k] + shift;
-          for (int i = 0; i < 3; ++i) gradient[3 * node + i] += static_cast<double>(sum[n][i][k]);
-          magnitude[node] += static_cast<double>(sum[n][3][k]);
+          for (int i = 0; i < 3; ++i) gradient[3 * node + i] += double(sum[n][i][k]);
+          magnitude[node] += double(sum[n][3][k]);
         }
       });
     }
   sums.energy += energy;
-  store(least_j, buffer);
-  for (const Scalar j : buffer) sums.minimum_j = std::min(sums.minimum_j, static_cast<double>(j));
+  store(min_j, buffer);
+  for (const Scalar j : buffer) sums.minimum_j = std::min(sums.minimum_j, double(j));
 }
 
 // Computes the tangent of the groups begin..end from what evaluate_groups remembered.
@@ -201,7 +200,7 @@ template <class Number, class Model, bool kOnePoint, bool kFibers>
   using Real = typename NumberTraits<Number>::Scalar;
   constexpr int w = kLanes<Number>;
   const int points = kOnePoint ? 1 : arrays.points;
-  const Number scale(static_cast<Real>(1.0 / (16.0 * arrays.spacing * arrays.spacing)));
+  const Number scale(Real(1.0 / (16.0 * arrays.spacing * arrays.spacing)));
   for (std::int64_t cell = begin * kBlockCells; cell < end * kBlockCells; ++cell) {
     const Real* material = arrays.material_of(cell);
     const Moduli<Number> moduli = load_moduli<Number>(material, w);
@@ -212,8 +211,8 @@ template <class Number, class Model, bool kOnePoint, bool kFibers>
       for (int i = 0; i < 3; ++i) s[i] = load<Number>(arrays.sigma + (point * 3 + i) * w);
       TangentHat<Number> t;
       Model::dpdf_hat(s, moduli, t);
-      make_definite(t, Number(static_cast<Real>(kDefiniteFloor)) * moduli.mu, how);
-      const Number weight = kOnePoint ? volume : volume * Number(static_cast<Real>(arrays.weights[q]));
+      make_definite(t, Number(Real(kDefiniteFloor)) * moduli.mu, how);
+      const Number weight = kOnePoint ? volume : volume * Number(Real(arrays.weights[q]));
       Real* tangent = arrays.tangent + point * kTangentFields * w;
       for (int i = 0; i < 6; ++i) store(weight * t.hessian[i], tangent + (kHessian + i) * w);
       for (int k = 0; k < 3; ++k) {

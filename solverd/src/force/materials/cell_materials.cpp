@@ -23,8 +23,7 @@ struct Triangle {
 
 Triangle triangle_of(const Surface& surface, std::size_t t) {
   const auto& [a, b, c] = surface.triangles[t];
-  return {surface.points[static_cast<std::size_t>(a)], surface.points[static_cast<std::size_t>(b)],
-          surface.points[static_cast<std::size_t>(c)]};
+  return {surface.points[a], surface.points[b], surface.points[c]};
 }
 
 // The weights of a triangle's corners at its point closest to p.
@@ -38,14 +37,14 @@ Vec3 closest_weights(const Vec3& p, const Triangle& t) {
   }
   const Vec3* corners[3] = {&t.a, &t.b, &t.c};
   Vec3 best = Vec3::UnitX();
-  double least = std::numeric_limits<double>::infinity();
+  double closest = std::numeric_limits<double>::infinity();
   for (int k = 0; k < 3; ++k) {
     const Vec3 &from = *corners[k], edge = *corners[(k + 1) % 3] - from;
     const double length = edge.squaredNorm();
     const double s = length > 0.0 ? std::clamp((p - from).dot(edge) / length, 0.0, 1.0) : 0.0;
     const double found = (p - from - s * edge).squaredNorm();
-    if (!(found < least)) continue;
-    least = found;
+    if (!(found < closest)) continue;
+    closest = found;
     best.setZero();
     best[k] = 1.0 - s;
     best[(k + 1) % 3] = s;
@@ -64,7 +63,7 @@ std::vector<Vec3> point_normals(const Surface& surface) {
   for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
     const Triangle corners = triangle_of(surface, t);
     const Vec3 normal = (corners.b - corners.a).cross(corners.c - corners.a);
-    for (const std::int32_t p : surface.triangles[t]) normals[static_cast<std::size_t>(p)] += normal;
+    for (const Index p : surface.triangles[t]) normals[p] += normal;
   }
   for (Vec3& normal : normals) normal.normalize();
   return normals;
@@ -81,19 +80,19 @@ bool flat(const CellMaterials& materials) {
   return std::ranges::all_of(materials.normal_of_cell, is_z) && std::ranges::all_of(materials.table, lies_flat);
 }
 
-// What Eigen::BVMinimize asks: the closest triangle, of equally close ones that with the least index.
+// For Eigen::BVMinimize: the closest triangle, of equally close ones that with the smallest index.
 struct Closest {
   using Scalar = double;
   const Surface& skin;
   Vec3 point;
   double squared = std::numeric_limits<double>::infinity();
-  std::int32_t triangle = -1;
+  Index triangle = -1;
 
   double minimumOnVolume(const Box& box) const {
-    // Nudged down, so that a box that only touches the least distance is still opened.
+    // Rounded down, so that a box that only touches the smallest distance is still opened.
     return box.squaredExteriorDistance(point) * (1.0 - 1e-12);
   }
-  double minimumOnObject(std::int32_t t) {
+  double minimumOnObject(Index t) {
     const double found = squared_distance(point, triangle_of(skin, static_cast<std::size_t>(t)));
     if (found < squared || (found == squared && t < triangle)) {
       squared = found;
@@ -110,10 +109,10 @@ CellMaterials assign_materials(const Lattice& lattice, std::vector<MaterialParam
   CellMaterials result{std::move(table), {}};
   const bool directional = std::ranges::any_of(result.table, has_direction);
   if ((regions.empty() && !directional) || skin.triangles.empty()) return result;
-  std::vector<std::int32_t> triangles(skin.triangles.size());
+  std::vector<Index> triangles(skin.triangles.size());
   std::vector<Box> boxes(triangles.size());
   for (std::size_t t = 0; t < triangles.size(); ++t) {
-    triangles[t] = static_cast<std::int32_t>(t);
+    triangles[t] = to_index(t);
     const Triangle corners = triangle_of(skin, t);
     boxes[t] = Box(corners.a).extend(corners.b).extend(corners.c);
   }
@@ -132,17 +131,15 @@ CellMaterials assign_materials(const Lattice& lattice, std::vector<MaterialParam
       Closest closest{skin, lattice.settings.origin + h * Vec3(x + 0.5, y + 0.5, z + 0.5)};
       Eigen::BVMinimize(tree, closest);
       if (directional) {
-        const auto t = static_cast<std::size_t>(closest.triangle);
+        const std::size_t t = closest.triangle;
         const Vec3 weights = closest_weights(closest.point, triangle_of(skin, t));
         Vec3 normal = Vec3::Zero();
-        for (int k = 0; k < 3; ++k)
-          normal += weights[k] * normals[static_cast<std::size_t>(skin.triangles[t][static_cast<std::size_t>(k)])];
+        for (int k = 0; k < 3; ++k) normal += weights[k] * normals[skin.triangles[t][k]];
         result.normal_of_cell[c] = normal.normalized().cast<float>();
       }
       const double depth = std::sqrt(closest.squared);
       for (const auto& region : regions)
-        if (region.faces[static_cast<std::size_t>(closest.triangle)] != 0 && depth >= region.from_depth &&
-            depth < region.to_depth)
+        if (region.faces[closest.triangle] != 0 && depth >= region.from_depth && depth < region.to_depth)
           result.of_cell[c] = static_cast<std::uint8_t>(region.material);
     }
   });

@@ -5,7 +5,7 @@
 // Fibers (Gasser, Ogden, Holzapfel 2006, "Hyperelastic modelling of arterial layers with distributed collagen fiber
 // orientations", one family; k1 in kPa, dispersion kappa from 0, all along a, to 1/3, none preferred):
 //   Psi = k1/(2 k2) (exp(k2 <E>^2) - 1),   E = kappa (I1 - 3) + (1 - 3 kappa)(I4 - 1),   and k1/2 <E>^2 for k2 = 0.
-// Beyond k2 E^2 = kGreatestExponent (a stress 2*10^4 times that of k2 = 0) Psi goes on as its Taylor polynomial of
+// Beyond k2 E^2 = kMaxExponent (a stress 2*10^4 times that of k2 = 0) Psi goes on as its Taylor polynomial of
 // second order in E: float does not overflow, and a Newton step from far away sees a convex quadratic.
 //
 // Muscle: the active part of Teran, Blemker, Ng Thow Hing, Fedkiw 2003 ("Finite volume methods for the simulation of
@@ -23,7 +23,7 @@
 
 namespace lappet {
 
-// k1: kPa. dispersion: kappa. muscle: greatest isometric stress times activation, kPa. active: some muscle is; where
+// k1: kPa. dispersion: kappa. muscle: maximal isometric stress times activation, kPa. active: some muscle is; where
 // none is, `muscle` is 0 and its curve is passed over.
 template <class Number>
 struct FiberParameters {
@@ -43,7 +43,7 @@ struct FiberResponse {
 
 namespace fiber_detail {
 
-inline constexpr double kGreatestExponent = 10.0;
+inline constexpr double kMaxExponent = 10.0;
 inline constexpr double kPeak = 0.4, kEnd = 0.6;  // of |lambda - 1|
 
 // (exp(x) - 1)/x for x >= 0, with growth = exp(x): a series near 0, where the difference loses digits.
@@ -88,8 +88,8 @@ inline FiberResponse<Number> fiber_response(Number i1, Number i4, const FiberPar
   namespace detail = fiber_detail;
   const Number aligned = Number(1) - Number(3) * p.dispersion;
   const Number strain = max(p.dispersion * (i1 - Number(3)) + aligned * (i4 - Number(1)), Number(0));
-  const Number greatest = sqrt(Number(detail::kGreatestExponent) / max(p.k2, Number(tiny_number<Number>())));
-  const Number e = min(strain, greatest), beyond = strain - e;
+  const Number max_strain = sqrt(Number(detail::kMaxExponent) / max(p.k2, Number(tiny_number<Number>())));
+  const Number e = min(strain, max_strain), beyond = strain - e;
   const Number exponent = p.k2 * e * e, growth = exp(exponent);
   const Number slope = p.k1 * e * growth;  // dPsi/dE at e
   const Number curvature = p.k1 * growth * (Number(1) + Number(2) * exponent);

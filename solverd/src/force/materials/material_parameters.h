@@ -1,4 +1,5 @@
-// What a material is made of, in the units of the procedure (mm, kPa). The functions of the models are in material.h.
+// What a material is made of, in the units of the procedure (mm, kPa). Its model is one of
+// material_models.h.
 #pragma once
 #include <Eigen/Core>
 #include <array>
@@ -6,19 +7,21 @@
 #include <string>
 #include <vector>
 
+#include "force/materials/material_models.h"
+
 namespace lappet {
 
 struct MaterialParameters {
-  std::string model = "neoHookean";  // corotated, neoHookean, stableNeoHookean, mooneyRivlin
-  double youngs_modulus = 50.0;      // kPa
+  std::string model{kDefaultMaterialModel};
+  double youngs_modulus = 50.0;  // kPa
   double poissons_ratio = 0.45;
   double density = 1100.0;    // kg/m^3
-  double mooney_ratio = 0.0;  // mu01 / mu10 of mooneyRivlin
+  double mooney_ratio = 0.0;  // mu01 / mu10, where the model has a second modulus
   // Fibers (Gasser, Ogden, Holzapfel 2006) and active muscle along one direction, added on any isotropic model.
   Eigen::Vector3d fiber_direction = Eigen::Vector3d::UnitX();  // rest, unit
   double fiber_k1 = 0.0;                                       // kPa; 0: no fibers
   double fiber_k2 = 0.0, fiber_dispersion = 0.0;               // kappa in [0, 1/3]
-  double muscle_stress = 0.0;                                  // kPa, greatest isometric stress; 0: no muscle
+  double muscle_stress = 0.0;                                  // kPa, maximal isometric stress; 0: no muscle
   // In-vivo stretch along and across the fiber direction; the third is that of a free surface (prestretch.h).
   std::array<double, 2> prestretch{1.0, 1.0};
 

@@ -6,6 +6,7 @@
 // each of the powers has a negative slope and a positive curvature there, it grows as J falls.
 #pragma once
 #include "force/materials/material.h"
+#include "force/materials/neo_hookean.h"
 
 namespace lappet {
 

@@ -50,7 +50,7 @@ double free_prestretch(const MaterialParameters& parameters) {
         ErrorCode::kInvalidInput,
         fmt::format(
             "tissue of the model '{}' has no thickness at the prestretch ({:g}, {:g}) for which nothing presses "
-            "on it; prestretch it less, or use 'neoHookean'",
+            "on it; prestretch it less, or choose another model",
             parameters.model, along, across));
   for (int k = 0; k < 100; ++k) {
     const double middle = 0.5 * (low + high);

@@ -12,6 +12,7 @@
 #include <span>
 #include <vector>
 
+#include "math/index.h"
 #include "math/parallel.h"
 
 namespace lappet {
@@ -24,12 +25,12 @@ class BlockJacobi {
 
   void resize(std::size_t nodes) { inverse_.resize(kPacked * nodes); }
   std::size_t nodes() const { return inverse_.size() / kPacked; }
-  // All of them before set_ties.
+  // All of them before set_constraints.
   void set(std::size_t node, const Block& block) {
     const Block inverse = block.inverse();
     std::size_t k = kPacked * node;
     for (int i = 0; i < Size; ++i)
-      for (int j = 0; j <= i; ++j) inverse_[k++] = static_cast<Real>(0.5 * (inverse(i, j) + inverse(j, i)));
+      for (int j = 0; j <= i; ++j) inverse_[k++] = Real(0.5 * (inverse(i, j) + inverse(j, i)));
   }
   // Inverts the blocks that storage() holds by upper triangles, 00 01 02 11 12 22 each; those of nodes that are not
   // free divide to zero.
@@ -45,7 +46,7 @@ class BlockJacobi {
       }
       Block block;
       for (int i = 0; i < 3; ++i)
-        for (int j = i; j < 3; ++j) block(i, j) = block(j, i) = static_cast<double>(*entry++);
+        for (int j = i; j < 3; ++j) block(i, j) = block(j, i) = double(*entry++);
       set(n, block);
     });
   }
@@ -55,7 +56,7 @@ class BlockJacobi {
   void set_constraints(const Constraints& constraints) {
     constrained_nodes_.clear();
     for (const auto& constraint : constraints)
-      for (const std::int32_t n : constraint.nodes)
+      for (const Index n : constraint.nodes)
         if (is_set(n)) constrained_nodes_.push_back(n);
     std::sort(constrained_nodes_.begin(), constrained_nodes_.end());
     constrained_nodes_.erase(std::unique(constrained_nodes_.begin(), constrained_nodes_.end()),
@@ -63,7 +64,7 @@ class BlockJacobi {
     constrained_inverse_.resize(constrained_nodes_.size());
     constrained_z_.resize(constrained_nodes_.size());
     for (std::size_t t = 0; t < constrained_nodes_.size(); ++t) {
-      Real* packed = &inverse_[kPacked * static_cast<std::size_t>(constrained_nodes_[t])];
+      Real* packed = &inverse_[offset_of(kPacked, constrained_nodes_[t])];
       for (int i = 0, k = 0; i < Size; ++i)
         for (int j = 0; j <= i; ++j, ++k)
           constrained_inverse_[t](i, j) = constrained_inverse_[t](j, i) = double(packed[k]);
@@ -76,11 +77,11 @@ class BlockJacobi {
     std::vector<Eigen::Matrix<double, 3, Size>> rows;
     std::vector<Eigen::Triplet<double>> middle;  // the lower half
     for (const auto& constraint : constraints) {
-      const auto index = static_cast<std::int32_t>(constraint_start_.size() - 1);
+      const Index index = to_index(constraint_start_.size() - 1);
       for (std::size_t k = 0; k < constraint.nodes.size(); ++k) {
         const auto found = std::lower_bound(constrained_nodes_.begin(), constrained_nodes_.end(), constraint.nodes[k]);
         if (found == constrained_nodes_.end() || *found != constraint.nodes[k]) continue;
-        const auto local = static_cast<std::size_t>(found - constrained_nodes_.begin());
+        const std::size_t local = found - constrained_nodes_.begin();
         of_node[local].emplace_back(index, rows.size());
         rows.push_back(constraint.rows[k]);
         constraint_entries_.push_back({local, constrained_inverse_[local] * constraint.rows[k].transpose()});
@@ -97,7 +98,7 @@ class BlockJacobi {
           for (int i = 0; i < 3; ++i)
             for (int j = 0; j < (a == b ? i + 1 : 3); ++j) middle.emplace_back(3 * a + i, 3 * b + j, block(i, j));
         }
-    const auto size = static_cast<Eigen::Index>(3 * (constraint_start_.size() - 1));
+    const Eigen::Index size = 3 * (constraint_start_.size() - 1);
     constraint_values_.resize(size);
     if (constrained_nodes_.empty()) return;
     Eigen::SparseMatrix<double> matrix(size, size);
@@ -161,7 +162,7 @@ class BlockJacobi {
   // d += scale D^-1 r, x += the same, on constrained nodes
   void solve_constrained(Real scale, const Real* r, Real* d, Real* x) const {
     if (constrained_nodes_.empty()) return;
-    const auto at = [&](std::size_t t) { return kSize * static_cast<std::size_t>(constrained_nodes_[t]); };
+    const auto at = [&](std::size_t t) { return offset_of(kSize, constrained_nodes_[t]); };
     const auto force = [&](std::size_t t) {
       return Eigen::Map<const Eigen::Matrix<Real, Size, 1>>(r + at(t)).template cast<double>();
     };
@@ -170,21 +171,21 @@ class BlockJacobi {
       Eigen::Vector3d sum = Eigen::Vector3d::Zero();
       for (std::size_t k = constraint_start_[t]; k < constraint_start_[t + 1]; ++k)
         sum += constraint_entries_[k].gain.transpose() * force(constraint_entries_[k].node);
-      constraint_values_.template segment<3>(static_cast<Eigen::Index>(3 * t)) = sum;
+      constraint_values_.template segment<3>(3 * t) = sum;
     }
     constraint_values_ = middle_.solve(constraint_values_);
     for (std::size_t t = 0; t + 1 < constraint_start_.size(); ++t)
       for (std::size_t k = constraint_start_[t]; k < constraint_start_[t + 1]; ++k)
         constrained_z_[constraint_entries_[k].node] -=
-            constraint_entries_[k].gain * constraint_values_.template segment<3>(static_cast<Eigen::Index>(3 * t));
+            constraint_entries_[k].gain * constraint_values_.template segment<3>(3 * t);
     for (std::size_t t = 0; t < constrained_nodes_.size(); ++t)
       for (std::size_t i = 0; i < kSize; ++i) {
-        const Real value = scale * static_cast<Real>(constrained_z_[t][static_cast<Eigen::Index>(i)]);
+        const Real value = scale * Real(constrained_z_[t][i]);
         d[at(t) + i] += value;
         if (x) x[at(t) + i] += value;
       }
   }
-  bool is_set(std::int32_t node) const { return inverse_[kPacked * static_cast<std::size_t>(node)] != Real(0); }
+  bool is_set(Index node) const { return inverse_[offset_of(kPacked, node)] != Real(0); }
 
   static constexpr double kMinStiffness = 1e-30;
   struct ConstraintEntry {
@@ -193,7 +194,7 @@ class BlockJacobi {
   };
 
   std::vector<Real> inverse_;  // lower triangles by rows; zero at prescribed and constrained nodes
-  std::vector<std::int32_t> constrained_nodes_;
+  std::vector<Index> constrained_nodes_;
   std::vector<Block> constrained_inverse_;
   std::vector<std::size_t> constraint_start_;  // per constraint, into the entries
   std::vector<ConstraintEntry> constraint_entries_;

@@ -31,14 +31,14 @@ class Chebyshev {
   // Estimates the largest eigenvalue of D^-1 K by `steps` of the Lanczos process (conjugate gradients from a fixed
   // start); is_free(node).
   template <class Multiply, class IsFree>
-  void estimate(const Multiply& multiply, const IsFree& is_free, int steps, double margin, double most) {
+  void estimate(const Multiply& multiply, const IsFree& is_free, int steps, double margin, double max_eigenvalue) {
     resize();
     const std::size_t nodes = diagonal_.nodes();
     for_each_index(nodes, [&](std::size_t n) {
       for (std::size_t i = Size * n; i < Size * (n + 1); ++i) {
-        auto hash = static_cast<std::uint32_t>(i) * 2654435761u;
+        std::uint32_t hash = std::uint32_t(i) * 2654435761u;
         hash = (hash ^ (hash >> 15)) * 2246822519u;
-        r_[i] = is_free(n) ? static_cast<Real>((hash ^ (hash >> 13)) >> 8) / Real(1u << 24) - Real(0.5) : Real(0);
+        r_[i] = is_free(n) ? Real((hash ^ (hash >> 13)) >> 8) / Real(1u << 24) - Real(0.5) : Real(0);
       }
     });
     std::vector<Real> z(r_.size());
@@ -52,23 +52,23 @@ class Chebyshev {
       const double curvature = dot<Real>(d_, q_);
       if (!(curvature > 0.0)) break;
       const double alpha = rho / curvature;
-      add<Real>(static_cast<Real>(-alpha), q_, r_);
+      add<Real>(Real(-alpha), q_, r_);
       diagonal_.divide(r_.data(), z.data());
       const double rho_next = dot<Real>(r_, z), beta = rho_next / rho;
       diagonal[size] = 1.0 / alpha + before;
       beside[size] = std::sqrt(std::max(beta, 0.0)) / alpha;
       ++size;
       before = beta / alpha;
-      combine<Real>(static_cast<Real>(beta), Real(1), z, d_);
+      combine<Real>(Real(beta), Real(1), z, d_);
       rho = rho_next;
     }
     if (size == 0) {
-      largest_ = most;
+      largest_ = max_eigenvalue;
       return;
     }
     Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver;
     solver.computeFromTridiagonal(diagonal.head(size), beside.head(size - 1), Eigen::EigenvaluesOnly);
-    largest_ = std::min(margin * solver.eigenvalues().maxCoeff(), most);
+    largest_ = std::min(margin * solver.eigenvalues().maxCoeff(), max_eigenvalue);
   }
 
   // x = p(D^-1 K) D^-1 b; leaves b - K x = residual() - product().
@@ -99,7 +99,7 @@ class Chebyshev {
       const double upper = c.largest_, lower = upper / (kRange * c.degree_);
       center = 0.5 * (upper + lower);
       half = 0.5 * (upper - lower);
-      start = static_cast<Real>(1.0 / center);
+      start = Real(1.0 / center);
     }
     double center, half;
     Real start;
@@ -114,8 +114,7 @@ class Chebyshev {
     for (int k = 1; k < degree_; ++k) {
       multiply(d_, q_);
       const double next = 1.0 / (2.0 * sigma - rho);
-      diagonal_.next(static_cast<Real>(next * rho), static_cast<Real>(2.0 * next / c.half), q_.data(), r_.data(),
-                     d_.data(), x.data());
+      diagonal_.next(Real(next * rho), Real(2.0 * next / c.half), q_.data(), r_.data(), d_.data(), x.data());
       rho = next;
     }
   }

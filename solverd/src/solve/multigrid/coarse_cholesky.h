@@ -3,6 +3,7 @@
 #pragma once
 #include <cholmod.h>
 
+#include <functional>
 #include <memory>
 #include <span>
 #include <stdexcept>
@@ -49,16 +50,16 @@ class CoarseCholesky {
     return Owned<T>(p, Free{&common_});
   }
 
-  template <class Real>
-  void set_pattern(const CoarseMatrix<Real>& matrix, std::span<const CoarseConstraint> constraints);
+  void update_pattern(std::size_t nodes, std::span<const CoarseConstraint> constraints,
+                      const std::function<std::span<const Index>(std::size_t)>& columns_of);
+  void analyze(std::size_t nodes);
   template <class Real>
   void fill(const CoarseMatrix<Real>& matrix, std::span<const CoarseConstraint> constraints);
-  void analyze(std::size_t nodes);
-  std::size_t entry(std::int32_t row, std::int32_t column) const;  // of the lower block pattern
+  Index entry(Index row, Index column) const;  // of the lower block pattern
 
   cholmod_common common_{};
-  std::vector<std::int32_t> start_, row_;       // by block columns: rows >= column, ascending
-  std::vector<std::int32_t> constraint_nodes_;  // the constraints the pattern was made for: sizes and nodes
+  std::vector<Index> start_, row_;       // by block columns: rows >= column, ascending
+  std::vector<Index> constraint_nodes_;  // the constraints the pattern was made for: sizes and nodes
   Owned<cholmod_sparse> matrix_;
   Owned<cholmod_factor> factor_;
   Owned<cholmod_dense> b_;

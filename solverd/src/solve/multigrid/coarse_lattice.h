@@ -10,9 +10,11 @@
 #include <span>
 #include <vector>
 
+#include "math/groups.h"
+
 namespace lappet {
 
-using CellNodes = std::array<std::int32_t, 8>;
+using CellNodes = std::array<Index, 8>;
 using CellPosition = std::array<std::int32_t, 3>;
 
 struct CoarseLattice {
@@ -21,21 +23,23 @@ struct CoarseLattice {
   std::vector<CellPosition> cell_position;
   std::size_t nodes = 0;
 
-  std::vector<std::int32_t> cell_start, cells;      // coarse cell -> cells below, ascending
-  std::vector<std::int32_t> slot_start;             // coarse cell -> its slots, one a node of the level below
-  std::vector<std::int32_t> slot_node;              // slot -> node below
-  std::vector<std::array<std::uint8_t, 3>> local;   // per slot, 0..ratio
-  std::vector<std::int32_t> slot_of;                // node below -> slot
-  std::vector<std::int32_t> corner_start, corners;  // coarse node -> 8 * coarse cell + corner, ascending
+  Groups cells;    // coarse cell -> cells below
+  Groups slots;    // coarse cell -> its nodes of the level below; a slot is a place in this list
+  Groups corners;  // coarse node -> 8 * coarse cell + corner
+  std::vector<std::array<std::uint8_t, 3>> local;  // per slot, 0..ratio
+  std::vector<Index> slot_of;                      // node below -> slot
 
   // Trilinear weights of the eight corners, by (local[0] (ratio + 1) + local[1]) (ratio + 1) + local[2].
   std::vector<std::array<double, 8>> weights() const;
   int weight_index(const std::array<std::uint8_t, 3>& place) const {
     return (place[0] * (ratio + 1) + place[1]) * (ratio + 1) + place[2];
   }
+  int weight_index(std::size_t slot) const { return weight_index(local[slot]); }
   // The local position of a corner of a cell below inside its coarse cell.
   std::array<std::uint8_t, 3> corner_place(const CellPosition& cell, std::size_t coarse, int corner) const;
-  std::int32_t owner(std::int32_t slot) const;
+  Index node_of(std::size_t slot) const { return slots.items[slot]; }
+  // The coarse cell of a slot.
+  Index owner(Index slot) const;
   std::size_t bytes() const;
 };
 

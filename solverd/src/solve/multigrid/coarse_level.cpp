@@ -18,6 +18,9 @@ constexpr double kMargin = 1.1, kMaxEigenvalue = 27.0;
 template <class Real>
 constexpr double kShift = 30.0 * std::numeric_limits<Real>::epsilon();
 
+using Block = Eigen::Matrix<double, 6, 6>;
+using Vector6 = Eigen::Matrix<double, 6, 1>;
+
 // omega x a as a matrix acting on omega
 Eigen::Matrix3d turning(const Vec3& a) {
   Eigen::Matrix3d m;
@@ -25,7 +28,29 @@ Eigen::Matrix3d turning(const Vec3& a) {
   return m;
 }
 
+template <class Real>
+Block block_at(const Real* entries) {
+  return Eigen::Map<const Eigen::Matrix<Real, 6, 6, Eigen::RowMajor>>(entries).template cast<double>();
+}
+
 }  // namespace
+
+// What couples one node (kRows = 1) or the corners of a coarse cell (kRows = 8) with the corners of a coarse cell.
+template <std::size_t kRows>
+struct CornerCoupling {
+  std::size_t cell;
+  std::array<Block, 8 * kRows> blocks;
+  std::array<bool, 8 * kRows> used{};
+
+  // The coupling with a cell, appended where there was none.
+  static CornerCoupling& with(std::size_t cell, std::vector<CornerCoupling>& list) {
+    const auto found = std::ranges::find(list, cell, &CornerCoupling::cell);
+    if (found != list.end()) return *found;
+    auto& added = list.emplace_back(CornerCoupling{cell, {}, {}});
+    added.blocks.fill(Block::Zero());
+    return added;
+  }
+};
 
 template <class Real>
 CoarseLevel<Real>::CoarseLevel(const CoarseLattice& lattice, std::size_t max_direct)
@@ -89,11 +114,10 @@ void CoarseLevel<Real>::multiply(std::span<const Real> x, std::span<Real> y) con
     Vec3 sum = Vec3::Zero();
     for (std::size_t k = 0; k < constraint.nodes.size(); ++k)
       sum += constraint.rows[k] *
-             Eigen::Map<const Eigen::Matrix<Real, 6, 1>>(&x[6 * static_cast<std::size_t>(constraint.nodes[k])])
-                 .template cast<double>();
+             Eigen::Map<const Eigen::Matrix<Real, 6, 1>>(&x[offset_of(6, constraint.nodes[k])]).template cast<double>();
     sum *= constraint.stiffness;
     for (std::size_t k = 0; k < constraint.nodes.size(); ++k)
-      Eigen::Map<Eigen::Matrix<Real, 6, 1>>(&y[6 * static_cast<std::size_t>(constraint.nodes[k])]) +=
+      Eigen::Map<Eigen::Matrix<Real, 6, 1>>(&y[offset_of(6, constraint.nodes[k])]) +=
           (constraint.rows[k].transpose() * sum).template cast<Real>();
   }
 }
@@ -105,12 +129,11 @@ void CoarseLevel<Real>::place_next(std::span<const Vec3> places, double spacing)
   std::vector<double> total(coarse_->nodes, 0.0);
   const std::size_t cells = coarse_->cell_nodes.size();
   for (std::size_t c = 0; c < cells; ++c)
-    for (auto s = coarse_->slot_start[c]; s < coarse_->slot_start[c + 1]; ++s) {
-      const auto slot = static_cast<std::size_t>(s);
-      const auto& weight = weights_[static_cast<std::size_t>(coarse_->weight_index(coarse_->local[slot]))];
+    for (const std::size_t slot : coarse_->slots.places(c)) {
+      const auto& weight = weight_of(slot);
       for (std::size_t k = 0; k < 8; ++k) {
-        const auto node = static_cast<std::size_t>(coarse_->cell_nodes[c][k]);
-        next_place_[node] += weight[k] * places[static_cast<std::size_t>(coarse_->slot_node[slot])];
+        const std::size_t node = coarse_->cell_nodes[c][k];
+        next_place_[node] += weight[k] * places[coarse_->node_of(slot)];
         total[node] += weight[k];
       }
     }
@@ -120,18 +143,17 @@ void CoarseLevel<Real>::place_next(std::span<const Vec3> places, double spacing)
   corner_arm_.resize(8 * cells);
   for (std::size_t c = 0; c < cells; ++c) {
     Vec3 center = Vec3::Zero();
-    for (const std::int32_t n : coarse_->cell_nodes[c]) center += next_place_[static_cast<std::size_t>(n)] / 8;
+    for (const Index n : coarse_->cell_nodes[c]) center += next_place_[n] / 8;
     for (std::size_t k = 0; k < 8; ++k)
-      corner_arm_[8 * c + k] = inverse * (next_place_[static_cast<std::size_t>(coarse_->cell_nodes[c][k])] - center);
-    for (auto s = coarse_->slot_start[c]; s < coarse_->slot_start[c + 1]; ++s) {
-      const auto slot = static_cast<std::size_t>(s);
-      arm_[slot] = inverse * (places[static_cast<std::size_t>(coarse_->slot_node[slot])] - center);
+      corner_arm_[8 * c + k] = inverse * (next_place_[coarse_->cell_nodes[c][k]] - center);
+    for (const std::size_t slot : coarse_->slots.places(c)) {
+      arm_[slot] = inverse * (places[coarse_->node_of(slot)] - center);
     }
   }
 }
 
 template <class Real>
-typename CoarseLevel<Real>::Block CoarseLevel<Real>::transfer_of(std::size_t slot) const {
+Eigen::Matrix<double, 6, 6> CoarseLevel<Real>::transfer_of(std::size_t slot) const {
   Block m = Block::Identity();
   m.template topRightCorner<3, 3>() = turning(arm_[slot]);
   m.template bottomRightCorner<3, 3>() /= kRatio;
@@ -139,114 +161,81 @@ typename CoarseLevel<Real>::Block CoarseLevel<Real>::transfer_of(std::size_t slo
 }
 
 template <class Real>
-typename CoarseLevel<Real>::Block CoarseLevel<Real>::shift_of(std::size_t cell, std::size_t corner) const {
+Eigen::Matrix<double, 6, 6> CoarseLevel<Real>::shift_of(std::size_t cell, std::size_t corner) const {
   Block m = Block::Identity();
   m.template topRightCorner<3, 3>() = -turning(corner_arm_[8 * cell + corner]);
   return m;
 }
 
-// What couples a cell to another, itself or a neighbor: 8 x 8 blocks between their corners.
 template <class Real>
-struct CoarseLevel<Real>::Neighbor {
-  std::size_t cell;
-  std::array<Block, 64> blocks;
-  std::array<bool, 64> used{};
-};
-
-// Of one node: its couplings summed over the nodes of a neighbor.
-template <class Real>
-struct CoarseLevel<Real>::Row {
-  std::size_t cell;
-  std::array<Block, 8> blocks;
-  std::array<bool, 8> used;
-};
-
-template <class Real>
-const std::array<double, 8>& CoarseLevel<Real>::weight_of(std::size_t slot) const {
-  return weights_[static_cast<std::size_t>(coarse_->weight_index(coarse_->local[slot]))];
-}
-
-template <class Real>
-void CoarseLevel<Real>::sum_row(std::size_t slot, std::span<const std::int32_t> owner, std::vector<Row>& row) const {
+void CoarseLevel<Real>::couple_node(std::size_t slot, std::span<const Index> cell_of,
+                                    std::vector<CornerCoupling<1>>& row) const {
   row.clear();
   const Block left = transfer_of(slot).transpose();
-  matrix_.for_each(static_cast<std::size_t>(coarse_->slot_node[slot]), [&](std::int32_t j, const Real* entries,
-                                                                           bool turned) {
-    const auto cell = static_cast<std::size_t>(owner[static_cast<std::size_t>(j)]);
-    auto found = std::find_if(row.begin(), row.end(), [&](const Row& r) { return r.cell == cell; });
-    if (found == row.end()) {
-      found = row.insert(row.end(), Row{cell, {}, {}});
-      found->blocks.fill(Block::Zero());
-    }
-    const auto other = static_cast<std::size_t>(coarse_->slot_of[static_cast<std::size_t>(j)]);
-    const Block entry = Eigen::Map<const Eigen::Matrix<Real, 6, 6, Eigen::RowMajor>>(entries).template cast<double>();
+  matrix_.for_each(coarse_->node_of(slot), [&](Index j, const Real* entries, bool turned) {
+    auto& coupling = CornerCoupling<1>::with(cell_of[j], row);
+    const std::size_t other = coarse_->slot_of[j];
+    const Block entry = block_at(entries);
     const Block block = left * (turned ? Block(entry.transpose()) : entry) * transfer_of(other);
     const auto& weight = weight_of(other);
     for (std::size_t l = 0; l < 8; ++l)
       if (weight[l] != 0.0) {
-        found->blocks[l] += weight[l] * block;
-        found->used[l] = true;
+        coupling.blocks[l] += weight[l] * block;
+        coupling.used[l] = true;
       }
   });
 }
 
 template <class Real>
-void CoarseLevel<Real>::couple(std::size_t c, std::span<const std::int32_t> owner, std::vector<Neighbor>& list) const {
+void CoarseLevel<Real>::couple_cell(std::size_t c, std::span<const Index> cell_of,
+                                    std::vector<CornerCoupling<8>>& list) const {
   list.clear();
-  std::vector<Row> row;
-  for (auto s = coarse_->slot_start[c]; s < coarse_->slot_start[c + 1]; ++s) {
-    const auto slot = static_cast<std::size_t>(s);
-    sum_row(slot, owner, row);
+  std::vector<CornerCoupling<1>> row;
+  for (const std::size_t slot : coarse_->slots.places(c)) {
+    couple_node(slot, cell_of, row);
     const auto& weight = weight_of(slot);
-    for (const Row& r : row) {
-      auto found = std::find_if(list.begin(), list.end(), [&](const Neighbor& n) { return n.cell == r.cell; });
-      if (found == list.end()) {
-        found = list.insert(list.end(), Neighbor{r.cell, {}, {}});
-        found->blocks.fill(Block::Zero());
-      }
+    for (const auto& from : row) {
+      auto& to = CornerCoupling<8>::with(from.cell, list);
       for (std::size_t k = 0; k < 8; ++k)
         for (std::size_t l = 0; l < 8; ++l)
-          if (weight[k] != 0.0 && r.used[l]) {
-            found->blocks[8 * k + l] += weight[k] * r.blocks[l];
-            found->used[8 * k + l] = true;
+          if (weight[k] != 0.0 && from.used[l]) {
+            to.blocks[8 * k + l] += weight[k] * from.blocks[l];
+            to.used[8 * k + l] = true;
           }
     }
   }
-  for (auto& neighbor : list)
+  for (auto& coupling : list)
     for (std::size_t k = 0; k < 8; ++k)
       for (std::size_t l = 0; l < 8; ++l) {
-        // of the upper triangle
-        neighbor.used[8 * k + l] =
-            neighbor.used[8 * k + l] && coarse_->cell_nodes[c][k] <= coarse_->cell_nodes[neighbor.cell][l];
-        if (neighbor.used[8 * k + l])
-          neighbor.blocks[8 * k + l] =
-              shift_of(c, k).transpose() * neighbor.blocks[8 * k + l] * shift_of(neighbor.cell, l);
+        bool& used = coupling.used[8 * k + l];
+        used = used && coarse_->cell_nodes[c][k] <= coarse_->cell_nodes[coupling.cell][l];  // of the upper triangle
+        Block& block = coupling.blocks[8 * k + l];
+        if (used) block = shift_of(c, k).transpose() * block * shift_of(coupling.cell, l);
       }
 }
 
 template <class Real>
 void CoarseLevel<Real>::assemble_next() {
   const std::size_t cells = coarse_->cell_nodes.size();
-  // A neighbor takes 18 kB and a cell has up to 27: a batch of cells at a time, some for each thread.
-  const std::size_t batch = 2 * static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
-  std::vector<std::vector<Neighbor>> couplings(std::min(batch, cells));
-  std::vector<std::int32_t> owner(lattice_.nodes);
+  // A coupling takes 18 kB and a cell has up to 27: a batch of cells at a time, some for each thread.
+  const std::size_t batch = 2 * tbb::this_task_arena::max_concurrency();
+  std::vector<std::vector<CornerCoupling<8>>> couplings(std::min(batch, cells));
+  std::vector<Index> cell_of(lattice_.nodes);
   for (std::size_t c = 0; c < cells; ++c)
-    for (auto s = coarse_->slot_start[c]; s < coarse_->slot_start[c + 1]; ++s)
-      owner[static_cast<std::size_t>(coarse_->slot_node[static_cast<std::size_t>(s)])] = static_cast<std::int32_t>(c);
+    for (const Index node : coarse_->slots[c]) cell_of[node] = to_index(c);
   auto& to = next_->matrix();
   to.set_zero();
   for (std::size_t first = 0; first < cells; first += batch) {
     const std::size_t count = std::min(batch, cells - first);
-    tbb::parallel_for(std::size_t{0}, count, [&](std::size_t k) { couple(first + k, owner, couplings[k]); });
+    tbb::parallel_for(std::size_t{0}, count, [&](std::size_t k) { couple_cell(first + k, cell_of, couplings[k]); });
     for (std::size_t c = first; c < first + count; ++c)
-      for (const auto& neighbor : couplings[c - first])
+      for (const auto& coupling : couplings[c - first])
         for (std::size_t k = 0; k < 8; ++k)
           for (std::size_t l = 0; l < 8; ++l)
-            if (neighbor.used[8 * k + l])
+            if (coupling.used[8 * k + l])
               Eigen::Map<Eigen::Matrix<Real, 6, 6, Eigen::RowMajor>>(
-                  to.block(to.slot(coarse_->cell_nodes[c][k], coarse_->cell_nodes[neighbor.cell][l]))) +=
-                  neighbor.blocks[8 * k + l].template cast<Real>();
+                  to.block(to.slot(coarse_->cell_nodes[c][k], coarse_->cell_nodes[coupling.cell][l]))) +=
+                  coupling.blocks[8 * k + l].template cast<Real>();
   }
 }
 
@@ -257,10 +246,9 @@ void CoarseLevel<Real>::project_constraints() {
   for (const auto& constraint : constraints_) {
     ConstraintRows rows;
     for (std::size_t n = 0; n < constraint.nodes.size(); ++n) {
-      const auto slot = static_cast<std::size_t>(coarse_->slot_of[static_cast<std::size_t>(constraint.nodes[n])]);
-      const auto cell = static_cast<std::size_t>(coarse_->owner(static_cast<std::int32_t>(slot)));
+      const Index slot = coarse_->slot_of[constraint.nodes[n]], cell = coarse_->owner(slot);
       const Eigen::Matrix<double, 3, 6> centered = constraint.rows[n] * transfer_of(slot);
-      const auto& weight = weights_[static_cast<std::size_t>(coarse_->weight_index(coarse_->local[slot]))];
+      const auto& weight = weight_of(slot);
       for (std::size_t k = 0; k < 8; ++k)
         if (weight[k] != 0.0) rows.add(coarse_->cell_nodes[cell][k], weight[k] * centered * shift_of(cell, k));
     }
@@ -274,8 +262,7 @@ void CoarseLevel<Real>::set_diagonal() {
   diagonal.resize(lattice_.nodes);
   const double floor = kShift<Real> * std::max(matrix_.largest_diagonal(), 1e-30);
   for_each_row(lattice_.nodes, [&](std::size_t n) {
-    Block block =
-        Eigen::Map<const Eigen::Matrix<Real, 6, 6, Eigen::RowMajor>>(matrix_.diagonal(n)).template cast<double>();
+    Block block = block_at(matrix_.diagonal(n));
     block.diagonal().array() += floor;
     diagonal.set(n, block);
   });
@@ -288,16 +275,14 @@ template <class Real>
 void CoarseLevel<Real>::restrict_residual() {
   const auto residual = chebyshev_.residual(), product = chebyshev_.product();
   for_each_row(coarse_->cell_nodes.size(), [&](std::size_t c) {
-    Eigen::Matrix<double, 6, 1> sums[8];
+    Vector6 sums[8];
     for (auto& sum : sums) sum.setZero();
-    for (auto s = coarse_->slot_start[c]; s < coarse_->slot_start[c + 1]; ++s) {
-      const auto slot = static_cast<std::size_t>(s);
-      const std::size_t n = 6 * static_cast<std::size_t>(coarse_->slot_node[slot]);
-      Eigen::Matrix<double, 6, 1> r;
-      for (std::size_t i = 0; i < 6; ++i)
-        r[static_cast<Eigen::Index>(i)] = double(residual[n + i]) - double(product[n + i]);
+    for (const std::size_t slot : coarse_->slots.places(c)) {
+      const std::size_t n = offset_of(6, coarse_->node_of(slot));
+      Vector6 r;
+      for (std::size_t i = 0; i < 6; ++i) r[i] = double(residual[n + i]) - double(product[n + i]);
       r.template tail<3>() = turning(arm_[slot]).transpose() * r.template head<3>() + r.template tail<3>() / kRatio;
-      const auto& weight = weights_[static_cast<std::size_t>(coarse_->weight_index(coarse_->local[slot]))];
+      const auto& weight = weight_of(slot);
       for (std::size_t k = 0; k < 8; ++k) sums[k] += weight[k] * r;
     }
     for (std::size_t k = 0; k < 8; ++k) {
@@ -306,10 +291,9 @@ void CoarseLevel<Real>::restrict_residual() {
     }
   });
   for_each_row(coarse_->nodes, [&](std::size_t n) {
-    Eigen::Matrix<double, 6, 1> sum = Eigen::Matrix<double, 6, 1>::Zero();
-    for (auto i = coarse_->corner_start[n]; i < coarse_->corner_start[n + 1]; ++i)
-      sum += partial_[static_cast<std::size_t>(coarse_->corners[static_cast<std::size_t>(i)])];
-    for (std::size_t i = 0; i < 6; ++i) next_b_[6 * n + i] = static_cast<Real>(sum[static_cast<Eigen::Index>(i)]);
+    Vector6 sum = Vector6::Zero();
+    for (const Index corner : coarse_->corners[n]) sum += partial_[corner];
+    for (std::size_t i = 0; i < 6; ++i) next_b_[6 * n + i] = Real(sum[i]);
   });
   for_each_index(residual.size(), [&](std::size_t i) { residual[i] -= product[i]; });
 }
@@ -318,21 +302,20 @@ template <class Real>
 void CoarseLevel<Real>::prolong() {
   const auto correction = chebyshev_.correction();
   for_each_row(coarse_->cell_nodes.size(), [&](std::size_t c) {
-    Eigen::Matrix<double, 6, 1> modes[8];
+    Vector6 modes[8];
     for (std::size_t k = 0; k < 8; ++k) {
-      const auto node = static_cast<std::size_t>(coarse_->cell_nodes[c][k]);
-      for (std::size_t i = 0; i < 6; ++i) modes[k][static_cast<Eigen::Index>(i)] = double(next_x_[6 * node + i]);
+      const std::size_t node = coarse_->cell_nodes[c][k];
+      for (std::size_t i = 0; i < 6; ++i) modes[k][i] = double(next_x_[6 * node + i]);
       modes[k].template head<3>() -= turning(corner_arm_[8 * c + k]) * modes[k].template tail<3>();
     }
-    for (auto s = coarse_->slot_start[c]; s < coarse_->slot_start[c + 1]; ++s) {
-      const auto slot = static_cast<std::size_t>(s);
-      const auto& weight = weights_[static_cast<std::size_t>(coarse_->weight_index(coarse_->local[slot]))];
-      Eigen::Matrix<double, 6, 1> q = Eigen::Matrix<double, 6, 1>::Zero();
+    for (const std::size_t slot : coarse_->slots.places(c)) {
+      const auto& weight = weight_of(slot);
+      Vector6 q = Vector6::Zero();
       for (std::size_t k = 0; k < 8; ++k) q += weight[k] * modes[k];
       q.template head<3>() += turning(arm_[slot]) * q.template tail<3>();
       q.template tail<3>() /= kRatio;
-      const std::size_t n = 6 * static_cast<std::size_t>(coarse_->slot_node[slot]);
-      for (std::size_t i = 0; i < 6; ++i) correction[n + i] = static_cast<Real>(q[static_cast<Eigen::Index>(i)]);
+      const std::size_t n = offset_of(6, coarse_->node_of(slot));
+      for (std::size_t i = 0; i < 6; ++i) correction[n + i] = Real(q[i]);
     }
   });
 }

@@ -16,6 +16,9 @@
 
 namespace lappet {
 
+template <std::size_t kRows>
+struct CornerCoupling;
+
 template <class Real>
 class CoarseLevel {
  public:
@@ -39,18 +42,17 @@ class CoarseLevel {
   using Block = Eigen::Matrix<double, 6, 6>;
   void place_next(std::span<const Vec3> places, double spacing);
   void assemble_next();
-  // What the nodes of a coarse cell couple it to; owner: the coarse cell of each node.
-  struct Neighbor;
-  struct Row;
-  void sum_row(std::size_t slot, std::span<const std::int32_t> owner, std::vector<Row>& row) const;
-  void couple(std::size_t cell, std::span<const std::int32_t> owner, std::vector<Neighbor>& list) const;
-  const std::array<double, 8>& weight_of(std::size_t slot) const;
+  // The couplings of the node of a slot, or of the corners of a coarse cell, with corners of coarse cells; cell_of: the
+  // coarse cell of each node.
+  void couple_node(std::size_t slot, std::span<const Index> cell_of, std::vector<CornerCoupling<1>>& row) const;
+  void couple_cell(std::size_t c, std::span<const Index> cell_of, std::vector<CornerCoupling<8>>& list) const;
   void project_constraints();
   void set_diagonal();
   void multiply(std::span<const Real> x, std::span<Real> y) const;
   // b of the next level from residual - product, which it stores as the residual.
   void restrict_residual();
   void prolong();
+  const std::array<double, 8>& weight_of(std::size_t slot) const { return weights_[coarse_->weight_index(slot)]; }
   Block transfer_of(std::size_t slot) const;                   // of a node, from the center of its coarse cell
   Block shift_of(std::size_t cell, std::size_t corner) const;  // of that center, from a corner
 
@@ -65,7 +67,7 @@ class CoarseLevel {
   std::vector<std::array<double, 8>> weights_;
   std::vector<Vec3> next_place_, arm_, corner_arm_;   // of coarse nodes; per slot; 8 per coarse cell
   std::vector<Eigen::Matrix<double, 6, 1>> partial_;  // 8 per coarse cell
-  std::vector<std::int32_t> constrained_nodes_;
+  std::vector<Index> constrained_nodes_;
   std::vector<Real> next_b_, next_x_;
 };
 

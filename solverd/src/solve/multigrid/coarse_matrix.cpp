@@ -12,36 +12,31 @@ CoarseMatrix<Real>::CoarseMatrix(const CoarseLattice& lattice)
     : product_(coarse_product<Real>(choose_instruction_set())) {
   start_.push_back(0);
   left_start_.push_back(0);
-  std::vector<std::int32_t> row, lefts(lattice.nodes, 0);
+  std::vector<Index> row;
   for (std::size_t n = 0; n < lattice.nodes; ++n) {
     row.clear();
-    for (auto i = lattice.corner_start[n]; i < lattice.corner_start[n + 1]; ++i) {
-      const auto& nodes =
-          lattice.cell_nodes[static_cast<std::size_t>(lattice.corners[static_cast<std::size_t>(i)] / 8)];
+    for (const Index corner : lattice.corners[n]) {
+      const auto& nodes = lattice.cell_nodes[corner / 8];
       row.insert(row.end(), nodes.begin(), nodes.end());
     }
     std::sort(row.begin(), row.end());
     row.erase(std::unique(row.begin(), row.end()), row.end());
-    const auto diagonal = std::lower_bound(row.begin(), row.end(), static_cast<std::int32_t>(n));
+    const auto diagonal = std::lower_bound(row.begin(), row.end(), to_index(n));
     column_.insert(column_.end(), diagonal, row.end());
-    start_.push_back(static_cast<std::int32_t>(column_.size()));
-    left_start_.push_back(left_start_.back() + static_cast<std::int32_t>(diagonal - row.begin()));
+    start_.push_back(to_index(column_.size()));
+    left_start_.push_back(left_start_.back() + to_index(diagonal - row.begin()));
   }
   column_.shrink_to_fit();
-  left_.resize(static_cast<std::size_t>(left_start_.back()));
-  std::vector<std::int32_t> next(left_start_.begin(), left_start_.end() - 1);
+  left_.resize(left_start_.back());
+  std::vector<Index> next(left_start_.begin(), left_start_.end() - 1);
   for (std::size_t n = 0; n < lattice.nodes; ++n)
-    for (auto s = start_[n] + 1; s < start_[n + 1]; ++s) {
-      const auto to = static_cast<std::size_t>(column_[static_cast<std::size_t>(s)]);
-      left_[static_cast<std::size_t>(next[to]++)] = {static_cast<std::int32_t>(n), s};
-    }
+    for (Index s = start_[n] + 1; s < start_[n + 1]; ++s) left_[next[column_[s]]++] = {to_index(n), s};
 }
 
 template <class Real>
-std::size_t CoarseMatrix<Real>::slot(std::int32_t row, std::int32_t column) const {
-  const auto begin = column_.begin() + start_[static_cast<std::size_t>(row)],
-             end = column_.begin() + start_[static_cast<std::size_t>(row) + 1];
-  return static_cast<std::size_t>(std::lower_bound(begin, end, column) - column_.begin());
+std::size_t CoarseMatrix<Real>::slot(Index row, Index column) const {
+  const auto begin = column_.begin() + start_[row], end = column_.begin() + start_[row + 1];
+  return std::lower_bound(begin, end, column) - column_.begin();
 }
 
 template <class Real>
@@ -53,21 +48,20 @@ void CoarseMatrix<Real>::set_zero() {
 template <class Real>
 void CoarseMatrix<Real>::add(const CoarseLattice& lattice, std::size_t first_cell, std::span<const Real> cell_blocks) {
   const std::size_t end_cell = first_cell + cell_blocks.size() / kModePairSize;
-  std::vector<std::int32_t> touched;
+  std::vector<Index> touched;
   for (std::size_t c = first_cell; c < end_cell; ++c)
     touched.insert(touched.end(), lattice.cell_nodes[c].begin(), lattice.cell_nodes[c].end());
   std::sort(touched.begin(), touched.end());
   touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
   for_each_row(touched.size(), [&](std::size_t row) {
-    const std::int32_t n = touched[row];
-    for (auto i = lattice.corner_start[static_cast<std::size_t>(n)];
-         i < lattice.corner_start[static_cast<std::size_t>(n) + 1]; ++i) {
-      const auto cell = static_cast<std::size_t>(lattice.corners[static_cast<std::size_t>(i)] / 8);
+    const Index n = touched[row];
+    for (const Index corner : lattice.corners[n]) {
+      const std::size_t cell = corner / 8;
       if (cell < first_cell || cell >= end_cell) continue;
-      const int k = lattice.corners[static_cast<std::size_t>(i)] % 8;
+      const int k = corner % 8;
       const Real* pairs = &cell_blocks[kModePairSize * (cell - first_cell)];
       for (int l = 0; l < 8; ++l) {
-        const std::int32_t column = lattice.cell_nodes[cell][static_cast<std::size_t>(l)];
+        const Index column = lattice.cell_nodes[cell][l];
         if (column < n) continue;
         Real* to = block(slot(n, column));
         if (l <= k) {

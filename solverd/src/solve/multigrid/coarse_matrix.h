@@ -17,7 +17,7 @@ namespace lappet {
 // A stiff linear functional of rigid modes, c = sum_k rows_k q_k: a constraint of the fine lattice seen from a coarse
 // one. Kept apart from the matrix, whose digits a very stiff constraint would eat.
 struct CoarseConstraint {
-  std::vector<std::int32_t> nodes;  // ascending
+  std::vector<Index> nodes;  // ascending
   std::vector<Eigen::Matrix<double, 3, 6>> rows;
   double stiffness = 0.0;  // mN/mm
 };
@@ -25,7 +25,7 @@ struct CoarseConstraint {
 // Gathers the rows of a constraint.
 class ConstraintRows {
  public:
-  void add(std::int32_t node, const Eigen::Matrix<double, 3, 6>& row) {
+  void add(Index node, const Eigen::Matrix<double, 3, 6>& row) {
     const auto [entry, inserted] = rows_.try_emplace(node, row);
     if (!inserted) entry->second += row;
   }
@@ -40,7 +40,7 @@ class ConstraintRows {
   }
 
  private:
-  std::map<std::int32_t, Eigen::Matrix<double, 3, 6>> rows_;
+  std::map<Index, Eigen::Matrix<double, 3, 6>> rows_;
 };
 
 template <class Real>
@@ -55,22 +55,21 @@ class CoarseMatrix {
   template <class Body>
   void for_each(std::size_t row, const Body& body) const {
     for (auto l = left_start_[row]; l < left_start_[row + 1]; ++l) {
-      const LeftBlock& left = left_[static_cast<std::size_t>(l)];
-      body(left.row, block(static_cast<std::size_t>(left.slot)), true);
+      const LeftBlock& left = left_[l];
+      body(left.row, block(left.slot), true);
     }
-    for (auto s = start_[row]; s < start_[row + 1]; ++s)
-      body(column_[static_cast<std::size_t>(s)], block(static_cast<std::size_t>(s)), false);
+    for (auto s = start_[row]; s < start_[row + 1]; ++s) body(column_[s], block(s), false);
   }
   // Of a row from its diagonal on, and the slot of the first.
-  std::span<const std::int32_t> columns(std::size_t row) const {
-    return std::span(column_).subspan(first(row), static_cast<std::size_t>(start_[row + 1] - start_[row]));
+  std::span<const Index> columns(std::size_t row) const {
+    return std::span(column_).subspan(first(row), start_[row + 1] - start_[row]);
   }
-  std::size_t first(std::size_t row) const { return static_cast<std::size_t>(start_[row]); }
+  std::size_t first(std::size_t row) const { return start_[row]; }
   // Row-major 6x6.
   Real* block(std::size_t slot) { return &blocks_[36 * slot]; }
   const Real* block(std::size_t slot) const { return &blocks_[36 * slot]; }
   // The slot of a coupled pair, row <= column.
-  std::size_t slot(std::int32_t row, std::int32_t column) const;
+  std::size_t slot(Index row, Index column) const;
   const Real* diagonal(std::size_t row) const { return block(first(row)); }
   void set_zero();
   // Gives the numbers' memory back, until the next set_zero.
@@ -85,8 +84,8 @@ class CoarseMatrix {
   }
 
  private:
-  std::vector<std::int32_t> start_, column_;  // by rows, from the diagonal on
-  std::vector<std::int32_t> left_start_;      // by rows, what stands left of the diagonal: blocks of other rows
+  std::vector<Index> start_, column_;  // by rows, from the diagonal on
+  std::vector<Index> left_start_;      // by rows, what stands left of the diagonal: blocks of other rows
   std::vector<LeftBlock> left_;
   std::vector<Real> blocks_;  // and kCoarsePadding more
   CoarseProduct<Real> product_;

@@ -3,13 +3,14 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "math/index.h"
 #include "math/instruction_set.h"
 
 namespace lappet {
 
 // Of a block left of the diagonal: which row it stands in, transposed, and where.
 struct LeftBlock {
-  std::int32_t row, slot;
+  Index row, slot;
 };
 
 // What CoarseMatrix holds, by rows. `blocks` ends with kCoarsePadding numbers that belong to none.

@@ -14,16 +14,16 @@ void multiply_coarse_rows(const CoarseRows<Real>& m, std::size_t begin, std::siz
   for (std::size_t n = begin; n < end; ++n) {
     Eight turned[6] = {}, sum[6] = {}, row, v;
     for (auto l = m.left_start[n]; l < m.left_start[n + 1]; ++l) {
-      const Real* block = m.blocks + 36 * static_cast<std::size_t>(m.left[l].slot);
-      const Real* from = x + 6 * static_cast<std::size_t>(m.left[l].row);
+      const Real* block = m.blocks + 36 * std::ptrdiff_t{m.left[l].slot};
+      const Real* from = x + 6 * std::ptrdiff_t{m.left[l].row};
       for (int i = 0; i < 6; ++i) {
         std::memcpy(&row, block + 6 * i, sizeof(row));
         turned[i] += row * from[i];
       }
     }
     for (auto s = m.start[n]; s < m.start[n + 1]; ++s) {
-      const Real* block = m.blocks + 36 * static_cast<std::size_t>(s);
-      const auto column = static_cast<std::size_t>(m.column[s]);
+      const Real* block = m.blocks + 36 * std::ptrdiff_t{s};
+      const std::size_t column = m.column[s];
       v = Eight{};
       if (column + 1 < m.rows)
         std::memcpy(&v, x + 6 * column, sizeof(v));
@@ -35,9 +35,8 @@ void multiply_coarse_rows(const CoarseRows<Real>& m, std::size_t begin, std::siz
       }
     }
     for (int i = 0; i < 6; ++i)
-      y[6 * n + static_cast<std::size_t>(i)] =
-          (((turned[0][i] + turned[1][i]) + (turned[2][i] + turned[3][i])) + (turned[4][i] + turned[5][i])) +
-          (sum[i][0] + sum[i][1] + sum[i][2] + sum[i][3] + sum[i][4] + sum[i][5]);
+      y[6 * n + i] = (((turned[0][i] + turned[1][i]) + (turned[2][i] + turned[3][i])) + (turned[4][i] + turned[5][i])) +
+                     (sum[i][0] + sum[i][1] + sum[i][2] + sum[i][3] + sum[i][4] + sum[i][5]);
   }
 }
 

@@ -25,10 +25,11 @@ struct LinearVectors {
   std::vector<Real> r, z, p, q;  // residual, preconditioned residual, direction, product of the direction
 };
 
-// Solves K x = b, b = work.r, to |b - K x| <= tolerance |b| from x = 0. `stop` is asked once an iteration.
+// Solves K x = b, b = work.r, to |b - K x| <= tolerance |b| from x = 0. `stop` is called once an iteration.
 template <class Real>
 LinearOutcome conjugate_gradients(const System<Real>& system, TwoLevel<Real>& preconditioner, LinearVectors<Real>& work,
-                                  std::span<Real> x, double tolerance, int most, const std::function<bool()>& stop) {
+                                  std::span<Real> x, double tolerance, int max_iterations,
+                                  const std::function<bool()>& stop) {
   auto& [r, z, p, q] = work;
   const std::size_t size = r.size();
   set_zero<Real>(x);
@@ -36,11 +37,11 @@ LinearOutcome conjugate_gradients(const System<Real>& system, TwoLevel<Real>& pr
   LinearOutcome outcome;
   if (!(start > 0.0)) return outcome;
   double rho = 0.0, alpha = 0.0;
-  while (outcome.iterations < most && !stop()) {
+  while (outcome.iterations < max_iterations && !stop()) {
     preconditioner.apply(r, z);
     const auto [rz, qz] = reduce<2>(size, [r = r.data(), q = q.data(), z = z.data()](std::size_t i, double* out) {
-      out[0] = static_cast<double>(r[i]) * static_cast<double>(z[i]);
-      out[1] = static_cast<double>(q[i]) * static_cast<double>(z[i]);
+      out[0] = double(r[i]) * double(z[i]);
+      out[1] = double(q[i]) * double(z[i]);
     });
     if (!(rz > 0.0)) {
       outcome.indefinite = true;
@@ -53,7 +54,7 @@ LinearOutcome conjugate_gradients(const System<Real>& system, TwoLevel<Real>& pr
     if (outcome.iterations == 0)
       copy<Real>(z, p);
     else
-      combine<Real>(static_cast<Real>(beta), Real(1), z, p);
+      combine<Real>(Real(beta), Real(1), z, p);
     system.multiply(p, q);
     const double curvature = dot<Real>(p, q);
     if (!(curvature > 0.0)) {
@@ -61,12 +62,12 @@ LinearOutcome conjugate_gradients(const System<Real>& system, TwoLevel<Real>& pr
       break;
     }
     alpha = rho / curvature;
-    const double squared = reduce<1>(size, [a = static_cast<Real>(alpha), p = p.data(), q = q.data(), r = r.data(),
-                                            x = x.data()](std::size_t i, double* out) {
-      x[i] += a * p[i];
-      r[i] -= a * q[i];
-      out[0] = static_cast<double>(r[i]) * static_cast<double>(r[i]);
-    })[0];
+    const double squared = reduce<1>(
+        size, [a = Real(alpha), p = p.data(), q = q.data(), r = r.data(), x = x.data()](std::size_t i, double* out) {
+          x[i] += a * p[i];
+          r[i] -= a * q[i];
+          out[0] = double(r[i]) * double(r[i]);
+        })[0];
     ++outcome.iterations;
     outcome.reduction = std::sqrt(squared) / start;
     if (outcome.reduction <= tolerance) break;
@@ -76,10 +77,11 @@ LinearOutcome conjugate_gradients(const System<Real>& system, TwoLevel<Real>& pr
 
 template <class Real>
 LinearOutcome conjugate_gradients(const System<Real>& system, TwoLevel<Real>& preconditioner, std::span<const Real> b,
-                                  std::span<Real> x, double tolerance, int most, const std::function<bool()>& stop) {
+                                  std::span<Real> x, double tolerance, int max_iterations,
+                                  const std::function<bool()>& stop) {
   LinearVectors<Real> work(b.size());
   copy<Real>(b, work.r);
-  return conjugate_gradients<Real>(system, preconditioner, work, x, tolerance, most, stop);
+  return conjugate_gradients<Real>(system, preconditioner, work, x, tolerance, max_iterations, stop);
 }
 
 }  // namespace lappet

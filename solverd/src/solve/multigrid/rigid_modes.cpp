@@ -1,6 +1,7 @@
 #include "solve/multigrid/rigid_modes.h"
 
 #include "force/kernels/projected_stiffness_kernel.h"
+#include "lattice/node_field.h"
 
 namespace lappet {
 
@@ -11,8 +12,11 @@ constexpr int kCoarsening = 4;
 constexpr std::size_t kBatch = 256;
 
 template <class Real>
+using Block = Eigen::Matrix<Real, 6, 6, Eigen::RowMajor>;
+
+template <class Real>
 Vec3 now(const Lattice& lattice, std::span<const Real> u, std::size_t n) {
-  return lattice.node_rest[n] + Vec3(double(u[3 * n]), double(u[3 * n + 1]), double(u[3 * n + 2]));
+  return lattice.node_rest[n] + NodeField(u)[n];
 }
 
 }  // namespace
@@ -24,7 +28,7 @@ RigidModes<Real>::RigidModes(const Lattice& lattice, std::size_t max_direct)
       level_(coarse_, max_direct) {
   for (const auto& entry : coarse_.weights()) {
     auto& to = weights_.emplace_back();
-    for (std::size_t k = 0; k < 8; ++k) to[k] = static_cast<Real>(entry[k]);
+    for (std::size_t k = 0; k < 8; ++k) to[k] = Real(entry[k]);
   }
   weights_.push_back({});
   weight_of_.resize(lattice.node_rest.size());
@@ -39,29 +43,25 @@ template <class Real>
 void RigidModes<Real>::place_modes(const System<Real>& system, std::span<const Real> u) {
   const double inverse = 1.0 / (kCoarsening * lattice_.settings.spacing);
   const std::size_t cells = coarse_.cell_nodes.size();
-  const auto slots = [&](std::size_t c, const auto& body) {
-    for (auto s = coarse_.slot_start[c]; s < coarse_.slot_start[c + 1]; ++s)
-      body(static_cast<std::size_t>(s), static_cast<std::size_t>(coarse_.slot_node[static_cast<std::size_t>(s)]));
-  };
   std::vector<std::array<double, 4>> sums(8 * cells);
   for_each_row(cells, [&](std::size_t c) {
     std::array<double, 4> local[8] = {};
-    slots(c, [&](std::size_t slot, std::size_t n) {
-      const Vec3 x = now(lattice_, u, n);
-      const auto& weight = weights_[static_cast<std::size_t>(coarse_.weight_index(coarse_.local[slot]))];
+    for (const std::size_t slot : coarse_.slots.places(c)) {
+      const Vec3 x = now(lattice_, u, coarse_.node_of(slot));
+      const auto& weight = weights_[coarse_.weight_index(slot)];
       for (std::size_t k = 0; k < 8; ++k) {
-        const auto w = double(weight[k]);
-        for (std::size_t i = 0; i < 3; ++i) local[k][i] += w * x[static_cast<int>(i)];
+        const double w = weight[k];
+        for (int i = 0; i < 3; ++i) local[k][i] += w * x[i];
         local[k][3] += w;
       }
-    });
+    }
     for (std::size_t k = 0; k < 8; ++k) sums[8 * c + k] = local[k];
   });
   place_.assign(coarse_.nodes, Vec3::Zero());
   for (std::size_t n = 0; n < coarse_.nodes; ++n) {
     double total = 0.0;
-    for (auto i = coarse_.corner_start[n]; i < coarse_.corner_start[n + 1]; ++i) {
-      const auto& sum = sums[static_cast<std::size_t>(coarse_.corners[static_cast<std::size_t>(i)])];
+    for (const Index corner : coarse_.corners[n]) {
+      const auto& sum = sums[corner];
       place_[n] += Vec3(sum[0], sum[1], sum[2]);
       total += sum[3];
     }
@@ -70,17 +70,17 @@ void RigidModes<Real>::place_modes(const System<Real>& system, std::span<const R
   center_.resize(cells);
   for_each_row(cells, [&](std::size_t c) {
     center_[c] = Vec3::Zero();
-    for (const std::int32_t n : coarse_.cell_nodes[c]) center_[c] += place_[static_cast<std::size_t>(n)] / 8;
+    for (const Index n : coarse_.cell_nodes[c]) center_[c] += place_[n] / 8;
     for (std::size_t k = 0; k < 8; ++k) {
-      const Vec3 arm = inverse * (place_[static_cast<std::size_t>(coarse_.cell_nodes[c][k])] - center_[c]);
-      for (std::size_t i = 0; i < 3; ++i) corner_arm_[24 * c + 8 * i + k] = static_cast<Real>(arm[static_cast<int>(i)]);
+      const Vec3 arm = inverse * (place_[coarse_.cell_nodes[c][k]] - center_[c]);
+      for (int i = 0; i < 3; ++i) corner_arm_[24 * c + 8 * i + k] = Real(arm[i]);
     }
-    slots(c, [&](std::size_t slot, std::size_t n) {
+    for (const std::size_t slot : coarse_.slots.places(c)) {
+      const Index n = coarse_.node_of(slot);
       const Vec3 arm = inverse * (now(lattice_, u, n) - center_[c]);
-      for (std::size_t i = 0; i < 3; ++i) arm_[3 * slot + i] = static_cast<Real>(arm[static_cast<int>(i)]);
-      weight_of_[slot] = static_cast<std::uint8_t>(system.is_free(n) ? coarse_.weight_index(coarse_.local[slot])
-                                                                     : static_cast<int>(weights_.size()) - 1);
-    });
+      for (int i = 0; i < 3; ++i) arm_[3 * slot + i] = Real(arm[i]);
+      weight_of_[slot] = std::uint8_t(system.is_free(n) ? coarse_.weight_index(slot) : weights_.size() - 1);
+    }
   });
 }
 
@@ -93,11 +93,35 @@ void RigidModes<Real>::assemble(const System<Real>& system, std::span<const Real
   level_.prepare(place_, kCoarsening * lattice_.settings.spacing);
 }
 
-// Turns the blocks of a coarse cell, whose arms are from its center, to those from the places of its corners.
+// Projects the cells of a coarse cell, kLanes at a time; blocks: [kModePairSize][lane], added to.
 template <class Real>
-void RigidModes<Real>::shift_to_corners(std::size_t coarse, Real* pairs) const {
-  using Block = Eigen::Matrix<Real, 6, 6, Eigen::RowMajor>;
-  Block shift[8];
+void RigidModes<Real>::project_cells(const System<Real>& system, std::span<const Real> u, std::size_t coarse,
+                                     Real* blocks) const {
+  constexpr std::size_t kLanes = Elastic<Real>::kProjectionLanes;
+  const double inverse = 1.0 / (kCoarsening * lattice_.settings.spacing);
+  alignas(64) Real weights[64 * kLanes], arms[24 * kLanes];
+  const std::span<const Index> cells = coarse_.cells[coarse];
+  for (std::size_t first = 0; first < cells.size(); first += kLanes) {
+    const auto batch = cells.subspan(first, std::min(kLanes, cells.size() - first));
+    std::fill_n(weights, 64 * kLanes, Real(0));
+    std::fill_n(arms, 24 * kLanes, Real(0));
+    for (std::size_t lane = 0; lane < batch.size(); ++lane)
+      for (int corner = 0; corner < 8; ++corner) {
+        const Index c = batch[lane], n = lattice_.cell_nodes[c][corner];
+        const auto place = coarse_.corner_place(lattice_.cell_position(c), coarse, corner);
+        const auto& weight = system.is_free(n) ? weights_[coarse_.weight_index(place)] : weights_.back();
+        for (std::size_t k = 0; k < 8; ++k) weights[kLanes * (8 * k + corner) + lane] = weight[k];
+        const Vec3 arm = inverse * (now(lattice_, u, n) - center_[coarse]);
+        for (int i = 0; i < 3; ++i) arms[kLanes * (3 * corner + i) + lane] = Real(arm[i]);
+      }
+    system.elastic().add_projected_stiffness(batch, weights, arms, blocks);
+  }
+}
+
+// Moves the blocks of a coarse cell from rigid modes about its center to those about the places of its corners.
+template <class Real>
+void RigidModes<Real>::shift_to_corners(std::size_t coarse, Real* blocks) const {
+  Block<Real> shift[8];
   for (std::size_t k = 0; k < 8; ++k) {
     const Real *x = &corner_arm_[24 * coarse], a = x[k], b = x[8 + k], c = x[16 + k];
     shift[k].setIdentity();
@@ -105,7 +129,7 @@ void RigidModes<Real>::shift_to_corners(std::size_t coarse, Real* pairs) const {
   }
   for (int k = 0; k < 8; ++k)
     for (int l = 0; l <= k; ++l) {
-      Eigen::Map<Block> block(pairs + 36 * pair_of(k, l));
+      Eigen::Map<Block<Real>> block(blocks + 36 * pair_of(k, l));
       block = (shift[k].transpose() * block * shift[l]).eval();
     }
 }
@@ -113,38 +137,11 @@ void RigidModes<Real>::shift_to_corners(std::size_t coarse, Real* pairs) const {
 template <class Real>
 void RigidModes<Real>::assemble_cells(const System<Real>& system, std::span<const Real> u) {
   constexpr std::size_t kLanes = Elastic<Real>::kProjectionLanes;
-  const double inverse = 1.0 / (kCoarsening * lattice_.settings.spacing);
   const std::size_t coarse_cells = coarse_.cell_nodes.size();
   std::vector<Real> pairs(kModePairSize * std::min(kBatch, coarse_cells));
   const auto project = [&](std::size_t coarse, Real* out) {
-    alignas(64) Real weights[64 * kLanes], arms[24 * kLanes], blocks[kModePairSize * kLanes] = {};
-    const auto corner_weights = [&](std::size_t cell, int corner) -> const std::array<Real, 8>& {
-      const auto n = static_cast<std::size_t>(lattice_.cell_nodes[cell][static_cast<std::size_t>(corner)]);
-      const auto place = coarse_.corner_place(lattice_.cell_position(cell), coarse, corner);
-      return system.is_free(n) ? weights_[static_cast<std::size_t>(coarse_.weight_index(place))] : weights_.back();
-    };
-    const std::span<const std::int32_t> cells =
-        std::span(coarse_.cells)
-            .subspan(static_cast<std::size_t>(coarse_.cell_start[coarse]),
-                     static_cast<std::size_t>(coarse_.cell_start[coarse + 1] - coarse_.cell_start[coarse]));
-    for (std::size_t first = 0; first < cells.size(); first += kLanes) {
-      const auto batch = cells.subspan(first, std::min(kLanes, cells.size() - first));
-      std::fill_n(weights, 64 * kLanes, Real(0));
-      std::fill_n(arms, 24 * kLanes, Real(0));
-      for (std::size_t lane = 0; lane < batch.size(); ++lane) {
-        const auto c = static_cast<std::size_t>(batch[lane]);
-        for (int corner = 0; corner < 8; ++corner) {
-          const auto& weight = corner_weights(c, corner);
-          const auto slot = static_cast<std::size_t>(corner);
-          for (std::size_t k = 0; k < 8; ++k) weights[kLanes * (8 * k + slot) + lane] = weight[k];
-          const Vec3 arm =
-              inverse * (now(lattice_, u, static_cast<std::size_t>(lattice_.cell_nodes[c][slot])) - center_[coarse]);
-          for (std::size_t i = 0; i < 3; ++i)
-            arms[kLanes * (3 * slot + i) + lane] = static_cast<Real>(arm[static_cast<int>(i)]);
-        }
-      }
-      system.elastic().add_projected_stiffness(batch, weights, arms, blocks);
-    }
+    alignas(64) Real blocks[kModePairSize * kLanes] = {};
+    project_cells(system, u, coarse, blocks);
     for (std::size_t i = 0; i < kModePairSize; ++i) {
       Real sum = 0;
       for (std::size_t lane = 0; lane < kLanes; ++lane) sum += blocks[kLanes * i + lane];
@@ -162,9 +159,8 @@ void RigidModes<Real>::assemble_cells(const System<Real>& system, std::span<cons
 }
 
 template <class Real>
-void RigidModes<Real>::add_rows(std::int32_t node, double weight, ConstraintRows& rows) const {
-  const auto slot = static_cast<std::size_t>(coarse_.slot_of[static_cast<std::size_t>(node)]);
-  const auto cell = static_cast<std::size_t>(coarse_.owner(static_cast<std::int32_t>(slot)));
+void RigidModes<Real>::add_rows(Index node, double weight, ConstraintRows& rows) const {
+  const std::size_t slot = coarse_.slot_of[node], cell = coarse_.owner(coarse_.slot_of[node]);
   const auto& shares = weights_[weight_of_[slot]];
   for (std::size_t k = 0; k < 8; ++k) {
     if (shares[k] == Real(0)) continue;
@@ -192,15 +188,13 @@ void RigidModes<Real>::assemble_constraints(const System<Real>& system) {
   auto& matrix = level_.matrix();
   for (const ContactPenalty& penalty : system.contact_penalties()) {
     ConstraintRows rows;
-    for (std::size_t k = 0; k < 8; ++k)
-      add_rows(lattice_.cell_nodes[static_cast<std::size_t>(penalty.cell)][k], penalty.weights[k], rows);
+    for (std::size_t k = 0; k < 8; ++k) add_rows(lattice_.cell_nodes[penalty.cell][k], penalty.weights[k], rows);
     const CoarseConstraint projected = rows.constraint(penalty.stiffness);
     for (std::size_t a = 0; a < projected.nodes.size(); ++a)
       for (std::size_t b = a; b < projected.nodes.size(); ++b) {  // ascending
         const Eigen::Matrix<double, 6, 1> left = projected.rows[a].transpose() * penalty.direction,
                                           right = projected.rows[b].transpose() * penalty.direction;
-        Eigen::Map<Eigen::Matrix<Real, 6, 6, Eigen::RowMajor>>(
-            matrix.block(matrix.slot(projected.nodes[a], projected.nodes[b]))) +=
+        Eigen::Map<Block<Real>>(matrix.block(matrix.slot(projected.nodes[a], projected.nodes[b]))) +=
             (penalty.stiffness * left * right.transpose()).template cast<Real>();
       }
   }
@@ -210,9 +204,8 @@ template <class Real>
 void RigidModes<Real>::correct(std::span<const Real> product, std::span<Real> r, std::span<Real> x) {
   for_each_row(coarse_.cell_nodes.size(), [&](std::size_t c) {
     Real sums[6][8] = {};
-    for (auto s = coarse_.slot_start[c]; s < coarse_.slot_start[c + 1]; ++s) {
-      const auto slot = static_cast<std::size_t>(s);
-      const std::size_t n = 3 * static_cast<std::size_t>(coarse_.slot_node[slot]);
+    for (const std::size_t slot : coarse_.slots.places(c)) {
+      const std::size_t n = offset_of(3, coarse_.node_of(slot));
       const Real fx = r[n] -= product[n], fy = r[n + 1] -= product[n + 1], fz = r[n + 2] -= product[n + 2];
       const Real ax = arm_[3 * slot], ay = arm_[3 * slot + 1], az = arm_[3 * slot + 2];
       const Real force[6] = {fx, fy, fz, ay * fz - az * fy, az * fx - ax * fz, ax * fy - ay * fx};
@@ -222,7 +215,7 @@ void RigidModes<Real>::correct(std::span<const Real> product, std::span<Real> r,
     }
     const Real* a = &corner_arm_[24 * c];
     for (int k = 0; k < 8; ++k) {
-      Real* out = &partial_[48 * c + 6 * static_cast<std::size_t>(k)];
+      Real* out = &partial_[48 * c + 6 * k];
       for (int i = 0; i < 3; ++i) out[i] = sums[i][k];
       out[3] = sums[3][k] - (a[8 + k] * sums[2][k] - a[16 + k] * sums[1][k]);
       out[4] = sums[4][k] - (a[16 + k] * sums[0][k] - a[k] * sums[2][k]);
@@ -231,8 +224,8 @@ void RigidModes<Real>::correct(std::span<const Real> product, std::span<Real> r,
   });
   for_each_index(coarse_.nodes, [&](std::size_t n) {
     Real sum[6] = {};
-    for (auto i = coarse_.corner_start[n]; i < coarse_.corner_start[n + 1]; ++i) {
-      const Real* from = &partial_[6 * static_cast<std::size_t>(coarse_.corners[static_cast<std::size_t>(i)])];
+    for (const Index corner : coarse_.corners[n]) {
+      const Real* from = &partial_[offset_of(6, corner)];
       for (int j = 0; j < 6; ++j) sum[j] += from[j];
     }
     for (std::size_t j = 0; j < 6; ++j) restricted_[6 * n + j] = sum[j];
@@ -247,32 +240,24 @@ void RigidModes<Real>::prolong(std::span<const Real> q, std::span<Real> x) const
     const Real* a = &corner_arm_[24 * c];
     Real modes[8][8] = {};  // [corner][t', omega, 0, 0]
     for (std::size_t k = 0; k < 8; ++k) {
-      const Real* f = &q[6 * static_cast<std::size_t>(coarse_.cell_nodes[c][k])];
+      const Real* f = &q[offset_of(6, coarse_.cell_nodes[c][k])];
       modes[k][0] = f[0] - (f[4] * a[16 + k] - f[5] * a[8 + k]);
       modes[k][1] = f[1] - (f[5] * a[k] - f[3] * a[16 + k]);
       modes[k][2] = f[2] - (f[3] * a[8 + k] - f[4] * a[k]);
       for (int i = 3; i < 6; ++i) modes[k][i] = f[i];
     }
-    for (auto s = coarse_.slot_start[c]; s < coarse_.slot_start[c + 1]; ++s) {
-      const auto slot = static_cast<std::size_t>(s);
+    for (const std::size_t slot : coarse_.slots.places(c)) {
       const Real* w = weights_[weight_of_[slot]].data();
       Real sum[8] = {};
       for (int k = 0; k < 8; ++k)
         for (int i = 0; i < 8; ++i) sum[i] += w[k] * modes[k][i];
       const Real ax = arm_[3 * slot], ay = arm_[3 * slot + 1], az = arm_[3 * slot + 2];
-      Real* to = &x[3 * static_cast<std::size_t>(coarse_.slot_node[slot])];
+      Real* to = &x[offset_of(3, coarse_.node_of(slot))];
       to[0] = sum[0] + sum[4] * az - sum[5] * ay;
       to[1] = sum[1] + sum[5] * ax - sum[3] * az;
       to[2] = sum[2] + sum[3] * ay - sum[4] * ax;
     }
   });
-}
-
-template <class Real>
-double RigidModes<Real>::bytes_per_node() const {
-  const double bytes = static_cast<double>(4 * (coarse_.slot_node.size() + coarse_.slot_of.size()) +
-                                           3 * coarse_.local.size() + weight_of_.size() + arm_.size() * sizeof(Real));
-  return bytes / static_cast<double>(lattice_.node_rest.size());
 }
 
 template <class Real>

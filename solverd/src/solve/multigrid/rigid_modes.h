@@ -40,16 +40,15 @@ class RigidModes {
   std::size_t analyses() const { return level_.analyses(); }
   CoarseLevel<Real>& level() { return level_; }
   const CoarseLattice& coarse_lattice() const { return coarse_; }
-  // Of what a fine node costs, and of all.
-  double bytes_per_node() const;
   std::size_t bytes() const;
 
  private:
   void place_modes(const System<Real>& system, std::span<const Real> u);
   void assemble_cells(const System<Real>& system, std::span<const Real> u);
-  void shift_to_corners(std::size_t coarse, Real* pairs) const;
+  void project_cells(const System<Real>& system, std::span<const Real> u, std::size_t coarse, Real* blocks) const;
+  void shift_to_corners(std::size_t coarse, Real* blocks) const;
   void assemble_constraints(const System<Real>& system);
-  void add_rows(std::int32_t node, double weight, ConstraintRows& rows) const;
+  void add_rows(Index node, double weight, ConstraintRows& rows) const;
 
   const Lattice& lattice_;
   CoarseLattice coarse_;

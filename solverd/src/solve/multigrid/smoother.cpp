@@ -9,7 +9,7 @@ namespace {
 // are much stiffer than those around them, as at a suture's anchor, and an estimate from a few Lanczos steps misses
 // them, the more surely the more nodes there are: Chebyshev's polynomial then blows up on them and the preconditioner
 // is no longer definite.
-constexpr double kLargestEigenvalue = 8.0;
+constexpr double kMaxEigenvalue = 8.0;
 
 }  // namespace
 
@@ -22,18 +22,18 @@ void Smoother<Real>::update() {
   const auto blocks = diagonal.storage();
   system_.elastic().diagonal_blocks(blocks);
   for (const ContactPenalty& penalty : system_.contact_penalties()) {
-    const auto& corners = system_.lattice().cell_nodes[static_cast<std::size_t>(penalty.cell)];
+    const auto& corners = system_.lattice().cell_nodes[penalty.cell];
     const Vec3& d = penalty.direction;
     for (std::size_t k = 0; k < 8; ++k) {
       const double weight = penalty.stiffness * penalty.weights[k] * penalty.weights[k];
-      Real* block = &blocks[6 * static_cast<std::size_t>(corners[k])];
+      Real* block = &blocks[offset_of(6, corners[k])];
       for (int i = 0; i < 3; ++i)
-        for (int j = i; j < 3; ++j) *block++ += static_cast<Real>(weight * d[i] * d[j]);
+        for (int j = i; j < 3; ++j) *block++ += Real(weight * d[i] * d[j]);
     }
   }
   diagonal.set_from_storage([this](std::size_t n) { return system_.is_free(n); });
   struct Rows {
-    std::span<const std::int32_t> nodes;
+    std::span<const Index> nodes;
     std::vector<Eigen::Matrix3d> rows;
     double stiffness;
   };
@@ -44,7 +44,7 @@ void Smoother<Real>::update() {
       constraints.back().rows.push_back(weight * Eigen::Matrix3d::Identity());
   }
   diagonal.set_constraints(constraints);
-  chebyshev_.set_largest_eigenvalue(kLargestEigenvalue);
+  chebyshev_.set_largest_eigenvalue(kMaxEigenvalue);
 }
 
 template class Smoother<float>;

@@ -30,7 +30,7 @@ class TwoLevel {
       first_iterations_ = 0;
     }
   }
-  // Tells how many iterations a linear solve took to reduce the residual tenfold.
+  // Takes how many iterations a linear solve needed to reduce the residual tenfold.
   void observe(double iterations_per_digit) {
     if (first_iterations_ == 0)
       first_iterations_ = std::max(iterations_per_digit, 2.0);

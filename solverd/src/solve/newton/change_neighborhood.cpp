@@ -79,11 +79,7 @@ std::vector<std::uint8_t> neighborhood(const System<Real>& system, const CoarseL
   const auto is_in = [](const auto& marked) {
     return [&](std::int32_t n) { return marked[static_cast<std::size_t>(n)] != 0; };
   };
-  const auto cells_of = [&](std::size_t tile) {
-    return std::span(tiles.cells)
-        .subspan(static_cast<std::size_t>(tiles.cell_start[tile]),
-                 static_cast<std::size_t>(tiles.cell_start[tile + 1] - tiles.cell_start[tile]));
-  };
+  const auto cells_of = [&](std::size_t tile) { return tiles.cells[tile]; };
   const auto corners_of = [&](std::int32_t cell) -> const auto& { return cell_nodes[static_cast<std::size_t>(cell)]; };
   std::vector<std::uint8_t> taken(tiles.cell_nodes.size()), corners(tiles.nodes);
   for (std::size_t t = 0; t < taken.size(); ++t)

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <limits>
-#include <numeric>
 
+#include "math/disjoint_sets.h"
 #include "solve/newton/equilibrium.h"
 #include "solve/subdomain/subdomain.h"
 
@@ -59,20 +59,13 @@ std::vector<std::uint8_t> around_what_is_off(const System<Real>& system, const E
 // move.
 template <class Real>
 std::vector<std::int32_t> clusters(const System<Real>& system, std::span<const std::uint8_t> moving, int& count) {
-  std::vector<std::int32_t> root(moving.size());
-  std::iota(root.begin(), root.end(), 0);
-  const auto find = [&](std::int32_t a) {
-    while (root[static_cast<std::size_t>(a)] != a)
-      a = root[static_cast<std::size_t>(a)] = root[static_cast<std::size_t>(root[static_cast<std::size_t>(a)])];
-    return a;
-  };
+  DisjointSets sets(moving.size());
   const auto join = [&](const auto& nodes) {
-    std::int32_t first = -1;
-    for (const std::int32_t n : nodes) {
-      if (!moving[static_cast<std::size_t>(n)]) continue;
-      const std::int32_t a = find(n);
-      if (first >= 0) root[static_cast<std::size_t>(std::max(a, first))] = std::min(a, first);
-      first = first < 0 ? a : std::min(a, first);
+    Index first = -1;
+    for (const Index n : nodes) {
+      if (!moving[n]) continue;
+      if (first >= 0) sets.unite(first, n);
+      first = n;
     }
   };
   for (const auto& corners : system.lattice().cell_nodes) join(corners);
@@ -81,7 +74,7 @@ std::vector<std::int32_t> clusters(const System<Real>& system, std::span<const s
   count = 0;
   for (std::size_t n = 0; n < moving.size(); ++n) {
     if (!moving[n]) continue;
-    auto& of_root = number[static_cast<std::size_t>(find(static_cast<std::int32_t>(n)))];
+    auto& of_root = number[sets.find(to_index(n))];
     if (of_root == 0) of_root = ++count;
     number[n] = of_root;
   }

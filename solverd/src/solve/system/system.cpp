@@ -7,6 +7,7 @@
 #include <set>
 #include <stdexcept>
 
+#include "math/disjoint_sets.h"
 #include "math/parallel.h"
 #include "solve/system/vectors.h"
 
@@ -64,22 +65,14 @@ System<Real>::System(const Lattice& lattice, CellMaterials materials, int quadra
 
 template <class Real>
 void System<Real>::find_fragments() {
+  DisjointSets fragments(free_.size());
+  for (const auto& nodes : elastic_.lattice().cell_nodes)
+    for (const Index n : nodes) fragments.unite(nodes[0], n);
   auto& root = fragment_of_node_;
   root.resize(free_.size());
-  std::iota(root.begin(), root.end(), 0);
-  const auto find = [&](std::int32_t a) {
-    while (root[static_cast<std::size_t>(a)] != a)
-      a = root[static_cast<std::size_t>(a)] = root[static_cast<std::size_t>(root[static_cast<std::size_t>(a)])];
-    return a;
-  };
-  for (const auto& nodes : elastic_.lattice().cell_nodes)
-    for (const std::int32_t n : nodes) {
-      const std::int32_t a = find(nodes[0]), b = find(n);
-      if (a != b) root[static_cast<std::size_t>(std::max(a, b))] = std::min(a, b);
-    }
   bool one = true;
   for (std::size_t n = 0; n < root.size(); ++n) {
-    root[n] = find(static_cast<std::int32_t>(n));
+    root[n] = fragments.find(to_index(n));
     one = one && root[n] == root[0];
   }
   if (one) root = {};

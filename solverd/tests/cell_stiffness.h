@@ -1,0 +1,91 @@
+// The tangent of one cell as a matrix, put together from what the kernels have stored: the oracle of products, diagonal
+// blocks and projections.
+#pragma once
+#include <Eigen/Core>
+
+#include "force/elastic/elastic.h"
+#include "force/kernels/product_kernel.h"
+
+namespace lappet::test {
+
+using Matrix24 = Eigen::Matrix<double, 24, 24>;
+using Matrix9 = Eigen::Matrix<double, 9, 9>;
+
+// d(volume weight P)/dF of a quadrature point, 9x9, row-major indices, in mN mm.
+template <class Real>
+Matrix9 point_tangent(const Elastic<Real>& elastic, Index slot, int point) {
+  const auto& arrays = elastic.arrays();
+  const auto& features = elastic.features();
+  const int lanes = elastic.layout().lanes;
+  const std::int64_t place = slot / lanes, index = place * arrays.points + point;
+  const auto take = [&](const Real* from, int fields, double* to) {
+    for (int k = 0; k < fields; ++k) to[k] = double(from[k * lanes + slot % lanes]);
+  };
+  double tangent[kTangentFields], sigma[3], fiber[kFiberFields], material[kMaterialFields] = {};
+  take(arrays.tangent + index * kTangentFields * lanes, kTangentFields, tangent);
+  take(arrays.sigma + index * 3 * lanes, 3, sigma);
+  const int fields = features.prestretched ? kMaterialFields : features.fibers ? kPrestretch : kFiberK1;
+  take(arrays.material + place * arrays.material_stride, fields, material);
+  if (features.fibers) take(arrays.fiber_tangent + index * kFiberFields * lanes, kFiberFields, fiber);
+  Matrix9 result;
+  for (int k = 0; k < 9; ++k) {
+    double df[9] = {};
+    df[k] = 16.0 * arrays.spacing * arrays.spacing;
+    if (features.fibers)
+      features.prestretched ? differential<true, true>(tangent, sigma, fiber, material, df)
+                            : differential<true, false>(tangent, sigma, fiber, material, df);
+    else
+      features.prestretched ? differential<false, true>(tangent, sigma, fiber, material, df)
+                            : differential<false, false>(tangent, sigma, fiber, material, df);
+    for (int i = 0; i < 9; ++i) result(i, k) = df[i];
+  }
+  return result;
+}
+
+// The part that is the same for each component: hourglass terms and attachments.
+template <class Real>
+Eigen::Matrix<double, 8, 8> scalar_stiffness(const Elastic<Real>& elastic, Index slot) {
+  const auto& arrays = elastic.arrays();
+  const int lanes = elastic.layout().lanes;
+  Eigen::Matrix<double, 8, 8> scalar = Eigen::Matrix<double, 8, 8>::Zero();
+  if (elastic.features().one_point)
+    for (int m = 0; m < 4; ++m)
+      for (int a = 0; a < 8; ++a)
+        for (int b = 0; b < 8; ++b)
+          scalar(a, b) += double(arrays.stabilization[slot]) * kHourglass[m] / kHourglass[0] * kHourglassModes[m][a] *
+                          kHourglassModes[m][b];
+  if (arrays.quadratic_of != nullptr && arrays.quadratic_of[slot / lanes] >= 0) {
+    const Real* entry = arrays.quadratics + arrays.quadratic_of[slot / lanes] * 36 * lanes + slot % lanes;
+    for (int a = 0; a < 8; ++a)
+      for (int b = a; b < 8; ++b, entry += lanes) {
+        scalar(a, b) += double(*entry);
+        if (a != b) scalar(b, a) += double(*entry);
+      }
+  }
+  return scalar;
+}
+
+// K of one cell, ordered corner-major (3 corner + component), with the cell's quadratic term.
+template <class Real>
+Matrix24 cell_stiffness(const Elastic<Real>& elastic, Index cell) {
+  const Index slot = elastic.layout().slot_of_cell[cell];
+  Matrix24 result = Matrix24::Zero();
+  if (slot < 0) return result;
+  const auto points = quadrature_points(elastic.points());
+  for (int q = 0; q < elastic.points(); ++q) {
+    const Matrix9 tangent = point_tangent(elastic, slot, q);
+    // dF_ij = sum_k x_ki g_jk
+    Eigen::Matrix<double, 9, 24> b = Eigen::Matrix<double, 9, 24>::Zero();
+    for (int k = 0; k < 8; ++k)
+      for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) b(3 * i + j, 3 * k + i) = points[q].gradient[8 * j + k] / elastic.arrays().spacing;
+    result.noalias() += b.transpose() * (tangent * b);
+  }
+  const auto scalar = scalar_stiffness(elastic, slot);
+  for (int a = 0; a < 8; ++a)
+    for (int b = 0; b < 8; ++b)
+      for (int i = 0; i < 3; ++i) result(3 * a + i, 3 * b + i) += scalar(a, b);
+  return result;
+}
+
+}  // namespace lappet::test
