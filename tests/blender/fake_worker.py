@@ -142,8 +142,8 @@ class FakeWorker:
                 continue
             yield IterationDone(job, frame.time, 1, 1e-2, 0.0)
             if frame.time in self.script.failing:
-                said = self.script.failing[frame.time]
-                yield FrameFailed(job, frame.time, Problem(ProblemCode.FRAME_NOT_CONVERGED, "", said, said, ""))
+                reason = self.script.failing[frame.time]
+                yield FrameFailed(job, frame.time, Problem(ProblemCode.FRAME_NOT_CONVERGED, "", "", reason, ""))
                 return
             shown = solved(plan, index, len(procedure.events))
             self.store.put(frame.key, shown)

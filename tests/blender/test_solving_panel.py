@@ -121,7 +121,7 @@ def test_an_installation_without_solver_is_named_by_the_panel_and_by_the_button(
     patch: bpy.types.Scene, script: Script, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def missing() -> str:
-        raise RefusedError([Problem(ProblemCode.DAEMON_MISSING, "", "", "There is no lappet-solverd.", "Install it.")])
+        raise RefusedError([Problem(ProblemCode.DAEMON_MISSING, "", "", "There is no lappet-solverd.", "")])
 
     monkeypatch.setattr(reconcile, "identity", missing)
     run_timer(QUIET)

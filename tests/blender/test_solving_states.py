@@ -134,7 +134,7 @@ def test_undo_finds_frames_that_are_no_longer_in_memory_in_the_store(patch: bpy.
 
 def test_a_failed_frame_says_why_and_the_panel_can_go_there(patch: bpy.types.Scene, script: Script) -> None:
     script.failing[6] = "The hook tears the skin; pull it less far."
-    with pytest.raises(RuntimeError, match="Frame 6 failed: The hook tears the skin"):
+    with pytest.raises(RuntimeError, match="Frame 6: The hook tears the skin"):
         bpy.ops.lappet.solve(wait=True)
     assert states(patch) == "sssssfmm"
     failed = frames.frame_problem(patch, 6)

@@ -8,7 +8,9 @@ from typing import Any
 import bpy
 import pytest
 
+from lappet_blender.model.scene_procedure import read_scene
 from lappet_blender.tissue.material_panel import LAPPET_MT_presets, LAPPET_PT_materials
+from lappet_blender.tissue.tissue_check import check_tissue
 from lappet_blender.tissue.tissue_panel import (
     LAPPET_PT_tissue,
     LAPPET_PT_tissue_faces,
@@ -112,7 +114,7 @@ def test_the_panel_shows_groups_with_their_counts_cells_and_time(scene: bpy.type
 def test_a_problem_is_said_with_the_button_that_mends_it(scene: bpy.types.Scene) -> None:
     scene.lappet.tissue.object = add_sheet(scene)
     drawn = draw(LAPPET_PT_tissue, scene)
-    assert "is open: 32 edges belong to one face only" in said(drawn)
+    assert read_scene(scene).problems[0].message in said(drawn)
     (remedy,) = [each for each in drawn if isinstance(each, Button) and each.name == "lappet.tissue_repair"]
     assert remedy.given == {"kind": "HOLES"}
     assert remedy.text == "Fill Small Holes"
@@ -147,7 +149,7 @@ def test_what_a_check_found_is_listed_with_its_places(scene: bpy.types.Scene) ->
     scene.lappet.tissue.object.data.flip_normals()
     bpy.ops.lappet.tissue_check()
     drawn = draw(LAPPET_PT_tissue, scene)
-    assert "inside out" in said(drawn)
+    assert check_tissue(scene).places[0].problem.message in said(drawn)
     bpy.ops.lappet.tissue_repair(kind="ORIENT")
     bpy.ops.lappet.tissue_check()
     assert "No problems found." in draw(LAPPET_PT_tissue, scene)

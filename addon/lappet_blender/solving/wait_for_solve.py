@@ -65,10 +65,10 @@ def wait_for_plan(scene: bpy.types.Scene) -> None:
 
 
 def _with_frame(failure: Failure) -> Problem:
-    """The problem with the frame at which it arose in its message."""
-    if failure.time is None:
+    """The problem, about the frame at which it arose where it is about nothing else."""
+    if failure.time is None or failure.problem.prim:
         return failure.problem
-    return replace(failure.problem, message=f"Frame {failure.time} failed: {failure.problem.message}")
+    return replace(failure.problem, prim=f"Frame {failure.time}")
 
 
 def _finish_pictures() -> None:
