@@ -22,8 +22,8 @@ struct FineVoxels::Builder {
   // A cell that nothing touches is like its first voxel throughout.
   void mark_whole(const CenterLines& z_lines);
   void number_cells();
-  // Walks the lines of one axis: cut links, inner voxels, and (for z) the inside voxels. Returns false where the surface
-  // is open, with the first line that shows it.
+  // Walks the lines of one axis: cut links, inner voxels, and (for z) the inside voxels. Returns false where the
+  // surface is open, with the first line that shows it.
   bool sweep(const CenterLines& lines, std::size_t axis, std::size_t& open_line);
   void make_copies();
 

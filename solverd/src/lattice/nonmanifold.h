@@ -33,7 +33,8 @@ Fragments find_fragments(const FineVoxels& fine, std::span<const CopyLink> links
 // that its points are carried by the larger one); returns the number of voxels dropped and renumbers the rest.
 std::int64_t drop_specks(const FineVoxels& fine, Fragments& fragments);
 
-// Makes cells and nodes of what is left, stores in `fine` which cell each copy became, and fills the counts of `lattice`.
+// Makes cells and nodes of what is left, stores in `fine` which cell each copy became, and fills the counts of
+// `lattice`.
 void build_cells(FineVoxels& fine, std::span<const CopyLink> links, const Fragments& fragments, Lattice& lattice);
 
 }  // namespace lappet
