@@ -22,7 +22,7 @@ KERF = 0.05
 LEFT, RIGHT = -18.0, 30.0  # x of the middles of the cuts, mm
 EDGE = 0.12  # mm from the cut to a point on its lip
 ALONG, ACROSS, END = 3, 5, 6  # time codes
-# The relaxed skin tension lines run along x: there the fibres run, and there the skin is tauter.
+# The relaxed skin tension lines run along x: there the fibers run, and there the skin is tauter.
 TAUT = replace(
     SKIN.material,
     poissons_ratio=0.48,

@@ -98,9 +98,9 @@ def test_each_triangle_lies_on_the_face_of_the_tissue_that_is_named() -> None:
         walls = shape.origin == FaceOrigin.WOUND_WALL
         assert (shape.face[walls] == -1).all()
         assert (shape.face[~walls] >= 0).all()
-        centres = shape.rest[shape.triangles].mean(axis=1)
+        centers = shape.rest[shape.triangles].mean(axis=1)
         for face in np.unique(shape.face[~walls]):
-            on = centres[shape.face == face]
+            on = centers[shape.face == face]
             distance = ClosestPoint(tissue.points, fans[of_face == face]).query(on)[2]
             assert distance.max() < 1e-4
 

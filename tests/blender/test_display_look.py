@@ -1,4 +1,4 @@
-"""How the solved skin looks: parts, colours and their scale, two skins side by side, the stage, rendered pictures."""
+"""How the solved skin looks: parts, colors and their scale, two skins side by side, the stage, rendered pictures."""
 
 from __future__ import annotations
 
@@ -159,7 +159,7 @@ def test_the_scale_is_one_for_all_frames_and_the_95th_percentile_of_the_frame_wi
         assert ramp.inputs[1].default_value == pytest.approx(highest)
 
 
-def test_vertices_carry_the_quantity_and_its_colour_on_the_ramp(shown: bpy.types.Scene, solved: Solved) -> None:
+def test_vertices_carry_the_quantity_and_its_color_on_the_ramp(shown: bpy.types.Scene, solved: Solved) -> None:
     shown.lappet.look.color = "TENSION"
     shown.frame_set(7)
     plan, frames = solved.plans[shown.name]
@@ -167,11 +167,11 @@ def test_vertices_carry_the_quantity_and_its_colour_on_the_ramp(shown: bpy.types
     quantity = np.empty(len(tension), np.float32)
     mesh.attributes["quantity"].data.foreach_get("value", quantity)
     np.testing.assert_array_equal(quantity, tension)
-    colours = np.empty(4 * len(tension), np.float32)
-    mesh.attributes["Color"].data.foreach_get("color", colours)
+    colors = np.empty(4 * len(tension), np.float32)
+    mesh.attributes["Color"].data.foreach_get("color", colors)
     skin = np.unique(plan.epochs[1].triangles[plan.epochs[1].origin == 0])
     expected = ramp_linear(tension / highest_of([plan], "tension"))
-    np.testing.assert_allclose(colours.reshape(-1, 4)[skin, :3], expected[skin], atol=0.01)
+    np.testing.assert_allclose(colors.reshape(-1, 4)[skin, :3], expected[skin], atol=0.01)
 
 
 def test_the_legend_names_the_quantity_its_unit_and_the_values_of_its_ticks(
@@ -216,7 +216,7 @@ def test_the_legend_lies_within_the_picture_of_the_camera_however_the_camera_is_
     assert max(up) < 0.3
 
 
-def test_solid_shading_follows_the_colour(shown: bpy.types.Scene) -> None:
+def test_solid_shading_follows_the_color(shown: bpy.types.Scene) -> None:
     for color, shading in (("STRAIN", "VERTEX"), ("CHECKER", "TEXTURE"), ("PLAIN", "MATERIAL"), ("GRID", "TEXTURE")):
         shown.lappet.look.color = color
         assert shown.display.shading.color_type == shading
@@ -338,9 +338,7 @@ def test_an_animation_renders_each_frame_with_its_own_skin(shown: bpy.types.Scen
     assert (np.abs(pictures[0] - pictures[1]) > 0.08).mean() > 0.005
 
 
-def test_cycles_shows_strain_in_the_colours_of_the_scale(
-    shown: bpy.types.Scene, solved: Solved, tmp_path: Path
-) -> None:
+def test_cycles_shows_strain_in_the_colors_of_the_scale(shown: bpy.types.Scene, solved: Solved, tmp_path: Path) -> None:
     shown.lappet.look.color = "STRAIN"
     shown.lappet.look.show_legend = False
     for frame in solved.plans[shown.name][1].values():

@@ -58,7 +58,7 @@ def solved_skin(
 ) -> tuple[bpy.types.Object, Bend]:
     """A skin as the display makes it of the flat tissue: rolled up around the y axis, with the attributes of an epoch.
 
-    keep: which triangles (by their centres at rest, (m, 3)) are still there. Returns the object and the bend.
+    keep: which triangles (by their centers at rest, (m, 3)) are still there. Returns the object and the bend.
     """
 
     def bend(rest: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -59,7 +59,7 @@ def test_several_hooks_may_follow_each_other_on_one_point() -> None:
 
 
 @pytest.mark.parametrize("model", MODELS)
-def test_every_model_may_have_fibres_muscle_and_prestretch(model: str) -> None:
+def test_every_model_may_have_fibers_muscle_and_prestretch(model: str) -> None:
     rich = Material(
         model=model,
         mooney_ratio=0.5,

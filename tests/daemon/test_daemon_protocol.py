@@ -85,7 +85,7 @@ def test_bones_come_with_open_and_are_checked(raw: Raw) -> None:
         ({"bone_points": None}, "malformed", "no array 'bone_points'"),
         ({"bone_triangles": None}, "malformed", "no array 'bone_triangles'"),
         ({"bone_points": surface.points.astype(np.float32)}, "malformed", "must be f8"),
-        ({"bone_colour": np.zeros(3)}, "malformed", "bone_colour"),
+        ({"bone_color": np.zeros(3)}, "malformed", "bone_color"),
     ):
         reply = opened(**changes)
         assert reply.fields["code"] == code, (changes, reply.fields)
@@ -154,7 +154,7 @@ def test_headers_that_break_the_protocol_are_answered(raw: Raw, header: dict[str
         ({"support": np.full(12, 3, np.uint8)}, "bed label 3"),
         ({"grip": np.zeros(12, np.int32)}, "'grip' holds 0"),
         ({"landmarks": np.zeros((2, 3))}, "'landmark_triangles'"),
-        ({"colour": np.zeros(3)}, "'colour'"),
+        ({"color": np.zeros(3)}, "'color'"),
     ],
 )
 def test_epochs_that_make_no_sense_are_named(raw: Raw, changes: dict[str, Any], says: str) -> None:
@@ -167,7 +167,7 @@ def test_epochs_that_make_no_sense_are_named(raw: Raw, changes: dict[str, Any], 
 
 RICH = {
     "model": "mooneyRivlin", "youngs_modulus": 20.0, "poissons_ratio": 0.4, "density": 900.0, "mooney_ratio": 0.5,
-    "fibre_direction": [0.0, 0.6, 0.8], "fibre_k1": 10.0, "fibre_k2": 2.0, "fibre_dispersion": 0.1,
+    "fiber_direction": [0.0, 0.6, 0.8], "fiber_k1": 10.0, "fiber_k2": 2.0, "fiber_dispersion": 0.1,
     "muscle_stress": 300.0, "prestretch": [1.1, 0.95],
 }  # fmt: skip
 BELOW = {"material": 1, "depth_from": 0.5, "depth_to": 1.5}
@@ -188,11 +188,11 @@ def region_arrays(**changes: Any) -> dict[str, Any]:
         ([{**RICH, "poissons_ratio": 0.49995}], "it must be 0 to 0.4999"),
         ([{**RICH, "poissons_ratio": -0.1}], "it must be 0 to 0.4999"),
         ([{**RICH, "mooney_ratio": -1.0}], "Mooney ratio"),
-        ([{**RICH, "fibre_k1": -1.0}], "k1"),
-        ([{**RICH, "fibre_k2": float("inf")}], "'fibre_k2' of 'materials[0]'"),
-        ([{**RICH, "fibre_dispersion": 0.34}], "1/3"),
-        ([{**RICH, "fibre_direction": [1.0, 1.0, 0.0]}], "length 1"),
-        ([{**RICH, "fibre_direction": [1.0, 0.0]}], "list of three numbers"),
+        ([{**RICH, "fiber_k1": -1.0}], "k1"),
+        ([{**RICH, "fiber_k2": float("inf")}], "'fiber_k2' of 'materials[0]'"),
+        ([{**RICH, "fiber_dispersion": 0.34}], "1/3"),
+        ([{**RICH, "fiber_direction": [1.0, 1.0, 0.0]}], "length 1"),
+        ([{**RICH, "fiber_direction": [1.0, 0.0]}], "list of three numbers"),
         ([{**RICH, "muscle_stress": -1.0}], "muscle stress"),
         ([{**RICH, "prestretch": [2.5, 1.0]}], "it must be 0.5 to 2"),
         ([{**RICH, "fiber_k1": 1.0}], "'fiber_k1'"),
@@ -237,7 +237,7 @@ def test_regions_that_make_no_sense_are_named(
 
 def test_the_client_sends_materials_regions_and_activation_and_the_state_keeps_it(daemon: SolverDaemon) -> None:
     surface = box()
-    muscle = MaterialParameters(muscle_stress=0.5, fibre_direction=(0.0, 0.0, 1.0), prestretch=(1.0, 1.0))
+    muscle = MaterialParameters(muscle_stress=0.5, fiber_direction=(0.0, 0.0, 1.0), prestretch=(1.0, 1.0))
     regions = Regions(
         surface.points,
         surface.triangles,

@@ -70,7 +70,7 @@ def run(folder: Path, procedure: Procedure, *arguments: str) -> dict[str, Any]:
 
 @pytest.mark.slow
 @pytest.mark.usefixtures("binary")
-def test_taut_skin_over_fat_gapes_more_across_its_fibres_than_along_them(tmp_path: Path) -> None:
+def test_taut_skin_over_fat_gapes_more_across_its_fibers_than_along_them(tmp_path: Path) -> None:
     gapes = []
     for direction in ((1.0, 0.0), (0.0, 1.0)):
         patch = flat_patch((40.0, 40.0, THICKNESS), resolution=2.0, spacing=2.0)
@@ -79,7 +79,7 @@ def test_taut_skin_over_fat_gapes_more_across_its_fibres_than_along_them(tmp_pat
         assert intact["converged"]
         assert cut["converged"]
         assert intact["newton_iterations"] == 0
-        assert all(report["scene_profile"][feature] for feature in ("fibres", "prestretch", "materials"))
+        assert all(report["scene_profile"][feature] for feature in ("fibers", "prestretch", "materials"))
         assert report["settings"]["precision"] == "float"
         gapes.append(cut["gape"])
     assert gapes[0] > 0.5

@@ -61,10 +61,10 @@ def test_the_z_plasty_closes_lies_flat_and_turns_its_limb_by_90_degrees(tmp_path
     faces = np.array(mesh.GetFaceVertexIndicesAttr().Get()).reshape(-1, 3)
     wall = faces[np.array(UsdGeom.Subset(stage.GetPrimAtPath(f"{mesh.GetPath()}/woundWall")).GetIndicesAttr().Get())]
     corners = points[wall]
-    centres = corners.mean(axis=1)
+    centers = corners.mean(axis=1)
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
-    apart = np.linalg.norm(centres[:, None] - centres[None], axis=2)
+    apart = np.linalg.norm(centers[:, None] - centers[None], axis=2)
     apart[normals @ normals.T > -0.3] = np.inf  # only walls that face each other
     assert np.median(apart.min(axis=1)) < 0.6
     assert np.quantile(apart.min(axis=1), 0.95) < 1.5

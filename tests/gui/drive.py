@@ -244,7 +244,7 @@ def scrub(blender: Driver, pulse: Pulse) -> Steps:
 
 
 def looks(blender: Driver) -> Steps:
-    """Colours of the skin."""
+    """Colors of the skin."""
     scene = bpy.context.scene
     scene.frame_set(14)
     scene.lappet.active_event = -1

@@ -40,7 +40,7 @@ PICTURES = {
 
 
 def numbered(picture: Image.Image, spots: list[tuple[int, int]]) -> None:
-    """Draws the seams, each in a colour: along their two edges a line from number to number.
+    """Draws the seams, each in a color: along their two edges a line from number to number.
 
     spots: x, y from the lower left corner, four for each seam.
     """
@@ -54,12 +54,12 @@ def numbered(picture: Image.Image, spots: list[tuple[int, int]]) -> None:
         draw.text((x, y), str(number), fill="white", font=font, anchor="mm")
 
 
-def few_colours(picture: Image.Image, colours: int) -> Image.Image:
-    """The picture in so many colours: most for its large areas, a quarter for small things of another colour."""
-    large = picture.quantize(colours * 3 // 4, Image.Quantize.MEDIANCUT).getpalette() or []
-    small = picture.quantize(colours // 4, Image.Quantize.MAXCOVERAGE).getpalette() or []
+def few_colors(picture: Image.Image, colors: int) -> Image.Image:
+    """The picture in so many colors: most for its large areas, a quarter for small things of another color."""
+    large = picture.quantize(colors * 3 // 4, Image.Quantize.MEDIANCUT).getpalette() or []
+    small = picture.quantize(colors // 4, Image.Quantize.MAXCOVERAGE).getpalette() or []
     both = Image.new("P", (1, 1))
-    both.putpalette(large[: colours * 9 // 4] + small[: colours * 3 // 4])
+    both.putpalette(large[: colors * 9 // 4] + small[: colors * 3 // 4])
     return picture.quantize(palette=both, dither=Image.Dither.NONE)
 
 
@@ -86,8 +86,8 @@ def main() -> int:
         if picture.width > width:
             picture = picture.resize((width, round(picture.height * width / picture.width)), Image.Resampling.LANCZOS)
         path = IMAGES / f"blender_{name}.png"
-        for colours in (256, 128, 64):
-            few_colours(picture, colours).save(path, optimize=True)
+        for colors in (256, 128, 64):
+            few_colors(picture, colors).save(path, optimize=True)
             if path.stat().st_size <= LARGEST:
                 break
         print(f"{path.relative_to(ROOT)}: {picture.width} x {picture.height}, {path.stat().st_size / 1000:.0f} kB")

@@ -35,9 +35,9 @@ def read_png(path: Path) -> NDArray[np.uint8]:
         header = body if kind == b"IHDR" else header
         packed += body if kind == b"IDAT" else b""
         at += 12 + length
-    width, height, depth, colour = struct.unpack(">IIBB", header[:10])
+    width, height, depth, color = struct.unpack(">IIBB", header[:10])
     assert depth == 8
-    channels = {2: 3, 6: 4}[colour]
+    channels = {2: 3, 6: 4}[color]
     raw = np.frombuffer(zlib.decompress(packed), np.uint8).reshape(height, 1 + width * channels)
     rows = np.zeros((height + 1, (width + 1) * channels), np.int64)
     for y in range(height):

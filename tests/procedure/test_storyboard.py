@@ -48,7 +48,7 @@ def test_the_profile_names_what_the_scene_needs_and_nothing_else() -> None:
     rich = replace(BOARD, bones=(bone,), materials=(skin,), tissue=replace(BOARD.tissue, gravity=9.81))
     rich = rich.with_events(Undermine("free", 3.0, ((0, 0, 4), (3, 0, 4), (3, 3, 4))))
     more = {name for name, present in scene_profile(rich).items() if present}
-    assert more - needed == {"contact", "fibres", "prestretch", "gravity", "undermining"}
+    assert more - needed == {"contact", "fibers", "prestretch", "gravity", "undermining"}
     layered = _layered()
     assert {name for name, present in scene_profile(layered).items() if present} - needed == {"materials", "muscle"}
     unused = replace(layered, tissue=replace(layered.tissue, regions=()))
@@ -83,7 +83,7 @@ def test_costs_are_those_of_the_report_of_economy(tmp_path: Path) -> None:
     def row(feature: str, present: bool, instructions: int | None, seconds: float) -> dict[str, object]:
         return {"feature": feature, "present": present, "instructions": instructions, "seconds": seconds, "bytes": 1}
 
-    rows = [row("fibres", False, 100, 1.0), row("fibres", True, 125, 9.0)]
+    rows = [row("fibers", False, 100, 1.0), row("fibers", True, 125, 9.0)]
     rows += [
         row("heterogeneity", False, None, 1.0),
         row("heterogeneity", True, None, 1.5),
@@ -92,8 +92,8 @@ def test_costs_are_those_of_the_report_of_economy(tmp_path: Path) -> None:
     file = tmp_path / "economy.json"
     file.write_text(json.dumps({"rows": rows}))
     costs = measured_costs(file)
-    assert set(costs) == {"fibres", "materials"}
-    assert costs["fibres"].startswith("+25 % instructions")
+    assert set(costs) == {"fibers", "materials"}
+    assert costs["fibers"].startswith("+25 % instructions")
     assert costs["materials"].startswith("+50 % seconds")
     file.write_text("[]")
     with refuses(ProblemCode.ECONOMY_FILE, str(file)):

@@ -312,7 +312,7 @@ def test_the_table_holds_what_is_in_use_and_what_has_an_effect(program: Program)
     assert settings.materials == (
         MaterialParameters(),
         MaterialParameters("mooneyRivlin", 5.0, mooney_ratio=0.5),
-        MaterialParameters("stableNeoHookean", 20.0, fibre_direction=(0.0, 0.6, 0.8), muscle_stress=300.0),
+        MaterialParameters("stableNeoHookean", 20.0, fiber_direction=(0.0, 0.6, 0.8), muscle_stress=300.0),
     )
 
 

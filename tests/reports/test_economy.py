@@ -87,7 +87,7 @@ def test_cells_that_cannot_move_are_not_in_the_system() -> None:
     h = 3.0
     motion = np.eye(4)
     motion[:2, 3] = (4.0, 1.0)
-    stiff = MaterialParameters(prestretch=(1.1, 1.1), fibre_k1=5.0, fibre_k2=1.0)
+    stiff = MaterialParameters(prestretch=(1.1, 1.1), fiber_k1=5.0, fiber_k2=1.0)
     exact = {"precision": "double", "tolerance": 1e-7, "gap_tolerance": 1e-6}
     whole = BoxScene("whole", "", (16 * h, h, h), (16, 1, 1), fixed=(0,), gripped=(1,), motion=motion, material=stiff)
     half = replace(whole, size=(8 * h, h, h), divisions=(8, 1, 1))
@@ -159,7 +159,7 @@ def test_counts_of_instructions_repeat_and_are_those_of_the_passes_that_the_head
 @pytest.mark.slow
 @needs_valgrind
 def test_the_report_of_economy_has_a_row_with_and_without_each_feature(tmp_path: Path) -> None:
-    chosen = tuple(each for each in FEATURES if each.name in ("fibres", "landmarks", "strain", "region", "followers"))
+    chosen = tuple(each for each in FEATURES if each.name in ("fibers", "landmarks", "strain", "region", "followers"))
     report = economy(features=chosen)
     files = write_economy(tmp_path, head(), report)
     assert [file.name for file in files] == ["economy.json", "economy.csv", "economy.md"]
@@ -172,19 +172,19 @@ def test_the_report_of_economy_has_a_row_with_and_without_each_feature(tmp_path:
         assert row["seconds"] > 0
         assert row["bytes"] > 10_000
         assert row["instructions"] > 1_000_000
-    fibres = rows["fibres", True], rows["fibres", False]
-    assert fibres[0]["product_per_cell"] > 1.05 * fibres[1]["product_per_cell"]
-    assert fibres[0]["bytes"] > fibres[1]["bytes"]
+    fibers = rows["fibers", True], rows["fibers", False]
+    assert fibers[0]["product_per_cell"] > 1.05 * fibers[1]["product_per_cell"]
+    assert fibers[0]["bytes"] > fibers[1]["bytes"]
     assert rows["region", True]["instructions"] < 0.7 * rows["region", False]["instructions"]
     # What is done once a frame is seen there, and not in the search.
     for name in ("landmarks", "strain"):
         with_it, without = rows[name, True], rows[name, False]
         assert with_it["instructions"] > without["instructions"] + 1000
         assert with_it["search_instructions"] == pytest.approx(without["search_instructions"], rel=AGREEMENT)
-    assert "| fibres |" in files[2].read_text()
+    assert "| fibers |" in files[2].read_text()
 
 
-LEFT_OUT = "contact;fibres;muscle;prestretch;heterogeneity;mesh_cells;landmarks;error_estimate;strain"
+LEFT_OUT = "contact;fibers;muscle;prestretch;heterogeneity;mesh_cells;landmarks;error_estimate;strain"
 
 
 @pytest.mark.slow
@@ -196,20 +196,20 @@ def test_a_plain_scene_takes_the_instructions_of_a_daemon_built_without_any_feat
     for kernel in ("evaluate", "product"):
         here, there = found.kernels[kernel]
         assert here == pytest.approx(there, rel=AGREEMENT), kernel
-    # Were a feature looked at in every cell, it would show: fibres cost a tenth of a product.
-    with_fibres = next(each for each in FEATURES if each.name == "fibres")
-    assert with_fibres.put_into is not None
-    assert count_instructions(with_fibres.put_into(plain())).search > (1.0 + AGREEMENT) * found.instructions
+    # Were a feature looked at in every cell, it would show: fibers cost a tenth of a product.
+    with_fibers = next(each for each in FEATURES if each.name == "fibers")
+    assert with_fibers.put_into is not None
+    assert count_instructions(with_fibers.put_into(plain())).search > (1.0 + AGREEMENT) * found.instructions
 
 
 @pytest.mark.slow
 @pytest.mark.timeout(3000)
 @needs_valgrind
-def test_fibres_without_muscle_take_the_instructions_of_a_daemon_built_without_muscle() -> None:
-    with_fibres = next(each for each in FEATURES if each.name == "fibres")
-    assert with_fibres.put_into is not None
+def test_fibers_without_muscle_take_the_instructions_of_a_daemon_built_without_muscle() -> None:
+    with_fibers = next(each for each in FEATURES if each.name == "fibers")
+    assert with_fibers.put_into is not None
     left_out = "contact;muscle;prestretch;heterogeneity;mesh_cells"
-    found = absence(with_fibres.put_into(plain()), "the bar with fibres", yardstick("fibres", left_out), left_out)
+    found = absence(with_fibers.put_into(plain()), "the bar with fibers", yardstick("fibers", left_out), left_out)
     assert abs(found.share) <= AGREEMENT, found
 
 

@@ -37,7 +37,7 @@ def test_there_are_at_least_sixty_cases_with_names_of_their_own() -> None:
     assert len(cases) >= 60
     assert len({(case.group, case.name) for case in cases}) == len(cases)
     assert all(case.converges or case.refuses for case in cases)
-    assert {"poisson", "contrast", "fibres", "starts", "floating", "bone", "scale", "cuts"} <= {c.group for c in cases}
+    assert {"poisson", "contrast", "fibers", "starts", "floating", "bone", "scale", "cuts"} <= {c.group for c in cases}
 
 
 def test_the_slow_cases_are_left_out_where_it_is_to_be_quick() -> None:

@@ -1,4 +1,4 @@
-"""The full value of the colour scale, one for a whole procedure, so that its frames compare."""
+"""The full value of the color scale, one for a whole procedure, so that its frames compare."""
 
 from __future__ import annotations
 

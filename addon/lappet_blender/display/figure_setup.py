@@ -105,6 +105,6 @@ def _both(
     points = np.array([(x, y, z) for b in boxes for x in b[:, 0] for y in b[:, 1] for z in b[:, 2]])
     axes = np.stack([field.right, field.up, field.normal])
     local = points @ axes.T
-    centre = (local.min(axis=0) + local.max(axis=0)) / 2 @ axes
+    center = (local.min(axis=0) + local.max(axis=0)) / 2 @ axes
     low = min(lowest, other_lowest + gap * float(field.normal[0]))
-    return replace(field, points=points, centre=centre, fill=WHOLE_FILL), low
+    return replace(field, points=points, center=center, fill=WHOLE_FILL), low

@@ -64,23 +64,23 @@ def _texts(collection: bpy.types.Collection) -> list[bpy.types.Object]:
 
 def _build(collection: bpy.types.Collection, card: bpy.types.Object, quantity: str, highest: float) -> None:
     rectangles: list[tuple[float, float, float, float, float]] = [(0.0, 0.0, 1.0, HEIGHT, 0.0)]
-    colours = [_CARD]
+    colors = [_CARD]
     left, low, right, high = _BAR
     width = (right - left) / _STEPS
     ramp = ramp_linear((np.arange(_STEPS) + 0.5) / _STEPS)
     for k in range(_STEPS):
         rectangles.append((left + k * width, low, left + (k + 1) * width, high, 0.001))
-        colours.append(tuple(ramp[k]))
+        colors.append(tuple(ramp[k]))
     ticks = np.linspace(left, right, _TICKS)
     for x in ticks:
         rectangles.append((x - 0.002, low - 0.018, x + 0.002, low, 0.001))
-        colours.append(_INK)
+        colors.append(_INK)
     points = np.array([[(a, b, z), (c, b, z), (c, d, z), (a, d, z)] for a, b, c, d, z in rectangles]).reshape(-1, 3)
     mesh = card.data
     mesh.clear_geometry()
     mesh.from_pydata(points.tolist(), [], np.arange(len(points)).reshape(-1, 4).tolist())
     paint = np.ones((len(points), 4), np.float32)
-    paint[:, :3] = np.repeat(np.array(colours), 4, axis=0)
+    paint[:, :3] = np.repeat(np.array(colors), 4, axis=0)
     set_attribute(mesh, "Color", "FLOAT_COLOR", "POINT", paint)
     mesh.color_attributes.active_color = mesh.color_attributes["Color"]
     mesh.materials.clear()

@@ -1,4 +1,4 @@
-"""The materials of a scene's display, kept by pointers on its collection; units and colour decide which are right."""
+"""The materials of a scene's display, kept by pointers on its collection; units and color decide which are right."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _TILE = 160  # pixels of the tile that Solid shading repeats every 10 mm
 
 
 def quantity_of(look: bpy.types.PropertyGroup) -> str | None:
-    """The quantity that a look colours the skin by, or None."""
+    """The quantity that a look colors the skin by, or None."""
     name = str(look.color).lower()
     return name if name in SCALARS else None
 
@@ -62,7 +62,7 @@ def skin_materials(
 
 
 def has_materials(collection: bpy.types.Collection, color: str) -> bool:
-    """Whether the skin's materials were made for a colour before."""
+    """Whether the skin's materials were made for a color before."""
     return isinstance(collection.get(f"material skin {color.lower()}"), bpy.types.Material)
 
 
@@ -87,7 +87,7 @@ def _add_tile(material: bpy.types.Material, name: str) -> None:
     """A picture of 10 mm of the grid as the active texture: Solid shading with textures shows it."""
     image = bpy.data.images.new(f"Lappet {name}", _TILE, _TILE)
     place = np.arange(_TILE) * 10.0 / _TILE % 5.0
-    colour = np.ones((_TILE, _TILE, 4), np.float32)
+    color = np.ones((_TILE, _TILE, 4), np.float32)
     if name == "grid":
         line = (place < 0.14) | (place > 4.86)
         ink = (line[:, None] | line[None, :]).astype(np.float32)
@@ -98,8 +98,8 @@ def _add_tile(material: bpy.types.Material, name: str) -> None:
         dark = np.array(skin_material.CHECKER_INK[:3])
     ink = ink[..., None] * (skin_material.INK_SHARE if name == "grid" else skin_material.CHECKER_SHARE)
     linear = (1.0 - ink) * np.array(skin_material.SKIN[:3]) + ink * dark
-    colour[..., :3] = np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
-    image.pixels.foreach_set(colour.ravel())
+    color[..., :3] = np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
+    image.pixels.foreach_set(color.ravel())
     image.pack()
     node = material.node_tree.nodes.new("ShaderNodeTexImage")
     node.image = image

@@ -12,10 +12,10 @@ from ..look.quantity_scale import ramp_linear
 from ..look.skin_fields import RIM, SKIN, UNDERSIDE
 from ..look.skin_import import set_attribute
 from ..look.skin_material import DERMIS, DERMIS_PALE, FAT
-from ..look.skin_material import SKIN as SKIN_COLOUR
+from ..look.skin_material import SKIN as SKIN_COLOR
 
 ATTRIBUTE = "Color"
-_STATE = "lappet_colour"
+_STATE = "lappet_color"
 _STEPS = 512
 _LUMINANCE = np.array((0.2126, 0.7152, 0.0722), np.float32)
 _FAT_DEPTH = 2.9
@@ -41,17 +41,17 @@ def color_vertices(
         ramp[:, :3] = ramp_linear(np.linspace(0.0, 1.0, _STEPS))
         _table.append(ramp)
     share = np.nan_to_num(quantity * np.float32(_STEPS / max(highest, 1e-9)))
-    colours = _table[0][np.clip(share, 0, _STEPS - 1).astype(np.int32)]
+    colors = _table[0][np.clip(share, 0, _STEPS - 1).astype(np.int32)]
     inner = _inner(shape)
     flesh = _flesh(shape)[inner]
-    colours[inner, :3] = (flesh[:, :3] @ _LUMINANCE)[:, None]  # in its own colours it would read as high values
-    _set(mesh, colours)
+    colors[inner, :3] = (flesh[:, :3] @ _LUMINANCE)[:, None]  # in its own colors it would read as high values
+    _set(mesh, colors)
     mesh[_STATE] = "quantity"
 
 
-def _set(mesh: bpy.types.Mesh, colours: NDArray[np.float32]) -> None:
+def _set(mesh: bpy.types.Mesh, colors: NDArray[np.float32]) -> None:
     fresh = ATTRIBUTE not in mesh.attributes
-    set_attribute(mesh, ATTRIBUTE, "FLOAT_COLOR", "POINT", colours)
+    set_attribute(mesh, ATTRIBUTE, "FLOAT_COLOR", "POINT", colors)
     if fresh:
         mesh.color_attributes.active_color = mesh.color_attributes[ATTRIBUTE]
 
@@ -72,13 +72,13 @@ def _flesh(shape: EpochShape) -> NDArray[np.float32]:
         if len(_base) > 32:
             _base.clear()
         deep = np.clip((shape.depth / _FAT_DEPTH)[:, None], 0.0, 1.0) ** 3
-        colours = ((1.0 - deep) * np.array(DERMIS) + deep * np.array(FAT)).astype(np.float32)
-        for label, colour in ((UNDERSIDE, FAT), (RIM, DERMIS_PALE)):
+        colors = ((1.0 - deep) * np.array(DERMIS) + deep * np.array(FAT)).astype(np.float32)
+        for label, color in ((UNDERSIDE, FAT), (RIM, DERMIS_PALE)):
             only = np.setdiff1d(shape.triangles[shape.origin == label], shape.triangles[shape.origin != label])
-            colours[only] = colour
+            colors[only] = color
         inner = _inner(shape)
-        flesh = colours[inner].copy()
-        colours[:] = SKIN_COLOUR
-        colours[inner] = flesh
-        _base[shape.key] = colours
+        flesh = colors[inner].copy()
+        colors[:] = SKIN_COLOR
+        colors[inner] = flesh
+        _base[shape.key] = colors
     return _base[shape.key]

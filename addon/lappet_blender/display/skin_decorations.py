@@ -99,7 +99,7 @@ class SkinDecorations:
     def _steel(self) -> HookSteel:
         if self._hooks is None:
             known = self._old_hooks
-            self._hooks = HookSteel(self.source, self._axes, self.field.centre, self._scale, known)
+            self._hooks = HookSteel(self.source, self._axes, self.field.center, self._scale, known)
         return self._hooks
 
     def _tubes(self, where: Where, role: str, name: str, sides: int, wanted: bool, tubes: Callable[[], Tubes]) -> None:

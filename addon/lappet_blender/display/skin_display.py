@@ -369,7 +369,7 @@ def _frames_changed(scene: bpy.types.Scene) -> None:
 
 
 def _scan(scene: bpy.types.Scene, patient: bool | None = None) -> None:
-    """Read what frames ask of the colour scale; in a window only a few at a time, and the rest soon."""
+    """Read what frames ask of the color scale; in a window only a few at a time, and the rest soon."""
     quantity = quantity_of(scene.lappet.look)
     if quantity is None:
         return

@@ -1,4 +1,4 @@
-"""Solid viewports and Workbench show the chosen colour of the skin: their shading is set when it is chosen."""
+"""Solid viewports and Workbench show the chosen color of the skin: their shading is set when it is chosen."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ def shading_for(look: bpy.types.PropertyGroup) -> str:
 
 
 def suit_shading(scene: bpy.types.Scene, collection: bpy.types.Collection | None) -> None:
-    """Set the shading of this scene's Solid viewports and of Workbench, once for each choice of colour."""
+    """Set the shading of this scene's Solid viewports and of Workbench, once for each choice of color."""
     look = scene.lappet.look
     if collection is None or collection.hide_viewport or collection.get(_CHOSEN) == look.color:
         return

@@ -8,8 +8,8 @@ from numpy.typing import ArrayLike, NDArray
 _RINGS, _SIDES = 6, 12
 
 
-def spheres(centres: ArrayLike, radius: float) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
-    """Points (n, 3) and outward triangles (m, 3) of spheres around centres (k, 3), in the same unit."""
+def spheres(centers: ArrayLike, radius: float) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
+    """Points (n, 3) and outward triangles (m, 3) of spheres around centers (k, 3), in the same unit."""
     polar = np.linspace(0.0, np.pi, _RINGS + 1)[1:-1]
     around = np.linspace(0.0, 2.0 * np.pi, _SIDES, endpoint=False)
     ring = np.stack(
@@ -28,7 +28,7 @@ def spheres(centres: ArrayLike, radius: float) -> tuple[NDArray[np.float64], NDA
         a, b = row * _SIDES + k, row * _SIDES + n
         faces += [np.stack([a, a + _SIDES, b + _SIDES], -1), np.stack([a, b + _SIDES, b], -1)]
     triangles = np.concatenate(faces)
-    places = np.asarray(centres, np.float64).reshape(-1, 3)
+    places = np.asarray(centers, np.float64).reshape(-1, 3)
     points = (places[:, None] + radius * one[None]).reshape(-1, 3)
     shifted = triangles[None] + len(one) * np.arange(len(places))[:, None, None]
     return points, shifted.reshape(-1, 3).astype(np.int32)

@@ -146,7 +146,7 @@ class Plate:
             Drawn("Wound edge", WoundEdge(cache), edge_material(), 6),
             Drawn("Marks", SkinMarks(cache), ink_material(), 6),
             Drawn("Sutures", SutureThread(cache, 1.0 * seen[0] + 0.6 * seen[1], scale, hidden), thread_material(), 8),
-            Drawn("Hooks", HookSteel(cache, seen, field.centre, scale), steel_material(), 16),
+            Drawn("Hooks", HookSteel(cache, seen, field.center, scale), steel_material(), 16),
         )
         lowest = min(
             float((cache.positions(cache.epoch_at(t), t) @ field.normal).min()) for t in (cache.frames[0], *frames)

@@ -1,4 +1,4 @@
-"""Text and flat colour in pictures, drawn by Blender's own font engine into arrays; no other library."""
+"""Text and flat color in pictures, drawn by Blender's own font engine into arrays; no other library."""
 
 from __future__ import annotations
 
@@ -72,7 +72,7 @@ def fitted(text: str, size: float, width: float) -> str:
 
 
 def draw_text(
-    picture: Picture, text: str, at: tuple[float, float], size: float, colour: tuple[float, float, float]
+    picture: Picture, text: str, at: tuple[float, float], size: float, color: tuple[float, float, float]
 ) -> None:
     """Set a line of text into a picture. at: left end of the baseline, (x, y) in pixels from the top left."""
     if not text:
@@ -102,4 +102,4 @@ def draw_text(
     if x0 >= x1 or y0 >= y1:
         return
     cover = ink[y0 - top : y1 - top, x0 - left : x1 - left, None]
-    picture[y0:y1, x0:x1] = picture[y0:y1, x0:x1] * (1 - cover) + np.asarray(colour, np.float32) * cover
+    picture[y0:y1, x0:x1] = picture[y0:y1, x0:x1] * (1 - cover) + np.asarray(color, np.float32) * cover

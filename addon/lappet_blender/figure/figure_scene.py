@@ -70,7 +70,7 @@ def _add_light(
     size: float,
     power: float,
 ) -> None:
-    """A square area light that looks at the field's centre; power is scaled so that distance does not matter."""
+    """A square area light that looks at the field's center; power is scaled so that distance does not matter."""
     axes = np.stack([field.right, field.up, field.normal])
     back = np.asarray(towards, float) @ axes
     back /= np.linalg.norm(back)
@@ -81,7 +81,7 @@ def _add_light(
     data.energy = power * (reach * studio.units) ** 2
     light = bpy.data.objects.new(name, data)
     light.matrix_world = _placed(
-        field.centre + reach * back, np.stack([right, np.cross(back, right), back]), studio.units
+        field.center + reach * back, np.stack([right, np.cross(back, right), back]), studio.units
     )
     studio.collection.objects.link(light)
 
@@ -104,7 +104,7 @@ def add_lights(field: SurgicalField, studio: Studio) -> None:
 def add_backdrop(field: SurgicalField, lowest: float, material: bpy.types.Material, studio: Studio) -> None:
     """A wide sheet of paper across the field's normal. lowest: mm along the normal, under everything."""
     axes = np.stack([field.right, field.up, field.normal])
-    middle = field.centre + (lowest - field.centre @ field.normal) * field.normal
+    middle = field.center + (lowest - field.center @ field.normal) * field.normal
     half = 60.0 * field.extent
     corners = [middle + half * (x * axes[0] + y * axes[1]) for x, y in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
     mesh = bpy.data.meshes.new("Backdrop")
@@ -115,7 +115,7 @@ def add_backdrop(field: SurgicalField, lowest: float, material: bpy.types.Materi
 
 
 def set_render(scene: bpy.types.Scene, engine: str, threads: int = 0) -> None:
-    """Engine, quality and colour: Cycles on the processor with denoising, or Workbench for drafts."""
+    """Engine, quality and color: Cycles on the processor with denoising, or Workbench for drafts."""
     scene.render.engine = ENGINES[engine]
     scene.render.use_persistent_data = True
     scene.render.film_transparent = False

@@ -28,7 +28,7 @@ class SurgicalField:
     """
 
     points: NDArray[np.float64]
-    centre: NDArray[np.float64]
+    center: NDArray[np.float64]
     right: NDArray[np.float64]
     up: NDArray[np.float64]
     normal: NDArray[np.float64]
@@ -47,7 +47,7 @@ class SurgicalField:
 
 @dataclass(frozen=True, eq=False)
 class Viewpoint:
-    """A camera: position (3,) mm, axes (3, 3) with rows right, up, backwards, and the distance to the centre in mm."""
+    """A camera: position (3,) mm, axes (3, 3) with rows right, up, backwards, and the distance to the center in mm."""
 
     position: NDArray[np.float64]
     axes: NDArray[np.float64]
@@ -98,8 +98,8 @@ def field_around(
     right = np.cross(up, normal)
     axes = np.stack([right, up, normal])
     local = field @ axes.T
-    centre = (local.min(axis=0) + local.max(axis=0)) / 2 @ axes
-    return SurgicalField(field, centre, right, up, normal, WHOLE_FILL if whole else FIELD_FILL)
+    center = (local.min(axis=0) + local.max(axis=0)) / 2 @ axes
+    return SurgicalField(field, center, right, up, normal, WHOLE_FILL if whole else FIELD_FILL)
 
 
 def viewpoint(field: SurgicalField, view: str, half_angles: tuple[float, float], turned: float = TURN) -> Viewpoint:
@@ -117,9 +117,9 @@ def viewpoint(field: SurgicalField, view: str, half_angles: tuple[float, float],
     up = flat_up - (flat_up @ back) * back
     up /= np.linalg.norm(up)
     right = np.cross(up, back)
-    local = (field.points - field.centre) @ np.stack([right, up, back]).T
+    local = (field.points - field.center) @ np.stack([right, up, back]).T
     room = np.asarray(half_angles) * field.fill
-    # Shift sideways and up so that the field is centred as the camera sees it, then stand just far enough.
+    # Shift sideways and up so that the field is centerd as the camera sees it, then stand just far enough.
     shift = np.zeros(2)
     distance = 0.0
     for _ in range(12):
@@ -127,5 +127,5 @@ def viewpoint(field: SurgicalField, view: str, half_angles: tuple[float, float],
         distance = float((xy.max(axis=1) + local[:, 2]).max())
         seen = (local[:, :2] - shift) / (distance - local[:, 2])[:, None]
         shift = shift + 0.5 * (seen.min(axis=0) + seen.max(axis=0)) * distance
-    position = field.centre + shift[0] * right + shift[1] * up + distance * back
+    position = field.center + shift[0] * right + shift[1] * up + distance * back
     return Viewpoint(position, np.stack([right, up, back]), distance)

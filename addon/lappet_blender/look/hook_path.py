@@ -15,16 +15,16 @@ HANDLE_RADIUS = 0.6
 
 
 def hook_directions(
-    courses: list[NDArray[np.float64]], centre: NDArray[np.float64], axes: NDArray[np.float64]
+    courses: list[NDArray[np.float64]], center: NDArray[np.float64], axes: NDArray[np.float64]
 ) -> list[NDArray[np.float64]]:
     """Unit directions (3,) of the handles of hooks, fixed for their whole life so that they do not swing.
 
-    courses: (k, 3) mm each, where a hook's end on the tissue goes. centre: (3,) mm, the middle of the field. axes:
+    courses: (k, 3) mm each, where a hook's end on the tissue goes. center: (3,) mm, the middle of the field. axes:
     (3, 3), rows right, up along the skin and normal, as the picture is seen. Handles rise by `ELEVATION`, half of them
     to the left and half to the right of the picture in the order of the hooks' places, so that none crosses the field.
     """
-    places = np.array([(course.mean(axis=0) - centre) @ axes.T for course in courses]).reshape(-1, 3)
-    starts = np.array([(course[0] - centre) @ axes.T for course in courses]).reshape(-1, 3)
+    places = np.array([(course.mean(axis=0) - center) @ axes.T for course in courses]).reshape(-1, 3)
+    starts = np.array([(course[0] - center) @ axes.T for course in courses]).reshape(-1, 3)
     reach = max(float(np.abs(places[:, :2]).max(initial=0.0)), 1e-9)
     across = places[:, 0] + 0.5 * starts[:, 0]
     directions = [np.zeros(3)] * len(courses)

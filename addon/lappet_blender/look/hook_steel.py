@@ -17,18 +17,18 @@ class HookSteel:
         self,
         source: SkinSource,
         axes: NDArray[np.float64],
-        centre: NDArray[np.float64],
+        center: NDArray[np.float64],
         scale: float,
         before: HookSteel | None = None,
     ) -> None:
         """Draw hooks along these axes.
 
-        axes: (3, 3), rows right, up along the skin and normal, as the picture is seen. centre: (3,) mm, of it. before:
+        axes: (3, 3), rows right, up along the skin and normal, as the picture is seen. center: (3,) mm, of it. before:
         of the same epochs; what was found of them is kept.
         """
         self._source, self._normal, self._scale = source, axes[2], scale
         courses = source.hook_courses()
-        found = hook_directions(list(courses.values()), centre, axes)
+        found = hook_directions(list(courses.values()), center, axes)
         self._directions = dict(zip(courses, found, strict=True))
         self._held: dict[str, tuple[SkinNormals, NDArray[np.int64], NDArray[np.int32]]] = (
             {} if before is None else before._held

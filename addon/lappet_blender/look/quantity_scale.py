@@ -1,4 +1,4 @@
-"""The colour scale of strain, stress and tension: its full value, its unit, its colours."""
+"""The color scale of strain, stress and tension: its full value, its unit, its colors."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from .skin_material import RAMP
 
 UNITS = {"strain": "", "stress": " kPa", "tension": " kPa"}
-PERCENTILE = 95.0  # what is beyond is at the points that hooks hold, and takes the top colour
+PERCENTILE = 95.0  # what is beyond is at the points that hooks hold, and takes the top color
 MANTISSAS = (1.0, 1.2, 1.6, 2.0, 2.4, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0)
 
 
@@ -27,7 +27,7 @@ def full_value(peak: float) -> float:
 
 
 def ramp_linear(share: NDArray[np.floating]) -> NDArray[np.float64]:
-    """Linear colours (n, 3) of shares (n,) of full scale, held at the ends."""
+    """Linear colors (n, 3) of shares (n,) of full scale, held at the ends."""
     stops = np.array([position for position, _ in RAMP])
-    colours = np.array([colour for _, colour in RAMP])
-    return np.stack([np.interp(share, stops, colours[:, k]) for k in range(3)], axis=-1)
+    colors = np.array([color for _, color in RAMP])
+    return np.stack([np.interp(share, stops, colors[:, k]) for k in range(3)], axis=-1)

@@ -92,9 +92,9 @@ class _Nodes:
     def ramp(self, value: Any, stops: Any, interpolation: str = "LINEAR") -> Any:
         node = self.add("ShaderNodeValToRGB", {0: value})
         node.color_ramp.interpolation = interpolation
-        for k, (position, colour) in enumerate(stops):
+        for k, (position, color) in enumerate(stops):
             element = node.color_ramp.elements[k] if k < 2 else node.color_ramp.elements.new(position)
-            element.position, element.color = position, (*colour[:3], 1.0)
+            element.position, element.color = position, (*color[:3], 1.0)
         return node.outputs[0]
 
     def position(self) -> Any:
@@ -116,12 +116,12 @@ class _Nodes:
         )
         self.put(self.bsdf.inputs["Normal"], node.outputs[0])
 
-    def finish(self, colour: Any, **inputs: Any) -> bpy.types.Material:
-        self.put(self.bsdf.inputs["Base Color"], colour)
+    def finish(self, color: Any, **inputs: Any) -> bpy.types.Material:
+        self.put(self.bsdf.inputs["Base Color"], color)
         for name, value in inputs.items():
             self.put(self.bsdf.inputs[name.replace("_", " ")], value)
-        if not isinstance(colour, bpy.types.NodeSocket):
-            self.material.diffuse_color = colour
+        if not isinstance(color, bpy.types.NodeSocket):
+            self.material.diffuse_color = color
         return self.material
 
 
@@ -180,7 +180,7 @@ def skin_material(color: str, pixel: float, highest: float = 1.0, space: Space =
         tone = nodes.mix(nodes.math("MULTIPLY", _checker(nodes), CHECKER_SHARE), tone, CHECKER_INK)
     elif color != "plain":
         tone = nodes.mix(_grid(nodes, pixel), tone, GRID_INK)
-    # Subsurface scattering would cost half of the render time again; warm colour and soft light stand in for it.
+    # Subsurface scattering would cost half of the render time again; warm color and soft light stand in for it.
     material = nodes.finish(tone, Roughness=0.55, Specular_IOR_Level=0.32)
     material.diffuse_color = SKIN
     return material
@@ -194,9 +194,9 @@ def wall_material(space: Space = FIGURE) -> bpy.types.Material:
     uneven = nodes.math("MULTIPLY_ADD", nodes.math("SUBTRACT", blotch, 0.5), 1.6, depth)
     share = nodes.math("DIVIDE", uneven, 4.0)
     stops = ((0.0, DERMIS_PALE), (0.16, DERMIS), (0.5, DERMIS), (0.72, (0.72, 0.33, 0.17)), (0.95, (0.82, 0.53, 0.20)))
-    colour = nodes.ramp(share, stops)
+    color = nodes.ramp(share, stops)
     nodes.bump(nodes.noise(9.0, 4.0), 0.35, 0.04)
-    material = nodes.finish(colour, Roughness=0.32, Emission_Color=colour, Emission_Strength=0.07)
+    material = nodes.finish(color, Roughness=0.32, Emission_Color=color, Emission_Strength=0.07)
     material.diffuse_color = DERMIS
     return material
 
@@ -207,10 +207,10 @@ def rim_material(space: Space = FIGURE) -> bpy.types.Material:
     uneven = nodes.math(
         "MULTIPLY_ADD", nodes.math("SUBTRACT", nodes.noise(5.0), 0.5), 0.7, nodes.attribute("depth").outputs["Fac"]
     )
-    colour = nodes.ramp(
+    color = nodes.ramp(
         nodes.math("DIVIDE", uneven, 4.0), ((0.0, SKIN), (0.08, DERMIS_PALE), (0.34, DERMIS_PALE), (0.46, FAT))
     )
-    material = nodes.finish(colour, Roughness=0.6)
+    material = nodes.finish(color, Roughness=0.6)
     material.diffuse_color = DERMIS_PALE
     return material
 
@@ -221,9 +221,9 @@ def fat_material(space: Space = FIGURE) -> bpy.types.Material:
     cells = nodes.add("ShaderNodeTexVoronoi", {"Vector": nodes.position(), "Scale": 4.5}, feature="SMOOTH_F1").outputs[
         "Distance"
     ]
-    colour = nodes.ramp(cells, ((0.1, (0.88, 0.66, 0.27)), (0.75, (0.72, 0.37, 0.13))))
+    color = nodes.ramp(cells, ((0.1, (0.88, 0.66, 0.27)), (0.75, (0.72, 0.37, 0.13))))
     nodes.bump(nodes.math("SUBTRACT", 1.0, cells), 0.6, 0.06)
-    material = nodes.finish(colour, Roughness=0.36, Emission_Color=colour, Emission_Strength=0.05)
+    material = nodes.finish(color, Roughness=0.36, Emission_Color=color, Emission_Strength=0.05)
     material.diffuse_color = FAT
     return material
 
@@ -234,9 +234,9 @@ def bed_material(space: Space = FIGURE) -> bpy.types.Material:
     A little light of its own, here and on the wall, stands in for the bounces that a deep pocket would need.
     """
     nodes = _Nodes("Bed", space)
-    colour = nodes.ramp(nodes.noise(3.5, 4.0), ((0.3, BED), (0.72, (0.62, 0.22, 0.17))))
+    color = nodes.ramp(nodes.noise(3.5, 4.0), ((0.3, BED), (0.72, (0.62, 0.22, 0.17))))
     nodes.bump(nodes.noise(8.0, 4.0), 0.4, 0.05)
-    material = nodes.finish(colour, Roughness=0.35, Emission_Color=colour, Emission_Strength=0.10)
+    material = nodes.finish(color, Roughness=0.35, Emission_Color=color, Emission_Strength=0.10)
     material.diffuse_color = BED
     return material
 
@@ -266,8 +266,8 @@ def steel_material() -> bpy.types.Material:
     return _Nodes("Steel").finish(STEEL, Metallic=1.0, Roughness=0.36)
 
 
-def glowing_material(name: str, colour: tuple[float, float, float, float] | None) -> bpy.types.Material:
-    """A flat colour that no light changes; None: the mesh's colour attribute `Color`."""
+def glowing_material(name: str, color: tuple[float, float, float, float] | None) -> bpy.types.Material:
+    """A flat color that no light changes; None: the mesh's color attribute `Color`."""
     material = bpy.data.materials.new(name)
     if not material.use_nodes:
         material.use_nodes = True
@@ -276,13 +276,13 @@ def glowing_material(name: str, colour: tuple[float, float, float, float] | None
     glow = tree.nodes.new("ShaderNodeEmission")
     out = tree.nodes.new("ShaderNodeOutputMaterial")
     tree.links.new(glow.outputs[0], out.inputs[0])
-    if colour is None:
+    if color is None:
         attribute = tree.nodes.new("ShaderNodeAttribute")
         attribute.attribute_name = "Color"
         tree.links.new(attribute.outputs["Color"], glow.inputs["Color"])
     else:
-        glow.inputs["Color"].default_value = colour
-        material.diffuse_color = colour
+        glow.inputs["Color"].default_value = color
+        material.diffuse_color = color
     return material
 
 

@@ -52,13 +52,13 @@ def stitch_path(
     sideways = np.array(
         [up[1] * along[2] - up[2] * along[1], up[2] * along[0] - up[0] * along[2], up[0] * along[1] - up[1] * along[0]]
     )
-    centre = bites[0] + KNOT_AT * (bites[1] - bites[0]) + (radius + rise * np.sin(np.pi * KNOT_AT)) * up
-    coil = centre + scale * (
+    center = bites[0] + KNOT_AT * (bites[1] - bites[0]) + (radius + rise * np.sin(np.pi * KNOT_AT)) * up
+    coil = center + scale * (
         (_COIL / 2.0 - 0.5) * KNOT_LENGTH * along + KNOT_RADIUS * (_COIL_COS * sideways + (0.35 + _COIL_SIN) * up)
     )
     s = _TAIL
     tails = tuple(
-        centre + scale * (TAIL * s * (0.72 * side * sideways - 0.69 * along) + (0.15 + 0.35 * s - 0.4 * s**2) * up)
+        center + scale * (TAIL * s * (0.72 * side * sideways - 0.69 * along) + (0.15 + 0.35 * s - 0.4 * s**2) * up)
         for side in (1.0, -1.0)
     )
     return StitchPath(_entering(over, normals, scale), (coil, *tails))

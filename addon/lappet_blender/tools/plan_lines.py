@@ -41,7 +41,7 @@ _WIDTH = 2.5
 
 @dataclass
 class LineSet:
-    """Segments (2k, 3) of the world by (colour, width in pixels), and labels (place, text, colour)."""
+    """Segments (2k, 3) of the world by (color, width in pixels), and labels (place, text, color)."""
 
     segments: dict[tuple[Color, float], list[NDArray[np.float64]]] = field(default_factory=dict)
     labels: list[tuple[NDArray[np.float64], str, Color]] = field(default_factory=list)

@@ -1,6 +1,6 @@
 """Where rays meet a triangle surface that moves (numpy only).
 
-Triangles are sorted once along the places of their centres into blocks; each set of positions gives the blocks' boxes,
+Triangles are sorted once along the places of their centers into blocks; each set of positions gives the blocks' boxes,
 and a ray is tried on the triangles of those blocks that it enters.
 """
 

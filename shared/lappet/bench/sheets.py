@@ -161,8 +161,8 @@ def twisted(spacing: float, tolerance: float, **settings: Any) -> SheetMeasure:
     turn = math.radians(TURN)
     motion = np.eye(4)
     motion[1:3, 1:3] = [[math.cos(turn), -math.sin(turn)], [math.sin(turn), math.cos(turn)]]
-    centre = np.array(SHEET) / 2.0
-    motion[:3, 3] = centre - motion[:3, :3] @ centre + (PULL, 0.0, 0.0)
+    center = np.array(SHEET) / 2.0
+    motion[:3, 3] = center - motion[:3, :3] @ center + (PULL, 0.0, 0.0)
     frame = FrameConstraints(
         1.0, 0, retractor_index=np.zeros(1, np.int32), retractor_motion=motion[None].astype(np.float64)
     )

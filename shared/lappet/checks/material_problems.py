@@ -51,8 +51,8 @@ def material_problems(material: Material, path: str) -> list[Problem]:
     elif not 0.0 <= nu <= MOST_POISSONS_RATIO:
         add(ProblemCode.MATERIAL_POISSONS_RATIO, nu, most=MOST_POISSONS_RATIO)
     at_least_0("The Mooney ratio μ₀₁/μ₁₀", material.mooney_ratio)
-    at_least_0("The fibre stiffness k₁", material.fiber_k1, " kPa")
-    at_least_0("The fibre exponent k₂", material.fiber_k2)
+    at_least_0("The fiber stiffness k₁", material.fiber_k1, " kPa")
+    at_least_0("The fiber exponent k₂", material.fiber_k2)
     if not 0.0 <= material.fiber_dispersion <= 1.0 / 3.0 + 1e-12:
         add(ProblemCode.MATERIAL_FIBER_DISPERSION, material.fiber_dispersion)
     direction, stretch = material.fiber_direction, material.prestretch

@@ -340,7 +340,7 @@ def _conflicts(path: _Path, lengths: NDArray[np.float64], kerf: float, segments:
     """Segments of one path that come nearer to each other than the kerf, without being neighbours along it."""
     start = path.points[:segments]
     end = path.points[(np.arange(segments) + 1) % len(path.points)]
-    centres = 0.5 * (start + end)
+    centers = 0.5 * (start + end)
     found: dict[int, set[int]] = {}
     total = float(lengths[:segments].sum())
     middle = np.concatenate([[0.0], np.cumsum(lengths[:segments])])
@@ -352,7 +352,7 @@ def _conflicts(path: _Path, lengths: NDArray[np.float64], kerf: float, segments:
             apart = np.minimum(apart, total - apart)
         js = js[apart > 2.0 * kerf + 0.5 * (lengths[i] + lengths[js]) + 0.5 * kerf]
         reach = 1.2 * kerf + 0.51 * (lengths[i] + lengths[js])
-        js = js[np.linalg.norm(centres[js] - centres[i], axis=1) <= reach]
+        js = js[np.linalg.norm(centers[js] - centers[i], axis=1) <= reach]
         if len(js) == 0:
             continue
         near = _segment_distance(start[i], end[i], start[js], end[js]) < 1.1 * kerf

@@ -30,7 +30,7 @@ SUBSETS = {
     FaceOrigin.RIM: "rim",
 }
 # What viewers show without materials: skin, flesh, fat, fat.
-_COLOURS = np.array([(0.80, 0.58, 0.48), (0.62, 0.16, 0.14), (0.85, 0.66, 0.42), (0.85, 0.66, 0.42)], np.float32)
+_COLORS = np.array([(0.80, 0.58, 0.48), (0.62, 0.16, 0.14), (0.85, 0.66, 0.42), (0.85, 0.66, 0.42)], np.float32)
 _THREAD_MM, _STEEL_MM, _MARK_MM = 0.3, 0.5, 1.0
 _INSTANT = 1.0 / 1024.0  # of a frame
 
@@ -133,9 +133,9 @@ def _write_epoch(stage: Any, epoch: Epoch, frames: Sequence[SolvedFrame], times:
     types, tokens = usd.Sdf.ValueTypeNames, usd.UsdGeom.Tokens
     st = primvars.CreatePrimvar("st", types.TexCoord2fArray, tokens.faceVarying)
     st.Set(usd.Vt.Vec2fArray.FromNumpy(np.require(surface.uv.reshape(-1, 2), np.float32, ["C", "A"])))
-    colour = primvars.CreatePrimvar("displayColor", types.Color3fArray, tokens.uniform)
-    colour.Set(_vectors(_COLOURS))
-    colour.SetIndices(usd.Vt.IntArray.FromNumpy(surface.origin.astype(np.int32)))
+    color = primvars.CreatePrimvar("displayColor", types.Color3fArray, tokens.uniform)
+    color.Set(_vectors(_COLORS))
+    color.SetIndices(usd.Vt.IntArray.FromNumpy(surface.origin.astype(np.int32)))
     shading = ShadingNormals(surface)
     normals = primvars.CreatePrimvar("normals", types.Normal3fArray, tokens.faceVarying)
     normals.SetIndices(usd.Vt.IntArray.FromNumpy(shading.indices))
@@ -236,7 +236,7 @@ def _write_landmarks(stage: Any, procedure: Procedure, program: Program, frames:
         marks.CreateExtentAttr().Set(_box(positions, _MARK_MM), time)
 
 
-def _curves(stage: Any, path: str, names: Sequence[str], width: float, colour: tuple[float, float, float]) -> Any:
+def _curves(stage: Any, path: str, names: Sequence[str], width: float, color: tuple[float, float, float]) -> Any:
     usd = pxr()
     curves = usd.UsdGeom.BasisCurves.Define(stage, path)
     curves.CreateTypeAttr(usd.UsdGeom.Tokens.linear)
@@ -246,7 +246,7 @@ def _curves(stage: Any, path: str, names: Sequence[str], width: float, colour: t
     types, tokens = usd.Sdf.ValueTypeNames, usd.UsdGeom.Tokens
     primvars = usd.UsdGeom.PrimvarsAPI(curves)
     primvars.CreatePrimvar("label", types.StringArray, tokens.uniform).Set(list(names))
-    primvars.CreatePrimvar("displayColor", types.Color3fArray, tokens.constant).Set([colour])
+    primvars.CreatePrimvar("displayColor", types.Color3fArray, tokens.constant).Set([color])
     primvars.CreatePrimvar("active", types.IntArray, tokens.uniform)
     return curves
 

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 # Features of the report of economy, and their names here.
 _MEASURED = {
     name: name
-    for name in ("contact", "fibres", "muscle", "prestretch", "landmarks", "error_estimate", "strain", "region")
+    for name in ("contact", "fibers", "muscle", "prestretch", "landmarks", "error_estimate", "strain", "region")
 } | {"heterogeneity": "materials"}
 # Those that are measured on a wide patch, all others on a bar.
 _ON_A_PATCH = frozenset({"region"})
@@ -40,7 +40,7 @@ def scene_reasons(procedure: Procedure) -> dict[str, str]:
     -------
     dict[str, str]
         By feature the prims that ask for it, as text; empty for what the scene does without. `fixed` stands for faces
-        held in space, `contact` for bones; `fibres`, `muscle` and `prestretch` are of a material in use, `materials`
+        held in space, `contact` for bones; `fibers`, `muscle` and `prestretch` are of a material in use, `materials`
         stands for more than one in use; the others are there where their prims are.
     """
     tissue = procedure.tissue
@@ -68,7 +68,7 @@ def scene_reasons(procedure: Procedure) -> dict[str, str]:
         "landmarks": events(Landmark),
         "gravity": f"{tissue.gravity:g} m/s² on /Procedure/Tissue" if tissue.gravity else "",
         "contact": _named(f"/Procedure/Bone/{bone.name}" for bone in procedure.bones),
-        "fibres": of_materials([material for material in materials if material.has_fibers]),
+        "fibers": of_materials([material for material in materials if material.has_fibers]),
         "muscle": of_materials([material for material in materials if material.has_muscle]),
         "prestretch": of_materials([material for material in materials if material.has_prestretch]),
         "materials": of_materials(materials) if len(materials) > 1 else "",

@@ -128,7 +128,7 @@ def _material(material: Material) -> str:
         text += f", μ₀₁/μ₁₀ {number(material.mooney_ratio)}"
     if material.fiber_k1:
         k1, k2 = number(material.fiber_k1), number(material.fiber_k2)
-        text += f", fibres k₁ {k1} kPa, k₂ {k2} along {place(material.fiber_direction)}"
+        text += f", fibers k₁ {k1} kPa, k₂ {k2} along {place(material.fiber_direction)}"
     if material.has_muscle:
         peak = max((value for _, value in material.muscle_activation), default=0.0)
         along = "" if material.has_fibers else f" along {place(material.fiber_direction)}"

@@ -58,10 +58,10 @@ def parameters(material: Material) -> MaterialParameters:
     MaterialParameters
         Its parameters.
     """
-    fibres, plain = material.has_fibers, MaterialParameters()
+    fibers, plain = material.has_fibers, MaterialParameters()
     direction = np.asarray(material.fiber_direction, np.float64)
     x, y, z = (
-        (float(v) for v in direction / np.linalg.norm(direction)) if material.has_direction else plain.fibre_direction
+        (float(v) for v in direction / np.linalg.norm(direction)) if material.has_direction else plain.fiber_direction
     )
     return MaterialParameters(
         model=material.model,
@@ -69,10 +69,10 @@ def parameters(material: Material) -> MaterialParameters:
         poissons_ratio=float(material.poissons_ratio),
         density=float(material.density),
         mooney_ratio=float(material.mooney_ratio) if material.model == "mooneyRivlin" else plain.mooney_ratio,
-        fibre_direction=(x, y, z),
-        fibre_k1=float(material.fiber_k1),
-        fibre_k2=float(material.fiber_k2) if fibres else plain.fibre_k2,
-        fibre_dispersion=float(material.fiber_dispersion) if fibres else plain.fibre_dispersion,
+        fiber_direction=(x, y, z),
+        fiber_k1=float(material.fiber_k1),
+        fiber_k2=float(material.fiber_k2) if fibers else plain.fiber_k2,
+        fiber_dispersion=float(material.fiber_dispersion) if fibers else plain.fiber_dispersion,
         muscle_stress=float(material.muscle_stress),
         prestretch=material.prestretch,
     )

@@ -16,7 +16,6 @@ from lappet.program.program import Bones, FrameConstraints, Landmarks
 from lappet.program.settings import MaterialParameters, SolverSettings
 
 ALWAYS_TOLD = frozenset({"model", "youngs_modulus", "poissons_ratio", "density"})
-NOT_TOLD = frozenset({"hook_index"})
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,7 +115,7 @@ def solve_payload(frame: FrameConstraints) -> Payload:
     arrays = {
         item.name: np.asarray(getattr(frame, item.name), item.default_factory().dtype)
         for item in fields(frame)
-        if item.default_factory is not MISSING and item.name not in NOT_TOLD
+        if item.default_factory is not MISSING
     }
     if not len(arrays["activation"]):
         del arrays["activation"]

@@ -78,13 +78,13 @@ class MaterialParameters:
         Density in kg/m³.
     mooney_ratio
         Ratio μ₀₁/μ₁₀.
-    fibre_direction
+    fiber_direction
         Unit vector along the fibers at rest.
-    fibre_k1
+    fiber_k1
         Stiffness of the fibers in kPa; 0 for none.
-    fibre_k2
+    fiber_k2
         How the fibers stiffen, without unit.
-    fibre_dispersion
+    fiber_dispersion
         Dispersion of the fibers, 0 to 1/3.
     muscle_stress
         Greatest isometric stress of muscle in kPa; 0 for no muscle.
@@ -97,10 +97,10 @@ class MaterialParameters:
     poissons_ratio: float = 0.45
     density: float = 1100.0
     mooney_ratio: float = 0.0
-    fibre_direction: tuple[float, float, float] = (1.0, 0.0, 0.0)
-    fibre_k1: float = 0.0
-    fibre_k2: float = 0.0
-    fibre_dispersion: float = 0.0
+    fiber_direction: tuple[float, float, float] = (1.0, 0.0, 0.0)
+    fiber_k1: float = 0.0
+    fiber_k2: float = 0.0
+    fiber_dispersion: float = 0.0
     muscle_stress: float = 0.0
     prestretch: tuple[float, float] = (1.0, 1.0)
 

@@ -212,12 +212,12 @@ def stretched(by: float) -> NDArray[np.float64]:
     return _motion((by, 0.0, 0.0))
 
 
-def _motion(shift: Sequence[float], turn: float = 0.0, centre: Sequence[float] = (0.0, 0.0, 0.0)) -> NDArray[Any]:
-    """Turn about the x axis through `centre` by `turn` degrees, then shift by mm."""
+def _motion(shift: Sequence[float], turn: float = 0.0, center: Sequence[float] = (0.0, 0.0, 0.0)) -> NDArray[Any]:
+    """Turn about the x axis through `center` by `turn` degrees, then shift by mm."""
     angle = math.radians(turn)
     motion = np.eye(4)
     motion[1:3, 1:3] = [[math.cos(angle), -math.sin(angle)], [math.sin(angle), math.cos(angle)]]
-    middle = np.asarray(centre, float)
+    middle = np.asarray(center, float)
     motion[:3, 3] = middle - motion[:3, :3] @ middle + shift
     return motion
 

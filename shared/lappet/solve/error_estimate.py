@@ -133,7 +133,7 @@ def expected_order(program: Program, lattice: LatticeCounts | None = None) -> fl
     surfaces = [epoch.surface for epoch in program.epochs]
     held = any(np.any(each.fixed) or np.any(each.resting) for each in surfaces) or bool(program.retractors)
     # What does not draw in when it is pulled does so at no held edge.
-    draws_in = any(each.poissons_ratio > 0.0 or each.fibre_k1 > 0.0 for each in settings.materials)
+    draws_in = any(each.poissons_ratio > 0.0 or each.fiber_k1 > 0.0 for each in settings.materials)
     smooth = whole and not (held and draws_in) and not len(program.bones.points)
     return FULL_ORDER if smooth else HELD_ORDER
 

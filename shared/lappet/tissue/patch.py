@@ -17,7 +17,7 @@ UV_SCALE = 0.01  # texture units per mm
 def flat_patch(
     size: tuple[float, float, float] = (100.0, 80.0, 4.0),
     resolution: float = 2.0,
-    centre: tuple[float, float] = (0.0, 0.0),
+    center: tuple[float, float] = (0.0, 0.0),
     triangles: bool = False,
     material: str = "skin",
     spacing: float = 1.0,
@@ -36,7 +36,7 @@ def flat_patch(
     resolution
         Edge of the quadrilaterals in mm; a side that is no multiple of it is divided into the nearest number of equal
         parts.
-    centre
+    center
         Middle of the sheet, x and y in mm.
     triangles
         Whether the quadrilaterals are split.
@@ -70,8 +70,8 @@ def flat_patch(
         raise refused(ProblemCode.PATCH_SIZE, "patch", size, resolution=resolution)
     parts = [max(1, round(length / resolution)) for length in size]
     axes = [np.linspace(0.0, length, n + 1) for length, n in zip(size, parts, strict=True)]
-    axes[0] += centre[0] - size[0] / 2
-    axes[1] += centre[1] - size[1] / 2
+    axes[0] += center[0] - size[0] / 2
+    axes[1] += center[1] - size[1] / 2
     corners, uv, sides = [], [], []
     thickness = size[2]
     # Each side: (fixed axis, its index, the two running axes in the order that turns the normal outwards).

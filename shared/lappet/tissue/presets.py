@@ -66,8 +66,8 @@ DERMIS_OF_THE_BACK = Preset(
     ),
     "Ní Annaidh et al. 2012, Ann Biomed Eng 40:1666, doi 10.1007/s10439-012-0542-3: excised skin of the human back. "
     "mu 0.2014 MPa, k1 243.6, k2 0.1327, kappa 0.1404. The paper gives k1 without a unit; it is taken in units of mu: "
-    "along the fibres that makes a modulus of 4 (1 - 3 kappa)^2 k1 = 66 MPa, and 83 ± 35 MPa were measured; as MPa it "
-    "would be 327. Poisson's ratio and density were not measured. Turn the fibre direction to Langer's lines.",
+    "along the fibers that makes a modulus of 4 (1 - 3 kappa)^2 k1 = 66 MPa, and 83 ± 35 MPa were measured; as MPa it "
+    "would be 327. Poisson's ratio and density were not measured. Turn the fiber direction to Langer's lines.",
     measured=True,
 )
 FAT = Preset(

@@ -1,5 +1,5 @@
 // What a build of the daemon holds. The product holds everything and chooses by the scene; a build configured with
-// -DLAPPET_LEAVE_OUT="contact;fibres" is without these for good. Its only use is as a yardstick: a scene that needs
+// -DLAPPET_LEAVE_OUT="contact;fibers" is without these for good. Its only use is as a yardstick: a scene that needs
 // none of them must cost the product's hot loops the same instructions (`lappet report economy --yardstick`).
 #pragma once
 #include <string_view>
@@ -23,7 +23,7 @@ consteval bool holds(std::string_view feature) {
   return true;
 }
 
-inline constexpr bool kHasContact = holds("contact"), kHasFibers = holds("fibres"), kHasMuscle = holds("muscle"),
+inline constexpr bool kHasContact = holds("contact"), kHasFibers = holds("fibers"), kHasMuscle = holds("muscle"),
                       kHasPrestretch = holds("prestretch"), kHasHeterogeneity = holds("heterogeneity"),
                       kHasMeshCells = holds("mesh_cells"), kHasLandmarks = holds("landmarks"),
                       kHasErrorEstimate = holds("error_estimate"), kHasStrain = holds("strain");

@@ -117,13 +117,13 @@ MaterialParameters decode_material(FieldReader& reader) {
   material.poissons_ratio = reader.number("poissons_ratio");
   material.density = reader.number("density");
   material.mooney_ratio = reader.number("mooney_ratio", material.mooney_ratio);
-  if (reader.has("fibre_direction")) {
-    const std::array<double, 3> direction = reader.vector3("fibre_direction");
+  if (reader.has("fiber_direction")) {
+    const std::array<double, 3> direction = reader.vector3("fiber_direction");
     material.fiber_direction = Vec3(direction[0], direction[1], direction[2]);
   }
-  material.fiber_k1 = reader.number("fibre_k1", material.fiber_k1);
-  material.fiber_k2 = reader.number("fibre_k2", material.fiber_k2);
-  material.fiber_dispersion = reader.number("fibre_dispersion", material.fiber_dispersion);
+  material.fiber_k1 = reader.number("fiber_k1", material.fiber_k1);
+  material.fiber_k2 = reader.number("fiber_k2", material.fiber_k2);
+  material.fiber_dispersion = reader.number("fiber_dispersion", material.fiber_dispersion);
   material.muscle_stress = reader.number("muscle_stress", material.muscle_stress);
   if (reader.has("prestretch")) {
     const std::vector<double> prestretch = reader.numbers("prestretch", 2);

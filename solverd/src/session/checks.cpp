@@ -70,7 +70,7 @@ void check_material(const MaterialParameters& m, std::size_t i) {
   for (const double stretch : m.prestretch)
     require(stretch >= kMinPrestretch && stretch <= kMaxPrestretch,
             "a prestretch of material {} is {}; it must be {} to {}", i, stretch, kMinPrestretch, kMaxPrestretch);
-  require_held(kHasFibers, m.has_fibers(), "fibres");
+  require_held(kHasFibers, m.has_fibers(), "fibers");
   require_held(kHasMuscle, m.has_muscle(), "muscle");
   require_held(kHasPrestretch, m.has_prestretch(), "prestretch");
   try {

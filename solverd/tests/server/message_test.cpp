@@ -292,10 +292,10 @@ TEST(Codec, EveryParameterOfAMaterialIsRead) {
   };
   Fields full = material_fields();
   full["mooney_ratio"] = 0.5;
-  full["fibre_direction"] = std::vector<Value>{0.0, 0.6, 0.8};
-  full["fibre_k1"] = 11.0;
-  full["fibre_k2"] = 12.0;
-  full["fibre_dispersion"] = 0.1;
+  full["fiber_direction"] = std::vector<Value>{0.0, 0.6, 0.8};
+  full["fiber_k1"] = 11.0;
+  full["fiber_k2"] = 12.0;
+  full["fiber_dispersion"] = 0.1;
   full["muscle_stress"] = 300.0;
   full["prestretch"] = std::vector<Value>{1.2, 1.1};
   const SessionSettings read = decode(std::vector<Value>{material_fields(), full});

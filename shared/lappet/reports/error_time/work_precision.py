@@ -9,7 +9,7 @@ from lappet.core.problem import refused
 from lappet.core.problem_code import ProblemCode
 from lappet.reports.error_time.measurement import CHOICES, DEFAULT, Measure, SceneReport
 
-_COLOURS = {"quadrature": "#c1272d", "tolerance": "#0b6e4f", "precision": "#1f4e8c", "preconditioner": "#8a5a00"}
+_COLORS = {"quadrature": "#c1272d", "tolerance": "#0b6e4f", "precision": "#1f4e8c", "preconditioner": "#8a5a00"}
 _DASHES = ("--", ":", "-.")
 _WORDS = {
     "quadrature": "{} points",
@@ -74,7 +74,7 @@ def plot_scene(report: SceneReport, path: Path) -> None:
             others = [each for each in CHOICES[name] if each != DEFAULT[name]]
             label = _WORDS[name].format(_WORDS.get(str(value), value))
             style = _DASHES[others.index(value)]
-            axes.plot(x, y, style, marker=".", color=_COLOURS[name], lw=1.5, zorder=4, label=label)
+            axes.plot(x, y, style, marker=".", color=_COLORS[name], lw=1.5, zorder=4, label=label)
         else:
             axes.plot(x, y, "-", color="0.82", lw=0.7, zorder=1)
     uncertain = report.reference.uncertainty

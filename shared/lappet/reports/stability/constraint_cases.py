@@ -177,7 +177,7 @@ def _turned() -> Program:
     subsets = {"fixed": held[6:], "bed": tissue.subsets["bed"], "jaw": held[:6]}
     samples = []
     for time, degrees in ((1.0, 0.0), (5.0, 180.0)):
-        matrix = moved(turn=degrees, centre=(0.0, 0.0, 1.0)).T
+        matrix = moved(turn=degrees, center=(0.0, 0.0, 1.0)).T
         samples.append((time, tuple(matrix.reshape(-1))))
     made = procedure(replace(tissue, subsets=subsets), Retractor("jaw", "jaw", tuple(samples), 1.0, 9.0), end=5.0)
     return compiled(made)

@@ -135,15 +135,15 @@ def procedures() -> SearchStrategy[Procedure]:
     makers = (incision, incision, incision, undermine, hook, hook, suture, suture, retractor, landmark)
 
     def material(draw: DrawFn) -> Material:
-        fibred = draw(st.booleans())
+        fiberd = draw(st.booleans())
         return Material(
             model=draw(st.sampled_from(MODELS)),
             youngs_modulus=10.0 ** draw(st.integers(-1, 4)),
             poissons_ratio=draw(st.sampled_from([0.45, 0.0, 0.3, 0.49, 0.499, 0.4999])),
             mooney_ratio=draw(st.sampled_from([0.0, 0.3, 2.0])),
-            fiber_k1=10.0 if fibred else 0.0,
-            fiber_k2=draw(st.sampled_from([0.0, 1.0, 10.0, 50.0])) if fibred else 0.0,
-            fiber_dispersion=draw(st.sampled_from([0.0, 0.2, 1.0 / 3.0])) if fibred else 0.0,
+            fiber_k1=10.0 if fiberd else 0.0,
+            fiber_k2=draw(st.sampled_from([0.0, 1.0, 10.0, 50.0])) if fiberd else 0.0,
+            fiber_dispersion=draw(st.sampled_from([0.0, 0.2, 1.0 / 3.0])) if fiberd else 0.0,
             prestretch=draw(st.sampled_from([(1.0, 1.0), (1.0, 1.0), (1.2, 1.1), (0.9, 1.0)])),
         )
 

@@ -1,4 +1,4 @@
-"""Cases of materials: near incompressibility, contrast between regions, stiff fibres, every model at its extremes."""
+"""Cases of materials: near incompressibility, contrast between regions, stiff fibers, every model at its extremes."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ KEPT = 0.02  # of the volume
 
 
 def material_cases() -> Iterator[Case]:
-    """List the groups poisson, contrast, fibres and models.
+    """List the groups poisson, contrast, fibers and models.
 
     Yields
     ------
@@ -43,7 +43,7 @@ def material_cases() -> Iterator[Case]:
     """
     yield from _poisson()
     yield from _contrast()
-    yield from _fibres()
+    yield from _fibers()
     yield from _models()
 
 
@@ -137,8 +137,8 @@ def inclusion(contrast: float, depth: float = 4.0, **settings: Any) -> Program:
         The program.
     """
     surface, side = grid_box(BLOCK, (8, 8, 4))
-    centre = surface.points[surface.triangles].mean(axis=1)
-    inside = (side == ABOVE) & (np.abs(centre[:, :2] - 8.0) < 4.0).all(axis=1)
+    center = surface.points[surface.triangles].mean(axis=1)
+    inside = (side == ABOVE) & (np.abs(center[:, :2] - 8.0) < 4.0).all(axis=1)
     regions = Regions(
         surface.points,
         surface.triangles,
@@ -181,31 +181,31 @@ def _contrast() -> Iterator[Case]:
         )
 
 
-def _fibred(exponent: float, **changes: Any) -> MaterialParameters:
-    return material(fibre_k1=10.0, fibre_k2=exponent, **changes)
+def _fiberd(exponent: float, **changes: Any) -> MaterialParameters:
+    return material(fiber_k1=10.0, fiber_k2=exponent, **changes)
 
 
-def _fibres() -> Iterator[Case]:
+def _fibers() -> Iterator[Case]:
     skin = grid_box((16.0, 8.0, 8.0), (8, 4, 4))[0]
     along = Regions(skin.points, skin.triangles, np.zeros((0, len(skin.triangles)), np.bool_))
 
-    def bar(factor: float, fibred: MaterialParameters, steps: int = 1) -> Program:
-        return stretched(factor, steps=steps, materials=(fibred,), regions=along)
+    def bar(factor: float, fiberd: MaterialParameters, steps: int = 1) -> Program:
+        return stretched(factor, steps=steps, materials=(fiberd,), regions=along)
 
     for exponent in (1.0, 10.0, 50.0):
         for factor, steps in ((1.2, 1), (1.5, 5), (0.8, 1)):
             yield Case(
-                f"fibre exponent {exponent:g}, to {factor:g} of the length in {steps}",
-                "fibres",
-                lambda e=exponent, f=factor, s=steps: bar(f, _fibred(e), s),
+                f"fiber exponent {exponent:g}, to {factor:g} of the length in {steps}",
+                "fibers",
+                lambda e=exponent, f=factor, s=steps: bar(f, _fiberd(e), s),
             )
-    yield Case("fibre exponent 50, dispersed", "fibres", lambda: bar(1.2, _fibred(50.0, fibre_dispersion=1.0 / 3.0)))
-    yield Case("fibre exponent 50, across", "fibres", lambda: bar(1.5, _fibred(50.0, fibre_direction=(0.0, 1.0, 0.0))))
-    yield Case("fibre exponent 50, to 3 times the length in 5", "fibres", lambda: bar(3.0, _fibred(50.0), 5))
+    yield Case("fiber exponent 50, dispersed", "fibers", lambda: bar(1.2, _fiberd(50.0, fiber_dispersion=1.0 / 3.0)))
+    yield Case("fiber exponent 50, across", "fibers", lambda: bar(1.5, _fiberd(50.0, fiber_direction=(0.0, 1.0, 0.0))))
+    yield Case("fiber exponent 50, to 3 times the length in 5", "fibers", lambda: bar(3.0, _fiberd(50.0), 5))
     yield Case(
-        "fibre exponent 50, prestretched 1.3 along",
-        "fibres",
-        lambda: bar(1.1, _fibred(50.0, prestretch=(1.3, 1.1))),
+        "fiber exponent 50, prestretched 1.3 along",
+        "fibers",
+        lambda: bar(1.1, _fiberd(50.0, prestretch=(1.3, 1.1))),
     )
 
 

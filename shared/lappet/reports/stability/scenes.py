@@ -136,7 +136,7 @@ def block(
     )
 
 
-def moved(shift: Vector = (0.0, 0.0, 0.0), turn: float = 0.0, centre: Vector = (0.0, 0.0, 0.0)) -> NDArray[np.float64]:
+def moved(shift: Vector = (0.0, 0.0, 0.0), turn: float = 0.0, center: Vector = (0.0, 0.0, 0.0)) -> NDArray[np.float64]:
     """Make a motion: a turn about the x axis, then a shift.
 
     Parameters
@@ -145,7 +145,7 @@ def moved(shift: Vector = (0.0, 0.0, 0.0), turn: float = 0.0, centre: Vector = (
         Shift in mm.
     turn
         Angle in degrees.
-    centre
+    center
         Point in mm about which it turns.
 
     Returns
@@ -156,7 +156,7 @@ def moved(shift: Vector = (0.0, 0.0, 0.0), turn: float = 0.0, centre: Vector = (
     angle = math.radians(turn)
     motion = np.eye(4)
     motion[1:3, 1:3] = [[math.cos(angle), -math.sin(angle)], [math.sin(angle), math.cos(angle)]]
-    middle = np.asarray(centre, float)
+    middle = np.asarray(center, float)
     motion[:3, 3] = middle - motion[:3, :3] @ middle + shift
     return motion
 
@@ -206,7 +206,7 @@ def twisted(degrees: float, steps: int, **more: Any) -> Program:
     Program
         The program.
     """
-    motions = [[moved(turn=degrees * (step + 1) / steps, centre=(0.0, 4.0, 4.0))] for step in range(steps)]
+    motions = [[moved(turn=degrees * (step + 1) / steps, center=(0.0, 4.0, 4.0))] for step in range(steps)]
     return block((32.0, 8.0, 8.0), 2.0, fixed=(LEFT,), gripped=(RIGHT,), motions=motions, **more)
 
 
