@@ -113,6 +113,8 @@ class Diagnostics:
         Whether it met the tolerance and the gaps asked for.
     reason
         Why it did not, a sentence; else empty.
+    reason_code
+        The same as a code of PROTOCOL.md, "frame"; else empty.
     newton
         Newton iterations.
     pcg
@@ -147,6 +149,7 @@ class Diagnostics:
 
     converged: bool
     reason: str = ""
+    reason_code: str = ""
     newton: int = 0
     pcg: int = 0
     load_steps: int = 0

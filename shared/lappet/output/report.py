@@ -16,13 +16,12 @@ from typing import Any
 import numpy as np
 
 from lappet.core.machine import machine
-from lappet.core.problem_code import ProblemCode
 from lappet.core.version import version
 from lappet.output.solve_to_cache import SolveResult
 from lappet.procedure.scene_profile import scene_profile
 from lappet.program.program import Program
 from lappet.solve.error_estimate import FrameErrorEstimate
-from lappet.solve.solve_frames import FrameResult
+from lappet.solve.solve_frames import FrameResult, failure_code
 
 REPORT_VERSION = 1
 LATTICE_COUNTS = ("fine_voxels", "cells", "grid_cells", "mesh_cells", "nodes", "blocks")
@@ -144,7 +143,7 @@ def _frame(program: Program, frame: FrameResult, error: FrameErrorEstimate | Non
         "epoch": frame.constraints.epoch,
         "converged": said.converged,
         "reason": said.reason or None,
-        "code": None if said.converged else ProblemCode.FRAME_NOT_CONVERGED,
+        "code": None if said.converged else failure_code(solved),
         "newton_iterations": said.newton,
         "pcg_iterations": said.pcg,
         "load_steps": said.load_steps,

@@ -15,6 +15,19 @@ from lappet.solve.store import FrameStore
 
 TRIES = 3
 
+FAILURE_CODES = {
+    "stopped": ProblemCode.FRAME_STOPPED,
+    "not_finite": ProblemCode.FRAME_NOT_FINITE,
+    "iterations": ProblemCode.FRAME_ITERATIONS,
+    "no_descent": ProblemCode.FRAME_NO_DESCENT,
+    "too_stiff": ProblemCode.FRAME_TOO_STIFF,
+    "inverted": ProblemCode.FRAME_INVERTED,
+    "in_bone": ProblemCode.FRAME_IN_BONE,
+    "gap": ProblemCode.FRAME_GAP,
+    "unreachable": ProblemCode.FRAME_UNREACHABLE,
+}
+"""What a `reason_code` of PROTOCOL.md is as a problem."""
+
 
 class SolveObserver:
     """An observer of a solve; this one keeps silent."""
@@ -158,9 +171,23 @@ def not_converged(frame: SolvedFrame) -> Problem:
     Problem
         The problem.
     """
-    return problem(
-        ProblemCode.FRAME_NOT_CONVERGED, f"Frame {frame.time:g}", frame.reason or "the solver gives no reason."
-    )
+    return problem(failure_code(frame), f"Frame {frame.time:g}", frame.reason or "the solver gives no reason.")
+
+
+def failure_code(frame: SolvedFrame) -> ProblemCode:
+    """Return which kind of problem kept a frame from converging.
+
+    Parameters
+    ----------
+    frame
+        The frame.
+
+    Returns
+    -------
+    ProblemCode
+        The code; the general one where the solver names none that is known here.
+    """
+    return FAILURE_CODES.get(frame.diagnostics.reason_code, ProblemCode.FRAME_NOT_CONVERGED)
 
 
 def at_frame(time: float, error: ProblemsError) -> Problem:

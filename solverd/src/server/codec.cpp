@@ -368,7 +368,8 @@ std::vector<PartBytes> encode_frame(ReplyTo to, const FrameOutput& frame) {
   MessageWriter writer = reply("frame", to);
   writer.field("time", frame.time)
       .field("converged", frame.converged)
-      .field("reason", sentence_of(frame.reason))
+      .field("reason", sentence_of(frame.failure.message))
+      .field("reason_code", std::string(frame.failure.name()))
       .field("newton", std::int64_t{frame.newton_iterations})
       .field("pcg", std::int64_t{frame.pcg_iterations})
       .field("load_steps", std::int64_t{frame.load_steps})

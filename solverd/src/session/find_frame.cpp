@@ -56,7 +56,7 @@ class FrameSearch {
     } else {
       found_.state = before_;
       epoch_.constraints.apply(frame_, found_.state);
-      found_.outcome.reason = unreachable;
+      found_.outcome.failure = {FailureCode::kUnreachable, unreachable};
     }
     if (!found_.outcome.converged) {
       refuse_if_stopped();
@@ -73,7 +73,7 @@ class FrameSearch {
     while (const auto attempt = schedule.next()) {
       const int reached = try_once(*attempt, schedule);
       const EquilibriumOutcome& outcome = found_.outcome;
-      std::string why = outcome.reason;
+      std::string why = outcome.failure.message;
       if (outcome.converged && outcome.inverted > 0 && !attempt->from_rest) {
         why = fmt::format("{} cells are inverted", outcome.inverted);
         set_aside();
@@ -134,10 +134,12 @@ class FrameSearch {
     auto& [doubtful, state] = *doubtful_;
     EquilibriumOutcome& outcome = found_.outcome;
     if (!outcome.converged) {
-      outcome.reason = fmt::format(
-          "{} cells are inverted in the equilibrium found from the frame before, and none is found from rest "
-          "to confirm it ({}); make smaller steps between frames or a smaller spacing",
-          doubtful.inverted, outcome.reason);
+      outcome.failure = {
+          FailureCode::kInverted,
+          fmt::format(
+              "{} cells are inverted in the equilibrium found from the frame before, and none is found from rest "
+              "to confirm it ({}); make smaller steps between frames or a smaller spacing",
+              doubtful.inverted, outcome.failure.message)};
     } else if (doubtful.energy <= outcome.energy + kSameEnergy * std::abs(outcome.energy)) {
       outcome = std::move(doubtful);
       found_.state = std::move(state);

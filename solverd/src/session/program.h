@@ -11,6 +11,7 @@
 
 #include "force/materials/cell_materials.h"
 #include "lattice/surface.h"
+#include "solve/newton/failure.h"
 #include "solve/system/work.h"
 
 namespace lappet {
@@ -164,7 +165,7 @@ struct SolveEffort {
 struct FrameOutput : FrameFields, SolveEffort {
   double time = 0.0;
   bool converged = false;
-  std::string reason;        // empty when converged: otherwise one sentence
+  Failure failure;           // none when converged
   double residual = 0.0;     // relative to the force scale
   double force_scale = 0.0;  // mN
   double largest_gap = 0.0;  // mm, over sutures and grips

@@ -32,7 +32,7 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
 
 void write_outcome(const EquilibriumOutcome& outcome, FrameOutput& output) {
   output.converged = outcome.converged;
-  output.reason = outcome.reason;
+  output.failure = outcome.failure;
   output.residual = outcome.residual;
   output.force_scale = outcome.force_scale;
   output.largest_gap = outcome.gap;

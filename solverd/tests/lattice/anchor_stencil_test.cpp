@@ -184,7 +184,7 @@ TEST(AnchorStencil, ASutureNeedsAsMuchForceAndBendsCellsAsMuchOnAFinerLattice) {
                       1.0,
                       1000.0}};
     const FrameOutput out = session.solve(frame, {}, kNever);
-    EXPECT_TRUE(out.converged) << out.reason;
+    EXPECT_TRUE(out.converged) << out.failure.message;
     return out;
   };
   const FrameOutput coarse = closed(0.5), fine = closed(0.25);

@@ -98,7 +98,7 @@ TEST(EpochReplacement, AnEpochBeyondTheBudgetOrInBoneIsRefusedAndTheOneBeforeSta
   const EpochInput first = slab({8, 8, 3});
   session.set_epoch(first);
   const FrameOutput before = session.solve(lifted(first, 1, 1.0), {}, kNever);
-  ASSERT_TRUE(before.converged) << before.reason;
+  ASSERT_TRUE(before.converged) << before.failure.message;
   EpochInput sunk = first;
   for (Vec3& point : sunk.surface.points) point[2] -= 2.0;
   for (const EpochInput& bad : {slab({900, 900, 30}), sunk}) {

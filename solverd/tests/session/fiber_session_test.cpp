@@ -143,11 +143,11 @@ TEST(MuscleSession, AFreeMuscleShortensUntilItsTissueBearsItsStress) {
   FrameInput frame;
   frame.activation = {1.0};
   FrameOutput out = session.solve(frame, {}, kNever);
-  ASSERT_TRUE(out.converged) << out.reason;
+  ASSERT_TRUE(out.converged) << out.failure.message;
   EXPECT_NEAR(read_gauge(out, bar).axial, low, 1e-2 * low);
   frame.activation = {0.0};  // and comes back when it relaxes
   out = session.solve(frame, {}, kNever);
-  ASSERT_TRUE(out.converged) << out.reason;
+  ASSERT_TRUE(out.converged) << out.failure.message;
   EXPECT_NEAR(read_gauge(out, bar).axial, 1, 5e-3);
 }
 
@@ -168,7 +168,7 @@ TEST(MuscleSession, ActivationGrowsOverLoadStepsToTheStateOfManyFrames) {
       FrameInput frame;
       frame.activation = {static_cast<double>(k) / frames};
       out = session.solve(frame, {}, kNever);
-      EXPECT_TRUE(out.converged) << out.reason;
+      EXPECT_TRUE(out.converged) << out.failure.message;
     }
     EXPECT_EQ(out.state.activation, (std::vector<double>{1.0}));
     return std::pair(read_gauge(out, bar).axial, out.load_steps);

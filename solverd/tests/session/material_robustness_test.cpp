@@ -10,11 +10,11 @@ namespace {
 
 // What came back holds no NaN; says whether it converged.
 bool reached(const FrameOutput& out) {
-  EXPECT_NE(out.converged, !out.reason.empty());
+  EXPECT_NE(out.converged, !out.failure.message.empty());
   for (const auto& array : {out.points, out.strain, out.stress, out.tension})
     for (const float value : array) EXPECT_TRUE(std::isfinite(value));
   EXPECT_TRUE(std::isfinite(out.energy));
-  EXPECT_EQ(out.reason.find("nan"), std::string::npos) << out.reason;
+  EXPECT_EQ(out.failure.message.find("nan"), std::string::npos) << out.failure.message;
   return out.converged;
 }
 
@@ -39,7 +39,7 @@ TEST(MaterialRobustness, FibersThatStiffenSharplyAreStretchedFarInAFewFrames) {
   session.set_epoch(bar_epoch(bar));
   for (const double elongation : {4.0, 8.0, 12.0, 16.0}) {
     const FrameOutput out = move(session, elongation);
-    ASSERT_TRUE(reached(out)) << elongation << ": " << out.reason;
+    ASSERT_TRUE(reached(out)) << elongation << ": " << out.failure.message;
   }
 }
 
@@ -51,7 +51,7 @@ TEST(MaterialRobustness, FibersThatStiffenSharplyAreStretchedToThreeTimesTheirLe
       Session session(s);
       session.set_epoch(bar_epoch(Bar{20, 4, 4}));
       const FrameOutput out = move(session, elongation);
-      EXPECT_TRUE(reached(out)) << precision << " " << elongation << ": " << out.reason;
+      EXPECT_TRUE(reached(out)) << precision << " " << elongation << ": " << out.failure.message;
     }
 }
 
@@ -84,7 +84,7 @@ TEST(MaterialRobustness, AMooneyRivlinBlockIsSqueezedToHalfItsHeight) {
       session.set_epoch(bar_epoch(Bar{6, 8, 8}));
       for (const double elongation : {-1.0, -2.0, -3.0}) {
         const FrameOutput out = move(session, elongation);
-        EXPECT_TRUE(reached(out)) << ratio << " " << poisson << " " << elongation << ": " << out.reason;
+        EXPECT_TRUE(reached(out)) << ratio << " " << poisson << " " << elongation << ": " << out.failure.message;
         EXPECT_GT(out.minimum_j, 0.3);
       }
     }

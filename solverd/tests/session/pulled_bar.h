@@ -55,7 +55,7 @@ inline FrameOutput pull(Session& session, double elongation, const std::vector<d
   FrameInput frame = pulled({Vec3(elongation, 0, 0)});
   frame.activation = activation;
   FrameOutput out = session.solve(frame, {}, kNever);
-  EXPECT_TRUE(out.converged) << out.reason;
+  EXPECT_TRUE(out.converged) << out.failure.message;
   return out;
 }
 

@@ -103,7 +103,7 @@ TEST(Sheet, ConvergesFromRestInOneStepInFewNewtonIterationsAlsoWhenNearlyIncompr
     scene.poissons_ratio = kRatios[k];
     scene.tolerance = 1e-7;  // the force scale is ten times the reaction
     const FrameOutput out = solve_from_rest(scene);
-    ASSERT_TRUE(out.converged) << out.reason;
+    ASSERT_TRUE(out.converged) << out.failure.message;
     EXPECT_EQ(out.load_steps, 1);
     EXPECT_EQ(out.inverted_cells, 0);
     EXPECT_LE(out.newton_iterations, kMaxNewton[k]) << "nu " << kRatios[k];
@@ -117,7 +117,7 @@ TEST(Sheet, DisplacementsAtTwoMillimetersAreWithinFourHundredthsOfAMillimeterWha
     SheetScene scene;
     scene.poissons_ratio = kRatios[k];
     const FrameOutput out = solve_from_rest(scene);
-    ASSERT_TRUE(out.converged) << out.reason;
+    ASSERT_TRUE(out.converged) << out.failure.message;
     const Lattice lattice = sheet_lattice(scene);
     for (std::size_t p = 0; p < kPoints; ++p) {
       const Vec3 u = displacement(out, lattice, reference_point(p));
@@ -131,7 +131,7 @@ TEST(Sheet, DisplacementsAtTwoMillimetersAreWithinFourHundredthsOfAMillimeterWha
 TEST(Sheet, TheEquilibriumHasTheSymmetryOfTheSheet) {
   SheetScene scene;
   const FrameOutput out = solve_from_rest(scene);
-  ASSERT_TRUE(out.converged) << out.reason;
+  ASSERT_TRUE(out.converged) << out.failure.message;
   const Lattice lattice = sheet_lattice(scene);
   std::map<std::array<long, 3>, std::size_t> node_at;
   const auto key = [](const Vec3& x) {
@@ -157,7 +157,7 @@ TEST(Sheet, DISABLED_ReferenceDisplacements) {
       scene.poissons_ratio = ratio;
       scene.spacing = spacing;
       const FrameOutput out = solve_from_rest(scene);
-      ASSERT_TRUE(out.converged) << out.reason;
+      ASSERT_TRUE(out.converged) << out.failure.message;
       const Lattice lattice = sheet_lattice(scene);
       for (std::size_t p = 0; p < kPoints; ++p)
         (spacing < 1.0 ? fine : coarse)[p] = displacement(out, lattice, reference_point(p));

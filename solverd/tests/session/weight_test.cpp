@@ -25,7 +25,7 @@ TEST(Weight, ABarHangingUnderItsOwnWeightLengthensAsTheFormulaSays) {
   session.set_epoch(epoch);
   FrameInput frame;
   const FrameOutput out = session.solve(frame, {}, kNever);
-  ASSERT_TRUE(out.converged) << out.reason;
+  ASSERT_TRUE(out.converged) << out.failure.message;
   const double weight = s.materials[0].density * 9.81 * 1e-6;  // mN/mm^3
   EXPECT_NEAR(-landmark(out, 0)[2], weight * 30 * 30 / (2 * 50), 1e-3 * weight * 9);
 }
@@ -44,7 +44,7 @@ TEST(Weight, ATissueOnABedSinksByItsWeightOverTheBedsStiffness) {
   add_landmark(epoch, Vec3(3, 3, 0));
   session.set_epoch(epoch);
   const FrameOutput out = session.solve(FrameInput{}, {}, kNever);
-  ASSERT_TRUE(out.converged) << out.reason;
+  ASSERT_TRUE(out.converged) << out.failure.message;
   const double expected = s.materials[0].density * 9.81e-6 * 4 / 2.0;
   EXPECT_NEAR(-landmark(out, 0)[2], expected, 1e-3 * expected);
 }
@@ -66,7 +66,7 @@ TEST(Weight, ARestingTissueSinksLikeAnAttachedOneButLiftsOffFreely) {
     Session session(s);
     session.set_epoch(epoch);
     const FrameOutput out = session.solve(FrameInput{}, {}, kNever);
-    ASSERT_TRUE(out.converged) << out.reason;
+    ASSERT_TRUE(out.converged) << out.failure.message;
     // within what the weak bed of floating fragments carries
     EXPECT_NEAR(-landmark(out, 0)[2], weight / s.bed_stiffness, 1e-2 * weight / s.bed_stiffness);
   }
@@ -78,7 +78,7 @@ TEST(Weight, ARestingTissueSinksLikeAnAttachedOneButLiftsOffFreely) {
     Session session(s);
     session.set_epoch(epoch);
     const FrameOutput out = session.solve(pulled({Vec3(0, 0, 3)}), {}, kNever);
-    ASSERT_TRUE(out.converged) << out.reason;
+    ASSERT_TRUE(out.converged) << out.failure.message;
     EXPECT_NEAR(landmark(out, 0)[2], 3, 1e-6);
     EXPECT_LT(out.energy, 1e-9);
   }
@@ -105,7 +105,7 @@ TEST(Weight, GravityPullsEveryLayerByItsOwnDensity) {
   Session session(s);
   session.set_epoch(epoch);
   const FrameOutput out = session.solve(FrameInput{}, {}, kNever);
-  ASSERT_TRUE(out.converged) << out.reason;
+  ASSERT_TRUE(out.converged) << out.failure.message;
   // The integral of the weight below, over E: the lower half by itself, then the upper half under it.
   const double light = 1000 * 9.81e-6, heavy = 3000 * 9.81e-6, l = 15;
   const double expected = (heavy * l * l / 2 + heavy * l * l + light * l * l / 2) / s.materials[0].youngs_modulus;
@@ -125,7 +125,7 @@ TEST(Weight, ASlenderBeamSagsWhateverTheTolerance) {
     Session session(s);
     session.set_epoch(epoch);
     const FrameOutput out = session.solve(FrameInput{}, {}, kNever);
-    EXPECT_TRUE(out.converged) << out.reason;
+    EXPECT_TRUE(out.converged) << out.failure.message;
     return 2 - landmark(out, 0)[2];
   };
   const double exact = sag(1e-5);

@@ -82,8 +82,8 @@ TEST(ChangeNeighborhood, WhatAHookDoesNotReachStaysAtRestAndTheRestIsWhereAnExac
   for (int k = 1; k <= 4; ++k) {
     const FrameOutput found = session.solve(lifted(k, 0.5 * k), {}, kNever);
     const FrameOutput all = exact.solve(lifted(k, 0.5 * k), {}, kNever);
-    ASSERT_TRUE(found.converged) << found.reason;
-    ASSERT_TRUE(all.converged) << all.reason;
+    ASSERT_TRUE(found.converged) << found.failure.message;
+    ASSERT_TRUE(all.converged) << all.failure.message;
     EXPECT_EQ(all.active_cells, kCells);
     EXPECT_GT(found.active_cells, 0);
     EXPECT_LT(found.active_cells, kCells / 2) << k;
@@ -105,8 +105,8 @@ TEST(ChangeNeighborhood, ASutureIsDrawnTogetherThereAndItsMultiplierIsKept) {
     frame.time = k;
     frame.sutures = {{0, on_skin(70, 61), on_skin(82, 61), 0.08 * k, 500.0}};
     const FrameOutput found = session.solve(frame, {}, kNever), all = exact.solve(frame, {}, kNever);
-    ASSERT_TRUE(found.converged) << found.reason;
-    ASSERT_TRUE(all.converged) << all.reason;
+    ASSERT_TRUE(found.converged) << found.failure.message;
+    ASSERT_TRUE(all.converged) << all.failure.message;
     EXPECT_LE(found.largest_gap, 1e-3 * kSpacing);
     EXPECT_LT(furthest(found, all), kLeftOpen) << k;
     if (k == 0) continue;
@@ -135,8 +135,8 @@ TEST(ChangeNeighborhood, ARetractorCarriesItsFacesThere) {
       FrameInput frame = pulled({{0.3 * k, 0.0, 0.2 * k}});
       frame.time = k;
       const FrameOutput found = session.solve(frame, {}, kNever), all = exact.solve(frame, {}, kNever);
-      ASSERT_TRUE(found.converged) << found.reason;
-      ASSERT_TRUE(all.converged) << all.reason;
+      ASSERT_TRUE(found.converged) << found.failure.message;
+      ASSERT_TRUE(all.converged) << all.failure.message;
       EXPECT_LT(found.active_cells, kCells / 2) << thickness << " " << k;
       EXPECT_LT(furthest(found, all), kLeftOpen) << thickness << " " << k;
     }
@@ -165,8 +165,8 @@ TEST(ChangeNeighborhood, APullThatReachesFurtherIsFinishedEverywhere) {
   for (int k = 1; k <= 4; ++k) {
     const FrameInput frame = lifted(k, k == 1 ? 0.5 : 10.0 * k, 3000.0);
     const FrameOutput found = session.solve(frame, {}, kNever), all = exact.solve(frame, {}, kNever);
-    ASSERT_TRUE(found.converged) << found.reason;
-    ASSERT_TRUE(all.converged) << all.reason;
+    ASSERT_TRUE(found.converged) << found.failure.message;
+    ASSERT_TRUE(all.converged) << all.failure.message;
     EXPECT_LE(found.residual, 1e-3);
     if (k == 1) {
       EXPECT_LT(found.active_cells, kCells / 2) << k;
@@ -186,7 +186,7 @@ TEST(ChangeNeighborhood, TissueOnABedTooSoftToHoldItIsSolvedEverywhere) {
     Session session(settings);
     session.set_epoch(patch());
     const FrameOutput found = session.solve(lifted(1, 1.0), {}, kNever);
-    ASSERT_TRUE(found.converged) << found.reason;
+    ASSERT_TRUE(found.converged) << found.failure.message;
     EXPECT_EQ(found.active_cells, kCells) << bed;
   }
 }

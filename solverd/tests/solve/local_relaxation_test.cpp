@@ -209,8 +209,8 @@ EquilibriumOutcome sutured(bool relaxes, int slip, std::vector<double>& u) {
 TEST(LocalRelaxation, TissueThatSuturesPressTogetherReachesTheSameEquilibriumInFewerIterationsOfTheWhole) {
   std::vector<double> u, v;
   const EquilibriumOutcome without = sutured(false, 16, u), with = sutured(true, 16, v);
-  ASSERT_TRUE(without.converged) << without.reason;
-  ASSERT_TRUE(with.converged) << with.reason;
+  ASSERT_TRUE(without.converged) << without.failure.message;
+  ASSERT_TRUE(with.converged) << with.failure.message;
   EXPECT_LE(with.newton_iterations, 10);
   EXPECT_LT(with.newton_iterations, without.newton_iterations);
   EXPECT_NEAR(with.energy, without.energy, 1e-7 * without.energy);

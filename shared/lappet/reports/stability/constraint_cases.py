@@ -29,8 +29,9 @@ from lappet.reports.stability.scenes import (
 
 BLOCK: Vector = (12.0, 12.0, 6.0)
 MIDDLE: Vector = (6.0, 6.0, 6.0)
-NOT_CONVERGED = (ProblemCode.FRAME_NOT_CONVERGED,)
-IN_BONE = (ProblemCode.SOLVER_INVALID_INPUT, ProblemCode.FRAME_NOT_CONVERGED)
+GAP = (ProblemCode.FRAME_GAP,)
+OUT_OF_REACH = (ProblemCode.FRAME_UNREACHABLE,)
+IN_BONE = (ProblemCode.SOLVER_INVALID_INPUT, ProblemCode.FRAME_IN_BONE)
 
 
 def constraint_cases() -> Iterator[Case]:
@@ -123,14 +124,14 @@ def _fights() -> Iterator[Case]:
         "fights",
         lambda: block(BLOCK, 1.5, fixed=(LEFT, RIGHT), sutures=held),
         converges=False,
-        refuses=NOT_CONVERGED,
+        refuses=GAP,
     )
     yield Case(
         "suture between what retractors pull apart",
         "fights",
         lambda: stretched(1.5, size=BLOCK, spacing=1.5, sutures=held),
         converges=False,
-        refuses=NOT_CONVERGED,
+        refuses=GAP,
     )
     fan = (((6.0, 6.0, 6.0), (8.0, 6.0, 6.0), 1e3), ((6.0, 6.0, 6.0), (4.0, 6.0, 6.0), 1e3))
     yield Case("one point is sewn to two", "fights", lambda: block(BLOCK, 1.5, fixed=(BELOW,), sutures=fan))
@@ -161,7 +162,7 @@ def _fights() -> Iterator[Case]:
         "fights",
         lambda: block(BLOCK, 1.5, fixed=(BELOW,), hooks=far),
         converges=False,
-        refuses=NOT_CONVERGED,
+        refuses=OUT_OF_REACH,
     )
     yield Case("retractor turns its faces by 180° in 4", "fights", _turned)
 

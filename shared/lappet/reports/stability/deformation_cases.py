@@ -25,7 +25,7 @@ from lappet.reports.stability.scenes import (
 # Corotated tissue draws in by lambda (stretch - 1) / (2 lambda + 2 mu): at a Poisson's ratio of 0.45 to nothing at a
 # stretch of 3.2, and at held ends before. There two singular values cancel, where its energy has a kink: a search for a
 # vanishing gradient does not end.
-KINK = (ProblemCode.FRAME_NOT_CONVERGED,)
+KINK = (ProblemCode.FRAME_ITERATIONS, ProblemCode.FRAME_NO_DESCENT)
 
 
 def deformation_cases() -> Iterator[Case]:
@@ -100,7 +100,7 @@ def _compression(model: str, skin: MaterialParameters) -> Iterator[Case]:
                 "compression",
                 lambda s=steps, q=quadrature: squeezed(0.2, s, skin, quadrature=q),
                 converges=not wanders or steps == 1,
-                refuses=KINK if wanders else (),
+                refuses=(ProblemCode.FRAME_ITERATIONS,) if wanders else (),
             )
             if wanders:
                 yield Case(

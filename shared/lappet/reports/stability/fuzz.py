@@ -197,6 +197,7 @@ FAULTS = frozenset(
         ProblemCode.SOLVER_OUT_OF_ORDER,
         ProblemCode.SOLVER_INTERNAL,
         ProblemCode.SOLVER_TIME_BUDGET,
+        ProblemCode.FRAME_NOT_FINITE,
         ProblemCode.DAEMON_DIED,
         ProblemCode.DAEMON_DIED_AGAIN,
         ProblemCode.DAEMON_SILENT,

@@ -71,21 +71,23 @@ class EquilibriumSearch {
       const bool carries = system_.prescribed_increment(u_, increment());
       record();
       observer_.progress(outcome_.newton_iterations, outcome_.residual, outcome_.gap);
-      if (!std::isfinite(outcome_.residual)) return fail("the residual is not a finite number");
+      if (!std::isfinite(outcome_.residual))
+        return fail(FailureCode::kNotFinite, "the residual is not a finite number");
       const bool asked = std::exchange(moves_first, false) && !carries && outcome_.residual <= options_.tolerance;
       if (!carries && !asked && settle()) return;
       if (options_.neighborhood_first && !asked && !neighborhood_tried_ && neighborhood_goes_ahead()) continue;
       if (outcome_.newton_iterations - newton_in_neighborhood_ >= options_.max_newton)
         return fail(
+            FailureCode::kIterations,
             fmt::format("no equilibrium after {} Newton iterations: relative residual {:.2e} (tolerance {:.1e}), gap "
                         "{:.3g} mm",
                         outcome_.newton_iterations, outcome_.residual, options_.tolerance, outcome_.gap));
-      if (observer_.stop()) return fail("stopped");
+      if (observer_.stop()) return fail(FailureCode::kStopped, "stopped");
       const bool solved = solve_tangent(carries);
-      if (observer_.stop()) return fail("stopped");
+      if (observer_.stop()) return fail(FailureCode::kStopped, "stopped");
       if (!solved || !take_step(carries)) {
         if (!asked) return;
-        outcome_.reason.clear();
+        outcome_.failure = {};
         evaluate();
         continue;
       }
@@ -102,7 +104,7 @@ class EquilibriumSearch {
     outcome_.inverted = now_.inverted;
     outcome_.gap = system_.largest_gap(u_, multipliers_, now_);
   }
-  void fail(std::string reason) { outcome_.reason = std::move(reason); }
+  void fail(FailureCode code, std::string message) { outcome_.failure = {code, std::move(message)}; }
 
   // Moves the multipliers on while the residual allows; true if the search has ended.
   bool settle() {
@@ -112,24 +114,26 @@ class EquilibriumSearch {
           return false;
         case AugmentedLagrangian::Action::kConverged:
           if (!options_.inverts && now_.inverted > 0)
-            fail(
-                fmt::format("{} cells are inverted at rest (smallest J {:.3g}); make smaller steps between frames "
-                            "or a smaller spacing",
-                            now_.inverted, now_.minimum_j));
+            fail(FailureCode::kInverted,
+                 fmt::format("{} cells are inverted at rest (smallest J {:.3g}); make smaller steps between frames "
+                             "or a smaller spacing",
+                             now_.inverted, now_.minimum_j));
           else
             outcome_.converged = true;
           return true;
         case AugmentedLagrangian::Action::kGiveUp:
           if (system_.contact() && now_.contact.excess > options_.gap_tolerance)
-            fail(
-                fmt::format("tissue is pressed {:.3g} mm deep into bone; what holds or pulls it there contradicts the "
-                            "bone: move it, or move the bone away",
-                            now_.contact.largest_penetration));
+            fail(FailureCode::kInBone,
+                 fmt::format("tissue is pressed {:.3g} mm deep into bone; what holds or pulls it there contradicts the "
+                             "bone: move it, or move the bone away",
+                             now_.contact.largest_penetration));
           else
-            fail(fmt::format(
-                "a suture, a held face or a stiff hook keeps a gap of {:.3g} mm (tolerance {:.3g} mm); its demands "
-                "contradict others or need more force than the tissue bears",
-                outcome_.gap, options_.gap_tolerance));
+            fail(
+                FailureCode::kGap,
+                fmt::format(
+                    "a suture, a held face or a stiff hook keeps a gap of {:.3g} mm (tolerance {:.3g} mm); its demands "
+                    "contradict others or need more force than the tissue bears",
+                    outcome_.gap, options_.gap_tolerance));
           return true;
         case AugmentedLagrangian::Action::kUpdate:
           system_.update(multipliers_, u_, now_);
@@ -155,7 +159,8 @@ class EquilibriumSearch {
         preconditioner_.update(u_);
       } catch (const NotDefiniteError&) {
         if (used_ != PsdProjection::kExact) {
-          fail("the stiffness of a hook or a suture is so large that the equations cannot be solved; lower it");
+          fail(FailureCode::kTooStiff,
+               "the stiffness of a hook or a suture is so large that the equations cannot be solved; lower it");
           return false;
         }
         used_ = tangent_.replace_exact();
@@ -197,7 +202,8 @@ class EquilibriumSearch {
       taken = line_.carry(u_, step_, increment(), std::move(now_));
       now_ = std::move(taken.reached);
       if (!(taken.alpha > 0.0)) {
-        fail("the retractors' motion turns cells inside out however small the step; move them less between frames");
+        fail(FailureCode::kInverted,
+             "the retractors' motion turns cells inside out however small the step; move them less between frames");
         return false;
       }
       if (jump > kJump * system_.lattice().settings.spacing) {
@@ -210,7 +216,7 @@ class EquilibriumSearch {
             out[0] = g[i] * static_cast<double>(s[i]);
           })[0];
       if (!(slope < 0.0)) {
-        fail("the linear solve gave no descent direction");
+        fail(FailureCode::kNoDescent, "the linear solve gave no descent direction");
         return false;
       }
       auto& product = linear_vectors_.q;
@@ -219,7 +225,8 @@ class EquilibriumSearch {
       now_ = std::move(taken.reached);
       if (!(taken.alpha > 0.0)) {
         if (tangent_.try_another(used_)) return true;
-        fail(fmt::format("no step lowers the energy at relative residual {:.2e}{}", outcome_.residual,
+        fail(FailureCode::kNoDescent,
+             fmt::format("no step lowers the energy at relative residual {:.2e}{}", outcome_.residual,
                          std::is_same_v<Real, float> && outcome_.residual < kRoundedResidual
                              ? "; it may be the rounding of single precision: try precision 'double'"
                              : ""));

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "solve/multigrid/two_level.h"
+#include "solve/newton/failure.h"
 
 namespace lappet {
 
@@ -27,7 +28,7 @@ struct EquilibriumOptions {
 struct EquilibriumOutcome {
   Evaluation at;  // where the search ended
   bool converged = false;
-  std::string reason;
+  Failure failure;
   int newton_iterations = 0, pcg_iterations = 0;
   std::int64_t active_cells = 0;  // that were solved for; 0: nothing was to be done
   double residual = 0.0, force_scale = 0.0, gap = 0.0, energy = 0.0, minimum_j = 1.0;
