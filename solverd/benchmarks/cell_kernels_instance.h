@@ -5,7 +5,7 @@
 #include "cell_kernels.h"
 #include "force/kernels/cell_corners.h"
 #include "force/kernels/product_kernel.h"
-#include "force/materials/material.h"
+#include "force/materials/neo_hookean.h"
 #include "math/svd3.h"
 
 namespace lappet {

@@ -11,6 +11,7 @@
 #include "force/kernels/quadrature.h"
 #include "force/kernels/state_kernel.h"
 #include "force/materials/fiber.h"
+#include "math/index.h"
 
 namespace lappet {
 
