@@ -2,6 +2,7 @@
 #include "force/kernels/elastic_arrays.h"
 #include "kernel_twins_check.h"
 #include "kernel_twins_inputs.h"
+#include "math/index.h"
 
 namespace lappet {
 
