@@ -90,9 +90,9 @@ TEST(Decode, EveryParameterOfAMaterialIsRead) {
   EXPECT_EQ(all.muscle_stress, 300.0);
   EXPECT_EQ(all.prestretch, (std::array<double, 2>{1.2, 1.1}));
   Fields misspelt = material_fields();
-  misspelt["fiber_k1"] = 3.0;
+  misspelt["fiber_k3"] = 3.0;
   EXPECT_TRUE(says(refusal_of([&] { decode(std::vector<Value>{material_fields(), misspelt}); }), ErrorCode::kMalformed,
-                   "'materials[1]' has the field 'fiber_k1'"));
+                   "'materials[1]' has the field 'fiber_k3'"));
   full["prestretch"] = std::vector<Value>{1.2};
   EXPECT_TRUE(
       says(refusal_of([&] { decode(std::vector<Value>{full}); }), ErrorCode::kMalformed, "list of two numbers"));
