@@ -15,11 +15,13 @@ from lappet.commands.cli import cli
 from lappet.core.problem_code import ProblemCode
 from lappet.daemon.solved_frame import Diagnostics, SolvedFrame, SolverState
 from lappet.reports.stability import run as stability_run
+from lappet.reports.stability.case import Case, Row, Scene, totals
 from lappet.reports.stability.files import write_stability
-from lappet.reports.stability.measurement import Case, Row, Scene, run_case, totals
 from lappet.reports.stability.measurement import _disproved as disproved
+from lappet.reports.stability.measurement import run_case
 from lappet.reports.stability.run import all_cases, chosen_cases
-from lappet.reports.stability.scenes import STARTS, as_from_rest, material, stretched
+from lappet.reports.stability.scenes import material, stretched
+from lappet.reports.stability.starts import STARTS, as_from_rest
 from refusals import refuses
 
 SETTLES = Case("a bar", "cheap", lambda: stretched(1.2))

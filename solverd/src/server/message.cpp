@@ -15,7 +15,7 @@ namespace lappet {
 namespace {
 
 static_assert(std::endian::native == std::endian::little,
-              "the wire is little-endian and frames are copied as they are");
+              "the wire is little-endian and arrays are copied as they are");
 
 constexpr std::size_t kMaxDepth = 5;
 constexpr std::size_t kMaxMapEntries = 64;
@@ -66,7 +66,7 @@ msgpack::object_handle unpack(std::span<const std::byte> part) {
   msgpack::object_handle handle =
       msgpack::unpack(reinterpret_cast<const char*>(part.data()), part.size(), offset, nullptr, nullptr, limit);
   if (offset != part.size()) {
-    malformed("The header frame holds " + std::to_string(part.size() - offset) + " bytes after its map.");
+    malformed("The header part holds " + std::to_string(part.size() - offset) + " bytes after its map.");
   }
   return handle;
 }
@@ -205,9 +205,9 @@ std::uint64_t guess_id(std::span<const std::byte> part) noexcept {
 }
 
 Header decode_header(std::span<const std::byte> part, std::uint64_t max_message_bytes) {
-  if (part.empty()) malformed("The header frame is empty.");
+  if (part.empty()) malformed("The header part is empty.");
   if (part.size() > kMaxHeaderBytes) {
-    malformed("The header frame has " + std::to_string(part.size()) + " bytes; at most " +
+    malformed("The header part has " + std::to_string(part.size()) + " bytes; at most " +
               std::to_string(kMaxHeaderBytes) + " are read.");
   }
   Value value;
@@ -215,10 +215,10 @@ Header decode_header(std::span<const std::byte> part, std::uint64_t max_message_
     const msgpack::object_handle handle = unpack(part);
     value = to_value(handle.get(), 0);
   } catch (const msgpack::unpack_error&) {
-    malformed("The header frame is not a msgpack map.");
+    malformed("The header part is not a msgpack map.");
   }
   auto* fields = std::get_if<Fields>(&value);
-  if (fields == nullptr) malformed("The header frame is " + std::string(kind_name(value)) + "; it must be a map.");
+  if (fields == nullptr) malformed("The header part is " + std::string(kind_name(value)) + "; it must be a map.");
 
   const std::uint64_t version = take_unsigned(*fields, "v");
   if (version != kProtocolVersion) {
@@ -261,7 +261,7 @@ ArrayReader::ArrayReader(const Header& header, std::span<const std::span<const s
     : header_(header), parts_(parts), read_(header.arrays.size(), false) {
   if (parts.size() != header.arrays.size()) {
     malformed("The header names " + std::to_string(header.arrays.size()) + " arrays and the message holds " +
-              std::to_string(parts.size()) + " array frames.");
+              std::to_string(parts.size()) + " array parts.");
   }
   for (std::size_t i = 0; i < parts.size(); ++i) {
     const ArrayDescription& array = header.arrays[i];

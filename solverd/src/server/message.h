@@ -1,4 +1,4 @@
-// One message of the wire (PROTOCOL.md): a msgpack header frame and one raw little-endian frame per array, both ways.
+// One message of the wire (PROTOCOL.md): a msgpack header part and one raw little-endian part per array, both ways.
 //
 // Everything that comes from a client is checked here, before anything is allocated for it: what cannot be read is
 // RefusedError(kMalformed) with a sentence that names the field, its value and what is expected.
@@ -59,7 +59,7 @@ struct Header {
 // The id of a header that may be unreadable otherwise, so that the error reply reaches its request; 0 if there is none.
 std::uint64_t guess_id(std::span<const std::byte> part) noexcept;
 
-// Reads a header frame. `max_message_bytes` bounds what its arrays may take together.
+// Reads a header part. `max_message_bytes` bounds what its arrays may take together.
 Header decode_header(std::span<const std::byte> part, std::uint64_t max_message_bytes = kDefaultMaxMessageBytes);
 
 inline constexpr std::int64_t kAny = -1;  // a free dimension in an expected shape
@@ -67,7 +67,7 @@ inline constexpr std::int64_t kAny = -1;  // a free dimension in an expected sha
 // The arrays of one message by name, checked against the dtype and the shape that the message type asks for.
 class ArrayReader {
  public:
-  // Checks that there is one frame per described array and that each has the described length.
+  // Checks that there is one part per described array and that each has the described length.
   ArrayReader(const Header& header, std::span<const std::span<const std::byte>> parts);
 
   // Whether there is such an array; for those that may be left out.
@@ -100,7 +100,7 @@ class ArrayReader {
 
 using PartBytes = std::vector<std::byte>;
 
-// Builds a message: header fields and arrays in any order, then `finish` for its frames, the header first.
+// Builds a message: header fields and arrays in any order, then `finish` for its parts, the header first.
 class MessageWriter {
  public:
   MessageWriter(std::string type, std::uint64_t id, std::optional<std::uint64_t> session = std::nullopt);

@@ -10,7 +10,8 @@
 #include <thread>
 #include <utility>
 
-#include "server/codec.h"
+#include "server/decode.h"
+#include "server/encode.h"
 #include "server/loopback.h"
 
 namespace lappet {
@@ -22,8 +23,8 @@ constexpr std::chrono::milliseconds kLinger{500};
 constexpr std::uint64_t kBytesBeforeHello = kMaxHeaderBytes;
 constexpr std::array<std::string_view, 5> kWork = {"open", "epoch", "state", "solve", "close"};
 
-std::span<const std::byte> bytes_of(const zmq::message_t& frame) {
-  return {static_cast<const std::byte*>(frame.data()), frame.size()};
+std::span<const std::byte> bytes_of(const zmq::message_t& part) {
+  return {static_cast<const std::byte*>(part.data()), part.size()};
 }
 
 // Takes the same time wherever the texts differ.
@@ -99,25 +100,25 @@ bool Server::stop_workers(std::chrono::milliseconds patience) {
 }
 
 std::optional<Server::Incoming> Server::receive() {
-  zmq::message_t part;
-  if (!router_.recv(part, zmq::recv_flags::dontwait)) return std::nullopt;
-  Incoming message{part.to_string(), {}, {}};
+  zmq::message_t identity;
+  if (!router_.recv(identity, zmq::recv_flags::dontwait)) return std::nullopt;
+  Incoming message{identity.to_string(), {}, {}};
   // What is too large for this client is read to its end and dropped.
   const std::uint64_t limit = clients_.contains(message.identity) ? options_.max_message_bytes : kBytesBeforeHello;
   std::uint64_t bytes = 0;
-  bool more = part.more();
+  bool more = identity.more();
   while (more) {
-    zmq::message_t frame;
-    if (!router_.recv(frame, zmq::recv_flags::none)) break;
-    more = frame.more();
-    bytes += frame.size();
+    zmq::message_t part;
+    if (!router_.recv(part, zmq::recv_flags::none)) break;
+    more = part.more();
+    bytes += part.size();
     if (bytes > limit) {
       message.fault = "The message has more than " + std::to_string(limit) + " bytes, the most this daemon takes" +
                       (limit == kBytesBeforeHello ? " before 'hello'." : ".");
     } else if (message.parts.size() > kMaxArrays) {
-      message.fault = "The message has more than " + std::to_string(kMaxArrays) + " array frames.";
+      message.fault = "The message has more than " + std::to_string(kMaxArrays) + " array parts.";
     } else {
-      message.parts.push_back(std::move(frame));
+      message.parts.push_back(std::move(part));
     }
   }
   return message;
@@ -126,7 +127,7 @@ std::optional<Server::Incoming> Server::receive() {
 void Server::handle(Incoming message) {
   std::uint64_t id = 0;
   try {
-    if (message.parts.empty()) throw RefusedError(ErrorCode::kMalformed, "The message has no header frame.");
+    if (message.parts.empty()) throw RefusedError(ErrorCode::kMalformed, "The message has no header part.");
     const std::span<const std::byte> header_part = bytes_of(message.parts.front());
     id = guess_id(header_part);
     if (!message.fault.empty()) throw RefusedError(ErrorCode::kMalformed, message.fault);
@@ -173,7 +174,7 @@ void Server::dispatch(const std::string& identity, Header header, std::vector<zm
     return;
   }
   if (!arrays.empty()) {
-    throw RefusedError(ErrorCode::kMalformed, "'" + header.type + "' has array frames; it takes none.");
+    throw RefusedError(ErrorCode::kMalformed, "'" + header.type + "' has array parts; it takes none.");
   }
   decode_bare(header, {});
   if (header.type == "ping") {
@@ -220,16 +221,16 @@ void Server::send(const std::string& identity, const std::vector<PartBytes>& par
 
 void Server::forward_replies() {
   while (true) {
-    zmq::message_t part;
-    if (!replies_.recv(part, zmq::recv_flags::dontwait)) return;
-    bool more = part.more();
+    zmq::message_t identity;
+    if (!replies_.recv(identity, zmq::recv_flags::dontwait)) return;
+    bool more = identity.more();
     // Replies to a client that is gone are dropped by the ROUTER.
-    router_.send(part, more ? zmq::send_flags::sndmore : zmq::send_flags::none);
+    router_.send(identity, more ? zmq::send_flags::sndmore : zmq::send_flags::none);
     while (more) {
-      zmq::message_t frame;
-      if (!replies_.recv(frame, zmq::recv_flags::none)) return;
-      more = frame.more();
-      router_.send(frame, more ? zmq::send_flags::sndmore : zmq::send_flags::none);
+      zmq::message_t part;
+      if (!replies_.recv(part, zmq::recv_flags::none)) return;
+      more = part.more();
+      router_.send(part, more ? zmq::send_flags::sndmore : zmq::send_flags::none);
     }
   }
 }

@@ -10,7 +10,7 @@
 #include <vector>
 #include <zmq.hpp>
 
-#include "server/codec.h"
+#include "server/decode.h"
 #include "server/message.h"
 #include "server/solver_port.h"
 #include "server/worker.h"

@@ -7,6 +7,9 @@
 #include <new>
 #include <utility>
 
+#include "server/decode.h"
+#include "server/encode.h"
+
 namespace lappet {
 namespace {
 

@@ -14,7 +14,7 @@
 #include <vector>
 #include <zmq.hpp>
 
-#include "server/codec.h"
+#include "server/message.h"
 #include "server/solver_port.h"
 
 namespace lappet {

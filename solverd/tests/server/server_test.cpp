@@ -11,6 +11,8 @@
 #include <stdexcept>
 #include <thread>
 
+#include "lattice/refused.h"
+
 namespace lappet {
 namespace {
 

@@ -10,7 +10,7 @@ from typing import Any
 from lappet.core.problem_code import ProblemCode
 from lappet.procedure import Hook, Incision, Retractor, Suture
 from lappet.program.program import Program
-from lappet.reports.stability.measurement import Case, Check, Scene, Solved
+from lappet.reports.stability.case import Case, Check, Scene, Solved
 from lappet.reports.stability.scenes import (
     ABOVE,
     BELOW,
@@ -104,18 +104,10 @@ def _two_hooks(first: float, second: float) -> Program:
 
 
 def _fights() -> Iterator[Case]:
-    def opposed(apart: float, by: float, stiffness: float) -> Program:
-        left, right = 6.0 - apart / 2, 6.0 + apart / 2
-        hooks: tuple[Pull, ...] = (
-            ((left, 6.0, 6.0), (left - by, 6.0, 6.0), stiffness),
-            ((right, 6.0, 6.0), (right + by, 6.0, 6.0), stiffness),
-        )
-        return block(BLOCK, 1.5, fixed=(BELOW,), hooks=hooks)
-
-    yield Case("hooks fight 3 mm apart", "fights", lambda: opposed(3.0, 2.0, 200.0))
-    yield Case("hooks fight on one point", "fights", lambda: Scene(opposed(0.0, 4.0, 200.0), check=_stays))
-    yield Case("hooks of 10^6 mN/mm fight 3 mm apart", "fights", lambda: opposed(3.0, 5.0, 1e6))
-    yield Case("hooks cross over", "fights", lambda: opposed(6.0, -6.0, 200.0))
+    yield Case("hooks fight 3 mm apart", "fights", lambda: _opposed(3.0, 2.0, 200.0))
+    yield Case("hooks fight on one point", "fights", lambda: Scene(_opposed(0.0, 4.0, 200.0), check=_stays))
+    yield Case("hooks of 10^6 mN/mm fight 3 mm apart", "fights", lambda: _opposed(3.0, 5.0, 1e6))
+    yield Case("hooks cross over", "fights", lambda: _opposed(6.0, -6.0, 200.0))
     across = (((3.0, 6.0, 6.0), (9.0, 6.0, 6.0), 1000.0),)
     yield Case("suture over whole skin", "fights", lambda: block(BLOCK, 1.5, fixed=(BELOW,), sutures=across))
     held = (((0.0, 3.0, 3.0), (12.0, 3.0, 3.0), 1000.0),)
@@ -137,23 +129,9 @@ def _fights() -> Iterator[Case]:
     yield Case("one point is sewn to two", "fights", lambda: block(BLOCK, 1.5, fixed=(BELOW,), sutures=fan))
     onto = (((6.0, 6.0, 6.0), (6.0, 6.0, 6.0), 1e3),)
     yield Case("a suture of a point to itself", "fights", lambda: block(BLOCK, 1.5, fixed=(BELOW,), sutures=onto))
-
-    def crossed() -> Program:
-        ends = ((-1.0, 1.0), (1.0, -1.0))
-        pairs = [Suture(f"x_{k}", ((a, -1.5, 2.0), (b, 1.5, 2.0)), 2.0, 1.0) for k, (a, b) in enumerate(ends)]
-        return _slit(*pairs)
-
-    yield Case("sutures cross", "fights", crossed)
-
-    def pulled_apart(stiffness: float) -> Program:
-        hooks = [
-            Hook(f"pull_{k}", (0.0, y, 2.0), ((2.0, (0.0, y, 2.0)), (4.0, (0.0, 4.0 * y, 2.0))), 2.0, 9.0, stiffness)
-            for k, y in enumerate((-1.0, 1.0))
-        ]
-        return _slit(*hooks, end=4.0)
-
-    yield Case("hooks pull sutured edges apart", "fights", lambda: pulled_apart(200.0))
-    yield Case("hooks of 10^6 mN/mm pull sutured edges apart", "fights", lambda: pulled_apart(1e6))
+    yield Case("sutures cross", "fights", _crossed)
+    yield Case("hooks pull sutured edges apart", "fights", lambda: _pulled_apart(200.0))
+    yield Case("hooks of 10^6 mN/mm pull sutured edges apart", "fights", lambda: _pulled_apart(1e6))
     fixed_hook = (((6.0, 6.0, 0.0), (6.0, 6.0, -4.0), 500.0),)
     yield Case("hook on a fixed face", "fights", lambda: block(BLOCK, 1.5, fixed=(BELOW,), hooks=fixed_hook))
     far = (((6.0, 6.0, 6.0), (6.0, 6.0, 1e6), 1e6),)
@@ -165,6 +143,29 @@ def _fights() -> Iterator[Case]:
         refuses=OUT_OF_REACH,
     )
     yield Case("retractor turns its faces by 180° in 4", "fights", _turned)
+
+
+def _opposed(apart: float, by: float, stiffness: float) -> Program:
+    left, right = 6.0 - apart / 2, 6.0 + apart / 2
+    hooks: tuple[Pull, ...] = (
+        ((left, 6.0, 6.0), (left - by, 6.0, 6.0), stiffness),
+        ((right, 6.0, 6.0), (right + by, 6.0, 6.0), stiffness),
+    )
+    return block(BLOCK, 1.5, fixed=(BELOW,), hooks=hooks)
+
+
+def _crossed() -> Program:
+    ends = ((-1.0, 1.0), (1.0, -1.0))
+    pairs = [Suture(f"x_{k}", ((a, -1.5, 2.0), (b, 1.5, 2.0)), 2.0, 1.0) for k, (a, b) in enumerate(ends)]
+    return _slit(*pairs)
+
+
+def _pulled_apart(stiffness: float) -> Program:
+    hooks = [
+        Hook(f"pull_{k}", (0.0, y, 2.0), ((2.0, (0.0, y, 2.0)), (4.0, (0.0, 4.0 * y, 2.0))), 2.0, 9.0, stiffness)
+        for k, y in enumerate((-1.0, 1.0))
+    ]
+    return _slit(*hooks, end=4.0)
 
 
 def _stays(solved: Solved) -> str:

@@ -11,11 +11,13 @@ import numpy as np
 from lappet.core.problem_code import ProblemCode
 from lappet.procedure import Event, Excision, Hook, Incision, Undermine
 from lappet.program.program import Program
-from lappet.reports.stability.measurement import Case
+from lappet.reports.stability.case import Case
 from lappet.reports.stability.scenes import Vector, compiled, patch, procedure
 
 TOP = 2.0
 LONG: tuple[Vector, ...] = ((-6.0, 0.0, TOP), (6.0, 0.0, TOP))
+RING = tuple((4 * math.cos(a), 4 * math.sin(a), TOP) for a in np.linspace(0, 2 * np.pi, 32, endpoint=False))
+NEEDLE: tuple[Vector, ...] = ((5.0, 0.0, TOP), (-3.0, 0.5, TOP), (-3.0, 0.0, TOP))
 
 
 def cut_cases() -> Iterator[Case]:
@@ -26,7 +28,10 @@ def cut_cases() -> Iterator[Case]:
     Case
         The cases.
     """
-    yield from _few()
+    yield from _several()
+    yield from _single()
+    yield from _excised()
+    yield from _undermined()
     yield from _many()
 
 
@@ -76,7 +81,7 @@ def line(name: str, time: float, *points: Sequence[float], **more: Any) -> Incis
     return Incision(name, time, tuple((x, y, TOP) for x, y in points), **more)
 
 
-def _few() -> Iterator[Case]:
+def _several() -> Iterator[Case]:
     again = Incision("again", 2.0, LONG, kerf=0.1)
     yield Case("the same cut twice, one after the other", "cuts", lambda: opened(Incision("a", 1.0, LONG), again))
     yield Case("the same cut twice at once", "cuts", lambda: opened(Incision("a", 2.0, LONG), again))
@@ -100,6 +105,9 @@ def _few() -> Iterator[Case]:
         for k, a in enumerate(np.linspace(0.0, 2 * np.pi, 12, endpoint=False))
     ]
     yield Case("twelve cuts meet in a point", "cuts", lambda: opened(*star))
+
+
+def _single() -> Iterator[Case]:
     yield Case("cut across the whole tissue", "cuts", lambda: opened(line("a", 1.0, (0, -9), (0, 9))))
     yield Case("cut along the tissue's edge", "cuts", lambda: opened(line("a", 1.0, (-12, 8), (12, 8))))
     yield Case("cut 0.01 mm inside the tissue's edge", "cuts", lambda: opened(line("a", 1.0, (-12, 7.99), (12, 7.99))))
@@ -118,8 +126,10 @@ def _few() -> Iterator[Case]:
     spiral = [(0.4 * a * math.cos(a), 0.4 * a * math.sin(a)) for a in np.linspace(1.0, 5 * np.pi, 120)]
     yield Case("spiral", "cuts", lambda: opened(line("a", 1.0, *spiral)))
     yield Case("kerf wider than the cut is long", "cuts", lambda: opened(line("a", 1.0, (-0.5, 0), (0.5, 0), kerf=3.0)))
-    ring = tuple((4 * math.cos(a), 4 * math.sin(a), TOP) for a in np.linspace(0, 2 * np.pi, 32, endpoint=False))
-    around = Incision("around", 1.0, ring, closed=True)
+
+
+def _excised() -> Iterator[Case]:
+    around = Incision("around", 1.0, RING, closed=True)
     yield Case(
         "excision of an island, the hook on the rest",
         "cuts",
@@ -141,19 +151,21 @@ def _few() -> Iterator[Case]:
         converges=False,
         refuses=(ProblemCode.EXCISION_OF_ALL,),
     )
-    needle = ((5.0, 0.0, TOP), (-3.0, 0.5, TOP), (-3.0, 0.0, TOP))
-    sharp = Incision("sharp", 1.0, needle, closed=True)
+    sharp = Incision("sharp", 1.0, NEEDLE, closed=True)
     out = Excision("out", 2.0, ((-2.0, 0.2, TOP),))
     yield Case("excision of a wedge with a tip of 4°", "cuts", lambda: opened(sharp, out))
-    yield Case("undermined wedge with a tip of 4°", "cuts", lambda: opened(Undermine("free", 1.0, needle)))
-    dot = tuple((0.5 + 0.05 * x, 0.5 + 0.05 * y, TOP) for x, y, _ in ring)
+
+
+def _undermined() -> Iterator[Case]:
+    yield Case("undermined wedge with a tip of 4°", "cuts", lambda: opened(Undermine("free", 1.0, NEEDLE)))
+    dot = tuple((0.5 + 0.05 * x, 0.5 + 0.05 * y, TOP) for x, y, _ in RING)
     yield Case("undermined area of 0.2 mm", "cuts", lambda: opened(Undermine("free", 1.0, dot)))
-    yield Case("undermined, then cut", "cuts", lambda: opened(Undermine("free", 1.0, ring), Incision("a", 2.0, LONG)))
+    yield Case("undermined, then cut", "cuts", lambda: opened(Undermine("free", 1.0, RING), Incision("a", 2.0, LONG)))
     yield Case(
         "undermined to the rim and beyond",
         "cuts",
         lambda: opened(
-            Undermine("free", 1.0, tuple((2.5 * x, 2.5 * y, TOP) for x, y, _ in ring)), Incision("a", 2.0, LONG)
+            Undermine("free", 1.0, tuple((2.5 * x, 2.5 * y, TOP) for x, y, _ in RING)), Incision("a", 2.0, LONG)
         ),
     )
 

@@ -9,18 +9,17 @@ from lappet.core.problem_code import ProblemCode
 from lappet.procedure import MODELS
 from lappet.program.program import Program
 from lappet.program.settings import MaterialParameters
-from lappet.reports.stability.measurement import Case, Scene
+from lappet.reports.stability.case import Case, Scene
 from lappet.reports.stability.scenes import (
     LEFT,
     RIGHT,
-    STARTS,
-    as_from_rest,
     block,
     material,
     moved,
     stretched,
     twisted,
 )
+from lappet.reports.stability.starts import STARTS, as_from_rest
 
 # Corotated tissue draws in by lambda (stretch - 1) / (2 lambda + 2 mu): at a Poisson's ratio of 0.45 to nothing at a
 # stretch of 3.2, and at held ends before. There two singular values cancel, where its energy has a kink: a search for a

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from lappet.reports.report_files import described, markdown_table, write_csv, write_json
-from lappet.reports.stability.measurement import Row, totals
+from lappet.reports.stability.case import Row, totals
 
 
 def write_stability(folder: Path, head: Mapping[str, Any], rows: Sequence[Row]) -> list[Path]:

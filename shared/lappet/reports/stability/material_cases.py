@@ -14,8 +14,8 @@ from lappet.procedure import MODELS
 from lappet.program.program import Program
 from lappet.program.settings import MaterialParameters
 from lappet.reports.box_scenes import grid_box
+from lappet.reports.stability.case import Case, Check, Scene, Solved
 from lappet.reports.stability.deformation_cases import KINK
-from lappet.reports.stability.measurement import Case, Check, Scene, Solved
 from lappet.reports.stability.scenes import (
     ABOVE,
     BELOW,

@@ -8,12 +8,13 @@ from pathlib import Path
 from lappet.core.problem import refused
 from lappet.core.problem_code import ProblemCode
 from lappet.reports.report_files import head, make_folder, write_json
+from lappet.reports.stability.case import Case
 from lappet.reports.stability.constraint_cases import constraint_cases
 from lappet.reports.stability.cut_cases import cut_cases
 from lappet.reports.stability.deformation_cases import deformation_cases
 from lappet.reports.stability.files import totals_table, write_stability
 from lappet.reports.stability.material_cases import material_cases
-from lappet.reports.stability.measurement import Case, run_cases
+from lappet.reports.stability.measurement import run_cases
 from lappet.reports.stability.shape_cases import shape_cases
 
 

@@ -11,7 +11,7 @@ import numpy as np
 from lappet.core.problem_code import ProblemCode
 from lappet.procedure import Hook, Incision, Suture, Undermine
 from lappet.program.program import Program
-from lappet.reports.stability.measurement import Case, Check, Scene, Solved
+from lappet.reports.stability.case import Case, Check, Scene, Solved
 from lappet.reports.stability.scenes import (
     BELOW,
     LEFT,
