@@ -24,7 +24,7 @@ TABLES: dict[str, str] = {}
 
 # How statements begin that end in a block and are no functions.
 _NO_FUNCTION = re.compile(
-    r"\}|(namespace|class|struct|union|enum|extern|if|else|for|while|do|switch|try|catch|case|default)"
+    r"\}|(namespace|class|struct|union|enum|extern|if|else|for|while|do|switch|try|catch|case|default)\b"
 )
 
 
