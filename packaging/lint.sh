@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Every check that needs no run of the program: style, types, import directions, docstrings, documents. Runs them all, then fails
-# if one of them failed. After packaging/setup.sh.
+# Every check that needs no run of the program: style, types, import directions, docstrings, lengths of functions, documents. Runs
+# them all, then fails if one of them failed. After packaging/setup.sh.
 set -uo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 python=.venv/bin/python
@@ -22,6 +22,7 @@ check "mypy" "$python" -m mypy
 check "clang-format" clang_format
 check "import directions" "$python" packaging/check_imports.py
 check "docstrings" "$python" packaging/check_docstrings.py
+check "lengths of functions" "$python" packaging/check_lengths.py
 check "documents" "$python" packaging/documents.py --check
 
 if [ "${#failed[@]}" -gt 0 ]; then

@@ -238,32 +238,49 @@ def test_flaps_lie_in_the_defect_corner_in_corner_with_all_walls_closed(
     assert max(last["suture_gaps_mm"].values()) <= 1e-3 * spacing
     assert not last["hook_forces_mn"]
 
-    def at(frame: dict[str, Any], label: str) -> NDArray[np.float64]:
-        return np.array(frame["landmarks"][label])
+    check_corners(first, last, spacing)
+    seams = {label.partition(" flap edge ")[0] for label in last["landmarks"] if " flap edge " in label}
+    assert seams >= ({"first", "second", "middle"} if folder == "dual_s_plasty" else {"donor", "near", "far", "end"})
+    defect = next(event for event in procedure.events if isinstance(event, Incision) and event.closed)
+    assert opening(first, seams) > area(np.array(defect.points))
+    assert opening(last, seams) < 0.05 * area(np.array(defect.points))
+    check_heights(procedure, first, last, seams, uneven)
+    start = next(frame["time_code"] for frame in frames if frame["epoch"] == last["epoch"])
+    check_border(procedure, cache, last["epoch"], (start, last["time_code"]))
 
-    # The marks lie 0.15 mm inside either corner; the stitch that joins the corners holds them 0.07 mm inside. So closed
-    # corners are 0.16 mm apart, and the skin of the last cell before a corner, held at one point, may turn about it.
+
+def at(frame: dict[str, Any], label: str) -> NDArray[np.float64]:
+    """The position of a landmark in mm."""
+    return np.array(frame["landmarks"][label])
+
+
+def check_corners(first: dict[str, Any], last: dict[str, Any], spacing: float) -> None:
+    """The corners of flap and wound were apart and lie together.
+
+    The marks lie 0.15 mm inside either corner; the stitch that joins the corners holds them 0.07 mm inside. So closed
+    corners are 0.16 mm apart, and the skin of the last cell before a corner, held at one point, may turn about it.
+    """
     for label in last["landmarks"]:
         if label.endswith(" flap"):
             wound = label.removesuffix("flap") + "wound"
             assert np.linalg.norm(at(first, label) - at(first, wound)) > 8.0
             assert np.linalg.norm(at(last, label) - at(last, wound)) < 0.16 + 0.15 * spacing
-    seams = {label.partition(" flap edge ")[0] for label in last["landmarks"] if " flap edge " in label}
-    assert seams >= ({"first", "second", "middle"} if folder == "dual_s_plasty" else {"donor", "near", "far", "end"})
 
-    # What is still open: between the marks along both edges, which lie 0.08 mm apart on a closed seam.
-    def opening(frame: dict[str, Any]) -> float:
-        total = 0.0
-        for seam in seams:
-            one, other = chain(frame, f"{seam} flap edge"), chain(frame, f"{seam} wound edge")
-            gaps = np.maximum(np.linalg.norm(one - other, axis=1) - 0.08, 0.0)
-            total += float(gaps.mean()) * 0.5 * (length(one) + length(other))
-        return total
 
-    defect = next(event for event in procedure.events if isinstance(event, Incision) and event.closed)
-    assert opening(first) > area(np.array(defect.points))
-    assert opening(last) < 0.05 * area(np.array(defect.points))
+def opening(frame: dict[str, Any], seams: set[str]) -> float:
+    """What is still open, mm²: between the marks along both edges, which lie 0.08 mm apart on a closed seam."""
+    total = 0.0
+    for seam in seams:
+        one, other = chain(frame, f"{seam} flap edge"), chain(frame, f"{seam} wound edge")
+        gaps = np.maximum(np.linalg.norm(one - other, axis=1) - 0.08, 0.0)
+        total += float(gaps.mean()) * 0.5 * (length(one) + length(other))
+    return total
 
+
+def check_heights(
+    procedure: Procedure, first: dict[str, Any], last: dict[str, Any], seams: set[str], uneven: float
+) -> None:
+    """The skin at the seams stays within a share of its thickness at its old level, and the flaps' middles do."""
     triangles, face_of = fan_triangles(procedure.tissue)
     bed = np.unique(triangles[np.isin(face_of, procedure.tissue.subsets["bed"])])
     thickness = -heights(procedure, procedure.tissue.points[bed]).min()
@@ -271,20 +288,22 @@ def test_flaps_lie_in_the_defect_corner_in_corner_with_all_walls_closed(
         for what in ("flap", "wound"):
             before, after = (heights(procedure, chain(frame, f"{seam} {what} edge")) for frame in (first, last))
             assert np.abs(after - before).max() < uneven * thickness
-    middles = [label for label in last["landmarks"] if label.startswith("flap middle")]
-    for label in middles:
-        assert abs(heights(procedure, at(last, label)[None])[0]) < 0.5 * thickness
+    for label in last["landmarks"]:
+        if label.startswith("flap middle"):
+            assert abs(heights(procedure, at(last, label)[None])[0]) < 0.5 * thickness
 
-    # The border holds: every vertex of the rim lies where the tissue's rim lay, and has not moved since the cuts.
+
+def check_border(procedure: Procedure, cache: Path, epoch: int, times: tuple[float, float]) -> None:
+    """Every vertex of the rim lies where the tissue's rim lay, and has not moved between the times, since the cuts."""
     stage = Usd.Stage.Open(str(cache))
-    mesh = UsdGeom.Mesh(stage.GetPrimAtPath(f"/Procedure/Skin/epoch_{last['epoch']:02d}"))
+    mesh = UsdGeom.Mesh(stage.GetPrimAtPath(f"/Procedure/Skin/epoch_{epoch:02d}"))
     faces = np.array(mesh.GetFaceVertexIndicesAttr().Get()).reshape(-1, 3)
     subset = UsdGeom.Subset(stage.GetPrimAtPath(f"{mesh.GetPath()}/rim"))
     rim = np.unique(faces[np.array(subset.GetIndicesAttr().Get())])
     assert len(rim) > 100
-    start = next(frame["time_code"] for frame in frames if frame["epoch"] == last["epoch"])
-    before, after = (np.array(mesh.GetPointsAttr().Get(time))[rim] for time in (start, last["time_code"]))
+    before, after = (np.array(mesh.GetPointsAttr().Get(time))[rim] for time in times)
     assert np.abs(after - before).max() < 1e-3
+    triangles, face_of = fan_triangles(procedure.tissue)
     sides = triangles[np.isin(face_of, procedure.tissue.subsets["fixed"])]
     assert ClosestPoint(procedure.tissue.points, sides).query(after)[2].max() < 0.02
 

@@ -1,12 +1,15 @@
-"""The axes along which a design is drawn, and its points once they are placed on the skin."""
+"""The plane in which a design is drawn: its axes, and its points once they are placed on the skin."""
 
 from __future__ import annotations
+
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from lappet.core.problem import refused
 from lappet.core.problem_code import ProblemCode
+from lappet.designs.flap_design import Edge, Spot
 from lappet.procedure import Point
 from lappet.tissue.placement import Place
 
@@ -61,3 +64,145 @@ def placed_on(points: NDArray[np.float64], project: Place | None) -> tuple[Point
     """
     placed = points if project is None else project(points)
     return tuple((float(x), float(y), float(z)) for x, y, z in placed)
+
+
+@dataclass(frozen=True, eq=False)
+class DesignPlane:
+    """The plane in which a design is drawn, and how it lies on the skin.
+
+    Parameters
+    ----------
+    origin
+        Where the middle of the design lies in mm, shape (3,).
+    along
+        Unit vector on the skin of the plane's x, shape (3,).
+    across
+        Unit vector on the skin of the plane's y, shape (3,).
+    middle
+        Middle of the design in the plane in mm, shape (2,).
+    mirrored
+        Whether `across` is mirrored, so that left and right change places.
+    project
+        Maps points (k, 3) onto the skin, or None to leave them.
+    """
+
+    origin: NDArray[np.float64]
+    along: NDArray[np.float64]
+    across: NDArray[np.float64]
+    middle: NDArray[np.float64]
+    mirrored: bool
+    project: Place | None
+
+    @classmethod
+    def at(
+        cls,
+        center: ArrayLike,
+        axes: tuple[NDArray[np.float64], NDArray[np.float64]],
+        mirrored: bool,
+        project: Place | None,
+        middle: ArrayLike = (0.0, 0.0),
+    ) -> DesignPlane:
+        """Lay a design's plane on the skin.
+
+        Parameters
+        ----------
+        center
+            Where the middle of the design lies in mm, shape (3,).
+        axes
+            Unit vectors along and across the design, as `skin_axes` gives them.
+        mirrored
+            Whether the design is mirrored about the axis along it.
+        project
+            Maps points (k, 3) onto the skin, or None to leave them.
+        middle
+            Middle of the design in the plane in mm, shape (2,).
+
+        Returns
+        -------
+        DesignPlane
+            The plane.
+        """
+        along, across = axes
+        origin, middle = np.asarray(center, np.float64), np.asarray(middle, np.float64)
+        return cls(origin, along, -across if mirrored else across, middle, mirrored, project)
+
+    def points(self, flat: NDArray[np.float64]) -> tuple[Point, ...]:
+        """Place points of the plane on the skin.
+
+        Parameters
+        ----------
+        flat
+            Points of the plane in mm, shape (k, 2).
+
+        Returns
+        -------
+        tuple[Point, ...]
+            K points in mm.
+        """
+        xy = flat - self.middle
+        return placed_on(self.origin + xy[:, :1] * self.along + xy[:, 1:] * self.across, self.project)
+
+    def point(self, flat: NDArray[np.float64]) -> Point:
+        """Place one point of the plane on the skin.
+
+        Parameters
+        ----------
+        flat
+            The point in mm, shape (2,).
+
+        Returns
+        -------
+        Point
+            The point in mm.
+        """
+        return self.points(flat[None])[0]
+
+    def spot(self, corner: NDArray[np.float64], towards: NDArray[np.float64]) -> Spot:
+        """Place a corner of the cut skin.
+
+        Parameters
+        ----------
+        corner
+            The corner in the plane in mm, shape (2,).
+        towards
+            A point of the plane in mm towards which its tissue lies, shape (2,).
+
+        Returns
+        -------
+        Spot
+            The corner.
+        """
+        return Spot(self.point(corner), self.point(towards))
+
+    def edge(self, flat: NDArray[np.float64], side: int) -> Edge:
+        """Place an edge of a cut on the skin.
+
+        Parameters
+        ----------
+        flat
+            Points of the plane along the edge in mm, shape (k, 2).
+        side
+            1 where its tissue lies to the left in the plane, -1 to the right.
+
+        Returns
+        -------
+        Edge
+            The edge.
+        """
+        return Edge(self.points(flat), -side if self.mirrored else side)
+
+    def outline(self, flat: NDArray[np.float64]) -> tuple[Point, ...]:
+        """Place a closed curve on the skin, counter-clockwise about the normal.
+
+        Parameters
+        ----------
+        flat
+            Points of the plane in mm, counter-clockwise, shape (k, 2).
+
+        Returns
+        -------
+        tuple[Point, ...]
+            K points in mm.
+        """
+        placed = self.points(flat)
+        return placed[::-1] if self.mirrored else placed

@@ -20,14 +20,15 @@ and T. Gibson, "Closure of rhomboid skin defects: the flaps of Limberg and Dufou
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from lappet.core.problem import refused
 from lappet.core.problem_code import ProblemCode
-from lappet.designs.design_axes import placed_on, skin_axes
+from lappet.designs.design_axes import DesignPlane, skin_axes
 from lappet.designs.flap_design import Carry, Corner, Edge, FlapDesign, Seam, Spot
-from lappet.procedure import Point
 from lappet.tissue.placement import Place
 
 STEP = 1.5  # mm between the points of a side, so that it follows a curved skin
@@ -134,64 +135,92 @@ def _rhombic(
     """The design whose limbs run at these angles (degrees) to the short diagonal."""
     if not (np.isfinite(side) and side > 0.0):
         raise refused(ProblemCode.LENGTH_NOT_POSITIVE, what, f"{side:g}", name="side")
-    half = np.radians(angle) / 2.0
-    a, c = side * np.array([0.0, np.cos(half)]), side * np.array([0.0, -np.cos(half)])
-    b, d = side * np.array([-np.sin(half), 0.0]), side * np.array([np.sin(half), 0.0])
-    first, second = (side * np.array([np.cos(t), np.sin(t)]) for t in np.radians(limbs))
-    e, f = d + first, d + first + second
-    corners = np.stack([a, b, c, d, e, f])
+    shape = _Shape.drawn(side, angle, limbs)
+    corners = np.stack([shape.a, shape.b, shape.c, shape.d, shape.e, shape.f])
     middle = 0.5 * (corners.min(axis=0) + corners.max(axis=0))
-
-    along, across = skin_axes(direction, normal, what)
-    if mirrored:
-        across = -across
-    origin = np.asarray(center, np.float64)
-
-    def put(flat: NDArray[np.float64]) -> tuple[Point, ...]:
-        """Points (k, 2) of the design's plane on the skin."""
-        xy = flat - middle
-        return placed_on(origin + xy[:, :1] * along + xy[:, 1:] * across, project)
-
-    def one(flat: NDArray[np.float64]) -> Point:
-        return put(flat[None])[0]
-
-    def edge(start: NDArray[np.float64], end: NDArray[np.float64], tissue: NDArray[np.float64]) -> Edge:
-        """The straight edge from start to end whose tissue lies where `tissue` does."""
-        run, beside = end - start, tissue - start
-        left = run[0] * beside[1] - run[1] * beside[0] > 0.0
-        return Edge(put(_sampled(start, end)), 1 if left != mirrored else -1)
-
-    flap, away = (c + d + e + f) / 4.0, 4.0 * side
-    above, below, right = np.array([0.0, away]), np.array([0.0, -away]), np.array([away, 0.0])
-    seams = (
-        Seam("donor", (edge(e, d, above), edge(e, f, e + right)), (True, False)),
-        Seam("near", (edge(c, d, flap), edge(c, b, below)), (True, False)),
-        Seam("far", (edge(d, e, flap), edge(b, a, above)), (False, False)),
-        Seam("end", (edge(e, f, flap), edge(a, d, above)), (False, False)),
-    )
-    outwards = (a + e - 2.0 * d) / np.linalg.norm(a + e - 2.0 * d) * side  # halves the corner D' outside of the flap
-    flap_d, flap_e = Spot(one(d), one(flap)), Spot(one(e), one(flap))
-    wound_a, wound_b = Spot(one(a), one(2.0 * a)), Spot(one(b), one(2.0 * b))
+    plane = DesignPlane.at(center, skin_axes(direction, normal, what), mirrored, project, middle)
+    a, b, c, d = shape.a, shape.b, shape.c, shape.d
     outline = [_sampled(p, q)[:-1] for p, q in ((a, b), (b, c), (c, d), (d, a))]
-    into = d - NICK * first / side
-    incision = put(np.vstack([into[None], _sampled(d, e)[:-1], _sampled(e, f)]))
-    defect = put(np.vstack(outline))
+    into = d - NICK * shape.first / side
+    incision = np.vstack([into[None], _sampled(d, shape.e)[:-1], _sampled(shape.e, shape.f)])
+    pairs, carries = _moves(plane, shape, side)
     return FlapDesign(
-        defect=defect[::-1] if mirrored else defect,
-        seed=one(np.zeros(2)),
-        incisions=(incision,),
-        seams=seams,
-        corners=(
-            Corner("donor", Spot(one(d), one(d + outwards)), Spot(one(f), one(f + second))),
-            Corner("shoulder", flap_d, wound_b),
-            Corner("tip", flap_e, wound_a),
-        ),
-        carries=(
-            Carry("tip", flap_e, one(c), Spot(wound_a.point, one(np.zeros(2)))),
-            Carry("shoulder", flap_d, one(c), Spot(wound_b.point, one(np.zeros(2)))),
-        ),
-        flaps=(one(flap),),
+        defect=plane.outline(np.vstack(outline)),
+        seed=plane.point(np.zeros(2)),
+        incisions=(plane.points(incision),),
+        seams=_seams(plane, shape, side),
+        corners=pairs,
+        carries=carries,
+        flaps=(plane.point(shape.flap),),
     )
+
+
+class _Shape(NamedTuple):
+    """The corners of the rhombus and its flap, and the limbs DE and EF, in the design's plane: mm, shape (2,)."""
+
+    a: NDArray[np.float64]
+    b: NDArray[np.float64]
+    c: NDArray[np.float64]
+    d: NDArray[np.float64]
+    e: NDArray[np.float64]
+    f: NDArray[np.float64]
+    first: NDArray[np.float64]
+    second: NDArray[np.float64]
+
+    @classmethod
+    def drawn(cls, side: float, angle: float, limbs: tuple[float, float]) -> _Shape:
+        """The shape with these angles in degrees: the rhombus's acute one, those of the limbs to the short diagonal."""
+        half = np.radians(angle) / 2.0
+        a, c = side * np.array([0.0, np.cos(half)]), side * np.array([0.0, -np.cos(half)])
+        b, d = side * np.array([-np.sin(half), 0.0]), side * np.array([np.sin(half), 0.0])
+        first, second = (side * np.array([np.cos(t), np.sin(t)]) for t in np.radians(limbs))
+        return cls(a, b, c, d, d + first, d + first + second, first, second)
+
+    @property
+    def flap(self) -> NDArray[np.float64]:
+        """The middle of the flap."""
+        return (self.c + self.d + self.e + self.f) / 4.0
+
+
+def _seams(plane: DesignPlane, shape: _Shape, side: float) -> tuple[Seam, ...]:
+    """The edges that are sewn together: those of the donor site, and the flap's with the rhombus's."""
+    a, b, c, d, e, f, _, _ = shape
+    away = 4.0 * side
+    above, below, right = np.array([0.0, away]), np.array([0.0, -away]), np.array([away, 0.0])
+    return (
+        Seam("donor", (_edge(plane, e, d, above), _edge(plane, e, f, e + right)), (True, False)),
+        Seam("near", (_edge(plane, c, d, shape.flap), _edge(plane, c, b, below)), (True, False)),
+        Seam("far", (_edge(plane, d, e, shape.flap), _edge(plane, b, a, above)), (False, False)),
+        Seam("end", (_edge(plane, e, f, shape.flap), _edge(plane, a, d, above)), (False, False)),
+    )
+
+
+def _edge(
+    plane: DesignPlane, start: NDArray[np.float64], end: NDArray[np.float64], tissue: NDArray[np.float64]
+) -> Edge:
+    """The straight edge from start to end whose tissue lies where `tissue` does."""
+    run, beside = end - start, tissue - start
+    left = run[0] * beside[1] - run[1] * beside[0] > 0.0
+    return plane.edge(_sampled(start, end), 1 if left else -1)
+
+
+def _moves(plane: DesignPlane, shape: _Shape, side: float) -> tuple[tuple[Corner, ...], tuple[Carry, ...]]:
+    """The corners that meet, and how hooks carry the flap there, about C."""
+    a, b, c, d, e, f, _, second = shape
+    outwards = (a + e - 2.0 * d) / np.linalg.norm(a + e - 2.0 * d) * side  # halves the corner D' outside of the flap
+    flap_d, flap_e = plane.spot(d, shape.flap), plane.spot(e, shape.flap)
+    wound_a, wound_b = plane.spot(a, 2.0 * a), plane.spot(b, 2.0 * b)
+    pivot, inside = plane.point(c), plane.point(np.zeros(2))
+    corners = (
+        Corner("donor", plane.spot(d, d + outwards), plane.spot(f, f + second)),
+        Corner("shoulder", flap_d, wound_b),
+        Corner("tip", flap_e, wound_a),
+    )
+    carries = (
+        Carry("tip", flap_e, pivot, Spot(wound_a.point, inside)),
+        Carry("shoulder", flap_d, pivot, Spot(wound_b.point, inside)),
+    )
+    return corners, carries
 
 
 def _sampled(start: NDArray[np.float64], end: NDArray[np.float64]) -> NDArray[np.float64]:

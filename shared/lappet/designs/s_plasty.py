@@ -33,13 +33,14 @@ from numpy.typing import ArrayLike, NDArray
 
 from lappet.core.problem import refused
 from lappet.core.problem_code import ProblemCode
-from lappet.designs.design_axes import placed_on, skin_axes
-from lappet.designs.flap_design import Carry, Corner, Edge, FlapDesign, Seam, Spot
-from lappet.procedure import Point
+from lappet.designs.design_axes import DesignPlane, skin_axes
+from lappet.designs.flap_design import Carry, Corner, FlapDesign, Seam
 from lappet.tissue.placement import Place
 
 STEP = 1.0  # mm between the points of a curve
 NICK = 0.3  # mm by which an incision begins inside the defect
+# Half a turn takes what is said of flap 1 to flap 2. The upper half rim from P on is the lower one from Q turned.
+FLAPS = (("first", 1.0), ("second", -1.0))
 
 
 def dual_s_plasty(
@@ -90,65 +91,71 @@ def dual_s_plasty(
     RefusedError
         If a length is not positive, the width is above the length, or the advance is too large.
     """
-    lengths = {"length": length, "width": width, "incision": incision, "advance": advance}
-    for name, value in lengths.items():
-        if not (np.isfinite(value) and value > 0.0):
-            raise refused(ProblemCode.LENGTH_NOT_POSITIVE, "dual_s_plasty", f"{value:g}", name=name)
+    _refuse_lengths(length=length, width=width, incision=incision, advance=advance)
     if width > length:
         raise refused(ProblemCode.DESIGN_OVAL, "dual_s_plasty", f"{width:g}", length=length)
     rim = _half_rim(length, width)
     whole = _length(rim)
     if advance > 0.5 * whole:
         raise refused(ProblemCode.DESIGN_ADVANCE, "dual_s_plasty", f"{advance:g}", half=0.5 * whole)
-    along, across = skin_axes(direction, normal, "dual_s_plasty")
-    if mirrored:
-        across = -across
-    origin = np.asarray(center, np.float64)
-
-    def put(flat: NDArray[np.float64]) -> tuple[Point, ...]:
-        """Points (k, 2) of the design's plane on the skin."""
-        return placed_on(origin + flat[:, :1] * along + flat[:, 1:] * across, project)
-
-    def one(x: float, y: float) -> Point:
-        return put(np.array([[x, y]]))[0]
-
-    def edge(flat: NDArray[np.float64], side: int) -> Edge:
-        return Edge(put(flat), -side if mirrored else side)
-
-    cut = np.array([0.5 * length, 0.0]) + _s_curve(incision, *turns)
-    count = max(2, round(advance / STEP))
-    reached = _at(rim, np.linspace(0.0, advance, count + 1) / whole)  # of the lower half rim, from Q on
-    rest = _at(rim, np.linspace(advance / whole, 1.0, max(2, round((whole - advance) / STEP)) + 1))
-    # Half a turn takes what is said of flap 1 to flap 2. The upper half rim from P on is the lower one from Q turned.
-    lip = np.vstack([-reached[::-1], cut[1:]])
-    met = _at(rim, np.array([advance / whole]))[0]
+    plane = DesignPlane.at(center, skin_axes(direction, normal, "dual_s_plasty"), mirrored, project)
+    end = np.array([0.5 * length, 0.0])
+    cut = end + _s_curve(incision, *turns)
+    pivot = np.array([-0.5 * length, -0.5 * width - 0.3 * incision])
     flap = np.array([0.1 * length, -0.5 * width - 0.25 * incision])
-    seams, corners, carries = [], [], []
-    for name, turn in (("first", 1.0), ("second", -1.0)):
-        # Flap 1 lies to the right of its incision, seen from P.
-        seams.append(Seam(f"{name}", (edge(turn * cut, -1), edge(turn * lip, 1)), (False, True)))
-        tip, tissue = turn * np.array([0.5 * length, 0.0]), turn * np.array([0.5 * length + 3.0, -3.0])
-        spot = Spot(one(*tip), one(*tissue))
-        there, beyond = -turn * met, -turn * met * 1.4
-        corners.append(Corner(name, spot, Spot(one(*there), one(*beyond))))
-        middle = 0.5 * (there + tip)
-        pivot = turn * np.array([-0.5 * length, -0.5 * width - 0.3 * incision])
-        carries.append(Carry(name, spot, one(*pivot), Spot(one(*middle), one(*(middle + tissue - tip)))))
+    start = np.array([[0.5 * length - NICK, 0.0]])
+    met = _at(rim, np.array([advance / whole]))[0]
+    tips = [_tip(plane, name, turn, end, met, pivot) for name, turn in FLAPS]
+    return FlapDesign(
+        defect=plane.outline(np.vstack([rim[:-1], -rim[:-1]])),
+        seed=plane.point(np.zeros(2)),
+        incisions=tuple(plane.points(turn * np.vstack([start, cut])) for _, turn in FLAPS),
+        seams=_seams(plane, rim, cut, advance),
+        corners=tuple(corner for corner, _ in tips),
+        carries=tuple(carry for _, carry in tips),
+        flaps=(plane.point(flap), plane.point(-flap)),
+    )
+
+
+def _refuse_lengths(**lengths: float) -> None:
+    """Refuse lengths that are not positive, by their names."""
+    for name, value in lengths.items():
+        if not (np.isfinite(value) and value > 0.0):
+            raise refused(ProblemCode.LENGTH_NOT_POSITIVE, "dual_s_plasty", f"{value:g}", name=name)
+
+
+def _tip(
+    plane: DesignPlane,
+    name: str,
+    turn: float,
+    end: NDArray[np.float64],
+    met: NDArray[np.float64],
+    pivot: NDArray[np.float64],
+) -> tuple[Corner, Carry]:
+    """Where the tip of a flap goes, and how: from the end of the oval to the point `met` turned onto the other half."""
+    tip, tissue = turn * end, turn * (end + np.array([3.0, -3.0]))
+    there = -turn * met
+    middle = 0.5 * (there + tip)
+    corner = plane.spot(tip, tissue)
+    lay = plane.spot(middle, middle + tissue - tip)
+    return Corner(name, corner, plane.spot(there, there * 1.4)), Carry(name, corner, plane.point(turn * pivot), lay)
+
+
+def _seams(
+    plane: DesignPlane, rim: NDArray[np.float64], cut: NDArray[np.float64], advance: float
+) -> tuple[Seam, Seam, Seam]:
+    """The seam along each incision and the one in the middle; `rim` is the lower half, from Q on."""
+    whole = _length(rim)
+    reached = _at(rim, np.linspace(0.0, advance, max(2, round(advance / STEP)) + 1) / whole)
+    rest = _at(rim, np.linspace(advance / whole, 1.0, max(2, round((whole - advance) / STEP)) + 1))
+    lip = np.vstack([-reached[::-1], cut[1:]])
+    # Flap 1 lies to the right of its incision, seen from P.
+    first, second = (
+        Seam(name, (plane.edge(turn * cut, -1), plane.edge(turn * lip, 1)), (False, True)) for name, turn in FLAPS
+    )
     # The middle: flap 1's leading edge from its tip at P to where flap 2's tip comes, and the other's likewise.
     lower = rest[::-1]
-    seams.append(Seam("middle", (edge(lower, 1), edge(-lower[::-1], -1)), (False, False)))
-    outline = np.vstack([rim[:-1], -rim[:-1]])
-    start = np.array([[0.5 * length - NICK, 0.0]])
-    defect = put(outline)
-    return FlapDesign(
-        defect=defect[::-1] if mirrored else defect,
-        seed=one(0.0, 0.0),
-        incisions=tuple(put(turn * np.vstack([start, cut])) for turn in (1.0, -1.0)),
-        seams=tuple(seams),
-        corners=tuple(corners),
-        carries=tuple(carries),
-        flaps=(one(*flap), one(*-flap)),
-    )
+    return first, second, Seam("middle", (plane.edge(lower, 1), plane.edge(-lower[::-1], -1)), (False, False))
 
 
 def _half_rim(length: float, width: float) -> NDArray[np.float64]:

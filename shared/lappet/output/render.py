@@ -13,6 +13,7 @@ import sys
 import tempfile
 from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import IO
 
 from lappet.core.problem import Problem, RefusedError, problem, refused
 from lappet.core.problem_code import ProblemCode
@@ -235,24 +236,13 @@ def render_cache(
         movie_size,
         movie_samples,
     )
-    environment = dict(os.environ)
-    own = str(Path(__file__).resolve().parents[2])
-    paths = [str(addon_folder()), own, *filter(None, [environment.get("PYTHONPATH")])]
-    environment["PYTHONPATH"] = os.pathsep.join(paths)
-    say = progress or (lambda line: None)
+    return _draw(command, cache, progress or (lambda line: None))
+
+
+def _draw(command: list[str], cache: Path, say: Progress) -> list[Path]:
+    """Run the figure process to its end; the files in the order in which it wrote them."""
     with tempfile.TemporaryFile("w+", encoding="utf-8", errors="replace") as chatter:
-        try:
-            process = subprocess.Popen(
-                command,
-                env=environment,
-                stdin=subprocess.DEVNULL,
-                stdout=subprocess.PIPE,
-                stderr=chatter,
-                encoding="utf-8",
-                errors="replace",
-            )
-        except OSError as error:
-            raise refused(ProblemCode.RENDER_NO_PYTHON, command[0], command[0], reason=error.strerror) from error
+        process = _start(command, chatter)
         try:
             written, refusal, finished = _follow(process, say)
             status = process.wait()
@@ -265,6 +255,24 @@ def render_cache(
             chatter.seek(0)
             raise RefusedError([_failure(status, chatter.read(), command[0])])
     return written
+
+
+def _start(command: list[str], chatter: IO[str]) -> subprocess.Popen[str]:
+    """Start the figure process, which finds this lappet and the add-on and prints what is no message to `chatter`."""
+    own = str(Path(__file__).resolve().parents[2])
+    paths = [str(addon_folder()), own, *filter(None, [os.environ.get("PYTHONPATH")])]
+    try:
+        return subprocess.Popen(
+            command,
+            env={**os.environ, "PYTHONPATH": os.pathsep.join(paths)},
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=chatter,
+            encoding="utf-8",
+            errors="replace",
+        )
+    except OSError as error:
+        raise refused(ProblemCode.RENDER_NO_PYTHON, command[0], command[0], reason=error.strerror) from error
 
 
 def _follow(process: subprocess.Popen[str], say: Progress) -> tuple[list[Path], str, bool]:

@@ -5,8 +5,7 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import replace
-from typing import Any
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,14 +14,14 @@ from lappet.core.problem import Place, refused
 from lappet.core.problem_code import ProblemCode
 from lappet.cutting.epoch import Epoch
 from lappet.cutting.epochs import build_epochs
-from lappet.geometry.rigid_motion import RigidMotion
-from lappet.procedure import Event, Hook, Landmark, Point, Procedure, Retractor, Suture
+from lappet.procedure import Event, Hook, Landmark, Material, Point, Procedure, Retractor, Suture
 from lappet.procedure.prim_paths import ROOT
 from lappet.program.anchors import AnchorTie, Tied, TissueLoss
 from lappet.program.bones import over_bone, united_bones
 from lappet.program.materials import activation, materials_in_use, parameters, region_program
 from lappet.program.program import FrameConstraints, Landmarks, Program
 from lappet.program.settings import SolverSettings
+from lappet.program.timed_events import Ties, TimedEvents, event_path
 
 DEFAULT = SolverSettings()
 
@@ -71,81 +70,54 @@ def compile_program(
     regions = region_program(procedure, materials)
     bones = united_bones(procedure.bones)
     epochs = [replace(epoch, regions=regions, over_bone=over_bone(epoch.surface, bones)) for epoch in epochs]
-    times = frame_times(procedure)
-    if until is not None:
-        times = [time for time in times if time <= until]
-    belongs = [_epoch_at(epochs, time) for time in times]
-    hooks = [event for event in procedure.events if isinstance(event, Hook)]
-    by_start = sorted(hooks, key=lambda event: event.start)
-    numbers = {hook.name: number for number, hook in enumerate(by_start)}
-    sutures = sorted((event for event in procedure.events if isinstance(event, Suture)), key=lambda event: event.start)
-    retractors = sorted(
-        (event for event in procedure.events if isinstance(event, Retractor)), key=lambda event: event.start
-    )
-    marks = [(event, point) for event in procedure.events if isinstance(event, Landmark) for point in event.points]
-    motions = [_motion(retractor) for retractor in retractors]
+    times = [time for time in frame_times(procedure) if until is None or time <= until]
+    events = TimedEvents.of(procedure)
     loss = TissueLoss(procedure)
     _refuse_off_tissue(procedure, loss)
-    # All anchors: those of hooks, two of each suture, landmarks.
-    anchored = [
-        *(hook.anchor for hook in hooks),
-        *(anchor for suture in sutures for anchor in suture.anchors),
-        *(point for _, point in marks),
-    ]
-    anchors = np.array(anchored, np.float64).reshape(-1, 3)
-    first_suture, first_mark = len(hooks), len(hooks) + 2 * len(sutures)
     frames: list[FrameConstraints] = []
     grips: list[NDArray[np.int32]] = []
     landmarks: list[Landmarks] = []
     for epoch in epochs:
-        own = [time for time, index in zip(times, belongs, strict=True) if index == epoch.index]
-        grips.append(_grips(epoch, retractors, own))
-        tied = AnchorTie(epoch.surface, loss.margin).tie(anchors)
-        lost = loss.is_lost(anchors, tied)
-        landmarks.append(_landmarks(tied[first_mark:], lost[first_mark:]))
-        hook_ties = {
-            i: _tied(hook, slice(i, i + 1), hook.start, hook.release, own, tied, lost) for i, hook in enumerate(hooks)
-        }
-        suture_ties = {
-            i: _tied(suture, slice(row, row + 2), suture.start, math.inf, own, tied, lost)
-            for i, (suture, row) in enumerate(zip(sutures, range(first_suture, first_mark, 2), strict=True))
-        }
-        for time in own:
-            pulled = [i for i, hook in enumerate(hooks) if hook.start <= time < hook.release]
-            frames.append(
-                FrameConstraints(
-                    time=float(time),
-                    epoch=epoch.index,
-                    hook_index=np.array([numbers[hooks[i].name] for i in pulled], np.int32),
-                    **_hook_arrays(hooks, pulled, hook_ties, time),
-                    **_suture_arrays(sutures, suture_ties, time),
-                    **_retractor_arrays(retractors, motions, time),
-                    activation=activation(materials, time),
-                )
+        own = [time for time in times if _epoch_at(epochs, time) == epoch.index]
+        grips.append(_grips(epoch, events.retractors, own))
+        on_surface = _AnchorsOnSurface.of(epoch, events, loss)
+        landmarks.append(on_surface.landmarks())
+        ties = on_surface.ties(own)
+        frames += [
+            FrameConstraints(
+                time=float(time), epoch=epoch.index, **events.arrays(time, ties), activation=activation(materials, time)
             )
-    gravity = procedure.tissue.gravity
-    origin = np.asarray(procedure.tissue.points, np.float64).min(axis=0)
+            for time in own
+        ]
     return Program(
         epochs=tuple(epochs),
         frames=tuple(frames),
-        settings=replace(
-            settings,
-            spacing=spacing,
-            origin=(float(origin[0]), float(origin[1]), float(origin[2])),
-            bed_stiffness=procedure.tissue.bed_stiffness,
-            gravity=(0.0, 0.0, -gravity if gravity else 0.0),
-            sutures=len(sutures),
-            retractors=len(retractors),
-            materials=tuple(parameters(material) for material in materials),
-        ),
+        settings=_with_tissue(replace(settings, spacing=spacing), procedure, events, materials),
         fps=procedure.fps,
-        hooks=tuple(hook.name for hook in by_start),
-        sutures=tuple(suture.name for suture in sutures),
-        retractors=tuple(retractor.name for retractor in retractors),
-        landmarks=_labels(marks),
+        hooks=tuple(hook.name for hook in events.hooks_by_start),
+        sutures=tuple(suture.name for suture in events.sutures),
+        retractors=tuple(retractor.name for retractor in events.retractors),
+        landmarks=_labels(events.marks),
         grips=tuple(grips),
         landmarks_at=tuple(landmarks),
         bones=bones,
+    )
+
+
+def _with_tissue(
+    settings: SolverSettings, procedure: Procedure, events: TimedEvents, materials: Sequence[Material]
+) -> SolverSettings:
+    """The settings with what the procedure says of the tissue, and with room for its events."""
+    tissue = procedure.tissue
+    x, y, z = np.asarray(tissue.points, np.float64).min(axis=0)
+    return replace(
+        settings,
+        origin=(float(x), float(y), float(z)),
+        bed_stiffness=tissue.bed_stiffness,
+        gravity=(0.0, 0.0, -tissue.gravity if tissue.gravity else 0.0),
+        sutures=len(events.sutures),
+        retractors=len(events.retractors),
+        materials=tuple(parameters(material) for material in materials),
     )
 
 
@@ -197,94 +169,58 @@ def _refuse_off_tissue(procedure: Procedure, loss: TissueLoss) -> None:
         if loss.is_off(distances).any():
             worst = int(np.argmax(distances))
             at, code = points[worst], ProblemCode.PROGRAM_POINT_OFF_TISSUE
-            raise refused(code, _path(event), _mm(at), place=Place.at(at), off=distances[worst])
+            raise refused(code, event_path(event), _mm(at), place=Place.at(at), off=distances[worst])
 
 
-def _tied(
-    event: Hook | Suture,
-    rows: slice,
-    start: float,
-    release: float,
-    own: Sequence[int],
-    every: Tied,
-    is_lost: NDArray[np.bool_],
-) -> Tied | None:
-    """The anchors of an event on an epoch's surface, or None where the event does not act in the epoch's frames.
+@dataclass(frozen=True)
+class _AnchorsOnSurface:
+    """The anchors of all events on the surface of one epoch, and which of them have lost their tissue."""
 
-    rows: of the event in `every` anchor tied to the surface and in which of them are lost.
-    """
-    acts = [time for time in own if start <= time < release]
-    if not acts:
-        return None
-    points = [event.anchor] if isinstance(event, Hook) else list(event.anchors)
-    tied = every[rows]
-    lost = np.flatnonzero(is_lost[rows])
-    if len(lost):
-        at, hook = points[lost[0]], isinstance(event, Hook)
-        code = ProblemCode.PROGRAM_HOOK_EXCISED if hook else ProblemCode.PROGRAM_ANCHOR_EXCISED
-        raise refused(code, _path(event), _mm(at), place=Place.at(at), time=acts[0])
-    if len(points) == 2 and float(np.linalg.norm(tied.point[0] - tied.point[1])) == 0.0:
-        at, code = tied.point[0], ProblemCode.PROGRAM_ANCHORS_FALL_TOGETHER
-        raise refused(code, _path(event), _mm(at), place=Place.at(at))
-    return tied
+    events: TimedEvents
+    tied: Tied
+    lost: NDArray[np.bool_]
 
+    @classmethod
+    def of(cls, epoch: Epoch, events: TimedEvents, loss: TissueLoss) -> _AnchorsOnSurface:
+        """Tie the anchors to the surface."""
+        anchors = events.anchors()
+        tied = AnchorTie(epoch.surface, loss.margin).tie(anchors)
+        return cls(events, tied, loss.is_lost(anchors, tied))
 
-def _hook_arrays(
-    hooks: Sequence[Hook], pulled: Sequence[int], ties: dict[int, Tied | None], time: float
-) -> dict[str, NDArray[Any]]:
-    tied = [found for i in pulled if (found := ties[i]) is not None]
-    if not tied:
-        return {}
-    return {
-        "hook_anchors": np.concatenate([found.point for found in tied]),
-        "hook_triangles": np.concatenate([found.triangle for found in tied]),
-        "hook_targets": np.array([_target(hooks[i], time) for i in pulled], np.float64),
-        "hook_stiffness": np.array([hooks[i].stiffness for i in pulled], np.float64),
-    }
+    def landmarks(self) -> Landmarks:
+        """The landmarks that have their tissue."""
+        tied, lost = self.tied[self.events.mark_rows], self.lost[self.events.mark_rows]
+        kept = np.flatnonzero(~lost)
+        return Landmarks(kept.astype(np.int32), tied.point[kept], tied.triangle[kept])
 
+    def ties(self, own: Sequence[int]) -> Ties:
+        """The anchors of the hooks and sutures that act in the epoch's own frames."""
+        hooks = [
+            self._tied(hook, slice(row, row + 1), hook.start, hook.release, own)
+            for row, hook in enumerate(self.events.hooks)
+        ]
+        sutures = [
+            self._tied(suture, slice(row, row + 2), suture.start, math.inf, own)
+            for row, suture in zip(self.events.suture_rows, self.events.sutures, strict=True)
+        ]
+        return Ties(hooks, sutures)
 
-def _target(hook: Hook, time: float) -> NDArray[np.float64]:
-    if not hook.targets:
-        raise refused(ProblemCode.HOOK_NO_TARGET, _path(hook))
-    samples = sorted(hook.targets)
-    when = [sample[0] for sample in samples]
-    where = np.array([sample[1] for sample in samples], np.float64)
-    return np.array([np.interp(time, when, where[:, axis]) for axis in range(3)])
-
-
-def _suture_arrays(sutures: Sequence[Suture], ties: dict[int, Tied | None], time: float) -> dict[str, NDArray[Any]]:
-    placed = [(i, found) for i, suture in enumerate(sutures) if suture.start <= time and (found := ties[i]) is not None]
-    if not placed:
-        return {}
-    return {
-        "suture_index": np.array([i for i, _ in placed], np.int32),
-        "suture_anchors": np.array([found.point for _, found in placed], np.float64),
-        "suture_triangles": np.array([found.triangle for _, found in placed], np.int32),
-        "suture_closure": np.array([_closure(sutures[i], time) for i, _ in placed], np.float64),
-        "suture_stiffness": np.array([sutures[i].stiffness for i, _ in placed], np.float64),
-    }
-
-
-def _closure(suture: Suture, time: float) -> float:
-    if suture.duration <= 0.0:
-        return 1.0
-    return min(max((time - suture.start) / suture.duration, 0.0), 1.0)
-
-
-def _motion(retractor: Retractor) -> RigidMotion:
-    return RigidMotion(retractor.motion, _path(retractor))
-
-
-def _retractor_arrays(
-    retractors: Sequence[Retractor], motions: Sequence[RigidMotion], time: float
-) -> dict[str, NDArray[Any]]:
-    held = [i for i, retractor in enumerate(retractors) if retractor.start <= time < retractor.release]
-    if not held:
-        return {}
-    return {
-        "retractor_index": np.array(held, np.int32),
-        "retractor_motion": np.array([motions[i].between(retractors[i].start, time) for i in held], np.float64),
-    }
+    def _tied(self, event: Hook | Suture, rows: slice, start: float, release: float, own: Sequence[int]) -> Tied | None:
+        """The anchors of an event, in these rows, or None where the event does not act in the epoch's frames."""
+        acts = [time for time in own if start <= time < release]
+        if not acts:
+            return None
+        points = [event.anchor] if isinstance(event, Hook) else list(event.anchors)
+        tied = self.tied[rows]
+        lost = np.flatnonzero(self.lost[rows])
+        if len(lost):
+            at, hook = points[lost[0]], isinstance(event, Hook)
+            code = ProblemCode.PROGRAM_HOOK_EXCISED if hook else ProblemCode.PROGRAM_ANCHOR_EXCISED
+            raise refused(code, event_path(event), _mm(at), place=Place.at(at), time=acts[0])
+        if len(points) == 2 and float(np.linalg.norm(tied.point[0] - tied.point[1])) == 0.0:
+            at, code = tied.point[0], ProblemCode.PROGRAM_ANCHORS_FALL_TOGETHER
+            raise refused(code, event_path(event), _mm(at), place=Place.at(at))
+        return tied
 
 
 def _grips(epoch: Epoch, retractors: Sequence[Retractor], own: Sequence[int]) -> NDArray[np.int32]:
@@ -298,20 +234,15 @@ def _grips(epoch: Epoch, retractors: Sequence[Retractor], own: Sequence[int]) ->
         mask = surface.grips.get(retractor.grip)
         if mask is None:
             known = ", ".join(surface.grips) or "none"
-            raise refused(ProblemCode.GRIP_UNKNOWN, _path(retractor), retractor.grip, known=known)
+            raise refused(ProblemCode.GRIP_UNKNOWN, event_path(retractor), retractor.grip, known=known)
         if not mask.any():
-            raise refused(ProblemCode.GRIP_EXCISED, _path(retractor), retractor.grip, time=acts[0])
+            raise refused(ProblemCode.GRIP_EXCISED, event_path(retractor), retractor.grip, time=acts[0])
         taken = np.unique(grip[mask & (grip >= 0)])
         if len(taken):
-            other = _path(retractors[int(taken[0])])
-            raise refused(ProblemCode.GRIP_SHARED, _path(retractor), retractor.grip, other=other)
+            other = event_path(retractors[int(taken[0])])
+            raise refused(ProblemCode.GRIP_SHARED, event_path(retractor), retractor.grip, other=other)
         grip[mask] = i
     return grip
-
-
-def _landmarks(tied: Tied, lost: NDArray[np.bool_]) -> Landmarks:
-    kept = np.flatnonzero(~lost)
-    return Landmarks(kept.astype(np.int32), tied.point[kept], tied.triangle[kept])
 
 
 def _labels(marks: Sequence[tuple[Landmark, Point]]) -> tuple[str, ...]:
@@ -328,10 +259,6 @@ def _labels(marks: Sequence[tuple[Landmark, Point]]) -> tuple[str, ...]:
             label = f"{label} ({mark.name})"
         labels += [label] if len(mark.points) == 1 else [f"{label} {i + 1}" for i in range(len(mark.points))]
     return tuple(labels)
-
-
-def _path(event: Event) -> str:
-    return f"/Procedure/Timeline/{event.name}"
 
 
 def _mm(point: Sequence[float] | NDArray[np.float64]) -> str:

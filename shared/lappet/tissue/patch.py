@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +13,8 @@ from lappet.core.problem_code import ProblemCode
 from lappet.procedure import Tissue
 
 UV_SCALE = 0.01  # texture units per mm
+# Each side: the axis it stands on, at which end, and the two running axes in the order that turns the normal outwards.
+SIDES = ((2, 1, 0, 1), (2, 0, 1, 0), (0, 1, 1, 2), (0, 0, 2, 1), (1, 1, 2, 0), (1, 0, 0, 2))
 
 
 def flat_patch(
@@ -72,29 +75,7 @@ def flat_patch(
     axes = [np.linspace(0.0, length, n + 1) for length, n in zip(size, parts, strict=True)]
     axes[0] += center[0] - size[0] / 2
     axes[1] += center[1] - size[1] / 2
-    corners, uv, sides = [], [], []
-    thickness = size[2]
-    # Each side: (fixed axis, its index, the two running axes in the order that turns the normal outwards).
-    for axis, end, first, second in [
-        (2, 1, 0, 1),
-        (2, 0, 1, 0),
-        (0, 1, 1, 2),
-        (0, 0, 2, 1),
-        (1, 1, 2, 0),
-        (1, 0, 0, 2),
-    ]:
-        quads = _quads(parts[first], parts[second])
-        place = np.zeros((*quads.shape[:2], 3), np.int64)
-        place[..., axis] = parts[axis] * end
-        place[..., first], place[..., second] = quads[..., 0], quads[..., 1]
-        corners.append(place)
-        at = np.stack([axes[k][place[..., k]] for k in range(3)], axis=-1)
-        flat = at[..., :2].copy()
-        if axis < 2:
-            flat[..., axis] += (1 if end else -1) * (thickness - at[..., 2])
-        uv.append(flat * UV_SCALE)
-        sides.append(np.full(len(place), axis * 2 + end))
-    place, texture, side = np.concatenate(corners), np.concatenate(uv), np.concatenate(sides)
+    place, texture, side = _sides(parts, axes)
     key = np.ravel_multi_index(tuple(place.reshape(-1, 3).T), tuple(n + 1 for n in parts))
     used, inverse = np.unique(key, return_inverse=True)
     lattice = np.unravel_index(used, tuple(n + 1 for n in parts))
@@ -117,6 +98,30 @@ def flat_patch(
         gravity=gravity,
         bed_stiffness=bed_stiffness,
     )
+
+
+def _sides(
+    parts: Sequence[int], axes: Sequence[NDArray[np.float64]]
+) -> tuple[NDArray[np.int64], NDArray[np.float64], NDArray[np.int64]]:
+    """The quadrilaterals of the sides: corners in the grid (n, 4, 3), texture (n, 4, 2), the number of the side (n,).
+
+    A side's number is twice the axis that it stands on, and 1 more at that axis's end.
+    """
+    thickness = axes[2][-1]
+    corners, uv, sides = [], [], []
+    for axis, end, first, second in SIDES:
+        quads = _quads(parts[first], parts[second])
+        place = np.zeros((*quads.shape[:2], 3), np.int64)
+        place[..., axis] = parts[axis] * end
+        place[..., first], place[..., second] = quads[..., 0], quads[..., 1]
+        corners.append(place)
+        at = np.stack([axes[k][place[..., k]] for k in range(3)], axis=-1)
+        flat = at[..., :2].copy()
+        if axis < 2:
+            flat[..., axis] += (1 if end else -1) * (thickness - at[..., 2])
+        uv.append(flat * UV_SCALE)
+        sides.append(np.full(len(place), axis * 2 + end))
+    return np.concatenate(corners), np.concatenate(uv), np.concatenate(sides)
 
 
 def _quads(columns: int, rows: int) -> NDArray[np.int64]:

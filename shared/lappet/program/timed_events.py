@@ -1,0 +1,219 @@
+"""The events of a procedure that act on the frames, in the order in which the daemon counts them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lappet.core.problem import refused
+from lappet.core.problem_code import ProblemCode
+from lappet.geometry.rigid_motion import RigidMotion
+from lappet.procedure import Event, Hook, Landmark, Point, Procedure, Retractor, Suture
+from lappet.procedure.prim_paths import TIMELINE
+from lappet.program.anchors import Tied
+
+
+class Ties(NamedTuple):
+    """The anchors of events on an epoch's surface; None for an event that does not act in the epoch's frames.
+
+    Parameters
+    ----------
+    hooks
+        The anchor of each hook.
+    sutures
+        The two anchors of each suture.
+    """
+
+    hooks: Sequence[Tied | None]
+    sutures: Sequence[Tied | None]
+
+
+@dataclass(frozen=True, eq=False)
+class TimedEvents:
+    """The events of a procedure by kind.
+
+    Parameters
+    ----------
+    hooks
+        Hooks in the procedure's order.
+    hooks_by_start
+        The same in order of their start, as the program counts them.
+    sutures
+        Sutures in order of their start.
+    retractors
+        Retractors in order of their start.
+    motions
+        Motion of each retractor.
+    marks
+        Every landmark point with its landmark.
+    """
+
+    hooks: tuple[Hook, ...]
+    hooks_by_start: tuple[Hook, ...]
+    sutures: tuple[Suture, ...]
+    retractors: tuple[Retractor, ...]
+    motions: tuple[RigidMotion, ...]
+    marks: tuple[tuple[Landmark, Point], ...]
+
+    @classmethod
+    def of(cls, procedure: Procedure) -> TimedEvents:
+        """Sort the events of a procedure.
+
+        Parameters
+        ----------
+        procedure
+            The procedure.
+
+        Returns
+        -------
+        TimedEvents
+            Its events.
+
+        Raises
+        ------
+        RefusedError
+            If the motion of a retractor is not rigid.
+        """
+        hooks = [event for event in procedure.events if isinstance(event, Hook)]
+        sutures = [event for event in procedure.events if isinstance(event, Suture)]
+        retractors = [event for event in procedure.events if isinstance(event, Retractor)]
+        retractors.sort(key=lambda event: event.start)
+        return cls(
+            hooks=tuple(hooks),
+            hooks_by_start=tuple(sorted(hooks, key=lambda event: event.start)),
+            sutures=tuple(sorted(sutures, key=lambda event: event.start)),
+            retractors=tuple(retractors),
+            motions=tuple(RigidMotion(retractor.motion, event_path(retractor)) for retractor in retractors),
+            marks=tuple(
+                (event, point) for event in procedure.events if isinstance(event, Landmark) for point in event.points
+            ),
+        )
+
+    def anchors(self) -> NDArray[np.float64]:
+        """List all anchors.
+
+        Returns
+        -------
+        NDArray[np.float64]
+            Those of hooks, two of each suture and the landmarks in mm, shape (q, 3).
+        """
+        anchors = [
+            *(hook.anchor for hook in self.hooks),
+            *(anchor for suture in self.sutures for anchor in suture.anchors),
+            *(point for _, point in self.marks),
+        ]
+        return np.array(anchors, np.float64).reshape(-1, 3)
+
+    @property
+    def suture_rows(self) -> range:
+        """Row in `anchors` of the first anchor of each suture."""
+        return range(len(self.hooks), len(self.hooks) + 2 * len(self.sutures), 2)
+
+    @property
+    def mark_rows(self) -> slice:
+        """Rows in `anchors` of the landmarks."""
+        return slice(self.suture_rows.stop, None)
+
+    def arrays(self, time: float, ties: Ties) -> dict[str, NDArray[Any]]:
+        """Collect what acts at a time.
+
+        Parameters
+        ----------
+        time
+            Time code.
+        ties
+            Anchors on the surface of the time's epoch.
+
+        Returns
+        -------
+        dict[str, NDArray[Any]]
+            The arrays of `FrameConstraints` by name, without those that are empty.
+
+        Raises
+        ------
+        RefusedError
+            If a hook has no target.
+        """
+        return {
+            **self._hook_arrays(time, ties.hooks),
+            **self._suture_arrays(time, ties.sutures),
+            **self._retractor_arrays(time),
+        }
+
+    def _hook_arrays(self, time: float, ties: Sequence[Tied | None]) -> dict[str, NDArray[Any]]:
+        numbers = {hook.name: number for number, hook in enumerate(self.hooks_by_start)}
+        pulled = [
+            (hook, tied)
+            for hook, tied in zip(self.hooks, ties, strict=True)
+            if tied is not None and hook.start <= time < hook.release
+        ]
+        if not pulled:
+            return {}
+        return {
+            "hook_index": np.array([numbers[hook.name] for hook, _ in pulled], np.int32),
+            "hook_anchors": np.concatenate([tied.point for _, tied in pulled]),
+            "hook_triangles": np.concatenate([tied.triangle for _, tied in pulled]),
+            "hook_targets": np.array([_target(hook, time) for hook, _ in pulled], np.float64),
+            "hook_stiffness": np.array([hook.stiffness for hook, _ in pulled], np.float64),
+        }
+
+    def _suture_arrays(self, time: float, ties: Sequence[Tied | None]) -> dict[str, NDArray[Any]]:
+        placed = [
+            (number, suture, tied)
+            for number, (suture, tied) in enumerate(zip(self.sutures, ties, strict=True))
+            if tied is not None and suture.start <= time
+        ]
+        if not placed:
+            return {}
+        return {
+            "suture_index": np.array([number for number, _, _ in placed], np.int32),
+            "suture_anchors": np.array([tied.point for _, _, tied in placed], np.float64),
+            "suture_triangles": np.array([tied.triangle for _, _, tied in placed], np.int32),
+            "suture_closure": np.array([_closure(suture, time) for _, suture, _ in placed], np.float64),
+            "suture_stiffness": np.array([suture.stiffness for _, suture, _ in placed], np.float64),
+        }
+
+    def _retractor_arrays(self, time: float) -> dict[str, NDArray[Any]]:
+        held = [i for i, retractor in enumerate(self.retractors) if retractor.start <= time < retractor.release]
+        if not held:
+            return {}
+        motions = [self.motions[i].between(self.retractors[i].start, time) for i in held]
+        return {
+            "retractor_index": np.array(held, np.int32),
+            "retractor_motion": np.array(motions, np.float64),
+        }
+
+
+def event_path(event: Event) -> str:
+    """Find the prim of an event.
+
+    Parameters
+    ----------
+    event
+        The event.
+
+    Returns
+    -------
+    str
+        The prim's path.
+    """
+    return f"{TIMELINE}/{event.name}"
+
+
+def _target(hook: Hook, time: float) -> NDArray[np.float64]:
+    if not hook.targets:
+        raise refused(ProblemCode.HOOK_NO_TARGET, event_path(hook))
+    samples = sorted(hook.targets)
+    when = [sample[0] for sample in samples]
+    where = np.array([sample[1] for sample in samples], np.float64)
+    return np.array([np.interp(time, when, where[:, axis]) for axis in range(3)])
+
+
+def _closure(suture: Suture, time: float) -> float:
+    if suture.duration <= 0.0:
+        return 1.0
+    return min(max((time - suture.start) / suture.duration, 0.0), 1.0)
