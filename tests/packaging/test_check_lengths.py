@@ -96,5 +96,6 @@ def test_kernels_and_tables_may_be_longer(tmp_path: Path, monkeypatch: pytest.Mo
 
 
 def test_functions_are_measured_and_the_blocks_in_them_are_not() -> None:
-    text = "int f(int x) {\n  if (g(x)) {\n    g(1);\n  } else {\n    g(2);\n  }\n  return x;\n}\n\nvoid h() {\n  g(1);\n}\n"
+    block = "  if (g(x)) {\n    g(1);\n  } else {\n    g(2);\n  }\n"
+    text = f"int f(int x) {{\n{block}  return x;\n}}\n\nvoid h() {{\n  g(1);\n}}\n"
     assert [(f.name, f.line, f.length) for f in cpp_functions(Path("a.cpp"), text)] == [("f", 1, 8), ("h", 10, 3)]
