@@ -85,7 +85,7 @@ def cpp_functions(file: Path, text: str) -> Iterator[Function]:
     for last in (number for number, line in enumerate(lines) if line.strip() == "}"):
         first = _beginning(lines, last)
         statement = " ".join(line.strip() for line in lines[first:last]).partition("{")[0]
-        name = re.search(r"(operator\W+|[\w:~]+(?:<[^()]*>[\w:~]+)?)\(", statement)
+        name = re.search(r"(operator\W+|[\w:~]+(?:<[^()\s]*>[\w:~]+)?)\(", statement)
         if name is not None and not _NO_FUNCTION.match(statement):
             yield Function(file, first + 1, name[1], last - first + 1)
 

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Every check that needs no run of the program: style, types, import directions, docstrings, lengths of functions, documents. Runs
-# them all, then fails if one of them failed. After packaging/setup.sh.
+# Every check that needs no run of the program: style, types, import directions, docstrings, lengths of functions,
+# documents. Runs them all, then fails if one of them failed. After packaging/setup.sh.
 set -uo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 python=.venv/bin/python
