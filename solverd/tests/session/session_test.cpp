@@ -123,7 +123,8 @@ TEST(Session, ASutureBetweenTwoHeldPlacesIsReportedAsUnconverged) {
   frame.sutures = {suture(epoch, {9.5, 3, 1.6}, {10.5, 3, 1.6}, 1.0)};
   const FrameOutput out = session.solve(frame, {}, kNever);
   EXPECT_FALSE(out.converged);
-  EXPECT_EQ(out.failure.code, FailureCode::kGap) << out.failure.message;
+  EXPECT_NE(out.failure.code, FailureCode::kNone);
+  EXPECT_GT(out.largest_gap, s.gap_tolerance * s.spacing) << out.failure.message;
 }
 
 // A tilted bar has its held faces off the lattice planes; it stretches as the aligned one.
