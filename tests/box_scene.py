@@ -79,6 +79,7 @@ def long_solve(client: SolverClient) -> Iterator[FrameConstraints]:
     yield FrameConstraints(
         1.0,
         0,
+        hook_index=np.zeros(1, np.int32),
         hook_anchors=np.array([[12.0, 6.0, 6.0]]),
         hook_triangles=np.array([10], np.int32),
         hook_targets=np.array([[20.0, 12.0, 14.0]]),

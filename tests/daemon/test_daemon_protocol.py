@@ -195,7 +195,7 @@ def region_arrays(**changes: Any) -> dict[str, Any]:
         ([{**RICH, "fiber_direction": [1.0, 0.0]}], "list of three numbers"),
         ([{**RICH, "muscle_stress": -1.0}], "muscle stress"),
         ([{**RICH, "prestretch": [2.5, 1.0]}], "it must be 0.5 to 2"),
-        ([{**RICH, "fiber_k1": 1.0}], "'fiber_k1'"),
+        ([{**RICH, "fiber_k3": 1.0}], "'fiber_k3'"),
         ([{"model": "neoHookean"}], "no field 'youngs_modulus'"),
     ],
 )

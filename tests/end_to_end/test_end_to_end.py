@@ -400,7 +400,7 @@ def test_a_cut_separates_as_many_fragments_at_every_kerf_and_fine_ratio(kerf: fl
     with SolverClient() as client:
         for ratio in (4, 6, 10):
             client.open(SolverSettings(spacing=1.0, fine_ratio=ratio, origin=(-12.0, -8.0, 0.0), threads=1))
-            counted = [client.set_epoch(epoch)["fragments"] for epoch in epochs]
+            counted = [client.set_epoch(epoch).fragments for epoch in epochs]
             assert counted == [1, 2, 3, 3, 3], f"fine ratio {ratio}"
     assert [epoch.fragments for epoch in epochs] == [1, 2, 3, 3, 3]
 

@@ -105,7 +105,7 @@ def solve(arrays: Path, result: Path, seen: dict[str, Any]) -> None:
         client.set_epoch(Epoch(0, 1.0, surface, 1))
         frame = client.solve(hook)
         seen["converged"] = bool(frame.converged)
-        np.savez(result, **frame.arrays)
+        np.savez(result, **frame.arrays())
     seen["alive after"] = daemon.alive()
 
 

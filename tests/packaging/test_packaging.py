@@ -127,7 +127,7 @@ def test_a_wheel_installed_elsewhere_brings_the_command_and_its_daemon(tmp_path:
     names = zipfile.ZipFile(wheel).namelist()
     for name in ("lappet/bin/lappet-solverd", "lappet/commands/cli.py", "lappet_blender/figure/__main__.py"):
         assert name in names
-    assert any(name.startswith("lappet/schema/") for name in names)
+    assert any(name.startswith("lappet/usd/schema/") for name in names)
 
     environment = tmp_path / "environment"
     venv.create(environment, with_pip=False)

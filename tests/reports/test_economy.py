@@ -120,7 +120,7 @@ def test_a_second_material_without_a_direction_takes_three_numbers_a_cell() -> N
     with SolverClient() as client:
         width = lanes[str(client.welcome["isa"])]
     # mu, lambda and mu01/mu10 as floats for each cell, and not once for all lanes.
-    assert mixed["bytes"] - bare["bytes"] == 4 * 3 * (mixed["cells"] - width)
+    assert mixed.bytes - bare.bytes == 4 * 3 * (mixed.cells - width)
 
 
 @pytest.mark.slow

@@ -14,7 +14,8 @@ from click.testing import CliRunner
 
 from lappet.commands.cli import cli
 from lappet.daemon.daemon_solver import connect_to
-from lappet.geometry.surface_check import check_closed, signed_volume
+from lappet.geometry.mesh_faults import refuse_faults
+from lappet.geometry.surface_check import signed_volume
 from lappet.reports.box_scenes import (
     BAR,
     BLOCK,
@@ -82,11 +83,11 @@ def test_the_product_of_settings_is_complete_and_starts_with_the_default() -> No
 @pytest.mark.parametrize("scene", BOXES, ids=lambda scene: scene.name)
 def test_the_boxes_are_closed_and_their_halves_are_the_coarse_programs_of_others(scene: object) -> None:
     surface, side = grid_box((4.0, 3.0, 2.0), (4, 3, 2))
-    check_closed(surface.points, surface.triangles, "box")
+    refuse_faults("box", surface.points, surface.triangles)
     assert signed_volume(surface.points, surface.triangles) == pytest.approx(24.0)
     assert sorted(set(side)) == [0, 1, 2, 3, 4, 5]
     surface = scene.program(2.0).epochs[0].surface  # type: ignore[attr-defined]
-    check_closed(surface.points, surface.triangles, "scene")
+    refuse_faults("scene", surface.points, surface.triangles)
 
 
 @pytest.mark.slow

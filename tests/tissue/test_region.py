@@ -15,6 +15,7 @@ from pxr import Usd, UsdGeom
 
 from lappet.commands.cli import cli
 from lappet.daemon.daemon_solver import connect_to, solver_identity
+from lappet.daemon.solved_frame import SolvedFrame
 from lappet.procedure import Hook, Incision, Material, Procedure
 from lappet.program.compile import compile_program
 from lappet.program.program import Program
@@ -83,8 +84,8 @@ def nodes(program: Program, store: FrameStore) -> list[NDArray[Any]]:
     solver = solver_identity(None)
     result = solve_program(program, store, connect_to(None), solver, SolveObserver())
     assert result.reason is None
-    stored = [store.get(frame.key) for frame in result.frames]
-    return [frame.arrays["nodes"] for frame in stored if frame is not None]
+    stored = [store.get(frame.key, SolvedFrame) for frame in result.frames]
+    return [frame.state.nodes for frame in stored if frame is not None]
 
 
 def test_a_solve_that_was_interrupted_goes_on_bit_for_bit(tmp_path: Path) -> None:

@@ -47,7 +47,7 @@ def read_frame(
     points = read_array(message, "points", "f4", (None, 3))
     measured = len(points) if settings.strain else 0
     corrections = {}
-    if settings.correction:
+    if settings.correction and message.fields.get("converged") is True:
         corrections = {
             "correction": read_array(message, "correction", "f4", points.shape),
             "landmark_correction": read_array(message, "landmark_correction", "f8", (marks, 3)),
