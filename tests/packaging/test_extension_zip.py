@@ -231,7 +231,7 @@ def check_life(seen: dict[str, Any], arrays: dict[str, np.ndarray]) -> None:
     with SolverDaemon() as daemon, SolverClient(daemon=daemon) as client:
         client.open(SolverSettings(spacing=1.0, threads=1))
         client.set_epoch(Epoch(0, 1.0, box(), 1))
-        expected = client.solve(pull()).arrays
+        expected = client.solve(pull()).arrays()
     assert sorted(arrays) == sorted(expected)
     for name, array in expected.items():
         assert arrays[name].tobytes() == array.tobytes(), f"{name} differs from what this checkout's daemon solves"
