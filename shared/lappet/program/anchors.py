@@ -1,4 +1,4 @@
-"""Ties the anchors of events (rest points) to the triangles of an epoch's surface."""
+"""Find the triangles of an epoch's surface on which the anchors of events (rest points) lie."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ OFF_TISSUE = 0.05
 
 
 @dataclass(frozen=True)
-class Tied:
+class PlacedAnchors:
     """Anchors on a surface.
 
     Parameters
@@ -35,12 +35,12 @@ class Tied:
     triangle: NDArray[np.int32]
     distance: NDArray[np.float64]
 
-    def __getitem__(self, rows: slice | NDArray[np.int64]) -> Tied:
+    def __getitem__(self, rows: slice | NDArray[np.int64]) -> PlacedAnchors:
         """Some of the anchors."""
-        return Tied(self.point[rows], self.triangle[rows], self.distance[rows])
+        return PlacedAnchors(self.point[rows], self.triangle[rows], self.distance[rows])
 
 
-class AnchorTie:
+class AnchorSearch:
     """A search for the triangle under each anchor of one epoch's surface.
 
     A face of the skin, the underside or the rim is preferred to a wound wall unless the wall is nearer by more than a
@@ -58,7 +58,7 @@ class AnchorTie:
         self._margin = margin
         self._parts = _searches(surface)
 
-    def tie(self, points: ArrayLike) -> Tied:
+    def locate(self, points: ArrayLike) -> PlacedAnchors:
         """Tie rest points to the surface.
 
         Parameters
@@ -68,7 +68,7 @@ class AnchorTie:
 
         Returns
         -------
-        Tied
+        PlacedAnchors
             The anchors.
         """
         found = []
@@ -82,7 +82,7 @@ class AnchorTie:
             triangle = np.where(nearer, on_wall, triangle)
             point = np.where(nearer[:, None], wall_point, point)
             distance = np.where(nearer, wall_distance, distance)
-        return Tied(point, triangle.astype(np.int32), distance)
+        return PlacedAnchors(point, triangle.astype(np.int32), distance)
 
 
 @lru_cache(maxsize=16)
@@ -149,19 +149,19 @@ class TissueLoss:
         """
         return ~(distance <= OFF_TISSUE * self.diagonal)
 
-    def is_lost(self, points: ArrayLike, tied: Tied) -> NDArray[np.bool_]:
+    def is_lost(self, points: ArrayLike, placed: PlacedAnchors) -> NDArray[np.bool_]:
         """Find anchors that have lost their tissue.
 
         Parameters
         ----------
         points
             Points in mm, shape (q, 3).
-        tied
-            How they were tied to an epoch.
+        placed
+            How they were placed to an epoch.
 
         Returns
         -------
         NDArray[np.bool_]
             Which have lost it, shape (q,).
         """
-        return tied.distance > self.distance(points) + self.margin
+        return placed.distance > self.distance(points) + self.margin

@@ -16,12 +16,12 @@ from lappet.cutting.epoch import Epoch
 from lappet.cutting.epochs import build_epochs
 from lappet.procedure import Event, Hook, Landmark, Material, Point, Procedure, Retractor, Suture
 from lappet.procedure.prim_paths import ROOT
-from lappet.program.anchors import AnchorTie, Tied, TissueLoss
+from lappet.program.anchors import AnchorSearch, PlacedAnchors, TissueLoss
 from lappet.program.bones import over_bone, united_bones
 from lappet.program.materials import activation, materials_in_use, parameters, region_program
 from lappet.program.program import FrameConstraints, Landmarks, Program
 from lappet.program.settings import SolverSettings
-from lappet.program.timed_events import Ties, TimedEvents, event_path
+from lappet.program.timed_events import EventAnchors, TimedEvents, event_path
 
 DEFAULT = SolverSettings()
 
@@ -82,10 +82,13 @@ def compile_program(
         grips.append(_grips(epoch, events.retractors, own))
         on_surface = _AnchorsOnSurface.of(epoch, events, loss)
         landmarks.append(on_surface.landmarks())
-        ties = on_surface.ties(own)
+        anchors_of = on_surface.event_anchors(own)
         frames += [
             FrameConstraints(
-                time=float(time), epoch=epoch.index, **events.arrays(time, ties), activation=activation(materials, time)
+                time=float(time),
+                epoch=epoch.index,
+                **events.arrays(time, anchors_of),
+                activation=activation(materials, time),
             )
             for time in own
         ]
@@ -177,50 +180,52 @@ class _AnchorsOnSurface:
     """The anchors of all events on the surface of one epoch, and which of them have lost their tissue."""
 
     events: TimedEvents
-    tied: Tied
+    placed: PlacedAnchors
     lost: NDArray[np.bool_]
 
     @classmethod
     def of(cls, epoch: Epoch, events: TimedEvents, loss: TissueLoss) -> _AnchorsOnSurface:
         """Tie the anchors to the surface."""
         anchors = events.anchors()
-        tied = AnchorTie(epoch.surface, loss.margin).tie(anchors)
-        return cls(events, tied, loss.is_lost(anchors, tied))
+        placed = AnchorSearch(epoch.surface, loss.margin).locate(anchors)
+        return cls(events, placed, loss.is_lost(anchors, placed))
 
     def landmarks(self) -> Landmarks:
         """The landmarks that have their tissue."""
-        tied, lost = self.tied[self.events.mark_rows], self.lost[self.events.mark_rows]
+        placed, lost = self.placed[self.events.mark_rows], self.lost[self.events.mark_rows]
         kept = np.flatnonzero(~lost)
-        return Landmarks(kept.astype(np.int32), tied.point[kept], tied.triangle[kept])
+        return Landmarks(kept.astype(np.int32), placed.point[kept], placed.triangle[kept])
 
-    def ties(self, own: Sequence[int]) -> Ties:
+    def event_anchors(self, own: Sequence[int]) -> EventAnchors:
         """The anchors of the hooks and sutures that act in the epoch's own frames."""
         hooks = [
-            self._tied(hook, slice(row, row + 1), hook.start, hook.release, own)
+            self._placed(hook, slice(row, row + 1), hook.start, hook.release, own)
             for row, hook in enumerate(self.events.hooks)
         ]
         sutures = [
-            self._tied(suture, slice(row, row + 2), suture.start, math.inf, own)
+            self._placed(suture, slice(row, row + 2), suture.start, math.inf, own)
             for row, suture in zip(self.events.suture_rows, self.events.sutures, strict=True)
         ]
-        return Ties(hooks, sutures)
+        return EventAnchors(hooks, sutures)
 
-    def _tied(self, event: Hook | Suture, rows: slice, start: float, release: float, own: Sequence[int]) -> Tied | None:
+    def _placed(
+        self, event: Hook | Suture, rows: slice, start: float, release: float, own: Sequence[int]
+    ) -> PlacedAnchors | None:
         """The anchors of an event, in these rows, or None where the event does not act in the epoch's frames."""
         acts = [time for time in own if start <= time < release]
         if not acts:
             return None
         points = [event.anchor] if isinstance(event, Hook) else list(event.anchors)
-        tied = self.tied[rows]
+        placed = self.placed[rows]
         lost = np.flatnonzero(self.lost[rows])
         if len(lost):
             at, hook = points[lost[0]], isinstance(event, Hook)
             code = ProblemCode.PROGRAM_HOOK_EXCISED if hook else ProblemCode.PROGRAM_ANCHOR_EXCISED
             raise refused(code, event_path(event), _mm(at), place=Place.at(at), time=acts[0])
-        if len(points) == 2 and float(np.linalg.norm(tied.point[0] - tied.point[1])) == 0.0:
-            at, code = tied.point[0], ProblemCode.PROGRAM_ANCHORS_FALL_TOGETHER
+        if len(points) == 2 and float(np.linalg.norm(placed.point[0] - placed.point[1])) == 0.0:
+            at, code = placed.point[0], ProblemCode.PROGRAM_ANCHORS_FALL_TOGETHER
             raise refused(code, event_path(event), _mm(at), place=Place.at(at))
-        return tied
+        return placed
 
 
 def _grips(epoch: Epoch, retractors: Sequence[Retractor], own: Sequence[int]) -> NDArray[np.int32]:

@@ -14,10 +14,10 @@ from lappet.core.problem_code import ProblemCode
 from lappet.geometry.rigid_motion import RigidMotion
 from lappet.procedure import Event, Hook, Landmark, Point, Procedure, Retractor, Suture
 from lappet.procedure.prim_paths import TIMELINE
-from lappet.program.anchors import Tied
+from lappet.program.anchors import PlacedAnchors
 
 
-class Ties(NamedTuple):
+class EventAnchors(NamedTuple):
     """The anchors of events on an epoch's surface; None for an event that does not act in the epoch's frames.
 
     Parameters
@@ -28,8 +28,8 @@ class Ties(NamedTuple):
         The two anchors of each suture.
     """
 
-    hooks: Sequence[Tied | None]
-    sutures: Sequence[Tied | None]
+    hooks: Sequence[PlacedAnchors | None]
+    sutures: Sequence[PlacedAnchors | None]
 
 
 @dataclass(frozen=True, eq=False)
@@ -118,14 +118,14 @@ class TimedEvents:
         """Rows in `anchors` of the landmarks."""
         return slice(self.suture_rows.stop, None)
 
-    def arrays(self, time: float, ties: Ties) -> dict[str, NDArray[Any]]:
+    def arrays(self, time: float, anchors_of: EventAnchors) -> dict[str, NDArray[Any]]:
         """Collect what acts at a time.
 
         Parameters
         ----------
         time
             Time code.
-        ties
+        anchors_of
             Anchors on the surface of the time's epoch.
 
         Returns
@@ -139,40 +139,40 @@ class TimedEvents:
             If a hook has no target.
         """
         return {
-            **self._hook_arrays(time, ties.hooks),
-            **self._suture_arrays(time, ties.sutures),
+            **self._hook_arrays(time, anchors_of.hooks),
+            **self._suture_arrays(time, anchors_of.sutures),
             **self._retractor_arrays(time),
         }
 
-    def _hook_arrays(self, time: float, ties: Sequence[Tied | None]) -> dict[str, NDArray[Any]]:
+    def _hook_arrays(self, time: float, anchors_of: Sequence[PlacedAnchors | None]) -> dict[str, NDArray[Any]]:
         numbers = {hook.name: number for number, hook in enumerate(self.hooks_by_start)}
         pulled = [
-            (hook, tied)
-            for hook, tied in zip(self.hooks, ties, strict=True)
-            if tied is not None and hook.start <= time < hook.release
+            (hook, found)
+            for hook, found in zip(self.hooks, anchors_of, strict=True)
+            if found is not None and hook.start <= time < hook.release
         ]
         if not pulled:
             return {}
         return {
             "hook_index": np.array([numbers[hook.name] for hook, _ in pulled], np.int32),
-            "hook_anchors": np.concatenate([tied.point for _, tied in pulled]),
-            "hook_triangles": np.concatenate([tied.triangle for _, tied in pulled]),
+            "hook_anchors": np.concatenate([found.point for _, found in pulled]),
+            "hook_triangles": np.concatenate([found.triangle for _, found in pulled]),
             "hook_targets": np.array([_target(hook, time) for hook, _ in pulled], np.float64),
             "hook_stiffness": np.array([hook.stiffness for hook, _ in pulled], np.float64),
         }
 
-    def _suture_arrays(self, time: float, ties: Sequence[Tied | None]) -> dict[str, NDArray[Any]]:
+    def _suture_arrays(self, time: float, anchors_of: Sequence[PlacedAnchors | None]) -> dict[str, NDArray[Any]]:
         placed = [
-            (number, suture, tied)
-            for number, (suture, tied) in enumerate(zip(self.sutures, ties, strict=True))
-            if tied is not None and suture.start <= time
+            (number, suture, found)
+            for number, (suture, found) in enumerate(zip(self.sutures, anchors_of, strict=True))
+            if found is not None and suture.start <= time
         ]
         if not placed:
             return {}
         return {
             "suture_index": np.array([number for number, _, _ in placed], np.int32),
-            "suture_anchors": np.array([tied.point for _, _, tied in placed], np.float64),
-            "suture_triangles": np.array([tied.triangle for _, _, tied in placed], np.int32),
+            "suture_anchors": np.array([found.point for _, _, found in placed], np.float64),
+            "suture_triangles": np.array([found.triangle for _, _, found in placed], np.int32),
             "suture_closure": np.array([_closure(suture, time) for _, suture, _ in placed], np.float64),
             "suture_stiffness": np.array([suture.stiffness for _, suture, _ in placed], np.float64),
         }

@@ -14,7 +14,7 @@ from lappet.checks.validation import check
 from lappet.core.problem import RefusedError
 from lappet.cutting.epoch import Epoch, Regions
 from lappet.procedure import Event, Material, Procedure, Tissue
-from lappet.program.anchors import AnchorTie
+from lappet.program.anchors import AnchorSearch
 from lappet.program.compile import compile_program
 from lappet.program.program import Bones, FrameConstraints, Landmarks, Program
 from lappet.program.settings import MaterialParameters, SolverSettings
@@ -99,9 +99,9 @@ def block(
     grip = np.full(len(side), -1, np.int32)
     for index, each in enumerate(gripped):
         grip[side == each] = index
-    tie = AnchorTie(surface, 1e-6 * max(size))
-    pulled = tie.tie(np.array([pull[0] for pull in hooks]).reshape(-1, 3))
-    ends = tie.tie(np.array([end for pull in sutures for end in pull[:2]]).reshape(-1, 3))
+    tie = AnchorSearch(surface, 1e-6 * max(size))
+    pulled = tie.locate(np.array([pull[0] for pull in hooks]).reshape(-1, 3))
+    ends = tie.locate(np.array([end for pull in sutures for end in pull[:2]]).reshape(-1, 3))
     count = len(sutures)
     frames = [
         FrameConstraints(
