@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from lappet.cutting.epoch import Epoch
 from lappet.daemon.client import SolverClient
 from lappet.daemon.frame_solver import Iteration
-from lappet.geometry.labelled_surface import Surface
+from lappet.geometry.labeled_surface import Surface
 from lappet.program.program import FrameConstraints
 from lappet.program.settings import SolverSettings
 

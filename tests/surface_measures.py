@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from lappet.geometry.labelled_surface import Surface
+from lappet.geometry.labeled_surface import Surface
 from lappet.procedure import Tissue
 
 

@@ -40,7 +40,7 @@ def test_rings_have_the_radius_of_their_point_and_stand_across_the_line() -> Non
     np.testing.assert_allclose(np.linalg.norm(spokes, axis=-1), radii[:, None] * np.ones(12))
     along = np.gradient(HELIX, axis=0)
     np.testing.assert_allclose(np.einsum("kri,ki->kr", spokes, along), 0.0, atol=1e-12)
-    # Neighbouring rings hardly twist against one another: no tube is wrung out.
+    # Neighboring rings hardly twist against one another: no tube is wrung out.
     turns = np.einsum("kri,kri->kr", spokes[1:], spokes[:-1]) / (radii[1:] * radii[:-1])[:, None]
     assert turns.min() > 0.95
 

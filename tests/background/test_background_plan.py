@@ -20,7 +20,7 @@ from lappet.core.problem import RefusedError
 from lappet.cutting.epochs import build_epochs
 from lappet.daemon.solved_frame import SolvedFrame
 from lappet.geometry.closest_point import ClosestPoint
-from lappet.geometry.labelled_surface import FaceOrigin
+from lappet.geometry.labeled_surface import FaceOrigin
 from lappet.procedure import Hook, Incision, Procedure, Suture
 from lappet.program.compile import compile_program
 from lappet.program.keys import frame_keys

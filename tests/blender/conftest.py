@@ -27,7 +27,7 @@ def _scrambled(code: ProblemCode) -> problem_text.ProblemText:
     return replace(_plain(code), message="Xq zvw.", remedy="Kj.")
 
 
-if os.environ.get("LAPPET_SCRAMBLED_TEXTS"):  # for tests/addon/test_blender.py: no behaviour depends on the wording
+if os.environ.get("LAPPET_SCRAMBLED_TEXTS"):  # for tests/addon/test_blender.py: no behavior depends on the wording
     problem_text.text_of = _scrambled
 
 

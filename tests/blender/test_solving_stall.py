@@ -119,11 +119,11 @@ def test_editing_an_open_surface_that_is_thickened_does_not_stall(scene: bpy.typ
 def test_what_is_shown_is_found_in_a_third_of_a_millisecond_once_it_is_in_memory(sheet: bpy.types.Scene) -> None:
     bpy.ops.lappet.solve(wait=True)
     controller.frame_cache.clear()
-    frames.shown_at(sheet, 3)  # from the store; its neighbours are read ahead
+    frames.shown_at(sheet, 3)  # from the store; its neighbors are read ahead
     end = time.monotonic() + 20.0
     keys = [frame.key for frame in frames.plan_of(sheet).frames]
     while not all(key in controller.frame_cache for key in keys):
-        assert time.monotonic() < end, "the neighbours of a frame are read before they are asked for"
+        assert time.monotonic() < end, "the neighbors of a frame are read before they are asked for"
         time.sleep(0.01)
     times = sorted(seconds(lambda t=t: frames.shown_at(sheet, t)) for _ in range(50) for t in range(1, 7))
     assert times[len(times) // 2] < SHOWN

@@ -9,7 +9,7 @@ import pytest
 
 from lappet.core.problem_code import ProblemCode
 from lappet.cutting.epochs import build_epochs
-from lappet.geometry.labelled_surface import FaceOrigin
+from lappet.geometry.labeled_surface import FaceOrigin
 from lappet.procedure import Excision, Incision, Procedure, Tissue, Undermine
 from lappet.tissue.patch import flat_patch
 from lappet.tissue.surface import tissue_surface
@@ -246,7 +246,7 @@ def test_polygons_are_triangulated_without_losing_area():
     assert (surface.origin == FaceOrigin.SKIN).all()
 
 
-def test_faces_are_labelled_by_the_subsets():
+def test_faces_are_labeled_by_the_subsets():
     tissue = flat_patch(SIZE)
     surface = tissue_surface(tissue)
     by_origin = [areas(surface)[surface.origin == o].sum() for o in FaceOrigin]

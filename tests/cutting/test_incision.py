@@ -9,7 +9,7 @@ from lappet.core.problem_code import ProblemCode
 from lappet.cutting.epoch import Epoch
 from lappet.cutting.epochs import build_epochs
 from lappet.geometry.curve import sample_curve
-from lappet.geometry.labelled_surface import FaceOrigin
+from lappet.geometry.labeled_surface import FaceOrigin
 from lappet.procedure import Incision, Procedure
 from lappet.tissue.patch import UV_SCALE, flat_patch
 from refusals import refuses

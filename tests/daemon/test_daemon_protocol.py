@@ -18,7 +18,7 @@ from lappet.daemon.client import SolverClient, SolverRefused
 from lappet.daemon.frame_solver import Iteration
 from lappet.daemon.process import SolverDaemon
 from lappet.daemon.wire import Message, WireError, encode
-from lappet.geometry.labelled_surface import Surface
+from lappet.geometry.labeled_surface import Surface
 from lappet.program.payloads import solve_payload
 from lappet.program.program import FrameConstraints
 from lappet.program.settings import MaterialParameters, SolverSettings

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from pxr import Usd, UsdGeom, UsdValidation
 
-from lappet.geometry.labelled_surface import FaceOrigin, Surface
+from lappet.geometry.labeled_surface import FaceOrigin, Surface
 from lappet.geometry.shading_normals import ShadingNormals
 from lappet.output.skin_cache import write_skin_cache
 from lappet.procedure import Procedure

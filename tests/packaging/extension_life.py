@@ -90,7 +90,7 @@ def solve(arrays: Path, result: Path, seen: dict[str, Any]) -> None:
     from lappet.cutting.epoch import Epoch
     from lappet.daemon.client import SolverClient
     from lappet.daemon.process import SolverDaemon, find_daemon
-    from lappet.geometry.labelled_surface import Surface
+    from lappet.geometry.labeled_surface import Surface
     from lappet.program.program import FrameConstraints
     from lappet.program.settings import SolverSettings
 

@@ -66,7 +66,10 @@ WORDS = (
     # A frame is a time sample of a procedure and nothing else.
     Word(r"[Hh]eader[ _]frames?|(skin|design)_frame", "header part; axes"),
     # One spelling: American.
-    Word(r"\w*(fibre|colour|centre|Fibre|Colour|Centre)\w*", "fiber, color, center"),
+    Word(
+        r"\w*([Ff]ibre|[Cc]olour|[Cc]entre|[Nn]eighbour|[Ll]abelled|[Bb]ehaviour)\w*",
+        "fiber, color, center, neighbor, labeled, behavior",
+    ),
 )
 # Files are called after what they do now.
 STEMS = {

@@ -12,7 +12,7 @@ import trimesh
 from numpy.typing import NDArray
 
 from lappet.core.problem_code import ProblemCode
-from lappet.geometry.labelled_surface import FaceOrigin
+from lappet.geometry.labeled_surface import FaceOrigin
 from lappet.geometry.rigid_motion import RigidMotion
 from lappet.procedure import (
     Bone,

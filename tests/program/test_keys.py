@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from lappet.cutting.epoch import Regions
-from lappet.geometry.labelled_surface import FaceOrigin
+from lappet.geometry.labeled_surface import FaceOrigin
 from lappet.procedure import Hook, Landmark, Material, Procedure, Suture
 from lappet.program.compile import compile_program
 from lappet.program.keys import frame_keys

@@ -11,7 +11,7 @@ import pytest
 
 from lappet.daemon.daemon_solver import connect_to
 from lappet.daemon.solved_frame import LatticeCounts, SolvedFrame
-from lappet.geometry.labelled_surface import FaceOrigin
+from lappet.geometry.labeled_surface import FaceOrigin
 from lappet.output.solve_to_cache import solve_procedure
 from lappet.reports.box_scenes import BAR, BLOCK, BLOCK_SLACK, CANTILEVER, COOK, SHELF, BoxScene
 from lappet.reports.error_time.measurement import DEFAULT, EXACT, skin_of

@@ -11,7 +11,7 @@ import trimesh
 
 from lappet.core.problem import RefusedError
 from lappet.core.problem_code import ProblemCode
-from lappet.geometry.labelled_surface import FaceOrigin
+from lappet.geometry.labeled_surface import FaceOrigin
 from lappet.procedure import Tissue
 from lappet.tissue.patch import UV_SCALE
 from lappet.tissue.surface import tissue_surface

@@ -14,7 +14,7 @@ BED_GAP = 0.35
 REACH = 18.0  # mm around the wound; farther away nothing can be seen of it
 _CELL = 1.0
 _STILL = 0.1  # mm
-_SPREAD = 3  # rings of neighbours that give way together
+_SPREAD = 3  # rings of neighbors that give way together
 
 
 class DeepBed:

@@ -73,22 +73,22 @@ def border_chains(triangles: NDArray[np.int32], origin: NDArray[np.uint8]) -> li
         return np.unique(pairs[:, 0] * (int(triangles.max(initial=0)) + 1) + pairs[:, 1])
 
     stride = int(triangles.max(initial=0)) + 1
-    neighbours: dict[int, list[int]] = {}
+    neighbors: dict[int, list[int]] = {}
     for key in np.intersect1d(edges(SKIN), edges(WOUND_WALL)):
         a, b = divmod(int(key), stride)
-        neighbours.setdefault(a, []).append(b)
-        neighbours.setdefault(b, []).append(a)
+        neighbors.setdefault(a, []).append(b)
+        neighbors.setdefault(b, []).append(a)
     chains = []
     # Ends and crossings first, so that what is left over is closed loops.
-    for start in sorted(neighbours, key=lambda v: (len(neighbours[v]) == 2, v)):
-        while neighbours[start]:
+    for start in sorted(neighbors, key=lambda v: (len(neighbors[v]) == 2, v)):
+        while neighbors[start]:
             chain = [start]
-            while neighbours[chain[-1]]:
+            while neighbors[chain[-1]]:
                 here = chain[-1]
-                there = neighbours[here].pop()
-                neighbours[there].remove(here)
+                there = neighbors[here].pop()
+                neighbors[there].remove(here)
                 chain.append(there)
-                if len(neighbours[there]) != 1:
+                if len(neighbors[there]) != 1:
                     break
             chains.append(np.array(chain, np.int32))
     return chains

@@ -1,6 +1,6 @@
 """Frames in memory: those used last stay within a bound of bytes; the rest is read from the store again.
 
-Reading ahead runs on a thread of its own, so that scrubbing finds the neighbours in memory.
+Reading ahead runs on a thread of its own, so that scrubbing finds the neighbors in memory.
 """
 
 from __future__ import annotations

@@ -12,7 +12,7 @@ from lappet.core.problem import Problem
 
 from .controller import Controller, Failure, controller_of, find_controller, frame_at, plans
 from .frame_states import FrameRun, State, frame_runs_of, frame_states
-from .shown_frame import Shown, find_shown, read_neighbours
+from .shown_frame import Shown, find_shown, read_neighbors
 from .solve_progress import Progress, progress
 
 __all__ = ["Failure", "FrameRun", "Progress", "Shown"]
@@ -52,7 +52,7 @@ def shown_at(scene: bpy.types.Scene, time: float) -> Shown | None:
         controller_of(scene)  # from now on it is read when the timer next comes by
         return None
     shown = find_shown(controller, time)
-    read_neighbours(controller, time)
+    read_neighbors(controller, time)
     return shown
 
 

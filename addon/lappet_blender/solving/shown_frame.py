@@ -46,7 +46,7 @@ def find_shown(controller: Controller, time: float) -> Shown | None:
     return shown or Shown(newest, newest.epochs[own.epoch], at, None, stale=False)
 
 
-def read_neighbours(controller: Controller, time: float) -> None:
+def read_neighbors(controller: Controller, time: float) -> None:
     """Have the frames about a time read into memory, those ahead first, on a thread."""
     plan = controller.newest()
     if plan is None or not plan.frames:

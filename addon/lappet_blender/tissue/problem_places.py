@@ -44,7 +44,7 @@ class ProblemPlace:
 
 
 def mesh_places(mesh: MeshValues, name: str, thicken: bool) -> list[ProblemPlace]:
-    """Return what is wrong with the mesh as it was modelled.
+    """Return what is wrong with the mesh as it was modeled.
 
     name: of the object. thicken: it is the outer surface only and may be open.
     """

@@ -64,7 +64,7 @@ def remove_loose(obj: bpy.types.Object) -> str:
 
 
 def turn_alike(scene: bpy.types.Scene, obj: bpy.types.Object) -> str:
-    """Neighbouring faces look the same way; closed parts outwards, open parts as most of their faces did."""
+    """Neighboring faces look the same way; closed parts outwards, open parts as most of their faces did."""
     mesh = mesh_values(scene, obj)
     triangles, faces = triangles_of(mesh)
     turned = orient(Mesh(mesh.points, triangles))[0].triangles

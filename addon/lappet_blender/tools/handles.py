@@ -10,7 +10,7 @@ import numpy as np
 from mathutils import Vector
 from numpy.typing import NDArray
 
-from lappet.geometry.labelled_surface import FaceOrigin
+from lappet.geometry.labeled_surface import FaceOrigin
 
 from ..model.event_properties import LappetEvent
 from ..model.units import to_mm

@@ -35,14 +35,14 @@ def insert_nearest(event: bpy.types.PropertyGroup, rest: Sequence[float]) -> int
 
 
 def remove_points(event: bpy.types.PropertyGroup, index: int) -> None:
-    """Remove a point; a doubled end is laid on its neighbour, which then ends the line."""
+    """Remove a point; a doubled end is laid on its neighbor, which then ends the line."""
     same = indices_at(event, index)
     if len(same) == 1:
         edit_points.remove_point(event.id_data, event, index)
         return
     beside = same[-1] + 1 if same[-1] + 1 < len(event.points) else max(same[0] - 1, 0)
-    neighbour = tuple(event.points[beside].co)
-    move_points(event, index, neighbour)
+    neighbor = tuple(event.points[beside].co)
+    move_points(event, index, neighbor)
     edit_points.remove_point(event.id_data, event, beside)
 
 

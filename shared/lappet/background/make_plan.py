@@ -13,7 +13,7 @@ from lappet.background.skin_shape import depth_below_skin, uv_scale
 from lappet.background.tissue_face import TissueFaces
 from lappet.core.digest import digest
 from lappet.cutting.epoch import Epoch
-from lappet.geometry.labelled_surface import FaceOrigin, Surface
+from lappet.geometry.labeled_surface import FaceOrigin, Surface
 from lappet.procedure import Tissue
 from lappet.program.program import Program
 

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lappet.geometry.closest_point import ClosestPoint
-from lappet.geometry.labelled_surface import FaceOrigin
+from lappet.geometry.labeled_surface import FaceOrigin
 
 
 def uv_scale(positions: NDArray[Any], triangles: NDArray[np.int32], st: NDArray[np.float32]) -> NDArray[np.float64]:

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lappet.geometry.closest_point import ClosestPoint
-from lappet.geometry.labelled_surface import FaceOrigin, Surface
+from lappet.geometry.labeled_surface import FaceOrigin, Surface
 from lappet.geometry.triangulation import triangulate
 from lappet.procedure import Tissue
 

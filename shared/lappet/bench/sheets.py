@@ -24,7 +24,7 @@ from lappet.bench.circumstances import cores
 from lappet.bench.scenes import pass_times, state_hash
 from lappet.cutting.epoch import Epoch
 from lappet.daemon.client import SolverClient
-from lappet.geometry.labelled_surface import Surface
+from lappet.geometry.labeled_surface import Surface
 from lappet.program.program import FrameConstraints
 from lappet.program.settings import MaterialParameters, SolverSettings
 

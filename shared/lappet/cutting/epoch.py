@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from lappet.geometry.labelled_surface import Surface
+from lappet.geometry.labeled_surface import Surface
 
 
 def no_entries(shape: tuple[int, ...], kind: type) -> NDArray[Any]:

@@ -13,9 +13,9 @@ from lappet.cutting.epoch import Epoch
 from lappet.cutting.incision import cut, fragments, tidy
 from lappet.cutting.undermining import undermine
 from lappet.geometry.closest_point import ClosestPoint
-from lappet.geometry.labelled_surface import Surface
+from lappet.geometry.labeled_surface import Surface
 from lappet.geometry.mesh_faults import CLOSED, mesh_faults
-from lappet.geometry.solid import LabelledSolid
+from lappet.geometry.solid import LabeledSolid
 from lappet.geometry.surface_check import place
 from lappet.procedure import Excision, Incision, Procedure, Undermine
 from lappet.tissue.rest_skin import RestSkin
@@ -48,7 +48,7 @@ def build_epochs(procedure: Procedure) -> list[Epoch]:
     """
     spacing = procedure.tissue.spacing
     surface = tissue_surface(procedure.tissue, _TISSUE)
-    rest = LabelledSolid.from_surface(surface)
+    rest = LabeledSolid.from_surface(surface)
     skin = RestSkin(surface, rest.solid)
     rest = tissue = tidy(rest, spacing, 0.0)
     epochs = []
@@ -72,7 +72,7 @@ def build_epochs(procedure: Procedure) -> list[Epoch]:
         _refuse_broken(surface, time)
         epochs.append(Epoch(index, float(time), surface, len(tissue.solid.decompose())))  # undermining parts nothing
         if freeing and index + 1 < len(steps):
-            tissue = LabelledSolid.from_surface(surface)
+            tissue = LabeledSolid.from_surface(surface)
     return epochs
 
 
@@ -85,7 +85,7 @@ def _refuse_broken(surface: Surface, time: float) -> None:
         raise refused(code, _TISSUE, f"{time:g}", place=found.place, fault=found.message)
 
 
-def excise(tissue: LabelledSolid, skin: RestSkin, excisions: list[Excision], spacing: float) -> LabelledSolid:
+def excise(tissue: LabeledSolid, skin: RestSkin, excisions: list[Excision], spacing: float) -> LabeledSolid:
     """Take away the fragments whose surfaces are nearest to the seeds.
 
     Parameters
@@ -101,7 +101,7 @@ def excise(tissue: LabelledSolid, skin: RestSkin, excisions: list[Excision], spa
 
     Returns
     -------
-    LabelledSolid
+    LabeledSolid
         The tissue that is left.
 
     Raises

@@ -12,9 +12,9 @@ from lappet.core.problem import RefusedError, problem
 from lappet.core.problem_code import ProblemCode
 from lappet.cutting.ribbon import Ribbon, skin_ribbons
 from lappet.geometry.flat_triangles import turn_flat_triangles
-from lappet.geometry.labelled_surface import FaceOrigin
+from lappet.geometry.labeled_surface import FaceOrigin
 from lappet.geometry.short_edges import collapse_short_edges
-from lappet.geometry.solid import Label, LabelledSolid
+from lappet.geometry.solid import Label, LabeledSolid
 from lappet.procedure import Incision
 from lappet.tissue.patch import UV_SCALE
 from lappet.tissue.rest_skin import RestSkin
@@ -88,9 +88,9 @@ def cutter(ribbon: Ribbon, kerf: float, above: float, ids: tuple[int, int, int])
 
 
 def cut(
-    tissue: LabelledSolid, skin: RestSkin, incisions: Sequence[Incision], spacing: float, timeline: str
-) -> LabelledSolid:
-    """Make incisions in one Boolean; their walls are labelled `WOUND_WALL`.
+    tissue: LabeledSolid, skin: RestSkin, incisions: Sequence[Incision], spacing: float, timeline: str
+) -> LabeledSolid:
+    """Make incisions in one Boolean; their walls are labeled `WOUND_WALL`.
 
     Parameters
     ----------
@@ -107,7 +107,7 @@ def cut(
 
     Returns
     -------
-    LabelledSolid
+    LabeledSolid
         The tissue after.
 
     Raises
@@ -168,7 +168,7 @@ def incise(
     return [cutter(ribbon, incision.kerf, above, ids) for ribbon in ribbons]
 
 
-def tidy(tissue: LabelledSolid, spacing: float, tolerance: float) -> LabelledSolid:
+def tidy(tissue: LabeledSolid, spacing: float, tolerance: float) -> LabeledSolid:
     """Remove short edges and flat triangles and refine edges longer than 1.5 lattice spacings.
 
     Triangles that no cut has touched stay as they are, to the bit.
@@ -184,20 +184,20 @@ def tidy(tissue: LabelledSolid, spacing: float, tolerance: float) -> LabelledSol
 
     Returns
     -------
-    LabelledSolid
+    LabeledSolid
         The tidied tissue.
     """
     if tolerance > 0.0:
         simple = tissue.surface()
         for _ in range(3):  # what one step is kept from, the other may make possible
             simple = turn_flat_triangles(collapse_short_edges(simple, tolerance), tolerance)
-        tissue = LabelledSolid.from_surface(simple)
+        tissue = LabeledSolid.from_surface(simple)
     fine = tissue.with_solid(tissue.solid.refine_to_length(1.5 * spacing))
     # Every triangle becomes a face of its own, so that no later step merges what was refined.
-    return LabelledSolid.from_surface(fine.surface())
+    return LabeledSolid.from_surface(fine.surface())
 
 
-def fragments(tissue: LabelledSolid) -> list[LabelledSolid]:
+def fragments(tissue: LabeledSolid) -> list[LabeledSolid]:
     """Split the tissue into parts that do not hang together.
 
     Parameters
@@ -207,7 +207,7 @@ def fragments(tissue: LabelledSolid) -> list[LabelledSolid]:
 
     Returns
     -------
-    list[LabelledSolid]
+    list[LabeledSolid]
         The parts, largest volume first.
     """
     parts = tissue.solid.decompose()

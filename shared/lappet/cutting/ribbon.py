@@ -337,7 +337,7 @@ def _chains(
 
 
 def _conflicts(path: _Path, lengths: NDArray[np.float64], kerf: float, segments: int) -> dict[int, set[int]]:
-    """Segments of one path that come nearer to each other than the kerf, without being neighbours along it."""
+    """Segments of one path that come nearer to each other than the kerf, without being neighbors along it."""
     start = path.points[:segments]
     end = path.points[(np.arange(segments) + 1) % len(path.points)]
     centers = 0.5 * (start + end)

@@ -17,8 +17,8 @@ from lappet.core.problem_code import ProblemCode
 from lappet.cutting.incision import cutter
 from lappet.cutting.ribbon import Ribbon, skin_ribbons
 from lappet.geometry.closest_point import ClosestPoint
-from lappet.geometry.labelled_surface import FaceOrigin, Surface
-from lappet.geometry.solid import Label, LabelledSolid
+from lappet.geometry.labeled_surface import FaceOrigin, Surface
+from lappet.geometry.solid import Label, LabeledSolid
 from lappet.geometry.split_edges import split_edges
 from lappet.geometry.surface_check import directed_edges, unique_edges
 from lappet.geometry.unique_rows import unique_rows
@@ -31,7 +31,7 @@ _KERF = 0.02  # of the lattice spacing: the width of the line that parts inside 
 
 
 def undermine(
-    surface: Surface, rest: LabelledSolid, skin: RestSkin, event: Undermine, spacing: float, timeline: str
+    surface: Surface, rest: LabeledSolid, skin: RestSkin, event: Undermine, spacing: float, timeline: str
 ) -> Surface:
     """Free the bed faces inside a curve, split along it.
 
@@ -132,7 +132,7 @@ def _refined(surface: Surface, low: NDArray[np.float64], high: NDArray[np.float6
 class _Parts:
     """The parts of the uncut tissue inside and outside of a closed curve."""
 
-    def __init__(self, rest: LabelledSolid, ribbons: list[Ribbon], kerf: float, spacing: float) -> None:
+    def __init__(self, rest: LabeledSolid, ribbons: list[Ribbon], kerf: float, spacing: float) -> None:
         left, right, other = (manifold3d.Manifold.reserve_ids(3) + k for k in range(3))
         walls = {i: Label(FaceOrigin.WOUND_WALL, grips=(name,)) for i, name in ((left, "left"), (right, "right"))}
         walls[other] = Label(FaceOrigin.WOUND_WALL)
@@ -144,7 +144,7 @@ class _Parts:
         inside: list[bool] = []
         widths: list[float] = []
         for k, part in enumerate(solid.decompose()):
-            surface = LabelledSolid(part, {**rest.labels, **walls}, ("left", "right")).surface()
+            surface = LabeledSolid(part, {**rest.labels, **walls}, ("left", "right")).surface()
             wall = surface.grips["left"] | surface.grips["right"]
             inside.append(turns.surround(surface.points[surface.triangles[wall]]))
             if inside[-1]:

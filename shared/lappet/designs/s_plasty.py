@@ -14,7 +14,7 @@ turned by 180° about the middle. In the design's plane, x along the long axis::
           _____________/
 
 Flap 1 lies below the defect, its tip at the right end P; flap 2 above, its tip at the left end Q. Each tip goes up its
-neighbour's half of the rim by the `advance` s, each flap slides along its own incision by as much, less and less
+neighbor's half of the rim by the `advance` s, each flap slides along its own incision by as much, less and less
 towards the end of the cut, and the two leading edges meet in the middle.
 
 What meets, as lengths along the curves: the first s of flap 2's rim at P and then the outer lip of incision 1 meet the

@@ -349,7 +349,7 @@ def beside_edge(skin: SkinSheet, edge: Edge, share: float, distance: float, dept
     at = share * along[-1]
     k = min(int(np.searchsorted(along, at, side="right")), len(points) - 1)
     on_edge = points[k - 1] + (at - along[k - 1]) / (along[k] - along[k - 1]) * (points[k] - points[k - 1])
-    low, high = max(k - 2, 0), min(k + 1, len(points) - 1)  # the direction of a curved edge, over its neighbours too
+    low, high = max(k - 2, 0), min(k + 1, len(points) - 1)  # the direction of a curved edge, over its neighbors too
     return skin.beside(on_edge, points[high] - points[low], edge.side * distance, depth)
 
 

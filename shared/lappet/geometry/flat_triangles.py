@@ -1,11 +1,11 @@
-"""Remove flat triangles (three corners almost on a line) from a labelled surface by turning their long edges."""
+"""Remove flat triangles (three corners almost on a line) from a labeled surface by turning their long edges."""
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
 
-from lappet.geometry.labelled_surface import Surface
+from lappet.geometry.labeled_surface import Surface
 
 _ROUNDS = 8
 

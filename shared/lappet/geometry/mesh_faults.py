@@ -21,7 +21,7 @@ CLOSED = EDGES | {ProblemCode.MESH_OPEN, ProblemCode.MESH_NO_VOLUME}
 SOLID = CLOSED | {ProblemCode.MESH_SELF_INTERSECTING}
 """Of a surface that may be inside out: that is turned."""
 MODELLED = SOLID | {ProblemCode.MESH_INSIDE_OUT, ProblemCode.MESH_LOOSE_POINTS, ProblemCode.MESH_NO_AREA}
-"""Of a mesh as somebody modelled it."""
+"""Of a mesh as somebody modeled it."""
 
 MOST_PLACES = 100  # faces and points that a problem names
 _NO_AREA = 1e-10  # of the square of the longest edge

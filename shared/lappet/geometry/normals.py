@@ -41,11 +41,11 @@ def corner_normals(points: NDArray[np.float64], triangles: NDArray[np.int64]) ->
     count = stops - starts
     corner = np.repeat(np.arange(len(vertex)), count)
     rank = np.arange(len(corner)) - np.repeat(np.cumsum(count) - count, count)
-    neighbour = order[np.repeat(starts, count) + rank]
-    own, other = face[corner // 3], face[neighbour // 3]
+    neighbor = order[np.repeat(starts, count) + rank]
+    own, other = face[corner // 3], face[neighbor // 3]
     alike = np.einsum("ij,ij->i", own, other) >= _CREASE
     normals = np.zeros((len(vertex), 3))
-    np.add.at(normals, corner[alike], (angle[neighbour, None] * other)[alike])
+    np.add.at(normals, corner[alike], (angle[neighbor, None] * other)[alike])
     length = np.linalg.norm(normals, axis=1, keepdims=True)
     normals = np.where(length > 1e-12, normals / np.maximum(length, 1e-300), np.repeat(face, 3, axis=0))
     return normals.reshape(-1, 3, 3)

@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from lappet.geometry.labelled_surface import Surface
+from lappet.geometry.labeled_surface import Surface
 
 CREASE_DEGREES = 50.0
 _BLOCK = 4096  # faces at once, so that what is computed of them stays in the cache
@@ -35,7 +35,7 @@ class ShadingNormals:
         labels = _smooth_groups(
             np.asarray(surface.points, np.float64), self._triangles, surface.origin, np.cos(np.radians(crease_degrees))
         )
-        first = labels == np.arange(len(labels))  # each group is labelled by its first corner
+        first = labels == np.arange(len(labels))  # each group is labeled by its first corner
         self.indices: NDArray[np.int32] = (np.cumsum(first) - 1)[labels].astype(np.int32)
         self.groups = int(self.indices.max()) + 1 if len(self.indices) else 0
 

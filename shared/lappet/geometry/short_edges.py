@@ -1,11 +1,11 @@
-"""Collapse very short edges of a labelled surface; nothing opens and no triangle turns over."""
+"""Collapse very short edges of a labeled surface; nothing opens and no triangle turns over."""
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
 
-from lappet.geometry.labelled_surface import Surface
+from lappet.geometry.labeled_surface import Surface
 from lappet.geometry.surface_check import directed_edges, unique_edges
 
 

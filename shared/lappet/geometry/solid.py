@@ -1,4 +1,4 @@
-"""A labelled tissue as a manifold3d solid and back: labels ride as run ids, UVs as vertex properties."""
+"""A labeled tissue as a manifold3d solid and back: labels ride as run ids, UVs as vertex properties."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from lappet.core.problem import refused
 from lappet.core.problem_code import ProblemCode
-from lappet.geometry.labelled_surface import FaceOrigin, Surface
+from lappet.geometry.labeled_surface import FaceOrigin, Surface
 from lappet.geometry.surface_check import signed_volume
 from lappet.geometry.unique_rows import unique_rows
 
@@ -38,7 +38,7 @@ class Label:
 
 
 @dataclass(frozen=True, eq=False)
-class LabelledSolid:
+class LabeledSolid:
     """Tissue in a Boolean operation.
 
     Parameters
@@ -56,19 +56,19 @@ class LabelledSolid:
     grips: tuple[str, ...] = field(default=())
 
     @staticmethod
-    def from_surface(surface: Surface, tolerance: float = 0.0) -> LabelledSolid:
+    def from_surface(surface: Surface, tolerance: float = 0.0) -> LabeledSolid:
         """Make the solid of a closed surface.
 
         Parameters
         ----------
         surface
-            The labelled surface.
+            The labeled surface.
         tolerance
             Tolerance of the Boolean in mm; 0 leaves it to the library.
 
         Returns
         -------
-        LabelledSolid
+        LabeledSolid
             The solid with its labels.
 
         Raises
@@ -106,9 +106,9 @@ class LabelledSolid:
         solid = manifold3d.Manifold(mesh)
         if solid.status() != manifold3d.Error.NoError:
             raise refused(ProblemCode.MESH_NOT_SOLID, "/Procedure/Tissue", solid.status().name)
-        return LabelledSolid(solid, labels, names)
+        return LabeledSolid(solid, labels, names)
 
-    def with_solid(self, solid: manifold3d.Manifold, extra: dict[int, Label] | None = None) -> LabelledSolid:
+    def with_solid(self, solid: manifold3d.Manifold, extra: dict[int, Label] | None = None) -> LabeledSolid:
         """Put another solid under the same labels.
 
         Parameters
@@ -120,13 +120,13 @@ class LabelledSolid:
 
         Returns
         -------
-        LabelledSolid
-            The labelled solid.
+        LabeledSolid
+            The labeled solid.
         """
-        return LabelledSolid(solid, {**self.labels, **(extra or {})}, self.grips)
+        return LabeledSolid(solid, {**self.labels, **(extra or {})}, self.grips)
 
     def surface(self) -> Surface:
-        """Read the labelled surface back.
+        """Read the labeled surface back.
 
         Returns
         -------

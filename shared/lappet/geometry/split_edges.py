@@ -1,11 +1,11 @@
-"""Split chosen edges of a labelled surface and the triangles on both sides of them; nothing opens."""
+"""Split chosen edges of a labeled surface and the triangles on both sides of them; nothing opens."""
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
 
-from lappet.geometry.labelled_surface import Surface
+from lappet.geometry.labeled_surface import Surface
 
 
 def split_edges(surface: Surface, edges: NDArray[np.integer], at: NDArray[np.float64]) -> Surface:

@@ -8,7 +8,7 @@ from lappet.core.problem import RefusedError
 from lappet.cutting.epoch import Epoch
 from lappet.daemon.daemon_solver import connect_to
 from lappet.daemon.frame_solver import Connect
-from lappet.geometry.labelled_surface import FaceOrigin
+from lappet.geometry.labeled_surface import FaceOrigin
 from lappet.procedure.scene_profile import measured_costs
 from lappet.procedure.storyboard import inspection
 from lappet.program.compile import compile_program

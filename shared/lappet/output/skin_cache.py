@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from lappet.core.version import version
 from lappet.cutting.epoch import Epoch
 from lappet.daemon.solved_frame import SCALARS, SolvedFrame
-from lappet.geometry.labelled_surface import FaceOrigin
+from lappet.geometry.labeled_surface import FaceOrigin
 from lappet.geometry.shading_normals import ShadingNormals
 from lappet.procedure import Hook, Landmark, Procedure, Suture
 from lappet.program.program import Program

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lappet.geometry.closest_point import ClosestPoint
-from lappet.geometry.labelled_surface import Surface
+from lappet.geometry.labeled_surface import Surface
 from lappet.geometry.solid import closed_solid, solid_surface
 from lappet.geometry.triangulation import triangulate
 from lappet.procedure import Bone

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from lappet.core.problem import refused
 from lappet.core.problem_code import ProblemCode
 from lappet.cutting.epoch import Regions
-from lappet.geometry.labelled_surface import FaceOrigin
+from lappet.geometry.labeled_surface import FaceOrigin
 from lappet.procedure import Material, Procedure
 from lappet.procedure.prim_paths import MATERIALS, TISSUE
 from lappet.program.settings import MaterialParameters

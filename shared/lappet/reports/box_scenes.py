@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lappet.cutting.epoch import Epoch
-from lappet.geometry.labelled_surface import Surface
+from lappet.geometry.labeled_surface import Surface
 from lappet.program.program import FrameConstraints, Landmarks, Program
 from lappet.program.settings import MaterialParameters, SolverSettings
 from lappet.reports.clamped_edge import edge_exponent

@@ -27,7 +27,7 @@ from lappet.core.problem_code import ProblemCode
 from lappet.cutting.epoch import Epoch
 from lappet.daemon.frame_solver import Connect
 from lappet.daemon.solved_frame import LatticeCounts, SolvedFrame
-from lappet.geometry.labelled_surface import FaceOrigin
+from lappet.geometry.labeled_surface import FaceOrigin
 from lappet.program.program import Program
 from lappet.solve.solve_frames import FrameResult, SolveObserver, solve_program
 from lappet.solve.store import FrameStore

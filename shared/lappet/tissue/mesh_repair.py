@@ -78,10 +78,10 @@ def orient(mesh: Mesh) -> tuple[Mesh, list[str]]:
     starts = np.concatenate([[0], np.cumsum(times)[:-1]])[times == 2]
     one, two = order[starts], order[starts + 1]
     same = edges[one, 0] == edges[two, 0]
-    neighbours: list[list[tuple[int, bool]]] = [[] for _ in range(count)]
+    neighbors: list[list[tuple[int, bool]]] = [[] for _ in range(count)]
     for f, g, s in zip((one % count).tolist(), (two % count).tolist(), same.tolist(), strict=True):
-        neighbours[f].append((g, s))
-        neighbours[g].append((f, s))
+        neighbors[f].append((g, s))
+        neighbors[g].append((f, s))
     turned = np.zeros(count, bool)
     part = np.full(count, -1)
     parts = 0
@@ -92,7 +92,7 @@ def orient(mesh: Mesh) -> tuple[Mesh, list[str]]:
         queue = deque([seed])
         while queue:
             f = queue.popleft()
-            for g, s in neighbours[f]:
+            for g, s in neighbors[f]:
                 if part[g] < 0:
                     part[g] = parts
                     turned[g] = turned[f] ^ s

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lappet.geometry.closest_point import ClosestPoint
-from lappet.geometry.labelled_surface import FaceOrigin, Surface
+from lappet.geometry.labeled_surface import FaceOrigin, Surface
 from lappet.geometry.normals import corner_normals
 from lappet.geometry.surface_check import open_edges
 

@@ -1,4 +1,4 @@
-"""The labelled triangle surface of a procedure's tissue, before any cut.
+"""The labeled triangle surface of a procedure's tissue, before any cut.
 
 Labels: faces of the subset "bed" are the underside; faces of "fixed" that are not bed are the rim; all others are skin.
 Subsets named "underside" and "rim" say so themselves and then decide alone.
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from lappet.core.problem import refused
 from lappet.core.problem_code import ProblemCode
-from lappet.geometry.labelled_surface import FaceOrigin, Surface
+from lappet.geometry.labeled_surface import FaceOrigin, Surface
 from lappet.geometry.mesh_faults import SOLID, refuse_faults, refuse_unreadable
 from lappet.geometry.surface_check import signed_volume
 from lappet.geometry.triangulation import triangulate
@@ -22,7 +22,7 @@ LABELS = ("fixed", "bed", "underside", "rim")  # what these subsets say of their
 
 
 def tissue_surface(tissue: Tissue, prim: str = "/Procedure/Tissue") -> Surface:
-    """Make the closed, outward oriented, labelled triangle surface of a tissue.
+    """Make the closed, outward oriented, labeled triangle surface of a tissue.
 
     Quads are split along their shorter diagonal, larger polygons by ears. A surface that is closed and consistent but
     turned inside out is turned around. Without UVs the surface gets its two widest coordinates, one unit per 100 mm.

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from lappet.cutting.epoch import Regions
-from lappet.geometry.labelled_surface import FaceOrigin, Surface
+from lappet.geometry.labeled_surface import FaceOrigin, Surface
 from lappet.program.program import Bones, Landmarks, Program
 from lappet.program.settings import MaterialParameters
 from lappet.reports.box_scenes import BoxScene, grid_box, stretched

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from lappet.core.problem import Problem, RefusedError
 from lappet.daemon.frame_solver import Connect
-from lappet.geometry.labelled_surface import FaceOrigin
+from lappet.geometry.labeled_surface import FaceOrigin
 from lappet.program.program import Program
 from lappet.reports.error_time.reference import Reference, fitted_order, greatest, observed_orders, richardson, rms
 from lappet.solve.error_estimate import coarse_program, expected_order, far_coarse_program, frame_error
