@@ -8,7 +8,7 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from lappet.procedure import Bone, Procedure, Tissue
+from lappet.procedure import Bone, Procedure, Tissue, position_of
 
 from .changes import changed
 from .event_list import add_event, remove_event
@@ -66,9 +66,12 @@ def _tissue(scene: bpy.types.Scene, tissue: Tissue, skin: bpy.types.Object) -> N
     settings = scene.lappet.tissue
     settings.object, settings.thicken = skin, False
     settings.material, settings.spacing, settings.bed_stiffness = tissue.material, tissue.spacing, tissue.bed_stiffness
-    settings.use_gravity = tissue.gravity is not None
-    if tissue.gravity is not None:
+    settings.use_gravity = tissue.has_gravity
+    if tissue.has_gravity:
         settings.gravity = tissue.gravity
+    position = position_of(tissue.gravity_direction)
+    settings.position = position.upper() if position else "CUSTOM"
+    settings.gravity_direction = tissue.gravity_direction
 
 
 def _timeline(scene: bpy.types.Scene, procedure: Procedure) -> list[str]:
