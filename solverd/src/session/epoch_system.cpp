@@ -27,8 +27,8 @@ EpochSystem<Real>::EpochSystem(const EpochInput& epoch, const SessionSettings& s
     : surface(epoch.surface),
       lattice(build_lattice(surface, lattice_settings(settings))),
       system(lattice, assign_materials(lattice, settings.materials, epoch.skin, epoch.regions), settings.quadrature,
-             attach(lattice, surface, epoch.fixed, epoch.bed, epoch.grip), settings.retractors, settings.bed_stiffness,
-             settings.gravity),
+             attach(lattice, surface, epoch.fixed, epoch.bed, epoch.grip), settings.retractors,
+             BedStiffness{settings.bed_stiffness, settings.bed_shear}, settings.gravity),
       preconditioner(system, kChebyshevDegree),
       constraints(settings, lattice, surface, system) {
   if (bones) system.set_contact(contact_with_bones(std::move(bones), lattice, epoch, settings));

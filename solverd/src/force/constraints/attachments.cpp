@@ -23,10 +23,16 @@ struct Bucket {
   std::array<double, 36> gram{};
 };
 
-struct RestingBucket {
+struct HeightBucket {
   double area = 0.0;
   Vec3 inward = Vec3::Zero();
   std::array<double, 8> weights{};
+
+  void add(double sample_area, const Vec3& normal, const EmbeddedPoint& point) {
+    area += sample_area;
+    inward -= sample_area * normal;
+    for (std::size_t p = 0; p < 8; ++p) weights[p] += sample_area * point.weights[p];
+  }
 };
 
 constexpr int kNoSide = 6;
@@ -38,6 +44,8 @@ struct HeldFace {
   bool rests = false;
   double sample_area = 0.0;
   Vec3 normal = Vec3::Zero();
+
+  bool attached() const { return count > 0 && groups[static_cast<std::size_t>(count - 1)] == kBedGroup; }
 };
 
 int lattice_side(const EmbeddedPoint& point, const Vec3& normal) {
@@ -55,15 +63,11 @@ int lattice_side(const EmbeddedPoint& point, const Vec3& normal) {
 // Ordered: the result is deterministic.
 struct Buckets {
   std::map<std::tuple<std::int32_t, std::int32_t, int>, Bucket> held;  // by cell, group, side
-  std::map<Index, RestingBucket> resting;                              // by cell
+  std::map<Index, HeightBucket> attached, resting;                     // by cell
 
   void add(const HeldFace& face, const EmbeddedPoint& point) {
-    if (face.rests) {
-      auto& bucket = resting[point.cell];
-      bucket.area += face.sample_area;
-      bucket.inward -= face.sample_area * face.normal;
-      for (std::size_t p = 0; p < 8; ++p) bucket.weights[p] += face.sample_area * point.weights[p];
-    }
+    if (face.rests) resting[point.cell].add(face.sample_area, face.normal, point);
+    if (face.attached()) attached[point.cell].add(face.sample_area, face.normal, point);
     const int side = lattice_side(point, face.normal);
     for (int g = 0; g < face.count; ++g) {
       auto& bucket = held[{point.cell, face.groups[g], side}];
@@ -146,6 +150,16 @@ void sample(const Surface& surface, Index triangle, double spacing, HeldFace fac
     }
 }
 
+std::vector<BedHeight> heights(const std::map<Index, HeightBucket>& buckets) {
+  std::vector<BedHeight> result;
+  for (const auto& [cell, bucket] : buckets) {
+    BedHeight face{cell, bucket.area, bucket.inward.normalized(), bucket.weights};
+    for (double& weight : face.weights) weight /= bucket.area;
+    result.push_back(face);
+  }
+  return result;
+}
+
 // Prescribes the four nodes on a side of a cell; those that are fixed stay so.
 void prescribe_side(const Lattice& lattice, Index cell, int side, Index group, std::vector<Index>& node_group) {
   const int axis = side / 2, value = side % 2;
@@ -184,11 +198,8 @@ Attachments attach(const Lattice& lattice, const Surface& surface, std::span<con
     }
     result.face_constraints.push_back(face);
   }
-  for (const auto& [cell, bucket] : buckets.resting) {
-    RestingFace face{cell, bucket.area, bucket.inward.normalized(), bucket.weights};
-    for (double& weight : face.weights) weight /= bucket.area;
-    result.resting.push_back(face);
-  }
+  result.attached = heights(buckets.attached);
+  result.resting = heights(buckets.resting);
   return result;
 }
 

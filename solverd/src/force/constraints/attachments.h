@@ -5,8 +5,9 @@
 // = 0, M = sum of area W_s^T W_s per cell. Where a face lies on a lattice plane M only sees the four nodes of that
 // plane: they are prescribed exactly. Elsewhere the form is a penalty with multipliers (augmented Lagrangian); there
 // only the demand counts, so that a sliver of a face weighs as much as a whole face and its multiplier converges as
-// fast. Bed faces are the same form with the bed's stiffness and no multipliers. Undermined faces rest: they may lift
-// off and slide, but where they sink below the plane of their rest position the bed pushes back with its stiffness.
+// fast. Bed faces are the same form with the bed's stiffness in shear and no multipliers; what the bed is stiffer along
+// its normal acts on the mean height of the face in a cell. Undermined faces rest: they may lift off and slide, but
+// where they sink below the plane of their rest position the bed pushes back with its normal stiffness.
 #pragma once
 #include <Eigen/Core>
 #include <array>
@@ -39,8 +40,8 @@ struct FaceConstraint {
   }
 };
 
-// The mean height n . sum_k weights_k u_k of a resting face inside a cell above its rest position, n inwards.
-struct RestingFace {
+// The mean height n . sum_k weights_k u_k of the faces on the bed inside a cell above their rest position, n inwards.
+struct BedHeight {
   Index cell;
   double area;  // mm^2
   Vec3 inward;  // unit
@@ -52,7 +53,7 @@ inline constexpr std::uint8_t kAttachedToBed = 1, kRestsOnBed = 2;  // labels of
 struct Attachments {
   std::vector<Index> node_group;                 // per node: kFree, kFixedGroup or a retractor; prescribed nodes
   std::vector<FaceConstraint> face_constraints;  // bed faces, and held faces off the lattice planes
-  std::vector<RestingFace> resting;
+  std::vector<BedHeight> attached, resting;      // faces attached to the bed, and those that rest on it
 };
 
 // Per triangle: fixed, 0 or 1; bed, 0, kAttachedToBed or kRestsOnBed; grip, retractor index or -1. A face both fixed
