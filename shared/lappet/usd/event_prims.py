@@ -185,7 +185,7 @@ def _curve(reader: Reader, prim: Any) -> tuple[tuple[Point, ...], Basis, bool]:
     wrap = str(prim.GetAttribute("wrap").Get() or "nonperiodic")
     if wrap == "pinned" and basis in ("bspline", "catmullRom") and len(points) >= 2:
         points = np.concatenate([[2 * points[0] - points[1]], points, [2 * points[-1] - points[-2]]])
-        reader.notes.append(f"{prim.GetPath()}: the pinned curve got a phantom point at each end.")
+        reader.notes.append(problem(ProblemCode.CURVE_PINNED, prim.GetPath(), wrap))
     return _tuples(points), cast(Basis, basis), wrap == "periodic"
 
 
