@@ -27,10 +27,10 @@ class Reader:
     usd
         USD's modules, as `lappet.usd.stage.pxr` gives them.
     notes
-        Gets a sentence for what was converted or left aside.
+        Gets a note of what was converted or left aside.
     """
 
-    def __init__(self, stage: Any, usd: Any, notes: list[str]) -> None:
+    def __init__(self, stage: Any, usd: Any, notes: list[Problem]) -> None:
         self.stage, self.usd, self.notes = stage, usd, notes
         self.problems: list[Problem] = []
         self.space = self._stage_space()
