@@ -180,6 +180,10 @@ def _error(program: Program, frame: FrameResult, error: FrameErrorEstimate | Non
         "rms": error.rms,
         "algebraic": {"max": error.algebraic_greatest, "rms": error.algebraic_rms},
         "discretization": {"max": error.discretization_greatest, "rms": error.discretization_rms},
+        "gaps": {"max": error.gaps_greatest, "rms": error.gaps_rms},
+        "place": error.place,
+        "largest_displacement": error.largest_displacement,
+        "is_trusted": error.is_trusted,
         "landmarks": _named(landmarks, error.landmarks),
     }
 

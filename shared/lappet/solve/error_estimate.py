@@ -8,7 +8,10 @@
   is asked, full quadrature at 4h, which costs next to nothing: what lies between the two, times `ONE_POINT_SHARE`. The
   estimate is the geometric mean of both.
 
-The parts are vectors, and cancel or add as such. They are taken at the vertices of the skin and at the landmarks.
+- Gaps: what sutures and grips are open beyond what was asked for.
+
+The parts add at each place by their lengths: a part may cancel another in one solve, but nothing says that it does, so
+the total is never below a part. They are taken at the vertices of the skin and at the landmarks.
 """
 
 from __future__ import annotations
@@ -45,13 +48,17 @@ FAR_RATIO, FAR_QUADRATURE, ONE_POINT_SHARE = 4.0, 4, 0.022
 # lock.
 COARSE_TOLERANCE, COARSE_GAP = 3e-3, 1e-2
 SUTURED_TOLERANCE, SUTURED_GAP = 1e-2, 1e-1
+# Chosen: a frame is not to be trusted where its error exceeds this share of the largest displacement, or the spacing.
+# What is below the least share of the spacing is nothing to warn about, however little has moved.
+TRUSTED_SHARE, LEAST_DOUBTED = 0.1, 0.05
 
 
 @dataclass(frozen=True)
 class FrameErrorEstimate:
     """The estimated displacement error of a frame over the skin's vertices.
 
-    A part that could not be had is None; the totals are those of the sum, as vectors, of the parts that are there.
+    A part that could not be had is None; the totals are those of the parts that are there, added at each place by their
+    lengths.
 
     Parameters
     ----------
@@ -67,8 +74,19 @@ class FrameErrorEstimate:
         Greatest error of the lattice in mm.
     discretization_rms
         Root mean square error of the lattice in mm.
+    gaps_greatest
+        Largest gap of sutures and grips in mm.
+    gaps_rms
+        Root mean square gap of the sutures in mm.
     landmarks
         Error of each landmark of the frame in mm, in the order of its array.
+    place
+        Rest point in mm of the vertex whose error is greatest; None without vertices.
+    largest_displacement
+        Largest displacement of the skin from rest in mm.
+    is_trusted
+        Whether the greatest error is at most the spacing, and at most a tenth of the largest displacement or a
+        twentieth of the spacing.
     """
 
     greatest: float
@@ -77,7 +95,46 @@ class FrameErrorEstimate:
     algebraic_rms: float | None
     discretization_greatest: float | None
     discretization_rms: float | None
+    gaps_greatest: float = 0.0
+    gaps_rms: float = 0.0
     landmarks: tuple[float, ...] = ()
+    place: tuple[float, float, float] | None = None
+    largest_displacement: float = 0.0
+    is_trusted: bool = True
+
+
+@dataclass(frozen=True, eq=False)
+class RestSkin:
+    """The skin's vertices, at which errors are estimated.
+
+    Parameters
+    ----------
+    vertices
+        Their indices in the epoch's surface, shape (s,).
+    points
+        Their rest points in mm, shape (s, 3).
+    """
+
+    vertices: NDArray[np.integer]
+    points: NDArray[np.float64]
+
+    @classmethod
+    def of(cls, epoch: Epoch) -> RestSkin:
+        """Take the skin of an epoch.
+
+        Parameters
+        ----------
+        epoch
+            The epoch.
+
+        Returns
+        -------
+        RestSkin
+            Its skin.
+        """
+        surface = epoch.surface
+        vertices = np.unique(surface.triangles[surface.origin == FaceOrigin.SKIN])
+        return cls(vertices, np.asarray(surface.points[vertices], float))
 
 
 @dataclass(frozen=True)
@@ -246,9 +303,17 @@ def estimate_errors(
     if other is not None and not solved.interrupted:
         far = solve_program(other, store, connect, solver, watch or SolveObserver()).frames
     order = expected_order(program, frames[0].solved.lattice if frames else None)
-    skins = {epoch.index: _skin(epoch) for epoch in program.epochs}
+    skins = {epoch.index: RestSkin.of(epoch) for epoch in program.epochs}
+    spacing = program.settings.spacing
     errors = [
-        frame_error(frame.solved, _at(solved.frames, index), skins[frame.constraints.epoch], order, _at(far, index))
+        frame_error(
+            frame.solved,
+            _at(solved.frames, index),
+            skins[frame.constraints.epoch],
+            order,
+            spacing,
+            _at(far, index),
+        )
         for index, frame in enumerate(frames)
     ]
     reason = None
@@ -261,8 +326,9 @@ def estimate_errors(
 def frame_error(
     frame: SolvedFrame,
     coarse: SolvedFrame | None,
-    skin: NDArray[np.integer],
+    skin: RestSkin,
     order: float,
+    spacing: float,
     far: SolvedFrame | None = None,
 ) -> FrameErrorEstimate | None:
     """Estimate the error of one frame.
@@ -274,9 +340,11 @@ def frame_error(
     coarse
         The same frame of the coarse program, or None.
     skin
-        Vertices of the skin, shape (s,).
+        The skin of the frame's epoch.
     order
         Order of convergence to reckon with.
+    spacing
+        Lattice spacing of the frame in mm.
     far
         The same frame of the far coarse program, or None.
 
@@ -285,26 +353,34 @@ def frame_error(
     FrameErrorEstimate | None
         The estimate, or None where no part can be had.
     """
-    algebraic = _left_over(frame, "correction", skin)
+    algebraic = _left_over(frame, "correction", skin.vertices)
     if algebraic is None and coarse is None:
         return None
-    where = (("points", "correction", skin), ("landmarks", "landmark_correction", slice(None)))
+    where = (("points", "correction", skin.vertices), ("landmarks", "landmark_correction", slice(None)))
     at_skin, at_marks = (_parts(frame, coarse, far, order, *names) for names in where)
+    left, near = _lengths(at_skin.left), _lengths(at_skin.near)
     # The greatest and the root mean square are each held against their own.
-    share = [_mean(norm(at_skin.far), norm(at_skin.near)) for norm in (_greatest, _rms)]
-    greatest, rms = (
-        norm(at_skin.left + part * at_skin.near) for norm, part in zip((_greatest, _rms), share, strict=True)
-    )
+    share, rms_share = (_mean(norm(_lengths(at_skin.far)), norm(near)) for norm in (_greatest, _rms))
+    total = left + share * near
+    gaps = np.abs(frame.suture_gaps)
+    gap, gap_rms = max(frame.diagnostics.largest_gap, _greatest(gaps)), _rms(gaps)
+    greatest = _greatest(total) + gap
+    displacement = _greatest(_lengths(frame.points[skin.vertices] - skin.points))
     marks = [_mean(f, n) for f, n in zip(_lengths(at_marks.far), _lengths(at_marks.near), strict=True)]
-    landmarks = _lengths(at_marks.left + np.array(marks).reshape(-1, 1) * at_marks.near)
+    landmarks = _lengths(at_marks.left) + np.array(marks) * _lengths(at_marks.near)
     return FrameErrorEstimate(
         greatest,
-        rms,
-        algebraic_greatest=None if algebraic is None else _greatest(algebraic),
-        algebraic_rms=None if algebraic is None else _rms(algebraic),
-        discretization_greatest=None if coarse is None else share[0] * _greatest(at_skin.near),
-        discretization_rms=None if coarse is None else share[1] * _rms(at_skin.near),
+        _rms(left + rms_share * near) + gap_rms,
+        algebraic_greatest=None if algebraic is None else _greatest(left),
+        algebraic_rms=None if algebraic is None else _rms(left),
+        discretization_greatest=None if coarse is None else share * _greatest(near),
+        discretization_rms=None if coarse is None else rms_share * _rms(near),
+        gaps_greatest=gap,
+        gaps_rms=gap_rms,
         landmarks=tuple(float(length) for length in landmarks),
+        place=_point(skin.points[np.argmax(total)]) if len(total) else None,
+        largest_displacement=displacement,
+        is_trusted=greatest <= min(spacing, max(TRUSTED_SHARE * displacement, LEAST_DOUBTED * spacing)),
     )
 
 
@@ -354,11 +430,6 @@ def _at(frames: Sequence[FrameResult], index: int) -> SolvedFrame | None:
     return frames[index].solved if index < len(frames) else None
 
 
-def _skin(epoch: Epoch) -> NDArray[np.integer]:
-    surface = epoch.surface
-    return np.unique(surface.triangles[surface.origin == FaceOrigin.SKIN])
-
-
 def _mean(one: float, other: float) -> float:
     """What the second must be multiplied with to be the geometric mean of both."""
     return math.sqrt(one / other) if other > 0.0 else 1.0
@@ -368,9 +439,13 @@ def _lengths(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.linalg.norm(vectors, axis=1)
 
 
-def _greatest(vectors: NDArray[np.float64]) -> float:
-    return float(_lengths(vectors).max(initial=0.0))
+def _greatest(lengths: NDArray[np.float64]) -> float:
+    return float(lengths.max(initial=0.0))
 
 
-def _rms(vectors: NDArray[np.float64]) -> float:
-    return float(np.sqrt(np.mean(_lengths(vectors) ** 2))) if len(vectors) else 0.0
+def _rms(lengths: NDArray[np.float64]) -> float:
+    return float(np.sqrt(np.mean(lengths**2))) if len(lengths) else 0.0
+
+
+def _point(point: NDArray[np.float64]) -> tuple[float, float, float]:
+    return float(point[0]), float(point[1]), float(point[2])

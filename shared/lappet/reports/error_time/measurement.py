@@ -22,7 +22,7 @@ from lappet.daemon.frame_solver import Connect
 from lappet.geometry.labeled_surface import FaceOrigin
 from lappet.program.program import Program
 from lappet.reports.error_time.reference import Reference, fitted_order, greatest, observed_orders, richardson, rms
-from lappet.solve.error_estimate import coarse_program, expected_order, far_coarse_program, frame_error
+from lappet.solve.error_estimate import RestSkin, coarse_program, expected_order, far_coarse_program, frame_error
 from lappet.solve.solve_frames import FrameResult, SolveObserver, solve_program
 from lappet.solve.store import FrameStore
 
@@ -388,7 +388,8 @@ def _measure(scene: Scene, spacing: float, chosen: dict[str, Any], reference: Re
     if other is not None:
         others, failure = _solve(other, connect)
         far = others[-1].solved if failure is None else None
-    estimate = frame_error(frames[-1].solved, partner, skin, expected_order(program, frames[0].solved.lattice), far)
+    order = expected_order(program, frames[0].solved.lattice)
+    estimate = frame_error(frames[-1].solved, partner, RestSkin.of(program.epochs[-1]), order, spacing, far)
     row = replace(
         row,
         error_mm=rms(off),
