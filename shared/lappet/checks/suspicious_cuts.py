@@ -51,7 +51,8 @@ class CutCheck:
         list[Problem]
             The warnings.
         """
-        found, earlier = [], []
+        found: list[Problem] = []
+        earlier: list[tuple[Incision, NDArray[np.float64]]] = []
         for each in sorted(incisions, key=lambda incision: incision.time):
             curve = self._curve(each)
             if curve is None:
@@ -82,8 +83,8 @@ class CutCheck:
             return []
         of = "half of the tissue's thickness" if half < cell else "a lattice spacing"
         where = Place.at(*incision.points)
-        fields = {"most": most, "of": of, "usual": Incision.kerf}
-        return [problem(ProblemCode.KERF_WIDE, path, f"{incision.kerf:g}", place=where, **fields)]
+        code, kerf = ProblemCode.KERF_WIDE, f"{incision.kerf:g}"
+        return [problem(code, path, kerf, place=where, most=most, of=of, usual=Incision.kerf)]
 
     def _beyond(self, curve: NDArray[np.float64], path: str) -> list[Problem]:
         most = max(BEYOND_THICKNESS * self._thickness, BEYOND_DIAGONAL * self._rest.diagonal)
@@ -119,8 +120,8 @@ class CutCheck:
             share = len(beside) / len(points)
             if not deeper and share > TWICE:
                 where = Place.at(beside[0], beside[-1])
-                fields = {"near": near, "other": other.name}
-                return [problem(ProblemCode.INCISION_TWICE, path, f"{100.0 * share:.0f}", place=where, **fields)]
+                code, percent = ProblemCode.INCISION_TWICE, f"{100.0 * share:.0f}"
+                return [problem(code, path, percent, place=where, near=near, other=other.name)]
         return []
 
 

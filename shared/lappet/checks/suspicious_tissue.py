@@ -7,12 +7,12 @@ from numpy.typing import NDArray
 
 from lappet.core.problem import Place, Problem, problem
 from lappet.core.problem_code import ProblemCode
+from lappet.geometry.connected_parts import parts_of
 from lappet.geometry.mesh_faults import MOST_PLACES
 from lappet.geometry.surface_check import place, signed_volume
 from lappet.procedure import Tissue
 from lappet.procedure.prim_paths import TISSUE
 from lappet.tissue.fan_triangles import fan_triangles
-from lappet.tissue.mesh_repair import parts_of
 from lappet.tissue.surface import LABELS, skin_faces
 
 # mm; chosen: a patch of skin is longer than the one and shorter than the other, while metres or inches taken for

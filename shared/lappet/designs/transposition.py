@@ -13,7 +13,6 @@ from lappet.designs.flap_design import Carry, Edge, FlapDesign
 from lappet.procedure import Event, Excision, Hook, Incision, Landmark, Point, Suture, Undermine
 from lappet.tissue.skin_sheet import SkinSheet
 
-
 # How far into the tissue a deep bite lies for each mm of its depth: what the wall of a cut through curved tissue, made
 # of chords, drifts from the skin's normal at most, or the bite would be in the other wall. Measured on the examples:
 # less than 0.03.

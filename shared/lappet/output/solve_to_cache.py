@@ -157,17 +157,15 @@ def solve_procedure(
     elif result.reason is not None and result.failed is None:
         raise RefusedError([result.reason])
     errors = None
-    for note in fallbacks(program, result.frames):
-        watch.note(note)
+    found = fallbacks(program, result.frames)
     if error_estimate and result.frames and result.interrupted:
-        watch.note(problem(ProblemCode.ESTIMATE_SKIPPED, "", "the solve was stopped"))
+        found.append(problem(ProblemCode.ESTIMATE_SKIPPED, "", "the solve was stopped"))
     elif error_estimate and result.frames:
         from lappet.solve.error_estimate import estimate_errors  # a solve without an estimate does not load it
         from lappet.solve.untrusted import untrusted
 
         errors = estimate_errors(program, result.frames, store, connect, solver)
-        for warning in untrusted(program, result.frames, errors):
-            watch.note(warning)
+        found += untrusted(program, result.frames, errors)
     return SolveResult(
         procedure,
         program,
@@ -177,7 +175,7 @@ def solve_procedure(
         result.failed,
         written,
         time.perf_counter() - started,
-        tuple(watch.notes),
+        (*watch.notes, *found),
         errors,
     )
 

@@ -18,10 +18,10 @@ from numpy.typing import NDArray
 from lappet.core.problem import Place, Problem, problem
 from lappet.core.problem_code import ProblemCode
 from lappet.cutting.epoch import Epoch
+from lappet.geometry.border_loops import border_loops
 from lappet.geometry.labeled_surface import FaceOrigin, Surface
 from lappet.procedure.prim_paths import TIMELINE
 from lappet.program.program import FrameConstraints
-from lappet.tissue.mesh_repair import border_loops
 
 REACH = 5.0  # lattice spacings from an anchor to the wound's edge that it holds, at most; chosen
 DEEP = 0.25  # of its depth, how far along the edge an anchor in a wall may be off; chosen
@@ -70,10 +70,14 @@ def crossed_sutures(
         return []
     last = frames[-1]  # sutures stay, so all of them act by now
     ends = _ends(next(epoch.surface for epoch in epochs if epoch.index == last.epoch), last, spacing)
-    crossing = {} if ends is None else {
-        frozenset((int(ends.index[a]), int(ends.index[b]))): np.concatenate([ends.points[a], ends.points[b]])
-        for a, b in _crossing_pairs(ends, spacing)
-    }
+    crossing = (
+        {}
+        if ends is None
+        else {
+            frozenset((int(ends.index[a]), int(ends.index[b]))): np.concatenate([ends.points[a], ends.points[b]])
+            for a, b in _crossing_pairs(ends, spacing)
+        }
+    )
     found = []
     while crossing:
         of = {suture: [pair for pair in crossing if suture in pair] for pair in crossing for suture in pair}
@@ -112,7 +116,7 @@ def _edges(surface: Surface) -> _Edges | None:
     edges = np.concatenate([np.stack([loop, np.roll(loop, -1)], axis=1) for loop in loops])
     number = np.repeat(np.arange(len(loops)), [len(loop) for loop in loops])
     lengths = np.linalg.norm(surface.points[edges[:, 1]] - surface.points[edges[:, 0]], axis=1)
-    length = np.bincount(number, lengths)
+    length = np.bincount(number, lengths).astype(np.float64)
     start = np.cumsum(lengths) - lengths - np.repeat(np.cumsum(length) - length, np.bincount(number))
     walls = np.flatnonzero(surface.origin == FaceOrigin.WOUND_WALL)
     size, triangles = len(surface.points), surface.triangles[walls].astype(np.int64)
@@ -127,7 +131,7 @@ def _edges(surface: Surface) -> _Edges | None:
     return _Edges(surface.points[edges[kept]], _normals(surface, wall), number[kept], start[kept], length)
 
 
-def _normals(surface: Surface, faces: NDArray[np.int64]) -> NDArray[np.float64]:
+def _normals(surface: Surface, faces: NDArray[np.integer]) -> NDArray[np.float64]:
     """The unit normals of faces (f,)."""
     a, b, c = np.moveaxis(surface.points[surface.triangles[faces]], 1, 0)
     normals = np.cross(b - a, c - a)

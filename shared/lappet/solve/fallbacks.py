@@ -30,8 +30,8 @@ WHY_FROM_REST = {
 def fallbacks(program: Program, frames: Sequence[FrameResult]) -> list[Problem]:
     """Find what was done otherwise than the program says.
 
-    These are frames that were solved from rest, lattices that leave out tips or hold another volume than the tissue, and
-    a `region` that cannot be had.
+    These are frames that were solved from rest, lattices that leave out tips or hold another volume than the tissue,
+    and a `region` that cannot be had.
 
     Parameters
     ----------
@@ -93,13 +93,13 @@ def _lattice(epoch: Epoch, lattice: LatticeCounts, settings: SolverSettings) -> 
     time, found = epoch.start_time, []
     if lattice.dropped_voxels and tissue > 0.0:
         dropped = _volume(lattice.dropped_voxels, settings)
-        fields = {"time": time, "share": dropped / tissue}
-        found.append(problem(ProblemCode.LATTICE_DROPPED, TISSUE, f"{dropped:.3g}", **fields))
+        share, code = dropped / tissue, ProblemCode.LATTICE_DROPPED
+        found.append(problem(code, TISSUE, f"{dropped:.3g}", time=time, share=share))
     ratio = volume_ratio(epoch, lattice, settings)
     if abs(ratio - 1.0) > MOST_OFF:
-        held = _volume(lattice.fine_voxels, settings)
-        fields = {"time": time, "lattice": held, "tissue": tissue, "most": MOST_OFF}
-        found.append(problem(ProblemCode.LATTICE_VOLUME, TISSUE, f"{100.0 * ratio:.1f}", **fields))
+        held, code = _volume(lattice.fine_voxels, settings), ProblemCode.LATTICE_VOLUME
+        percent = f"{100.0 * ratio:.1f}"
+        found.append(problem(code, TISSUE, percent, time=time, lattice=held, tissue=tissue, most=MOST_OFF))
     return found
 
 

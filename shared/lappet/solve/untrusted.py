@@ -1,4 +1,4 @@
-"""Frames whose estimated error is so large that they are not to be trusted, and where: as a warning, not as a number."""
+"""Frames whose estimated error is too large for them to be trusted, and where: as a warning, not as a number."""
 
 from __future__ import annotations
 
