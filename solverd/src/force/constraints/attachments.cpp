@@ -23,16 +23,16 @@ struct Bucket {
   std::array<double, 36> gram{};
 };
 
-struct HeightBucket {
+struct RestingBucket {
   double area = 0.0;
   Vec3 inward = Vec3::Zero();
   std::array<double, 8> weights{};
+};
 
-  void add(double sample_area, const Vec3& normal, const EmbeddedPoint& point) {
-    area += sample_area;
-    inward -= sample_area * normal;
-    for (std::size_t p = 0; p < 8; ++p) weights[p] += sample_area * point.weights[p];
-  }
+struct BedBucket {
+  double area = 0.0;
+  Vec3 outward = Vec3::Zero();
+  std::array<double, 8> weights{};
 };
 
 constexpr int kNoSide = 6;
@@ -63,11 +63,22 @@ int lattice_side(const EmbeddedPoint& point, const Vec3& normal) {
 // Ordered: the result is deterministic.
 struct Buckets {
   std::map<std::tuple<std::int32_t, std::int32_t, int>, Bucket> held;  // by cell, group, side
-  std::map<Index, HeightBucket> attached, resting;                     // by cell
+  std::map<Index, RestingBucket> resting;                              // by cell
+  std::map<Index, BedBucket> attached;                                 // by cell
 
   void add(const HeldFace& face, const EmbeddedPoint& point) {
-    if (face.rests) resting[point.cell].add(face.sample_area, face.normal, point);
-    if (face.attached()) attached[point.cell].add(face.sample_area, face.normal, point);
+    if (face.rests) {
+      auto& bucket = resting[point.cell];
+      bucket.area += face.sample_area;
+      bucket.inward -= face.sample_area * face.normal;
+      for (std::size_t p = 0; p < 8; ++p) bucket.weights[p] += face.sample_area * point.weights[p];
+    }
+    if (face.attached()) {
+      auto& bucket = attached[point.cell];
+      bucket.area += face.sample_area;
+      bucket.outward += face.sample_area * face.normal;
+      for (std::size_t p = 0; p < 8; ++p) bucket.weights[p] += face.sample_area * point.weights[p];
+    }
     const int side = lattice_side(point, face.normal);
     for (int g = 0; g < face.count; ++g) {
       auto& bucket = held[{point.cell, face.groups[g], side}];
@@ -150,16 +161,6 @@ void sample(const Surface& surface, Index triangle, double spacing, HeldFace fac
     }
 }
 
-std::vector<BedHeight> heights(const std::map<Index, HeightBucket>& buckets) {
-  std::vector<BedHeight> result;
-  for (const auto& [cell, bucket] : buckets) {
-    BedHeight face{cell, bucket.area, bucket.inward.normalized(), bucket.weights};
-    for (double& weight : face.weights) weight /= bucket.area;
-    result.push_back(face);
-  }
-  return result;
-}
-
 // Prescribes the four nodes on a side of a cell; those that are fixed stay so.
 void prescribe_side(const Lattice& lattice, Index cell, int side, Index group, std::vector<Index>& node_group) {
   const int axis = side / 2, value = side % 2;
@@ -198,8 +199,16 @@ Attachments attach(const Lattice& lattice, const Surface& surface, std::span<con
     }
     result.face_constraints.push_back(face);
   }
-  result.attached = heights(buckets.attached);
-  result.resting = heights(buckets.resting);
+  for (const auto& [cell, bucket] : buckets.resting) {
+    RestingFace face{cell, bucket.area, bucket.inward.normalized(), bucket.weights};
+    for (double& weight : face.weights) weight /= bucket.area;
+    result.resting.push_back(face);
+  }
+  for (const auto& [cell, bucket] : buckets.attached) {
+    BedFace face{cell, bucket.area, bucket.outward.normalized(), bucket.weights};
+    for (double& weight : face.weights) weight /= bucket.area;
+    result.attached.push_back(face);
+  }
   return result;
 }
 

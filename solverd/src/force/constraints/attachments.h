@@ -40,11 +40,19 @@ struct FaceConstraint {
   }
 };
 
-// The mean height n . sum_k weights_k u_k of the faces on the bed inside a cell above their rest position, n inwards.
-struct BedHeight {
+// The mean height n . sum_k weights_k u_k of a resting face inside a cell above its rest position, n inwards.
+struct RestingFace {
   Index cell;
   double area;  // mm^2
   Vec3 inward;  // unit
+  std::array<double, 8> weights;
+};
+
+// The mean height of the faces attached to the bed inside a cell: n . sum_k weights_k u_k.
+struct BedFace {
+  Index cell;
+  double area;   // mm^2
+  Vec3 outward;  // unit
   std::array<double, 8> weights;
 };
 
@@ -53,7 +61,8 @@ inline constexpr std::uint8_t kAttachedToBed = 1, kRestsOnBed = 2;  // labels of
 struct Attachments {
   std::vector<Index> node_group;                 // per node: kFree, kFixedGroup or a retractor; prescribed nodes
   std::vector<FaceConstraint> face_constraints;  // bed faces, and held faces off the lattice planes
-  std::vector<BedHeight> attached, resting;      // faces attached to the bed, and those that rest on it
+  std::vector<RestingFace> resting;
+  std::vector<BedFace> attached;
 };
 
 // Per triangle: fixed, 0 or 1; bed, 0, kAttachedToBed or kRestsOnBed; grip, retractor index or -1. A face both fixed

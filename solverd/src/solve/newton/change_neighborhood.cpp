@@ -36,7 +36,7 @@ double decay_length(const System<Real>& system) {
   for (const FaceConstraint& face : system.attachments().face_constraints)
     area += face.group == kBedGroup ? face.area : 0.0;
   if (!(area > 0.0) || !(system.bed().shear > 0.0)) return 0.0;
-  for (const BedHeight& face : system.attachments().resting) area += face.area;
+  for (const RestingFace& face : system.attachments().resting) area += face.area;
   for (const float fill : lattice.cell_fill) volume += double(fill) * std::pow(lattice.settings.spacing, 3);
   for (const auto& material : system.elastic().materials().table)
     stiffest = std::max(stiffest, material.youngs_modulus);
@@ -60,7 +60,7 @@ std::vector<std::uint8_t> affected(const System<Real>& system, std::span<const R
     for (const std::int32_t n : nodes) result[static_cast<std::size_t>(n)] = 1;
   };
   for (const PointConstraint& constraint : system.point_constraints()) add(constraint.nodes);
-  for (const BedHeight& face : system.attachments().resting)
+  for (const RestingFace& face : system.attachments().resting)
     add(lattice.cell_nodes[static_cast<std::size_t>(face.cell)]);
   return result;
 }

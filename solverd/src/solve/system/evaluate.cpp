@@ -71,7 +71,8 @@ Evaluation System<Real>::evaluate(std::span<const Real> u, const Multipliers& mu
   result.inverted = state.inverted;
   result.energy += add_face_constraints(u, multipliers, result.gradient);
   result.contact_penalties.clear();
-  add_bed_heights(u, result);
+  add_bed_faces(u, result);
+  add_resting_faces(u, result);
   if (contact()) {
     contact()->template evaluate<Real>(u, multipliers.of_contact_proxy, free_, result.gradient,
                                        result.contact_penalties, result.contact);
@@ -89,30 +90,38 @@ Evaluation System<Real>::evaluate(std::span<const Real> u, const Multipliers& mu
 }
 
 template <class Real>
-void System<Real>::add_bed_heights(std::span<const Real> u, Evaluation& result) const {
-  const auto height_of = [&](const BedHeight& face) {
+void System<Real>::add_bed_faces(std::span<const Real> u, Evaluation& result) const {
+  const double more = bed_.normal - bed_.shear;
+  if (!(more > 0.0)) return;
+  for (const auto& face : attachments_.attached) {
+    const auto& nodes = elastic_.lattice().cell_nodes[static_cast<std::size_t>(face.cell)];
+    double height = 0.0;
+    for (std::size_t k = 0; k < 8; ++k) height += face.weights[k] * face.outward.dot(NodeField(u)[nodes[k]]);
+    const double stiffness = more * face.area;
+    result.contact_penalties.push_back({face.cell, face.weights, face.outward, stiffness});
+    result.energy += 0.5 * stiffness * height * height;
+    for (std::size_t k = 0; k < 8; ++k)
+      for (int i = 0; i < 3; ++i)
+        result.gradient[3 * static_cast<std::size_t>(nodes[k]) + static_cast<std::size_t>(i)] +=
+            stiffness * height * face.weights[k] * face.outward[i];
+  }
+}
+
+template <class Real>
+void System<Real>::add_resting_faces(std::span<const Real> u, Evaluation& result) const {
+  for (const auto& face : attachments_.resting) {
     const auto& nodes = elastic_.lattice().cell_nodes[static_cast<std::size_t>(face.cell)];
     double height = 0.0;
     for (std::size_t k = 0; k < 8; ++k) height += face.weights[k] * face.inward.dot(NodeField(u)[nodes[k]]);
-    return height;
-  };
-  if (const double more = bed_.normal - bed_.shear; more > 0.0)
-    for (const auto& face : attachments_.attached) add_bed_height(face, height_of(face), more, result);
-  for (const auto& face : attachments_.resting)
-    if (const double height = height_of(face); height < 0.0) add_bed_height(face, height, bed_.normal, result);
-}
-
-// The bed pushes or pulls a face at a height with a stiffness per area.
-template <class Real>
-void System<Real>::add_bed_height(const BedHeight& face, double height, double per_area, Evaluation& result) const {
-  const auto& nodes = elastic_.lattice().cell_nodes[static_cast<std::size_t>(face.cell)];
-  const double stiffness = per_area * face.area;
-  result.contact_penalties.push_back({face.cell, face.weights, face.inward, stiffness});
-  result.energy += 0.5 * stiffness * height * height;
-  for (std::size_t k = 0; k < 8; ++k)
-    for (int i = 0; i < 3; ++i)
-      result.gradient[3 * static_cast<std::size_t>(nodes[k]) + static_cast<std::size_t>(i)] +=
-          stiffness * height * face.weights[k] * face.inward[i];
+    if (!(height < 0.0)) continue;
+    const double stiffness = bed_.normal * face.area;
+    result.contact_penalties.push_back({face.cell, face.weights, face.inward, stiffness});
+    result.energy += 0.5 * stiffness * height * height;
+    for (std::size_t k = 0; k < 8; ++k)
+      for (int i = 0; i < 3; ++i)
+        result.gradient[3 * static_cast<std::size_t>(nodes[k]) + static_cast<std::size_t>(i)] +=
+            stiffness * height * face.weights[k] * face.inward[i];
+  }
 }
 
 template <class Real>
@@ -160,7 +169,8 @@ template double System<float>::add_face_constraints(std::span<const float>, cons
                                                     std::span<double>) const;
 template void System<float>::evaluate_face_constraint(const FaceConstraint&, std::span<const float>, const Multipliers&,
                                                       std::array<double, 25>&) const;
-template void System<float>::add_bed_heights(std::span<const float>, Evaluation&) const;
+template void System<float>::add_bed_faces(std::span<const float>, Evaluation&) const;
+template void System<float>::add_resting_faces(std::span<const float>, Evaluation&) const;
 template void System<float>::add_point_constraints(std::span<const float>, const Multipliers&, Evaluation&) const;
 template void System<float>::add_drift(std::span<const float>, Evaluation&) const;
 template void System<float>::measure_residual(Evaluation&);
@@ -169,7 +179,8 @@ template double System<double>::add_face_constraints(std::span<const double>, co
                                                      std::span<double>) const;
 template void System<double>::evaluate_face_constraint(const FaceConstraint&, std::span<const double>,
                                                        const Multipliers&, std::array<double, 25>&) const;
-template void System<double>::add_bed_heights(std::span<const double>, Evaluation&) const;
+template void System<double>::add_bed_faces(std::span<const double>, Evaluation&) const;
+template void System<double>::add_resting_faces(std::span<const double>, Evaluation&) const;
 template void System<double>::add_point_constraints(std::span<const double>, const Multipliers&, Evaluation&) const;
 template void System<double>::add_drift(std::span<const double>, Evaluation&) const;
 template void System<double>::measure_residual(Evaluation&);

@@ -111,8 +111,8 @@ class System {
                               std::span<double> gradient) const;
   void evaluate_face_constraint(const FaceConstraint& face, std::span<const Real> u, const Multipliers& multipliers,
                                 std::array<double, 25>& out) const;
-  void add_bed_heights(std::span<const Real> u, Evaluation& result) const;
-  void add_bed_height(const BedHeight& face, double height, double per_area, Evaluation& result) const;
+  void add_bed_faces(std::span<const Real> u, Evaluation& result) const;
+  void add_resting_faces(std::span<const Real> u, Evaluation& result) const;
   void add_point_constraints(std::span<const Real> u, const Multipliers& multipliers, Evaluation& result) const;
   void add_drift(std::span<const Real> u, Evaluation& result) const;
   void measure_residual(Evaluation& result);
