@@ -15,6 +15,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from lappet.core.problem import Problem
 from lappet.usd.stage import read_procedure, write_procedure
 
 KEPT = Path(__file__).parent / "kept"
@@ -41,7 +42,7 @@ def recorded(value: object) -> object:
 @pytest.mark.parametrize("name", ["every_event", "z_plasty"])
 def test_a_procedure_of_0_1_loads_with_every_value_and_no_note(name: str) -> None:
     expected = json.loads((KEPT / f"{name}.json").read_text(encoding="utf-8"))
-    notes: list[str] = []
+    notes: list[Problem] = []
     procedure = read_procedure(KEPT / f"{name}.usda", notes)
     assert notes == expected.pop("notes")
     found = recorded(procedure)
