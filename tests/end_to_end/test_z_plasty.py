@@ -17,7 +17,8 @@ from lappet.program.settings import SolverSettings
 from lappet.reports.error_time.measurement import DEFAULT, skin_of
 from lappet.reports.error_time.procedure_scenes import z_plasty_scene
 from lappet.reports.error_time.reference import greatest, rms
-from lappet.solve.error_estimate import RestSkin, coarse_program, expected_order, frame_error
+from lappet.solve.coarse_program import coarse_program, expected_order
+from lappet.solve.error_estimate import RestSkin, frame_error
 from lappet.solve.solve_frames import FrameResult, SolveObserver, solve_program
 from lappet.solve.store import FrameStore
 

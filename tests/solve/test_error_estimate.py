@@ -9,21 +9,21 @@ from typing import Any
 import numpy as np
 import pytest
 
+from lappet.cutting.epoch import Regions
 from lappet.daemon.daemon_solver import connect_to
 from lappet.daemon.solved_frame import Diagnostics, LatticeCounts, SolvedFrame
 from lappet.geometry.labeled_surface import FaceOrigin
 from lappet.output.solve_to_cache import solve_procedure
+from lappet.program.program import Bones
 from lappet.reports.box_scenes import BAR, BLOCK, BLOCK_SLACK, CANTILEVER, COOK, SHELF, BoxScene
 from lappet.reports.error_time.measurement import DEFAULT, EXACT, skin_of
 from lappet.reports.error_time.reference import greatest, richardson, rms
+from lappet.solve.coarse_program import expected_order
 from lappet.solve.error_estimate import (
-    ONE_POINT_SHARE,
     ErrorEstimate,
     FrameErrorEstimate,
     RestSkin,
     estimate_errors,
-    expected_order,
-    far_coarse_program,
     frame_error,
 )
 from lappet.solve.solve_frames import FrameResult, SolveObserver, solve_program
@@ -203,28 +203,7 @@ def test_what_the_companion_was_left_with_is_not_taken_for_discretization() -> N
     assert error.rms == pytest.approx(0.3 / 3.0)
 
 
-def test_the_second_indicator_is_averaged_with_the_first_one_geometrically() -> None:
-    far = at(1.0 - 0.3 * 4.0 / ONE_POINT_SHARE, 0.0, 0.0)
-    error = frame_error(at(1.0, 0.0, 0.0), at(0.1, 0.0, 0.0), ONE, 2.0, 1.0, far)
-    assert error is not None
-    assert error.discretization_rms == error.rms == error.greatest == pytest.approx(np.sqrt(0.3 * 1.2))
-    assert error.landmarks == pytest.approx((0.6,))
-    still = frame_error(at(1.0, 0.0, 0.0), at(1.0, 0.0, 0.0), ONE, 2.0, 1.0, at(1.0, 0.0, 0.0))
-    assert still is not None
-    assert still.rms == 0.0
-
-
-def test_a_second_indicator_is_asked_for_one_point_per_cell_without_wounds() -> None:
-    one = BLOCK.program(1.0)
-    far = far_coarse_program(one)
-    assert far is not None
-    assert far.settings.spacing == 4.0
-    assert far.settings.quadrature > 1
-    assert far_coarse_program(BLOCK.program(1.0, quadrature=8)) is None
-    assert far_coarse_program(replace(one, sutures=("suture",))) is None
-
-
-def test_holding_lowers_the_order_that_is_reckoned_with_and_wounds_hooks_and_sutures_more() -> None:
+def test_holding_lowers_the_order_that_is_reckoned_with_and_wounds_layers_and_bone_more() -> None:
     smooth = BLOCK.program(4.0)
     whole = LatticeCounts(64 * smooth.settings.fine_ratio**3, 64, 64, 0, 125, 1, 8, 0, 0, 1000.0, 0.1)
     assert expected_order(SHELF.program(4.0), whole) == 2.0
@@ -237,6 +216,12 @@ def test_holding_lowers_the_order_that_is_reckoned_with_and_wounds_hooks_and_sut
     cut = replace(smooth, epochs=(replace(epoch, surface=replace(epoch.surface, origin=walls)),))
     assert expected_order(cut) < expected_order(smooth)
     assert expected_order(replace(smooth, hooks=("hook",))) < expected_order(smooth)
+    # Layers and bone are known to a cell only.
+    surface = epoch.surface
+    layer = Regions(surface.points, surface.triangles, np.ones((1, len(surface.triangles)), bool))
+    layer = replace(layer, material=np.zeros(1, np.int32), depth_from=np.ones(1), depth_to=np.full(1, np.inf))
+    assert expected_order(replace(smooth, epochs=(replace(epoch, regions=layer),)), whole) == 1.0
+    assert expected_order(replace(smooth, bones=Bones(np.zeros((3, 3)), np.zeros((1, 3), np.int32))), whole) == 1.0
 
 
 def test_an_unknown_frame_makes_the_worst_error_infinite() -> None:

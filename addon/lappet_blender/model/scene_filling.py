@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from lappet.core.problem import Problem, problem
 from lappet.core.problem_code import ProblemCode
-from lappet.procedure import Bone, Procedure, Tissue
+from lappet.procedure import Bone, Procedure, Tissue, position_of
 
 from .changes import changed
 from .event_list import add_event, remove_event
@@ -68,9 +68,12 @@ def _tissue(scene: bpy.types.Scene, tissue: Tissue, skin: bpy.types.Object) -> N
     settings = scene.lappet.tissue
     settings.object, settings.thicken = skin, False
     settings.material, settings.spacing, settings.bed_stiffness = tissue.material, tissue.spacing, tissue.bed_stiffness
-    settings.use_gravity = tissue.gravity is not None
-    if tissue.gravity is not None:
+    settings.use_gravity = tissue.has_gravity
+    if tissue.has_gravity:
         settings.gravity = tissue.gravity
+    position = position_of(tissue.gravity_direction)
+    settings.position = position.upper() if position else "CUSTOM"
+    settings.gravity_direction = tissue.gravity_direction
 
 
 def _timeline(scene: bpy.types.Scene, procedure: Procedure) -> list[Problem]:

@@ -159,8 +159,11 @@ def _tissue(procedure: Procedure, spacing: float) -> list[Problem]:
         add(ProblemCode.TISSUE_SPACING, spacing)
     if not (math.isfinite(tissue.bed_stiffness) and tissue.bed_stiffness >= 0.0):
         add(ProblemCode.TISSUE_BED_STIFFNESS, tissue.bed_stiffness)
-    if tissue.gravity is not None and not math.isfinite(tissue.gravity):
+    if not math.isfinite(tissue.gravity):
         add(ProblemCode.TISSUE_GRAVITY, tissue.gravity)
+    length = math.hypot(*tissue.gravity_direction)
+    if not (math.isfinite(length) and length > 0.0):
+        add(ProblemCode.TISSUE_GRAVITY_DIRECTION, tissue.gravity_direction)
     if tissue.uv is not None:
         corners = len(tissue.face_vertex_indices)
         if len(tissue.uv) != corners:

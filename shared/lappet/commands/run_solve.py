@@ -86,7 +86,7 @@ def run_to_target(
     """
     from lappet.core.problem import refused
     from lappet.daemon.daemon_solver import connect_to, solver_identity
-    from lappet.solve.error_estimate import expected_order
+    from lappet.solve.coarse_program import expected_order
     from lappet.solve.store import FrameStore
     from lappet.solve.target_error import TRIES, choose, finer, worst_rms
     from lappet.usd.stage import read_procedure

@@ -120,7 +120,7 @@ def _with_tissue(
         settings,
         origin=(float(x), float(y), float(z)),
         bed_stiffness=tissue.bed_stiffness,
-        gravity=(0.0, 0.0, -tissue.gravity if tissue.gravity else 0.0),
+        gravity=tissue.gravity_vector,
         sutures=len(events.sutures),
         retractors=len(events.retractors),
         materials=tuple(parameters(material) for material in materials),

@@ -139,7 +139,6 @@ def _tissue(reader: Reader, prim: Any, regions: list[Any]) -> Tissue:
     material = reader.target(prim, "lappet:material")
     if not material:
         reader.problem(ProblemCode.TISSUE_NO_MATERIAL, prim.GetPath(), "no material")
-    gravity = reader.number(prim, "lappet:gravity", np.inf)
     return Tissue(
         points=points,
         face_vertex_counts=counts,
@@ -148,7 +147,8 @@ def _tissue(reader: Reader, prim: Any, regions: list[Any]) -> Tissue:
         subsets=subsets,
         material=material.rpartition("/")[2],
         spacing=reader.number(prim, "lappet:spacing", Tissue.spacing),
-        gravity=None if np.isposinf(gravity) else gravity,
+        gravity=reader.number(prim, "lappet:gravity", Tissue.gravity),
+        gravity_direction=cast(Point, reader.vector(prim, "lappet:gravityDirection", 3, Tissue.gravity_direction)),
         bed_stiffness=reader.number(prim, "lappet:bedStiffness", Tissue.bed_stiffness),
         regions=tuple(_region(reader, region, prim, subsets) for region in regions),
     )
@@ -230,6 +230,7 @@ def _material(reader: Reader, prim: Any) -> Material:
         fiber_k1=number("fiber:k1", Material.fiber_k1),
         fiber_k2=number("fiber:k2", Material.fiber_k2),
         fiber_dispersion=number("fiber:dispersion", Material.fiber_dispersion),
+        fiber_slack=number("fiber:slack", Material.fiber_slack),
         fiber_direction=cast(Point, reader.vector(prim, "lappet:fiber:direction", 3, Material.fiber_direction)),
         prestretch=(along, across),
         density=number("density", Material.density),
