@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -180,7 +181,7 @@ def _bar(name: str, what: str, material: MaterialParameters, x: float, z: float)
     return BoxScene(name, what, SIZE, DIVISIONS, (0,), gripped=(1,), motion=_lifted(x, z), material=material)
 
 
-def _fiber_bar(name: str, what: str, **changes: float) -> EstimateScene:
+def _fiber_bar(name: str, what: str, **changes: Any) -> EstimateScene:
     return EstimateScene(name, what, box(_bar(name, what, replace(FIBERS, **changes), 4.0, 3.0)))
 
 
