@@ -29,7 +29,7 @@ def _say(line: str) -> None:
 
 @click.group()
 def report() -> None:
-    """Measure error against run time, the estimate of the error, stability and economy."""
+    """Measure error against run time, the estimate, stability and economy; show the presets of tissue."""
 
 
 @report.command("error-time")
@@ -126,4 +126,16 @@ def economy(context: click.Context, /, folder: Path, yardsticks: tuple[Path, ...
 
         make_folder(folder)
         for path in write_economy(folder, head(), measure(yardsticks, say=_say)):
+            click.echo(path)
+
+
+@report.command("tissues")
+@_output("tissues")
+@click.pass_context
+def tissues(context: click.Context, /, folder: Path) -> None:
+    """Show where the presets' numbers come from, and their curves beside the published ones."""
+    with sentences(context):
+        from lappet.reports.tissues.files import write_tissues
+
+        for path in write_tissues(folder):
             click.echo(path)
