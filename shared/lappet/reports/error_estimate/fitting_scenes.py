@@ -160,6 +160,7 @@ def _operations() -> list[EstimateScene]:
             "limberg",
             "Limberg's flap on a patch",
             operation(limb, *flap_operation(design, SkinSheet.of(limb), when, small), end=10.0),
+            spacings=(2.0, 1.75, 1.5),
             reference=(1.5, 0.75, 0.375),
         ),
         EstimateScene(

@@ -123,6 +123,7 @@ def _dome_flap() -> EstimateScene:
         operation(
             tissue, *flap_operation(design, SkinSheet.of(tissue), when, how), end=10.0, bones=(dome_bone(36.9, 24.0),)
         ),
+        spacings=(2.0, 1.75, 1.5),
         reference=(1.5, 0.75, 0.375),
     )
 
