@@ -116,8 +116,8 @@ class TypedSession : public Session::Implementation {
   tbb::task_arena arena_;
   std::shared_ptr<const SignedDistance> bones_;  // null: none
   GroundOfSession ground_;
-  std::unique_ptr<EpochSystem<Real>> epoch_;     // null before the first
-  TissueState<Real> state_;                      // fits the epoch
+  std::unique_ptr<EpochSystem<Real>> epoch_;  // null before the first
+  TissueState<Real> state_;                   // fits the epoch
   LastFrame last_frame_;
 };
 

@@ -6,8 +6,8 @@
 // plane: they are prescribed exactly. Elsewhere the form is a penalty with multipliers (augmented Lagrangian); there
 // only the demand counts, so that a sliver of a face weighs as much as a whole face and its multiplier converges as
 // fast. Bed faces are the same form with the bed's stiffness and no multipliers. Undermined faces rest on the ground
-// (force/constraints/ground.h): they may lift off and slide, but where they sink deeper into it than they lay at rest the
-// bed pushes back with its stiffness.
+// (force/constraints/ground.h): they may lift off and slide, but where they sink deeper into it than they lay at rest
+// the bed pushes back with its stiffness.
 #pragma once
 #include <Eigen/Core>
 #include <array>

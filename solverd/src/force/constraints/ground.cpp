@@ -8,10 +8,11 @@ namespace lappet {
 
 namespace {
 
-// Nodes of the field and how deep it knows heights, in spacings of the lattice; the depth in mm at least.
-constexpr double kNodeSpacing = 0.5, kDepth = 3.0, kMinDepth = 5.0;
+// The field's nodes are as far apart as the lattice's: an underside has no finer shape that the tissue could follow,
+// and one of the radius R is off by h^2 / 4R. It knows heights down to a depth in spacings, in mm at least.
+constexpr double kDepth = 3.0, kMinDepth = 3.0;
 // The far side of the body must be farther from any point that deep than the sheet is.
-constexpr double kThickness = 2.5;
+constexpr double kThickness = 2.1;
 
 double depth_for(double spacing) { return std::max(kDepth * spacing, kMinDepth); }
 
@@ -47,7 +48,6 @@ Surface body_below(const Surface& sheet, double thickness) {
 }
 
 Ground::Ground(const Surface& sheet, double spacing, std::size_t memory_budget)
-    : distance_(body_below(sheet, kThickness * depth_for(spacing)), kNodeSpacing * spacing, depth_for(spacing),
-                memory_budget) {}
+    : distance_(body_below(sheet, kThickness * depth_for(spacing)), spacing, depth_for(spacing), memory_budget) {}
 
 }  // namespace lappet
