@@ -78,6 +78,9 @@ struct EpochInput {
   // empty without regions; directions are then taken as they are, in tissue whose skin is upright to z.
   Surface skin;
   std::vector<MaterialRegion> regions;
+  // What faces with the bed label 2 rest on: the underside before any cut. Empty: that of `surface`, its faces with a
+  // bed label.
+  Surface ground;
   bool nodes = false;  // the report gives the lattice's nodes
 };
 

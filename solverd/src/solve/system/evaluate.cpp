@@ -92,16 +92,18 @@ template <class Real>
 void System<Real>::add_resting_faces(std::span<const Real> u, Evaluation& result) const {
   for (const auto& face : attachments_.resting) {
     const auto& nodes = elastic_.lattice().cell_nodes[static_cast<std::size_t>(face.cell)];
-    double height = 0.0;
-    for (std::size_t k = 0; k < 8; ++k) height += face.weights[k] * face.inward.dot(NodeField(u)[nodes[k]]);
+    Vec3 now = face.rest;
+    for (std::size_t k = 0; k < 8; ++k) now += face.weights[k] * NodeField(u)[nodes[k]];
+    const auto [above, upward] = attachments_.ground->height(now);
+    const double height = above - face.height;
     if (!(height < 0.0)) continue;
     const double stiffness = bed_stiffness_ * face.area;
-    result.contact_penalties.push_back({face.cell, face.weights, face.inward, stiffness});
+    result.contact_penalties.push_back({face.cell, face.weights, upward, stiffness});
     result.energy += 0.5 * stiffness * height * height;
     for (std::size_t k = 0; k < 8; ++k)
       for (int i = 0; i < 3; ++i)
         result.gradient[3 * static_cast<std::size_t>(nodes[k]) + static_cast<std::size_t>(i)] +=
-            stiffness * height * face.weights[k] * face.inward[i];
+            stiffness * height * face.weights[k] * upward[i];
   }
 }
 

@@ -332,7 +332,7 @@ template <class Real>
 std::size_t System<Real>::bytes() const {
   return elastic_.bytes() + attachments_.face_constraints.size() * sizeof(FaceConstraint) +
          3 * free_.size() * 8 * (has_held_faces_ ? 2 : 1) + node_scale_.size() * 8 + gravity_force_.size() * 8 +
-         free_.size() + (contact_ ? contact_->bytes() : 0);
+         free_.size() + (contact_ ? contact_->bytes() : 0) + (attachments_.ground ? attachments_.ground->bytes() : 0);
 }
 
 template class System<float>;
