@@ -17,6 +17,7 @@ FRAME: dict[str, Any] = {
     "active_cells": int,
     "residual": NUMBER,
     "force_scale_mn": NUMBER,
+    "displacement_to_come_mm": NUMBER,
     "largest_gap_mm": NUMBER,
     "minimum_j": NUMBER,
     "inverted_cells": int,
