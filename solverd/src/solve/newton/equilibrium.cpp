@@ -36,6 +36,10 @@ constexpr double kGoodEstimate = 0.25, kClearly = 0.3;
 // Share of the limit at which a search ends. One that begins within the whole limit has nothing to do: a solve that is
 // resumed estimates with another preconditioner, and must come to the same end.
 constexpr double kAtEnd = 0.8;
+// A search that is within its tolerances of forces and gaps ends where the displacement still to come has not fallen to
+// this share in so many steps.
+constexpr double kNearer = 0.7;
+constexpr int kMaxArrivals = 6;
 constexpr double kClose = 10.0;  // tolerances of the residual from which a Newton step tells of the next one
 
 class Stopwatch {
@@ -98,6 +102,9 @@ class EquilibriumSearch {
                         "{:.3g} mm",
                         outcome_.newton_iterations, outcome_.residual, options_.tolerance, outcome_.gap));
       if (observer_.stop()) return fail(FailureCode::kStopped, "stopped");
+      if (arriving && !comes_nearer())
+        return fail(FailureCode::kNoDescent,
+                    fmt::format("the displacement still to come stays at {:.2g} mm{}", outcome_.to_come, rounding()));
       const bool solved = arriving ? outcome_.failure.code == FailureCode::kNone : solve_tangent(carries, false);
       if (observer_.stop()) return fail(FailureCode::kStopped, "stopped");
       if (!solved) return;
@@ -147,6 +154,18 @@ class EquilibriumSearch {
           record();
       }
     }
+  }
+
+  // False once many steps within the tolerances of forces and gaps were of no use to the displacement still to come.
+  bool comes_nearer() {
+    if (outcome_.to_come < kNearer * nearest_) {
+      nearest_ = outcome_.to_come;
+      arrivals_ = 0;
+    }
+    return ++arrivals_ <= kMaxArrivals;
+  }
+  static const char* rounding() {
+    return std::is_same_v<Real, float> ? "; it may be the rounding of single precision: try precision 'double'" : "";
   }
 
   // Forces and gaps are within their tolerances: whether the displacement still to come is too, which ends the search.
@@ -281,9 +300,7 @@ class EquilibriumSearch {
         if (tangent_.try_another(used_)) return true;
         fail(FailureCode::kNoDescent,
              fmt::format("no step lowers the energy at relative residual {:.2e}{}", outcome_.residual,
-                         std::is_same_v<Real, float> && outcome_.residual < kRoundedResidual
-                             ? "; it may be the rounding of single precision: try precision 'double'"
-                             : ""));
+                         outcome_.residual < kRoundedResidual ? rounding() : ""));
         return false;
       }
       tangent_.agreed(taken.ratio, used_);
@@ -350,6 +367,8 @@ class EquilibriumSearch {
   LineSearch<Real> line_;
   Evaluation now_;
   bool jumped_ = false, neighborhood_tried_ = false;
+  double nearest_ = std::numeric_limits<double>::infinity();
+  int arrivals_ = 0;
   int newton_in_neighborhood_ = 0;  // these leave those of the whole as many as ever
   PsdProjection used_ = PsdProjection::kExact;
   LinearOutcome linear_;
