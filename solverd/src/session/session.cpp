@@ -36,6 +36,7 @@ void write_outcome(const EquilibriumOutcome& outcome, FrameOutput& output) {
   output.failure = outcome.failure;
   output.residual = outcome.residual;
   output.force_scale = outcome.force_scale;
+  output.displacement_to_come = outcome.to_come;
   output.largest_gap = outcome.gap;
   output.minimum_j = outcome.minimum_j;
   output.inverted_cells = outcome.inverted;
@@ -92,7 +93,8 @@ class TypedSession : public Session::Implementation {
   FrameOutput solve_frame(const FrameInput& frame, const ProgressCallback& progress, const std::atomic<bool>& cancel) {
     const auto start = std::chrono::steady_clock::now();
     const Work done = epoch_->system.work();
-    FoundFrame<Real> found = find_frame(settings_, *epoch_, state_, frame, progress, cancel);
+    FoundFrame<Real> found =
+        find_frame(settings_, *epoch_, state_, frame, last_frame_.arrival_of(frame), progress, cancel);
     const bool converged = found.outcome.converged;
     FrameOutput output;
     output.time = frame.time;
@@ -103,7 +105,7 @@ class TypedSession : public Session::Implementation {
     if (!converged)
       last_frame_.clear();
     else if (!same)
-      last_frame_.keep(frame, output);
+      last_frame_.keep(frame, output, {output.energy, output.residual, output.displacement_to_come});
     if (converged) state_ = std::move(found.state);
     output.state = exported(state_);
     output.seconds_total = seconds_since(start);

@@ -8,13 +8,6 @@
 
 namespace lappet {
 
-namespace {
-
-// The least force scale, as a stress of this many Young's moduli on every node.
-constexpr double kScaleFloor = 1e-2;
-
-}  // namespace
-
 // The forces of attached faces on the corners of their cells are found in parallel and added in order, a batch at a
 // time. Returns their energy.
 template <class Real>
@@ -135,17 +128,13 @@ void System<Real>::add_drift(std::span<const Real> u, Evaluation& result) const 
 // The gradient of prescribed nodes is no residual: it is set to zero.
 template <class Real>
 void System<Real>::measure_residual(Evaluation& result) {
-  const auto [residual, scale] =
-      reduce<2>(free_.size(), [&, gradient = result.gradient.data()](std::size_t n, double* out) {
-        double* g = &gradient[3 * n];
-        if (!free_[n]) g[0] = g[1] = g[2] = 0.0;
-        out[0] = g[0] * g[0] + g[1] * g[1] + g[2] * g[2];
-        out[1] = free_[n] ? node_scale_[n] * node_scale_[n] : 0.0;
-      });
-  const double h = elastic_.lattice().settings.spacing;
-  result.residual = std::sqrt(residual);
-  result.force_scale = std::sqrt(scale) + kScaleFloor * elastic_.materials().table[0].youngs_modulus * h * h *
-                                              std::sqrt(static_cast<double>(std::max<std::size_t>(free_count_, 1)));
+  for_each_index(free_.size(), [&, g = result.gradient.data()](std::size_t n) {
+    if (!free_[n]) g[3 * n] = g[3 * n + 1] = g[3 * n + 2] = 0.0;
+  });
+  const ResidualNorms norms = clusters_.norms(result.gradient, node_scale_, free_);
+  result.residual = norms.residual;
+  result.force_scale = norms.force_scale;
+  result.relative_residual = norms.relative;
 }
 
 template double System<float>::add_face_constraints(std::span<const float>, const Multipliers&,
