@@ -16,7 +16,8 @@ from lappet.procedure import MODELS, Material, Tissue
 from lappet.program.settings import SolverSettings
 
 from .changes import property_changed
-from .event_properties import LappetEvent
+from .event_kinds import BASES
+from .event_properties import LappetEvent, LappetPoint
 
 VERSION = 1  # of these properties; `migrate.py` brings older files up to it
 
@@ -200,6 +201,22 @@ class LappetTissue(bpy.types.PropertyGroup):
     )
 
 
+class LappetSkinLine(bpy.types.PropertyGroup):
+    """A line of the skin, along which its fibers run; `name` is that of its prim."""
+
+    points: CollectionProperty(type=LappetPoint)
+    basis: EnumProperty(name="Curve", items=BASES, update=property_changed)
+    use_tension: BoolProperty(name="Tension", default=False, update=property_changed)
+    tension: FloatVectorProperty(
+        name="Tension",
+        description="In vivo, along and across the line, kPa",
+        size=2,
+        default=(20.0, 10.0),
+        min=0.0,
+        update=property_changed,
+    )
+
+
 class LappetSolving(bpy.types.PropertyGroup):
     """How the procedure is solved."""
 
@@ -275,6 +292,7 @@ class LappetProcedure(bpy.types.PropertyGroup):
     materials: CollectionProperty(type=LappetMaterial)
     active_material: IntProperty(default=0)
     regions: CollectionProperty(type=LappetRegion)
+    skin_lines: CollectionProperty(type=LappetSkinLine)
     active_region: IntProperty(default=0)
     events: CollectionProperty(type=LappetEvent)
     active_event: IntProperty(name="Event", default=-1)
@@ -295,6 +313,7 @@ class LappetProcedure(bpy.types.PropertyGroup):
 CLASSES = (
     LappetMaterial,
     LappetRegion,
+    LappetSkinLine,
     LappetBone,
     LappetTissue,
     LappetSolving,
