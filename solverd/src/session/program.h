@@ -77,6 +77,7 @@ struct EpochInput {
   // The outer skin before any cut: regions measure their depth from it, fibers and prestretch run along it. May be
   // empty without regions; directions are then taken as they are, in tissue whose skin is upright to z.
   Surface skin;
+  SkinFields skin_fields;
   std::vector<MaterialRegion> regions;
   bool nodes = false;  // the report gives the lattice's nodes
 };
