@@ -222,6 +222,7 @@ class ProblemCode(StrEnum):
     TISSUE_MATERIAL_UNKNOWN = auto()
     TISSUE_SPACING = auto()
     TISSUE_BED_STIFFNESS = auto()
+    TISSUE_BED_SHEAR = auto()
     TISSUE_GRAVITY = auto()
     TISSUE_GRAVITY_DIRECTION = auto()
     TISSUE_UV_COUNT = auto()

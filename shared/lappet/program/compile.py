@@ -122,6 +122,7 @@ def _with_tissue(
         settings,
         origin=(float(x), float(y), float(z)),
         bed_stiffness=tissue.bed_stiffness,
+        bed_shear=tissue.bed_shear,
         gravity=tissue.gravity_vector,
         sutures=len(events.sutures),
         retractors=len(events.retractors),

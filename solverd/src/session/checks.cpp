@@ -157,6 +157,9 @@ void check_settings(const SessionSettings& s) {
   require(s.max_newton > 0, "at most {} Newton iterations are allowed; give at least 1", s.max_newton);
   require(std::isfinite(s.bed_stiffness) && s.bed_stiffness >= 0,
           "the bed stiffness is {} kPa/mm; it must not be negative", s.bed_stiffness);
+  require(s.bed_shear >= 0 && s.bed_shear <= s.bed_stiffness,
+          "the bed's shear stiffness is {} kPa/mm; it must be 0 to its normal stiffness, {} kPa/mm", s.bed_shear,
+          s.bed_stiffness);
   require(finite(s.gravity), "gravity is not finite; give three numbers in m/s^2");
   require(std::isfinite(s.time_budget) && s.time_budget >= 0, "the time budget is {} s; give 0 for none",
           s.time_budget);

@@ -28,7 +28,7 @@ EpochSystem<Real>::EpochSystem(const EpochInput& epoch, const SessionSettings& s
       lattice(build_lattice(surface, lattice_settings(settings))),
       system(lattice, assign_materials(lattice, settings.materials, epoch.skin, epoch.regions), settings.quadrature,
              attach(lattice, surface, epoch.fixed, epoch.bed, epoch.grip, std::move(ground)), settings.retractors,
-             settings.bed_stiffness, settings.gravity),
+             BedStiffness{settings.bed_stiffness, settings.bed_shear}, settings.gravity),
       preconditioner(system, kChebyshevDegree),
       constraints(settings, lattice, surface, system) {
   if (bones) system.set_contact(contact_with_bones(std::move(bones), lattice, epoch, settings));
