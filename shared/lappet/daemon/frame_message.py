@@ -69,6 +69,7 @@ def read_frame(
         suture_gaps=read_array(message, "suture_gaps", "f8", (sutures,)),
         suture_forces=read_array(message, "suture_forces", "f8", (sutures,)),
         **corrections,
+        softest_point=read_array(message, "softest_point", "f8", (None, 3)),
         diagnostics=read_fields(Diagnostics, message.fields, "frame"),
         lattice=lattice,
         state=_read_state(message),

@@ -91,6 +91,8 @@ std::vector<PartBytes> encode_frame(ReplyTo to, const FrameOutput& frame) {
       .field("energy", frame.energy)
       .field("largest_penetration", frame.largest_penetration)
       .field("contacts", std::int64_t{frame.contacts})
+      .field("lowest_stiffness", frame.lowest_stiffness)
+      .field("saddles_left", std::int64_t{frame.saddles_left})
       .field("seconds", Fields{{"update", frame.seconds_update},
                                {"linear", frame.seconds_linear},
                                {"setup", frame.seconds_setup},
@@ -117,6 +119,7 @@ std::vector<PartBytes> encode_frame(ReplyTo to, const FrameOutput& frame) {
   add_rows(writer, "hook_points", frame.hook_points, {3});
   add_rows(writer, "correction", frame.correction, {3});
   add_rows(writer, "landmark_correction", frame.landmark_correction, {3});
+  add_rows(writer, "softest_point", frame.softest_point, {3});
   if (frame.state.is_double) {
     add_rows(writer, "nodes", frame.state.nodes, {3});
   } else {

@@ -13,6 +13,8 @@
 #include "session/check_targets.h"
 #include "session/is_valid_start.h"
 #include "session/retry_schedule.h"
+#include "solve/newton/leave_saddle.h"
+#include "solve/newton/lowest_mode.h"
 
 namespace lappet {
 
@@ -20,16 +22,23 @@ namespace {
 
 // Two equilibria whose energies differ by less are the same.
 constexpr double kSameEnergy = 1e-6;
+// An equilibrium whose softest displacement keeps less of its stiffness than this, chosen above the rounding of single
+// precision, is a saddle.
+constexpr double kSaddle = -1e-3;
+// Saddles that are left one after the other in a frame.
+constexpr int kMaxSaddles = 6;
+constexpr int kModeSteps = 4, kSurenessSteps = 12;
 
 template <class Real>
 class FrameSearch {
  public:
   FrameSearch(const SessionSettings& settings, EpochSystem<Real>& epoch, const TissueState<Real>& before,
-              const FrameInput& frame, const ProgressCallback& progress, const std::atomic<bool>& cancel)
+              const FrameInput& frame, bool repeats, const ProgressCallback& progress, const std::atomic<bool>& cancel)
       : settings_(settings),
         epoch_(epoch),
         before_(before),
         frame_(frame),
+        repeats_(repeats),
         cancel_(cancel),
         valid_(is_valid_start<Real>(epoch.lattice, before.u)),
         moved_(std::ranges::any_of(before.u, [](Real x) { return x != Real(0); })) {
@@ -53,6 +62,7 @@ class FrameSearch {
     if (unreachable.empty()) {
       walk(RetrySchedule(valid_ && moved_, settings_.max_newton));
       settle_doubt();
+      if (settings_.stability && found_.outcome.converged) leave_saddles();
     } else {
       found_.state = before_;
       epoch_.constraints.apply(frame_, found_.state);
@@ -112,10 +122,16 @@ class FrameSearch {
   }
 
   bool take_load_step(const FrameInput& to, const RetrySchedule& schedule) {
+    epoch_.constraints.apply(to, found_.state);
+    search_equilibrium(schedule.newton_left(found_.effort.newton_iterations));
+    if (found_.outcome.converged) found_.state.activation = epoch_.constraints.activation_of(to);
+    return found_.outcome.converged;
+  }
+
+  void search_equilibrium(int max_newton) {
     SolveEffort& effort = found_.effort;
     EquilibriumOutcome& outcome = found_.outcome;
-    epoch_.constraints.apply(to, found_.state);
-    options_.max_newton = schedule.newton_left(effort.newton_iterations);
+    options_.max_newton = max_newton;
     outcome = find_equilibrium<Real>(epoch_.system, epoch_.preconditioner, found_.state.u, found_.state.multipliers,
                                      options_, observer_, std::move(outcome.at));
     effort.newton_iterations += outcome.newton_iterations;
@@ -124,8 +140,6 @@ class FrameSearch {
     effort.seconds_update += outcome.seconds_update;
     effort.seconds_linear += outcome.seconds_linear;
     effort.seconds_setup += outcome.seconds_setup;
-    if (outcome.converged) found_.state.activation = epoch_.constraints.activation_of(to);
-    return outcome.converged;
   }
 
   // An equilibrium with inverted cells stands where one from rest has no lower energy; without one it does not.
@@ -146,6 +160,58 @@ class FrameSearch {
       epoch_.constraints.apply(frame_, found_.state);
       evaluate();
     }
+  }
+
+  // Tissue rests in a minimum of the energy. Moves on from a saddle until none is left or none can be left.
+  void leave_saddles() {
+    if (repeats_ && found_.effort.newton_iterations == 0) return;
+    auto& mode = epoch_.softest_mode;
+    find_mode(std::move(mode), kModeSteps);
+    if (found_.lowest_stiffness < kSaddle) find_mode({}, kSurenessSteps);
+    while (found_.lowest_stiffness < kSaddle && found_.saddles_left < kMaxSaddles && leave_saddle())
+      find_mode({}, kSurenessSteps);
+  }
+
+  void find_mode(std::vector<Real> before, int max_steps) {
+    LowestModeSearch<Real> search{.before = std::move(before), .max_steps = max_steps};
+    search.looks_afresh = epoch_.looks_afresh = !epoch_.looks_afresh;
+    try {
+      auto found = find_lowest_mode<Real>(epoch_.system, epoch_.preconditioner, found_.state.u, found_.outcome.at,
+                                          std::move(search));
+      found_.lowest_stiffness = found.stiffness;
+      epoch_.softest_mode = std::move(found.shape);
+    } catch (const NotDefiniteError&) {
+      epoch_.softest_mode.clear();
+    }
+  }
+
+  // Goes on from the lower side of the saddle; false, and back at it, where that leads to no lower equilibrium.
+  bool leave_saddle() {
+    const auto amplitude = way_off_saddle<Real>(epoch_.system, found_.state.u, epoch_.softest_mode,
+                                                found_.state.multipliers, found_.outcome.at, options_.inverts);
+    TissueState<Real> saddle = found_.state;
+    if (amplitude) {
+      add<Real>(static_cast<Real>(*amplitude), epoch_.softest_mode, found_.state.u);
+      Evaluation reused = std::move(found_.outcome.at);
+      EquilibriumOutcome at_saddle = std::exchange(found_.outcome, {});
+      found_.outcome.at = std::move(reused);
+      options_.neighborhood_first = false;
+      search_equilibrium(settings_.max_newton);
+      const EquilibriumOutcome& outcome = found_.outcome;
+      if (outcome.converged && outcome.inverted <= at_saddle.inverted &&
+          outcome.energy < at_saddle.energy - kSameEnergy * std::abs(at_saddle.energy)) {
+        ++found_.saddles_left;
+        spdlog::info("frame {:g} leaves a saddle: energy {:.6g} to {:.6g} mN mm", frame_.time, at_saddle.energy,
+                     outcome.energy);
+        return true;
+      }
+      refuse_if_stopped();
+      at_saddle.at = std::move(found_.outcome.at);
+      found_.outcome = std::move(at_saddle);
+      found_.state = std::move(saddle);
+    }
+    evaluate();
+    return false;
   }
 
   void refuse_if_stopped() const {
@@ -172,6 +238,7 @@ class FrameSearch {
   EpochSystem<Real>& epoch_;
   const TissueState<Real>& before_;
   const FrameInput& frame_;
+  const bool repeats_;
   const std::atomic<bool>& cancel_;
   bool valid_, moved_;  // the state before: may be started from, differs from rest
   EquilibriumOptions options_;
@@ -185,14 +252,14 @@ class FrameSearch {
 
 template <class Real>
 FoundFrame<Real> find_frame(const SessionSettings& settings, EpochSystem<Real>& epoch, const TissueState<Real>& before,
-                            const FrameInput& frame, const ProgressCallback& progress,
+                            const FrameInput& frame, bool repeats, const ProgressCallback& progress,
                             const std::atomic<bool>& cancel) {
-  return FrameSearch<Real>(settings, epoch, before, frame, progress, cancel).run();
+  return FrameSearch<Real>(settings, epoch, before, frame, repeats, progress, cancel).run();
 }
 
 template FoundFrame<float> find_frame(const SessionSettings&, EpochSystem<float>&, const TissueState<float>&,
-                                      const FrameInput&, const ProgressCallback&, const std::atomic<bool>&);
+                                      const FrameInput&, bool, const ProgressCallback&, const std::atomic<bool>&);
 template FoundFrame<double> find_frame(const SessionSettings&, EpochSystem<double>&, const TissueState<double>&,
-                                       const FrameInput&, const ProgressCallback&, const std::atomic<bool>&);
+                                       const FrameInput&, bool, const ProgressCallback&, const std::atomic<bool>&);
 
 }  // namespace lappet

@@ -6,6 +6,7 @@
 #include <atomic>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -34,6 +35,7 @@ struct SessionSettings {
   std::string region = "auto";  // or "whole": frames are solved everywhere (solve/newton/change_neighborhood.h)
   bool correction = false;      // frames carry the step that Newton-Raphson would take next
   bool strain = true;           // frames carry strain, stress and tension on the surface
+  bool stability = true;        // saddles of the energy are looked for and left (solve/newton/lowest_mode.h)
   std::int32_t sutures = 0;     // number of sutures in the whole procedure; frames refer to them by index
   std::int32_t retractors = 0;  // likewise
   // materials[0] is what the tissue is made of where no region says otherwise.
@@ -64,6 +66,7 @@ void visit_settings(SessionSettings& settings, Visitor&& visit) {
   visit.optional("preconditioner", settings.preconditioner);
   visit.optional("correction", settings.correction);
   visit.optional("strain", settings.strain);
+  visit.optional("stability", settings.stability);
 }
 
 struct EpochInput {
@@ -152,6 +155,11 @@ struct FrameFields {
   std::vector<double> suture_points;                       // 6 per active suture: both ends, mm
   std::vector<float> correction;            // 3 per surface vertex, mm: the Newton step left over; empty: not wanted
   std::vector<double> landmark_correction;  // 3 per landmark, mm
+  // The share of its stiffness that compression leaves the softest displacement (solve/newton/lowest_mode.h); NaN where
+  // it was not looked for. The rest point of the surface that moves most in it, mm; empty: nothing is compressed.
+  double lowest_stiffness = std::numeric_limits<double>::quiet_NaN();
+  std::vector<double> softest_point;
+  int saddles_left = 0;  // unstable equilibria that the search found on its way and left
 };
 
 // What it took to find a frame, all attempts together.
