@@ -56,7 +56,7 @@ materials = st.builds(
     Material,
     st.sampled_from(["skin", "fat", "scar_1"]),
     st.sampled_from(MODELS),
-    *([numbers] * 6),
+    *([numbers] * 7),
     points,
     st.tuples(numbers, numbers),
     numbers,
@@ -85,7 +85,8 @@ def tissues(draw: st.DrawFn) -> Tissue:
         {name: np.array(draw(faces), np.int32) for name in draw(st.permutations(["fixed", "bed", "handle"]))},
         draw(st.sampled_from(["skin", "fat"])),
         draw(numbers),
-        draw(st.none() | numbers),
+        draw(numbers),
+        draw(points),
         draw(numbers),
         tuple(Region(name, draw(named), draw(numbers), draw(depths)) for name in painted),
     )

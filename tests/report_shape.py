@@ -15,6 +15,7 @@ FRAME: dict[str, Any] = {
     "pcg_iterations": int,
     "load_steps": int,
     "active_cells": int,
+    "restart": (str, type(None)),
     "residual": NUMBER,
     "force_scale_mn": NUMBER,
     "largest_gap_mm": NUMBER,
@@ -32,6 +33,10 @@ FRAME: dict[str, Any] = {
     "cache_hit": bool,
     "key": str,
 }
+NOTE = {
+    "code": str, "severity": str, "prim": str, "value": str, "message": str, "remedy": str, "faces": list,
+    "points_mm": list,
+}  # fmt: skip
 COUNTS = dict.fromkeys(("fine_voxels", "cells", "grid_cells", "mesh_cells", "nodes", "blocks"), int)
 REPORT: dict[str, Any] = {
     "version": int,
@@ -46,14 +51,18 @@ REPORT: dict[str, Any] = {
     "epochs": [
         {
             "index": int, "start_time": NUMBER, "fragments": int, "surface_points": int, "triangles": int,
-            "lattice": {**COUNTS, "fragments": int, "fixed_nodes": int, "bytes": NUMBER, "seconds": NUMBER},
+            "lattice": {
+                **COUNTS, "fragments": int, "fixed_nodes": int, "dropped_voxels": int, "bytes": NUMBER,
+                "seconds": NUMBER,
+            },
+            "lattice_volume_ratio": NUMBER,
         }
     ],
     "complete": bool,
     "interrupted": bool,
     "reason": (str, type(None)),
     "code": (str, type(None)),
-    "notes": list,
+    "notes": [NOTE],
     "error_estimate": (dict, type(None)),
     "frames": [FRAME],
     "failed": (dict, type(None)),

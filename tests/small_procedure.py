@@ -91,6 +91,7 @@ class FakeSession:
             blocks=2,
             fragments=epoch.fragments,
             fixed_nodes=0,
+            dropped_voxels=0,
             bytes=1000.0,
             seconds=0.01,
         )

@@ -191,7 +191,7 @@ def test_every_value_of_a_procedure_and_what_changes_a_frame_is_in_the_key() -> 
         replace(base, events=(slit, replace(hook, stiffness=np.nextafter(hook.stiffness, 0.0)), stitch, mark)),
         replace(base, tissue=replace(tissue, subsets=renamed)),
         replace(base, tissue=replace(tissue, uv=None)),
-        replace(base, tissue=replace(tissue, gravity=9.81)),
+        replace(base, tissue=replace(tissue, gravity=3.7)),
         replace(base, bones=(bone,)),
     ]
     keys = {plan_key(each, SolverSettings(), "s") for each in (base, *others)}

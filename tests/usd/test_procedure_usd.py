@@ -88,6 +88,7 @@ def test_equality_sees_every_field_of_the_tissue() -> None:
         "material": "fat",
         "spacing": 2.0,
         "gravity": 0.0,
+        "gravity_direction": (0.0, -1.0, 0.0),
         "bed_stiffness": 1.0,
         "regions": (Region("fixed", "fat"),),
     }
@@ -150,7 +151,8 @@ def test_usd_recognises_the_schemas_and_every_property_is_authored(tmp_path: Pat
     expected = {"Tissue": "Tissue", "Timeline/cut": "Incision", "Timeline/hook": "Hook", "Timeline/pull": "Retractor"}
     expected |= {"Timeline/stitch": "Suture", "Timeline/tip": "Landmark", "Materials/skin": "Material"}
     expected |= {"Tissue/cheek": "Region"}
-    may_be_left_out = ("lappet:gravity", "lappet:muscleActivation")
+    unlike_0_1 = ("lappet:gravityDirection", "lappet:fiber:slack")  # authored where they are not the default
+    may_be_left_out = ("lappet:muscleActivation", *unlike_0_1)
     for path, kind in expected.items():
         prim = stage.GetPrimAtPath(f"/Procedure/{path}")
         schema = f"Lappet{kind}API"

@@ -96,6 +96,10 @@ class LAPPET_PT_tissue_surroundings(_Part, bpy.types.Panel):
         sub = row.row()
         sub.active = settings.use_gravity
         sub.prop(settings, "gravity", text="")
+        if settings.use_gravity:
+            column.prop(settings, "position")
+            if settings.position == "CUSTOM":
+                column.prop(settings, "gravity_direction")
 
 
 def _groups(layout: bpy.types.UILayout, scene: bpy.types.Scene) -> None:

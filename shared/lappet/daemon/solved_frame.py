@@ -36,6 +36,8 @@ class LatticeCounts:
         Blocks of cells that are computed.
     fixed_nodes
         Nodes that do not move.
+    dropped_voxels
+        Voxels at sharp tips that nothing holds; they are not among the fine voxels.
     bytes
         Memory of the session in bytes.
     seconds
@@ -50,6 +52,7 @@ class LatticeCounts:
     fragments: int
     blocks: int
     fixed_nodes: int
+    dropped_voxels: int
     bytes: float
     seconds: float
 
@@ -124,6 +127,8 @@ class Diagnostics:
         Load steps.
     active_cells
         Cells that were solved for.
+    restart
+        Why it was solved from rest and not from the frame before, a code of PROTOCOL.md, "frame"; else empty.
     residual
         Residual over force scale.
     force_scale
@@ -160,6 +165,7 @@ class Diagnostics:
     pcg: int = 0
     load_steps: int = 0
     active_cells: int = 0
+    restart: str = ""
     residual: float = 0.0
     force_scale: float = 0.0
     largest_gap: float = 0.0

@@ -18,6 +18,7 @@ from lappet.procedure import Event, Hook, Landmark, Material, Point, Procedure, 
 from lappet.procedure.prim_paths import ROOT
 from lappet.program.anchors import AnchorSearch, PlacedAnchors, TissueLoss
 from lappet.program.bones import over_bone, united_bones
+from lappet.program.crossed_sutures import crossed_sutures
 from lappet.program.materials import activation, materials_in_use, parameters, region_program
 from lappet.program.program import FrameConstraints, Landmarks, Program
 from lappet.program.settings import SolverSettings
@@ -92,18 +93,20 @@ def compile_program(
             )
             for time in own
         ]
+    sutures = tuple(suture.name for suture in events.sutures)
     return Program(
         epochs=tuple(epochs),
         frames=tuple(frames),
         settings=_with_tissue(replace(settings, spacing=spacing), procedure, events, materials),
         fps=procedure.fps,
         hooks=tuple(hook.name for hook in events.hooks_by_start),
-        sutures=tuple(suture.name for suture in events.sutures),
+        sutures=sutures,
         retractors=tuple(retractor.name for retractor in events.retractors),
         landmarks=_labels(events.marks),
         grips=tuple(grips),
         landmarks_at=tuple(landmarks),
         bones=bones,
+        notes=tuple(crossed_sutures(epochs, frames, sutures, spacing)),
     )
 
 
@@ -117,7 +120,7 @@ def _with_tissue(
         settings,
         origin=(float(x), float(y), float(z)),
         bed_stiffness=tissue.bed_stiffness,
-        gravity=(0.0, 0.0, -tissue.gravity if tissue.gravity else 0.0),
+        gravity=tissue.gravity_vector,
         sutures=len(events.sutures),
         retractors=len(events.retractors),
         materials=tuple(parameters(material) for material in materials),

@@ -10,7 +10,7 @@ from lappet.program.compile import compile_program
 from lappet.usd.stage import read_procedure
 
 
-def full_check(path: str | os.PathLike[str], notes: list[str] | None = None) -> list[Problem]:
+def full_check(path: str | os.PathLike[str], notes: list[Problem] | None = None) -> list[Problem]:
     """Find everything that would keep a procedure from being solved; without errors the cuts are made and compiled too.
 
     Parameters
@@ -18,7 +18,7 @@ def full_check(path: str | os.PathLike[str], notes: list[str] | None = None) -> 
     path
         The procedure's file.
     notes
-        Gets a sentence for everything that was converted while reading, or that the solve leaves out.
+        Gets a note of everything that was converted while reading, or that the solve leaves out.
 
     Returns
     -------

@@ -86,6 +86,8 @@ class MaterialParameters:
         How the fibers stiffen, without unit.
     fiber_dispersion
         Dispersion of the fibers, 0 to 1/3.
+    fiber_slack
+        Stretch from which the fibers bear load.
     muscle_stress
         Greatest isometric stress of muscle in kPa; 0 for no muscle.
     prestretch
@@ -101,6 +103,7 @@ class MaterialParameters:
     fiber_k1: float = 0.0
     fiber_k2: float = 0.0
     fiber_dispersion: float = 0.0
+    fiber_slack: float = 1.0
     muscle_stress: float = 0.0
     prestretch: tuple[float, float] = (1.0, 1.0)
 

@@ -24,7 +24,7 @@ def flat_patch(
     triangles: bool = False,
     material: str = "skin",
     spacing: float = 1.0,
-    gravity: float | None = None,
+    gravity: float = Tissue.gravity,
     bed_stiffness: float = Tissue.bed_stiffness,
 ) -> Tissue:
     """Make a closed flat sheet, its skin at z = thickness and its underside at z = 0.
@@ -48,7 +48,7 @@ def flat_patch(
     spacing
         Edge of the lattice's cells in mm.
     gravity
-        Gravity along -z in m/s², or None.
+        Gravity along -z in m/s², 0 for none.
     bed_stiffness
         Stiffness of the bed in kPa/mm.
 

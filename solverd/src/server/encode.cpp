@@ -22,6 +22,20 @@ MessageWriter reply(std::string type, ReplyTo to) {
   return {std::move(type), to.id, to.session == 0 ? std::nullopt : std::optional(to.session)};
 }
 
+std::string_view restart_name(Restart restart) {
+  switch (restart) {
+    case Restart::kInvalidStart:
+      return "invalid_start";
+    case Restart::kNoEquilibrium:
+      return "no_equilibrium";
+    case Restart::kInverted:
+      return "inverted";
+    case Restart::kNone:
+      break;
+  }
+  return "";
+}
+
 template <class T>
 void add_rows(MessageWriter& writer, const std::string& name, const std::vector<T>& elements,
               std::vector<std::uint64_t> row_shape) {
@@ -58,6 +72,7 @@ std::vector<PartBytes> encode_lattice(ReplyTo to, const EpochReport& report) {
       .field("fragments", std::int64_t{report.fragments})
       .field("blocks", std::int64_t{report.blocks})
       .field("fixed_nodes", std::int64_t{report.fixed_nodes})
+      .field("dropped_voxels", report.dropped_voxels)
       .field("bytes", report.bytes)
       .field("seconds", report.seconds);
   if (!report.nodes_at_rest.empty()) add_rows(writer, "rest_nodes", report.nodes_at_rest, {3});
@@ -83,6 +98,7 @@ std::vector<PartBytes> encode_frame(ReplyTo to, const FrameOutput& frame) {
       .field("pcg", std::int64_t{frame.pcg_iterations})
       .field("load_steps", std::int64_t{frame.load_steps})
       .field("active_cells", frame.active_cells)
+      .field("restart", std::string(restart_name(frame.restart)))
       .field("residual", frame.residual)
       .field("force_scale", frame.force_scale)
       .field("largest_gap", frame.largest_gap)

@@ -48,6 +48,7 @@ EpochReport EpochSystem<Real>::report(bool with_nodes) const {
   report.fragments = lattice.fragments;
   report.blocks = static_cast<std::int32_t>(system.elastic().layout().blocks);
   report.fixed_nodes = static_cast<std::int32_t>(std::ranges::count(system.attachments().node_group, kFixedGroup));
+  report.dropped_voxels = lattice.dropped_voxels;
   report.bytes = static_cast<double>(lattice.bytes() + system.bytes() + preconditioner.bytes());
   if (with_nodes)
     for (const Vec3& rest : lattice.node_rest)

@@ -78,8 +78,10 @@ class FrameSearch {
  private:
   // Tries what the schedule says until an attempt succeeds or none is left.
   void walk(RetrySchedule schedule) {
-    if (!valid_)
+    if (!valid_) {
+      found_.effort.restart = Restart::kInvalidStart;
       spdlog::info("frame {:g} starts from rest: too many cells of its start are inverted or flat", frame_.time);
+    }
     while (const auto attempt = schedule.next()) {
       const int reached = try_once(*attempt, schedule);
       const EquilibriumOutcome& outcome = found_.outcome;
@@ -93,8 +95,10 @@ class FrameSearch {
       } else {
         schedule.failed(reached, outcome.residual, found_.effort.newton_iterations);
       }
-      if (schedule.next() && schedule.next()->from_rest && !attempt->from_rest)
+      if (schedule.next() && schedule.next()->from_rest && !attempt->from_rest) {
+        found_.effort.restart = doubtful_ ? Restart::kInverted : Restart::kNoEquilibrium;
         spdlog::info("frame {:g} starts over from rest: {}", frame_.time, why);
+      }
     }
   }
 
@@ -157,6 +161,7 @@ class FrameSearch {
     } else if (doubtful.energy <= outcome.energy + kSameEnergy * std::abs(outcome.energy)) {
       outcome = std::move(doubtful);
       found_.state = std::move(state);
+      found_.effort.restart = Restart::kNone;
       epoch_.constraints.apply(frame_, found_.state);
       evaluate();
     }

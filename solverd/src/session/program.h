@@ -88,6 +88,7 @@ struct EpochReport {
   std::int64_t fine_voxels = 0;
   std::int32_t cells = 0, grid_cells = 0, mesh_cells = 0, nodes = 0, fragments = 0, blocks = 0;
   std::int32_t fixed_nodes = 0;
+  std::int64_t dropped_voxels = 0;    // specks at sharp tips that nothing holds; not among fine_voxels
   double bytes = 0.0;                 // what the session holds now
   double seconds = 0.0;               // to build it
   std::vector<double> nodes_at_rest;  // 3 per node, mm; empty: not wanted
@@ -162,12 +163,21 @@ struct FrameFields {
   int saddles_left = 0;  // unstable equilibria that the search found on its way and left
 };
 
+// Why a frame was solved from rest although there was a state before it.
+enum class Restart : std::uint8_t {
+  kNone,           // it was not
+  kInvalidStart,   // too many cells of the state before are inverted or flat
+  kNoEquilibrium,  // none was found from the state before
+  kInverted,       // the one found from the state before had inverted cells, and more energy
+};
+
 // What it took to find a frame, all attempts together.
 struct SolveEffort {
   int newton_iterations = 0, pcg_iterations = 0;
   int load_steps = 0;             // of the last attempt
   std::int64_t active_cells = 0;  // that were solved for; all others stayed where they were
   double seconds_update = 0.0, seconds_linear = 0.0, seconds_setup = 0.0;
+  Restart restart = Restart::kNone;
 };
 
 struct FrameOutput : FrameFields, SolveEffort {
