@@ -87,4 +87,5 @@ def _read_state(message: Message) -> SolverState:
         read_array(message, "suture_multipliers", "f8", (None, 3)),
         read_array(message, "grip_multipliers", "f8", (None,)),
         read_array(message, "activation", "f8", (None,)),
+        read_array(message, "stability", "f8", (None,)),
     )

@@ -199,6 +199,8 @@ class SolverState:
         Multipliers of the grips, shape (G,).
     activation
         Activation of each material's muscle, shape (M,).
+    stability
+        How stable the frame is, which a frame that repeats it repeats, shape (0,), (2,) or (5,).
     """
 
     precision: str
@@ -207,12 +209,12 @@ class SolverState:
     suture_multipliers: NDArray[np.float64]
     grip_multipliers: NDArray[np.float64]
     activation: NDArray[np.float64]
+    stability: NDArray[np.float64] = field(default_factory=lambda: no_entries((0,), np.float64))
 
     @property
     def nbytes(self) -> int:
         """The bytes of its arrays."""
-        arrays = (self.nodes, self.suture_separations, self.suture_multipliers, self.grip_multipliers, self.activation)
-        return sum(array.nbytes for array in arrays)
+        return sum(getattr(self, item.name).nbytes for item in fields(self) if item.name != "precision")
 
     def fitted(self, sutures: int) -> SolverState:
         """Fit the state to a procedure with another number of sutures.

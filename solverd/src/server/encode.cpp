@@ -145,6 +145,7 @@ std::vector<PartBytes> encode_frame(ReplyTo to, const FrameOutput& frame) {
   add_rows(writer, "suture_multipliers", frame.state.suture_multipliers, {3});
   add_rows(writer, "grip_multipliers", frame.state.grip_multipliers, {});
   add_rows(writer, "activation", frame.state.activation, {});
+  add_rows(writer, "stability", frame.state.stability, {});
   return writer.finish();
 }
 

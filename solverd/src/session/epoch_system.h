@@ -26,11 +26,6 @@ struct EpochSystem {
   TwoLevel<Real> preconditioner;
   FrameConstraints<Real> constraints;
   std::vector<EmbeddedPoint> landmarks;
-  // The softest displacement of the frame solved last, 3 per node, from which the search in the next one goes on;
-  // empty: from noise. A frame that leaves a saddle starts from noise, so that a resumed solve leaves it to the same
-  // side.
-  std::vector<Real> softest_mode;
-  bool looks_afresh = false;  // whether that search last looked at noise beside it
 };
 
 extern template struct EpochSystem<float>;

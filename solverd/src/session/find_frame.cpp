@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <utility>
 
@@ -27,18 +28,16 @@ constexpr double kSameEnergy = 1e-6;
 constexpr double kSaddle = -1e-3;
 // Saddles that are left one after the other in a frame.
 constexpr int kMaxSaddles = 6;
-constexpr int kModeSteps = 4, kSurenessSteps = 12;
 
 template <class Real>
 class FrameSearch {
  public:
   FrameSearch(const SessionSettings& settings, EpochSystem<Real>& epoch, const TissueState<Real>& before,
-              const FrameInput& frame, bool repeats, const ProgressCallback& progress, const std::atomic<bool>& cancel)
+              const FrameInput& frame, const ProgressCallback& progress, const std::atomic<bool>& cancel)
       : settings_(settings),
         epoch_(epoch),
         before_(before),
         frame_(frame),
-        repeats_(repeats),
         cancel_(cancel),
         valid_(is_valid_start<Real>(epoch.lattice, before.u)),
         moved_(std::ranges::any_of(before.u, [](Real x) { return x != Real(0); })) {
@@ -169,34 +168,51 @@ class FrameSearch {
 
   // Tissue rests in a minimum of the energy. Moves on from a saddle until none is left or none can be left.
   void leave_saddles() {
-    if (repeats_ && found_.effort.newton_iterations == 0) return;
-    auto& mode = epoch_.softest_mode;
-    find_mode(std::move(mode), kModeSteps);
-    if (found_.lowest_stiffness < kSaddle) find_mode({}, kSurenessSteps);
-    while (found_.lowest_stiffness < kSaddle && found_.saddles_left < kMaxSaddles && leave_saddle())
-      find_mode({}, kSurenessSteps);
+    auto& stability = found_.state.stability;
+    const double constraints = digest(frame_);
+    if (found_.effort.newton_iterations == 0 && stability.is_of(constraints)) return;
+    find_mode({});
+    if (lowest_ < kSaddle) find_mode(LowestModeSearch::thorough());
+    while (lowest_ < kSaddle && found_.effort.saddles_left < kMaxSaddles && leave_saddle())
+      find_mode(LowestModeSearch::thorough());
+    stability = {.constraints = constraints, .lowest_stiffness = lowest_, .softest_point = {}};
+    if (!mode_.empty()) stability.softest_point = softest_point();
   }
 
-  void find_mode(std::vector<Real> before, int max_steps) {
-    LowestModeSearch<Real> search{.before = std::move(before), .max_steps = max_steps};
-    search.looks_afresh = epoch_.looks_afresh = !epoch_.looks_afresh;
+  void find_mode(const LowestModeSearch& search) {
     try {
-      auto found = find_lowest_mode<Real>(epoch_.system, epoch_.preconditioner, found_.state.u, found_.outcome.at,
-                                          std::move(search));
-      found_.lowest_stiffness = found.stiffness;
-      epoch_.softest_mode = std::move(found.shape);
-    } catch (const NotDefiniteError&) {
-      epoch_.softest_mode.clear();
+      auto found =
+          find_lowest_mode<Real>(epoch_.system, epoch_.preconditioner, found_.state.u, found_.outcome.at, search);
+      lowest_ = found.stiffness;
+      mode_ = std::move(found.shape);
+    } catch (const NotDefiniteError&) {  // the coarse level cannot be had: nothing is known
+      lowest_ = std::numeric_limits<double>::quiet_NaN();
+      mode_.clear();
     }
+  }
+
+  // The rest point of the surface that moves most in the mode.
+  Vec3 softest_point() const {
+    const auto& points = epoch_.lattice.surface_points;
+    std::size_t softest = 0;
+    double most = 0.0;
+    for (std::size_t k = 0; k < points.size(); ++k) {
+      const double length = displacement<Real>(epoch_.lattice, points[k], mode_).squaredNorm();
+      if (length > most) {
+        most = length;
+        softest = k;
+      }
+    }
+    return epoch_.surface.points[softest];
   }
 
   // Goes on from the lower side of the saddle; false, and back at it, where that leads to no lower equilibrium.
   bool leave_saddle() {
-    const auto amplitude = way_off_saddle<Real>(epoch_.system, found_.state.u, epoch_.softest_mode,
-                                                found_.state.multipliers, found_.outcome.at, options_.inverts);
+    const auto amplitude = way_off_saddle<Real>(epoch_.system, found_.state.u, mode_, found_.state.multipliers,
+                                                found_.outcome.at, options_.inverts);
     TissueState<Real> saddle = found_.state;
     if (amplitude) {
-      add<Real>(static_cast<Real>(*amplitude), epoch_.softest_mode, found_.state.u);
+      add<Real>(static_cast<Real>(*amplitude), mode_, found_.state.u);
       Evaluation reused = std::move(found_.outcome.at);
       EquilibriumOutcome at_saddle = std::exchange(found_.outcome, {});
       found_.outcome.at = std::move(reused);
@@ -205,7 +221,7 @@ class FrameSearch {
       const EquilibriumOutcome& outcome = found_.outcome;
       if (outcome.converged && outcome.inverted <= at_saddle.inverted &&
           outcome.energy < at_saddle.energy - kSameEnergy * std::abs(at_saddle.energy)) {
-        ++found_.saddles_left;
+        ++found_.effort.saddles_left;
         spdlog::info("frame {:g} leaves a saddle: energy {:.6g} to {:.6g} mN mm", frame_.time, at_saddle.energy,
                      outcome.energy);
         return true;
@@ -243,12 +259,13 @@ class FrameSearch {
   EpochSystem<Real>& epoch_;
   const TissueState<Real>& before_;
   const FrameInput& frame_;
-  const bool repeats_;
   const std::atomic<bool>& cancel_;
   bool valid_, moved_;  // the state before: may be started from, differs from rest
   EquilibriumOptions options_;
   SolveObserver observer_;
   FoundFrame<Real> found_;
+  double lowest_ = std::numeric_limits<double>::quiet_NaN();  // the share of its stiffness that the mode keeps
+  std::vector<Real> mode_;
   // An equilibrium with inverted cells, until one from rest confirms it.
   std::optional<std::pair<EquilibriumOutcome, TissueState<Real>>> doubtful_;
 };
@@ -257,14 +274,14 @@ class FrameSearch {
 
 template <class Real>
 FoundFrame<Real> find_frame(const SessionSettings& settings, EpochSystem<Real>& epoch, const TissueState<Real>& before,
-                            const FrameInput& frame, bool repeats, const ProgressCallback& progress,
+                            const FrameInput& frame, const ProgressCallback& progress,
                             const std::atomic<bool>& cancel) {
-  return FrameSearch<Real>(settings, epoch, before, frame, repeats, progress, cancel).run();
+  return FrameSearch<Real>(settings, epoch, before, frame, progress, cancel).run();
 }
 
 template FoundFrame<float> find_frame(const SessionSettings&, EpochSystem<float>&, const TissueState<float>&,
-                                      const FrameInput&, bool, const ProgressCallback&, const std::atomic<bool>&);
+                                      const FrameInput&, const ProgressCallback&, const std::atomic<bool>&);
 template FoundFrame<double> find_frame(const SessionSettings&, EpochSystem<double>&, const TissueState<double>&,
-                                       const FrameInput&, bool, const ProgressCallback&, const std::atomic<bool>&);
+                                       const FrameInput&, const ProgressCallback&, const std::atomic<bool>&);
 
 }  // namespace lappet

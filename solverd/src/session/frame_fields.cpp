@@ -1,7 +1,5 @@
 #include "session/frame_fields.h"
 
-#include <cmath>
-
 #include "session/surface_fields.h"
 #include "solve/newton/newton_correction.h"
 
@@ -36,24 +34,6 @@ void write_constraints(const EpochSystem<Real>& epoch, const FrameInput& frame, 
 }
 
 template <class Real>
-void write_stability(const EpochSystem<Real>& epoch, const FoundFrame<Real>& found, FrameFields& fields) {
-  fields.lowest_stiffness = found.lowest_stiffness;
-  fields.saddles_left = found.saddles_left;
-  if (epoch.softest_mode.empty() || !std::isfinite(found.lowest_stiffness)) return;
-  std::size_t softest = 0;
-  double most = 0.0;
-  const auto& points = epoch.lattice.surface_points;
-  for (std::size_t k = 0; k < points.size(); ++k) {
-    const double length = displacement<Real>(epoch.lattice, points[k], epoch.softest_mode).squaredNorm();
-    if (length > most) {
-      most = length;
-      softest = k;
-    }
-  }
-  append(fields.softest_point, epoch.surface.points[softest]);
-}
-
-template <class Real>
 void write_correction(EpochSystem<Real>& epoch, const FoundFrame<Real>& found, FrameFields& fields) {
   std::vector<Real> step(found.state.u.size());
   newton_correction<Real>(epoch.system, epoch.preconditioner, found.state.u, found.outcome.at, step);
@@ -77,7 +57,9 @@ FrameFields frame_fields(const SessionSettings& settings, EpochSystem<Real>& epo
   if (kHasStrain && settings.strain)
     write_surface_fields<Real>(epoch.system.elastic_at(found.outcome.at), found.state.u, fields);
   write_constraints(epoch, frame, found.state, fields);
-  write_stability(epoch, found, fields);
+  const FrameStability& stability = found.state.stability;
+  if (found.outcome.converged) fields.lowest_stiffness = stability.lowest_stiffness;
+  if (found.outcome.converged && stability.softest_point) append(fields.softest_point, *stability.softest_point);
   if (kHasErrorEstimate && settings.correction && found.outcome.converged) write_correction(epoch, found, fields);
   return fields;
 }

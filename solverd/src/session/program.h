@@ -139,6 +139,7 @@ struct SolverState {
   std::vector<double> suture_multipliers;  // 3 per suture, mN
   std::vector<double> grip_multipliers;    // opaque
   std::vector<double> activation;          // per material, as the last frame had it
+  std::vector<double> stability;           // opaque
 };
 
 // What a frame says of the tissue: its surface, landmarks and constraints.
@@ -160,7 +161,6 @@ struct FrameFields {
   // it was not looked for. The rest point of the surface that moves most in it, mm; empty: nothing is compressed.
   double lowest_stiffness = std::numeric_limits<double>::quiet_NaN();
   std::vector<double> softest_point;
-  int saddles_left = 0;  // unstable equilibria that the search found on its way and left
 };
 
 // Why a frame was solved from rest although there was a state before it.
@@ -177,6 +177,7 @@ struct SolveEffort {
   int load_steps = 0;             // of the last attempt
   std::int64_t active_cells = 0;  // that were solved for; all others stayed where they were
   double seconds_update = 0.0, seconds_linear = 0.0, seconds_setup = 0.0;
+  int saddles_left = 0;  // unstable equilibria that were found on the way and left
   Restart restart = Restart::kNone;
 };
 

@@ -63,7 +63,6 @@ class TypedSession : public Session::Implementation {
                 std::is_same_v<Real, double>);
     state_ = imported<Real>(state);
     last_frame_.clear();
-    epoch_->softest_mode.clear();
   }
 
   FrameOutput solve(const FrameInput& frame, const ProgressCallback& progress,
@@ -92,8 +91,7 @@ class TypedSession : public Session::Implementation {
   FrameOutput solve_frame(const FrameInput& frame, const ProgressCallback& progress, const std::atomic<bool>& cancel) {
     const auto start = std::chrono::steady_clock::now();
     const Work done = epoch_->system.work();
-    const bool repeats = last_frame_.of(frame) != nullptr;
-    FoundFrame<Real> found = find_frame(settings_, *epoch_, state_, frame, repeats, progress, cancel);
+    FoundFrame<Real> found = find_frame(settings_, *epoch_, state_, frame, progress, cancel);
     const bool converged = found.outcome.converged;
     FrameOutput output;
     output.time = frame.time;

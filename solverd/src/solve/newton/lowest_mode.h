@@ -28,21 +28,20 @@ struct LowestMode {
   int steps = 0;  // applications of the preconditioner
 };
 
-template <class Real>
 struct LowestModeSearch {
-  // The mode of a state nearby, from which the search goes on; empty: from noise.
-  std::vector<Real> before;
-  // Looks once more at noise, for a mode that `before` has no part in, rather than at the gradient.
-  bool looks_afresh = false;
-  // A mode this soft, or one that changes this much in a step, gets further steps until it changes less.
-  double soft = 0.4, tolerance = 0.02;
+  // The search ends where a step changes the share by less than the tolerance, and before that where further steps are
+  // not expected to bring it below `soft`.
+  double soft = 0.2, tolerance = 0.02;
   int max_steps = 4;
+
+  // To the end, for a mode that is to be moved along.
+  static LowestModeSearch thorough() { return {.soft = 1.0, .tolerance = 1e-3, .max_steps = 16}; }
 };
 
-// At the last evaluation `at` of the system, at u. Leaves the system linearized there, clamped, and the preconditioner
-// updated. Throws NotDefiniteError where that cannot be.
+// At the last evaluation `at` of the system, at u. The start is noise, the same one always. Leaves the system
+// linearized there, clamped, and the preconditioner updated. Throws NotDefiniteError where that cannot be.
 template <class Real>
 LowestMode<Real> find_lowest_mode(System<Real>& system, TwoLevel<Real>& preconditioner, std::span<const Real> u,
-                                  const Evaluation& at, LowestModeSearch<Real> search);
+                                  const Evaluation& at, const LowestModeSearch& search);
 
 }  // namespace lappet
