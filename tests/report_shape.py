@@ -25,7 +25,9 @@ FRAME: dict[str, Any] = {
     "largest_penetration_mm": NUMBER,
     "contacts": int,
     "stability": {
-        "lowest_stiffness": (*NUMBER, type(None)), "softest_point": (list, type(None)), "is_sensitive": bool,
+        "lowest_stiffness": (*NUMBER, type(None)),
+        "softest_point": (list, type(None)),
+        "is_sensitive": bool,
         "saddles_left": int,
     },
     "seconds": {"update": NUMBER, "linear": NUMBER, "setup": NUMBER, "total": NUMBER, "wall": NUMBER},

@@ -197,6 +197,9 @@ def _error(program: Program, frame: FrameResult, error: FrameErrorEstimate | Non
         "place": error.place,
         "largest_displacement": error.largest_displacement,
         "is_trusted": error.is_trusted,
+        "other_branch": None
+        if error.other_branch is None
+        else {"distance": error.other_branch.distance, "place": error.other_branch.place},
         "landmarks": _named(landmarks, error.landmarks),
     }
 

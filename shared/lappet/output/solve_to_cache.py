@@ -20,7 +20,7 @@ from lappet.program.compile import DEFAULT, compile_program, frame_times
 from lappet.program.program import Program
 from lappet.program.settings import SolverSettings
 from lappet.solve.fallbacks import fallbacks
-from lappet.solve.sensitive import stability_notes
+from lappet.solve.sensitive import several_notes, stability_notes
 from lappet.solve.solve_frames import FrameResult, SolveObserver, solve_program
 from lappet.solve.store import FrameStore
 from lappet.usd.stage import SUFFIXES, read_procedure, write_procedure
@@ -167,6 +167,7 @@ def solve_procedure(
 
         errors = estimate_errors(program, result.frames, store, connect, solver)
         found += untrusted(program, result.frames, errors)
+        found += several_notes(result.frames, errors.frames)
     return SolveResult(
         procedure,
         program,

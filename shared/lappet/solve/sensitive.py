@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -12,6 +13,9 @@ from lappet.daemon.solved_frame import SolvedFrame
 from lappet.geometry.surface_check import place
 from lappet.solve.frame_span import span_of
 from lappet.solve.solve_frames import FrameResult
+
+if TYPE_CHECKING:
+    from lappet.solve.error_estimate import FrameErrorEstimate
 
 SENSITIVE = 0.05
 """Chosen: an equilibrium is sensitive where compression leaves a displacement less than this share of its stiffness."""
@@ -57,6 +61,41 @@ def stability_notes(frames: Sequence[FrameResult]) -> list[Problem]:
         count = sum(frame.diagnostics.saddles_left for frame in left)
         found.append(problem(ProblemCode.FRAMES_LEFT_SADDLES, span_of([frame.time for frame in left]), count))
     return found
+
+
+def several_notes(frames: Sequence[FrameResult], errors: Sequence[FrameErrorEstimate | None]) -> list[Problem]:
+    """Say which frames are one of several equilibria, as a coarser lattice shows.
+
+    Parameters
+    ----------
+    frames
+        Solved frames.
+    errors
+        Their estimated errors.
+
+    Returns
+    -------
+    list[Problem]
+        A warning that names the frames, and the greatest distance between two equilibria with its place; or nothing.
+    """
+    several = [
+        (frame.constraints.time, error.other_branch)
+        for frame, error in zip(frames, errors, strict=True)
+        if error is not None and error.other_branch is not None
+    ]
+    if not several:
+        return []
+    time, farthest = max(several, key=lambda each: each[1].distance)
+    return [
+        problem(
+            ProblemCode.FRAMES_ONE_OF_SEVERAL,
+            span_of([each for each, _ in several]),
+            f"{farthest.distance:.2g}",
+            place=Place.at(farthest.place),
+            where=f" near {place(np.round(farthest.place, 2))} mm",
+            time=time,
+        )
+    ]
 
 
 def _softest(code: ProblemCode, frames: Sequence[SolvedFrame]) -> Problem:

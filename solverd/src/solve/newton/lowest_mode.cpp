@@ -146,7 +146,7 @@ LowestMode<Real> find_lowest_mode(System<Real>& system, TwoLevel<Real>& precondi
 }
 
 template LowestMode<float> find_lowest_mode(System<float>&, TwoLevel<float>&, std::span<const float>, const Evaluation&,
-                                            LowestModeSearch<float>);
+                                            const LowestModeSearch&);
 template LowestMode<double> find_lowest_mode(System<double>&, TwoLevel<double>&, std::span<const double>,
                                              const Evaluation&, const LowestModeSearch&);
 
