@@ -18,6 +18,7 @@ FRAME: dict[str, Any] = {
     "restart": (str, type(None)),
     "residual": NUMBER,
     "force_scale_mn": NUMBER,
+    "displacement_to_come_mm": NUMBER,
     "largest_gap_mm": NUMBER,
     "minimum_j": NUMBER,
     "inverted_cells": int,

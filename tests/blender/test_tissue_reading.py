@@ -230,7 +230,8 @@ def test_the_meshes_of_a_broken_procedure_are_refused_and_the_scene_stays_as_it_
 def test_a_timeline_that_a_scene_cannot_hold_is_told(scene: bpy.types.Scene) -> None:
     procedure = Procedure(flat_patch(SIZE, 2.0), start_time=0.5, end_time=9.7)
     (note,) = fill_scene(scene, procedure, scene.collection)
-    assert note == "The timeline runs from 0.5 to 9.7; the scene from frame 1 to 9."
+    assert note.code == ProblemCode.SCENE_RANGE
+    assert note.message == "The timeline runs from 0.5 to 9.7; the scene from frame 1 to 9."
 
 
 def test_a_procedure_survives_saving_loading_and_undo(scene: bpy.types.Scene, blend: Path) -> None:

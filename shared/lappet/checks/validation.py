@@ -15,7 +15,7 @@ from lappet.checks.lattice_size import TissueMeasure
 from lappet.checks.material_problems import material_problems, region_problems
 from lappet.checks.mesh_problems import MeshReport, mesh_problems
 from lappet.checks.suspicious_events import suspicious_events
-from lappet.checks.suspicious_tissue import overlapping_regions, separate_parts, size_problems
+from lappet.checks.suspicious_tissue import separate_parts, size_problems
 from lappet.core.problem import Problem, problem
 from lappet.core.problem_code import ProblemCode
 from lappet.procedure import Procedure, Retractor
@@ -70,7 +70,7 @@ def check(procedure: Procedure, memory_budget: float = MEMORY_BUDGET, spacing: f
         measure = TissueMeasure(procedure.tissue.points, triangles)
         problems += [*_lattice(measure, size, memory_budget), *size_problems(procedure.tissue.points)]
     if _is_solid(report):
-        problems += [*separate_parts(procedure.tissue), *overlapping_regions(procedure.tissue)]
+        problems += separate_parts(procedure.tissue)
     for material in procedure.materials:
         problems += material_problems(material, f"{MATERIALS}/{material.name}")
     problems += region_problems(procedure)

@@ -133,6 +133,8 @@ class Diagnostics:
         Residual over force scale.
     force_scale
         Force scale in mN.
+    displacement_to_come
+        Estimate of the largest displacement in mm that a converged frame still lacks of its equilibrium.
     largest_gap
         Largest gap of sutures and grips in mm.
     minimum_j
@@ -168,6 +170,7 @@ class Diagnostics:
     restart: str = ""
     residual: float = 0.0
     force_scale: float = 0.0
+    displacement_to_come: float = 0.0
     largest_gap: float = 0.0
     minimum_j: float = 1.0
     inverted_cells: int = 0
@@ -281,7 +284,7 @@ class SolvedFrame:
     suture_forces
         Their pull in mN, shape (A,), float64.
     correction
-        Newton step left over in mm, shape (n, 3), float32; (0, 3) where it was not asked for.
+        Displacement still to come in mm, shape (n, 3), float32; (0, 3) where it was not asked for.
     landmark_correction
         The same at the landmarks, shape (k, 3), float64.
     softest_point

@@ -157,6 +157,7 @@ def _frame(program: Program, frame: FrameResult, error: FrameErrorEstimate | Non
         "restart": said.restart or None,
         "residual": said.residual,
         "force_scale_mn": said.force_scale,
+        "displacement_to_come_mm": said.displacement_to_come,
         "largest_gap_mm": said.largest_gap,
         "minimum_j": said.minimum_j,
         "inverted_cells": said.inverted_cells,

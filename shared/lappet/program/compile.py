@@ -19,6 +19,7 @@ from lappet.procedure.prim_paths import ROOT
 from lappet.program.anchors import AnchorSearch, PlacedAnchors, TissueLoss
 from lappet.program.bones import over_bone, united_bones
 from lappet.program.crossed_sutures import crossed_sutures
+from lappet.program.ground import on_ground
 from lappet.program.materials import activation, materials_in_use, parameters, region_program
 from lappet.program.program import FrameConstraints, Landmarks, Program
 from lappet.program.settings import SolverSettings
@@ -71,6 +72,7 @@ def compile_program(
     regions = region_program(procedure, materials)
     bones = united_bones(procedure.bones)
     epochs = [replace(epoch, regions=regions, over_bone=over_bone(epoch.surface, bones)) for epoch in epochs]
+    epochs = on_ground(epochs, procedure.tissue)
     times = [time for time in frame_times(procedure) if until is None or time <= until]
     events = TimedEvents.of(procedure)
     loss = TissueLoss(procedure)

@@ -101,6 +101,7 @@ std::vector<PartBytes> encode_frame(ReplyTo to, const FrameOutput& frame) {
       .field("restart", std::string(restart_name(frame.restart)))
       .field("residual", frame.residual)
       .field("force_scale", frame.force_scale)
+      .field("displacement_to_come", frame.displacement_to_come)
       .field("largest_gap", frame.largest_gap)
       .field("minimum_j", frame.minimum_j)
       .field("inverted_cells", std::int64_t{frame.inverted_cells})

@@ -33,7 +33,8 @@ template <class Real>
 class FrameSearch {
  public:
   FrameSearch(const SessionSettings& settings, EpochSystem<Real>& epoch, const TissueState<Real>& before,
-              const FrameInput& frame, const ProgressCallback& progress, const std::atomic<bool>& cancel)
+              const FrameInput& frame, const std::optional<Arrival>& known, const ProgressCallback& progress,
+              const std::atomic<bool>& cancel)
       : settings_(settings),
         epoch_(epoch),
         before_(before),
@@ -45,7 +46,8 @@ class FrameSearch {
     options_.gap_tolerance = settings.gap_tolerance * settings.spacing;
     options_.inverts =
         std::ranges::all_of(settings.materials, [](const auto& m) { return MaterialModels::inverts(m.model); });
-    options_.moves_first = !moved_ && settings.gravity != Vec3::Zero();
+    options_.known = known;
+    options_.keeps_step = kHasErrorEstimate && settings.correction;
     observer_.stop = [this] { return cancel_.load(std::memory_order_relaxed) || out_of_time(); };
     observer_.progress = [this, &progress](int newton, double residual, double gap) {
       if (progress) progress({frame_.time, found_.effort.newton_iterations + newton, residual, gap});
@@ -120,7 +122,9 @@ class FrameSearch {
         settings_.region == "auto" && !epoch_.preconditioner.is_smoother_only() && attempt.load_steps == 1;
     const auto path = epoch_.constraints.path(frame_, attempt.load_steps, found_.state);
     for (int step = 0; step < attempt.load_steps; ++step)
-      if (!take_load_step(path[static_cast<std::size_t>(step)], schedule)) return step;
+      if (options_.accuracy = step + 1 < attempt.load_steps ? Accuracy::kLoadStep : Accuracy::kFrame;
+          !take_load_step(path[static_cast<std::size_t>(step)], schedule))
+        return step;
     return attempt.load_steps;
   }
 
@@ -217,6 +221,7 @@ class FrameSearch {
       EquilibriumOutcome at_saddle = std::exchange(found_.outcome, {});
       found_.outcome.at = std::move(reused);
       options_.neighborhood_first = false;
+      options_.known.reset();
       search_equilibrium(settings_.max_newton);
       const EquilibriumOutcome& outcome = found_.outcome;
       if (outcome.converged && outcome.inverted <= at_saddle.inverted &&
@@ -274,14 +279,16 @@ class FrameSearch {
 
 template <class Real>
 FoundFrame<Real> find_frame(const SessionSettings& settings, EpochSystem<Real>& epoch, const TissueState<Real>& before,
-                            const FrameInput& frame, const ProgressCallback& progress,
-                            const std::atomic<bool>& cancel) {
-  return FrameSearch<Real>(settings, epoch, before, frame, progress, cancel).run();
+                            const FrameInput& frame, const std::optional<Arrival>& known,
+                            const ProgressCallback& progress, const std::atomic<bool>& cancel) {
+  return FrameSearch<Real>(settings, epoch, before, frame, known, progress, cancel).run();
 }
 
 template FoundFrame<float> find_frame(const SessionSettings&, EpochSystem<float>&, const TissueState<float>&,
-                                      const FrameInput&, const ProgressCallback&, const std::atomic<bool>&);
+                                      const FrameInput&, const std::optional<Arrival>&, const ProgressCallback&,
+                                      const std::atomic<bool>&);
 template FoundFrame<double> find_frame(const SessionSettings&, EpochSystem<double>&, const TissueState<double>&,
-                                       const FrameInput&, const ProgressCallback&, const std::atomic<bool>&);
+                                       const FrameInput&, const std::optional<Arrival>&, const ProgressCallback&,
+                                       const std::atomic<bool>&);
 
 }  // namespace lappet

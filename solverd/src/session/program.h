@@ -33,7 +33,7 @@ struct SessionSettings {
   int threads = 0;                          // 0: all
   std::string preconditioner = "twoLevel";  // or "chebyshev": the smoother alone
   std::string region = "auto";  // or "whole": frames are solved everywhere (solve/newton/change_neighborhood.h)
-  bool correction = false;      // frames carry the step that Newton-Raphson would take next
+  bool correction = false;      // frames carry the displacement that is still to come
   bool strain = true;           // frames carry strain, stress and tension on the surface
   bool stability = true;        // saddles of the energy are looked for and left (solve/newton/lowest_mode.h)
   std::int32_t sutures = 0;     // number of sutures in the whole procedure; frames refer to them by index
@@ -81,6 +81,9 @@ struct EpochInput {
   // empty without regions; directions are then taken as they are, in tissue whose skin is upright to z.
   Surface skin;
   std::vector<MaterialRegion> regions;
+  // What faces with the bed label 2 rest on: the underside before any cut. Empty: that of `surface`, its faces with a
+  // bed label.
+  Surface ground;
   bool nodes = false;  // the report gives the lattice's nodes
 };
 
@@ -155,7 +158,7 @@ struct FrameFields {
   std::vector<double> hook_forces;                         // 3 per hook, mN, on the tissue
   std::vector<double> hook_points;                         // 3 per hook: where the anchor is now, mm
   std::vector<double> suture_points;                       // 6 per active suture: both ends, mm
-  std::vector<float> correction;            // 3 per surface vertex, mm: the Newton step left over; empty: not wanted
+  std::vector<float> correction;            // 3 per surface vertex, mm: what is still to come; empty: not wanted
   std::vector<double> landmark_correction;  // 3 per landmark, mm
   // The share of its stiffness that compression leaves the softest displacement (solve/newton/lowest_mode.h); NaN where
   // it was not looked for. The rest point of the surface that moves most in it, mm; empty: nothing is compressed.
@@ -184,10 +187,11 @@ struct SolveEffort {
 struct FrameOutput : FrameFields, SolveEffort {
   double time = 0.0;
   bool converged = false;
-  Failure failure;           // none when converged
-  double residual = 0.0;     // relative to the force scale
-  double force_scale = 0.0;  // mN
-  double largest_gap = 0.0;  // mm, over sutures and grips
+  Failure failure;                    // none when converged
+  double residual = 0.0;              // relative to the force scale
+  double force_scale = 0.0;           // mN
+  double displacement_to_come = 0.0;  // estimate of its largest, mm; of a converged frame
+  double largest_gap = 0.0;           // mm, over sutures and grips
   double minimum_j = 0.0;
   std::int32_t inverted_cells = 0;
   double energy = 0.0;               // mN mm

@@ -122,7 +122,8 @@ EquilibriumOutcome solve_change_neighborhood(const System<Real>& system, const C
   EquilibriumOptions own = options;
   own.tolerance *= kShareOfTolerance;
   own.max_newton = std::min(own.max_newton, kMaxNewton);
-  own.neighborhood_first = own.moves_first = false;
+  own.neighborhood_first = own.keeps_step = false;
+  own.known.reset();
   EquilibriumOutcome outcome =
       find_equilibrium<Real>(*subdomain.system, preconditioner, subdomain.u, subdomain.multipliers, own, observer);
   outcome.active_cells = static_cast<std::int64_t>(subdomain.cells.size());

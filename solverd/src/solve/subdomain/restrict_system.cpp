@@ -52,6 +52,7 @@ Attachments System<Real>::restricted_attachments(const Place& place,
   };
   take(attachments_.face_constraints, restricted.face_constraints);
   take(attachments_.resting, restricted.resting);
+  restricted.ground = attachments_.ground;
   return restricted;
 }
 

@@ -53,6 +53,7 @@ System<Real>::System(const Lattice& lattice, CellMaterials materials, int quadra
     }
   }
   find_fragments();
+  clusters_ = ResidualClusters(lattice, elastic_.materials(), fragment_of_node_);
   rebuild_constraints();
 }
 
@@ -332,7 +333,8 @@ template <class Real>
 std::size_t System<Real>::bytes() const {
   return elastic_.bytes() + attachments_.face_constraints.size() * sizeof(FaceConstraint) +
          3 * free_.size() * 8 * (has_held_faces_ ? 2 : 1) + node_scale_.size() * 8 + gravity_force_.size() * 8 +
-         free_.size() + (contact_ ? contact_->bytes() : 0);
+         free_.size() + clusters_.bytes() + (contact_ ? contact_->bytes() : 0) +
+         (attachments_.ground ? attachments_.ground->bytes() : 0);
 }
 
 template class System<float>;

@@ -11,6 +11,7 @@
 #include "math/features.h"
 #include "solve/system/evaluation.h"
 #include "solve/system/multipliers.h"
+#include "solve/system/residual_clusters.h"
 #include "solve/system/work.h"
 
 namespace lappet {
@@ -56,6 +57,8 @@ class System {
   bool is_free(std::size_t node) const { return free_[node]; }
   std::size_t nodes() const { return free_.size(); }
   std::size_t free_nodes() const { return free_count_; }
+  // Per node: its fragment, named by its lowest node; empty where all nodes hang together.
+  std::span<const std::int32_t> fragment_of_node() const { return fragment_of_node_; }
   std::size_t floating_cells() const { return floating_cells_.size(); }
   // What is left to move the prescribed nodes to where they belong; true if any.
   bool prescribed_increment(std::span<const Real> u, std::span<Real> increment) const;
@@ -137,6 +140,7 @@ class System {
   std::vector<std::int32_t> prescribed_nodes_;
   bool has_held_faces_ = false, has_sutures_ = false;
   std::vector<double> node_scale_;  // to write in
+  ResidualClusters clusters_;
   std::uint64_t revision_ = 0, evaluations_ = 0;
   mutable Work work_;
 };
