@@ -174,7 +174,7 @@ class FrameSearch {
   void leave_saddles() {
     auto& stability = found_.state.stability;
     const double constraints = digest(frame_);
-    if (found_.effort.newton_iterations == 0 && stability.is_of(constraints)) return;
+    if (stability.is_of(constraints) && std::ranges::equal(found_.state.u, before_.u)) return;
     find_mode({});
     if (lowest_ < kSaddle) find_mode(LowestModeSearch::thorough());
     while (lowest_ < kSaddle && found_.effort.saddles_left < kMaxSaddles && leave_saddle())
