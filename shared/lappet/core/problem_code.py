@@ -162,6 +162,8 @@ class ProblemCode(StrEnum):
     TISSUE_LARGE = auto()
     TISSUE_SMALL = auto()
     ERROR_LARGE = auto()
+    FRAMES_UNSTABLE = auto()
+    FRAMES_ONE_OF_SEVERAL = auto()
 
     # texts/notes.toml
     STAGE_CONVERTED = auto()
@@ -175,6 +177,8 @@ class ProblemCode(StrEnum):
     DAEMON_RESTARTED = auto()
     BACKGROUND_RESTARTED = auto()
     FRAMES_FROM_REST = auto()
+    FRAMES_SENSITIVE = auto()
+    FRAMES_LEFT_SADDLES = auto()
     LATTICE_DROPPED = auto()
     LATTICE_VOLUME = auto()
     NEIGHBORHOOD_OFF = auto()

@@ -284,6 +284,7 @@ SolverState decode_state(const Header& header, ArrayParts parts, std::int32_t su
   state.suture_gaps = arrays.read<double>("suture_separations", {sutures, 3});  // NaN: not placed yet
   state.suture_multipliers = arrays.read_finite("suture_multipliers", {sutures, 3});
   state.grip_multipliers = arrays.read_finite("grip_multipliers", {kAny});
+  state.stability = arrays.read_finite("stability", {kAny});
   state.activation = arrays.read_finite("activation", {materials});
   arrays.finish();
   return state;

@@ -257,6 +257,8 @@ void check_state(const SolverState& state, std::size_t node_values, std::size_t 
           state.nodes.size() / 3, node_values / 3);
   require(state.suture_gaps.size() == suture_values && state.suture_multipliers.size() == suture_values,
           "the state has {} sutures but the session has {}", state.suture_gaps.size() / 3, suture_values / 3);
+  require(state.stability.empty() || state.stability.size() == 2 || state.stability.size() == 5,
+          "the state's stability has {} values; give none, 2 or 5", state.stability.size());
   require(state.grip_multipliers.empty() || state.grip_multipliers.size() == node_values,
           "the state's grip multipliers have {} values; give none or {}", state.grip_multipliers.size(), node_values);
   for (const double value : state.nodes) require(std::isfinite(value), "the state holds a number that is not finite");
