@@ -128,6 +128,7 @@ class ProblemCode(StrEnum):
     EVENT_NO_POINT = auto()
     EVENT_POINT_NOT_FINITE = auto()
     EVENT_OFF_TISSUE = auto()
+    EVENT_ANCHOR_MOVED = auto()
     CURVE_OFF_TISSUE = auto()
     UNDERMINE_NOTHING = auto()
     TARGET_NOT_FINITE = auto()
@@ -267,6 +268,7 @@ class ProblemCode(StrEnum):
     # texts/program.toml
     INTERNAL = auto()
     PROGRAM_POINT_OFF_TISSUE = auto()
+    PROGRAM_ANCHOR_MOVED = auto()
     PROGRAM_ANCHOR_EXCISED = auto()
     PROGRAM_HOOK_EXCISED = auto()
     PROGRAM_ANCHORS_FALL_TOGETHER = auto()
