@@ -156,7 +156,7 @@ class FakeWorker:
         target = next(e for e in procedure.events if isinstance(e, Hook)).targets[0][1]
         while True:
             target = self.targets[-1] if self.targets else target
-            yield LiveFrame(job, time, target, SolvedFrame(float(time), rest + np.float32(target)), True, 0.05)
+            yield LiveFrame(job, time, target, SolvedFrame(float(time), rest + np.float32(target)), None, 0.05)
 
 
 def make_plan(procedure: Procedure, settings: SolverSettings, points: int = 4) -> Plan:
@@ -176,7 +176,7 @@ def solved(plan: Plan, index: int, events: int) -> SolvedFrame:
     """The frame that the fake solver finds."""
     rest = plan.epochs[plan.frames[index].epoch].rest
     said = Diagnostics(converged=True, newton=2, seconds=StageSeconds(total=0.6))
-    lattice = LatticeCounts(64_000, 1000, 1000, 0, 1331, 1, 125, 0, 1e6, 0.1)
+    lattice = LatticeCounts(64_000, 1000, 1000, 0, 1331, 1, 125, 0, 0, 1e6, 0.1)
     points = rest + np.float32((0.0, 0.0, index + events))
     return SolvedFrame(float(plan.frames[index].time), points, diagnostics=said, lattice=lattice)
 

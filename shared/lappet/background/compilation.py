@@ -135,7 +135,7 @@ class Compilation:
             settings,
         )
         step()
-        plan = make_plan(key, program, frame_keys(program, self.identity), shapes, [str(each) for each in problems])
+        plan = make_plan(key, program, frame_keys(program, self.identity), shapes, problems)
         put_plan(self._store, plan)
         return Compiled(plan, program)
 

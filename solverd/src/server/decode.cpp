@@ -255,6 +255,8 @@ EpochInput decode_epoch(const Header& header, ArrayParts parts, std::int32_t ret
     for (std::size_t i = 0; i < stretch.size(); i += 2)
       epoch.skin_fields.stretch.push_back({stretch[i], stretch[i + 1]});
   }
+  if (arrays.has("ground_points") || arrays.has("ground_triangles"))
+    epoch.ground = decode_surface(arrays, "ground_points", "ground_triangles", "ground points");
   if (reader.has("regions")) decode_regions(reader, arrays, materials, epoch);
   if (reader.has("rest_nodes")) epoch.nodes = integer_field(reader, "rest_nodes", 0, 1) == 1;
   reader.finish();
@@ -291,6 +293,7 @@ SolverState decode_state(const Header& header, ArrayParts parts, std::int32_t su
   state.suture_gaps = arrays.read<double>("suture_separations", {sutures, 3});  // NaN: not placed yet
   state.suture_multipliers = arrays.read_finite("suture_multipliers", {sutures, 3});
   state.grip_multipliers = arrays.read_finite("grip_multipliers", {kAny});
+  state.stability = arrays.read_finite("stability", {kAny});
   state.activation = arrays.read_finite("activation", {materials});
   arrays.finish();
   return state;
