@@ -25,6 +25,12 @@ FRAME: dict[str, Any] = {
     "energy_mn_mm": NUMBER,
     "largest_penetration_mm": NUMBER,
     "contacts": int,
+    "stability": {
+        "lowest_stiffness": (*NUMBER, type(None)),
+        "softest_point": (list, type(None)),
+        "is_sensitive": bool,
+        "saddles_left": int,
+    },
     "seconds": {"update": NUMBER, "linear": NUMBER, "setup": NUMBER, "total": NUMBER, "wall": NUMBER},
     "suture_gaps_mm": dict,
     "suture_forces_mn": dict,

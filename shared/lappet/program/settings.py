@@ -142,6 +142,8 @@ class SolverSettings:
         Whether frames carry the Newton step left over, from which the algebraic error is estimated.
     strain
         Whether frames carry strain, stress and tension.
+    stability
+        Whether unstable equilibria are looked for and left.
     region
         Where a frame is solved: "auto" where its changes reach, "whole" everywhere.
     origin
@@ -175,6 +177,7 @@ class SolverSettings:
     preconditioner: Literal["twoLevel", "chebyshev"] = setting("twoLevel")
     correction: bool = setting(False, in_key=False)
     strain: bool = setting(True, option=Option("Compute strain, stress and tension on the surface."))
+    stability: bool = setting(True, option=Option("Look for unstable equilibria, and leave them for stable ones."))
     region: Literal["auto", "whole"] = setting(
         "auto",
         option=Option(

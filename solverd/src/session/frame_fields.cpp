@@ -56,6 +56,9 @@ FrameFields frame_fields(const SessionSettings& settings, EpochSystem<Real>& epo
   if (kHasStrain && settings.strain)
     write_surface_fields<Real>(epoch.system.elastic_at(found.outcome.at), found.state.u, fields);
   write_constraints(epoch, frame, found.state, fields);
+  const FrameStability& stability = found.state.stability;
+  if (found.outcome.converged) fields.lowest_stiffness = stability.lowest_stiffness;
+  if (found.outcome.converged && stability.softest_point) append(fields.softest_point, *stability.softest_point);
   if (!found.outcome.step.empty() && found.outcome.converged) write_correction(epoch, found, fields);
   return fields;
 }

@@ -6,6 +6,7 @@
 #include <atomic>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -35,6 +36,7 @@ struct SessionSettings {
   std::string region = "auto";  // or "whole": frames are solved everywhere (solve/newton/change_neighborhood.h)
   bool correction = false;      // frames carry the displacement that is still to come
   bool strain = true;           // frames carry strain, stress and tension on the surface
+  bool stability = true;        // saddles of the energy are looked for and left (solve/newton/lowest_mode.h)
   std::int32_t sutures = 0;     // number of sutures in the whole procedure; frames refer to them by index
   std::int32_t retractors = 0;  // likewise
   // materials[0] is what the tissue is made of where no region says otherwise.
@@ -66,6 +68,7 @@ void visit_settings(SessionSettings& settings, Visitor&& visit) {
   visit.optional("preconditioner", settings.preconditioner);
   visit.optional("correction", settings.correction);
   visit.optional("strain", settings.strain);
+  visit.optional("stability", settings.stability);
 }
 
 struct EpochInput {
@@ -79,6 +82,7 @@ struct EpochInput {
   // The outer skin before any cut: regions measure their depth from it, fibers and prestretch run along it. May be
   // empty without regions; directions are then taken as they are, in tissue whose skin is upright to z.
   Surface skin;
+  SkinFields skin_fields;
   std::vector<MaterialRegion> regions;
   // What faces with the bed label 2 rest on: the underside before any cut. Empty: that of `surface`, its faces with a
   // bed label.
@@ -141,6 +145,7 @@ struct SolverState {
   std::vector<double> suture_multipliers;  // 3 per suture, mN
   std::vector<double> grip_multipliers;    // opaque
   std::vector<double> activation;          // per material, as the last frame had it
+  std::vector<double> stability;           // opaque
 };
 
 // What a frame says of the tissue: its surface, landmarks and constraints.
@@ -158,6 +163,10 @@ struct FrameFields {
   std::vector<double> suture_points;                       // 6 per active suture: both ends, mm
   std::vector<float> correction;            // 3 per surface vertex, mm: what is still to come; empty: not wanted
   std::vector<double> landmark_correction;  // 3 per landmark, mm
+  // The share of its stiffness that compression leaves the softest displacement (solve/newton/lowest_mode.h); NaN where
+  // it was not looked for. The rest point of the surface that moves most in it, mm; empty: nothing is compressed.
+  double lowest_stiffness = std::numeric_limits<double>::quiet_NaN();
+  std::vector<double> softest_point;
 };
 
 // Why a frame was solved from rest although there was a state before it.
@@ -174,6 +183,7 @@ struct SolveEffort {
   int load_steps = 0;             // of the last attempt
   std::int64_t active_cells = 0;  // that were solved for; all others stayed where they were
   double seconds_update = 0.0, seconds_linear = 0.0, seconds_setup = 0.0;
+  int saddles_left = 0;  // unstable equilibria that were found on the way and left
   Restart restart = Restart::kNone;
 };
 

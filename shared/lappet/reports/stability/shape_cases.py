@@ -81,8 +81,7 @@ def _thin() -> Iterator[Case]:
         "sheet a hundredth of a cell thick",
         "thin",
         lambda: stretched(1.3, size=(16.0, 16.0, 0.02), spacing=2.0),
-        converges=False,
-        refuses=(ProblemCode.SOLVER_INVALID_INPUT,),
+        demands=ProblemCode.SOLVER_INVALID_INPUT,
     )
     ring = tuple((5.0 * np.cos(a), 5.0 * np.sin(a), 2.0) for a in np.linspace(0.1, 2 * np.pi - 0.1, 24))
     yield Case("island that a single cell holds, lifted", "thin", lambda: island(ring, 20.0))
@@ -263,8 +262,7 @@ def _spacing() -> Iterator[Case]:
         "spacing ten times the tissue",
         "spacing",
         lambda: stretched(1.3, size=(10.0, 10.0, 10.0), spacing=100.0),
-        converges=False,
-        refuses=(ProblemCode.SOLVER_INVALID_INPUT,),
+        demands=ProblemCode.SOLVER_INVALID_INPUT,
     )
     for cells, budget in ((46, 120.0), (100, 600.0)):
         yield Case(
@@ -278,8 +276,7 @@ def _spacing() -> Iterator[Case]:
         "spacing of a micrometre for 10 mm",
         "spacing",
         lambda: stretched(1.3, size=(10.0, 10.0, 10.0), spacing=1e-3),
-        converges=False,
-        refuses=(ProblemCode.SOLVER_MEMORY_BUDGET,),
+        demands=ProblemCode.SOLVER_MEMORY_BUDGET,
     )
     yield Case(
         "slab of 1 x 64 x 64 cells, sheared by its thickness",

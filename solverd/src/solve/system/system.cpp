@@ -45,7 +45,7 @@ System<Real>::System(const Lattice& lattice, CellMaterials materials, int quadra
     gravity_force_.assign(3 * lattice.node_rest.size(), 0.0);
     const double h = lattice.settings.spacing;
     for (std::size_t c = 0; c < lattice.cell_nodes.size(); ++c) {
-      const Vec3 share = gravity * (elastic_.materials().of(c).density * 1e-6 * h * h * h *
+      const Vec3 share = gravity * (elastic_.materials().density(c) * 1e-6 * h * h * h *
                                     static_cast<double>(lattice.cell_fill[c]) / 8.0);
       for (const std::int32_t n : lattice.cell_nodes[c])
         for (int i = 0; i < 3; ++i)
