@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TypeVar
 
 from lappet.background.solver import BackgroundSolver
-from lappet.background.worker_events import Finished, FrameReady, Note, Planned, WorkerEvent
+from lappet.background.worker_events import Finished, FrameReady, Note, Scheduled, WorkerEvent
 from lappet.program.settings import SolverSettings
 
 Kind = TypeVar("Kind")
@@ -57,10 +57,10 @@ class Owner:
         assert times == sorted(set(times))
         return {frame.time: frame for frame in found}
 
-    def plan(self, job: int) -> Planned:
-        """What a job was planned to be; told once."""
-        (planned,) = self.of(Planned, job)
-        return planned
+    def schedule(self, job: int) -> Scheduled:
+        """What a job was scheduled to be; told once."""
+        (scheduled,) = self.of(Scheduled, job)
+        return scheduled
 
     def notes(self, job: int) -> list[str]:
         """The sentences of a job."""

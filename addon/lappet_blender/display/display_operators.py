@@ -85,7 +85,7 @@ class LAPPET_OT_variant_new(OperatorBase, bpy.types.Operator):
 class LAPPET_OT_set_stage(OperatorBase, bpy.types.Operator):
     """Set up camera, lights, paper and render settings for a textbook picture"""
 
-    bl_label = "Set Stage"
+    bl_label = "Add Camera and Lights"
 
     view: EnumProperty(
         name="View",
@@ -109,9 +109,9 @@ class LAPPET_OT_set_stage(OperatorBase, bpy.types.Operator):
 
 
 class LAPPET_OT_clear_stage(OperatorBase, bpy.types.Operator):
-    """Remove the camera, lights and paper that Set Stage made"""
+    """Remove the camera, lights and paper that were added for a picture"""
 
-    bl_label = "Clear Stage"
+    bl_label = "Remove Camera and Lights"
 
     def run(self, context: bpy.types.Context) -> None:
         if not clear_stage(context.scene):

@@ -1,4 +1,4 @@
-"""Operators that solve, plan and cancel, and those about solved frames."""
+"""Operators that solve, schedule and cancel, and those about solved frames."""
 
 import bpy
 from bpy.props import BoolProperty, IntProperty
@@ -10,8 +10,8 @@ from ..interface.operator_base import NO_UNDO, OperatorBase
 from .frames import failure_of, problems_of, progress_of
 from .scene_watch import reading
 from .select_problem import select_problem
-from .solve_jobs import cancel_solve, clear_frames, reload_frames, start_plan, start_solve
-from .wait_for_solve import wait_for_plan, wait_for_solve
+from .solve_jobs import cancel_solve, clear_frames, reload_frames, start_schedule, start_solve
+from .wait_for_solve import wait_for_schedule, wait_for_solve
 
 
 class LAPPET_OT_solve(OperatorBase, bpy.types.Operator):
@@ -60,16 +60,16 @@ class LAPPET_OT_solve_cancel(OperatorBase, bpy.types.Operator):
 class LAPPET_OT_plan_now(OperatorBase, bpy.types.Operator):
     """Cut the tissue at rest and find out which frames are solved; nothing is solved"""
 
-    bl_label = "Plan Now"
+    bl_label = "Prepare Cuts"
     bl_options = NO_UNDO
 
-    wait: BoolProperty(name="Wait", description="Return when the plan is ready", default=True, options={"SKIP_SAVE"})
+    wait: BoolProperty(name="Wait", description="Return when it is done", default=True, options={"SKIP_SAVE"})
 
     def run(self, context: bpy.types.Context) -> None:
         with reading():
-            start_plan(context.scene)
+            start_schedule(context.scene)
         if self.wait:
-            wait_for_plan(context.scene)
+            wait_for_schedule(context.scene)
 
 
 class LAPPET_OT_clear_frames(OperatorBase, bpy.types.Operator):

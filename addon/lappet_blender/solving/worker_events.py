@@ -1,4 +1,4 @@
-"""Take in what the worker tells: plans, frames, refusals, ends of jobs."""
+"""Take in what the worker tells: schedules, frames, refusals, ends of jobs."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ from lappet.background.worker_events import (
     IterationDone,
     LiveFrame,
     Note,
-    Planned,
     Refused,
+    Scheduled,
     WorkerEvent,
 )
 from lappet.daemon.solved_frame import SolvedFrame
 
-from .controller import Controller, Failure, Job, frame_at, frame_cache, plans
-from .reconcile import activate_plan, request_plan, stop_obsolete
+from .controller import Controller, Failure, Job, frame_at, frame_cache, schedules
+from .reconcile import activate_schedule, request_schedule, stop_obsolete
 from .speed_estimate import speed_estimate
 
 
@@ -41,10 +41,10 @@ def _apply(controller: Controller, event: WorkerEvent) -> None:
     if job is None:
         return  # of a job that nobody waits for any more; its frames are in the store
     match event:
-        case Planned():
-            _planned(controller, job, event)
+        case Scheduled():
+            _scheduled(controller, job, event)
         case Refused():
-            plans.refuse(job.key, event.problems)
+            schedules.refuse(job.key, event.problems)
             if job.key == controller.key:
                 controller.refused = event.problems
             controller.notify()
@@ -62,22 +62,22 @@ def _apply(controller: Controller, event: WorkerEvent) -> None:
             _finished(controller, job, event)
 
 
-def _planned(controller: Controller, job: Job, planned: Planned) -> None:
-    plan = plans.keep(planned.plan, job.key)
-    job.plan = plan
-    job.total = sum(1 for frame in plan.frames if job.until is None or frame.time <= job.until)
-    controller.known.update(frame.key for frame, there in zip(plan.frames, planned.known, strict=True) if there)
+def _scheduled(controller: Controller, job: Job, scheduled: Scheduled) -> None:
+    schedule = schedules.keep(scheduled.schedule, job.key)
+    job.schedule = schedule
+    job.total = sum(1 for frame in schedule.frames if job.until is None or frame.time <= job.until)
+    controller.known.update(frame.key for frame, there in zip(schedule.frames, scheduled.known, strict=True) if there)
     if job.key == controller.key:
-        controller.plan = plan
+        controller.schedule = schedule
         controller.refused = ()
-        activate_plan(controller)
+        activate_schedule(controller)
     controller.notify()
 
 
 def _ready(controller: Controller, job: Job, ready: FrameReady) -> None:
     job.done += 1
     controller.known.add(ready.key)
-    plans.failures.pop(ready.key, None)
+    schedules.failures.pop(ready.key, None)
     now = time.monotonic()
     if not ready.looked_up:
         job.solved += 1
@@ -98,9 +98,9 @@ def _learn(controller: Controller, frame: SolvedFrame) -> None:
 
 
 def _failed(controller: Controller, job: Job, failed: FrameFailed) -> None:
-    frame = None if job.plan is None else frame_at(job.plan, failed.time)
+    frame = None if job.schedule is None else frame_at(job.schedule, failed.time)
     if frame is not None:
-        plans.failures[frame.key] = failed.problem
+        schedules.failures[frame.key] = failed.problem
     if job.key == controller.key or frame is None:
         controller.failure = Failure(failed.time, failed.problem)
     controller.notify()
@@ -114,15 +114,15 @@ def _live(controller: Controller, frame: LiveFrame) -> None:
 
 
 def _finished(controller: Controller, job: Job, finished: Finished) -> None:
-    if controller.planning is job:
-        controller.planning = None
+    if controller.scheduling is job:
+        controller.scheduling = None
     if controller.job is job:
         controller.job = None
         if job.kind == "live":
             controller.live = None
         else:
             speed_estimate().keep()
-        if job.kind == "solve" and job.plan is not None:
-            controller.recheck_frames(job.plan)
-    request_plan(controller)  # a solve takes the place of a plan that was being made
+        if job.kind == "solve" and job.schedule is not None:
+            controller.recheck_frames(job.schedule)
+    request_schedule(controller)  # a solve takes the place of a schedule that was being made
     controller.notify()

@@ -8,10 +8,10 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Generic, TypeVar
 
-from lappet.background.make_plan import epoch_shapes, make_plan
-from lappet.background.plan import EpochShape, Plan
-from lappet.background.plan_key import plan_key
-from lappet.background.plan_store import get_plan, put_plan
+from lappet.background.make_schedule import epoch_shapes, make_schedule
+from lappet.background.schedule import EpochShape, Schedule
+from lappet.background.schedule_key import schedule_key
+from lappet.background.schedule_store import get_schedule, put_schedule
 from lappet.checks.validation import check
 from lappet.core.digest import digest
 from lappet.core.problem import RefusedError
@@ -35,18 +35,18 @@ class Compiled:
 
     Parameters
     ----------
-    plan
-        Its plan.
+    schedule
+        Its schedule.
     program
         What the daemon is told.
     """
 
-    plan: Plan
+    schedule: Schedule
     program: Program
 
 
 class Compilation:
-    """The plans and programs by their key; one thread at a time compiles, others wait for it.
+    """The schedules and programs by their key; one thread at a time compiles, others wait for it.
 
     `epochs_built` counts how often epochs were built.
 
@@ -55,7 +55,7 @@ class Compilation:
     identity
         What identifies the solver, for the keys.
     store
-        Where plans are kept.
+        Where schedules are kept.
     """
 
     def __init__(self, identity: str, store: FrameStore) -> None:
@@ -66,8 +66,8 @@ class Compilation:
         self._epochs: _Last[tuple[tuple[Epoch, ...], tuple[EpochShape, ...]]] = _Last(_KEPT)
         self._lock = threading.Lock()
 
-    def plan(self, procedure: Procedure, settings: SolverSettings, step: Callable[[], None]) -> Plan:
-        """Find the plan of a procedure: remembered, from the store, or compiled.
+    def schedule(self, procedure: Procedure, settings: SolverSettings, step: Callable[[], None]) -> Schedule:
+        """Find the schedule of a procedure: remembered, from the store, or compiled.
 
         Parameters
         ----------
@@ -80,18 +80,18 @@ class Compilation:
 
         Returns
         -------
-        Plan
-            The plan.
+        Schedule
+            The schedule.
         """
-        key = plan_key(procedure, settings, self.identity)
+        key = schedule_key(procedure, settings, self.identity)
         known = self._compiled.get(key)
         if known is not None:
-            return known.plan
-        found = get_plan(self._store, key)
-        return found if found is not None else self.compiled(procedure, settings, step).plan
+            return known.schedule
+        found = get_schedule(self._store, key)
+        return found if found is not None else self.compiled(procedure, settings, step).schedule
 
     def compiled(self, procedure: Procedure, settings: SolverSettings, step: Callable[[], None]) -> Compiled:
-        """Find the plan and the program of a procedure.
+        """Find the schedule and the program of a procedure.
 
         Parameters
         ----------
@@ -112,7 +112,7 @@ class Compilation:
         RefusedError
             If the procedure cannot be solved; holds every problem.
         """
-        key = plan_key(procedure, settings, self.identity)
+        key = schedule_key(procedure, settings, self.identity)
         with self._lock:
             known = self._compiled.get(key)
             if known is None:
@@ -135,9 +135,11 @@ class Compilation:
             settings,
         )
         step()
-        plan = make_plan(key, program, frame_keys(program, self.identity), shapes, [str(each) for each in problems])
-        put_plan(self._store, plan)
-        return Compiled(plan, program)
+        schedule = make_schedule(
+            key, program, frame_keys(program, self.identity), shapes, [str(each) for each in problems]
+        )
+        put_schedule(self._store, schedule)
+        return Compiled(schedule, program)
 
     def _cut(self, procedure: Procedure, step: Callable[[], None]) -> tuple[tuple[Epoch, ...], tuple[EpochShape, ...]]:
         """The epochs of a procedure and what is shown of them: known again by the mesh, the cuts and the spacing."""

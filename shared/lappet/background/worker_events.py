@@ -1,30 +1,30 @@
-"""What the worker tells its owner: the plan of a procedure, its frames as they come, and how it ended."""
+"""What the worker tells its owner: the schedule of a procedure, its frames as they come, and how it ended."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
-from lappet.background.plan import Plan
+from lappet.background.schedule import Schedule
 from lappet.core.problem import Problem
 from lappet.daemon.solved_frame import SolvedFrame
 
 
 @dataclass(frozen=True, eq=False)
-class Planned:
+class Scheduled:
     """The procedure of a job is compiled.
 
     Parameters
     ----------
     job
         Number of the job.
-    plan
-        The plan.
+    schedule
+        The schedule.
     known
         For each frame, whether the store holds it.
     """
 
     job: int
-    plan: Plan
+    schedule: Schedule
     known: tuple[bool, ...]
 
 
@@ -179,4 +179,4 @@ class LiveFrame:
     seconds: float
 
 
-WorkerEvent = Planned | Refused | IterationDone | FrameReady | FrameFailed | Finished | Note | LiveFrame
+WorkerEvent = Scheduled | Refused | IterationDone | FrameReady | FrameFailed | Finished | Note | LiveFrame

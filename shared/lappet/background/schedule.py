@@ -1,4 +1,4 @@
-"""The plan of a procedure: which frames it has, what their surfaces look like and under which keys they lie."""
+"""The schedule of a procedure: which frames it has, what their surfaces look like and under which keys they lie."""
 
 from __future__ import annotations
 
@@ -43,21 +43,21 @@ class EpochShape:
 
 
 @dataclass(frozen=True)
-class PlannedFrame:
-    """A frame of a plan.
+class ScheduledFrame:
+    """A frame of a schedule.
 
     Parameters
     ----------
     time
         Time code.
     epoch
-        Index of its epoch in `Plan.epochs`.
+        Index of its epoch in `Schedule.epochs`.
     key
         Its key in the store.
     hooks
-        Indices in `Plan.hooks` of those that pull, in the order of the frame's hook arrays.
+        Indices in `Schedule.hooks` of those that pull, in the order of the frame's hook arrays.
     sutures
-        Indices in `Plan.sutures` of those placed by now, in the order of the frame's suture arrays.
+        Indices in `Schedule.sutures` of those placed by now, in the order of the frame's suture arrays.
     """
 
     time: int
@@ -68,13 +68,13 @@ class PlannedFrame:
 
 
 @dataclass(frozen=True, eq=False)
-class Plan:
+class Schedule:
     """A compiled procedure without what only the solver needs: which frames there are and under which keys they lie.
 
     Parameters
     ----------
     key
-        Key of the procedure and the settings (`plan_key`).
+        Key of the procedure and the settings (`schedule_key`).
     epochs
         Surfaces of the epochs.
     frames
@@ -93,7 +93,7 @@ class Plan:
 
     key: str
     epochs: tuple[EpochShape, ...]
-    frames: tuple[PlannedFrame, ...]
+    frames: tuple[ScheduledFrame, ...]
     hooks: tuple[str, ...] = ()
     sutures: tuple[str, ...] = ()
     landmarks: tuple[str, ...] = ()

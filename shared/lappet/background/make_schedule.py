@@ -1,4 +1,4 @@
-"""Make the plan of a program: what an owner needs of it to show its frames."""
+"""Make the schedule of a program: what an owner needs of it to show its frames."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from lappet.background.plan import EpochShape, Plan, PlannedFrame
+from lappet.background.schedule import EpochShape, Schedule, ScheduledFrame
 from lappet.background.skin_shape import depth_below_skin, uv_scale
 from lappet.background.tissue_face import TissueFaces
 from lappet.core.digest import digest
@@ -18,15 +18,15 @@ from lappet.procedure import Tissue
 from lappet.program.program import Program
 
 
-def make_plan(
+def make_schedule(
     key: str, program: Program, frames: Sequence[str], shapes: Sequence[EpochShape], notes: Sequence[str] = ()
-) -> Plan:
-    """Make the plan of a program.
+) -> Schedule:
+    """Make the schedule of a program.
 
     Parameters
     ----------
     key
-        Key of the plan.
+        Key of the schedule.
     program
         The program.
     frames
@@ -38,15 +38,15 @@ def make_plan(
 
     Returns
     -------
-    Plan
-        The plan.
+    Schedule
+        The schedule.
     """
     position = {epoch.index: i for i, epoch in enumerate(program.epochs)}
-    return Plan(
+    return Schedule(
         key=key,
         epochs=tuple(shapes),
         frames=tuple(
-            PlannedFrame(
+            ScheduledFrame(
                 round(frame.time),
                 position[frame.epoch],
                 frames[i],
