@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TypeVar
 
 from lappet.background.solver import BackgroundSolver
-from lappet.background.worker_events import Finished, FrameReady, Note, Scheduled, WorkerEvent
+from lappet.background.worker_events import Finished, FrameReady, Listed, Note, WorkerEvent
 from lappet.program.settings import SolverSettings
 
 Kind = TypeVar("Kind")
@@ -57,10 +57,10 @@ class Owner:
         assert times == sorted(set(times))
         return {frame.time: frame for frame in found}
 
-    def schedule(self, job: int) -> Scheduled:
-        """What a job was scheduled to be; told once."""
-        (scheduled,) = self.of(Scheduled, job)
-        return scheduled
+    def manifest(self, job: int) -> Listed:
+        """What the manifest of a job is; told once."""
+        (listed,) = self.of(Listed, job)
+        return listed
 
     def notes(self, job: int) -> list[str]:
         """The sentences of a job."""

@@ -1,4 +1,4 @@
-"""What the drawing of a solved skin asks of its source: a skin cache (`skin_read.py`) or a `ScheduleSource`."""
+"""What the drawing of a solved skin asks of its source: a skin cache (`skin_read.py`) or a `ManifestSource`."""
 
 from __future__ import annotations
 

@@ -189,7 +189,7 @@ class LappetSolving(bpy.types.PropertyGroup):
         default=False,
     )
     last_plan: StringProperty(
-        name="Last schedule", description="Key of the schedule shown when the file was saved", options={"HIDDEN"}
+        name="Last manifest", description="Key of the manifest shown when the file was saved", options={"HIDDEN"}
     )
 
 

@@ -1,1 +1,1 @@
-"""Solving from Blender: the schedule of each scene's procedure, its frames as they come, and the one that is shown."""
+"""Solving from Blender: the manifest of each scene's procedure, its frames as they come, and the one that is shown."""

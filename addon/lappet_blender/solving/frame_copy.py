@@ -7,22 +7,22 @@ import threading
 from collections.abc import Iterable
 from pathlib import Path
 
-from lappet.background.schedule import Schedule
+from lappet.background.manifest import Manifest
 from lappet.core.problem import Problem, problem
 from lappet.core.problem_code import ProblemCode
 from lappet.solve.store import FrameStore
 
 
 class FrameCopy:
-    """A copy of the frames, surfaces and schedules of some schedules, made on a thread.
+    """A copy of the frames, surfaces and manifests of some manifests, made on a thread.
 
     done: it has ended; problem: why it stopped before all was copied, or None.
     """
 
-    def __init__(self, schedules: Iterable[Schedule], old: FrameStore, new: FrameStore) -> None:
+    def __init__(self, manifests: Iterable[Manifest], old: FrameStore, new: FrameStore) -> None:
         keys: dict[str, None] = {}
-        for schedule in schedules:
-            each = (schedule.key, *(epoch.key for epoch in schedule.epochs), *(frame.key for frame in schedule.frames))
+        for manifest in manifests:
+            each = (manifest.key, *(epoch.key for epoch in manifest.epochs), *(frame.key for frame in manifest.frames))
             keys.update(dict.fromkeys(each))
         self.problem: Problem | None = None
         self._pairs = [(old.path(key), new.path(key)) for key in keys]

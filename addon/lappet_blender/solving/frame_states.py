@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from itertools import groupby
 from typing import Literal
 
-from .controller import Controller, frame_at, schedules
+from .controller import Controller, frame_at, manifests
 
 State = Literal["solved", "stale", "failed", "missing"]
 
@@ -47,18 +47,18 @@ def count_states(controller: Controller) -> dict[State, int]:
 
 
 def is_current(controller: Controller, time: float) -> bool:
-    """Whether the newest schedule's frame at a time is what the procedure asks for, as far as it is known by now."""
-    return controller.schedule is not None or time < controller.changed_from
+    """Whether the newest manifest's frame at a time is what the procedure asks for, as far as it is known by now."""
+    return controller.manifest is not None or time < controller.changed_from
 
 
 def _times(controller: Controller) -> range:
     if controller.procedure is not None:
         return controller.procedure.frames()
-    schedule = controller.newest()
+    manifest = controller.newest()
     return (
         range(0)
-        if schedule is None or not schedule.frames
-        else range(schedule.frames[0].time, schedule.frames[-1].time + 1)
+        if manifest is None or not manifest.frames
+        else range(manifest.frames[0].time, manifest.frames[-1].time + 1)
     )
 
 
@@ -68,10 +68,10 @@ def _state(controller: Controller, time: int) -> State:
     if frame is not None:
         if controller.holds(frame.key):
             return "solved"
-        if frame.key in schedules.failures:
+        if frame.key in manifests.failures:
             return "failed"
-    for schedule in [*([controller.schedule] if controller.schedule else []), *controller.past]:
-        old = frame_at(schedule, time)
+    for manifest in [*([controller.manifest] if controller.manifest else []), *controller.past]:
+        old = frame_at(manifest, time)
         if old is not None and controller.holds(old.key):
             return "stale"
     return "missing"

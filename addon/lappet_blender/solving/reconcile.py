@@ -1,6 +1,6 @@
 """Bring what is known about a scene's solving up to what the scene holds now.
 
-Reads the scene, names its schedule by key and looks it up; only what is nowhere is asked of the worker. An undo finds
+Reads the scene, names its manifest by key and looks it up; only what is nowhere is asked of the worker. An undo finds
 its frames at once, and a file that is opened again finds those of the day before.
 """
 
@@ -23,7 +23,7 @@ from lappet.solve.store import FrameStore
 from ..interface.problem_sentence import problem_sentence
 from ..model.migrate import from_newer_version
 from ..model.scene_procedure import read_scene
-from .controller import PAST_SCHEDULES, Controller, Job, schedules
+from .controller import PAST_MANIFESTS, Controller, Job, manifests
 from .first_change import first_change
 from .frame_copy import FrameCopy
 from .solve_settings import frame_store, solve_settings
@@ -45,7 +45,7 @@ def due(controller: Controller) -> bool:
 
 
 def reconcile(scene: bpy.types.Scene, controller: Controller, *, ask: bool = True) -> None:
-    """Read the scene now. ask: have the worker schedule what is not known."""
+    """Read the scene now. ask: have the worker make a manifest that is not known."""
     started = time.monotonic()
     controller.dirty_since = None
     reading = read_scene(scene)
@@ -55,7 +55,7 @@ def reconcile(scene: bpy.types.Scene, controller: Controller, *, ask: bool = Tru
         _move(controller, store)
     _take(controller, reading.procedure, settings, (*reading.problems, *_newer(scene)))
     if ask:
-        request_schedule(controller)
+        request_manifest(controller)
     controller.read_at = time.monotonic()
     controller.read_seconds = controller.read_at - started
 
@@ -66,15 +66,15 @@ def _newer(scene: bpy.types.Scene) -> tuple[Problem, ...]:
     return (problem(ProblemCode.SCENE_NEWER, scene.name, scene.lappet.version),)
 
 
-def request_schedule(controller: Controller) -> None:
-    """Have the worker schedule the procedure in the background, where its schedule is neither known nor refused."""
-    if controller.procedure is None or not controller.key or controller.schedule is not None or controller.refused:
+def request_manifest(controller: Controller) -> None:
+    """Have the worker make the manifest in the background, where it is neither known nor refused."""
+    if controller.procedure is None or not controller.key or controller.manifest is not None or controller.refused:
         return
     if any(job.key == controller.key and not job.cancelled for job in controller.jobs()):
         return
     with reporting(controller):
-        number = controller.solver().schedule(controller.procedure, controller.settings)
-        controller.scheduling = Job(number, "schedule", controller.key, controller.procedure, controller.settings)
+        number = controller.solver().manifest(controller.procedure, controller.settings)
+        controller.listing = Job(number, "manifest", controller.key, controller.procedure, controller.settings)
         controller.notify()
 
 
@@ -106,8 +106,8 @@ def warm_up() -> None:
 
     def import_all() -> None:
         with contextlib.suppress(Exception):  # whoever needs it says what is wrong
-            import lappet.background.schedule_key
-            import lappet.background.schedule_store
+            import lappet.background.manifest_key
+            import lappet.background.manifest_store
             import lappet.background.solver  # noqa: F401
 
             identity()
@@ -119,13 +119,13 @@ def warm_up() -> None:
 def stop_obsolete(controller: Controller) -> None:
     """Cancel a solve that has reached what the procedure no longer asks for; what it solved is kept."""
     job = controller.job
-    if job is None or job.kind != "solve" or job.cancelled or job.key == controller.key or job.schedule is None:
+    if job is None or job.kind != "solve" or job.cancelled or job.key == controller.key or job.manifest is None:
         return
     if controller.procedure is None or controller.settings != job.settings:
         valid = -math.inf
     else:
         valid = first_change(job.procedure, controller.procedure)
-    following = job.schedule.frames[0].time + job.done if job.schedule.frames else math.inf
+    following = job.manifest.frames[0].time + job.done if job.manifest.frames else math.inf
     if following >= valid and job.done < job.total:
         controller.solver().cancel(job.number)
         job.cancelled = True
@@ -146,12 +146,12 @@ def _take(
         controller.notify()
         return
     same = controller.key and settings == controller.settings and procedure == controller.procedure
-    if same and (controller.schedule is not None or schedules.refused(controller.key) is not None):
+    if same and (controller.manifest is not None or manifests.refused(controller.key) is not None):
         return
     try:
-        from lappet.background.schedule_key import schedule_key
+        from lappet.background.manifest_key import manifest_key
 
-        key = schedule_key(procedure, settings, identity())
+        key = manifest_key(procedure, settings, identity())
     except (RefusedError, OSError) as error:
         _retire(controller)
         controller.procedure, controller.settings, controller.key = procedure, settings, ""
@@ -165,35 +165,35 @@ def _take(
     if controller.procedure is None or controller.procedure.tissue is not procedure.tissue:
         controller.cells = 0.0
     controller.procedure, controller.settings, controller.key = procedure, settings, key
-    controller.refused = schedules.refused(key) or ()
-    controller.schedule = schedules.find(key, controller.store)
-    if controller.schedule is not None:
-        activate_schedule(controller)
+    controller.refused = manifests.refused(key) or ()
+    controller.manifest = manifests.find(key, controller.store)
+    if controller.manifest is not None:
+        activate_manifest(controller)
     else:
         controller.changed_from = _still_holds(controller, procedure, settings)
     stop_obsolete(controller)
     controller.notify()
 
 
-def activate_schedule(controller: Controller) -> None:
-    """The schedule of the key is known now: looks which of its frames are there."""
-    assert controller.schedule is not None
+def activate_manifest(controller: Controller) -> None:
+    """The manifest of the key is known now: looks which of its frames are there."""
+    assert controller.manifest is not None
     if controller.procedure is not None:
         controller.past_of = (controller.procedure, controller.settings)
-    controller.recheck_frames(controller.schedule)
+    controller.recheck_frames(controller.manifest)
 
 
 def _retire(controller: Controller) -> None:
-    """The schedule in force becomes the newest of the past ones."""
-    schedule, controller.schedule = controller.schedule, None
-    if schedule is None:
+    """The manifest in force becomes the newest of the past ones."""
+    manifest, controller.manifest = controller.manifest, None
+    if manifest is None:
         return
-    others = [each for each in controller.past if each.key != schedule.key]
-    controller.past = [schedule, *others][:PAST_SCHEDULES]
+    others = [each for each in controller.past if each.key != manifest.key]
+    controller.past = [manifest, *others][:PAST_MANIFESTS]
 
 
 def _still_holds(controller: Controller, procedure: Procedure | None, settings: SolverSettings) -> float:
-    """The time before which the newest past schedule holds for this procedure."""
+    """The time before which the newest past manifest holds for this procedure."""
     if procedure is None or not controller.past or controller.past_of is None:
         return -math.inf
     before, with_settings = controller.past_of
@@ -208,7 +208,7 @@ def _move(controller: Controller, store: FrameStore) -> None:
     if controller.job is not None:
         controller.note("Frames are kept in another folder now; press Solve to go on.")
     controller.release()
-    every = [*([controller.schedule] if controller.schedule else []), *controller.past]
+    every = [*([controller.manifest] if controller.manifest else []), *controller.past]
     if every:
         controller.copying = FrameCopy(every, controller.store, store)
     controller.store = store
@@ -223,4 +223,4 @@ def finish_copying(controller: Controller) -> None:
     controller.copying = None
     if copying.problem:
         controller.note(problem_sentence(copying.problem))
-    controller.recheck_frames(*([controller.schedule] if controller.schedule else []), *controller.past)
+    controller.recheck_frames(*([controller.manifest] if controller.manifest else []), *controller.past)

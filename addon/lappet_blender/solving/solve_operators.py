@@ -1,4 +1,4 @@
-"""Operators that solve, schedule and cancel, and those about solved frames."""
+"""Operators that solve, manifest and cancel, and those about solved frames."""
 
 import bpy
 from bpy.props import BoolProperty, IntProperty
@@ -10,8 +10,8 @@ from ..interface.operator_base import NO_UNDO, OperatorBase
 from .frames import failure_of, problems_of, progress_of
 from .scene_watch import reading
 from .select_problem import select_problem
-from .solve_jobs import cancel_solve, clear_frames, reload_frames, start_schedule, start_solve
-from .wait_for_solve import wait_for_schedule, wait_for_solve
+from .solve_jobs import cancel_solve, clear_frames, reload_frames, start_manifest, start_solve
+from .wait_for_solve import wait_for_manifest, wait_for_solve
 
 
 class LAPPET_OT_solve(OperatorBase, bpy.types.Operator):
@@ -67,9 +67,9 @@ class LAPPET_OT_plan_now(OperatorBase, bpy.types.Operator):
 
     def run(self, context: bpy.types.Context) -> None:
         with reading():
-            start_schedule(context.scene)
+            start_manifest(context.scene)
         if self.wait:
-            wait_for_schedule(context.scene)
+            wait_for_manifest(context.scene)
 
 
 class LAPPET_OT_clear_frames(OperatorBase, bpy.types.Operator):

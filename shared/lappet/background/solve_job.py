@@ -1,4 +1,4 @@
-"""Run a job of the worker: schedule a procedure, or solve its frames and tell of each."""
+"""Run a job of the worker: list the frames of a procedure, or solve them and tell of each."""
 
 from __future__ import annotations
 
@@ -12,15 +12,15 @@ from numpy.typing import NDArray
 from lappet.background.compilation import Compilation, up_to
 from lappet.background.job import CancelledError, Job
 from lappet.background.kept_frames import KeptFrames
-from lappet.background.schedule import Schedule
+from lappet.background.manifest import Manifest
 from lappet.background.worker_events import (
     Finished,
     FrameFailed,
     FrameReady,
     IterationDone,
+    Listed,
     Note,
     Refused,
-    Scheduled,
     WorkerEvent,
 )
 from lappet.core.problem import Problem, ProblemsError, RefusedError, file_problem, problem
@@ -42,7 +42,7 @@ class SolveJobs:
     Parameters
     ----------
     compilation
-        Where schedules and programs come from.
+        Where manifests and programs come from.
     store
         Where frames are kept.
     connect
@@ -58,7 +58,7 @@ class SolveJobs:
         self.tell = tell
 
     def run(self, job: Job) -> None:
-        """Schedule, and solve where that is asked; end with `Finished` whatever happens.
+        """Manifest, and solve where that is asked; end with `Finished` whatever happens.
 
         Parameters
         ----------
@@ -84,11 +84,11 @@ class SolveJobs:
         self.tell(Finished(job.number, done, time.perf_counter() - begun, job.cancelled))
 
     def _run(self, job: Job) -> int:
-        schedule = self.schedule(job)
-        return 0 if job.kind == "schedule" else self.solve(job, schedule, job.ask.until)
+        manifest = self.manifest(job)
+        return 0 if job.kind == "manifest" else self.solve(job, manifest, job.ask.until)
 
-    def schedule(self, job: Job) -> Schedule:
-        """Make the schedule of a job and tell it to the owner.
+    def manifest(self, job: Job) -> Manifest:
+        """Make the manifest of a job and tell it to the owner.
 
         Parameters
         ----------
@@ -97,26 +97,26 @@ class SolveJobs:
 
         Returns
         -------
-        Schedule
-            The schedule.
+        Manifest
+            The manifest.
         """
         well = self.store.trouble is None
-        schedule = self.compilation.schedule(job.ask.procedure, job.ask.settings, job.step)
+        manifest = self.compilation.manifest(job.ask.procedure, job.ask.settings, job.step)
         if well and self.store.trouble is not None:
             self.tell(Note(job.number, str(self.store.trouble)))
-        self.tell(Scheduled(job.number, schedule, tuple(frame.key in self.store for frame in schedule.frames)))
-        job.at = job.ask.time if job.kind == "live" else schedule.frames[0].time
-        return schedule
+        self.tell(Listed(job.number, manifest, tuple(frame.key in self.store for frame in manifest.frames)))
+        job.at = job.ask.time if job.kind == "live" else manifest.frames[0].time
+        return manifest
 
-    def solve(self, job: Job, schedule: Schedule, until: int | None) -> int:
-        """Get the frames of a schedule.
+    def solve(self, job: Job, manifest: Manifest, until: int | None) -> int:
+        """Get the frames of a manifest.
 
         Parameters
         ----------
         job
             The job.
-        schedule
-            Its schedule.
+        manifest
+            Its manifest.
         until
             Last time code, or None for all.
 
@@ -125,7 +125,7 @@ class SolveJobs:
         int
             How many frames are there.
         """
-        wanted = [frame for frame in schedule.frames if until is None or frame.time <= until]
+        wanted = [frame for frame in manifest.frames if until is None or frame.time <= until]
         if all(frame.key in self.store for frame in wanted):
             for frame in wanted:
                 job.step()

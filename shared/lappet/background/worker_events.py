@@ -1,30 +1,30 @@
-"""What the worker tells its owner: the schedule of a procedure, its frames as they come, and how it ended."""
+"""What the worker tells its owner: the manifest of a procedure, its frames as they come, and how it ended."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
-from lappet.background.schedule import Schedule
+from lappet.background.manifest import Manifest
 from lappet.core.problem import Problem
 from lappet.daemon.solved_frame import SolvedFrame
 
 
 @dataclass(frozen=True, eq=False)
-class Scheduled:
+class Listed:
     """The procedure of a job is compiled.
 
     Parameters
     ----------
     job
         Number of the job.
-    schedule
-        The schedule.
+    manifest
+        The manifest.
     known
         For each frame, whether the store holds it.
     """
 
     job: int
-    schedule: Schedule
+    manifest: Manifest
     known: tuple[bool, ...]
 
 
@@ -179,4 +179,4 @@ class LiveFrame:
     seconds: float
 
 
-WorkerEvent = Scheduled | Refused | IterationDone | FrameReady | FrameFailed | Finished | Note | LiveFrame
+WorkerEvent = Listed | Refused | IterationDone | FrameReady | FrameFailed | Finished | Note | LiveFrame

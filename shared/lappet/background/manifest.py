@@ -1,4 +1,4 @@
-"""The schedule of a procedure: which frames it has, what their surfaces look like and under which keys they lie."""
+"""The manifest of a procedure: which frames it has, what their surfaces look like and under which keys they lie."""
 
 from __future__ import annotations
 
@@ -43,21 +43,21 @@ class EpochShape:
 
 
 @dataclass(frozen=True)
-class ScheduledFrame:
-    """A frame of a schedule.
+class ListedFrame:
+    """A frame of a manifest.
 
     Parameters
     ----------
     time
         Time code.
     epoch
-        Index of its epoch in `Schedule.epochs`.
+        Index of its epoch in `Manifest.epochs`.
     key
         Its key in the store.
     hooks
-        Indices in `Schedule.hooks` of those that pull, in the order of the frame's hook arrays.
+        Indices in `Manifest.hooks` of those that pull, in the order of the frame's hook arrays.
     sutures
-        Indices in `Schedule.sutures` of those placed by now, in the order of the frame's suture arrays.
+        Indices in `Manifest.sutures` of those placed by now, in the order of the frame's suture arrays.
     """
 
     time: int
@@ -68,13 +68,13 @@ class ScheduledFrame:
 
 
 @dataclass(frozen=True, eq=False)
-class Schedule:
+class Manifest:
     """A compiled procedure without what only the solver needs: which frames there are and under which keys they lie.
 
     Parameters
     ----------
     key
-        Key of the procedure and the settings (`schedule_key`).
+        Key of the procedure and the settings (`manifest_key`).
     epochs
         Surfaces of the epochs.
     frames
@@ -93,7 +93,7 @@ class Schedule:
 
     key: str
     epochs: tuple[EpochShape, ...]
-    frames: tuple[ScheduledFrame, ...]
+    frames: tuple[ListedFrame, ...]
     hooks: tuple[str, ...] = ()
     sutures: tuple[str, ...] = ()
     landmarks: tuple[str, ...] = ()

@@ -1,4 +1,4 @@
-"""Make the schedule of a program: what an owner needs of it to show its frames."""
+"""Make the manifest of a program: what an owner needs of it to show its frames."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from lappet.background.schedule import EpochShape, Schedule, ScheduledFrame
+from lappet.background.manifest import EpochShape, ListedFrame, Manifest
 from lappet.background.skin_shape import depth_below_skin, uv_scale
 from lappet.background.tissue_face import TissueFaces
 from lappet.core.digest import digest
@@ -18,15 +18,15 @@ from lappet.procedure import Tissue
 from lappet.program.program import Program
 
 
-def make_schedule(
+def make_manifest(
     key: str, program: Program, frames: Sequence[str], shapes: Sequence[EpochShape], notes: Sequence[str] = ()
-) -> Schedule:
-    """Make the schedule of a program.
+) -> Manifest:
+    """Make the manifest of a program.
 
     Parameters
     ----------
     key
-        Key of the schedule.
+        Key of the manifest.
     program
         The program.
     frames
@@ -38,15 +38,15 @@ def make_schedule(
 
     Returns
     -------
-    Schedule
-        The schedule.
+    Manifest
+        The manifest.
     """
     position = {epoch.index: i for i, epoch in enumerate(program.epochs)}
-    return Schedule(
+    return Manifest(
         key=key,
         epochs=tuple(shapes),
         frames=tuple(
-            ScheduledFrame(
+            ListedFrame(
                 round(frame.time),
                 position[frame.epoch],
                 frames[i],
