@@ -1,4 +1,4 @@
-"""A background solver without a process: it lists and solves frames by formulas, a step at every poll, as a test wants it.
+"""A background solver without a process: it lists and solves frames by formulas, a step at every poll, as tests want it.
 
 A frame's key hashes the frame before it and the events that have begun, as the keys of real frames do; its points are
 its epoch's, lifted by the number of frames before it plus that of the events.
