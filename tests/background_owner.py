@@ -11,6 +11,7 @@ from typing import TypeVar
 
 from lappet.background.solver import BackgroundSolver
 from lappet.background.worker_events import Finished, FrameReady, Listed, Note, WorkerEvent
+from lappet.core.problem import Problem
 from lappet.program.settings import SolverSettings
 
 Kind = TypeVar("Kind")
@@ -62,9 +63,9 @@ class Owner:
         (listed,) = self.of(Listed, job)
         return listed
 
-    def notes(self, job: int) -> list[str]:
-        """The sentences of a job."""
-        return [note.sentence for note in self.of(Note, job)]
+    def notes(self, job: int) -> list[Problem]:
+        """The notes of a job."""
+        return [note.problem for note in self.of(Note, job)]
 
 
 @contextlib.contextmanager

@@ -91,10 +91,17 @@ class FakeSession:
             blocks=2,
             fragments=epoch.fragments,
             fixed_nodes=0,
+            dropped_voxels=0,
             bytes=1000.0,
             seconds=0.01,
         )
         return self._lattice
+
+    def set_epoch_with_nodes(
+        self, epoch: Epoch, grip: NDArray[np.int32], landmarks: Landmarks
+    ) -> tuple[LatticeCounts, NDArray[np.float64]]:
+        lattice = self.set_epoch(epoch, grip, landmarks)
+        return lattice, np.zeros((lattice.nodes, 3))
 
     def set_state(self, state: SolverState) -> None:
         self._alive()

@@ -185,7 +185,7 @@ def test_only_what_cuts_builds_epochs_again(tmp_path: Path) -> None:
         replace(base, events=(slit, moved, stitch, mark)),
         base.with_events(second),
         replace(base, events=(replace(slit, name="cut"), hook, stitch, mark)),
-        replace(base, tissue=replace(base.tissue, gravity=9.81)),
+        replace(base, tissue=replace(base.tissue, gravity=3.7)),
     ):
         manifest = compiled.manifest(other, SETTINGS, silent)
         assert manifest.key != first.key

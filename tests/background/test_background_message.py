@@ -17,10 +17,10 @@ import procedure_strategies
 from lappet.background.manifest import EpochShape, ListedFrame, Manifest
 from lappet.background.manifest_key import manifest_key
 from lappet.background.pipes import MAX_BYTES, WorkerPipes
-from lappet.background.worker_events import Finished, FrameReady, Listed, LiveFrame, Refused, WorkerEvent
+from lappet.background.worker_events import Finished, FrameReady, Listed, LiveFrame, Note, Refused, WorkerEvent
 from lappet.background.worker_requests import Aim, Ask, Cancel, WorkerRequest
 from lappet.core.array_codec import CodecError
-from lappet.core.problem import Problem
+from lappet.core.problem import Place, Problem
 from lappet.core.problem_code import ProblemCode
 from lappet.core.value_codec import pack, unpack
 from lappet.daemon.solved_frame import Diagnostics, LatticeCounts, SolvedFrame
@@ -38,8 +38,16 @@ choices = st.builds(
     threads=st.integers(0, 64),
 )
 
-
 TISSUE = "/Procedure/Tissue"
+LARGE = Problem(
+    ProblemCode.TISSUE_LARGE,
+    TISSUE,
+    "Größe",
+    "Größer als «1 mm».",
+    "Verkleinere es.",
+    "warning",
+    Place((3, 4), ((0.1, -0.0, 1e308),)),
+)
 
 
 def same_bits(a: Any, b: Any) -> bool:
@@ -86,7 +94,7 @@ def a_manifest(seed: int = 0) -> Manifest:
         np.array([3, -1, 0, 1], np.int32),
     )
     frames = (ListedFrame(1, 0, "ab" * 32), ListedFrame(2, 0, "cd" * 32, (0,), (0, 1)))
-    return Manifest("ef" * 32, (shape,), frames, ("hook",), ("a", "b"), ("mark 1",), ((0,),), ("Größer als «1 mm».",))
+    return Manifest("ef" * 32, (shape,), frames, ("hook",), ("a", "b"), ("mark 1",), ((0,),), (LARGE,))
 
 
 def test_plans_and_events_come_back_with_every_bit() -> None:
@@ -96,14 +104,16 @@ def test_plans_and_events_come_back_with_every_bit() -> None:
         hook_index=np.array([2], np.int32),
         hook_points=np.full((1, 3), np.nan),
         diagnostics=Diagnostics(converged=False, reason="why", newton=3, residual=1e-300),
-        lattice=LatticeCounts(64, 1, 1, 0, 8, 1, 1, 0, 1000.0, 0.1),
+        lattice=LatticeCounts(64, 1, 1, 0, 8, 1, 1, 0, 3, 1000.0, 0.1),
     )
     for value in (
         Listed(1, a_manifest(), (True, False)),
         Refused(2, (Problem(ProblemCode.MESH_OPEN, TISSUE, "1", "It is wrong.", "Repair it.", "warning"),)),
         FrameReady(3, 7, "00" * 32, False, shown),
         FrameReady(3, 7, "00" * 32, True, None),
-        LiveFrame(4, 7, (0.1, -0.0, 1e308), shown, False, 0.25),
+        LiveFrame(4, 7, (0.1, -0.0, 1e308), shown, LARGE, 0.25),
+        LiveFrame(4, 7, (0.1, -0.0, 1e308), shown, None, 0.25),
+        Note(5, LARGE),
     ):
         assert same_bits(unpack(pack(value), WorkerEvent), value)
 
@@ -191,7 +201,7 @@ def test_every_value_of_a_procedure_and_what_changes_a_frame_is_in_the_key() -> 
         replace(base, events=(slit, replace(hook, stiffness=np.nextafter(hook.stiffness, 0.0)), stitch, mark)),
         replace(base, tissue=replace(tissue, subsets=renamed)),
         replace(base, tissue=replace(tissue, uv=None)),
-        replace(base, tissue=replace(tissue, gravity=9.81)),
+        replace(base, tissue=replace(tissue, gravity=3.7)),
         replace(base, bones=(bone,)),
     ]
     keys = {manifest_key(each, SolverSettings(), "s") for each in (base, *others)}

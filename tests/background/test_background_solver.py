@@ -25,6 +25,8 @@ from lappet.background.worker_events import (
     Refused,
     WorkerEvent,
 )
+from lappet.core.problem import problem
+from lappet.core.problem_code import ProblemCode
 from lappet.core.value_codec import pack
 from lappet.daemon.solved_frame import Diagnostics, SolvedFrame
 from lappet.output.solve_to_cache import solve_procedure
@@ -36,6 +38,8 @@ from small_procedure import TOP, small_procedure
 pytestmark = pytest.mark.slow
 
 MISSING = Path("no such folder")
+
+TOLD = problem(ProblemCode.CURVE_PINNED, "/Procedure/Timeline/slit", "from the store")
 
 
 def long_procedure(frames: int = 24) -> Procedure:
@@ -176,8 +180,8 @@ def test_a_killed_worker_is_started_again_and_nothing_is_lost(foreground: Path, 
         wait_gone(daemon)
         assert own.solver.worker != worker
         (note,) = own.notes(job)
-        assert "SIGKILL" in note
-        assert "started again" in note
+        assert (note.code, note.severity) == (ProblemCode.BACKGROUND_RESTARTED, "note")
+        assert "SIGKILL" in note.value
         frames = own.frames(job)
         assert own.manifest(job).manifest.frames[3].key == frames[4].key
         keys = [frame.key for frame in frames.values()]
@@ -195,7 +199,8 @@ def test_a_killed_daemon_costs_one_note_and_no_frame(foreground: Path, tmp_path:
         assert own.finished(job).frames == 24
         assert own.solver.worker == worker
         (note,) = own.notes(job)
-        assert "SIGKILL" in note
+        assert note.code == ProblemCode.DAEMON_RESTARTED
+        assert "SIGKILL" in note.message
         keys = [frame.key for frame in own.frames(job).values()]
     assert contents(tmp_path, keys) == contents(foreground, keys)
 
@@ -223,11 +228,11 @@ def test_a_manifest_is_found_in_the_store_after_a_restart_without_compiling(tmp_
     assert get_manifest(FrameStore(tmp_path), first.key) is not None
     # Compiled again the manifest would have notes of its own; that of the store is told as it lies there.
     store = FrameStore(tmp_path)
-    put_manifest(store, replace(first, notes=("from the store",)))
+    put_manifest(store, replace(first, notes=(TOLD,)))
     with owner(tmp_path) as own:
         job = own.solver.manifest(small_procedure(), SETTINGS)
         own.finished(job)
-        assert own.manifest(job).manifest.notes == ("from the store",)
+        assert own.manifest(job).manifest.notes == (TOLD,)
         assert own.manifest(job).manifest.frames == first.frames
 
 

@@ -1,4 +1,4 @@
-"""A background solver without a process: it lists and solves frames by formulas, a step at every poll, as tests want it.
+"""A background solver without a process: it lists and solves frames by formulas, a step at a poll, as tests want it.
 
 A frame's key hashes the frame before it and the events that have begun, as the keys of real frames do; its points are
 its epoch's, lifted by the number of frames before it plus that of the events.
@@ -156,7 +156,7 @@ class FakeWorker:
         target = next(e for e in procedure.events if isinstance(e, Hook)).targets[0][1]
         while True:
             target = self.targets[-1] if self.targets else target
-            yield LiveFrame(job, time, target, SolvedFrame(float(time), rest + np.float32(target)), True, 0.05)
+            yield LiveFrame(job, time, target, SolvedFrame(float(time), rest + np.float32(target)), None, 0.05)
 
 
 def make_manifest(procedure: Procedure, settings: SolverSettings, points: int = 4) -> Manifest:
@@ -178,7 +178,7 @@ def solved(manifest: Manifest, index: int, events: int) -> SolvedFrame:
     """The frame that the fake solver finds."""
     rest = manifest.epochs[manifest.frames[index].epoch].rest
     said = Diagnostics(converged=True, newton=2, seconds=StageSeconds(total=0.6))
-    lattice = LatticeCounts(64_000, 1000, 1000, 0, 1331, 1, 125, 0, 1e6, 0.1)
+    lattice = LatticeCounts(64_000, 1000, 1000, 0, 1331, 1, 125, 0, 0, 1e6, 0.1)
     points = rest + np.float32((0.0, 0.0, index + events))
     return SolvedFrame(float(manifest.frames[index].time), points, diagnostics=said, lattice=lattice)
 

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from lappet.background.manifest_key import manifest_key
+from lappet.core.problem_code import ProblemCode
 from lappet.daemon.daemon_solver import connect_to, solver_identity
 from lappet.daemon.process import DaemonMissing, find_daemon
 from lappet.program.compile import compile_program
@@ -151,8 +152,8 @@ def test_a_worker_that_is_killed_is_started_again_with_one_line(patch: bpy.types
     os.kill(controller.controller_of(patch).client.worker, signal.SIGKILL)
     quiet()
     assert states(patch) == "ssssssss"
-    (note,) = [note for note in frames.notes_of(patch) if "ended" in note]
-    assert "started again" in note
+    codes = [note.code for note in frames.notes_of(patch)]
+    assert codes.count(ProblemCode.BACKGROUND_RESTARTED) == 1
     assert frames.problems_of(patch) == ()
 
 
@@ -168,8 +169,8 @@ def test_a_daemon_that_is_killed_is_started_again_with_one_line(patch: bpy.types
             os.kill(child, signal.SIGKILL)
     quiet()
     assert states(patch) == "ssssssss"
-    (note,) = frames.notes_of(patch)
-    assert "started again" in note
+    codes = [note.code for note in frames.notes_of(patch)]
+    assert codes.count(ProblemCode.DAEMON_RESTARTED) == 1
     assert frames.problems_of(patch) == ()
 
 

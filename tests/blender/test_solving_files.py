@@ -136,8 +136,8 @@ def test_a_folder_that_cannot_be_made_is_a_sentence_and_the_frames_stay_where_th
     patch.lappet.solving.beside_file = True
     bpy.ops.wm.save_as_mainfile(filepath=str(blend))
     run_timer(QUIET)
-    (note,) = frames.notes_of(patch)
-    assert note.startswith("Solved frames cannot be kept in ")
+    (trouble,) = frames.problems_of(patch)
+    assert trouble.message.startswith("Solved frames cannot be kept in ")
     assert states(patch) == "ssssssss", "they are still in memory"
     clear_memory()
     bpy.ops.lappet.reload_frames()

@@ -229,7 +229,7 @@ def test_an_edit_while_it_solves_lets_the_frames_before_it_finish_and_stops_ther
     script.held = False
     assert not run_timer(QUIET)
     assert states(patch) == "sssssmmm"
-    assert any("changed" in note for note in frames.notes_of(patch))
+    assert ProblemCode.PROCEDURE_CHANGED in [note.code for note in frames.notes_of(patch)]
     assert frames.manifest_of(patch).key != key
     solve(patch)
 

@@ -13,7 +13,7 @@ import numpy as np
 from lappet.background.make_manifest import epoch_shapes, make_manifest
 from lappet.background.manifest import Manifest
 from lappet.background.manifest_store import put_manifest
-from lappet.core.problem import RefusedError, refused
+from lappet.core.problem import Problem, RefusedError, problem, refused
 from lappet.core.problem_code import ProblemCode
 from lappet.daemon.solved_frame import SolvedFrame
 from lappet.procedure import Procedure
@@ -60,14 +60,14 @@ def look_into(path: Path) -> FoundFile:
     return FoundFile(Path(below[0]) if below else path, path, told.get("spacing"), str(told.get("lastKey", "")))
 
 
-def read_into(scene: bpy.types.Scene, path: Path) -> list[str]:
+def read_into(scene: bpy.types.Scene, path: Path) -> list[Problem]:
     """Put the procedure of a USD file into a scene in place of what it had; of a skin cache the frames as well.
 
-    Returns a sentence for everything that was converted or left aside. Raises RefusedError, with the
+    Returns a note of everything that was converted or left aside. Raises RefusedError, with the
     scene as it was.
     """
     found = look_into(path)
-    notes: list[str] = []
+    notes: list[Problem] = []
     procedure = read_procedure(found.procedure, notes)
     notes += fill_scene(scene, procedure, _collection(scene, path.stem))
     if found.cache is not None:
@@ -81,12 +81,14 @@ def _collection(scene: bpy.types.Scene, name: str) -> bpy.types.Collection:
     return collection
 
 
-def _show(scene: bpy.types.Scene, procedure: Procedure, found: FoundFile) -> str:
-    """Give the frames of a cache to the solving side, and says which they are."""
+def _show(scene: bpy.types.Scene, procedure: Procedure, found: FoundFile) -> Problem:
+    """Give the frames of a cache to the solving side, and say which they are."""
     try:
         read = cache_frames(scene, procedure, found)
-    except (RefusedError, FigureError, OSError) as refused:
-        return f"The frames of the cache cannot be shown: {refused}"
+    except RefusedError as refused:
+        return problem(ProblemCode.CACHE_NOT_SHOWN, "", " ".join(str(each) for each in refused.problems))
+    except (FigureError, OSError) as error:
+        return problem(ProblemCode.CACHE_NOT_SHOWN, "", error)
     controller = controller_of(scene)
     for key, frame in read.frames.items():
         frame_cache.put(key, frame)
@@ -98,10 +100,8 @@ def _show(scene: bpy.types.Scene, procedure: Procedure, found: FoundFile) -> str
     controller.recheck_frames(read.manifest)
     controller.mark_dirty()
     times = [frame.time for frame in read.manifest.frames if frame.key in read.frames]
-    said = f"Frames {times[0]} to {times[-1]} of the cache can be scrubbed"
-    if read.exact:
-        return f"{said}."
-    return f"{said}; they were solved elsewhere or otherwise, so Solve will make them anew."
+    code = ProblemCode.CACHE_SHOWN if read.exact else ProblemCode.CACHE_SHOWN_ONLY
+    return problem(code, "", f"{times[0]} to {times[-1]}")
 
 
 def cache_frames(scene: bpy.types.Scene, procedure: Procedure, found: FoundFile) -> CacheFrames:

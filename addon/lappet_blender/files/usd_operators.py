@@ -8,6 +8,7 @@ from bpy.props import BoolProperty, StringProperty
 from bpy_extras.io_utils import ExportHelper, ImportHelper
 
 from ..interface.operator_base import NO_UNDO, OperatorBase
+from ..interface.problem_sentence import problem_sentence
 from ..interface.sidebar_panel import CLOSED, SidebarPanel
 from .export_usd import write_cache, write_scene
 from .import_usd import look_into, read_into
@@ -80,7 +81,7 @@ class LAPPET_OT_import_procedure(OperatorBase, bpy.types.Operator, ImportHelper)
             raise
         if apart and context.window is not None:
             context.window.scene = target
-        return " ".join([f"Read {path.name}.", *notes])
+        return " ".join([f"Read {path.name}.", *map(problem_sentence, notes)])
 
 
 class LAPPET_FH_procedure(bpy.types.FileHandler):

@@ -72,6 +72,14 @@ class LappetMaterial(bpy.types.PropertyGroup):
         max=1.0 / 3.0,
         update=property_changed,
     )
+    fiber_slack: FloatProperty(
+        name="Slack",
+        description="Stretch from which the fibers bear load",
+        default=Material.fiber_slack,
+        min=1.0,
+        max=4.0,
+        update=property_changed,
+    )
     fiber_direction: FloatVectorProperty(
         name="Direction",
         description="Direction of fibers, muscle and prestretch: along the relaxed skin tension lines",
@@ -151,13 +159,42 @@ class LappetTissue(bpy.types.PropertyGroup):
     )
     bed_stiffness: FloatProperty(
         name="Bed",
-        description="Tie of bed faces to deep tissue, kPa/mm",
+        description="Stiffness along its normal, kPa/mm",
         default=Tissue.bed_stiffness,
         min=0.0,
         update=property_changed,
     )
-    use_gravity: BoolProperty(name="Gravity", default=False, update=property_changed)
-    gravity: FloatProperty(name="Gravity", description="m/s², down", default=9.81, min=0.0, update=property_changed)
+    bed_shear: FloatProperty(
+        name="Bed in shear",
+        description="Stiffness in its plane, kPa/mm: at most that along its normal",
+        default=Tissue.bed_shear,
+        min=0.0,
+        precision=4,
+        update=property_changed,
+    )
+    use_gravity: BoolProperty(name="Gravity", default=True, update=property_changed)
+    gravity: FloatProperty(name="Gravity", description="m/s²", default=Tissue.gravity, min=0.0, update=property_changed)
+    position: EnumProperty(
+        name="Position",
+        description="How the patient lies: x runs to the patient's right, y to the front, z to the top of the head",
+        items=(
+            ("UPRIGHT", "Upright", "Seated or standing; a flat patch lies on its bed"),
+            ("SUPINE", "Supine", "On the back"),
+            ("PRONE", "Prone", "On the belly"),
+            ("LEFT_LATERAL", "Left lateral", "On the left side"),
+            ("RIGHT_LATERAL", "Right lateral", "On the right side"),
+            ("CUSTOM", "Other", "In another direction"),
+        ),
+        default="UPRIGHT",
+        update=property_changed,
+    )
+    gravity_direction: FloatVectorProperty(
+        name="Direction",
+        description="Direction in which gravity pulls",
+        size=3,
+        default=Tissue.gravity_direction,
+        update=property_changed,
+    )
 
 
 class LappetSolving(bpy.types.PropertyGroup):

@@ -109,7 +109,7 @@ class Controller:
     live: Live | None = None
     copying: FrameCopy | None = None
     failure: Failure | None = None
-    notes: deque[str] = field(default_factory=lambda: deque(maxlen=NOTES))
+    notes: deque[Problem] = field(default_factory=lambda: deque(maxlen=NOTES))
     cells: float = 0.0  # of the lattice as solved; 0 = none was yet
     dirty_since: float | None = 0.0
     changed_at: float = 0.0
@@ -152,11 +152,11 @@ class Controller:
                     self.known.discard(frame.key)
         self.notify()
 
-    def note(self, sentence: str) -> None:
-        """A sentence for the panel; the same one twice is shown once."""
-        if sentence in self.notes:
-            self.notes.remove(sentence)
-        self.notes.append(sentence)
+    def note(self, note: Problem) -> None:
+        """A note or warning for the panel; the same one twice is shown once."""
+        if note in self.notes:
+            self.notes.remove(note)
+        self.notes.append(note)
         self.notify()
 
     def newest(self) -> Manifest | None:

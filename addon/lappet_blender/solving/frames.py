@@ -62,14 +62,18 @@ def progress_of(scene: bpy.types.Scene) -> Progress:
 
 
 def problems_of(scene: bpy.types.Scene) -> tuple[Problem, ...]:
-    """What is wrong with the scene's procedure: seen while reading it, and by the solver."""
+    """What is wrong with the scene's procedure, seen while reading it and by the solver, and what is suspicious."""
     controller = controller_of(scene)
-    return (*controller.problems, *controller.refused)
+    suspicious = (each for each in _told(controller) if each.severity != "note")
+    return tuple(dict.fromkeys([*controller.problems, *controller.refused, *suspicious]))
 
 
-def notes_of(scene: bpy.types.Scene) -> tuple[str, ...]:
-    """Sentences that the user should know: of the manifest, and of what happened since the last solve began."""
-    controller = controller_of(scene)
+def notes_of(scene: bpy.types.Scene) -> tuple[Problem, ...]:
+    """What the user should know besides: of the manifest, and of what happened since the last solve began."""
+    return tuple(each for each in _told(controller_of(scene)) if each.severity == "note")
+
+
+def _told(controller: Controller) -> tuple[Problem, ...]:
     manifest = controller.manifest
     return tuple(dict.fromkeys([*(manifest.notes if manifest is not None else ()), *controller.notes]))
 

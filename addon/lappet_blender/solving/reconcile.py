@@ -20,7 +20,6 @@ from lappet.procedure import Procedure
 from lappet.program.settings import SolverSettings
 from lappet.solve.store import FrameStore
 
-from ..interface.problem_sentence import problem_sentence
 from ..model.migrate import from_newer_version
 from ..model.scene_procedure import read_scene
 from .controller import PAST_MANIFESTS, Controller, Job, manifests
@@ -129,7 +128,7 @@ def stop_obsolete(controller: Controller) -> None:
     if following >= valid and job.done < job.total:
         controller.solver().cancel(job.number)
         job.cancelled = True
-        controller.note(f"The procedure changed from frame {following:g} on or before; press Solve to go on.")
+        controller.note(problem(ProblemCode.PROCEDURE_CHANGED, "", f"{following:g}"))
 
 
 def _take(
@@ -206,7 +205,7 @@ def _move(controller: Controller, store: FrameStore) -> None:
     A worker is bound to its folder, so this scene gets another.
     """
     if controller.job is not None:
-        controller.note("Frames are kept in another folder now; press Solve to go on.")
+        controller.note(problem(ProblemCode.STORE_MOVED, "", store.folder))
     controller.release()
     every = [*([controller.manifest] if controller.manifest else []), *controller.past]
     if every:
@@ -222,5 +221,5 @@ def finish_copying(controller: Controller) -> None:
         return
     controller.copying = None
     if copying.problem:
-        controller.note(problem_sentence(copying.problem))
+        controller.note(copying.problem)
     controller.recheck_frames(*([controller.manifest] if controller.manifest else []), *controller.past)

@@ -49,7 +49,7 @@ class LAPPET_PT_solve(SidebarPanel, bpy.types.Panel):
         if ready:
             _problems(layout, context)
         for note in notes_of(scene):
-            draw_sentence(layout, context, note, "INFO")
+            draw_sentence(layout, context, problem_sentence(note), "INFO")
 
 
 class LAPPET_PT_solve_settings(SidebarPanel, bpy.types.Panel):

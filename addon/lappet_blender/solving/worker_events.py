@@ -35,7 +35,7 @@ def handle_worker_events(controller: Controller) -> bool:
 
 def _apply(controller: Controller, event: WorkerEvent) -> None:
     if isinstance(event, Note):
-        controller.note(event.sentence)
+        controller.note(event.problem)
         return
     job = next((job for job in controller.jobs() if job.number == event.job), None)
     if job is None:

@@ -65,6 +65,7 @@ def _material(layout: bpy.types.UILayout, context: bpy.types.Context, material: 
     if material.fiber_k1 > 0.0:
         column.prop(material, "fiber_k2")
         column.prop(material, "fiber_dispersion")
+        column.prop(material, "fiber_slack")
     column.prop(material, "muscle_stress")
     if material.muscle_stress > 0.0:
         row = column.row()

@@ -81,11 +81,16 @@ class LAPPET_PT_tissue_surroundings(_Part, bpy.types.Panel):
         _bones(layout, scene)
         column = layout.column(align=True)
         column.prop(settings, "bed_stiffness")
+        column.prop(settings, "bed_shear")
         row = column.row(heading="Gravity")
         row.prop(settings, "use_gravity", text="")
         sub = row.row()
         sub.active = settings.use_gravity
         sub.prop(settings, "gravity", text="")
+        if settings.use_gravity:
+            column.prop(settings, "position")
+            if settings.position == "CUSTOM":
+                column.prop(settings, "gravity_direction")
 
 
 def _groups(layout: bpy.types.UILayout, scene: bpy.types.Scene) -> None:

@@ -135,9 +135,7 @@ class Compilation:
             settings,
         )
         step()
-        manifest = make_manifest(
-            key, program, frame_keys(program, self.identity), shapes, [str(each) for each in problems]
-        )
+        manifest = make_manifest(key, program, frame_keys(program, self.identity), shapes, problems)
         put_manifest(self._store, manifest)
         return Compiled(manifest, program)
 

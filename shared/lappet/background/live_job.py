@@ -13,12 +13,12 @@ from lappet.background.manifest import Manifest
 from lappet.background.solve_job import SolveJobs, stoppable
 from lappet.background.worker_events import FrameFailed, LiveFrame, Note
 from lappet.background.worker_requests import Ask
-from lappet.core.problem import RefusedError, refused
+from lappet.core.problem import Problem, RefusedError, refused
 from lappet.core.problem_code import ProblemCode
 from lappet.daemon.frame_solver import FrameRefusedError, SolverDiedError
 from lappet.daemon.solved_frame import SolvedFrame
 from lappet.procedure.prim_paths import TIMELINE
-from lappet.solve.solve_frames import at_frame
+from lappet.solve.solve_frames import at_frame, not_converged
 
 
 class LiveJobs(SolveJobs):
@@ -38,7 +38,7 @@ class LiveJobs(SolveJobs):
             hook,
             start,
             stoppable(self.connect, job),
-            lambda sentence: self.tell(Note(job.number, sentence)),
+            lambda note: self.tell(Note(job.number, note)),
         )
         try:
             self._follow(job, session)
@@ -71,20 +71,20 @@ class LiveJobs(SolveJobs):
         shown: SolvedFrame | None = None
         while True:
             begun = time.perf_counter()
-            converged, reason = False, ""
+            stayed: Problem | None = None
             try:
                 solved = session.pull(target, lambda _: None)
-                converged, reason = solved.converged, solved.reason
-                if converged or shown is None:
+                stayed = None if solved.converged else not_converged(solved)
+                if stayed is None or shown is None:
                     shown = solved.without_scalars().shown()  # not worth sending while the mouse moves
             except FrameRefusedError as error:
                 if shown is None:
                     raise
-                reason = str(error)
-            if not converged:  # where the tissue stayed, and why
-                shown = replace(shown, diagnostics=replace(shown.diagnostics, converged=False, reason=reason))
+                stayed = at_frame(job.ask.time, error)
+            if stayed is not None:
+                shown = replace(shown, diagnostics=replace(shown.diagnostics, converged=False))
             seconds = time.perf_counter() - begun
-            self.tell(LiveFrame(job.number, job.ask.time, target, shown, converged, seconds))
+            self.tell(LiveFrame(job.number, job.ask.time, target, shown, stayed, seconds))
             target = job.next_target()
 
 

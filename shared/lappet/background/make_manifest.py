@@ -12,6 +12,7 @@ from lappet.background.manifest import EpochShape, ListedFrame, Manifest
 from lappet.background.skin_shape import depth_below_skin, uv_scale
 from lappet.background.tissue_face import TissueFaces
 from lappet.core.digest import digest
+from lappet.core.problem import Problem
 from lappet.cutting.epoch import Epoch
 from lappet.geometry.labeled_surface import FaceOrigin, Surface
 from lappet.procedure import Tissue
@@ -19,7 +20,7 @@ from lappet.program.program import Program
 
 
 def make_manifest(
-    key: str, program: Program, frames: Sequence[str], shapes: Sequence[EpochShape], notes: Sequence[str] = ()
+    key: str, program: Program, frames: Sequence[str], shapes: Sequence[EpochShape], notes: Sequence[Problem] = ()
 ) -> Manifest:
     """Make the manifest of a program.
 
@@ -34,7 +35,7 @@ def make_manifest(
     shapes
         Shapes of its epochs.
     notes
-        Sentences besides the program's own.
+        Warnings and notes besides the program's own.
 
     Returns
     -------

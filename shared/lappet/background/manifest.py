@@ -7,6 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from lappet.core.problem import Problem
+
 
 @dataclass(frozen=True, eq=False)
 class EpochShape:
@@ -88,7 +90,7 @@ class Manifest:
     landmarks_at
         For each epoch the indices in `landmarks` of those that its tissue still holds.
     notes
-        Sentences for the user.
+        Warnings and notes for the user.
     """
 
     key: str
@@ -98,4 +100,4 @@ class Manifest:
     sutures: tuple[str, ...] = ()
     landmarks: tuple[str, ...] = ()
     landmarks_at: tuple[tuple[int, ...], ...] = ()
-    notes: tuple[str, ...] = ()
+    notes: tuple[Problem, ...] = ()

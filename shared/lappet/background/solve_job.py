@@ -103,7 +103,7 @@ class SolveJobs:
         well = self.store.trouble is None
         manifest = self.compilation.manifest(job.ask.procedure, job.ask.settings, job.step)
         if well and self.store.trouble is not None:
-            self.tell(Note(job.number, str(self.store.trouble)))
+            self.tell(Note(job.number, self.store.trouble))
         self.tell(Listed(job.number, manifest, tuple(frame.key in self.store for frame in manifest.frames)))
         job.at = job.ask.time if job.kind == "live" else manifest.frames[0].time
         return manifest
@@ -183,9 +183,9 @@ class _Telling(SolveObserver):
         self._jobs.tell(FrameReady(self._job.number, round(frame.constraints.time), frame.key, frame.looked_up, shown))
         self._stop()
 
-    def note(self, sentence: str) -> None:
+    def note(self, note: Problem) -> None:
         """Something that the user should know."""
-        self._jobs.tell(Note(self._job.number, sentence))
+        self._jobs.tell(Note(self._job.number, note))
 
     def _stop(self) -> None:
         if self._job.cancelled:
@@ -231,6 +231,12 @@ class _Stoppable:
     def set_epoch(self, epoch: Epoch, grip: NDArray[np.int32], landmarks: Landmarks) -> LatticeCounts:
         self._stop()
         return self._solver.set_epoch(epoch, grip, landmarks)
+
+    def set_epoch_with_nodes(
+        self, epoch: Epoch, grip: NDArray[np.int32], landmarks: Landmarks
+    ) -> tuple[LatticeCounts, NDArray[np.float64]]:
+        self._stop()
+        return self._solver.set_epoch_with_nodes(epoch, grip, landmarks)
 
     def set_state(self, state: SolverState) -> None:
         self._stop()

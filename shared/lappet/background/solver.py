@@ -351,7 +351,7 @@ class BackgroundSolver:
             self._deaths += 1
             if self._deaths < _DEATHS:
                 first = min(number for number, job in self._jobs.items() if job.sent)
-                self._tell(Note(first, f"The background solver ended: {how} It is started again."))
+                self._tell(Note(first, problem(ProblemCode.BACKGROUND_RESTARTED, "", how)))
         if self._deaths < _DEATHS:
             self._work.put(("restart", 0))
         else:

@@ -137,18 +137,18 @@ class Finished:
 
 @dataclass(frozen=True)
 class Note:
-    """A sentence for the user: the daemon died and was started again, the store cannot be written, ….
+    """A note or warning for the user: the daemon died and was started again, the store cannot be written, ….
 
     Parameters
     ----------
     job
         Number of the job.
-    sentence
-        The sentence.
+    problem
+        What the user should know.
     """
 
     job: int
-    sentence: str
+    problem: Problem
 
 
 @dataclass(frozen=True, eq=False)
@@ -165,8 +165,8 @@ class LiveFrame:
         Target in mm.
     frame
         The frame.
-    converged
-        Whether the equilibrium was found.
+    problem
+        Why the tissue stayed where it was, or None where it follows the target.
     seconds
         Time that the solver took.
     """
@@ -175,8 +175,13 @@ class LiveFrame:
     time: int
     target: tuple[float, float, float]
     frame: SolvedFrame
-    converged: bool
+    problem: Problem | None
     seconds: float
+
+    @property
+    def converged(self) -> bool:
+        """Whether the equilibrium was found."""
+        return self.problem is None
 
 
 WorkerEvent = Listed | Refused | IterationDone | FrameReady | FrameFailed | Finished | Note | LiveFrame

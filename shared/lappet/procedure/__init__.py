@@ -16,13 +16,16 @@ from lappet.procedure.events import (
     Undermine,
 )
 from lappet.procedure.exact_values import Point
+from lappet.procedure.position import POSITIONS, position_of
 from lappet.procedure.procedure import Procedure
-from lappet.procedure.tissue import MODELS, Bone, Material, Region, Tissue
+from lappet.procedure.tissue import DEFAULT_SKIN, MODELS, Bone, Material, Region, Tissue
 
 __all__ = [
     "CUTS",
+    "DEFAULT_SKIN",
     "HOLDS",
     "MODELS",
+    "POSITIONS",
     "Basis",
     "Bone",
     "Event",
@@ -38,4 +41,5 @@ __all__ = [
     "Suture",
     "Tissue",
     "Undermine",
+    "position_of",
 ]

@@ -11,7 +11,7 @@ from typing import Any, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from lappet.core.problem import Problem, RefusedError
+from lappet.core.problem import Problem, RefusedError, problem
 from lappet.core.problem_code import ProblemCode
 from lappet.procedure import Bone, Material, Point, Procedure, Region, Tissue
 from lappet.usd.event_prims import EVENT_PRIMS, read_event
@@ -26,7 +26,7 @@ PRIM_TYPES = {
 }
 
 
-def read(stage: Any, usd: Any, notes: list[str]) -> Procedure:
+def read(stage: Any, usd: Any, notes: list[Problem]) -> Procedure:
     """Read the procedure on an open stage.
 
     Parameters
@@ -36,7 +36,7 @@ def read(stage: Any, usd: Any, notes: list[str]) -> Procedure:
     usd
         USD's modules, as `lappet.usd.stage.pxr` gives them.
     notes
-        Gets a sentence for what was converted or left aside.
+        Gets a note of what was converted or left aside.
 
     Returns
     -------
@@ -54,7 +54,7 @@ def read(stage: Any, usd: Any, notes: list[str]) -> Procedure:
     return procedure
 
 
-def read_what_can_be(stage: Any, usd: Any, notes: list[str]) -> tuple[Procedure | None, list[Problem]]:
+def read_what_can_be(stage: Any, usd: Any, notes: list[Problem]) -> tuple[Procedure | None, list[Problem]]:
     """Read the procedure on an open stage as far as possible.
 
     Parameters
@@ -64,7 +64,7 @@ def read_what_can_be(stage: Any, usd: Any, notes: list[str]) -> tuple[Procedure 
     usd
         USD's modules, as `lappet.usd.stage.pxr` gives them.
     notes
-        Gets a sentence for what was converted or left aside.
+        Gets a note of what was converted or left aside.
 
     Returns
     -------
@@ -139,7 +139,7 @@ def _tissue(reader: Reader, prim: Any, regions: list[Any]) -> Tissue:
     material = reader.target(prim, "lappet:material")
     if not material:
         reader.problem(ProblemCode.TISSUE_NO_MATERIAL, prim.GetPath(), "no material")
-    gravity = reader.number(prim, "lappet:gravity", np.inf)
+    normal = reader.number(prim, "lappet:bedStiffness", Tissue.bed_stiffness)
     return Tissue(
         points=points,
         face_vertex_counts=counts,
@@ -148,8 +148,10 @@ def _tissue(reader: Reader, prim: Any, regions: list[Any]) -> Tissue:
         subsets=subsets,
         material=material.rpartition("/")[2],
         spacing=reader.number(prim, "lappet:spacing", Tissue.spacing),
-        gravity=None if np.isposinf(gravity) else gravity,
-        bed_stiffness=reader.number(prim, "lappet:bedStiffness", Tissue.bed_stiffness),
+        gravity=reader.number(prim, "lappet:gravity", Tissue.gravity),
+        gravity_direction=cast(Point, reader.vector(prim, "lappet:gravityDirection", 3, Tissue.gravity_direction)),
+        bed_stiffness=normal,
+        bed_shear=reader.number(prim, "lappet:bedShear", min(Tissue.bed_shear, normal)),
         regions=tuple(_region(reader, region, prim, subsets) for region in regions),
     )
 
@@ -182,12 +184,12 @@ def _mesh(
     if left != mirrored and (counts > 0).all() and counts.sum() == len(indices):
         starts = np.repeat(np.cumsum(counts) - counts, counts)
         corners = 2 * starts + np.repeat(counts, counts) - 1 - corners
-        reader.notes.append(f"{prim.GetPath()}: its faces were turned from left-handed to right-handed.")
+        reader.notes.append(problem(ProblemCode.FACES_TURNED, prim.GetPath(), "leftHanded"))
     if len(reader.integers(prim, "holeIndices", optional=True)):
-        reader.notes.append(f"{prim.GetPath()}: holeIndices are ignored; the faces count as surface.")
+        reader.notes.append(problem(ProblemCode.HOLES_IGNORED, prim.GetPath(), "holeIndices"))
     scheme = prim.GetAttribute("subdivisionScheme").Get()
     if scheme not in (None, "none"):
-        reader.notes.append(f"{prim.GetPath()}: subdivision ({scheme}) is ignored; its control cage is the surface.")
+        reader.notes.append(problem(ProblemCode.SUBDIVISION_IGNORED, prim.GetPath(), scheme))
     return points, counts, indices[corners] if len(indices) else indices, corners
 
 
@@ -230,6 +232,7 @@ def _material(reader: Reader, prim: Any) -> Material:
         fiber_k1=number("fiber:k1", Material.fiber_k1),
         fiber_k2=number("fiber:k2", Material.fiber_k2),
         fiber_dispersion=number("fiber:dispersion", Material.fiber_dispersion),
+        fiber_slack=number("fiber:slack", Material.fiber_slack),
         fiber_direction=cast(Point, reader.vector(prim, "lappet:fiber:direction", 3, Material.fiber_direction)),
         prestretch=(along, across),
         density=number("density", Material.density),
