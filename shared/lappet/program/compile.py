@@ -81,14 +81,14 @@ def compile_program(
     frames: list[FrameConstraints] = []
     grips: list[NDArray[np.int32]] = []
     landmarks: list[Landmarks] = []
-    moved: dict[str, None] = {}
+    moved: dict[Problem, None] = {}
     for epoch in epochs:
         own = [time for time in times if _epoch_at(epochs, time) == epoch.index]
         grips.append(_grips(epoch, events.retractors, own))
         in_tissue = _AnchorsInTissue.of(epoch, events, loss, off)
         landmarks.append(in_tissue.landmarks())
         anchors_of = in_tissue.event_anchors(own)
-        moved.update((str(each), None) for each in in_tissue.moved(own))
+        moved.update((each, None) for each in in_tissue.moved(own))
         frames += [
             FrameConstraints(
                 time=float(time),
