@@ -13,10 +13,12 @@ from pathlib import Path
 
 import numpy as np
 
+from lappet.background.assessment import Assessment
 from lappet.background.plan import EpochShape, Plan, PlannedFrame
 from lappet.background.plan_key import digest, plan_key
 from lappet.background.plan_store import put_plan
 from lappet.background.worker_events import (
+    Assessed,
     Finished,
     FrameFailed,
     FrameReady,
@@ -44,6 +46,8 @@ class Script:
     asked: list[tuple[str, str]] = field(default_factory=list)
     held: bool = False
     refusal: tuple[Problem, ...] = ()
+    suspicious: tuple[Problem, ...] = ()
+    assessment: Assessment | None = None
     failing: dict[int, str] = field(default_factory=dict)
     workers: list[FakeWorker] = field(default_factory=list)
     points: int = 4
@@ -123,7 +127,7 @@ class FakeWorker:
         if self.script.refusal:
             yield Refused(job, self.script.refusal)
             return
-        plan = make_plan(procedure, settings, self.script.points)
+        plan = replace(make_plan(procedure, settings, self.script.points), notes=self.script.suspicious)
         put_plan(self.store, plan)
         yield Planned(job, plan, tuple(frame.key in self.store for frame in plan.frames))
 
@@ -148,6 +152,8 @@ class FakeWorker:
             shown = solved(plan, index, len(procedure.events))
             self.store.put(frame.key, shown)
             yield FrameReady(job, frame.time, frame.key, False, shown)
+        if self.script.assessment is not None:
+            yield Assessed(job, self.script.assessment)
 
     def _pulling(self, job: int, procedure: Procedure, settings: SolverSettings, time: int) -> Iterator[WorkerEvent]:
         yield from self._planning(job, procedure, settings)

@@ -9,6 +9,7 @@ import bpy
 
 from lappet.background.plan import Plan
 from lappet.core.problem import Problem
+from lappet.solve.error_estimate import FrameErrorEstimate
 
 from .controller import Controller, Failure, controller_of, find_controller, frame_at, plans
 from .frame_states import FrameRun, State, frame_runs_of, frame_states
@@ -69,13 +70,25 @@ def problems_of(scene: bpy.types.Scene) -> tuple[Problem, ...]:
 
 
 def notes_of(scene: bpy.types.Scene) -> tuple[Problem, ...]:
-    """What the user should know besides: of the plan, and of what happened since the last solve began."""
+    """What the user should know besides: of the plan, its frames, and what happened since the last solve began."""
     return tuple(each for each in _told(controller_of(scene)) if each.severity == "note")
 
 
+def error_of(scene: bpy.types.Scene, time: float) -> FrameErrorEstimate | None:
+    """The estimated error of the frame at a time; None where it was not estimated."""
+    controller = controller_of(scene)
+    assessment, plan = plans.assessments.get(controller.key), controller.plan
+    if assessment is None or plan is None or frame_at(plan, time) is None:
+        return None
+    index = math.floor(time + 1e-6) - plan.frames[0].time
+    return assessment.errors[index] if index < len(assessment.errors) else None
+
+
 def _told(controller: Controller) -> tuple[Problem, ...]:
-    plan = controller.plan
-    return tuple(dict.fromkeys([*(plan.notes if plan is not None else ()), *controller.notes]))
+    plan, assessment = controller.plan, plans.assessments.get(controller.key)
+    of_plan = plan.notes if plan is not None else ()
+    of_frames = assessment.notes if assessment is not None else ()
+    return tuple(dict.fromkeys([*of_plan, *of_frames, *controller.notes]))
 
 
 def failure_of(scene: bpy.types.Scene) -> Failure | None:

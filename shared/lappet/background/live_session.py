@@ -45,7 +45,8 @@ class LiveSession:
         note: Callable[[Problem], None],
     ) -> None:
         settings = program.settings
-        self._settings = replace(settings, tolerance=max(settings.tolerance, TOLERANCE), time_budget=TIME_BUDGET)
+        coarse = max(settings.tolerance, TOLERANCE)
+        self._settings = replace(settings, tolerance=coarse, time_budget=TIME_BUDGET, correction=False)
         self._program = program
         self._frame = program.frames[index]
         self._pulled = self._frame.hook_index == hook
