@@ -99,6 +99,12 @@ class FakeSession:
         )
         return self._lattice
 
+    def set_epoch_with_nodes(
+        self, epoch: Epoch, grip: NDArray[np.int32], landmarks: Landmarks
+    ) -> tuple[LatticeCounts, NDArray[np.float64]]:
+        lattice = self.set_epoch(epoch, grip, landmarks)
+        return lattice, np.zeros((lattice.nodes, 3))
+
     def set_state(self, state: SolverState) -> None:
         self._alive()
         assert state.precision == "float"

@@ -162,9 +162,17 @@ class LappetTissue(bpy.types.PropertyGroup):
     )
     bed_stiffness: FloatProperty(
         name="Bed",
-        description="Tie of bed faces to deep tissue, kPa/mm",
+        description="Stiffness along its normal, kPa/mm",
         default=Tissue.bed_stiffness,
         min=0.0,
+        update=property_changed,
+    )
+    bed_shear: FloatProperty(
+        name="Bed in shear",
+        description="Stiffness in its plane, kPa/mm: at most that along its normal",
+        default=Tissue.bed_shear,
+        min=0.0,
+        precision=4,
         update=property_changed,
     )
     use_gravity: BoolProperty(name="Gravity", default=True, update=property_changed)

@@ -91,6 +91,7 @@ class LAPPET_PT_tissue_surroundings(_Part, bpy.types.Panel):
         _bones(layout, scene)
         column = layout.column(align=True)
         column.prop(settings, "bed_stiffness")
+        column.prop(settings, "bed_shear")
         row = column.row(heading="Gravity")
         row.prop(settings, "use_gravity", text="")
         sub = row.row()

@@ -286,6 +286,12 @@ class _Stoppable:
         self._stop()
         return self._solver.set_epoch(epoch, grip, landmarks)
 
+    def set_epoch_with_nodes(
+        self, epoch: Epoch, grip: NDArray[np.int32], landmarks: Landmarks
+    ) -> tuple[LatticeCounts, NDArray[np.float64]]:
+        self._stop()
+        return self._solver.set_epoch_with_nodes(epoch, grip, landmarks)
+
     def set_state(self, state: SolverState) -> None:
         self._stop()
         self._solver.set_state(state)

@@ -159,6 +159,8 @@ def _tissue(procedure: Procedure, spacing: float) -> list[Problem]:
         add(ProblemCode.TISSUE_SPACING, spacing)
     if not (math.isfinite(tissue.bed_stiffness) and tissue.bed_stiffness >= 0.0):
         add(ProblemCode.TISSUE_BED_STIFFNESS, tissue.bed_stiffness)
+    elif not 0.0 <= tissue.bed_shear <= tissue.bed_stiffness:
+        add(ProblemCode.TISSUE_BED_SHEAR, tissue.bed_shear, normal=tissue.bed_stiffness)
     if not math.isfinite(tissue.gravity):
         add(ProblemCode.TISSUE_GRAVITY, tissue.gravity)
     length = math.hypot(*tissue.gravity_direction)

@@ -128,6 +128,7 @@ class ProblemCode(StrEnum):
     EVENT_NO_POINT = auto()
     EVENT_POINT_NOT_FINITE = auto()
     EVENT_OFF_TISSUE = auto()
+    EVENT_ANCHOR_MOVED = auto()
     CURVE_OFF_TISSUE = auto()
     UNDERMINE_NOTHING = auto()
     TARGET_NOT_FINITE = auto()
@@ -162,6 +163,8 @@ class ProblemCode(StrEnum):
     TISSUE_LARGE = auto()
     TISSUE_SMALL = auto()
     ERROR_LARGE = auto()
+    FRAMES_UNSTABLE = auto()
+    FRAMES_ONE_OF_SEVERAL = auto()
 
     # texts/notes.toml
     STAGE_CONVERTED = auto()
@@ -175,6 +178,8 @@ class ProblemCode(StrEnum):
     DAEMON_RESTARTED = auto()
     BACKGROUND_RESTARTED = auto()
     FRAMES_FROM_REST = auto()
+    FRAMES_SENSITIVE = auto()
+    FRAMES_LEFT_SADDLES = auto()
     LATTICE_DROPPED = auto()
     LATTICE_VOLUME = auto()
     NEIGHBORHOOD_OFF = auto()
@@ -222,6 +227,7 @@ class ProblemCode(StrEnum):
     TISSUE_MATERIAL_UNKNOWN = auto()
     TISSUE_SPACING = auto()
     TISSUE_BED_STIFFNESS = auto()
+    TISSUE_BED_SHEAR = auto()
     TISSUE_GRAVITY = auto()
     TISSUE_GRAVITY_DIRECTION = auto()
     TISSUE_UV_COUNT = auto()
@@ -262,6 +268,7 @@ class ProblemCode(StrEnum):
     # texts/program.toml
     INTERNAL = auto()
     PROGRAM_POINT_OFF_TISSUE = auto()
+    PROGRAM_ANCHOR_MOVED = auto()
     PROGRAM_ANCHOR_EXCISED = auto()
     PROGRAM_HOOK_EXCISED = auto()
     PROGRAM_ANCHORS_FALL_TOGETHER = auto()

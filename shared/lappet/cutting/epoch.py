@@ -64,6 +64,22 @@ class Regions:
 
 
 @dataclass(frozen=True, eq=False)
+class Ground:
+    """What undermined tissue lies on: the bed faces of the tissue before any cut; without triangles: none.
+
+    Parameters
+    ----------
+    points
+        Vertices in mm, shape (g, 3), float64.
+    triangles
+        Vertex indices, shape (k, 3), int32; normals point out of the tissue.
+    """
+
+    points: NDArray[np.float64] = field(default_factory=lambda: no_entries((0, 3), np.float64))
+    triangles: NDArray[np.int32] = field(default_factory=lambda: no_entries((0, 3), np.int32))
+
+
+@dataclass(frozen=True, eq=False)
 class Epoch:
     """A stretch of the timeline with constant topology and attachments.
 
@@ -81,6 +97,8 @@ class Epoch:
         Material regions, the same in every epoch of a program.
     over_bone
         Resting faces that contact with bone holds up, shape (m,), bool; without entries: none.
+    ground
+        What faces rest on; nothing where none does.
     """
 
     index: int
@@ -89,6 +107,7 @@ class Epoch:
     fragments: int
     regions: Regions = field(default_factory=Regions)
     over_bone: NDArray[np.bool_] = field(default_factory=lambda: no_entries((0,), np.bool_))
+    ground: Ground = field(default_factory=Ground)
 
     @property
     def support(self) -> NDArray[np.uint8]:

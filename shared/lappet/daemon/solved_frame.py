@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field, fields, replace
 from typing import Any
 
@@ -132,6 +133,8 @@ class Diagnostics:
         Residual over force scale.
     force_scale
         Force scale in mN.
+    displacement_to_come
+        Estimate of the largest displacement in mm that a converged frame still lacks of its equilibrium.
     largest_gap
         Largest gap of sutures and grips in mm.
     minimum_j
@@ -144,6 +147,11 @@ class Diagnostics:
         Largest depth of tissue in bone in mm.
     contacts
         Points of the surface that touch bone.
+    lowest_stiffness
+        The share of its stiffness that compression leaves the softest displacement: 1 without compression, 0 where the
+        equilibrium is neutral, negative where it is unstable; NaN where it was not looked for.
+    saddles_left
+        Unstable equilibria that were found on the way and left.
     peak_bytes
         Peak memory of the daemon in bytes.
     seconds
@@ -162,12 +170,15 @@ class Diagnostics:
     restart: str = ""
     residual: float = 0.0
     force_scale: float = 0.0
+    displacement_to_come: float = 0.0
     largest_gap: float = 0.0
     minimum_j: float = 1.0
     inverted_cells: int = 0
     energy: float = 0.0
     largest_penetration: float = 0.0
     contacts: int = 0
+    lowest_stiffness: float = math.nan
+    saddles_left: int = 0
     peak_bytes: float = 0.0
     seconds: StageSeconds = field(default_factory=StageSeconds)
     work: PassCounts = field(default_factory=PassCounts)
@@ -191,6 +202,8 @@ class SolverState:
         Multipliers of the grips, shape (G,).
     activation
         Activation of each material's muscle, shape (M,).
+    stability
+        How stable the frame is, which a frame that repeats it repeats, shape (0,), (2,) or (5,).
     """
 
     precision: str
@@ -199,12 +212,12 @@ class SolverState:
     suture_multipliers: NDArray[np.float64]
     grip_multipliers: NDArray[np.float64]
     activation: NDArray[np.float64]
+    stability: NDArray[np.float64] = field(default_factory=lambda: no_entries((0,), np.float64))
 
     @property
     def nbytes(self) -> int:
         """The bytes of its arrays."""
-        arrays = (self.nodes, self.suture_separations, self.suture_multipliers, self.grip_multipliers, self.activation)
-        return sum(array.nbytes for array in arrays)
+        return sum(getattr(self, item.name).nbytes for item in fields(self) if item.name != "precision")
 
     def fitted(self, sutures: int) -> SolverState:
         """Fit the state to a procedure with another number of sutures.
@@ -271,9 +284,12 @@ class SolvedFrame:
     suture_forces
         Their pull in mN, shape (A,), float64.
     correction
-        Newton step left over in mm, shape (n, 3), float32; (0, 3) where it was not asked for.
+        Displacement still to come in mm, shape (n, 3), float32; (0, 3) where it was not asked for.
     landmark_correction
         The same at the landmarks, shape (k, 3), float64.
+    softest_point
+        Rest point of the surface that moves most in the displacement of `Diagnostics.lowest_stiffness` in mm, shape
+        (1, 3), float64; (0, 3) where nothing is compressed.
     diagnostics
         How it was solved.
     lattice
@@ -298,6 +314,7 @@ class SolvedFrame:
     suture_forces: NDArray[np.float64] = field(default_factory=lambda: no_entries((0,), np.float64))
     correction: NDArray[np.float32] = field(default_factory=lambda: no_entries((0, 3), np.float32))
     landmark_correction: NDArray[np.float64] = field(default_factory=lambda: no_entries((0, 3), np.float64))
+    softest_point: NDArray[np.float64] = field(default_factory=lambda: no_entries((0, 3), np.float64))
     diagnostics: Diagnostics = Diagnostics(converged=True)
     lattice: LatticeCounts | None = None
     state: SolverState | None = None

@@ -24,6 +24,7 @@ from lappet.procedure.scene_profile import scene_profile
 from lappet.program.program import Program
 from lappet.solve.error_estimate import FrameErrorEstimate
 from lappet.solve.fallbacks import volume_ratio
+from lappet.solve.sensitive import is_sensitive
 from lappet.solve.solve_frames import FrameResult, failure_code
 
 REPORT_VERSION = 2
@@ -156,12 +157,19 @@ def _frame(program: Program, frame: FrameResult, error: FrameErrorEstimate | Non
         "restart": said.restart or None,
         "residual": said.residual,
         "force_scale_mn": said.force_scale,
+        "displacement_to_come_mm": said.displacement_to_come,
         "largest_gap_mm": said.largest_gap,
         "minimum_j": said.minimum_j,
         "inverted_cells": said.inverted_cells,
         "energy_mn_mm": said.energy,
         "largest_penetration_mm": said.largest_penetration,
         "contacts": said.contacts,
+        "stability": {
+            "lowest_stiffness": said.lowest_stiffness,
+            "softest_point": solved.softest_point[0].tolist() if len(solved.softest_point) else None,
+            "is_sensitive": is_sensitive(solved),
+            "saddles_left": said.saddles_left,
+        },
         "seconds": {**asdict(said.seconds), "wall": frame.wall_seconds},
         "suture_gaps_mm": _named(sutures, solved.suture_gaps),
         "suture_forces_mn": _named(sutures, solved.suture_forces),
@@ -190,6 +198,9 @@ def _error(program: Program, frame: FrameResult, error: FrameErrorEstimate | Non
         "place": error.place,
         "largest_displacement": error.largest_displacement,
         "is_trusted": error.is_trusted,
+        "other_branch": None
+        if error.other_branch is None
+        else {"distance": error.other_branch.distance, "place": error.other_branch.place},
         "landmarks": _named(landmarks, error.landmarks),
     }
 

@@ -20,6 +20,7 @@ from lappet.program.compile import DEFAULT, compile_program, frame_times
 from lappet.program.program import Program
 from lappet.program.settings import SolverSettings
 from lappet.solve.fallbacks import fallbacks
+from lappet.solve.sensitive import several_notes, stability_notes
 from lappet.solve.solve_frames import FrameResult, SolveObserver, solve_program
 from lappet.solve.store import FrameStore
 from lappet.usd.stage import SUFFIXES, read_procedure, write_procedure
@@ -157,7 +158,7 @@ def solve_procedure(
     elif result.reason is not None and result.failed is None:
         raise RefusedError([result.reason])
     errors = None
-    found = fallbacks(program, result.frames)
+    found = fallbacks(program, result.frames) + stability_notes(result.frames)
     if error_estimate and result.frames and result.interrupted:
         found.append(problem(ProblemCode.ESTIMATE_SKIPPED, "", "the solve was stopped"))
     elif error_estimate and result.frames:
@@ -166,6 +167,7 @@ def solve_procedure(
 
         errors = estimate_errors(program, result.frames, store, connect, solver)
         found += untrusted(program, result.frames, errors)
+        found += several_notes(result.frames, errors.frames)
     return SolveResult(
         procedure,
         program,

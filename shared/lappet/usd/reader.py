@@ -139,6 +139,7 @@ def _tissue(reader: Reader, prim: Any, regions: list[Any]) -> Tissue:
     material = reader.target(prim, "lappet:material")
     if not material:
         reader.problem(ProblemCode.TISSUE_NO_MATERIAL, prim.GetPath(), "no material")
+    normal = reader.number(prim, "lappet:bedStiffness", Tissue.bed_stiffness)
     return Tissue(
         points=points,
         face_vertex_counts=counts,
@@ -149,7 +150,8 @@ def _tissue(reader: Reader, prim: Any, regions: list[Any]) -> Tissue:
         spacing=reader.number(prim, "lappet:spacing", Tissue.spacing),
         gravity=reader.number(prim, "lappet:gravity", Tissue.gravity),
         gravity_direction=cast(Point, reader.vector(prim, "lappet:gravityDirection", 3, Tissue.gravity_direction)),
-        bed_stiffness=reader.number(prim, "lappet:bedStiffness", Tissue.bed_stiffness),
+        bed_stiffness=normal,
+        bed_shear=reader.number(prim, "lappet:bedShear", min(Tissue.bed_shear, normal)),
         regions=tuple(_region(reader, region, prim, subsets) for region in regions),
     )
 

@@ -1,5 +1,7 @@
 """A procedure as a USD layer: standard prims, Lappet's applied schemas, every value authored.
 
+Values that Lappet 0.1 did not know are authored where they are not the default, so that files stay as it reads them.
+
 `usd` is `lappet.usd.stage.pxr()` throughout; this module imports nothing of USD itself.
 """
 
@@ -79,8 +81,10 @@ def _tissue(stage: Any, usd: Any, tissue: Tissue) -> None:
         values.relate("material", f"{MATERIALS}/{tissue.material}")
     values.double("spacing", tissue.spacing)
     values.double("bedStiffness", tissue.bed_stiffness)
+    if tissue.bed_shear != min(Tissue.bed_shear, tissue.bed_stiffness):
+        values.double("bedShear", tissue.bed_shear)
     values.double("gravity", tissue.gravity)
-    if tissue.gravity_direction != Tissue.gravity_direction:  # Lappet 0.1 knows no other
+    if tissue.gravity_direction != Tissue.gravity_direction:
         values.author("gravityDirection", usd.Sdf.ValueTypeNames.Double3, usd.Gf.Vec3d(*tissue.gravity_direction))
     regions = {region.faces: region for region in tissue.regions}
     for name, faces in tissue.subsets.items():
@@ -115,7 +119,7 @@ def _material(stage: Any, usd: Any, material: Material) -> None:
     values.double("fiber:k1", material.fiber_k1)
     values.double("fiber:k2", material.fiber_k2)
     values.double("fiber:dispersion", material.fiber_dispersion)
-    if material.fiber_slack != Material.fiber_slack:  # so that files without slack are as Lappet 0.1 reads them
+    if material.fiber_slack != Material.fiber_slack:
         values.double("fiber:slack", material.fiber_slack)
     values.author("fiber:direction", usd.Sdf.ValueTypeNames.Double3, usd.Gf.Vec3d(*material.fiber_direction))
     values.author("prestretch", usd.Sdf.ValueTypeNames.Double2, usd.Gf.Vec2d(*material.prestretch))

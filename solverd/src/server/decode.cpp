@@ -246,6 +246,8 @@ EpochInput decode_epoch(const Header& header, ArrayParts parts, std::int32_t ret
   const auto count = static_cast<std::int32_t>(epoch.surface.triangles.size());
   if (reader.has("regions") || arrays.has("skin_points") || arrays.has("skin_triangles"))
     epoch.skin = decode_surface(arrays, "skin_points", "skin_triangles", "skin points");
+  if (arrays.has("ground_points") || arrays.has("ground_triangles"))
+    epoch.ground = decode_surface(arrays, "ground_points", "ground_triangles", "ground points");
   if (reader.has("regions")) decode_regions(reader, arrays, materials, epoch);
   if (reader.has("rest_nodes")) epoch.nodes = integer_field(reader, "rest_nodes", 0, 1) == 1;
   reader.finish();
@@ -282,6 +284,7 @@ SolverState decode_state(const Header& header, ArrayParts parts, std::int32_t su
   state.suture_gaps = arrays.read<double>("suture_separations", {sutures, 3});  // NaN: not placed yet
   state.suture_multipliers = arrays.read_finite("suture_multipliers", {sutures, 3});
   state.grip_multipliers = arrays.read_finite("grip_multipliers", {kAny});
+  state.stability = arrays.read_finite("stability", {kAny});
   state.activation = arrays.read_finite("activation", {materials});
   arrays.finish();
   return state;

@@ -157,6 +157,9 @@ void check_settings(const SessionSettings& s) {
   require(s.max_newton > 0, "at most {} Newton iterations are allowed; give at least 1", s.max_newton);
   require(std::isfinite(s.bed_stiffness) && s.bed_stiffness >= 0,
           "the bed stiffness is {} kPa/mm; it must not be negative", s.bed_stiffness);
+  require(s.bed_shear >= 0 && s.bed_shear <= s.bed_stiffness,
+          "the bed's shear stiffness is {} kPa/mm; it must be 0 to its normal stiffness, {} kPa/mm", s.bed_shear,
+          s.bed_stiffness);
   require(finite(s.gravity), "gravity is not finite; give three numbers in m/s^2");
   require(std::isfinite(s.time_budget) && s.time_budget >= 0, "the time budget is {} s; give 0 for none",
           s.time_budget);
@@ -254,6 +257,8 @@ void check_state(const SolverState& state, std::size_t node_values, std::size_t 
           state.nodes.size() / 3, node_values / 3);
   require(state.suture_gaps.size() == suture_values && state.suture_multipliers.size() == suture_values,
           "the state has {} sutures but the session has {}", state.suture_gaps.size() / 3, suture_values / 3);
+  require(state.stability.empty() || state.stability.size() == 2 || state.stability.size() == 5,
+          "the state's stability has {} values; give none, 2 or 5", state.stability.size());
   require(state.grip_multipliers.empty() || state.grip_multipliers.size() == node_values,
           "the state's grip multipliers have {} values; give none or {}", state.grip_multipliers.size(), node_values);
   for (const double value : state.nodes) require(std::isfinite(value), "the state holds a number that is not finite");

@@ -51,7 +51,9 @@ Attachments System<Real>::restricted_attachments(const Place& place,
       if ((face.cell = place_of_cell[static_cast<std::size_t>(face.cell)]) >= 0) to.push_back(face);
   };
   take(attachments_.face_constraints, restricted.face_constraints);
+  take(attachments_.attached, restricted.attached);
   take(attachments_.resting, restricted.resting);
+  restricted.ground = attachments_.ground;
   return restricted;
 }
 
@@ -88,7 +90,7 @@ std::unique_ptr<System<Real>> System<Real>::restricted(const Lattice& subdomain,
   auto result =
       std::make_unique<System>(subdomain, materials_of(elastic_.materials(), place.cells),
                                static_cast<int>(elastic_.points()), restricted_attachments(place, place_of_cell),
-                               static_cast<std::int32_t>(retractor_active_.size()), bed_stiffness_, Vec3::Zero());
+                               static_cast<std::int32_t>(retractor_active_.size()), bed_, Vec3::Zero());
   result->held_stiffness_ = held_stiffness_;
   result->retractor_motion_ = retractor_motion_;
   result->retractor_active_ = retractor_active_;
