@@ -278,7 +278,7 @@ def test_a_store_that_cannot_be_written_costs_a_note_and_no_frame(tmp_path: Path
         job = own.solver.solve(small_procedure(), SETTINGS)
         assert own.finished(job).frames == 8
         (note,) = own.notes(job)
-        assert "cannot be written" in note
+        assert (note.code, note.severity) == (ProblemCode.STORE_NOT_WRITABLE, "warning")
         assert all(frame.frame is not None for frame in own.frames(job).values())
         # What is not on the disk the worker remembers, and tells it whole.
         again = own.solver.solve(small_procedure(), SETTINGS)

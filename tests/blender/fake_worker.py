@@ -13,10 +13,12 @@ from pathlib import Path
 
 import numpy as np
 
+from lappet.background.assessment import Assessment
 from lappet.background.manifest import EpochShape, ListedFrame, Manifest
 from lappet.background.manifest_key import digest, manifest_key
 from lappet.background.manifest_store import put_manifest
 from lappet.background.worker_events import (
+    Assessed,
     Finished,
     FrameFailed,
     FrameReady,
@@ -44,6 +46,8 @@ class Script:
     asked: list[tuple[str, str]] = field(default_factory=list)
     held: bool = False
     refusal: tuple[Problem, ...] = ()
+    suspicious: tuple[Problem, ...] = ()
+    assessment: Assessment | None = None
     failing: dict[int, str] = field(default_factory=dict)
     workers: list[FakeWorker] = field(default_factory=list)
     points: int = 4
@@ -123,7 +127,7 @@ class FakeWorker:
         if self.script.refusal:
             yield Refused(job, self.script.refusal)
             return
-        manifest = make_manifest(procedure, settings, self.script.points)
+        manifest = replace(make_manifest(procedure, settings, self.script.points), notes=self.script.suspicious)
         put_manifest(self.store, manifest)
         yield Listed(job, manifest, tuple(frame.key in self.store for frame in manifest.frames))
 
@@ -148,6 +152,8 @@ class FakeWorker:
             shown = solved(manifest, index, len(procedure.events))
             self.store.put(frame.key, shown)
             yield FrameReady(job, frame.time, frame.key, False, shown)
+        if self.script.assessment is not None:
+            yield Assessed(job, self.script.assessment)
 
     def _pulling(self, job: int, procedure: Procedure, settings: SolverSettings, time: int) -> Iterator[WorkerEvent]:
         yield from self._listing(job, procedure, settings)

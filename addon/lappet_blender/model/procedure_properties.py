@@ -235,6 +235,12 @@ class LappetSolving(bpy.types.PropertyGroup):
         max=0.1,
         precision=6,
     )
+    error_estimate: BoolProperty(
+        name="Estimate the Error",
+        description="Solve once more on a lattice of twice the spacing, to tell how far the skin may be off and where",
+        default=True,
+        update=property_changed,
+    )
     threads: IntProperty(name="Threads", description="0 = all", default=SolverSettings.threads, min=0, max=256)
     live: BoolProperty(name="Live", description="The skin follows while the target of a hook is dragged", default=False)
     beside_file: flag(

@@ -9,6 +9,7 @@ import bpy
 
 from lappet.background.manifest import Manifest
 from lappet.core.problem import Problem
+from lappet.solve.error_estimate import FrameErrorEstimate
 
 from .controller import Controller, Failure, controller_of, find_controller, frame_at, manifests
 from .frame_states import FrameRun, State, frame_runs_of, frame_states
@@ -69,13 +70,25 @@ def problems_of(scene: bpy.types.Scene) -> tuple[Problem, ...]:
 
 
 def notes_of(scene: bpy.types.Scene) -> tuple[Problem, ...]:
-    """What the user should know besides: of the manifest, and of what happened since the last solve began."""
+    """What the user should know besides: of the manifest, its frames, and what happened since the last solve began."""
     return tuple(each for each in _told(controller_of(scene)) if each.severity == "note")
 
 
+def error_of(scene: bpy.types.Scene, time: float) -> FrameErrorEstimate | None:
+    """The estimated error of the frame at a time; None where it was not estimated."""
+    controller = controller_of(scene)
+    assessment, manifest = manifests.assessments.get(controller.key), controller.manifest
+    if assessment is None or manifest is None or frame_at(manifest, time) is None:
+        return None
+    index = math.floor(time + 1e-6) - manifest.frames[0].time
+    return assessment.errors[index] if index < len(assessment.errors) else None
+
+
 def _told(controller: Controller) -> tuple[Problem, ...]:
-    manifest = controller.manifest
-    return tuple(dict.fromkeys([*(manifest.notes if manifest is not None else ()), *controller.notes]))
+    manifest, assessment = controller.manifest, manifests.assessments.get(controller.key)
+    of_manifest = manifest.notes if manifest is not None else ()
+    of_frames = assessment.notes if assessment is not None else ()
+    return tuple(dict.fromkeys([*of_manifest, *of_frames, *controller.notes]))
 
 
 def failure_of(scene: bpy.types.Scene) -> Failure | None:

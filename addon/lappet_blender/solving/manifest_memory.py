@@ -1,10 +1,11 @@
-"""Manifests that were made in this session, by key, so that undo and redo find theirs at once."""
+"""Manifests made in this session, by key, so that undo and redo find theirs at once, and what is known of their frames."""
 
 from __future__ import annotations
 
 from collections import OrderedDict
 from dataclasses import replace
 
+from lappet.background.assessment import Assessment
 from lappet.background.manifest import EpochShape, Manifest
 from lappet.core.problem import Problem
 from lappet.solve.store import FrameStore
@@ -17,6 +18,7 @@ class ManifestMemory:
 
     def __init__(self, limit: int = LIMIT) -> None:
         self.failures: dict[str, Problem] = {}  # by frame key: why it failed
+        self.assessments: dict[str, Assessment] = {}  # by manifest key: what is to be known of its frames
         self._limit = limit
         self._manifests: OrderedDict[str, Manifest] = OrderedDict()
         self._refused: OrderedDict[str, tuple[Problem, ...]] = OrderedDict()
@@ -67,6 +69,7 @@ class ManifestMemory:
         self._manifests.clear()
         self._refused.clear()
         self.failures.clear()
+        self.assessments.clear()
 
     def _epochs(self) -> dict[tuple[str, float], EpochShape]:
         return {(epoch.key, epoch.start_time): epoch for each in self._manifests.values() for epoch in each.epochs}

@@ -9,7 +9,7 @@ from lappet.core.problem_code import ProblemCode
 from ..interface.operator_base import NO_UNDO, OperatorBase
 from .frames import failure_of, problems_of, progress_of
 from .scene_watch import reading
-from .select_problem import select_problem
+from .select_problem import select_problem, show_place
 from .solve_jobs import cancel_solve, clear_frames, reload_frames, start_manifest, start_solve
 from .wait_for_solve import wait_for_manifest, wait_for_solve
 
@@ -117,7 +117,7 @@ class LAPPET_OT_failure_show(OperatorBase, bpy.types.Operator):
 
 
 class LAPPET_OT_problem_show(OperatorBase, bpy.types.Operator):
-    """Select what this problem is about"""
+    """Select what this problem is about, and look there"""
 
     bl_label = "Show"
 
@@ -127,8 +127,10 @@ class LAPPET_OT_problem_show(OperatorBase, bpy.types.Operator):
         problems = problems_of(context.scene)
         if self.index >= len(problems):
             raise refused(ProblemCode.PROBLEM_UNKNOWN, "", self.index, count=len(problems))
-        if not select_problem(context.scene, context.view_layer, problems[self.index]):
-            return f"{problems[self.index].prim} is nothing in the scene that could be selected."
+        found = problems[self.index]
+        placed = show_place(context, found)
+        if not select_problem(context.scene, context.view_layer, found) and not placed:
+            return f"{found.prim} is nothing in the scene that could be selected."
         return None
 
 

@@ -62,6 +62,8 @@ def _solving(controller: Controller, job: Job) -> Progress:
         line = "Stopping after this iteration; what is solved is kept"
     elif job.manifest is None:
         line = "Preparing the cuts and the lattice"
+    elif job.settings.correction and 0 < job.total <= job.done:
+        line = f"{job.total} frames; estimating the error"
     else:
         line = f"{job.done} of {job.total} frames"
         if not math.isnan(job.time):

@@ -6,6 +6,7 @@ import math
 import time
 
 from lappet.background.worker_events import (
+    Assessed,
     Finished,
     FrameFailed,
     FrameReady,
@@ -56,6 +57,9 @@ def _apply(controller: Controller, event: WorkerEvent) -> None:
             _ready(controller, job, event)
         case FrameFailed():
             _failed(controller, job, event)
+        case Assessed():
+            manifests.assessments[job.key] = event.assessment
+            controller.notify()
         case LiveFrame():
             _live(controller, event)
         case Finished():

@@ -4,16 +4,18 @@ from __future__ import annotations
 
 import time
 import traceback
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
+from lappet.background.assessment import Assessment, assessment_key
 from lappet.background.compilation import Compilation, up_to
 from lappet.background.job import CancelledError, Job
 from lappet.background.kept_frames import KeptFrames
 from lappet.background.manifest import Manifest
 from lappet.background.worker_events import (
+    Assessed,
     Finished,
     FrameFailed,
     FrameReady,
@@ -31,7 +33,10 @@ from lappet.daemon.solved_frame import LatticeCounts, SolvedFrame, SolverState
 from lappet.procedure.prim_paths import ROOT
 from lappet.program.program import Bones, FrameConstraints, Landmarks, Program
 from lappet.program.settings import SolverSettings
+from lappet.solve.error_estimate import ErrorEstimate, estimate_errors
+from lappet.solve.fallbacks import fallbacks
 from lappet.solve.solve_frames import FrameResult, Frames, SolveObserver, solve_program
+from lappet.solve.untrusted import untrusted
 
 Tell = Callable[[WorkerEvent], None]
 
@@ -127,15 +132,45 @@ class SolveJobs:
         """
         wanted = [frame for frame in manifest.frames if until is None or frame.time <= until]
         if all(frame.key in self.store for frame in wanted):
-            for frame in wanted:
-                job.step()
-                self.tell(FrameReady(job.number, frame.time, frame.key, True, self._held(frame.key)))
-            return len(wanted)
+            key = assessment_key([frame.key for frame in wanted], job.ask.settings.correction)
+            known = self.store.get(key, Assessment)
+            if known is not None or not job.ask.settings.correction:
+                for frame in wanted:
+                    job.step()
+                    self.tell(FrameReady(job.number, frame.time, frame.key, True, self._held(frame.key)))
+                if known is not None:
+                    self.tell(Assessed(job.number, known))
+                return len(wanted)
         program = up_to(self.compilation.compiled(job.ask.procedure, job.ask.settings, job.step).program, until)
         frames = self.frames(job, program)
         if frames.reason is not None and not frames.interrupted:
             self.tell(FrameFailed(job.number, round(program.frames[len(frames.frames)].time), frames.reason))
+        if job.kind == "solve" and frames.frames and not frames.interrupted:
+            self.assess(job, program, frames.frames)
         return len(frames.frames)
+
+    def assess(self, job: Job, program: Program, frames: Sequence[FrameResult]) -> None:
+        """Tell what is to be known of the frames of a job, with their estimated errors where these are wanted.
+
+        Parameters
+        ----------
+        job
+            The job.
+        program
+            The program.
+        frames
+            Its frames, at least one.
+        """
+        notes, errors = fallbacks(program, frames), ErrorEstimate((), 0.0, 0.0, 0.0)
+        wanted = job.ask.settings.correction
+        if wanted:
+            connect, identity = stoppable(self.connect, job), self.compilation.identity
+            errors = estimate_errors(program, frames, self.store, connect, identity, _Stopping(job))
+            job.step()
+            notes += untrusted(program, frames, errors)
+        found = Assessment(tuple(notes), errors.frames)
+        self.store.put(assessment_key([frame.key for frame in frames], wanted), found)
+        self.tell(Assessed(job.number, found))
 
     def frames(self, job: Job, program: Program) -> Frames:
         """Solve a program and tell of each frame.
@@ -159,6 +194,25 @@ class SolveJobs:
         """A frame that only this process has."""
         stored = self.store.get(key, SolvedFrame) if self.store.holds(key) else None
         return None if stored is None else stored.shown()
+
+
+class _Stopping(SolveObserver):
+    """Stop a solve once it is cancelled."""
+
+    def __init__(self, job: Job) -> None:
+        self._job = job
+
+    def iteration(self, iteration: Iteration) -> None:
+        """A Newton iteration is done."""
+        self._stop()
+
+    def frame(self, frame: FrameResult) -> None:
+        """A frame is there."""
+        self._stop()
+
+    def _stop(self) -> None:
+        if self._job.cancelled:
+            raise KeyboardInterrupt  # what ends a solve and keeps what is done
 
 
 class _Telling(SolveObserver):

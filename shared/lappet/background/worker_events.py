@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from lappet.background.assessment import Assessment
 from lappet.background.manifest import Manifest
 from lappet.core.problem import Problem
 from lappet.daemon.solved_frame import SolvedFrame
@@ -151,6 +152,22 @@ class Note:
     problem: Problem
 
 
+@dataclass(frozen=True)
+class Assessed:
+    """What is to be known of the frames of a job, after the last one.
+
+    Parameters
+    ----------
+    job
+        Number of the job.
+    assessment
+        What it is.
+    """
+
+    job: int
+    assessment: Assessment
+
+
 @dataclass(frozen=True, eq=False)
 class LiveFrame:
     """The skin in live mode for the hook's latest target.
@@ -184,4 +201,4 @@ class LiveFrame:
         return self.problem is None
 
 
-WorkerEvent = Listed | Refused | IterationDone | FrameReady | FrameFailed | Finished | Note | LiveFrame
+WorkerEvent = Listed | Refused | IterationDone | FrameReady | FrameFailed | Finished | Note | Assessed | LiveFrame
