@@ -23,7 +23,7 @@ class SceneReading:
     """What reading a scene gave.
 
     procedure: None where a problem that is an error stands in the way. problems: those of Blender's side; what the
-    values themselves are wrong about `lappet.check` and the plan say.
+    values themselves are wrong about `lappet.check` and the manifest say.
     """
 
     procedure: Procedure | None
