@@ -32,7 +32,7 @@ class ModeSearch {
     set_noise(other_.shape);
     measure(other_);
     if (!(dot<Real>(other_.shape, other_.softening) > 0.0)) return {};
-    preconditioner_.update(u_);
+    preconditioner_.refresh(u_);
     if (!preconditioner_.is_smoother_only()) add_coarse_noise();
     // The first step is one of the power method: the noise itself says nothing.
     preconditioner_.apply(other_.softening, mode_.shape);
