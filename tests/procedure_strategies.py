@@ -88,6 +88,7 @@ def tissues(draw: st.DrawFn) -> Tissue:
         draw(numbers),
         draw(points),
         draw(numbers),
+        draw(numbers),
         tuple(Region(name, draw(named), draw(numbers), draw(depths)) for name in painted),
     )
 

@@ -114,7 +114,8 @@ def test_no_number_may_be_infinite_or_nan(value: float) -> None:
         )
     ]
     broken += [
-        replace(GOOD, tissue=replace(GOOD.tissue, **{name: value})) for name in ("spacing", "gravity", "bed_stiffness")
+        replace(GOOD, tissue=replace(GOOD.tissue, **{name: value}))
+        for name in ("spacing", "gravity", "bed_stiffness", "bed_shear")
     ]
     broken += [replace(GOOD, **{name: value}) for name in ("start_time", "end_time", "fps")]
     muscle = Material(muscle_stress=300.0)
@@ -138,7 +139,7 @@ def test_no_number_may_be_infinite_or_nan(value: float) -> None:
                 events = [*GOOD.events]
                 events[i] = replace(event, **{name: ((first[0], value, first[2]), *others)})
                 broken.append(replace(GOOD, events=tuple(events)))
-    assert len(broken) == 8 + 4 + 3 + 3 + 3 + 1 + 1 + 3 + 3 + 5
+    assert len(broken) == 8 + 5 + 3 + 3 + 3 + 1 + 1 + 3 + 3 + 5
     for procedure in broken:
         problems = check(procedure)
         assert any(problem.severity == "error" for problem in problems), repr(procedure)

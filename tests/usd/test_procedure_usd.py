@@ -91,6 +91,7 @@ def test_equality_sees_every_field_of_the_tissue() -> None:
         "gravity": 0.0,
         "gravity_direction": (0.0, -1.0, 0.0),
         "bed_stiffness": 1.0,
+        "bed_shear": 0.5,
         "regions": (Region("fixed", "fat"),),
     }
     assert set(others) == {field.name for field in fields(Tissue)}
@@ -152,7 +153,11 @@ def test_usd_recognises_the_schemas_and_every_property_is_authored(tmp_path: Pat
     expected = {"Tissue": "Tissue", "Timeline/cut": "Incision", "Timeline/hook": "Hook", "Timeline/pull": "Retractor"}
     expected |= {"Timeline/stitch": "Suture", "Timeline/tip": "Landmark", "Materials/skin": "Material"}
     expected |= {"Tissue/cheek": "Region"}
-    unlike_0_1 = ("lappet:gravityDirection", "lappet:fiber:slack")  # authored where they are not the default
+    unlike_0_1 = (
+        "lappet:gravityDirection",
+        "lappet:bedShear",
+        "lappet:fiber:slack",
+    )  # authored where they are not the default
     may_be_left_out = ("lappet:muscleActivation", *unlike_0_1)
     for path, kind in expected.items():
         prim = stage.GetPrimAtPath(f"/Procedure/{path}")

@@ -16,6 +16,9 @@ from lappet.geometry.rigid_motion import RigidMotion
 from lappet.procedure import Event, Excision, Hook, Incision, Landmark, Point, Procedure, Retractor, Suture, Undermine
 from lappet.tissue.rest_space import RestSpace
 
+# In lattice spacings: how far outside the tissue an anchor may be, and how far it is moved without a word (chosen).
+OFF_TISSUE, UNSAID = 0.5, 0.01
+
 
 class EventCheck:
     """A check of the events of one procedure, one by one.
@@ -32,9 +35,9 @@ class EventCheck:
         self.procedure, self.rest = procedure, rest
         self.problems: list[Problem] = []
         self._path = ""
-        # How far each place is off the tissue, looked up at once: one by one takes longer.
-        anchored = [point for event in procedure.events for point in _places(event) if np.isfinite(point).all()]
-        self._off = {} if rest is None else dict(zip(anchored, rest.off(anchored).tolist(), strict=True))
+        # How far each place is outside the tissue, looked up at once: one by one takes longer.
+        places = [point for event in procedure.events for point in _places(event) if np.isfinite(point).all()]
+        self._outside = {} if rest is None else dict(zip(places, rest.outside(places).tolist(), strict=True))
 
     def check(self, event: Event, path: str) -> None:
         """Add the problems of one event to `problems`.
@@ -57,7 +60,7 @@ class EventCheck:
             case Excision():
                 self._time("made", event.time)
                 if self._points("seed", event.seeds):
-                    self._on_tissue("seed", event.seeds)
+                    self._seeds(event.seeds)
             case Undermine():
                 self._time("made", event.time)
                 self._curve(event.points, event.basis, True)
@@ -67,7 +70,7 @@ class EventCheck:
                 self._hold(event)
                 self._positive(ProblemCode.EVENT_STIFFNESS, event.stiffness, usual=f"{Hook.stiffness:g}")
                 if self._points("anchor", [event.anchor]):
-                    self._on_tissue("anchor", [event.anchor])
+                    self._anchors("anchor", [event.anchor])
                 self._samples("target", [time for time, _ in event.targets])
                 self._targets(event)
             case Retractor():
@@ -81,7 +84,7 @@ class EventCheck:
                 if not event.label:
                     self._add(ProblemCode.LANDMARK_NO_LABEL, "no label")
                 if self._points("point", event.points):
-                    self._on_tissue("point", event.points)
+                    self._anchors("point", event.points)
 
     def _add(self, code: ProblemCode, value: object, place: Place | None = None, **fields: Any) -> None:
         self.problems.append(problem(code, self._path, value, place=place, **fields))
@@ -133,12 +136,25 @@ class EventCheck:
                 return False
         return True
 
-    def _on_tissue(self, name: str, points: Sequence[Point]) -> None:
+    def _seeds(self, seeds: Sequence[Point]) -> None:
         if self.rest is None:
             return
+        for seed in seeds:
+            off = self._outside[seed]
+            if off > self.rest.margin:
+                self._add(ProblemCode.EVENT_OFF_TISSUE, at(seed), Place.at(seed), name="seed", off=off)
+
+    def _anchors(self, name: str, points: Sequence[Point]) -> None:
+        """Judge what is held where it lies: nothing inside the tissue or on it, the rest by how far it is moved."""
+        spacing = self.procedure.tissue.spacing
+        if self.rest is None or not spacing > 0.0:  # which is said of the tissue
+            return
         for point in points:
-            if self._off[point] > 0.0:
-                self._add(ProblemCode.EVENT_OFF_TISSUE, at(point), Place.at(point), name=name, off=self._off[point])
+            off = self._outside[point]
+            if off > OFF_TISSUE * spacing:
+                self._add(ProblemCode.EVENT_OFF_TISSUE, at(point), Place.at(point), name=name, off=off)
+            elif off > UNSAID * spacing:
+                self._add(ProblemCode.EVENT_ANCHOR_MOVED, at(point), Place.at(point), name=name, off=off)
 
     def _curve(self, points: Sequence[Point], basis: str, closed: bool) -> None:
         if not self._points("point", points):
@@ -189,7 +205,7 @@ class EventCheck:
                 self._add(ProblemCode.SUTURE_AFTER_END, f"{drawn:g}", end=end)
         self._positive(ProblemCode.EVENT_STIFFNESS, event.stiffness, usual=f"{Suture.stiffness:g}")
         if self._points("anchor", event.anchors):
-            self._on_tissue("anchor", event.anchors)
+            self._anchors("anchor", event.anchors)
             apart, least = math.dist(*event.anchors), same_point(self.procedure)
             if apart <= least:
                 self._add(ProblemCode.SUTURE_OF_ONE_POINT, at(event.anchors[0]), Place.at(event.anchors[0]))

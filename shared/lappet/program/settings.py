@@ -149,7 +149,9 @@ class SolverSettings:
     origin
         A point of the grid in mm.
     bed_stiffness
-        Stiffness of the bed in kPa/mm.
+        Stiffness of the bed along its normal in kPa/mm.
+    bed_shear
+        Stiffness of the bed in its plane in kPa/mm.
     gravity
         Gravity in m/s².
     sutures
@@ -183,7 +185,8 @@ class SolverSettings:
         ),
     )
     origin: tuple[float, float, float] = setting((0.0, 0.0, 0.0))
-    bed_stiffness: float = setting(10.0)
+    bed_stiffness: float = setting(19.0)
+    bed_shear: float = setting(0.375)
     gravity: tuple[float, float, float] = setting((0.0, 0.0, 0.0))
     sutures: int = setting(0, in_key=False)
     retractors: int = setting(0, in_key=False)

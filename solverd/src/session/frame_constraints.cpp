@@ -69,9 +69,9 @@ const AnchorStencil& FrameConstraints<Real>::embed(const Anchor& anchor) const {
   const std::array<double, 4> key{anchor.point[0], anchor.point[1], anchor.point[2], double(anchor.triangle)};
   auto found = stencils_.find(key);
   if (found == stencils_.end()) {
-    const auto point = embed_on_triangle(lattice_, surface_, anchor.point, anchor.triangle);
-    const double reach = std::min(kStencilRadius, kStencilShare * (highest_ - lowest_).minCoeff());
-    found = stencils_.emplace(key, anchor_stencil(lattice_, point, reach)).first;
+    const double radius = std::min(kStencilRadius, kStencilShare * (highest_ - lowest_).minCoeff());
+    if (!stencil_maker_) stencil_maker_.emplace(lattice_, surface_, radius);
+    found = stencils_.emplace(key, stencil_maker_->around(anchor.point, anchor.triangle)).first;
   }
   return found->second;
 }

@@ -3,6 +3,7 @@
 #pragma once
 #include <array>
 #include <map>
+#include <optional>
 #include <vector>
 
 #include "lattice/anchor_stencil.h"
@@ -49,6 +50,7 @@ class FrameConstraints {
   const Surface& surface_;
   System<Real>& system_;
   Vec3 lowest_, highest_;
+  mutable std::optional<AnchorStencils> stencil_maker_;
   mutable std::map<std::array<double, 4>, AnchorStencil> stencils_;  // by rest point and triangle
 };
 

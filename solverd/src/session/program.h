@@ -26,7 +26,8 @@ struct SessionSettings {
   double tolerance = 1e-3;          // residual / force scale
   double gap_tolerance = 1e-3;      // suture and grip gaps, fraction of spacing
   int max_newton = 100;             // per frame
-  double bed_stiffness = 10.0;      // kPa/mm
+  double bed_stiffness = 19.0;      // kPa/mm, along the normal
+  double bed_shear = 0.375;         // kPa/mm, at most bed_stiffness
   Vec3 gravity = Vec3::Zero();      // m/s^2
   double time_budget = 0.0;         // seconds per frame, 0: none
   std::size_t memory_budget = std::size_t{8} << 30;
@@ -56,6 +57,7 @@ void visit_settings(SessionSettings& settings, Visitor&& visit) {
   visit("gap_tolerance", settings.gap_tolerance);
   visit("max_newton", settings.max_newton);
   visit("bed_stiffness", settings.bed_stiffness);
+  visit("bed_shear", settings.bed_shear);
   visit("gravity", settings.gravity);
   visit("time_budget", settings.time_budget);
   visit("memory_budget", settings.memory_budget);
@@ -80,6 +82,7 @@ struct EpochInput {
   // The outer skin before any cut: regions measure their depth from it, fibers and prestretch run along it. May be
   // empty without regions; directions are then taken as they are, in tissue whose skin is upright to z.
   Surface skin;
+  SkinFields skin_fields;
   std::vector<MaterialRegion> regions;
   // What faces with the bed label 2 rest on: the underside before any cut. Empty: that of `surface`, its faces with a
   // bed label.

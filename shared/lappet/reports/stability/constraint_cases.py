@@ -101,8 +101,16 @@ def _stiffness() -> Iterator[Case]:
         lambda: Scene(_pulled(1e8, precision="double"), check=_hook_holds(1e8)),
     )
     yield Case("hook of 10^8 mN/mm beside one of 10^-2", "stiffness", lambda: _two_hooks(1e8, 1e-2))
-    yield Case("bed of 10^8 kPa/mm", "stiffness", lambda: compiled(procedure(patch(bed_stiffness=1e8), _lift(50.0))))
-    yield Case("bed of 10^-8 kPa/mm", "stiffness", lambda: compiled(procedure(patch(bed_stiffness=1e-8), _lift(50.0))))
+    yield Case(
+        "bed of 10^8 kPa/mm",
+        "stiffness",
+        lambda: compiled(procedure(patch(bed_stiffness=1e8, bed_shear=1e8), _lift(50.0))),
+    )
+    yield Case(
+        "bed of 10^-8 kPa/mm",
+        "stiffness",
+        lambda: compiled(procedure(patch(bed_stiffness=1e-8, bed_shear=1e-8), _lift(50.0))),
+    )
 
 
 def _lift(stiffness: float, by: float = 2.0) -> Hook:

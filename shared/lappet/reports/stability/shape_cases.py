@@ -179,7 +179,9 @@ def scaled_patch(unit: float, stiffness: float = 20.0, **more: Any) -> Program:
         x, y, z = (unit * value for value in point)
         return (x, y, z)
 
-    tissue = flat_patch(at(24.0, 16.0, 2.0), resolution=2.0 * unit, spacing=unit, bed_stiffness=10.0 / unit)
+    tissue = flat_patch(
+        at(24.0, 16.0, 2.0), resolution=2.0 * unit, spacing=unit, bed_stiffness=10.0 / unit, bed_shear=10.0 / unit
+    )
     events = (
         Incision("slit", 1.0, (at(-6, 0, 2), at(6, 0, 2)), kerf=0.1 * unit),
         Suture("stitch", (at(3, -1.5, 2), at(3, 1.5, 2)), 2.0, 1.0),

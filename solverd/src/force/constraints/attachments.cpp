@@ -29,6 +29,12 @@ struct RestingBucket {
   std::array<double, 8> weights{};
 };
 
+struct BedBucket {
+  double area = 0.0;
+  Vec3 outward = Vec3::Zero();
+  std::array<double, 8> weights{};
+};
+
 constexpr int kNoSide = 6;
 
 struct HeldFace {
@@ -38,6 +44,8 @@ struct HeldFace {
   bool rests = false;
   double sample_area = 0.0;
   Vec3 normal = Vec3::Zero();
+
+  bool attached() const { return count > 0 && groups[static_cast<std::size_t>(count - 1)] == kBedGroup; }
 };
 
 int lattice_side(const EmbeddedPoint& point, const Vec3& normal) {
@@ -56,12 +64,19 @@ int lattice_side(const EmbeddedPoint& point, const Vec3& normal) {
 struct Buckets {
   std::map<std::tuple<std::int32_t, std::int32_t, int>, Bucket> held;  // by cell, group, side
   std::map<Index, RestingBucket> resting;                              // by cell
+  std::map<Index, BedBucket> attached;                                 // by cell
 
   void add(const HeldFace& face, const Vec3& place, const EmbeddedPoint& point) {
     if (face.rests) {
       auto& bucket = resting[point.cell];
       bucket.area += face.sample_area;
       bucket.moment += face.sample_area * place;
+      for (std::size_t p = 0; p < 8; ++p) bucket.weights[p] += face.sample_area * point.weights[p];
+    }
+    if (face.attached()) {
+      auto& bucket = attached[point.cell];
+      bucket.area += face.sample_area;
+      bucket.outward += face.sample_area * face.normal;
       for (std::size_t p = 0; p < 8; ++p) bucket.weights[p] += face.sample_area * point.weights[p];
     }
     const int side = lattice_side(point, face.normal);
@@ -190,6 +205,11 @@ Attachments attach(const Lattice& lattice, const Surface& surface, std::span<con
     RestingFace face{cell, bucket.area, rest, std::min(0.0, ground->height(rest).value), bucket.weights};
     for (double& weight : face.weights) weight /= bucket.area;
     result.resting.push_back(face);
+  }
+  for (const auto& [cell, bucket] : buckets.attached) {
+    BedFace face{cell, bucket.area, bucket.outward.normalized(), bucket.weights};
+    for (double& weight : face.weights) weight /= bucket.area;
+    result.attached.push_back(face);
   }
   if (!result.resting.empty()) result.ground = std::move(ground);
   return result;

@@ -5,9 +5,10 @@
 // = 0, M = sum of area W_s^T W_s per cell. Where a face lies on a lattice plane M only sees the four nodes of that
 // plane: they are prescribed exactly. Elsewhere the form is a penalty with multipliers (augmented Lagrangian); there
 // only the demand counts, so that a sliver of a face weighs as much as a whole face and its multiplier converges as
-// fast. Bed faces are the same form with the bed's stiffness and no multipliers. Undermined faces rest on the ground
+// fast. Bed faces are the same form with the bed's stiffness in shear and no multipliers; what the bed is stiffer along
+// its normal acts on the mean height of the face in a cell. Undermined faces rest on the ground
 // (force/constraints/ground.h): they may lift off and slide, but where they sink deeper into it than they lay at rest
-// the bed pushes back with its stiffness.
+// the bed pushes back with its normal stiffness.
 #pragma once
 #include <Eigen/Core>
 #include <array>
@@ -51,12 +52,21 @@ struct RestingFace {
   std::array<double, 8> weights;
 };
 
+// The mean height of the faces attached to the bed inside a cell: n . sum_k weights_k u_k.
+struct BedFace {
+  Index cell;
+  double area;   // mm^2
+  Vec3 outward;  // unit
+  std::array<double, 8> weights;
+};
+
 inline constexpr std::uint8_t kAttachedToBed = 1, kRestsOnBed = 2;  // labels of triangles
 
 struct Attachments {
   std::vector<Index> node_group;                 // per node: kFree, kFixedGroup or a retractor; prescribed nodes
   std::vector<FaceConstraint> face_constraints;  // bed faces, and held faces off the lattice planes
   std::vector<RestingFace> resting;
+  std::vector<BedFace> attached;
   std::shared_ptr<const Ground> ground;  // what they rest on; null where none does
 };
 

@@ -16,11 +16,17 @@
 
 namespace lappet {
 
+// kPa/mm: stress per displacement.
+struct BedStiffness {
+  double normal = 0.0;  // of attached faces both ways, of resting ones where they sink
+  double shear = 0.0;   // of attached faces; at most `normal`
+};
+
 template <class Real>
 class System {
  public:
   System(const Lattice& lattice, CellMaterials materials, int quadrature, Attachments attachments,
-         std::int32_t retractors, double bed_stiffness, const Vec3& gravity);
+         std::int32_t retractors, BedStiffness bed, const Vec3& gravity);
 
   // Where a subdomain lies in this whole (solve/subdomain/subdomain.h). cells, nodes: their indices here; moves: per
   // node of the subdomain, only of those that are free.
@@ -88,7 +94,7 @@ class System {
   // The same, with the decompositions of an evaluation, which must be the last one.
   const Elastic<Real>& elastic_at(const Evaluation& at) const;
   const Attachments& attachments() const { return attachments_; }
-  double bed_stiffness() const { return bed_stiffness_; }
+  const BedStiffness& bed() const { return bed_; }
   const Lattice& lattice() const { return elastic_.lattice(); }
   // Changes whenever free nodes, point constraints or active attachments change: preconditioners look at it.
   std::uint64_t constraint_revision() const { return revision_; }
@@ -108,6 +114,7 @@ class System {
                               std::span<double> gradient) const;
   void evaluate_face_constraint(const FaceConstraint& face, std::span<const Real> u, const Multipliers& multipliers,
                                 std::array<double, 25>& out) const;
+  void add_bed_faces(std::span<const Real> u, Evaluation& result) const;
   void add_resting_faces(std::span<const Real> u, Evaluation& result) const;
   void add_point_constraints(std::span<const Real> u, const Multipliers& multipliers, Evaluation& result) const;
   void add_drift(std::span<const Real> u, Evaluation& result) const;
@@ -125,7 +132,8 @@ class System {
 
   Elastic<Real> elastic_;
   Attachments attachments_;
-  double bed_stiffness_, held_stiffness_;
+  BedStiffness bed_;
+  double held_stiffness_;
   std::vector<double> gravity_force_;  // 3 per node or empty
   std::vector<std::uint8_t> retractor_active_;
   std::vector<Eigen::Matrix4d> retractor_motion_;
