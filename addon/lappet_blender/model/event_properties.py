@@ -14,10 +14,10 @@ from bpy.props import (
     StringProperty,
 )
 
-from lappet.procedure import Hook, Incision
+from lappet.procedure import Hook, Incision, Suture
 
 from .changes import property_changed
-from .event_kinds import BASES, KINDS
+from .event_kinds import BASES, KINDS, SUTURE_MODES, THREAD_ITEMS
 from .event_list import move_event, rename_event
 
 
@@ -104,6 +104,40 @@ class LappetEvent(bpy.types.PropertyGroup):
         name="Stiffness",
         description="Stiffness of the hook or suture, in mN/mm",
         default=Hook.stiffness,
+        min=0.0,
+        update=property_changed,
+    )
+    mode: EnumProperty(
+        name="Hold",
+        items=SUTURE_MODES,
+        default="EXACT",
+        update=property_changed,
+    )
+    thread: EnumProperty(
+        name="Thread",
+        description="A thread from the shelf, or the stiffness below",
+        items=THREAD_ITEMS,
+        default="NONE",
+        update=property_changed,
+    )
+    length: FloatProperty(
+        name="Length",
+        description="Length to which the thread is drawn, in mm",
+        default=Suture.length,
+        min=0.0,
+        update=property_changed,
+    )
+    tension: FloatProperty(
+        name="Tension",
+        description="Tension with which the thread is drawn at most, in mN; 0 for as much as it takes",
+        default=Suture.tension,
+        min=0.0,
+        update=property_changed,
+    )
+    pull_through: FloatProperty(
+        name="Pull-through",
+        description="Tension at which the thread cuts through the tissue, in mN; 0 for that of the thread",
+        default=Suture.pull_through,
         min=0.0,
         update=property_changed,
     )

@@ -14,6 +14,7 @@ from lappet.core.problem_code import ProblemCode
 from lappet.daemon.daemon_solver import connect_to, solver_identity
 from lappet.daemon.frame_solver import Connect, Iteration
 from lappet.output.skin_cache import write_skin_cache
+from lappet.output.suture_forces import SutureForce, suture_forces, suture_warnings
 from lappet.procedure import Procedure
 from lappet.procedure.prim_paths import ROOT
 from lappet.program.compile import DEFAULT, compile_program, frame_times
@@ -53,6 +54,8 @@ class SolveResult:
         What the user was told meanwhile.
     errors
         Estimate of the errors of `frames`, or None where none was wanted.
+    suture_forces
+        The force on each suture in each frame.
     """
 
     procedure: Procedure
@@ -65,6 +68,7 @@ class SolveResult:
     wall_seconds: float = 0.0
     notes: tuple[str, ...] = ()
     errors: ErrorEstimate | None = None
+    suture_forces: tuple[SutureForce, ...] = ()
 
     @property
     def complete(self) -> bool:
@@ -148,6 +152,9 @@ def solve_procedure(
         solver = solver or solver_identity(daemon)
     store = store or FrameStore()
     result = solve_program(program, store, connect, solver, watch)
+    forces = [row for frame in result.frames for row in suture_forces(procedure, program, frame.solved)]
+    for warning in suture_warnings(procedure, forces):
+        watch.note(str(warning))
     wanted = [frame for frame in result.frames if frame.constraints.time >= first]
     written = None
     if wanted:
@@ -171,6 +178,7 @@ def solve_procedure(
         time.perf_counter() - started,
         tuple(watch.sentences),
         errors,
+        tuple(forces),
     )
 
 

@@ -13,6 +13,7 @@ from lappet.procedure.events import (
     Landmark,
     Retractor,
     Suture,
+    SutureMode,
     Undermine,
 )
 from lappet.procedure.exact_values import Point
@@ -36,6 +37,7 @@ __all__ = [
     "Region",
     "Retractor",
     "Suture",
+    "SutureMode",
     "Tissue",
     "Undermine",
 ]
