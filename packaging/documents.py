@@ -1,9 +1,9 @@
 """Keep the documents true: `documents.py --write` or `documents.py --check`.
 
-`--write` writes `docs/command_line.md` from the command line itself and `docs/problems.md` from the catalogue of
-problems. Both check that every relative link and picture of every Markdown file of the repository leads to a file, and
-every anchor to a heading. `--check` changes nothing. The exit status is 1 if a page is out of date or a link leads
-nowhere.
+`--write` writes `docs/command_line.md` from the command line itself, `docs/problems.md` from the catalogue of problems
+and `docs/tissues.md` from the presets of tissue. Both check that every relative link and picture of every Markdown file
+of the repository leads to a file, and every anchor to a heading. `--check` changes nothing. The exit status is 1 if a
+page is out of date or a link leads nowhere.
 """
 
 from __future__ import annotations
@@ -21,6 +21,7 @@ import problem_page
 
 ROOT = Path(__file__).resolve().parent.parent
 PAGE = "docs/command_line.md"
+TISSUES = "docs/tissues.md"
 SKIPPED = {"build", "dist", "node_modules"}
 LINK = re.compile(r"(?<!\\)!?\[[^\]]*\]\(\s*<?([^)\s>]+)>?(?:\s+\"[^\"]*\")?\s*\)")
 FENCE = re.compile(r"^(```|~~~).*?^\1\s*$", re.MULTILINE | re.DOTALL)
@@ -90,9 +91,11 @@ def main(arguments: list[str]) -> int:
         print(__doc__.splitlines()[0], file=sys.stderr)
         return 2
     from lappet.commands.cli import cli
+    from lappet.reports.tissues.page import tissue_page
 
     problems = []
-    for name, text in ((PAGE, command_line_page(cli)), (problem_page.PAGE, problem_page.problem_page())):
+    pages = {PAGE: command_line_page(cli), problem_page.PAGE: problem_page.problem_page(), TISSUES: tissue_page()}
+    for name, text in pages.items():
         page = ROOT / name
         if arguments == ["--write"]:
             page.parent.mkdir(exist_ok=True)

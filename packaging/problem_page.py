@@ -13,7 +13,8 @@ INTRODUCTION = """# Problems by code and by message
 `make docs` writes this page from `shared/lappet/core/texts/`. Every refusal and every warning of `lappet`, of the
 Blender extension and of the reports has a code. The code stays the same from release to release; the wording may
 change. In Python it is `problem.code`, in a report of `lappet solve --report` it is `code`. Each problem fills the
-fields in {braces} with its values. A warning does not prevent the solve.
+fields in {braces} with its values. A warning does not prevent the solve: what it names is possible, but probably not
+meant, or not to be trusted. A note says what the program does besides, or otherwise than it is told.
 """
 
 
@@ -28,7 +29,7 @@ def problem_page() -> str:
         lines.append(f"| {_cell(_shown(text.message) or text.title)} | [`{code}`](#{code}) |")
     lines += ["", "## By code", ""]
     for code, text in entries:
-        kind = " (warning)" if text.severity == "warning" else ""
+        kind = "" if text.severity == "error" else f" ({text.severity})"
         lines += [f"### {code}", "", f"**{text.title}**{kind}", ""]
         message = _shown(text.message) or "in the words of the program that refuses"
         lines += [f"- Message: {message}", f"- Remedy: {_shown(text.remedy) or text.advice}", ""]

@@ -15,14 +15,22 @@ FRAME: dict[str, Any] = {
     "pcg_iterations": int,
     "load_steps": int,
     "active_cells": int,
+    "restart": (str, type(None)),
     "residual": NUMBER,
     "force_scale_mn": NUMBER,
+    "displacement_to_come_mm": NUMBER,
     "largest_gap_mm": NUMBER,
     "minimum_j": NUMBER,
     "inverted_cells": int,
     "energy_mn_mm": NUMBER,
     "largest_penetration_mm": NUMBER,
     "contacts": int,
+    "stability": {
+        "lowest_stiffness": (*NUMBER, type(None)),
+        "softest_point": (list, type(None)),
+        "is_sensitive": bool,
+        "saddles_left": int,
+    },
     "seconds": {"update": NUMBER, "linear": NUMBER, "setup": NUMBER, "total": NUMBER, "wall": NUMBER},
     "suture_gaps_mm": dict,
     "suture_forces_mn": dict,
@@ -32,6 +40,10 @@ FRAME: dict[str, Any] = {
     "cache_hit": bool,
     "key": str,
 }
+NOTE = {
+    "code": str, "severity": str, "prim": str, "value": str, "message": str, "remedy": str, "faces": list,
+    "points_mm": list,
+}  # fmt: skip
 COUNTS = dict.fromkeys(("fine_voxels", "cells", "grid_cells", "mesh_cells", "nodes", "blocks"), int)
 REPORT: dict[str, Any] = {
     "version": int,
@@ -46,14 +58,18 @@ REPORT: dict[str, Any] = {
     "epochs": [
         {
             "index": int, "start_time": NUMBER, "fragments": int, "surface_points": int, "triangles": int,
-            "lattice": {**COUNTS, "fragments": int, "fixed_nodes": int, "bytes": NUMBER, "seconds": NUMBER},
+            "lattice": {
+                **COUNTS, "fragments": int, "fixed_nodes": int, "dropped_voxels": int, "bytes": NUMBER,
+                "seconds": NUMBER,
+            },
+            "lattice_volume_ratio": NUMBER,
         }
     ],
     "complete": bool,
     "interrupted": bool,
     "reason": (str, type(None)),
     "code": (str, type(None)),
-    "notes": list,
+    "notes": [NOTE],
     "error_estimate": (dict, type(None)),
     "frames": [FRAME],
     "sutures": [

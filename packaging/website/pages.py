@@ -30,6 +30,7 @@ CONTENTS = (
             "docs/python_scripting.md",
             "examples/README.md",
             "docs/materials.md",
+            "docs/tissues.md",
             "docs/problem*.md",
             "docs/reports.md",
             "docs/performance.md",

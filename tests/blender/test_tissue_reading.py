@@ -29,12 +29,15 @@ def test_an_empty_scene_has_no_tissue_and_says_how_to_get_one(scene: bpy.types.S
     assert repair_of(problem) == Repair("lappet.tissue_set")
 
 
-@pytest.mark.parametrize("metres_per_unit", [1.0, 0.001, 0.01])
+@pytest.mark.parametrize(
+    ("metres_per_unit", "direction"),
+    [(1.0, (0.0, 0.0, -1.0)), (0.001, (0.0, -1.0, 0.0)), (0.01, (0.5, 0.25, -1.0))],
+)
 def test_a_procedure_comes_back_from_the_scene_as_it_was_given_whatever_the_unit(
-    scene: bpy.types.Scene, metres_per_unit: float
+    scene: bpy.types.Scene, metres_per_unit: float, direction: tuple[float, float, float]
 ) -> None:
     scene.unit_settings.scale_length = metres_per_unit
-    plain = flat_patch(SIZE, 2.0, material="dermis", spacing=0.8, gravity=9.81, bed_stiffness=12.5)
+    plain = flat_patch(SIZE, 2.0, material="dermis", spacing=0.8, gravity=4.0, bed_stiffness=12.5, bed_shear=0.5)
     given = Procedure(
         Tissue(
             plain.points,
@@ -42,11 +45,12 @@ def test_a_procedure_comes_back_from_the_scene_as_it_was_given_whatever_the_unit
             plain.face_vertex_indices,
             plain.uv,
             {**plain.subsets, "grip": np.array([3, 7], np.int32), "fat_below": np.array([1], np.int32)},
-            **{name: getattr(plain, name) for name in ("material", "spacing", "gravity", "bed_stiffness")},
+            **{name: getattr(plain, name) for name in ("material", "spacing", "gravity", "bed_stiffness", "bed_shear")},
+            gravity_direction=direction,
             regions=(Region("grip", "muscle", 0.5, 2.2), Region("fat_below", "fat", 1.5)),
         ),
         materials=(
-            Material("dermis", "stableNeoHookean", 53.3, 0.49, fiber_k1=12.0, fiber_k2=0.1327, fiber_dispersion=1 / 3),
+            Material("dermis", "stableNeoHookean", 53.3, 0.49, fiber_k1=12.0, fiber_k2=0.1327, fiber_slack=1.2),
             Material("fat", "stableNeoHookean", 1.58, 0.49, prestretch=(1.05, 0.98), density=920.0),
             Material("muscle", "stableNeoHookean", muscle_stress=300.0, muscle_activation=((2.0, 0.0), (8.0, 0.7))),
         ),
@@ -226,7 +230,8 @@ def test_the_meshes_of_a_broken_procedure_are_refused_and_the_scene_stays_as_it_
 def test_a_timeline_that_a_scene_cannot_hold_is_told(scene: bpy.types.Scene) -> None:
     procedure = Procedure(flat_patch(SIZE, 2.0), start_time=0.5, end_time=9.7)
     (note,) = fill_scene(scene, procedure, scene.collection)
-    assert note == "The timeline runs from 0.5 to 9.7; the scene from frame 1 to 9."
+    assert note.code == ProblemCode.SCENE_RANGE
+    assert note.message == "The timeline runs from 0.5 to 9.7; the scene from frame 1 to 9."
 
 
 def test_a_procedure_survives_saving_loading_and_undo(scene: bpy.types.Scene, blend: Path) -> None:

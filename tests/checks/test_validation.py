@@ -107,8 +107,8 @@ def test_every_preset_is_sound_and_says_its_source() -> None:
     for name, preset in PRESETS.items():
         assert preset.material.name == name
         assert check(replace(GOOD, materials=(replace(preset.material, name="skin"),))) == []
-        assert ("doi" in preset.source) == preset.measured
-        assert ("Not measured" in preset.source) != preset.measured
+        assert preset.source.startswith(preset.summary)
+        assert "Chosen: " in preset.source
 
 
 @pytest.mark.parametrize("value", [float("nan"), float("inf"), -float("inf")])
@@ -121,12 +121,14 @@ def test_no_number_may_be_infinite_or_nan(value: float) -> None:
             "mooney_ratio",
             "fiber_k1",
             "fiber_k2",
+            "fiber_slack",
             "density",
             "muscle_stress",
         )
     ]
     broken += [
-        replace(GOOD, tissue=replace(GOOD.tissue, **{name: value})) for name in ("spacing", "gravity", "bed_stiffness")
+        replace(GOOD, tissue=replace(GOOD.tissue, **{name: value}))
+        for name in ("spacing", "gravity", "bed_stiffness", "bed_shear")
     ]
     broken += [replace(GOOD, **{name: value}) for name in ("start_time", "end_time", "fps")]
     muscle = Material(muscle_stress=300.0)
@@ -150,7 +152,7 @@ def test_no_number_may_be_infinite_or_nan(value: float) -> None:
                 events = [*GOOD.events]
                 events[i] = replace(event, **{name: ((first[0], value, first[2]), *others)})
                 broken.append(replace(GOOD, events=tuple(events)))
-    assert len(broken) == 7 + 4 + 3 + 3 + 3 + 1 + 1 + 3 + 3 + 5
+    assert len(broken) == 8 + 5 + 3 + 3 + 3 + 1 + 1 + 3 + 3 + 5
     for procedure in broken:
         problems = check(procedure)
         assert any(problem.severity == "error" for problem in problems), repr(procedure)

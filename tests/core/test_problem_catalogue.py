@@ -96,7 +96,7 @@ def test_texts_are_sentences_and_say_what_to_do(code: ProblemCode) -> None:
     for remedy in filter(None, (text.remedy, text.advice)):
         assert remedy.endswith("."), remedy
         assert remedy[0].isupper() or remedy[0] == "{", remedy
-    assert text.severity in ("error", "warning")
+    assert text.severity in ("error", "warning", "note")
 
 
 def test_the_page_of_problems_is_up_to_date() -> None:

@@ -17,7 +17,8 @@ from lappet.program.settings import SolverSettings
 from lappet.reports.error_time.measurement import DEFAULT, skin_of
 from lappet.reports.error_time.procedure_scenes import z_plasty_scene
 from lappet.reports.error_time.reference import greatest, rms
-from lappet.solve.error_estimate import coarse_program, expected_order, frame_error
+from lappet.solve.coarse_program import coarse_program, expected_order
+from lappet.solve.error_estimate import RestSkin, frame_error
 from lappet.solve.solve_frames import FrameResult, SolveObserver, solve_program
 from lappet.solve.store import FrameStore
 
@@ -93,7 +94,9 @@ def test_the_z_plasty_rests_in_one_way_on_every_lattice_and_its_error_is_estimat
         off = points(frame) - truth
         # Slack skin rests 0.6 mm from the truth wherever it buckles the other way.
         assert rms(off) < 0.1, (spacing, changed)
-        estimate = frame_error(frame.solved, last(coarse_program(program)).solved, skin, expected_order(program))
+        coarse = last(coarse_program(program)).solved
+        rest = RestSkin.of(program.epochs[-1])
+        estimate = frame_error(frame.solved, coarse, rest, expected_order(program), spacing)
         assert estimate is not None
         assert rms(off) / 3.0 < estimate.rms < 3.0 * rms(off), (spacing, changed, rms(off), estimate.rms)
         assert greatest(off) / 3.0 < estimate.greatest < 3.0 * greatest(off), (

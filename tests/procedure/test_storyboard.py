@@ -50,14 +50,20 @@ def test_the_storyboard_tells_the_events_in_time_order_with_their_units() -> Non
 
 def test_the_profile_names_what_the_scene_needs_and_nothing_else() -> None:
     needed = {name for name, present in scene_profile(BOARD).items() if present}
-    assert needed == {"fixed", "bed", "incisions", "hooks", "retractors", "sutures", "landmarks"}
+    assert needed == {"fixed", "bed", "incisions", "hooks", "retractors", "sutures", "landmarks", "gravity"}
+    weightless = replace(BOARD, tissue=replace(BOARD.tissue, gravity=0.0))
+    assert needed - {name for name, present in scene_profile(weightless).items() if present} == {"gravity"}
     patch = flat_patch((10, 10, 2), 5.0)
     bone = Bone("skull", patch.points, patch.face_vertex_counts, patch.face_vertex_indices)
     skin = Material(fiber_k1=3.0, prestretch=(1.2, 1.0))
-    rich = replace(BOARD, bones=(bone,), materials=(skin,), tissue=replace(BOARD.tissue, gravity=9.81))
+    rich = replace(
+        BOARD,
+        bones=(bone,),
+        materials=(skin,),
+    )
     rich = rich.with_events(Undermine("free", 3.0, ((0, 0, 4), (3, 0, 4), (3, 3, 4))))
     more = {name for name, present in scene_profile(rich).items() if present}
-    assert more - needed == {"contact", "fibers", "prestretch", "gravity", "undermining"}
+    assert more - needed == {"contact", "fibers", "prestretch", "undermining"}
     layered = _layered()
     assert {name for name, present in scene_profile(layered).items() if present} - needed == {"materials", "muscle"}
     unused = replace(layered, tissue=replace(layered.tissue, regions=()))

@@ -408,12 +408,13 @@ def test_a_procedure_without_regions_and_muscle_says_nothing_of_them(program: Pr
 
 def test_the_settings_are_those_of_the_procedure_and_of_the_call(program: Program) -> None:
     procedure = small_procedure(materials=(Material("skin", "corotated", 30.0, 0.4, density=900.0),))
-    procedure = replace(procedure, tissue=replace(procedure.tissue, gravity=9.81, bed_stiffness=4.0))
+    procedure = replace(procedure, tissue=replace(procedure.tissue, gravity=9.81, bed_stiffness=4.0, bed_shear=2.0))
     asked = SolverSettings(spacing=0.5, tolerance=1e-4, quadrature=8, precision="double", threads=2)
     settings = compile_program(procedure, program.epochs, asked).settings
     assert settings.materials == (MaterialParameters("corotated", 30.0, 0.4, 900.0),)
     assert (settings.spacing, settings.tolerance, settings.quadrature, settings.precision) == (0.5, 1e-4, 8, "double")
-    assert (settings.gravity, settings.bed_stiffness, settings.threads) == ((0.0, 0.0, -9.81), 4.0, 2)
+    assert (settings.gravity, settings.bed_stiffness, settings.bed_shear) == ((0.0, 0.0, -9.81), 4.0, 2.0)
+    assert settings.threads == 2
     assert settings.origin == (-12.0, -8.0, 0.0)
     assert (settings.sutures, settings.retractors) == (1, 0)
 

@@ -75,13 +75,14 @@ def test_names_notes_and_texture_are_in_no_key(program: Program) -> None:
             {"materials": (replace(MaterialParameters(), **{item.name: value}),)}
             for item, value in zip(
                 fields(MaterialParameters),
-                ("corotated", 51.0, 0.4, 1000.0, 0.1, (0.0, 1.0, 0.0), 1.0, 1.0, 0.1, 300.0, (1.1, 1.0)),
+                ("corotated", 51.0, 0.4, 1000.0, 0.1, (0.0, 1.0, 0.0), 1.0, 1.0, 0.1, 1.1, 300.0, (1.1, 1.0)),
                 strict=True,
             )
         ),
         {"materials": (MaterialParameters(), MaterialParameters())},
         {"gravity": (0.0, 0.0, -9.8)},
         {"bed_stiffness": 11.0},
+        {"bed_shear": 0.25},
     ],
 )
 def test_settings_that_change_the_solution_change_every_key(program: Program, change: dict[str, object]) -> None:

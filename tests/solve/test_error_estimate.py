@@ -9,26 +9,28 @@ from typing import Any
 import numpy as np
 import pytest
 
+from lappet.cutting.epoch import Regions
 from lappet.daemon.daemon_solver import connect_to
-from lappet.daemon.solved_frame import LatticeCounts, SolvedFrame
+from lappet.daemon.solved_frame import Diagnostics, LatticeCounts, SolvedFrame
 from lappet.geometry.labeled_surface import FaceOrigin
 from lappet.output.solve_to_cache import solve_procedure
+from lappet.program.program import Bones, Program
 from lappet.reports.box_scenes import BAR, BLOCK, BLOCK_SLACK, CANTILEVER, COOK, SHELF, BoxScene
 from lappet.reports.error_time.measurement import DEFAULT, EXACT, skin_of
 from lappet.reports.error_time.reference import greatest, richardson, rms
+from lappet.solve import error_estimate
+from lappet.solve.coarse_program import expected_order
 from lappet.solve.error_estimate import (
-    ONE_POINT_SHARE,
     ErrorEstimate,
     FrameErrorEstimate,
+    RestSkin,
     estimate_errors,
-    expected_order,
-    far_coarse_program,
     frame_error,
 )
 from lappet.solve.solve_frames import FrameResult, SolveObserver, solve_program
 from lappet.solve.store import FrameStore
 from lappet.solve.target_error import worst_rms
-from small_procedure import small_procedure
+from small_procedure import FakeSolver, small_procedure
 
 SETTINGS: tuple[dict[str, Any], ...] = (
     {},
@@ -50,6 +52,10 @@ SPACINGS = {
     "cook": (2.0,),
     "shelf": (2.0,),
 }
+
+
+ONE = RestSkin(np.array([0]), np.zeros((1, 3)))
+TWO = RestSkin(np.array([0, 1]), np.array([[0.0, 0.0, 0.0], [7.0, 8.0, 9.0]]))
 
 
 def solve(scene: BoxScene, spacing: float, store: Path, **settings: Any) -> FrameResult:
@@ -125,13 +131,13 @@ def test_every_solve_estimates_its_error_and_one_without_the_estimate_solves_not
 def test_a_frame_that_the_companion_lacks_keeps_its_algebraic_part() -> None:
     step = np.array([[3.0, 0.0, 0.0], [0.0, 4.0, 0.0]], np.float32)
     frame = SolvedFrame(1.0, np.zeros((2, 3), np.float32), correction=step)
-    error = frame_error(frame, None, np.array([0, 1]), 1.0)
+    error = frame_error(frame, None, TWO, 1.0, 1.0)
     assert error is not None
     assert error.greatest == 4.0
     assert error.rms == pytest.approx(np.sqrt(12.5))
     assert error.discretization_rms is None
     bare = replace(frame, correction=np.zeros((0, 3), np.float32))
-    assert frame_error(bare, None, np.array([0, 1]), 1.0) is None
+    assert frame_error(bare, None, TWO, 1.0, 1.0) is None
 
 
 def at(*place: float, left_over: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> SolvedFrame:
@@ -140,52 +146,87 @@ def at(*place: float, left_over: tuple[float, float, float] = (0.0, 0.0, 0.0)) -
     return SolvedFrame(1.0, where, correction=step, landmarks=where, landmark_correction=step)  # type: ignore[arg-type]
 
 
-ONE = np.array([0])
-
-
-def test_the_two_parts_add_as_vectors_and_the_discretization_part_is_richardsons() -> None:
-    across = frame_error(at(1.0, 0.0, 0.0, left_over=(0.0, 0.4, 0.0)), at(0.1, 0.4, 0.0), ONE, 2.0)
+def test_the_parts_add_by_their_lengths_and_the_discretization_part_is_richardsons() -> None:
+    across = frame_error(at(1.0, 0.0, 0.0, left_over=(0.0, 0.4, 0.0)), at(0.1, 0.4, 0.0), ONE, 2.0, 1.0)
     assert across is not None
     assert across.discretization_rms == pytest.approx(0.9 / 3.0)
     assert across.algebraic_rms == pytest.approx(0.4)
-    assert across.rms == across.greatest == pytest.approx(0.5)
-    assert across.landmarks == pytest.approx((0.5,))
-    # A step that undoes what the lattice costs.
-    along = frame_error(at(1.0, 0.0, 0.0, left_over=(-0.2, 0.0, 0.0)), at(0.2, 0.0, 0.0), ONE, 2.0)
-    assert along is not None
-    assert along.rms == pytest.approx(0.0, abs=1e-12)
+    assert across.rms == across.greatest == pytest.approx(0.7)
+    assert across.landmarks == pytest.approx((0.7,))
+
+
+def test_the_total_is_never_below_one_of_its_parts() -> None:
+    random = np.random.default_rng(1)
+    rest = RestSkin(np.arange(9), np.zeros((9, 3)))
+    for _ in range(200):
+        here, there, step, coarse_step = random.normal(size=(4, 9, 3)) * random.choice((1e-3, 1.0, 30.0), (4, 1, 1))
+        gaps = np.abs(random.normal(size=3)) * random.choice((0.0, 1e-3, 2.0))
+        frame = SolvedFrame(1.0, here, correction=step, suture_gaps=gaps)
+        # Steps that undo what the lattice costs are the worst case of parts that add as vectors.
+        undone = replace(frame, correction=(here - there).astype(np.float32))
+        for each in (frame, undone):
+            error = frame_error(each, SolvedFrame(1.0, there, correction=coarse_step), rest, 1.25, 1.0)
+            assert error is not None
+            for name in ("algebraic", "discretization", "gaps"):
+                assert error.greatest >= getattr(error, f"{name}_greatest")
+                assert error.rms >= getattr(error, f"{name}_rms")
+
+
+def test_an_open_gap_counts() -> None:
+    shut = at(1.0, 0.0, 0.0, left_over=(0.0, 0.4, 0.0))
+    open_ = replace(shut, suture_gaps=np.array([0.3, 0.4]), diagnostics=Diagnostics(converged=True, largest_gap=0.5))
+    error = frame_error(open_, None, ONE, 2.0, 1.0)
+    assert error is not None
+    assert (error.gaps_greatest, error.gaps_rms) == pytest.approx((0.5, np.sqrt(0.125)))
+    assert (error.greatest, error.rms) == pytest.approx((0.9, 0.4 + np.sqrt(0.125)))
+
+
+def test_a_frame_whose_error_is_a_tenth_of_what_moves_or_above_the_spacing_is_not_to_be_trusted_and_where() -> None:
+    def judged(moved: float, error: float, spacing: float) -> FrameErrorEstimate:
+        points = TWO.points + np.array([moved, 0.0, 0.0])
+        step = np.array([[0.0, 0.0, 0.0], [0.0, error, 0.0]], np.float32)
+        found = frame_error(SolvedFrame(1.0, points, correction=step), None, TWO, 1.0, spacing)
+        assert found is not None
+        assert found.place == (7.0, 8.0, 9.0)
+        assert found.largest_displacement == pytest.approx(moved)
+        return found
+
+    assert judged(10.0, 0.9, 1.0).is_trusted
+    assert not judged(10.0, 1.1, 2.0).is_trusted  # above a tenth of what moves
+    assert not judged(30.0, 1.1, 1.0).is_trusted  # above the spacing
+    assert judged(30.0, 1.1, 2.0).is_trusted
+    assert judged(0.01, 0.005, 1.0).is_trusted  # too small to warn about
 
 
 def test_what_the_companion_was_left_with_is_not_taken_for_discretization() -> None:
-    error = frame_error(at(1.0, 0.0, 0.0), at(0.1, 0.0, 0.0, left_over=(0.6, 0.0, 0.0)), ONE, 2.0)
+    error = frame_error(at(1.0, 0.0, 0.0), at(0.1, 0.0, 0.0, left_over=(0.6, 0.0, 0.0)), ONE, 2.0, 1.0)
     assert error is not None
     assert error.rms == pytest.approx(0.3 / 3.0)
 
 
-def test_the_second_indicator_is_averaged_with_the_first_one_geometrically() -> None:
-    far = at(1.0 - 0.3 * 4.0 / ONE_POINT_SHARE, 0.0, 0.0)
-    error = frame_error(at(1.0, 0.0, 0.0), at(0.1, 0.0, 0.0), ONE, 2.0, far)
-    assert error is not None
-    assert error.discretization_rms == error.rms == error.greatest == pytest.approx(np.sqrt(0.3 * 1.2))
-    assert error.landmarks == pytest.approx((0.6,))
-    still = frame_error(at(1.0, 0.0, 0.0), at(1.0, 0.0, 0.0), ONE, 2.0, at(1.0, 0.0, 0.0))
-    assert still is not None
-    assert still.rms == 0.0
+def test_coarse_frames_that_are_doubted_are_looked_into_with_their_states(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked: dict[int, SolvedFrame] = {}
+
+    def branches(program: Program, fine: Any, coarse: dict[int, SolvedFrame], connect: Any) -> dict[int, Any]:
+        assert fine.keys() == coarse.keys()
+        asked.update(coarse)
+        return {}
+
+    monkeypatch.setattr(error_estimate, "other_branches", branches)
+    program = replace(BLOCK.program(1.0), hooks=("hook",))
+    store, solver = FrameStore(tmp_path), FakeSolver()
+    frames = solve_program(program, store, solver.connect, "fake", SolveObserver()).frames
+    # The frame is a spacing off, so that it is doubted.
+    far = replace(frames[0], solved=replace(frames[0].solved, points=frames[0].solved.points + np.float32(9.0)))
+    estimate_errors(program, [far], store, solver.connect, "fake")
+    assert [frame.state is not None for frame in asked.values()] == [True]
 
 
-def test_a_second_indicator_is_asked_for_one_point_per_cell_without_wounds() -> None:
-    one = BLOCK.program(1.0)
-    far = far_coarse_program(one)
-    assert far is not None
-    assert far.settings.spacing == 4.0
-    assert far.settings.quadrature > 1
-    assert far_coarse_program(BLOCK.program(1.0, quadrature=8)) is None
-    assert far_coarse_program(replace(one, sutures=("suture",))) is None
-
-
-def test_holding_lowers_the_order_that_is_reckoned_with_and_wounds_hooks_and_sutures_more() -> None:
+def test_holding_lowers_the_order_that_is_reckoned_with_and_wounds_layers_and_bone_more() -> None:
     smooth = BLOCK.program(4.0)
-    whole = LatticeCounts(64 * smooth.settings.fine_ratio**3, 64, 64, 0, 125, 1, 8, 0, 1000.0, 0.1)
+    whole = LatticeCounts(64 * smooth.settings.fine_ratio**3, 64, 64, 0, 125, 1, 8, 0, 0, 1000.0, 0.1)
     assert expected_order(SHELF.program(4.0), whole) == 2.0
     assert expected_order(SHELF.program(4.0), replace(whole, fine_voxels=4000)) == 1.5
     assert expected_order(smooth, whole) == expected_order(smooth) == 1.5
@@ -196,6 +237,12 @@ def test_holding_lowers_the_order_that_is_reckoned_with_and_wounds_hooks_and_sut
     cut = replace(smooth, epochs=(replace(epoch, surface=replace(epoch.surface, origin=walls)),))
     assert expected_order(cut) < expected_order(smooth)
     assert expected_order(replace(smooth, hooks=("hook",))) < expected_order(smooth)
+    # Layers and bone are known to a cell only.
+    surface = epoch.surface
+    layer = Regions(surface.points, surface.triangles, np.ones((1, len(surface.triangles)), bool))
+    layer = replace(layer, material=np.zeros(1, np.int32), depth_from=np.ones(1), depth_to=np.full(1, np.inf))
+    assert expected_order(replace(smooth, epochs=(replace(epoch, regions=layer),)), whole) == 1.0
+    assert expected_order(replace(smooth, bones=Bones(np.zeros((3, 3)), np.zeros((1, 3), np.int32))), whole) == 1.0
 
 
 def test_an_unknown_frame_makes_the_worst_error_infinite() -> None:

@@ -41,7 +41,7 @@ def wide_patch() -> Procedure:
         stiffness=200.0,
     )
     return Procedure(
-        tissue=flat_patch((150.0, 150.0, 6.0), resolution=5.0, spacing=SPACING),
+        tissue=flat_patch((150.0, 150.0, 6.0), resolution=5.0, spacing=SPACING, gravity=0.0),
         materials=(Material("skin", model="neoHookean", youngs_modulus=50.0, poissons_ratio=0.45),),
         events=(Incision("incision", 2, ((-9.0, 0.0, 6.0), (9.0, 0.0, 6.0)), kerf=0.05), hook),
         start_time=1,

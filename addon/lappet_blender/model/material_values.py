@@ -18,6 +18,7 @@ _NUMBERS = (
     "fiber_k1",
     "fiber_k2",
     "fiber_dispersion",
+    "fiber_slack",
     "density",
     "muscle_stress",
 )

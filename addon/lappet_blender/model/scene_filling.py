@@ -8,7 +8,9 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from lappet.procedure import Bone, Procedure, Tissue
+from lappet.core.problem import Problem, problem
+from lappet.core.problem_code import ProblemCode
+from lappet.procedure import Bone, Procedure, Tissue, position_of
 
 from .changes import changed
 from .event_list import add_event, remove_event
@@ -16,13 +18,14 @@ from .event_values import set_event
 from .material_values import set_material, set_region
 from .mesh_objects import mesh_object
 from .procedure_properties import VERSION
+from .skin_line_values import set_skin_line
 
 
-def fill_scene(scene: bpy.types.Scene, procedure: Procedure, collection: bpy.types.Collection) -> list[str]:
+def fill_scene(scene: bpy.types.Scene, procedure: Procedure, collection: bpy.types.Collection) -> list[Problem]:
     """Put the procedure's tissue, bones, materials, timeline and events into the scene in place of what it had.
 
     Objects are linked to `collection`; the scene keeps its unit. Objects of the procedure before stay in the scene, but
-    no part of it. Returns a sentence for everything that a scene cannot hold. Raises RefusedError, with the
+    no part of it. Returns a note of everything that a scene cannot hold. Raises RefusedError, with the
     scene as it was, for meshes that Blender cannot hold.
     """
     made: list[bpy.types.Object] = []
@@ -43,6 +46,8 @@ def fill_scene(scene: bpy.types.Scene, procedure: Procedure, collection: bpy.typ
         entry.name, entry.object = bone.name, obj
     for material in procedure.materials:
         set_material(scene, scene.lappet.materials.add(), material)
+    for line in procedure.skin_lines:
+        set_skin_line(scene.lappet.skin_lines.add(), line)
     for region in tissue.regions:
         set_region(scene.lappet.regions.add(), region)
     _events(scene, procedure)
@@ -58,7 +63,7 @@ def _polygons(mesh: Tissue | Bone) -> tuple[NDArray[np.float64], NDArray[np.int3
 def _clear(scene: bpy.types.Scene) -> None:
     while len(scene.lappet.events):
         remove_event(scene, scene.lappet.events[-1])
-    for name in ("bones", "materials", "regions"):
+    for name in ("bones", "materials", "regions", "skin_lines"):
         getattr(scene.lappet, name).clear()
 
 
@@ -66,22 +71,24 @@ def _tissue(scene: bpy.types.Scene, tissue: Tissue, skin: bpy.types.Object) -> N
     settings = scene.lappet.tissue
     settings.object, settings.thicken = skin, False
     settings.material, settings.spacing, settings.bed_stiffness = tissue.material, tissue.spacing, tissue.bed_stiffness
-    settings.use_gravity = tissue.gravity is not None
-    if tissue.gravity is not None:
+    settings.bed_shear = tissue.bed_shear
+    settings.use_gravity = tissue.has_gravity
+    if tissue.has_gravity:
         settings.gravity = tissue.gravity
+    position = position_of(tissue.gravity_direction)
+    settings.position = position.upper() if position else "CUSTOM"
+    settings.gravity_direction = tissue.gravity_direction
 
 
-def _timeline(scene: bpy.types.Scene, procedure: Procedure) -> list[str]:
+def _timeline(scene: bpy.types.Scene, procedure: Procedure) -> list[Problem]:
     notes = []
     start, end = math.ceil(procedure.start_time), math.floor(procedure.end_time)
     if (start, end) != (procedure.start_time, procedure.end_time):
-        notes.append(
-            f"The timeline runs from {procedure.start_time:g} to {procedure.end_time:g}; "
-            f"the scene from frame {start} to {end}."
-        )
+        span = f"{procedure.start_time:g} to {procedure.end_time:g}"
+        notes.append(problem(ProblemCode.SCENE_RANGE, "", span, first=start, last=end))
     scene.frame_start, scene.frame_end = start, end
     if scene.frame_start != start:
-        notes.append(f"The timeline begins at {start}; the scene begins at {scene.frame_start}, its earliest frame.")
+        notes.append(problem(ProblemCode.SCENE_START, "", start, first=scene.frame_start))
     fps = max(1, round(procedure.fps))
     scene.render.fps, scene.render.fps_base = fps, fps / procedure.fps
     return notes

@@ -15,10 +15,10 @@ import numpy as np
 from lappet.core.problem import Problem, RefusedError, problem
 from lappet.core.problem_code import ProblemCode
 from lappet.geometry.mesh_faults import mesh_faults
-from lappet.procedure import Bone, Region, Tissue
+from lappet.procedure import POSITIONS, Bone, Region, Tissue
 from lappet.tissue.sheet_tissue import sheet_tissue
 
-from .decimals import decimal
+from .decimals import decimal, decimals
 from .material_values import region_values
 from .mesh_values import MeshValues, mesh_values
 from .object_problems import object_problems
@@ -201,8 +201,10 @@ def _with_settings(tissue: Tissue, settings: bpy.types.PropertyGroup, regions: S
     values = {
         "material": settings.material,
         "spacing": decimal(settings.spacing),
-        "gravity": decimal(settings.gravity) if settings.use_gravity else None,
+        "gravity": decimal(settings.gravity) if settings.use_gravity else 0.0,
+        "gravity_direction": POSITIONS.get(settings.position.lower()) or decimals(settings.gravity_direction),
         "bed_stiffness": decimal(settings.bed_stiffness),
+        "bed_shear": decimal(settings.bed_shear),
     }
     same = all(getattr(tissue, name) == value for name, value in values.items())
     made = replace(tissue, **values, regions=tuple(regions)) if not same or tissue.regions or regions else tissue

@@ -10,11 +10,11 @@ from numpy.typing import NDArray
 
 from lappet.core.problem import Place, Problem, problem
 from lappet.core.problem_code import ProblemCode
+from lappet.geometry.border_loops import border_loops, perimeter
 from lappet.geometry.mesh_faults import MODELLED, MeshFault, mesh_faults
 from lappet.geometry.surface_check import place, signed_volume
 from lappet.geometry.triangulation import triangulate
 from lappet.procedure import Tissue
-from lappet.tissue.mesh_repair import border_loops, perimeter
 
 from ..model.mesh_values import MeshValues
 

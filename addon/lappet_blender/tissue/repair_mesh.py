@@ -8,9 +8,10 @@ import numpy as np
 
 from lappet.core.problem import refused
 from lappet.core.problem_code import ProblemCode
+from lappet.geometry.border_loops import border_loops, perimeter
 from lappet.geometry.triangulation import clip_ears, triangulate
 from lappet.tissue.mesh_file import Mesh
-from lappet.tissue.mesh_repair import border_loops, orient, perimeter
+from lappet.tissue.mesh_repair import orient
 
 from ..model.mesh_values import MeshValues, mesh_values
 from .edited_mesh import edited_mesh

@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 
+from lappet.core.problem import Problem
 from lappet.daemon.frame_solver import Connect, FrameSolver, Iteration, SolverDiedError
 from lappet.daemon.solved_frame import SolvedFrame, SolverState
 from lappet.procedure import Point
 from lappet.program.program import Program
-from lappet.solve.solve_frames import TRIES
+from lappet.solve.solve_frames import TRIES, solver_restarted
 
 TOLERANCE = 1e-2  # residual over force scale: what is shown while the mouse moves needs no more
 TIME_BUDGET = 2.0  # seconds for a target
@@ -31,7 +32,7 @@ class LiveSession:
     connect
         Makes the solver.
     note
-        Takes a sentence when the solver had to be started again.
+        Takes a note when the solver had to be started again.
     """
 
     def __init__(
@@ -41,10 +42,17 @@ class LiveSession:
         hook: int,
         start: tuple[int, SolvedFrame] | None,
         connect: Connect,
-        note: Callable[[str], None],
+        note: Callable[[Problem], None],
     ) -> None:
         settings = program.settings
-        self._settings = replace(settings, tolerance=max(settings.tolerance, TOLERANCE), time_budget=TIME_BUDGET)
+        # Where the tissue follows a hook, the next update shows soon enough that it rests nowhere else.
+        self._settings = replace(
+            settings,
+            tolerance=max(settings.tolerance, TOLERANCE),
+            time_budget=TIME_BUDGET,
+            correction=False,
+            stability=False,
+        )
         self._program = program
         self._frame = program.frames[index]
         self._pulled = self._frame.hook_index == hook
@@ -93,8 +101,7 @@ class LiveSession:
                 self.close()
                 if attempt == TRIES:
                     raise
-                at = f"It was pulling frame {self._frame.time:g} and is started again."
-                self._note(f"{error.problems[0].message} {at}")
+                self._note(solver_restarted(self._frame.time, error))
             else:
                 if solved.converged:
                     self._keep(frame.epoch, solved)

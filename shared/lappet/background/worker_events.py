@@ -1,30 +1,31 @@
-"""What the worker tells its owner: the plan of a procedure, its frames as they come, and how it ended."""
+"""What the worker tells its owner: the manifest of a procedure, its frames as they come, and how it ended."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
-from lappet.background.plan import Plan
+from lappet.background.assessment import Assessment
+from lappet.background.manifest import Manifest
 from lappet.core.problem import Problem
 from lappet.daemon.solved_frame import SolvedFrame
 
 
 @dataclass(frozen=True, eq=False)
-class Planned:
+class Listed:
     """The procedure of a job is compiled.
 
     Parameters
     ----------
     job
         Number of the job.
-    plan
-        The plan.
+    manifest
+        The manifest.
     known
         For each frame, whether the store holds it.
     """
 
     job: int
-    plan: Plan
+    manifest: Manifest
     known: tuple[bool, ...]
 
 
@@ -137,18 +138,34 @@ class Finished:
 
 @dataclass(frozen=True)
 class Note:
-    """A sentence for the user: the daemon died and was started again, the store cannot be written, ….
+    """A note or warning for the user: the daemon died and was started again, the store cannot be written, ….
 
     Parameters
     ----------
     job
         Number of the job.
-    sentence
-        The sentence.
+    problem
+        What the user should know.
     """
 
     job: int
-    sentence: str
+    problem: Problem
+
+
+@dataclass(frozen=True)
+class Assessed:
+    """What is to be known of the frames of a job, after the last one.
+
+    Parameters
+    ----------
+    job
+        Number of the job.
+    assessment
+        What it is.
+    """
+
+    job: int
+    assessment: Assessment
 
 
 @dataclass(frozen=True, eq=False)
@@ -165,8 +182,8 @@ class LiveFrame:
         Target in mm.
     frame
         The frame.
-    converged
-        Whether the equilibrium was found.
+    problem
+        Why the tissue stayed where it was, or None where it follows the target.
     seconds
         Time that the solver took.
     """
@@ -175,8 +192,13 @@ class LiveFrame:
     time: int
     target: tuple[float, float, float]
     frame: SolvedFrame
-    converged: bool
+    problem: Problem | None
     seconds: float
 
+    @property
+    def converged(self) -> bool:
+        """Whether the equilibrium was found."""
+        return self.problem is None
 
-WorkerEvent = Planned | Refused | IterationDone | FrameReady | FrameFailed | Finished | Note | LiveFrame
+
+WorkerEvent = Listed | Refused | IterationDone | FrameReady | FrameFailed | Finished | Note | Assessed | LiveFrame

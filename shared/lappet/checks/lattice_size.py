@@ -31,7 +31,7 @@ class LatticeSize:
 
 
 class TissueMeasure:
-    """Box, projected areas and volume of a closed surface.
+    """Box, areas, volume and thickness of a closed surface.
 
     Parameters
     ----------
@@ -46,7 +46,13 @@ class TissueMeasure:
         self.size = high - low
         a, b, c = (points[triangles[:, k]] - 0.5 * (low + high) for k in range(3))
         self.projected_area = float(np.abs(np.cross(b - a, c - a)).sum() / 2.0)
+        self.area = float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2.0)
         self.volume = abs(float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6.0))
+
+    @property
+    def thickness(self) -> float:
+        """Mean thickness in mm, as of a sheet: twice the volume over the area."""
+        return 2.0 * self.volume / self.area if self.area > 0.0 else 0.0
 
     def lattice(self, spacing: float, fine_ratio: int = 4) -> LatticeSize:
         """Estimate the size of a lattice.

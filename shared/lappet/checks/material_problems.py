@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable
 from typing import Any
 
+from lappet.checks.suspicious_tissue import overlapping_regions
 from lappet.core.problem import Problem, problem
 from lappet.core.problem_code import ProblemCode
 from lappet.procedure import MODELS, Material, Procedure
@@ -14,6 +15,7 @@ from lappet.tissue.surface import LABELS, skin_faces
 
 LEAST_PRESTRETCH, MOST_PRESTRETCH = 0.5, 2.0
 MOST_POISSONS_RATIO = 0.4999
+MOST_FIBER_SLACK = 4.0
 MOST_MATERIALS = MOST_REGIONS = 64  # the entries of a list in a message
 
 
@@ -55,6 +57,8 @@ def material_problems(material: Material, path: str) -> list[Problem]:
     at_least_0("The fiber exponent k₂", material.fiber_k2)
     if not 0.0 <= material.fiber_dispersion <= 1.0 / 3.0 + 1e-12:
         add(ProblemCode.MATERIAL_FIBER_DISPERSION, material.fiber_dispersion)
+    if not 1.0 <= material.fiber_slack <= MOST_FIBER_SLACK:
+        add(ProblemCode.MATERIAL_FIBER_SLACK, material.fiber_slack, most=MOST_FIBER_SLACK)
     direction, stretch = material.fiber_direction, material.prestretch
     length = math.hypot(*direction)
     if not (math.isfinite(length) and length > 0.0):
@@ -116,6 +120,8 @@ def region_problems(procedure: Procedure) -> list[Problem]:
             add(ProblemCode.REGION_ON_LABEL, region.faces)
         elif skin is not None and region.faces in tissue.subsets and not skin[tissue.subsets[region.faces]].any():
             add(ProblemCode.REGION_OFF_SKIN, region.faces)
+    if skin is not None:
+        problems += overlapping_regions(tissue, skin)
     models = dict.fromkeys(material.model for material in procedure.materials_in_use())
     if len(models) > 1:
         problems.append(problem(ProblemCode.MATERIAL_MIXED_MODELS, TISSUE, ", ".join(models)))

@@ -14,6 +14,9 @@ from lappet.checks.event_problems import EventCheck
 from lappet.checks.lattice_size import TissueMeasure
 from lappet.checks.material_problems import material_problems, region_problems
 from lappet.checks.mesh_problems import MeshReport, mesh_problems
+from lappet.checks.skin_line_problems import skin_line_problems
+from lappet.checks.suspicious_events import suspicious_events
+from lappet.checks.suspicious_tissue import separate_parts, size_problems
 from lappet.core.problem import Problem, problem
 from lappet.core.problem_code import ProblemCode
 from lappet.procedure import Procedure, Retractor
@@ -65,10 +68,14 @@ def check(procedure: Procedure, memory_budget: float = MEMORY_BUDGET, spacing: f
     if report.readable:
         triangles, _ = fan_triangles(procedure.tissue)
         rest = RestSpace(procedure.tissue.points, triangles)
-        problems += _lattice(TissueMeasure(procedure.tissue.points, triangles), size, memory_budget)
+        measure = TissueMeasure(procedure.tissue.points, triangles)
+        problems += [*_lattice(measure, size, memory_budget), *size_problems(procedure.tissue.points)]
+    if _is_solid(report):
+        problems += separate_parts(procedure.tissue)
     for material in procedure.materials:
         problems += material_problems(material, f"{MATERIALS}/{material.name}")
     problems += region_problems(procedure)
+    problems += skin_line_problems(procedure)
     for bone in procedure.bones:
         path = f"{BONE}/{bone.name}"
         found = mesh_problems(bone, path)
@@ -78,11 +85,15 @@ def check(procedure: Procedure, memory_budget: float = MEMORY_BUDGET, spacing: f
     events = EventCheck(procedure, rest)
     for event in procedure.events:
         events.check(event, f"{TIMELINE}/{event.name}")
-    return [*problems, *events.problems, *event_conflicts(procedure)]
+    problems = [*problems, *events.problems, *event_conflicts(procedure)]
+    wrong = {each.prim for each in problems if each.severity == "error"}
+    if rest is not None and not {TISSUE, ROOT} & wrong and math.isfinite(size) and size > 0.0:
+        problems += suspicious_events(procedure, rest, measure.thickness, size, wrong)
+    return problems
 
 
 def check_file(
-    path: str | os.PathLike[str], notes: list[str] | None = None, memory_budget: float = MEMORY_BUDGET
+    path: str | os.PathLike[str], notes: list[Problem] | None = None, memory_budget: float = MEMORY_BUDGET
 ) -> list[Problem]:
     """Find every problem of a procedure's file: those of reading it and those of `check`.
 
@@ -93,7 +104,7 @@ def check_file(
     path
         The file.
     notes
-        Gets a sentence for everything that was converted or left aside while reading.
+        Gets a note of everything that was converted or left aside while reading.
     memory_budget
         Memory in bytes that the solver may take.
 
@@ -150,8 +161,13 @@ def _tissue(procedure: Procedure, spacing: float) -> list[Problem]:
         add(ProblemCode.TISSUE_SPACING, spacing)
     if not (math.isfinite(tissue.bed_stiffness) and tissue.bed_stiffness >= 0.0):
         add(ProblemCode.TISSUE_BED_STIFFNESS, tissue.bed_stiffness)
-    if tissue.gravity is not None and not math.isfinite(tissue.gravity):
+    elif not 0.0 <= tissue.bed_shear <= tissue.bed_stiffness:
+        add(ProblemCode.TISSUE_BED_SHEAR, tissue.bed_shear, normal=tissue.bed_stiffness)
+    if not math.isfinite(tissue.gravity):
         add(ProblemCode.TISSUE_GRAVITY, tissue.gravity)
+    length = math.hypot(*tissue.gravity_direction)
+    if not (math.isfinite(length) and length > 0.0):
+        add(ProblemCode.TISSUE_GRAVITY_DIRECTION, tissue.gravity_direction)
     if tissue.uv is not None:
         corners = len(tissue.face_vertex_indices)
         if len(tissue.uv) != corners:

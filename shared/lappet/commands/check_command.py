@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from lappet.commands.parameters import FILE
 from lappet.commands.refusals import sentences
+
+if TYPE_CHECKING:
+    from lappet.core.problem import Problem
 
 
 @click.command()
@@ -18,10 +22,10 @@ def check(context: click.Context, /, procedure: Path) -> None:
     with sentences(context):
         from lappet.program.full_check import full_check
 
-        notes: list[str] = []
+        notes: list[Problem] = []
         problems = full_check(procedure, notes)
         for note in notes:
-            click.echo(f"note: {note}")
+            click.echo(f"{note.severity}: {note}")
         for problem in problems:
             click.echo(f"{problem.severity}: {problem}")
         errors = sum(problem.severity == "error" for problem in problems)

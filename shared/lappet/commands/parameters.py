@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import Any
 
@@ -77,6 +78,44 @@ class FrameList(click.ParamType):
             return [float(each) for each in str(value).split(",")]
         except ValueError:
             self.fail(f"{value!r} is no list of frames; give time codes with commas between them.", param, ctx)
+
+
+class Position(click.ParamType):
+    """How the patient lies: the name of a position, or the direction of gravity as three numbers with commas."""
+
+    name = "POSITION"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """Read the position.
+
+        Parameters
+        ----------
+        value
+            What the user typed, or the direction itself.
+        param
+            The parameter, for messages.
+        ctx
+            The command's context, for messages.
+
+        Returns
+        -------
+        Any
+            The direction of gravity, three numbers.
+        """
+        from lappet.procedure.position import POSITIONS
+
+        if isinstance(value, tuple):
+            return value
+        if str(value) in POSITIONS:
+            return POSITIONS[str(value)]
+        try:
+            x, y, z = (float(each) for each in str(value).split(","))
+        except ValueError:
+            known = ", ".join(POSITIONS)
+            self.fail(f"{value!r} is no position; give one of {known}, or three numbers X,Y,Z.", param, ctx)
+        if not (math.isfinite(x + y + z) and math.hypot(x, y, z) > 0.0):
+            self.fail(f"{value!r} has no direction; give three finite numbers that are not all zero.", param, ctx)
+        return (x, y, z)
 
 
 class Size(click.ParamType):

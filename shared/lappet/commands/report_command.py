@@ -29,7 +29,7 @@ def _say(line: str) -> None:
 
 @click.group()
 def report() -> None:
-    """Measure error against run time, stability and economy."""
+    """Measure error against run time, the estimate, stability and economy; show the presets of tissue."""
 
 
 @report.command("error-time")
@@ -47,6 +47,26 @@ def error_time(context: click.Context, /, scenes: tuple[str, ...], folder: Path,
         from lappet.reports.error_time.run import run_error_time
 
         text, files = run_error_time(scenes, folder, quick, say=_say)
+        click.echo(text)
+        for path in files:
+            click.echo(path)
+
+
+@report.command("error-estimate")
+@click.argument("scenes", nargs=-1)
+@_output("error-estimate")
+@click.option("--fitting", is_flag=True, help="Take the scenes that the estimate was fitted on instead.")
+@click.pass_context
+def error_estimate(context: click.Context, /, scenes: tuple[str, ...], folder: Path, fitting: bool) -> None:
+    """Compare the estimated error with the true one, on SCENES that the estimate was not fitted on.
+
+    SCENES: hanging-flap, rotation-flap, v-y, dome-flap, layered-closure, released-hook, taut-excision, stiff-fibers,
+    soft-fibers, muscle-bar, strip-over-bone, punch. All by default.
+    """
+    with sentences(context):
+        from lappet.reports.error_estimate.run import run_error_estimate
+
+        text, files = run_error_estimate(scenes, folder, fitting, say=_say)
         click.echo(text)
         for path in files:
             click.echo(path)
@@ -106,4 +126,16 @@ def economy(context: click.Context, /, folder: Path, yardsticks: tuple[Path, ...
 
         make_folder(folder)
         for path in write_economy(folder, head(), measure(yardsticks, say=_say)):
+            click.echo(path)
+
+
+@report.command("tissues")
+@_output("tissues")
+@click.pass_context
+def tissues(context: click.Context, /, folder: Path) -> None:
+    """Show where the presets' numbers come from, and their curves beside the published ones."""
+    with sentences(context):
+        from lappet.reports.tissues.files import write_tissues
+
+        for path in write_tissues(folder):
             click.echo(path)

@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
+from lappet.core.problem_code import ProblemCode
+
+FOUND_BY_SOLVING = {ProblemCode.ERROR_LARGE, ProblemCode.LATTICE_VOLUME}
+
 if TYPE_CHECKING:
+    from lappet.core.problem import Problem
     from lappet.output.solve_to_cache import SolveResult
     from lappet.program.settings import SolverSettings
     from lappet.solve.error_estimate import ErrorEstimate
@@ -81,9 +87,8 @@ def run_to_target(
         If the target is not reached.
     """
     from lappet.core.problem import refused
-    from lappet.core.problem_code import ProblemCode
     from lappet.daemon.daemon_solver import connect_to, solver_identity
-    from lappet.solve.error_estimate import expected_order
+    from lappet.solve.coarse_program import expected_order
     from lappet.solve.store import FrameStore
     from lappet.solve.target_error import TRIES, choose, finer, worst_rms
     from lappet.usd.stage import read_procedure
@@ -132,11 +137,37 @@ def summary(result: SolveResult) -> str:
     )
     if result.errors is not None:
         lines += error_lines(result.errors)
+    lines += told_lines(result.notes)
     if result.output is not None:
         lines.append(f"Skin cache: {result.output.resolve()}")
     if result.reason is not None:
         click.echo(str(result.reason), err=True)
     return "\n".join(lines)
+
+
+def told_lines(notes: Sequence[Problem]) -> list[str]:
+    """Say what is not to be trusted, what is suspicious, and what was done otherwise than it was told, a line each.
+
+    Parameters
+    ----------
+    notes
+        Warnings and notes of a solve.
+
+    Returns
+    -------
+    list[str]
+        Lines of text.
+    """
+    warnings = [each for each in notes if each.severity == "warning"]
+    lines = [f"warning: {each}" for each in warnings if each.code in FOUND_BY_SOLVING]
+    others = [each for each in warnings if each.code not in FOUND_BY_SOLVING]
+    if others:  # which were told before the first frame
+        named = ", ".join(f"{each.code} ({each.prim})" if each.prim else each.code for each in others)
+        lines.append(f"{len(others)} warning{'' if len(others) == 1 else 's'} about the procedure: {named}.")
+    told = [f"{each.prim}: {each.message}" if each.prim else each.message for each in notes if each.severity == "note"]
+    if told:
+        lines.append("Besides: " + " ".join(told))
+    return lines
 
 
 def error_lines(errors: ErrorEstimate) -> list[str]:

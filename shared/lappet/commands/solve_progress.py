@@ -7,6 +7,7 @@ import time
 from types import TracebackType
 from typing import Any, TextIO
 
+from lappet.core.problem import Problem
 from lappet.daemon.frame_solver import Iteration
 from lappet.solve.solve_frames import FrameResult, SolveObserver
 
@@ -40,8 +41,8 @@ class PlainProgress(SolveObserver):
         self._done += 1
         print(f"{describe(frame)} ({self._done}/{self._frames})", file=self._stream, flush=True)
 
-    def note(self, sentence: str) -> None:
-        print(sentence, file=self._stream, flush=True)
+    def note(self, note: Problem) -> None:
+        print(f"{note.severity}: {note}", file=self._stream, flush=True)
 
 
 class BarProgress(SolveObserver):
@@ -86,8 +87,8 @@ class BarProgress(SolveObserver):
     def frame(self, frame: FrameResult) -> None:
         self._bar.update(self._task, advance=1, state=describe(frame))
 
-    def note(self, sentence: str) -> None:
-        self._bar.console.print(sentence, markup=False, highlight=False)
+    def note(self, note: Problem) -> None:
+        self._bar.console.print(f"{note.severity}: {note}", markup=False, highlight=False)
 
 
 def solve_progress(plain: bool = False) -> PlainProgress | BarProgress:
@@ -124,5 +125,5 @@ def describe(frame: FrameResult) -> str:
     said = frame.solved.diagnostics
     return (
         f"frame {frame.constraints.time:g}: {said.newton} Newton, {said.pcg} PCG iterations, "
-        f"residual {said.residual:.1e}, {frame.wall_seconds:.1f} s"
+        f"residual {said.residual:.1e}, {said.displacement_to_come:.1g} mm to come, {frame.wall_seconds:.1f} s"
     )

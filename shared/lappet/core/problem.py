@@ -60,7 +60,8 @@ class Problem:
     remedy
         What to do about it, for people.
     severity
-        "error", refused before solving, or "warning", solved nevertheless.
+        "error", refused before solving; "warning", solved nevertheless, but probably not what is meant; or "note",
+        what the program does besides or otherwise than it is told.
     place
         Where on a mesh it is, or None.
     """

@@ -10,7 +10,7 @@ from typing import Literal
 
 from lappet.core.problem_code import ProblemCode
 
-Severity = Literal["error", "warning"]
+Severity = Literal["error", "warning", "note"]
 TEXTS = Path(__file__).with_name("texts")
 
 
@@ -27,7 +27,7 @@ class ProblemText:
     remedy
         Sentence with fields in braces.
     severity
-        "error" or "warning".
+        "error", "warning" or "note".
     advice
         What the documents say besides.
     """

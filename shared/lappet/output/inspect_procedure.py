@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from lappet.core.problem import RefusedError
+from lappet.core.problem import Problem, RefusedError
 from lappet.cutting.epoch import Epoch
 from lappet.daemon.daemon_solver import connect_to
 from lappet.daemon.frame_solver import Connect
@@ -53,21 +53,22 @@ def inspect_procedure(
     RefusedError
         If the procedure cannot be read or compiled, or the file of costs is no such report.
     """
-    notes: list[str] = []
+    notes: list[Problem] = []
     procedure = read_procedure(path, notes)
     program = compile_program(procedure, settings=SolverSettings(spacing=spacing or 0.0))
     notes += program.notes
+    lines = [str(note) for note in notes]
     counts: list[str] = []
     if lattice:
         try:
             counts = _lattice_lines(program, daemon, connect)
         except (RefusedError, RuntimeError) as error:
-            notes.append(f"No lattice counts: {error}")
+            lines.append(f"No lattice counts: {error}")
     costs = {"error_estimate": f"every frame once more at {2.0 * program.settings.spacing:g} mm"}
     if economy is not None:
         for name, share in measured_costs(economy).items():
             costs[name] = f"{costs[name]}, {share}" if name in costs else share
-    return inspection(procedure, [_epoch_line(epoch, program) for epoch in program.epochs], counts, notes, costs)
+    return inspection(procedure, [_epoch_line(epoch, program) for epoch in program.epochs], counts, lines, costs)
 
 
 def _epoch_line(epoch: Epoch, program: Program) -> str:

@@ -16,25 +16,30 @@ from typing import Any
 import numpy as np
 
 from lappet.core.machine import machine
+from lappet.core.problem import Place, Problem
 from lappet.core.version import version
+from lappet.cutting.epoch import Epoch
 from lappet.output.mean_tension import greatest_mean_tension
 from lappet.output.solve_to_cache import SolveResult
 from lappet.output.suture_forces import SutureForce, summary
 from lappet.procedure.scene_profile import scene_profile
 from lappet.program.program import Program
 from lappet.solve.error_estimate import FrameErrorEstimate
+from lappet.solve.fallbacks import volume_ratio
+from lappet.solve.sensitive import is_sensitive
 from lappet.solve.solve_frames import FrameResult, failure_code
 
-REPORT_VERSION = 1
+REPORT_VERSION = 2
 LATTICE_COUNTS = ("fine_voxels", "cells", "grid_cells", "mesh_cells", "nodes", "blocks")
 
 
 def report(result: SolveResult) -> dict[str, Any]:
     """Compose the report of a solve.
 
-    `lattice` holds the counts of the epoch with the most cells, `epochs` those of every epoch that was solved.
-    `cache_hit` says that a frame came from the store, its iterations and seconds by stage then being those of when it
-    was solved.
+    `notes` holds warnings and notes by their codes, with their places: what is suspicious in the procedure, what was
+    done otherwise than it was told, which frames are not to be trusted and where. `lattice` holds the counts of the
+    epoch with the most cells, `epochs` those of every epoch that was solved. `cache_hit` says that a frame came from
+    the store, its iterations and seconds by stage then being those of when it was solved.
 
     Parameters
     ----------
@@ -59,6 +64,7 @@ def report(result: SolveResult) -> dict[str, Any]:
             "surface_points": len(epoch.surface.points),
             "triangles": len(epoch.surface.triangles),
             "lattice": lattices[epoch.index],
+            "lattice_volume_ratio": _volume_ratio(result, epoch),
         }
         for epoch in program.epochs
         if epoch.index in lattices
@@ -83,7 +89,7 @@ def report(result: SolveResult) -> dict[str, Any]:
         "interrupted": result.interrupted,
         "reason": None if result.reason is None else str(result.reason),
         "code": None if result.reason is None else result.reason.code,
-        "notes": list(result.notes),
+        "notes": [_note(each) for each in result.notes],
         "error_estimate": None
         if result.errors is None
         else {
@@ -94,8 +100,7 @@ def report(result: SolveResult) -> dict[str, Any]:
             "code": None if result.errors.reason is None else result.errors.reason.code,
         },
         "frames": [_frame(program, frame, error) for frame, error in zip(result.frames, _errors(result), strict=True)],
-        "sutures": _sutures(result),
-        "greatest_mean_tension": _mean_tension(result),
+        **_forces(result),
         "failed": None if result.failed is None else _frame(program, result.failed),
         "frames_solved": result.solved,
         "cache_hits": result.looked_up,
@@ -152,14 +157,22 @@ def _frame(program: Program, frame: FrameResult, error: FrameErrorEstimate | Non
         "pcg_iterations": said.pcg,
         "load_steps": said.load_steps,
         "active_cells": said.active_cells,
+        "restart": said.restart or None,
         "residual": said.residual,
         "force_scale_mn": said.force_scale,
+        "displacement_to_come_mm": said.displacement_to_come,
         "largest_gap_mm": said.largest_gap,
         "minimum_j": said.minimum_j,
         "inverted_cells": said.inverted_cells,
         "energy_mn_mm": said.energy,
         "largest_penetration_mm": said.largest_penetration,
         "contacts": said.contacts,
+        "stability": {
+            "lowest_stiffness": said.lowest_stiffness,
+            "softest_point": solved.softest_point[0].tolist() if len(solved.softest_point) else None,
+            "is_sensitive": is_sensitive(solved),
+            "saddles_left": said.saddles_left,
+        },
         "seconds": {**asdict(said.seconds), "wall": frame.wall_seconds},
         "suture_gaps_mm": _named(sutures, solved.suture_gaps),
         "suture_forces_mn": _named(sutures, solved.suture_forces),
@@ -171,12 +184,13 @@ def _frame(program: Program, frame: FrameResult, error: FrameErrorEstimate | Non
     }
 
 
-def _sutures(result: SolveResult) -> list[dict[str, Any]]:
-    """The forces of each frame that has a suture, summed up."""
+def _forces(result: SolveResult) -> dict[str, Any]:
+    """The forces of each frame that has a suture, summed up, and the tension of the skin."""
     rows: dict[float, list[SutureForce]] = {}
     for row in result.suture_forces:
         rows.setdefault(row.time, []).append(row)
-    return [{"time_code": time, **summary(own)} for time, own in rows.items()]
+    sutures = [{"time_code": time, **summary(own)} for time, own in rows.items()]
+    return {"sutures": sutures, "greatest_mean_tension": _mean_tension(result)}
 
 
 def _mean_tension(result: SolveResult) -> dict[str, Any] | None:
@@ -204,7 +218,34 @@ def _error(program: Program, frame: FrameResult, error: FrameErrorEstimate | Non
         "rms": error.rms,
         "algebraic": {"max": error.algebraic_greatest, "rms": error.algebraic_rms},
         "discretization": {"max": error.discretization_greatest, "rms": error.discretization_rms},
+        "gaps": {"max": error.gaps_greatest, "rms": error.gaps_rms},
+        "place": error.place,
+        "largest_displacement": error.largest_displacement,
+        "is_trusted": error.is_trusted,
+        "other_branch": None
+        if error.other_branch is None
+        else {"distance": error.other_branch.distance, "place": error.other_branch.place},
         "landmarks": _named(landmarks, error.landmarks),
+    }
+
+
+def _volume_ratio(result: SolveResult, epoch: Epoch) -> float | None:
+    own = (frame.solved.lattice for frame in result.frames if frame.constraints.epoch == epoch.index)
+    counts = next(own, None)
+    return None if counts is None else volume_ratio(epoch, counts, result.program.settings)
+
+
+def _note(note: Problem) -> dict[str, Any]:
+    where = note.place or Place()
+    return {
+        "code": note.code,
+        "severity": note.severity,
+        "prim": note.prim,
+        "value": note.value,
+        "message": note.message,
+        "remedy": note.remedy,
+        "faces": where.faces,
+        "points_mm": where.points,
     }
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from lappet.checks.validation import check
-from lappet.core.problem import Problem, RefusedError, refused
+from lappet.core.problem import Problem, RefusedError, problem, refused
 from lappet.core.problem_code import ProblemCode
 from lappet.daemon.daemon_solver import connect_to, solver_identity
 from lappet.daemon.frame_solver import Connect, Iteration
@@ -20,6 +20,8 @@ from lappet.procedure.prim_paths import ROOT
 from lappet.program.compile import DEFAULT, compile_program, frame_times
 from lappet.program.program import Program
 from lappet.program.settings import SolverSettings
+from lappet.solve.fallbacks import fallbacks
+from lappet.solve.sensitive import several_notes, stability_notes
 from lappet.solve.solve_frames import FrameResult, SolveObserver, solve_program
 from lappet.solve.store import FrameStore
 from lappet.usd.stage import SUFFIXES, read_procedure, write_procedure
@@ -51,7 +53,7 @@ class SolveResult:
     wall_seconds
         Run time in seconds.
     notes
-        What the user was told meanwhile.
+        Warnings and notes: what is suspicious in the procedure, and what was done otherwise than it was told.
     errors
         Estimate of the errors of `frames`, or None where none was wanted.
     suture_forces
@@ -66,7 +68,7 @@ class SolveResult:
     failed: FrameResult | None = None
     output: Path | None = None
     wall_seconds: float = 0.0
-    notes: tuple[str, ...] = ()
+    notes: tuple[Problem, ...] = ()
     errors: ErrorEstimate | None = None
     suture_forces: tuple[SutureForce, ...] = ()
 
@@ -141,20 +143,18 @@ def solve_procedure(
     watch = _Noting(observer or SolveObserver())
     output = Path(output)
     _refuse_output(output)
-    procedure, path = _read(source, output)
-    _check(procedure, settings)
+    procedure, path, notes = _read(source, output)
+    notes += _check(procedure, settings)
     first, last = _range(procedure, frames)
     program = compile_program(procedure, settings=replace(settings, correction=error_estimate), until=last)
-    for sentence in program.notes:
-        watch.note(sentence)
+    for note in (*notes, *program.notes):
+        watch.note(note)
     if connect is None or solver is None:
         connect = connect or connect_to(daemon)
         solver = solver or solver_identity(daemon)
     store = store or FrameStore()
     result = solve_program(program, store, connect, solver, watch)
     forces = [row for frame in result.frames for row in suture_forces(procedure, program, frame.solved)]
-    for warning in suture_warnings(procedure, forces):
-        watch.note(str(warning))
     wanted = [frame for frame in result.frames if frame.constraints.time >= first]
     written = None
     if wanted:
@@ -163,10 +163,16 @@ def solve_procedure(
     elif result.reason is not None and result.failed is None:
         raise RefusedError([result.reason])
     errors = None
-    if error_estimate and result.frames and not result.interrupted:
+    found = fallbacks(program, result.frames) + stability_notes(result.frames) + suture_warnings(procedure, forces)
+    if error_estimate and result.frames and result.interrupted:
+        found.append(problem(ProblemCode.ESTIMATE_SKIPPED, "", "the solve was stopped"))
+    elif error_estimate and result.frames:
         from lappet.solve.error_estimate import estimate_errors  # a solve without an estimate does not load it
+        from lappet.solve.untrusted import untrusted
 
         errors = estimate_errors(program, result.frames, store, connect, solver)
+        found += untrusted(program, result.frames, errors)
+        found += several_notes(result.frames, errors.frames)
     return SolveResult(
         procedure,
         program,
@@ -176,7 +182,7 @@ def solve_procedure(
         result.failed,
         written,
         time.perf_counter() - started,
-        tuple(watch.sentences),
+        (*watch.notes, *found),
         errors,
         tuple(forces),
     )
@@ -196,22 +202,26 @@ def _refuse_output(output: Path) -> None:
         raise refused(ProblemCode.CACHE_NOT_WRITABLE, output, error.strerror or error) from error
 
 
-def _read(source: Path | str | Procedure, output: Path) -> tuple[Procedure, Path]:
-    """The procedure and the file that the skin cache goes over."""
+def _read(source: Path | str | Procedure, output: Path) -> tuple[Procedure, Path, list[Problem]]:
+    """The procedure, the file that the skin cache goes over, and notes of what was converted while reading."""
     if isinstance(source, Procedure):
         path = output.with_suffix(".procedure.usda")
         write_procedure(source, path)
-        return source, path
+        return source, path, []
     path = Path(source)
     if path.resolve() == output.resolve():
         raise refused(ProblemCode.CACHE_IS_PROCEDURE, output)
-    return read_procedure(path), path
+    notes: list[Problem] = []
+    return read_procedure(path, notes), path, notes
 
 
-def _check(procedure: Procedure, settings: SolverSettings) -> None:
-    errors = [each for each in check(procedure, spacing=settings.spacing or None) if each.severity == "error"]
+def _check(procedure: Procedure, settings: SolverSettings) -> list[Problem]:
+    """The warnings and notes; errors are refused."""
+    problems = check(procedure, spacing=settings.spacing or None)
+    errors = [each for each in problems if each.severity == "error"]
     if errors:
         raise RefusedError(errors)
+    return problems
 
 
 def _range(procedure: Procedure, frames: tuple[int | None, int | None]) -> tuple[int, int]:
@@ -228,7 +238,7 @@ class _Noting(SolveObserver):
 
     def __init__(self, observer: SolveObserver) -> None:
         self._watcher = observer
-        self.sentences: list[str] = []
+        self.notes: list[Problem] = []
 
     def begin(self, frames: int) -> None:
         self._watcher.begin(frames)
@@ -239,6 +249,6 @@ class _Noting(SolveObserver):
     def frame(self, frame: FrameResult) -> None:
         self._watcher.frame(frame)
 
-    def note(self, sentence: str) -> None:
-        self.sentences.append(sentence)
-        self._watcher.note(sentence)
+    def note(self, note: Problem) -> None:
+        self.notes.append(note)
+        self._watcher.note(note)

@@ -17,13 +17,17 @@ from lappet.procedure.events import (
     Undermine,
 )
 from lappet.procedure.exact_values import Point
+from lappet.procedure.position import POSITIONS, position_of
 from lappet.procedure.procedure import Procedure
-from lappet.procedure.tissue import MODELS, Bone, Material, Region, Tissue
+from lappet.procedure.skin_line import SkinLine
+from lappet.procedure.tissue import DEFAULT_SKIN, MODELS, Bone, Material, Region, Tissue
 
 __all__ = [
     "CUTS",
+    "DEFAULT_SKIN",
     "HOLDS",
     "MODELS",
+    "POSITIONS",
     "Basis",
     "Bone",
     "Event",
@@ -36,8 +40,10 @@ __all__ = [
     "Procedure",
     "Region",
     "Retractor",
+    "SkinLine",
     "Suture",
     "SutureMode",
     "Tissue",
     "Undermine",
+    "position_of",
 ]

@@ -66,7 +66,7 @@ def scene_reasons(procedure: Procedure) -> dict[str, str]:
         "retractors": events(Retractor),
         "sutures": events(Suture),
         "landmarks": events(Landmark),
-        "gravity": f"{tissue.gravity:g} m/s² on /Procedure/Tissue" if tissue.gravity else "",
+        "gravity": f"{tissue.gravity:g} m/s² on /Procedure/Tissue" if tissue.has_gravity else "",
         "contact": _named(f"/Procedure/Bone/{bone.name}" for bone in procedure.bones),
         "fibers": of_materials([material for material in materials if material.has_fibers]),
         "muscle": of_materials([material for material in materials if material.has_muscle]),

@@ -13,6 +13,7 @@ import numpy as np
 
 from lappet.procedure.events import Event, Landmark, begins, describe, duration_text
 from lappet.procedure.plain_text import number, place
+from lappet.procedure.position import position_of
 from lappet.procedure.scene_profile import profile_lines
 from lappet.procedure.tissue import Material, Region
 
@@ -113,11 +114,12 @@ def _timeline(procedure: Procedure) -> str:
 
 def _tissue(procedure: Procedure) -> str:
     tissue = procedure.tissue
-    gravity = f", gravity {number(tissue.gravity)} m/s²" if tissue.gravity else ""
+    lies = position_of(tissue.gravity_direction) or f"along {place(tissue.gravity_direction)}"
+    gravity = f"gravity {number(tissue.gravity)} m/s², {lies.replace('_', ' ')}" if tissue.has_gravity else "no gravity"
     return (
         f"{_size(tissue.points)}, {len(tissue.points)} points, {len(tissue.face_vertex_counts)} faces, "
         f"of {tissue.material or 'no material'}, spacing {number(tissue.spacing)} mm, "
-        f"bed {number(tissue.bed_stiffness)} kPa/mm{gravity}"
+        f"bed {number(tissue.bed_stiffness)} kPa/mm, {number(tissue.bed_shear)} in shear, {gravity}"
     )
 
 
@@ -128,7 +130,8 @@ def _material(material: Material) -> str:
         text += f", μ₀₁/μ₁₀ {number(material.mooney_ratio)}"
     if material.fiber_k1:
         k1, k2 = number(material.fiber_k1), number(material.fiber_k2)
-        text += f", fibers k₁ {k1} kPa, k₂ {k2} along {place(material.fiber_direction)}"
+        slack = f" from a stretch of {number(material.fiber_slack)}" if material.fiber_slack != 1.0 else ""
+        text += f", fibers k₁ {k1} kPa, k₂ {k2}{slack} along {place(material.fiber_direction)}"
     if material.has_muscle:
         peak = max((value for _, value in material.muscle_activation), default=0.0)
         along = "" if material.has_fibers else f" along {place(material.fiber_direction)}"

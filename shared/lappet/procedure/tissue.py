@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lappet.procedure.exact_values import Point, double_point, frozen, same_array, set_fields
+from lappet.procedure.position import POSITIONS
 
 MODELS = ("corotated", "neoHookean", "stableNeoHookean", "mooneyRivlin")
 
@@ -35,6 +36,8 @@ class Material:
         How the fibers stiffen, at least 0, without unit.
     fiber_dispersion
         Dispersion of the fibers, from 0 (aligned) to 1/3 (isotropic).
+    fiber_slack
+        Stretch from which the fibers bear load, at least 1: crimped fibers are straightened before.
     fiber_direction
         Direction of fibers, muscle and prestretch at rest.
     prestretch
@@ -56,6 +59,7 @@ class Material:
     fiber_k1: float = 0.0
     fiber_k2: float = 0.0
     fiber_dispersion: float = 0.0
+    fiber_slack: float = 1.0
     fiber_direction: Point = (1.0, 0.0, 0.0)
     prestretch: tuple[float, float] = (1.0, 1.0)
     density: float = 1100.0
@@ -88,6 +92,12 @@ class Material:
     def has_direction(self) -> bool:
         """Whether `fiber_direction` has an effect."""
         return self.has_fibers or self.has_muscle or self.has_prestretch
+
+
+# J-shaped: soft until its crimped fibers straighten. `lappet.tissue.presets` says where the numbers come from.
+DEFAULT_SKIN = Material(
+    "skin", poissons_ratio=0.48, fiber_k1=200.0, fiber_k2=1.0, fiber_dispersion=0.25, fiber_slack=1.05
+)
 
 
 @dataclass(frozen=True)
@@ -134,9 +144,14 @@ class Tissue:
     spacing
         Edge of the lattice's cells in mm.
     gravity
-        Gravity along -z in m/s², or None.
+        Acceleration of gravity in m/s², 0 for none.
+    gravity_direction
+        Direction in which gravity pulls, of any length: how the patient lies, see `lappet.procedure.position`.
     bed_stiffness
-        Stiffness that ties bed faces to their rest position in kPa/mm (mN/mm³).
+        Stiffness of the bed along its normal in kPa/mm (mN/mm³): of attached faces both ways, of undermined ones
+        where they sink.
+    bed_shear
+        Stiffness of the bed in its plane in kPa/mm, at most `bed_stiffness`: of attached faces.
     regions
         Parts of other materials, one per subset, kept in the order of the subsets; where several hold a place, the last
         one does.
@@ -149,8 +164,10 @@ class Tissue:
     subsets: dict[str, NDArray[np.int32]] = field(default_factory=dict)
     material: str = "skin"
     spacing: float = 1.0
-    gravity: float | None = None
-    bed_stiffness: float = 10.0
+    gravity: float = 9.81
+    gravity_direction: Point = POSITIONS["upright"]
+    bed_stiffness: float = 19.0
+    bed_shear: float = 0.375
     regions: tuple[Region, ...] = ()
 
     def __post_init__(self) -> None:
@@ -159,14 +176,28 @@ class Tissue:
         _freeze_mesh(self)
         order = {name: i for i, name in enumerate(subsets)}  # as a stage has them: each on its subset's prim
         regions = tuple(sorted(self.regions, key=lambda region: order.get(region.faces, len(order))))
-        set_fields(self, uv=uv, subsets=subsets, regions=regions)
+        down = double_point(self.gravity_direction)
+        set_fields(self, uv=uv, subsets=subsets, regions=regions, gravity_direction=down)
+
+    @property
+    def has_gravity(self) -> bool:
+        """Whether the tissue has weight."""
+        return self.gravity != 0.0
+
+    @property
+    def gravity_vector(self) -> Point:
+        """Acceleration of gravity in m/s², shape (3,)."""
+        length = math.hypot(*self.gravity_direction)
+        if not (self.has_gravity and length > 0.0):
+            return (0.0, 0.0, 0.0)
+        x, y, z = (self.gravity * value / length + 0.0 for value in self.gravity_direction)
+        return (x, y, z)
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Tissue):
             return NotImplemented
         return (
-            (self.material, self.spacing, self.gravity, self.bed_stiffness, self.regions)
-            == (other.material, other.spacing, other.gravity, other.bed_stiffness, other.regions)
+            all(getattr(self, name) == getattr(other, name) for name in _PLAIN_FIELDS)
             and _same_mesh(self, other)
             and same_array(self.uv, other.uv)
             and list(self.subsets) == list(other.subsets)
@@ -175,6 +206,9 @@ class Tissue:
 
     def __hash__(self) -> int:
         return hash((self.points.shape, self.points.tobytes(), self.material, self.spacing))
+
+
+_PLAIN_FIELDS = ("material", "spacing", "gravity", "gravity_direction", "bed_stiffness", "bed_shear", "regions")
 
 
 @dataclass(frozen=True, eq=False)

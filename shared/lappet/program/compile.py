@@ -18,7 +18,9 @@ from lappet.procedure import Event, Hook, Landmark, Material, Point, Procedure, 
 from lappet.procedure.prim_paths import ROOT
 from lappet.program.anchors import AnchorSearch, PlacedAnchors, TissueLoss
 from lappet.program.bones import over_bone, united_bones
-from lappet.program.materials import activation, materials_in_use, parameters, region_program
+from lappet.program.crossed_sutures import crossed_sutures
+from lappet.program.ground import on_ground
+from lappet.program.materials import activation, materials_in_use, parameters, region_program, with_line_tension
 from lappet.program.program import FrameConstraints, Landmarks, Program
 from lappet.program.settings import SolverSettings
 from lappet.program.timed_events import EventAnchors, TimedEvents, event_path
@@ -66,10 +68,11 @@ def compile_program(
     if epochs is None:
         # The spacing also says how finely the surface is divided.
         epochs = build_epochs(replace(procedure, tissue=replace(procedure.tissue, spacing=spacing)))
-    materials = materials_in_use(procedure)
+    materials = with_line_tension(procedure, materials_in_use(procedure))
     regions = region_program(procedure, materials)
     bones = united_bones(procedure.bones)
     epochs = [replace(epoch, regions=regions, over_bone=over_bone(epoch.surface, bones)) for epoch in epochs]
+    epochs = on_ground(epochs, procedure.tissue)
     times = [time for time in frame_times(procedure) if until is None or time <= until]
     events = TimedEvents.of(procedure)
     loss = TissueLoss(procedure)
@@ -78,14 +81,14 @@ def compile_program(
     frames: list[FrameConstraints] = []
     grips: list[NDArray[np.int32]] = []
     landmarks: list[Landmarks] = []
-    moved: dict[str, None] = {}
+    moved: dict[Problem, None] = {}
     for epoch in epochs:
         own = [time for time in times if _epoch_at(epochs, time) == epoch.index]
         grips.append(_grips(epoch, events.retractors, own))
         in_tissue = _AnchorsInTissue.of(epoch, events, loss, off)
         landmarks.append(in_tissue.landmarks())
         anchors_of = in_tissue.event_anchors(own)
-        moved.update((str(each), None) for each in in_tissue.moved(own))
+        moved.update((each, None) for each in in_tissue.moved(own))
         frames += [
             FrameConstraints(
                 time=float(time),
@@ -95,19 +98,20 @@ def compile_program(
             )
             for time in own
         ]
+    sutures = tuple(suture.name for suture in events.sutures)
     return Program(
         epochs=tuple(epochs),
         frames=tuple(frames),
         settings=_with_tissue(replace(settings, spacing=spacing), procedure, events, materials),
         fps=procedure.fps,
         hooks=tuple(hook.name for hook in events.hooks_by_start),
-        sutures=tuple(suture.name for suture in events.sutures),
+        sutures=sutures,
         retractors=tuple(retractor.name for retractor in events.retractors),
         landmarks=_labels(events.marks),
         grips=tuple(grips),
         landmarks_at=tuple(landmarks),
         bones=bones,
-        notes=tuple(moved),
+        notes=(*moved, *crossed_sutures(epochs, frames, sutures, spacing)),
     )
 
 
@@ -121,7 +125,8 @@ def _with_tissue(
         settings,
         origin=(float(x), float(y), float(z)),
         bed_stiffness=tissue.bed_stiffness,
-        gravity=(0.0, 0.0, -tissue.gravity if tissue.gravity else 0.0),
+        bed_shear=tissue.bed_shear,
+        gravity=tissue.gravity_vector,
         sutures=len(events.sutures),
         retractors=len(events.retractors),
         materials=tuple(parameters(material) for material in materials),

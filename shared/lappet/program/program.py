@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from lappet.core.problem import Problem
 from lappet.cutting.epoch import Epoch, no_entries
 from lappet.program.settings import SolverSettings
 
@@ -147,7 +148,7 @@ class Program:
     landmarks_at
         Landmarks of each epoch.
     notes
-        Sentences about what the procedure holds and the solve leaves out.
+        What the user should know of it: what is suspicious once it is cut, and what is done otherwise than it is told.
     """
 
     epochs: tuple[Epoch, ...]
@@ -161,4 +162,4 @@ class Program:
     landmarks: tuple[str, ...] = ()
     grips: tuple[NDArray[np.int32], ...] = ()
     landmarks_at: tuple[Landmarks, ...] = ()
-    notes: tuple[str, ...] = ()
+    notes: tuple[Problem, ...] = ()

@@ -86,6 +86,8 @@ class MaterialParameters:
         How the fibers stiffen, without unit.
     fiber_dispersion
         Dispersion of the fibers, 0 to 1/3.
+    fiber_slack
+        Stretch from which the fibers bear load.
     muscle_stress
         Greatest isometric stress of muscle in kPa; 0 for no muscle.
     prestretch
@@ -101,6 +103,7 @@ class MaterialParameters:
     fiber_k1: float = 0.0
     fiber_k2: float = 0.0
     fiber_dispersion: float = 0.0
+    fiber_slack: float = 1.0
     muscle_stress: float = 0.0
     prestretch: tuple[float, float] = (1.0, 1.0)
 
@@ -139,12 +142,16 @@ class SolverSettings:
         Whether frames carry the Newton step left over, from which the algebraic error is estimated.
     strain
         Whether frames carry strain, stress and tension.
+    stability
+        Whether unstable equilibria are looked for and left.
     region
         Where a frame is solved: "auto" where its changes reach, "whole" everywhere.
     origin
         A point of the grid in mm.
     bed_stiffness
-        Stiffness of the bed in kPa/mm.
+        Stiffness of the bed along its normal in kPa/mm.
+    bed_shear
+        Stiffness of the bed in its plane in kPa/mm.
     gravity
         Gravity in m/s².
     sutures
@@ -170,6 +177,7 @@ class SolverSettings:
     preconditioner: Literal["twoLevel", "chebyshev"] = setting("twoLevel")
     correction: bool = setting(False, in_key=False)
     strain: bool = setting(True, option=Option("Compute strain, stress and tension on the surface."))
+    stability: bool = setting(True, option=Option("Look for unstable equilibria, and leave them for stable ones."))
     region: Literal["auto", "whole"] = setting(
         "auto",
         option=Option(
@@ -177,7 +185,8 @@ class SolverSettings:
         ),
     )
     origin: tuple[float, float, float] = setting((0.0, 0.0, 0.0))
-    bed_stiffness: float = setting(10.0)
+    bed_stiffness: float = setting(19.0)
+    bed_shear: float = setting(0.375)
     gravity: tuple[float, float, float] = setting((0.0, 0.0, 0.0))
     sutures: int = setting(0, in_key=False)
     retractors: int = setting(0, in_key=False)

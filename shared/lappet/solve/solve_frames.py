@@ -59,13 +59,13 @@ class SolveObserver:
             The frame.
         """
 
-    def note(self, sentence: str) -> None:
+    def note(self, note: Problem) -> None:
         """Hear something that the user should know.
 
         Parameters
         ----------
-        sentence
-            The sentence.
+        note
+            A warning or a note.
         """
 
 
@@ -209,6 +209,24 @@ def at_frame(time: float, error: ProblemsError) -> Problem:
     return replace(first, prim=first.prim or f"Frame {time:g}")
 
 
+def solver_restarted(time: float, error: SolverDiedError) -> Problem:
+    """Return the note that the solver died while it was solving a frame, and is started again.
+
+    Parameters
+    ----------
+    time
+        Time code of the frame.
+    error
+        How it died.
+
+    Returns
+    -------
+    Problem
+        The note.
+    """
+    return problem(ProblemCode.DAEMON_RESTARTED, f"Frame {time:g}", f"{time:g}", said=error.problems[0].message)
+
+
 def _frame(session: _Session, index: int, key: str, store: FrameStore, watch: SolveObserver) -> FrameResult:
     """A frame from the store or the solver; what is newly solved is kept."""
     begun = time.perf_counter()
@@ -219,8 +237,8 @@ def _frame(session: _Session, index: int, key: str, store: FrameStore, watch: So
     if solved.converged:
         session.remember(index, solved)
         well = store.trouble is None
-        if not looked_up and not store.put(key, solved) and well:
-            watch.note(str(store.trouble))
+        if not looked_up and not store.put(key, solved) and well and store.trouble is not None:
+            watch.note(store.trouble)
     return FrameResult(
         session.program.frames[index],
         key,
@@ -262,7 +280,7 @@ class _Session:
                 self._abandon()
                 if attempt == TRIES:
                     raise SolverDiedError.of(ProblemCode.DAEMON_DIED_AGAIN, "", TRIES, said=error) from error
-                watch.note(f"{error.problems[0].message} It was solving frame {frame.time:g} and is started again.")
+                watch.note(solver_restarted(frame.time, error))
             except BaseException:
                 self._abandon()
                 raise

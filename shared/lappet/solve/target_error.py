@@ -16,7 +16,8 @@ from lappet.daemon.frame_solver import Connect
 from lappet.procedure import Procedure
 from lappet.program.compile import DEFAULT, compile_program
 from lappet.program.settings import SolverSettings
-from lappet.solve.error_estimate import ErrorEstimate, estimate_errors, expected_order
+from lappet.solve.coarse_program import expected_order
+from lappet.solve.error_estimate import ErrorEstimate, estimate_errors
 from lappet.solve.solve_frames import SolveObserver, solve_program
 from lappet.solve.store import FrameStore
 

@@ -119,57 +119,6 @@ def orient(mesh: Mesh) -> tuple[Mesh, list[str]]:
     return Mesh(mesh.points, triangles, uv), lines
 
 
-def border_loops(triangles: NDArray[np.int64]) -> list[NDArray[np.int64]]:
-    """Find the closed loops of border vertices.
-
-    Parameters
-    ----------
-    triangles
-        Vertex indices, shape (m, 3).
-
-    Returns
-    -------
-    list[NDArray[np.int64]]
-        Vertex indices of each loop, in the direction of its faces; longest loop first.
-    """
-    border = open_edges(triangles)
-    following: dict[int, list[int]] = {}
-    for a, b in border.tolist():
-        following.setdefault(a, []).append(b)
-    loops = []
-    while following:
-        start = min(following)
-        loop = [start]
-        while True:
-            nexts = following[loop[-1]]
-            step = nexts.pop()
-            if not nexts:
-                del following[loop[-1]]
-            if step == start or step not in following:
-                break
-            loop.append(step)
-        loops.append(np.array(loop, np.int64))
-    return sorted(loops, key=lambda loop: (-len(loop), int(loop[0])))
-
-
-def perimeter(points: NDArray[np.float64], loop: NDArray[np.int64]) -> float:
-    """Measure a loop.
-
-    Parameters
-    ----------
-    points
-        Vertices in mm, shape (n, 3).
-    loop
-        Vertex indices in order, shape (k,).
-
-    Returns
-    -------
-    float
-        Length of the loop in mm.
-    """
-    return float(np.linalg.norm(points[np.roll(loop, -1)] - points[loop], axis=1).sum())
-
-
 def fill(mesh: Mesh, loops: list[NDArray[np.int64]]) -> Mesh:
     """Close border loops by triangles; the UVs there are those of the loop's vertices.
 
@@ -198,31 +147,3 @@ def fill(mesh: Mesh, loops: list[NDArray[np.int64]]) -> Mesh:
             uvs.append(uv_at[triangles])
     uv = None if mesh.uv is None else np.concatenate([u for u in uvs if u is not None])
     return Mesh(mesh.points, np.concatenate(pieces), uv)
-
-
-def parts_of(triangles: NDArray[np.int64], size: int) -> NDArray[np.int64]:
-    """Number the connected parts of a surface by their first vertex.
-
-    Parameters
-    ----------
-    triangles
-        Vertex indices, shape (m, 3).
-    size
-        Number of vertices.
-
-    Returns
-    -------
-    NDArray[np.int64]
-        Part of each triangle, shape (m,).
-    """
-    label = np.arange(size)
-    t = triangles
-    while True:
-        low = label[t].min(axis=1)
-        following = label.copy()
-        for k in range(3):
-            np.minimum.at(following, t[:, k], low)
-        following = following[following]
-        if np.array_equal(following, label):
-            return np.unique(label[t[:, 0]], return_inverse=True)[1].reshape(-1)
-        label = following

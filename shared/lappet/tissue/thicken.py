@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 from lappet.core.problem import Place, refused
 from lappet.core.problem_code import ProblemCode
+from lappet.geometry.border_loops import border_loops
 from lappet.geometry.normals import corner_normals
 from lappet.geometry.surface_check import directed_edges, first_intersection, place, unique_edges
-from lappet.tissue.mesh_repair import border_loops
 
 _ATTEMPTS = (4, 16, 64, 256)
 

@@ -10,13 +10,15 @@ from numpy.typing import NDArray
 
 from lappet.core.problem import Place, refused
 from lappet.core.problem_code import ProblemCode
+from lappet.geometry.border_loops import border_loops, perimeter
+from lappet.geometry.connected_parts import parts_of
 from lappet.geometry.flatten import flatten
 from lappet.geometry.mesh_faults import EDGES, SOLID, refuse_faults
 from lappet.geometry.surface_check import open_edges, place, signed_volume
 from lappet.procedure import Tissue
 from lappet.tissue.crop_mesh import Level, box_levels, crop, near, refine_smoothly, sphere_level
 from lappet.tissue.mesh_file import Mesh, read_mesh
-from lappet.tissue.mesh_repair import border_loops, fill, orient, parts_of, perimeter, weld
+from lappet.tissue.mesh_repair import fill, orient, weld
 from lappet.tissue.patch import UV_SCALE
 from lappet.tissue.thicken import Sheet, rim_rows, thicken
 

@@ -10,6 +10,7 @@ from typing import Any, cast
 import numpy as np
 from numpy.typing import NDArray
 
+from lappet.core.problem import problem
 from lappet.core.problem_code import ProblemCode
 from lappet.procedure import (
     Basis,
@@ -132,7 +133,7 @@ def read_event(reader: Reader, prim: Any, schema: str, tissues: list[Any]) -> Ev
     name = prim.GetName()
     match schema:
         case "LappetIncisionAPI":
-            points, basis, closed = _curve(reader, prim)
+            points, basis, closed = read_curve(reader, prim)
             through = reader.flag(prim, "lappet:through", True)
             time, kerf = reader.number(prim, "lappet:time"), reader.number(prim, "lappet:kerf", Incision.kerf)
             return Incision(
@@ -141,14 +142,14 @@ def read_event(reader: Reader, prim: Any, schema: str, tissues: list[Any]) -> Ev
         case "LappetExcisionAPI":
             return Excision(name, reader.number(prim, "lappet:time"), _tuples(reader.points(prim)))
         case "LappetUndermineAPI":
-            points, basis, closed = _curve(reader, prim)
+            points, basis, closed = read_curve(reader, prim)
             if not closed:
                 reader.problem(ProblemCode.UNDERMINE_OPEN_CURVE, prim.GetPath(), "nonperiodic")
             return Undermine(name, reader.number(prim, "lappet:time"), points, basis)
         case "LappetHookAPI":
             start, release = reader.number(prim, "lappet:start"), reader.number(prim, "lappet:release")
             anchor = reader.placed(np.array([reader.vector(prim, "lappet:anchor", 3)]), prim.GetParent())
-            moves = tuple((time, cast(Point, tuple(m[3, :3]))) for time, m in reader.motion(prim, start))
+            moves = tuple((time, cast(Point, tuple(m[3, :3]))) for time, m in _targets(reader, prim, start))
             stiffness = reader.number(prim, "lappet:stiffness", Hook.stiffness)
             return Hook(name, _tuples(anchor)[0], moves, start, release, stiffness)
         case "LappetRetractorAPI":
@@ -178,6 +179,12 @@ def read_event(reader: Reader, prim: Any, schema: str, tissues: list[Any]) -> Ev
             return Landmark(name, _tuples(reader.points(prim)), reader.text(prim, "lappet:label", name))
 
 
+def _targets(reader: Reader, prim: Any, start: float) -> list[tuple[float, NDArray[np.float64]]]:
+    """Transforms of a hook; none where nothing places it: the origin is no target."""
+    motion = reader.motion(prim, start)
+    return motion if len(motion) > 1 or reader.usd.UsdGeom.Xformable(prim).GetOrderedXformOps() else []
+
+
 def _grip(reader: Reader, prim: Any, tissues: list[Any]) -> str:
     target = reader.target(prim, "lappet:grip")
     parent, _, name = target.rpartition("/")
@@ -188,8 +195,21 @@ def _grip(reader: Reader, prim: Any, tissues: list[Any]) -> str:
     return name
 
 
-def _curve(reader: Reader, prim: Any) -> tuple[tuple[Point, ...], Basis, bool]:
-    """Points, basis and closedness of a prim with one curve; a pinned curve gets its phantom points."""
+def read_curve(reader: Reader, prim: Any) -> tuple[tuple[Point, ...], Basis, bool]:
+    """Read a prim with one curve; a pinned curve gets its phantom points.
+
+    Parameters
+    ----------
+    reader
+        The reader of the stage; gets the problems.
+    prim
+        The prim.
+
+    Returns
+    -------
+    tuple[tuple[Point, ...], Basis, bool]
+        Its points, its basis and whether it is closed.
+    """
     points = reader.points(prim)
     counts = reader.integers(prim, "curveVertexCounts")
     if len(counts) != 1:
@@ -204,7 +224,7 @@ def _curve(reader: Reader, prim: Any) -> tuple[tuple[Point, ...], Basis, bool]:
     wrap = str(prim.GetAttribute("wrap").Get() or "nonperiodic")
     if wrap == "pinned" and basis in ("bspline", "catmullRom") and len(points) >= 2:
         points = np.concatenate([[2 * points[0] - points[1]], points, [2 * points[-1] - points[-2]]])
-        reader.notes.append(f"{prim.GetPath()}: the pinned curve got a phantom point at each end.")
+        reader.notes.append(problem(ProblemCode.CURVE_PINNED, prim.GetPath(), wrap))
     return _tuples(points), cast(Basis, basis), wrap == "periodic"
 
 

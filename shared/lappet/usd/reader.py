@@ -11,10 +11,10 @@ from typing import Any, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from lappet.core.problem import Problem, RefusedError
+from lappet.core.problem import Problem, RefusedError, problem
 from lappet.core.problem_code import ProblemCode
-from lappet.procedure import Bone, Material, Point, Procedure, Region, Tissue
-from lappet.usd.event_prims import EVENT_PRIMS, read_event
+from lappet.procedure import Bone, Material, Point, Procedure, Region, SkinLine, Tissue
+from lappet.usd.event_prims import EVENT_PRIMS, read_curve, read_event
 from lappet.usd.values import Reader
 
 PRIM_TYPES = {
@@ -22,11 +22,12 @@ PRIM_TYPES = {
     "LappetRegionAPI": "GeomSubset",
     "LappetBoneAPI": "Mesh",
     "LappetMaterialAPI": None,
+    "LappetSkinLineAPI": "BasisCurves",
     **EVENT_PRIMS,
 }
 
 
-def read(stage: Any, usd: Any, notes: list[str]) -> Procedure:
+def read(stage: Any, usd: Any, notes: list[Problem]) -> Procedure:
     """Read the procedure on an open stage.
 
     Parameters
@@ -36,7 +37,7 @@ def read(stage: Any, usd: Any, notes: list[str]) -> Procedure:
     usd
         USD's modules, as `lappet.usd.stage.pxr` gives them.
     notes
-        Gets a sentence for what was converted or left aside.
+        Gets a note of what was converted or left aside.
 
     Returns
     -------
@@ -54,7 +55,7 @@ def read(stage: Any, usd: Any, notes: list[str]) -> Procedure:
     return procedure
 
 
-def read_what_can_be(stage: Any, usd: Any, notes: list[str]) -> tuple[Procedure | None, list[Problem]]:
+def read_what_can_be(stage: Any, usd: Any, notes: list[Problem]) -> tuple[Procedure | None, list[Problem]]:
     """Read the procedure on an open stage as far as possible.
 
     Parameters
@@ -64,7 +65,7 @@ def read_what_can_be(stage: Any, usd: Any, notes: list[str]) -> tuple[Procedure 
     usd
         USD's modules, as `lappet.usd.stage.pxr` gives them.
     notes
-        Gets a sentence for what was converted or left aside.
+        Gets a note of what was converted or left aside.
 
     Returns
     -------
@@ -93,6 +94,7 @@ def read_what_can_be(stage: Any, usd: Any, notes: list[str]) -> tuple[Procedure 
         materials=materials,
         events=events,
         bones=bones,
+        skin_lines=tuple(_skin_line(reader, prim) for prim in found["LappetSkinLineAPI"]),
         start_time=start,
         end_time=end,
         fps=float(stage.GetTimeCodesPerSecond()),
@@ -103,6 +105,7 @@ def read_what_can_be(stage: Any, usd: Any, notes: list[str]) -> tuple[Procedure 
 def _find(reader: Reader) -> dict[str, list[Any]]:
     """The prims by schema; "events" holds (prim, schema) of all seven kinds in the order of the stage."""
     found: dict[str, list[Any]] = {"LappetTissueAPI": [], "LappetMaterialAPI": [], "LappetBoneAPI": []}
+    found["LappetSkinLineAPI"] = []
     found |= {"LappetRegionAPI": [], "events": []}
     for prim in reader.stage.Traverse():
         schemas = [str(s) for s in prim.GetPrimTypeInfo().GetAppliedAPISchemas() if str(s).startswith("Lappet")]
@@ -139,7 +142,7 @@ def _tissue(reader: Reader, prim: Any, regions: list[Any]) -> Tissue:
     material = reader.target(prim, "lappet:material")
     if not material:
         reader.problem(ProblemCode.TISSUE_NO_MATERIAL, prim.GetPath(), "no material")
-    gravity = reader.number(prim, "lappet:gravity", np.inf)
+    normal = reader.number(prim, "lappet:bedStiffness", Tissue.bed_stiffness)
     return Tissue(
         points=points,
         face_vertex_counts=counts,
@@ -148,8 +151,10 @@ def _tissue(reader: Reader, prim: Any, regions: list[Any]) -> Tissue:
         subsets=subsets,
         material=material.rpartition("/")[2],
         spacing=reader.number(prim, "lappet:spacing", Tissue.spacing),
-        gravity=None if np.isposinf(gravity) else gravity,
-        bed_stiffness=reader.number(prim, "lappet:bedStiffness", Tissue.bed_stiffness),
+        gravity=reader.number(prim, "lappet:gravity", Tissue.gravity),
+        gravity_direction=cast(Point, reader.vector(prim, "lappet:gravityDirection", 3, Tissue.gravity_direction)),
+        bed_stiffness=normal,
+        bed_shear=reader.number(prim, "lappet:bedShear", min(Tissue.bed_shear, normal)),
         regions=tuple(_region(reader, region, prim, subsets) for region in regions),
     )
 
@@ -182,12 +187,12 @@ def _mesh(
     if left != mirrored and (counts > 0).all() and counts.sum() == len(indices):
         starts = np.repeat(np.cumsum(counts) - counts, counts)
         corners = 2 * starts + np.repeat(counts, counts) - 1 - corners
-        reader.notes.append(f"{prim.GetPath()}: its faces were turned from left-handed to right-handed.")
+        reader.notes.append(problem(ProblemCode.FACES_TURNED, prim.GetPath(), "leftHanded"))
     if len(reader.integers(prim, "holeIndices", optional=True)):
-        reader.notes.append(f"{prim.GetPath()}: holeIndices are ignored; the faces count as surface.")
+        reader.notes.append(problem(ProblemCode.HOLES_IGNORED, prim.GetPath(), "holeIndices"))
     scheme = prim.GetAttribute("subdivisionScheme").Get()
     if scheme not in (None, "none"):
-        reader.notes.append(f"{prim.GetPath()}: subdivision ({scheme}) is ignored; its control cage is the surface.")
+        reader.notes.append(problem(ProblemCode.SUBDIVISION_IGNORED, prim.GetPath(), scheme))
     return points, counts, indices[corners] if len(indices) else indices, corners
 
 
@@ -216,6 +221,15 @@ def _bone(reader: Reader, prim: Any) -> Bone:
     return Bone(prim.GetName(), points, counts, indices)
 
 
+def _skin_line(reader: Reader, prim: Any) -> SkinLine:
+    points, basis, closed = read_curve(reader, prim)
+    if closed:
+        points = (*points, points[0])
+    along, across = reader.vector(prim, "lappet:tension", 2, (np.inf, np.inf))
+    tension = None if np.isposinf(along) and np.isposinf(across) else (along, across)
+    return SkinLine(prim.GetName(), points, tension, basis)
+
+
 def _material(reader: Reader, prim: Any) -> Material:
     def number(name: str, default: float) -> float:
         return reader.number(prim, f"lappet:{name}", default)
@@ -230,6 +244,7 @@ def _material(reader: Reader, prim: Any) -> Material:
         fiber_k1=number("fiber:k1", Material.fiber_k1),
         fiber_k2=number("fiber:k2", Material.fiber_k2),
         fiber_dispersion=number("fiber:dispersion", Material.fiber_dispersion),
+        fiber_slack=number("fiber:slack", Material.fiber_slack),
         fiber_direction=cast(Point, reader.vector(prim, "lappet:fiber:direction", 3, Material.fiber_direction)),
         prestretch=(along, across),
         density=number("density", Material.density),

@@ -148,7 +148,7 @@ def save_layer(layer: Any, path: str | os.PathLike[str]) -> None:
         known.Reload(True)
 
 
-def read_procedure(path: str | os.PathLike[str], notes: list[str] | None = None) -> Procedure:
+def read_procedure(path: str | os.PathLike[str], notes: list[Problem] | None = None) -> Procedure:
     """Read the procedure in a USD file, in mm and Z up whatever the stage's own units and axes.
 
     Parameters
@@ -156,7 +156,7 @@ def read_procedure(path: str | os.PathLike[str], notes: list[str] | None = None)
     path
         A .usda, .usdc or .usd file.
     notes
-        Gets a sentence for everything that was converted or left aside.
+        Gets a note of everything that was converted or left aside.
 
     Returns
     -------
@@ -173,7 +173,7 @@ def read_procedure(path: str | os.PathLike[str], notes: list[str] | None = None)
 
 
 def read_what_can_be(
-    path: str | os.PathLike[str], notes: list[str] | None = None
+    path: str | os.PathLike[str], notes: list[Problem] | None = None
 ) -> tuple[Procedure | None, list[Problem]]:
     """Read a USD file as far as possible, so that `lappet check` can name every problem at once.
 
@@ -182,7 +182,7 @@ def read_what_can_be(
     path
         A .usda, .usdc or .usd file.
     notes
-        Gets a sentence for everything that was converted or left aside.
+        Gets a note of everything that was converted or left aside.
 
     Returns
     -------

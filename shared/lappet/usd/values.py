@@ -27,10 +27,10 @@ class Reader:
     usd
         USD's modules, as `lappet.usd.stage.pxr` gives them.
     notes
-        Gets a sentence for what was converted or left aside.
+        Gets a note of what was converted or left aside.
     """
 
-    def __init__(self, stage: Any, usd: Any, notes: list[str]) -> None:
+    def __init__(self, stage: Any, usd: Any, notes: list[Problem]) -> None:
         self.stage, self.usd, self.notes = stage, usd, notes
         self.problems: list[Problem] = []
         self.space = self._stage_space()
@@ -356,9 +356,7 @@ class Reader:
         if attribute and attribute.HasAuthoredValue():
             value = attribute.Get(self.usd.Usd.TimeCode.EarliestTime())
             if attribute.GetNumTimeSamples() > 0 and name.startswith("lappet:"):
-                self.notes.append(
-                    f"{prim.GetPath()}: {name} is animated; its first value, {value}, is used throughout."
-                )
+                self.notes.append(problem(ProblemCode.ATTRIBUTE_ANIMATED, prim.GetPath(), value, name=name))
         if value is None and required:
             self.problem(ProblemCode.ATTRIBUTE_MISSING, prim.GetPath(), "no value", name=name)
         return value
@@ -378,11 +376,11 @@ class Reader:
         if abs(units - 0.001) > 1e-12:
             matrix[:3, :3] *= units / 0.001
             said = "" if geom.StageHasAuthoredMetersPerUnit(self.stage) else " by USD's default"
-            self.notes.append(f"The stage has {units:g} metres per unit{said}; its geometry was converted to mm.")
+            self.notes.append(problem(ProblemCode.STAGE_CONVERTED, "/", f"{units:g}", said=said))
         if axis == "Y":
             matrix[:3, :3] = matrix[:3, :3] @ np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])
             said = "" if self.stage.HasAuthoredMetadata("upAxis") else " by USD's default"
-            self.notes.append(f"The stage has Y up{said}; its geometry was turned to Z up.")
+            self.notes.append(problem(ProblemCode.STAGE_TURNED, "/", axis, said=said))
         return None if np.array_equal(matrix, np.eye(4)) else matrix
 
 

@@ -22,6 +22,20 @@ MessageWriter reply(std::string type, ReplyTo to) {
   return {std::move(type), to.id, to.session == 0 ? std::nullopt : std::optional(to.session)};
 }
 
+std::string_view restart_name(Restart restart) {
+  switch (restart) {
+    case Restart::kInvalidStart:
+      return "invalid_start";
+    case Restart::kNoEquilibrium:
+      return "no_equilibrium";
+    case Restart::kInverted:
+      return "inverted";
+    case Restart::kNone:
+      break;
+  }
+  return "";
+}
+
 template <class T>
 void add_rows(MessageWriter& writer, const std::string& name, const std::vector<T>& elements,
               std::vector<std::uint64_t> row_shape) {
@@ -30,6 +44,19 @@ void add_rows(MessageWriter& writer, const std::string& name, const std::vector<
   std::vector<std::uint64_t> shape = {elements.size() / row};
   shape.insert(shape.end(), row_shape.begin(), row_shape.end());
   writer.array(name, std::span<const T>(elements), std::move(shape));
+}
+
+void add_state(MessageWriter& writer, const SolverState& state) {
+  if (state.is_double) {
+    add_rows(writer, "nodes", state.nodes, {3});
+  } else {
+    add_rows(writer, "nodes", std::vector<float>(state.nodes.begin(), state.nodes.end()), {3});
+  }
+  add_rows(writer, "suture_separations", state.suture_gaps, {3});
+  add_rows(writer, "suture_multipliers", state.suture_multipliers, {3});
+  add_rows(writer, "grip_multipliers", state.grip_multipliers, {});
+  add_rows(writer, "activation", state.activation, {});
+  add_rows(writer, "stability", state.stability, {});
 }
 
 }  // namespace
@@ -58,6 +85,7 @@ std::vector<PartBytes> encode_lattice(ReplyTo to, const EpochReport& report) {
       .field("fragments", std::int64_t{report.fragments})
       .field("blocks", std::int64_t{report.blocks})
       .field("fixed_nodes", std::int64_t{report.fixed_nodes})
+      .field("dropped_voxels", report.dropped_voxels)
       .field("bytes", report.bytes)
       .field("seconds", report.seconds);
   if (!report.nodes_at_rest.empty()) add_rows(writer, "rest_nodes", report.nodes_at_rest, {3});
@@ -83,14 +111,18 @@ std::vector<PartBytes> encode_frame(ReplyTo to, const FrameOutput& frame) {
       .field("pcg", std::int64_t{frame.pcg_iterations})
       .field("load_steps", std::int64_t{frame.load_steps})
       .field("active_cells", frame.active_cells)
+      .field("restart", std::string(restart_name(frame.restart)))
       .field("residual", frame.residual)
       .field("force_scale", frame.force_scale)
+      .field("displacement_to_come", frame.displacement_to_come)
       .field("largest_gap", frame.largest_gap)
       .field("minimum_j", frame.minimum_j)
       .field("inverted_cells", std::int64_t{frame.inverted_cells})
       .field("energy", frame.energy)
       .field("largest_penetration", frame.largest_penetration)
       .field("contacts", std::int64_t{frame.contacts})
+      .field("lowest_stiffness", frame.lowest_stiffness)
+      .field("saddles_left", std::int64_t{frame.saddles_left})
       .field("seconds", Fields{{"update", frame.seconds_update},
                                {"linear", frame.seconds_linear},
                                {"setup", frame.seconds_setup},
@@ -118,15 +150,8 @@ std::vector<PartBytes> encode_frame(ReplyTo to, const FrameOutput& frame) {
   add_rows(writer, "hook_points", frame.hook_points, {3});
   add_rows(writer, "correction", frame.correction, {3});
   add_rows(writer, "landmark_correction", frame.landmark_correction, {3});
-  if (frame.state.is_double) {
-    add_rows(writer, "nodes", frame.state.nodes, {3});
-  } else {
-    add_rows(writer, "nodes", std::vector<float>(frame.state.nodes.begin(), frame.state.nodes.end()), {3});
-  }
-  add_rows(writer, "suture_separations", frame.state.suture_gaps, {3});
-  add_rows(writer, "suture_multipliers", frame.state.suture_multipliers, {3});
-  add_rows(writer, "grip_multipliers", frame.state.grip_multipliers, {});
-  add_rows(writer, "activation", frame.state.activation, {});
+  add_rows(writer, "softest_point", frame.softest_point, {3});
+  add_state(writer, frame.state);
   return writer.finish();
 }
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <utility>
 
@@ -13,6 +14,8 @@
 #include "session/check_targets.h"
 #include "session/is_valid_start.h"
 #include "session/retry_schedule.h"
+#include "solve/newton/leave_saddle.h"
+#include "solve/newton/lowest_mode.h"
 
 namespace lappet {
 
@@ -20,12 +23,18 @@ namespace {
 
 // Two equilibria whose energies differ by less are the same.
 constexpr double kSameEnergy = 1e-6;
+// An equilibrium whose softest displacement keeps less of its stiffness than this, chosen above the rounding of single
+// precision, is a saddle.
+constexpr double kSaddle = -1e-3;
+// Saddles that are left one after the other in a frame.
+constexpr int kMaxSaddles = 6;
 
 template <class Real>
 class FrameSearch {
  public:
   FrameSearch(const SessionSettings& settings, EpochSystem<Real>& epoch, const TissueState<Real>& before,
-              const FrameInput& frame, const ProgressCallback& progress, const std::atomic<bool>& cancel)
+              const FrameInput& frame, const std::optional<Arrival>& known, const ProgressCallback& progress,
+              const std::atomic<bool>& cancel)
       : settings_(settings),
         epoch_(epoch),
         before_(before),
@@ -37,7 +46,8 @@ class FrameSearch {
     options_.gap_tolerance = settings.gap_tolerance * settings.spacing;
     options_.inverts =
         std::ranges::all_of(settings.materials, [](const auto& m) { return MaterialModels::inverts(m.model); });
-    options_.moves_first = !moved_ && settings.gravity != Vec3::Zero();
+    options_.known = known;
+    options_.keeps_step = kHasErrorEstimate && settings.correction;
     observer_.stop = [this] { return cancel_.load(std::memory_order_relaxed) || out_of_time(); };
     observer_.progress = [this, &progress](int newton, double residual, double gap) {
       if (progress) progress({frame_.time, found_.effort.newton_iterations + newton, residual, gap});
@@ -53,6 +63,7 @@ class FrameSearch {
     if (unreachable.empty()) {
       walk(RetrySchedule(valid_ && moved_, settings_.max_newton));
       settle_doubt();
+      if (settings_.stability && found_.outcome.converged) leave_saddles();
     } else {
       found_.state = before_;
       epoch_.constraints.apply(frame_, found_.state);
@@ -68,8 +79,10 @@ class FrameSearch {
  private:
   // Tries what the schedule says until an attempt succeeds or none is left.
   void walk(RetrySchedule schedule) {
-    if (!valid_)
+    if (!valid_) {
+      found_.effort.restart = Restart::kInvalidStart;
       spdlog::info("frame {:g} starts from rest: too many cells of its start are inverted or flat", frame_.time);
+    }
     while (const auto attempt = schedule.next()) {
       const int reached = try_once(*attempt, schedule);
       const EquilibriumOutcome& outcome = found_.outcome;
@@ -83,8 +96,10 @@ class FrameSearch {
       } else {
         schedule.failed(reached, outcome.residual, found_.effort.newton_iterations);
       }
-      if (schedule.next() && schedule.next()->from_rest && !attempt->from_rest)
+      if (schedule.next() && schedule.next()->from_rest && !attempt->from_rest) {
+        found_.effort.restart = doubtful_ ? Restart::kInverted : Restart::kNoEquilibrium;
         spdlog::info("frame {:g} starts over from rest: {}", frame_.time, why);
+      }
     }
   }
 
@@ -107,15 +122,23 @@ class FrameSearch {
         settings_.region == "auto" && !epoch_.preconditioner.is_smoother_only() && attempt.load_steps == 1;
     const auto path = epoch_.constraints.path(frame_, attempt.load_steps, found_.state);
     for (int step = 0; step < attempt.load_steps; ++step)
-      if (!take_load_step(path[static_cast<std::size_t>(step)], schedule)) return step;
+      if (options_.accuracy = step + 1 < attempt.load_steps ? Accuracy::kLoadStep : Accuracy::kFrame;
+          !take_load_step(path[static_cast<std::size_t>(step)], schedule))
+        return step;
     return attempt.load_steps;
   }
 
   bool take_load_step(const FrameInput& to, const RetrySchedule& schedule) {
+    epoch_.constraints.apply(to, found_.state);
+    search_equilibrium(schedule.newton_left(found_.effort.newton_iterations));
+    if (found_.outcome.converged) found_.state.activation = epoch_.constraints.activation_of(to);
+    return found_.outcome.converged;
+  }
+
+  void search_equilibrium(int max_newton) {
     SolveEffort& effort = found_.effort;
     EquilibriumOutcome& outcome = found_.outcome;
-    epoch_.constraints.apply(to, found_.state);
-    options_.max_newton = schedule.newton_left(effort.newton_iterations);
+    options_.max_newton = max_newton;
     outcome = find_equilibrium<Real>(epoch_.system, epoch_.preconditioner, found_.state.u, found_.state.multipliers,
                                      options_, observer_, std::move(outcome.at));
     effort.newton_iterations += outcome.newton_iterations;
@@ -124,8 +147,6 @@ class FrameSearch {
     effort.seconds_update += outcome.seconds_update;
     effort.seconds_linear += outcome.seconds_linear;
     effort.seconds_setup += outcome.seconds_setup;
-    if (outcome.converged) found_.state.activation = epoch_.constraints.activation_of(to);
-    return outcome.converged;
   }
 
   // An equilibrium with inverted cells stands where one from rest has no lower energy; without one it does not.
@@ -143,9 +164,80 @@ class FrameSearch {
     } else if (doubtful.energy <= outcome.energy + kSameEnergy * std::abs(outcome.energy)) {
       outcome = std::move(doubtful);
       found_.state = std::move(state);
+      found_.effort.restart = Restart::kNone;
       epoch_.constraints.apply(frame_, found_.state);
       evaluate();
     }
+  }
+
+  // Tissue rests in a minimum of the energy. Moves on from a saddle until none is left or none can be left.
+  void leave_saddles() {
+    auto& stability = found_.state.stability;
+    const double constraints = digest(frame_);
+    if (stability.is_of(constraints) && std::ranges::equal(found_.state.u, before_.u)) return;
+    find_mode({});
+    if (lowest_ < kSaddle) find_mode(LowestModeSearch::thorough());
+    while (lowest_ < kSaddle && found_.effort.saddles_left < kMaxSaddles && leave_saddle())
+      find_mode(LowestModeSearch::thorough());
+    stability = {.constraints = constraints, .lowest_stiffness = lowest_, .softest_point = {}};
+    if (!mode_.empty()) stability.softest_point = softest_point();
+  }
+
+  void find_mode(const LowestModeSearch& search) {
+    try {
+      auto found =
+          find_lowest_mode<Real>(epoch_.system, epoch_.preconditioner, found_.state.u, found_.outcome.at, search);
+      lowest_ = found.stiffness;
+      mode_ = std::move(found.shape);
+    } catch (const NotDefiniteError&) {  // the coarse level cannot be had: nothing is known
+      lowest_ = std::numeric_limits<double>::quiet_NaN();
+      mode_.clear();
+    }
+  }
+
+  // The rest point of the surface that moves most in the mode.
+  Vec3 softest_point() const {
+    const auto& points = epoch_.lattice.surface_points;
+    std::size_t softest = 0;
+    double most = 0.0;
+    for (std::size_t k = 0; k < points.size(); ++k) {
+      const double length = displacement<Real>(epoch_.lattice, points[k], mode_).squaredNorm();
+      if (length > most) {
+        most = length;
+        softest = k;
+      }
+    }
+    return epoch_.surface.points[softest];
+  }
+
+  // Goes on from the lower side of the saddle; false, and back at it, where that leads to no lower equilibrium.
+  bool leave_saddle() {
+    const auto amplitude = way_off_saddle<Real>(epoch_.system, found_.state.u, mode_, found_.state.multipliers,
+                                                found_.outcome.at, options_.inverts);
+    TissueState<Real> saddle = found_.state;
+    if (amplitude) {
+      add<Real>(static_cast<Real>(*amplitude), mode_, found_.state.u);
+      Evaluation reused = std::move(found_.outcome.at);
+      EquilibriumOutcome at_saddle = std::exchange(found_.outcome, {});
+      found_.outcome.at = std::move(reused);
+      options_.neighborhood_first = false;
+      options_.known.reset();
+      search_equilibrium(settings_.max_newton);
+      const EquilibriumOutcome& outcome = found_.outcome;
+      if (outcome.converged && outcome.inverted <= at_saddle.inverted &&
+          outcome.energy < at_saddle.energy - kSameEnergy * std::abs(at_saddle.energy)) {
+        ++found_.effort.saddles_left;
+        spdlog::info("frame {:g} leaves a saddle: energy {:.6g} to {:.6g} mN mm", frame_.time, at_saddle.energy,
+                     outcome.energy);
+        return true;
+      }
+      refuse_if_stopped();
+      at_saddle.at = std::move(found_.outcome.at);
+      found_.outcome = std::move(at_saddle);
+      found_.state = std::move(saddle);
+    }
+    evaluate();
+    return false;
   }
 
   void refuse_if_stopped() const {
@@ -177,6 +269,8 @@ class FrameSearch {
   EquilibriumOptions options_;
   SolveObserver observer_;
   FoundFrame<Real> found_;
+  double lowest_ = std::numeric_limits<double>::quiet_NaN();  // the share of its stiffness that the mode keeps
+  std::vector<Real> mode_;
   // An equilibrium with inverted cells, until one from rest confirms it.
   std::optional<std::pair<EquilibriumOutcome, TissueState<Real>>> doubtful_;
 };
@@ -185,14 +279,16 @@ class FrameSearch {
 
 template <class Real>
 FoundFrame<Real> find_frame(const SessionSettings& settings, EpochSystem<Real>& epoch, const TissueState<Real>& before,
-                            const FrameInput& frame, const ProgressCallback& progress,
-                            const std::atomic<bool>& cancel) {
-  return FrameSearch<Real>(settings, epoch, before, frame, progress, cancel).run();
+                            const FrameInput& frame, const std::optional<Arrival>& known,
+                            const ProgressCallback& progress, const std::atomic<bool>& cancel) {
+  return FrameSearch<Real>(settings, epoch, before, frame, known, progress, cancel).run();
 }
 
 template FoundFrame<float> find_frame(const SessionSettings&, EpochSystem<float>&, const TissueState<float>&,
-                                      const FrameInput&, const ProgressCallback&, const std::atomic<bool>&);
+                                      const FrameInput&, const std::optional<Arrival>&, const ProgressCallback&,
+                                      const std::atomic<bool>&);
 template FoundFrame<double> find_frame(const SessionSettings&, EpochSystem<double>&, const TissueState<double>&,
-                                       const FrameInput&, const ProgressCallback&, const std::atomic<bool>&);
+                                       const FrameInput&, const std::optional<Arrival>&, const ProgressCallback&,
+                                       const std::atomic<bool>&);
 
 }  // namespace lappet

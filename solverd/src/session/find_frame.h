@@ -14,9 +14,11 @@ struct FoundFrame {
   SolveEffort effort;          // of all attempts
 };
 
-// before: the state of the frame before. Throws RefusedError(kCancelled) or (kTimeBudget).
+// before: the state of the frame before; known: where the search for it ended, if it was the same frame. Throws
+// RefusedError(kCancelled) or (kTimeBudget).
 template <class Real>
 FoundFrame<Real> find_frame(const SessionSettings& settings, EpochSystem<Real>& epoch, const TissueState<Real>& before,
-                            const FrameInput& frame, const ProgressCallback& progress, const std::atomic<bool>& cancel);
+                            const FrameInput& frame, const std::optional<Arrival>& known,
+                            const ProgressCallback& progress, const std::atomic<bool>& cancel);
 
 }  // namespace lappet

@@ -1,7 +1,6 @@
 #include "session/frame_fields.h"
 
 #include "session/surface_fields.h"
-#include "solve/newton/newton_correction.h"
 
 namespace lappet {
 
@@ -35,14 +34,14 @@ void write_constraints(const EpochSystem<Real>& epoch, const FrameInput& frame, 
   }
 }
 
+// A frame that did not converge has none, nor one that is the same as the last, whose fields are taken instead.
 template <class Real>
-void write_correction(EpochSystem<Real>& epoch, const FoundFrame<Real>& found, FrameFields& fields) {
-  std::vector<Real> step(found.state.u.size());
-  newton_correction<Real>(epoch.system, epoch.preconditioner, found.state.u, found.outcome.at, step);
+void write_correction(const EpochSystem<Real>& epoch, const FoundFrame<Real>& found, FrameFields& fields) {
+  const std::span<const float> step = found.outcome.step;
   for (const auto& point : epoch.lattice.surface_points)
-    append(fields.correction, displacement<Real>(epoch.lattice, point, step));
+    append(fields.correction, displacement<float>(epoch.lattice, point, step));
   for (const auto& point : epoch.landmarks)
-    append(fields.landmark_correction, displacement<Real>(epoch.lattice, point, step));
+    append(fields.landmark_correction, displacement<float>(epoch.lattice, point, step));
 }
 
 }  // namespace
@@ -59,7 +58,10 @@ FrameFields frame_fields(const SessionSettings& settings, EpochSystem<Real>& epo
   if (kHasStrain && settings.strain)
     write_surface_fields<Real>(epoch.system.elastic_at(found.outcome.at), found.state.u, fields);
   write_constraints(epoch, frame, found.state, fields);
-  if (kHasErrorEstimate && settings.correction && found.outcome.converged) write_correction(epoch, found, fields);
+  const FrameStability& stability = found.state.stability;
+  if (found.outcome.converged) fields.lowest_stiffness = stability.lowest_stiffness;
+  if (found.outcome.converged && stability.softest_point) append(fields.softest_point, *stability.softest_point);
+  if (!found.outcome.step.empty() && found.outcome.converged) write_correction(epoch, found, fields);
   return fields;
 }
 

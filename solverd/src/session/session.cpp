@@ -10,6 +10,7 @@
 #include "session/checks.h"
 #include "session/find_frame.h"
 #include "session/frame_fields.h"
+#include "session/ground_of_session.h"
 #include "session/last_frame.h"
 #include "session/process_memory.h"
 
@@ -35,6 +36,7 @@ void write_outcome(const EquilibriumOutcome& outcome, FrameOutput& output) {
   output.failure = outcome.failure;
   output.residual = outcome.residual;
   output.force_scale = outcome.force_scale;
+  output.displacement_to_come = outcome.to_come;
   output.largest_gap = outcome.gap;
   output.minimum_j = outcome.minimum_j;
   output.inverted_cells = outcome.inverted;
@@ -76,7 +78,7 @@ class TypedSession : public Session::Implementation {
   EpochReport replace_epoch(const EpochInput& input) {
     const auto start = std::chrono::steady_clock::now();
     check_epoch(input, settings_);
-    auto epoch = std::make_unique<EpochSystem<Real>>(input, settings_, bones_);
+    auto epoch = std::make_unique<EpochSystem<Real>>(input, settings_, bones_, ground_.of(input, settings_));
     TissueState<Real> state = carry_over(state_, epoch_ ? &epoch_->lattice : nullptr, epoch->lattice);
     EpochReport report = epoch->report(input.nodes);
     report.bytes += static_cast<double>(state.u.size() * sizeof(Real) + (bones_ ? bones_->bytes() : 0));
@@ -91,7 +93,8 @@ class TypedSession : public Session::Implementation {
   FrameOutput solve_frame(const FrameInput& frame, const ProgressCallback& progress, const std::atomic<bool>& cancel) {
     const auto start = std::chrono::steady_clock::now();
     const Work done = epoch_->system.work();
-    FoundFrame<Real> found = find_frame(settings_, *epoch_, state_, frame, progress, cancel);
+    FoundFrame<Real> found =
+        find_frame(settings_, *epoch_, state_, frame, last_frame_.arrival_of(frame), progress, cancel);
     const bool converged = found.outcome.converged;
     FrameOutput output;
     output.time = frame.time;
@@ -102,7 +105,7 @@ class TypedSession : public Session::Implementation {
     if (!converged)
       last_frame_.clear();
     else if (!same)
-      last_frame_.keep(frame, output);
+      last_frame_.keep(frame, output, {output.energy, output.residual, output.displacement_to_come});
     if (converged) state_ = std::move(found.state);
     output.state = exported(state_);
     output.seconds_total = seconds_since(start);
@@ -114,8 +117,9 @@ class TypedSession : public Session::Implementation {
   SessionSettings settings_;
   tbb::task_arena arena_;
   std::shared_ptr<const SignedDistance> bones_;  // null: none
-  std::unique_ptr<EpochSystem<Real>> epoch_;     // null before the first
-  TissueState<Real> state_;                      // fits the epoch
+  GroundOfSession ground_;
+  std::unique_ptr<EpochSystem<Real>> epoch_;  // null before the first
+  TissueState<Real> state_;                   // fits the epoch
   LastFrame last_frame_;
 };
 

@@ -160,7 +160,7 @@ def economy(
             continue
         say(feature.name)
         program = feature.put_into(own)
-        programs = (program,) if feature.coarse_programs is None else (program, *feature.coarse_programs(program))
+        programs = (program,) if feature.coarse_program is None else (program, feature.coarse_program(program))
         rows.append(_cost(feature, True, programs, reasons))
     absences = []
     for binary in yardsticks:

@@ -17,7 +17,7 @@ from lappet.geometry.labeled_surface import FaceOrigin, Surface
 from lappet.program.program import Bones, Landmarks, Program
 from lappet.program.settings import MaterialParameters
 from lappet.reports.box_scenes import BoxScene, grid_box, stretched
-from lappet.solve.error_estimate import coarse_programs
+from lappet.solve.coarse_program import coarse_program
 
 SIZE, SPACING = (48.0, 12.0, 12.0), 3.0  # mm
 MATERIAL = MaterialParameters(model="neoHookean", youngs_modulus=50.0, poissons_ratio=0.45)
@@ -56,8 +56,8 @@ class Feature:
         What it is, for people.
     put_into
         Puts it into the plain program; None where there is nothing to put in.
-    coarse_programs
-        Makes the programs that are solved besides.
+    coarse_program
+        Makes the program that is solved besides, or None.
     base
         Makes what it is put into instead of the bar.
     """
@@ -65,7 +65,7 @@ class Feature:
     name: str
     what: str
     put_into: Callable[[Program], Program] | None
-    coarse_programs: Callable[[Program], tuple[Program, ...]] | None = None
+    coarse_program: Callable[[Program], Program] | None = None
     base: Callable[[], Program] | None = None
 
 
@@ -192,9 +192,9 @@ def _error_estimate(program: Program) -> Program:
     return replace(program, settings=replace(program.settings, correction=True))
 
 
-def _coarse_programs(program: Program) -> tuple[Program, ...]:
-
-    return tuple(replace(each, settings=replace(each.settings, threads=1)) for each in coarse_programs(program))
+def _coarse_program(program: Program) -> Program:
+    coarse = coarse_program(program)
+    return replace(coarse, settings=replace(coarse.settings, threads=1))
 
 
 FEATURES = (
@@ -208,9 +208,9 @@ FEATURES = (
     Feature("landmarks", "64 of them", _landmarks),
     Feature(
         "error_estimate",
-        "the Newton step left over, and solves at twice and four times the spacing",
+        "the displacement still to come, and a solve at twice the spacing",
         _error_estimate,
-        coarse_programs=_coarse_programs,
+        coarse_program=_coarse_program,
     ),
     Feature(
         "strain",

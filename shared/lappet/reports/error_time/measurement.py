@@ -22,7 +22,8 @@ from lappet.daemon.frame_solver import Connect
 from lappet.geometry.labeled_surface import FaceOrigin
 from lappet.program.program import Program
 from lappet.reports.error_time.reference import Reference, fitted_order, greatest, observed_orders, richardson, rms
-from lappet.solve.error_estimate import coarse_program, expected_order, far_coarse_program, frame_error
+from lappet.solve.coarse_program import coarse_program, expected_order
+from lappet.solve.error_estimate import RestSkin, frame_error
 from lappet.solve.solve_frames import FrameResult, SolveObserver, solve_program
 from lappet.solve.store import FrameStore
 
@@ -382,18 +383,13 @@ def _measure(scene: Scene, spacing: float, chosen: dict[str, Any], reference: Re
     off = frames[-1].solved.points[skin] - reference.points
     partners, failure = _solve(coarse_program(program), connect)
     partner = partners[-1].solved if failure is None else None
-    other = far_coarse_program(program)
-    others: tuple[FrameResult, ...] = ()
-    far = None
-    if other is not None:
-        others, failure = _solve(other, connect)
-        far = others[-1].solved if failure is None else None
-    estimate = frame_error(frames[-1].solved, partner, skin, expected_order(program, frames[0].solved.lattice), far)
+    order = expected_order(program, frames[0].solved.lattice)
+    estimate = frame_error(frames[-1].solved, partner, RestSkin.of(program.epochs[-1]), order, spacing)
     row = replace(
         row,
         error_mm=rms(off),
         error_max_mm=greatest(off),
-        estimate_seconds=_seconds(partners) + _seconds(others),
+        estimate_seconds=_seconds(partners),
     )
     if estimate is None or partner is None:
         return row

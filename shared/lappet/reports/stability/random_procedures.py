@@ -183,7 +183,7 @@ def _procedure(choices: _Choices) -> Procedure:
             choices.one_of([2.0, 1.0, 1.5]),
             rim=choices.one_of([True, True, False]),
             bed=choices.one_of([True, True, False]),
-            gravity=choices.one_of([None, None, 9.81]),
+            gravity=choices.one_of([0.0, 0.0, 9.81]),
         ),
         materials=(_material(choices),),
         events=tuple(events),
@@ -192,7 +192,7 @@ def _procedure(choices: _Choices) -> Procedure:
     )
 
 
-def _tissue(spacing: float, *, rim: bool, bed: bool, gravity: float | None) -> Tissue:
+def _tissue(spacing: float, *, rim: bool, bed: bool, gravity: float) -> Tissue:
     patch = flat_patch(SIZE, resolution=2.0, spacing=spacing, gravity=gravity)
     middles = patch.points[patch.face_vertex_indices.reshape(-1, 4)].mean(axis=1)
     jaw = np.flatnonzero(middles[:, 0] > SIZE[0] / 2 - 1e-6)

@@ -25,11 +25,12 @@ struct LinearVectors {
   std::vector<Real> r, z, p, q;  // residual, preconditioned residual, direction, product of the direction
 };
 
-// Solves K x = b, b = work.r, to |b - K x| <= tolerance |b| from x = 0. `stop` is called once an iteration.
-template <class Real>
-LinearOutcome conjugate_gradients(const System<Real>& system, TwoLevel<Real>& preconditioner, LinearVectors<Real>& work,
-                                  std::span<Real> x, double tolerance, int max_iterations,
-                                  const std::function<bool()>& stop) {
+// Solves K x = b, b = work.r, from x = 0 until enough(reduction, alpha, p, x) after an iteration that has added alpha p
+// to x and left the residual at `reduction` of its norm. `stop` is called once an iteration.
+template <class Real, class Enough>
+LinearOutcome conjugate_gradients_until(const System<Real>& system, TwoLevel<Real>& preconditioner,
+                                        LinearVectors<Real>& work, std::span<Real> x, const Enough& enough,
+                                        int max_iterations, const std::function<bool()>& stop) {
   auto& [r, z, p, q] = work;
   const std::size_t size = r.size();
   set_zero<Real>(x);
@@ -70,9 +71,20 @@ LinearOutcome conjugate_gradients(const System<Real>& system, TwoLevel<Real>& pr
         })[0];
     ++outcome.iterations;
     outcome.reduction = std::sqrt(squared) / start;
-    if (outcome.reduction <= tolerance) break;
+    if (enough(outcome.reduction, alpha, std::span<const Real>(p), std::span<const Real>(x))) break;
   }
   return outcome;
+}
+
+// Solves K x = b, b = work.r, to |b - K x| <= tolerance |b| from x = 0.
+template <class Real>
+LinearOutcome conjugate_gradients(const System<Real>& system, TwoLevel<Real>& preconditioner, LinearVectors<Real>& work,
+                                  std::span<Real> x, double tolerance, int max_iterations,
+                                  const std::function<bool()>& stop) {
+  const auto enough = [tolerance](double reduction, double, std::span<const Real>, std::span<const Real>) {
+    return reduction <= tolerance;
+  };
+  return conjugate_gradients_until<Real>(system, preconditioner, work, x, enough, max_iterations, stop);
 }
 
 template <class Real>

@@ -35,12 +35,12 @@ double decay_length(const System<Real>& system) {
   double area = 0.0, volume = 0.0, stiffest = 0.0;
   for (const FaceConstraint& face : system.attachments().face_constraints)
     area += face.group == kBedGroup ? face.area : 0.0;
-  if (!(area > 0.0) || !(system.bed_stiffness() > 0.0)) return 0.0;
+  if (!(area > 0.0) || !(system.bed().shear > 0.0)) return 0.0;
   for (const RestingFace& face : system.attachments().resting) area += face.area;
   for (const float fill : lattice.cell_fill) volume += double(fill) * std::pow(lattice.settings.spacing, 3);
   for (const auto& material : system.elastic().materials().table)
     stiffest = std::max(stiffest, material.youngs_modulus);
-  return std::sqrt(stiffest * volume / area / system.bed_stiffness());
+  return std::sqrt(stiffest * volume / area / system.bed().shear);
 }
 
 // Per node: whether it belongs to the neighborhood whatever is around it.
@@ -122,7 +122,8 @@ EquilibriumOutcome solve_change_neighborhood(const System<Real>& system, const C
   EquilibriumOptions own = options;
   own.tolerance *= kShareOfTolerance;
   own.max_newton = std::min(own.max_newton, kMaxNewton);
-  own.neighborhood_first = own.moves_first = false;
+  own.neighborhood_first = own.keeps_step = false;
+  own.known.reset();
   EquilibriumOutcome outcome =
       find_equilibrium<Real>(*subdomain.system, preconditioner, subdomain.u, subdomain.multipliers, own, observer);
   outcome.active_cells = static_cast<std::int64_t>(subdomain.cells.size());

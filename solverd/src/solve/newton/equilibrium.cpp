@@ -4,11 +4,14 @@
 
 #include <chrono>
 #include <cmath>
+#include <limits>
+#include <optional>
 #include <utility>
 
 #include "solve/multigrid/conjugate_gradients.h"
 #include "solve/newton/augmented_lagrangian.h"
 #include "solve/newton/change_neighborhood.h"
+#include "solve/newton/displacement_to_come.h"
 #include "solve/newton/line_search.h"
 #include "solve/newton/local_relaxation.h"
 #include "solve/newton/tangent_choice.h"
@@ -26,6 +29,18 @@ constexpr double kForcing = 0.3;
 constexpr double kJump = 1.0;  // spacings that a prescribed node moves at once
 // A residual below that no step lowers may be rounding in float: that of stiff cells which are carried far.
 constexpr double kRoundedResidual = 0.1;
+
+// An estimate of the displacement still to come is good where the series has this share of its sum left, and not
+// needed any better where all of it is this share of the limit.
+constexpr double kGoodEstimate = 0.25, kClearly = 0.3;
+// Share of the limit at which a search ends. One that begins within the whole limit has nothing to do: a solve that is
+// resumed estimates with another preconditioner, and must come to the same end.
+constexpr double kAtEnd = 0.8;
+// A search that is within its tolerances of forces and gaps ends where the displacement still to come has not fallen to
+// this share in so many steps.
+constexpr double kNearer = 0.7;
+constexpr int kMaxArrivals = 6;
+constexpr double kClose = 10.0;  // tolerances of the residual from which a Newton step tells of the next one
 
 class Stopwatch {
  public:
@@ -66,16 +81,20 @@ class EquilibriumSearch {
  private:
   void search() {
     evaluate();
-    bool moves_first = options_.moves_first && now_.residual > 0.0;
     while (true) {
       const bool carries = system_.prescribed_increment(u_, increment());
       record();
       observer_.progress(outcome_.newton_iterations, outcome_.residual, outcome_.gap);
       if (!std::isfinite(outcome_.residual))
         return fail(FailureCode::kNotFinite, "the residual is not a finite number");
-      const bool asked = std::exchange(moves_first, false) && !carries && outcome_.residual <= options_.tolerance;
-      if (!carries && !asked && settle()) return;
-      if (options_.neighborhood_first && !asked && !neighborhood_tried_ && neighborhood_goes_ahead()) continue;
+      bool arriving = false;
+      if (!carries) {
+        const auto action = settle();
+        if (action == AugmentedLagrangian::Action::kGiveUp) return;
+        arriving = action == AugmentedLagrangian::Action::kConverged;
+      }
+      if (arriving && has_arrived()) return;
+      if (options_.neighborhood_first && !arriving && !neighborhood_tried_ && neighborhood_goes_ahead()) continue;
       if (outcome_.newton_iterations - newton_in_neighborhood_ >= options_.max_newton)
         return fail(
             FailureCode::kIterations,
@@ -83,21 +102,22 @@ class EquilibriumSearch {
                         "{:.3g} mm",
                         outcome_.newton_iterations, outcome_.residual, options_.tolerance, outcome_.gap));
       if (observer_.stop()) return fail(FailureCode::kStopped, "stopped");
-      const bool solved = solve_tangent(carries);
+      if (arriving && !comes_nearer())
+        return fail(FailureCode::kNoDescent,
+                    fmt::format("the displacement still to come stays at {:.2g} mm{}", outcome_.to_come, rounding()));
+      const bool solved = arriving ? outcome_.failure.code == FailureCode::kNone : solve_tangent(carries, false);
       if (observer_.stop()) return fail(FailureCode::kStopped, "stopped");
-      if (!solved || !take_step(carries)) {
-        if (!asked) return;
-        outcome_.failure = {};
-        evaluate();
-        continue;
-      }
-      if (options_.relaxes && !carries && !jumped_ && used_ != PsdProjection::kExact) relax();
+      if (!solved) return;
+      ++outcome_.newton_iterations;
+      if (!take_step(carries)) return;
+      if (options_.accuracy != Accuracy::kRelaxation && !carries && !jumped_ && used_ != PsdProjection::kExact) relax();
     }
   }
 
   void evaluate() { now_ = system_.evaluate(u_, multipliers_, std::move(now_)); }
   void record() {
-    outcome_.residual = now_.residual / now_.force_scale;
+    outcome_.residual =
+        options_.accuracy == Accuracy::kRelaxation ? now_.residual / now_.force_scale : now_.relative_residual;
     outcome_.force_scale = now_.force_scale;
     outcome_.energy = now_.energy;
     outcome_.minimum_j = now_.minimum_j;
@@ -106,21 +126,14 @@ class EquilibriumSearch {
   }
   void fail(FailureCode code, std::string message) { outcome_.failure = {code, std::move(message)}; }
 
-  // Moves the multipliers on while the residual allows; true if the search has ended.
-  bool settle() {
+  // Moves the multipliers on while the residual allows. kConverged: forces and gaps are within their tolerances.
+  AugmentedLagrangian::Action settle() {
     while (true) {
-      switch (augmented_lagrangian_.next(outcome_.residual, outcome_.gap)) {
+      const auto action = augmented_lagrangian_.next(outcome_.residual, outcome_.gap);
+      switch (action) {
         case AugmentedLagrangian::Action::kIterate:
-          return false;
         case AugmentedLagrangian::Action::kConverged:
-          if (!options_.inverts && now_.inverted > 0)
-            fail(FailureCode::kInverted,
-                 fmt::format("{} cells are inverted at rest (smallest J {:.3g}); make smaller steps between frames "
-                             "or a smaller spacing",
-                             now_.inverted, now_.minimum_j));
-          else
-            outcome_.converged = true;
-          return true;
+          return action;
         case AugmentedLagrangian::Action::kGiveUp:
           if (system_.contact() && now_.contact.excess > options_.gap_tolerance)
             fail(FailureCode::kInBone,
@@ -134,7 +147,7 @@ class EquilibriumSearch {
                     "a suture, a held face or a stiff hook keeps a gap of {:.3g} mm (tolerance {:.3g} mm); its demands "
                     "contradict others or need more force than the tissue bears",
                     outcome_.gap, options_.gap_tolerance));
-          return true;
+          return action;
         case AugmentedLagrangian::Action::kUpdate:
           system_.update(multipliers_, u_, now_);
           evaluate();
@@ -143,17 +156,77 @@ class EquilibriumSearch {
     }
   }
 
+  // False once many steps within the tolerances of forces and gaps were of no use to the displacement still to come.
+  bool comes_nearer() {
+    if (outcome_.to_come < kNearer * nearest_) {
+      nearest_ = outcome_.to_come;
+      arrivals_ = 0;
+    }
+    return ++arrivals_ <= kMaxArrivals;
+  }
+  static const char* rounding() {
+    return std::is_same_v<Real, float> ? "; it may be the rounding of single precision: try precision 'double'" : "";
+  }
+
+  // Forces and gaps are within their tolerances: whether the displacement still to come is too, which ends the search.
+  // It is no larger than the last Newton step, if that was a whole one; else the next one is found and not taken.
+  bool has_arrived() {
+    const bool known = options_.known && outcome_.newton_iterations == 0 && options_.known->energy == now_.energy &&
+                       options_.known->residual == outcome_.residual;
+    if (known) {
+      outcome_.to_come = options_.known->to_come;
+    } else if (options_.accuracy == Accuracy::kFrame && !(now_.residual > 0.0)) {
+      if (options_.keeps_step) outcome_.step.assign(u_.size(), 0.0f);
+    } else if (options_.accuracy == Accuracy::kFrame) {
+      bool near = last_step_ <= kAtEnd;
+      outcome_.to_come = last_step_ * unit_;
+      if (!near || options_.keeps_step) {
+        if (!solve_tangent(false, true)) return false;
+        near = near || clearly_near_ || to_come_.total() <= (outcome_.newton_iterations > 0 ? kAtEnd : 1.0);
+        outcome_.to_come = to_come_.total() * unit_;
+        spdlog::debug("  to come {:.3g} mm ({:.3g} of the limit), {} pcg to {:.1e}; the last step was {:.3g}",
+                      outcome_.to_come, to_come_.total(), linear_.iterations, linear_.reduction, last_step_);
+      }
+      if (!near) return false;
+      if (options_.keeps_step) outcome_.step.assign(step_.begin(), step_.end());
+    }
+    if (!options_.inverts && now_.inverted > 0)
+      fail(FailureCode::kInverted,
+           fmt::format("{} cells are inverted at rest (smallest J {:.3g}); make smaller steps between frames "
+                       "or a smaller spacing",
+                       now_.inverted, now_.minimum_j));
+    else
+      outcome_.converged = true;
+    return true;
+  }
+
   std::span<Real> increment() { return linear_vectors_.z; }
 
-  // K step = -gradient - K increment on free nodes; false if the equations cannot be solved.
-  bool solve_tangent(bool carries) {
+  // K step = -gradient - K increment on free nodes; false if the equations cannot be solved. arriving: until the size
+  // of the step is known.
+  bool solve_tangent(bool carries, bool arriving) {
     outcome_.seconds_update += watch_.lap();
     const double forcing =
         kForcing * augmented_lagrangian_.strictness() * options_.tolerance / std::max(outcome_.residual, 1e-300);
     const double least = jumped_ ? kFarTolerance : kNearTolerance;
     const double target = carries ? kCarryTolerance : std::clamp(forcing, least, kMaxTolerance);
+    const bool tracks = options_.accuracy == Accuracy::kFrame && !carries;
+    std::optional<DisplacementLimits<Real>> limits;
+    if (tracks) limits.emplace(system_, u_, displacement_tolerance());
+    const auto enough = [&](double reduction, double alpha, std::span<const Real> p, std::span<const Real> x) {
+      if (tracks) to_come_.add(std::abs(alpha) * limits->share(p), limits->share(x));
+      if (arriving)
+        spdlog::trace("    pcg {}: {:.3e} sum {:.3e} left {:.3e} red {:.2e}", to_come_.count(),
+                      std::abs(alpha) * limits->share(p), to_come_.sum(), to_come_.left(), reduction);
+      if (!arriving) return reduction <= target;
+      clearly_near_ = clearly_near_ || to_come_.total() <= kClearly;
+      return (clearly_near_ && !options_.keeps_step) || to_come_.left() <= kGoodEstimate * to_come_.sum() ||
+             reduction <= kCarryTolerance;
+    };
     used_ = tangent_.next();
     while (true) {
+      to_come_ = {};
+      clearly_near_ = false;
       system_.linearize(now_, used_);
       try {
         preconditioner_.update(u_);
@@ -177,8 +250,8 @@ class EquilibriumSearch {
       for_each_index(rhs.size(), [&, gradient = now_.gradient.data()](std::size_t i) {
         rhs[i] = static_cast<Real>(-gradient[i]) - rhs[i];
       });
-      linear_ = conjugate_gradients<Real>(system_, preconditioner_, linear_vectors_, step_, target,
-                                          kMaxLinearIterations, observer_.stop);
+      linear_ = conjugate_gradients_until<Real>(system_, preconditioner_, linear_vectors_, step_, enough,
+                                                kMaxLinearIterations, observer_.stop);
       outcome_.pcg_iterations += linear_.iterations;
       outcome_.seconds_linear += watch_.lap();
       if (!linear_.indefinite || used_ != PsdProjection::kExact) break;
@@ -186,7 +259,7 @@ class EquilibriumSearch {
     }
     tangent_.iteration_done();
     outcome_.active_cells = static_cast<std::int64_t>(system_.lattice().cells());
-    ++outcome_.newton_iterations;
+    if (tracks) unit_ = DisplacementLimits<Real>::largest_length(step_) / std::max(to_come_.sum(), 1e-300);
     if (linear_.reduction < 1.0 && linear_.iterations > 0)
       preconditioner_.observe(linear_.iterations / std::max(-std::log10(linear_.reduction), 0.5));
     return true;
@@ -227,14 +300,17 @@ class EquilibriumSearch {
         if (tangent_.try_another(used_)) return true;
         fail(FailureCode::kNoDescent,
              fmt::format("no step lowers the energy at relative residual {:.2e}{}", outcome_.residual,
-                         std::is_same_v<Real, float> && outcome_.residual < kRoundedResidual
-                             ? "; it may be the rounding of single precision: try precision 'double'"
-                             : ""));
+                         outcome_.residual < kRoundedResidual ? rounding() : ""));
         return false;
       }
       tangent_.agreed(taken.ratio, used_);
     }
-    if (!options_.relaxes) return true;  // the many small searches of a relaxation are not logged
+    // What a larger residual leaves of nonlinearity may be softer than what the step was for.
+    const bool was_close = outcome_.residual <= kClose * options_.tolerance;
+    const bool whole = !carries && taken.alpha == 1.0 && used_ == PsdProjection::kExact;
+    last_step_ = whole && was_close ? to_come_.total() : std::numeric_limits<double>::infinity();
+    if (options_.accuracy == Accuracy::kRelaxation)
+      return true;  // the many small searches of a relaxation are not logged
     spdlog::debug("newton {}: residual {:.2e} gap {:.2e} J {:.2f} | pcg {} to {:.1e} {} | alpha {:.3g} ratio {:.3g}",
                   outcome_.newton_iterations, outcome_.residual, outcome_.gap, minimum_j, linear_.iterations,
                   linear_.reduction, used_ == PsdProjection::kExact ? "exact" : "definite", taken.alpha, taken.ratio);
@@ -256,21 +332,25 @@ class EquilibriumSearch {
     outcome_.active_cells = neighborhood.active_cells;
     evaluate();
     spdlog::debug("  {} cells went ahead: newton {} residual {:.2e}", neighborhood.active_cells,
-                  neighborhood.newton_iterations, now_.residual / now_.force_scale);
+                  neighborhood.newton_iterations, now_.relative_residual);
     return true;
   }
 
   // What a definite tangent is too stiff for is often a matter of a few nodes: they go ahead.
   void relax() {
-    if (now_.residual <= options_.tolerance * now_.force_scale) return;
+    if (now_.relative_residual <= options_.tolerance) return;
     const LocalRelaxation relaxed =
         relax_locally<Real>(system_, u_, multipliers_, now_, options_.tolerance, options_.inverts, observer_.stop);
     if (relaxed.nodes == 0) return;
-    const double before = now_.residual;
+    const double before = now_.relative_residual;
     evaluate();
     spdlog::debug("  {} nodes relaxed in {} clusters and {} iterations: residual {:.2e} to {:.2e}", relaxed.nodes,
-                  relaxed.clusters, relaxed.newton_iterations, before / now_.force_scale,
-                  now_.residual / now_.force_scale);
+                  relaxed.clusters, relaxed.newton_iterations, before, now_.relative_residual);
+  }
+
+  DisplacementTolerance displacement_tolerance() const {
+    const double at_most = kSpacingsPerTolerance * options_.tolerance * system_.lattice().settings.spacing;
+    return {at_most, kSharePerTolerance * options_.tolerance, options_.gap_tolerance};
   }
 
   System<Real>& system_;
@@ -287,9 +367,15 @@ class EquilibriumSearch {
   LineSearch<Real> line_;
   Evaluation now_;
   bool jumped_ = false, neighborhood_tried_ = false;
+  double nearest_ = std::numeric_limits<double>::infinity();
+  int arrivals_ = 0;
   int newton_in_neighborhood_ = 0;  // these leave those of the whole as many as ever
   PsdProjection used_ = PsdProjection::kExact;
   LinearOutcome linear_;
+  SeriesEstimate to_come_;  // of the last linear solve, as a share of the limits
+  bool clearly_near_ = false;
+  double unit_ = 0.0;                                           // mm of such a share
+  double last_step_ = std::numeric_limits<double>::infinity();  // if it was a whole one with the exact tangent
   EquilibriumOutcome outcome_;
   Stopwatch watch_;
 };

@@ -1,28 +1,48 @@
 // The equilibrium of a frame: Newton-Raphson with a line search on the energy inside an augmented Lagrangian iteration
 // for what must hold exactly.
 //
-// Converged means: |residual| <= tolerance * force scale (elastic forces only), every gap <= gap tolerance, prescribed
-// nodes where they belong, and J > 0 where the material does not invert. Anything else is reported as not converged.
+// Converged means: the displacement still to come is small (kSpacings, kShare below), |residual| <= tolerance * force
+// scale in every cluster of nodes (elastic forces only; solve/system/residual_clusters.h), every gap <= gap tolerance,
+// prescribed nodes where they belong, and J > 0 where the material does not invert. Anything else is reported as not
+// converged.
 #pragma once
 #include <functional>
+#include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "solve/multigrid/two_level.h"
 #include "solve/newton/failure.h"
 
 namespace lappet {
 
+// Of displacements still to come, for each unit of the tolerance: at most this many spacings, and at most this share of
+// the largest displacement of the fragment, but no less than a gap may be left open: at the default tolerance of 1e-3
+// 0.02 spacings, 1 % and 0.001 spacings.
+inline constexpr double kSpacingsPerTolerance = 20.0, kSharePerTolerance = 10.0;
+
+enum class Accuracy {
+  kFrame,       // converged as above
+  kLoadStep,    // but without a look at the displacement still to come: what the next load step starts from
+  kRelaxation,  // and the residual in one norm: a few nodes on the way to something else, nor are these relaxed further
+};
+
+// Where a search has ended that was after the same: one that begins there has nothing to do.
+struct Arrival {
+  double energy = 0.0, residual = 0.0;  // tell that it begins there
+  double to_come = 0.0;                 // mm
+};
+
 struct EquilibriumOptions {
   double tolerance = 1e-3;
   double gap_tolerance = 1e-3;  // mm
   int max_newton = 100;
-  bool inverts = false;             // the material describes J < 0
-  bool relaxes = true;              // where a few nodes hold the rest up, they go ahead (local_relaxation.h)
+  bool inverts = false;  // the material describes J < 0
+  Accuracy accuracy = Accuracy::kFrame;
   bool neighborhood_first = false;  // what the changes reach goes ahead (change_neighborhood.h)
-  // The start is at rest and loaded: one iteration is taken though its residual be within the tolerance. What bends a
-  // slender piece is far below its modulus, which the force scale begins with.
-  bool moves_first = false;
+  std::optional<Arrival> known;     // where the search before ended, if that was after the same
+  bool keeps_step = false;          // the outcome has the displacement still to come at each node
 };
 
 struct EquilibriumOutcome {
@@ -33,6 +53,8 @@ struct EquilibriumOutcome {
   std::int64_t active_cells = 0;  // that were solved for; 0: nothing was to be done
   double residual = 0.0, force_scale = 0.0, gap = 0.0, energy = 0.0, minimum_j = 1.0;
   std::int32_t inverted = 0;
+  double to_come = 0.0;     // estimate of the largest displacement still to come, mm; of a frame
+  std::vector<float> step;  // where it is kept: the displacement still to come, 3 per node, mm
   double seconds_update = 0.0, seconds_linear = 0.0, seconds_setup = 0.0;
 };
 

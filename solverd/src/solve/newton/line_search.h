@@ -4,6 +4,7 @@
 #pragma once
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <span>
 #include <utility>
 
@@ -38,6 +39,11 @@ class LineSearch {
       evaluate_at(u, step, alpha, now);
       const bool upright = stays_upright(before, now, alpha);
       if (upright && now.energy <= before.energy + kArmijo * alpha * slope + slack) break;
+      if (upright && falls_as_slopes_tell(before, now, step, slope)) {
+        copy<Real>(trial_, u);
+        taken.alpha = alpha;
+        return taken;
+      }
       if (alpha < kMinStep) {
         evaluate(u, now);
         return taken;
@@ -85,6 +91,7 @@ class LineSearch {
  private:
   static constexpr double kArmijo = 1e-4;
   static constexpr double kMinStep = 1e-5;
+  static constexpr double kFlatter = 0.8;      // of the slope that may be left at the end of a step, either way
   static constexpr double kStepCap = 8.0;      // spacings a node may move in one iteration
   static constexpr double kMinUpright = 1e-3;  // shorter steps may turn cells over: the energy decides
   static constexpr double kSoftening = 1.4;    // the energy falls this much more than predicted
@@ -92,6 +99,17 @@ class LineSearch {
 
   bool stays_upright(const EvaluationSummary& before, const EvaluationSummary& now, double alpha) const {
     return inverts_ || now.inverted <= before.inverted || alpha < kMinUpright;
+  }
+  // Where the energy of all of the tissue is rounded more coarsely than a step changes it, the slopes along the step
+  // decide (Hager and Zhang 2005, the approximate Wolfe conditions).
+  bool falls_as_slopes_tell(const EvaluationSummary& before, const Evaluation& now, std::span<const Real> step,
+                            double slope) const {
+    constexpr double kRounding = 4.0 * std::numeric_limits<Real>::epsilon();
+    if (!(now.energy <= before.energy + kRounding * std::abs(before.energy))) return false;
+    const double end = reduce<1>(step.size(), [g = now.gradient.data(), s = step.data()](std::size_t i, double* out) {
+      out[0] = g[i] * static_cast<double>(s[i]);
+    })[0];
+    return std::abs(end) <= kFlatter * std::abs(slope);
   }
   // These write a new evaluation over one that is no longer needed.
   void evaluate(std::span<const Real> u, Evaluation& now) { now = system_.evaluate(u, multipliers_, std::move(now)); }

@@ -100,7 +100,7 @@ RelaxedCluster<Real> relax_cluster(const Subdomain<Real>& all, std::span<const s
   options.gap_tolerance = std::numeric_limits<double>::infinity();  // multipliers are the whole's
   options.max_newton = kMaxNewton;
   options.inverts = inverts;
-  options.relaxes = false;
+  options.accuracy = Accuracy::kRelaxation;
   const EquilibriumOutcome outcome =
       find_equilibrium<Real>(*system, preconditioner, u, multipliers, options, {[](int, double, double) {}, stop});
   cluster.newton_iterations = outcome.newton_iterations;
@@ -121,7 +121,8 @@ LocalRelaxation relax_locally(const System<Real>& system, std::span<Real> u, con
   Subdomain<Real> all = restrict_to<Real>(moving, system, u, multipliers);
   int count = 0;
   const auto cluster_of = clusters(*all.system, all.moves, count);
-  const double target = std::max(kReduction * now.residual, kTighter * tolerance * now.force_scale);
+  const double target =
+      std::max(kReduction * now.residual, kTighter * tolerance * now.residual / now.relative_residual);
   for (int k = 1; k <= count && !stop(); ++k) {
     std::vector<std::uint8_t> own(all.moves.size());
     for (std::size_t n = 0; n < own.size(); ++n) own[n] = cluster_of[n] == k;

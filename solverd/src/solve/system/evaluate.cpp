@@ -8,13 +8,6 @@
 
 namespace lappet {
 
-namespace {
-
-// The least force scale, as a stress of this many Young's moduli on every node.
-constexpr double kScaleFloor = 1e-2;
-
-}  // namespace
-
 // The forces of attached faces on the corners of their cells are found in parallel and added in order, a batch at a
 // time. Returns their energy.
 template <class Real>
@@ -44,7 +37,7 @@ template <class Real>
 void System<Real>::evaluate_face_constraint(const FaceConstraint& face, std::span<const Real> u,
                                             const Multipliers& multipliers, std::array<double, 25>& out) const {
   const bool held = face.group != kBedGroup;
-  const double stiffness = held ? held_stiffness_ : bed_stiffness_;
+  const double stiffness = held ? held_stiffness_ : bed_.shear;
   const auto& nodes = elastic_.lattice().cell_nodes[static_cast<std::size_t>(face.cell)];
   Eigen::Matrix<double, 3, 8> off, demand;  // demand: stiffness times the gap, and the multiplier
   for (int k = 0; k < 8; ++k) {
@@ -71,6 +64,7 @@ Evaluation System<Real>::evaluate(std::span<const Real> u, const Multipliers& mu
   result.inverted = state.inverted;
   result.energy += add_face_constraints(u, multipliers, result.gradient);
   result.contact_penalties.clear();
+  add_bed_faces(u, result);
   add_resting_faces(u, result);
   if (contact()) {
     contact()->template evaluate<Real>(u, multipliers.of_contact_proxy, free_, result.gradient,
@@ -89,19 +83,39 @@ Evaluation System<Real>::evaluate(std::span<const Real> u, const Multipliers& mu
 }
 
 template <class Real>
-void System<Real>::add_resting_faces(std::span<const Real> u, Evaluation& result) const {
-  for (const auto& face : attachments_.resting) {
+void System<Real>::add_bed_faces(std::span<const Real> u, Evaluation& result) const {
+  const double more = bed_.normal - bed_.shear;
+  if (!(more > 0.0)) return;
+  for (const auto& face : attachments_.attached) {
     const auto& nodes = elastic_.lattice().cell_nodes[static_cast<std::size_t>(face.cell)];
     double height = 0.0;
-    for (std::size_t k = 0; k < 8; ++k) height += face.weights[k] * face.inward.dot(NodeField(u)[nodes[k]]);
-    if (!(height < 0.0)) continue;
-    const double stiffness = bed_stiffness_ * face.area;
-    result.contact_penalties.push_back({face.cell, face.weights, face.inward, stiffness});
+    for (std::size_t k = 0; k < 8; ++k) height += face.weights[k] * face.outward.dot(NodeField(u)[nodes[k]]);
+    const double stiffness = more * face.area;
+    result.contact_penalties.push_back({face.cell, face.weights, face.outward, stiffness});
     result.energy += 0.5 * stiffness * height * height;
     for (std::size_t k = 0; k < 8; ++k)
       for (int i = 0; i < 3; ++i)
         result.gradient[3 * static_cast<std::size_t>(nodes[k]) + static_cast<std::size_t>(i)] +=
-            stiffness * height * face.weights[k] * face.inward[i];
+            stiffness * height * face.weights[k] * face.outward[i];
+  }
+}
+
+template <class Real>
+void System<Real>::add_resting_faces(std::span<const Real> u, Evaluation& result) const {
+  for (const auto& face : attachments_.resting) {
+    const auto& nodes = elastic_.lattice().cell_nodes[static_cast<std::size_t>(face.cell)];
+    Vec3 now = face.rest;
+    for (std::size_t k = 0; k < 8; ++k) now += face.weights[k] * NodeField(u)[nodes[k]];
+    const auto [above, upward] = attachments_.ground->height(now);
+    const double height = above - face.height;
+    if (!(height < 0.0)) continue;
+    const double stiffness = bed_.normal * face.area;
+    result.contact_penalties.push_back({face.cell, face.weights, upward, stiffness});
+    result.energy += 0.5 * stiffness * height * height;
+    for (std::size_t k = 0; k < 8; ++k)
+      for (int i = 0; i < 3; ++i)
+        result.gradient[3 * static_cast<std::size_t>(nodes[k]) + static_cast<std::size_t>(i)] +=
+            stiffness * height * face.weights[k] * upward[i];
   }
 }
 
@@ -135,23 +149,20 @@ void System<Real>::add_drift(std::span<const Real> u, Evaluation& result) const 
 // The gradient of prescribed nodes is no residual: it is set to zero.
 template <class Real>
 void System<Real>::measure_residual(Evaluation& result) {
-  const auto [residual, scale] =
-      reduce<2>(free_.size(), [&, gradient = result.gradient.data()](std::size_t n, double* out) {
-        double* g = &gradient[3 * n];
-        if (!free_[n]) g[0] = g[1] = g[2] = 0.0;
-        out[0] = g[0] * g[0] + g[1] * g[1] + g[2] * g[2];
-        out[1] = free_[n] ? node_scale_[n] * node_scale_[n] : 0.0;
-      });
-  const double h = elastic_.lattice().settings.spacing;
-  result.residual = std::sqrt(residual);
-  result.force_scale = std::sqrt(scale) + kScaleFloor * elastic_.materials().table[0].youngs_modulus * h * h *
-                                              std::sqrt(static_cast<double>(std::max<std::size_t>(free_count_, 1)));
+  for_each_index(free_.size(), [&, g = result.gradient.data()](std::size_t n) {
+    if (!free_[n]) g[3 * n] = g[3 * n + 1] = g[3 * n + 2] = 0.0;
+  });
+  const ResidualNorms norms = clusters_.norms(result.gradient, node_scale_, free_);
+  result.residual = norms.residual;
+  result.force_scale = norms.force_scale;
+  result.relative_residual = norms.relative;
 }
 
 template double System<float>::add_face_constraints(std::span<const float>, const Multipliers&,
                                                     std::span<double>) const;
 template void System<float>::evaluate_face_constraint(const FaceConstraint&, std::span<const float>, const Multipliers&,
                                                       std::array<double, 25>&) const;
+template void System<float>::add_bed_faces(std::span<const float>, Evaluation&) const;
 template void System<float>::add_resting_faces(std::span<const float>, Evaluation&) const;
 template void System<float>::add_point_constraints(std::span<const float>, const Multipliers&, Evaluation&) const;
 template void System<float>::add_drift(std::span<const float>, Evaluation&) const;
@@ -161,6 +172,7 @@ template double System<double>::add_face_constraints(std::span<const double>, co
                                                      std::span<double>) const;
 template void System<double>::evaluate_face_constraint(const FaceConstraint&, std::span<const double>,
                                                        const Multipliers&, std::array<double, 25>&) const;
+template void System<double>::add_bed_faces(std::span<const double>, Evaluation&) const;
 template void System<double>::add_resting_faces(std::span<const double>, Evaluation&) const;
 template void System<double>::add_point_constraints(std::span<const double>, const Multipliers&, Evaluation&) const;
 template void System<double>::add_drift(std::span<const double>, Evaluation&) const;

@@ -10,8 +10,9 @@ namespace lappet {
 
 struct EvaluationSummary {
   double energy = 0.0;
-  double residual = 0.0;     // 2-norm of the force on free nodes, mN
-  double force_scale = 0.0;  // 2-norm of the elastic nodal force magnitudes plus a floor, mN
+  double residual = 0.0;           // 2-norm of the force on free nodes, mN
+  double force_scale = 0.0;        // 2-norm of the elastic nodal force magnitudes plus a floor, mN
+  double relative_residual = 0.0;  // their quotient, or that of a cluster of nodes if larger (residual_clusters.h)
   double minimum_j = 1.0;
   std::int32_t inverted = 0;
 };

@@ -11,15 +11,22 @@
 #include "math/features.h"
 #include "solve/system/evaluation.h"
 #include "solve/system/multipliers.h"
+#include "solve/system/residual_clusters.h"
 #include "solve/system/work.h"
 
 namespace lappet {
+
+// kPa/mm: stress per displacement.
+struct BedStiffness {
+  double normal = 0.0;  // of attached faces both ways, of resting ones where they sink
+  double shear = 0.0;   // of attached faces; at most `normal`
+};
 
 template <class Real>
 class System {
  public:
   System(const Lattice& lattice, CellMaterials materials, int quadrature, Attachments attachments,
-         std::int32_t retractors, double bed_stiffness, const Vec3& gravity);
+         std::int32_t retractors, BedStiffness bed, const Vec3& gravity);
 
   // Where a subdomain lies in this whole (solve/subdomain/subdomain.h). cells, nodes: their indices here; moves: per
   // node of the subdomain, only of those that are free.
@@ -56,6 +63,8 @@ class System {
   bool is_free(std::size_t node) const { return free_[node]; }
   std::size_t nodes() const { return free_.size(); }
   std::size_t free_nodes() const { return free_count_; }
+  // Per node: its fragment, named by its lowest node; empty where all nodes hang together.
+  std::span<const std::int32_t> fragment_of_node() const { return fragment_of_node_; }
   std::size_t floating_cells() const { return floating_cells_.size(); }
   // What is left to move the prescribed nodes to where they belong; true if any.
   bool prescribed_increment(std::span<const Real> u, std::span<Real> increment) const;
@@ -87,7 +96,7 @@ class System {
   // The same, with the decompositions of an evaluation, which must be the last one.
   const Elastic<Real>& elastic_at(const Evaluation& at) const;
   const Attachments& attachments() const { return attachments_; }
-  double bed_stiffness() const { return bed_stiffness_; }
+  const BedStiffness& bed() const { return bed_; }
   const Lattice& lattice() const { return elastic_.lattice(); }
   // Changes whenever free nodes, point constraints or active attachments change: preconditioners look at it.
   std::uint64_t constraint_revision() const { return revision_; }
@@ -107,6 +116,7 @@ class System {
                               std::span<double> gradient) const;
   void evaluate_face_constraint(const FaceConstraint& face, std::span<const Real> u, const Multipliers& multipliers,
                                 std::array<double, 25>& out) const;
+  void add_bed_faces(std::span<const Real> u, Evaluation& result) const;
   void add_resting_faces(std::span<const Real> u, Evaluation& result) const;
   void add_point_constraints(std::span<const Real> u, const Multipliers& multipliers, Evaluation& result) const;
   void add_drift(std::span<const Real> u, Evaluation& result) const;
@@ -124,7 +134,8 @@ class System {
 
   Elastic<Real> elastic_;
   Attachments attachments_;
-  double bed_stiffness_, held_stiffness_;
+  BedStiffness bed_;
+  double held_stiffness_;
   std::vector<double> gravity_force_;  // 3 per node or empty
   std::vector<std::uint8_t> retractor_active_;
   std::vector<Eigen::Matrix4d> retractor_motion_;
@@ -140,6 +151,7 @@ class System {
   std::vector<std::int32_t> prescribed_nodes_;
   bool has_held_faces_ = false, has_sutures_ = false;
   std::vector<double> node_scale_;  // to write in
+  ResidualClusters clusters_;
   std::uint64_t revision_ = 0, evaluations_ = 0;
   mutable Work work_;
 };

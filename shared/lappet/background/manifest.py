@@ -1,4 +1,4 @@
-"""The plan of a procedure: which frames it has, what their surfaces look like and under which keys they lie."""
+"""The manifest of a procedure: which frames it has, what their surfaces look like and under which keys they lie."""
 
 from __future__ import annotations
 
@@ -6,6 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+
+from lappet.core.problem import Problem
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,21 +45,21 @@ class EpochShape:
 
 
 @dataclass(frozen=True)
-class PlannedFrame:
-    """A frame of a plan.
+class ListedFrame:
+    """A frame of a manifest.
 
     Parameters
     ----------
     time
         Time code.
     epoch
-        Index of its epoch in `Plan.epochs`.
+        Index of its epoch in `Manifest.epochs`.
     key
         Its key in the store.
     hooks
-        Indices in `Plan.hooks` of those that pull, in the order of the frame's hook arrays.
+        Indices in `Manifest.hooks` of those that pull, in the order of the frame's hook arrays.
     sutures
-        Indices in `Plan.sutures` of those placed by now, in the order of the frame's suture arrays.
+        Indices in `Manifest.sutures` of those placed by now, in the order of the frame's suture arrays.
     """
 
     time: int
@@ -68,13 +70,13 @@ class PlannedFrame:
 
 
 @dataclass(frozen=True, eq=False)
-class Plan:
+class Manifest:
     """A compiled procedure without what only the solver needs: which frames there are and under which keys they lie.
 
     Parameters
     ----------
     key
-        Key of the procedure and the settings (`plan_key`).
+        Key of the procedure and the settings (`manifest_key`).
     epochs
         Surfaces of the epochs.
     frames
@@ -88,14 +90,14 @@ class Plan:
     landmarks_at
         For each epoch the indices in `landmarks` of those that its tissue still holds.
     notes
-        Sentences for the user.
+        Warnings and notes for the user.
     """
 
     key: str
     epochs: tuple[EpochShape, ...]
-    frames: tuple[PlannedFrame, ...]
+    frames: tuple[ListedFrame, ...]
     hooks: tuple[str, ...] = ()
     sutures: tuple[str, ...] = ()
     landmarks: tuple[str, ...] = ()
     landmarks_at: tuple[tuple[int, ...], ...] = ()
-    notes: tuple[str, ...] = ()
+    notes: tuple[Problem, ...] = ()

@@ -1,0 +1,125 @@
+"""Write the report of the error estimate: error_estimate.json, .csv and .md."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from lappet.reports.error_estimate.measurement import FACTOR, SHARE, EstimateRow
+from lappet.reports.error_estimate.scene import EstimateScene
+from lappet.reports.report_files import described, markdown_table, write_csv, write_json
+
+_ANSWERS = {True: "yes", False: "no", None: ""}
+
+
+def write_error_estimate(
+    folder: Path, head: Mapping[str, Any], scenes: Sequence[EstimateScene], rows: Sequence[EstimateRow]
+) -> list[Path]:
+    """Write the files of the report.
+
+    Parameters
+    ----------
+    folder
+        A folder that is there.
+    head
+        What each starts with.
+    scenes
+        What was solved.
+    rows
+        What was measured.
+
+    Returns
+    -------
+    list[Path]
+        The files.
+    """
+    files = [folder / f"error_estimate.{suffix}" for suffix in ("json", "csv", "md")]
+    write_json(files[0], head, rows, scenes={scene.name: scene.what for scene in scenes})
+    write_csv(files[1], rows)
+    files[2].write_text(markdown(head, scenes, rows), encoding="utf-8")
+    return files
+
+
+def totals(rows: Sequence[EstimateRow]) -> list[str]:
+    """Sum up the rows for people.
+
+    Parameters
+    ----------
+    rows
+        The rows.
+
+    Returns
+    -------
+    list[str]
+        Sentences.
+    """
+    judged = [row for row in rows if row.ratios or row.reason is not None]
+    within = [row for row in judged if row.is_within]
+    low = [row for row in judged if row.is_too_small]
+    share = len(within) / len(judged) if judged else 1.0
+    return [
+        f"{len(within)} of {len(judged)} rows ({share:.0%}; {SHARE:.0%} are asked for) lie within a factor {FACTOR:g} "
+        f"of the true error, root mean square and greatest; {len(rows) - len(judged)} cannot be judged.",
+        f"{len(low)} {'row lies' if len(low) == 1 else 'rows lie'} below a third of the true error; none may.",
+        *(
+            f"Outside: {row.scene} at {row.spacing_mm:.3g} mm, "
+            + (row.reason or " and ".join(f"{each:.2g}" for each in row.ratios) + " times the true error.")
+            for row in judged
+            if not row.is_within
+        ),
+    ]
+
+
+def markdown(head: Mapping[str, Any], scenes: Sequence[EstimateScene], rows: Sequence[EstimateRow]) -> str:
+    """Write the report for people.
+
+    Parameters
+    ----------
+    head
+        What it starts with.
+    scenes
+        What was solved.
+    rows
+        What was measured.
+
+    Returns
+    -------
+    str
+        Markdown.
+    """
+    what = markdown_table(
+        ["scene", "what it is", "reference at mm"],
+        [[scene.name, scene.what, ", ".join(f"{h:.3g}" for h in scene.reference)] for scene in scenes],
+    )
+    table = markdown_table(
+        [
+            "scene", "spacing mm", "cells", "error rms mm", "max", "estimate rms mm", "max", "estimate / error rms",
+            "max", f"within {FACTOR:g}", "trusted", "reference rms ±", "max ±", "its order", "",
+        ],
+        [
+            [
+                row.scene, f"{row.spacing_mm:.3g}", row.cells, _short(row.error_mm), _short(row.error_max_mm),
+                _short(row.estimate_mm), _short(row.estimate_max_mm), _short(row.ratio), _short(row.max_ratio),
+                _ANSWERS[row.is_within if row.ratios or row.reason is not None else None], _ANSWERS[row.is_trusted],
+                _short(row.uncertainty_mm), _short(row.uncertainty_max_mm), f"{row.reference_order:.2f}",
+                row.reason or "",
+            ]
+            for row in rows
+        ],
+    )  # fmt: skip
+    return "\n".join(
+        [
+            "# The printed error on scenes that it was not fitted on\n",
+            described(head) + "\n",
+            *(f"{line}\n" for line in totals(rows)),
+            "Default settings, the last frame of each scene, errors over the vertices of the skin. A ratio is left out "
+            "where the error is below the uncertainty of the reference.\n",
+            table,
+            what,
+        ]
+    )
+
+
+def _short(value: float | None) -> str:
+    return "" if value is None else f"{value:.2g}"

@@ -1,0 +1,201 @@
+"""The printed error of a scene's last frame against its true one, at the default settings and several spacings."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+from lappet.core.problem import Problem, RefusedError
+from lappet.daemon.frame_solver import Connect
+from lappet.program.program import Program
+from lappet.reports.error_estimate.scene import EstimateScene
+from lappet.reports.error_time.reference import Reference, greatest, richardson, rms
+from lappet.solve.error_estimate import ErrorEstimate, RestSkin, estimate_errors
+from lappet.solve.solve_frames import FrameResult, SolveObserver, solve_program
+from lappet.solve.store import FrameStore
+
+FACTOR = 3.0  # that estimates must be within
+SHARE = 0.95  # of the estimates
+EXACT: dict[str, Any] = {"tolerance": 1e-5, "precision": "double", "strain": False}
+
+
+@dataclass(frozen=True)
+class EstimateRow:
+    """The last frame's estimate against its error, over the skin's vertices.
+
+    A ratio is None where there is no telling: nothing converged, or the error is below the uncertainty of the
+    reference.
+
+    Parameters
+    ----------
+    scene
+        Name of the scene.
+    spacing_mm
+        Lattice spacing.
+    cells
+        Number of cells.
+    frames
+        Number of frames.
+    error_mm
+        Root mean square error.
+    error_max_mm
+        Greatest error.
+    estimate_mm
+        Root mean square estimate.
+    estimate_max_mm
+        Greatest estimate.
+    ratio
+        Root mean square estimate over error.
+    max_ratio
+        Greatest estimate over greatest error.
+    largest_displacement_mm
+        Largest displacement of the skin.
+    is_trusted
+        Whether the estimate says that the frame is to be trusted.
+    uncertainty_mm
+        Root mean square uncertainty of the reference.
+    uncertainty_max_mm
+        Greatest uncertainty of the reference.
+    reference_order
+        Order observed between the spacings of the reference.
+    reason
+        Why there is no error or no estimate, or None.
+    """
+
+    scene: str
+    spacing_mm: float
+    cells: int
+    frames: int
+    error_mm: float | None
+    error_max_mm: float | None
+    estimate_mm: float | None
+    estimate_max_mm: float | None
+    ratio: float | None
+    max_ratio: float | None
+    largest_displacement_mm: float | None
+    is_trusted: bool | None
+    uncertainty_mm: float
+    uncertainty_max_mm: float
+    reference_order: float
+    reason: str | None = None
+
+    @property
+    def ratios(self) -> tuple[float, ...]:
+        """The ratios that there are."""
+        return tuple(each for each in (self.ratio, self.max_ratio) if each is not None)
+
+    @property
+    def is_within(self) -> bool:
+        """Whether there is an estimate and both ratios are within a factor 3, or there is no telling."""
+        return self.reason is None and all(1.0 / FACTOR <= each <= FACTOR for each in self.ratios)
+
+    @property
+    def is_too_small(self) -> bool:
+        """Whether an estimate is below a third of the error."""
+        return any(each < 1.0 / FACTOR for each in self.ratios)
+
+
+def measure_scene(
+    scene: EstimateScene, store: FrameStore, connect: Connect, say: Callable[[str], None] = lambda _: None
+) -> list[EstimateRow]:
+    """Measure a scene at all its spacings.
+
+    Parameters
+    ----------
+    scene
+        The scene.
+    store
+        Where frames are kept.
+    connect
+        Makes the solver.
+    say
+        Is told of every spacing.
+
+    Returns
+    -------
+    list[EstimateRow]
+        The rows.
+
+    Raises
+    ------
+    RefusedError
+        If the reference cannot be solved.
+    """
+    skin = RestSkin.of(scene.program(scene.spacings[0]).epochs[-1])
+    reference = _reference(scene, skin, store, connect)
+    rows = []
+    for spacing in scene.spacings:
+        row = _row(scene, spacing, skin, reference, store, connect)
+        rows.append(row)
+        said = row.reason or f"estimated {row.estimate_mm:.2g} mm, true {row.error_mm:.2g} mm"
+        say(f"{scene.name} {spacing:.3g} mm: {said}")
+    return rows
+
+
+def _reference(scene: EstimateScene, skin: RestSkin, store: FrameStore, connect: Connect) -> Reference:
+    positions = []
+    for spacing in scene.reference:
+        frames, reason = _solve(scene.program(spacing, **EXACT), store, connect)
+        if reason is not None:
+            raise RefusedError([replace(reason, prim=f"{scene.name} at {spacing:.3g} mm")])
+        positions.append(frames[-1].solved.points[skin.vertices].astype(float))
+    return richardson(*positions)
+
+
+def _row(
+    scene: EstimateScene, spacing: float, skin: RestSkin, reference: Reference, store: FrameStore, connect: Connect
+) -> EstimateRow:
+    program = scene.program(spacing, correction=True)
+    frames, reason = _solve(program, store, connect)
+    row = EstimateRow(
+        scene=scene.name,
+        spacing_mm=spacing,
+        cells=max((each.solved.lattice.cells for each in frames if each.solved.lattice is not None), default=0),
+        frames=len(frames),
+        error_mm=None,
+        error_max_mm=None,
+        estimate_mm=None,
+        estimate_max_mm=None,
+        ratio=None,
+        max_ratio=None,
+        largest_displacement_mm=None,
+        is_trusted=None,
+        uncertainty_mm=reference.uncertainty,
+        uncertainty_max_mm=reference.uncertainty_max,
+        reference_order=reference.order,
+        reason=None if reason is None else str(reason),
+    )
+    if reason is not None:
+        return row
+    off = frames[-1].solved.points[skin.vertices] - reference.points
+    row = replace(row, error_mm=rms(off), error_max_mm=greatest(off))
+    errors = estimate_errors(program, frames, store, connect, "report")
+    return _judged(row, errors)
+
+
+def _judged(row: EstimateRow, errors: ErrorEstimate) -> EstimateRow:
+    """The row with its estimate."""
+    estimate = errors.frames[-1]
+    if estimate is None or errors.reason is not None:
+        return replace(row, reason=str(errors.reason))
+    assert row.error_mm is not None
+    assert row.error_max_mm is not None
+    return replace(
+        row,
+        estimate_mm=estimate.rms,
+        estimate_max_mm=estimate.greatest,
+        ratio=_ratio(estimate.rms, row.error_mm, row.uncertainty_mm),
+        max_ratio=_ratio(estimate.greatest, row.error_max_mm, row.uncertainty_max_mm),
+        largest_displacement_mm=estimate.largest_displacement,
+        is_trusted=estimate.is_trusted,
+    )
+
+
+def _ratio(estimate: float, error: float, uncertainty: float) -> float | None:
+    return estimate / error if error > uncertainty else None
+
+
+def _solve(program: Program, store: FrameStore, connect: Connect) -> tuple[Sequence[FrameResult], Problem | None]:
+    found = solve_program(program, store, connect, "report", SolveObserver())
+    return found.frames, found.reason

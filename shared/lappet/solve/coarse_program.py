@@ -1,0 +1,93 @@
+"""The coarse program of the error estimate, and how fast the displacements of a program converge.
+
+The order p of the displacements is known in limits only; what is reckoned with between them is *fitted* on
+`lappet.reports.error_estimate.fitting_scenes`:
+
+- 2 where nothing lowers it: that of trilinear cells.
+- Where a held side meets a free one, displacements vary as r^a with the distance r (`lappet.reports.clamped_edge`): 2a,
+  1.24 at a Poisson's ratio of 0.45, in the limit, and up to 2 before. Cells that the surface cuts lower it likewise.
+  Fitted: 1.5.
+- At the end of a cut a is 1/2 (Williams 1957, J Appl Mech 24:109), which leaves 1 in the limit. Fitted: 1.25.
+- 1 where the lattice knows a surface within the tissue to a cell only: between layers, and where it touches bone.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from lappet.daemon.solved_frame import LatticeCounts
+from lappet.geometry.labeled_surface import FaceOrigin
+from lappet.program.program import Program
+
+RATIO = 2.0  # of the spacings
+FULL_ORDER, HELD_ORDER, WOUNDED_ORDER, LAYERED_ORDER = 2.0, 1.5, 1.25, 1.0
+# The coarse program only has to be better than its own discretization. Sutures that are nearer to each other than its
+# cells contradict each other a little there: they get more room, and one point per cell, which bends where more would
+# lock.
+COARSE_TOLERANCE, COARSE_GAP = 3e-3, 1e-2
+SUTURED_TOLERANCE, SUTURED_GAP = 1e-2, 1e-1
+
+
+def expected_order(program: Program, lattice: LatticeCounts | None = None) -> float:
+    """Choose the order of convergence to reckon with.
+
+    Parameters
+    ----------
+    program
+        The program.
+    lattice
+        Counts of the message `lattice` where they are known.
+
+    Returns
+    -------
+    float
+        The order.
+    """
+    wounded = (
+        len(program.epochs) > 1
+        or any(np.any(epoch.surface.origin == FaceOrigin.WOUND_WALL) for epoch in program.epochs)
+        or bool(program.hooks)
+        or bool(program.sutures)
+    )
+    if wounded:
+        return WOUNDED_ORDER
+    if len(program.bones.points) or any(len(epoch.regions) for epoch in program.epochs):
+        return LAYERED_ORDER
+    settings = program.settings
+    whole = lattice is not None and lattice.fine_voxels == lattice.cells * settings.fine_ratio**3
+    surfaces = [epoch.surface for epoch in program.epochs]
+    held = any(np.any(each.fixed) or np.any(each.resting) for each in surfaces) or bool(program.retractors)
+    # What does not draw in when it is pulled does so at no held edge.
+    draws_in = any(each.poissons_ratio > 0.0 or each.fiber_k1 > 0.0 for each in settings.materials)
+    return FULL_ORDER if whole and not (held and draws_in) else HELD_ORDER
+
+
+def coarse_program(program: Program) -> Program:
+    """Make the program on a lattice of `RATIO` times the spacing, with the same surfaces and constraints.
+
+    Parameters
+    ----------
+    program
+        The program.
+
+    Returns
+    -------
+    Program
+        The coarse program.
+    """
+    settings = program.settings
+    sutured = bool(program.sutures)
+    return replace(
+        program,
+        settings=replace(
+            settings,
+            spacing=RATIO * settings.spacing,
+            quadrature=1 if sutured else settings.quadrature,
+            precision="float",
+            tolerance=max(settings.tolerance, SUTURED_TOLERANCE if sutured else COARSE_TOLERANCE),
+            gap_tolerance=max(settings.gap_tolerance, SUTURED_GAP if sutured else COARSE_GAP),
+            strain=False,
+        ),
+    )
