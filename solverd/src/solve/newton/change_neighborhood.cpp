@@ -135,7 +135,7 @@ NeighborhoodOutcome solve_change_neighborhood(const System<Real>& system, const 
   outcome.moved = std::move(moving);
   const auto [thickness, decay] = sheet_on_bed(system);
   const double h = system.lattice().settings.spacing;
-  outcome.rim_compliance = (thickness / h + 1.0) / (2.0 * h * system.bed_stiffness() * decay);
+  outcome.rim_compliance = (thickness / h + 1.0) / (2.0 * h * system.bed().shear * decay);
   return outcome;
 }
 
