@@ -201,8 +201,8 @@ def twins(quick: bool) -> Iterator[tuple[FlapScene, FlapScene]]:
     """
     kinds: tuple[Kind, ...] = ("freed",) if quick else ("released", "freed", "lifted")
     for kind in kinds:
-        one = FlapScene(kind, (200.0, 60.0), True, 500.0, flaps=((-50.0, 0.0),))
-        yield one, replace(one, flaps=((-50.0, 0.0), (50.0, 0.0)))
+        one = FlapScene(kind, (160.0, 40.0), True, 500.0, flaps=((-40.0, 0.0),))
+        yield one, replace(one, flaps=((-40.0, 0.0), (40.0, 0.0)))
 
 
 def _flap(kind: Kind, number: int, middle: tuple[float, float], cut: float) -> list[Event]:
