@@ -63,7 +63,8 @@ def epoch_arrays(**changes: Any) -> dict[str, NDArray[Any]]:
 def open_fields(**changes: Any) -> dict[str, Any]:
     settings = {
         "spacing": 1.0, "fine_ratio": 4, "origin": [0.0, 0.0, 0.0], "quadrature": 1, "precision": "float",
-        "tolerance": 1e-3, "gap_tolerance": 1e-3, "max_newton": 100, "bed_stiffness": 10.0, "gravity": [0.0, 0.0, 0.0],
+        "tolerance": 1e-3, "gap_tolerance": 1e-3, "max_newton": 100,
+        "bed_stiffness": 10.0, "bed_shear": 10.0, "gravity": [0.0, 0.0, 0.0],
         "time_budget": 0.0, "memory_budget": 1 << 30, "threads": 1, "sutures": 2, "retractors": 0,
     }  # fmt: skip
     material = {"model": "neoHookean", "youngs_modulus": 50.0, "poissons_ratio": 0.45, "density": 1100.0}

@@ -48,6 +48,19 @@ def events(name: str) -> st.SearchStrategy[Event]:
         st.builds(Hook, named, points, _samples(points), numbers, numbers, numbers),
         st.builds(Retractor, named, st.sampled_from(["fixed", "handle"]), _samples(matrices), numbers, numbers),
         st.builds(Suture, named, st.tuples(points, points), numbers, numbers, numbers),
+        st.builds(
+            Suture,
+            named,
+            st.tuples(points, points),
+            numbers,
+            numbers,
+            numbers,
+            st.just("thread"),
+            st.sampled_from(["", "nylon 5-0"]),
+            numbers,
+            numbers,
+            numbers,
+        ),
         st.builds(Landmark, named, curves, labels),
     )
 
@@ -87,6 +100,7 @@ def tissues(draw: st.DrawFn) -> Tissue:
         draw(numbers),
         draw(numbers),
         draw(points),
+        draw(numbers),
         draw(numbers),
         tuple(Region(name, draw(named), draw(numbers), draw(depths)) for name in painted),
     )

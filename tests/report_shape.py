@@ -25,6 +25,12 @@ FRAME: dict[str, Any] = {
     "energy_mn_mm": NUMBER,
     "largest_penetration_mm": NUMBER,
     "contacts": int,
+    "stability": {
+        "lowest_stiffness": (*NUMBER, type(None)),
+        "softest_point": (list, type(None)),
+        "is_sensitive": bool,
+        "saddles_left": int,
+    },
     "seconds": {"update": NUMBER, "linear": NUMBER, "setup": NUMBER, "total": NUMBER, "wall": NUMBER},
     "suture_gaps_mm": dict,
     "suture_forces_mn": dict,
@@ -66,6 +72,13 @@ REPORT: dict[str, Any] = {
     "notes": [NOTE],
     "error_estimate": (dict, type(None)),
     "frames": [FRAME],
+    "sutures": [
+        {
+            "time_code": NUMBER, "total_mn": NUMBER, "greatest_mn": NUMBER, "greatest_suture": (str, type(None)),
+            "donor_share": (*NUMBER, type(None)), "unresolved": list, "closures": dict,
+        }
+    ],
+    "greatest_mean_tension": (dict, type(None)),
     "failed": (dict, type(None)),
     "frames_solved": int,
     "cache_hits": int,

@@ -19,9 +19,9 @@ import trimesh
 from numpy.typing import NDArray
 
 from lappet.designs import Row, Schedule, Technique, draped_on, dufourmentel, flap_operation
+from lappet.geometry.border_loops import border_loops
 from lappet.geometry.closest_point import ClosestPoint
 from lappet.procedure import Bone, Material, Procedure, Tissue
-from lappet.tissue.mesh_repair import border_loops
 from lappet.tissue.skin_sheet import SkinSheet
 from lappet.tissue.tissue_from_mesh import new_tissue
 from lappet.usd.stage import write_procedure

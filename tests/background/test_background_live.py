@@ -12,6 +12,7 @@ import pytest
 from background_owner import SETTINGS, Owner, daemon_of, kill, owner
 from lappet.background.live_session import LiveSession
 from lappet.background.worker_events import Finished, FrameFailed, FrameReady, LiveFrame, Refused, WorkerEvent
+from lappet.core.problem import Problem
 from lappet.core.problem_code import ProblemCode
 from lappet.daemon.frame_solver import SolverDiedError
 from lappet.daemon.solved_frame import SCALARS, SolvedFrame
@@ -97,7 +98,7 @@ def test_live_states_never_enter_the_store(tmp_path: Path, binary: Path) -> None
         own.solver.cancel(job)
         own.finished(job)
         assert {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()} == files
-        assert own.plan(job).plan.frames[4].key not in FrameStore(tmp_path)
+        assert own.manifest(job).manifest.frames[4].key not in FrameStore(tmp_path)
 
 
 @pytest.mark.slow
@@ -106,10 +107,12 @@ def test_a_target_out_of_reach_leaves_the_tissue_where_it_was(tmp_path: Path, bi
         job = own.solver.live(small_procedure(), SETTINGS, 5, "hook")
         opened(own, job)
         good = pulled(own, job, (0.0, 4.0, 4.0))
-        for target in ((0.0, 1e5, 4.0), (float("inf"), 0.0, 0.0)):
+        far, infinite = ProblemCode.FRAME_UNREACHABLE, ProblemCode.SOLVER_INVALID_INPUT
+        for target, code in (((0.0, 1e5, 4.0), far), ((float("inf"), 0.0, 0.0), infinite)):
             bad = pulled(own, job, target)
-            assert not bad.converged
-            assert bad.frame.reason
+            assert bad.problem is not None
+            assert (bad.problem.code, bad.problem.prim) == (code, "Frame 5")
+            assert not bad.frame.converged
             np.testing.assert_array_equal(bad.frame.points, good.frame.points)
         again = pulled(own, job, (0.0, 4.0, 4.5))
         assert again.converged
@@ -128,11 +131,12 @@ def test_live_mode_outlives_its_daemon_and_its_worker(tmp_path: Path, binary: Pa
         after = pulled(own, job, (0.0, 4.0, 4.1))
         assert after.converged
         assert np.abs(after.frame.points - before.frame.points).max() < 0.5
-        assert len(own.notes(job)) == 1
+        assert [note.code for note in own.notes(job)] == [ProblemCode.DAEMON_RESTARTED]
         kill(worker)
         last = pulled(own, job, (0.0, 4.0, 4.2))
         assert last.converged
-        assert len(own.notes(job)) == 2
+        restarted = [ProblemCode.DAEMON_RESTARTED, ProblemCode.BACKGROUND_RESTARTED]
+        assert [note.code for note in own.notes(job)] == restarted
         assert len(own.of(Finished, job)) == 0
 
 
@@ -182,7 +186,7 @@ def test_a_frame_before_that_fails_ends_live_mode_with_its_reason(tmp_path: Path
         assert not own.of(LiveFrame, job)
 
 
-def session(solver: FakeSolver, notes: list[str]) -> LiveSession:
+def session(solver: FakeSolver, notes: list[Problem]) -> LiveSession:
     """A session at the slit's first pulled frame, from the frame before it."""
     return LiveSession(compile_program(small_procedure()), 3, 0, None, solver.connect, notes.append)
 
@@ -226,7 +230,8 @@ def test_a_session_whose_solver_died_goes_on_from_the_last_good_state() -> None:
     live.pull((1.0, 2.0, 4.0), lambda _: None)
     assert ("state", value) in solver.log
     (note,) = notes
-    assert "SIGKILL" in note
+    assert note.code == ProblemCode.DAEMON_RESTARTED
+    assert note.prim == "Frame 4"
     live.close()
     assert solver.opened == solver.closed == 2
 

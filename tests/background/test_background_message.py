@@ -14,13 +14,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import procedure_strategies
+from lappet.background.manifest import EpochShape, ListedFrame, Manifest
+from lappet.background.manifest_key import manifest_key
 from lappet.background.pipes import MAX_BYTES, WorkerPipes
-from lappet.background.plan import EpochShape, Plan, PlannedFrame
-from lappet.background.plan_key import plan_key
-from lappet.background.worker_events import Finished, FrameReady, LiveFrame, Planned, Refused, WorkerEvent
+from lappet.background.worker_events import Finished, FrameReady, Listed, LiveFrame, Note, Refused, WorkerEvent
 from lappet.background.worker_requests import Aim, Ask, Cancel, WorkerRequest
 from lappet.core.array_codec import CodecError
-from lappet.core.problem import Problem
+from lappet.core.problem import Place, Problem
 from lappet.core.problem_code import ProblemCode
 from lappet.core.value_codec import pack, unpack
 from lappet.daemon.solved_frame import Diagnostics, LatticeCounts, SolvedFrame
@@ -38,8 +38,16 @@ choices = st.builds(
     threads=st.integers(0, 64),
 )
 
-
 TISSUE = "/Procedure/Tissue"
+LARGE = Problem(
+    ProblemCode.TISSUE_LARGE,
+    TISSUE,
+    "Größe",
+    "Größer als «1 mm».",
+    "Verkleinere es.",
+    "warning",
+    Place((3, 4), ((0.1, -0.0, 1e308),)),
+)
 
 
 def same_bits(a: Any, b: Any) -> bool:
@@ -73,7 +81,7 @@ def test_settings_come_back_with_every_bit(choice: SolverSettings) -> None:
     assert same_bits(unpack(pack(choice), SolverSettings), choice)
 
 
-def a_plan(seed: int = 0) -> Plan:
+def a_manifest(seed: int = 0) -> Manifest:
     random = np.random.default_rng(seed)
     shape = EpochShape(
         f"{seed:064x}",
@@ -85,8 +93,8 @@ def a_plan(seed: int = 0) -> Plan:
         random.normal(size=5).astype(np.float32),
         np.array([3, -1, 0, 1], np.int32),
     )
-    frames = (PlannedFrame(1, 0, "ab" * 32), PlannedFrame(2, 0, "cd" * 32, (0,), (0, 1)))
-    return Plan("ef" * 32, (shape,), frames, ("hook",), ("a", "b"), ("mark 1",), ((0,),), ("Größer als «1 mm».",))
+    frames = (ListedFrame(1, 0, "ab" * 32), ListedFrame(2, 0, "cd" * 32, (0,), (0, 1)))
+    return Manifest("ef" * 32, (shape,), frames, ("hook",), ("a", "b"), ("mark 1",), ((0,),), (LARGE,))
 
 
 def test_plans_and_events_come_back_with_every_bit() -> None:
@@ -96,14 +104,16 @@ def test_plans_and_events_come_back_with_every_bit() -> None:
         hook_index=np.array([2], np.int32),
         hook_points=np.full((1, 3), np.nan),
         diagnostics=Diagnostics(converged=False, reason="why", newton=3, residual=1e-300),
-        lattice=LatticeCounts(64, 1, 1, 0, 8, 1, 1, 0, 1000.0, 0.1),
+        lattice=LatticeCounts(64, 1, 1, 0, 8, 1, 1, 0, 3, 1000.0, 0.1),
     )
     for value in (
-        Planned(1, a_plan(), (True, False)),
+        Listed(1, a_manifest(), (True, False)),
         Refused(2, (Problem(ProblemCode.MESH_OPEN, TISSUE, "1", "It is wrong.", "Repair it.", "warning"),)),
         FrameReady(3, 7, "00" * 32, False, shown),
         FrameReady(3, 7, "00" * 32, True, None),
-        LiveFrame(4, 7, (0.1, -0.0, 1e308), shown, False, 0.25),
+        LiveFrame(4, 7, (0.1, -0.0, 1e308), shown, LARGE, 0.25),
+        LiveFrame(4, 7, (0.1, -0.0, 1e308), shown, None, 0.25),
+        Note(5, LARGE),
     ):
         assert same_bits(unpack(pack(value), WorkerEvent), value)
 
@@ -167,10 +177,10 @@ def test_the_pipes_of_a_worker_carry_messages_and_end_with_it() -> None:
 
 @settings(max_examples=60, deadline=None)
 @given(procedure_strategies.procedures(), procedure_strategies.procedures())
-def test_the_key_of_a_plan_tells_procedures_apart_as_equality_does(a: Procedure, b: Procedure) -> None:
-    key = plan_key(a, SolverSettings(), "solver")
-    assert plan_key(unpack(pack(a), Procedure), SolverSettings(), "solver") == key
-    assert (plan_key(b, SolverSettings(), "solver") == key) == (a == b)
+def test_the_key_of_a_manifest_tells_procedures_apart_as_equality_does(a: Procedure, b: Procedure) -> None:
+    key = manifest_key(a, SolverSettings(), "solver")
+    assert manifest_key(unpack(pack(a), Procedure), SolverSettings(), "solver") == key
+    assert (manifest_key(b, SolverSettings(), "solver") == key) == (a == b)
 
 
 def test_every_value_of_a_procedure_and_what_changes_a_frame_is_in_the_key() -> None:
@@ -194,20 +204,20 @@ def test_every_value_of_a_procedure_and_what_changes_a_frame_is_in_the_key() -> 
         replace(base, tissue=replace(tissue, gravity=3.7)),
         replace(base, bones=(bone,)),
     ]
-    keys = {plan_key(each, SolverSettings(), "s") for each in (base, *others)}
+    keys = {manifest_key(each, SolverSettings(), "s") for each in (base, *others)}
     assert len(keys) == 1 + len(others)
     changes: list[dict[str, Any]] = [{"spacing": 0.5}, {"tolerance": 1e-4}, {"quadrature": 8}, {"precision": "double"}]
     choices = [SolverSettings(**change) for change in changes]
-    assert len({plan_key(base, choice, "s") for choice in (SolverSettings(), *choices)}) == 5
-    assert plan_key(base, SolverSettings(), "s") != plan_key(base, SolverSettings(), "t")
+    assert len({manifest_key(base, choice, "s") for choice in (SolverSettings(), *choices)}) == 5
+    assert manifest_key(base, SolverSettings(), "s") != manifest_key(base, SolverSettings(), "t")
 
 
 def test_what_changes_no_frame_changes_no_key() -> None:
     base = small_procedure()
-    key = plan_key(base, SolverSettings(), "s")
-    assert plan_key(base, SolverSettings(threads=3), "s") == key
-    assert plan_key(base, SolverSettings(spacing=base.tissue.spacing), "s") == key
-    assert plan_key(replace(base, start_time=1, fps=24), SolverSettings(), "s") == key
+    key = manifest_key(base, SolverSettings(), "s")
+    assert manifest_key(base, SolverSettings(threads=3), "s") == key
+    assert manifest_key(base, SolverSettings(spacing=base.tissue.spacing), "s") == key
+    assert manifest_key(replace(base, start_time=1, fps=24), SolverSettings(), "s") == key
     (slit, *others) = base.events
     assert isinstance(slit, Incision)
-    assert plan_key(replace(base, events=(replace(slit, time=3), *others)), SolverSettings(), "s") == key
+    assert manifest_key(replace(base, events=(replace(slit, time=3), *others)), SolverSettings(), "s") == key

@@ -37,7 +37,7 @@ def test_a_procedure_comes_back_from_the_scene_as_it_was_given_whatever_the_unit
     scene: bpy.types.Scene, metres_per_unit: float, direction: tuple[float, float, float]
 ) -> None:
     scene.unit_settings.scale_length = metres_per_unit
-    plain = flat_patch(SIZE, 2.0, material="dermis", spacing=0.8, gravity=4.0, bed_stiffness=12.5)
+    plain = flat_patch(SIZE, 2.0, material="dermis", spacing=0.8, gravity=4.0, bed_stiffness=12.5, bed_shear=0.5)
     given = Procedure(
         Tissue(
             plain.points,
@@ -45,7 +45,7 @@ def test_a_procedure_comes_back_from_the_scene_as_it_was_given_whatever_the_unit
             plain.face_vertex_indices,
             plain.uv,
             {**plain.subsets, "grip": np.array([3, 7], np.int32), "fat_below": np.array([1], np.int32)},
-            **{name: getattr(plain, name) for name in ("material", "spacing", "gravity", "bed_stiffness")},
+            **{name: getattr(plain, name) for name in ("material", "spacing", "gravity", "bed_stiffness", "bed_shear")},
             gravity_direction=direction,
             regions=(Region("grip", "muscle", 0.5, 2.2), Region("fat_below", "fat", 1.5)),
         ),
@@ -230,7 +230,8 @@ def test_the_meshes_of_a_broken_procedure_are_refused_and_the_scene_stays_as_it_
 def test_a_timeline_that_a_scene_cannot_hold_is_told(scene: bpy.types.Scene) -> None:
     procedure = Procedure(flat_patch(SIZE, 2.0), start_time=0.5, end_time=9.7)
     (note,) = fill_scene(scene, procedure, scene.collection)
-    assert note == "The timeline runs from 0.5 to 9.7; the scene from frame 1 to 9."
+    assert note.code == ProblemCode.SCENE_RANGE
+    assert note.message == "The timeline runs from 0.5 to 9.7; the scene from frame 1 to 9."
 
 
 def test_a_procedure_survives_saving_loading_and_undo(scene: bpy.types.Scene, blend: Path) -> None:

@@ -317,6 +317,7 @@ def test_what_comes_out_of_order_is_refused_and_the_session_goes_on(raw: Raw) ->
         "suture_separations": np.zeros((2, 3)),
         "suture_multipliers": np.zeros((2, 3)),
         "grip_multipliers": np.zeros(0),
+        "stability": np.zeros(0),
         "activation": np.zeros(1),
     }
     assert raw.ask("state", {"precision": "float"}, state).fields["code"] == "invalid_input"

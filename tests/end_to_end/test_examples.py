@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from pxr import Usd, UsdGeom
 
 from lappet.checks.lattice_size import TissueMeasure
+from lappet.core.problem import Problem
 from lappet.geometry.closest_point import ClosestPoint
 from lappet.output.report import report
 from lappet.output.solve_to_cache import solve_procedure
@@ -89,8 +90,9 @@ def test_a_build_script_writes_its_file_again_byte_for_byte(folder: str, tmp_pat
 
 @pytest.mark.parametrize("folder", FOLDERS)
 def test_nothing_is_to_be_said_against_an_example(folder: str) -> None:
-    problems = full_check(EXAMPLES / folder / f"{folder}.usda")
-    assert [problem for problem in problems if "Contact with bone" not in str(problem)] == []
+    notes: list[Problem] = []
+    assert full_check(EXAMPLES / folder / f"{folder}.usda", notes) == []
+    assert notes == []
 
 
 @pytest.mark.parametrize("folder", FOLDERS)

@@ -21,9 +21,14 @@ SCHEMA = Path(lappet.__file__).parent / "usd" / "schema" / "schema.usda"
         ("LappetHookAPI", "stiffness", Hook.stiffness),
         ("LappetSutureAPI", "stiffness", Suture.stiffness),
         ("LappetSutureAPI", "duration", Suture.duration),
+        ("LappetSutureAPI", "length", Suture.length),
+        ("LappetSutureAPI", "tension", Suture.tension),
+        ("LappetSutureAPI", "pullThrough", Suture.pull_through),
         ("LappetIncisionAPI", "kerf", Incision.kerf),
         ("LappetTissueAPI", "spacing", Tissue.spacing),
         ("LappetTissueAPI", "bedStiffness", Tissue.bed_stiffness),
+        ("LappetTissueAPI", "bedShear", Tissue.bed_shear),
+        ("LappetTissueAPI", "gravity", Tissue.gravity),
         ("LappetMaterialAPI", "youngsModulus", Material.youngs_modulus),
         ("LappetMaterialAPI", "poissonsRatio", Material.poissons_ratio),
         ("LappetMaterialAPI", "density", Material.density),
@@ -37,4 +42,4 @@ def test_the_schema_has_the_defaults_of_the_values(schema: str, attribute: str, 
 
 def test_what_the_daemon_is_told_by_default_is_a_procedures_default() -> None:
     assert SolverSettings.materials == (parameters(Material("skin")),)
-    assert SolverSettings.bed_stiffness == Tissue.bed_stiffness
+    assert (SolverSettings.bed_stiffness, SolverSettings.bed_shear) == (Tissue.bed_stiffness, Tissue.bed_shear)

@@ -34,7 +34,7 @@ from lappet.program.settings import MaterialParameters, SolverSettings
 from lappet.tissue.patch import flat_patch
 from lappet.tissue.surface import skin_faces
 from refusals import refuses
-from small_procedure import EXCISED, TOP, small_procedure
+from small_procedure import EXCISED, LENS, TOP, small_procedure
 
 
 @pytest.fixture(scope="module")
@@ -86,6 +86,20 @@ def test_a_suture_closes_over_its_duration_and_stays(
     assert [frame.time for frame in placed] == [time for time in range(1, 9) if time >= start]
     assert [float(frame.suture_closure[0]) for frame in placed] == pytest.approx(closures)
     assert {float(frame.suture_stiffness[0]) for frame in placed} == {77.0}
+    assert all(not len(frame.suture_is_thread) for frame in frames)
+
+
+def test_threads_tell_their_stiffness_length_and_tension(program: Program) -> None:
+    ends = ((2.0, -2.0, TOP), (2.0, 2.0, TOP))
+    free = Suture("free", ends, 4.0, stiffness=77.0, mode="thread", length=0.5)
+    nylon = Suture("nylon", ends, 5.0, mode="thread", thread="nylon 5-0", length=1.0, tension=300.0)
+    exact = Suture("exact", ends, 6.0, thread="nylon 5-0")
+    last = compiled(program, free, nylon, exact).frames[-1]
+    assert last.suture_is_thread.tolist() == [1, 1, 0]
+    assert last.suture_length.tolist() == [0.5, 1.0, 0.0]
+    assert last.suture_tension.tolist() == [0.0, 300.0, 0.0]
+    # E A / length of 2500 MPa, 0.125 mm and 4 mm
+    assert last.suture_stiffness[:2].tolist() == pytest.approx([77.0, 2.5e6 * np.pi * 0.125**2 / 4.0 / 4.0])
 
 
 def test_an_anchor_lies_on_the_triangle_it_is_tied_to(program: Program) -> None:
@@ -244,9 +258,54 @@ def test_labels_that_two_prims_share_are_told_apart(program: Program) -> None:
     assert compiled(program, *marks).landmarks == ("tip (left)", "tip (right)")
 
 
+def test_anchors_inside_the_tissue_stay_where_they_are_put(program: Program) -> None:
+    """On the skin, in the middle, beside the slit's wall and on the underside: not at the nearest surface."""
+    deep, beside, below = (3.0, 4.0, 0.375 * TOP), (1.0, 0.0625, 0.5 * TOP), (1.0, -5.0, 0.0)
+    made = compiled(
+        program,
+        Hook("hook", deep, ((4.0, deep),), 4.0, 9.0),
+        Suture("stitch", (beside, below), 5.0),
+        Landmark("mark", (deep, beside), "deep"),
+    )
+    frame = made.frames[-1]
+    assert np.array_equal(frame.hook_anchors, [deep])
+    assert np.array_equal(frame.suture_anchors, [[beside, below]])
+    assert np.array_equal(made.landmarks_at[-1].points, [deep, beside])
+    assert made.notes == ()
+    faces = made.epochs[-1].surface.triangles[frame.suture_triangles[0]]
+    corners = made.epochs[-1].surface.points[faces]
+    assert (corners[0, :, 1] > 0.0).all(), "the wall on its own side of the slit"
+    assert (corners[1, :, 2] == 0.0).all()
+
+
+def test_an_anchor_a_little_outside_is_moved_onto_the_surface(program: Program) -> None:
+    above = (3.0, 4.0, TOP + 0.49)
+    made = compiled(program, Hook("hook", above, ((4.0, above),), 4.0, 9.0))
+    assert np.allclose(made.frames[-1].hook_anchors, [(3.0, 4.0, TOP)], atol=1e-12)
+
+
+def test_an_anchor_beyond_a_wounds_edge_is_moved_onto_it_and_said(excised: Program) -> None:
+    outwards = np.array([3.0, 5.0, 0.0]) / np.sqrt(34.0)  # the lens's edge through (2.5, 1.5), its kerf 0.05 mm
+
+    def suture(beyond: float) -> Suture:
+        end = np.array([2.5, 1.5, TOP]) + (LENS.kerf / 2.0 - beyond) * outwards
+        return Suture("s", ((2.5, -2.0, TOP), (float(end[0]), float(end[1]), TOP)), 4.0)
+
+    made = compile_program(small_procedure(events=(*EXCISED, suture(0.4))), excised.epochs)
+    held = made.frames[-1].suture_anchors[0]
+    assert np.array_equal(held[0], (2.5, -2.0, TOP))
+    assert np.linalg.norm(held[1] - suture(0.4).anchors[1]) == pytest.approx(0.4, abs=0.01)
+    (note,) = made.notes
+    assert note.startswith("/Procedure/Timeline/s: ")
+    assert "0.4 mm beyond a wound's edge" in note
+    with refuses(ProblemCode.PROGRAM_ANCHOR_EXCISED, "/Procedure/Timeline/s"):
+        compile_program(small_procedure(events=(*EXCISED, suture(0.7))), excised.epochs)
+
+
 @pytest.mark.parametrize(
     "event",
     [
+        Hook("it", (0.0, 2.0, TOP + 0.6), ((1.0, (0.0, 0.0, 0.0)),), 1.0, 9.0),
         Hook("it", (0.0, 2.0, 40.0), ((1.0, (0.0, 0.0, 0.0)),), 1.0, 9.0),
         Suture("it", ((2.0, -1.0, TOP), (90.0, 1.0, TOP)), 5.0),
         Landmark("it", ((0.0, -30.0, TOP),), "off"),
@@ -349,12 +408,13 @@ def test_a_procedure_without_regions_and_muscle_says_nothing_of_them(program: Pr
 
 def test_the_settings_are_those_of_the_procedure_and_of_the_call(program: Program) -> None:
     procedure = small_procedure(materials=(Material("skin", "corotated", 30.0, 0.4, density=900.0),))
-    procedure = replace(procedure, tissue=replace(procedure.tissue, gravity=9.81, bed_stiffness=4.0))
+    procedure = replace(procedure, tissue=replace(procedure.tissue, gravity=9.81, bed_stiffness=4.0, bed_shear=2.0))
     asked = SolverSettings(spacing=0.5, tolerance=1e-4, quadrature=8, precision="double", threads=2)
     settings = compile_program(procedure, program.epochs, asked).settings
     assert settings.materials == (MaterialParameters("corotated", 30.0, 0.4, 900.0),)
     assert (settings.spacing, settings.tolerance, settings.quadrature, settings.precision) == (0.5, 1e-4, 8, "double")
-    assert (settings.gravity, settings.bed_stiffness, settings.threads) == ((0.0, 0.0, -9.81), 4.0, 2)
+    assert (settings.gravity, settings.bed_stiffness, settings.bed_shear) == ((0.0, 0.0, -9.81), 4.0, 2.0)
+    assert settings.threads == 2
     assert settings.origin == (-12.0, -8.0, 0.0)
     assert (settings.sutures, settings.retractors) == (1, 0)
 

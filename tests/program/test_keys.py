@@ -82,6 +82,7 @@ def test_names_notes_and_texture_are_in_no_key(program: Program) -> None:
         {"materials": (MaterialParameters(), MaterialParameters())},
         {"gravity": (0.0, 0.0, -9.8)},
         {"bed_stiffness": 11.0},
+        {"bed_shear": 0.25},
     ],
 )
 def test_settings_that_change_the_solution_change_every_key(program: Program, change: dict[str, object]) -> None:

@@ -15,7 +15,7 @@ from lappet.commands.cli import cli
 from lappet.core.problem_code import ProblemCode
 from lappet.daemon.solved_frame import Diagnostics, SolvedFrame, SolverState
 from lappet.reports.stability import run as stability_run
-from lappet.reports.stability.case import Case, Row, Scene, totals
+from lappet.reports.stability.case import Case, Demand, Row, Scene, totals
 from lappet.reports.stability.files import write_stability
 from lappet.reports.stability.measurement import _disproved as disproved
 from lappet.reports.stability.measurement import run_case
@@ -29,17 +29,19 @@ REFUSES = Case(
     "a bar of what is no skin",
     "cheap",
     lambda: stretched(1.2, materials=(material(poissons_ratio=0.6),)),
-    converges=False,
-    refuses=(ProblemCode.SOLVER_INVALID_INPUT,),
+    ProblemCode.SOLVER_INVALID_INPUT,
 )
+ROOT = Path(__file__).resolve().parents[2]
 
 
 def test_there_are_at_least_sixty_cases_with_names_of_their_own() -> None:
     cases = all_cases()
     assert len(cases) >= 60
     assert len({(case.group, case.name) for case in cases}) == len(cases)
-    assert all(case.converges or case.refuses for case in cases)
-    assert {"poisson", "contrast", "fibers", "starts", "floating", "bone", "scale", "cuts"} <= {c.group for c in cases}
+    assert all(isinstance(case.demands, Demand | ProblemCode) for case in cases)  # one outcome each
+    assert {"poisson", "buckling", "contrast", "fibers", "starts", "floating", "bone", "scale", "cuts"} <= {
+        c.group for c in cases
+    }
 
 
 def test_the_slow_cases_are_left_out_where_it_is_to_be_quick() -> None:
@@ -58,9 +60,10 @@ def test_what_is_expected_is_ok_and_what_is_not_is_not(binary: Path) -> None:
     refused = run_case(REFUSES)
     assert (refused.ok, refused.outcome) == (True, "refuses")
     assert "Poisson's ratio" in refused.reason
-    assert not run_case(replace(SETTLES, converges=False, refuses=(ProblemCode.SOLVER_INVALID_INPUT,))).ok
-    assert not run_case(replace(REFUSES, converges=True, refuses=())).ok
-    assert not run_case(replace(REFUSES, refuses=(ProblemCode.SOLVER_MEMORY_BUDGET,))).ok
+    demands = (ProblemCode.SOLVER_INVALID_INPUT, Demand.BUCKLES, Demand.IS_SENSITIVE)
+    assert not any(run_case(replace(SETTLES, demands=each)).ok for each in demands)
+    assert not run_case(replace(REFUSES, demands=Demand.CONVERGES)).ok
+    assert not run_case(replace(REFUSES, demands=ProblemCode.SOLVER_MEMORY_BUDGET)).ok
     assert not run_case(replace(SETTLES, budget=1e-3)).ok
 
 
@@ -76,7 +79,7 @@ def test_an_exception_in_a_case_is_a_crash_and_ends_nothing(binary: Path) -> Non
     def scene() -> Scene:
         raise KeyError("a fault of ours")
 
-    row = run_case(Case("a fault", "cheap", scene, refuses=(ProblemCode.INTERNAL,)))
+    row = run_case(Case("a fault", "cheap", scene, ProblemCode.INTERNAL))
     assert (row.ok, row.outcome) == (False, "crashes")
     assert "KeyError" in row.reason
 
@@ -109,6 +112,8 @@ def test_a_claim_of_convergence_is_held_against_its_own_numbers() -> None:
     assert "gap of 0.5 mm" in disproved(solution(largest_gap=0.5), program)
     assert "0.7 mm deep in bone" in disproved(solution(largest_penetration=0.7), program)
     assert "energy" in disproved(solution(energy=np.inf), program)
+    assert "is unstable" in disproved(solution(lowest_stiffness=-0.2), program)
+    assert disproved(solution(lowest_stiffness=0.01), program) == ""
     lost = solution(converged=False, residual=np.inf)
     assert disproved(lost, program) == ""
     lost.points[0, 0] = np.nan
@@ -116,9 +121,9 @@ def test_a_claim_of_convergence_is_held_against_its_own_numbers() -> None:
 
 
 ROWS = (
-    Row("one", "a", "converges", "converges", "", 1e-4, 1e-4, 0.0, 1, 10, 0.5, 60.0, True),
-    Row("two", "a", "refuses: thin", "refuses", "too thin", None, None, None, 0, 0, 0.5, 60.0, True),
-    Row("three", "b", "converges", "crashes", "it was ended by SIGSEGV", None, None, None, 0, 0, 0.5, 60.0, False),
+    Row("one", "a", "buckles", "buckles", "", 1e-4, 0.3, 1e-4, 0.0, 1, 10, 0.5, 60.0, True),
+    Row("two", "a", "refuses: thin", "refuses", "too thin", None, None, None, None, 0, 0, 0.5, 60.0, True),
+    Row("three", "b", "converges", "crashes", "ended by SIGSEGV", None, None, None, None, 0, 0, 0.5, 60.0, False),
 )
 
 
@@ -132,14 +137,30 @@ def test_the_files_hold_every_row_and_the_totals(tmp_path: Path) -> None:
     wanted = {"case", "group", "expected", "outcome", "reason", "residual", "gap_mm", "seconds", "ok"}
     assert wanted <= set(values["rows"][0])
     assert [row["ok"] for row in values["rows"]] == [True, True, False]
-    assert values["totals"]["all"] == {"cases": 3, "ok": 2, "converged": 1, "refused": 1}
-    assert totals(ROWS)["b"] == {"cases": 1, "ok": 0, "converged": 0, "refused": 0}
+    assert values["totals"]["all"] == {"cases": 3, "ok": 2, "converged": 1, "buckled": 1, "refused": 1}
+    assert totals(ROWS)["b"] == {"cases": 1, "ok": 0, "converged": 0, "buckled": 0, "refused": 0}
     with files[1].open(newline="") as file:
         lines = list(csv.DictReader(file))
     assert [set(line) for line in lines] == [{field.name for field in fields(Row)}] * 3
     text = files[2].read_text()
-    assert "**three**: crashes. it was ended by SIGSEGV" in text
-    assert "| all | 3 | 2 | 1 | 1 |" in text
+    assert "**three**: crashes. ended by SIGSEGV" in text
+    assert "| all | 3 | 2 | 1 | 1 | 1 |" in text
+
+
+def test_the_kept_report_has_every_case_and_the_readme_its_totals() -> None:
+    kept = (ROOT / "docs" / "stability.md").read_text(encoding="utf-8")
+    rows = [
+        [cell.strip() for cell in line.strip("|").split("|")] for line in kept.splitlines() if line.startswith("| ")
+    ]
+    listed = {row[0]: row[1] for row in rows if ": " in row[0]}
+    assert listed == {f"{case.group}: {case.name}": case.expected for case in chosen_cases((), quick=True)}
+    (total,) = [row for row in rows if row[0] == "all"]
+    cases, ok, converged, buckled, refused = (int(cell) for cell in total[1:])
+    readme = " ".join((ROOT / "README.md").read_text(encoding="utf-8").split())
+    assert f"{ok} of {cases} stiff and extreme cases end as demanded" in readme
+    assert (
+        f"{converged} converge, {buckled} of them by buckling, and {refused} are refused for the right reason" in readme
+    )
 
 
 @pytest.mark.slow
@@ -149,11 +170,9 @@ def test_the_command_ends_with_1_where_a_case_is_not_ok(
     monkeypatch.setattr(stability_run, "all_cases", lambda: [SETTLES, REFUSES])
     run = CliRunner().invoke(cli, ["report", "stability", "-o", str(tmp_path / "good")])
     assert run.exit_code == 0, run.output
-    assert "| all | 2 | 2 | 1 | 1 |" in run.output
+    assert "| all | 2 | 2 | 1 | 0 | 1 |" in run.output
     assert (tmp_path / "good" / "stability.json").is_file()
-    monkeypatch.setattr(
-        stability_run, "all_cases", lambda: [replace(SETTLES, converges=False, refuses=(ProblemCode.INTERNAL,))]
-    )
+    monkeypatch.setattr(stability_run, "all_cases", lambda: [replace(SETTLES, demands=ProblemCode.INTERNAL)])
     run = CliRunner().invoke(cli, ["report", "stability", "-o", str(tmp_path / "bad")])
     assert run.exit_code == 1
     assert "NOT a bar: converges" in run.output

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from lappet.core.problem import refused
+from lappet.core.problem import Problem, refused
 from lappet.core.problem_code import ProblemCode
 from lappet.daemon.frame_solver import FrameRefusedError, SolverDiedError
 from lappet.procedure import Procedure, Suture
@@ -30,7 +30,7 @@ class Ear(SolveObserver):
     def __init__(self) -> None:
         self.total = 0
         self.frames: list[FrameResult] = []
-        self.notes: list[str] = []
+        self.notes: list[Problem] = []
 
     def begin(self, frames: int) -> None:
         self.total = frames
@@ -38,8 +38,8 @@ class Ear(SolveObserver):
     def frame(self, frame: FrameResult) -> None:
         self.frames.append(frame)
 
-    def note(self, sentence: str) -> None:
-        self.notes.append(sentence)
+    def note(self, note: Problem) -> None:
+        self.notes.append(note)
 
 
 def run(program: Program, store: FrameStore, solver: FakeSolver, ear: Ear | None = None) -> Frames:
@@ -146,9 +146,9 @@ def test_a_daemon_that_dies_is_started_again_and_goes_on_from_the_last_frame(pro
     assert solver.times() == [1, 2, 3, 4, 5, 6, 7, 8]
     assert solver.opened == solver.closed == 4
     assert same_points(undisturbed, result)
-    assert len(ear.notes) == 3
-    assert "frame 5" in ear.notes[0]
-    assert "SIGKILL" in ear.notes[0]
+    assert [note.code for note in ear.notes] == [ProblemCode.DAEMON_RESTARTED] * 3
+    assert ear.notes[0].value == "5"
+    assert "SIGKILL" in ear.notes[0].message
 
 
 def test_it_goes_on_from_the_last_frame_without_a_store_too(program: Program, tmp_path: Path) -> None:
@@ -164,7 +164,7 @@ def test_it_goes_on_from_the_last_frame_without_a_store_too(program: Program, tm
     solver, ear = FakeSolver(before=die), Ear()
     result = run(program, FrameStore(tmp_path / "file"), solver, ear)
     assert same_points(undisturbed, result)
-    assert sum("no longer kept" in note for note in ear.notes) == 1
+    assert [note.code for note in ear.notes].count(ProblemCode.STORE_NOT_WRITABLE) == 1
 
 
 def test_a_daemon_that_dies_three_times_over_one_frame_ends_the_solve(program: Program, tmp_path: Path) -> None:

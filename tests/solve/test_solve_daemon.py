@@ -14,6 +14,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from lappet.core.problem import Problem
+from lappet.core.problem_code import ProblemCode
 from lappet.core.value_codec import pack
 from lappet.daemon.frame_solver import Iteration
 from lappet.daemon.solved_frame import Diagnostics, SolvedFrame
@@ -45,7 +47,7 @@ class DuringFrame(SolveObserver):
     def __init__(self, time: float, signal_daemon: int | None) -> None:
         self._time = time
         self._signal = signal_daemon
-        self.notes: list[str] = []
+        self.notes: list[Problem] = []
         self.done = False
 
     def iteration(self, iteration: Iteration) -> None:
@@ -57,8 +59,8 @@ class DuringFrame(SolveObserver):
         for process in daemons():
             os.kill(process, self._signal)
 
-    def note(self, sentence: str) -> None:
-        self.notes.append(sentence)
+    def note(self, note: Problem) -> None:
+        self.notes.append(note)
 
 
 def solved(folder: Path, store: Path, observer: SolveObserver | None = None) -> SolveResult:
@@ -120,8 +122,9 @@ def test_a_killed_daemon_is_replaced_and_the_frames_are_the_very_same(
     assert again.complete
     # On a busy machine frame 6 may be on its way already when the signal comes.
     (note,) = killer.notes
-    assert "SIGKILL" in note
-    assert "solving frame 6" in note or "solving frame 7" in note
+    assert note.code == ProblemCode.DAEMON_RESTARTED
+    assert "SIGKILL" in note.message
+    assert note.value in ("6", "7")
     assert bit_for_bit(stored(again, tmp_path / "store"), stored(result, store))
     assert daemons() == []
 

@@ -15,6 +15,7 @@ import pytest
 from hypothesis import HealthCheck, Phase, given, settings
 
 import lappet.usd.stage
+from lappet.core.problem import Problem
 from lappet.core.problem_code import ProblemCode
 from lappet.procedure import Hook, Incision, Landmark, Material, Procedure, Region, Retractor, Suture, Tissue
 from lappet.tissue.patch import flat_patch
@@ -90,6 +91,7 @@ def test_equality_sees_every_field_of_the_tissue() -> None:
         "gravity": 0.0,
         "gravity_direction": (0.0, -1.0, 0.0),
         "bed_stiffness": 1.0,
+        "bed_shear": 0.5,
         "regions": (Region("fixed", "fat"),),
     }
     assert set(others) == {field.name for field in fields(Tissue)}
@@ -127,7 +129,7 @@ def test_regions_and_muscle_read_as_usd_has_them(tmp_path: Path) -> None:
     activation.Clear()
     activation.Set(0.3)
     stage.GetRootLayer().Export(str(tmp_path / "q.usda"))
-    notes: list[str] = []
+    notes: list[Problem] = []
     back = read_procedure(tmp_path / "q.usda", notes)
     assert back.tissue.regions == (Region("under", "fat", 1.0, 2.0), Region("cheek", "muscle"))
     assert back.material("muscle").muscle_activation == ((1.0, 0.3),)
@@ -145,13 +147,20 @@ def test_a_region_that_has_no_subset_or_shares_one_cannot_be_written(tmp_path: P
 
 
 def test_usd_recognises_the_schemas_and_every_property_is_authored(tmp_path: Path) -> None:
-    write_procedure(_layered(), tmp_path / "p.usda")
+    ends = ((0, -1.3, 2), (0, 1.3, 2))
+    thread = Suture("stitch", ends, 6.0, 1.0, 50.0, "thread", "nylon 5-0", 1.5, 300.0, 900.0)
+    events = tuple(thread if event.name == "stitch" else event for event in _layered().events)
+    write_procedure(replace(_layered(), events=events), tmp_path / "p.usda")
     stage = pxr().Usd.Stage.Open(str(tmp_path / "p.usda"))
     registry = pxr().Usd.SchemaRegistry()
     expected = {"Tissue": "Tissue", "Timeline/cut": "Incision", "Timeline/hook": "Hook", "Timeline/pull": "Retractor"}
     expected |= {"Timeline/stitch": "Suture", "Timeline/tip": "Landmark", "Materials/skin": "Material"}
     expected |= {"Tissue/cheek": "Region"}
-    unlike_0_1 = ("lappet:gravityDirection", "lappet:fiber:slack")  # authored where they are not the default
+    unlike_0_1 = (
+        "lappet:gravityDirection",
+        "lappet:bedShear",
+        "lappet:fiber:slack",
+    )  # authored where they are not the default
     may_be_left_out = ("lappet:muscleActivation", *unlike_0_1)
     for path, kind in expected.items():
         prim = stage.GetPrimAtPath(f"/Procedure/{path}")
@@ -237,10 +246,10 @@ def test_a_stage_in_centimetres_with_y_up_is_converted_and_says_so(tmp_path: Pat
     for time in pull.GetTimeSamples():
         pull.Set(gf.Matrix4d(np.linalg.inv(to_cm) @ np.array(pull.Get(time)) @ to_cm), time)
     stage.GetRootLayer().Export(str(tmp_path / "cm.usda"))
-    notes: list[str] = []
+    notes: list[Problem] = []
     back = read_procedure(tmp_path / "cm.usda", notes)
-    assert any("0.01 metres per unit" in note for note in notes)
-    assert any("Y up" in note for note in notes)
+    assert [note.code for note in notes] == [ProblemCode.STAGE_CONVERTED, ProblemCode.STAGE_TURNED]
+    assert {note.severity for note in notes} == {"note"}
     assert back.tissue.points == pytest.approx(procedure.tissue.points, abs=1e-5)
     for mine, other in zip(procedure.events, back.events, strict=True):
         for field in fields(mine):

@@ -204,6 +204,7 @@ def _with_settings(tissue: Tissue, settings: bpy.types.PropertyGroup, regions: S
         "gravity": decimal(settings.gravity) if settings.use_gravity else 0.0,
         "gravity_direction": POSITIONS.get(settings.position.lower()) or decimals(settings.gravity_direction),
         "bed_stiffness": decimal(settings.bed_stiffness),
+        "bed_shear": decimal(settings.bed_shear),
     }
     same = all(getattr(tissue, name) == value for name, value in values.items())
     made = replace(tissue, **values, regions=tuple(regions)) if not same or tissue.regions or regions else tissue

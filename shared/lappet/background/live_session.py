@@ -45,7 +45,14 @@ class LiveSession:
         note: Callable[[Problem], None],
     ) -> None:
         settings = program.settings
-        self._settings = replace(settings, tolerance=max(settings.tolerance, TOLERANCE), time_budget=TIME_BUDGET)
+        # Where the tissue follows a hook, the next update shows soon enough that it rests nowhere else.
+        self._settings = replace(
+            settings,
+            tolerance=max(settings.tolerance, TOLERANCE),
+            time_budget=TIME_BUDGET,
+            correction=False,
+            stability=False,
+        )
         self._program = program
         self._frame = program.frames[index]
         self._pulled = self._frame.hook_index == hook

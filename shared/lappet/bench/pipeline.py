@@ -193,6 +193,12 @@ class _TimedSolver:
         with self._watch.stage("lattice"):
             return self._session.set_epoch(epoch, grip, landmarks)
 
+    def set_epoch_with_nodes(
+        self, epoch: Epoch, grip: NDArray[np.int32], landmarks: Landmarks
+    ) -> tuple[LatticeCounts, NDArray[np.float64]]:
+        with self._watch.stage("lattice"):
+            return self._session.set_epoch_with_nodes(epoch, grip, landmarks)
+
 
 def _timed(connect: Connect, watch: _Stopwatch) -> Connect:
     def connected(settings: SolverSettings, bones: Bones) -> FrameSolver:

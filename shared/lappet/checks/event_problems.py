@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from itertools import pairwise
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 
@@ -13,8 +13,24 @@ from lappet.core.problem import Place, Problem, RefusedError, problem
 from lappet.core.problem_code import ProblemCode
 from lappet.geometry.curve import sample_curve
 from lappet.geometry.rigid_motion import RigidMotion
-from lappet.procedure import Event, Excision, Hook, Incision, Landmark, Point, Procedure, Retractor, Suture, Undermine
+from lappet.procedure import (
+    Event,
+    Excision,
+    Hook,
+    Incision,
+    Landmark,
+    Point,
+    Procedure,
+    Retractor,
+    Suture,
+    SutureMode,
+    Undermine,
+)
+from lappet.procedure.threads import THREADS
 from lappet.tissue.rest_space import RestSpace
+
+# In lattice spacings: how far outside the tissue an anchor may be, and how far it is moved without a word (chosen).
+OFF_TISSUE, UNSAID = 0.5, 0.01
 
 
 class EventCheck:
@@ -32,9 +48,9 @@ class EventCheck:
         self.procedure, self.rest = procedure, rest
         self.problems: list[Problem] = []
         self._path = ""
-        # How far each place is off the tissue, looked up at once: one by one takes longer.
-        anchored = [point for event in procedure.events for point in _places(event) if np.isfinite(point).all()]
-        self._off = {} if rest is None else dict(zip(anchored, rest.off(anchored).tolist(), strict=True))
+        # How far each place is outside the tissue, looked up at once: one by one takes longer.
+        places = [point for event in procedure.events for point in _places(event) if np.isfinite(point).all()]
+        self._outside = {} if rest is None else dict(zip(places, rest.outside(places).tolist(), strict=True))
 
     def check(self, event: Event, path: str) -> None:
         """Add the problems of one event to `problems`.
@@ -57,7 +73,7 @@ class EventCheck:
             case Excision():
                 self._time("made", event.time)
                 if self._points("seed", event.seeds):
-                    self._on_tissue("seed", event.seeds)
+                    self._seeds(event.seeds)
             case Undermine():
                 self._time("made", event.time)
                 self._curve(event.points, event.basis, True)
@@ -67,7 +83,7 @@ class EventCheck:
                 self._hold(event)
                 self._positive(ProblemCode.EVENT_STIFFNESS, event.stiffness, usual=f"{Hook.stiffness:g}")
                 if self._points("anchor", [event.anchor]):
-                    self._on_tissue("anchor", [event.anchor])
+                    self._anchors("anchor", [event.anchor])
                 self._samples("target", [time for time, _ in event.targets])
                 self._targets(event)
             case Retractor():
@@ -81,7 +97,7 @@ class EventCheck:
                 if not event.label:
                     self._add(ProblemCode.LANDMARK_NO_LABEL, "no label")
                 if self._points("point", event.points):
-                    self._on_tissue("point", event.points)
+                    self._anchors("point", event.points)
 
     def _add(self, code: ProblemCode, value: object, place: Place | None = None, **fields: Any) -> None:
         self.problems.append(problem(code, self._path, value, place=place, **fields))
@@ -133,12 +149,25 @@ class EventCheck:
                 return False
         return True
 
-    def _on_tissue(self, name: str, points: Sequence[Point]) -> None:
+    def _seeds(self, seeds: Sequence[Point]) -> None:
         if self.rest is None:
             return
+        for seed in seeds:
+            off = self._outside[seed]
+            if off > self.rest.margin:
+                self._add(ProblemCode.EVENT_OFF_TISSUE, at(seed), Place.at(seed), name="seed", off=off)
+
+    def _anchors(self, name: str, points: Sequence[Point]) -> None:
+        """Judge what is held where it lies: nothing inside the tissue or on it, the rest by how far it is moved."""
+        spacing = self.procedure.tissue.spacing
+        if self.rest is None or not spacing > 0.0:  # which is said of the tissue
+            return
         for point in points:
-            if self._off[point] > 0.0:
-                self._add(ProblemCode.EVENT_OFF_TISSUE, at(point), Place.at(point), name=name, off=self._off[point])
+            off = self._outside[point]
+            if off > OFF_TISSUE * spacing:
+                self._add(ProblemCode.EVENT_OFF_TISSUE, at(point), Place.at(point), name=name, off=off)
+            elif off > UNSAID * spacing:
+                self._add(ProblemCode.EVENT_ANCHOR_MOVED, at(point), Place.at(point), name=name, off=off)
 
     def _curve(self, points: Sequence[Point], basis: str, closed: bool) -> None:
         if not self._points("point", points):
@@ -188,11 +217,23 @@ class EventCheck:
                 drawn, end = event.start + event.duration, self.procedure.end_time
                 self._add(ProblemCode.SUTURE_AFTER_END, f"{drawn:g}", end=end)
         self._positive(ProblemCode.EVENT_STIFFNESS, event.stiffness, usual=f"{Suture.stiffness:g}")
+        self._thread(event)
         if self._points("anchor", event.anchors):
-            self._on_tissue("anchor", event.anchors)
+            self._anchors("anchor", event.anchors)
             apart, least = math.dist(*event.anchors), same_point(self.procedure)
             if apart <= least:
                 self._add(ProblemCode.SUTURE_OF_ONE_POINT, at(event.anchors[0]), Place.at(event.anchors[0]))
+
+    def _thread(self, event: Suture) -> None:
+        modes = get_args(SutureMode)
+        if event.mode not in modes:
+            self._add(ProblemCode.SUTURE_MODE, event.mode, known=", ".join(modes))
+        if event.thread and event.thread not in THREADS:
+            self._add(ProblemCode.SUTURE_THREAD, event.thread, known=", ".join(THREADS))
+        for name in ("length", "tension", "pull_through"):
+            value: float = getattr(event, name)
+            if not (math.isfinite(value) and value >= 0.0):
+                self._add(ProblemCode.SUTURE_NUMBER, f"{value:g}", name=name.replace("_", "-"))
 
 
 def _places(event: Event) -> Sequence[Point]:

@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable
 from typing import Any
 
+from lappet.checks.suspicious_tissue import overlapping_regions
 from lappet.core.problem import Problem, problem
 from lappet.core.problem_code import ProblemCode
 from lappet.procedure import MODELS, Material, Procedure
@@ -119,6 +120,8 @@ def region_problems(procedure: Procedure) -> list[Problem]:
             add(ProblemCode.REGION_ON_LABEL, region.faces)
         elif skin is not None and region.faces in tissue.subsets and not skin[tissue.subsets[region.faces]].any():
             add(ProblemCode.REGION_OFF_SKIN, region.faces)
+    if skin is not None:
+        problems += overlapping_regions(tissue, skin)
     models = dict.fromkeys(material.model for material in procedure.materials_in_use())
     if len(models) > 1:
         problems.append(problem(ProblemCode.MATERIAL_MIXED_MODELS, TISSUE, ", ".join(models)))

@@ -121,7 +121,8 @@ class CutCheck:
             if not deeper and share > TWICE:
                 where = Place.at(beside[0], beside[-1])
                 code, percent = ProblemCode.INCISION_TWICE, f"{100.0 * share:.0f}"
-                return [problem(code, path, percent, place=where, near=near, other=other.name)]
+                middle = f"{place(np.round(beside[len(beside) // 2], 3))} mm"
+                return [problem(code, path, percent, place=where, where=middle, near=near, other=other.name)]
         return []
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from lappet.checks.event_problems import at
 from lappet.checks.suspicious_cuts import CutCheck
 from lappet.core.problem import Place, Problem, problem
 from lappet.core.problem_code import ProblemCode
@@ -50,10 +51,11 @@ def suspicious_events(
             if away > most:
                 where = Place.at(target, event.anchor)
                 code = ProblemCode.HOOK_TARGET_FAR
-                found.append(problem(code, path, f"{away:.4g}", place=where, time=time, most=most))
+                found.append(problem(code, path, f"{away:.4g}", place=where, where=at(target), time=time, most=most))
         elif isinstance(event, Suture):
             apart = math.dist(*event.anchors)
             if apart > most:
                 code = ProblemCode.SUTURE_LONG
-                found.append(problem(code, path, f"{apart:.4g}", place=Place.at(*event.anchors), most=most))
+                where, named = Place.at(*event.anchors), " and ".join(map(at, event.anchors))
+                found.append(problem(code, path, f"{apart:.4g}", place=where, where=named, most=most))
     return found

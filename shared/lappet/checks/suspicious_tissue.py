@@ -13,7 +13,7 @@ from lappet.geometry.surface_check import place, signed_volume
 from lappet.procedure import Tissue
 from lappet.procedure.prim_paths import TISSUE
 from lappet.tissue.fan_triangles import fan_triangles
-from lappet.tissue.surface import LABELS, skin_faces
+from lappet.tissue.surface import LABELS
 
 # mm; chosen: a patch of skin is longer than the one and shorter than the other, while metres or inches taken for
 # millimetres are outside by far.
@@ -73,20 +73,21 @@ def separate_parts(tissue: Tissue) -> list[Problem]:
     ]
 
 
-def overlapping_regions(tissue: Tissue) -> list[Problem]:
+def overlapping_regions(tissue: Tissue, skin: NDArray[np.bool_]) -> list[Problem]:
     """Find regions of different material that share faces and depths, where their order decides.
 
     Parameters
     ----------
     tissue
         The tissue; its subsets name faces that it has.
+    skin
+        Which faces are skin, shape (m,).
 
     Returns
     -------
     list[Problem]
         A note for each pair.
     """
-    skin = skin_faces(tissue)
     regions = [each for each in tissue.regions if each.faces in tissue.subsets and each.faces not in LABELS]
     found = []
     for i, first in enumerate(regions):

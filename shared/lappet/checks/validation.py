@@ -14,8 +14,9 @@ from lappet.checks.event_problems import EventCheck
 from lappet.checks.lattice_size import TissueMeasure
 from lappet.checks.material_problems import material_problems, region_problems
 from lappet.checks.mesh_problems import MeshReport, mesh_problems
+from lappet.checks.skin_line_problems import skin_line_problems
 from lappet.checks.suspicious_events import suspicious_events
-from lappet.checks.suspicious_tissue import overlapping_regions, separate_parts, size_problems
+from lappet.checks.suspicious_tissue import separate_parts, size_problems
 from lappet.core.problem import Problem, problem
 from lappet.core.problem_code import ProblemCode
 from lappet.procedure import Procedure, Retractor
@@ -70,10 +71,11 @@ def check(procedure: Procedure, memory_budget: float = MEMORY_BUDGET, spacing: f
         measure = TissueMeasure(procedure.tissue.points, triangles)
         problems += [*_lattice(measure, size, memory_budget), *size_problems(procedure.tissue.points)]
     if _is_solid(report):
-        problems += [*separate_parts(procedure.tissue), *overlapping_regions(procedure.tissue)]
+        problems += separate_parts(procedure.tissue)
     for material in procedure.materials:
         problems += material_problems(material, f"{MATERIALS}/{material.name}")
     problems += region_problems(procedure)
+    problems += skin_line_problems(procedure)
     for bone in procedure.bones:
         path = f"{BONE}/{bone.name}"
         found = mesh_problems(bone, path)
@@ -159,6 +161,8 @@ def _tissue(procedure: Procedure, spacing: float) -> list[Problem]:
         add(ProblemCode.TISSUE_SPACING, spacing)
     if not (math.isfinite(tissue.bed_stiffness) and tissue.bed_stiffness >= 0.0):
         add(ProblemCode.TISSUE_BED_STIFFNESS, tissue.bed_stiffness)
+    elif not 0.0 <= tissue.bed_shear <= tissue.bed_stiffness:
+        add(ProblemCode.TISSUE_BED_SHEAR, tissue.bed_shear, normal=tissue.bed_stiffness)
     if not math.isfinite(tissue.gravity):
         add(ProblemCode.TISSUE_GRAVITY, tissue.gravity)
     length = math.hypot(*tissue.gravity_direction)

@@ -25,7 +25,7 @@ def check(context: click.Context, /, procedure: Path) -> None:
         notes: list[Problem] = []
         problems = full_check(procedure, notes)
         for note in notes:
-            click.echo(f"note: {note}")
+            click.echo(f"{note.severity}: {note}")
         for problem in problems:
             click.echo(f"{problem.severity}: {problem}")
         errors = sum(problem.severity == "error" for problem in problems)

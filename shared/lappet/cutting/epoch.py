@@ -50,6 +50,11 @@ class Regions:
         Least depth of each region below the skin in mm, shape (R,), float64.
     depth_to
         Greatest depth in mm, infinite for no end, shape (R,), float64.
+    skin_directions
+        Direction of fibers, muscle and prestretch at each vertex of the skin, shape (s, 3), float64; without entries
+        that of the materials.
+    skin_stretch
+        Prestretch along and across it, shape (s, 2), float64; without entries that of the materials.
     """
 
     skin_points: NDArray[np.float64] = field(default_factory=lambda: no_entries((0, 3), np.float64))
@@ -58,9 +63,27 @@ class Regions:
     material: NDArray[np.int32] = field(default_factory=lambda: no_entries((0,), np.int32))
     depth_from: NDArray[np.float64] = field(default_factory=lambda: no_entries((0,), np.float64))
     depth_to: NDArray[np.float64] = field(default_factory=lambda: no_entries((0,), np.float64))
+    skin_directions: NDArray[np.float64] = field(default_factory=lambda: no_entries((0, 3), np.float64))
+    skin_stretch: NDArray[np.float64] = field(default_factory=lambda: no_entries((0, 2), np.float64))
 
     def __len__(self) -> int:
         return len(self.material)
+
+
+@dataclass(frozen=True, eq=False)
+class Ground:
+    """What undermined tissue lies on: the bed faces of the tissue before any cut; without triangles: none.
+
+    Parameters
+    ----------
+    points
+        Vertices in mm, shape (g, 3), float64.
+    triangles
+        Vertex indices, shape (k, 3), int32; normals point out of the tissue.
+    """
+
+    points: NDArray[np.float64] = field(default_factory=lambda: no_entries((0, 3), np.float64))
+    triangles: NDArray[np.int32] = field(default_factory=lambda: no_entries((0, 3), np.int32))
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,6 +104,8 @@ class Epoch:
         Material regions, the same in every epoch of a program.
     over_bone
         Resting faces that contact with bone holds up, shape (m,), bool; without entries: none.
+    ground
+        What faces rest on; nothing where none does.
     """
 
     index: int
@@ -89,6 +114,7 @@ class Epoch:
     fragments: int
     regions: Regions = field(default_factory=Regions)
     over_bone: NDArray[np.bool_] = field(default_factory=lambda: no_entries((0,), np.bool_))
+    ground: Ground = field(default_factory=Ground)
 
     @property
     def support(self) -> NDArray[np.uint8]:

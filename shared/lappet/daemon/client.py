@@ -190,6 +190,7 @@ class SolverClient:
             "suture_separations": np.asarray(state.suture_separations, np.float64),
             "suture_multipliers": np.asarray(state.suture_multipliers, np.float64),
             "grip_multipliers": np.asarray(state.grip_multipliers, np.float64),
+            "stability": np.asarray(state.stability, np.float64),
             "activation": np.asarray(state.activation, np.float64),
         }
         expect(self._connection.request("state", {"precision": state.precision}, arrays), "accepted")

@@ -71,6 +71,35 @@ class DaemonSolver:
         except WireError as error:
             raise FrameRefusedError(error.problems) from error
 
+    def set_epoch_with_nodes(
+        self, epoch: Epoch, grip: NDArray[np.int32], landmarks: Landmarks
+    ) -> tuple[LatticeCounts, NDArray[np.float64]]:
+        """Install an epoch like `set_epoch`, and tell where its lattice's nodes are.
+
+        Parameters
+        ----------
+        epoch
+            The epoch.
+        grip
+            Retractor that grips each triangle, or -1, shape (m,).
+        landmarks
+            The landmarks that the epoch's tissue holds.
+
+        Returns
+        -------
+        tuple[LatticeCounts, NDArray[np.float64]]
+            Counts of the lattice, and its nodes at rest in mm, shape (N, 3), in the order of a state.
+
+        Raises
+        ------
+        FrameRefusedError
+            If the daemon refuses the epoch.
+        """
+        try:
+            return self._client.set_epoch_with_nodes(epoch, grip, landmarks)
+        except WireError as error:
+            raise FrameRefusedError(error.problems) from error
+
     def set_state(self, state: SolverState) -> None:
         """Replace the state by that of an earlier frame of this epoch.
 

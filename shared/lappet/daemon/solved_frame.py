@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field, fields, replace
 from typing import Any
 
@@ -146,6 +147,11 @@ class Diagnostics:
         Largest depth of tissue in bone in mm.
     contacts
         Points of the surface that touch bone.
+    lowest_stiffness
+        The share of its stiffness that compression leaves the softest displacement: 1 without compression, 0 where the
+        equilibrium is neutral, negative where it is unstable; NaN where it was not looked for.
+    saddles_left
+        Unstable equilibria that were found on the way and left.
     peak_bytes
         Peak memory of the daemon in bytes.
     seconds
@@ -171,6 +177,8 @@ class Diagnostics:
     energy: float = 0.0
     largest_penetration: float = 0.0
     contacts: int = 0
+    lowest_stiffness: float = math.nan
+    saddles_left: int = 0
     peak_bytes: float = 0.0
     seconds: StageSeconds = field(default_factory=StageSeconds)
     work: PassCounts = field(default_factory=PassCounts)
@@ -194,6 +202,8 @@ class SolverState:
         Multipliers of the grips, shape (G,).
     activation
         Activation of each material's muscle, shape (M,).
+    stability
+        How stable the frame is, which a frame that repeats it repeats, shape (0,), (2,) or (5,).
     """
 
     precision: str
@@ -202,12 +212,12 @@ class SolverState:
     suture_multipliers: NDArray[np.float64]
     grip_multipliers: NDArray[np.float64]
     activation: NDArray[np.float64]
+    stability: NDArray[np.float64] = field(default_factory=lambda: no_entries((0,), np.float64))
 
     @property
     def nbytes(self) -> int:
         """The bytes of its arrays."""
-        arrays = (self.nodes, self.suture_separations, self.suture_multipliers, self.grip_multipliers, self.activation)
-        return sum(array.nbytes for array in arrays)
+        return sum(getattr(self, item.name).nbytes for item in fields(self) if item.name != "precision")
 
     def fitted(self, sutures: int) -> SolverState:
         """Fit the state to a procedure with another number of sutures.
@@ -273,10 +283,15 @@ class SolvedFrame:
         Distance from the separation asked for in mm, shape (A,), float64.
     suture_forces
         Their pull in mN, shape (A,), float64.
+    suture_shared
+        How much of what their two ends hold is the same tissue, 0 to 1, shape (A,), float64; (0,) where not known.
     correction
         Displacement still to come in mm, shape (n, 3), float32; (0, 3) where it was not asked for.
     landmark_correction
         The same at the landmarks, shape (k, 3), float64.
+    softest_point
+        Rest point of the surface that moves most in the displacement of `Diagnostics.lowest_stiffness` in mm, shape
+        (1, 3), float64; (0, 3) where nothing is compressed.
     diagnostics
         How it was solved.
     lattice
@@ -299,8 +314,10 @@ class SolvedFrame:
     suture_points: NDArray[np.float64] = field(default_factory=lambda: no_entries((0, 2, 3), np.float64))
     suture_gaps: NDArray[np.float64] = field(default_factory=lambda: no_entries((0,), np.float64))
     suture_forces: NDArray[np.float64] = field(default_factory=lambda: no_entries((0,), np.float64))
+    suture_shared: NDArray[np.float64] = field(default_factory=lambda: no_entries((0,), np.float64))
     correction: NDArray[np.float32] = field(default_factory=lambda: no_entries((0, 3), np.float32))
     landmark_correction: NDArray[np.float64] = field(default_factory=lambda: no_entries((0, 3), np.float64))
+    softest_point: NDArray[np.float64] = field(default_factory=lambda: no_entries((0, 3), np.float64))
     diagnostics: Diagnostics = Diagnostics(converged=True)
     lattice: LatticeCounts | None = None
     state: SolverState | None = None
@@ -332,7 +349,7 @@ class SolvedFrame:
         return {name: value for name, value in values.items() if isinstance(value, np.ndarray)}
 
     def shown(self) -> SolvedFrame:
-        """Make the view of it for display: without the state, whose memory it does not hold either.
+        """Make the view of it for display: without state and corrections, whose memory it does not hold either.
 
         Returns
         -------
@@ -340,6 +357,7 @@ class SolvedFrame:
             The view.
         """
         copies: dict[str, Any] = {name: array.copy() for name, array in self.arrays().items()}
+        copies.update(correction=no_entries((0, 3), np.float32), landmark_correction=no_entries((0, 3), np.float64))
         return replace(self, **copies, state=None)
 
     def without_scalars(self) -> SolvedFrame:

@@ -1,14 +1,16 @@
 """The closest point of a triangle surface to each of many points (numpy only).
 
-The triangles lie in a tree of boxes that halves them by their middles, across the longest side each time; every second
-halving is a level of the tree. All points of a batch walk down the levels together, as pairs of a point and a box:
-first each to one triangle nearby, whose distance bounds the answer, then to every triangle whose box is not farther.
+The triangles lie in a tree of boxes, each of which parts them by their middles into four, across its longest side. All
+points of a batch walk down the levels together, as pairs of a point and a box: first each to one triangle nearby, whose
+distance bounds the answer, then to every triangle whose box is not farther.
 """
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+
+from lappet.geometry.vectors import cross, dot, triangle_corners
 
 _LEAF = 12  # triangles in the lowest boxes, at most
 _BATCH = 4096  # points at once
@@ -44,10 +46,11 @@ class ClosestPoint:
             raise ValueError(f"surface points have the shape {vertices.shape}; give (n, 3).")
         if faces.ndim != 2 or faces.shape[1] != 3 or len(faces) == 0:
             raise ValueError(f"triangles have the shape {faces.shape}; give (m, 3) with at least one triangle.")
-        self._corners = vertices[faces].reshape(-1, 9)
-        finite = np.isfinite(self._corners).all(axis=1)
-        self._extent = float(np.abs(self._corners[finite]).max(initial=0.0))
-        self._triangle, self._levels = _tree(self._corners, finite)
+        corners = triangle_corners(vertices, faces)
+        self._corners = np.take(vertices, faces, axis=0).reshape(-1, 9)
+        largest = np.maximum.reduce(np.abs(corners), axis=(0, 1))
+        self._extent = float(largest.max(initial=0.0, where=np.isfinite(largest)))
+        self._triangle, self._levels = _tree(corners, np.isfinite(largest))
 
     def query(self, points: ArrayLike, within: float = np.inf) -> Found:
         """Return the closest triangle, its closest point and the distance for each point.
@@ -165,49 +168,50 @@ def _tree(
 ) -> tuple[NDArray[np.int64], list[NDArray[np.float64]]]:
     """The triangle in each slot of the lowest level, and the boxes of the levels, low and high corner (k, 6).
 
-    All boxes of a level have as many children; slots too many are empty boxes, which nothing comes near.
+    The corners have the shape (3, 3, m): coordinate, corner, triangle. All boxes of a level have as many children;
+    slots too many are empty boxes, which nothing comes near.
     """
-    depth = max(0, int(np.ceil(np.log2(len(corners) / _LEAF))))
-    leaf = -(-len(corners) >> depth) if depth else len(corners)
+    count = corners.shape[2]
+    depth = max(0, int(np.ceil(np.log2(count / _LEAF))))
+    leaf = -(-count >> depth)
     slots = leaf << depth
-    triangle = np.arange(slots) * len(corners) // slots
+    triangle = np.arange(slots) * count // slots
     empty = np.diff(triangle, prepend=-1) == 0
     empty |= ~finite[triangle]
-    coordinates = corners.reshape(-1, 3, 3)
-    order = _halved(np.nan_to_num(coordinates.sum(axis=1), posinf=0.0, neginf=0.0)[triangle], depth)
+    a, b, c = corners.swapaxes(0, 1)
+    order = _parted(np.nan_to_num(a + b + c, posinf=0.0, neginf=0.0)[:, triangle], depth)
     triangle, empty = triangle[order], empty[order]
-    boxes = np.concatenate([_least(coordinates), -_least(-coordinates)], axis=1)[triangle]
-    boxes[empty, :3], boxes[empty, 3:] = np.inf, -np.inf
+    # The upper corners are negative here, so that the box of several boxes is their minimum.
+    boxes = np.concatenate([np.minimum(np.minimum(a, b), c), -np.maximum(np.maximum(a, b), c)])[:, triangle]
+    boxes[:, empty] = np.inf
     levels = [boxes]
     fan = leaf
-    while len(boxes) > 1:
-        groups = boxes.reshape(-1, fan, 6)
-        boxes = np.concatenate([_least(groups[:, :, :3]), -_least(-groups[:, :, 3:])], axis=1)
-        levels.append(boxes)
-        fan = 4 if len(boxes) % 4 == 0 else 2
-    return triangle, levels[-2::-1] if len(levels) > 1 else levels
+    while (boxes := levels[-1]).shape[1] > 1:
+        levels.append(np.minimum.reduce([boxes[:, child::fan] for child in range(fan)]))
+        fan = 4 if levels[-1].shape[1] % 4 == 0 else 2
+    rows = [np.concatenate([each[:3], -each[3:]]).T.copy() for each in levels]
+    return triangle, rows[-2::-1] if len(rows) > 1 else rows
 
 
-def _halved(points: NDArray[np.float64], depth: int) -> NDArray[np.int64]:
-    """An order of points (k, 3), k a multiple of 2^depth: halved so often, each part across its longest side."""
-    order, placed = np.arange(len(points)), np.ascontiguousarray(points.T)
-    for level in range(depth):
-        parts = 1 << level
-        size = len(points) // parts
-        rows = placed.reshape(3, parts, size)
-        axis = (rows.max(axis=2) - rows.min(axis=2)).argmax(axis=0)
-        parted = np.argpartition(rows[axis, np.arange(parts)], size // 2, axis=1)
-        moved = (parted + np.arange(0, len(points), size)[:, None]).ravel()
-        order, placed = order[moved], np.take(placed, moved, axis=1)
+def _parted(points: NDArray[np.float64], depth: int) -> NDArray[np.int64]:
+    """An order of points (3, k) that parts them into 2^depth groups, a divisor of k, each across its longest side.
+
+    A part becomes four at once; the first one two, where that is left over.
+    """
+    order = np.arange(points.shape[1])
+    parts = 1
+    while parts < 1 << depth:
+        fan = 2 if depth % 2 and parts == 1 else 4
+        size = len(order) // parts
+        starts = np.arange(0, len(order), size)
+        # Over the last axis `reduceat` is many times as fast as `max`.
+        sides = np.maximum.reduceat(points, starts, axis=1) - np.minimum.reduceat(points, starts, axis=1)
+        across = points.reshape(3, parts, size)[sides.argmax(axis=0), np.arange(parts)]
+        chosen = np.argpartition(across, np.arange(1, fan) * (size // fan), axis=1)
+        moved = (chosen + starts[:, None]).ravel()
+        order, points = order[moved], np.take(points, moved, axis=1)
+        parts *= fan
     return order
-
-
-def _least(groups: NDArray[np.float64]) -> NDArray[np.float64]:
-    """The minimum over the second axis, which is short: (k, n, 3) to (k, 3)."""
-    least = groups[:, 0].copy()
-    for each in range(1, groups.shape[1]):
-        np.minimum(least, groups[:, each], out=least)
-    return least
 
 
 def _to_boxes(points: NDArray[np.float64], boxes: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -224,45 +228,33 @@ def _on_triangles(
 
     The candidates are the closest points of the three edges and, where the projection falls inside, the projection
     (Ericson, Real-Time Collision Detection, 5.1.5, written without its region tests so that degenerate triangles work).
-    Axes here: edge or corner, coordinate, pair.
+    Axes here: coordinate, edge or corner, pair.
     """
-    corner = np.ascontiguousarray(corners.T).reshape(3, 3, -1)
-    point = np.ascontiguousarray(points.T)
-    following = corner[[1, 2, 0]]
+    corner = np.ascontiguousarray(corners.reshape(-1, 3, 3).transpose(2, 1, 0))
+    point = np.ascontiguousarray(points.T)[:, None]
+    following = corner[:, [1, 2, 0]]
     edges = following - corner
     offset = point - corner
-    lengths, along = _dot(edges, edges), _dot(offset, edges)
-    t = np.clip(np.divide(along, lengths, out=np.zeros_like(along), where=lengths > 0.0), 0.0, 1.0)[:, None]
+    lengths, along = dot(edges, edges), dot(offset, edges)
+    t = np.clip(np.divide(along, lengths, out=np.zeros_like(along), where=lengths > 0.0), 0.0, 1.0)
     # From the nearer end, so that a corner is met exactly.
     candidates = np.where(t <= 0.5, corner + t * edges, following - (1.0 - t) * edges)
     apart = candidates - point
-    squared = _dot(apart, apart)
+    squared = dot(apart, apart)
     edge, pair = squared.argmin(axis=0), np.arange(len(points))
-    best, found = squared[edge, pair], candidates[edge, :, pair]
+    best, found = squared[edge, pair], candidates[:, edge, pair].T
 
-    normal = _cross(edges[0], edges[1])
-    area = _dot(normal, normal)
+    normal = cross(edges[:, 0], edges[:, 1])
+    area = dot(normal, normal)
     above = area > 0.0
     for k in range(3):
-        above &= _dot(_cross(edges[k], offset[k]), normal) >= 0.0
+        above &= dot(cross(edges[:, k], offset[:, k]), normal) >= 0.0
     inside = np.flatnonzero(above)
     normal, area = normal[:, inside], area[inside]
-    height = _dot(offset[0][:, inside], normal) / area
+    height = dot(offset[:, 0, inside], normal) / area
     distance = height * height * area
     better = distance <= best[inside]
     target = inside[better]
     best[target] = distance[better]
-    found[target] = (point[:, inside] - height * normal)[:, better].T
+    found[target] = (point[:, 0, inside] - height * normal)[:, better].T
     return best, found
-
-
-def _dot(a: NDArray[np.float64], b: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Dot products along the last axis but one."""
-    product = a * b
-    # `np.einsum` adds in this order too; written out, the result does not depend on shapes and strides.
-    return np.asarray((product[..., 0, :] + product[..., 2, :]) + product[..., 1, :])
-
-
-def _cross(a: NDArray[np.float64], b: NDArray[np.float64]) -> NDArray[np.float64]:
-    """The cross products (3, k) of vectors (3, k)."""
-    return np.stack([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])

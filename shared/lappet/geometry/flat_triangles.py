@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lappet.geometry.labeled_surface import Surface
+from lappet.geometry.vectors import cross, length, triangle_corners
 
 _ROUNDS = 8
 
@@ -78,23 +79,15 @@ def turn_flat_triangles(surface: Surface, height: float) -> Surface:
             break
     if not changed:
         return surface
-    return Surface(
-        points=points,
-        triangles=triangles.astype(np.int32),
-        uv=uv.astype(np.float32),
-        origin=surface.origin[source],
-        fixed=surface.fixed[source],
-        bed=surface.bed[source],
-        grips={name: mask[source] for name, mask in surface.grips.items()},
-    )
+    return surface.of_faces(source, points, triangles, uv)
 
 
 def _heights(points: NDArray[np.float64], triangles: NDArray[np.int64]) -> NDArray[np.float64]:
     """The height (k,) of each triangle over its longest edge."""
-    corners = points[triangles]
-    double = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
-    longest = np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2).max(axis=1)
-    return np.asarray(double / np.maximum(longest, 1e-300))
+    a, b, c = triangle_corners(points, triangles).swapaxes(0, 1)
+    ab, ac = b - a, c - a
+    longest = np.maximum(np.maximum(length(ab), length(c - b)), length(ac))
+    return np.asarray(length(cross(ab, ac)) / np.maximum(longest, 1e-300))
 
 
 def _edge_owner(triangles: NDArray[np.int64], vertices: NDArray[np.int64]) -> dict[tuple[int, int], int]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from enum import IntEnum
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -55,3 +56,38 @@ class Surface:
         They can lift and slide, but not sink below their original plane.
         """
         return (self.origin == FaceOrigin.UNDERSIDE) & ~self.bed & ~self.fixed
+
+    def of_faces(
+        self,
+        faces: NDArray[Any],
+        points: NDArray[np.float64],
+        triangles: NDArray[np.integer],
+        uv: NDArray[np.floating],
+    ) -> Surface:
+        """Make a surface of other triangles, each labeled as one of these.
+
+        Parameters
+        ----------
+        faces
+            Which triangle each new one comes from, shape (k,), or which triangles stay, shape (m,), bool.
+        points
+            Its vertices in mm, shape (n, 3).
+        triangles
+            Its vertex indices, shape (k, 3).
+        uv
+            Its texture coordinates, shape (k, 3, 2).
+
+        Returns
+        -------
+        Surface
+            The surface.
+        """
+        return Surface(
+            points=points,
+            triangles=triangles.astype(np.int32),
+            uv=uv.astype(np.float32),
+            origin=self.origin[faces],
+            fixed=self.fixed[faces],
+            bed=self.bed[faces],
+            grips={name: mask[faces] for name, mask in self.grips.items()},
+        )

@@ -204,9 +204,10 @@ def polygon_edges(counts: NDArray[np.int64], indices: NDArray[np.int64]) -> NDAr
     NDArray[np.int64]
         Pairs of points, shape (k, 2).
     """
-    starts = np.repeat(np.cumsum(counts) - counts, counts)
-    within = np.arange(len(indices)) - starts
-    return np.stack([indices, indices[starts + (within + 1) % np.repeat(counts, counts)]], axis=1)
+    ends = np.cumsum(counts)
+    following = np.arange(1, len(indices) + 1)
+    following[ends - 1] = ends - counts
+    return np.stack([indices, indices[following]], axis=1)
 
 
 def _fault(code: ProblemCode, places: NDArray[np.float64], uses: int = 0, **parts: NDArray[Any]) -> MeshFault:
@@ -246,11 +247,11 @@ def _of_edges(
     points: NDArray[np.float64], counts: NDArray[np.int64], indices: NDArray[np.int64]
 ) -> Iterator[MeshFault]:
     edges = polygon_edges(counts, indices)
-    owners = np.repeat(np.arange(len(counts)), counts)
     real = edges[:, 0] != edges[:, 1]
-    edges, owners = edges[real], owners[real]
+    edges = edges[real]
     if _all_paired(edges):  # what is wrong takes longer to find
         return
+    owners = np.repeat(np.arange(len(counts)), counts)[real]
     pairs, inverse, uses = unique_edges(edges)
     forward = np.zeros(len(pairs), np.int64)
     np.add.at(forward, inverse, np.where(edges[:, 0] < edges[:, 1], 1, -1))
@@ -267,12 +268,11 @@ def _of_edges(
 
 def _all_paired(edges: NDArray[np.int64]) -> bool:
     """Whether each directed edge (k, 2) occurs once, and once the other way around."""
-    if len(edges) % 2:
-        return False
-    a, b = edges.T
+    a, b = edges[:, 0], edges[:, 1]
     size = int(edges.max(initial=0)) + 1
-    keys = np.sort(2 * (np.minimum(a, b) * size + np.maximum(a, b)) + (a > b))  # even ahead, odd back
-    return bool((keys[::2] % 2 == 0).all() and (keys[1::2] == keys[::2] + 1).all() and (np.diff(keys) > 0).all())
+    ahead = a < b
+    there, back = np.sort((a * size + b)[ahead]), np.sort((b * size + a)[~ahead])
+    return np.array_equal(there, back) and bool((there[1:] != there[:-1]).all())
 
 
 def _of_volume(points: NDArray[np.float64], triangles: NDArray[np.int64]) -> list[MeshFault]:

@@ -7,20 +7,21 @@ from numpy.typing import NDArray
 
 from lappet.geometry.labeled_surface import Surface
 from lappet.geometry.surface_check import directed_edges, unique_edges
+from lappet.geometry.vectors import length
 
 
-def collapse_short_edges(surface: Surface, length: float) -> Surface:
+def collapse_short_edges(surface: Surface, shortest: float) -> Surface:
     """Shrink short edges to one of their ends, where that keeps the surface manifold.
 
     An edge stays when its ends have more than two neighbors in common, or when a triangle that is not itself lower than
-    `length` would turn by more than 60°. Triangles keep their labels and their corners' UVs.
+    `shortest` would turn by more than 60°. Triangles keep their labels and their corners' UVs.
 
     Parameters
     ----------
     surface
         The surface.
-    length
-        Edges shorter than this are short, mm.
+    shortest
+        Edges shorter than this are collapsed, mm.
 
     Returns
     -------
@@ -29,7 +30,7 @@ def collapse_short_edges(surface: Surface, length: float) -> Surface:
     """
     points = surface.points
     every = directed_edges(surface.triangles)
-    edges = unique_edges(every[_lengths(points, every) < length])[0]
+    edges = unique_edges(every[_lengths(points, every) < shortest])[0]
     if len(edges) == 0:
         return surface
     triangles = surface.triangles.astype(np.int64)
@@ -38,9 +39,9 @@ def collapse_short_edges(surface: Surface, length: float) -> Surface:
     merged: dict[int, int] = {}
     for edge in np.argsort(_lengths(points, edges), kind="stable").tolist():
         gone, kept = (_final(int(v), merged) for v in edges[edge])
-        if gone == kept or not _can_collapse(points, triangles, around, gone, kept, length):
+        if gone == kept or not _can_collapse(points, triangles, around, gone, kept, shortest):
             gone, kept = kept, gone
-            if gone == kept or not _can_collapse(points, triangles, around, gone, kept, length):
+            if gone == kept or not _can_collapse(points, triangles, around, gone, kept, shortest):
                 continue
         for face in sorted(around[gone]):
             if kept in triangles[face]:
@@ -56,19 +57,12 @@ def collapse_short_edges(surface: Surface, length: float) -> Surface:
         return surface
     keep = ~dead
     used, compact = np.unique(triangles[keep], return_inverse=True)
-    return Surface(
-        points=points[used],
-        triangles=compact.reshape(-1, 3).astype(np.int32),
-        uv=surface.uv[keep],
-        origin=surface.origin[keep],
-        fixed=surface.fixed[keep],
-        bed=surface.bed[keep],
-        grips={name: mask[keep] for name, mask in surface.grips.items()},
-    )
+    return surface.of_faces(keep, points[used], compact.reshape(-1, 3), surface.uv[keep])
 
 
 def _lengths(points: NDArray[np.float64], edges: NDArray[np.int64]) -> NDArray[np.float64]:
-    return np.asarray(np.linalg.norm(points[edges[:, 0]] - points[edges[:, 1]], axis=1))
+    placed = np.ascontiguousarray(points.T)
+    return length(placed[:, edges[:, 0]] - placed[:, edges[:, 1]])
 
 
 def _final(vertex: int, merged: dict[int, int]) -> int:
@@ -96,7 +90,7 @@ def _can_collapse(
     around: dict[int, set[int]],
     gone: int,
     kept: int,
-    length: float,
+    shortest: float,
 ) -> bool:
     """Whether the vertex `gone` may move into `kept` (the link condition, and no triangle turned over)."""
     mine, other = around[gone], around[kept]
@@ -117,6 +111,6 @@ def _can_collapse(
     new = np.cross(after[:, 1] - after[:, 0], after[:, 2] - after[:, 0])
     size_old, size_new = np.linalg.norm(old, axis=1), np.linalg.norm(new, axis=1)
     longest = np.linalg.norm(np.roll(before, -1, axis=1) - before, axis=2).max(axis=1)
-    flat = size_old < length * longest
+    flat = size_old < shortest * longest
     alike = np.einsum("ij,ij->i", old, new) >= 0.5 * size_old * size_new
-    return bool((flat | (alike & (size_new > 1e-3 * length * length))).all())
+    return bool((flat | (alike & (size_new > 1e-3 * shortest * shortest))).all())

@@ -157,7 +157,7 @@ class LabeledSolid:
         return Surface(
             points=np.ascontiguousarray(vertices[by_first_use, :3]),
             triangles=rank[named].astype(np.int32),
-            uv=np.ascontiguousarray(uv[corners], np.float32),
+            uv=np.take(uv.astype(np.float32), corners, axis=0),
             origin=np.array([int(label.origin) for label in table], np.uint8)[place],
             fixed=column([label.fixed for label in table]),
             bed=column([label.bed for label in table]),
@@ -175,7 +175,9 @@ def _split_by_uv(
     used = named >= 0
     # Few points lie on a seam; only theirs are sorted.
     seam = np.zeros(len(points), bool)
-    seam[flat[(uv != uv[named[flat]]).any(axis=1)]] = True
+    u, v = np.ascontiguousarray(uv.T)
+    first_at = named[flat]
+    seam[flat[(u != u[first_at]) | (v != v[first_at])]] = True
     on_seam = np.flatnonzero(seam[flat])
     split, which = unique_rows(np.concatenate([flat[on_seam, None].astype(np.float64), uv[on_seam]], axis=1))
     split_owner = split[:, 0].astype(np.int64)

@@ -68,12 +68,4 @@ def split_edges(surface: Surface, edges: NDArray[np.integer], at: NDArray[np.flo
     source = np.concatenate(parent)
     order = np.argsort(source, kind="stable")
     source = source[order]
-    return Surface(
-        points=points,
-        triangles=np.concatenate(pieces)[order].astype(np.int32),
-        uv=np.concatenate(piece_uv)[order].astype(np.float32),
-        origin=surface.origin[source],
-        fixed=surface.fixed[source],
-        bed=surface.bed[source],
-        grips={name: mask[source] for name, mask in surface.grips.items()},
-    )
+    return surface.of_faces(source, points, np.concatenate(pieces)[order], np.concatenate(piece_uv)[order])

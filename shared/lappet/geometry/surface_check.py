@@ -7,6 +7,8 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
+from lappet.geometry.vectors import cross, dot, length, triangle_corners
+
 
 def place(point: NDArray[np.float64]) -> str:
     """Write a point as people read it: (1.25, 0, -3).
@@ -39,9 +41,8 @@ def signed_volume(points: NDArray[np.float64], triangles: NDArray[np.integer]) -
     float
         Volume in mm³, negative where the surface is turned inside out.
     """
-    p = points - points.mean(axis=0)
-    a, b, c = (p[triangles[:, k]] for k in range(3))
-    return float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6.0)
+    a, b, c = triangle_corners(points - points.mean(axis=0), triangles).swapaxes(0, 1)
+    return float(dot(a, cross(b, c)).sum() / 6.0)
 
 
 def directed_edges(triangles: NDArray[np.integer]) -> NDArray[np.int64]:
@@ -137,13 +138,13 @@ def intersections(points: NDArray[np.float64], triangles: NDArray[np.integer]) -
     NDArray[np.int64]
         Pairs of triangle indices, shape (k, 2).
     """
-    t = np.asarray(triangles, np.int64)
-    corners = points[t]
-    low, high = corners.min(axis=1), corners.max(axis=1)
-    for left, right in _overlapping_boxes(low, high):
-        shared = (t[left][:, :, None] == t[right][:, None, :]).any(axis=(1, 2))
-        left, right = left[~shared], right[~shared]
-        hit = _pierces(corners[left], corners[right]) | _pierces(corners[right], corners[left])
+    t = np.ascontiguousarray(np.transpose(triangles))
+    corners = triangle_corners(points, t.T)
+    for left, right in _overlapping_boxes(corners.min(axis=1), corners.max(axis=1)):
+        apart = (t[:, None, left] != t[None, :, right]).all(axis=(0, 1))
+        left, right = left[apart], right[apart]
+        one, other = corners[:, :, left], corners[:, :, right]
+        hit = _pierces(one, other) | _pierces(other, one)
         if hit.any():
             yield np.stack([left[hit], right[hit]], axis=1)
 
@@ -151,19 +152,19 @@ def intersections(points: NDArray[np.float64], triangles: NDArray[np.integer]) -
 def _overlapping_boxes(
     low: NDArray[np.float64], high: NDArray[np.float64]
 ) -> Iterator[tuple[NDArray[np.int64], NDArray[np.int64]]]:
-    """Index arrays (left, right) of boxes (n, 3) that overlap or touch, each pair once."""
-    size = max(float(np.median((high - low).max(axis=1))) * 1.5, float((high - low).max()) / 32.0, 1e-30)
-    origin = low.min(axis=0)
-    first = np.floor((low - origin) / size).astype(np.int64)
-    last = np.floor((high - origin) / size).astype(np.int64)
+    """Index arrays (left, right) of boxes (3, n) that overlap or touch, each pair once."""
+    sides = (high - low).max(axis=0)
+    size = max(float(np.median(sides)) * 1.5, float(sides.max()) / 32.0, 1e-30)
+    origin = low.min(axis=1, keepdims=True)
+    first, last = np.floor((low - origin) / size).astype(np.int64), np.floor((high - origin) / size).astype(np.int64)
     span = last - first + 1
-    copies = span.prod(axis=1)
-    box = np.repeat(np.arange(len(low)), copies)
+    copies = span.prod(axis=0)
+    box = np.repeat(np.arange(low.shape[1]), copies)
     local = np.arange(len(box)) - np.repeat(np.cumsum(copies) - copies, copies)
-    s = span[box]
-    cell = first[box] + np.stack([local // (s[:, 1] * s[:, 2]), local // s[:, 2] % s[:, 1], local % s[:, 2]], axis=1)
-    extent = last.max(axis=0) + 1
-    key = (cell[:, 0] * extent[1] + cell[:, 1]) * extent[2] + cell[:, 2]
+    _, wide, tall = span[:, box]
+    cell = first[:, box] + np.stack([local // (wide * tall), local // tall % wide, local % tall])
+    extent = last.max(axis=1) + 1
+    key = (cell[0] * extent[1] + cell[1]) * extent[2] + cell[2]
     order = np.argsort(key, kind="stable")
     key, box = key[order], box[order]
     for shift in range(1, len(key)):
@@ -171,32 +172,33 @@ def _overlapping_boxes(
         if len(same) == 0:
             return
         a, b = box[same], box[same + shift]
-        overlap = ((low[a] <= high[b]) & (low[b] <= high[a])).all(axis=1)
+        from_corner, to_corner = np.maximum(low[:, a], low[:, b]), np.minimum(high[:, a], high[:, b])
         # A common box counts in the cell that holds its lower corner only.
-        corner = np.floor((np.maximum(low[a], low[b]) - origin) / size).astype(np.int64)
-        here = (corner[:, 0] * extent[1] + corner[:, 1]) * extent[2] + corner[:, 2] == key[same]
-        keep = overlap & here
+        x, y, z = np.floor((from_corner - origin) / size).astype(np.int64)
+        keep = (from_corner <= to_corner).all(axis=0) & ((x * extent[1] + y) * extent[2] + z == key[same])
         if keep.any():
             yield a[keep], b[keep]
 
 
 def _pierces(one: NDArray[np.float64], other: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """Whether an edge of triangle `one` (k, 3, 3) passes through triangle `other`, its border included."""
+    """Whether an edge of triangle `one` passes through triangle `other`, its border included.
+
+    Both have the shape (3, 3, k): coordinate, corner, triangle.
+    """
     a = other[:, 0]
     u, v = other[:, 1] - a, other[:, 2] - a
-    hit = np.zeros(len(one), bool)
+    area = length(u) * length(v)
+    hit = np.zeros(one.shape[2], bool)
     for i in range(3):
-        start, ray = one[:, i], one[:, (i + 1) % 3] - one[:, i]
-        p = np.cross(ray, v)
-        det = np.einsum("ij,ij->i", u, p)
-        scale = np.linalg.norm(u, axis=1) * np.linalg.norm(v, axis=1) * np.linalg.norm(ray, axis=1)
-        proper = np.abs(det) > 1e-9 * scale
+        start = one[:, i]
+        ray = one[:, (i + 1) % 3] - start
+        p = cross(ray, v)
+        det = dot(u, p)
+        proper = np.abs(det) > 1e-9 * (area * length(ray))
         inverse = np.divide(1.0, det, out=np.zeros_like(det), where=proper)
         s = start - a
-        q = np.cross(s, u)
-        x = np.einsum("ij,ij->i", s, p) * inverse
-        y = np.einsum("ij,ij->i", ray, q) * inverse
-        at = np.einsum("ij,ij->i", v, q) * inverse
+        q = cross(s, u)
+        x, y, at = dot(s, p) * inverse, dot(ray, q) * inverse, dot(v, q) * inverse
         e = 1e-9
         hit |= proper & (x > -e) & (y > -e) & (x + y < 1 + e) & (at > e) & (at < 1 - e)
     return hit

@@ -25,7 +25,7 @@ def unique_rows(rows: NDArray[Any]) -> tuple[NDArray[Any], NDArray[np.int64]]:
     order = np.lexsort(rows.T[::-1])
     ordered = rows[order]
     fresh = np.ones(len(rows), bool)
-    fresh[1:] = (ordered[1:] != ordered[:-1]).any(axis=1)
+    fresh[1:] = np.logical_or.reduce([column[1:] != column[:-1] for column in ordered.T])
     inverse = np.empty(len(rows), np.int64)
     inverse[order] = np.cumsum(fresh) - 1
     return ordered[fresh], inverse

@@ -119,7 +119,7 @@ def _tissue(procedure: Procedure) -> str:
     return (
         f"{_size(tissue.points)}, {len(tissue.points)} points, {len(tissue.face_vertex_counts)} faces, "
         f"of {tissue.material or 'no material'}, spacing {number(tissue.spacing)} mm, "
-        f"bed {number(tissue.bed_stiffness)} kPa/mm, {gravity}"
+        f"bed {number(tissue.bed_stiffness)} kPa/mm, {number(tissue.bed_shear)} in shear, {gravity}"
     )
 
 

@@ -148,7 +148,10 @@ class Tissue:
     gravity_direction
         Direction in which gravity pulls, of any length: how the patient lies, see `lappet.procedure.position`.
     bed_stiffness
-        Stiffness that ties bed faces to their rest position in kPa/mm (mN/mm³).
+        Stiffness of the bed along its normal in kPa/mm (mN/mm³): of attached faces both ways, of undermined ones
+        where they sink.
+    bed_shear
+        Stiffness of the bed in its plane in kPa/mm, at most `bed_stiffness`: of attached faces.
     regions
         Parts of other materials, one per subset, kept in the order of the subsets; where several hold a place, the last
         one does.
@@ -163,7 +166,8 @@ class Tissue:
     spacing: float = 1.0
     gravity: float = 9.81
     gravity_direction: Point = POSITIONS["upright"]
-    bed_stiffness: float = 10.0
+    bed_stiffness: float = 19.0
+    bed_shear: float = 0.375
     regions: tuple[Region, ...] = ()
 
     def __post_init__(self) -> None:
@@ -204,7 +208,7 @@ class Tissue:
         return hash((self.points.shape, self.points.tobytes(), self.material, self.spacing))
 
 
-_PLAIN_FIELDS = ("material", "spacing", "gravity", "gravity_direction", "bed_stiffness", "regions")
+_PLAIN_FIELDS = ("material", "spacing", "gravity", "gravity_direction", "bed_stiffness", "bed_shear", "regions")
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,4 +1,4 @@
-"""Find the triangles of an epoch's surface on which the anchors of events (rest points) lie."""
+"""Place the anchors of events (rest points) in an epoch's tissue: inside where they are, else on its surface."""
 
 from __future__ import annotations
 
@@ -9,26 +9,30 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from lappet.geometry.closest_point import ClosestPoint
+from lappet.geometry.inside import InsideTest
 from lappet.geometry.labeled_surface import FaceOrigin, Surface
 from lappet.procedure import Incision, Procedure
 from lappet.tissue.fan_triangles import fan_triangles
+from lappet.tissue.rest_space import ROUNDING, RestSpace
 
-# How far an anchor may be from the uncut tissue, as a fraction of the tissue's diagonal.
-OFF_TISSUE = 0.05
+# How far outside the tissue an anchor may be, and how far beyond the kerf a wound's wall may move it without a word, in
+# lattice spacings of the tissue (chosen).
+OFF_TISSUE, UNSAID = 0.5, 0.1
 
 
 @dataclass(frozen=True)
 class PlacedAnchors:
-    """Anchors on a surface.
+    """Anchors in the tissue of an epoch.
 
     Parameters
     ----------
     point
-        Points of the surface in mm, shape (q, 3), float64.
+        Where they are in mm, shape (q, 3), float64: where they were put if that is inside the tissue, else on its
+        surface.
     triangle
-        Triangle of each point, shape (q,), int32.
+        The triangle of the surface nearest to each, shape (q,), int32.
     distance
-        Distance of each from what was asked for in mm, shape (q,).
+        How far each was moved in mm, shape (q,).
     """
 
     point: NDArray[np.float64]
@@ -41,10 +45,10 @@ class PlacedAnchors:
 
 
 class AnchorSearch:
-    """A search for the triangle under each anchor of one epoch's surface.
+    """A search for the place of each anchor in one epoch's tissue.
 
-    A face of the skin, the underside or the rim is preferred to a wound wall unless the wall is nearer by more than a
-    margin: what is drawn at a wound's edge belongs to the skin.
+    A point inside the tissue stays where it is. For others a face of the skin, the underside or the rim is preferred to
+    a wound wall unless the wall is nearer by more than a margin: what is drawn at a wound's edge belongs to the skin.
 
     Parameters
     ----------
@@ -57,9 +61,11 @@ class AnchorSearch:
     def __init__(self, surface: Surface, margin: float) -> None:
         self._margin = margin
         self._parts = _searches(surface)
+        self._inside = InsideTest(surface.points, surface.triangles)
+        self._rounding = ROUNDING * float(np.linalg.norm(np.ptp(surface.points, axis=0)))
 
     def locate(self, points: ArrayLike) -> PlacedAnchors:
-        """Tie rest points to the surface.
+        """Place rest points in the tissue.
 
         Parameters
         ----------
@@ -71,18 +77,32 @@ class AnchorSearch:
         PlacedAnchors
             The anchors.
         """
+        queries = np.asarray(points, np.float64).reshape(-1, 3)
         found = []
         for faces, closest in self._parts:
-            index, point, distance = closest.query(points)
+            index, point, distance = closest.query(queries)
             found.append((faces[index], point, distance))
-        triangle, point, distance = found[0]
+        chosen = nearest = found[0]
         if len(found) == 2:
-            on_wall, wall_point, wall_distance = found[1]
-            nearer = wall_distance + self._margin < distance
-            triangle = np.where(nearer, on_wall, triangle)
-            point = np.where(nearer[:, None], wall_point, point)
-            distance = np.where(nearer, wall_distance, distance)
+            chosen, nearest = _nearer(found[0], found[1], self._margin), _nearer(found[0], found[1], 0.0)
+        deep = np.flatnonzero(nearest[2] > self._rounding)
+        deep = deep[self._inside.contains(queries[deep], nearest[0][deep], nearest[1][deep])]
+        triangle, point, distance = chosen[0].copy(), chosen[1].copy(), chosen[2].copy()
+        triangle[deep], point[deep], distance[deep] = nearest[0][deep], queries[deep], 0.0
         return PlacedAnchors(point, triangle.astype(np.int32), distance)
+
+
+_Found = tuple[NDArray[np.int64], NDArray[np.float64], NDArray[np.float64]]
+
+
+def _nearer(first: _Found, second: _Found, margin: float) -> _Found:
+    """The first triangles, points and distances, the second where they are nearer by more than a margin."""
+    nearer = second[2] + margin < first[2]
+    return (
+        np.where(nearer, second[0], first[0]),
+        np.where(nearer[:, None], second[1], first[1]),
+        np.where(nearer, second[2], first[2]),
+    )
 
 
 @lru_cache(maxsize=16)
@@ -102,8 +122,8 @@ def _searches(surface: Surface) -> list[tuple[NDArray[np.int64], ClosestPoint]]:
 class TissueLoss:
     """A test of whether the tissue under an anchor has been cut away.
 
-    An anchor may be farther from an epoch's surface than from the uncut tissue by the widest kerf (it may lie in it)
-    and by rounding; beyond that the tissue under it is gone.
+    An anchor may lie in a kerf, or a little beyond the wall of a wound: it is moved onto that, like one that is put a
+    little outside the uncut tissue. Beyond half a lattice spacing the tissue under it is gone.
 
     Parameters
     ----------
@@ -114,13 +134,14 @@ class TissueLoss:
     def __init__(self, procedure: Procedure) -> None:
         tissue = procedure.tissue
         triangles, _ = fan_triangles(tissue)
-        self._tissue = ClosestPoint(tissue.points, triangles)
-        self.diagonal = float(np.linalg.norm(np.ptp(tissue.points, axis=0)))
+        self._tissue = RestSpace(tissue.points, triangles)
         kerf = max((event.kerf for event in procedure.events if isinstance(event, Incision)), default=0.0)
-        self.margin = kerf + 1e-4 * self.diagonal
+        self.margin = kerf + 1e-4 * self._tissue.diagonal
+        self.allowed = OFF_TISSUE * tissue.spacing
+        self.unsaid = self.margin + UNSAID * tissue.spacing
 
     def distance(self, points: ArrayLike) -> NDArray[np.float64]:
-        """Measure how far points are from the uncut tissue.
+        """Measure how far points are outside the uncut tissue.
 
         Parameters
         ----------
@@ -130,9 +151,9 @@ class TissueLoss:
         Returns
         -------
         NDArray[np.float64]
-            Distances in mm, shape (q,).
+            Distances in mm, shape (q,); 0 inside and on the surface.
         """
-        return self._tissue.query(points)[2]
+        return self._tissue.outside(points)
 
     def is_off(self, distance: NDArray[np.float64]) -> NDArray[np.bool_]:
         """Find distances that are too large for the anchor to be meant.
@@ -140,28 +161,45 @@ class TissueLoss:
         Parameters
         ----------
         distance
-            From the uncut tissue in mm, shape (q,).
+            How far outside the uncut tissue in mm, shape (q,).
 
         Returns
         -------
         NDArray[np.bool_]
             Which are too large, shape (q,).
         """
-        return ~(distance <= OFF_TISSUE * self.diagonal)
+        return ~(distance <= self.allowed)
 
-    def is_lost(self, points: ArrayLike, placed: PlacedAnchors) -> NDArray[np.bool_]:
+    def is_lost(self, off: NDArray[np.float64], placed: PlacedAnchors) -> NDArray[np.bool_]:
         """Find anchors that have lost their tissue.
 
         Parameters
         ----------
-        points
-            Points in mm, shape (q, 3).
+        off
+            How far outside the uncut tissue they are in mm, shape (q,).
         placed
-            How they were placed to an epoch.
+            How they were placed in an epoch.
 
         Returns
         -------
         NDArray[np.bool_]
             Which have lost it, shape (q,).
         """
-        return placed.distance > self.distance(points) + self.margin
+        return placed.distance > off + max(self.margin, self.allowed)
+
+    def is_moved(self, off: NDArray[np.float64], placed: PlacedAnchors) -> NDArray[np.bool_]:
+        """Find anchors that a cut moves so far that it is worth a word.
+
+        Parameters
+        ----------
+        off
+            How far outside the uncut tissue they are in mm, shape (q,).
+        placed
+            How they were placed in an epoch.
+
+        Returns
+        -------
+        NDArray[np.bool_]
+            Which are moved onto a wound's wall or edge, shape (q,).
+        """
+        return placed.distance > off + self.unsaid

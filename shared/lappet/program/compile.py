@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from lappet.core.problem import Place, refused
+from lappet.core.problem import Place, Problem, problem, refused
 from lappet.core.problem_code import ProblemCode
 from lappet.cutting.epoch import Epoch
 from lappet.cutting.epochs import build_epochs
@@ -19,7 +19,8 @@ from lappet.procedure.prim_paths import ROOT
 from lappet.program.anchors import AnchorSearch, PlacedAnchors, TissueLoss
 from lappet.program.bones import over_bone, united_bones
 from lappet.program.crossed_sutures import crossed_sutures
-from lappet.program.materials import activation, materials_in_use, parameters, region_program
+from lappet.program.ground import on_ground
+from lappet.program.materials import activation, materials_in_use, parameters, region_program, with_line_tension
 from lappet.program.program import FrameConstraints, Landmarks, Program
 from lappet.program.settings import SolverSettings
 from lappet.program.timed_events import EventAnchors, TimedEvents, event_path
@@ -67,23 +68,27 @@ def compile_program(
     if epochs is None:
         # The spacing also says how finely the surface is divided.
         epochs = build_epochs(replace(procedure, tissue=replace(procedure.tissue, spacing=spacing)))
-    materials = materials_in_use(procedure)
+    materials = with_line_tension(procedure, materials_in_use(procedure))
     regions = region_program(procedure, materials)
     bones = united_bones(procedure.bones)
     epochs = [replace(epoch, regions=regions, over_bone=over_bone(epoch.surface, bones)) for epoch in epochs]
+    epochs = on_ground(epochs, procedure.tissue)
     times = [time for time in frame_times(procedure) if until is None or time <= until]
     events = TimedEvents.of(procedure)
     loss = TissueLoss(procedure)
     _refuse_off_tissue(procedure, loss)
+    off = loss.distance(events.anchors())
     frames: list[FrameConstraints] = []
     grips: list[NDArray[np.int32]] = []
     landmarks: list[Landmarks] = []
+    moved: dict[Problem, None] = {}
     for epoch in epochs:
         own = [time for time in times if _epoch_at(epochs, time) == epoch.index]
         grips.append(_grips(epoch, events.retractors, own))
-        on_surface = _AnchorsOnSurface.of(epoch, events, loss)
-        landmarks.append(on_surface.landmarks())
-        anchors_of = on_surface.event_anchors(own)
+        in_tissue = _AnchorsInTissue.of(epoch, events, loss, off)
+        landmarks.append(in_tissue.landmarks())
+        anchors_of = in_tissue.event_anchors(own)
+        moved.update((each, None) for each in in_tissue.moved(own))
         frames += [
             FrameConstraints(
                 time=float(time),
@@ -106,7 +111,7 @@ def compile_program(
         grips=tuple(grips),
         landmarks_at=tuple(landmarks),
         bones=bones,
-        notes=tuple(crossed_sutures(epochs, frames, sutures, spacing)),
+        notes=(*moved, *crossed_sutures(epochs, frames, sutures, spacing)),
     )
 
 
@@ -120,6 +125,7 @@ def _with_tissue(
         settings,
         origin=(float(x), float(y), float(z)),
         bed_stiffness=tissue.bed_stiffness,
+        bed_shear=tissue.bed_shear,
         gravity=tissue.gravity_vector,
         sutures=len(events.sutures),
         retractors=len(events.retractors),
@@ -175,23 +181,39 @@ def _refuse_off_tissue(procedure: Procedure, loss: TissueLoss) -> None:
         if loss.is_off(distances).any():
             worst = int(np.argmax(distances))
             at, code = points[worst], ProblemCode.PROGRAM_POINT_OFF_TISSUE
-            raise refused(code, event_path(event), _mm(at), place=Place.at(at), off=distances[worst])
+            off = float(distances[worst])
+            raise refused(code, event_path(event), _mm(at), place=Place.at(at), off=off, most=loss.allowed)
 
 
 @dataclass(frozen=True)
-class _AnchorsOnSurface:
-    """The anchors of all events on the surface of one epoch, and which of them have lost their tissue."""
+class _AnchorsInTissue:
+    """The anchors of all events in the tissue of one epoch, and which of them have lost theirs."""
 
     events: TimedEvents
     placed: PlacedAnchors
     lost: NDArray[np.bool_]
+    shifted: NDArray[np.bool_]
 
     @classmethod
-    def of(cls, epoch: Epoch, events: TimedEvents, loss: TissueLoss) -> _AnchorsOnSurface:
-        """Tie the anchors to the surface."""
-        anchors = events.anchors()
-        placed = AnchorSearch(epoch.surface, loss.margin).locate(anchors)
-        return cls(events, placed, loss.is_lost(anchors, placed))
+    def of(cls, epoch: Epoch, events: TimedEvents, loss: TissueLoss, off: NDArray[np.float64]) -> _AnchorsInTissue:
+        """Place the anchors in the tissue; off: how far outside the uncut tissue each is, shape (q,)."""
+        placed = AnchorSearch(epoch.surface, loss.margin).locate(events.anchors())
+        return cls(events, placed, loss.is_lost(off, placed), loss.is_moved(off, placed))
+
+    def moved(self, own: Sequence[int]) -> list[Problem]:
+        """Say which hooks and sutures that act in the epoch's own frames a cut moves, and how far."""
+        acting: list[tuple[Hook | Suture, float, float, Sequence[Point]]] = [
+            *((hook, hook.start, hook.release, [hook.anchor]) for hook in self.events.hooks),
+            *((suture, suture.start, math.inf, suture.anchors) for suture in self.events.sutures),
+        ]
+        said, row = [], 0
+        for event, start, release, points in acting:
+            for k, at in enumerate(points, start=row):
+                if self.shifted[k] and not self.lost[k] and any(start <= time < release for time in own):
+                    by, code = float(self.placed.distance[k]), ProblemCode.PROGRAM_ANCHOR_MOVED
+                    said.append(problem(code, event_path(event), _mm(at), place=Place.at(at), off=by))
+            row += len(points)
+        return said
 
     def landmarks(self) -> Landmarks:
         """The landmarks that have their tissue."""

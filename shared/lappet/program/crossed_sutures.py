@@ -20,6 +20,7 @@ from lappet.core.problem_code import ProblemCode
 from lappet.cutting.epoch import Epoch
 from lappet.geometry.border_loops import border_loops
 from lappet.geometry.labeled_surface import FaceOrigin, Surface
+from lappet.geometry.surface_check import place
 from lappet.procedure.prim_paths import TIMELINE
 from lappet.program.program import FrameConstraints
 
@@ -86,8 +87,10 @@ def crossed_sutures(
         said = " and ".join(names[other] for other in others[:NAMED])
         more = len(others) - NAMED
         said += f" and {more} more" if more > 0 else ""
-        where = Place.at(*crossing[of[worst][0]])
-        found.append(problem(ProblemCode.SUTURES_CROSSED, f"{TIMELINE}/{names[worst]}", said, place=where))
+        ends = crossing[of[worst][0]]
+        code, path = ProblemCode.SUTURES_CROSSED, f"{TIMELINE}/{names[worst]}"
+        middle = f"{place(np.round(ends.mean(axis=0), 2))} mm"
+        found.append(problem(code, path, said, place=Place.at(*ends), where=middle))
         for pair in of[worst]:
             del crossing[pair]
     return found
@@ -157,14 +160,14 @@ def _ends(surface: Surface, frame: FrameConstraints, spacing: float) -> _Ends | 
     distance[away < -1e-3 * spacing] = np.inf
     row, edge = np.arange(len(points)), distance.argmin(axis=1)
     nearest, share = distance[row, edge].reshape(-1, 2), along[row, edge]
-    place = edges.start[edge] + share * np.sqrt(squared[edge])
+    along_loop = edges.start[edge] + share * np.sqrt(squared[edge])
     kept = (nearest <= REACH * spacing).all(axis=1)
     unsure = np.where(in_wall.reshape(-1, 2), DEEP * nearest, nearest).max(axis=1, initial=0.0)
     return _Ends(
         frame.suture_index[kept],
         frame.suture_anchors[kept],
         edges.loop[edge].reshape(-1, 2)[kept],
-        place.reshape(-1, 2)[kept],
+        along_loop.reshape(-1, 2)[kept],
         unsure[kept],
         edges.length,
     )

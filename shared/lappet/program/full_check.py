@@ -1,4 +1,4 @@
-"""What `lappet check` looks for: everything that would keep a procedure from being solved."""
+"""What `lappet check` looks for: what would keep a procedure from being solved, and what is suspicious in it."""
 
 from __future__ import annotations
 
@@ -11,19 +11,19 @@ from lappet.usd.stage import read_procedure
 
 
 def full_check(path: str | os.PathLike[str], notes: list[Problem] | None = None) -> list[Problem]:
-    """Find everything that would keep a procedure from being solved; without errors the cuts are made and compiled too.
+    """Find everything that is wrong or suspicious; without errors the cuts are made and compiled too.
 
     Parameters
     ----------
     path
         The procedure's file.
     notes
-        Gets a note of everything that was converted while reading, or that the solve leaves out.
+        Gets the notes: what was converted while reading, and what is done otherwise than the procedure says.
 
     Returns
     -------
     list[Problem]
-        The problems.
+        The errors and warnings.
 
     Raises
     ------
@@ -32,12 +32,13 @@ def full_check(path: str | os.PathLike[str], notes: list[Problem] | None = None)
     ValueError
         If an error arises that is no refusal.
     """
-    notes = [] if notes is None else notes
-    problems = check_file(path, notes)
-    if any(each.severity == "error" for each in problems):
-        return problems
-    try:
-        notes += compile_program(read_procedure(path)).notes
-    except RefusedError as error:
-        problems += error.problems
-    return problems
+    told: list[Problem] = []
+    told += check_file(path, told)
+    if not any(each.severity == "error" for each in told):
+        try:
+            told += compile_program(read_procedure(path)).notes
+        except RefusedError as error:
+            told += error.problems
+    if notes is not None:
+        notes += [each for each in told if each.severity == "note"]
+    return [each for each in told if each.severity != "note"]

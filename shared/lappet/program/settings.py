@@ -143,12 +143,16 @@ class SolverSettings:
         Whether frames carry the displacement still to come, which is the algebraic error.
     strain
         Whether frames carry strain, stress and tension.
+    stability
+        Whether unstable equilibria are looked for and left.
     region
         Where a frame is solved: "auto" where its changes reach, "whole" everywhere.
     origin
         A point of the grid in mm.
     bed_stiffness
-        Stiffness of the bed in kPa/mm.
+        Stiffness of the bed along its normal in kPa/mm.
+    bed_shear
+        Stiffness of the bed in its plane in kPa/mm.
     gravity
         Gravity in m/s².
     sutures
@@ -174,6 +178,7 @@ class SolverSettings:
     preconditioner: Literal["twoLevel", "chebyshev"] = setting("twoLevel")
     correction: bool = setting(False, in_key=False)
     strain: bool = setting(True, option=Option("Compute strain, stress and tension on the surface."))
+    stability: bool = setting(True, option=Option("Look for unstable equilibria, and leave them for stable ones."))
     region: Literal["auto", "whole"] = setting(
         "auto",
         option=Option(
@@ -181,7 +186,8 @@ class SolverSettings:
         ),
     )
     origin: tuple[float, float, float] = setting((0.0, 0.0, 0.0))
-    bed_stiffness: float = setting(10.0)
+    bed_stiffness: float = setting(19.0)
+    bed_shear: float = setting(0.375)
     gravity: tuple[float, float, float] = setting((0.0, 0.0, 0.0))
     sutures: int = setting(0, in_key=False)
     retractors: int = setting(0, in_key=False)

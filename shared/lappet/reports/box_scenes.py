@@ -41,7 +41,7 @@ class BoxScene:
     bedded
         Sides that are on a bed.
     bed_stiffness
-        Stiffness of the bed in kPa/mm.
+        Stiffness of the bed in kPa/mm, in all directions.
     gripped
         Sides that are gripped.
     motion
@@ -139,6 +139,7 @@ class BoxScene:
             origin=(float(points[:, 0].min()), float(points[:, 1].min()), float(points[:, 2].min())),
             gravity=(0.0, 0.0, -self.gravity),
             bed_stiffness=self.bed_stiffness,
+            bed_shear=self.bed_stiffness,
             retractors=int(self.motion is not None),
             materials=(self.material,),
             **settings,

@@ -29,6 +29,7 @@ from lappet.daemon.solved_frame import SolvedFrame
 from lappet.geometry.labeled_surface import FaceOrigin
 from lappet.program.program import Program
 from lappet.solve.coarse_program import RATIO, coarse_program, expected_order
+from lappet.solve.other_branch import OtherBranch, other_branches
 from lappet.solve.solve_frames import FrameResult, SolveObserver, solve_program
 from lappet.solve.store import FrameStore
 
@@ -71,6 +72,9 @@ class FrameErrorEstimate:
     is_trusted
         Whether the greatest error is at most the spacing, and at most a tenth of the largest displacement or a
         twentieth of the spacing.
+    other_branch
+        The coarse solve's path leads to another equilibrium, so that the frame is one of several; the error is then
+        that to the coarse equilibrium on the frame's own branch. None where that is not so.
     """
 
     greatest: float
@@ -85,6 +89,7 @@ class FrameErrorEstimate:
     place: tuple[float, float, float] | None = None
     largest_displacement: float = 0.0
     is_trusted: bool = True
+    other_branch: OtherBranch | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -190,6 +195,13 @@ def estimate_errors(
         frame_error(frame.solved, _at(solved.frames, index), skins[frame.constraints.epoch], order, spacing)
         for index, frame in enumerate(frames)
     ]
+    # A coarse frame on another branch is no measure of the lattice: that on the frame's own branch is.
+    doubted = {index: frames[index].solved for index, error in enumerate(errors) if error and not error.is_trusted}
+    coarse = {index: kept for index in doubted if (kept := _with_state(solved.frames, index, store)) is not None}
+    for index, branch in other_branches(partner, doubted, coarse, connect).items():
+        skin = skins[frames[index].constraints.epoch]
+        error = frame_error(doubted[index], branch.frame, skin, order, spacing)
+        errors[index] = None if error is None else replace(error, other_branch=branch)
     reason = None
     if len(solved.frames) < len(frames):
         at = partner.settings.spacing
@@ -285,6 +297,11 @@ def _left_over(frame: SolvedFrame, name: str, places: NDArray[np.integer] | slic
     """The Newton step left over at these places, or None where the frame came without."""
     step: NDArray[Any] = getattr(frame, name)
     return np.asarray(step[places], float) if len(step) else None
+
+
+def _with_state(frames: Sequence[FrameResult], index: int, store: FrameStore) -> SolvedFrame | None:
+    """The frame as the store keeps it, or None where it is not there."""
+    return store.get(frames[index].key, SolvedFrame) if index < len(frames) else None
 
 
 def _at(frames: Sequence[FrameResult], index: int) -> SolvedFrame | None:

@@ -20,6 +20,7 @@ def dome_scalp(
     material: str = "skin",
     spacing: float = 1.0,
     bed_stiffness: float = Tissue.bed_stiffness,
+    bed_shear: float = Tissue.bed_shear,
 ) -> Tissue:
     """Make a cap of a spherical shell of tissue about the origin, its pole at (0, 0, radius).
 
@@ -41,7 +42,9 @@ def dome_scalp(
     spacing
         Edge of the lattice's cells in mm.
     bed_stiffness
-        Stiffness of the bed in kPa/mm.
+        Stiffness of the bed along its normal in kPa/mm.
+    bed_shear
+        Stiffness of the bed in its plane in kPa/mm.
 
     Returns
     -------
@@ -88,6 +91,7 @@ def dome_scalp(
         material=material,
         spacing=spacing,
         bed_stiffness=bed_stiffness,
+        bed_shear=bed_shear,
     )
 
 

@@ -26,6 +26,7 @@ def flat_patch(
     spacing: float = 1.0,
     gravity: float = Tissue.gravity,
     bed_stiffness: float = Tissue.bed_stiffness,
+    bed_shear: float = Tissue.bed_shear,
 ) -> Tissue:
     """Make a closed flat sheet, its skin at z = thickness and its underside at z = 0.
 
@@ -50,7 +51,9 @@ def flat_patch(
     gravity
         Gravity along -z in m/s², 0 for none.
     bed_stiffness
-        Stiffness of the bed in kPa/mm.
+        Stiffness of the bed along its normal in kPa/mm.
+    bed_shear
+        Stiffness of the bed in its plane in kPa/mm.
 
     Returns
     -------
@@ -97,6 +100,7 @@ def flat_patch(
         spacing=spacing,
         gravity=gravity,
         bed_stiffness=bed_stiffness,
+        bed_shear=bed_shear,
     )
 
 

@@ -1,4 +1,4 @@
-"""Where points are relative to the tissue at rest: how far off it, or inside it."""
+"""Where points are relative to the tissue at rest: how far outside it, if they are."""
 
 from __future__ import annotations
 
@@ -6,12 +6,14 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from lappet.geometry.closest_point import ClosestPoint
+from lappet.geometry.inside import InsideTest
 
-OFF_TISSUE = 0.01  # how far off the tissue an anchor may be, as a fraction of the tissue's diagonal
+OFF_TISSUE = 0.01  # how far off the tissue a seed or a curve may be, as a fraction of the tissue's diagonal
+ROUNDING = 1e-6  # as a fraction of the tissue's diagonal: what lies so near to its surface lies on it
 
 
 class RestSpace:
-    """A closed triangle surface at rest, which tells how far points are off it.
+    """A closed triangle surface at rest, which tells how far points are outside it.
 
     Parameters
     ----------
@@ -23,7 +25,7 @@ class RestSpace:
 
     def __init__(self, points: NDArray[np.float64], triangles: NDArray[np.integer]) -> None:
         self._closest = ClosestPoint(points, triangles)
-        self._corners = points[triangles]
+        self._inside = InsideTest(points, triangles)
         self.diagonal = float(np.linalg.norm(np.ptp(points, axis=0)))
         self.margin = OFF_TISSUE * self.diagonal
 
@@ -42,8 +44,29 @@ class RestSpace:
         """
         return self._closest.query(points)[2]
 
-    def off(self, points: ArrayLike) -> NDArray[np.float64]:
+    def outside(self, points: ArrayLike) -> NDArray[np.float64]:
         """Measure how far points are outside the tissue.
+
+        Parameters
+        ----------
+        points
+            Points in mm, shape (q, 3).
+
+        Returns
+        -------
+        NDArray[np.float64]
+            Distances in mm, shape (q,); 0 for points inside or on the surface.
+        """
+        queries = np.asarray(points, np.float64).reshape(-1, 3)
+        triangle, closest, distance = self._closest.query(queries)
+        distance[distance <= ROUNDING * self.diagonal] = 0.0
+        off = np.flatnonzero(distance > 0.0)
+        inside = self._inside.contains(queries[off], triangle[off], closest[off])
+        distance[off[inside]] = 0.0
+        return distance
+
+    def off(self, points: ArrayLike) -> NDArray[np.float64]:
+        """Measure how far points are off the tissue, which they may miss by a margin.
 
         Parameters
         ----------
@@ -55,12 +78,8 @@ class RestSpace:
         NDArray[np.float64]
             Distances in mm, shape (q,); 0 for points inside or within the margin.
         """
-        queries = np.asarray(points, np.float64).reshape(-1, 3)
-        distance = self.distance(queries)
+        distance = self.outside(points)
         distance[distance <= self.margin] = 0.0
-        for i in np.flatnonzero(distance > 0.0):
-            if abs(self._winding(queries[i])) > 0.5:
-                distance[i] = 0.0
         return distance
 
     def nearest(self, points: ArrayLike) -> float:
@@ -79,12 +98,3 @@ class RestSpace:
         if (self.distance(points) <= self.margin).any():
             return 0.0
         return float(self.off(points).min(initial=np.inf))
-
-    def _winding(self, query: NDArray[np.float64]) -> float:
-        """The winding number of the surface about a point: the solid angles over 4π (Van Oosterom, Strackee 1983)."""
-        a, b, c = (self._corners[:, k] - query for k in range(3))
-        la, lb, lc = (np.linalg.norm(v, axis=1) for v in (a, b, c))
-        numerator = np.einsum("ij,ij->i", a, np.cross(b, c))
-        dots = [np.einsum("ij,ij->i", u, v) for u, v in ((a, b), (b, c), (c, a))]
-        denominator = la * lb * lc + dots[0] * lc + dots[1] * la + dots[2] * lb
-        return float(np.arctan2(numerator, denominator).sum() / (2.0 * np.pi))

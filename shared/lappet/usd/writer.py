@@ -1,5 +1,7 @@
 """A procedure as a USD layer: standard prims, Lappet's applied schemas, every value authored.
 
+Values that Lappet 0.1 did not know are authored where they are not the default, so that files stay as it reads them.
+
 `usd` is `lappet.usd.stage.pxr()` throughout; this module imports nothing of USD itself.
 """
 
@@ -10,10 +12,10 @@ from typing import Any
 import numpy as np
 
 from lappet.core.problem import RefusedError
-from lappet.procedure import Material, Procedure, Region, Tissue
+from lappet.procedure import Material, Procedure, Region, SkinLine, Tissue
 from lappet.procedure.prim_names import name_problems
-from lappet.procedure.prim_paths import BONE, MATERIALS, ROOT, TIMELINE, TISSUE
-from lappet.usd.authoring import Values, mesh_prim
+from lappet.procedure.prim_paths import BONE, MATERIALS, ROOT, SKIN_LINES, TIMELINE, TISSUE
+from lappet.usd.authoring import Values, curve_prim, mesh_prim
 from lappet.usd.event_prims import write_event
 
 FAMILY = "lappet"
@@ -60,6 +62,10 @@ def layer(procedure: Procedure, usd: Any) -> Any:
     usd.UsdGeom.Scope.Define(stage, MATERIALS)
     for material in procedure.materials:
         _material(stage, usd, material)
+    if procedure.skin_lines:
+        usd.UsdGeom.Scope.Define(stage, SKIN_LINES)
+    for line in procedure.skin_lines:
+        _skin_line(stage, usd, line)
     usd.UsdGeom.Scope.Define(stage, TIMELINE)
     for event in procedure.events:
         write_event(stage, usd, event)
@@ -79,8 +85,10 @@ def _tissue(stage: Any, usd: Any, tissue: Tissue) -> None:
         values.relate("material", f"{MATERIALS}/{tissue.material}")
     values.double("spacing", tissue.spacing)
     values.double("bedStiffness", tissue.bed_stiffness)
+    if tissue.bed_shear != min(Tissue.bed_shear, tissue.bed_stiffness):
+        values.double("bedShear", tissue.bed_shear)
     values.double("gravity", tissue.gravity)
-    if tissue.gravity_direction != Tissue.gravity_direction:  # Lappet 0.1 knows no other
+    if tissue.gravity_direction != Tissue.gravity_direction:
         values.author("gravityDirection", usd.Sdf.ValueTypeNames.Double3, usd.Gf.Vec3d(*tissue.gravity_direction))
     regions = {region.faces: region for region in tissue.regions}
     for name, faces in tissue.subsets.items():
@@ -104,6 +112,13 @@ def _region(prim: Any, usd: Any, region: Region) -> None:
     values.double("depthTo", region.depth_to)
 
 
+def _skin_line(stage: Any, usd: Any, line: SkinLine) -> None:
+    prim = curve_prim(stage, usd, f"{SKIN_LINES}/{line.name}", line.points, line.basis, False)
+    prim.AddAppliedSchema("LappetSkinLineAPI")
+    if line.tension is not None:
+        Values(prim, usd).author("tension", usd.Sdf.ValueTypeNames.Double2, usd.Gf.Vec2d(*line.tension))
+
+
 def _material(stage: Any, usd: Any, material: Material) -> None:
     prim = usd.UsdShade.Material.Define(stage, f"{MATERIALS}/{material.name}").GetPrim()
     prim.AddAppliedSchema("LappetMaterialAPI")
@@ -115,7 +130,7 @@ def _material(stage: Any, usd: Any, material: Material) -> None:
     values.double("fiber:k1", material.fiber_k1)
     values.double("fiber:k2", material.fiber_k2)
     values.double("fiber:dispersion", material.fiber_dispersion)
-    if material.fiber_slack != Material.fiber_slack:  # so that files without slack are as Lappet 0.1 reads them
+    if material.fiber_slack != Material.fiber_slack:
         values.double("fiber:slack", material.fiber_slack)
     values.author("fiber:direction", usd.Sdf.ValueTypeNames.Double3, usd.Gf.Vec3d(*material.fiber_direction))
     values.author("prestretch", usd.Sdf.ValueTypeNames.Double2, usd.Gf.Vec2d(*material.prestretch))

@@ -1,98 +1,219 @@
 #include "lattice/anchor_stencil.h"
 
 #include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <map>
+#include <numbers>
+#include <utility>
+
+#include "lattice/voxelize.h"
 
 namespace lappet {
 
 namespace {
 
-// Eigenvalues of A, lengths in stencil radii, over its trace; below, the nodes do not span space.
+// Eigenvalues of A, lengths in stencil radii, over its trace; below, the tissue seen does not span space.
 constexpr double kMinSpan = 1e-4;
+// How far under the surface an anchor on it looks from, in radii.
+constexpr double kSunk = 0.01;
+// Gauss-Legendre on [0, 1].
+constexpr std::array<std::pair<double, double>, 4> kGauss{{{0.06943184420297371, 0.17392742256872692},
+                                                           {0.33000947820757187, 0.32607257743127307},
+                                                           {0.66999052179242813, 0.32607257743127307},
+                                                           {0.93056815579702629, 0.17392742256872692}}};
+constexpr int kAzimuths = 16;
 
-// Calls body(cell) for the cells that share a whole face with one. Cells lie in grid order.
-template <class Body>
-void for_each_neighbor(const Lattice& lattice, Index cell, const Body& body) {
-  const auto& nodes = lattice.cell_nodes[cell];
-  for (std::size_t axis = 0; axis < 3; ++axis)
-    for (const int direction : {-1, 1}) {
-      GridPoint place = lattice.cell_position(cell);
-      place[axis] += direction;
-      const auto [begin, end] = std::ranges::equal_range(
-          lattice.cell_nodes, place, {}, [&](const auto& corners) { return lattice.node_rest.grid_point(corners[0]); });
-      for (auto found = begin; found != end; ++found) {
-        const std::size_t other = found - lattice.cell_nodes.begin();
-        const std::size_t bit = std::size_t{4} >> axis;
-        bool whole = true;
-        for (std::size_t c = 0; c < 8 && whole; ++c)
-          if (((c & bit) != 0) == (direction > 0)) whole = nodes[c] == lattice.cell_nodes[other][c ^ bit];
-        if (whole) body(to_index(other));
-      }
-    }
+// Where the segment from `from` along `way` crosses a triangle, as a fraction of it; infinity where it does not.
+template <class Wall>
+double crossing(const Vec3& from, const Vec3& way, const Wall& wall) {
+  constexpr double kNone = std::numeric_limits<double>::infinity();
+  const double height = (from - wall.corner).dot(wall.normal), fall = way.dot(wall.normal);
+  if (fall == 0.0 || height * (height + fall) > 0.0) return kNone;
+  const double t = -height / fall;
+  const Vec3 off = from + t * way - wall.corner;
+  const double aa = wall.first.squaredNorm(), bb = wall.second.squaredNorm(), ab = wall.first.dot(wall.second);
+  const double oa = off.dot(wall.first), ob = off.dot(wall.second), area = aa * bb - ab * ab;
+  const double u = bb * oa - ab * ob, v = aa * ob - ab * oa;
+  const double rounding = -1e-9 * area;  // rays do not slip through between two triangles
+  return u >= rounding && v >= rounding && u + v <= area - rounding ? t : kNone;
+}
+
+template <class Walls>
+bool is_seen(const Vec3& from, const Vec3& to, const Walls& walls) {
+  return std::ranges::none_of(walls, [&](const auto& wall) { return crossing(from, to - from, wall) <= 1.0; });
+}
+
+std::array<Vec3, 3> frame_of(const Vec3& normal) {
+  const Vec3 side = normal.unitOrthogonal();
+  return {side, normal.cross(side), normal};
 }
 
 }  // namespace
 
 AnchorStencil point_stencil(const Lattice& lattice, const EmbeddedPoint& anchor) {
+  std::map<Index, double> weights;
+  for (std::size_t k = 0; k < 8; ++k)
+    if (std::abs(anchor.weights[k]) >= 1e-9) weights[lattice.cell_nodes[anchor.cell][k]] += anchor.weights[k];
   AnchorStencil result;
-  for (std::size_t k = 0; k < 8; ++k) {
-    if (std::abs(anchor.weights[k]) < 1e-9) continue;
-    const Index node = lattice.cell_nodes[anchor.cell][k];
-    const auto found = std::find(result.nodes.begin(), result.nodes.end(), node);
-    if (found == result.nodes.end()) {
-      result.nodes.push_back(node);
-      result.weights.push_back(anchor.weights[k]);
-    } else {
-      result.weights[found - result.nodes.begin()] += anchor.weights[k];
-    }
+  for (const auto& [node, weight] : weights) {
+    result.nodes.push_back(node);
+    result.weights.push_back(weight);
   }
   return result;
 }
 
-AnchorStencil anchor_stencil(const Lattice& lattice, const EmbeddedPoint& anchor, double reach) {
-  const double h = lattice.settings.spacing;
-  const AnchorStencil point = point_stencil(lattice, anchor);
-  if (h >= reach) return point;
-  Vec3 center = Vec3::Zero();
-  for (std::size_t k = 0; k < point.nodes.size(); ++k) center += point.weights[k] * lattice.node_rest[point.nodes[k]];
-
-  std::vector<Index> cells{anchor.cell};
-  std::map<Index, double> carried;  // cells at each node; ordered: the result is deterministic
-  std::vector<Index> seen{anchor.cell};
-  while (!cells.empty()) {
-    const Index cell = cells.back();
-    cells.pop_back();
-    for (const Index node : lattice.cell_nodes[cell]) carried[node] += double(lattice.cell_fill[cell]);
-    for_each_neighbor(lattice, cell, [&](Index next) {
-      const auto place = std::lower_bound(seen.begin(), seen.end(), next);
-      if (place != seen.end() && *place == next) return;
-      const auto& p = lattice.cell_position(next);
-      const Vec3 middle = lattice.settings.origin + h * Vec3(p[0] + 0.5, p[1] + 0.5, p[2] + 0.5);
-      if ((middle - center).norm() > reach) return;
-      seen.insert(place, next);
-      cells.push_back(next);
-    });
+double shared_hold(const AnchorStencil& a, const AnchorStencil& b) {
+  double shared = 0.0, most = 0.0;
+  for (const double weight : a.weights) most += std::max(weight, 0.0);
+  for (std::size_t i = 0, j = 0; i < a.nodes.size() && j < b.nodes.size();) {
+    if (a.nodes[i] == b.nodes[j])
+      shared += std::max(std::min(a.weights[i++], b.weights[j++]), 0.0);
+    else if (a.nodes[i] < b.nodes[j])
+      ++i;
+    else
+      ++j;
   }
+  return most > 0.0 ? std::min(shared / most, 1.0) : 0.0;
+}
 
-  Eigen::Matrix4d moments = Eigen::Matrix4d::Zero();
-  const auto arm = [&](Index node) -> Eigen::Vector4d {
-    const Vec3 x = (lattice.node_rest[node] - center) / reach;
-    return {1.0, x[0], x[1], x[2]};
+AnchorStencils::AnchorStencils(const Lattice& lattice, const Surface& surface, double radius)
+    : lattice_(lattice), surface_(surface), radius_(radius), boxes_(surface.triangles.size()) {
+  for (std::size_t t = 0; t < boxes_.size(); ++t)
+    for (int axis = 0; axis < 3; ++axis) {
+      float low = std::numeric_limits<float>::infinity(), high = -low;
+      for (const Index corner : surface.triangles[t]) {
+        const auto x = static_cast<float>(surface.points[corner][axis]);
+        low = std::min(low, x);
+        high = std::max(high, x);
+      }
+      boxes_[t][axis] = low;
+      boxes_[t][3 + axis] = high;
+    }
+}
+
+std::vector<AnchorStencils::Wall> AnchorStencils::walls_near(const Vec3& point, double reach) const {
+  const Eigen::Vector3f low = (point.array() - 1.001 * reach).cast<float>(),
+                        high = (point.array() + 1.001 * reach).cast<float>();
+  std::vector<Wall> walls;
+  for (std::size_t t = 0; t < boxes_.size(); ++t) {
+    const Box& box = boxes_[t];
+    if (box[0] > high[0] || box[3] < low[0] || box[1] > high[1] || box[4] < low[1] || box[2] > high[2] ||
+        box[5] < low[2])
+      continue;
+    const auto& corners = surface_.triangles[t];
+    const Vec3& a = surface_.points[corners[0]];
+    Wall wall{a, surface_.points[corners[1]] - a, surface_.points[corners[2]] - a, Vec3::Zero()};
+    wall.normal = wall.first.cross(wall.second);
+    if (wall.normal.squaredNorm() == 0.0) continue;
+    wall.normal.normalize();
+    walls.push_back(wall);
+  }
+  return walls;
+}
+
+// A little inside the tissue where the anchor lies on its surface: away from all faces that meet there.
+Vec3 AnchorStencils::viewpoint(const Vec3& anchor, std::span<const Wall> walls) const {
+  const double sunk = kSunk * radius_;
+  std::vector<Vec3> outwards;
+  for (const Wall& wall : walls) {
+    const double height = (anchor - wall.corner).dot(wall.normal);
+    if (height > 1e-4 * sunk || height < -sunk) continue;  // the far wall of a cut faces the anchor
+    if (crossing(Vec3(anchor + sunk * wall.normal), Vec3(-2.0 * sunk * wall.normal), wall) > 1.0) continue;
+    if (std::ranges::none_of(outwards, [&](const Vec3& known) { return known.dot(wall.normal) > 0.999; }))
+      outwards.push_back(wall.normal);
+  }
+  Vec3 away = Vec3::Zero();
+  for (const Vec3& normal : outwards) away -= normal;
+  return away.squaredNorm() > 1e-12 ? Vec3(anchor + sunk * away.normalized()) : anchor;
+}
+
+// The cell that holds a point of the tissue: that of the nearest voxel center that the point sees.
+Index AnchorStencils::cell_of(const Vec3& point, std::span<const Wall> walls) const {
+  const FineVoxels& fine = *lattice_.fine;
+  const VoxelBox& box = fine.box();
+  const double h = lattice_.settings.spacing, edge = h / box.ratio;
+  const Vec3 corner = lattice_.settings.origin + h * Vec3(box.low[0], box.low[1], box.low[2]);
+  const Vec3 at = (point - corner) / edge;
+  const Voxel own{static_cast<std::int32_t>(std::floor(at[0])), static_cast<std::int32_t>(std::floor(at[1])),
+                  static_cast<std::int32_t>(std::floor(at[2]))};
+  const auto center = [](const Voxel& voxel) { return Vec3(voxel[0] + 0.5, voxel[1] + 0.5, voxel[2] + 0.5); };
+  const auto found = [&](const Voxel& voxel) {
+    const Index cell = fine.lattice_cell(voxel);
+    return cell >= 0 && is_seen(point, Vec3(corner + edge * center(voxel)), walls) ? cell : -1;
   };
-  for (auto& [node, weight] : carried) {
-    const Eigen::Vector4d p = arm(node);
-    weight *= std::max(0.0, 1.0 - p.tail<3>().squaredNorm());
-    moments += weight * p * p.transpose();
-  }
+  if (const Index cell = found(own); cell >= 0) return cell;
+  std::array<std::pair<double, Voxel>, 27> near;
+  std::size_t count = 0;
+  for (std::int32_t x = -1; x <= 1; ++x)
+    for (std::int32_t y = -1; y <= 1; ++y)
+      for (std::int32_t z = -1; z <= 1; ++z) {
+        const Voxel voxel{own[0] + x, own[1] + y, own[2] + z};
+        near[count++] = {(center(voxel) - at).squaredNorm(), voxel};
+      }
+  std::ranges::sort(near);
+  for (const auto& [distance, voxel] : near)
+    if (const Index cell = found(voxel); cell >= 0) return cell;
+  return -1;
+}
+
+// Rays from the eye to the surface or to the radius, with Gauss points on them. They are spread about the normal, half
+// of them on either side of its plane, so that a flat face parts them exactly.
+std::vector<AnchorStencils::Sample> AnchorStencils::seen_from(const Vec3& eye, const Vec3& normal,
+                                                              std::span<const Wall> walls) const {
+  const auto [side, other, up] = frame_of(normal);
+  std::vector<Sample> samples;
+  for (const double sign : {-1.0, 1.0})
+    for (const auto& [height, share] : kGauss)
+      for (int k = 0; k < kAzimuths; ++k) {
+        const double azimuth = 2.0 * std::numbers::pi * (k + 0.5) / kAzimuths, flat = std::sqrt(1.0 - height * height);
+        const Vec3 ray = flat * (std::cos(azimuth) * side + std::sin(azimuth) * other) + sign * height * up;
+        double length = 1.0;
+        for (const Wall& wall : walls) length = std::min(length, crossing(eye, Vec3(radius_ * ray), wall));
+        if (length < 2.0 * kSunk) continue;
+        for (const auto& [along, part] : kGauss) {
+          const double r = along * length;
+          const Vec3 point = eye + r * radius_ * ray;
+          if (const Index cell = cell_of(point, walls); cell >= 0)
+            samples.push_back({point, cell, share * part * length * r * r * (1.0 - r * r)});
+        }
+      }
+  return samples;
+}
+
+AnchorStencil AnchorStencils::around(const Vec3& anchor, Index triangle) const {
+  const AnchorStencil point = point_stencil(lattice_, embed_on_triangle(lattice_, surface_, anchor, triangle));
+  const double voxel = lattice_.settings.spacing / lattice_.fine->box().ratio;
+  const std::vector<Wall> walls = walls_near(anchor, radius_ + 3.0 * voxel);
+  const auto& corners = surface_.triangles[triangle];
+  const Vec3& a = surface_.points[corners[0]];
+  Vec3 normal = (surface_.points[corners[1]] - a).cross(surface_.points[corners[2]] - a);
+  normal = normal.squaredNorm() > 0.0 ? Vec3(normal.normalized()) : Vec3(Vec3::UnitZ());
+  const std::vector<Sample> samples = seen_from(viewpoint(anchor, walls), normal, walls);
+
+  const auto arm = [&](const Vec3& x) -> Eigen::Vector4d {
+    const Vec3 off = (x - anchor) / radius_;
+    return {1.0, off[0], off[1], off[2]};
+  };
+  Eigen::Matrix4d moments = Eigen::Matrix4d::Zero();
+  for (const Sample& sample : samples) moments += sample.weight * arm(sample.point) * arm(sample.point).transpose();
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix4d> spectrum(moments);
   if (!(spectrum.eigenvalues()[0] > kMinSpan * moments.trace())) return point;
   const Eigen::Vector4d gain = moments.llt().solve(Eigen::Vector4d::UnitX());
+
+  std::map<Index, double> weights;  // ordered: the result is deterministic
+  for (const Sample& sample : samples) {
+    const double weight = sample.weight * arm(sample.point).dot(gain);
+    const auto trilinear = trilinear_weights(lattice_, sample.cell, sample.point);
+    for (std::size_t k = 0; k < 8; ++k) weights[lattice_.cell_nodes[sample.cell][k]] += weight * trilinear[k];
+  }
   AnchorStencil result;
-  for (const auto& [node, weight] : carried) {
+  for (const auto& [node, weight] : weights) {
     if (weight == 0.0) continue;
     result.nodes.push_back(node);
-    result.weights.push_back(weight * arm(node).dot(gain));
+    result.weights.push_back(weight);
   }
   return result;
 }

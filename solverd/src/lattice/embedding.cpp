@@ -21,6 +21,7 @@ namespace {
 // Lengths here are in voxels. Points this close to a cell count as inside it; weights this close to 0 or 1 are set to
 // it.
 constexpr double kRounding = 1e-7;
+constexpr double kHalfDiagonal = 0.8660254037844387;  // from a voxel's center to its corners
 constexpr int kMaxVoxelsWalked = 256;
 constexpr std::size_t kManyVoxels = 48;  // of a triangle: from here on they are looked up in a tree
 
@@ -187,16 +188,37 @@ EmbeddedPoint Embedder::embed(const Vec3& point, std::span<const Index> triangle
   const Vec3 at = r * (grid - Vec3(low[0], low[1], low[2]));
   Voxel voxel = inner_voxel(at, triangles);
   if (voxel[0] < 0) voxel = nearest_of_all(at);
-  EmbeddedPoint result;
-  result.cell = walk_to_cell(at, voxel);
-  const auto& position = lattice_.cell_position(result.cell);
-  Vec3 local = grid - Vec3(position[0], position[1], position[2]);
+  const Index cell = walk_to_cell(at, voxel);
+  return {cell, trilinear_weights(lattice_, cell, point)};
+}
+
+// Deep in the tissue the voxel that holds the point says which cell it belongs to: no surface parts it from its center.
+EmbeddedPoint Embedder::embed_near(const Vec3& point, Index triangle) {
+  const auto& low = fine_.box().low;
+  const Vec3 at =
+      (point - lattice_.settings.origin) * voxels_per_mm_ - fine_.box().ratio * Vec3(low[0], low[1], low[2]);
+  const auto& corners = surface_.triangles[triangle];
+  if (distance_to_triangle(at, surface_point(corners[0]), surface_point(corners[1]), surface_point(corners[2])) >
+      kHalfDiagonal) {
+    const Vec3 down = at.array().floor();
+    const Index cell = fine_.lattice_cell(Voxel{static_cast<std::int32_t>(down[0]), static_cast<std::int32_t>(down[1]),
+                                                static_cast<std::int32_t>(down[2])});
+    if (cell >= 0) return {cell, trilinear_weights(lattice_, cell, point)};
+  }
+  return embed(point, {&triangle, 1});
+}
+
+std::array<double, 8> trilinear_weights(const Lattice& lattice, Index cell, const Vec3& point) {
+  const auto& position = lattice.cell_position(cell);
+  Vec3 local =
+      (point - lattice.settings.origin) / lattice.settings.spacing - Vec3(position[0], position[1], position[2]);
   for (double& x : local)
     if (std::abs(x - std::round(x)) < kRounding) x = std::round(x);
+  std::array<double, 8> weights;
   for (std::size_t c = 0; c < 8; ++c)
-    result.weights[c] = ((c & 4) ? local.x() : 1.0 - local.x()) * ((c & 2) ? local.y() : 1.0 - local.y()) *
-                        ((c & 1) ? local.z() : 1.0 - local.z());
-  return result;
+    weights[c] = ((c & 4) ? local.x() : 1.0 - local.x()) * ((c & 2) ? local.y() : 1.0 - local.y()) *
+                 ((c & 1) ? local.z() : 1.0 - local.z());
+  return weights;
 }
 
 std::vector<EmbeddedPoint> embed_surface(const Lattice& lattice, const Surface& surface) {
@@ -223,7 +245,7 @@ EmbeddedPoint embed_on_triangle(const Lattice& lattice, const Surface& surface, 
   if (!point.allFinite())
     throw RefusedError(ErrorCode::kInvalidInput, "An anchor on triangle " + std::to_string(triangle) +
                                                      " is not finite; give three numbers in mm.");
-  return Embedder(lattice, surface).embed(point, {&triangle, 1});
+  return Embedder(lattice, surface).embed_near(point, triangle);
 }
 
 }  // namespace lappet

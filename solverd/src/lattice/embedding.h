@@ -24,6 +24,8 @@ class Embedder {
 
   // `triangles`: those the point lies on or is a corner of.
   EmbeddedPoint embed(const Vec3& point, std::span<const Index> triangles);
+  // A point on the surface or inside the tissue; `triangle`: the nearest to it.
+  EmbeddedPoint embed_near(const Vec3& point, Index triangle);
 
  private:
   Voxel inner_voxel(const Vec3& point, std::span<const Index> triangles);

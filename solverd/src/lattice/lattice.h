@@ -60,8 +60,11 @@ struct Lattice {
 // cause: no inside voxel (too thin for the spacing), memory budget, points that are not finite.
 Lattice build_lattice(const Surface& surface, const LatticeSettings& settings);
 
-// Embeds a rest point that lies on (or near) triangle `triangle` of the surface the lattice was built from; the side at
-// a wound is that of the triangle.
+// Of a rest point in a cell; they leave [0, 1] outside it.
+std::array<double, 8> trilinear_weights(const Lattice& lattice, Index cell, const Vec3& point);
+
+// Embeds a rest point inside the tissue or on its surface; `triangle`: the nearest of the surface the lattice was built
+// from, which decides the side at a wound.
 EmbeddedPoint embed_on_triangle(const Lattice& lattice, const Surface& surface, const Vec3& point, Index triangle);
 
 // Carries a nodal field (positions) from the lattice of the previous epoch to a new one by rest position: a new cell

@@ -46,6 +46,19 @@ void add_rows(MessageWriter& writer, const std::string& name, const std::vector<
   writer.array(name, std::span<const T>(elements), std::move(shape));
 }
 
+void add_state(MessageWriter& writer, const SolverState& state) {
+  if (state.is_double) {
+    add_rows(writer, "nodes", state.nodes, {3});
+  } else {
+    add_rows(writer, "nodes", std::vector<float>(state.nodes.begin(), state.nodes.end()), {3});
+  }
+  add_rows(writer, "suture_separations", state.suture_gaps, {3});
+  add_rows(writer, "suture_multipliers", state.suture_multipliers, {3});
+  add_rows(writer, "grip_multipliers", state.grip_multipliers, {});
+  add_rows(writer, "activation", state.activation, {});
+  add_rows(writer, "stability", state.stability, {});
+}
+
 }  // namespace
 
 std::vector<PartBytes> encode_welcome(ReplyTo to, int threads, std::uint64_t max_message_bytes) {
@@ -108,6 +121,8 @@ std::vector<PartBytes> encode_frame(ReplyTo to, const FrameOutput& frame) {
       .field("energy", frame.energy)
       .field("largest_penetration", frame.largest_penetration)
       .field("contacts", std::int64_t{frame.contacts})
+      .field("lowest_stiffness", frame.lowest_stiffness)
+      .field("saddles_left", std::int64_t{frame.saddles_left})
       .field("seconds", Fields{{"update", frame.seconds_update},
                                {"linear", frame.seconds_linear},
                                {"setup", frame.seconds_setup},
@@ -129,20 +144,14 @@ std::vector<PartBytes> encode_frame(ReplyTo to, const FrameOutput& frame) {
   add_rows(writer, "suture_gaps", frame.suture_gaps, {});
   add_rows(writer, "suture_forces", frame.suture_forces, {});
   add_rows(writer, "suture_points", frame.suture_points, {2, 3});
+  add_rows(writer, "suture_shared", frame.suture_shared, {});
   add_rows(writer, "hook_index", frame.hook_indices, {});
   add_rows(writer, "hook_forces", frame.hook_forces, {3});
   add_rows(writer, "hook_points", frame.hook_points, {3});
   add_rows(writer, "correction", frame.correction, {3});
   add_rows(writer, "landmark_correction", frame.landmark_correction, {3});
-  if (frame.state.is_double) {
-    add_rows(writer, "nodes", frame.state.nodes, {3});
-  } else {
-    add_rows(writer, "nodes", std::vector<float>(frame.state.nodes.begin(), frame.state.nodes.end()), {3});
-  }
-  add_rows(writer, "suture_separations", frame.state.suture_gaps, {3});
-  add_rows(writer, "suture_multipliers", frame.state.suture_multipliers, {3});
-  add_rows(writer, "grip_multipliers", frame.state.grip_multipliers, {});
-  add_rows(writer, "activation", frame.state.activation, {});
+  add_rows(writer, "softest_point", frame.softest_point, {3});
+  add_state(writer, frame.state);
   return writer.finish();
 }
 

@@ -20,7 +20,7 @@ namespace {
 // A cell keeps the number of its material in one byte.
 constexpr std::size_t kMaxMaterials = 256;
 constexpr double kMaxPoissonsRatio = 0.4999, kMaxDispersion = 1.0 / 3.0 + 1e-12;
-constexpr double kMinPrestretch = 0.5, kMaxPrestretch = 2.0;
+constexpr double kMaxFiberSlack = 4.0, kMinPrestretch = 0.5, kMaxPrestretch = 2.0;
 
 template <class... Arguments>
 void require(bool condition, fmt::format_string<Arguments...> sentence, Arguments&&... arguments) {
@@ -65,6 +65,8 @@ void check_material(const MaterialParameters& m, std::size_t i) {
   require(m.fiber_dispersion >= 0 && m.fiber_dispersion <= kMaxDispersion,
           "the fiber dispersion of material {} is {}; it must be 0 (aligned) to 1/3 (isotropic)", i,
           m.fiber_dispersion);
+  require(m.fiber_slack >= 1.0 && m.fiber_slack <= kMaxFiberSlack,
+          "the fiber slack of material {} is {}; it must be a stretch of 1 to {}", i, m.fiber_slack, kMaxFiberSlack);
   require(std::isfinite(m.muscle_stress) && m.muscle_stress >= 0,
           "the muscle stress of material {} is {} kPa; give 0 for no muscle", i, m.muscle_stress);
   for (const double stretch : m.prestretch)
@@ -91,6 +93,19 @@ void check_regions(const EpochInput& epoch, const SessionSettings& settings) {
   require(epoch.regions.empty() || !skin.triangles.empty(),
           "epoch {} has {} regions of materials but no skin to measure their depth from; send the skin", epoch.index,
           epoch.regions.size());
+  const auto per_point = [&](std::size_t size, const char* what) {
+    require(size == 0 || size == skin.points.size(), "epoch {} has {} {} for {} points of its skin", epoch.index, size,
+            what, skin.points.size());
+  };
+  per_point(epoch.skin_fields.directions.size(), "directions");
+  per_point(epoch.skin_fields.stretch.size(), "stretches");
+  for (const Vec3& direction : epoch.skin_fields.directions)
+    require(finite(direction), "a direction of the skin of epoch {} is not finite", epoch.index);
+  for (const auto& pair : epoch.skin_fields.stretch)
+    for (const double stretch : pair)
+      require(stretch >= kMinPrestretch && stretch <= kMaxPrestretch,
+              "a stretch of the skin of epoch {} is {}; it must be {} to {}", epoch.index, stretch, kMinPrestretch,
+              kMaxPrestretch);
   for (std::size_t r = 0; r < epoch.regions.size(); ++r) {
     const auto& region = epoch.regions[r];
     require(region.material >= 0 && static_cast<std::size_t>(region.material) < settings.materials.size(),
@@ -157,6 +172,9 @@ void check_settings(const SessionSettings& s) {
   require(s.max_newton > 0, "at most {} Newton iterations are allowed; give at least 1", s.max_newton);
   require(std::isfinite(s.bed_stiffness) && s.bed_stiffness >= 0,
           "the bed stiffness is {} kPa/mm; it must not be negative", s.bed_stiffness);
+  require(s.bed_shear >= 0 && s.bed_shear <= s.bed_stiffness,
+          "the bed's shear stiffness is {} kPa/mm; it must be 0 to its normal stiffness, {} kPa/mm", s.bed_shear,
+          s.bed_stiffness);
   require(finite(s.gravity), "gravity is not finite; give three numbers in m/s^2");
   require(std::isfinite(s.time_budget) && s.time_budget >= 0, "the time budget is {} s; give 0 for none",
           s.time_budget);
@@ -231,6 +249,9 @@ void check_frame(const FrameInput& frame, const SessionSettings& settings, const
             suture.index, suture.closure, frame.time);
     require(std::isfinite(suture.stiffness) && suture.stiffness > 0,
             "the stiffness of suture {} is {} mN/mm; it must be positive", suture.index, suture.stiffness);
+    require(std::isfinite(suture.length) && suture.length >= 0 && std::isfinite(suture.tension) && suture.tension >= 0,
+            "suture {} is drawn to {} mm with {} mN; neither may be negative", suture.index, suture.length,
+            suture.tension);
   }
   for (const auto& retractor : frame.retractors) {
     require(retractor.index >= 0 && retractor.index < settings.retractors, "frame {:g} names retractor {} of {}",
@@ -254,6 +275,8 @@ void check_state(const SolverState& state, std::size_t node_values, std::size_t 
           state.nodes.size() / 3, node_values / 3);
   require(state.suture_gaps.size() == suture_values && state.suture_multipliers.size() == suture_values,
           "the state has {} sutures but the session has {}", state.suture_gaps.size() / 3, suture_values / 3);
+  require(state.stability.empty() || state.stability.size() == 2 || state.stability.size() == 5,
+          "the state's stability has {} values; give none, 2 or 5", state.stability.size());
   require(state.grip_multipliers.empty() || state.grip_multipliers.size() == node_values,
           "the state's grip multipliers have {} values; give none or {}", state.grip_multipliers.size(), node_values);
   for (const double value : state.nodes) require(std::isfinite(value), "the state holds a number that is not finite");

@@ -23,12 +23,12 @@ LatticeSettings lattice_settings(const SessionSettings& settings) {
 
 template <class Real>
 EpochSystem<Real>::EpochSystem(const EpochInput& epoch, const SessionSettings& settings,
-                               std::shared_ptr<const SignedDistance> bones)
+                               std::shared_ptr<const SignedDistance> bones, std::shared_ptr<const Ground> ground)
     : surface(epoch.surface),
       lattice(build_lattice(surface, lattice_settings(settings))),
-      system(lattice, assign_materials(lattice, settings.materials, epoch.skin, epoch.regions), settings.quadrature,
-             attach(lattice, surface, epoch.fixed, epoch.bed, epoch.grip), settings.retractors, settings.bed_stiffness,
-             settings.gravity),
+      system(lattice, assign_materials(lattice, settings.materials, epoch.skin, epoch.regions, epoch.skin_fields),
+             settings.quadrature, attach(lattice, surface, epoch.fixed, epoch.bed, epoch.grip, std::move(ground)),
+             settings.retractors, BedStiffness{settings.bed_stiffness, settings.bed_shear}, settings.gravity),
       preconditioner(system, kChebyshevDegree),
       constraints(settings, lattice, surface, system) {
   if (bones) system.set_contact(contact_with_bones(std::move(bones), lattice, epoch, settings));

@@ -8,12 +8,14 @@
 
 namespace lappet {
 
+class Ground;
 class SignedDistance;
 
 template <class Real>
 struct EpochSystem {
-  // bones: null without any. Refuses what bones and budgets do not allow.
-  EpochSystem(const EpochInput& epoch, const SessionSettings& settings, std::shared_ptr<const SignedDistance> bones);
+  // bones, ground: null without any. Refuses what bones and budgets do not allow.
+  EpochSystem(const EpochInput& epoch, const SessionSettings& settings, std::shared_ptr<const SignedDistance> bones,
+              std::shared_ptr<const Ground> ground);
   EpochSystem(const EpochSystem&) = delete;
   EpochSystem& operator=(const EpochSystem&) = delete;
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <utility>
 
@@ -13,6 +14,8 @@
 #include "session/check_targets.h"
 #include "session/is_valid_start.h"
 #include "session/retry_schedule.h"
+#include "solve/newton/leave_saddle.h"
+#include "solve/newton/lowest_mode.h"
 
 namespace lappet {
 
@@ -20,6 +23,11 @@ namespace {
 
 // Two equilibria whose energies differ by less are the same.
 constexpr double kSameEnergy = 1e-6;
+// An equilibrium whose softest displacement keeps less of its stiffness than this, chosen above the rounding of single
+// precision, is a saddle.
+constexpr double kSaddle = -1e-3;
+// Saddles that are left one after the other in a frame.
+constexpr int kMaxSaddles = 6;
 
 template <class Real>
 class FrameSearch {
@@ -55,6 +63,7 @@ class FrameSearch {
     if (unreachable.empty()) {
       walk(RetrySchedule(valid_ && moved_, settings_.max_newton));
       settle_doubt();
+      if (settings_.stability && found_.outcome.converged) leave_saddles();
     } else {
       found_.state = before_;
       epoch_.constraints.apply(frame_, found_.state);
@@ -120,10 +129,16 @@ class FrameSearch {
   }
 
   bool take_load_step(const FrameInput& to, const RetrySchedule& schedule) {
+    epoch_.constraints.apply(to, found_.state);
+    search_equilibrium(schedule.newton_left(found_.effort.newton_iterations));
+    if (found_.outcome.converged) found_.state.activation = epoch_.constraints.activation_of(to);
+    return found_.outcome.converged;
+  }
+
+  void search_equilibrium(int max_newton) {
     SolveEffort& effort = found_.effort;
     EquilibriumOutcome& outcome = found_.outcome;
-    epoch_.constraints.apply(to, found_.state);
-    options_.max_newton = schedule.newton_left(effort.newton_iterations);
+    options_.max_newton = max_newton;
     outcome = find_equilibrium<Real>(epoch_.system, epoch_.preconditioner, found_.state.u, found_.state.multipliers,
                                      options_, observer_, std::move(outcome.at));
     effort.newton_iterations += outcome.newton_iterations;
@@ -132,8 +147,6 @@ class FrameSearch {
     effort.seconds_update += outcome.seconds_update;
     effort.seconds_linear += outcome.seconds_linear;
     effort.seconds_setup += outcome.seconds_setup;
-    if (outcome.converged) found_.state.activation = epoch_.constraints.activation_of(to);
-    return outcome.converged;
   }
 
   // An equilibrium with inverted cells stands where one from rest has no lower energy; without one it does not.
@@ -155,6 +168,76 @@ class FrameSearch {
       epoch_.constraints.apply(frame_, found_.state);
       evaluate();
     }
+  }
+
+  // Tissue rests in a minimum of the energy. Moves on from a saddle until none is left or none can be left.
+  void leave_saddles() {
+    auto& stability = found_.state.stability;
+    const double constraints = digest(frame_);
+    if (stability.is_of(constraints) && std::ranges::equal(found_.state.u, before_.u)) return;
+    find_mode({});
+    if (lowest_ < kSaddle) find_mode(LowestModeSearch::thorough());
+    while (lowest_ < kSaddle && found_.effort.saddles_left < kMaxSaddles && leave_saddle())
+      find_mode(LowestModeSearch::thorough());
+    stability = {.constraints = constraints, .lowest_stiffness = lowest_, .softest_point = {}};
+    if (!mode_.empty()) stability.softest_point = softest_point();
+  }
+
+  void find_mode(const LowestModeSearch& search) {
+    try {
+      auto found =
+          find_lowest_mode<Real>(epoch_.system, epoch_.preconditioner, found_.state.u, found_.outcome.at, search);
+      lowest_ = found.stiffness;
+      mode_ = std::move(found.shape);
+    } catch (const NotDefiniteError&) {  // the coarse level cannot be had: nothing is known
+      lowest_ = std::numeric_limits<double>::quiet_NaN();
+      mode_.clear();
+    }
+  }
+
+  // The rest point of the surface that moves most in the mode.
+  Vec3 softest_point() const {
+    const auto& points = epoch_.lattice.surface_points;
+    std::size_t softest = 0;
+    double most = 0.0;
+    for (std::size_t k = 0; k < points.size(); ++k) {
+      const double length = displacement<Real>(epoch_.lattice, points[k], mode_).squaredNorm();
+      if (length > most) {
+        most = length;
+        softest = k;
+      }
+    }
+    return epoch_.surface.points[softest];
+  }
+
+  // Goes on from the lower side of the saddle; false, and back at it, where that leads to no lower equilibrium.
+  bool leave_saddle() {
+    const auto amplitude = way_off_saddle<Real>(epoch_.system, found_.state.u, mode_, found_.state.multipliers,
+                                                found_.outcome.at, options_.inverts);
+    TissueState<Real> saddle = found_.state;
+    if (amplitude) {
+      add<Real>(static_cast<Real>(*amplitude), mode_, found_.state.u);
+      Evaluation reused = std::move(found_.outcome.at);
+      EquilibriumOutcome at_saddle = std::exchange(found_.outcome, {});
+      found_.outcome.at = std::move(reused);
+      options_.neighborhood_first = false;
+      options_.known.reset();
+      search_equilibrium(settings_.max_newton);
+      const EquilibriumOutcome& outcome = found_.outcome;
+      if (outcome.converged && outcome.inverted <= at_saddle.inverted &&
+          outcome.energy < at_saddle.energy - kSameEnergy * std::abs(at_saddle.energy)) {
+        ++found_.effort.saddles_left;
+        spdlog::info("frame {:g} leaves a saddle: energy {:.6g} to {:.6g} mN mm", frame_.time, at_saddle.energy,
+                     outcome.energy);
+        return true;
+      }
+      refuse_if_stopped();
+      at_saddle.at = std::move(found_.outcome.at);
+      found_.outcome = std::move(at_saddle);
+      found_.state = std::move(saddle);
+    }
+    evaluate();
+    return false;
   }
 
   void refuse_if_stopped() const {
@@ -186,6 +269,8 @@ class FrameSearch {
   EquilibriumOptions options_;
   SolveObserver observer_;
   FoundFrame<Real> found_;
+  double lowest_ = std::numeric_limits<double>::quiet_NaN();  // the share of its stiffness that the mode keeps
+  std::vector<Real> mode_;
   // An equilibrium with inverted cells, until one from rest confirms it.
   std::optional<std::pair<EquilibriumOutcome, TissueState<Real>>> doubtful_;
 };

@@ -25,8 +25,10 @@ void write_constraints(const EpochSystem<Real>& epoch, const FrameInput& frame, 
     const PointConstraint& constraint = epoch.system.point_constraint(id_of(suture));
     const Vec3 c = constraint.value<Real>(state.u);
     fields.suture_indices.push_back(suture.index);
-    fields.suture_gaps.push_back(c.norm());
-    fields.suture_forces.push_back(constraint.force(c, state.multipliers.of(constraint)).norm());
+    const Vec3 multiplier = state.multipliers.of(constraint);
+    fields.suture_gaps.push_back(constraint.thread && !constraint.exact ? 0.0 : constraint.gap(c, multiplier));
+    fields.suture_forces.push_back(constraint.force(c, multiplier).norm());
+    fields.suture_shared.push_back(epoch.constraints.shared(suture));
     append(fields.suture_points, epoch.constraints.where(suture.a, state.u));
     append(fields.suture_points, epoch.constraints.where(suture.b, state.u));
   }
@@ -56,6 +58,9 @@ FrameFields frame_fields(const SessionSettings& settings, EpochSystem<Real>& epo
   if (kHasStrain && settings.strain)
     write_surface_fields<Real>(epoch.system.elastic_at(found.outcome.at), found.state.u, fields);
   write_constraints(epoch, frame, found.state, fields);
+  const FrameStability& stability = found.state.stability;
+  if (found.outcome.converged) fields.lowest_stiffness = stability.lowest_stiffness;
+  if (found.outcome.converged && stability.softest_point) append(fields.softest_point, *stability.softest_point);
   if (!found.outcome.step.empty() && found.outcome.converged) write_correction(epoch, found, fields);
   return fields;
 }

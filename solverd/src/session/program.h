@@ -6,6 +6,7 @@
 #include <atomic>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -25,7 +26,8 @@ struct SessionSettings {
   double tolerance = 1e-3;          // residual / force scale
   double gap_tolerance = 1e-3;      // suture and grip gaps, fraction of spacing
   int max_newton = 100;             // per frame
-  double bed_stiffness = 10.0;      // kPa/mm
+  double bed_stiffness = 19.0;      // kPa/mm, along the normal
+  double bed_shear = 0.375;         // kPa/mm, at most bed_stiffness
   Vec3 gravity = Vec3::Zero();      // m/s^2
   double time_budget = 0.0;         // seconds per frame, 0: none
   std::size_t memory_budget = std::size_t{8} << 30;
@@ -34,6 +36,7 @@ struct SessionSettings {
   std::string region = "auto";  // or "whole": frames are solved everywhere (solve/newton/change_neighborhood.h)
   bool correction = false;      // frames carry the displacement that is still to come
   bool strain = true;           // frames carry strain, stress and tension on the surface
+  bool stability = true;        // saddles of the energy are looked for and left (solve/newton/lowest_mode.h)
   std::int32_t sutures = 0;     // number of sutures in the whole procedure; frames refer to them by index
   std::int32_t retractors = 0;  // likewise
   // materials[0] is what the tissue is made of where no region says otherwise.
@@ -54,6 +57,7 @@ void visit_settings(SessionSettings& settings, Visitor&& visit) {
   visit("gap_tolerance", settings.gap_tolerance);
   visit("max_newton", settings.max_newton);
   visit("bed_stiffness", settings.bed_stiffness);
+  visit("bed_shear", settings.bed_shear);
   visit("gravity", settings.gravity);
   visit("time_budget", settings.time_budget);
   visit("memory_budget", settings.memory_budget);
@@ -64,6 +68,7 @@ void visit_settings(SessionSettings& settings, Visitor&& visit) {
   visit.optional("preconditioner", settings.preconditioner);
   visit.optional("correction", settings.correction);
   visit.optional("strain", settings.strain);
+  visit.optional("stability", settings.stability);
 }
 
 struct EpochInput {
@@ -77,7 +82,11 @@ struct EpochInput {
   // The outer skin before any cut: regions measure their depth from it, fibers and prestretch run along it. May be
   // empty without regions; directions are then taken as they are, in tissue whose skin is upright to z.
   Surface skin;
+  SkinFields skin_fields;
   std::vector<MaterialRegion> regions;
+  // What faces with the bed label 2 rest on: the underside before any cut. Empty: that of `surface`, its faces with a
+  // bed label.
+  Surface ground;
   bool nodes = false;  // the report gives the lattice's nodes
 };
 
@@ -109,7 +118,11 @@ struct SutureState {
   std::int32_t index;  // in the procedure
   Anchor a, b;
   double closure;    // 0: as it was when the suture was placed; 1: drawn together
-  double stiffness;  // mN/mm; the penalty the multiplier method starts from
+  double stiffness;  // of a thread, mN/mm
+  // A thread pulls and never pushes; without, the ends are demanded to meet.
+  bool is_thread = false;
+  double length = 0.0;   // to which a thread is drawn, mm
+  double tension = 0.0;  // with which it is drawn at most, mN; 0: as much as it takes
   bool operator==(const SutureState&) const = default;
 };
 
@@ -136,6 +149,7 @@ struct SolverState {
   std::vector<double> suture_multipliers;  // 3 per suture, mN
   std::vector<double> grip_multipliers;    // opaque
   std::vector<double> activation;          // per material, as the last frame had it
+  std::vector<double> stability;           // opaque
 };
 
 // What a frame says of the tissue: its surface, landmarks and constraints.
@@ -151,8 +165,13 @@ struct FrameFields {
   std::vector<double> hook_forces;                         // 3 per hook, mN, on the tissue
   std::vector<double> hook_points;                         // 3 per hook: where the anchor is now, mm
   std::vector<double> suture_points;                       // 6 per active suture: both ends, mm
+  std::vector<double> suture_shared;                       // per active suture: shared_hold of its two ends
   std::vector<float> correction;            // 3 per surface vertex, mm: what is still to come; empty: not wanted
   std::vector<double> landmark_correction;  // 3 per landmark, mm
+  // The share of its stiffness that compression leaves the softest displacement (solve/newton/lowest_mode.h); NaN where
+  // it was not looked for. The rest point of the surface that moves most in it, mm; empty: nothing is compressed.
+  double lowest_stiffness = std::numeric_limits<double>::quiet_NaN();
+  std::vector<double> softest_point;
 };
 
 // Why a frame was solved from rest although there was a state before it.
@@ -169,6 +188,7 @@ struct SolveEffort {
   int load_steps = 0;             // of the last attempt
   std::int64_t active_cells = 0;  // that were solved for; all others stayed where they were
   double seconds_update = 0.0, seconds_linear = 0.0, seconds_setup = 0.0;
+  int saddles_left = 0;  // unstable equilibria that were found on the way and left
   Restart restart = Restart::kNone;
 };
 

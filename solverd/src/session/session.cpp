@@ -10,6 +10,7 @@
 #include "session/checks.h"
 #include "session/find_frame.h"
 #include "session/frame_fields.h"
+#include "session/ground_of_session.h"
 #include "session/last_frame.h"
 #include "session/process_memory.h"
 
@@ -77,7 +78,7 @@ class TypedSession : public Session::Implementation {
   EpochReport replace_epoch(const EpochInput& input) {
     const auto start = std::chrono::steady_clock::now();
     check_epoch(input, settings_);
-    auto epoch = std::make_unique<EpochSystem<Real>>(input, settings_, bones_);
+    auto epoch = std::make_unique<EpochSystem<Real>>(input, settings_, bones_, ground_.of(input, settings_));
     TissueState<Real> state = carry_over(state_, epoch_ ? &epoch_->lattice : nullptr, epoch->lattice);
     EpochReport report = epoch->report(input.nodes);
     report.bytes += static_cast<double>(state.u.size() * sizeof(Real) + (bones_ ? bones_->bytes() : 0));
@@ -116,8 +117,9 @@ class TypedSession : public Session::Implementation {
   SessionSettings settings_;
   tbb::task_arena arena_;
   std::shared_ptr<const SignedDistance> bones_;  // null: none
-  std::unique_ptr<EpochSystem<Real>> epoch_;     // null before the first
-  TissueState<Real> state_;                      // fits the epoch
+  GroundOfSession ground_;
+  std::unique_ptr<EpochSystem<Real>> epoch_;  // null before the first
+  TissueState<Real> state_;                   // fits the epoch
   LastFrame last_frame_;
 };
 

@@ -1,5 +1,8 @@
 #include "session/tissue_state.h"
 
+#include <bit>
+#include <cmath>
+#include <cstdint>
 #include <limits>
 #include <type_traits>
 
@@ -16,7 +19,50 @@ std::vector<Vec3> rows(const std::vector<Real>& values) {
   return result;
 }
 
+// FNV-1a over the bytes of numbers, in the order in which they are given.
+class Digest {
+ public:
+  void add(double number) {
+    for (const auto bits = std::bit_cast<std::uint64_t>(number); const int shift : {0, 8, 16, 24, 32, 40, 48, 56})
+      hash_ = (hash_ ^ ((bits >> shift) & 0xffU)) * 1099511628211U;
+  }
+  void add(const Vec3& v) {
+    for (int i = 0; i < 3; ++i) add(v[i]);
+  }
+  void add(const Anchor& anchor) {
+    add(anchor.point);
+    add(static_cast<double>(anchor.triangle));
+  }
+  double value() const { return static_cast<double>((hash_ >> 12) + 1); }
+
+ private:
+  std::uint64_t hash_ = 14695981039346656037U;
+};
+
 }  // namespace
+
+double digest(const FrameInput& frame) {
+  Digest digest;
+  for (const HookState& hook : frame.hooks) {
+    digest.add(static_cast<double>(hook.index));
+    digest.add(hook.anchor);
+    digest.add(hook.target);
+    digest.add(hook.stiffness);
+  }
+  for (const SutureState& suture : frame.sutures) {
+    digest.add(static_cast<double>(suture.index) + 0.5);
+    digest.add(suture.a);
+    digest.add(suture.b);
+    digest.add(suture.closure);
+    digest.add(suture.stiffness);
+  }
+  for (const RetractorState& retractor : frame.retractors) {
+    digest.add(static_cast<double>(retractor.index) + 0.25);
+    for (const double entry : retractor.motion.reshaped()) digest.add(entry);
+  }
+  for (const double activation : frame.activation) digest.add(activation);
+  return digest.value();
+}
 
 template <class Real>
 TissueState<Real> initial_state(const SessionSettings& settings) {
@@ -58,6 +104,12 @@ SolverState exported(const TissueState<Real>& state) {
       for (int i = 0; i < 3; ++i) result.suture_multipliers[static_cast<std::size_t>(3 * id.index + i)] = multiplier[i];
   result.grip_multipliers = state.multipliers.of_held_node;
   result.activation = state.activation;
+  const FrameStability& stability = state.stability;
+  if (stability.constraints != 0.0 && std::isfinite(stability.lowest_stiffness)) {
+    result.stability = {stability.constraints, stability.lowest_stiffness};
+    if (const auto& point = stability.softest_point)
+      result.stability.insert(result.stability.end(), point->begin(), point->end());
+  }
   return result;
 }
 
@@ -71,6 +123,11 @@ TissueState<Real> imported(const SolverState& state) {
     result.multipliers.of_constraint[{ConstraintId::Kind::kSuture, static_cast<std::int32_t>(k)}] = multipliers[k];
   result.multipliers.of_held_node = state.grip_multipliers;
   result.activation = state.activation;
+  if (state.stability.size() >= 2) {
+    result.stability.constraints = state.stability[0];
+    result.stability.lowest_stiffness = state.stability[1];
+    if (state.stability.size() >= 5) result.stability.softest_point = Vec3::Map(&state.stability[2]);
+  }
   return result;
 }
 

@@ -175,12 +175,12 @@ TEST(Contact, AStrapOverARollerHasTheSameTensionOnBothSides) {
   ContactState contact;
   for (const double down : {5.0, 12.0, 20.0}) {
     constraints.clear();
+    const AnchorStencils stencils(scene.lattice(), strap, kStencilRadius);
     for (std::size_t t = 0; t < strap.triangles.size(); ++t) {
       const Vec3 c = center(strap, t);
       if (c[0] > 40 - 1e-9)
-        constraints.push_back(make_hook(
-            scene.lattice(), anchor_stencil(scene.lattice(), embed_on_triangle(scene.lattice(), strap, c, to_index(t))),
-            Vec3(40 - 0.4 * down, c[1], c[2] - down), 3.0));
+        constraints.push_back(
+            make_hook(scene.lattice(), stencils.around(c, to_index(t)), Vec3(40 - 0.4 * down, c[1], c[2] - down), 3.0));
     }
     scene.system().set_point_constraints(constraints);
     const auto outcome = settle(scene);

@@ -23,8 +23,18 @@ LatticeSettings spaced(double spacing) {
   return result;
 }
 
-EmbeddedPoint anchored(const Lattice& lattice, const Surface& surface, std::size_t triangle) {
-  return embed_on_triangle(lattice, surface, center(surface, triangle), to_index(triangle));
+AnchorStencil held_at(const Lattice& lattice, const Surface& surface, std::size_t triangle) {
+  return AnchorStencils(lattice, surface, kStencilRadius).around(center(surface, triangle), to_index(triangle));
+}
+
+// The mean of x x^T about the anchor.
+Eigen::Matrix3d spread(const Lattice& lattice, const AnchorStencil& held, const Vec3& anchor) {
+  Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
+  for (std::size_t k = 0; k < held.nodes.size(); ++k) {
+    const Vec3 x = lattice.node_rest[held.nodes[k]] - anchor;
+    sum += held.weights[k] * x * x.transpose();
+  }
+  return sum;
 }
 
 // The lowest node of the piece of tissue that each node belongs to.
@@ -48,10 +58,11 @@ TEST(AnchorStencil, HoldsItsAnchorInEveryAffineMotion) {
   const Surface ball = test::sphere(Vec3(5, 5, 5), 4.0, 12);
   Eigen::Matrix3d turn;
   turn << 0.2, -1.3, 0.4, 1.1, 0.3, -0.2, 0.1, 0.6, 0.9;
-  for (const double h : {0.3, 0.45, 0.7, 0.95}) {
+  for (const double h : {0.3, 0.7, 1.0, 2.2}) {
     const Lattice lattice = build_lattice(ball, spaced(h));
+    const AnchorStencils stencils(lattice, ball, kStencilRadius);
     for (std::size_t t = 0; t < ball.triangles.size(); t += 7) {
-      const AnchorStencil held = anchor_stencil(lattice, anchored(lattice, ball, t));
+      const AnchorStencil held = stencils.around(center(ball, t), to_index(t));
       EXPECT_NEAR(std::accumulate(held.weights.begin(), held.weights.end(), 0.0), 1.0, 1e-12);
       Vec3 moved = Vec3::Zero();
       for (std::size_t k = 0; k < held.nodes.size(); ++k)
@@ -61,65 +72,96 @@ TEST(AnchorStencil, HoldsItsAnchorInEveryAffineMotion) {
   }
 }
 
-TEST(AnchorStencil, SpreadsOverAsMuchTissueHoweverFineTheLattice) {
-  // Under a flat face the second moment along the face is that of k over half a ball, radius^2 / 7.
+// Trilinear functions spread a point by t (1 - t) h^2 along an axis, t its place in the cell: at most h^2 / 4.
+TEST(AnchorStencil, SpreadsOverAsMuchTissueHoweverTheLatticeLies) {
   const Surface block = box_surface({0, 0, 0}, {8, 8, 4});
-  for (const double h : {0.25, 0.125}) {
-    const Lattice lattice = build_lattice(block, spaced(h));
-    std::size_t top = 0;
-    while (center(block, top)[2] < 4 - 1e-9) ++top;
-    const Vec3 anchor = center(block, top);
-    const AnchorStencil held = anchor_stencil(lattice, anchored(lattice, block, top));
-    double share = 0.0, along = 0.0, off = 0.0;
-    for (std::size_t k = 0; k < held.nodes.size(); ++k) {
-      const Vec3 x = lattice.node_rest[held.nodes[k]] - anchor;
-      EXPECT_LE(x.norm(), kStencilRadius);
-      share += held.weights[k] * held.weights[k];
-      along += held.weights[k] * x[0] * x[0];
-      off += held.weights[k] * x[0] * x[1];
+  std::size_t top = 0;
+  while (center(block, top)[2] < 4 - 1e-9) ++top;
+  const Vec3 anchor = center(block, top);
+  const auto spread_with = [&](double h, const Vec3& origin) {
+    LatticeSettings settings = spaced(h);
+    settings.origin = origin;
+    const Lattice lattice = build_lattice(block, settings);
+    return spread(lattice, held_at(lattice, block, top), anchor);
+  };
+  const Eigen::Matrix3d fine = spread_with(0.125, Vec3::Zero());
+  // Under a flat face the second moment along the face is that of k over half a ball, radius^2 / 7; the weights that
+  // hold the first moment in depth leave more near the face, where the ball is wider.
+  EXPECT_NEAR(fine(0, 0), kStencilRadius * kStencilRadius / 7.0, 0.4 * kStencilRadius * kStencilRadius / 7.0);
+  EXPECT_NEAR(fine(0, 0), fine(1, 1), 0.02);
+  EXPECT_NEAR(fine(0, 1), 0.0, 0.02);
+  for (const double h : {0.25, 0.5, 1.0, 2.0})
+    for (const Vec3& share : {Vec3(0, 0, 0), Vec3(0.5, 0.5, 0.5), Vec3(0.3, 0.8, 0.1)}) {
+      const Eigen::Matrix3d wide = spread_with(h, h * share);
+      for (int axis = 0; axis < 2; ++axis) {
+        EXPECT_GT(wide(axis, axis), fine(axis, axis) - 0.02) << h;
+        EXPECT_LT(wide(axis, axis), fine(axis, axis) + 0.25 * h * h + 0.02) << h;
+      }
     }
-    // one-sided in depth: the weights that hold the first moment there leave more near the face, where k is wider
-    EXPECT_NEAR(along, kStencilRadius * kStencilRadius / 7.0, 0.4 * kStencilRadius * kStencilRadius / 7.0) << h;
-    EXPECT_NEAR(off, 0.0, 0.02 * kStencilRadius * kStencilRadius) << h;
-    EXPECT_LT(share, 0.2) << "many nodes share the force at " << h;
-  }
+}
+
+TEST(AnchorStencil, IsTheSameOnEverySideOfAnAnchorDeepInTheTissue) {
+  const Surface block = box_surface({0, 0, 0}, {8, 8, 8});
+  const Lattice lattice = build_lattice(block, spaced(0.25));
+  const Vec3 anchor(4.1, 3.9, 4.05);
+  const AnchorStencil held = AnchorStencils(lattice, block, kStencilRadius).around(anchor, 0);
+  const Eigen::Matrix3d mean = spread(lattice, held, anchor);
+  for (int a = 0; a < 3; ++a)
+    for (int b = 0; b < 3; ++b)  // over a ball; the trilinear functions add 0.25 h^2 at most
+      EXPECT_NEAR(mean(a, b), a == b ? kStencilRadius * kStencilRadius / 7.0 : 0.0, 0.02);
+  for (const double weight : held.weights) EXPECT_GE(weight, 0.0);
 }
 
 TEST(AnchorStencil, NeverReachesAcrossACut) {
   const auto slab = test::cut_slab(10, 8, 3, {{5.03, -1}, {4.9, 3.1}, {5.2, 9}}, 0.04);
-  const Lattice lattice = build_lattice(slab.surface, spaced(0.4));
-  const auto piece = pieces(lattice);
-  std::size_t beside = 0;
-  for (std::size_t t = 0; t < slab.surface.triangles.size(); ++t) {
-    const EmbeddedPoint anchor = anchored(lattice, slab.surface, t);
-    const AnchorStencil held = anchor_stencil(lattice, anchor);
-    const std::size_t own = lattice.cell_nodes[anchor.cell][0];
-    for (const std::int32_t n : held.nodes) EXPECT_EQ(piece[n], piece[own]);
-    beside += std::abs(center(slab.surface, t)[0] - 5.0) < 0.5;
+  for (const double h : {0.4, 1.0, 2.0}) {
+    const Lattice lattice = build_lattice(slab.surface, spaced(h));
+    const auto piece = pieces(lattice);
+    const AnchorStencils stencils(lattice, slab.surface, kStencilRadius);
+    std::size_t beside = 0;
+    for (std::size_t t = 0; t < slab.surface.triangles.size(); ++t) {
+      const Vec3 anchor = center(slab.surface, t);
+      const AnchorStencil held = stencils.around(anchor, to_index(t));
+      const EmbeddedPoint point = embed_on_triangle(lattice, slab.surface, anchor, to_index(t));
+      const std::size_t own = lattice.cell_nodes[point.cell][0];
+      for (const std::int32_t n : held.nodes) EXPECT_EQ(piece[n], piece[own]);
+      beside += std::abs(anchor[0] - 5.0) < 0.5;
+    }
+    EXPECT_GE(beside, 4u) << "anchors on the walls of the cut";
+    EXPECT_NE(piece.front(), piece.back()) << "two pieces";
   }
-  EXPECT_GE(beside, 4u) << "anchors on the walls of the cut";
-  EXPECT_NE(piece.front(), piece.back()) << "two pieces";
 }
 
-TEST(AnchorStencil, IsTrilinearWhereCellsAreAsLargeAsItIs) {
-  const Surface ball = test::sphere(Vec3(5, 5, 5), 4.0, 12);
-  for (const double h : {kStencilRadius, 1.3}) {
-    const Lattice lattice = build_lattice(ball, spaced(h));
-    for (std::size_t t = 0; t < ball.triangles.size(); t += 7) {
-      const EmbeddedPoint anchor = anchored(lattice, ball, t);
-      const AnchorStencil held = anchor_stencil(lattice, anchor);
-      double sum = 0.0;
-      for (std::size_t k = 0; k < 8; ++k) {
-        const std::int32_t node = lattice.cell_nodes[anchor.cell][k];
-        for (std::size_t i = 0; i < held.nodes.size(); ++i)
-          if (held.nodes[i] == node) {
-            EXPECT_NEAR(held.weights[i], anchor.weights[k], 1e-12);
-            sum += held.weights[i];
-          }
-      }
-      EXPECT_NEAR(sum, 1.0, 1e-9);
+// The surface triangle nearest to a point beside the cut lies on its wall, whichever side that is.
+TEST(AnchorStencil, HoldsDeepAnchorsOnTheirOwnSideOfACut) {
+  const auto slab = test::cut_slab(10, 8, 6, {{5.0, -1}, {5.0, 9}}, 0.04);
+  const Lattice lattice = build_lattice(slab.surface, spaced(1.0));
+  const auto piece = pieces(lattice);
+  const AnchorStencils stencils(lattice, slab.surface, kStencilRadius);
+  for (const double x : {2.0, 4.3, 4.9, 5.1, 5.7, 8.0}) {
+    const Vec3 anchor(x, 4.2, 3.1);
+    double nearest = 1e9;
+    std::size_t triangle = 0;
+    for (std::size_t t = 0; t < slab.surface.triangles.size(); ++t) {
+      const auto& c = slab.surface.triangles[t];
+      const Vec3 &a = slab.surface.points[c[0]], &b = slab.surface.points[c[1]], &d = slab.surface.points[c[2]];
+      const Vec3 normal = (b - a).cross(d - a).normalized();
+      const double height = (a - anchor).dot(normal);
+      if (height >= 0.0 && height < nearest) nearest = height, triangle = t;
     }
+    const AnchorStencil held = stencils.around(anchor, to_index(triangle));
+    Vec3 mean = Vec3::Zero();
+    for (std::size_t k = 0; k < held.nodes.size(); ++k) mean += held.weights[k] * lattice.node_rest[held.nodes[k]];
+    EXPECT_LT((mean - anchor).norm(), 1e-9) << "it stays where it is put";
+    for (const Index n : held.nodes) EXPECT_EQ(piece[n], piece[x < 5.0 ? 0 : lattice.node_rest.size() - 1]) << x;
   }
+}
+
+TEST(AnchorStencil, SaysHowMuchOfItAnotherHoldsToo) {
+  const AnchorStencil a{{1, 2, 3}, {0.5, 0.25, 0.25}}, b{{2, 3, 4}, {0.25, 0.25, 0.5}}, c{{7, 8}, {0.5, 0.5}};
+  EXPECT_DOUBLE_EQ(shared_hold(a, a), 1.0);
+  EXPECT_DOUBLE_EQ(shared_hold(a, b), 0.5);
+  EXPECT_DOUBLE_EQ(shared_hold(a, c), 0.0);
 }
 
 // Two blocks of 6 x 8 x 3 mm, 1 mm apart.
@@ -141,8 +183,7 @@ TEST(AnchorStencil, ItsForceIsTheGradientOfItsEnergy) {
   Attachments loose;
   loose.node_group.assign(lattice.node_rest.size(), kFree);
   System<double> system(lattice, CellMaterials{{MaterialParameters{}}}, 1, loose, 0, 0.0, Vec3::Zero());
-  const AnchorStencil left = anchor_stencil(lattice, anchored(lattice, s, triangle_at(s, 6.0))),
-                      right = anchor_stencil(lattice, anchored(lattice, s, triangle_at(s, 7.0)));
+  const AnchorStencil left = held_at(lattice, s, triangle_at(s, 6.0)), right = held_at(lattice, s, triangle_at(s, 7.0));
   EXPECT_GT(left.nodes.size(), 20u);
   PointConstraint suture = make_suture(lattice, left, right, Vec3(0.1, 0.2, 0.3), 5000.0);
   suture.id.kind = ConstraintId::Kind::kSuture;

@@ -140,6 +140,7 @@ class ServerTest : public testing::Test {
                                {"gap_tolerance", 1e-3},
                                {"max_newton", std::int64_t{9}},
                                {"bed_stiffness", 1.0},
+                               {"bed_shear", 0.5},
                                {"gravity", zero},
                                {"time_budget", 0.0},
                                {"memory_budget", std::int64_t{1} << 30},

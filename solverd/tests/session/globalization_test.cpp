@@ -71,6 +71,7 @@ TEST_P(BadStart, ASheetStretchedByThirtyPercentAndTwistedReachesTheEquilibriumFr
   const FrameOutput expected = session.solve(sheet_frame(scene), {}, kNever);
   ASSERT_TRUE(expected.converged) << expected.failure.message;
   ASSERT_EQ(expected.inverted_cells, 0);
+  EXPECT_EQ(expected.restart, Restart::kNone) << "there was nothing before it";
 
   session.set_state(state_of(lattice, std::get<1>(GetParam()).start));
   const FrameOutput out = session.solve(sheet_frame(scene), {}, kNever);
@@ -102,6 +103,7 @@ TEST(Globalization, ABadStartIsGivenBackWhenTheFrameIsRefused) {
   const FrameOutput out = session.solve(sheet_frame(scene), {}, kNever);
   EXPECT_FALSE(out.converged);
   EXPECT_EQ(out.failure.code, FailureCode::kIterations) << out.failure.message;
+  EXPECT_EQ(out.restart, Restart::kInvalidStart);
   EXPECT_EQ(difference(out.state, state), 0.0);
 }
 
@@ -128,6 +130,8 @@ TEST(Globalization, AnInvertedEquilibriumIsGivenOnlyAsRestConfirmsIt) {
   ASSERT_GT(direct.inverted_cells, 0);
   ASSERT_TRUE(stepped.converged) << stepped.failure.message;
   EXPECT_LE(stepped.energy, direct.energy * (1 + 1e-6));
+  // what is returned is the one from rest, and says so, or the one from the frame before
+  EXPECT_EQ(stepped.restart, stepped.energy < direct.energy * (1 - 1e-6) ? Restart::kNone : Restart::kInverted);
   // the confirmation costs the iterations from rest
   EXPECT_GT(stepped.newton_iterations, direct.newton_iterations);
 

@@ -182,7 +182,7 @@ TEST(ChangeNeighborhood, APullThatReachesFurtherIsFinishedEverywhere) {
 TEST(ChangeNeighborhood, TissueOnABedTooSoftToHoldItIsSolvedEverywhere) {
   for (const double bed : {0.0, 0.01}) {
     SessionSettings settings = patch_settings("auto");
-    settings.bed_stiffness = bed;
+    settings.bed_stiffness = settings.bed_shear = bed;
     Session session(settings);
     session.set_epoch(patch());
     const FrameOutput found = session.solve(lifted(1, 1.0), {}, kNever);

@@ -61,11 +61,10 @@ def totals(rows: Sequence[EstimateRow]) -> list[str]:
     return [
         f"{len(within)} of {len(judged)} rows ({share:.0%}; {SHARE:.0%} are asked for) lie within a factor {FACTOR:g} "
         f"of the true error, root mean square and greatest; {len(rows) - len(judged)} cannot be judged.",
-        f"{len(low)} rows lie below a third of the true error; none may.",
+        f"{len(low)} {'row lies' if len(low) == 1 else 'rows lie'} below a third of the true error; none may.",
         *(
             f"Outside: {row.scene} at {row.spacing_mm:.3g} mm, "
-            + (row.reason or " and ".join(f"{each:.2g}" for each in row.ratios) + " times the true error")
-            + "."
+            + (row.reason or " and ".join(f"{each:.2g}" for each in row.ratios) + " times the true error.")
             for row in judged
             if not row.is_within
         ),

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -51,12 +52,13 @@ def _fibers() -> list[EstimateScene]:
 
 def _stretched() -> list[EstimateScene]:
     found = []
-    for name, changes, by in (
+    bars: tuple[tuple[str, dict[str, Any], float], ...] = (
         ("plain-bar", {}, 4.0),
         ("fiber-bar-30", {"fiber_k1": 30.0, "fiber_k2": 1.0}, 4.0),
         ("fiber-bar-200", {"fiber_k1": 200.0, "fiber_k2": 1.0}, 2.0),
         ("fiber-bar-5", {"fiber_k1": 5.0, "fiber_k2": 8.0}, 6.0),
-    ):
+    )
+    for name, changes, by in bars:
         material = MaterialParameters(**changes)
         scene = BoxScene(
             name, name, (20.0, 10.0, 6.0), (10, 5, 3), (0,), gripped=(1,), motion=stretched(by), material=material
@@ -158,6 +160,7 @@ def _operations() -> list[EstimateScene]:
             "limberg",
             "Limberg's flap on a patch",
             operation(limb, *flap_operation(design, SkinSheet.of(limb), when, small), end=10.0),
+            spacings=(2.0, 1.75, 1.5),
             reference=(1.5, 0.75, 0.375),
         ),
         EstimateScene(

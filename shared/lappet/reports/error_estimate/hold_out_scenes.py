@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -122,6 +123,7 @@ def _dome_flap() -> EstimateScene:
         operation(
             tissue, *flap_operation(design, SkinSheet.of(tissue), when, how), end=10.0, bones=(dome_bone(36.9, 24.0),)
         ),
+        spacings=(2.0, 1.75, 1.5),
         reference=(1.5, 0.75, 0.375),
     )
 
@@ -180,7 +182,7 @@ def _bar(name: str, what: str, material: MaterialParameters, x: float, z: float)
     return BoxScene(name, what, SIZE, DIVISIONS, (0,), gripped=(1,), motion=_lifted(x, z), material=material)
 
 
-def _fiber_bar(name: str, what: str, **changes: float) -> EstimateScene:
+def _fiber_bar(name: str, what: str, **changes: Any) -> EstimateScene:
     return EstimateScene(name, what, box(_bar(name, what, replace(FIBERS, **changes), 4.0, 3.0)))
 
 

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import tempfile
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import Any
 
 from lappet.core.problem import Problem, RefusedError
@@ -99,7 +97,7 @@ class EstimateRow:
 
 
 def measure_scene(
-    scene: EstimateScene, connect: Connect, say: Callable[[str], None] = lambda _: None
+    scene: EstimateScene, store: FrameStore, connect: Connect, say: Callable[[str], None] = lambda _: None
 ) -> list[EstimateRow]:
     """Measure a scene at all its spacings.
 
@@ -107,6 +105,8 @@ def measure_scene(
     ----------
     scene
         The scene.
+    store
+        Where frames are kept.
     connect
         Makes the solver.
     say
@@ -122,16 +122,14 @@ def measure_scene(
     RefusedError
         If the reference cannot be solved.
     """
-    with tempfile.TemporaryDirectory() as folder:  # nothing is looked up but what two spacings share
-        store = FrameStore(Path(folder))
-        skin = RestSkin.of(scene.program(scene.spacings[0]).epochs[-1])
-        reference = _reference(scene, skin, store, connect)
-        rows = []
-        for spacing in scene.spacings:
-            row = _row(scene, spacing, skin, reference, store, connect)
-            rows.append(row)
-            said = row.reason or f"estimated {row.estimate_mm:.2g} mm, true {row.error_mm:.2g} mm"
-            say(f"{scene.name} {spacing:.3g} mm: {said}")
+    skin = RestSkin.of(scene.program(scene.spacings[0]).epochs[-1])
+    reference = _reference(scene, skin, store, connect)
+    rows = []
+    for spacing in scene.spacings:
+        row = _row(scene, spacing, skin, reference, store, connect)
+        rows.append(row)
+        said = row.reason or f"estimated {row.estimate_mm:.2g} mm, true {row.error_mm:.2g} mm"
+        say(f"{scene.name} {spacing:.3g} mm: {said}")
     return rows
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tempfile
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
@@ -14,6 +15,7 @@ from lappet.reports.error_estimate.hold_out_scenes import hold_out_scenes
 from lappet.reports.error_estimate.measurement import measure_scene
 from lappet.reports.error_estimate.scene import EstimateScene
 from lappet.reports.report_files import head, make_folder
+from lappet.solve.store import FrameStore
 
 
 def run_error_estimate(
@@ -45,7 +47,9 @@ def run_error_estimate(
     scenes = chosen_scenes(names, fitting)
     make_folder(folder)
     circumstances = head()
-    rows = [row for scene in scenes for row in measure_scene(scene, connect_to(None), say)]
+    with tempfile.TemporaryDirectory() as kept:  # nothing is looked up but what two spacings share
+        store = FrameStore(Path(kept))
+        rows = [row for scene in scenes for row in measure_scene(scene, store, connect_to(None), say)]
     return "\n".join(totals(rows)), write_error_estimate(folder, circumstances, scenes, rows)
 
 

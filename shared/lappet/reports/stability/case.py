@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from enum import StrEnum
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +12,15 @@ from numpy.typing import NDArray
 from lappet.core.problem_code import ProblemCode
 from lappet.daemon.solved_frame import SolvedFrame
 from lappet.program.program import Program
+
+
+class Demand(StrEnum):
+    """What a case must do that is not refused."""
+
+    CONVERGES = "converges"
+    BUCKLES = "buckles"
+    IS_SENSITIVE = "is sensitive"
+
 
 Check = Callable[["Solved"], str]
 Start = Callable[[NDArray[np.float64]], NDArray[np.float64]]
@@ -69,10 +79,9 @@ class Case:
         Name of its group.
     scene
         Makes what is solved; may refuse.
-    converges
-        Whether an equilibrium is a right outcome.
-    refuses
-        Codes of the refusals that are a right outcome too.
+    demands
+        The one outcome that is right: that it converges to a stable equilibrium, that it does so by leaving an unstable
+        one, that it converges close to buckling, or that it is refused with this code.
     budget
         Seconds that it may take.
     slow
@@ -82,16 +91,14 @@ class Case:
     name: str
     group: str
     scene: Callable[..., Scene | Program]
-    converges: bool = True
-    refuses: tuple[ProblemCode, ...] = ()
+    demands: Demand | ProblemCode = Demand.CONVERGES
     budget: float = 60.0
     slow: bool = False
 
     @property
     def expected(self) -> str:
-        """The outcomes that are right, for people."""
-        refuses = "refuses: " + " | ".join(self.refuses) if self.refuses else ""
-        return " or ".join(part for part in ("converges" if self.converges else "", refuses) if part)
+        """The outcome that is right, for people."""
+        return f"refuses: {self.demands}" if isinstance(self.demands, ProblemCode) else str(self.demands)
 
 
 @dataclass(frozen=True)
@@ -105,13 +112,15 @@ class Row:
     group
         Name of its group.
     expected
-        The outcomes that are right.
+        The outcome that is right.
     outcome
-        Converges, refuses, wrong (a claim that does not hold), crashes or hangs.
+        Converges, buckles, is sensitive, refuses, wrong (a claim that does not hold), crashes or hangs.
     reason
         Why, a sentence; empty where it converged.
     residual
         Greatest residual of all frames as the daemon says.
+    lowest_stiffness
+        Share of its stiffness that compression leaves the softest displacement of the last frame.
     verified_residual
         Residual of the last frame in double precision.
     gap_mm
@@ -136,6 +145,7 @@ class Row:
     outcome: str
     reason: str
     residual: float | None
+    lowest_stiffness: float | None
     verified_residual: float | None
     gap_mm: float | None
     frames: int
@@ -157,14 +167,15 @@ def totals(rows: Sequence[Row]) -> dict[str, dict[str, int]]:
     Returns
     -------
     dict[str, dict[str, int]]
-        How many there are, as expected, converged and refused.
+        How many there are, as expected, converged (buckled and sensitive ones too), buckled and refused.
     """
     groups = {group: [row for row in rows if row.group == group] for group in dict.fromkeys(row.group for row in rows)}
     return {
         group: {
             "cases": len(of),
             "ok": sum(row.ok for row in of),
-            "converged": sum(row.outcome == "converges" for row in of),
+            "converged": sum(row.outcome in set(Demand) for row in of),
+            "buckled": sum(row.outcome == Demand.BUCKLES for row in of),
             "refused": sum(row.outcome == "refuses" for row in of),
         }
         for group, of in {**groups, "all": list(rows)}.items()

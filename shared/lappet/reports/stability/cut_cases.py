@@ -139,8 +139,7 @@ def _excised() -> Iterator[Case]:
         "excision of what a hook holds",
         "cuts",
         lambda: opened(around, Excision("out", 2.0, ((0.0, 0.0, TOP),))),
-        converges=False,
-        refuses=(ProblemCode.PROGRAM_HOOK_EXCISED,),
+        demands=ProblemCode.PROGRAM_HOOK_EXCISED,
     )
     yield Case(
         "excision of everything",
@@ -148,8 +147,7 @@ def _excised() -> Iterator[Case]:
         lambda: compiled(
             procedure(patch(), around, Excision("out", 2.0, ((0.0, 0.0, TOP), (10.0, 0.0, TOP))), end=4.0)
         ),
-        converges=False,
-        refuses=(ProblemCode.EXCISION_OF_ALL,),
+        demands=ProblemCode.EXCISION_OF_ALL,
     )
     sharp = Incision("sharp", 1.0, NEEDLE, closed=True)
     out = Excision("out", 2.0, ((-2.0, 0.2, TOP),))

@@ -9,6 +9,8 @@ from typing import Any
 from lappet.reports.report_files import described, markdown_table, write_csv, write_json
 from lappet.reports.stability.case import Row, totals
 
+COLUMNS = ("cases", "ok", "converged", "buckled", "refused")
+
 
 def write_stability(folder: Path, head: Mapping[str, Any], rows: Sequence[Row]) -> list[Path]:
     """Write the files of the report.
@@ -48,8 +50,8 @@ def totals_table(rows: Sequence[Row]) -> str:
         A table of Markdown.
     """
     return markdown_table(
-        ["group", "cases", "as expected", "converged", "refused with the reason"],
-        [[group, t["cases"], t["ok"], t["converged"], t["refused"]] for group, t in totals(rows).items()],
+        ["group", "cases", "as demanded", "converged", "of these buckled", "refused with the reason"],
+        [[group, *(t[name] for name in COLUMNS)] for group, t in totals(rows).items()],
     )
 
 
@@ -71,12 +73,12 @@ def markdown(head: Mapping[str, Any], rows: Sequence[Row]) -> str:
     failures = [row for row in rows if not row.ok]
     parts = ["# Stability\n", described(head) + "\n", totals_table(rows)]
     if failures:
-        parts.append("## Not as expected\n")
+        parts.append("## Not as demanded\n")
         parts.append("\n".join(f"- **{row.case}**: {row.outcome}. {row.reason}" for row in failures) + "\n")
     parts.append("## Cases\n")
     parts.append(
         markdown_table(
-            ["case", "expected", "outcome", "residual", "gap mm", "cells", "seconds", "ok"],
+            ["case", "demanded", "outcome", "residual", "gap mm", "stiffness left", "cells", "seconds", "ok"],
             [
                 [
                     f"{row.group}: {row.case}",
@@ -84,6 +86,7 @@ def markdown(head: Mapping[str, Any], rows: Sequence[Row]) -> str:
                     row.outcome,
                     "" if row.residual is None else row.residual,
                     "" if row.gap_mm is None else row.gap_mm,
+                    "" if row.lowest_stiffness is None else row.lowest_stiffness,
                     row.cells,
                     row.seconds,
                     "yes" if row.ok else "NO",

@@ -14,7 +14,7 @@ from lappet.procedure import MODELS
 from lappet.program.program import Program
 from lappet.program.settings import MaterialParameters
 from lappet.reports.box_scenes import grid_box
-from lappet.reports.stability.case import Case, Check, Scene, Solved
+from lappet.reports.stability.case import Case, Check, Demand, Scene, Solved
 from lappet.reports.stability.deformation_cases import KINK
 from lappet.reports.stability.scenes import (
     ABOVE,
@@ -168,8 +168,7 @@ def _contrast() -> Iterator[Case]:
             f"inclusion 10^{power} times as stiff",
             "contrast",
             lambda power=power: inclusion(10.0**power),
-            converges=power < 5,
-            refuses=KINK if power > 4 else (),
+            demands=Demand.CONVERGES if power < 5 else ProblemCode.FRAME_NO_DESCENT,
         )
         if power:
             yield Case(f"inclusion 10^-{power} as stiff", "contrast", lambda power=power: inclusion(10.0**-power))
@@ -226,8 +225,7 @@ def _models() -> Iterator[Case]:
                 f"{model}, {precision}, stretched to 300 %",
                 "models",
                 lambda plain=plain, precision=precision: stretched(3.0, materials=(plain,), precision=precision),
-                converges=model != "corotated",
-                refuses=KINK if model == "corotated" else (),
+                demands=KINK if model == "corotated" else Demand.CONVERGES,
             )
     stiff, soft = (material("mooneyRivlin", youngs_modulus=e) for e in (1e9, 1e-6))
     yield Case("Young's modulus 10^9 kPa", "models", lambda: stretched(1.3, materials=(stiff,)))
@@ -239,8 +237,7 @@ def _models() -> Iterator[Case]:
         "Poisson's ratio 0.5",
         "models",
         lambda: stretched(1.5, materials=(beyond,)),
-        converges=False,
-        refuses=(ProblemCode.SOLVER_INVALID_INPUT,),
+        demands=ProblemCode.SOLVER_INVALID_INPUT,
     )
 
 

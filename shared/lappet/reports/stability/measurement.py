@@ -17,13 +17,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lappet.core.problem import Problem, RefusedError
+from lappet.core.problem_code import ProblemCode
 from lappet.daemon.client import SolverClient
 from lappet.daemon.frame_solver import Iteration, SolverDiedError
 from lappet.daemon.process import SolverDaemon
 from lappet.daemon.solved_frame import LatticeCounts, SolvedFrame, SolverState
 from lappet.daemon.wire import WireError
 from lappet.program.program import Program
-from lappet.reports.stability.case import Case, Row, Scene, Solved, Start
+from lappet.reports.stability.case import Case, Demand, Row, Scene, Solved, Start
+from lappet.solve.sensitive import UNSTABLE, is_sensitive
 from lappet.solve.solve_frames import not_converged
 
 # A float state lies within its tolerance as float sees it; in double precision it may be this much worse.
@@ -68,7 +70,9 @@ def run_case(case: Case) -> Row:
         What became of it.
     """
     begun = time.perf_counter()
-    row = Row(case.name, case.group, case.expected, "converges", "", None, None, None, 0, 0, 0.0, case.budget, False)
+    row = Row(
+        case.name, case.group, case.expected, "converges", "", None, None, None, None, 0, 0, 0.0, case.budget, False
+    )
     watchdog = _Watchdog(PATIENCE * case.budget + GRACE)
     try:
         made = case.scene()
@@ -84,7 +88,7 @@ def run_case(case: Case) -> Row:
     except Exception as error:
         row = replace(row, outcome="crashes", reason=f"{type(error).__name__}: {error}".splitlines()[0])
     seconds = time.perf_counter() - begun
-    right = (row.outcome == "converges" and case.converges) or (row.outcome == "refuses" and row.code in case.refuses)
+    right = row.code is case.demands if row.outcome == "refuses" else row.outcome == case.demands
     if right and seconds > case.budget:
         row = replace(row, reason=f"{row.reason} It took {seconds:.0f} s, more than its budget.".strip())
     return replace(row, seconds=seconds, ok=right and seconds <= case.budget)
@@ -109,6 +113,7 @@ def _solve(client: SolverClient, scene: Scene, case: Case, row: Row) -> Row:
         cells=cells,
         residual=max((frame.diagnostics.residual for frame in finite), default=None),
         gap_mm=max((frame.diagnostics.largest_gap for frame in finite), default=None),
+        lowest_stiffness=finite[-1].diagnostics.lowest_stiffness if finite else None,
     )
     wrong = next(filter(None, (_disproved(frame, program) for frame in frames)), "")
     if not wrong and finite and not case.slow and _begins_as_it_ended(program):
@@ -122,7 +127,18 @@ def _solve(client: SolverClient, scene: Scene, case: Case, row: Row) -> Row:
         wrong = scene.check(Solved(program, tuple(frames), twin))
     if wrong:
         return replace(row, outcome="wrong", reason=wrong)
-    return row if reason is None else replace(row, outcome="refuses", reason=str(reason), code=reason.code)
+    if reason is not None:
+        return replace(row, outcome="refuses", reason=str(reason), code=reason.code)
+    return replace(row, outcome=_demand_met(case.demands, frames))
+
+
+def _demand_met(demands: Demand | ProblemCode, frames: list[SolvedFrame]) -> Demand:
+    """What became of frames that converged: what is demanded of them if they meet it, else that they converge."""
+    met = {
+        Demand.BUCKLES: any(frame.diagnostics.saddles_left > 0 for frame in frames),
+        Demand.IS_SENSITIVE: is_sensitive(frames[-1]),
+    }
+    return demands if isinstance(demands, Demand) and met.get(demands, False) else Demand.CONVERGES
 
 
 def _frames(
@@ -171,6 +187,7 @@ def _disproved(frame: SolvedFrame, program: Program) -> str:
         "nodes": state.nodes,
         "suture_multipliers": state.suture_multipliers,
         "grip_multipliers": state.grip_multipliers,
+        "stability": state.stability,
     }
     for name, array in held.items():
         if array.dtype.kind == "f" and not np.isfinite(array).all():
@@ -186,6 +203,8 @@ def _disproved(frame: SolvedFrame, program: Program) -> str:
     deep = frame.diagnostics.largest_penetration
     if not deep <= DEEPEST * settings.spacing:
         return f"Frame {frame.time:g} is called converged with tissue {deep:.3g} mm deep in bone."
+    if frame.diagnostics.lowest_stiffness < UNSTABLE:
+        return f"Frame {frame.time:g} is unstable: its stiffness is {frame.diagnostics.lowest_stiffness:.2g}."
     if not math.isfinite(frame.diagnostics.energy):
         return f"Frame {frame.time:g} is called converged and its energy is not finite."
     return ""

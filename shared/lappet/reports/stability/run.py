@@ -8,6 +8,7 @@ from pathlib import Path
 from lappet.core.problem import refused
 from lappet.core.problem_code import ProblemCode
 from lappet.reports.report_files import head, make_folder, write_json
+from lappet.reports.stability.buckling_cases import buckling_cases
 from lappet.reports.stability.case import Case
 from lappet.reports.stability.constraint_cases import constraint_cases
 from lappet.reports.stability.cut_cases import cut_cases
@@ -26,7 +27,14 @@ def all_cases() -> list[Case]:
     list[Case]
         The cases.
     """
-    return [*material_cases(), *deformation_cases(), *constraint_cases(), *shape_cases(), *cut_cases()]
+    return [
+        *material_cases(),
+        *deformation_cases(),
+        *buckling_cases(),
+        *constraint_cases(),
+        *shape_cases(),
+        *cut_cases(),
+    ]
 
 
 def chosen_cases(only: Sequence[str], quick: bool) -> list[Case]:

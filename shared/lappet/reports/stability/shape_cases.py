@@ -81,8 +81,7 @@ def _thin() -> Iterator[Case]:
         "sheet a hundredth of a cell thick",
         "thin",
         lambda: stretched(1.3, size=(16.0, 16.0, 0.02), spacing=2.0),
-        converges=False,
-        refuses=(ProblemCode.SOLVER_INVALID_INPUT,),
+        demands=ProblemCode.SOLVER_INVALID_INPUT,
     )
     ring = tuple((5.0 * np.cos(a), 5.0 * np.sin(a), 2.0) for a in np.linspace(0.1, 2 * np.pi - 0.1, 24))
     yield Case("island that a single cell holds, lifted", "thin", lambda: island(ring, 20.0))
@@ -180,7 +179,9 @@ def scaled_patch(unit: float, stiffness: float = 20.0, **more: Any) -> Program:
         x, y, z = (unit * value for value in point)
         return (x, y, z)
 
-    tissue = flat_patch(at(24.0, 16.0, 2.0), resolution=2.0 * unit, spacing=unit, bed_stiffness=10.0 / unit)
+    tissue = flat_patch(
+        at(24.0, 16.0, 2.0), resolution=2.0 * unit, spacing=unit, bed_stiffness=10.0 / unit, bed_shear=10.0 / unit
+    )
     events = (
         Incision("slit", 1.0, (at(-6, 0, 2), at(6, 0, 2)), kerf=0.1 * unit),
         Suture("stitch", (at(3, -1.5, 2), at(3, 1.5, 2)), 2.0, 1.0),
@@ -261,8 +262,7 @@ def _spacing() -> Iterator[Case]:
         "spacing ten times the tissue",
         "spacing",
         lambda: stretched(1.3, size=(10.0, 10.0, 10.0), spacing=100.0),
-        converges=False,
-        refuses=(ProblemCode.SOLVER_INVALID_INPUT,),
+        demands=ProblemCode.SOLVER_INVALID_INPUT,
     )
     for cells, budget in ((46, 120.0), (100, 600.0)):
         yield Case(
@@ -276,8 +276,7 @@ def _spacing() -> Iterator[Case]:
         "spacing of a micrometre for 10 mm",
         "spacing",
         lambda: stretched(1.3, size=(10.0, 10.0, 10.0), spacing=1e-3),
-        converges=False,
-        refuses=(ProblemCode.SOLVER_MEMORY_BUDGET,),
+        demands=ProblemCode.SOLVER_MEMORY_BUDGET,
     )
     yield Case(
         "slab of 1 x 64 x 64 cells, sheared by its thickness",

@@ -25,7 +25,13 @@ struct Bucket {
 
 struct RestingBucket {
   double area = 0.0;
-  Vec3 inward = Vec3::Zero();
+  Vec3 moment = Vec3::Zero();  // of the area
+  std::array<double, 8> weights{};
+};
+
+struct BedBucket {
+  double area = 0.0;
+  Vec3 outward = Vec3::Zero();
   std::array<double, 8> weights{};
 };
 
@@ -38,6 +44,8 @@ struct HeldFace {
   bool rests = false;
   double sample_area = 0.0;
   Vec3 normal = Vec3::Zero();
+
+  bool attached() const { return count > 0 && groups[static_cast<std::size_t>(count - 1)] == kBedGroup; }
 };
 
 int lattice_side(const EmbeddedPoint& point, const Vec3& normal) {
@@ -56,12 +64,19 @@ int lattice_side(const EmbeddedPoint& point, const Vec3& normal) {
 struct Buckets {
   std::map<std::tuple<std::int32_t, std::int32_t, int>, Bucket> held;  // by cell, group, side
   std::map<Index, RestingBucket> resting;                              // by cell
+  std::map<Index, BedBucket> attached;                                 // by cell
 
-  void add(const HeldFace& face, const EmbeddedPoint& point) {
+  void add(const HeldFace& face, const Vec3& place, const EmbeddedPoint& point) {
     if (face.rests) {
       auto& bucket = resting[point.cell];
       bucket.area += face.sample_area;
-      bucket.inward -= face.sample_area * face.normal;
+      bucket.moment += face.sample_area * place;
+      for (std::size_t p = 0; p < 8; ++p) bucket.weights[p] += face.sample_area * point.weights[p];
+    }
+    if (face.attached()) {
+      auto& bucket = attached[point.cell];
+      bucket.area += face.sample_area;
+      bucket.outward += face.sample_area * face.normal;
       for (std::size_t p = 0; p < 8; ++p) bucket.weights[p] += face.sample_area * point.weights[p];
     }
     const int side = lattice_side(point, face.normal);
@@ -95,7 +110,7 @@ class Samples {
         sample.embedded = embedder.embed(sample.point, {&faces_[sample.face].triangle, 1});
       }
     });
-    for (const Sample& sample : samples_) buckets.add(faces_[sample.face], sample.embedded);
+    for (const Sample& sample : samples_) buckets.add(faces_[sample.face], sample.point, sample.embedded);
     samples_.clear();
     if (faces_.size() > 1) faces_.erase(faces_.begin(), faces_.end() - 1);
   }
@@ -157,7 +172,8 @@ void prescribe_side(const Lattice& lattice, Index cell, int side, Index group, s
 }  // namespace
 
 Attachments attach(const Lattice& lattice, const Surface& surface, std::span<const std::uint8_t> fixed,
-                   std::span<const std::uint8_t> bed, std::span<const Index> grip) {
+                   std::span<const std::uint8_t> bed, std::span<const Index> grip,
+                   std::shared_ptr<const Ground> ground) {
   const double h = lattice.settings.spacing;
   Buckets buckets;
   Samples samples(lattice, surface);
@@ -185,10 +201,17 @@ Attachments attach(const Lattice& lattice, const Surface& surface, std::span<con
     result.face_constraints.push_back(face);
   }
   for (const auto& [cell, bucket] : buckets.resting) {
-    RestingFace face{cell, bucket.area, bucket.inward.normalized(), bucket.weights};
+    const Vec3 rest = bucket.moment / bucket.area;
+    RestingFace face{cell, bucket.area, rest, std::min(0.0, ground->height(rest).value), bucket.weights};
     for (double& weight : face.weights) weight /= bucket.area;
     result.resting.push_back(face);
   }
+  for (const auto& [cell, bucket] : buckets.attached) {
+    BedFace face{cell, bucket.area, bucket.outward.normalized(), bucket.weights};
+    for (double& weight : face.weights) weight /= bucket.area;
+    result.attached.push_back(face);
+  }
+  if (!result.resting.empty()) result.ground = std::move(ground);
   return result;
 }
 

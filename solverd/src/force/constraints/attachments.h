@@ -5,15 +5,19 @@
 // = 0, M = sum of area W_s^T W_s per cell. Where a face lies on a lattice plane M only sees the four nodes of that
 // plane: they are prescribed exactly. Elsewhere the form is a penalty with multipliers (augmented Lagrangian); there
 // only the demand counts, so that a sliver of a face weighs as much as a whole face and its multiplier converges as
-// fast. Bed faces are the same form with the bed's stiffness and no multipliers. Undermined faces rest: they may lift
-// off and slide, but where they sink below the plane of their rest position the bed pushes back with its stiffness.
+// fast. Bed faces are the same form with the bed's stiffness in shear and no multipliers; what the bed is stiffer along
+// its normal acts on the mean height of the face in a cell. Undermined faces rest on the ground
+// (force/constraints/ground.h): they may lift off and slide, but where they sink deeper into it than they lay at rest
+// the bed pushes back with its normal stiffness.
 #pragma once
 #include <Eigen/Core>
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
+#include "force/constraints/ground.h"
 #include "lattice/lattice.h"
 
 namespace lappet {
@@ -39,11 +43,20 @@ struct FaceConstraint {
   }
 };
 
-// The mean height n . sum_k weights_k u_k of a resting face inside a cell above its rest position, n inwards.
+// What rests of a face inside a cell, at its mean point: at rest, and sum_k weights_k u_k from there.
 struct RestingFace {
   Index cell;
-  double area;  // mm^2
-  Vec3 inward;  // unit
+  double area;    // mm^2
+  Vec3 rest;      // mm
+  double height;  // above the ground that it may sink to, mm: that at rest where it lay lower than the ground
+  std::array<double, 8> weights;
+};
+
+// The mean height of the faces attached to the bed inside a cell: n . sum_k weights_k u_k.
+struct BedFace {
+  Index cell;
+  double area;   // mm^2
+  Vec3 outward;  // unit
   std::array<double, 8> weights;
 };
 
@@ -53,11 +66,14 @@ struct Attachments {
   std::vector<Index> node_group;                 // per node: kFree, kFixedGroup or a retractor; prescribed nodes
   std::vector<FaceConstraint> face_constraints;  // bed faces, and held faces off the lattice planes
   std::vector<RestingFace> resting;
+  std::vector<BedFace> attached;
+  std::shared_ptr<const Ground> ground;  // what they rest on; null where none does
 };
 
 // Per triangle: fixed, 0 or 1; bed, 0, kAttachedToBed or kRestsOnBed; grip, retractor index or -1. A face both fixed
-// and gripped is fixed.
+// and gripped is fixed. ground: needed where triangles rest.
 Attachments attach(const Lattice& lattice, const Surface& surface, std::span<const std::uint8_t> fixed,
-                   std::span<const std::uint8_t> bed, std::span<const Index> grip);
+                   std::span<const std::uint8_t> bed, std::span<const Index> grip,
+                   std::shared_ptr<const Ground> ground = nullptr);
 
 }  // namespace lappet

@@ -38,12 +38,12 @@ SheetOnBed sheet_on_bed(const System<Real>& system) {
   double area = 0.0, volume = 0.0, stiffest = 0.0;
   for (const FaceConstraint& face : system.attachments().face_constraints)
     area += face.group == kBedGroup ? face.area : 0.0;
-  if (!(area > 0.0) || !(system.bed_stiffness() > 0.0)) return {};
+  if (!(area > 0.0) || !(system.bed().shear > 0.0)) return {};
   for (const RestingFace& face : system.attachments().resting) area += face.area;
   for (const float fill : lattice.cell_fill) volume += double(fill) * std::pow(lattice.settings.spacing, 3);
   for (const auto& material : system.elastic().materials().table)
     stiffest = std::max(stiffest, material.youngs_modulus);
-  return {volume / area, std::sqrt(stiffest * volume / area / system.bed_stiffness())};
+  return {volume / area, std::sqrt(stiffest * volume / area / system.bed().shear)};
 }
 
 // Per node: whether it belongs to the neighborhood whatever is around it.
@@ -135,7 +135,7 @@ NeighborhoodOutcome solve_change_neighborhood(const System<Real>& system, const 
   outcome.moved = std::move(moving);
   const auto [thickness, decay] = sheet_on_bed(system);
   const double h = system.lattice().settings.spacing;
-  outcome.rim_compliance = (thickness / h + 1.0) / (2.0 * h * system.bed_stiffness() * decay);
+  outcome.rim_compliance = (thickness / h + 1.0) / (2.0 * h * system.bed().shear * decay);
   return outcome;
 }
 

@@ -8,10 +8,16 @@ namespace {
 
 CellMaterials materials_of(const CellMaterials& whole, std::span<const std::int32_t> cells) {
   CellMaterials restricted{whole.table};
-  for (const std::int32_t cell : cells) {
-    const auto c = static_cast<std::size_t>(cell);
+  for (Index place = 0; place < std::ssize(cells); ++place) {
+    const auto c = static_cast<std::size_t>(cells[place]);
     if (!whole.of_cell.empty()) restricted.of_cell.push_back(whole.of_cell[c]);
     if (!whole.normal_of_cell.empty()) restricted.normal_of_cell.push_back(whole.normal_of_cell[c]);
+    if (!whole.direction_of_cell.empty()) restricted.direction_of_cell.push_back(whole.direction_of_cell[c]);
+    if (!whole.stretch_of_cell.empty()) restricted.stretch_of_cell.push_back(whole.stretch_of_cell[c]);
+    for (MaterialShare share : whole.shares_of(c)) {
+      share.cell = place;
+      restricted.shares.push_back(share);
+    }
   }
   return restricted;
 }
@@ -51,7 +57,9 @@ Attachments System<Real>::restricted_attachments(const Place& place,
       if ((face.cell = place_of_cell[static_cast<std::size_t>(face.cell)]) >= 0) to.push_back(face);
   };
   take(attachments_.face_constraints, restricted.face_constraints);
+  take(attachments_.attached, restricted.attached);
   take(attachments_.resting, restricted.resting);
+  restricted.ground = attachments_.ground;
   return restricted;
 }
 
@@ -88,7 +96,7 @@ std::unique_ptr<System<Real>> System<Real>::restricted(const Lattice& subdomain,
   auto result =
       std::make_unique<System>(subdomain, materials_of(elastic_.materials(), place.cells),
                                static_cast<int>(elastic_.points()), restricted_attachments(place, place_of_cell),
-                               static_cast<std::int32_t>(retractor_active_.size()), bed_stiffness_, Vec3::Zero());
+                               static_cast<std::int32_t>(retractor_active_.size()), bed_, Vec3::Zero());
   result->held_stiffness_ = held_stiffness_;
   result->retractor_motion_ = retractor_motion_;
   result->retractor_active_ = retractor_active_;

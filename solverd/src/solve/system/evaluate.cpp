@@ -37,7 +37,7 @@ template <class Real>
 void System<Real>::evaluate_face_constraint(const FaceConstraint& face, std::span<const Real> u,
                                             const Multipliers& multipliers, std::array<double, 25>& out) const {
   const bool held = face.group != kBedGroup;
-  const double stiffness = held ? held_stiffness_ : bed_stiffness_;
+  const double stiffness = held ? held_stiffness_ : bed_.shear;
   const auto& nodes = elastic_.lattice().cell_nodes[static_cast<std::size_t>(face.cell)];
   Eigen::Matrix<double, 3, 8> off, demand;  // demand: stiffness times the gap, and the multiplier
   for (int k = 0; k < 8; ++k) {
@@ -64,6 +64,7 @@ Evaluation System<Real>::evaluate(std::span<const Real> u, const Multipliers& mu
   result.inverted = state.inverted;
   result.energy += add_face_constraints(u, multipliers, result.gradient);
   result.contact_penalties.clear();
+  add_bed_faces(u, result);
   add_resting_faces(u, result);
   if (contact()) {
     contact()->template evaluate<Real>(u, multipliers.of_contact_proxy, free_, result.gradient,
@@ -82,29 +83,51 @@ Evaluation System<Real>::evaluate(std::span<const Real> u, const Multipliers& mu
 }
 
 template <class Real>
-void System<Real>::add_resting_faces(std::span<const Real> u, Evaluation& result) const {
-  for (const auto& face : attachments_.resting) {
+void System<Real>::add_bed_faces(std::span<const Real> u, Evaluation& result) const {
+  const double more = bed_.normal - bed_.shear;
+  if (!(more > 0.0)) return;
+  for (const auto& face : attachments_.attached) {
     const auto& nodes = elastic_.lattice().cell_nodes[static_cast<std::size_t>(face.cell)];
     double height = 0.0;
-    for (std::size_t k = 0; k < 8; ++k) height += face.weights[k] * face.inward.dot(NodeField(u)[nodes[k]]);
-    if (!(height < 0.0)) continue;
-    const double stiffness = bed_stiffness_ * face.area;
-    result.contact_penalties.push_back({face.cell, face.weights, face.inward, stiffness});
+    for (std::size_t k = 0; k < 8; ++k) height += face.weights[k] * face.outward.dot(NodeField(u)[nodes[k]]);
+    const double stiffness = more * face.area;
+    result.contact_penalties.push_back({face.cell, face.weights, face.outward, stiffness});
     result.energy += 0.5 * stiffness * height * height;
     for (std::size_t k = 0; k < 8; ++k)
       for (int i = 0; i < 3; ++i)
         result.gradient[3 * static_cast<std::size_t>(nodes[k]) + static_cast<std::size_t>(i)] +=
-            stiffness * height * face.weights[k] * face.inward[i];
+            stiffness * height * face.weights[k] * face.outward[i];
+  }
+}
+
+template <class Real>
+void System<Real>::add_resting_faces(std::span<const Real> u, Evaluation& result) const {
+  for (const auto& face : attachments_.resting) {
+    const auto& nodes = elastic_.lattice().cell_nodes[static_cast<std::size_t>(face.cell)];
+    Vec3 now = face.rest;
+    for (std::size_t k = 0; k < 8; ++k) now += face.weights[k] * NodeField(u)[nodes[k]];
+    const auto [above, upward] = attachments_.ground->height(now);
+    const double height = above - face.height;
+    if (!(height < 0.0)) continue;
+    const double stiffness = bed_.normal * face.area;
+    result.contact_penalties.push_back({face.cell, face.weights, upward, stiffness});
+    result.energy += 0.5 * stiffness * height * height;
+    for (std::size_t k = 0; k < 8; ++k)
+      for (int i = 0; i < 3; ++i)
+        result.gradient[3 * static_cast<std::size_t>(nodes[k]) + static_cast<std::size_t>(i)] +=
+            stiffness * height * face.weights[k] * upward[i];
   }
 }
 
 template <class Real>
 void System<Real>::add_point_constraints(std::span<const Real> u, const Multipliers& multipliers,
                                          Evaluation& result) const {
+  result.point_roots.clear();
   for (const auto& constraint : point_constraints_) {
     const Vec3 c = constraint.value(u), multiplier = multipliers.of(constraint),
                force = constraint.force(c, multiplier);
-    result.energy += c.dot(0.5 * constraint.stiffness * c + multiplier);
+    result.energy += constraint.energy(c, multiplier);
+    result.point_roots.push_back(constraint.tangent_root(c, multiplier));
     for (std::size_t k = 0; k < constraint.nodes.size(); ++k)
       for (int i = 0; i < 3; ++i)
         result.gradient[3 * static_cast<std::size_t>(constraint.nodes[k]) + static_cast<std::size_t>(i)] +=
@@ -139,6 +162,7 @@ template double System<float>::add_face_constraints(std::span<const float>, cons
                                                     std::span<double>) const;
 template void System<float>::evaluate_face_constraint(const FaceConstraint&, std::span<const float>, const Multipliers&,
                                                       std::array<double, 25>&) const;
+template void System<float>::add_bed_faces(std::span<const float>, Evaluation&) const;
 template void System<float>::add_resting_faces(std::span<const float>, Evaluation&) const;
 template void System<float>::add_point_constraints(std::span<const float>, const Multipliers&, Evaluation&) const;
 template void System<float>::add_drift(std::span<const float>, Evaluation&) const;
@@ -148,6 +172,7 @@ template double System<double>::add_face_constraints(std::span<const double>, co
                                                      std::span<double>) const;
 template void System<double>::evaluate_face_constraint(const FaceConstraint&, std::span<const double>,
                                                        const Multipliers&, std::array<double, 25>&) const;
+template void System<double>::add_bed_faces(std::span<const double>, Evaluation&) const;
 template void System<double>::add_resting_faces(std::span<const double>, Evaluation&) const;
 template void System<double>::add_point_constraints(std::span<const double>, const Multipliers&, Evaluation&) const;
 template void System<double>::add_drift(std::span<const double>, Evaluation&) const;

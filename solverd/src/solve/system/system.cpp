@@ -31,10 +31,10 @@ std::vector<std::uint8_t> fixed_nodes(const Attachments& attachments) {
 
 template <class Real>
 System<Real>::System(const Lattice& lattice, CellMaterials materials, int quadrature, Attachments attachments,
-                     std::int32_t retractors, double bed_stiffness, const Vec3& gravity)
+                     std::int32_t retractors, BedStiffness bed, const Vec3& gravity)
     : elastic_(lattice, std::move(materials), quadrature, choose_instruction_set(), fixed_nodes(attachments)),
       attachments_(std::move(attachments)),
-      bed_stiffness_(bed_stiffness),
+      bed_(bed),
       held_stiffness_(kHeldStiffness * elastic_.materials().table[0].youngs_modulus / lattice.settings.spacing),
       retractor_active_(static_cast<std::size_t>(retractors), 0),
       retractor_motion_(static_cast<std::size_t>(retractors), Eigen::Matrix4d::Identity()),
@@ -45,7 +45,7 @@ System<Real>::System(const Lattice& lattice, CellMaterials materials, int quadra
     gravity_force_.assign(3 * lattice.node_rest.size(), 0.0);
     const double h = lattice.settings.spacing;
     for (std::size_t c = 0; c < lattice.cell_nodes.size(); ++c) {
-      const Vec3 share = gravity * (elastic_.materials().of(c).density * 1e-6 * h * h * h *
+      const Vec3 share = gravity * (elastic_.materials().density(c) * 1e-6 * h * h * h *
                                     static_cast<double>(lattice.cell_fill[c]) / 8.0);
       for (const std::int32_t n : lattice.cell_nodes[c])
         for (int i = 0; i < 3; ++i)
@@ -79,7 +79,7 @@ void System<Real>::find_floating_cells() {
   for (std::size_t n = 0; n < free_.size(); ++n)
     if (!free_[n]) held[fragment(n)] = 1;
   for (const auto& face : attachments_.face_constraints) {
-    if (!acts(face) || (face.group == kBedGroup && !(bed_stiffness_ > 0.0))) continue;
+    if (!acts(face) || (face.group == kBedGroup && !(bed_.shear > 0.0))) continue;
     const std::int32_t node = lattice.cell_nodes[static_cast<std::size_t>(face.cell)][0];
     held[fragment(static_cast<std::size_t>(node))] = 1;
   }
@@ -128,7 +128,7 @@ void System<Real>::set_quadratics() {
     const std::size_t first = matrix_of(face.cell);
     const Eigen::Matrix<double, 8, 8> gram = face.matrix();
     for (std::size_t k = 0; k < 64; ++k)
-      matrices[first + k] += static_cast<Real>((held ? held_stiffness_ : bed_stiffness_) * gram.data()[k]);
+      matrices[first + k] += static_cast<Real>((held ? held_stiffness_ : bed_.shear) * gram.data()[k]);
   }
   for (const std::int32_t cell : floating_cells_) {
     const std::size_t first = matrix_of(cell);
@@ -163,6 +163,7 @@ void System<Real>::set_point_constraints(std::vector<PointConstraint> constraint
     if (constraint.exact && !exact.insert(constraint.id).second)
       throw std::logic_error("two point constraints that hold exactly have the same id");
   has_sutures_ = !exact.empty();
+  point_roots_.assign(point_constraints_.size(), Eigen::Matrix3d::Zero());
   if (!same) ++revision_;
 }
 
@@ -193,6 +194,7 @@ void System<Real>::linearize(const Evaluation& at, PsdProjection how) {
   const Timed timed(work_.linearizations);
   elastic_.linearize(how);
   contact_penalties_ = at.contact_penalties;
+  point_roots_ = at.point_roots;
 }
 
 template <class Real>
@@ -208,11 +210,12 @@ void System<Real>::multiply(std::span<const Real> x, std::span<Real> y) const {
         y[3 * static_cast<std::size_t>(nodes[k]) + static_cast<std::size_t>(i)] +=
             static_cast<Real>(penalty.stiffness * along * penalty.weights[k] * penalty.direction[i]);
   }
-  for (const auto& constraint : point_constraints_) {
+  for (std::size_t t = 0; t < point_constraints_.size(); ++t) {
+    const PointConstraint& constraint = point_constraints_[t];
     Vec3 sum = Vec3::Zero();
     for (std::size_t k = 0; k < constraint.nodes.size(); ++k)
       sum += constraint.weights[k] * NodeField(x)[constraint.nodes[k]];
-    sum *= constraint.stiffness;
+    sum = (point_roots_[t].transpose() * (point_roots_[t] * sum)).eval();
     for (std::size_t k = 0; k < constraint.nodes.size(); ++k)
       for (int i = 0; i < 3; ++i)
         y[3 * static_cast<std::size_t>(constraint.nodes[k]) + static_cast<std::size_t>(i)] +=
@@ -333,7 +336,8 @@ template <class Real>
 std::size_t System<Real>::bytes() const {
   return elastic_.bytes() + attachments_.face_constraints.size() * sizeof(FaceConstraint) +
          3 * free_.size() * 8 * (has_held_faces_ ? 2 : 1) + node_scale_.size() * 8 + gravity_force_.size() * 8 +
-         free_.size() + clusters_.bytes() + (contact_ ? contact_->bytes() : 0);
+         free_.size() + clusters_.bytes() + (contact_ ? contact_->bytes() : 0) +
+         (attachments_.ground ? attachments_.ground->bytes() : 0);
 }
 
 template class System<float>;

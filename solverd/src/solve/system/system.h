@@ -16,11 +16,17 @@
 
 namespace lappet {
 
+// kPa/mm: stress per displacement.
+struct BedStiffness {
+  double normal = 0.0;  // of attached faces both ways, of resting ones where they sink
+  double shear = 0.0;   // of attached faces; at most `normal`
+};
+
 template <class Real>
 class System {
  public:
   System(const Lattice& lattice, CellMaterials materials, int quadrature, Attachments attachments,
-         std::int32_t retractors, double bed_stiffness, const Vec3& gravity);
+         std::int32_t retractors, BedStiffness bed, const Vec3& gravity);
 
   // Where a subdomain lies in this whole (solve/subdomain/subdomain.h). cells, nodes: their indices here; moves: per
   // node of the subdomain, only of those that are free.
@@ -84,11 +90,13 @@ class System {
 
   // Of the tangent: what the bed and the bones push with.
   std::span<const ContactPenalty> contact_penalties() const { return contact_penalties_; }
+  // Of the tangent: R of the stiffness R^T R of each point constraint.
+  std::span<const Eigen::Matrix3d> point_roots() const { return point_roots_; }
   const Elastic<Real>& elastic() const { return elastic_; }
   // The same, with the decompositions of an evaluation, which must be the last one.
   const Elastic<Real>& elastic_at(const Evaluation& at) const;
   const Attachments& attachments() const { return attachments_; }
-  double bed_stiffness() const { return bed_stiffness_; }
+  const BedStiffness& bed() const { return bed_; }
   const Lattice& lattice() const { return elastic_.lattice(); }
   // Changes whenever free nodes, point constraints or active attachments change: preconditioners look at it.
   std::uint64_t constraint_revision() const { return revision_; }
@@ -108,6 +116,7 @@ class System {
                               std::span<double> gradient) const;
   void evaluate_face_constraint(const FaceConstraint& face, std::span<const Real> u, const Multipliers& multipliers,
                                 std::array<double, 25>& out) const;
+  void add_bed_faces(std::span<const Real> u, Evaluation& result) const;
   void add_resting_faces(std::span<const Real> u, Evaluation& result) const;
   void add_point_constraints(std::span<const Real> u, const Multipliers& multipliers, Evaluation& result) const;
   void add_drift(std::span<const Real> u, Evaluation& result) const;
@@ -125,13 +134,15 @@ class System {
 
   Elastic<Real> elastic_;
   Attachments attachments_;
-  double bed_stiffness_, held_stiffness_;
+  BedStiffness bed_;
+  double held_stiffness_;
   std::vector<double> gravity_force_;  // 3 per node or empty
   std::vector<std::uint8_t> retractor_active_;
   std::vector<Eigen::Matrix4d> retractor_motion_;
   std::vector<PointConstraint> point_constraints_;
   std::unique_ptr<Contact> contact_;
   std::vector<ContactPenalty> contact_penalties_;  // of the tangent
+  std::vector<Eigen::Matrix3d> point_roots_;       // likewise
   std::vector<std::int32_t> fragment_of_node_;     // its lowest node; empty: all hang together
   std::vector<std::int32_t> floating_cells_;
   double drift_stiffness_ = 0.0;  // mN/mm on a corner of a floating cell

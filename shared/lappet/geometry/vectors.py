@@ -1,0 +1,96 @@
+"""Arrays of vectors with the coordinate as the first axis: numpy is slow along short axes that come last.
+
+The numbers are those of `numpy.cross`, `numpy.einsum` and `numpy.linalg.norm` to the bit, and do not depend on shapes
+and strides.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+def cross(a: NDArray[np.float64], b: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Compute cross products.
+
+    Parameters
+    ----------
+    a, b
+        Vectors, shape (3, …).
+
+    Returns
+    -------
+    NDArray[np.float64]
+        The products, shape (3, …).
+    """
+    return np.stack([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])
+
+
+def dot(a: NDArray[np.float64], b: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Compute dot products, added in the order of `numpy.einsum`.
+
+    Parameters
+    ----------
+    a, b
+        Vectors, shape (3, …).
+
+    Returns
+    -------
+    NDArray[np.float64]
+        The products, shape (…).
+    """
+    return np.asarray((a[0] * b[0] + a[2] * b[2]) + a[1] * b[1])
+
+
+def length(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Compute the lengths of vectors, added in the order of `numpy.linalg.norm`.
+
+    Parameters
+    ----------
+    vectors
+        Vectors, shape (3, …).
+
+    Returns
+    -------
+    NDArray[np.float64]
+        Lengths, shape (…).
+    """
+    total = vectors[0] * vectors[0]
+    for each in vectors[1:]:
+        total += each * each
+    return np.asarray(np.sqrt(total))
+
+
+def unit(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Scale vectors to length 1; those of length 0 stay.
+
+    Parameters
+    ----------
+    vectors
+        Vectors, shape (3, …).
+
+    Returns
+    -------
+    NDArray[np.float64]
+        The directions, shape (3, …).
+    """
+    size = length(vectors)
+    return vectors / (size + (size == 0.0))
+
+
+def triangle_corners(points: NDArray[np.float64], triangles: NDArray[np.integer]) -> NDArray[np.float64]:
+    """Gather the corners of triangles.
+
+    Parameters
+    ----------
+    points
+        Vertices, shape (n, 3).
+    triangles
+        Vertex indices, shape (m, 3).
+
+    Returns
+    -------
+    NDArray[np.float64]
+        The vertices, shape (3, 3, m): coordinate, corner, triangle.
+    """
+    return np.take(np.ascontiguousarray(points.T), np.ascontiguousarray(triangles.T), axis=1)

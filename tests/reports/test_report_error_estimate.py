@@ -1,0 +1,98 @@
+"""`lappet report error-estimate`: the hold-out set of the estimated error."""
+
+from __future__ import annotations
+
+import csv
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner
+
+from lappet.commands.cli import cli
+from lappet.daemon.daemon_solver import connect_to
+from lappet.reports.error_estimate.files import totals, write_error_estimate
+from lappet.reports.error_estimate.fitting_scenes import fitting_scenes
+from lappet.reports.error_estimate.hold_out_scenes import hold_out_scenes
+from lappet.reports.error_estimate.measurement import EstimateRow, measure_scene
+from lappet.reports.error_estimate.run import chosen_scenes
+from lappet.solve.store import FrameStore
+
+OPERATIONS = {"hanging-flap", "rotation-flap", "v-y", "dome-flap", "layered-closure", "released-hook"}
+TISSUES = {"stiff-fibers", "soft-fibers", "muscle-bar", "strip-over-bone", "punch"}
+ROW = EstimateRow(
+    "punch", 2.0, 300, 1, 0.1, 0.4, 0.2, 0.5, 2.0, 1.25, 1.0, is_trusted=True, uncertainty_mm=0.01,
+    uncertainty_max_mm=0.02, reference_order=1.2,
+)  # fmt: skip
+
+
+def test_the_hold_out_set_has_the_operations_and_tissues_that_it_must_and_none_was_fitted_on() -> None:
+    held_out, fitted = hold_out_scenes(), fitting_scenes()
+    names = {scene.name for scene in held_out}
+    assert len(names) == len(held_out) >= 12
+    assert names >= OPERATIONS | TISSUES
+    assert not names & {scene.name for scene in fitted}
+    for scene in held_out:
+        assert len(scene.spacings) >= 3
+        assert scene.reference[-1] <= min(scene.spacings) / 4.0, scene.name
+        assert scene.reference == tuple(scene.reference[0] / 2**k for k in range(3))
+
+
+def test_the_surface_of_a_scene_is_the_same_at_every_spacing() -> None:
+    (scene,) = chosen_scenes(["hanging-flap"])
+    coarse, fine = scene.program(2.0), scene.program(0.5, tolerance=1e-5)
+    assert coarse.epochs is fine.epochs
+    assert (fine.settings.spacing, fine.settings.tolerance) == (0.5, 1e-5)
+    assert fine.settings.gravity == coarse.settings.gravity == scene.gravity
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["stiff-fibers", "muscle-bar", "strip-over-bone"])
+def test_the_estimate_of_a_scene_that_it_was_not_fitted_on_lies_within_a_factor_of_three(
+    name: str, tmp_path: Path
+) -> None:
+    (scene,) = chosen_scenes([name])
+    scene = replace(scene, spacings=(2.0,), reference=(2.0, 1.0, 0.5))
+    (row,) = measure_scene(scene, FrameStore(tmp_path), connect_to(None))
+    assert row.reason is None
+    assert row.ratio is not None
+    assert row.max_ratio is not None
+    assert row.is_within, row
+
+
+def test_the_totals_count_rows_outside_and_name_them_and_a_row_without_an_estimate_is_outside() -> None:
+    low = replace(ROW, spacing_mm=1.5, ratio=0.2, max_ratio=0.5)
+    unjudged = replace(ROW, spacing_mm=1.0, ratio=None, max_ratio=None)
+    failed = replace(unjudged, spacing_mm=0.5, reason="The daemon died.")
+    assert [row.is_within for row in (ROW, low, unjudged, failed)] == [True, False, True, False]
+    assert [row.is_too_small for row in (ROW, low, unjudged, failed)] == [False, True, False, False]
+    said = totals([ROW, low, unjudged, failed])
+    assert said[0].startswith("1 of 3 rows (33%; 95% are asked for)")
+    assert said[0].endswith("1 cannot be judged.")
+    assert said[1].startswith("1 row ")
+    assert said[2:] == [
+        "Outside: punch at 1.5 mm, 0.2 and 0.5 times the true error.",
+        "Outside: punch at 0.5 mm, The daemon died.",
+    ]
+
+
+def test_the_files_hold_every_row(tmp_path: Path) -> None:
+    machine = {"machine": {"processor": "a processor", "cores": 1, "memory_bytes": 1 << 30}}
+    head = {**machine, "compiler": "a compiler", "isa": "sse42", "threads": 1, "revision": "abc", "date": "today"}
+    rows = [ROW, replace(ROW, spacing_mm=1.0)]
+    files = write_error_estimate(tmp_path, head, chosen_scenes(["punch"]), rows)
+    assert [file.name for file in files] == ["error_estimate.json", "error_estimate.csv", "error_estimate.md"]
+    values = json.loads(files[0].read_text())
+    assert [row["spacing_mm"] for row in values["rows"]] == [2.0, 1.0]
+    assert "punch" in values["scenes"]
+    with files[1].open() as lines:
+        assert len(list(csv.DictReader(lines))) == 2
+    assert totals(rows)[0] in files[2].read_text()
+
+
+def test_a_scene_that_is_not_there_is_refused_with_the_names_that_are() -> None:
+    found = CliRunner().invoke(cli, ["report", "error-estimate", "nose"])
+    assert found.exit_code == 1
+    assert "'nose'" in found.output
+    assert "rotation-flap" in found.output
