@@ -169,7 +169,7 @@ def scenes(quick: bool) -> Iterator[ConvergenceScene]:
     Parameters
     ----------
     quick
-        Whether to leave out the large patches and the moduli between.
+        Whether to leave out the large patches, and the moduli between in the small ones too.
 
     Yields
     ------
@@ -178,8 +178,9 @@ def scenes(quick: bool) -> Iterator[ConvergenceScene]:
     """
     kinds: tuple[Kind, ...] = ("released", "hanging", "freed", "lifted")
     for size in SIZES[:2] if quick else SIZES:
+        extremes_alone = quick or size in SIZES[2:]
         for taut in (False, True):
-            for modulus in MODULI[::3] if quick else MODULI:
+            for modulus in MODULI[::3] if extremes_alone else MODULI:
                 for kind in kinds:
                     yield FlapScene(kind, size, taut, modulus)
     for spacing in (2.0, 1.5) if quick else (2.0, 1.5, 1.25, 1.0):
