@@ -22,7 +22,7 @@ SENSITIVE = 0.05
 
 
 UNSTABLE = -1e-3
-"""Chosen, as the daemon does: an equilibrium is unstable where less is left; above it is single precision's rounding."""
+"""Chosen, as in the daemon: an equilibrium is unstable where less is left; more may be the rounding of float."""
 
 
 def is_sensitive(frame: SolvedFrame) -> bool:
