@@ -81,7 +81,7 @@ def _ends_meet(solved: Solved) -> str:
 
 
 def _thread_pulls(stiffness: float) -> Check:
-    """A check: threads drawn to no length pull with their stiffness times their length, and bring their points nearer."""
+    """A check: threads drawn to no length pull with stiffness times length, and bring their points nearer."""
 
     def check(solved: Solved) -> str:
         frame = solved.frames[-1]
