@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from lappet.cutting.epoch import Epoch
 from lappet.daemon.frame_solver import Iteration, SolverDiedError
 from lappet.daemon.solved_frame import Diagnostics, LatticeCounts, SolvedFrame, SolverState, StageSeconds
+from lappet.geometry.surface_check import signed_volume
 from lappet.procedure import Excision, Hook, Incision, Landmark, Procedure, Suture
 from lappet.program.program import Bones, FrameConstraints, Landmarks
 from lappet.program.settings import SolverSettings
@@ -82,8 +83,9 @@ class FakeSession:
             self._value += 100.0
         self._epoch, self._landmarks = epoch, landmarks
         count = 10 * (epoch.index + 1)
+        volume = signed_volume(epoch.surface.points, epoch.surface.triangles)
         self._lattice = LatticeCounts(
-            fine_voxels=64 * count,
+            fine_voxels=round(volume * (self._settings.fine_ratio / self._settings.spacing) ** 3),
             cells=count,
             grid_cells=count - 1,
             mesh_cells=1,

@@ -98,7 +98,7 @@ def test_live_states_never_enter_the_store(tmp_path: Path, binary: Path) -> None
         own.solver.cancel(job)
         own.finished(job)
         assert {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()} == files
-        assert own.plan(job).plan.frames[4].key not in FrameStore(tmp_path)
+        assert own.manifest(job).manifest.frames[4].key not in FrameStore(tmp_path)
 
 
 @pytest.mark.slow
@@ -107,10 +107,12 @@ def test_a_target_out_of_reach_leaves_the_tissue_where_it_was(tmp_path: Path, bi
         job = own.solver.live(small_procedure(), SETTINGS, 5, "hook")
         opened(own, job)
         good = pulled(own, job, (0.0, 4.0, 4.0))
-        for target in ((0.0, 1e5, 4.0), (float("inf"), 0.0, 0.0)):
+        far, infinite = ProblemCode.FRAME_UNREACHABLE, ProblemCode.SOLVER_INVALID_INPUT
+        for target, code in (((0.0, 1e5, 4.0), far), ((float("inf"), 0.0, 0.0), infinite)):
             bad = pulled(own, job, target)
-            assert not bad.converged
-            assert bad.frame.reason
+            assert bad.problem is not None
+            assert (bad.problem.code, bad.problem.prim) == (code, "Frame 5")
+            assert not bad.frame.converged
             np.testing.assert_array_equal(bad.frame.points, good.frame.points)
         again = pulled(own, job, (0.0, 4.0, 4.5))
         assert again.converged

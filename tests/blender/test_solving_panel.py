@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
@@ -9,9 +10,12 @@ import bpy
 import pytest
 
 from fake_worker import Script
-from lappet.core.problem import Problem, RefusedError
+from lappet.background.assessment import Assessment
+from lappet.core.problem import Place, Problem, RefusedError
 from lappet.core.problem_code import ProblemCode
+from lappet.solve.error_estimate import FrameErrorEstimate
 from lappet_blender.model.event_list import find_event
+from lappet_blender.model.units import to_mm
 from lappet_blender.solving import frames, reconcile, speed_estimate
 from lappet_blender.solving.solve_panel import LAPPET_PT_solve, LAPPET_PT_solve_settings
 from lappet_blender.solving.solve_timer import run_timer
@@ -135,3 +139,65 @@ def test_the_settings_name_the_folder_and_every_setting(patch: bpy.types.Scene, 
     words, operators = draw(LAPPET_PT_solve_settings)
     assert "store" in words.replace(" ", "")
     assert operators == ["lappet.reload_frames", "lappet.clear_frames"]
+
+
+FAR = Problem(
+    ProblemCode.HOOK_TARGET_FAR,
+    "/Procedure/Timeline/hook_1",
+    "996",
+    "The target is far.",
+    "Move it nearer.",
+    "warning",
+    Place.at((1.0, 2.0, 1000.0)),
+)
+DOUBTED = Problem(
+    ProblemCode.ERROR_LARGE,
+    "Frame 6",
+    "9",
+    "Not to be trusted.",
+    "Use a smaller spacing.",
+    "warning",
+    Place.at((3, 4, 5)),
+)
+RESTED = Problem(ProblemCode.FRAMES_FROM_REST, "Frame 5", "1", "Solved from rest.", "Make smaller steps.", "note")
+
+
+def test_what_is_suspicious_is_shown_with_its_place_and_stops_no_solve(patch: bpy.types.Scene, script: Script) -> None:
+    script.suspicious = (FAR,)
+    run_timer(QUIET)
+    words, operators = draw(LAPPET_PT_solve)
+    assert "The target is far. Move it nearer." in words
+    assert operators.count("lappet.problem_show") == 1
+    assert frames.problems_of(patch) == (FAR,)
+    solve(patch)
+    assert "8 of 8 frames solved" in draw(LAPPET_PT_solve)[0]
+    bpy.ops.lappet.problem_show(index=0)
+    assert patch.lappet.events[patch.lappet.active_event].name == "hook_1"
+    assert tuple(to_mm(patch, patch.cursor.location)) == pytest.approx((1.0, 2.0, 1000.0), rel=1e-6)
+
+
+def test_a_frame_that_is_not_to_be_trusted_says_so_and_what_was_done_otherwise_is_told(
+    patch: bpy.types.Scene, script: Script
+) -> None:
+    good = FrameErrorEstimate(0.125, 0.1, 0.0, 0.0, 0.125, 0.1)
+    script.assessment = Assessment((RESTED, DOUBTED), (good,) * 5 + (replace(good, greatest=9.0, is_trusted=False),))
+    run_timer(QUIET)
+    assert "Estimated error" not in draw(LAPPET_PT_solve)[0]
+    bpy.ops.lappet.solve()
+    run_timer(QUIET)
+    assert frames.problems_of(patch) == (DOUBTED,)
+    assert frames.notes_of(patch) == (RESTED,)
+    words, _ = draw(LAPPET_PT_solve)
+    assert "Not to be trusted." in words
+    assert "Solved from rest." in words
+    patch.frame_set(5)
+    assert "Estimated error of this frame: 0.12 mm at most" in draw(LAPPET_PT_solve)[0]
+    patch.frame_set(6)
+    assert "This frame is not to be trusted: its estimated error is 9 mm" in draw(LAPPET_PT_solve)[0]
+    patch.frame_set(8)
+    assert "stimated error" not in draw(LAPPET_PT_solve)[0]
+    bpy.ops.lappet.problem_show(index=0)
+    assert tuple(to_mm(patch, patch.cursor.location)) == pytest.approx((3.0, 4.0, 5.0))
+    find_event(patch, "hook_1").stiffness = 10.0
+    run_timer(QUIET)
+    assert frames.problems_of(patch) == (), "they were of the frames before the change"

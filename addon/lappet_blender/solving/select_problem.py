@@ -7,6 +7,7 @@ import bpy
 from lappet.core.problem import Problem
 
 from ..model.event_list import event_index, event_time
+from ..model.units import to_world
 
 _SUBSET = "/Procedure/Tissue"
 
@@ -14,6 +15,16 @@ _SUBSET = "/Procedure/Tissue"
 def problem_event(scene: bpy.types.Scene, problem: Problem) -> int:
     """The index of the event that a problem is about, -1 for none. Paths are prims or names of events and objects."""
     return event_index(scene, problem.prim.split(".")[0].rsplit("/", 1)[-1])
+
+
+def show_place(context: bpy.types.Context, problem: Problem) -> bool:
+    """Move the 3D cursor to the first point of the problem's place and look there; False where it has none."""
+    if problem.place is None or not problem.place.points:
+        return False
+    context.scene.cursor.location = to_world(context.scene, list(problem.place.points[0]))
+    if context.region_data is not None:
+        context.region_data.view_location = context.scene.cursor.location
+    return True
 
 
 def select_problem(scene: bpy.types.Scene, layer: bpy.types.ViewLayer, problem: Problem) -> bool:

@@ -5,21 +5,18 @@ import bpy
 from ..interface.problem_sentence import problem_sentence
 from ..interface.repair_button import draw_repair
 from ..interface.sentence_lines import draw_sentence
+from ..interface.sidebar_panel import CLOSED, SidebarPanel, with_fields
 from .controller import controller_of
-from .frames import failure_of, notes_of, problems_of, progress_of
+from .frames import error_of, failure_of, notes_of, problems_of, progress_of
 from .select_problem import problem_event
 
 _MOST_PROBLEMS = 6
-_CLOSED = {"DEFAULT_CLOSED"}
 
 
-class LAPPET_PT_solve(bpy.types.Panel):
+class LAPPET_PT_solve(SidebarPanel, bpy.types.Panel):
     """Solve the procedure and follow its progress."""
 
     bl_label = "Solve"
-    bl_space_type = "VIEW_3D"
-    bl_region_type = "UI"
-    bl_category = "Lappet"
     bl_order = 30
 
     def draw(self, context: bpy.types.Context) -> None:
@@ -39,6 +36,8 @@ class LAPPET_PT_solve(bpy.types.Panel):
             _bar(layout, progress.done / max(progress.total, 1), f"{progress.done} / {progress.total}")
         draw_sentence(layout, context, progress.line if ready else "Make a mesh the tissue first.")
 
+        _error(layout, context)
+
         row = layout.row()
         row.enabled = ready and not progress.running
         row.operator("lappet.live", icon="REC", depress=progress.live)
@@ -55,22 +54,17 @@ class LAPPET_PT_solve(bpy.types.Panel):
             draw_sentence(layout, context, problem_sentence(note), "INFO")
 
 
-class LAPPET_PT_solve_settings(bpy.types.Panel):
+class LAPPET_PT_solve_settings(SidebarPanel, bpy.types.Panel):
     """The accuracy of solving and the folder of solved frames."""
 
     bl_label = "Settings"
     bl_parent_id = "LAPPET_PT_solve"
-    bl_space_type = "VIEW_3D"
-    bl_region_type = "UI"
-    bl_category = "Lappet"
-    bl_options = _CLOSED
+    bl_options = CLOSED
 
     def draw(self, context: bpy.types.Context) -> None:
-        layout = self.layout
-        layout.use_property_split = True
-        layout.use_property_decorate = False
+        layout = with_fields(self.layout)
         solving = context.scene.lappet.solving
-        for name in ("tolerance", "precision", "quadrature", "threads"):
+        for name in ("tolerance", "precision", "quadrature", "error_estimate", "threads"):
             layout.prop(solving, name)
         row = layout.row()
         row.enabled = bool(bpy.data.filepath) or solving.beside_file
@@ -95,6 +89,18 @@ def _problems(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
     more = len(problems) - _MOST_PROBLEMS
     if more > 0:
         layout.label(text=f"and {more} more")
+
+
+def _error(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
+    """What is known of the error of the frame that is shown."""
+    error = error_of(context.scene, context.scene.frame_current)
+    if error is None:
+        return
+    if error.is_trusted:
+        draw_sentence(layout, context, f"Estimated error of this frame: {error.greatest:.2g} mm at most")
+    else:
+        said = f"This frame is not to be trusted: its estimated error is {error.greatest:.2g} mm"
+        draw_sentence(layout, context, said, "ERROR")
 
 
 def _bar(layout: bpy.types.UILayout, factor: float, text: str) -> None:

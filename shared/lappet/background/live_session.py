@@ -47,7 +47,11 @@ class LiveSession:
         settings = program.settings
         # Where the tissue follows a hook, the next update shows soon enough that it rests nowhere else.
         self._settings = replace(
-            settings, tolerance=max(settings.tolerance, TOLERANCE), time_budget=TIME_BUDGET, stability=False
+            settings,
+            tolerance=max(settings.tolerance, TOLERANCE),
+            time_budget=TIME_BUDGET,
+            correction=False,
+            stability=False,
         )
         self._program = program
         self._frame = program.frames[index]

@@ -1,25 +1,27 @@
-"""Run a job of the worker: plan a procedure, or solve its frames and tell of each."""
+"""Run a job of the worker: list the frames of a procedure, or solve them and tell of each."""
 
 from __future__ import annotations
 
 import time
 import traceback
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
+from lappet.background.assessment import Assessment, assessment_key
 from lappet.background.compilation import Compilation, up_to
 from lappet.background.job import CancelledError, Job
 from lappet.background.kept_frames import KeptFrames
-from lappet.background.plan import Plan
+from lappet.background.manifest import Manifest
 from lappet.background.worker_events import (
+    Assessed,
     Finished,
     FrameFailed,
     FrameReady,
     IterationDone,
+    Listed,
     Note,
-    Planned,
     Refused,
     WorkerEvent,
 )
@@ -31,7 +33,10 @@ from lappet.daemon.solved_frame import LatticeCounts, SolvedFrame, SolverState
 from lappet.procedure.prim_paths import ROOT
 from lappet.program.program import Bones, FrameConstraints, Landmarks, Program
 from lappet.program.settings import SolverSettings
+from lappet.solve.error_estimate import ErrorEstimate, estimate_errors
+from lappet.solve.fallbacks import fallbacks
 from lappet.solve.solve_frames import FrameResult, Frames, SolveObserver, solve_program
+from lappet.solve.untrusted import untrusted
 
 Tell = Callable[[WorkerEvent], None]
 
@@ -42,7 +47,7 @@ class SolveJobs:
     Parameters
     ----------
     compilation
-        Where plans and programs come from.
+        Where manifests and programs come from.
     store
         Where frames are kept.
     connect
@@ -58,7 +63,7 @@ class SolveJobs:
         self.tell = tell
 
     def run(self, job: Job) -> None:
-        """Plan, and solve where that is asked; end with `Finished` whatever happens.
+        """Manifest, and solve where that is asked; end with `Finished` whatever happens.
 
         Parameters
         ----------
@@ -84,11 +89,11 @@ class SolveJobs:
         self.tell(Finished(job.number, done, time.perf_counter() - begun, job.cancelled))
 
     def _run(self, job: Job) -> int:
-        plan = self.plan(job)
-        return 0 if job.kind == "plan" else self.solve(job, plan, job.ask.until)
+        manifest = self.manifest(job)
+        return 0 if job.kind == "manifest" else self.solve(job, manifest, job.ask.until)
 
-    def plan(self, job: Job) -> Plan:
-        """Make the plan of a job and tell it to the owner.
+    def manifest(self, job: Job) -> Manifest:
+        """Make the manifest of a job and tell it to the owner.
 
         Parameters
         ----------
@@ -97,26 +102,26 @@ class SolveJobs:
 
         Returns
         -------
-        Plan
-            The plan.
+        Manifest
+            The manifest.
         """
         well = self.store.trouble is None
-        plan = self.compilation.plan(job.ask.procedure, job.ask.settings, job.step)
+        manifest = self.compilation.manifest(job.ask.procedure, job.ask.settings, job.step)
         if well and self.store.trouble is not None:
             self.tell(Note(job.number, self.store.trouble))
-        self.tell(Planned(job.number, plan, tuple(frame.key in self.store for frame in plan.frames)))
-        job.at = job.ask.time if job.kind == "live" else plan.frames[0].time
-        return plan
+        self.tell(Listed(job.number, manifest, tuple(frame.key in self.store for frame in manifest.frames)))
+        job.at = job.ask.time if job.kind == "live" else manifest.frames[0].time
+        return manifest
 
-    def solve(self, job: Job, plan: Plan, until: int | None) -> int:
-        """Get the frames of a plan.
+    def solve(self, job: Job, manifest: Manifest, until: int | None) -> int:
+        """Get the frames of a manifest.
 
         Parameters
         ----------
         job
             The job.
-        plan
-            Its plan.
+        manifest
+            Its manifest.
         until
             Last time code, or None for all.
 
@@ -125,17 +130,47 @@ class SolveJobs:
         int
             How many frames are there.
         """
-        wanted = [frame for frame in plan.frames if until is None or frame.time <= until]
+        wanted = [frame for frame in manifest.frames if until is None or frame.time <= until]
         if all(frame.key in self.store for frame in wanted):
-            for frame in wanted:
-                job.step()
-                self.tell(FrameReady(job.number, frame.time, frame.key, True, self._held(frame.key)))
-            return len(wanted)
+            key = assessment_key([frame.key for frame in wanted], job.ask.settings.correction)
+            known = self.store.get(key, Assessment)
+            if known is not None or not job.ask.settings.correction:
+                for frame in wanted:
+                    job.step()
+                    self.tell(FrameReady(job.number, frame.time, frame.key, True, self._held(frame.key)))
+                if known is not None:
+                    self.tell(Assessed(job.number, known))
+                return len(wanted)
         program = up_to(self.compilation.compiled(job.ask.procedure, job.ask.settings, job.step).program, until)
         frames = self.frames(job, program)
         if frames.reason is not None and not frames.interrupted:
             self.tell(FrameFailed(job.number, round(program.frames[len(frames.frames)].time), frames.reason))
+        if job.kind == "solve" and frames.frames and not frames.interrupted:
+            self.assess(job, program, frames.frames)
         return len(frames.frames)
+
+    def assess(self, job: Job, program: Program, frames: Sequence[FrameResult]) -> None:
+        """Tell what is to be known of the frames of a job, with their estimated errors where these are wanted.
+
+        Parameters
+        ----------
+        job
+            The job.
+        program
+            The program.
+        frames
+            Its frames, at least one.
+        """
+        notes, errors = fallbacks(program, frames), ErrorEstimate((), 0.0, 0.0, 0.0)
+        wanted = job.ask.settings.correction
+        if wanted:
+            connect, identity = stoppable(self.connect, job), self.compilation.identity
+            errors = estimate_errors(program, frames, self.store, connect, identity, _Stopping(job))
+            job.step()
+            notes += untrusted(program, frames, errors)
+        found = Assessment(tuple(notes), errors.frames)
+        self.store.put(assessment_key([frame.key for frame in frames], wanted), found)
+        self.tell(Assessed(job.number, found))
 
     def frames(self, job: Job, program: Program) -> Frames:
         """Solve a program and tell of each frame.
@@ -159,6 +194,25 @@ class SolveJobs:
         """A frame that only this process has."""
         stored = self.store.get(key, SolvedFrame) if self.store.holds(key) else None
         return None if stored is None else stored.shown()
+
+
+class _Stopping(SolveObserver):
+    """Stop a solve once it is cancelled."""
+
+    def __init__(self, job: Job) -> None:
+        self._job = job
+
+    def iteration(self, iteration: Iteration) -> None:
+        """A Newton iteration is done."""
+        self._stop()
+
+    def frame(self, frame: FrameResult) -> None:
+        """A frame is there."""
+        self._stop()
+
+    def _stop(self) -> None:
+        if self._job.cancelled:
+            raise KeyboardInterrupt  # what ends a solve and keeps what is done
 
 
 class _Telling(SolveObserver):

@@ -10,6 +10,8 @@ import click
 
 from lappet.core.problem_code import ProblemCode
 
+FOUND_BY_SOLVING = {ProblemCode.ERROR_LARGE, ProblemCode.LATTICE_VOLUME}
+
 if TYPE_CHECKING:
     from lappet.core.problem import Problem
     from lappet.output.solve_to_cache import SolveResult
@@ -156,15 +158,15 @@ def told_lines(notes: Sequence[Problem]) -> list[str]:
     list[str]
         Lines of text.
     """
-    doubts = [each for each in notes if each.code == ProblemCode.ERROR_LARGE]
-    lines = [f"warning: {each}" for each in doubts]
-    others = [each for each in notes if each.severity == "warning" and each not in doubts]
-    if others:
+    warnings = [each for each in notes if each.severity == "warning"]
+    lines = [f"warning: {each}" for each in warnings if each.code in FOUND_BY_SOLVING]
+    others = [each for each in warnings if each.code not in FOUND_BY_SOLVING]
+    if others:  # which were told before the first frame
         named = ", ".join(f"{each.code} ({each.prim})" if each.prim else each.code for each in others)
-        lines.append(f"{len(others)} warning{'' if len(others) == 1 else 's'}: {named}.")
+        lines.append(f"{len(others)} warning{'' if len(others) == 1 else 's'} about the procedure: {named}.")
     told = [f"{each.prim}: {each.message}" if each.prim else each.message for each in notes if each.severity == "note"]
     if told:
-        lines.append("Otherwise than told: " + " ".join(told))
+        lines.append("Besides: " + " ".join(told))
     return lines
 
 

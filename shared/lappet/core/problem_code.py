@@ -253,6 +253,7 @@ class ProblemCode(StrEnum):
     MATERIAL_ACTIVATION_UNUSED = auto()
     MATERIAL_DENSITY = auto()
     MATERIAL_IN_USE = auto()
+    SKIN_LINE_TENSION = auto()
     REGION_NO_SUBSET = auto()
     REGION_SUBSET_TWICE = auto()
     REGION_UNKNOWN = auto()

@@ -346,7 +346,7 @@ class SolvedFrame:
         return {name: value for name, value in values.items() if isinstance(value, np.ndarray)}
 
     def shown(self) -> SolvedFrame:
-        """Make the view of it for display: without the state, whose memory it does not hold either.
+        """Make the view of it for display: without state and corrections, whose memory it does not hold either.
 
         Returns
         -------
@@ -354,6 +354,7 @@ class SolvedFrame:
             The view.
         """
         copies: dict[str, Any] = {name: array.copy() for name, array in self.arrays().items()}
+        copies.update(correction=no_entries((0, 3), np.float32), landmark_correction=no_entries((0, 3), np.float64))
         return replace(self, **copies, state=None)
 
     def without_scalars(self) -> SolvedFrame:

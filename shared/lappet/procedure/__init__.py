@@ -18,6 +18,7 @@ from lappet.procedure.events import (
 from lappet.procedure.exact_values import Point
 from lappet.procedure.position import POSITIONS, position_of
 from lappet.procedure.procedure import Procedure
+from lappet.procedure.skin_line import SkinLine
 from lappet.procedure.tissue import DEFAULT_SKIN, MODELS, Bone, Material, Region, Tissue
 
 __all__ = [
@@ -38,6 +39,7 @@ __all__ = [
     "Procedure",
     "Region",
     "Retractor",
+    "SkinLine",
     "Suture",
     "Tissue",
     "Undermine",

@@ -93,6 +93,9 @@ def epoch_payload(epoch: Epoch, grip: NDArray[np.int32], landmarks: Landmarks) -
     if len(regions.skin_triangles):
         arrays["skin_points"] = np.asarray(regions.skin_points, np.float64)
         arrays["skin_triangles"] = np.asarray(regions.skin_triangles, np.int32)
+    for name in ("skin_directions", "skin_stretch"):
+        if len(getattr(regions, name)):
+            arrays[name] = np.asarray(getattr(regions, name), np.float64)
     if len(epoch.ground.triangles):
         arrays["ground_points"] = np.asarray(epoch.ground.points, np.float64)
         arrays["ground_triangles"] = np.asarray(epoch.ground.triangles, np.int32)

@@ -47,10 +47,8 @@ def fallbacks(program: Program, frames: Sequence[FrameResult]) -> list[Problem]:
     """
     found = _from_rest(frames)
     lattices = {frame.constraints.epoch: frame.solved.lattice for frame in frames}
-    for epoch in program.epochs:
-        lattice = lattices.get(epoch.index)
-        if lattice is not None:
-            found += _lattice(epoch, lattice, program.settings)
+    known = [(epoch, own) for epoch in program.epochs if (own := lattices.get(epoch.index)) is not None]
+    found += [*_dropped(known, program.settings), *_volume_off(known, program.settings)]
     if frames and program.settings.region == "auto":
         found += _neighborhood(program)
     return found
@@ -88,19 +86,25 @@ def _from_rest(frames: Sequence[FrameResult]) -> list[Problem]:
     return found
 
 
-def _lattice(epoch: Epoch, lattice: LatticeCounts, settings: SolverSettings) -> list[Problem]:
-    tissue = signed_volume(epoch.surface.points, epoch.surface.triangles)
-    time, found = epoch.start_time, []
-    if lattice.dropped_voxels and tissue > 0.0:
-        dropped = _volume(lattice.dropped_voxels, settings)
-        share, code = dropped / tissue, ProblemCode.LATTICE_DROPPED
-        found.append(problem(code, TISSUE, f"{dropped:.3g}", time=time, share=share))
-    ratio = volume_ratio(epoch, lattice, settings)
-    if abs(ratio - 1.0) > MOST_OFF:
-        held, code = _volume(lattice.fine_voxels, settings), ProblemCode.LATTICE_VOLUME
-        percent = f"{100.0 * ratio:.1f}"
-        found.append(problem(code, TISSUE, percent, time=time, lattice=held, tissue=tissue, most=MOST_OFF))
-    return found
+def _dropped(known: Sequence[tuple[Epoch, LatticeCounts]], settings: SolverSettings) -> list[Problem]:
+    """The epoch whose lattice leaves out most."""
+    epoch, lattice = max(known, key=lambda each: each[1].dropped_voxels, default=(None, None))
+    if epoch is None or lattice is None or not lattice.dropped_voxels:
+        return []
+    dropped = _volume(lattice.dropped_voxels, settings)
+    percent = 100.0 * dropped / signed_volume(epoch.surface.points, epoch.surface.triangles)
+    return [problem(ProblemCode.LATTICE_DROPPED, TISSUE, f"{dropped:.3g}", time=epoch.start_time, percent=percent)]
+
+
+def _volume_off(known: Sequence[tuple[Epoch, LatticeCounts]], settings: SolverSettings) -> list[Problem]:
+    """The epoch whose lattice differs most."""
+    off = [(abs(volume_ratio(*each, settings) - 1.0), *each) for each in known]
+    most, epoch, lattice = max(off, key=lambda each: each[0], default=(0.0, None, None))
+    if epoch is None or lattice is None or not most > MOST_OFF:
+        return []
+    held, tissue = _volume(lattice.fine_voxels, settings), signed_volume(epoch.surface.points, epoch.surface.triangles)
+    time, percent, code = epoch.start_time, f"{100.0 * held / tissue:.1f}", ProblemCode.LATTICE_VOLUME
+    return [problem(code, TISSUE, percent, time=time, lattice=held, tissue=tissue, most=MOST_OFF)]
 
 
 def _neighborhood(program: Program) -> list[Problem]:

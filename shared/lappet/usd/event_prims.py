@@ -124,7 +124,7 @@ def read_event(reader: Reader, prim: Any, schema: str, tissues: list[Any]) -> Ev
     name = prim.GetName()
     match schema:
         case "LappetIncisionAPI":
-            points, basis, closed = _curve(reader, prim)
+            points, basis, closed = read_curve(reader, prim)
             through = reader.flag(prim, "lappet:through", True)
             time, kerf = reader.number(prim, "lappet:time"), reader.number(prim, "lappet:kerf", Incision.kerf)
             return Incision(
@@ -133,7 +133,7 @@ def read_event(reader: Reader, prim: Any, schema: str, tissues: list[Any]) -> Ev
         case "LappetExcisionAPI":
             return Excision(name, reader.number(prim, "lappet:time"), _tuples(reader.points(prim)))
         case "LappetUndermineAPI":
-            points, basis, closed = _curve(reader, prim)
+            points, basis, closed = read_curve(reader, prim)
             if not closed:
                 reader.problem(ProblemCode.UNDERMINE_OPEN_CURVE, prim.GetPath(), "nonperiodic")
             return Undermine(name, reader.number(prim, "lappet:time"), points, basis)
@@ -176,8 +176,21 @@ def _grip(reader: Reader, prim: Any, tissues: list[Any]) -> str:
     return name
 
 
-def _curve(reader: Reader, prim: Any) -> tuple[tuple[Point, ...], Basis, bool]:
-    """Points, basis and closedness of a prim with one curve; a pinned curve gets its phantom points."""
+def read_curve(reader: Reader, prim: Any) -> tuple[tuple[Point, ...], Basis, bool]:
+    """Read a prim with one curve; a pinned curve gets its phantom points.
+
+    Parameters
+    ----------
+    reader
+        The reader of the stage; gets the problems.
+    prim
+        The prim.
+
+    Returns
+    -------
+    tuple[tuple[Point, ...], Basis, bool]
+        Its points, its basis and whether it is closed.
+    """
     points = reader.points(prim)
     counts = reader.integers(prim, "curveVertexCounts")
     if len(counts) != 1:

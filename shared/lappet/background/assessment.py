@@ -1,0 +1,44 @@
+"""What is to be known of solved frames besides themselves; kept in the store, for when they are found there again."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from lappet.core.digest import digest
+from lappet.core.problem import Problem
+from lappet.solve.error_estimate import FrameErrorEstimate
+
+
+@dataclass(frozen=True)
+class Assessment:
+    """What is to be known of solved frames.
+
+    Parameters
+    ----------
+    notes
+        What was done otherwise than told, and which frames are not to be trusted.
+    errors
+        Estimated error of each frame, None where there is none; empty where none was wanted.
+    """
+
+    notes: tuple[Problem, ...] = ()
+    errors: tuple[FrameErrorEstimate | None, ...] = ()
+
+
+def assessment_key(keys: Sequence[str], estimated: bool) -> str:
+    """Return the key of an assessment in the store.
+
+    Parameters
+    ----------
+    keys
+        Keys of the frames, at least one.
+    estimated
+        Whether errors were wanted.
+
+    Returns
+    -------
+    str
+        64 hexadecimal digits.
+    """
+    return digest("assessment", keys[-1], len(keys), estimated).hex()
