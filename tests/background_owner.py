@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TypeVar
 
 from lappet.background.solver import BackgroundSolver
-from lappet.background.worker_events import Finished, FrameReady, Note, Planned, WorkerEvent
+from lappet.background.worker_events import Finished, FrameReady, Listed, Note, WorkerEvent
 from lappet.core.problem import Problem
 from lappet.program.settings import SolverSettings
 
@@ -58,10 +58,10 @@ class Owner:
         assert times == sorted(set(times))
         return {frame.time: frame for frame in found}
 
-    def plan(self, job: int) -> Planned:
-        """What a job was planned to be; told once."""
-        (planned,) = self.of(Planned, job)
-        return planned
+    def manifest(self, job: int) -> Listed:
+        """What the manifest of a job is; told once."""
+        (listed,) = self.of(Listed, job)
+        return listed
 
     def notes(self, job: int) -> list[Problem]:
         """The notes of a job."""

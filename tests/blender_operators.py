@@ -25,11 +25,7 @@ def operators() -> dict[str, set[str]]:
 
     found: dict[str, set[str]] = {}
     for name, node in classes.items():
-        if not any(ast.unparse(base) == "bpy.types.Operator" for base in node.bases):
-            continue
-        for statement in node.body:
-            if isinstance(statement, ast.Assign) and ast.unparse(statement.targets[0]) == "bl_idname":
-                value = ast.literal_eval(statement.value)
-                if value.startswith("lappet."):
-                    found[value.removeprefix("lappet.")] = properties(name.partition(".")[0], node)
+        if any(ast.unparse(base) == "bpy.types.Operator" for base in node.bases):
+            stem, _, kind = name.partition(".")
+            found[kind.removeprefix("LAPPET_OT_")] = properties(stem, node)
     return found

@@ -8,16 +8,20 @@ from __future__ import annotations
 
 from importlib import import_module
 
-# In this order; each has a module `registration` with `register` and `unregister`.
+# In this order; each has a module `registration` with its `CLASSES`, and `register` and `unregister` for the rest.
 _PARTS = ("model", "tissue", "events", "files", "solving", "display", "tools")
 
 
 def register() -> None:
     """Add the properties, operators, tools, panels and handlers; what a failure leaves half done is taken back."""
+    utils = import_module("bpy").utils
     done: list[str] = []
     try:
         for part in _PARTS:
-            import_module(f"{__package__}.{part}.registration").register()
+            registration = import_module(f"{__package__}.{part}.registration")
+            for each in registration.CLASSES:
+                utils.register_class(each)
+            registration.register()
             done.append(part)
     except BaseException:
         _unregister(done)
@@ -30,5 +34,9 @@ def unregister() -> None:
 
 
 def _unregister(parts: list[str]) -> None:
+    utils = import_module("bpy").utils
     for part in reversed(parts):
-        import_module(f"{__package__}.{part}.registration").unregister()
+        registration = import_module(f"{__package__}.{part}.registration")
+        registration.unregister()
+        for each in reversed(registration.CLASSES):
+            utils.unregister_class(each)

@@ -65,13 +65,31 @@ Eigen::Matrix<double, 8, 8> scalar_stiffness(const Elastic<Real>& elastic, Index
   return scalar;
 }
 
-// K of one cell, ordered corner-major (3 corner + component), with the cell's quadratic term.
+// Where a part of a cell has its quadrature points.
 template <class Real>
-Matrix24 cell_stiffness(const Elastic<Real>& elastic, Index cell) {
-  const Index slot = elastic.layout().slot_of_cell[cell];
+std::vector<QuadraturePoint> points_of(const Elastic<Real>& elastic, Index slot) {
+  auto points = quadrature_points(elastic.points());
+  const auto& arrays = elastic.arrays();
+  const int lanes = elastic.layout().lanes;
+  if (arrays.share == nullptr) return points;
+  for (auto& point : points) {
+    double at[3];
+    for (int i = 0; i < 3; ++i) {
+      const Real* record = arrays.share + std::int64_t{slot / lanes} * kShareFields * lanes + slot % lanes;
+      const double scale = double(record[(kShareScale + i) * lanes]),
+                   center = double(record[(kShareCenter + i) * lanes]);
+      at[i] = 0.5 + 0.5 * center + scale * (point.position[i] - 0.5);
+    }
+    point = quadrature_point(at[0], at[1], at[2], point.weight);
+  }
+  return points;
+}
+
+template <class Real>
+Matrix24 part_stiffness(const Elastic<Real>& elastic, Index slot) {
   Matrix24 result = Matrix24::Zero();
   if (slot < 0) return result;
-  const auto points = quadrature_points(elastic.points());
+  const auto points = points_of(elastic, slot);
   for (int q = 0; q < elastic.points(); ++q) {
     const Matrix9 tangent = point_tangent(elastic, slot, q);
     // dF_ij = sum_k x_ki g_jk
@@ -85,6 +103,15 @@ Matrix24 cell_stiffness(const Elastic<Real>& elastic, Index cell) {
   for (int a = 0; a < 8; ++a)
     for (int b = 0; b < 8; ++b)
       for (int i = 0; i < 3; ++i) result(3 * a + i, 3 * b + i) += scalar(a, b);
+  return result;
+}
+
+// K of one cell, all its parts, ordered corner-major (3 corner + component), with the cell's quadratic term.
+template <class Real>
+Matrix24 cell_stiffness(const Elastic<Real>& elastic, Index cell) {
+  Matrix24 result = part_stiffness(elastic, elastic.layout().slot_of_cell[cell]);
+  for (std::size_t part = 0; part < elastic.part_cells().size(); ++part)
+    if (elastic.part_cells()[part] == cell) result += part_stiffness(elastic, elastic.layout().slot_of_part[part]);
   return result;
 }
 

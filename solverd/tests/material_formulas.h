@@ -31,15 +31,25 @@ inline Eigen::Matrix3d isotropic_piola(const MaterialParameters& m, const Eigen:
   return (kappa * std::log(j) * Matrix::Identity() + 2 * deviator) * inverse;
 }
 
-// Fibers (Gasser, Ogden, Holzapfel 2006, equations 4.1 to 4.3) and muscle (Blemker, Pinsky, Delp 2005, table 1).
+// Fibers (Gasser, Ogden, Holzapfel 2006, equations 4.1 to 4.3, with the volume's own measure of the dispersed part and
+// the recruitment that fiber.h states) and muscle (Blemker, Pinsky, Delp 2005, table 1).
 inline Eigen::Matrix3d fiber_piola(const MaterialParameters& m, const Eigen::Matrix3d& f, double activation = 0) {
   const Eigen::Vector3d a = m.fiber_direction;
   const Eigen::Matrix3d structure =
       m.fiber_dispersion * Eigen::Matrix3d::Identity() + (1 - 3 * m.fiber_dispersion) * a * a.transpose();
-  const double e = std::max((structure * (f.transpose() * f)).trace() - 1, 0.0);
+  // v' and v of x = J - 1: -2 x and the integral of 100 x / sqrt(1 + 100 x^2)
+  const double x = f.determinant() - 1, root = std::sqrt(1 + 100 * x * x);
+  const double strain = (structure * (f.transpose() * f)).trace() - m.fiber_slack * m.fiber_slack +
+                        m.fiber_dispersion * (root - 1 - 2 * x);
+  // fibers whose slack lies in the half of slack^2 - 1 around it bear load one after the other
+  const double width = 0.5 * (m.fiber_slack * m.fiber_slack - 1), t = width > 0 ? strain / width + 0.5 : 2.0;
+  const double e = std::max(t >= 1 ? strain : t <= 0 ? 0.0 : width * (t * t * t - 0.5 * t * t * t * t), 0.0);
+  const double borne = t >= 1 ? 1 : t <= 0 ? 0 : 3 * t * t - 2 * t * t * t;
+  const Eigen::Matrix3d cofactor = f.determinant() * f.inverse().transpose();
   const double stretch = (f * a).norm(), off = std::abs(stretch - 1);
   const double curve = off < 0.4 ? 1 - 4 * off * off : off < 0.6 ? 9 * (off - 0.6) * (off - 0.6) : 0.0;
-  return 2 * m.fiber_k1 * e * std::exp(m.fiber_k2 * e * e) * f * structure +
+  return 2 * m.fiber_k1 * e * std::exp(m.fiber_k2 * e * e) * borne *
+             (f * structure + m.fiber_dispersion * (50 * x / root - 1) * cofactor) +
          activation * m.muscle_stress * curve / stretch * f * a * a.transpose();
 }
 

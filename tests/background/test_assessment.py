@@ -39,7 +39,7 @@ def test_a_pull_that_the_lattice_does_not_resolve_is_a_warning_with_its_place(tm
     with owner(tmp_path) as own:
         job = own.solver.solve(coarse, ESTIMATED, 5)
         assert own.finished(job).frames == 5
-        assert ProblemCode.HOOK_TARGET_FAR in [each.code for each in own.plan(job).plan.notes]
+        assert ProblemCode.HOOK_TARGET_FAR in [each.code for each in own.manifest(job).manifest.notes]
         (told,) = own.of(Assessed, job)
     doubted = [each for each in told.assessment.notes if each.code == ProblemCode.ERROR_LARGE]
     assert [each.prim for each in doubted] == ["Frame 5"]

@@ -98,7 +98,7 @@ def test_live_states_never_enter_the_store(tmp_path: Path, binary: Path) -> None
         own.solver.cancel(job)
         own.finished(job)
         assert {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()} == files
-        assert own.plan(job).plan.frames[4].key not in FrameStore(tmp_path)
+        assert own.manifest(job).manifest.frames[4].key not in FrameStore(tmp_path)
 
 
 @pytest.mark.slow

@@ -14,10 +14,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import procedure_strategies
+from lappet.background.manifest import EpochShape, ListedFrame, Manifest
+from lappet.background.manifest_key import manifest_key
 from lappet.background.pipes import MAX_BYTES, WorkerPipes
-from lappet.background.plan import EpochShape, Plan, PlannedFrame
-from lappet.background.plan_key import plan_key
-from lappet.background.worker_events import Finished, FrameReady, LiveFrame, Note, Planned, Refused, WorkerEvent
+from lappet.background.worker_events import Finished, FrameReady, Listed, LiveFrame, Note, Refused, WorkerEvent
 from lappet.background.worker_requests import Aim, Ask, Cancel, WorkerRequest
 from lappet.core.array_codec import CodecError
 from lappet.core.problem import Place, Problem
@@ -81,7 +81,7 @@ def test_settings_come_back_with_every_bit(choice: SolverSettings) -> None:
     assert same_bits(unpack(pack(choice), SolverSettings), choice)
 
 
-def a_plan(seed: int = 0) -> Plan:
+def a_manifest(seed: int = 0) -> Manifest:
     random = np.random.default_rng(seed)
     shape = EpochShape(
         f"{seed:064x}",
@@ -93,8 +93,8 @@ def a_plan(seed: int = 0) -> Plan:
         random.normal(size=5).astype(np.float32),
         np.array([3, -1, 0, 1], np.int32),
     )
-    frames = (PlannedFrame(1, 0, "ab" * 32), PlannedFrame(2, 0, "cd" * 32, (0,), (0, 1)))
-    return Plan("ef" * 32, (shape,), frames, ("hook",), ("a", "b"), ("mark 1",), ((0,),), (LARGE,))
+    frames = (ListedFrame(1, 0, "ab" * 32), ListedFrame(2, 0, "cd" * 32, (0,), (0, 1)))
+    return Manifest("ef" * 32, (shape,), frames, ("hook",), ("a", "b"), ("mark 1",), ((0,),), (LARGE,))
 
 
 def test_plans_and_events_come_back_with_every_bit() -> None:
@@ -107,7 +107,7 @@ def test_plans_and_events_come_back_with_every_bit() -> None:
         lattice=LatticeCounts(64, 1, 1, 0, 8, 1, 1, 0, 3, 1000.0, 0.1),
     )
     for value in (
-        Planned(1, a_plan(), (True, False)),
+        Listed(1, a_manifest(), (True, False)),
         Refused(2, (Problem(ProblemCode.MESH_OPEN, TISSUE, "1", "It is wrong.", "Repair it.", "warning"),)),
         FrameReady(3, 7, "00" * 32, False, shown),
         FrameReady(3, 7, "00" * 32, True, None),
@@ -177,10 +177,10 @@ def test_the_pipes_of_a_worker_carry_messages_and_end_with_it() -> None:
 
 @settings(max_examples=60, deadline=None)
 @given(procedure_strategies.procedures(), procedure_strategies.procedures())
-def test_the_key_of_a_plan_tells_procedures_apart_as_equality_does(a: Procedure, b: Procedure) -> None:
-    key = plan_key(a, SolverSettings(), "solver")
-    assert plan_key(unpack(pack(a), Procedure), SolverSettings(), "solver") == key
-    assert (plan_key(b, SolverSettings(), "solver") == key) == (a == b)
+def test_the_key_of_a_manifest_tells_procedures_apart_as_equality_does(a: Procedure, b: Procedure) -> None:
+    key = manifest_key(a, SolverSettings(), "solver")
+    assert manifest_key(unpack(pack(a), Procedure), SolverSettings(), "solver") == key
+    assert (manifest_key(b, SolverSettings(), "solver") == key) == (a == b)
 
 
 def test_every_value_of_a_procedure_and_what_changes_a_frame_is_in_the_key() -> None:
@@ -204,20 +204,20 @@ def test_every_value_of_a_procedure_and_what_changes_a_frame_is_in_the_key() -> 
         replace(base, tissue=replace(tissue, gravity=3.7)),
         replace(base, bones=(bone,)),
     ]
-    keys = {plan_key(each, SolverSettings(), "s") for each in (base, *others)}
+    keys = {manifest_key(each, SolverSettings(), "s") for each in (base, *others)}
     assert len(keys) == 1 + len(others)
     changes: list[dict[str, Any]] = [{"spacing": 0.5}, {"tolerance": 1e-4}, {"quadrature": 8}, {"precision": "double"}]
     choices = [SolverSettings(**change) for change in changes]
-    assert len({plan_key(base, choice, "s") for choice in (SolverSettings(), *choices)}) == 5
-    assert plan_key(base, SolverSettings(), "s") != plan_key(base, SolverSettings(), "t")
+    assert len({manifest_key(base, choice, "s") for choice in (SolverSettings(), *choices)}) == 5
+    assert manifest_key(base, SolverSettings(), "s") != manifest_key(base, SolverSettings(), "t")
 
 
 def test_what_changes_no_frame_changes_no_key() -> None:
     base = small_procedure()
-    key = plan_key(base, SolverSettings(), "s")
-    assert plan_key(base, SolverSettings(threads=3), "s") == key
-    assert plan_key(base, SolverSettings(spacing=base.tissue.spacing), "s") == key
-    assert plan_key(replace(base, start_time=1, fps=24), SolverSettings(), "s") == key
+    key = manifest_key(base, SolverSettings(), "s")
+    assert manifest_key(base, SolverSettings(threads=3), "s") == key
+    assert manifest_key(base, SolverSettings(spacing=base.tissue.spacing), "s") == key
+    assert manifest_key(replace(base, start_time=1, fps=24), SolverSettings(), "s") == key
     (slit, *others) = base.events
     assert isinstance(slit, Incision)
-    assert plan_key(replace(base, events=(replace(slit, time=3), *others)), SolverSettings(), "s") == key
+    assert manifest_key(replace(base, events=(replace(slit, time=3), *others)), SolverSettings(), "s") == key

@@ -14,14 +14,14 @@ import numpy as np
 import pytest
 
 from background_owner import SETTINGS, Owner, alive, daemon_of, kill, owner, wait_gone
-from lappet.background.plan_store import get_plan, put_plan
+from lappet.background.manifest_store import get_manifest, put_manifest
 from lappet.background.solver import BackgroundSolver
 from lappet.background.worker_events import (
     Finished,
     FrameFailed,
     FrameReady,
     IterationDone,
-    Planned,
+    Listed,
     Refused,
     WorkerEvent,
 )
@@ -86,7 +86,7 @@ def test_a_background_solve_has_the_keys_and_the_bits_of_lappet_solve(tmp_path: 
         ended = own.finished(job)
         assert (ended.frames, ended.cancelled) == (8, False)
         frames = own.frames(job)
-        assert own.plan(job).known == (False,) * 8
+        assert own.manifest(job).known == (False,) * 8
     keys = [frame.key for frame in result.frames]
     assert [frames[time].key for time in range(1, 9)] == keys
     assert contents(tmp_path / "background", keys) == contents(tmp_path / "foreground", keys)
@@ -114,7 +114,7 @@ def test_frames_arrive_while_the_solve_goes_on_and_polling_costs_next_to_nothing
         own.finished(job)
         assert time.perf_counter() > first
         kinds = [type(each) for each in own.happened]
-        assert kinds.index(Planned) < kinds.index(FrameReady) < len(kinds) - 1
+        assert kinds.index(Listed) < kinds.index(FrameReady) < len(kinds) - 1
         assert IterationDone in kinds
         assert kinds[-1] is Finished
         assert own.slowest < 0.02
@@ -139,7 +139,7 @@ def test_a_cancelled_solve_keeps_what_is_done_and_the_next_one_looks_it_up(
         frames = own.frames(again)
         assert [frame.looked_up for frame in frames.values()] == [True] * len(done) + [False] * (24 - len(done))
         assert all(frame.frame is None for frame in frames.values() if frame.looked_up)
-        assert sum(own.plan(again).known) == len(done)
+        assert sum(own.manifest(again).known) == len(done)
         keys = [frame.key for frame in frames.values()]
     assert contents(tmp_path, keys) == contents(foreground, keys)
 
@@ -151,11 +151,11 @@ def test_an_edit_solves_only_the_frames_after_it_and_an_undo_none(tmp_path: Path
         own.finished(own.solver.solve(base, SETTINGS))
         job = own.solver.solve(edited, SETTINGS)
         own.finished(job)
-        assert own.plan(job).known == (True,) * 6 + (False,) * 2
+        assert own.manifest(job).known == (True,) * 6 + (False,) * 2
         assert [frame.looked_up for frame in own.frames(job).values()] == [True] * 6 + [False] * 2
         undone = own.solver.solve(base, SETTINGS)
         own.finished(undone)
-        assert own.plan(undone).known == (True,) * 8
+        assert own.manifest(undone).known == (True,) * 8
         assert all(frame.looked_up for frame in own.frames(undone).values())
 
 
@@ -164,7 +164,7 @@ def test_a_solve_ends_at_the_frame_that_is_asked_for(tmp_path: Path, binary: Pat
         job = own.solver.solve(small_procedure(), SETTINGS, until=3)
         assert own.finished(job).frames == 3
         assert list(own.frames(job)) == [1, 2, 3]
-        assert len(own.plan(job).plan.frames) == 8
+        assert len(own.manifest(job).manifest.frames) == 8
         assert own.finished(own.solver.solve(small_procedure(), SETTINGS, until=0)).frames == 0
 
 
@@ -183,7 +183,7 @@ def test_a_killed_worker_is_started_again_and_nothing_is_lost(foreground: Path, 
         assert (note.code, note.severity) == (ProblemCode.BACKGROUND_RESTARTED, "note")
         assert "SIGKILL" in note.value
         frames = own.frames(job)
-        assert own.plan(job).plan.frames[3].key == frames[4].key
+        assert own.manifest(job).manifest.frames[3].key == frames[4].key
         keys = [frame.key for frame in frames.values()]
     assert len(keys) == 24
     assert contents(tmp_path, keys) == contents(foreground, keys)
@@ -209,7 +209,7 @@ def test_a_worker_that_dies_three_times_in_a_row_ends_its_jobs_with_a_sentence(t
     (tmp_path / "msgpack.py").write_text("import sys; sys.exit('this is no Lappet')")
     solver = BackgroundSolver(store=tmp_path / "store", path=[str(tmp_path)])
     own = Owner(solver)
-    job = solver.plan(small_procedure(), SETTINGS)
+    job = solver.manifest(small_procedure(), SETTINGS)
     assert not own.finished(job).cancelled
     (refused,) = own.of(Refused, job)
     assert "3 times in a row" in refused.problems[0].message
@@ -219,21 +219,21 @@ def test_a_worker_that_dies_three_times_in_a_row_ends_its_jobs_with_a_sentence(t
     solver.close(wait=5.0)
 
 
-def test_a_plan_is_found_in_the_store_after_a_restart_without_compiling(tmp_path: Path, binary: Path) -> None:
+def test_a_manifest_is_found_in_the_store_after_a_restart_without_compiling(tmp_path: Path, binary: Path) -> None:
     with owner(tmp_path) as own:
-        job = own.solver.plan(small_procedure(), SETTINGS)
+        job = own.solver.manifest(small_procedure(), SETTINGS)
         own.finished(job)
-        first = own.plan(job).plan
+        first = own.manifest(job).manifest
         assert first.key == own.solver.key(small_procedure(), SETTINGS)
-    assert get_plan(FrameStore(tmp_path), first.key) is not None
-    # Compiled again the plan would have notes of its own; that of the store is told as it lies there.
+    assert get_manifest(FrameStore(tmp_path), first.key) is not None
+    # Compiled again the manifest would have notes of its own; that of the store is told as it lies there.
     store = FrameStore(tmp_path)
-    put_plan(store, replace(first, notes=(TOLD,)))
+    put_manifest(store, replace(first, notes=(TOLD,)))
     with owner(tmp_path) as own:
-        job = own.solver.plan(small_procedure(), SETTINGS)
+        job = own.solver.manifest(small_procedure(), SETTINGS)
         own.finished(job)
-        assert own.plan(job).plan.notes == (TOLD,)
-        assert own.plan(job).plan.frames == first.frames
+        assert own.manifest(job).manifest.notes == (TOLD,)
+        assert own.manifest(job).manifest.frames == first.frames
 
 
 def test_a_procedure_that_cannot_be_solved_is_refused_with_its_sentences(tmp_path: Path, binary: Path) -> None:
@@ -246,7 +246,7 @@ def test_a_procedure_that_cannot_be_solved_is_refused_with_its_sentences(tmp_pat
             (refused,) = own.of(Refused, job)
             assert f"/Procedure/Timeline/{path}" in [problem.prim for problem in refused.problems]
             assert all(problem.message for problem in refused.problems)
-            assert not own.of(Planned, job)
+            assert not own.of(Listed, job)
         job = own.solver.solve(small_procedure(), SolverSettings(spacing=-1.0))
         own.finished(job)
         (refused,) = own.of(Refused, job)
@@ -266,7 +266,7 @@ def test_a_frame_that_cannot_converge_fails_with_its_reason(tmp_path: Path, bina
 
 def test_without_a_daemon_the_refusal_says_so(tmp_path: Path) -> None:
     with owner(tmp_path, MISSING) as own:
-        job = own.solver.plan(small_procedure(), SETTINGS)
+        job = own.solver.manifest(small_procedure(), SETTINGS)
         own.finished(job)
         (refused,) = own.of(Refused, job)
         assert str(MISSING) in refused.problems[0].message
@@ -301,24 +301,24 @@ def test_two_owners_solve_into_one_store_at_once(foreground: Path, tmp_path: Pat
     assert contents(tmp_path, keys) == contents(foreground, keys)
 
 
-def test_a_plan_does_not_wait_for_a_solve_and_a_newer_plan_replaces_those_that_wait(
+def test_a_manifest_does_not_wait_for_a_solve_and_a_newer_manifest_replaces_those_that_wait(
     tmp_path: Path, binary: Path
 ) -> None:
     with owner(tmp_path) as own:
         solve = own.solver.solve(long_procedure(), SolverSettings(spacing=0.7))
         own.until(is_frame(1))
-        plans = [
-            own.solver.plan(replace(small_procedure(), fps=float(fps)), SolverSettings(spacing=0.7))
+        manifests = [
+            own.solver.manifest(replace(small_procedure(), fps=float(fps)), SolverSettings(spacing=0.7))
             for fps in range(1, 6)
         ]
-        ended = own.finished(plans[-1])
+        ended = own.finished(manifests[-1])
         assert not ended.cancelled
         assert solve in own.solver.running
-        assert own.plan(plans[-1]).plan.key == own.solver.key(
+        assert own.manifest(manifests[-1]).manifest.key == own.solver.key(
             replace(small_procedure(), fps=5.0), SolverSettings(spacing=0.7)
         )
-        assert all(own.of(Finished, plan) for plan in plans)
-        assert sum(end.cancelled for plan in plans for end in own.of(Finished, plan)) >= 2
+        assert all(own.of(Finished, manifest) for manifest in manifests)
+        assert sum(end.cancelled for manifest in manifests for end in own.of(Finished, manifest)) >= 2
         own.solver.cancel(solve)
         assert own.finished(solve).cancelled
 
@@ -378,7 +378,7 @@ def test_asking_costs_the_window_next_to_nothing_at_twenty_thousand_vertices(tmp
         costs = []
         for _ in range(5):
             begun = time.perf_counter()
-            job = own.solver.plan(large, SETTINGS)
+            job = own.solver.manifest(large, SETTINGS)
             own.solver.cancel(job)
             costs.append(time.perf_counter() - begun)
         own.finished(job)
@@ -406,7 +406,7 @@ def test_the_worker_imports_neither_usd_nor_blender_nor_the_command_line(binary:
 def test_an_error_of_our_own_ends_the_job_and_not_the_worker(tmp_path: Path, binary: Path) -> None:
     broken = replace(small_procedure(), events=("no event",))
     with owner(tmp_path) as own:
-        job = own.solver.plan(broken, SETTINGS)
+        job = own.solver.manifest(broken, SETTINGS)
         own.finished(job)
         (refused,) = own.of(Refused, job)
         assert "error of Lappet's own" in refused.problems[0].message
@@ -423,7 +423,7 @@ def test_what_happened_in_a_closed_or_unknown_job_is_nothing(tmp_path: Path) -> 
     solver.close()
     solver.close()
     with pytest.raises(RuntimeError, match="closed"):
-        solver.plan(small_procedure(), SETTINGS)
+        solver.manifest(small_procedure(), SETTINGS)
 
 
 def test_iterations_that_nobody_polled_for_do_not_pile_up(tmp_path: Path, binary: Path) -> None:
@@ -438,18 +438,18 @@ def test_iterations_that_nobody_polled_for_do_not_pile_up(tmp_path: Path, binary
         assert len(own.frames(job)) == 6
 
 
-def test_frames_of_a_plan_fit_the_surface_of_their_epoch(tmp_path: Path, binary: Path) -> None:
+def test_frames_of_a_manifest_fit_the_surface_of_their_epoch(tmp_path: Path, binary: Path) -> None:
     with owner(tmp_path) as own:
         job = own.solver.solve(small_procedure(), SETTINGS)
         own.finished(job)
-        plan = own.plan(job).plan
-        for planned, told in zip(plan.frames, own.frames(job).values(), strict=True):
+        manifest = own.manifest(job).manifest
+        for listed, told in zip(manifest.frames, own.frames(job).values(), strict=True):
             assert told.frame is not None
-            assert told.frame.points.shape == plan.epochs[planned.epoch].rest.shape
-            assert tuple(told.frame.hook_index) == planned.hooks
-            assert tuple(told.frame.suture_index) == planned.sutures
-            assert tuple(told.frame.landmark_index) == plan.landmarks_at[planned.epoch]
-        rest = plan.epochs[0].rest
+            assert told.frame.points.shape == manifest.epochs[listed.epoch].rest.shape
+            assert tuple(told.frame.hook_index) == listed.hooks
+            assert tuple(told.frame.suture_index) == listed.sutures
+            assert tuple(told.frame.landmark_index) == manifest.landmarks_at[listed.epoch]
+        rest = manifest.epochs[0].rest
         whole = own.frames(job)[1].frame
         assert whole is not None
         np.testing.assert_allclose(whole.points, rest, atol=1e-4)

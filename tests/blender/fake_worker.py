@@ -1,4 +1,4 @@
-"""A background solver without a process: it plans and solves by formulas, a step at every poll, as a test wants it.
+"""A background solver without a process: it lists and solves frames by formulas, a step at a poll, as tests want it.
 
 A frame's key hashes the frame before it and the events that have begun, as the keys of real frames do; its points are
 its epoch's, lifted by the number of frames before it plus that of the events.
@@ -14,17 +14,17 @@ from pathlib import Path
 import numpy as np
 
 from lappet.background.assessment import Assessment
-from lappet.background.plan import EpochShape, Plan, PlannedFrame
-from lappet.background.plan_key import digest, plan_key
-from lappet.background.plan_store import put_plan
+from lappet.background.manifest import EpochShape, ListedFrame, Manifest
+from lappet.background.manifest_key import digest, manifest_key
+from lappet.background.manifest_store import put_manifest
 from lappet.background.worker_events import (
     Assessed,
     Finished,
     FrameFailed,
     FrameReady,
     IterationDone,
+    Listed,
     LiveFrame,
-    Planned,
     Refused,
     WorkerEvent,
 )
@@ -40,8 +40,8 @@ IDENTITY = "fake"
 
 @dataclass
 class Script:
-    """What all fake workers of a test do. asked: (kind, plan key) of every request. held: nothing goes on. refusal: of
-    every procedure. failing: frames that fail, with the reason."""
+    """What all fake workers of a test do. asked: (kind, manifest key) of every request. held: nothing goes on. refusal:
+    of every procedure. failing: frames that fail, with the reason."""
 
     asked: list[tuple[str, str]] = field(default_factory=list)
     held: bool = False
@@ -75,8 +75,8 @@ class FakeWorker:
         self._number = 0
         self._jobs: dict[int, Iterator[WorkerEvent]] = {}
 
-    def plan(self, procedure: Procedure, settings: SolverSettings) -> int:
-        return self._ask("plan", procedure, settings, self._planning)
+    def manifest(self, procedure: Procedure, settings: SolverSettings) -> int:
+        return self._ask("manifest", procedure, settings, self._listing)
 
     def solve(self, procedure: Procedure, settings: SolverSettings, until: int | None = None) -> int:
         return self._ask("solve", procedure, settings, lambda job, p, s: self._solving(job, p, s, until))
@@ -110,7 +110,7 @@ class FakeWorker:
     def _ask(self, kind, procedure, settings, steps) -> int:  # type: ignore[no-untyped-def]
         assert not self.closed, "a closed worker was asked"
         self._number += 1
-        self.script.asked.append((kind, plan_key(procedure, settings, IDENTITY)))
+        self.script.asked.append((kind, manifest_key(procedure, settings, IDENTITY)))
         self._jobs[self._number] = self._guarded(self._number, steps(self._number, procedure, settings))
         return self._number
 
@@ -123,22 +123,22 @@ class FakeWorker:
             yield step
         yield Finished(job, frames, 0.1, job in self.cancelled)
 
-    def _planning(self, job: int, procedure: Procedure, settings: SolverSettings) -> Iterator[WorkerEvent]:
+    def _listing(self, job: int, procedure: Procedure, settings: SolverSettings) -> Iterator[WorkerEvent]:
         if self.script.refusal:
             yield Refused(job, self.script.refusal)
             return
-        plan = replace(make_plan(procedure, settings, self.script.points), notes=self.script.suspicious)
-        put_plan(self.store, plan)
-        yield Planned(job, plan, tuple(frame.key in self.store for frame in plan.frames))
+        manifest = replace(make_manifest(procedure, settings, self.script.points), notes=self.script.suspicious)
+        put_manifest(self.store, manifest)
+        yield Listed(job, manifest, tuple(frame.key in self.store for frame in manifest.frames))
 
     def _solving(
         self, job: int, procedure: Procedure, settings: SolverSettings, until: int | None
     ) -> Iterator[WorkerEvent]:
-        yield from self._planning(job, procedure, settings)
+        yield from self._listing(job, procedure, settings)
         if self.script.refusal:
             return
-        plan = make_plan(procedure, settings, self.script.points)
-        for index, frame in enumerate(plan.frames):
+        manifest = make_manifest(procedure, settings, self.script.points)
+        for index, frame in enumerate(manifest.frames):
             if until is not None and frame.time > until:
                 return
             if frame.key in self.store:
@@ -149,24 +149,24 @@ class FakeWorker:
                 reason = self.script.failing[frame.time]
                 yield FrameFailed(job, frame.time, Problem(ProblemCode.FRAME_NOT_CONVERGED, "", "", reason, ""))
                 return
-            shown = solved(plan, index, len(procedure.events))
+            shown = solved(manifest, index, len(procedure.events))
             self.store.put(frame.key, shown)
             yield FrameReady(job, frame.time, frame.key, False, shown)
         if self.script.assessment is not None:
             yield Assessed(job, self.script.assessment)
 
     def _pulling(self, job: int, procedure: Procedure, settings: SolverSettings, time: int) -> Iterator[WorkerEvent]:
-        yield from self._planning(job, procedure, settings)
-        plan = make_plan(procedure, settings, self.script.points)
-        rest = plan.epochs[plan.frames[time - plan.frames[0].time].epoch].rest
+        yield from self._listing(job, procedure, settings)
+        manifest = make_manifest(procedure, settings, self.script.points)
+        rest = manifest.epochs[manifest.frames[time - manifest.frames[0].time].epoch].rest
         target = next(e for e in procedure.events if isinstance(e, Hook)).targets[0][1]
         while True:
             target = self.targets[-1] if self.targets else target
             yield LiveFrame(job, time, target, SolvedFrame(float(time), rest + np.float32(target)), None, 0.05)
 
 
-def make_plan(procedure: Procedure, settings: SolverSettings, points: int = 4) -> Plan:
-    """A plan whose keys depend on what the frames of a real one depend on."""
+def make_manifest(procedure: Procedure, settings: SolverSettings, points: int = 4) -> Manifest:
+    """A manifest whose keys depend on what the frames of a real one depend on."""
     start = procedure.start_time
     cuts = sorted({max(e.time, start) for e in procedure.events if isinstance(e, CUTS)} | {start})
     epochs = tuple(_epoch(time, index, points) for index, time in enumerate(cuts))
@@ -174,17 +174,19 @@ def make_plan(procedure: Procedure, settings: SolverSettings, points: int = 4) -
     for time in procedure.frames():
         begun = sorted(repr(replace(e, name="")) for e in procedure.events if _begins(e) <= time)
         previous = hashlib.blake2b(f"{previous}{begun}{time}".encode(), digest_size=32).hexdigest()
-        frames.append(PlannedFrame(time, sum(cut <= time for cut in cuts) - 1, previous))
-    return Plan(plan_key(procedure, settings, IDENTITY), epochs, tuple(frames), landmarks_at=((),) * len(epochs))
+        frames.append(ListedFrame(time, sum(cut <= time for cut in cuts) - 1, previous))
+    return Manifest(
+        manifest_key(procedure, settings, IDENTITY), epochs, tuple(frames), landmarks_at=((),) * len(epochs)
+    )
 
 
-def solved(plan: Plan, index: int, events: int) -> SolvedFrame:
+def solved(manifest: Manifest, index: int, events: int) -> SolvedFrame:
     """The frame that the fake solver finds."""
-    rest = plan.epochs[plan.frames[index].epoch].rest
+    rest = manifest.epochs[manifest.frames[index].epoch].rest
     said = Diagnostics(converged=True, newton=2, seconds=StageSeconds(total=0.6))
     lattice = LatticeCounts(64_000, 1000, 1000, 0, 1331, 1, 125, 0, 0, 1e6, 0.1)
     points = rest + np.float32((0.0, 0.0, index + events))
-    return SolvedFrame(float(plan.frames[index].time), points, diagnostics=said, lattice=lattice)
+    return SolvedFrame(float(manifest.frames[index].time), points, diagnostics=said, lattice=lattice)
 
 
 def _begins(event: Event) -> float:

@@ -21,7 +21,7 @@ def own_store(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Iterator[Path]
     monkeypatch.setattr(speed_estimate, "_speed_estimate", None)
     controller.drop_all()
     controller.frame_cache.clear()
-    controller.plans.clear()
+    controller.manifests.clear()
     yield tmp_path / "store"
     controller.drop_all()
     workers.close_all()

@@ -16,7 +16,7 @@ from lappet_blender.display.display_collection import ROLE, find_collection, fin
 from lappet_blender.look.quantity_scale import ramp_linear
 from lappet_blender.look.skin_material import FULL_SCALE
 from refusals import refusal_code
-from slit_plan import Solved, add_tissue, slit, slit_plan, solved
+from slit_manifest import Solved, add_tissue, slit, slit_manifest, solved
 
 __all__ = ["solved"]  # a fixture
 UNITS = 0.1
@@ -28,7 +28,7 @@ SIZE = 96
 def shown(scene: bpy.types.Scene, solved: Solved) -> bpy.types.Scene:
     """A scene with the slit patch solved, at frame 1."""
     add_tissue(scene)
-    solved.plans[scene.name] = slit_plan(STEP)
+    solved.manifests[scene.name] = slit_manifest(STEP)
     skin_display.refresh(scene)
     return scene
 
@@ -69,7 +69,7 @@ def test_hooks_are_there_while_they_pull_and_stitches_once_they_are_placed(shown
 def test_the_point_of_a_hook_is_in_the_skin_that_it_holds(shown: bpy.types.Scene, solved: Solved) -> None:
     for frame in (5, 7):
         shown.frame_set(frame)
-        ends = solved.plans[shown.name][1][frame].hook_points * UNITS
+        ends = solved.manifests[shown.name][1][frame].hook_points * UNITS
         steel = vertices(part(shown, "steel"))
         for end in ends:
             assert np.linalg.norm(steel - end, axis=1).min() < 1.0 * UNITS
@@ -102,12 +102,14 @@ def test_a_part_that_is_switched_off_is_gone_at_once_and_comes_back(
 
 def test_wound_walls_are_faces_that_can_be_left_out(shown: bpy.types.Scene, solved: Solved) -> None:
     shown.frame_set(6)
-    shape = solved.plans[shown.name][0].epochs[1]
+    shape = solved.manifests[shown.name][0].epochs[1]
     skin = part(shown, "skin")
     assert len(skin.data.polygons) == len(shape.triangles)
     shown.lappet.look.show_walls = False
     assert len(part(shown, "skin").data.polygons) == (shape.origin != 1).sum()
-    np.testing.assert_allclose(vertices(part(shown, "skin")), solved.plans[shown.name][1][6].points * UNITS, atol=1e-6)
+    np.testing.assert_allclose(
+        vertices(part(shown, "skin")), solved.manifests[shown.name][1][6].points * UNITS, atol=1e-6
+    )
 
 
 def test_a_bone_is_hidden_and_comes_back(shown: bpy.types.Scene) -> None:
@@ -138,7 +140,7 @@ def test_the_bed_lies_under_the_skin_and_gives_way_to_it(shown: bpy.types.Scene,
     shown.frame_set(7)
     bed = vertices(part(shown, "bed")) / UNITS
     assert bed[:, 2].max() < -slit.THICKNESS
-    solved.plans[shown.name][1][12].points[:, 2] -= 3.0
+    solved.manifests[shown.name][1][12].points[:, 2] -= 3.0
     shown.frame_set(12)
     pressed = vertices(part(shown, "bed")) / UNITS
     inner = np.abs(pressed[:, :2]).max(axis=1) < 25.0
@@ -148,10 +150,10 @@ def test_the_bed_lies_under_the_skin_and_gives_way_to_it(shown: bpy.types.Scene,
 def test_the_scale_is_one_for_all_frames_and_the_95th_percentile_of_the_frame_with_most(
     shown: bpy.types.Scene, solved: Solved
 ) -> None:
-    plan, frames = solved.plans[shown.name]
+    manifest, frames = solved.manifests[shown.name]
     shown.lappet.look.color = "STRAIN"
     most = max(float(np.percentile(frame.strain, 95.0)) for frame in frames.values())
-    highest = highest_of([plan], "strain")
+    highest = highest_of([manifest], "strain")
     assert most <= highest <= 1.5 * most
     for frame in (1, 7, 12):
         shown.frame_set(frame)
@@ -162,15 +164,15 @@ def test_the_scale_is_one_for_all_frames_and_the_95th_percentile_of_the_frame_wi
 def test_vertices_carry_the_quantity_and_its_color_on_the_ramp(shown: bpy.types.Scene, solved: Solved) -> None:
     shown.lappet.look.color = "TENSION"
     shown.frame_set(7)
-    plan, frames = solved.plans[shown.name]
+    manifest, frames = solved.manifests[shown.name]
     mesh, tension = part(shown, "skin").data, frames[7].tension
     quantity = np.empty(len(tension), np.float32)
     mesh.attributes["quantity"].data.foreach_get("value", quantity)
     np.testing.assert_array_equal(quantity, tension)
     colors = np.empty(4 * len(tension), np.float32)
     mesh.attributes["Color"].data.foreach_get("color", colors)
-    skin = np.unique(plan.epochs[1].triangles[plan.epochs[1].origin == 0])
-    expected = ramp_linear(tension / highest_of([plan], "tension"))
+    skin = np.unique(manifest.epochs[1].triangles[manifest.epochs[1].origin == 0])
+    expected = ramp_linear(tension / highest_of([manifest], "tension"))
     np.testing.assert_allclose(colors.reshape(-1, 4)[skin, :3], expected[skin], atol=0.01)
 
 
@@ -179,7 +181,7 @@ def test_the_legend_names_the_quantity_its_unit_and_the_values_of_its_ticks(
 ) -> None:
     assert part(shown, "legend") is None
     shown.lappet.look.color = "TENSION"
-    highest = highest_of([solved.plans[shown.name][0]], "tension")
+    highest = highest_of([solved.manifests[shown.name][0]], "tension")
     words = [o.data.body for o in find_collection(shown).objects if str(o.get(ROLE)).startswith("legend text")]
     assert sorted(words) == sorted(
         ["Tension, kPa", "0", *(f"{highest * k / 4:g}" for k in (1, 2, 3)), f"≥\u2009{highest:g}"]
@@ -227,14 +229,14 @@ def test_the_other_skin_lies_beside_this_one_at_the_same_frame_with_a_gap_and_bo
 ) -> None:
     other = bpy.data.scenes.new("Wide")
     add_tissue(other)
-    solved.plans["Wide"] = slit_plan(5.0, "wide")
+    solved.manifests["Wide"] = slit_manifest(5.0, "wide")
     shown.lappet.compare_gap = 7.0
     bpy.ops.lappet.compare(scene="Wide")
     shown.frame_set(6)
     bpy.context.view_layer.update()
     beside = part(shown, "other skin")
     moved = vertices(beside) / UNITS
-    np.testing.assert_allclose(moved, solved.plans["Wide"][1][6].points, atol=1e-4)
+    np.testing.assert_allclose(moved, solved.manifests["Wide"][1][6].points, atol=1e-4)
     assert beside.matrix_world.translation.x / UNITS == pytest.approx(slit.LENGTH + 7.0, abs=1e-4)
     assert {part(shown, r).data.body for r in ("label", "other label")} == {"Scene", "Wide"}
     assert part(shown, "other steel") is not None
@@ -247,16 +249,16 @@ def test_the_other_skin_lies_beside_this_one_at_the_same_frame_with_a_gap_and_bo
 def test_two_skins_share_one_scale_so_that_they_compare(shown: bpy.types.Scene, solved: Solved) -> None:
     other = bpy.data.scenes.new("Tense")
     add_tissue(other)
-    plan, frames = solved.plans["Tense"] = slit_plan(5.0, "tense")
+    manifest, frames = solved.manifests["Tense"] = slit_manifest(5.0, "tense")
     for frame in frames.values():
         frame.strain[:] *= 10.0
     shown.lappet.look.color = "STRAIN"
-    alone = highest_of([solved.plans[shown.name][0]], "strain")
+    alone = highest_of([solved.manifests[shown.name][0]], "strain")
     bpy.ops.lappet.compare(scene="Tense")
     materials = [part(shown, r).data.materials[0] for r in ("skin", "other skin")]
     assert materials[0] == materials[1]
     highest = materials[0].node_tree.nodes[FULL_SCALE].inputs[1].default_value
-    assert highest == pytest.approx(highest_of([plan], "strain"))
+    assert highest == pytest.approx(highest_of([manifest], "strain"))
     assert highest > 5.0 * alone
 
 
@@ -265,7 +267,7 @@ def test_a_variant_is_a_scene_with_the_first_one_beside_it(shown: bpy.types.Scen
     made = bpy.data.scenes["Shorter"]
     assert made.lappet.compare_with == shown
     assert not any(find_collection(shown) == child for child in made.collection.children)
-    solved.plans["Shorter"] = slit_plan(STEP, "shorter")
+    solved.manifests["Shorter"] = slit_manifest(STEP, "shorter")
     skin_display.refresh(made)
     assert part(made, "skin") is not None
     assert part(made, "other skin") is not None
@@ -341,11 +343,11 @@ def test_an_animation_renders_each_frame_with_its_own_skin(shown: bpy.types.Scen
 def test_cycles_shows_strain_in_the_colors_of_the_scale(shown: bpy.types.Scene, solved: Solved, tmp_path: Path) -> None:
     shown.lappet.look.color = "STRAIN"
     shown.lappet.look.show_legend = False
-    for frame in solved.plans[shown.name][1].values():
+    for frame in solved.manifests[shown.name][1].values():
         frame.strain[:] = 1.0
     shown.frame_set(1)
     warm = rendered(shown, tmp_path / "warm.png", "CYCLES")[SIZE // 3 : -SIZE // 3].reshape(-1, 3).mean(axis=0)
-    for frame in solved.plans[shown.name][1].values():
+    for frame in solved.manifests[shown.name][1].values():
         frame.strain[:] = 0.0
     skin_display.refresh(shown)
     cold = rendered(shown, tmp_path / "cold.png", "CYCLES")[SIZE // 3 : -SIZE // 3].reshape(-1, 3).mean(axis=0)

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from lappet_blender.display import skin_display
 from lappet_blender.display.display_collection import find_collection
 from lappet_blender.display.epoch_mesh import KEY, build_epoch_mesh
-from slit_plan import Solved, add_tissue, epoch_shape, slit, slit_plan, solved
+from slit_manifest import Solved, add_tissue, epoch_shape, slit, slit_manifest, solved
 
 __all__ = ["solved"]  # a fixture
 UNITS = 0.1  # the scene's unit is a centimetre
@@ -25,7 +25,7 @@ STEP = 5.0
 def shown(scene: bpy.types.Scene, solved: Solved) -> bpy.types.Scene:
     """A scene with the slit patch solved, at frame 1."""
     add_tissue(scene)
-    solved.plans[scene.name] = slit_plan(STEP)
+    solved.manifests[scene.name] = slit_manifest(STEP)
     skin_display.refresh(scene)
     return scene
 
@@ -57,13 +57,13 @@ def attribute(mesh: bpy.types.Mesh, name: str, field: str, width: int) -> NDArra
 def test_every_frame_shows_its_epoch_at_its_positions_in_the_units_of_the_scene(
     shown: bpy.types.Scene, solved: Solved
 ) -> None:
-    plan, frames = solved.plans[shown.name]
-    for planned in plan.frames:
-        shown.frame_set(planned.time)
-        shape = plan.epochs[planned.epoch]
+    manifest, frames = solved.manifests[shown.name]
+    for listed in manifest.frames:
+        shown.frame_set(listed.time)
+        shape = manifest.epochs[listed.epoch]
         assert skin(shown).data[KEY] == shape.key
         assert len(skin(shown).data.polygons) == len(shape.triangles)
-        np.testing.assert_allclose(positions(shown, skin(shown)), frames[planned.time].points * UNITS, atol=1e-6)
+        np.testing.assert_allclose(positions(shown, skin(shown)), frames[listed.time].points * UNITS, atol=1e-6)
 
 
 def test_an_epoch_has_one_mesh_that_is_swapped_and_built_once(shown: bpy.types.Scene) -> None:
@@ -80,7 +80,7 @@ def test_an_epoch_has_one_mesh_that_is_swapped_and_built_once(shown: bpy.types.S
 
 def test_a_mesh_holds_rest_positions_origins_faces_grid_and_depth(shown: bpy.types.Scene, solved: Solved) -> None:
     shown.frame_set(slit.LIFTED)
-    shape, mesh = solved.plans[shown.name][0].epochs[1], skin(shown).data
+    shape, mesh = solved.manifests[shown.name][0].epochs[1], skin(shown).data
     np.testing.assert_array_equal(attribute(mesh, "rest", "vector", 3), shape.rest)
     np.testing.assert_array_equal(attribute(mesh, "origin", "value", 1), shape.origin)
     np.testing.assert_array_equal(attribute(mesh, "face", "value", 1), shape.face)
@@ -122,25 +122,25 @@ def test_locked_interface_is_switched_on_where_a_skin_is_shown(shown: bpy.types.
 
 
 def test_a_frame_that_the_store_has_lost_shows_the_epoch_at_rest(shown: bpy.types.Scene, solved: Solved) -> None:
-    plan, frames = solved.plans[shown.name]
+    manifest, frames = solved.manifests[shown.name]
     del frames[9]
     shown.frame_set(9)
-    np.testing.assert_allclose(positions(shown, skin(shown)), plan.epochs[1].rest * UNITS, atol=1e-6)
+    np.testing.assert_allclose(positions(shown, skin(shown)), manifest.epochs[1].rest * UNITS, atol=1e-6)
 
 
 @pytest.mark.parametrize("damage", ["short", "nan"])
 def test_a_damaged_frame_shows_the_epoch_at_rest(shown: bpy.types.Scene, solved: Solved, damage: str) -> None:
-    plan, frames = solved.plans[shown.name]
+    manifest, frames = solved.manifests[shown.name]
     points = frames[9].points[:-1] if damage == "short" else np.full_like(frames[9].points, np.nan)
     frames[9] = replace(frames[9], points=points)
     shown.frame_set(9)
-    np.testing.assert_allclose(positions(shown, skin(shown)), plan.epochs[1].rest * UNITS, atol=1e-6)
+    np.testing.assert_allclose(positions(shown, skin(shown)), manifest.epochs[1].rest * UNITS, atol=1e-6)
 
 
 def test_what_is_deleted_renamed_parented_or_moved_is_right_again_at_the_next_frame(
     shown: bpy.types.Scene, solved: Solved
 ) -> None:
-    frames = solved.plans[shown.name][1]
+    frames = solved.manifests[shown.name][1]
     empty = bpy.data.objects.new("empty", None)
     shown.collection.objects.link(empty)
     empty.location = (3.0, 0.0, 0.0)
@@ -192,7 +192,7 @@ def test_the_skin_is_shown_after_the_file_is_saved_and_opened(
     bpy.ops.wm.save_as_mainfile(filepath=str(blend))
     bpy.ops.wm.open_mainfile(filepath=str(blend))
     scene = bpy.context.scene
-    frames = solved.plans[scene.name][1]
+    frames = solved.manifests[scene.name][1]
     np.testing.assert_allclose(positions(scene, skin(scene)), frames[6].points * UNITS, atol=1e-6)
     assert sum("lappet_role" in o for o in bpy.data.objects) == len(find_collection(scene).objects)
     for frame in (1, 11):
@@ -208,17 +208,17 @@ def test_undo_takes_nothing_from_what_is_shown(shown: bpy.types.Scene, solved: S
     bpy.ops.ed.undo()
     scene = bpy.context.scene
     assert scene.lappet.look.color == "GRID"
-    points = solved.plans[scene.name][1][scene.frame_current].points
+    points = solved.manifests[scene.name][1][scene.frame_current].points
     np.testing.assert_allclose(positions(scene, skin(scene)), points * UNITS, atol=1e-6)
 
 
 def test_two_scenes_of_one_procedure_show_a_frame_each(shown: bpy.types.Scene, solved: Solved) -> None:
     other = shown.copy()
-    solved.plans[other.name] = solved.plans[shown.name]
+    solved.manifests[other.name] = solved.manifests[shown.name]
     shown.frame_set(5)
     skin_display.refresh(other)
     other.frame_set(8)
-    frames = solved.plans[shown.name][1]
+    frames = solved.manifests[shown.name][1]
     assert skin(shown) != skin(other)
     assert skin(shown).data != skin(other).data
     assert other.lappet.skin == skin(other)
@@ -232,7 +232,7 @@ def test_two_scenes_of_one_procedure_show_a_frame_each(shown: bpy.types.Scene, s
 def test_a_scene_with_a_tissue_of_another_scene_shows_its_tissue_unless_it_is_solved_too(
     shown: bpy.types.Scene,
 ) -> None:
-    other = shown.copy()  # has no plan
+    other = shown.copy()  # has no manifest
     skin_display.refresh(other)
     assert not shown.lappet.tissue.object.hide_render
     skin_display.refresh(shown)
@@ -245,13 +245,13 @@ def test_a_tissue_that_is_deleted_takes_the_skin_with_it_and_raises_nothing(show
     assert skin_display.skin_object(shown) is None
 
 
-def test_a_plan_of_other_epochs_leaves_no_meshes_behind(shown: bpy.types.Scene, solved: Solved) -> None:
+def test_a_manifest_of_other_epochs_leaves_no_meshes_behind(shown: bpy.types.Scene, solved: Solved) -> None:
     shown.frame_set(5)
-    solved.plans[shown.name] = slit_plan(4.0, "finer")
+    solved.manifests[shown.name] = slit_manifest(4.0, "finer")
     skin_display.refresh_all()
     shown.frame_set(1)
     skin_display.tidy()
-    keys = {epoch.key for epoch in solved.plans[shown.name][0].epochs}
+    keys = {epoch.key for epoch in solved.manifests[shown.name][0].epochs}
     assert {mesh[KEY] for mesh in bpy.data.meshes if KEY in mesh} == keys
 
 
@@ -261,7 +261,7 @@ def test_a_linked_scene_is_left_alone(shown: bpy.types.Scene, solved: Solved, bl
     with bpy.data.libraries.load(str(blend), link=True) as (held, wanted):
         wanted.scenes = held.scenes
     linked = next(s for s in bpy.data.scenes if s.library is not None)
-    solved.plans[linked.name] = slit_plan(STEP)
+    solved.manifests[linked.name] = slit_manifest(STEP)
     skin_display.refresh(linked)
     skin_display.show(linked, 5)
 
@@ -285,16 +285,16 @@ def test_frames_follow_one_another_fast_enough_to_scrub(
     scene: bpy.types.Scene, solved: Solved, step: float, vertices: int, limit: float
 ) -> None:
     add_tissue(scene)
-    plan, _ = solved.plans[scene.name] = slit_plan(step, f"slit {step}", 40)
-    assert len(plan.epochs[1].rest) >= vertices
+    manifest, _ = solved.manifests[scene.name] = slit_manifest(step, f"slit {step}", 40)
+    assert len(manifest.epochs[1].rest) >= vertices
     skin_display.refresh(scene)
-    for planned in plan.frames:
-        scene.frame_set(planned.time)
+    for listed in manifest.frames:
+        scene.frame_set(listed.time)
     spent = []
     for _ in range(4):
-        for planned in plan.frames:
+        for listed in manifest.frames:
             begun = time.thread_time()
-            scene.frame_set(planned.time)
+            scene.frame_set(listed.time)
             spent.append(time.thread_time() - begun)
     # Processor time of the main thread, since a test may share the machine; twice the limit allows for slow ones.
     assert np.median(spent) < 2.0 * limit

@@ -10,13 +10,13 @@ import pytest
 from lappet_blender.display import skin_display, time_slice
 from lappet_blender.display.display_collection import ROLE, find_collection
 from lappet_blender.solving import frames
-from slit_plan import Solved, add_tissue, slit, slit_plan, solved
+from slit_manifest import Solved, add_tissue, slit, slit_manifest, solved
 
 __all__ = ["solved"]  # a fixture
 
 
 @pytest.fixture
-def planned(scene: bpy.types.Scene, solved: Solved) -> bpy.types.Scene:
+def listed(scene: bpy.types.Scene, solved: Solved) -> bpy.types.Scene:
     """The slit patch at the frame in which it is held open, solved but never shown."""
     add_tissue(scene)
     scene.frame_set(slit.LIFTED)
@@ -24,7 +24,7 @@ def planned(scene: bpy.types.Scene, solved: Solved) -> bpy.types.Scene:
     event.name, event.kind, event.start, event.closed = "mark", "UNDERMINE", slit.INCISED, True
     for x, y in ((-20, -8), (20, -8), (20, 8), (-20, 8)):
         event.points.add().co = (x, y, 0.0)
-    solved.plans[scene.name] = slit_plan(5.0)
+    solved.manifests[scene.name] = slit_manifest(5.0)
     return scene
 
 
@@ -51,36 +51,36 @@ def test_a_slice_begins_one_costly_piece_at_least_and_puts_off_the_next_when_tim
 
 
 def test_the_first_picture_comes_in_slices_and_is_the_one_that_comes_at_once(
-    planned: bpy.types.Scene, monkeypatch: pytest.MonkeyPatch
+    listed: bpy.types.Scene, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(time_slice, "SECONDS", 0.0)
-    skin_display.refresh_soon(planned)
-    assert skin_display.skin_object(planned) is None
-    assert not planned.lappet.tissue.object.hide_viewport, "until there is a picture, the tissue is seen"
-    seen = [visible(planned)]
+    skin_display.refresh_soon(listed)
+    assert skin_display.skin_object(listed) is None
+    assert not listed.lappet.tissue.object.hide_viewport, "until there is a picture, the tissue is seen"
+    seen = [visible(listed)]
     while skin_display.continue_drawing():
-        seen.append(visible(planned))
+        seen.append(visible(listed))
         assert len(seen) < 100
     assert len(seen) > 3
-    assert skin_display.skin_object(planned) is not None
-    in_slices = visible(planned)
+    assert skin_display.skin_object(listed) is not None
+    in_slices = visible(listed)
     assert {"skin", "edge", "bed"} <= in_slices
-    skin_display.refresh(planned)
-    assert visible(planned) == in_slices
+    skin_display.refresh(listed)
+    assert visible(listed) == in_slices
 
 
-def test_a_script_that_waits_finds_the_picture_finished(planned: bpy.types.Scene) -> None:
-    planned.frame_set(slit.LIFTED)
-    assert {"skin", "edge", "bed"} <= visible(planned)
+def test_a_script_that_waits_finds_the_picture_finished(listed: bpy.types.Scene) -> None:
+    listed.frame_set(slit.LIFTED)
+    assert {"skin", "edge", "bed"} <= visible(listed)
     assert not frames.follow_up()
 
 
-def test_an_undo_between_two_slices_loses_nothing(planned: bpy.types.Scene, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_undo_between_two_slices_loses_nothing(listed: bpy.types.Scene, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(time_slice, "SECONDS", 0.0)
     bpy.ops.ed.undo_push(message="one")
-    planned.lappet.look.color = "CHECKER"
+    listed.lappet.look.color = "CHECKER"
     bpy.ops.ed.undo_push(message="two")
-    skin_display.refresh_soon(planned)
+    skin_display.refresh_soon(listed)
     bpy.ops.ed.undo()
     scene = bpy.context.scene
     while skin_display.continue_drawing():

@@ -38,7 +38,7 @@ def at(*places: tuple[float, float]) -> list[dict[str, Any]]:
 
 
 def own_objects() -> set[str]:
-    """The objects but those that show solved skin: these come as soon as a plan is known."""
+    """The objects but those that show solved skin: these come as soon as a manifest is known."""
     return {each.name for each in bpy.data.objects if ROLE not in each}
 
 

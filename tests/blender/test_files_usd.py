@@ -101,9 +101,9 @@ def test_an_exported_procedure_is_the_scenes_and_has_its_keys_without_blender(
     assert read_procedure(path) == procedure
     assert len(procedure.event("hook_1").targets) == 3, "a curved way is sampled at every frame"
     ops.plan_now(wait=True)
-    plan = frames.plan_of(slit)
-    assert plan is not None
-    assert headless(KEYS, path).split() == [frame.key for frame in plan.frames]
+    manifest = frames.manifest_of(slit)
+    assert manifest is not None
+    assert headless(KEYS, path).split() == [frame.key for frame in manifest.frames]
 
 
 @pytest.mark.usefixtures("daemon")
@@ -134,7 +134,7 @@ def test_a_cache_brings_its_frames_along(slit: bpy.types.Scene, tmp_path: Path) 
     ops.solve(wait=True)
     cache = tmp_path / "skin.usdc"
     ops.export_cache(filepath=str(cache))
-    plan = frames.plan_of(slit)
+    manifest = frames.manifest_of(slit)
     shown = {time: frames.shown_at(slit, time) for time in range(1, 7)}
 
     bpy.ops.wm.read_factory_settings(use_empty=True)
@@ -143,12 +143,12 @@ def test_a_cache_brings_its_frames_along(slit: bpy.types.Scene, tmp_path: Path) 
 
     frame_cache.clear()
     store = FrameStore()
-    for frame in plan.frames:
+    for frame in manifest.frames:
         store.path(frame.key).unlink()
     ops.import_procedure(filepath=str(cache))
     scene = bpy.context.scene
     ops.plan_now(wait=True)
-    assert [frame.key for frame in frames.plan_of(scene).frames] == [frame.key for frame in plan.frames]
+    assert [frame.key for frame in frames.manifest_of(scene).frames] == [frame.key for frame in manifest.frames]
     for time in range(1, 7):
         again = frames.shown_at(scene, time)
         assert not again.stale
@@ -159,7 +159,7 @@ def test_a_cache_brings_its_frames_along(slit: bpy.types.Scene, tmp_path: Path) 
             np.testing.assert_array_equal(here[name], there[name])
         for name in ("suture_points", "hook_points", "landmarks"):
             np.testing.assert_allclose(here[name], there[name], atol=1e-5)
-    assert not any(frame.key in store for frame in plan.frames), "frames without their state would mislead a solve"
+    assert not any(frame.key in store for frame in manifest.frames), "frames without their state would mislead a solve"
 
 
 @pytest.mark.usefixtures("daemon")

@@ -11,7 +11,7 @@ import bpy
 import numpy as np
 import pytest
 
-from lappet.background.plan_key import plan_key
+from lappet.background.manifest_key import manifest_key
 from lappet.core.problem_code import ProblemCode
 from lappet.daemon.daemon_solver import connect_to, solver_identity
 from lappet.daemon.process import DaemonMissing, find_daemon
@@ -64,13 +64,13 @@ def test_the_button_gives_the_frames_of_the_command_line_bit_for_bit(patch: bpy.
     procedure = read_scene(patch).procedure
     settings = solve_settings(patch)
     program = compile_program(procedure, settings=settings)
-    plan = frames.plan_of(patch)
-    assert plan.key == plan_key(procedure, settings, solver_identity(None))
-    assert tuple(frame.key for frame in plan.frames) == frame_keys(program, solver_identity(None))
+    manifest = frames.manifest_of(patch)
+    assert manifest.key == manifest_key(procedure, settings, solver_identity(None))
+    assert tuple(frame.key for frame in manifest.frames) == frame_keys(program, solver_identity(None))
     other = FrameStore(tmp_path / "command line")
     solved = solve_program(program, other, connect_to(None), solver_identity(None), SolveObserver())
     assert solved.reason is None
-    for frame, own in zip(solved.frames, plan.frames, strict=True):
+    for frame, own in zip(solved.frames, manifest.frames, strict=True):
         shown = frames.shown_at(patch, own.time).frame
         np.testing.assert_array_equal(shown.points, frame.solved.points)
         np.testing.assert_array_equal(shown.stress, frame.solved.stress)
@@ -121,7 +121,7 @@ def test_a_saved_file_opens_with_its_frames_and_starts_no_worker(patch: bpy.type
     bpy.ops.wm.save_as_mainfile(filepath=str(blend))
     controller.drop_all()
     controller.frame_cache.clear()
-    controller.plans.clear()
+    controller.manifests.clear()
     bpy.ops.wm.open_mainfile(filepath=str(blend))
     scene = bpy.context.scene
     assert states(scene) == "ssssssss"
@@ -220,4 +220,4 @@ def test_two_scenes_are_solved_at_once(patch: bpy.types.Scene) -> None:
     assert frames.progress_of(patch).running
     quiet()
     assert states(patch) == states(other) == "ssssssss"
-    assert frames.plan_of(patch).frames[-1].key != frames.plan_of(other).frames[-1].key
+    assert frames.manifest_of(patch).frames[-1].key != frames.manifest_of(other).frames[-1].key

@@ -21,7 +21,7 @@ pytest_plugins = ("solving_fixtures",)
 def clear_memory() -> None:
     """As a Blender that has just been started."""
     controller.frame_cache.clear()
-    controller.plans.clear()
+    controller.manifests.clear()
 
 
 def test_a_saved_file_shows_its_frames_when_it_is_opened_without_a_worker(
@@ -117,7 +117,7 @@ def test_frames_can_be_kept_beside_the_file_and_those_solved_before_go_with_it(
     assert solve_settings.frame_folder(patch) == beside
     assert states(patch) == "ssssssss"
     clear_memory()
-    keys = [frame.key for frame in frames.plan_of(patch).frames]
+    keys = [frame.key for frame in frames.manifest_of(patch).frames]
     store = controller.controller_of(patch).store
     assert store.folder == beside
     assert all(key in store for key in keys)

@@ -1,4 +1,4 @@
-"""What the solving side remembers: frames within a bound of bytes, plans by key, the speed of this machine."""
+"""What the solving side remembers: frames within a bound of bytes, manifests by key, the speed of this machine."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ import bpy
 import numpy as np
 import pytest
 
-from fake_worker import make_plan
-from lappet.background.plan_store import put_plan
+from fake_worker import make_manifest
+from lappet.background.manifest_store import put_manifest
 from lappet.core.problem import Problem
 from lappet.core.problem_code import ProblemCode
 from lappet.daemon.solved_frame import SolvedFrame, SolverState
@@ -22,7 +22,7 @@ from lappet_blender.interface.duration_text import duration_text
 from lappet_blender.model.tissue_size import cell_count
 from lappet_blender.solving.frame_cache import FrameCache
 from lappet_blender.solving.frame_copy import FrameCopy
-from lappet_blender.solving.plan_memory import PlanMemory
+from lappet_blender.solving.manifest_memory import ManifestMemory
 from lappet_blender.solving.speed_estimate import SpeedEstimate
 
 assert bpy  # the parts above need Blender's module, not a scene
@@ -91,12 +91,12 @@ def test_reading_ahead_fills_memory_and_goes_on_after_it_was_closed(store: Frame
 
 
 def test_plans_share_their_surfaces_and_are_found_in_the_store(store: FrameStore, procedure: Procedure) -> None:
-    memory = PlanMemory(limit=2)
-    made = [make_plan(procedure, SolverSettings(tolerance=10.0**-n)) for n in (2, 3, 4)]
-    kept = [memory.keep(plan) for plan in made]
+    memory = ManifestMemory(limit=2)
+    made = [make_manifest(procedure, SolverSettings(tolerance=10.0**-n)) for n in (2, 3, 4)]
+    kept = [memory.keep(manifest) for manifest in made]
     assert kept[0].epochs[1] is kept[2].epochs[1]
     assert memory.find(made[0].key, store) is None, "only so many are kept"
-    put_plan(store, made[0])
+    put_manifest(store, made[0])
     found = memory.find(made[0].key, store)
     assert found.frames == made[0].frames
     assert found.epochs[1] is kept[2].epochs[1]
@@ -108,13 +108,13 @@ def test_plans_share_their_surfaces_and_are_found_in_the_store(store: FrameStore
 
 
 def test_an_epoch_of_equal_shape_at_another_time_keeps_its_time(store: FrameStore, procedure: Procedure) -> None:
-    memory = PlanMemory()
-    early = memory.keep(make_plan(procedure, SolverSettings()))
+    memory = ManifestMemory()
+    early = memory.keep(make_manifest(procedure, SolverSettings()))
     moved = procedure.events[0]
     later = Procedure(procedure.tissue, events=(Incision("cut", 4.0, moved.points),), end_time=5.0)
-    plan = make_plan(later, SolverSettings())
-    assert plan.epochs[1].key == early.epochs[1].key
-    assert memory.keep(plan).epochs[1].start_time == 4.0
+    manifest = make_manifest(later, SolverSettings())
+    assert manifest.epochs[1].key == early.epochs[1].key
+    assert memory.keep(manifest).epochs[1].start_time == 4.0
 
 
 def test_the_speed_of_this_machine_is_remembered_and_follows_what_is_measured(tmp_path: Path) -> None:
@@ -146,19 +146,19 @@ def test_the_cells_of_a_box_are_its_volume_over_that_of_a_cell_and_those_its_sur
     assert 4.0 < cell_count(box) / cell_count(coarse) < 8.0
 
 
-def test_what_is_copied_to_another_folder_is_all_that_a_plan_needs(
+def test_what_is_copied_to_another_folder_is_all_that_a_manifest_needs(
     store: FrameStore, procedure: Procedure, tmp_path: Path
 ) -> None:
-    plan = make_plan(procedure, SolverSettings())
-    put_plan(store, plan)
-    for planned in plan.frames[:3]:
-        store.put(planned.key, SolvedFrame(0.0, np.zeros((4, 3), np.float32)))
+    manifest = make_manifest(procedure, SolverSettings())
+    put_manifest(store, manifest)
+    for listed in manifest.frames[:3]:
+        store.put(listed.key, SolvedFrame(0.0, np.zeros((4, 3), np.float32)))
     other = FrameStore(tmp_path / "other")
-    copying = FrameCopy([plan], store, other)
+    copying = FrameCopy([manifest], store, other)
     end = time.monotonic() + 10.0
     while not copying.done:
         assert time.monotonic() < end
         time.sleep(0.005)
     assert copying.problem is None
-    assert PlanMemory().find(plan.key, other).frames == plan.frames
-    assert [frame.key in other for frame in plan.frames] == [True] * 3 + [False] * 2
+    assert ManifestMemory().find(manifest.key, other).frames == manifest.frames
+    assert [frame.key in other for frame in manifest.frames] == [True] * 3 + [False] * 2

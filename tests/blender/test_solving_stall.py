@@ -69,7 +69,7 @@ def longest_pump() -> float:
 
 
 def test_nothing_that_solving_does_stalls_blender_at_20_000_vertices(sheet: bpy.types.Scene) -> None:
-    took = {"planning": longest_pump()}
+    took = {"listing": longest_pump()}
     took["pressing Solve"] = seconds(bpy.ops.lappet.solve)
     took["frames that come in"] = longest_pump()
     assert frames.frame_runs(sheet) == (FrameRun("solved", 1, 6),)
@@ -77,7 +77,7 @@ def test_nothing_that_solving_does_stalls_blender_at_20_000_vertices(sheet: bpy.
     bpy.ops.ed.undo_push(message="solved")
     find_event(sheet, "hook_1").stiffness = 50.0
     bpy.ops.ed.undo_push(message="softer")
-    took["reading an edit, and its plan"] = longest_pump()
+    took["reading an edit, and its manifest"] = longest_pump()
     assert frames.frame_runs(sheet) == (FrameRun("solved", 1, 3), FrameRun("stale", 4, 6))
     took["undo"] = seconds(scene_watch._undone)
 
@@ -121,7 +121,7 @@ def test_what_is_shown_is_found_in_a_third_of_a_millisecond_once_it_is_in_memory
     controller.frame_cache.clear()
     frames.shown_at(sheet, 3)  # from the store; its neighbors are read ahead
     end = time.monotonic() + 20.0
-    keys = [frame.key for frame in frames.plan_of(sheet).frames]
+    keys = [frame.key for frame in frames.manifest_of(sheet).frames]
     while not all(key in controller.frame_cache for key in keys):
         assert time.monotonic() < end, "the neighbors of a frame are read before they are asked for"
         time.sleep(0.01)

@@ -35,12 +35,12 @@ def place(scene: bpy.types.Scene, time: int) -> float:
 
 def test_a_scene_is_planned_by_itself_and_solved_by_the_button(patch: bpy.types.Scene, script: Script) -> None:
     run_timer(QUIET)
-    assert script.asked == [("plan", frames.plan_of(patch).key)]
+    assert script.asked == [("manifest", frames.manifest_of(patch).key)]
     assert states(patch) == "mmmmmmmm"
     shown = frames.shown_at(patch, 5)
     assert shown.frame is None
     assert not shown.stale
-    assert shown.epoch is shown.plan.epochs[1], "an unsolved frame shows its epoch at rest"
+    assert shown.epoch is shown.manifest.epochs[1], "an unsolved frame shows its epoch at rest"
     assert bpy.ops.lappet.solve() == {"FINISHED"}
     assert frames.progress_of(patch).running
     assert not run_timer(QUIET)
@@ -72,7 +72,7 @@ def test_an_edit_makes_only_the_frames_from_there_on_stale_and_a_solve_redoes_on
     script.held = True
     find_event(patch, "hook_1").stiffness = 50.0
     run_timer(0.5)
-    assert frames.plan_of(patch) is None, "the new plan is not there yet"
+    assert frames.manifest_of(patch) is None, "the new manifest is not there yet"
     assert states(patch) == "sssttttt", "what an event does begins with it, and this is known at once"
     script.held = False
     run_timer(QUIET)
@@ -113,7 +113,7 @@ def test_undo_brings_the_old_frames_back_at_once_and_redo_the_stale_ones_without
     assert states(scene) == "sssstttt"
     run_timer(0.6)
     assert script.asked == asked
-    assert frames.plan_of(scene) is not None
+    assert frames.manifest_of(scene) is not None
 
 
 def test_undo_finds_frames_that_are_no_longer_in_memory_in_the_store(patch: bpy.types.Scene, script: Script) -> None:
@@ -123,7 +123,7 @@ def test_undo_finds_frames_that_are_no_longer_in_memory_in_the_store(patch: bpy.
     bpy.ops.ed.undo_push(message="later")
     run_timer(QUIET)
     assert states(patch) == "sssttttt"
-    controller.plans.clear()
+    controller.manifests.clear()
     controller.frame_cache.clear()
     asked = list(script.asked)
     bpy.ops.ed.undo()
@@ -206,7 +206,7 @@ def test_a_procedure_that_was_refused_is_not_asked_for_again_by_itself(patch: bp
     script.refusal = ()
     assert bpy.ops.lappet.plan_now() == {"FINISHED"}
     assert frames.problems_of(patch) == ()
-    assert frames.plan_of(patch) is not None
+    assert frames.manifest_of(patch) is not None
 
 
 def test_a_scene_without_tissue_is_refused_with_the_repair(scene: bpy.types.Scene, script: Script) -> None:
@@ -230,7 +230,7 @@ def test_an_edit_while_it_solves_lets_the_frames_before_it_finish_and_stops_ther
     assert not run_timer(QUIET)
     assert states(patch) == "sssssmmm"
     assert ProblemCode.PROCEDURE_CHANGED in [note.code for note in frames.notes_of(patch)]
-    assert frames.plan_of(patch).key != key
+    assert frames.manifest_of(patch).key != key
     solve(patch)
 
 
@@ -243,7 +243,7 @@ def test_deleting_the_tissue_while_it_solves_loses_nothing(patch: bpy.types.Scen
     bpy.ops.ed.undo_push(message="deleted")
     assert not run_timer(QUIET)
     assert [problem.code for problem in frames.problems_of(patch)] == [ProblemCode.TISSUE_NONE]
-    assert frames.plan_of(patch) is None
+    assert frames.manifest_of(patch) is None
     assert refusal_code(bpy.ops.lappet.solve) is ProblemCode.TISSUE_NONE
     bpy.ops.ed.undo()
     scene = bpy.context.scene
@@ -317,7 +317,7 @@ def test_two_scenes_are_solved_at_once_and_a_copy_shares_the_frames(patch: bpy.t
     assert len(script.workers) == 2
     assert not run_timer(QUIET)
     assert states(patch) == states(other) == "ssssssss"
-    assert frames.plan_of(patch).key != frames.plan_of(other).key
+    assert frames.manifest_of(patch).key != frames.manifest_of(other).key
     asked = script.count("solve")
     other.lappet.tissue.spacing = patch.lappet.tissue.spacing
     run_timer(QUIET)
@@ -333,7 +333,7 @@ def test_a_frame_that_vanished_from_the_store_is_missing_and_solved_again(
 ) -> None:
     solve(patch)
     store = controller.controller_of(patch).store
-    store.path(frames.plan_of(patch).frames[4].key).unlink()
+    store.path(frames.manifest_of(patch).frames[4].key).unlink()
     controller.frame_cache.clear()
     shown = frames.shown_at(patch, 5)
     assert (shown.time, shown.stale) == (4, True)
@@ -346,7 +346,7 @@ def test_clearing_removes_the_frames_and_reloading_finds_those_of_another_progra
 ) -> None:
     solve(patch)
     store = controller.controller_of(patch).store
-    kept = {frame.key: store.get(frame.key, SolvedFrame) for frame in frames.plan_of(patch).frames}
+    kept = {frame.key: store.get(frame.key, SolvedFrame) for frame in frames.manifest_of(patch).frames}
     assert bpy.ops.lappet.clear_frames() == {"FINISHED"}
     assert states(patch) == "mmmmmmmm"
     assert not any(key in store for key in kept)

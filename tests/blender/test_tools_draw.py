@@ -234,7 +234,7 @@ def test_the_tools_come_and_go_with_the_add_on_and_leave_nothing_behind(scene: b
 
 
 def test_every_tool_starts_operators_that_exist_and_says_what_it_does() -> None:
-    names = {cls.bl_idname for cls in registration._CLASSES if hasattr(cls, "bl_idname")}
+    names = {cls.bl_idname for cls in registration.CLASSES if hasattr(cls, "bl_idname")}
     for tool in toolbar.TOOLS:
         assert Path(tool.bl_icon + ".dat").is_file()
         assert len(tool.bl_description) > 20

@@ -42,7 +42,7 @@ def states() -> dict[str, int]:
 
 def all_solved() -> bool:
     scene = bpy.context.scene
-    return frames().plan_of(scene) is not None and states()["solved"] == END
+    return frames().manifest_of(scene) is not None and states()["solved"] == END
 
 
 def shown() -> np.ndarray:
@@ -197,7 +197,7 @@ def solve(blender: Driver, pulse: Pulse) -> Steps:
     """Solves while Blender answers."""
     scene = bpy.context.scene
     yield from blender.wait_until(
-        lambda: frames().plan_of(scene) is not None, 30.0, "the procedure is planned by itself"
+        lambda: frames().manifest_of(scene) is not None, 30.0, "the procedure is listed by itself"
     )
     scene.frame_set(CUT)
     yield 0.5

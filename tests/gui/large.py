@@ -33,7 +33,7 @@ def sheet() -> bpy.types.Object:
 
 
 def scenario(blender: Driver) -> Steps:
-    """Plans, shows, solves, edits, undoes; notes the longest calls of each."""
+    """Manifests, shows, solves, edits, undoes; notes the longest calls of each."""
     yield from prepare(blender)
     frames = import_module(f"{MODULE}.solving.frames")
     display = import_module(f"{MODULE}.display.skin_display")
@@ -61,10 +61,10 @@ def scenario(blender: Driver) -> Steps:
     bpy.ops.ed.undo_push(message="Procedure")
     yield from blender.show_tab("Lappet")
     pulse.begin()
-    yield from blender.wait_until(lambda: frames.plan_of(scene) is not None, 90.0, "it is planned")
+    yield from blender.wait_until(lambda: frames.manifest_of(scene) is not None, 90.0, "it is listed")
     yield from blender.wait_until(lambda: display.skin_object(scene) is not None, 30.0, "its skin is shown")
     yield 3.0
-    noted("planning and the first picture")
+    noted("listing and the first picture")
     for time in range(2, END + 1):
         scene.frame_set(time)
         yield 0.5

@@ -289,19 +289,19 @@ def second_thoughts(blender: Driver) -> Steps:
     scene.lappet.look.show_plan = False
     yield from blender.screenshot("lifted")
     scene.lappet.look.show_plan = True
-    lifted = solving().plan_of(scene).key
+    lifted = solving().manifest_of(scene).key
     for _ in range(2):
         yield from blender.key("Z", ctrl=True)
         yield 0.5
     yield from blender.wait_until(
         lambda: (
-            solving().plan_of(bpy.context.scene) is not None
+            solving().manifest_of(bpy.context.scene) is not None
             and [run.state for run in solving().frame_runs(bpy.context.scene)] == ["solved"]
         ),
         6.0,
         "two Ctrl-Z: the frames from before are there again, all solved",
     )
-    blender.expect(solving().plan_of(bpy.context.scene).key != lifted, "they are those without the lift")
+    blender.expect(solving().manifest_of(bpy.context.scene).key != lifted, "they are those without the lift")
     yield from blender.screenshot("undone")
     yield 4.0
     bpy.context.scene.frame_set(17)
@@ -310,7 +310,10 @@ def second_thoughts(blender: Driver) -> Steps:
         yield from blender.key("Z", ctrl=True, shift=True)
         yield 0.5
     yield from blender.wait_until(
-        lambda: solving().plan_of(bpy.context.scene) is not None and solving().plan_of(bpy.context.scene).key == lifted,
+        lambda: (
+            solving().manifest_of(bpy.context.scene) is not None
+            and solving().manifest_of(bpy.context.scene).key == lifted
+        ),
         6.0,
         "Ctrl-Shift-Z brings the lift back",
     )

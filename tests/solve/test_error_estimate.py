@@ -14,10 +14,11 @@ from lappet.daemon.daemon_solver import connect_to
 from lappet.daemon.solved_frame import Diagnostics, LatticeCounts, SolvedFrame
 from lappet.geometry.labeled_surface import FaceOrigin
 from lappet.output.solve_to_cache import solve_procedure
-from lappet.program.program import Bones
+from lappet.program.program import Bones, Program
 from lappet.reports.box_scenes import BAR, BLOCK, BLOCK_SLACK, CANTILEVER, COOK, SHELF, BoxScene
 from lappet.reports.error_time.measurement import DEFAULT, EXACT, skin_of
 from lappet.reports.error_time.reference import greatest, richardson, rms
+from lappet.solve import error_estimate
 from lappet.solve.coarse_program import expected_order
 from lappet.solve.error_estimate import (
     ErrorEstimate,
@@ -29,7 +30,7 @@ from lappet.solve.error_estimate import (
 from lappet.solve.solve_frames import FrameResult, SolveObserver, solve_program
 from lappet.solve.store import FrameStore
 from lappet.solve.target_error import worst_rms
-from small_procedure import small_procedure
+from small_procedure import FakeSolver, small_procedure
 
 SETTINGS: tuple[dict[str, Any], ...] = (
     {},
@@ -201,6 +202,26 @@ def test_what_the_companion_was_left_with_is_not_taken_for_discretization() -> N
     error = frame_error(at(1.0, 0.0, 0.0), at(0.1, 0.0, 0.0, left_over=(0.6, 0.0, 0.0)), ONE, 2.0, 1.0)
     assert error is not None
     assert error.rms == pytest.approx(0.3 / 3.0)
+
+
+def test_coarse_frames_that_are_doubted_are_looked_into_with_their_states(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked: dict[int, SolvedFrame] = {}
+
+    def branches(program: Program, fine: Any, coarse: dict[int, SolvedFrame], connect: Any) -> dict[int, Any]:
+        assert fine.keys() == coarse.keys()
+        asked.update(coarse)
+        return {}
+
+    monkeypatch.setattr(error_estimate, "other_branches", branches)
+    program = replace(BLOCK.program(1.0), hooks=("hook",))
+    store, solver = FrameStore(tmp_path), FakeSolver()
+    frames = solve_program(program, store, solver.connect, "fake", SolveObserver()).frames
+    # The frame is a spacing off, so that it is doubted.
+    far = replace(frames[0], solved=replace(frames[0].solved, points=frames[0].solved.points + np.float32(9.0)))
+    estimate_errors(program, [far], store, solver.connect, "fake")
+    assert [frame.state is not None for frame in asked.values()] == [True]
 
 
 def test_holding_lowers_the_order_that_is_reckoned_with_and_wounds_layers_and_bone_more() -> None:

@@ -62,7 +62,8 @@ def test_a_procedure_of_0_1_loads_with_every_value_and_no_note(name: str) -> Non
     assert notes == expected.pop("notes")
     found = recorded(procedure)
     assert isinstance(found, dict)
-    assert list(found) == list(expected)
+    assert [name for name in found if name in expected] == list(expected)
+    assert procedure.skin_lines == ()
     if expected["tissue"]["gravity"] is None:  # 0.1 had none where nothing was said; now that is the default
         expected["tissue"]["gravity"] = Tissue.gravity
     for field, content in expected.items():

@@ -6,7 +6,7 @@ from time import monotonic
 
 import bpy
 
-from lappet.background.plan import Plan
+from lappet.background.manifest import Manifest
 from lappet.daemon.solved_frame import SolvedFrame
 
 from ..look.quantity_scale import frame_peak, full_value
@@ -26,23 +26,25 @@ def peak_of(key: str, quantity: str, frame: SolvedFrame) -> float:
     return _peaks[key, quantity]
 
 
-def scan_frames(scene: bpy.types.Scene, plan: Plan, quantity: str, patient: bool) -> bool:
-    """Read what solved frames of a plan ask of the scale; False while some are left to a later call.
+def scan_frames(scene: bpy.types.Scene, manifest: Manifest, quantity: str, patient: bool) -> bool:
+    """Read what solved frames of a manifest ask of the scale; False while some are left to a later call.
 
     patient: read all, however long it takes (renders, scripts).
     """
     begun = monotonic()
-    for planned in plan.frames:
-        if (planned.key, quantity) in _peaks or frames.frame_state(scene, planned.time) != "solved":
+    for listed in manifest.frames:
+        if (listed.key, quantity) in _peaks or frames.frame_state(scene, listed.time) != "solved":
             continue
         if not patient and monotonic() - begun > _BUDGET:
             return False
-        shown = frames.shown_at(scene, planned.time)
-        if shown is not None and shown.frame is not None and shown.plan.key == plan.key and not shown.stale:
-            peak_of(planned.key, quantity, shown.frame)
+        shown = frames.shown_at(scene, listed.time)
+        if shown is not None and shown.frame is not None and shown.manifest.key == manifest.key and not shown.stale:
+            peak_of(listed.key, quantity, shown.frame)
     return True
 
 
-def highest_of(plans: list[Plan], quantity: str) -> float:
-    """The value at the top of the scale of some plans: of all their frames that were read, rounded up."""
-    return full_value(max((_peaks.get((f.key, quantity), 0.0) for plan in plans for f in plan.frames), default=0.0))
+def highest_of(manifests: list[Manifest], quantity: str) -> float:
+    """The value at the top of the scale of some manifests: of all their frames that were read, rounded up."""
+    return full_value(
+        max((_peaks.get((f.key, quantity), 0.0) for manifest in manifests for f in manifest.frames), default=0.0)
+    )

@@ -8,7 +8,7 @@ from lappet.core.problem_code import ProblemCode
 
 from ..events.variant import copy_scene
 from ..figure.framing import VIEWS
-from ..interface.operator_base import NO_UNDO, UNDOABLE, OperatorBase
+from ..interface.operator_base import NO_UNDO, OperatorBase
 from . import skin_display
 from .figure_setup import clear_stage, set_stage
 from .render_still import render_still
@@ -30,9 +30,7 @@ _PRESET_ITEMS = (
 class LAPPET_OT_look_preset(OperatorBase, bpy.types.Operator):
     """Set the colors and the visible parts of the display for a purpose"""
 
-    bl_idname = "lappet.look_preset"
     bl_label = "Look Preset"
-    bl_options = UNDOABLE
 
     preset: EnumProperty(name="Preset", items=_PRESET_ITEMS)
 
@@ -45,9 +43,7 @@ class LAPPET_OT_look_preset(OperatorBase, bpy.types.Operator):
 class LAPPET_OT_compare(OperatorBase, bpy.types.Operator):
     """Show the skin of another scene beside this one, frame by frame"""
 
-    bl_idname = "lappet.compare"
     bl_label = "Compare"
-    bl_options = UNDOABLE
 
     scene: StringProperty(
         name="Scene", description="Name of the other scene; empty = no comparison", options={"SKIP_SAVE"}
@@ -68,9 +64,7 @@ class LAPPET_OT_compare(OperatorBase, bpy.types.Operator):
 class LAPPET_OT_variant_new(OperatorBase, bpy.types.Operator):
     """Copy this scene with its procedure, switch to the copy and show this scene beside it"""
 
-    bl_idname = "lappet.variant_new"
     bl_label = "New Variant"
-    bl_options = UNDOABLE
 
     name: StringProperty(name="Name", description="Name of the new scene; empty = from this one", options={"SKIP_SAVE"})
 
@@ -91,9 +85,7 @@ class LAPPET_OT_variant_new(OperatorBase, bpy.types.Operator):
 class LAPPET_OT_set_stage(OperatorBase, bpy.types.Operator):
     """Set up camera, lights, paper and render settings for a textbook picture"""
 
-    bl_idname = "lappet.set_stage"
-    bl_label = "Set Stage"
-    bl_options = UNDOABLE
+    bl_label = "Add Camera and Lights"
 
     view: EnumProperty(
         name="View",
@@ -117,11 +109,9 @@ class LAPPET_OT_set_stage(OperatorBase, bpy.types.Operator):
 
 
 class LAPPET_OT_clear_stage(OperatorBase, bpy.types.Operator):
-    """Remove the camera, lights and paper that Set Stage made"""
+    """Remove the camera, lights and paper that were added for a picture"""
 
-    bl_idname = "lappet.clear_stage"
-    bl_label = "Clear Stage"
-    bl_options = UNDOABLE
+    bl_label = "Remove Camera and Lights"
 
     def run(self, context: bpy.types.Context) -> None:
         if not clear_stage(context.scene):
@@ -131,7 +121,6 @@ class LAPPET_OT_clear_stage(OperatorBase, bpy.types.Operator):
 class LAPPET_OT_render_still(OperatorBase, bpy.types.Operator):
     """Render the current frame to a PNG file"""
 
-    bl_idname = "lappet.render_still"
     bl_label = "Render Still"
     bl_options = NO_UNDO
 

@@ -11,7 +11,7 @@ from collections.abc import Collection
 import bpy
 import numpy as np
 
-from lappet.background.plan import EpochShape
+from lappet.background.manifest import EpochShape
 
 from ..look.skin_fields import WOUND_WALL
 from ..look.skin_import import build_mesh, mark_sharp_borders, set_attribute

@@ -7,7 +7,7 @@ from dataclasses import replace
 import bpy
 import numpy as np
 
-from lappet.background.plan import Plan
+from lappet.background.manifest import Manifest
 from lappet.core.problem import refused
 from lappet.core.problem_code import ProblemCode
 
@@ -29,18 +29,18 @@ def set_stage(scene: bpy.types.Scene, view: str, engine: str, size: tuple[int, i
     """Frame what the scene shows, at any frame of its procedure, and set the render.
 
     view: of `figure.framing.VIEWS`. engine: "cycles", "workbench" or "keep". size: pixels; (0, 0) keeps the scene's.
-    A stage that was set before is replaced. Raises RefusedError where nothing is solved or planned.
+    A stage that was set before is replaced. Raises RefusedError where nothing is solved or known.
     """
     shown = skin_display.shown_of(scene, scene.frame_current)
     if shown is None:
         raise refused(ProblemCode.FIGURE_NOTHING_SHOWN, scene.name)
     units = 1.0 / mm_per_unit(scene)
-    field, lowest = _framed(scene, shown.plan)
+    field, lowest = _framed(scene, shown.manifest)
     turned = TURN
     other = scene.lappet.compare_with
     beside = None if other is None or other == scene else frames.shown_at(other, scene.frame_current)
     if other is not None and beside is not None:
-        field, lowest = _both(scene, field, lowest, other, beside.plan, shown.plan)
+        field, lowest = _both(scene, field, lowest, other, beside.manifest, shown.manifest)
         turned = 0.0
     studio = Studio(scene, _empty_stage(scene), units)
     if size != (0, 0):
@@ -81,12 +81,12 @@ def _empty_stage(scene: bpy.types.Scene) -> bpy.types.Collection:
     return stage
 
 
-def _framed(scene: bpy.types.Scene, plan: Plan) -> tuple[SurgicalField, float]:
-    """The field of a plan over some of its frames, and the lowest point along its normal, mm."""
+def _framed(scene: bpy.types.Scene, manifest: Manifest) -> tuple[SurgicalField, float]:
+    """The field of a manifest over some of its frames, and the lowest point along its normal, mm."""
     shown = frames.shown_at(scene, scene.frame_current)
     assert shown is not None
     source = skin_display.decorations_of(scene, shown).source
-    times = [float(f.time) for f in plan.frames]
+    times = [float(f.time) for f in manifest.frames]
     spread = tuple(dict.fromkeys(times[round(k)] for k in np.linspace(0, len(times) - 1, _FRAMES)))
     field = surgical_field(source, spread)
     lowest = min(float((source.positions(source.epoch_at(t), t) @ field.normal).min()) for t in spread)
@@ -94,10 +94,15 @@ def _framed(scene: bpy.types.Scene, plan: Plan) -> tuple[SurgicalField, float]:
 
 
 def _both(
-    scene: bpy.types.Scene, field: SurgicalField, lowest: float, other: bpy.types.Scene, beside: Plan, plan: Plan
+    scene: bpy.types.Scene,
+    field: SurgicalField,
+    lowest: float,
+    other: bpy.types.Scene,
+    beside: Manifest,
+    manifest: Manifest,
 ) -> tuple[SurgicalField, float]:
     """The field of two skins side by side, whole, with their labels."""
-    own, theirs = skin_display.rest_box(plan), skin_display.rest_box(beside)
+    own, theirs = skin_display.rest_box(manifest), skin_display.rest_box(beside)
     gap = skin_display.offset_of(scene, own, theirs)
     _, other_lowest = _framed(other, beside)
     own[1][1] += skin_display.LABEL_GAP + skin_display.LABEL_SIZE

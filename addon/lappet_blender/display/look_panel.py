@@ -2,19 +2,16 @@
 
 import bpy
 
+from ..interface.sidebar_panel import CLOSED, SidebarPanel
 from .look_materials import quantity_of
 
 
-class LAPPET_PT_look(bpy.types.Panel):
+class LAPPET_PT_look(SidebarPanel, bpy.types.Panel):
     """How the solved skin is shown."""
 
-    bl_idname = "LAPPET_PT_look"
     bl_label = "Look"
-    bl_space_type = "VIEW_3D"
-    bl_region_type = "UI"
-    bl_category = "Lappet"
     bl_order = 40
-    bl_options = {"DEFAULT_CLOSED"}  # noqa: RUF012
+    bl_options = CLOSED
 
     def draw(self, context: bpy.types.Context) -> None:
         """Color, parts, stage."""
@@ -38,16 +35,12 @@ class LAPPET_PT_look(bpy.types.Panel):
         row.operator("lappet.clear_stage", text="", icon="X")
 
 
-class LAPPET_PT_compare(bpy.types.Panel):
+class LAPPET_PT_compare(SidebarPanel, bpy.types.Panel):
     """Two procedures side by side."""
 
-    bl_idname = "LAPPET_PT_compare"
     bl_label = "Compare"
-    bl_space_type = "VIEW_3D"
-    bl_region_type = "UI"
-    bl_category = "Lappet"
     bl_order = 50
-    bl_options = {"DEFAULT_CLOSED"}  # noqa: RUF012
+    bl_options = CLOSED
 
     def draw(self, context: bpy.types.Context) -> None:
         """The other scene, the gap, and a new variant."""

@@ -6,7 +6,7 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from lappet.background.plan import EpochShape
+from lappet.background.manifest import EpochShape
 
 from ..look.quantity_scale import ramp_linear
 from ..look.skin_fields import RIM, SKIN, UNDERSIDE

@@ -22,7 +22,7 @@ from ..look.tube import TOPOLOGY, draw_tubes
 from ..look.wound_edge import WoundEdge
 from .display_collection import find_object, make_object, place, set_visible
 from .look_materials import part_material
-from .plan_source import PlanSource
+from .manifest_source import ManifestSource
 from .sphere_shape import spheres
 from .time_slice import TimeSlice
 
@@ -42,14 +42,14 @@ class Where:
 
 
 class SkinDecorations:
-    """The parts of one plan; what is costly is found once an epoch."""
+    """The parts of one manifest; what is costly is found once an epoch."""
 
-    def __init__(self, source: PlanSource, before: SkinDecorations | None = None) -> None:
+    def __init__(self, source: ManifestSource, before: SkinDecorations | None = None) -> None:
         """before: what was drawn until now; where its epochs are the same, what was found of them is kept."""
         self.source = source
         same = before is not None and [e.name for e in before.source.epochs] == [e.name for e in source.epochs]
         kept = before if same else None
-        self.field: SurgicalField = kept.field if kept else plan_field(source)
+        self.field: SurgicalField = kept.field if kept else manifest_field(source)
         self._axes = np.stack([self.field.right, self.field.up, self.field.normal])
         self._scale = self.field.stitch_scale
         self._edge: WoundEdge = kept._edge if kept else WoundEdge(source)
@@ -118,7 +118,7 @@ class SkinDecorations:
             return
         bed = self._bed
         points = bed.positions(time) * np.float32(where.units)
-        made_for = f"bed {self.source.plan.epochs[0].key}"
+        made_for = f"bed {self.source.manifest.epochs[0].key}"
         if _topology(target.data, made_for, points, bed.triangles):
             set_attribute(target.data, "rest", "FLOAT_VECTOR", "POINT", bed.rest.astype(np.float32))
 
@@ -137,7 +137,7 @@ def has_wound(epoch: SkinEpoch) -> bool:
     return bool((epoch.origin == WOUND_WALL).any())
 
 
-def plan_field(source: PlanSource) -> SurgicalField:
+def manifest_field(source: ManifestSource) -> SurgicalField:
     """The field that wounds and hooks take up at rest, with its directions; all skin where there is none."""
     first = source.epochs[0]
     rest = source.rest(first).astype(np.float64)

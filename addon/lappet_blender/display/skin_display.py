@@ -11,7 +11,7 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from lappet.background.plan import Plan
+from lappet.background.manifest import Manifest
 
 from ..look.skin_import import set_attribute
 from ..model.units import mm_per_unit
@@ -33,7 +33,7 @@ from .display_collection import (
 from .epoch_mesh import find_epoch_mesh, remove_unused, take_epoch_mesh
 from .legend import show_legend
 from .look_materials import has_materials, part_material, quantity_of, skin_materials
-from .plan_source import PlanSource, fitting
+from .manifest_source import ManifestSource, fitting
 from .skin_colors import color_vertices
 from .skin_decorations import SkinDecorations, Where
 from .solid_shading import suit_shading
@@ -109,15 +109,15 @@ def refresh(scene: bpy.types.Scene, soon: bool | None = None) -> None:
 
 
 def refresh_all() -> None:
-    """`refresh` every scene (after loading, undo or redo), and let go of meshes that no plan needs."""
+    """`refresh` every scene (after loading, undo or redo), and let go of meshes that no manifest needs."""
     for scene in bpy.data.scenes:
         refresh(scene)
     tidy()
 
 
 def tidy() -> None:
-    """Remove epoch meshes that no object shows and no known plan holds."""
-    remove_unused({e.key for decorations in _decorations.values() for e in decorations.source.plan.epochs})
+    """Remove epoch meshes that no object shows and no known manifest holds."""
+    remove_unused({e.key for decorations in _decorations.values() for e in decorations.source.manifest.epochs})
 
 
 def clear_all() -> None:
@@ -148,15 +148,15 @@ def render_ended(scene: bpy.types.Scene) -> None:
 
 
 def is_decorated(scene: bpy.types.Scene, shown: Shown) -> bool:
-    """Whether what the skin of a scene wears was made for the plan of what is shown."""
+    """Whether what the skin of a scene wears was made for the manifest of what is shown."""
     before = _decorations.get(scene.session_uid)
-    return before is not None and before.source.plan.key == shown.plan.key
+    return before is not None and before.source.manifest.key == shown.manifest.key
 
 
 def decorations_of(scene: bpy.types.Scene, shown: Shown) -> SkinDecorations:
-    """What the skin of a scene wears, for the plan of what is shown."""
+    """What the skin of a scene wears, for the manifest of what is shown."""
     before = _decorations.get(scene.session_uid)
-    if before is not None and before.source.plan.key == shown.plan.key:
+    if before is not None and before.source.manifest.key == shown.manifest.key:
         return before
 
     uid = scene.session_uid  # undo replaces the scene's data: it is looked for anew each time
@@ -168,10 +168,10 @@ def decorations_of(scene: bpy.types.Scene, shown: Shown) -> SkinDecorations:
         if frames.frame_state(scene, time) != "solved":
             return None
         found = frames.shown_at(scene, time)
-        same = found is not None and found.plan.key == shown.plan.key and found.time == time and not found.stale
+        same = found is not None and found.manifest.key == shown.manifest.key and found.time == time and not found.stale
         return found.frame if found is not None and same else None
 
-    made = SkinDecorations(PlanSource(shown.plan, scene, lookup), before)  # type: ignore[arg-type]
+    made = SkinDecorations(ManifestSource(shown.manifest, scene, lookup), before)  # type: ignore[arg-type]
     _decorations[scene.session_uid] = made
     return made
 
@@ -194,22 +194,22 @@ def _show(scene: bpy.types.Scene, time: float, time_slice: TimeSlice) -> None:
     units, look = 1.0 / mm_per_unit(scene), scene.lappet.look
     other = _compared(scene, time)
     quantity = quantity_of(look)
-    plans = [shown.plan] if other is None else [shown.plan, other[1].plan]
+    manifests = [shown.manifest] if other is None else [shown.manifest, other[1].manifest]
     if quantity is not None:
         _take_peak(scene, shown, quantity)
         if other is not None:
             _take_peak(other[0], other[1], quantity)
-    highest = highest_of(plans, quantity) if quantity else 1.0
+    highest = highest_of(manifests, quantity) if quantity else 1.0
     skin = _draw_skin(scene, Where(collection, "", units, (0.0, 0.0, 0.0)), shown, look, highest, time_slice)
     if skin is None:
         return
     if scene.lappet.skin != skin:
         scene.lappet.skin = skin
-    box = rest_box(shown.plan)
+    box = rest_box(shown.manifest)
     if other is None:
         _hide_others(collection)
     else:
-        beside = rest_box(other[1].plan)
+        beside = rest_box(other[1].manifest)
         gap = offset_of(scene, box, beside)
         where = Where(collection, "other ", units, (gap * units, 0.0, 0.0))
         _draw_skin(other[0], where, other[1], look, highest, time_slice)
@@ -296,14 +296,14 @@ def _compared(scene: bpy.types.Scene, time: float) -> tuple[bpy.types.Scene, Sho
 def _take_peak(scene: bpy.types.Scene, shown: Shown, quantity: str) -> None:
     if shown.stale or shown.frame is None or frames.progress_of(scene).live:
         return
-    key = next((f.key for f in shown.plan.frames if f.time == shown.time), None)
+    key = next((f.key for f in shown.manifest.frames if f.time == shown.time), None)
     if key is not None:
         peak_of(key, quantity, shown.frame)
 
 
-def rest_box(plan: Plan) -> NDArray[np.float64]:
+def rest_box(manifest: Manifest) -> NDArray[np.float64]:
     """Lowest and highest corner (2, 3) of the tissue at rest, mm; of the first epoch, so that nothing jumps."""
-    shape = plan.epochs[0]
+    shape = manifest.epochs[0]
     if shape.key not in _boxes:
         if len(_boxes) > 64:
             _boxes.clear()
@@ -377,9 +377,9 @@ def _scan(scene: bpy.types.Scene, patient: bool | None = None) -> None:
         patient = bpy.app.background
     done = True
     for each in (scene, scene.lappet.compare_with):
-        plan = None if each is None else frames.plan_of(each)
-        if plan is not None:
-            done &= scan_frames(each, plan, quantity, patient)
+        manifest = None if each is None else frames.manifest_of(each)
+        if manifest is not None:
+            done &= scan_frames(each, manifest, quantity, patient)
     if not done and not bpy.app.timers.is_registered(_scan_on):
         bpy.app.timers.register(_scan_on, first_interval=0.05)
 

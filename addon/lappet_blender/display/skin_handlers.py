@@ -69,7 +69,7 @@ def _window_turned() -> None:
 
 
 def _procedure_changed(scene: bpy.types.Scene) -> None:
-    """A property changed: only those of the look concern the display at once; a new plan comes by itself."""
+    """A property changed: only those of the look concern the display at once; a new manifest comes by itself."""
     skin_display.events_changed(scene)
     look = _look_of(scene)
     if _looks.get(scene.session_uid) != look:

@@ -5,7 +5,7 @@ from bpy.props import BoolProperty, CollectionProperty, EnumProperty, FloatPrope
 
 from lappet.procedure import Incision
 
-from ..interface.operator_base import UNDOABLE, OperatorBase
+from ..interface.operator_base import OperatorBase
 from ..model.event_kinds import BASES, BASIS_OF
 from ..model.event_properties import LappetPoint
 from .add_events import add_excision, add_incision, add_landmark, add_undermining
@@ -15,9 +15,7 @@ from .operator_values import given, places
 class LAPPET_OT_incision_add(OperatorBase, bpy.types.Operator):
     """Cut along a line on the skin"""
 
-    bl_idname = "lappet.incision_add"
     bl_label = "Incision"
-    bl_options = UNDOABLE
 
     points: CollectionProperty(name="Points", description="Points of the line at rest, in mm", type=LappetPoint)
     time: FloatProperty(name="Frame", description="When the cut is made; if not given, the current frame")
@@ -46,9 +44,7 @@ class LAPPET_OT_incision_add(OperatorBase, bpy.types.Operator):
 class LAPPET_OT_excise(OperatorBase, bpy.types.Operator):
     """Remove the piece of tissue at a point"""
 
-    bl_idname = "lappet.excise"
     bl_label = "Excise"
-    bl_options = UNDOABLE
 
     point: FloatVectorProperty(name="Point", description="A point of the piece at rest, in mm", size=3, precision=3)
     time: FloatProperty(name="Frame", description="When it is removed; if not given, the current frame")
@@ -61,9 +57,7 @@ class LAPPET_OT_excise(OperatorBase, bpy.types.Operator):
 class LAPPET_OT_undermine_add(OperatorBase, bpy.types.Operator):
     """Free the skin inside a closed line from its bed"""
 
-    bl_idname = "lappet.undermine_add"
     bl_label = "Undermine"
-    bl_options = UNDOABLE
 
     points: CollectionProperty(name="Points", description="Outline of the area at rest, in mm", type=LappetPoint)
     time: FloatProperty(name="Frame", description="When the area is freed; if not given, the current frame")
@@ -78,9 +72,7 @@ class LAPPET_OT_undermine_add(OperatorBase, bpy.types.Operator):
 class LAPPET_OT_landmark_add(OperatorBase, bpy.types.Operator):
     """Mark a point on the skin to follow and measure"""
 
-    bl_idname = "lappet.landmark_add"
     bl_label = "Landmark"
-    bl_options = UNDOABLE
 
     point: FloatVectorProperty(name="Point", description="At rest, in mm", size=3, precision=3)
     points: CollectionProperty(

@@ -3,7 +3,7 @@
 import bpy
 from bpy.props import BoolProperty, FloatProperty, StringProperty
 
-from ..interface.operator_base import NO_UNDO, UNDOABLE, OperatorBase
+from ..interface.operator_base import NO_UNDO, OperatorBase
 from ..model.event_list import event_time, remove_event, rename_event
 from .edit_events import duplicate_event, jump_to_event, retime_event, select_event
 from .operator_values import named_event
@@ -22,9 +22,7 @@ class _OnEvent(OperatorBase):
 class LAPPET_OT_event_remove(_OnEvent, bpy.types.Operator):
     """Remove an event from the timeline, with the empty that was made for it"""
 
-    bl_idname = "lappet.event_remove"
     bl_label = "Remove Event"
-    bl_options = UNDOABLE
 
     def run(self, context: bpy.types.Context) -> None:
         remove_event(context.scene, named_event(context.scene, self.event))
@@ -33,9 +31,7 @@ class LAPPET_OT_event_remove(_OnEvent, bpy.types.Operator):
 class LAPPET_OT_event_retime(_OnEvent, bpy.types.Operator):
     """Move an event to another frame, together with its release and its target's keyframes"""
 
-    bl_idname = "lappet.event_retime"
     bl_label = "Retime Event"
-    bl_options = UNDOABLE
 
     time: FloatProperty(name="Frame", description="The new frame")
     shift: FloatProperty(name="Shift", description="Number of frames to move by, if no frame is given")
@@ -49,9 +45,7 @@ class LAPPET_OT_event_retime(_OnEvent, bpy.types.Operator):
 class LAPPET_OT_event_rename(_OnEvent, bpy.types.Operator):
     """Rename an event; only letters, digits and underscores are kept"""
 
-    bl_idname = "lappet.event_rename"
     bl_label = "Rename Event"
-    bl_options = UNDOABLE
 
     name: StringProperty(name="Name")
 
@@ -65,9 +59,7 @@ class LAPPET_OT_event_rename(_OnEvent, bpy.types.Operator):
 class LAPPET_OT_event_enable(_OnEvent, bpy.types.Operator):
     """Turn an event on or off; an event that is off stays in the timeline but does not happen"""
 
-    bl_idname = "lappet.event_enable"
     bl_label = "Enable Event"
-    bl_options = UNDOABLE
 
     enabled: BoolProperty(name="Enabled", default=True)
 
@@ -78,9 +70,7 @@ class LAPPET_OT_event_enable(_OnEvent, bpy.types.Operator):
 class LAPPET_OT_event_select(_OnEvent, bpy.types.Operator):
     """Make an event active and select its empty"""
 
-    bl_idname = "lappet.event_select"
     bl_label = "Select Event"
-    bl_options = UNDOABLE
 
     def run(self, context: bpy.types.Context) -> None:
         select_event(context.scene, context.view_layer, named_event(context.scene, self.event))
@@ -89,7 +79,6 @@ class LAPPET_OT_event_select(_OnEvent, bpy.types.Operator):
 class LAPPET_OT_event_jump(_OnEvent, bpy.types.Operator):
     """Go to the frame of an event and make it active"""
 
-    bl_idname = "lappet.event_jump"
     bl_label = "Jump to Event"
     bl_options = NO_UNDO  # Blender's undo holds no frames
 
@@ -100,9 +89,7 @@ class LAPPET_OT_event_jump(_OnEvent, bpy.types.Operator):
 class LAPPET_OT_event_duplicate(_OnEvent, bpy.types.Operator):
     """Add a copy of an event with its own empty and keyframes"""
 
-    bl_idname = "lappet.event_duplicate"
     bl_label = "Duplicate Event"
-    bl_options = UNDOABLE
 
     shift: FloatProperty(name="Shift", description="Number of frames later", default=0.0)
 

@@ -6,7 +6,7 @@ from mathutils import Euler, Matrix
 
 from lappet.procedure import Hook
 
-from ..interface.operator_base import UNDOABLE, OperatorBase
+from ..interface.operator_base import OperatorBase
 from .add_events import add_hook, add_retractor, straight_motion, straight_targets
 from .operator_values import given
 
@@ -22,9 +22,7 @@ class LappetKey(bpy.types.PropertyGroup):
 class LAPPET_OT_hook_add(OperatorBase, bpy.types.Operator):
     """Set a hook into the skin; its empty can be keyframed like any object"""
 
-    bl_idname = "lappet.hook_add"
     bl_label = "Hook"
-    bl_options = UNDOABLE
 
     anchor: FloatVectorProperty(name="Anchor", description="At rest, in mm", size=3, precision=3)
     target: FloatVectorProperty(name="Target", description="Where the hook pulls to, in mm", size=3, precision=3)
@@ -59,9 +57,7 @@ class LAPPET_OT_hook_add(OperatorBase, bpy.types.Operator):
 class LAPPET_OT_retractor_add(OperatorBase, bpy.types.Operator):
     """Grip a group of faces of the tissue and move them with an empty"""
 
-    bl_idname = "lappet.retractor_add"
     bl_label = "Retractor"
-    bl_options = UNDOABLE
 
     grip: StringProperty(name="Grip", description="The group of faces to hold")
     shift: FloatVectorProperty(name="Shift", description="How far it pulls, in mm", size=3, precision=3)

@@ -3,7 +3,7 @@
 import bpy
 from bpy.props import FloatVectorProperty, IntProperty, StringProperty
 
-from ..interface.operator_base import UNDOABLE, OperatorBase
+from ..interface.operator_base import OperatorBase
 from .edit_points import insert_point, move_point, remove_point
 from .operator_values import named_event
 
@@ -22,9 +22,7 @@ class _OnPoint(OperatorBase):
 class LAPPET_OT_point_move(_OnPoint, bpy.types.Operator):
     """Move a point of an event"""
 
-    bl_idname = "lappet.point_move"
     bl_label = "Move Point"
-    bl_options = UNDOABLE
 
     co: FloatVectorProperty(name="Position", description="At rest, in mm", size=3, precision=3)
 
@@ -35,9 +33,7 @@ class LAPPET_OT_point_move(_OnPoint, bpy.types.Operator):
 class LAPPET_OT_point_insert(_OnPoint, bpy.types.Operator):
     """Insert a point into the line of an event, before the point of this index"""
 
-    bl_idname = "lappet.point_insert"
     bl_label = "Insert Point"
-    bl_options = UNDOABLE
 
     co: FloatVectorProperty(name="Position", description="At rest, in mm", size=3, precision=3)
 
@@ -48,9 +44,7 @@ class LAPPET_OT_point_insert(_OnPoint, bpy.types.Operator):
 class LAPPET_OT_point_remove(_OnPoint, bpy.types.Operator):
     """Remove a point from the line of an event"""
 
-    bl_idname = "lappet.point_remove"
     bl_label = "Remove Point"
-    bl_options = UNDOABLE
 
     def run(self, context: bpy.types.Context) -> None:
         remove_point(context.scene, named_event(context.scene, self.event), self.index)

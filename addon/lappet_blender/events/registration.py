@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import bpy
-
 from . import (
     cut_operators,
     edit_operators,
@@ -14,7 +12,7 @@ from . import (
     timeline_panel,
 )
 
-_CLASSES = (
+CLASSES = (
     *hold_operators.CLASSES,
     *cut_operators.CLASSES,
     *suture_operators.CLASSES,
@@ -26,13 +24,9 @@ _CLASSES = (
 
 def register() -> None:
     """Add the part."""
-    for each in _CLASSES:
-        bpy.utils.register_class(each)
     target_watch.register()
 
 
 def unregister() -> None:
     """Take it away."""
     target_watch.unregister()
-    for each in reversed(_CLASSES):
-        bpy.utils.unregister_class(each)

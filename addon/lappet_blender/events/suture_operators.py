@@ -5,7 +5,7 @@ from bpy.props import BoolProperty, CollectionProperty, FloatProperty, FloatVect
 
 from lappet.procedure import Suture
 
-from ..interface.operator_base import UNDOABLE, OperatorBase
+from ..interface.operator_base import OperatorBase
 from ..model.event_properties import LappetPoint
 from .add_sutures import Spacing, SutureTimes, add_suture, add_suture_run, ends_across, ends_between
 from .operator_values import given, places
@@ -14,9 +14,7 @@ from .operator_values import given, places
 class LAPPET_OT_suture_add(OperatorBase, bpy.types.Operator):
     """Draw two points together and hold them"""
 
-    bl_idname = "lappet.suture_add"
     bl_label = "Suture"
-    bl_options = UNDOABLE
 
     first: FloatVectorProperty(name="From", description="At rest, in mm", size=3, precision=3)
     second: FloatVectorProperty(name="To", description="At rest, in mm", size=3, precision=3)
@@ -36,9 +34,7 @@ class LAPPET_OT_suture_add(OperatorBase, bpy.types.Operator):
 class LAPPET_OT_suture_run(OperatorBase, bpy.types.Operator):
     """Place evenly spaced sutures between two wound edges or across an incision"""
 
-    bl_idname = "lappet.suture_run"
     bl_label = "Run of Sutures"
-    bl_options = UNDOABLE
 
     first_edge: CollectionProperty(name="First edge", description="At rest, in mm", type=LappetPoint)
     second_edge: CollectionProperty(

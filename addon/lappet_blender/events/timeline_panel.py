@@ -7,6 +7,7 @@ from typing import Any
 
 import bpy
 
+from ..interface.sidebar_panel import SidebarPanel, with_fields
 from ..model.event_kinds import CUT_KINDS, HOLD_KINDS, KINDS
 from ..model.event_list import event_end, event_time, sorted_events
 from ..model.event_target import is_there
@@ -48,8 +49,6 @@ def _is_wide(context: bpy.types.Context) -> bool:
 class LAPPET_UL_events(bpy.types.UIList):
     """Events in order of time."""
 
-    bl_idname = "LAPPET_UL_events"
-
     def draw_item(
         self,
         context: bpy.types.Context,
@@ -89,7 +88,6 @@ class LAPPET_UL_events(bpy.types.UIList):
 class LAPPET_MT_event_add(bpy.types.Menu):
     """Switch to the tool that places an event."""
 
-    bl_idname = "LAPPET_MT_event_add"
     bl_label = "Add Event"
 
     def draw(self, _context: bpy.types.Context) -> None:
@@ -97,14 +95,10 @@ class LAPPET_MT_event_add(bpy.types.Menu):
             self.layout.operator("wm.tool_set_by_id", text=name, icon=icon).name = TOOLS[kind]
 
 
-class LAPPET_PT_timeline(bpy.types.Panel):
+class LAPPET_PT_timeline(SidebarPanel, bpy.types.Panel):
     """The events of the operation and when they happen."""
 
-    bl_idname = "LAPPET_PT_timeline"
     bl_label = "Timeline"
-    bl_space_type = "VIEW_3D"
-    bl_region_type = "UI"
-    bl_category = "Lappet"
     bl_order = 20
 
     def draw(self, context: bpy.types.Context) -> None:
@@ -126,9 +120,7 @@ class LAPPET_PT_timeline(bpy.types.Panel):
 
 def draw_fields(layout: Any, scene: bpy.types.Scene, event: Any) -> None:
     """The fields that count for the kind of an event."""
-    fields = layout.column()
-    fields.use_property_split = True
-    fields.use_property_decorate = False
+    fields = with_fields(layout.column())
     fields.prop(event, "title")
     if event.kind != "LANDMARK":
         row = fields.row(align=True)
@@ -157,7 +149,14 @@ def draw_fields(layout: Any, scene: bpy.types.Scene, event: Any) -> None:
             fields.prop(event, "grip")
         case "SUTURE":
             fields.prop(event, "duration")
-            fields.prop(event, "stiffness")
+            fields.prop(event, "mode")
+            if event.mode == "THREAD":
+                fields.prop(event, "thread")
+                if event.thread == "NONE":
+                    fields.prop(event, "stiffness")
+                fields.prop(event, "length")
+                fields.prop(event, "tension")
+            fields.prop(event, "pull_through")
         case "LANDMARK":
             fields.prop(event, "label")
     if event.kind in CUT_KINDS and event.kind != "EXCISION":

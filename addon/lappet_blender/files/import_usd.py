@@ -10,9 +10,9 @@ from typing import Any
 import bpy
 import numpy as np
 
-from lappet.background.make_plan import epoch_shapes, make_plan
-from lappet.background.plan import Plan
-from lappet.background.plan_store import put_plan
+from lappet.background.make_manifest import epoch_shapes, make_manifest
+from lappet.background.manifest import Manifest
+from lappet.background.manifest_store import put_manifest
 from lappet.core.problem import Problem, RefusedError, problem, refused
 from lappet.core.problem_code import ProblemCode
 from lappet.daemon.solved_frame import SolvedFrame
@@ -43,7 +43,7 @@ class FoundFile:
 class CacheFrames:
     """The frames of a skin cache. exact: they are what this solver would give for the file's procedure."""
 
-    plan: Plan
+    manifest: Manifest
     frames: dict[str, SolvedFrame]
     exact: bool
 
@@ -95,11 +95,11 @@ def _show(scene: bpy.types.Scene, procedure: Procedure, found: FoundFile) -> Pro
         if not read.exact:  # under keys of their own: what lies under a solver's key must hold its state too
             controller.store.put(key, frame)
     if not read.exact:
-        put_plan(controller.store, read.plan)
-    controller.past.append(read.plan)
-    controller.recheck_frames(read.plan)
+        put_manifest(controller.store, read.manifest)
+    controller.past.append(read.manifest)
+    controller.recheck_frames(read.manifest)
     controller.mark_dirty()
-    times = [frame.time for frame in read.plan.frames if frame.key in read.frames]
+    times = [frame.time for frame in read.manifest.frames if frame.key in read.frames]
     code = ProblemCode.CACHE_SHOWN if read.exact else ProblemCode.CACHE_SHOWN_ONLY
     return problem(code, "", f"{times[0]} to {times[-1]}")
 
@@ -131,17 +131,17 @@ def cache_frames(scene: bpy.types.Scene, procedure: Procedure, found: FoundFile)
     if not exact:
         own = hashlib.blake2b(f"{found.last_key} {last:g}".encode() + found.cache.read_bytes(), digest_size=16)
         keys = tuple(f"{own.hexdigest()}{i:08x}" for i in range(len(program.frames)))
-    plan_key = hashlib.blake2b("imported".join(keys).encode(), digest_size=32).hexdigest()
-    plan = make_plan(plan_key, program, keys, shapes)
+    manifest_key = hashlib.blake2b("imported".join(keys).encode(), digest_size=32).hexdigest()
+    manifest = make_manifest(manifest_key, program, keys, shapes)
     frames: dict[str, SolvedFrame] = {}
     for time, index in indices.items():
-        epoch, planned = cache.epoch_at(time), plan.frames[index]
+        epoch, listed = cache.epoch_at(time), manifest.frames[index]
         scalars: dict[str, Any] = {
             name: values for name in SCALARS if (values := cache.scalar(epoch, name, time)) is not None
         }
-        hooks, sutures = np.array(planned.hooks, np.int32), np.array(planned.sutures, np.int32)
-        landmarks = np.array(plan.landmarks_at[planned.epoch], np.int32)
-        frames[planned.key] = SolvedFrame(
+        hooks, sutures = np.array(listed.hooks, np.int32), np.array(listed.sutures, np.int32)
+        landmarks = np.array(manifest.landmarks_at[listed.epoch], np.int32)
+        frames[listed.key] = SolvedFrame(
             float(time),
             np.ascontiguousarray(cache.positions(epoch, time), np.float32),
             **scalars,
@@ -152,4 +152,4 @@ def cache_frames(scene: bpy.types.Scene, procedure: Procedure, found: FoundFile)
             suture_index=sutures,
             suture_points=cache.sutures(time).ends[sutures].astype(np.float64),
         )
-    return CacheFrames(plan, frames, exact)
+    return CacheFrames(manifest, frames, exact)

@@ -6,11 +6,11 @@ import bpy
 
 from .usd_operators import CLASSES, export_entries, import_entries
 
+__all__ = ["CLASSES", "register", "unregister"]
+
 
 def register() -> None:
     """Add the operators, the menu entries and the drop of files."""
-    for each in CLASSES:
-        bpy.utils.register_class(each)
     bpy.types.TOPBAR_MT_file_export.append(export_entries)
     bpy.types.TOPBAR_MT_file_import.append(import_entries)
 
@@ -19,5 +19,3 @@ def unregister() -> None:
     """Take them away."""
     bpy.types.TOPBAR_MT_file_import.remove(import_entries)
     bpy.types.TOPBAR_MT_file_export.remove(export_entries)
-    for each in reversed(CLASSES):
-        bpy.utils.unregister_class(each)

@@ -7,12 +7,12 @@ import bpy
 from bpy.props import BoolProperty, StringProperty
 from bpy_extras.io_utils import ExportHelper, ImportHelper
 
-from ..interface.operator_base import NO_UNDO, UNDOABLE, OperatorBase
+from ..interface.operator_base import NO_UNDO, OperatorBase
 from ..interface.problem_sentence import problem_sentence
+from ..interface.sidebar_panel import CLOSED, SidebarPanel
 from .export_usd import write_cache, write_scene
 from .import_usd import look_into, read_into
 
-CLOSED = {"DEFAULT_CLOSED"}
 _GLOB = "*.usda;*.usdc;*.usd"
 
 
@@ -23,7 +23,6 @@ def _path(operator: Any) -> Path:
 class LAPPET_OT_export_procedure(OperatorBase, bpy.types.Operator, ExportHelper):
     """Write the procedure to a USD file, for `lappet solve` and other programs"""
 
-    bl_idname = "lappet.export_procedure"
     bl_label = "Export Lappet Procedure"
     bl_options = NO_UNDO
 
@@ -39,7 +38,6 @@ class LAPPET_OT_export_procedure(OperatorBase, bpy.types.Operator, ExportHelper)
 class LAPPET_OT_export_cache(OperatorBase, bpy.types.Operator, ExportHelper):
     """Write the solved frames to a skin cache, a USD file layered over the procedure; nothing is solved"""
 
-    bl_idname = "lappet.export_cache"
     bl_label = "Export Lappet Skin Cache"
     bl_options = NO_UNDO
 
@@ -55,9 +53,7 @@ class LAPPET_OT_export_cache(OperatorBase, bpy.types.Operator, ExportHelper):
 class LAPPET_OT_import_procedure(OperatorBase, bpy.types.Operator, ImportHelper):
     """Read a procedure or a skin cache"""
 
-    bl_idname = "lappet.import_procedure"
     bl_label = "Import Lappet Procedure"
-    bl_options = UNDOABLE
 
     filter_glob: StringProperty(default=_GLOB, options={"HIDDEN"})
     new_scene: BoolProperty(
@@ -91,7 +87,6 @@ class LAPPET_OT_import_procedure(OperatorBase, bpy.types.Operator, ImportHelper)
 class LAPPET_FH_procedure(bpy.types.FileHandler):
     """Procedures and skin caches that are dropped on a 3D view."""
 
-    bl_idname = "LAPPET_FH_procedure"
     bl_label = "Lappet Procedure"
     bl_import_operator = "lappet.import_procedure"
     bl_export_operator = "lappet.export_procedure"
@@ -122,14 +117,10 @@ def import_entries(menu: Any, _context: bpy.types.Context) -> None:
     menu.layout.operator("lappet.import_procedure", text="Lappet Procedure or Skin Cache (.usda, .usdc)")
 
 
-class LAPPET_PT_files(bpy.types.Panel):
+class LAPPET_PT_files(SidebarPanel, bpy.types.Panel):
     """Import and export."""
 
-    bl_idname = "LAPPET_PT_files"
     bl_label = "Files"
-    bl_space_type = "VIEW_3D"
-    bl_region_type = "UI"
-    bl_category = "Lappet"
     bl_order = 60
     bl_options = CLOSED
 

@@ -13,7 +13,6 @@ from lappet.core.problem_code import ProblemCode
 from ..model.changes import changed
 from .problem_sentence import problem_sentence
 
-UNDOABLE = {"REGISTER", "UNDO"}
 NO_UNDO = {"REGISTER"}
 _MAX_SAID = 3  # problems that one report names
 _refused: list[Problem] = []
@@ -27,12 +26,22 @@ def last_refusal() -> tuple[Problem, ...]:
 class OperatorBase:
     """Mixin of an operator. `run` does the work, or raises RefusedError before it has changed anything.
 
+    An operator is called after its class: `LAPPET_OT_hook_add` is `lappet.hook_add`. It can be undone unless it says
+    that it is `NO_UNDO`.
+
     edits_procedure: listeners learn after `run` that the scene's procedure may have changed.
     """
 
+    bl_options: ClassVar[set[str]] = {"REGISTER", "UNDO"}
     edits_procedure: ClassVar[bool] = False
+    bl_idname: ClassVar[str]
     report: Any
     properties: Any
+
+    def __init_subclass__(cls) -> None:
+        """Name the operator."""
+        super().__init_subclass__()
+        cls.bl_idname = f"lappet.{cls.__name__.removeprefix('LAPPET_OT_')}"
 
     def run(self, context: bpy.types.Context) -> str | None:
         """Do the work; a sentence that it returns is shown to the user."""

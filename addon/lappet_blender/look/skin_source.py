@@ -1,4 +1,4 @@
-"""What draws a solved skin asks of where it comes from: a skin cache (`skin_read.py`) or a plan (`plan_source.py`)."""
+"""What the drawing of a solved skin asks of its source: a skin cache (`skin_read.py`) or a `ManifestSource`."""
 
 from __future__ import annotations
 

@@ -5,32 +5,24 @@ Points are material (rest) coordinates in mm, whatever the scene's unit. Times a
 
 import bpy
 from bpy.props import (
-    BoolProperty,
     CollectionProperty,
     EnumProperty,
     FloatProperty,
-    FloatVectorProperty,
-    PointerProperty,
     StringProperty,
 )
 
-from lappet.procedure import Hook, Incision
+from lappet.procedure import Hook, Incision, Suture
 
 from .changes import property_changed
-from .event_kinds import BASES, KINDS
+from .event_kinds import BASES, KINDS, SUTURE_MODES, THREAD_ITEMS
 from .event_list import move_event, rename_event
+from .tracked_properties import choice, flag, number, pointer, text, vector
 
 
 class LappetPoint(bpy.types.PropertyGroup):
     """A point of an event."""
 
-    co: FloatVectorProperty(
-        name="Position",
-        description="Where the point lies on the tissue at rest, in mm",
-        size=3,
-        precision=3,
-        update=property_changed,
-    )
+    co: vector(name="Position", description="Where the point lies on the tissue at rest, in mm", size=3, precision=3)
 
 
 def _title(event: "LappetEvent") -> str:
@@ -55,21 +47,11 @@ class LappetEvent(bpy.types.PropertyGroup):
     uid: StringProperty(name="Identifier", description="Unique, and never changes", options={"HIDDEN"})
     # `name` is PropertyGroup's own: the name of the prim, a USD identifier, unique in the scene (operators see to it).
     kind: EnumProperty(name="Kind", items=KINDS)
-    enabled: BoolProperty(
-        name="Enabled",
-        description="Whether the event happens; an event that is off stays in the list",
-        default=True,
-        update=property_changed,
+    enabled: flag(
+        name="Enabled", description="Whether the event happens; an event that is off stays in the list", default=True
     )
-    start: FloatProperty(
-        name="Frame", description="The frame at which it happens or starts", default=1.0, update=property_changed
-    )
-    end: FloatProperty(
-        name="Release",
-        description="The frame at which the hook or retractor lets go",
-        default=25.0,
-        update=property_changed,
-    )
+    start: number(name="Frame", description="The frame at which it happens or starts", default=1.0)
+    end: number(name="Release", description="The frame at which the hook or retractor lets go", default=25.0)
     duration: FloatProperty(
         name="Duration",
         description="Number of frames until the suture is closed",
@@ -78,28 +60,11 @@ class LappetEvent(bpy.types.PropertyGroup):
         update=property_changed,
     )
     points: CollectionProperty(type=LappetPoint)
-    basis: EnumProperty(name="Line", items=BASES, default="LINEAR", update=property_changed)
-    closed: BoolProperty(
-        name="Closed", description="The line returns to its first point", default=False, update=property_changed
-    )
-    through: BoolProperty(
-        name="Through", description="Cut through the whole tissue", default=True, update=property_changed
-    )
-    depth: FloatProperty(
-        name="Depth",
-        description="Depth of the cut below the skin, in mm",
-        default=2.0,
-        min=0.0,
-        update=property_changed,
-    )
-    kerf: FloatProperty(
-        name="Kerf",
-        description="Width of the cut in mm",
-        default=Incision.kerf,
-        min=0.0,
-        precision=3,
-        update=property_changed,
-    )
+    basis: choice(name="Line", items=BASES, default="LINEAR")
+    closed: flag(name="Closed", description="The line returns to its first point", default=False)
+    through: flag(name="Through", description="Cut through the whole tissue", default=True)
+    depth: number(name="Depth", description="Depth of the cut below the skin, in mm", default=2.0, min=0.0)
+    kerf: number(name="Kerf", description="Width of the cut in mm", default=Incision.kerf, min=0.0, precision=3)
     stiffness: FloatProperty(
         name="Stiffness",
         description="Stiffness of the hook or suture, in mN/mm",
@@ -107,16 +72,32 @@ class LappetEvent(bpy.types.PropertyGroup):
         min=0.0,
         update=property_changed,
     )
-    target: PointerProperty(
+    mode: choice(name="Hold", items=SUTURE_MODES, default="EXACT")
+    thread: choice(
+        name="Thread", description="A thread from the shelf, or the stiffness below", items=THREAD_ITEMS, default="NONE"
+    )
+    length: number(
+        name="Length", description="Length to which the thread is drawn, in mm", default=Suture.length, min=0.0
+    )
+    tension: number(
+        name="Tension",
+        description="Tension with which the thread is drawn at most, in mN; 0 for as much as it takes",
+        default=Suture.tension,
+        min=0.0,
+    )
+    pull_through: number(
+        name="Pull-through",
+        description="Tension at which the thread cuts through the tissue, in mN; 0 for that of the thread",
+        default=Suture.pull_through,
+        min=0.0,
+    )
+    target: pointer(
         name="Target",
         description="The empty whose location (hook) or motion (retractor) is followed; keyframe it like any object",
         type=bpy.types.Object,
-        update=property_changed,
     )
-    grip: StringProperty(
-        name="Grip", description="The group of faces that the retractor holds", update=property_changed
-    )
-    label: StringProperty(name="Label", description="Name of the landmark in reports", update=property_changed)
+    grip: text(name="Grip", description="The group of faces that the retractor holds")
+    label: text(name="Label", description="Name of the landmark in reports")
     # What the interface edits in place of `name` and `start`: the name stays one that USD takes and nothing else has,
     # and the release and the target's keyframes move with the start.
     title: StringProperty(

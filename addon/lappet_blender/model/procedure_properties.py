@@ -16,7 +16,9 @@ from lappet.procedure import MODELS, Material, Tissue
 from lappet.program.settings import SolverSettings
 
 from .changes import property_changed
-from .event_properties import LappetEvent
+from .event_kinds import BASES
+from .event_properties import LappetEvent, LappetPoint
+from .tracked_properties import choice, flag, number, pointer, text
 
 VERSION = 1  # of these properties; `migrate.py` brings older files up to it
 
@@ -114,20 +116,16 @@ class LappetMaterial(bpy.types.PropertyGroup):
 class LappetRegion(bpy.types.PropertyGroup):
     """A part of the tissue that is of another material; `name` is the group of faces above it."""
 
-    material: StringProperty(name="Material", update=property_changed)
-    depth_from: FloatProperty(
-        name="From", description="Depth below the skin, in mm", default=0.0, min=0.0, update=property_changed
-    )
-    to_bottom: BoolProperty(name="To the bottom", default=True, update=property_changed)
-    depth_to: FloatProperty(
-        name="To", description="Depth below the skin, in mm", default=2.0, min=0.0, update=property_changed
-    )
+    material: text(name="Material")
+    depth_from: number(name="From", description="Depth below the skin, in mm", default=0.0, min=0.0)
+    to_bottom: flag(name="To the bottom", default=True)
+    depth_to: number(name="To", description="Depth below the skin, in mm", default=2.0, min=0.0)
 
 
 class LappetBone(bpy.types.PropertyGroup):
     """A bone: any closed mesh."""
 
-    object: PointerProperty(name="Bone", type=bpy.types.Object, update=property_changed)
+    object: pointer(name="Bone", type=bpy.types.Object)
 
 
 class LappetTissue(bpy.types.PropertyGroup):
@@ -200,29 +198,42 @@ class LappetTissue(bpy.types.PropertyGroup):
     )
 
 
+class LappetSkinLine(bpy.types.PropertyGroup):
+    """A line of the skin, along which its fibers run; `name` is that of its prim."""
+
+    points: CollectionProperty(type=LappetPoint)
+    basis: EnumProperty(name="Curve", items=BASES, update=property_changed)
+    use_tension: BoolProperty(name="Tension", default=False, update=property_changed)
+    tension: FloatVectorProperty(
+        name="Tension",
+        description="In vivo, along and across the line, kPa",
+        size=2,
+        default=(20.0, 10.0),
+        min=0.0,
+        update=property_changed,
+    )
+
+
 class LappetSolving(bpy.types.PropertyGroup):
     """How the procedure is solved."""
 
-    quadrature: EnumProperty(
+    quadrature: choice(
         name="Quadrature",
         items=(("1", "1 point", "The default"), ("4", "4 points", ""), ("8", "8 points", "The slowest")),
         default=str(SolverSettings.quadrature),
-        update=property_changed,
     )
-    precision: EnumProperty(
+    precision: choice(
         name="Precision",
         items=(("float", "Single", "The default"), ("double", "Double", "For reference")),
         default=SolverSettings.precision,
-        update=property_changed,
     )
-    tolerance: FloatProperty(
+    tolerance: number(
         name="Tolerance",
         description="Residual relative to the force scale below which a frame is at rest",
         default=SolverSettings.tolerance,
         min=1e-8,
         max=0.1,
         precision=6,
-        update=property_changed,
     )
     error_estimate: BoolProperty(
         name="Estimate the Error",
@@ -232,44 +243,31 @@ class LappetSolving(bpy.types.PropertyGroup):
     )
     threads: IntProperty(name="Threads", description="0 = all", default=SolverSettings.threads, min=0, max=256)
     live: BoolProperty(name="Live", description="The skin follows while the target of a hook is dragged", default=False)
-    beside_file: BoolProperty(
+    beside_file: flag(
         name="Beside the .blend",
         description="Keep solved frames in a folder beside the .blend file instead of the user's cache",
         default=False,
-        update=property_changed,
     )
     last_plan: StringProperty(
-        name="Last plan", description="Key of the plan shown when the file was saved", options={"HIDDEN"}
+        name="Last manifest", description="Key of the manifest shown when the file was saved", options={"HIDDEN"}
     )
 
 
 class LappetLook(bpy.types.PropertyGroup):
     """How the solved skin is shown. The display side subscribes to changes by `update` of its own operators."""
 
-    color: EnumProperty(name="Color", items=COLORS, default="GRID", update=property_changed)
-    show_solved: BoolProperty(
-        name="Solved skin",
-        description="Show the solved skin instead of the tissue at rest",
-        default=True,
-        update=property_changed,
+    color: choice(name="Color", items=COLORS, default="GRID")
+    show_solved: flag(
+        name="Solved skin", description="Show the solved skin instead of the tissue at rest", default=True
     )
-    show_walls: BoolProperty(name="Wound walls", default=True, update=property_changed)
-    show_bone: BoolProperty(name="Bone", default=True, update=property_changed)
-    show_sutures: BoolProperty(name="Sutures", default=True, update=property_changed)
-    show_hooks: BoolProperty(name="Hooks", default=True, update=property_changed)
-    show_landmarks: BoolProperty(name="Landmarks", default=True, update=property_changed)
-    show_legend: BoolProperty(
-        name="Legend",
-        description="Show the color scale beside the skin, also in renders",
-        default=True,
-        update=property_changed,
-    )
-    show_lattice: BoolProperty(
-        name="Lattice", description="The cells of the lattice over the tissue", default=False, update=property_changed
-    )
-    show_plan: BoolProperty(
-        name="Plan", description="Lines and points of the events on the skin", default=True, update=property_changed
-    )
+    show_walls: flag(name="Wound walls", default=True)
+    show_bone: flag(name="Bone", default=True)
+    show_sutures: flag(name="Sutures", default=True)
+    show_hooks: flag(name="Hooks", default=True)
+    show_landmarks: flag(name="Landmarks", default=True)
+    show_legend: flag(name="Legend", description="Show the color scale beside the skin, also in renders", default=True)
+    show_lattice: flag(name="Lattice", description="The cells of the lattice over the tissue", default=False)
+    show_plan: flag(name="Plan", description="Lines and points of the events on the skin", default=True)
 
 
 class LappetProcedure(bpy.types.PropertyGroup):
@@ -281,26 +279,23 @@ class LappetProcedure(bpy.types.PropertyGroup):
     materials: CollectionProperty(type=LappetMaterial)
     active_material: IntProperty(default=0)
     regions: CollectionProperty(type=LappetRegion)
+    skin_lines: CollectionProperty(type=LappetSkinLine)
     active_region: IntProperty(default=0)
     events: CollectionProperty(type=LappetEvent)
     active_event: IntProperty(name="Event", default=-1)
     solving: PointerProperty(type=LappetSolving)
     look: PointerProperty(type=LappetLook)
     skin: PointerProperty(name="Skin", description="The object that shows the solved skin", type=bpy.types.Object)
-    compare_with: PointerProperty(
-        name="Compare with",
-        description="Another scene whose procedure is shown beside this one",
-        type=bpy.types.Scene,
-        update=property_changed,
+    compare_with: pointer(
+        name="Compare with", description="Another scene whose procedure is shown beside this one", type=bpy.types.Scene
     )
-    compare_gap: FloatProperty(
-        name="Gap", description="Between the two skins, mm", default=10.0, soft_min=0.0, update=property_changed
-    )
+    compare_gap: number(name="Gap", description="Between the two skins, mm", default=10.0, soft_min=0.0)
 
 
 CLASSES = (
     LappetMaterial,
     LappetRegion,
+    LappetSkinLine,
     LappetBone,
     LappetTissue,
     LappetSolving,

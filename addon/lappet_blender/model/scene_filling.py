@@ -18,6 +18,7 @@ from .event_values import set_event
 from .material_values import set_material, set_region
 from .mesh_objects import mesh_object
 from .procedure_properties import VERSION
+from .skin_line_values import set_skin_line
 
 
 def fill_scene(scene: bpy.types.Scene, procedure: Procedure, collection: bpy.types.Collection) -> list[Problem]:
@@ -45,6 +46,8 @@ def fill_scene(scene: bpy.types.Scene, procedure: Procedure, collection: bpy.typ
         entry.name, entry.object = bone.name, obj
     for material in procedure.materials:
         set_material(scene, scene.lappet.materials.add(), material)
+    for line in procedure.skin_lines:
+        set_skin_line(scene.lappet.skin_lines.add(), line)
     for region in tissue.regions:
         set_region(scene.lappet.regions.add(), region)
     _events(scene, procedure)
@@ -60,7 +63,7 @@ def _polygons(mesh: Tissue | Bone) -> tuple[NDArray[np.float64], NDArray[np.int3
 def _clear(scene: bpy.types.Scene) -> None:
     while len(scene.lappet.events):
         remove_event(scene, scene.lappet.events[-1])
-    for name in ("bones", "materials", "regions"):
+    for name in ("bones", "materials", "regions", "skin_lines"):
         getattr(scene.lappet, name).clear()
 
 

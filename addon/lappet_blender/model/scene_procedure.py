@@ -14,6 +14,7 @@ from .decimals import decimal
 from .event_values import event_value
 from .material_values import material_values
 from .scene_filling import fill_scene
+from .skin_line_values import skin_line_values
 from .tissue_values import bone_values, tissue_value
 
 
@@ -22,7 +23,7 @@ class SceneReading:
     """What reading a scene gave.
 
     procedure: None where a problem that is an error stands in the way. problems: those of Blender's side; what the
-    values themselves are wrong about `lappet.check` and the plan say.
+    values themselves are wrong about `lappet.check` and the manifest say.
     """
 
     procedure: Procedure | None
@@ -42,6 +43,7 @@ def read_scene(scene: bpy.types.Scene) -> SceneReading:
         materials=material_values(scene),
         events=events,
         bones=bones,
+        skin_lines=skin_line_values(scene),
         start_time=float(scene.frame_start),
         end_time=float(scene.frame_end),
         fps=scene.render.fps / decimal(scene.render.fps_base),

@@ -1,1 +1,1 @@
-"""Solving from Blender: the plan of each scene's procedure, its frames as they come, and what is shown at a frame."""
+"""Solving from Blender: the manifest of each scene's procedure, its frames as they come, and the one that is shown."""

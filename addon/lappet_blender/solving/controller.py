@@ -1,4 +1,4 @@
-"""What is known about the solving of each scene: the plan in force, earlier plans, the job under way, what failed.
+"""What is known about the solving of each scene: the manifest in force, earlier ones, the job under way, what failed.
 
 A controller holds no Blender data, only values and the scene's identifier: undo may replace every Blender object.
 """
@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Literal
 
 import bpy
 
-from lappet.background.plan import Plan, PlannedFrame
+from lappet.background.manifest import ListedFrame, Manifest
 from lappet.core.problem import Problem
 from lappet.daemon.solved_frame import SolvedFrame
 from lappet.procedure import Point, Procedure
@@ -24,14 +24,14 @@ from lappet.solve.store import FrameStore
 from . import workers
 from .frame_cache import FrameCache
 from .frame_copy import FrameCopy
-from .plan_memory import PlanMemory
+from .manifest_memory import ManifestMemory
 from .solve_settings import frame_store, solve_settings
 
 if TYPE_CHECKING:
     from lappet.background.solver import BackgroundSolver
 
-JobKind = Literal["plan", "solve", "live"]
-PAST_PLANS = 8  # earlier plans whose frames are shown as stale
+JobKind = Literal["manifest", "solve", "live"]
+PAST_MANIFESTS = 8  # earlier manifests whose frames are shown as stale
 NOTES = 4
 
 
@@ -44,7 +44,7 @@ class Job:
     key: str
     procedure: Procedure
     settings: SolverSettings
-    plan: Plan | None = None
+    manifest: Manifest | None = None
     started: float = field(default_factory=monotonic)
     until: int | None = None
     done: int = 0
@@ -86,9 +86,9 @@ class Failure:
 class Controller:
     """One scene's solving.
 
-    uid: the scene's. procedure, settings, key: as last read; None and "" where it cannot be solved. plan: that of
-    `key`, None until it is known. past: earlier plans, newest first; past_procedure: what past[0] was made of.
-    changed_from: while `plan` is None, the time before which past[0] still holds. dirty_since, changed_at, read_at:
+    uid: the scene's. procedure, settings, key: as last read; None and "" where it cannot be solved. manifest: that of
+    `key`, None until it is known. past: earlier manifests, newest first; past_procedure: what past[0] was made of.
+    changed_from: while `manifest` is None, the time before which past[0] still holds. dirty_since, changed_at, read_at:
     monotonic seconds of the first change not yet read, the last one, and the last reading.
     """
 
@@ -98,14 +98,14 @@ class Controller:
     procedure: Procedure | None = None
     settings: SolverSettings = field(default_factory=SolverSettings)
     key: str = ""
-    plan: Plan | None = None
-    past: list[Plan] = field(default_factory=list)
+    manifest: Manifest | None = None
+    past: list[Manifest] = field(default_factory=list)
     past_of: tuple[Procedure, SolverSettings] | None = None
     changed_from: float = -math.inf
     problems: tuple[Problem, ...] = ()
     refused: tuple[Problem, ...] = ()
     job: Job | None = None
-    planning: Job | None = None
+    listing: Job | None = None
     live: Live | None = None
     copying: FrameCopy | None = None
     failure: Failure | None = None
@@ -142,10 +142,10 @@ class Controller:
         """Whether a frame is there, in memory or in the store (asked once; see `recheck_frames`)."""
         return key in self.known
 
-    def recheck_frames(self, *plans: Plan) -> None:
-        """Ask the store anew which frames of these plans it holds."""
-        for plan in plans:
-            for frame in plan.frames:
+    def recheck_frames(self, *manifests: Manifest) -> None:
+        """Ask the store anew which frames of these manifests it holds."""
+        for manifest in manifests:
+            for frame in manifest.frames:
                 if frame.key in frame_cache or frame.key in self.store:
                     self.known.add(frame.key)
                 else:
@@ -159,16 +159,16 @@ class Controller:
         self.notes.append(note)
         self.notify()
 
-    def newest(self) -> Plan | None:
-        """The plan in force, or while it is not known the one before."""
-        return self.plan or (self.past[0] if self.past else None)
+    def newest(self) -> Manifest | None:
+        """The manifest in force, or while it is not known the one before."""
+        return self.manifest or (self.past[0] if self.past else None)
 
     def jobs(self) -> Iterator[Job]:
         """The jobs under way."""
         if self.job is not None:
             yield self.job
-        if self.planning is not None:
-            yield self.planning
+        if self.listing is not None:
+            yield self.listing
 
     def release(self) -> None:
         """Cancel everything and give the worker back."""
@@ -176,11 +176,11 @@ class Controller:
             for job in self.jobs():
                 self.client.cancel(job.number)
             workers.give_back(self.client)
-        self.client = self.job = self.planning = self.live = None
+        self.client = self.job = self.listing = self.live = None
 
 
 frame_cache = FrameCache()
-plans = PlanMemory()
+manifests = ManifestMemory()
 _controllers: dict[int, Controller] = {}
 
 
@@ -209,7 +209,7 @@ def controllers() -> list[Controller]:
 
 
 def drop(controller: Controller) -> None:
-    """Cancel the jobs of a scene and drop its controller; frames and plans stay."""
+    """Cancel the jobs of a scene and drop its controller; frames and manifests stay."""
     controller.release()
     _controllers.pop(controller.uid, None)
 
@@ -220,9 +220,9 @@ def drop_all() -> None:
         drop(controller)
 
 
-def frame_at(plan: Plan, time: float) -> PlannedFrame | None:
-    """The frame of a plan at a time code; a plan's frames follow one another by one."""
-    if not plan.frames:
+def frame_at(manifest: Manifest, time: float) -> ListedFrame | None:
+    """The frame of a manifest at a time code; a manifest's frames follow one another by one."""
+    if not manifest.frames:
         return None
-    index = math.floor(time + 1e-6) - plan.frames[0].time
-    return plan.frames[index] if 0 <= index < len(plan.frames) else None
+    index = math.floor(time + 1e-6) - manifest.frames[0].time
+    return manifest.frames[index] if 0 <= index < len(manifest.frames) else None

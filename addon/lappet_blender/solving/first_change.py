@@ -1,6 +1,6 @@
 """From which time on two versions of a procedure may differ in their frames.
 
-Only a plan tells for certain; this is what is known at once, while the plan of the newer version is still being made.
+Only a manifest tells for certain; this is what is known at once, while that of the newer version is still being made.
 """
 
 from __future__ import annotations

@@ -7,22 +7,22 @@ import threading
 from collections.abc import Iterable
 from pathlib import Path
 
-from lappet.background.plan import Plan
+from lappet.background.manifest import Manifest
 from lappet.core.problem import Problem, problem
 from lappet.core.problem_code import ProblemCode
 from lappet.solve.store import FrameStore
 
 
 class FrameCopy:
-    """A copy of the frames, surfaces and plans of some plans, made on a thread.
+    """A copy of the frames, surfaces and manifests of some manifests, made on a thread.
 
     done: it has ended; problem: why it stopped before all was copied, or None.
     """
 
-    def __init__(self, plans: Iterable[Plan], old: FrameStore, new: FrameStore) -> None:
+    def __init__(self, manifests: Iterable[Manifest], old: FrameStore, new: FrameStore) -> None:
         keys: dict[str, None] = {}
-        for plan in plans:
-            each = (plan.key, *(epoch.key for epoch in plan.epochs), *(frame.key for frame in plan.frames))
+        for manifest in manifests:
+            each = (manifest.key, *(epoch.key for epoch in manifest.epochs), *(frame.key for frame in manifest.frames))
             keys.update(dict.fromkeys(each))
         self.problem: Problem | None = None
         self._pairs = [(old.path(key), new.path(key)) for key in keys]

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from itertools import groupby
 from typing import Literal
 
-from .controller import Controller, frame_at, plans
+from .controller import Controller, frame_at, manifests
 
 State = Literal["solved", "stale", "failed", "missing"]
 
@@ -47,15 +47,19 @@ def count_states(controller: Controller) -> dict[State, int]:
 
 
 def is_current(controller: Controller, time: float) -> bool:
-    """Whether the newest plan's frame at a time is what the procedure asks for, as far as it is known by now."""
-    return controller.plan is not None or time < controller.changed_from
+    """Whether the newest manifest's frame at a time is what the procedure asks for, as far as it is known by now."""
+    return controller.manifest is not None or time < controller.changed_from
 
 
 def _times(controller: Controller) -> range:
     if controller.procedure is not None:
         return controller.procedure.frames()
-    plan = controller.newest()
-    return range(0) if plan is None or not plan.frames else range(plan.frames[0].time, plan.frames[-1].time + 1)
+    manifest = controller.newest()
+    return (
+        range(0)
+        if manifest is None or not manifest.frames
+        else range(manifest.frames[0].time, manifest.frames[-1].time + 1)
+    )
 
 
 def _state(controller: Controller, time: int) -> State:
@@ -64,10 +68,10 @@ def _state(controller: Controller, time: int) -> State:
     if frame is not None:
         if controller.holds(frame.key):
             return "solved"
-        if frame.key in plans.failures:
+        if frame.key in manifests.failures:
             return "failed"
-    for plan in [*([controller.plan] if controller.plan else []), *controller.past]:
-        old = frame_at(plan, time)
+    for manifest in [*([controller.manifest] if controller.manifest else []), *controller.past]:
+        old = frame_at(manifest, time)
         if old is not None and controller.holds(old.key):
             return "stale"
     return "missing"

@@ -1,4 +1,4 @@
-"""What other parts of the add-on ask the solving side: plans, states of frames, what is shown, progress."""
+"""What other parts of the add-on ask the solving side: manifests, states of frames, what is shown, progress."""
 
 from __future__ import annotations
 
@@ -7,11 +7,11 @@ from collections.abc import Callable
 
 import bpy
 
-from lappet.background.plan import Plan
+from lappet.background.manifest import Manifest
 from lappet.core.problem import Problem
 from lappet.solve.error_estimate import FrameErrorEstimate
 
-from .controller import Controller, Failure, controller_of, find_controller, frame_at, plans
+from .controller import Controller, Failure, controller_of, find_controller, frame_at, manifests
 from .frame_states import FrameRun, State, frame_runs_of, frame_states
 from .shown_frame import Shown, find_shown, read_neighbors
 from .solve_progress import Progress, progress
@@ -24,9 +24,9 @@ _listeners: list[Listener] = []
 _follow_ups: list[FollowUp] = []
 
 
-def plan_of(scene: bpy.types.Scene) -> Plan | None:
-    """The plan of the procedure as it is now; None while it is not known."""
-    return controller_of(scene).plan
+def manifest_of(scene: bpy.types.Scene) -> Manifest | None:
+    """The manifest of the procedure as it is now; None while it is not known."""
+    return controller_of(scene).manifest
 
 
 def frame_state(scene: bpy.types.Scene, time: float) -> State:
@@ -41,13 +41,13 @@ def frame_runs(scene: bpy.types.Scene) -> tuple[FrameRun, ...]:
 
 def frame_problem(scene: bpy.types.Scene, time: float) -> Problem | None:
     """Why the frame at a time failed; None where it did not."""
-    plan = controller_of(scene).newest()
-    frame = None if plan is None else frame_at(plan, time)
-    return None if frame is None else plans.failures.get(frame.key)
+    manifest = controller_of(scene).newest()
+    frame = None if manifest is None else frame_at(manifest, time)
+    return None if frame is None else manifests.failures.get(frame.key)
 
 
 def shown_at(scene: bpy.types.Scene, time: float) -> Shown | None:
-    """What to show at a time: the frame, an older one in its place (stale), the epoch at rest; None = not planned."""
+    """What to show at a time: the frame, an older one in its place (stale), the epoch at rest; None = not listed."""
     controller = find_controller(scene)
     if controller is None:
         controller_of(scene)  # from now on it is read when the timer next comes by
@@ -70,25 +70,25 @@ def problems_of(scene: bpy.types.Scene) -> tuple[Problem, ...]:
 
 
 def notes_of(scene: bpy.types.Scene) -> tuple[Problem, ...]:
-    """What the user should know besides: of the plan, its frames, and what happened since the last solve began."""
+    """What the user should know besides: of the manifest, its frames, and what happened since the last solve began."""
     return tuple(each for each in _told(controller_of(scene)) if each.severity == "note")
 
 
 def error_of(scene: bpy.types.Scene, time: float) -> FrameErrorEstimate | None:
     """The estimated error of the frame at a time; None where it was not estimated."""
     controller = controller_of(scene)
-    assessment, plan = plans.assessments.get(controller.key), controller.plan
-    if assessment is None or plan is None or frame_at(plan, time) is None:
+    assessment, manifest = manifests.assessments.get(controller.key), controller.manifest
+    if assessment is None or manifest is None or frame_at(manifest, time) is None:
         return None
-    index = math.floor(time + 1e-6) - plan.frames[0].time
+    index = math.floor(time + 1e-6) - manifest.frames[0].time
     return assessment.errors[index] if index < len(assessment.errors) else None
 
 
 def _told(controller: Controller) -> tuple[Problem, ...]:
-    plan, assessment = controller.plan, plans.assessments.get(controller.key)
-    of_plan = plan.notes if plan is not None else ()
+    manifest, assessment = controller.manifest, manifests.assessments.get(controller.key)
+    of_manifest = manifest.notes if manifest is not None else ()
     of_frames = assessment.notes if assessment is not None else ()
-    return tuple(dict.fromkeys([*of_plan, *of_frames, *controller.notes]))
+    return tuple(dict.fromkeys([*of_manifest, *of_frames, *controller.notes]))
 
 
 def failure_of(scene: bpy.types.Scene) -> Failure | None:

@@ -42,8 +42,8 @@ def start_live(scene: bpy.types.Scene, hook: str = "") -> Live:
         number = controller.solver().live(controller.procedure, controller.settings, time, event.name)
     except (RuntimeError, OSError) as error:
         raise refused(ProblemCode.SOLVER_NOT_STARTED, "", error) from error
-    job = Job(number, "live", controller.key, controller.procedure, controller.settings, plan=controller.plan)
-    controller.job, controller.planning, controller.failure = job, None, None
+    job = Job(number, "live", controller.key, controller.procedure, controller.settings, manifest=controller.manifest)
+    controller.job, controller.listing, controller.failure = job, None, None
     controller.live = Live(event.name, event.uid, time, number, target=_place(scene, event.target))
     scene.lappet.solving.live = True
     controller.notify()

@@ -22,7 +22,6 @@ def _stop(scene: bpy.types.Scene) -> None:
 class LAPPET_OT_live(OperatorBase, bpy.types.Operator):
     """Drag the target of the active hook and watch the skin follow; press again, Return or Esc to end"""
 
-    bl_idname = "lappet.live"
     bl_label = "Live"
     bl_options = NO_UNDO
 

@@ -1,6 +1,6 @@
 """Bring what is known about a scene's solving up to what the scene holds now.
 
-Reads the scene, names its plan by key and looks it up; only what is nowhere is asked of the worker. So an undo finds
+Reads the scene, names its manifest by key and looks it up; only what is nowhere is asked of the worker. An undo finds
 its frames at once, and a file that is opened again finds those of the day before.
 """
 
@@ -22,7 +22,7 @@ from lappet.solve.store import FrameStore
 
 from ..model.migrate import from_newer_version
 from ..model.scene_procedure import read_scene
-from .controller import PAST_PLANS, Controller, Job, plans
+from .controller import PAST_MANIFESTS, Controller, Job, manifests
 from .first_change import first_change
 from .frame_copy import FrameCopy
 from .solve_settings import frame_store, solve_settings
@@ -44,7 +44,7 @@ def due(controller: Controller) -> bool:
 
 
 def reconcile(scene: bpy.types.Scene, controller: Controller, *, ask: bool = True) -> None:
-    """Read the scene now. ask: have the worker plan what is not known."""
+    """Read the scene now. ask: have the worker make a manifest that is not known."""
     started = time.monotonic()
     controller.dirty_since = None
     reading = read_scene(scene)
@@ -54,7 +54,7 @@ def reconcile(scene: bpy.types.Scene, controller: Controller, *, ask: bool = Tru
         _move(controller, store)
     _take(controller, reading.procedure, settings, (*reading.problems, *_newer(scene)))
     if ask:
-        request_plan(controller)
+        request_manifest(controller)
     controller.read_at = time.monotonic()
     controller.read_seconds = controller.read_at - started
 
@@ -65,15 +65,15 @@ def _newer(scene: bpy.types.Scene) -> tuple[Problem, ...]:
     return (problem(ProblemCode.SCENE_NEWER, scene.name, scene.lappet.version),)
 
 
-def request_plan(controller: Controller) -> None:
-    """Have the worker plan the procedure in the background, where its plan is neither known nor refused."""
-    if controller.procedure is None or not controller.key or controller.plan is not None or controller.refused:
+def request_manifest(controller: Controller) -> None:
+    """Have the worker make the manifest in the background, where it is neither known nor refused."""
+    if controller.procedure is None or not controller.key or controller.manifest is not None or controller.refused:
         return
     if any(job.key == controller.key and not job.cancelled for job in controller.jobs()):
         return
     with reporting(controller):
-        number = controller.solver().plan(controller.procedure, controller.settings)
-        controller.planning = Job(number, "plan", controller.key, controller.procedure, controller.settings)
+        number = controller.solver().manifest(controller.procedure, controller.settings)
+        controller.listing = Job(number, "manifest", controller.key, controller.procedure, controller.settings)
         controller.notify()
 
 
@@ -105,8 +105,8 @@ def warm_up() -> None:
 
     def import_all() -> None:
         with contextlib.suppress(Exception):  # whoever needs it says what is wrong
-            import lappet.background.plan_key
-            import lappet.background.plan_store
+            import lappet.background.manifest_key
+            import lappet.background.manifest_store
             import lappet.background.solver  # noqa: F401
 
             identity()
@@ -118,13 +118,13 @@ def warm_up() -> None:
 def stop_obsolete(controller: Controller) -> None:
     """Cancel a solve that has reached what the procedure no longer asks for; what it solved is kept."""
     job = controller.job
-    if job is None or job.kind != "solve" or job.cancelled or job.key == controller.key or job.plan is None:
+    if job is None or job.kind != "solve" or job.cancelled or job.key == controller.key or job.manifest is None:
         return
     if controller.procedure is None or controller.settings != job.settings:
         valid = -math.inf
     else:
         valid = first_change(job.procedure, controller.procedure)
-    following = job.plan.frames[0].time + job.done if job.plan.frames else math.inf
+    following = job.manifest.frames[0].time + job.done if job.manifest.frames else math.inf
     if following >= valid and job.done < job.total:
         controller.solver().cancel(job.number)
         job.cancelled = True
@@ -145,12 +145,12 @@ def _take(
         controller.notify()
         return
     same = controller.key and settings == controller.settings and procedure == controller.procedure
-    if same and (controller.plan is not None or plans.refused(controller.key) is not None):
+    if same and (controller.manifest is not None or manifests.refused(controller.key) is not None):
         return
     try:
-        from lappet.background.plan_key import plan_key
+        from lappet.background.manifest_key import manifest_key
 
-        key = plan_key(procedure, settings, identity())
+        key = manifest_key(procedure, settings, identity())
     except (RefusedError, OSError) as error:
         _retire(controller)
         controller.procedure, controller.settings, controller.key = procedure, settings, ""
@@ -164,35 +164,35 @@ def _take(
     if controller.procedure is None or controller.procedure.tissue is not procedure.tissue:
         controller.cells = 0.0
     controller.procedure, controller.settings, controller.key = procedure, settings, key
-    controller.refused = plans.refused(key) or ()
-    controller.plan = plans.find(key, controller.store)
-    if controller.plan is not None:
-        activate_plan(controller)
+    controller.refused = manifests.refused(key) or ()
+    controller.manifest = manifests.find(key, controller.store)
+    if controller.manifest is not None:
+        activate_manifest(controller)
     else:
         controller.changed_from = _still_holds(controller, procedure, settings)
     stop_obsolete(controller)
     controller.notify()
 
 
-def activate_plan(controller: Controller) -> None:
-    """The plan of the key is known now: looks which of its frames are there."""
-    assert controller.plan is not None
+def activate_manifest(controller: Controller) -> None:
+    """The manifest of the key is known now: looks which of its frames are there."""
+    assert controller.manifest is not None
     if controller.procedure is not None:
         controller.past_of = (controller.procedure, controller.settings)
-    controller.recheck_frames(controller.plan)
+    controller.recheck_frames(controller.manifest)
 
 
 def _retire(controller: Controller) -> None:
-    """The plan in force becomes the newest of the past ones."""
-    plan, controller.plan = controller.plan, None
-    if plan is None:
+    """The manifest in force becomes the newest of the past ones."""
+    manifest, controller.manifest = controller.manifest, None
+    if manifest is None:
         return
-    others = [each for each in controller.past if each.key != plan.key]
-    controller.past = [plan, *others][:PAST_PLANS]
+    others = [each for each in controller.past if each.key != manifest.key]
+    controller.past = [manifest, *others][:PAST_MANIFESTS]
 
 
 def _still_holds(controller: Controller, procedure: Procedure | None, settings: SolverSettings) -> float:
-    """The time before which the newest past plan holds for this procedure."""
+    """The time before which the newest past manifest holds for this procedure."""
     if procedure is None or not controller.past or controller.past_of is None:
         return -math.inf
     before, with_settings = controller.past_of
@@ -207,7 +207,7 @@ def _move(controller: Controller, store: FrameStore) -> None:
     if controller.job is not None:
         controller.note(problem(ProblemCode.STORE_MOVED, "", store.folder))
     controller.release()
-    every = [*([controller.plan] if controller.plan else []), *controller.past]
+    every = [*([controller.manifest] if controller.manifest else []), *controller.past]
     if every:
         controller.copying = FrameCopy(every, controller.store, store)
     controller.store = store
@@ -222,4 +222,4 @@ def finish_copying(controller: Controller) -> None:
     controller.copying = None
     if copying.problem:
         controller.note(copying.problem)
-    controller.recheck_frames(*([controller.plan] if controller.plan else []), *controller.past)
+    controller.recheck_frames(*([controller.manifest] if controller.manifest else []), *controller.past)

@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-import bpy
-
 from . import controller, live_operator, reconcile, scene_watch, solve_operators, solve_panel, solve_timer
 
-_CLASSES = (*solve_operators.CLASSES, *live_operator.CLASSES, *solve_panel.CLASSES)
+CLASSES = (*solve_operators.CLASSES, *live_operator.CLASSES, *solve_panel.CLASSES)
 
 
 def register() -> None:
     """Add operators, panels, handlers and the timer."""
-    for each in _CLASSES:
-        bpy.utils.register_class(each)
     scene_watch.register()
     solve_timer.register()
     reconcile.warm_up()
@@ -23,5 +19,3 @@ def unregister() -> None:
     solve_timer.unregister()
     scene_watch.unregister()
     controller.frame_cache.close()
-    for each in reversed(_CLASSES):
-        bpy.utils.unregister_class(each)

@@ -15,7 +15,7 @@ from bpy.app.handlers import persistent
 from ..model import changes, target_samples
 from ..model.migrate import migrate
 from . import workers
-from .controller import Controller, controller_of, controllers, drop_all, find_controller, plans, scene_of
+from .controller import Controller, controller_of, controllers, drop_all, find_controller, manifests, scene_of
 from .frames import notify_listeners
 from .live_hook import stop_live
 from .reconcile import reconcile
@@ -138,7 +138,7 @@ def _depsgraph_updated(_scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) 
 
 
 def _undone(*_: object) -> None:
-    """Undo and redo point back to plans and frames that are known: no timer, no worker."""
+    """Undo and redo point back to manifests and frames that are known: no timer, no worker."""
     target_samples.mark_dirty()
     read = []
     for scene in bpy.data.scenes:
@@ -166,17 +166,17 @@ def _loaded(*_: object) -> None:
             scene.lappet.solving.live = False
         controller = controller_of(scene)
         last = scene.lappet.solving.last_plan
-        plan = plans.find(last, controller.store) if last else None
-        if plan is not None:
-            controller.past = [plan]
-            controller.recheck_frames(plan)
-        read_now(scene, ask=False)  # planning waits for the timer, or for somebody who solves
-        if controller.plan is None:
+        manifest = manifests.find(last, controller.store) if last else None
+        if manifest is not None:
+            controller.past = [manifest]
+            controller.recheck_frames(manifest)
+        read_now(scene, ask=False)  # a manifest waits for the timer, or for somebody who solves
+        if controller.manifest is None:
             controller.mark_dirty()
 
 
 def _before_save(*_: object) -> None:
-    """The file remembers its plan, so that stale frames are shown when it is opened."""
+    """The file remembers its manifest, so that stale frames are shown when it is opened."""
     for controller in controllers():
         scene = scene_of(controller)
         newest = controller.newest()

@@ -1,11 +1,11 @@
-"""What is shown at a frame: the solved one, an older plan's, the last one before it, or the tissue at rest."""
+"""What is shown at a frame: the solved one, an older manifest's, the last one before it, or the tissue at rest."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
 
-from lappet.background.plan import EpochShape, Plan, PlannedFrame
+from lappet.background.manifest import EpochShape, ListedFrame, Manifest
 from lappet.daemon.solved_frame import SolvedFrame
 
 from .controller import Controller, frame_at, frame_cache
@@ -18,11 +18,11 @@ AHEAD, BEHIND = 12, 4  # frames that are read before they are asked for
 class Shown:
     """What is shown.
 
-    time: that of the frame shown, whose hooks and sutures `plan` names. frame: None = the epoch at rest. stale: the
+    time: that of the frame shown, whose hooks and sutures `manifest` names. frame: None = the epoch at rest. stale: the
     procedure has changed since, or this is an earlier frame in place of one that is not solved.
     """
 
-    plan: Plan
+    manifest: Manifest
     epoch: EpochShape
     time: int
     frame: SolvedFrame | None
@@ -48,40 +48,40 @@ def find_shown(controller: Controller, time: float) -> Shown | None:
 
 def read_neighbors(controller: Controller, time: float) -> None:
     """Have the frames about a time read into memory, those ahead first, on a thread."""
-    plan = controller.newest()
-    if plan is None or not plan.frames:
+    manifest = controller.newest()
+    if manifest is None or not manifest.frames:
         return
-    index = math.floor(time + 1e-6) - plan.frames[0].time
+    index = math.floor(time + 1e-6) - manifest.frames[0].time
     near = [*range(index + 1, index + AHEAD + 1), *range(index - 1, index - BEHIND - 1, -1)]
-    keys = [plan.frames[i].key for i in near if 0 <= i < len(plan.frames)]
+    keys = [manifest.frames[i].key for i in near if 0 <= i < len(manifest.frames)]
     keys = [key for key in keys if controller.holds(key) and key not in frame_cache]
     if keys:
         frame_cache.read_ahead(keys, controller.store)
 
 
-def _own_frame(controller: Controller, plan: Plan, own: PlannedFrame) -> Shown | None:
-    return _loaded(controller, plan, own, stale=False) if is_current(controller, own.time) else None
+def _own_frame(controller: Controller, manifest: Manifest, own: ListedFrame) -> Shown | None:
+    return _loaded(controller, manifest, own, stale=False) if is_current(controller, own.time) else None
 
 
 def _older(controller: Controller, at: int) -> Shown | None:
-    for plan in controller.past:
-        frame = frame_at(plan, at)
-        shown = None if frame is None else _loaded(controller, plan, frame, stale=True)
+    for manifest in controller.past:
+        frame = frame_at(manifest, at)
+        shown = None if frame is None else _loaded(controller, manifest, frame, stale=True)
         if shown is not None:
             return shown
     return None
 
 
-def _before(controller: Controller, plan: Plan, at: int) -> Shown | None:
-    for frame in reversed(plan.frames):
+def _before(controller: Controller, manifest: Manifest, at: int) -> Shown | None:
+    for frame in reversed(manifest.frames):
         if frame.time < at and controller.holds(frame.key):
-            shown = _loaded(controller, plan, frame, stale=True)
+            shown = _loaded(controller, manifest, frame, stale=True)
             if shown is not None:
                 return shown
     return None
 
 
-def _loaded(controller: Controller, plan: Plan, frame: PlannedFrame, *, stale: bool) -> Shown | None:
+def _loaded(controller: Controller, manifest: Manifest, frame: ListedFrame, *, stale: bool) -> Shown | None:
     """The frame from memory or the store; one that has vanished from the store meanwhile counts as missing."""
     if not controller.holds(frame.key):
         return None
@@ -90,4 +90,4 @@ def _loaded(controller: Controller, plan: Plan, frame: PlannedFrame, *, stale: b
         controller.known.discard(frame.key)
         controller.notify()
         return None
-    return Shown(plan, plan.epochs[frame.epoch], frame.time, loaded, stale)
+    return Shown(manifest, manifest.epochs[frame.epoch], frame.time, loaded, stale)

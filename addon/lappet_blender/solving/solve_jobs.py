@@ -9,9 +9,9 @@ import bpy
 from lappet.core.problem import Problem, RefusedError, problem, refused
 from lappet.core.problem_code import ProblemCode
 
-from .controller import Job, controller_of, controllers, frame_cache, plans
+from .controller import Job, controller_of, controllers, frame_cache, manifests
 from .frames import problems_of
-from .reconcile import reconcile, request_plan
+from .reconcile import reconcile, request_manifest
 
 
 def start_solve(scene: bpy.types.Scene, until: int | None = None) -> Job:
@@ -28,19 +28,21 @@ def start_solve(scene: bpy.types.Scene, until: int | None = None) -> Job:
     frames = procedure.frames()
     if until is not None and until not in frames:
         raise refused(ProblemCode.SOLVE_UNTIL, "", until, first=frames[0], last=frames[-1])
-    if controller.plan is not None:
-        for frame in controller.plan.frames:
-            plans.failures.pop(frame.key, None)
+    if controller.manifest is not None:
+        for frame in controller.manifest.frames:
+            manifests.failures.pop(frame.key, None)
     controller.failure = None
     controller.notes.clear()
     try:
         number = controller.solver().solve(procedure, controller.settings, until)
     except (RuntimeError, OSError) as error:
         raise refused(ProblemCode.SOLVER_NOT_STARTED, "", error) from error
-    job = Job(number, "solve", controller.key, procedure, controller.settings, plan=controller.plan, until=until)
+    job = Job(
+        number, "solve", controller.key, procedure, controller.settings, manifest=controller.manifest, until=until
+    )
     job.total = len(frames) if until is None else until - frames[0] + 1
     controller.job = job
-    controller.planning = None  # a solve cancels it, and tells the plan itself
+    controller.listing = None  # a solve cancels it, and tells the manifest itself
     controller.notify()
     return job
 
@@ -57,34 +59,34 @@ def cancel_solve(scene: bpy.types.Scene) -> bool:
     return True
 
 
-def start_plan(scene: bpy.types.Scene) -> None:
-    """Read the scene now and have it planned where its plan is not known."""
+def start_manifest(scene: bpy.types.Scene) -> None:
+    """Read the scene now and have its manifest made where it is not known."""
     controller = controller_of(scene)
     if controller.key and controller.refused:
-        plans.drop(controller.key)
+        manifests.drop(controller.key)
     reconcile(scene, controller, ask=False)
     refuse_problems(controller.problems)
     if controller.procedure is None or not controller.key:
         raise RefusedError(worst_first(problems_of(scene)))
     controller.refused = ()
-    request_plan(controller)
+    request_manifest(controller)
     refuse_problems(controller.refused)
 
 
 def clear_frames(scene: bpy.types.Scene) -> int:
-    """Remove the solved frames of the scene's plans from memory and from the store; how many there were.
+    """Remove the solved frames of the scene's manifests from memory and from the store; how many there were.
 
     Frames belong to what was solved, not to a scene: a copy of the scene that shares them loses them as well.
     """
     controller = controller_of(scene)
     if controller.job is not None:
         raise refused(ProblemCode.SOLVE_RUNNING)
-    every = [*([controller.plan] if controller.plan else []), *controller.past]
-    keys = {frame.key for plan in every for frame in plan.frames}
+    every = [*([controller.manifest] if controller.manifest else []), *controller.past]
+    keys = {frame.key for manifest in every for frame in manifest.frames}
     there = [key for key in keys if controller.holds(key)]
     for key in keys:
         frame_cache.drop(key)
-        plans.failures.pop(key, None)
+        manifests.failures.pop(key, None)
         _remove(controller.store.path(key))
     controller.past.clear()
     controller.failure = None
@@ -97,7 +99,7 @@ def reload_frames(scene: bpy.types.Scene) -> None:
     controller = controller_of(scene)
     frame_cache.clear()
     if controller.key:
-        plans.drop(controller.key)
+        manifests.drop(controller.key)
     reconcile(scene, controller)
     recheck_all_scenes()
 
@@ -105,7 +107,7 @@ def reload_frames(scene: bpy.types.Scene) -> None:
 def recheck_all_scenes() -> None:
     """Have every scene ask the store anew which frames there are."""
     for each in controllers():
-        each.recheck_frames(*([each.plan] if each.plan else []), *each.past)
+        each.recheck_frames(*([each.manifest] if each.manifest else []), *each.past)
 
 
 def refuse_problems(problems: tuple[Problem, ...]) -> None:

@@ -1,4 +1,4 @@
-"""Operators that solve, plan and cancel, and those about solved frames."""
+"""Operators that solve, manifest and cancel, and those about solved frames."""
 
 import bpy
 from bpy.props import BoolProperty, IntProperty
@@ -6,18 +6,17 @@ from bpy.props import BoolProperty, IntProperty
 from lappet.core.problem import refused
 from lappet.core.problem_code import ProblemCode
 
-from ..interface.operator_base import NO_UNDO, UNDOABLE, OperatorBase
+from ..interface.operator_base import NO_UNDO, OperatorBase
 from .frames import failure_of, problems_of, progress_of
 from .scene_watch import reading
 from .select_problem import select_problem, show_place
-from .solve_jobs import cancel_solve, clear_frames, reload_frames, start_plan, start_solve
-from .wait_for_solve import wait_for_plan, wait_for_solve
+from .solve_jobs import cancel_solve, clear_frames, reload_frames, start_manifest, start_solve
+from .wait_for_solve import wait_for_manifest, wait_for_solve
 
 
 class LAPPET_OT_solve(OperatorBase, bpy.types.Operator):
     """Solve all frames that are not solved yet, in the background"""
 
-    bl_idname = "lappet.solve"
     bl_label = "Solve"
     bl_options = NO_UNDO
 
@@ -46,7 +45,6 @@ class LAPPET_OT_solve(OperatorBase, bpy.types.Operator):
 class LAPPET_OT_solve_cancel(OperatorBase, bpy.types.Operator):
     """Stop solving; the frames solved so far are kept"""
 
-    bl_idname = "lappet.solve_cancel"
     bl_label = "Cancel"
     bl_options = NO_UNDO
 
@@ -62,23 +60,21 @@ class LAPPET_OT_solve_cancel(OperatorBase, bpy.types.Operator):
 class LAPPET_OT_plan_now(OperatorBase, bpy.types.Operator):
     """Cut the tissue at rest and find out which frames are solved; nothing is solved"""
 
-    bl_idname = "lappet.plan_now"
-    bl_label = "Plan Now"
+    bl_label = "Prepare Cuts"
     bl_options = NO_UNDO
 
-    wait: BoolProperty(name="Wait", description="Return when the plan is ready", default=True, options={"SKIP_SAVE"})
+    wait: BoolProperty(name="Wait", description="Return when it is done", default=True, options={"SKIP_SAVE"})
 
     def run(self, context: bpy.types.Context) -> None:
         with reading():
-            start_plan(context.scene)
+            start_manifest(context.scene)
         if self.wait:
-            wait_for_plan(context.scene)
+            wait_for_manifest(context.scene)
 
 
 class LAPPET_OT_clear_frames(OperatorBase, bpy.types.Operator):
     """Delete the solved frames of this procedure, also for copies of the scene; this cannot be undone"""
 
-    bl_idname = "lappet.clear_frames"
     bl_label = "Clear Solved Frames"
     bl_options = NO_UNDO
 
@@ -94,7 +90,6 @@ class LAPPET_OT_clear_frames(OperatorBase, bpy.types.Operator):
 class LAPPET_OT_reload_frames(OperatorBase, bpy.types.Operator):
     """Check again which frames are solved: another program may have solved some"""
 
-    bl_idname = "lappet.reload_frames"
     bl_label = "Reload Frames"
     bl_options = NO_UNDO
 
@@ -106,7 +101,6 @@ class LAPPET_OT_reload_frames(OperatorBase, bpy.types.Operator):
 class LAPPET_OT_failure_show(OperatorBase, bpy.types.Operator):
     """Go to the frame at which the solve stopped"""
 
-    bl_idname = "lappet.failure_show"
     bl_label = "Go to the Failed Frame"
     bl_options = NO_UNDO
 
@@ -125,9 +119,7 @@ class LAPPET_OT_failure_show(OperatorBase, bpy.types.Operator):
 class LAPPET_OT_problem_show(OperatorBase, bpy.types.Operator):
     """Select what this problem is about, and look there"""
 
-    bl_idname = "lappet.problem_show"
     bl_label = "Show"
-    bl_options = UNDOABLE
 
     index: IntProperty(name="Problem", default=0, min=0, options={"SKIP_SAVE"})
 

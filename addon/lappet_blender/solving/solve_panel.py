@@ -5,21 +5,18 @@ import bpy
 from ..interface.problem_sentence import problem_sentence
 from ..interface.repair_button import draw_repair
 from ..interface.sentence_lines import draw_sentence
+from ..interface.sidebar_panel import CLOSED, SidebarPanel, with_fields
 from .controller import controller_of
 from .frames import error_of, failure_of, notes_of, problems_of, progress_of
 from .select_problem import problem_event
 
 _MOST_PROBLEMS = 6
-_CLOSED = {"DEFAULT_CLOSED"}
 
 
-class LAPPET_PT_solve(bpy.types.Panel):
+class LAPPET_PT_solve(SidebarPanel, bpy.types.Panel):
     """Solve the procedure and follow its progress."""
 
     bl_label = "Solve"
-    bl_space_type = "VIEW_3D"
-    bl_region_type = "UI"
-    bl_category = "Lappet"
     bl_order = 30
 
     def draw(self, context: bpy.types.Context) -> None:
@@ -57,20 +54,15 @@ class LAPPET_PT_solve(bpy.types.Panel):
             draw_sentence(layout, context, problem_sentence(note), "INFO")
 
 
-class LAPPET_PT_solve_settings(bpy.types.Panel):
+class LAPPET_PT_solve_settings(SidebarPanel, bpy.types.Panel):
     """The accuracy of solving and the folder of solved frames."""
 
     bl_label = "Settings"
     bl_parent_id = "LAPPET_PT_solve"
-    bl_space_type = "VIEW_3D"
-    bl_region_type = "UI"
-    bl_category = "Lappet"
-    bl_options = _CLOSED
+    bl_options = CLOSED
 
     def draw(self, context: bpy.types.Context) -> None:
-        layout = self.layout
-        layout.use_property_split = True
-        layout.use_property_decorate = False
+        layout = with_fields(self.layout)
         solving = context.scene.lappet.solving
         for name in ("tolerance", "precision", "quadrature", "error_estimate", "threads"):
             layout.prop(solving, name)

@@ -32,7 +32,7 @@ class Progress:
     residual: float
     seconds: float
     line: str
-    job_kind: Literal["", "plan", "solve", "live"]
+    job_kind: Literal["", "manifest", "solve", "live"]
 
 
 def progress(controller: Controller) -> Progress:
@@ -45,7 +45,7 @@ def progress(controller: Controller) -> Progress:
     unsolved = total - counts["solved"]
     seconds = _expected(controller, unsolved)
     live = controller.live is not None
-    kind: Literal["", "plan", "live"] = "live" if live else "plan" if controller.planning is not None else ""
+    kind: Literal["", "manifest", "live"] = "live" if live else "manifest" if controller.listing is not None else ""
     line = _live_line(controller) if live else _idle_line(controller, counts, seconds)
     return Progress(False, live, counts["solved"], total, math.nan, 0, math.nan, seconds, line, kind)
 
@@ -56,11 +56,11 @@ def _solving(controller: Controller, job: Job) -> Progress:
     if job.frame_seconds:
         each = sum(job.frame_seconds) / len(job.frame_seconds)
         seconds = max(each * left - (time.monotonic() - job.frame_started), 0.0)
-    elif job.plan is not None:
+    elif job.manifest is not None:
         seconds = _expected(controller, left)
     if job.cancelled:
         line = "Stopping after this iteration; what is solved is kept"
-    elif job.plan is None:
+    elif job.manifest is None:
         line = "Preparing the cuts and the lattice"
     elif job.settings.correction and 0 < job.total <= job.done:
         line = f"{job.total} frames; estimating the error"
@@ -82,12 +82,12 @@ def _expected(controller: Controller, frames: int) -> float:
 
 def _idle_line(controller: Controller, counts: dict, seconds: float) -> str:
     if controller.newest() is None:
-        return "Preparing the cuts" if controller.planning is not None else "Nothing is solved yet"
+        return "Preparing the cuts" if controller.listing is not None else "Nothing is solved yet"
     total = sum(counts.values())
     words = [f"{counts['solved']} of {total} frames solved"]
     words += [f"{counts[state]} {state}" for state in ("stale", "failed") if counts[state]]
     line = ", ".join(words)
-    if controller.planning is not None:
+    if controller.listing is not None:
         return f"{line}; preparing the cuts anew"
     if not math.isnan(seconds):
         line += f"; {duration_text(seconds)}"

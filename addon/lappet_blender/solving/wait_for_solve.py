@@ -50,17 +50,17 @@ def wait_for_solve(scene: bpy.types.Scene) -> bool:
     return not job.cancelled
 
 
-def wait_for_plan(scene: bpy.types.Scene) -> None:
-    """Wait until the scene's procedure is planned; Ctrl-C stops waiting. Raises RefusedError where it is refused."""
+def wait_for_manifest(scene: bpy.types.Scene) -> None:
+    """Wait until the scene's manifest is known; Ctrl-C stops waiting. Raises RefusedError where it is refused."""
     controller = controller_of(scene)
-    while controller.planning is not None or (controller.plan is None and controller.job is not None):
+    while controller.listing is not None or (controller.manifest is None and controller.job is not None):
         if not handle_worker_events(controller):
             time.sleep(_NAP)
     notify_listeners(scene, controller)
     _finish_pictures()
     if controller.refused:
         raise RefusedError(controller.refused)
-    if controller.plan is None:
+    if controller.manifest is None:
         raise refused(ProblemCode.PLAN_FAILED)
 
 

@@ -1,4 +1,4 @@
-"""Take in what the worker tells: plans, frames, refusals, ends of jobs."""
+"""Take in what the worker tells: manifests, frames, refusals, ends of jobs."""
 
 from __future__ import annotations
 
@@ -11,16 +11,16 @@ from lappet.background.worker_events import (
     FrameFailed,
     FrameReady,
     IterationDone,
+    Listed,
     LiveFrame,
     Note,
-    Planned,
     Refused,
     WorkerEvent,
 )
 from lappet.daemon.solved_frame import SolvedFrame
 
-from .controller import Controller, Failure, Job, frame_at, frame_cache, plans
-from .reconcile import activate_plan, request_plan, stop_obsolete
+from .controller import Controller, Failure, Job, frame_at, frame_cache, manifests
+from .reconcile import activate_manifest, request_manifest, stop_obsolete
 from .speed_estimate import speed_estimate
 
 
@@ -42,10 +42,10 @@ def _apply(controller: Controller, event: WorkerEvent) -> None:
     if job is None:
         return  # of a job that nobody waits for any more; its frames are in the store
     match event:
-        case Planned():
-            _planned(controller, job, event)
+        case Listed():
+            _listed(controller, job, event)
         case Refused():
-            plans.refuse(job.key, event.problems)
+            manifests.refuse(job.key, event.problems)
             if job.key == controller.key:
                 controller.refused = event.problems
             controller.notify()
@@ -58,7 +58,7 @@ def _apply(controller: Controller, event: WorkerEvent) -> None:
         case FrameFailed():
             _failed(controller, job, event)
         case Assessed():
-            plans.assessments[job.key] = event.assessment
+            manifests.assessments[job.key] = event.assessment
             controller.notify()
         case LiveFrame():
             _live(controller, event)
@@ -66,22 +66,22 @@ def _apply(controller: Controller, event: WorkerEvent) -> None:
             _finished(controller, job, event)
 
 
-def _planned(controller: Controller, job: Job, planned: Planned) -> None:
-    plan = plans.keep(planned.plan, job.key)
-    job.plan = plan
-    job.total = sum(1 for frame in plan.frames if job.until is None or frame.time <= job.until)
-    controller.known.update(frame.key for frame, there in zip(plan.frames, planned.known, strict=True) if there)
+def _listed(controller: Controller, job: Job, listed: Listed) -> None:
+    manifest = manifests.keep(listed.manifest, job.key)
+    job.manifest = manifest
+    job.total = sum(1 for frame in manifest.frames if job.until is None or frame.time <= job.until)
+    controller.known.update(frame.key for frame, there in zip(manifest.frames, listed.known, strict=True) if there)
     if job.key == controller.key:
-        controller.plan = plan
+        controller.manifest = manifest
         controller.refused = ()
-        activate_plan(controller)
+        activate_manifest(controller)
     controller.notify()
 
 
 def _ready(controller: Controller, job: Job, ready: FrameReady) -> None:
     job.done += 1
     controller.known.add(ready.key)
-    plans.failures.pop(ready.key, None)
+    manifests.failures.pop(ready.key, None)
     now = time.monotonic()
     if not ready.looked_up:
         job.solved += 1
@@ -102,9 +102,9 @@ def _learn(controller: Controller, frame: SolvedFrame) -> None:
 
 
 def _failed(controller: Controller, job: Job, failed: FrameFailed) -> None:
-    frame = None if job.plan is None else frame_at(job.plan, failed.time)
+    frame = None if job.manifest is None else frame_at(job.manifest, failed.time)
     if frame is not None:
-        plans.failures[frame.key] = failed.problem
+        manifests.failures[frame.key] = failed.problem
     if job.key == controller.key or frame is None:
         controller.failure = Failure(failed.time, failed.problem)
     controller.notify()
@@ -118,15 +118,15 @@ def _live(controller: Controller, frame: LiveFrame) -> None:
 
 
 def _finished(controller: Controller, job: Job, finished: Finished) -> None:
-    if controller.planning is job:
-        controller.planning = None
+    if controller.listing is job:
+        controller.listing = None
     if controller.job is job:
         controller.job = None
         if job.kind == "live":
             controller.live = None
         else:
             speed_estimate().keep()
-        if job.kind == "solve" and job.plan is not None:
-            controller.recheck_frames(job.plan)
-    request_plan(controller)  # a solve takes the place of a plan that was being made
+        if job.kind == "solve" and job.manifest is not None:
+            controller.recheck_frames(job.manifest)
+    request_manifest(controller)  # a solve takes the place of a manifest that was being made
     controller.notify()

@@ -1,4 +1,4 @@
-"""Background solvers: one for each scene that plans or solves; those that are free again wait for the next scene."""
+"""Background solvers: one for each scene with a job; those that are free again wait for the next scene."""
 
 from __future__ import annotations
 

@@ -6,7 +6,6 @@ from bpy.props import StringProperty
 from lappet.core.problem import refused
 from lappet.core.problem_code import ProblemCode
 
-from ..interface.operator_base import UNDOABLE
 from ..model.tissue_values import identifier
 from .tissue_objects import named_object
 from .tissue_operator import TissueOperator
@@ -15,9 +14,7 @@ from .tissue_operator import TissueOperator
 class LAPPET_OT_bone_add(TissueOperator, bpy.types.Operator):
     """Make a closed mesh a bone, which the tissue cannot enter"""
 
-    bl_idname = "lappet.bone_add"
     bl_label = "Add Bone"
-    bl_options = UNDOABLE
 
     object: StringProperty(name="Object", description="Name of the object; empty = the active object")
 
@@ -38,9 +35,7 @@ class LAPPET_OT_bone_add(TissueOperator, bpy.types.Operator):
 class LAPPET_OT_bone_remove(TissueOperator, bpy.types.Operator):
     """Remove a bone from the procedure; the object stays"""
 
-    bl_idname = "lappet.bone_remove"
     bl_label = "Remove Bone"
-    bl_options = UNDOABLE
 
     object: StringProperty(name="Object", description="Name of the object; empty = the active object")
 

@@ -6,7 +6,7 @@ from bpy.props import IntProperty
 from lappet.core.problem import refused
 from lappet.core.problem_code import ProblemCode
 
-from ..interface.operator_base import NO_UNDO, UNDOABLE
+from ..interface.operator_base import NO_UNDO
 from ..model.units import to_world
 from .tissue_check import check_tissue, last_check
 from .tissue_operator import OnTissue
@@ -15,7 +15,6 @@ from .tissue_operator import OnTissue
 class LAPPET_OT_tissue_check(OnTissue, bpy.types.Operator):
     """Look for holes, self-intersections, thin places and other problems, and show them on the mesh"""
 
-    bl_idname = "lappet.tissue_check"
     bl_label = "Check"
     bl_options = NO_UNDO
 
@@ -33,9 +32,7 @@ class LAPPET_OT_tissue_check(OnTissue, bpy.types.Operator):
 class LAPPET_OT_tissue_show_problem(OnTissue, bpy.types.Operator):
     """Move the 3D cursor to the problem and look there"""
 
-    bl_idname = "lappet.tissue_show_problem"
     bl_label = "Show Problem"
-    bl_options = UNDOABLE
 
     index: IntProperty(name="Problem", default=0, min=0)
 

@@ -6,7 +6,6 @@ from bpy.props import BoolProperty, EnumProperty, StringProperty
 from lappet.core.problem import refused
 from lappet.core.problem_code import ProblemCode
 
-from ..interface.operator_base import UNDOABLE
 from ..model.mesh_values import group_names
 from .face_choice import WHICH, chosen_faces
 from .face_groups import change_group, remove_group, select_group
@@ -17,9 +16,7 @@ from .tissue_operator import OnTissue
 class LAPPET_OT_faces_assign(OnTissue, bpy.types.Operator):
     """Add faces of the tissue to a group: fixed faces are held, bed faces are tied to deep tissue"""
 
-    bl_idname = "lappet.faces_assign"
     bl_label = "Assign Faces"
-    bl_options = UNDOABLE
 
     group: StringProperty(name="Group", default="fixed")
     faces: StringProperty(name="Faces", description='Indices such as "0,1,5-9"; empty = the choice below')
@@ -44,9 +41,7 @@ class LAPPET_OT_faces_assign(OnTissue, bpy.types.Operator):
 class LAPPET_OT_faces_new(OnTissue, bpy.types.Operator):
     """Make a group of the selected faces: for a retractor to grip, or for a region of another material"""
 
-    bl_idname = "lappet.faces_new"
     bl_label = "New Group"
-    bl_options = UNDOABLE
 
     group: StringProperty(name="Group", default="grip")
 
@@ -64,9 +59,7 @@ class LAPPET_OT_faces_new(OnTissue, bpy.types.Operator):
 class LAPPET_OT_faces_clear(OnTissue, bpy.types.Operator):
     """Remove a group; its faces stay"""
 
-    bl_idname = "lappet.faces_clear"
     bl_label = "Remove Group"
-    bl_options = UNDOABLE
 
     group: StringProperty(name="Group", default="fixed")
 
@@ -77,9 +70,7 @@ class LAPPET_OT_faces_clear(OnTissue, bpy.types.Operator):
 class LAPPET_OT_faces_select(OnTissue, bpy.types.Operator):
     """Select the faces of a group"""
 
-    bl_idname = "lappet.faces_select"
     bl_label = "Select Group"
-    bl_options = UNDOABLE
 
     group: StringProperty(name="Group", default="fixed")
     extend: BoolProperty(name="Extend", default=False)

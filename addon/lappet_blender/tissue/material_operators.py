@@ -12,7 +12,6 @@ from lappet.core.problem_code import ProblemCode
 from lappet.procedure import Region
 from lappet.tissue.presets import PRESETS
 
-from ..interface.operator_base import UNDOABLE
 from ..model.keyframes import curves_of
 from ..model.material_values import set_material, set_region
 from ..model.mesh_values import group_names
@@ -42,9 +41,7 @@ def _check_new(scene: bpy.types.Scene, name: str) -> None:
 class LAPPET_OT_material_add(TissueOperator, bpy.types.Operator):
     """Add a material, with the values of a preset"""
 
-    bl_idname = "lappet.material_add"
     bl_label = "Add Material"
-    bl_options = UNDOABLE
 
     name: StringProperty(name="Name", description="Empty = the name of the preset")
     preset: EnumProperty(name="Preset", items=PRESET_ITEMS, default="SKIN")
@@ -63,9 +60,7 @@ class LAPPET_OT_material_add(TissueOperator, bpy.types.Operator):
 class LAPPET_OT_material_remove(TissueOperator, bpy.types.Operator):
     """Remove a material that nothing is made of"""
 
-    bl_idname = "lappet.material_remove"
     bl_label = "Remove Material"
-    bl_options = UNDOABLE
 
     name: StringProperty(name="Name")
 
@@ -99,9 +94,7 @@ def _move_curves(scene: bpy.types.Scene, index: int) -> None:
 class LAPPET_OT_material_rename(TissueOperator, bpy.types.Operator):
     """Rename a material, wherever it is used"""
 
-    bl_idname = "lappet.material_rename"
     bl_label = "Rename Material"
-    bl_options = UNDOABLE
 
     name: StringProperty(name="Name")
     new_name: StringProperty(name="New name")
@@ -123,9 +116,7 @@ class LAPPET_OT_material_rename(TissueOperator, bpy.types.Operator):
 class LAPPET_OT_material_preset(TissueOperator, bpy.types.Operator):
     """Give a material the values of a preset"""
 
-    bl_idname = "lappet.material_preset"
     bl_label = "Use Preset"
-    bl_options = UNDOABLE
 
     name: StringProperty(name="Name", description="Name of the material; empty = the material of the tissue")
     preset: EnumProperty(name="Preset", items=PRESET_ITEMS, default="SKIN")
@@ -143,9 +134,7 @@ class LAPPET_OT_material_preset(TissueOperator, bpy.types.Operator):
 class LAPPET_OT_region_add(TissueOperator, bpy.types.Operator):
     """Give the tissue below a group of faces another material"""
 
-    bl_idname = "lappet.region_add"
     bl_label = "Add Region"
-    bl_options = UNDOABLE
 
     group: StringProperty(name="Group", description="A group of faces of the tissue")
     material: StringProperty(name="Material")
@@ -185,9 +174,7 @@ class LAPPET_OT_region_add(TissueOperator, bpy.types.Operator):
 class LAPPET_OT_region_remove(TissueOperator, bpy.types.Operator):
     """Remove a region; its group of faces stays"""
 
-    bl_idname = "lappet.region_remove"
     bl_label = "Remove Region"
-    bl_options = UNDOABLE
 
     group: StringProperty(name="Group")
 

@@ -5,15 +5,12 @@ import bpy
 from lappet.tissue.presets import PRESETS
 
 from ..interface.sentence_lines import draw_sentence
+from ..interface.sidebar_panel import CLOSED, SidebarPanel, with_fields
 from .tissue_operators import PRESET_ITEMS
-
-_CLOSED = {"DEFAULT_CLOSED"}
 
 
 class LAPPET_UL_materials(bpy.types.UIList):
     """Materials"""
-
-    bl_idname = "LAPPET_UL_materials"
 
     def draw_item(self, context, layout, _data, item, _icon, _active_data, _active_property, _index=0, _flag=0):  # type: ignore[no-untyped-def]
         used = context.scene.lappet.tissue.material == item.name
@@ -24,7 +21,6 @@ class LAPPET_UL_materials(bpy.types.UIList):
 class LAPPET_MT_presets(bpy.types.Menu):
     """Give the material the values of a preset"""
 
-    bl_idname = "LAPPET_MT_presets"
     bl_label = "Preset"
 
     def draw(self, context: bpy.types.Context) -> None:
@@ -35,21 +31,15 @@ class LAPPET_MT_presets(bpy.types.Menu):
             button.name, button.preset = material.name, key
 
 
-class LAPPET_PT_materials(bpy.types.Panel):
+class LAPPET_PT_materials(SidebarPanel, bpy.types.Panel):
     """What the tissue is made of"""
 
-    bl_idname = "LAPPET_PT_materials"
     bl_label = "Materials"
-    bl_space_type = "VIEW_3D"
-    bl_region_type = "UI"
-    bl_category = "Lappet"
     bl_order = 12
-    bl_options = _CLOSED
+    bl_options = CLOSED
 
     def draw(self, context: bpy.types.Context) -> None:
-        layout, procedure = self.layout, context.scene.lappet
-        layout.use_property_split = True
-        layout.use_property_decorate = False
+        layout, procedure = with_fields(self.layout), context.scene.lappet
         layout.prop_search(procedure.tissue, "material", procedure, "materials", text="Tissue", icon="MATERIAL")
         row = layout.row()
         row.template_list("LAPPET_UL_materials", "", procedure, "materials", procedure, "active_material", rows=3)

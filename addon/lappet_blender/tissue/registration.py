@@ -19,19 +19,15 @@ from . import (
     tissue_panel,
 )
 
-_CLASSES = tuple(
-    each
-    for module in (
-        tissue_operators,
-        group_operators,
-        bone_operators,
-        material_operators,
-        repair_operators,
-        check_operator,
-        tissue_panel,
-        material_panel,
-    )
-    for each in module.CLASSES
+CLASSES = (
+    *tissue_operators.CLASSES,
+    *group_operators.CLASSES,
+    *bone_operators.CLASSES,
+    *material_operators.CLASSES,
+    *repair_operators.CLASSES,
+    *check_operator.CLASSES,
+    *tissue_panel.CLASSES,
+    *material_panel.CLASSES,
 )
 
 
@@ -44,8 +40,6 @@ def _on_load_pre(*_: object) -> None:
 
 def register() -> None:
     """Add them."""
-    for each in _CLASSES:
-        bpy.utils.register_class(each)
     overlay.register()
     bpy.app.handlers.load_pre.append(_on_load_pre)
 
@@ -55,5 +49,3 @@ def unregister() -> None:
     if _on_load_pre in bpy.app.handlers.load_pre:
         bpy.app.handlers.load_pre.remove(_on_load_pre)
     overlay.unregister()
-    for each in reversed(_CLASSES):
-        bpy.utils.unregister_class(each)

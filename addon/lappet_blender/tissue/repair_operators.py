@@ -7,7 +7,6 @@ from lappet.checks.validation import MEMORY_BUDGET
 from lappet.core.problem import refused
 from lappet.core.problem_code import ProblemCode
 
-from ..interface.operator_base import UNDOABLE
 from ..interface.problem_repairs import REPAIRS
 from ..model.decimals import decimal
 from ..model.scene_procedure import read_scene
@@ -38,9 +37,7 @@ class _OnObject(TissueOperator):
 class LAPPET_OT_tissue_apply_scale(_OnObject, bpy.types.Operator):
     """Apply the object's scale to its mesh, which keeps its place and shape"""
 
-    bl_idname = "lappet.tissue_apply_scale"
     bl_label = "Apply Scale"
-    bl_options = UNDOABLE
 
     object: StringProperty(name="Object", description="Name of the object; empty = the tissue")
 
@@ -51,9 +48,7 @@ class LAPPET_OT_tissue_apply_scale(_OnObject, bpy.types.Operator):
 class LAPPET_OT_tissue_apply_modifiers(_OnObject, bpy.types.Operator):
     """Apply the modifiers and the current mix of shape keys to the mesh"""
 
-    bl_idname = "lappet.tissue_apply_modifiers"
     bl_label = "Apply Modifiers and Shape Keys"
-    bl_options = UNDOABLE
 
     object: StringProperty(name="Object", description="Name of the object; empty = the tissue")
 
@@ -64,9 +59,7 @@ class LAPPET_OT_tissue_apply_modifiers(_OnObject, bpy.types.Operator):
 class LAPPET_OT_tissue_make_local(_OnObject, bpy.types.Operator):
     """Copy a linked mesh into this file; the library's file stays as it is"""
 
-    bl_idname = "lappet.tissue_make_local"
     bl_label = "Make Local"
-    bl_options = UNDOABLE
 
     object: StringProperty(name="Object", description="Name of the object; empty = the tissue")
 
@@ -77,9 +70,7 @@ class LAPPET_OT_tissue_make_local(_OnObject, bpy.types.Operator):
 class LAPPET_OT_tissue_fix_place(_OnObject, bpy.types.Operator):
     """Keep the object where it is, without keyframes, drivers, constraints and parent"""
 
-    bl_idname = "lappet.tissue_fix_place"
     bl_label = "Fix in Place"
-    bl_options = UNDOABLE
 
     object: StringProperty(name="Object", description="Name of the object; empty = the tissue")
 
@@ -90,9 +81,7 @@ class LAPPET_OT_tissue_fix_place(_OnObject, bpy.types.Operator):
 class LAPPET_OT_tissue_restore(_OnObject, bpy.types.Operator):
     """Link the object into the scene again"""
 
-    bl_idname = "lappet.tissue_restore"
     bl_label = "Restore to Scene"
-    bl_options = UNDOABLE
 
     object: StringProperty(name="Object", description="Name of the object; empty = the tissue")
 
@@ -103,9 +92,7 @@ class LAPPET_OT_tissue_restore(_OnObject, bpy.types.Operator):
 class LAPPET_OT_tissue_repair(OnTissue, bpy.types.Operator):
     """Repair the mesh of the tissue"""
 
-    bl_idname = "lappet.tissue_repair"
     bl_label = "Repair Tissue"
-    bl_options = UNDOABLE
 
     kind: EnumProperty(name="Repair", items=REPAIRS, default="WELD")
     everything: BoolProperty(name="All holes", description="Fill holes of any size", default=False)

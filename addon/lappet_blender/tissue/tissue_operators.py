@@ -5,7 +5,6 @@ from bpy.props import EnumProperty, FloatProperty, StringProperty
 
 from lappet.tissue.presets import PRESETS
 
-from ..interface.operator_base import UNDOABLE
 from ..model.mesh_values import mesh_values
 from ..model.surface_border import open_edge_count
 from .set_tissue import set_tissue
@@ -21,9 +20,7 @@ _OPEN_THICKNESS = 4.0  # mm, proposed for an open surface
 class LAPPET_OT_tissue_set(TissueOperator, bpy.types.Operator):
     """Make the active mesh the tissue to operate on"""
 
-    bl_idname = "lappet.tissue_set"
     bl_label = "Make Tissue"
-    bl_options = UNDOABLE
 
     object: StringProperty(name="Object", description="Name of the object; empty = the active object")
     thickness: FloatProperty(
@@ -56,9 +53,7 @@ class LAPPET_OT_tissue_set(TissueOperator, bpy.types.Operator):
 class LAPPET_OT_tissue_clear(OnTissue, bpy.types.Operator):
     """Remove the tissue from the scene's procedure; the mesh, its groups and the events stay"""
 
-    bl_idname = "lappet.tissue_clear"
     bl_label = "Remove Tissue"
-    bl_options = UNDOABLE
 
     def run(self, context: bpy.types.Context) -> None:
         context.scene.lappet.tissue.object = None

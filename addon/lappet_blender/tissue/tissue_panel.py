@@ -7,6 +7,7 @@ from lappet.core.problem import Problem
 from ..interface.duration_text import duration_text
 from ..interface.repair_button import draw_repair
 from ..interface.sentence_lines import draw_sentence
+from ..interface.sidebar_panel import CLOSED, SidebarPanel, with_fields
 from ..model.scene_procedure import SceneReading, read_scene
 from ..model.tissue_values import tissue_is_ready
 from .expected_time import cell_count, expected_seconds
@@ -16,20 +17,14 @@ from .tissue_check import last_check
 _HELD = (("fixed", "LOCKED"), ("bed", "LINKED"))
 
 
-class LAPPET_PT_tissue(bpy.types.Panel):
+class LAPPET_PT_tissue(SidebarPanel, bpy.types.Panel):
     """The tissue of the scene"""
 
-    bl_idname = "LAPPET_PT_tissue"
     bl_label = "Tissue"
-    bl_space_type = "VIEW_3D"
-    bl_region_type = "UI"
-    bl_category = "Lappet"
     bl_order = 10
 
     def draw(self, context: bpy.types.Context) -> None:
-        layout, scene = self.layout, context.scene
-        layout.use_property_split = True
-        layout.use_property_decorate = False
+        layout, scene = with_fields(self.layout), context.scene
         settings = scene.lappet.tissue
         if settings.object is None:
             active = context.view_layer.objects.active if context.view_layer is not None else None
@@ -54,14 +49,11 @@ class LAPPET_PT_tissue(bpy.types.Panel):
         _problems(layout, context)
 
 
-class _Part:
+class _Part(SidebarPanel):
     """A part of the panel that may be folded away, where there is a tissue."""
 
     bl_parent_id = "LAPPET_PT_tissue"
-    bl_space_type = "VIEW_3D"
-    bl_region_type = "UI"
-    bl_category = "Lappet"
-    bl_options = {"DEFAULT_CLOSED"}  # noqa: RUF012
+    bl_options = CLOSED
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
@@ -84,9 +76,7 @@ class LAPPET_PT_tissue_surroundings(_Part, bpy.types.Panel):
     bl_label = "Bones, Bed and Gravity"
 
     def draw(self, context: bpy.types.Context) -> None:
-        layout, scene = self.layout, context.scene
-        layout.use_property_split = True
-        layout.use_property_decorate = False
+        layout, scene = with_fields(self.layout), context.scene
         settings = scene.lappet.tissue
         _bones(layout, scene)
         column = layout.column(align=True)

@@ -59,9 +59,7 @@ def _time() -> object:
 class LAPPET_OT_click_excision(_ClickTool, bpy.types.Operator):
     """Remove a piece of tissue: click a fragment that incisions have cut out"""
 
-    bl_idname = "lappet.click_excision"
     bl_label = "Excise"
-    bl_options: ClassVar[set[str]] = {"REGISTER", "UNDO"}
     title = "Excise"
     any_face = True
 
@@ -88,9 +86,7 @@ class LAPPET_OT_click_excision(_ClickTool, bpy.types.Operator):
 class LAPPET_OT_place_landmark(_ClickTool, bpy.types.Operator):
     """Place a landmark: a point to follow and measure"""
 
-    bl_idname = "lappet.place_landmark"
     bl_label = "Place Landmark"
-    bl_options: ClassVar[set[str]] = {"REGISTER", "UNDO"}
     title = "Landmark"
 
     point: _point()

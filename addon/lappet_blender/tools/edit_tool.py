@@ -1,7 +1,5 @@
 """The tool Select/Edit: takes hold of what was placed, moves it along the skin, inserts and removes points."""
 
-from typing import ClassVar
-
 import bpy
 import numpy as np
 from bpy.props import BoolProperty
@@ -10,7 +8,7 @@ from mathutils import Vector
 from ..events.edit_events import jump_to_event
 from ..events.edit_points import MIN_POINTS, remove_point
 from ..events.operator_values import named_event
-from ..interface.operator_base import OperatorBase
+from ..interface.operator_base import NO_UNDO, OperatorBase
 from ..model.event_list import find_event, remove_event
 from .drawing import DrawnLine, Point
 from .handles import (
@@ -80,9 +78,7 @@ def select(context: bpy.types.Context, uid: str, index: int) -> None:
 class LAPPET_OT_edit_plan(SkinModal, bpy.types.Operator):
     """Select an event by its points or line and drag its points along the skin. Ctrl-click a line to insert a point"""
 
-    bl_idname = "lappet.edit_plan"
     bl_label = "Edit Plan"
-    bl_options: ClassVar[set[str]] = {"REGISTER", "UNDO"}
     title = "Edit"
     hints = (
         ("MOUSE_LMB_DRAG", "Move along the skin"),
@@ -216,9 +212,7 @@ class LAPPET_OT_edit_plan(SkinModal, bpy.types.Operator):
 class LAPPET_OT_edit_delete(OperatorBase, bpy.types.Operator):
     """Remove the last point clicked, or its event"""
 
-    bl_idname = "lappet.edit_delete"
     bl_label = "Delete Point or Event"
-    bl_options: ClassVar[set[str]] = {"REGISTER", "UNDO"}
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
@@ -241,8 +235,8 @@ class LAPPET_OT_edit_delete(OperatorBase, bpy.types.Operator):
 class LAPPET_OT_edit_jump(OperatorBase, bpy.types.Operator):
     """Go to the frame of the event under the mouse"""
 
-    bl_idname = "lappet.edit_jump"
     bl_label = "Jump to Event"
+    bl_options = NO_UNDO
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> Result:
         view = view_under(context, (event.mouse_x, event.mouse_y))

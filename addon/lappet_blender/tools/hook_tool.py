@@ -1,6 +1,6 @@
 """The tools Hook and Retractor: press on the skin and drag to where it is pulled."""
 
-from typing import Any, ClassVar
+from typing import Any
 
 import bpy
 import numpy as np
@@ -98,9 +98,7 @@ def _place(name: str, words: str) -> object:
 class LAPPET_OT_place_hook(_DragTool, bpy.types.Operator):
     """Place a hook: press on the skin and drag to where it should pull"""
 
-    bl_idname = "lappet.place_hook"
     bl_label = "Place Hook"
-    bl_options: ClassVar[set[str]] = {"REGISTER", "UNDO"}
     title = "Hook"
 
     anchor: _place("Anchor", "The point of the skin at rest, in mm")
@@ -145,9 +143,7 @@ def _grips(tissue: bpy.types.Object | None) -> list[str]:
 class LAPPET_OT_place_retractor(_DragTool, bpy.types.Operator):
     """Place a retractor: press on the skin and drag; it grips the faces around the mouse or a group"""
 
-    bl_idname = "lappet.place_retractor"
     bl_label = "Place Retractor"
-    bl_options: ClassVar[set[str]] = {"REGISTER", "UNDO"}
     title = "Retractor"
 
     grip: StringProperty(

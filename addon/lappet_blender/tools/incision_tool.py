@@ -160,9 +160,7 @@ def _tolerance_property() -> object:
 class LAPPET_OT_draw_incision(_LineTool, bpy.types.Operator):
     """Draw an incision: click points on the skin, or draw with the button held"""
 
-    bl_idname = "lappet.draw_incision"
     bl_label = "Draw Incision"
-    bl_options: ClassVar[set[str]] = {"REGISTER", "UNDO"}
     title = "Incision"
     hints = (*_HINTS, ("EVENT_C", "Close"), *_END_HINTS)
 
@@ -201,9 +199,7 @@ class LAPPET_OT_draw_incision(_LineTool, bpy.types.Operator):
 class LAPPET_OT_draw_undermining(_LineTool, bpy.types.Operator):
     """Draw the outline of an area to free from its bed"""
 
-    bl_idname = "lappet.draw_undermining"
     bl_label = "Draw Undermining"
-    bl_options: ClassVar[set[str]] = {"REGISTER", "UNDO"}
     title = "Undermine"
     hints = (*_HINTS, ("EVENT_C", "Close and finish"), *_END_HINTS)
     must_close = True

@@ -9,7 +9,7 @@ from . import click_tool, edit_tool, hook_tool, incision_tool, plan_overlay, sut
 from .preview import clear_preview
 from .shown_surface import clear_cache
 
-_CLASSES = (
+CLASSES = (
     *incision_tool.CLASSES,
     *click_tool.CLASSES,
     *hook_tool.CLASSES,
@@ -29,8 +29,6 @@ def _another_file(_path: str) -> None:
 
 def register() -> None:
     """Add the tools to the toolbar and the menu to the 3D viewport's header."""
-    for each in _CLASSES:
-        bpy.utils.register_class(each)
     toolbar.register()
     tool_menu.register()
     plan_overlay.register()
@@ -46,5 +44,3 @@ def unregister() -> None:
     toolbar.unregister()
     clear_preview()
     clear_cache()
-    for each in reversed(_CLASSES):
-        bpy.utils.unregister_class(each)

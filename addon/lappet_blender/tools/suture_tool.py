@@ -1,7 +1,5 @@
 """The tool Suture: click the two edges of a wound, or sew a run along them."""
 
-from typing import ClassVar
-
 import bpy
 import numpy as np
 from bpy.props import CollectionProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
@@ -31,9 +29,7 @@ MODES = (
 class LAPPET_OT_place_suture(SkinModal, bpy.types.Operator):
     """Place a suture: click one edge of the wound, then the other"""
 
-    bl_idname = "lappet.place_suture"
     bl_label = "Place Suture"
-    bl_options: ClassVar[set[str]] = {"REGISTER", "UNDO"}
     title = "Suture"
     hints = (
         ("MOUSE_LMB", "Click the edges"),

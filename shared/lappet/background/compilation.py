@@ -8,10 +8,10 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Generic, TypeVar
 
-from lappet.background.make_plan import epoch_shapes, make_plan
-from lappet.background.plan import EpochShape, Plan
-from lappet.background.plan_key import plan_key
-from lappet.background.plan_store import get_plan, put_plan
+from lappet.background.make_manifest import epoch_shapes, make_manifest
+from lappet.background.manifest import EpochShape, Manifest
+from lappet.background.manifest_key import manifest_key
+from lappet.background.manifest_store import get_manifest, put_manifest
 from lappet.checks.validation import check
 from lappet.core.digest import digest
 from lappet.core.problem import RefusedError
@@ -35,18 +35,18 @@ class Compiled:
 
     Parameters
     ----------
-    plan
-        Its plan.
+    manifest
+        Its manifest.
     program
         What the daemon is told.
     """
 
-    plan: Plan
+    manifest: Manifest
     program: Program
 
 
 class Compilation:
-    """The plans and programs by their key; one thread at a time compiles, others wait for it.
+    """The manifests and programs by their key; one thread at a time compiles, others wait for it.
 
     `epochs_built` counts how often epochs were built.
 
@@ -55,7 +55,7 @@ class Compilation:
     identity
         What identifies the solver, for the keys.
     store
-        Where plans are kept.
+        Where manifests are kept.
     """
 
     def __init__(self, identity: str, store: FrameStore) -> None:
@@ -66,8 +66,8 @@ class Compilation:
         self._epochs: _Last[tuple[tuple[Epoch, ...], tuple[EpochShape, ...]]] = _Last(_KEPT)
         self._lock = threading.Lock()
 
-    def plan(self, procedure: Procedure, settings: SolverSettings, step: Callable[[], None]) -> Plan:
-        """Find the plan of a procedure: remembered, from the store, or compiled.
+    def manifest(self, procedure: Procedure, settings: SolverSettings, step: Callable[[], None]) -> Manifest:
+        """Find the manifest of a procedure: remembered, from the store, or compiled.
 
         Parameters
         ----------
@@ -80,18 +80,18 @@ class Compilation:
 
         Returns
         -------
-        Plan
-            The plan.
+        Manifest
+            The manifest.
         """
-        key = plan_key(procedure, settings, self.identity)
+        key = manifest_key(procedure, settings, self.identity)
         known = self._compiled.get(key)
         if known is not None:
-            return known.plan
-        found = get_plan(self._store, key)
-        return found if found is not None else self.compiled(procedure, settings, step).plan
+            return known.manifest
+        found = get_manifest(self._store, key)
+        return found if found is not None else self.compiled(procedure, settings, step).manifest
 
     def compiled(self, procedure: Procedure, settings: SolverSettings, step: Callable[[], None]) -> Compiled:
-        """Find the plan and the program of a procedure.
+        """Find the manifest and the program of a procedure.
 
         Parameters
         ----------
@@ -112,7 +112,7 @@ class Compilation:
         RefusedError
             If the procedure cannot be solved; holds every problem.
         """
-        key = plan_key(procedure, settings, self.identity)
+        key = manifest_key(procedure, settings, self.identity)
         with self._lock:
             known = self._compiled.get(key)
             if known is None:
@@ -135,9 +135,9 @@ class Compilation:
             settings,
         )
         step()
-        plan = make_plan(key, program, frame_keys(program, self.identity), shapes, problems)
-        put_plan(self._store, plan)
-        return Compiled(plan, program)
+        manifest = make_manifest(key, program, frame_keys(program, self.identity), shapes, problems)
+        put_manifest(self._store, manifest)
+        return Compiled(manifest, program)
 
     def _cut(self, procedure: Procedure, step: Callable[[], None]) -> tuple[tuple[Epoch, ...], tuple[EpochShape, ...]]:
         """The epochs of a procedure and what is shown of them: known again by the mesh, the cuts and the spacing."""

@@ -24,7 +24,7 @@ class Job:
     running
         Whether it has begun.
     at
-        The frame that it is at, once planned.
+        The frame that it is at, once its manifest is known.
     """
 
     ask: Ask

@@ -9,7 +9,7 @@ from typing import NoReturn
 from lappet.background.compilation import Compiled
 from lappet.background.job import CancelledError, Job
 from lappet.background.live_session import LiveSession
-from lappet.background.plan import Plan
+from lappet.background.manifest import Manifest
 from lappet.background.solve_job import SolveJobs, stoppable
 from lappet.background.worker_events import FrameFailed, LiveFrame, Note
 from lappet.background.worker_requests import Ask
@@ -25,8 +25,8 @@ class LiveJobs(SolveJobs):
     """A runner of live jobs; each lasts until it is cancelled."""
 
     def _run(self, job: Job) -> int:
-        plan = self.plan(job)
-        index, hook = _place(plan, job.ask)
+        manifest = self.manifest(job)
+        index, hook = _place(manifest, job.ask)
         compiled = self.compilation.compiled(job.ask.procedure, job.ask.settings, job.step)
         try:
             start = self._start(job, compiled, index)
@@ -52,16 +52,16 @@ class LiveJobs(SolveJobs):
 
     def _start(self, job: Job, compiled: Compiled, index: int) -> tuple[int, SolvedFrame] | None:
         """The epoch and the state to begin with; None: at rest. Raises _UnsolvedError."""
-        program, planned = compiled.program, compiled.plan.frames
+        program, listed = compiled.program, compiled.manifest.frames
         for at in (index, index - 1):
             if at < 0:
                 return None
-            stored = self.store.get(planned[at].key, SolvedFrame)
+            stored = self.store.get(listed[at].key, SolvedFrame)
             if stored is None and at < index:
-                if self.solve(job, compiled.plan, planned[at].time) < index:
+                if self.solve(job, compiled.manifest, listed[at].time) < index:
                     job.step()
                     raise _UnsolvedError
-                stored = self.store.get(planned[at].key, SolvedFrame)
+                stored = self.store.get(listed[at].key, SolvedFrame)
             if stored is not None:
                 return program.frames[at].epoch, stored
         raise _UnsolvedError
@@ -92,18 +92,18 @@ class _UnsolvedError(Exception):
     """A frame before the one that is pulled was not found; its FrameFailed says why."""
 
 
-def _place(plan: Plan, ask: Ask) -> tuple[int, int]:
+def _place(manifest: Manifest, ask: Ask) -> tuple[int, int]:
     """The index of the frame and the number of the hook."""
     path = f"{TIMELINE}/{ask.hook}"
-    index = next((i for i, frame in enumerate(plan.frames) if frame.time == ask.time), None)
+    index = next((i for i, frame in enumerate(manifest.frames) if frame.time == ask.time), None)
     if index is None:
-        start, end = plan.frames[0].time, plan.frames[-1].time
+        start, end = manifest.frames[0].time, manifest.frames[-1].time
         raise refused(ProblemCode.LIVE_NO_FRAME, path, ask.time, start=start, end=end)
-    if ask.hook not in plan.hooks:
+    if ask.hook not in manifest.hooks:
         raise refused(ProblemCode.LIVE_NO_HOOK, path, ask.hook)
-    hook = plan.hooks.index(ask.hook)
-    if hook not in plan.frames[index].hooks:
-        times = [frame.time for frame in plan.frames if hook in frame.hooks]
+    hook = manifest.hooks.index(ask.hook)
+    if hook not in manifest.frames[index].hooks:
+        times = [frame.time for frame in manifest.frames if hook in frame.hooks]
         when = f"it pulls from {times[0]} to {times[-1]}" if times else "it pulls at no frame"
         raise refused(ProblemCode.LIVE_NOT_PULLING, path, ask.time, when=when)
     return index, hook

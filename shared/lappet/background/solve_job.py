@@ -1,4 +1,4 @@
-"""Run a job of the worker: plan a procedure, or solve its frames and tell of each."""
+"""Run a job of the worker: list the frames of a procedure, or solve them and tell of each."""
 
 from __future__ import annotations
 
@@ -13,15 +13,15 @@ from lappet.background.assessment import Assessment, assessment_key
 from lappet.background.compilation import Compilation, up_to
 from lappet.background.job import CancelledError, Job
 from lappet.background.kept_frames import KeptFrames
-from lappet.background.plan import Plan
+from lappet.background.manifest import Manifest
 from lappet.background.worker_events import (
     Assessed,
     Finished,
     FrameFailed,
     FrameReady,
     IterationDone,
+    Listed,
     Note,
-    Planned,
     Refused,
     WorkerEvent,
 )
@@ -48,7 +48,7 @@ class SolveJobs:
     Parameters
     ----------
     compilation
-        Where plans and programs come from.
+        Where manifests and programs come from.
     store
         Where frames are kept.
     connect
@@ -64,7 +64,7 @@ class SolveJobs:
         self.tell = tell
 
     def run(self, job: Job) -> None:
-        """Plan, and solve where that is asked; end with `Finished` whatever happens.
+        """Manifest, and solve where that is asked; end with `Finished` whatever happens.
 
         Parameters
         ----------
@@ -90,11 +90,11 @@ class SolveJobs:
         self.tell(Finished(job.number, done, time.perf_counter() - begun, job.cancelled))
 
     def _run(self, job: Job) -> int:
-        plan = self.plan(job)
-        return 0 if job.kind == "plan" else self.solve(job, plan, job.ask.until)
+        manifest = self.manifest(job)
+        return 0 if job.kind == "manifest" else self.solve(job, manifest, job.ask.until)
 
-    def plan(self, job: Job) -> Plan:
-        """Make the plan of a job and tell it to the owner.
+    def manifest(self, job: Job) -> Manifest:
+        """Make the manifest of a job and tell it to the owner.
 
         Parameters
         ----------
@@ -103,26 +103,26 @@ class SolveJobs:
 
         Returns
         -------
-        Plan
-            The plan.
+        Manifest
+            The manifest.
         """
         well = self.store.trouble is None
-        plan = self.compilation.plan(job.ask.procedure, job.ask.settings, job.step)
+        manifest = self.compilation.manifest(job.ask.procedure, job.ask.settings, job.step)
         if well and self.store.trouble is not None:
             self.tell(Note(job.number, self.store.trouble))
-        self.tell(Planned(job.number, plan, tuple(frame.key in self.store for frame in plan.frames)))
-        job.at = job.ask.time if job.kind == "live" else plan.frames[0].time
-        return plan
+        self.tell(Listed(job.number, manifest, tuple(frame.key in self.store for frame in manifest.frames)))
+        job.at = job.ask.time if job.kind == "live" else manifest.frames[0].time
+        return manifest
 
-    def solve(self, job: Job, plan: Plan, until: int | None) -> int:
-        """Get the frames of a plan.
+    def solve(self, job: Job, manifest: Manifest, until: int | None) -> int:
+        """Get the frames of a manifest.
 
         Parameters
         ----------
         job
             The job.
-        plan
-            Its plan.
+        manifest
+            Its manifest.
         until
             Last time code, or None for all.
 
@@ -131,7 +131,7 @@ class SolveJobs:
         int
             How many frames are there.
         """
-        wanted = [frame for frame in plan.frames if until is None or frame.time <= until]
+        wanted = [frame for frame in manifest.frames if until is None or frame.time <= until]
         if all(frame.key in self.store for frame in wanted):
             key = assessment_key([frame.key for frame in wanted], job.ask.settings.correction)
             known = self.store.get(key, Assessment)

@@ -12,15 +12,15 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Literal
 
-from lappet.background.plan_key import plan_key
+from lappet.background.manifest_key import manifest_key
 from lappet.background.worker_events import (
     Finished,
     FrameFailed,
     FrameReady,
     IterationDone,
+    Listed,
     LiveFrame,
     Note,
-    Planned,
     Refused,
     WorkerEvent,
 )
@@ -49,7 +49,7 @@ class _Job:
     target_waits: bool = False
     cancelled: bool = False
     sent: bool = False
-    planned: Planned | None = None
+    listed: Listed | None = None
     done: dict[int, str] = field(default_factory=dict)
 
 
@@ -82,10 +82,10 @@ class BackgroundSolver:
         self._work: queue.SimpleQueue[_Work | None] = queue.SimpleQueue()
         self._sender: threading.Thread | None = None
 
-    def plan(self, procedure: Procedure, settings: SolverSettings) -> int:
-        """Compile a procedure; `Planned` or `Refused` follows, then `Finished`.
+    def manifest(self, procedure: Procedure, settings: SolverSettings) -> int:
+        """Compile a procedure; `Listed` or `Refused` follows, then `Finished`.
 
-        A newer plan replaces one that has not begun.
+        A newer manifest replaces one that has not begun.
 
         Parameters
         ----------
@@ -99,10 +99,10 @@ class BackgroundSolver:
         int
             Number of the job.
         """
-        return self._begin_job("plan", procedure, settings)
+        return self._begin_job("manifest", procedure, settings)
 
     def solve(self, procedure: Procedure, settings: SolverSettings, until: int | None = None) -> int:
-        """Get frames; `Planned` follows, then `FrameReady` for each, then `Finished`.
+        """Get frames; `Listed` follows, then `FrameReady` for each, then `Finished`.
 
         Parameters
         ----------
@@ -123,7 +123,7 @@ class BackgroundSolver:
     def live(self, procedure: Procedure, settings: SolverSettings, time: int, hook: str) -> int:
         """Open the tissue at a frame for live mode.
 
-        `Planned` follows, then `LiveFrame` until the job is cancelled, then `Finished`. The first `LiveFrame` is for
+        `Listed` follows, then `LiveFrame` until the job is cancelled, then `Finished`. The first `LiveFrame` is for
         the hook's own target.
 
         Parameters
@@ -220,11 +220,11 @@ class BackgroundSolver:
 
     @property
     def identity(self) -> str:
-        """What tells this solver from another (`plan_key`); the daemon's program is read once."""
+        """What tells this solver from another (`manifest_key`); the daemon's program is read once."""
         return daemon_identity(self._solverd)
 
     def key(self, procedure: Procedure, settings: SolverSettings) -> str:
-        """Compute the key of the plan that this solver makes of a procedure.
+        """Compute the key of the manifest that this solver makes of a procedure.
 
         Parameters
         ----------
@@ -238,7 +238,7 @@ class BackgroundSolver:
         str
             The key.
         """
-        return plan_key(procedure, settings, self.identity)
+        return manifest_key(procedure, settings, self.identity)
 
     def _begin_job(self, kind: JobKind, procedure: Procedure, settings: SolverSettings, **more: Any) -> int:
         with self._lock:
@@ -317,10 +317,10 @@ class BackgroundSolver:
             job = self._jobs.get(event.job)
             if job is None:
                 return
-            if isinstance(event, Planned):
-                if job.planned is not None:
+            if isinstance(event, Listed):
+                if job.listed is not None:
                     return  # said again after the worker died
-                job.planned = event
+                job.listed = event
             elif isinstance(event, FrameReady):
                 self._deaths = 0
                 if job.done.get(event.time) == event.key:
@@ -364,7 +364,7 @@ class BackgroundSolver:
             for job in [job for number, job in self._jobs.items() if numbers is None or number in numbers]:
                 if job.cancelled:
                     pass
-                elif job.planned is None:
+                elif job.listed is None:
                     self._tell(Refused(job.ask.job, (why,)))
                 else:
                     self._tell(FrameFailed(job.ask.job, _next_time(job), why))
@@ -377,6 +377,6 @@ def _next_time(job: _Job) -> int:
     """The frame that a job was at."""
     if job.ask.kind == "live":
         return job.ask.time
-    assert job.planned is not None
-    times = [frame.time for frame in job.planned.plan.frames]
+    assert job.listed is not None
+    times = [frame.time for frame in job.listed.manifest.frames]
     return next((time for time in times if time not in job.done), times[-1])

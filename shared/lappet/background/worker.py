@@ -1,8 +1,8 @@
 """The worker's process, which `BackgroundSolver` starts: `python -m lappet.background.worker REQUESTS EVENTS [STORE]`.
 
-Requests come through one inherited pipe, events go out through another (`pipes.py`). A thread reads requests; plans,
-solves and live mode each have a thread of their own. The process ends, and its daemons with it, when the pipe of
-requests ends.
+Requests come through one inherited pipe, events go out through another (`pipes.py`). A thread reads requests; the jobs
+to list, solve and follow live each have a thread of their own. The process ends, and its daemons with it, when the
+pipe of requests ends.
 """
 
 from __future__ import annotations
@@ -68,7 +68,7 @@ class Worker:
         self._guard = threading.Lock()
         self._services: tuple[Any, Any] | None = None
         self._serving = threading.Lock()
-        self._lanes = {kind: _Lane(kind, self._run) for kind in ("plan", "solve", "live")}
+        self._lanes = {kind: _Lane(kind, self._run) for kind in ("manifest", "solve", "live")}
 
     def take(self, request: WorkerRequest) -> None:
         """Do what a request asks, without waiting for any job.
@@ -91,8 +91,10 @@ class Worker:
     def _begin(self, job: Job) -> None:
         with self._guard:
             for other in self._jobs.values():
-                # A plan that is overtaken before it began is of no use; a solve makes its own.
-                overtaken = other.kind == "plan" and (job.kind == "solve" or (job.kind == "plan" and not other.running))
+                # A manifest that is overtaken before it began is of no use; a solve makes its own.
+                overtaken = other.kind == "manifest" and (
+                    job.kind == "solve" or (job.kind == "manifest" and not other.running)
+                )
                 if overtaken or other.kind == job.kind == "live":
                     other.cancel()
             self._jobs[job.number] = job

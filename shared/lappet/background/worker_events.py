@@ -1,31 +1,31 @@
-"""What the worker tells its owner: the plan of a procedure, its frames as they come, and how it ended."""
+"""What the worker tells its owner: the manifest of a procedure, its frames as they come, and how it ended."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
 from lappet.background.assessment import Assessment
-from lappet.background.plan import Plan
+from lappet.background.manifest import Manifest
 from lappet.core.problem import Problem
 from lappet.daemon.solved_frame import SolvedFrame
 
 
 @dataclass(frozen=True, eq=False)
-class Planned:
+class Listed:
     """The procedure of a job is compiled.
 
     Parameters
     ----------
     job
         Number of the job.
-    plan
-        The plan.
+    manifest
+        The manifest.
     known
         For each frame, whether the store holds it.
     """
 
     job: int
-    plan: Plan
+    manifest: Manifest
     known: tuple[bool, ...]
 
 
@@ -201,4 +201,4 @@ class LiveFrame:
         return self.problem is None
 
 
-WorkerEvent = Planned | Refused | IterationDone | FrameReady | FrameFailed | Finished | Note | Assessed | LiveFrame
+WorkerEvent = Listed | Refused | IterationDone | FrameReady | FrameFailed | Finished | Note | Assessed | LiveFrame

@@ -8,7 +8,7 @@ from typing import Literal
 from lappet.procedure import Point, Procedure
 from lappet.program.settings import SolverSettings
 
-JobKind = Literal["plan", "solve", "live"]
+JobKind = Literal["manifest", "solve", "live"]
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,6 +14,7 @@ from lappet.checks.event_problems import EventCheck
 from lappet.checks.lattice_size import TissueMeasure
 from lappet.checks.material_problems import material_problems, region_problems
 from lappet.checks.mesh_problems import MeshReport, mesh_problems
+from lappet.checks.skin_line_problems import skin_line_problems
 from lappet.checks.suspicious_events import suspicious_events
 from lappet.checks.suspicious_tissue import separate_parts, size_problems
 from lappet.core.problem import Problem, problem
@@ -74,6 +75,7 @@ def check(procedure: Procedure, memory_budget: float = MEMORY_BUDGET, spacing: f
     for material in procedure.materials:
         problems += material_problems(material, f"{MATERIALS}/{material.name}")
     problems += region_problems(procedure)
+    problems += skin_line_problems(procedure)
     for bone in procedure.bones:
         path = f"{BONE}/{bone.name}"
         found = mesh_problems(bone, path)

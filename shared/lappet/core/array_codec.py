@@ -95,7 +95,7 @@ def encode(
     Returns
     -------
     list of bytes
-        The header's frame, then one per array.
+        The header's part, then one per array.
 
     Raises
     ------
@@ -105,7 +105,7 @@ def encode(
     if len(arrays) > limits.arrays:
         raise CodecError(f"There are {len(arrays)} arrays; at most {limits.arrays} are read.")
     described = []
-    frames = []
+    parts = []
     for name, array in arrays.items():
         dtype = _NAMES.get(("u", 1) if array.dtype.kind == "b" else (array.dtype.kind, array.dtype.itemsize))
         if dtype is None:
@@ -113,27 +113,27 @@ def encode(
         if array.ndim > MAX_DIMENSIONS:
             raise CodecError(f"The array '{name}' has {array.ndim} dimensions; at most {MAX_DIMENSIONS} are known.")
         described.append({"name": name, "dtype": dtype, "shape": list(array.shape)})
-        frames.append(np.ascontiguousarray(array, dtype=DTYPES[dtype]).tobytes())
+        parts.append(np.ascontiguousarray(array, dtype=DTYPES[dtype]).tobytes())
     try:
         packed = msgpack.packb({**header, "arrays": described}, use_bin_type=True, default=default)
     except (TypeError, ValueError, OverflowError) as error:
         raise CodecError(f"The header cannot be written: {error}.") from error
     if len(packed) > limits.header_bytes:
         raise CodecError(f"The header has {len(packed)} bytes; at most {limits.header_bytes} are read.")
-    total = len(packed) + sum(map(len, frames))
+    total = len(packed) + sum(map(len, parts))
     if total > limits.total_bytes:
         raise CodecError(f"There are {total} bytes; at most {limits.total_bytes} are read.")
-    return [packed, *frames]
+    return [packed, *parts]
 
 
 def decode(
-    frames: Sequence[Bytes], limits: Limits = UNLIMITED, extension: ExtensionHook | None = None
+    parts: Sequence[Bytes], limits: Limits = UNLIMITED, extension: ExtensionHook | None = None
 ) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
     """Read a header and its arrays.
 
     Parameters
     ----------
-    frames : sequence of bytes
+    parts : sequence of bytes
         As `encode` wrote them.
     limits : Limits
         What is taken.
@@ -143,26 +143,26 @@ def decode(
     Returns
     -------
     tuple of dict
-        The header without `arrays`, and the arrays by name: read-only, C-ordered, in the memory of their frames.
+        The header without `arrays`, and the arrays by name: read-only, C-ordered, in the memory of their parts.
 
     Raises
     ------
     CodecError
         And only that, whatever the bytes are.
     """
-    if not frames:
+    if not parts:
         raise CodecError("There is no header part.")
-    header = _header(frames[0], limits, extension)
+    header = _header(parts[0], limits, extension)
     described = header.pop("arrays", None)
     if not isinstance(described, list):
         raise CodecError("The header has no list 'arrays' (an empty one if there are none).")
     if len(described) > limits.arrays:
         raise CodecError(f"There are {len(described)} arrays; at most {limits.arrays} are read.")
-    if len(described) != len(frames) - 1:
-        raise CodecError(f"The header names {len(described)} arrays; {len(frames) - 1} frames follow it.")
-    total = memoryview(frames[0]).nbytes
+    if len(described) != len(parts) - 1:
+        raise CodecError(f"The header names {len(described)} arrays; {len(parts) - 1} parts follow it.")
+    total = memoryview(parts[0]).nbytes
     arrays: dict[str, NDArray[Any]] = {}
-    for entry, frame in zip(described, frames[1:], strict=True):
+    for entry, part in zip(described, parts[1:], strict=True):
         name, dtype, shape = _description(entry)
         size = math.prod(shape) * dtype.itemsize
         total += size
@@ -170,38 +170,38 @@ def decode(
             raise CodecError(f"{total} bytes are needed up to the array '{name}'; {limits.total_bytes} are taken.")
         if name in arrays:
             raise CodecError(f"The array '{name:.60}' is there twice.")
-        held = memoryview(frame).nbytes
+        held = memoryview(part).nbytes
         if held != size:
             raise CodecError(f"The array '{name}' has {held} bytes; its shape {shape} asks for {size}.")
-        array: NDArray[Any] = np.frombuffer(frame, dtype).reshape(shape)
+        array: NDArray[Any] = np.frombuffer(part, dtype).reshape(shape)
         array.flags.writeable = False
         arrays[name] = array
     return header, arrays
 
 
-def join(frames: Sequence[bytes]) -> bytes:
-    """Join frames to one block: their number and lengths, 8 bytes each, then each padded to 16 bytes.
+def join(parts: Sequence[bytes]) -> bytes:
+    """Join parts to one block: their number and lengths, 8 bytes each, then each padded to 16 bytes.
 
     Parameters
     ----------
-    frames
-        The frames.
+    parts
+        The parts.
 
     Returns
     -------
     bytes
         The block.
     """
-    lengths = [len(frames), *map(len, frames)]
-    parts = [length.to_bytes(_LENGTH, "little") for length in lengths]
-    parts.append(bytes(-len(lengths) * _LENGTH % _ALIGN))
-    for frame in frames:
-        parts += [frame, bytes(-len(frame) % _ALIGN)]
-    return b"".join(parts)
+    lengths = [len(parts), *map(len, parts)]
+    pieces = [length.to_bytes(_LENGTH, "little") for length in lengths]
+    pieces.append(bytes(-len(lengths) * _LENGTH % _ALIGN))
+    for part in parts:
+        pieces += [part, bytes(-len(part) % _ALIGN)]
+    return b"".join(pieces)
 
 
 def split(block: Bytes) -> list[memoryview]:
-    """Split a block of `join` into its frames, without copying.
+    """Split a block of `join` into its parts, without copying.
 
     Parameters
     ----------
@@ -211,7 +211,7 @@ def split(block: Bytes) -> list[memoryview]:
     Returns
     -------
     list[memoryview]
-        The frames, in the memory of the block.
+        The parts, in the memory of the block.
 
     Raises
     ------
@@ -222,26 +222,26 @@ def split(block: Bytes) -> list[memoryview]:
     count = int.from_bytes(view[:_LENGTH], "little")
     start = (1 + count) * _LENGTH
     if view.nbytes < _LENGTH or start > view.nbytes:
-        raise CodecError(f"A block of {view.nbytes} bytes cannot hold {count} frames.")
+        raise CodecError(f"A block of {view.nbytes} bytes cannot hold {count} parts.")
     start += -start % _ALIGN
-    frames = []
+    parts = []
     for i in range(1, count + 1):
         length = int.from_bytes(view[i * _LENGTH : (i + 1) * _LENGTH], "little")
         if start + length > view.nbytes:
-            raise CodecError(f"The block ends within its frame {i} of {count}.")
-        frames.append(view[start : start + length])
+            raise CodecError(f"The block ends within its part {i} of {count}.")
+        parts.append(view[start : start + length])
         start += length + -length % _ALIGN
-    return frames
+    return parts
 
 
-def _header(frame: Bytes, limits: Limits, extension: ExtensionHook | None) -> dict[str, Any]:
-    size = memoryview(frame).nbytes
+def _header(part: Bytes, limits: Limits, extension: ExtensionHook | None) -> dict[str, Any]:
+    size = memoryview(part).nbytes
     if size > limits.header_bytes:
         raise CodecError(f"The header part has {size} bytes; at most {limits.header_bytes} are read.")
     text, entries = min(limits.text_bytes, size), min(limits.entries, size)
     try:
         header = msgpack.unpackb(
-            frame,
+            part,
             raw=False,
             unicode_errors="replace",
             strict_map_key=True,

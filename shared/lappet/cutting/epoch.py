@@ -50,6 +50,11 @@ class Regions:
         Least depth of each region below the skin in mm, shape (R,), float64.
     depth_to
         Greatest depth in mm, infinite for no end, shape (R,), float64.
+    skin_directions
+        Direction of fibers, muscle and prestretch at each vertex of the skin, shape (s, 3), float64; without entries
+        that of the materials.
+    skin_stretch
+        Prestretch along and across it, shape (s, 2), float64; without entries that of the materials.
     """
 
     skin_points: NDArray[np.float64] = field(default_factory=lambda: no_entries((0, 3), np.float64))
@@ -58,6 +63,8 @@ class Regions:
     material: NDArray[np.int32] = field(default_factory=lambda: no_entries((0,), np.int32))
     depth_from: NDArray[np.float64] = field(default_factory=lambda: no_entries((0,), np.float64))
     depth_to: NDArray[np.float64] = field(default_factory=lambda: no_entries((0,), np.float64))
+    skin_directions: NDArray[np.float64] = field(default_factory=lambda: no_entries((0, 3), np.float64))
+    skin_stretch: NDArray[np.float64] = field(default_factory=lambda: no_entries((0, 2), np.float64))
 
     def __len__(self) -> int:
         return len(self.material)

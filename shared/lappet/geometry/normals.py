@@ -49,3 +49,26 @@ def corner_normals(points: NDArray[np.float64], triangles: NDArray[np.int64]) ->
     length = np.linalg.norm(normals, axis=1, keepdims=True)
     normals = np.where(length > 1e-12, normals / np.maximum(length, 1e-300), np.repeat(face, 3, axis=0))
     return normals.reshape(-1, 3, 3)
+
+
+def vertex_normals(points: NDArray[np.float64], triangles: NDArray[np.integer]) -> NDArray[np.float64]:
+    """Compute normals at vertices: the means over the faces around, weighted by their areas.
+
+    Parameters
+    ----------
+    points
+        Vertices, shape (n, 3).
+    triangles
+        Vertex indices, shape (m, 3).
+
+    Returns
+    -------
+    NDArray[np.float64]
+        Unit normals, shape (n, 3); 0 where there is no face.
+    """
+    a, b, c = (points[triangles[:, k]] for k in range(3))
+    faces = np.cross(b - a, c - a)
+    normals = np.zeros_like(points)
+    for k in range(3):
+        np.add.at(normals, triangles[:, k], faces)
+    return normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)

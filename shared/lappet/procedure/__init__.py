@@ -13,11 +13,13 @@ from lappet.procedure.events import (
     Landmark,
     Retractor,
     Suture,
+    SutureMode,
     Undermine,
 )
 from lappet.procedure.exact_values import Point
 from lappet.procedure.position import POSITIONS, position_of
 from lappet.procedure.procedure import Procedure
+from lappet.procedure.skin_line import SkinLine
 from lappet.procedure.tissue import DEFAULT_SKIN, MODELS, Bone, Material, Region, Tissue
 
 __all__ = [
@@ -38,7 +40,9 @@ __all__ = [
     "Procedure",
     "Region",
     "Retractor",
+    "SkinLine",
     "Suture",
+    "SutureMode",
     "Tissue",
     "Undermine",
     "position_of",

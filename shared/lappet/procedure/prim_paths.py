@@ -14,4 +14,7 @@ BONE = f"{ROOT}/Bone"
 MATERIALS = f"{ROOT}/Materials"
 
 
+SKIN_LINES = f"{ROOT}/SkinLines"
+
+
 TIMELINE = f"{ROOT}/Timeline"

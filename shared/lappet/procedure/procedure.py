@@ -10,6 +10,7 @@ import math
 from dataclasses import dataclass, replace
 
 from lappet.procedure.events import Event
+from lappet.procedure.skin_line import SkinLine
 from lappet.procedure.storyboard import storyboard
 from lappet.procedure.tissue import Bone, Material, Tissue
 
@@ -31,6 +32,9 @@ class Procedure:
         The timeline, in the order of the prims.
     bones
         Rigid meshes that the tissue may not enter.
+    skin_lines
+        Lines along which the skin's fibers run; without any, `fiber_direction` and `prestretch` of the materials hold
+        everywhere.
     start_time
         First time code.
     end_time
@@ -52,6 +56,7 @@ class Procedure:
     materials: tuple[Material, ...] = (Material(),)
     events: tuple[Event, ...] = ()
     bones: tuple[Bone, ...] = ()
+    skin_lines: tuple[SkinLine, ...] = ()
     start_time: float = 1.0
     end_time: float = 1.0
     fps: float = 24.0
@@ -149,6 +154,7 @@ class Procedure:
             and self.events == other.events
             and self.materials == other.materials
             and self.bones == other.bones
+            and self.skin_lines == other.skin_lines
             and self.tissue == other.tissue
         )
 

@@ -20,7 +20,7 @@ from lappet.program.anchors import AnchorSearch, PlacedAnchors, TissueLoss
 from lappet.program.bones import over_bone, united_bones
 from lappet.program.crossed_sutures import crossed_sutures
 from lappet.program.ground import on_ground
-from lappet.program.materials import activation, materials_in_use, parameters, region_program
+from lappet.program.materials import activation, materials_in_use, parameters, region_program, with_line_tension
 from lappet.program.program import FrameConstraints, Landmarks, Program
 from lappet.program.settings import SolverSettings
 from lappet.program.timed_events import EventAnchors, TimedEvents, event_path
@@ -68,7 +68,7 @@ def compile_program(
     if epochs is None:
         # The spacing also says how finely the surface is divided.
         epochs = build_epochs(replace(procedure, tissue=replace(procedure.tissue, spacing=spacing)))
-    materials = materials_in_use(procedure)
+    materials = with_line_tension(procedure, materials_in_use(procedure))
     regions = region_program(procedure, materials)
     bones = united_bones(procedure.bones)
     epochs = [replace(epoch, regions=regions, over_bone=over_bone(epoch.surface, bones)) for epoch in epochs]

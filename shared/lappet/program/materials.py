@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,9 +12,11 @@ from lappet.core.problem import refused
 from lappet.core.problem_code import ProblemCode
 from lappet.cutting.epoch import Regions
 from lappet.geometry.labeled_surface import FaceOrigin
+from lappet.geometry.normals import vertex_normals
 from lappet.procedure import Material, Procedure
 from lappet.procedure.prim_paths import MATERIALS, TISSUE
 from lappet.program.settings import MaterialParameters
+from lappet.tissue.skin_lines import line_stretch, skin_field
 from lappet.tissue.surface import tissue_surface
 
 
@@ -137,12 +140,52 @@ def region_program(procedure: Procedure, materials: Sequence[Material]) -> Regio
             known = ", ".join(surface.grips) or "none"
             raise refused(ProblemCode.REGION_NO_SUBSET, f"{TISSUE}/{region.faces}", repr(region.faces), known=known)
     used, triangles = np.unique(surface.triangles[skin], return_inverse=True)
+    triangles = triangles.reshape(-1, 3).astype(np.int32)
     names = [material.name for material in materials]
     return Regions(
         skin_points=surface.points[used],
-        skin_triangles=triangles.reshape(-1, 3).astype(np.int32),
+        skin_triangles=triangles,
         faces=np.array([surface.grips[region.faces][skin] for region in tissue.regions], bool).reshape(-1, skin.sum()),
         material=np.array([names.index(region.material) for region in tissue.regions], np.int32),
         depth_from=np.array([region.depth_from for region in tissue.regions], np.float64),
         depth_to=np.array([region.depth_to for region in tissue.regions], np.float64),
+        **_skin_field(procedure, surface.points[used], triangles),
     )
+
+
+def _skin_field(
+    procedure: Procedure, points: NDArray[np.float64], triangles: NDArray[np.int32]
+) -> dict[str, NDArray[np.float64]]:
+    """What the lines of the skin say, as fields of `Regions`; nothing without lines."""
+    if not procedure.skin_lines:
+        return {}
+    material = procedure.material(procedure.tissue.material)
+    found = skin_field(procedure.skin_lines, points, vertex_normals(points, triangles), material)
+    fields = {"skin_directions": found.directions}
+    if any(line.tension is not None for line in procedure.skin_lines):
+        fields["skin_stretch"] = found.stretch
+    return fields
+
+
+def with_line_tension(procedure: Procedure, materials: Sequence[Material]) -> tuple[Material, ...]:
+    """Give the tissue's material the mean prestretch of the skin's lines, so that it counts as stretched in vivo.
+
+    Parameters
+    ----------
+    procedure
+        The procedure.
+    materials
+        Its materials in use.
+
+    Returns
+    -------
+    tuple[Material, ...]
+        The materials; as they are where no line has a tension.
+    """
+    lines = procedure.skin_lines
+    if not any(line.tension is not None for line in lines):
+        return tuple(materials)
+    skin = procedure.material(procedure.tissue.material)
+    along, across = np.mean([line_stretch(line, skin) for line in lines], axis=0)
+    stretched = replace(skin, prestretch=(float(along), float(across)))
+    return tuple(stretched if material.name == skin.name else material for material in materials)

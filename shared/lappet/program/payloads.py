@@ -15,6 +15,7 @@ from lappet.cutting.epoch import Epoch, Regions
 from lappet.program.program import Bones, FrameConstraints, Landmarks
 from lappet.program.settings import MaterialParameters, SolverSettings
 
+OPTIONAL = ("activation", "suture_is_thread", "suture_length", "suture_tension")  # of a frame
 ALWAYS_TOLD = frozenset({"model", "youngs_modulus", "poissons_ratio", "density"})
 
 
@@ -93,6 +94,9 @@ def epoch_payload(epoch: Epoch, grip: NDArray[np.int32], landmarks: Landmarks) -
     if len(regions.skin_triangles):
         arrays["skin_points"] = np.asarray(regions.skin_points, np.float64)
         arrays["skin_triangles"] = np.asarray(regions.skin_triangles, np.int32)
+    for name in ("skin_directions", "skin_stretch"):
+        if len(getattr(regions, name)):
+            arrays[name] = np.asarray(getattr(regions, name), np.float64)
     if len(epoch.ground.triangles):
         arrays["ground_points"] = np.asarray(epoch.ground.points, np.float64)
         arrays["ground_triangles"] = np.asarray(epoch.ground.triangles, np.int32)
@@ -120,8 +124,9 @@ def solve_payload(frame: FrameConstraints) -> Payload:
         for item in fields(frame)
         if item.default_factory is not MISSING
     }
-    if not len(arrays["activation"]):
-        del arrays["activation"]
+    for name in OPTIONAL:
+        if not len(arrays[name]):
+            del arrays[name]
     return Payload({"time": float(frame.time)}, arrays)
 
 

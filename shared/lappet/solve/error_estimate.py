@@ -197,7 +197,7 @@ def estimate_errors(
     ]
     # A coarse frame on another branch is no measure of the lattice: that on the frame's own branch is.
     doubted = {index: frames[index].solved for index, error in enumerate(errors) if error and not error.is_trusted}
-    coarse = {index: frame.solved for index, frame in enumerate(solved.frames)}
+    coarse = {index: kept for index in doubted if (kept := _with_state(solved.frames, index, store)) is not None}
     for index, branch in other_branches(partner, doubted, coarse, connect).items():
         skin = skins[frames[index].constraints.epoch]
         error = frame_error(doubted[index], branch.frame, skin, order, spacing)
@@ -297,6 +297,11 @@ def _left_over(frame: SolvedFrame, name: str, places: NDArray[np.integer] | slic
     """The Newton step left over at these places, or None where the frame came without."""
     step: NDArray[Any] = getattr(frame, name)
     return np.asarray(step[places], float) if len(step) else None
+
+
+def _with_state(frames: Sequence[FrameResult], index: int, store: FrameStore) -> SolvedFrame | None:
+    """The frame as the store keeps it, or None where it is not there."""
+    return store.get(frames[index].key, SolvedFrame) if index < len(frames) else None
 
 
 def _at(frames: Sequence[FrameResult], index: int) -> SolvedFrame | None:

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 from lappet.core.problem import Problem, RefusedError, problem
 from lappet.core.problem_code import ProblemCode
-from lappet.procedure import Bone, Material, Point, Procedure, Region, Tissue
-from lappet.usd.event_prims import EVENT_PRIMS, read_event
+from lappet.procedure import Bone, Material, Point, Procedure, Region, SkinLine, Tissue
+from lappet.usd.event_prims import EVENT_PRIMS, read_curve, read_event
 from lappet.usd.values import Reader
 
 PRIM_TYPES = {
@@ -22,6 +22,7 @@ PRIM_TYPES = {
     "LappetRegionAPI": "GeomSubset",
     "LappetBoneAPI": "Mesh",
     "LappetMaterialAPI": None,
+    "LappetSkinLineAPI": "BasisCurves",
     **EVENT_PRIMS,
 }
 
@@ -93,6 +94,7 @@ def read_what_can_be(stage: Any, usd: Any, notes: list[Problem]) -> tuple[Proced
         materials=materials,
         events=events,
         bones=bones,
+        skin_lines=tuple(_skin_line(reader, prim) for prim in found["LappetSkinLineAPI"]),
         start_time=start,
         end_time=end,
         fps=float(stage.GetTimeCodesPerSecond()),
@@ -103,6 +105,7 @@ def read_what_can_be(stage: Any, usd: Any, notes: list[Problem]) -> tuple[Proced
 def _find(reader: Reader) -> dict[str, list[Any]]:
     """The prims by schema; "events" holds (prim, schema) of all seven kinds in the order of the stage."""
     found: dict[str, list[Any]] = {"LappetTissueAPI": [], "LappetMaterialAPI": [], "LappetBoneAPI": []}
+    found["LappetSkinLineAPI"] = []
     found |= {"LappetRegionAPI": [], "events": []}
     for prim in reader.stage.Traverse():
         schemas = [str(s) for s in prim.GetPrimTypeInfo().GetAppliedAPISchemas() if str(s).startswith("Lappet")]
@@ -216,6 +219,15 @@ def _uv(reader: Reader, prim: Any, indices: NDArray[np.int32], corners: NDArray[
 def _bone(reader: Reader, prim: Any) -> Bone:
     points, counts, indices, _ = _mesh(reader, prim)
     return Bone(prim.GetName(), points, counts, indices)
+
+
+def _skin_line(reader: Reader, prim: Any) -> SkinLine:
+    points, basis, closed = read_curve(reader, prim)
+    if closed:
+        points = (*points, points[0])
+    along, across = reader.vector(prim, "lappet:tension", 2, (np.inf, np.inf))
+    tension = None if np.isposinf(along) and np.isposinf(across) else (along, across)
+    return SkinLine(prim.GetName(), points, tension, basis)
 
 
 def _material(reader: Reader, prim: Any) -> Material:

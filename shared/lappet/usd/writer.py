@@ -12,10 +12,10 @@ from typing import Any
 import numpy as np
 
 from lappet.core.problem import RefusedError
-from lappet.procedure import Material, Procedure, Region, Tissue
+from lappet.procedure import Material, Procedure, Region, SkinLine, Tissue
 from lappet.procedure.prim_names import name_problems
-from lappet.procedure.prim_paths import BONE, MATERIALS, ROOT, TIMELINE, TISSUE
-from lappet.usd.authoring import Values, mesh_prim
+from lappet.procedure.prim_paths import BONE, MATERIALS, ROOT, SKIN_LINES, TIMELINE, TISSUE
+from lappet.usd.authoring import Values, curve_prim, mesh_prim
 from lappet.usd.event_prims import write_event
 
 FAMILY = "lappet"
@@ -62,6 +62,10 @@ def layer(procedure: Procedure, usd: Any) -> Any:
     usd.UsdGeom.Scope.Define(stage, MATERIALS)
     for material in procedure.materials:
         _material(stage, usd, material)
+    if procedure.skin_lines:
+        usd.UsdGeom.Scope.Define(stage, SKIN_LINES)
+    for line in procedure.skin_lines:
+        _skin_line(stage, usd, line)
     usd.UsdGeom.Scope.Define(stage, TIMELINE)
     for event in procedure.events:
         write_event(stage, usd, event)
@@ -106,6 +110,13 @@ def _region(prim: Any, usd: Any, region: Region) -> None:
         values.relate("material", f"{MATERIALS}/{region.material}")
     values.double("depthFrom", region.depth_from)
     values.double("depthTo", region.depth_to)
+
+
+def _skin_line(stage: Any, usd: Any, line: SkinLine) -> None:
+    prim = curve_prim(stage, usd, f"{SKIN_LINES}/{line.name}", line.points, line.basis, False)
+    prim.AddAppliedSchema("LappetSkinLineAPI")
+    if line.tension is not None:
+        Values(prim, usd).author("tension", usd.Sdf.ValueTypeNames.Double2, usd.Gf.Vec2d(*line.tension))
 
 
 def _material(stage: Any, usd: Any, material: Material) -> None:

@@ -105,6 +105,7 @@ MaterialParameters decode_material(FieldReader& reader) {
   material.fiber_k1 = reader.number("fiber_k1", material.fiber_k1);
   material.fiber_k2 = reader.number("fiber_k2", material.fiber_k2);
   material.fiber_dispersion = reader.number("fiber_dispersion", material.fiber_dispersion);
+  material.fiber_slack = reader.number("fiber_slack", material.fiber_slack);
   material.muscle_stress = reader.number("muscle_stress", material.muscle_stress);
   if (reader.has("prestretch")) {
     const std::vector<double> prestretch = reader.numbers("prestretch", 2);
@@ -172,6 +173,13 @@ std::vector<SutureState> decode_sutures(ArrayReader& arrays, const FrameLimits& 
   check_indices(suture_triangles, "suture_triangles", 0, limits.triangles, "triangles");
   const std::vector<double> closure = arrays.read_finite("suture_closure", {length(sutures)});
   const std::vector<double> suture_stiffness = arrays.read_finite("suture_stiffness", {length(sutures)});
+  std::vector<std::uint8_t> is_thread(sutures, 0);
+  std::vector<double> lengths(sutures, 0.0), tensions(sutures, 0.0);
+  if (arrays.has("suture_is_thread")) {
+    is_thread = arrays.read<std::uint8_t>("suture_is_thread", {length(sutures)});
+    lengths = arrays.read_finite("suture_length", {length(sutures)});
+    tensions = arrays.read_finite("suture_tension", {length(sutures)});
+  }
   std::vector<SutureState> result;
   for (std::size_t i = 0; i < sutures; ++i) {
     if (closure[i] < 0.0 || closure[i] > 1.0) {
@@ -182,7 +190,10 @@ std::vector<SutureState> decode_sutures(ArrayReader& arrays, const FrameLimits& 
                       {point_at(suture_anchors, 2 * i), suture_triangles[2 * i]},
                       {point_at(suture_anchors, 2 * i + 1), suture_triangles[2 * i + 1]},
                       closure[i],
-                      suture_stiffness[i]});
+                      suture_stiffness[i],
+                      is_thread[i] != 0,
+                      lengths[i],
+                      tensions[i]});
   }
   return result;
 }
@@ -246,6 +257,14 @@ EpochInput decode_epoch(const Header& header, ArrayParts parts, std::int32_t ret
   const auto count = static_cast<std::int32_t>(epoch.surface.triangles.size());
   if (reader.has("regions") || arrays.has("skin_points") || arrays.has("skin_triangles"))
     epoch.skin = decode_surface(arrays, "skin_points", "skin_triangles", "skin points");
+  if (arrays.has("skin_directions"))
+    epoch.skin_fields.directions =
+        to_points(arrays.read_finite("skin_directions", {length(epoch.skin.points.size()), 3}));
+  if (arrays.has("skin_stretch")) {
+    const std::vector<double> stretch = arrays.read_finite("skin_stretch", {length(epoch.skin.points.size()), 2});
+    for (std::size_t i = 0; i < stretch.size(); i += 2)
+      epoch.skin_fields.stretch.push_back({stretch[i], stretch[i + 1]});
+  }
   if (arrays.has("ground_points") || arrays.has("ground_triangles"))
     epoch.ground = decode_surface(arrays, "ground_points", "ground_triangles", "ground points");
   if (reader.has("regions")) decode_regions(reader, arrays, materials, epoch);

@@ -20,7 +20,7 @@ namespace {
 // A cell keeps the number of its material in one byte.
 constexpr std::size_t kMaxMaterials = 256;
 constexpr double kMaxPoissonsRatio = 0.4999, kMaxDispersion = 1.0 / 3.0 + 1e-12;
-constexpr double kMinPrestretch = 0.5, kMaxPrestretch = 2.0;
+constexpr double kMaxFiberSlack = 4.0, kMinPrestretch = 0.5, kMaxPrestretch = 2.0;
 
 template <class... Arguments>
 void require(bool condition, fmt::format_string<Arguments...> sentence, Arguments&&... arguments) {
@@ -65,6 +65,8 @@ void check_material(const MaterialParameters& m, std::size_t i) {
   require(m.fiber_dispersion >= 0 && m.fiber_dispersion <= kMaxDispersion,
           "the fiber dispersion of material {} is {}; it must be 0 (aligned) to 1/3 (isotropic)", i,
           m.fiber_dispersion);
+  require(m.fiber_slack >= 1.0 && m.fiber_slack <= kMaxFiberSlack,
+          "the fiber slack of material {} is {}; it must be a stretch of 1 to {}", i, m.fiber_slack, kMaxFiberSlack);
   require(std::isfinite(m.muscle_stress) && m.muscle_stress >= 0,
           "the muscle stress of material {} is {} kPa; give 0 for no muscle", i, m.muscle_stress);
   for (const double stretch : m.prestretch)
@@ -91,6 +93,19 @@ void check_regions(const EpochInput& epoch, const SessionSettings& settings) {
   require(epoch.regions.empty() || !skin.triangles.empty(),
           "epoch {} has {} regions of materials but no skin to measure their depth from; send the skin", epoch.index,
           epoch.regions.size());
+  const auto per_point = [&](std::size_t size, const char* what) {
+    require(size == 0 || size == skin.points.size(), "epoch {} has {} {} for {} points of its skin", epoch.index, size,
+            what, skin.points.size());
+  };
+  per_point(epoch.skin_fields.directions.size(), "directions");
+  per_point(epoch.skin_fields.stretch.size(), "stretches");
+  for (const Vec3& direction : epoch.skin_fields.directions)
+    require(finite(direction), "a direction of the skin of epoch {} is not finite", epoch.index);
+  for (const auto& pair : epoch.skin_fields.stretch)
+    for (const double stretch : pair)
+      require(stretch >= kMinPrestretch && stretch <= kMaxPrestretch,
+              "a stretch of the skin of epoch {} is {}; it must be {} to {}", epoch.index, stretch, kMinPrestretch,
+              kMaxPrestretch);
   for (std::size_t r = 0; r < epoch.regions.size(); ++r) {
     const auto& region = epoch.regions[r];
     require(region.material >= 0 && static_cast<std::size_t>(region.material) < settings.materials.size(),
@@ -234,6 +249,9 @@ void check_frame(const FrameInput& frame, const SessionSettings& settings, const
             suture.index, suture.closure, frame.time);
     require(std::isfinite(suture.stiffness) && suture.stiffness > 0,
             "the stiffness of suture {} is {} mN/mm; it must be positive", suture.index, suture.stiffness);
+    require(std::isfinite(suture.length) && suture.length >= 0 && std::isfinite(suture.tension) && suture.tension >= 0,
+            "suture {} is drawn to {} mm with {} mN; neither may be negative", suture.index, suture.length,
+            suture.tension);
   }
   for (const auto& retractor : frame.retractors) {
     require(retractor.index >= 0 && retractor.index < settings.retractors, "frame {:g} names retractor {} of {}",

@@ -26,9 +26,9 @@ EpochSystem<Real>::EpochSystem(const EpochInput& epoch, const SessionSettings& s
                                std::shared_ptr<const SignedDistance> bones, std::shared_ptr<const Ground> ground)
     : surface(epoch.surface),
       lattice(build_lattice(surface, lattice_settings(settings))),
-      system(lattice, assign_materials(lattice, settings.materials, epoch.skin, epoch.regions), settings.quadrature,
-             attach(lattice, surface, epoch.fixed, epoch.bed, epoch.grip, std::move(ground)), settings.retractors,
-             BedStiffness{settings.bed_stiffness, settings.bed_shear}, settings.gravity),
+      system(lattice, assign_materials(lattice, settings.materials, epoch.skin, epoch.regions, epoch.skin_fields),
+             settings.quadrature, attach(lattice, surface, epoch.fixed, epoch.bed, epoch.grip, std::move(ground)),
+             settings.retractors, BedStiffness{settings.bed_stiffness, settings.bed_shear}, settings.gravity),
       preconditioner(system, kChebyshevDegree),
       constraints(settings, lattice, surface, system) {
   if (bones) system.set_contact(contact_with_bones(std::move(bones), lattice, epoch, settings));

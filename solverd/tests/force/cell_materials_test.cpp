@@ -154,10 +154,121 @@ TEST(CellMaterials, BelowAFlatSkinNoNormalIsKeptUnlessADirectionHasToBeTurned) {
   EXPECT_FALSE(assign_materials(lattice, directed, top(8, 6, 5), {}).normal_of_cell.empty());
 }
 
+// Volume, first and second moment in z of each material, from the shares and the cells of one material.
+struct LayerMoments {
+  double volume = 0.0, first = 0.0, second = 0.0;
+};
+std::map<int, LayerMoments> moments_of(const Lattice& lattice, const CellMaterials& materials) {
+  std::map<int, LayerMoments> layers;
+  const double h = lattice.settings.spacing;
+  for (std::size_t c = 0; c < lattice.cell_nodes.size(); ++c) {
+    const double volume = h * h * h * double(lattice.cell_fill[c]), z = middle(lattice, c)[2];
+    const auto add = [&](int material, double part, double center, double scale) {
+      const double at = z + 0.5 * h * center, variance = h * h / 12 * scale * scale;
+      layers[material].volume += part * volume;
+      layers[material].first += part * volume * at;
+      layers[material].second += part * volume * (at * at + variance);
+    };
+    const auto shares = materials.shares_of(c);
+    double sum = 0.0;
+    for (const auto& share : shares) {
+      add(share.material, double(share.volume), double(share.center[2]), double(share.scale[2]));
+      sum += double(share.volume);
+      EXPECT_LE(share.center.cwiseAbs().maxCoeff(), 1.0F);
+      EXPECT_LE(share.volume, shares[0].volume);
+    }
+    if (shares.empty()) add(materials.of_cell[c], 1.0, 0.0, 1.0);
+    if (!shares.empty()) {
+      EXPECT_NEAR(sum, 1.0, 1e-6);
+      EXPECT_EQ(materials.of_cell[c], shares[0].material);
+    }
+  }
+  return layers;
+}
+
+TEST(CellMaterials, LayersKeepTheirVolumePlaceAndThicknessWhereverTheLatticeLies) {
+  const Surface skin = top(8, 6, 5);
+  const std::vector<MaterialRegion> regions = {region(skin, 1, 0.7, 2.0), region(skin, 2, 2.0, kDeep)};
+  for (const double spacing : {1.0, 2.0})
+    for (const double shift : {0.0, 0.25, 0.5, 0.75}) {
+      LatticeSettings settings;
+      settings.spacing = spacing;
+      settings.origin = Vec3(0, 0, -spacing * shift);  // by whole voxels
+      const Lattice lattice = build_lattice(test::box({0, 0, 0}, {8, 6, 5}), settings);
+      const auto layers = moments_of(lattice, assign_materials(lattice, table(3), skin, regions));
+      ASSERT_EQ(layers.size(), 3U);
+      const double from[] = {4.3, 3.0, 0.0}, to[] = {5.0, 4.3, 3.0};
+      for (const auto& [material, found] : layers) {
+        const double low = from[material], high = to[material];
+        EXPECT_NEAR(found.volume, 48 * (high - low), 1e-4) << material << " " << shift;
+        EXPECT_NEAR(found.first, 24 * (high * high - low * low), 1e-3) << material << " " << shift;
+        EXPECT_NEAR(found.second, 16 * (std::pow(high, 3) - std::pow(low, 3)), 5e-3) << material << " " << shift;
+      }
+    }
+}
+
+TEST(CellMaterials, ALayerOfABallHasItsVolumeOnALatticeAsCoarseAsItsThickness) {
+  const Surface ball = test::sphere({0, 0, 0}, 6.0, 40);
+  LatticeSettings settings;
+  settings.spacing = 1.0;
+  settings.fine_ratio = 8;
+  settings.origin = Vec3(-6.3, -6.1, -6.4);
+  const Lattice lattice = build_lattice(ball, settings);
+  const auto layers = moments_of(
+      lattice, assign_materials(lattice, table(2), ball, std::vector<MaterialRegion>{region(ball, 1, 1.0, kDeep)}));
+  const double inner = 4.0 / 3.0 * 3.14159265 * 125;
+  EXPECT_NEAR(layers.at(1).volume, inner, 0.01 * inner);
+}
+
+TEST(CellMaterials, ACellIsSharedWhereARegionEndsBesideAnother) {
+  const Lattice lattice = lattice_of(test::box({0, 0, 0}, {8, 6, 5}), 2.0);
+  const Surface skin = top(8, 6, 5);
+  const auto painted = [](const Vec3& c) { return c[0] < 5; };
+  const CellMaterials materials =
+      assign_materials(lattice, table(2), skin, std::vector<MaterialRegion>{region(skin, 1, 0.0, kDeep, painted)});
+  for (std::size_t c = 0; c < lattice.cell_nodes.size(); ++c) {
+    const double x = middle(lattice, c)[0];  // cells from 4 to 6 are half of either
+    const auto shares = materials.shares_of(c);
+    if (x < 4 || x > 6) {
+      EXPECT_EQ(materials.of_cell[c], x < 4 ? 1 : 0);
+      EXPECT_LE(shares.size(), 1U);
+    } else {
+      ASSERT_EQ(shares.size(), 2U);
+      EXPECT_NEAR(shares[0].volume, 0.5, 1e-6);
+      EXPECT_NEAR(std::abs(shares[0].center[0]), 0.5, 1e-6);
+    }
+  }
+}
+
+// A wheel of directions about the box's middle axis: each cell has that of the place above it, along the skin.
+TEST(CellMaterials, DirectionsAndStretchesOfTheSkinReachTheCellsBelow) {
+  const Lattice lattice = lattice_of(test::box({0, 0, 0}, {8, 6, 5}), 1.0);
+  const Surface skin = top(8, 6, 5);
+  auto directed = table(1);
+  directed[0].prestretch = {1.2, 1.1};
+  SkinFields fields;
+  for (const Vec3& p : skin.points) {
+    fields.directions.push_back(Vec3(-(p[1] - 3.1), p[0] - 4.1, 7.0));  // what points out of the skin does not count
+    fields.stretch.push_back({1.0 + 0.02 * p[0], 1.0 + 0.01 * p[1]});
+  }
+  const CellMaterials materials = assign_materials(lattice, directed, skin, {}, fields);
+  ASSERT_EQ(materials.direction_of_cell.size(), lattice.cell_nodes.size());
+  for (std::size_t c = 0; c < lattice.cell_nodes.size(); ++c) {
+    const Vec3 m = middle(lattice, c), expected = Vec3(-(m[1] - 3.1), m[0] - 4.1, 0).normalized();
+    EXPECT_NEAR((materials.direction_of_cell[c].cast<double>() - expected).norm(), 0.0, 1e-6) << m.transpose();
+    EXPECT_NEAR(materials.stretch_of_cell[c][0], 1.0 + 0.02 * m[0], 1e-6);
+    EXPECT_NEAR(materials.stretch_of_cell[c][1], 1.0 + 0.01 * m[1], 1e-6);
+  }
+  fields.directions.assign(skin.points.size(), Vec3::Zero());  // where nothing is said the material's own holds
+  for (const auto& direction : assign_materials(lattice, directed, skin, {}, fields).direction_of_cell)
+    EXPECT_TRUE(direction.isZero());
+}
+
 TEST(CellMaterials, WithoutRegionsNothingIsKeptPerCell) {
   const Lattice lattice = lattice_of(test::box({0, 0, 0}, {4, 4, 4}), 1.0);
   const CellMaterials materials = assign_materials(lattice, table(1), {}, {});
   EXPECT_TRUE(materials.of_cell.empty());
+  EXPECT_TRUE(materials.shares.empty());
   EXPECT_EQ(&materials.of(3), &materials.table[0]);
 }
 

@@ -18,7 +18,7 @@ namespace lappet {
 namespace {
 
 // What a tissue may have besides its isotropic model.
-enum Extra { kFibers = 1, kMuscle = 2, kPrestretched = 4, kMixed = 8 };
+enum Extra { kFibers = 1, kMuscle = 2, kPrestretched = 4, kMixed = 8, kShares = 16 };
 
 struct Case {
   std::string_view model;
@@ -31,6 +31,7 @@ std::string describe(const Case& c) {
   if (c.extras & kMuscle) text += "Muscle";
   if (c.extras & kPrestretched) text += "Prestretch";
   if (c.extras & kMixed) text += "Mixed";
+  if (c.extras & kShares) text += "Shares";
   return text;
 }
 void PrintTo(const Case& c, std::ostream* out) { *out << describe(c); }
@@ -50,6 +51,7 @@ class ElasticCells : public ::testing::TestWithParam<Case> {
       first.fiber_k1 = 12.0;
       first.fiber_k2 = kK2;
       first.fiber_dispersion = 0.12;
+      if (has(kShares)) first.fiber_slack = 1.05;
     }
     if (has(kMuscle)) first.muscle_stress = 90.0;
     if (has(kPrestretched)) first.prestretch = {1.2, 1.05};
@@ -63,12 +65,29 @@ class ElasticCells : public ::testing::TestWithParam<Case> {
       materials_.of_cell.push_back(lattice_.cell_position(c)[2] == 0 ? 1 : 0);
       materials_.normal_of_cell.push_back(Eigen::Vector3f(0.1F, 0.2F * float(c % 3), 1.0F).normalized());
     }
+    if (!has(kShares)) return;
+    // A third of the cells are of one, two or three parts; a boundary passes through them in every direction.
+    materials_.table.push_back(first);
+    materials_.table.back().youngs_modulus = 300.0;
+    for (std::size_t c = 0; c < lattice_.cell_nodes.size(); c += 3)
+      for (std::size_t part = 0; part <= c / 3 % 3; ++part) {
+        Eigen::Vector3f center(0.0F, 0.0F, 0.0F), scale(1.0F, 1.0F, 1.0F);
+        const auto axis = Eigen::Index(c % 7 % 3);
+        center[axis] = part == 0 ? -0.4F : part == 1 ? 0.6F : 0.1F;
+        scale[axis] = part == 0 ? 0.6F : 0.4F;
+        const auto material = std::uint8_t((materials_.of_cell[c] + part) % 3);
+        materials_.shares.push_back({to_index(c), material,
+                                     c / 3 % 3 == 0 ? 1.0F
+                                     : part == 0    ? 0.5F
+                                                    : 0.5F / float(c / 3 % 3),
+                                     center, scale});
+      }
   }
   bool has(Extra extra) const { return (GetParam().extras & extra) != 0; }
   template <class Real>
   std::unique_ptr<Elastic<Real>> make() const {
     auto elastic = std::make_unique<Elastic<Real>>(lattice_, materials_, GetParam().quadrature);
-    elastic->set_activation(std::vector<double>{0.7, 0.0});
+    elastic->set_activation(std::vector<double>{0.7, 0.0, 0.4});
     return elastic;
   }
   std::size_t size() const { return 3 * lattice_.node_rest.size(); }
@@ -228,7 +247,8 @@ std::vector<Case> cases() {
   for (const std::string_view model : MaterialModels::kNames)
     for (const int quadrature : {1, 4, 8})
       for (const int extras :
-           {0, int{kFibers}, int{kMuscle}, int{kPrestretched}, int{kMixed}, kFibers | kMuscle | kPrestretched | kMixed})
+           {0, int{kFibers}, int{kMuscle}, int{kPrestretched}, int{kMixed}, kFibers | kMuscle | kPrestretched | kMixed,
+            kMixed | kShares, kFibers | kMuscle | kPrestretched | kMixed | kShares})
         all.push_back({model, quadrature, extras});
   return all;
 }

@@ -48,6 +48,7 @@ struct Blocks {
   std::vector<std::array<double, 3>> rest;
   std::vector<std::array<double, kBlockCells>> volume;
   std::vector<std::array<double, kBlockCells * kMaterialFields>> material;
+  std::vector<std::array<double, kBlockCells * kShareFields>> share;
   std::vector<std::array<double, 36>> quadratics;
   std::vector<std::size_t> order;
   std::size_t on_grid = 0;  // how many
@@ -71,6 +72,7 @@ Blocks make_blocks(const FusedScene& scene) {
       m[kFiberK1] = 3.0 * unit(random);
       m[kFiberK2] = kMaxK2 * unit(random);
       m[kFiberDispersion] = unit(random) / 3;
+      m[kFiberThreshold] = unit(random) < 0.5 ? 0.0 : 0.5 * unit(random);
       m[kMuscle] = 10.0 * unit(random);
     }
     const double angle = 6.3 * unit(random), height = 2 * unit(random) - 1, flat = std::sqrt(1 - height * height);
@@ -95,12 +97,18 @@ Blocks make_blocks(const FusedScene& scene) {
       }
     std::array<double, kBlockCells> volume{};
     std::array<double, kBlockCells * kMaterialFields> material{};
+    std::array<double, kBlockCells * kShareFields> share{};
     std::array<std::int32_t, kBlockCells> quadratic{};
     std::array<bool, kBlockNodes> used{};
     std::int32_t any = -1;
     for (int place = 0; place < kBlockCells; ++place) {
       const std::size_t p = place;
       quadratic[p] = -1;
+      for (std::size_t k = 0; k < 3; ++k) {  // a part of the cell that reaches from one side to somewhere
+        const double extent = unit(random) < 0.3 ? 1.0 : 0.1 + 0.9 * unit(random);
+        share[p * kShareFields + kShareCenter + k] = (unit(random) < 0.5 ? -1.0 : 1.0) * (1.0 - extent);
+        share[p * kShareFields + kShareScale + k] = extent;
+      }
       if (scene.mixed)
         describe_cell(&material[p * kMaterialFields]);
       else
@@ -123,6 +131,7 @@ Blocks make_blocks(const FusedScene& scene) {
     b.nodes.push_back(nodes);
     b.volume.push_back(volume);
     b.material.push_back(material);
+    b.share.push_back(share);
     b.quadratic_of.push_back(quadratic);
   }
   const auto on_grid = [&](std::size_t block) {
@@ -149,6 +158,7 @@ class Lockstep {
         stabilization_(size(kBlockCells, lanes)),
         material_(scene.mixed ? size(kBlockCells * kMaterialFields, lanes)
                               : static_cast<std::size_t>(kMaterialFields * lanes)),
+        share_(scene.mixed ? size(kBlockCells * kShareFields, lanes) : 0),
         tangent_(size(kBlockCells * kTangentFields * scene.points, lanes)),
         sigma_(size(kBlockCells * 3 * scene.points, lanes)),
         fiber_tangent_(size(kBlockCells * kFiberFields * scene.points, lanes)),
@@ -173,6 +183,8 @@ class Lockstep {
         if (scene.mixed || slot < w)
           for (std::size_t f = 0; f < kMaterialFields; ++f)
             material_[((scene.mixed ? place : 0) * kMaterialFields + f) * w + lane] = round(material[f]);
+        for (std::size_t f = 0; scene.mixed && f < kShareFields; ++f)
+          share_[(place * kShareFields + f) * w + lane] = round(b.share[block][p * kShareFields + f]);
         if (spare) continue;
         volume_[place * w + lane] = round(b.volume[block][p]);
         stabilization_[place * w + lane] =
@@ -187,11 +199,13 @@ class Lockstep {
     }
     for (const auto& point : quadrature_points(scene.points)) {
       for (const double g : point.gradient) gradients_.push_back(4.0 * g);
+      for (const double x : point.position) positions_.push_back(2.0 * x - 1.0);
       weights_.push_back(point.weight);
     }
     arrays.points = scene.points;
     arrays.spacing = kSpacing;
     arrays.gradients = gradients_.data();
+    arrays.positions = positions_.data();
     arrays.weights = weights_.data();
     arrays.nodes = nodes_.data();
     arrays.node_start = node_start_.data();
@@ -199,6 +213,7 @@ class Lockstep {
     arrays.stabilization = stabilization_.data();
     arrays.material = material_.data();
     arrays.material_stride = scene.mixed ? std::int64_t{kMaterialFields} * lanes : 0;
+    arrays.share = scene.mixed ? share_.data() : nullptr;
     arrays.tangent = tangent_.data();
     arrays.sigma = sigma_.data();
     arrays.fiber_tangent = fiber_tangent_.data();
@@ -219,8 +234,8 @@ class Lockstep {
   AlignedArray<std::int32_t> nodes_;
   std::vector<std::int64_t> node_start_;
   AlignedArray<std::int32_t> quadratic_of_;
-  AlignedArray<Real> volume_, stabilization_, material_, tangent_, sigma_, fiber_tangent_, quadratics_;
-  std::vector<double> gradients_, weights_;
+  AlignedArray<Real> volume_, stabilization_, material_, share_, tangent_, sigma_, fiber_tangent_, quadratics_;
+  std::vector<double> gradients_, positions_, weights_;
 };
 
 struct State {

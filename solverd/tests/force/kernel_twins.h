@@ -21,12 +21,14 @@ struct KernelTwins {
   Function definite3[2] = {};     // clamp, absolute: symmetric (6), floor -> symmetric (6)
   // By the registry's index: sigma (3), mu, lambda, mooney -> energy, p_hat (3), dpdf_hat (12)
   Function model[MaterialModels::kCount] = {};
-  Function definite[2] = {};         // clamp, absolute: dpdf_hat (12), floor -> dpdf_hat (12)
-  Function fiber = nullptr;          // I1, I4, k1, k2, dispersion, muscle -> energy and 4 of the response
+  Function definite[2] = {};  // clamp, absolute: dpdf_hat (12), floor -> dpdf_hat (12)
+  // I1, I4, k1, k2, dispersion, muscle, J, threshold -> energy, shear, along, curvature, muscle curvature, pressure,
+  // bulk, volume
+  Function fiber = nullptr;
   Function fiber_definite[2] = {};   // the same, made definite
   Function corners = nullptr;        // 8 corner values -> gradient sums (3), modes (4), and spread back (8)
   Function differential[2][2] = {};  // [fibers][prestretched]: tangent (20), sigma (3), fiber tangent (4),
-                                     // material (16), dF (9) -> dP (9)
+                                     // material (17), dF (9) -> dP (9)
   Function corner_block[2][2] = {};  // the same with a gradient (3) for dF -> block (6)
   Function quadratic = nullptr;      // matrix (36), x (24) -> y (24)
   void (*gather)(const Real* field, const std::int32_t* index, Real* out) = nullptr;

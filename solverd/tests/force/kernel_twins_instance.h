@@ -113,11 +113,12 @@ struct TwinInstance {
   }
   template <PsdProjection kHow>
   static void fiber(const Real* in, Real* out) {
-    Number x[6];
+    Number x[8];
     take(in, x);
-    auto r = fiber_response(x[0], x[1], FiberParameters<Number>{x[2], x[3], x[4], x[5]});
+    auto r = fiber_response(x[0], x[1], x[6], FiberParameters<Number>{x[2], x[3], x[4], x[7], x[5]});
     make_definite(r, x[1], kHow);
-    const Number values[5] = {r.energy, r.isotropic, r.along, r.curvature, r.muscle_curvature};
+    const Number values[8] = {r.energy,           r.shear,    r.along, r.curvature,
+                              r.muscle_curvature, r.pressure, r.bulk,  r.volume};
     give(out, values);
   }
   static void corners(const Real* in, Real* out) {

@@ -75,6 +75,7 @@ TEST(Decode, EveryParameterOfAMaterialIsRead) {
   full["fiber_k1"] = 11.0;
   full["fiber_k2"] = 12.0;
   full["fiber_dispersion"] = 0.1;
+  full["fiber_slack"] = 1.15;
   full["muscle_stress"] = 300.0;
   full["prestretch"] = std::vector<Value>{1.2, 1.1};
   const SessionSettings read = decode(std::vector<Value>{material_fields(), full});
@@ -88,6 +89,8 @@ TEST(Decode, EveryParameterOfAMaterialIsRead) {
   EXPECT_EQ(all.fiber_k1, 11.0);
   EXPECT_EQ(all.fiber_k2, 12.0);
   EXPECT_EQ(all.fiber_dispersion, 0.1);
+  EXPECT_EQ(all.fiber_slack, 1.15);
+  EXPECT_EQ(plain.fiber_slack, 1.0);
   EXPECT_EQ(all.muscle_stress, 300.0);
   EXPECT_EQ(all.prestretch, (std::array<double, 2>{1.2, 1.1}));
   Fields misspelt = material_fields();
@@ -151,6 +154,18 @@ TEST(Decode, RegionsComeWithTheSkinThatTheyLieBelow) {
   EXPECT_TRUE(says(refusal_of([&] { decode(skin_alone, 1); }), ErrorCode::kMalformed, "'skin_triangles'"));
   skin_alone.array("skin_triangles", std::span<const std::int32_t>(triangles), {2, 3});
   EXPECT_EQ(decode(skin_alone, 1).skin.triangles.size(), 2U);
+  EXPECT_TRUE(decode(skin_alone, 1).skin_fields.directions.empty());
+  std::vector<double> directions(12, 0.0), stretch(8, 1.1);  // and of their directions and stretches, point by point
+  directions[10] = 2.0;
+  skin_alone.array("skin_directions", std::span<const double>(directions), {4, 3})
+      .array("skin_stretch", std::span<const double>(stretch), {4, 2});
+  EXPECT_EQ(decode(skin_alone, 1).skin_fields.directions[3], Vec3(0, 2, 0));
+  EXPECT_EQ(decode(skin_alone, 1).skin_fields.stretch[3], (std::array<double, 2>{1.1, 1.1}));
+  MessageWriter short_of_one = message();
+  short_of_one.array("skin_points", std::span<const double>(points), {4, 3})
+      .array("skin_triangles", std::span<const std::int32_t>(triangles), {2, 3})
+      .array("skin_directions", std::span<const double>(directions).first(9), {3, 3});
+  EXPECT_TRUE(says(refusal_of([&] { decode(short_of_one, 1); }), ErrorCode::kMalformed, "'skin_directions'"));
   EXPECT_TRUE(decode(skin_alone, 1).regions.empty());
   MessageWriter stray = message();
   stray.array("region_faces", std::span<const std::uint8_t>(faces), {2, 2});

@@ -62,8 +62,11 @@ std::size_t block_of_lane(std::size_t lane, std::size_t lanes) {
   return lane % half * 2 + lane / half;
 }
 
-// Appends groups of these blocks; the lanes that the last has too many repeat the first block, without cells.
-void append_groups(const Lattice& lattice, std::span<const Block> blocks, bool grid, BlockLayout& layout) {
+// Appends groups of these blocks; the lanes that the last has too many repeat the first block, without cells. Calls
+// put(block, place, slot) for every place of every block.
+template <class Put>
+void append_groups(const Lattice& lattice, std::span<const Block> blocks, bool grid, BlockLayout& layout,
+                   const Put& put) {
   const std::size_t lanes = layout.lanes;
   for (std::size_t first = 0; first < blocks.size(); first += lanes, ++layout.groups) {
     const std::size_t group = layout.groups;
@@ -82,20 +85,46 @@ void append_groups(const Lattice& lattice, std::span<const Block> blocks, bool g
       else
         for (std::size_t n = 0; n < kBlockNodes; ++n)
           layout.nodes[start + n * lanes + lane] = nodes[n] < 0 ? any : nodes[n];
-      for (std::size_t place = 0; !spare && place < kBlockCells; ++place) {
-        const Index cell = block.cells[place];
-        if (cell < 0) continue;
-        const std::size_t slot = (group * kBlockCells + place) * lanes + lane;
-        layout.cell_of_slot[slot] = cell;
-        layout.slot_of_cell[cell] = to_index(slot);
-      }
+      for (std::size_t place = 0; !spare && place < kBlockCells; ++place)
+        put(own, place, (group * kBlockCells + place) * lanes + lane);
     }
   }
 }
 
+void append_cells(const Lattice& lattice, std::span<const Block> blocks, bool grid, BlockLayout& layout) {
+  append_groups(lattice, blocks, grid, layout, [&](std::size_t block, std::size_t place, std::size_t slot) {
+    const Index cell = blocks[block].cells[place];
+    if (cell < 0) return;
+    layout.cell_of_slot[slot] = cell;
+    layout.slot_of_cell[cell] = to_index(slot);
+  });
+}
+
+// The further parts of the cells of these blocks: the n-th parts in blocks of their own.
+void append_parts(const Lattice& lattice, std::span<const Block> blocks, bool grid, std::span<const Index> parts,
+                  BlockLayout& layout) {
+  std::vector<Block> hosts;
+  std::vector<std::array<Index, kBlockCells>> members;
+  for (const Block& block : blocks)
+    for (Index nth = 0;; ++nth) {
+      std::array<Index, kBlockCells> own;
+      for (std::size_t place = 0; place < kBlockCells; ++place) {
+        const auto found = std::ranges::equal_range(parts, block.cells[place]);
+        own[place] = nth < std::ssize(found) ? to_index(found.begin() - parts.begin()) + nth : -1;
+      }
+      if (std::ranges::all_of(own, [](Index part) { return part < 0; })) break;
+      hosts.push_back(block);
+      members.push_back(own);
+    }
+  append_groups(lattice, hosts, grid, layout, [&](std::size_t block, std::size_t place, std::size_t slot) {
+    if (members[block][place] >= 0) layout.slot_of_part[members[block][place]] = to_index(slot);
+  });
+}
+
 }  // namespace
 
-BlockLayout lay_out_blocks(const Lattice& lattice, int lanes, std::span<const std::uint8_t> still) {
+BlockLayout lay_out_blocks(const Lattice& lattice, int lanes, std::span<const std::uint8_t> still,
+                           std::span<const Index> parts) {
   auto blocks = build_blocks(lattice);
   const auto moves = [&](const Block& block) {
     return std::ranges::any_of(nodes_of(lattice, block), [&](Index n) { return n >= 0 && !still[n]; });
@@ -115,6 +144,7 @@ BlockLayout lay_out_blocks(const Lattice& lattice, int lanes, std::span<const st
   layout.slab_start = {0};
   layout.node_start = {0};
   layout.slot_of_cell.assign(lattice.cell_nodes.size(), -1);
+  layout.slot_of_part.assign(parts.size(), -1);
   std::int64_t begin = 0;
   while (begin < count) {
     // whole planes of blocks, until there are enough; what is too little for a slab joins the last
@@ -129,8 +159,12 @@ BlockLayout lay_out_blocks(const Lattice& lattice, int lanes, std::span<const st
       if (mesh != to)
         throw RefusedError(ErrorCode::kInvalidInput,
                            "this daemon was built without mesh cells, and the tissue is no box of whole blocks");
-    append_groups(lattice, {from, mesh}, true, layout);
-    append_groups(lattice, {mesh, to}, false, layout);
+    append_cells(lattice, {from, mesh}, true, layout);
+    append_cells(lattice, {mesh, to}, false, layout);
+    if (!parts.empty()) {
+      append_parts(lattice, {from, mesh}, true, parts, layout);
+      append_parts(lattice, {mesh, to}, false, parts, layout);
+    }
     layout.slab_start.push_back(layout.groups);
     begin = end;
   }

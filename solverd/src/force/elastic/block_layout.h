@@ -4,6 +4,9 @@
 // Hybrid (GRIDiron 5.4): within a slab come first the blocks of the regular grid, whose nodes are nine columns of three
 // consecutive numbers, in groups of their own that store only where each column begins; then all others.
 //
+// Where a cell is of several materials, its second, third … part lie in further blocks over the same nodes, at the end
+// of their slab.
+//
 // Only neighboring slabs share nodes: the even ones may scatter at the same time, then the odd ones. What a slab holds
 // does not depend on the number of threads, so neither does any sum.
 #pragma once
@@ -24,6 +27,7 @@ struct BlockLayout {
   std::vector<std::int64_t> node_start;  // where the nodes of each group begin, and the end
   std::vector<Index> cell_of_slot;       // [group][place][lane]; -1 where missing
   std::vector<Index> slot_of_cell;       // index into cell_of_slot; -1 for a cell of a block that is left out
+  std::vector<Index> slot_of_part;       // likewise for each further part; cell_of_slot is -1 there
   std::vector<std::int64_t> slab_start;  // first group of each slab, and the end
 
   std::size_t slots() const { return cell_of_slot.size(); }
@@ -40,7 +44,9 @@ struct BlockLayout {
   }
 };
 
-// still: per node, 1 where it never moves; empty: all may. Blocks that no node of theirs moves are left out.
-BlockLayout lay_out_blocks(const Lattice& lattice, int lanes, std::span<const std::uint8_t> still = {});
+// still: per node, 1 where it never moves; empty: all may. Blocks that no node of theirs moves are left out. parts: the
+// cell of each further part of a cell, ascending.
+BlockLayout lay_out_blocks(const Lattice& lattice, int lanes, std::span<const std::uint8_t> still = {},
+                           std::span<const Index> parts = {});
 
 }  // namespace lappet

@@ -35,6 +35,17 @@ SceneFeatures features_of(const CellMaterials& materials, int quadrature) {
   return features;
 }
 
+std::vector<Index> further_parts(const CellMaterials& materials) {
+  std::vector<Index> cells;
+  for (std::size_t k = 1; k < materials.shares.size(); ++k)
+    if (materials.shares[k].cell == materials.shares[k - 1].cell) cells.push_back(materials.shares[k].cell);
+  return cells;
+}
+
+// The hourglass modes of a small part of a cell keep at least this much of the stabilization of a whole one, chosen:
+// they alone hold the corners far from it.
+constexpr double kMinExtent = 0.5;
+
 }  // namespace
 
 template <class Real>
@@ -45,9 +56,11 @@ Elastic<Real>::Elastic(const Lattice& lattice, CellMaterials materials, int quad
       features_(features_of(materials_, quadrature)),
       set_(set),
       kernels_(elastic_kernels<Real>(set, features_)),
-      layout_(lay_out_blocks(lattice, kernels_.lanes, still)),
+      part_cells_(further_parts(materials_)),
+      layout_(lay_out_blocks(lattice, kernels_.lanes, still, part_cells_)),
       quadrature_(quadrature_points(quadrature)),
-      uniform_(materials_.of_cell.empty() && materials_.normal_of_cell.empty()),
+      uniform_(materials_.of_cell.empty() && materials_.normal_of_cell.empty() &&
+               materials_.direction_of_cell.empty() && materials_.stretch_of_cell.empty()),
       record_fields_(features_.prestretched ? kMaterialFields
                      : features_.fibers     ? kPrestretch
                                             : kFiberK1) {
@@ -56,6 +69,7 @@ Elastic<Real>::Elastic(const Lattice& lattice, CellMaterials materials, int quad
                        "this daemon was built without heterogeneity, and the tissue's cells differ");
   for (const auto& point : quadrature_) {
     for (const double g : point.gradient) gradients_.push_back(4.0 * g);
+    for (const double x : point.position) positions_.push_back(2.0 * x - 1.0);
     weights_.push_back(point.weight);
   }
   const std::size_t slots = layout_.slots(), points = quadrature_.size();
@@ -68,6 +82,7 @@ Elastic<Real>::Elastic(const Lattice& lattice, CellMaterials materials, int quad
   arrays_.points = int(points);
   arrays_.spacing = lattice.settings.spacing;
   arrays_.gradients = gradients_.data();
+  arrays_.positions = positions_.data();
   arrays_.weights = weights_.data();
   arrays_.nodes = layout_.nodes.data();
   arrays_.node_start = layout_.node_start.data();
@@ -75,14 +90,30 @@ Elastic<Real>::Elastic(const Lattice& lattice, CellMaterials materials, int quad
   arrays_.stabilization = stabilization_.data();
   arrays_.material = material_.data();
   arrays_.material_stride = uniform_ ? 0 : std::int64_t(record_fields_) * layout_.lanes;
+  arrays_.share = share_.empty() ? nullptr : share_.data();
   arrays_.tangent = tangent_.data();
   arrays_.sigma = sigma_.data();
   arrays_.fiber_tangent = fiber_tangent_.data();
 }
 
 template <class Real>
-void Elastic<Real>::fill_record(Real* record, std::size_t stride, std::size_t material, const Vec3& normal) const {
-  const MaterialParameters& m = materials_.table[material];
+std::pair<MaterialParameters, double> Elastic<Real>::material_in(std::size_t material, std::size_t cell) const {
+  std::pair<MaterialParameters, double> result{materials_.table[material], third_prestretch_[material]};
+  auto& [m, third] = result;
+  if (!materials_.normal_of_cell.empty()) m.fiber_direction = direction_in_plane(m, normal_of(cell));
+  if (!materials_.direction_of_cell.empty() && !materials_.direction_of_cell[cell].isZero())
+    m.fiber_direction = materials_.direction_of_cell[cell].template cast<double>();
+  if (m.has_prestretch() && !materials_.stretch_of_cell.empty()) {
+    const Eigen::Vector2f& stretch = materials_.stretch_of_cell[cell];
+    m.prestretch = {double(stretch[0]), double(stretch[1])};
+    third = free_prestretch(m);
+  }
+  return result;
+}
+
+template <class Real>
+void Elastic<Real>::fill_record(Real* record, std::size_t stride, std::size_t material, std::size_t cell) const {
+  const auto [m, third] = material_in(material, cell);
   const auto put = [&](int field, double value) { record[field * stride] = Real(value); };
   put(kMu, m.mu());
   put(kLambda, m.lambda());
@@ -91,15 +122,13 @@ void Elastic<Real>::fill_record(Real* record, std::size_t stride, std::size_t ma
   put(kFiberK1, m.fiber_k1);
   put(kFiberK2, m.fiber_k2);
   put(kFiberDispersion, m.fiber_dispersion);
+  put(kFiberThreshold, m.fiber_slack * m.fiber_slack - 1.0);
   put(kMuscle, muscle(material));
-  MaterialParameters turned = m;
-  if (!materials_.normal_of_cell.empty()) turned.fiber_direction = direction_in_plane(m, normal);
-  const Vec3 direction = turned.fiber_direction.normalized();
+  const Vec3 direction = m.fiber_direction.normalized(), normal = normal_of(cell);
   for (int i = 0; i < 3; ++i) put(kFiberDirection + i, direction[i]);
   if (!features_.prestretched) return;
   const bool upright = normal.cross(direction).norm() < 1e-3;
-  const Eigen::Matrix3d a =
-      prestretch_matrix(turned, upright ? direction.unitOrthogonal() : normal, third_prestretch_[material]);
+  const Eigen::Matrix3d a = prestretch_matrix(m, upright ? direction.unitOrthogonal() : normal, third);
   int k = 0;
   for (int i = 0; i < 3; ++i)
     for (int j = i; j < 3; ++j, ++k) put(kPrestretch + k, a(i, j));
@@ -108,24 +137,60 @@ void Elastic<Real>::fill_record(Real* record, std::size_t stride, std::size_t ma
 template <class Real>
 void Elastic<Real>::fill_cells() {
   const std::size_t lanes = layout_.lanes;
-  const double h = lattice_.settings.spacing;
   material_.assign((uniform_ ? 1 : layout_.slots() / lanes) * record_fields_ * lanes, Real(0));
   for (const auto& material : materials_.table) third_prestretch_.push_back(free_prestretch(material));
   if (uniform_)
-    for (std::size_t lane = 0; lane < lanes; ++lane) fill_record(&material_[lane], lanes, 0, Vec3::UnitZ());
+    for (std::size_t lane = 0; lane < lanes; ++lane) fill_record(&material_[lane], lanes, 0, 0);
   double laplacian = 0.0;
   MaterialModels::with(features_.model, [&]<class Model>() { laplacian = Model::kLaplacian; });
   for_each_index(layout_.slots(), [&](std::size_t slot) {
     const Index cell = layout_.cell_of_slot[slot];
     const std::size_t c = std::max(cell, 0);
     if (!uniform_)
-      fill_record(&material_[slot / lanes * record_fields_ * lanes + slot % lanes], lanes, material_of(c),
-                  normal_of(c));
-    if (cell < 0) return;
-    const double volume = h * h * h * double(lattice_.cell_fill[c]);
-    volume_[slot] = Real(volume);
-    if (features_.one_point)
-      stabilization_[slot] = Real(laplacian * materials_.of(c).mu() * volume * kHourglass[0] / (h * h));
+      fill_record(&material_[slot / lanes * record_fields_ * lanes + slot % lanes], lanes, material_of(c), c);
+    if (cell >= 0) fill_volume(slot, c, material_of(c), laplacian, 1.0, 1.0);
+  });
+  if (!materials_.shares.empty()) fill_shares(laplacian);
+}
+
+template <class Real>
+void Elastic<Real>::fill_volume(std::size_t slot, std::size_t cell, std::size_t material, double laplacian, double part,
+                                double extent) {
+  const double h = lattice_.settings.spacing, volume = h * h * h * double(lattice_.cell_fill[cell]) * part;
+  volume_[slot] = Real(volume);
+  if (features_.one_point)
+    stabilization_[slot] =
+        Real(laplacian * materials_.table[material].mu() * volume * kHourglass[0] * extent / (h * h));
+}
+
+template <class Real>
+template <class Body>
+void Elastic<Real>::for_each_share(const Body& body) const {
+  const auto& shares = materials_.shares;
+  for (std::size_t k = 0, part = 0; k < shares.size(); ++k) {
+    const bool further = k > 0 && shares[k].cell == shares[k - 1].cell;
+    const Index slot = further ? layout_.slot_of_part[part++] : layout_.slot_of_cell[shares[k].cell];
+    if (slot >= 0) body(std::size_t(slot), shares[k], further);
+  }
+}
+
+template <class Real>
+void Elastic<Real>::fill_shares(double laplacian) {
+  const std::size_t lanes = layout_.lanes;
+  share_.assign(layout_.slots() * kShareFields, Real(0));
+  const auto field = [&](std::size_t slot, std::size_t k) -> Real& {
+    return share_[(slot / lanes * kShareFields + k) * lanes + slot % lanes];
+  };
+  for (std::size_t slot = 0; slot < layout_.slots(); ++slot)
+    for (std::size_t i = 0; i < 3; ++i) field(slot, kShareScale + i) = Real(1);
+  for_each_share([&](std::size_t slot, const MaterialShare& share, bool) {
+    for (Eigen::Index i = 0; i < 3; ++i) {
+      field(slot, kShareCenter + i) = Real(share.center[i]);
+      field(slot, kShareScale + i) = Real(share.scale[i]);
+    }
+    const double extent = std::max(double(share.scale.squaredNorm()) / 3.0, kMinExtent);
+    fill_record(&material_[slot / lanes * record_fields_ * lanes + slot % lanes], lanes, share.material, share.cell);
+    fill_volume(slot, share.cell, share.material, laplacian, double(share.volume), extent);
   });
 }
 
@@ -141,6 +206,9 @@ void Elastic<Real>::set_activation(std::span<const double> activation) {
     material_[(slot / lanes * record_fields_ + kMuscle) * lanes + slot % lanes] =
         Real(muscle(uniform_ ? 0 : material_of(cell)));
   }
+  for_each_share([&](std::size_t slot, const MaterialShare& share, bool) {
+    material_[(slot / lanes * record_fields_ + kMuscle) * lanes + slot % lanes] = Real(muscle(share.material));
+  });
 }
 
 template <class Real>
@@ -222,6 +290,23 @@ void Elastic<Real>::add_projected_stiffness(std::span<const Index> cells, const 
     // A cell that is not computed has no weight: any slot will do.
     slots[lane] = std::max(layout_.slot_of_cell[cells[std::min(lane, cells.size() - 1)]], 0);
   kernels_.project(arrays_, slots.data(), weights, arms, blocks);
+  if (part_cells_.empty()) return;
+  alignas(64) Real own[64 * kProjectionLanes];
+  for (Index nth = 0;; ++nth) {  // the further parts of these cells, with the weights of those that have one
+    std::copy_n(weights, 64 * kProjectionLanes, own);
+    bool any = false;
+    for (std::size_t lane = 0; lane < slots.size(); ++lane) {
+      const auto parts = std::ranges::equal_range(part_cells_, lane < cells.size() ? cells[lane] : -1);
+      const bool has = nth < std::ssize(parts) && layout_.slot_of_part[parts.begin() - part_cells_.begin() + nth] >= 0;
+      any = any || has;
+      if (has)
+        slots[lane] = layout_.slot_of_part[parts.begin() - part_cells_.begin() + nth];
+      else
+        for (std::size_t k = 0; k < 64; ++k) own[k * kProjectionLanes + lane] = Real(0);
+    }
+    if (!any) return;
+    kernels_.project(arrays_, slots.data(), own, arms, blocks);
+  }
 }
 
 template <class Real>
@@ -235,7 +320,7 @@ CellMeasures Elastic<Real>::measures(Index cell, std::span<const Real> u) const 
   Real own[kMaterialFields] = {};
   const Real* material = own;
   if (fixed)
-    fill_record(own, 1, material_of(cell), normal_of(cell));
+    fill_record(own, 1, material_of(cell), cell);
   else
     material = &material_[(uniform_ ? 0 : place) * record_fields_ * width + lane];
 
@@ -262,9 +347,10 @@ CellMeasures Elastic<Real>::measures(Index cell, std::span<const Real> u) const 
   if (features_.fibers) {
     Eigen::Matrix3d stress = Eigen::Vector3d(principal[0], principal[1], principal[2]).asDiagonal();
     const auto fiber = fiber_state(material, lanes, sigma, rotation_v);
-    const auto response = fiber_response(fiber.i1, fiber.i4, load_fiber<double>(material, lanes, arrays_.active));
+    const auto response =
+        fiber_response(fiber.i1, fiber.i4, fiber.j, load_fiber<double>(material, lanes, arrays_.active));
     for (int i = 0; i < 3; ++i) {
-      stress(i, i) += response.isotropic * sigma[i] * sigma[i] / j;
+      stress(i, i) += (response.shear * sigma[i] + response.pressure * fiber.c[i]) * sigma[i] / j;
       for (int k = 0; k < 3; ++k) stress(i, k) += response.along * fiber.fa[i] * fiber.fa[k] / j;
     }
     const double packed[6] = {stress(0, 0), stress(0, 1), stress(0, 2), stress(1, 1), stress(1, 2), stress(2, 2)};
@@ -278,7 +364,10 @@ CellMeasures Elastic<Real>::measures(Index cell, std::span<const Real> u) const 
 
 template <class Real>
 void Elastic<Real>::deformation_gradient(Index cell, std::span<const Real> u, double* f) const {
-  static const QuadraturePoint center = quadrature_point(0.5, 0.5, 0.5, 1.0);
+  const auto shares = materials_.shares_of(cell);
+  const Eigen::Vector3f at = shares.empty() ? Eigen::Vector3f::Zero() : shares[0].center;
+  const QuadraturePoint center =
+      quadrature_point(0.5 + 0.5 * double(at[0]), 0.5 + 0.5 * double(at[1]), 0.5 + 0.5 * double(at[2]), 1.0);
   const auto& nodes = lattice_.cell_nodes[cell];
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) {
@@ -290,8 +379,8 @@ void Elastic<Real>::deformation_gradient(Index cell, std::span<const Real> u, do
 
 template <class Real>
 std::size_t Elastic<Real>::bytes() const {
-  const std::size_t numbers = volume_.size() + stabilization_.size() + material_.size() + tangent_.size() +
-                              sigma_.size() + fiber_tangent_.size() + quadratics_.size();
+  const std::size_t numbers = volume_.size() + stabilization_.size() + material_.size() + share_.size() +
+                              tangent_.size() + sigma_.size() + fiber_tangent_.size() + quadratics_.size();
   return numbers * sizeof(Real) + 8 * layout_.node_start.size() +
          4 * (layout_.nodes.size() + layout_.cell_of_slot.size() + layout_.slot_of_cell.size() + quadratic_of_.size());
 }

@@ -8,6 +8,7 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "force/elastic/block_layout.h"
@@ -34,8 +35,9 @@ struct CellMeasures {
 template <class Real>
 class Elastic {
  public:
-  // quadrature: 1, 4 or 8. All materials have the same model. Keeps a reference to the lattice. still: per node, 1
-  // where it stays at rest; blocks without any other have no forces on what moves, and are not computed. Empty: none.
+  // quadrature: 1, 4 or 8, points of each part of a cell that is of one material. All materials have the same model.
+  // Keeps a reference to the lattice. still: per node, 1 where it stays at rest; blocks without any other have no
+  // forces on what moves, and are not computed. Empty: none.
   Elastic(const Lattice& lattice, CellMaterials materials, int quadrature,
           InstructionSet set = choose_instruction_set(), std::span<const std::uint8_t> still = {});
   Elastic(const Lattice& lattice, const MaterialParameters& material, int quadrature)
@@ -62,13 +64,14 @@ class Elastic {
   // [kModePairSize][lane], all aligned to 64 bytes.
   static constexpr int kProjectionLanes = 16;
   void add_projected_stiffness(std::span<const Index> cells, const Real* weights, const Real* arms, Real* blocks) const;
-  // Of the middle of a cell; u: the displacements last evaluated, whose singular values are at hand.
+  // Of the middle of a cell's largest part; u: the displacements last evaluated, whose singular values are at hand.
   CellMeasures measures(Index cell, std::span<const Real> u) const;
 
   std::size_t bytes() const;
   const Lattice& lattice() const { return lattice_; }
   const CellMaterials& materials() const { return materials_; }
   const BlockLayout& layout() const { return layout_; }
+  std::span<const Index> part_cells() const { return part_cells_; }  // of layout().slot_of_part
   const SceneFeatures& features() const { return features_; }
   const ElasticArrays<Real>& arrays() const { return arrays_; }
   const ElasticKernels<Real>& kernels() const { return kernels_; }
@@ -77,8 +80,17 @@ class Elastic {
 
  private:
   void fill_cells();
+  void fill_shares(double laplacian);
+  // Volume and stabilization of a part of a cell; extent: of the part over the cell, mean square.
+  void fill_volume(std::size_t slot, std::size_t cell, std::size_t material, double laplacian, double part,
+                   double extent);
   // Writes what a cell is made of, field by field with `stride` between them.
-  void fill_record(Real* record, std::size_t stride, std::size_t material, const Vec3& normal) const;
+  void fill_record(Real* record, std::size_t stride, std::size_t material, std::size_t cell) const;
+  // The material as it is in a cell, and its prestretch normal to the skin.
+  std::pair<MaterialParameters, double> material_in(std::size_t material, std::size_t cell) const;
+  // Calls body(slot, share, further) for each share of a cell that is computed; further: it is not the largest.
+  template <class Body>
+  void for_each_share(const Body& body) const;
   double muscle(std::size_t material) const {
     return material < activation_.size() ? materials_.table[material].muscle_stress * activation_[material] : 0.0;
   }
@@ -87,7 +99,7 @@ class Elastic {
     return materials_.normal_of_cell.empty() ? Vec3::UnitZ()
                                              : Vec3(materials_.normal_of_cell[cell].template cast<double>());
   }
-  // Of the middle of a cell, 3x3 by rows.
+  // Of the middle of a cell's largest part, 3x3 by rows.
   void deformation_gradient(Index cell, std::span<const Real> u, double* f) const;
 
   const Lattice& lattice_;
@@ -95,15 +107,16 @@ class Elastic {
   SceneFeatures features_;
   InstructionSet set_;
   ElasticKernels<Real> kernels_;
+  std::vector<Index> part_cells_;  // the cell of each share but the largest, in their order
   BlockLayout layout_;
   std::vector<QuadraturePoint> quadrature_;
   bool uniform_;                                       // one record of material for all cells
   std::size_t record_fields_;                          // of MaterialField: those that the scene needs
   std::vector<double> third_prestretch_, activation_;  // of each material
-  std::vector<double> gradients_, weights_;
+  std::vector<double> gradients_, positions_, weights_;
   template <class T>
   using Aligned = std::vector<T, tbb::cache_aligned_allocator<T>>;
-  Aligned<Real> volume_, stabilization_, material_, tangent_, sigma_, fiber_tangent_, quadratics_;
+  Aligned<Real> volume_, stabilization_, material_, share_, tangent_, sigma_, fiber_tangent_, quadratics_;
   std::vector<Index> quadratic_of_;
   ElasticArrays<Real> arrays_;
 };

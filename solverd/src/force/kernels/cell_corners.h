@@ -46,4 +46,55 @@ inline void spread_to_corners(const Number& x, const Number& y, const Number& z,
   c[3] = even4 - odd4;
 }
 
+// A point of a cell away from its center, in [-1, 1]: what the gradient there takes from the hourglass amplitudes.
+template <class Number>
+struct CellPoint {
+  Number x, y, z;
+
+  void add_to_gradient(const Number (&modes)[4], Number& gx, Number& gy, Number& gz) const {
+    gx += y * modes[0] + z * (modes[1] + y * modes[3]);
+    gy += x * modes[0] + z * (modes[2] + x * modes[3]);
+    gz += x * (modes[1] + y * modes[3]) + y * modes[2];
+  }
+  // The transpose.
+  void add_to_modes(const Number& gx, const Number& gy, const Number& gz, Number (&modes)[4]) const {
+    modes[0] += y * gx + x * gy;
+    modes[1] += z * gx + x * gz;
+    modes[2] += z * gy + y * gz;
+    modes[3] += y * z * gx + x * (z * gy + y * gz);
+  }
+  // 4 h grad N of the corners, [3][8].
+  void gradients(Number (&g)[24]) const {
+    const Number one(1), fx[2] = {one - x, one + x}, fy[2] = {one - y, one + y}, fz[2] = {one - z, one + z};
+    for (int c = 0; c < 8; ++c) {
+      const int i = c >> 2, j = c >> 1 & 1, k = c & 1;
+      const Number gx = fy[j] * fz[k], gy = fx[i] * fz[k], gz = fx[i] * fy[j];
+      g[c] = i == 0 ? Number(0) - gx : gx;
+      g[8 + c] = j == 0 ? Number(0) - gy : gy;
+      g[16 + c] = k == 0 ? Number(0) - gz : gz;
+    }
+  }
+};
+
+// Where quadrature point q of a part of a cell lies; `share` as ElasticArrays::share_of gives it, at the lane.
+template <class Number, class Real>
+inline CellPoint<Number> share_point(const ElasticArrays<Real>& arrays, const Real* share, int q, int width) {
+  using Scalar = typename NumberTraits<Number>::Scalar;
+  Number at[3];
+  for (int i = 0; i < 3; ++i)
+    at[i] = load<Number>(share + (kShareCenter + i) * width) +
+            load<Number>(share + (kShareScale + i) * width) * Number(Scalar(arrays.positions[3 * q + i]));
+  return {at[0], at[1], at[2]};
+}
+
+// 4 h grad N of the corners at quadrature point q, [3][8].
+template <class Number, class Real>
+inline void point_gradients(const ElasticArrays<Real>& arrays, const Real* share, int q, int width, Number (&g)[24]) {
+  using Scalar = typename NumberTraits<Number>::Scalar;
+  if (share != nullptr)
+    share_point<Number>(arrays, share, q, width).gradients(g);
+  else
+    for (int i = 0; i < 24; ++i) g[i] = Number(Scalar(arrays.gradients[24 * q + i]));
+}
+
 }  // namespace lappet

@@ -40,12 +40,13 @@ inline void add_corner_block(const typename NumberTraits<Number>::Scalar* tangen
       s[i] = load<Number>(sigma + i * w);
       fa[i] = s[i] * a[i];
     }
-    const Number dispersion = load<Number>(material + kFiberDispersion * w);
+    const Number dispersion = load<Number>(material + kFiberDispersion * w),
+                 volume = load<Number>(fiber + kVolumeSlope * w);
     const Number along = a[0] * turned[0] + a[1] * turned[1] + a[2] * turned[2];
     const Number aligned = (Number(1) - Number(3) * dispersion) * along;
-    for (int i = 0; i < 3; ++i) b[i] = dispersion * s[i] * turned[i] + aligned * fa[i];
-    const Number spherical =
-        load<Number>(fiber + kIsotropic * w) * (xx + yy + zz) + load<Number>(fiber + kAlong * w) * along * along;
+    for (int i = 0; i < 3; ++i)
+      b[i] = dispersion * (s[i] + volume * s[(i + 1) % 3] * s[(i + 2) % 3]) * turned[i] + aligned * fa[i];
+    const Number spherical = load<Number>(fiber + kAlong * w) * along * along;
     const Number curvature = load<Number>(fiber + kCurvature * w);
     const Number muscle = load<Number>(fiber + kMuscleCurvature * w) * along * along;
     int k = 0;
@@ -82,7 +83,7 @@ template <class Number, bool kOnePoint, bool kFibers, bool kPrestretched>
       for (auto& row : node) store(Number(0), row);
     for (int place = 0; place < kBlockCells; ++place) {
       const std::int64_t cell = group * kBlockCells + place;
-      const Real* material = arrays.material_of(cell);
+      const Real *material = arrays.material_of(cell), *share = arrays.share_of(cell, w);
       const auto add = [&](int corner, const Number(&block)[6]) {
         for (int k = 0; k < 6; ++k) {
           Real* to = sum[block_node(place, corner)][k];
@@ -97,12 +98,14 @@ template <class Number, bool kOnePoint, bool kFibers, bool kPrestretched>
         Number u[9], v[9];
         load_rotation(tangent, kU, u);
         load_rotation(tangent, kV, v);
-        // With one point opposite corners have opposite gradients, and the same block.
-        for (int corner = 0; corner < (kOnePoint ? 4 : 8); ++corner) {
+        // At the center opposite corners have opposite gradients, and the same block.
+        const bool centered = kOnePoint && share == nullptr;
+        Number gradients[24];
+        if (!centered) point_gradients(arrays, share, q, w, gradients);
+        for (int corner = 0; corner < (centered ? 4 : 8); ++corner) {
           Number g[3], block[6];
           for (int j = 0; j < 3; ++j)
-            g[j] = kOnePoint ? Number((corner >> (2 - j) & 1) ? 1 : -1)
-                             : Number(Real(arrays.gradients[24 * q + 8 * j + corner]));
+            g[j] = centered ? Number((corner >> (2 - j) & 1) ? 1 : -1) : gradients[8 * j + corner];
           for (auto& value : block) value = Number(0);
           add_corner_block<kFibers, kPrestretched>(tangent, sigma, fiber, material, u, v, g, block);
           if constexpr (kOnePoint) {
@@ -111,7 +114,7 @@ template <class Number, bool kOnePoint, bool kFibers, bool kPrestretched>
             block[0] += stabilization;
             block[3] += stabilization;
             block[5] += stabilization;
-            add(7 - corner, block);
+            if (centered) add(7 - corner, block);
           }
           add(corner, block);
         }

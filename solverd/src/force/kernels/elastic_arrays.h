@@ -19,8 +19,8 @@ namespace lappet {
 enum TangentField { kU = 0, kV = 4, kHessian = 8, kSame = 14, kCross = 17, kTangentFields = 20 };
 // Where dP_ij = same dF_ij + cross dF_ji for the pairs 01 02 12 and the Hessian is 00 01 02 11 12 22.
 
-// The tangent of fibers and muscle, see force/materials/fiber.h.
-enum FiberField { kIsotropic, kAlong, kCurvature, kMuscleCurvature, kFiberFields };
+// The tangent of fibers and muscle that is not in that of the isotropic material, see force/materials/fiber.h.
+enum FiberField { kAlong, kCurvature, kVolumeSlope, kMuscleCurvature, kFiberFields };
 
 // What a cell is made of. A record ends where what the scene needs ends: before kFiberK1, before kPrestretch or at the
 // end.
@@ -31,11 +31,15 @@ enum MaterialField {
   kFiberK1,
   kFiberK2,
   kFiberDispersion,
+  kFiberThreshold,
   kMuscle,
   kFiberDirection,                    // 3
   kPrestretch = kFiberDirection + 3,  // symmetric, 00 01 02 11 12 22
   kMaterialFields = kPrestretch + 6
 };
+
+// Where the quadrature points of a part of a cell lie: the cell's own, in [-1, 1], times the scale, plus the center.
+enum ShareField { kShareCenter, kShareScale = 3, kShareFields = 6 };
 
 inline constexpr int kBlockNodes = 27, kBlockCells = 8, kBlockColumns = 9;
 
@@ -60,7 +64,8 @@ template <class Real>
 struct ElasticArrays {
   int points = 1;                            // quadrature points per cell
   double spacing = 1.0;                      // h, mm
-  const double* gradients = nullptr;         // [point][3][8], 4 h grad N; not used with one point
+  const double* gradients = nullptr;         // [point][3][8], 4 h grad N
+  const double* positions = nullptr;         // [point][3], in [-1, 1]
   const double* weights = nullptr;           // [point], of the unit volume
   const std::int32_t* nodes = nullptr;       // per group [27][lane], or of a grid group [9][lane]
   const std::int64_t* node_start = nullptr;  // [group] and the end: where its nodes begin
@@ -68,6 +73,7 @@ struct ElasticArrays {
   const Real* stabilization = nullptr;       // [group][place][lane], laplacian mu volume / (24 h^2), or null
   const Real* material = nullptr;            // [group][place][field][lane], or one record for all: stride 0
   std::int64_t material_stride = 0;          // from place to place
+  const Real* share = nullptr;               // [group][place][kShareFields][lane], or null: all cells are whole
   bool active = true;                        // some muscle pulls; else kMuscle is 0 in every record
   Real* tangent = nullptr;                   // [group][place][point][kTangentFields][lane]
   Real* sigma = nullptr;                     // [group][place][point][3][lane]
@@ -84,6 +90,10 @@ struct ElasticArrays {
   // The record of what a place, [group][place] as one number, is made of.
   [[gnu::always_inline]] const Real* material_of(std::int64_t place) const {
     return kHasHeterogeneity ? material + place * material_stride : material;
+  }
+  // The record of where a place has its quadrature points, or null.
+  [[gnu::always_inline]] const Real* share_of(std::int64_t place, int lanes) const {
+    return kHasHeterogeneity && share != nullptr ? share + place * kShareFields * lanes : nullptr;
   }
 };
 

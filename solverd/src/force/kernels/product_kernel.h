@@ -35,21 +35,20 @@ inline void load_rotation(const typename NumberTraits<Number>::Scalar* t, int fi
 }
 
 // What fibers and muscle add to a differential in the frame of the decomposition, where F = diag(sigma) and the
-// direction is V^T a.
+// direction is V^T a. What they add to the isotropic tangent is in that already.
 template <class Number>
 struct FiberDifferential {
-  Number a[3], s[3], fa[3], dispersion, aligned, isotropic, along, curvature, muscle_curvature;
+  Number a[3], fa[3], b[3], aligned, along, curvature, muscle_curvature;
 
   FiberDifferential(const Number* material, const Number* sigma, const Number* response, const Number (&v)[9]) {
     const Number* d = material + kFiberDirection;
+    const Number dispersion = material[kFiberDispersion], volume = response[kVolumeSlope];
     for (int i = 0; i < 3; ++i) {
       a[i] = v[i] * d[0] + v[3 + i] * d[1] + v[6 + i] * d[2];
-      s[i] = sigma[i];
-      fa[i] = s[i] * a[i];
+      fa[i] = sigma[i] * a[i];
+      b[i] = dispersion * (sigma[i] + volume * sigma[(i + 1) % 3] * sigma[(i + 2) % 3]);
     }
-    dispersion = material[kFiberDispersion];
     aligned = Number(1) - Number(3) * dispersion;
-    isotropic = response[kIsotropic];
     along = response[kAlong];
     curvature = response[kCurvature];
     muscle_curvature = response[kMuscleCurvature];
@@ -59,13 +58,14 @@ struct FiberDifferential {
     Number dfa[3];
     for (int i = 0; i < 3; ++i) dfa[i] = hat[3 * i] * a[0] + hat[3 * i + 1] * a[1] + hat[3 * i + 2] * a[2];
     const Number work = fa[0] * dfa[0] + fa[1] * dfa[1] + fa[2] * dfa[2];
-    const Number b_df = dispersion * (s[0] * hat[0] + s[1] * hat[4] + s[2] * hat[8]) + aligned * work;
+    const Number b_df = b[0] * hat[0] + b[1] * hat[4] + b[2] * hat[8] + aligned * work;
     const Number bend = curvature * b_df;
     Number pull = bend * aligned;
     if constexpr (kHasMuscle) pull += muscle_curvature * work;
     for (int i = 0; i < 3; ++i) {
-      dp[4 * i] += bend * dispersion * s[i];
-      for (int j = 0; j < 3; ++j) dp[3 * i + j] += isotropic * hat[3 * i + j] + (along * dfa[i] + pull * fa[i]) * a[j];
+      dp[4 * i] += bend * b[i];
+      const Number row = along * dfa[i] + pull * fa[i];
+      for (int j = 0; j < 3; ++j) dp[3 * i + j] += row * a[j];
     }
   }
 };
@@ -174,7 +174,7 @@ template <class Number, bool kOnePoint, bool kFibers, bool kPrestretched>
       for (int i = 0; i < 3; ++i) store(Number(0), sum[n][i]);
     for (int place = 0; place < kBlockCells; ++place) {
       const std::int64_t cell = group * kBlockCells + place;
-      const Scalar* material = arrays.material_of(cell);
+      const Scalar *material = arrays.material_of(cell), *share = arrays.share_of(cell, w);
       fetch_nodes<Number>(next, place, x, y);
       Number corners[3][8], result[3][8], df[9];
       for (int i = 0; i < 3; ++i)
@@ -183,6 +183,10 @@ template <class Number, bool kOnePoint, bool kFibers, bool kPrestretched>
         tangents.fetch(place_lines);
         Number modes[3][4];
         for (int i = 0; i < 3; ++i) corner_sums(corners[i], df[3 * i], df[3 * i + 1], df[3 * i + 2], modes[i]);
+        if (share != nullptr) {
+          const auto at_point = share_point<Number>(arrays, share, 0, w);
+          for (int i = 0; i < 3; ++i) at_point.add_to_gradient(modes[i], df[3 * i], df[3 * i + 1], df[3 * i + 2]);
+        }
         differential<kFibers, kPrestretched>(arrays.tangent + cell * kTangentFields * w, arrays.sigma + cell * 3 * w,
                                              arrays.fiber_tangent + cell * kFiberFields * w, material, df);
         const Number stabilization = load<Number>(arrays.stabilization + cell * w);
@@ -192,6 +196,8 @@ template <class Number, bool kOnePoint, bool kFibers, bool kPrestretched>
           modes[i][1] *= stabilization;
           modes[i][2] *= stabilization;
           modes[i][3] *= half;
+          if (share != nullptr)
+            share_point<Number>(arrays, share, 0, w).add_to_modes(df[3 * i], df[3 * i + 1], df[3 * i + 2], modes[i]);
           spread_to_corners(df[3 * i], df[3 * i + 1], df[3 * i + 2], modes[i], result[i]);
         }
       } else {
@@ -199,12 +205,13 @@ template <class Number, bool kOnePoint, bool kFibers, bool kPrestretched>
           for (auto& value : row) value = Number(0);
         for (int q = 0; q < points; ++q) {
           tangents.fetch(point_lines);
-          const double* gradient = arrays.gradients + 24 * q;
+          Number gradient[24];
+          point_gradients(arrays, share, q, w, gradient);
           const std::int64_t point = cell * points + q;
           for (int i = 0; i < 3; ++i)
             for (int j = 0; j < 3; ++j) {
               Number total(0);
-              for (int c = 0; c < 8; ++c) total += corners[i][c] * Number(Scalar(gradient[8 * j + c]));
+              for (int c = 0; c < 8; ++c) total += corners[i][c] * gradient[8 * j + c];
               df[3 * i + j] = total;
             }
           differential<kFibers, kPrestretched>(arrays.tangent + point * kTangentFields * w,
@@ -212,7 +219,7 @@ template <class Number, bool kOnePoint, bool kFibers, bool kPrestretched>
                                                arrays.fiber_tangent + point * kFiberFields * w, material, df);
           for (int i = 0; i < 3; ++i)
             for (int c = 0; c < 8; ++c)
-              for (int j = 0; j < 3; ++j) result[i][c] += df[3 * i + j] * Number(Scalar(gradient[8 * j + c]));
+              for (int j = 0; j < 3; ++j) result[i][c] += df[3 * i + j] * gradient[8 * j + c];
         }
       }
       for (int i = 0; i < 3; ++i)

@@ -234,10 +234,17 @@ void project_cells(const ElasticArrays<typename NumberTraits<Number>::Scalar>& a
       } else {
         for (int i = 0; i < 9; ++i) v[i] = rotation[i];
       }
-      Real gradient[24];
-      for (int i = 0; i < 24; ++i) {
-        const int j = i / 8, corner = i % 8;
-        gradient[i] = kOnePoint ? ((corner >> (2 - j) & 1) ? Real(1) : Real(-1)) : Real(arrays.gradients[24 * q + i]);
+      Number gradient[24];
+      if (kHasHeterogeneity && arrays.share != nullptr) {
+        alignas(64) Real share[kShareFields][w];
+        for (int lane = 0; lane < w; ++lane) {
+          const std::int32_t slot = slots[first + lane];
+          const Real* record = arrays.share + std::int64_t{slot / w} * kShareFields * w + slot % w;
+          for (int k = 0; k < kShareFields; ++k) share[k][lane] = record[k * w];
+        }
+        point_gradients(arrays, &share[0][0], q, w, gradient);
+      } else {
+        point_gradients(arrays, static_cast<const Real*>(nullptr), q, w, gradient);
       }
       if constexpr (kFibers) {
         Number material[kPrestretch], sigma[3], response[kFiberFields];

@@ -13,6 +13,7 @@ namespace lappet {
 
 struct QuadraturePoint {
   std::array<double, 24> gradient;  // row-major 3x8: dN_c/dX_j on the unit cell
+  std::array<double, 3> position;   // in the unit cell
   double weight;                    // of the unit volume
 };
 
@@ -26,6 +27,7 @@ inline constexpr std::array<double, 4> kHourglass = {1.0 / 24, 1.0 / 24, 1.0 / 2
 
 inline QuadraturePoint quadrature_point(double x, double y, double z, double weight) {
   QuadraturePoint point{};
+  point.position = {x, y, z};
   point.weight = weight;
   for (int c = 0; c < 8; ++c) {
     const double sx = (c >> 2 & 1) ? 1 : -1, sy = (c >> 1 & 1) ? 1 : -1, sz = (c & 1) ? 1 : -1;

@@ -25,14 +25,15 @@ inline Moduli<Number> load_moduli(const Real* material, int width) {
 }
 template <class Number, class Real>
 inline FiberParameters<Number> load_fiber(const Real* material, int width, bool active) {
-  return {load<Number>(material + kFiberK1 * width), load<Number>(material + kFiberK2 * width),
-          load<Number>(material + kFiberDispersion * width), load<Number>(material + kMuscle * width), active};
+  return {load<Number>(material + kFiberK1 * width),         load<Number>(material + kFiberK2 * width),
+          load<Number>(material + kFiberDispersion * width), load<Number>(material + kFiberThreshold * width),
+          load<Number>(material + kMuscle * width),          active};
 }
 
-// Invariants and pushed-forward direction of the fibers at F = U diag(sigma) V^T, in that frame.
+// Invariants, cofactors and pushed-forward direction of the fibers at F = U diag(sigma) V^T, in that frame.
 template <class Number>
 struct FiberState {
-  Number a[3], fa[3], i1, i4;
+  Number a[3], fa[3], c[3], i1, i4, j;
 };
 template <class Number, class Real>
 inline FiberState<Number> fiber_state(const Real* material, int width, const Number (&s)[3], const Number (&v)[9]) {
@@ -46,6 +47,10 @@ inline FiberState<Number> fiber_state(const Real* material, int width, const Num
   }
   state.i1 = s[0] * s[0] + s[1] * s[1] + s[2] * s[2];
   state.i4 = state.fa[0] * state.fa[0] + state.fa[1] * state.fa[1] + state.fa[2] * state.fa[2];
+  state.c[0] = s[1] * s[2];
+  state.c[1] = s[0] * s[2];
+  state.c[2] = s[0] * s[1];
+  state.j = s[0] * state.c[0];
   return state;
 }
 
@@ -84,6 +89,7 @@ template <class Number, class Real, int width, class Model, bool kOnePoint, bool
         const Moduli<Number> moduli = load_moduli<Number>(material, width);
         const Number volume = load<Number>(arrays.volume + cell * width + lane);
         const auto present = volume > Number(0);
+        const Real* share = arrays.share_of(cell, width);
         Number corners[3][8], force[3][8];
         for (int i = 0; i < 3; ++i)
           for (int c = 0; c < 8; ++c) {
@@ -92,15 +98,20 @@ template <class Number, class Real, int width, class Model, bool kOnePoint, bool
           }
         Number cell_j(std::numeric_limits<Scalar>::max());
         for (int q = 0; q < points; ++q) {
-          Number f[9], modes[3][4];
+          Number f[9], modes[3][4], gradients[24];
+          CellPoint<Number> at_point{};
           if constexpr (kOnePoint) {
             for (int i = 0; i < 3; ++i) corner_sums(corners[i], f[3 * i], f[3 * i + 1], f[3 * i + 2], modes[i]);
+            if (share != nullptr) {
+              at_point = share_point<Number>(arrays, share + lane, q, width);
+              for (int i = 0; i < 3; ++i) at_point.add_to_gradient(modes[i], f[3 * i], f[3 * i + 1], f[3 * i + 2]);
+            }
           } else {
-            const double* weights = arrays.gradients + 24 * q;
+            point_gradients(arrays, share == nullptr ? share : share + lane, q, width, gradients);
             for (int i = 0; i < 3; ++i)
               for (int j = 0; j < 3; ++j) {
                 Number total(0);
-                for (int c = 0; c < 8; ++c) total += corners[i][c] * Number(Scalar(weights[8 * j + c]));
+                for (int c = 0; c < 8; ++c) total += corners[i][c] * gradients[8 * j + c];
                 f[3 * i + j] = total;
               }
           }
@@ -121,10 +132,10 @@ template <class Number, class Real, int width, class Model, bool kOnePoint, bool
           if constexpr (kFibers) {
             const auto fiber = fiber_state(material, width, s, rotation_v);
             const auto response =
-                fiber_response(fiber.i1, fiber.i4, load_fiber<Number>(material, width, arrays.active));
+                fiber_response(fiber.i1, fiber.i4, fiber.j, load_fiber<Number>(material, width, arrays.active));
             density += response.energy;
             for (int i = 0; i < 3; ++i) {
-              p[4 * i] += response.isotropic * s[i];
+              p[4 * i] += response.shear * s[i] + response.pressure * fiber.c[i];
               for (int j = 0; j < 3; ++j) p[3 * i + j] += response.along * fiber.fa[i] * fiber.a[j];
             }
             multiply3(rotation_u, p, rotated);
@@ -153,16 +164,17 @@ template <class Number, class Real, int width, class Model, bool kOnePoint, bool
                 pull[m] = hourglass * Number(m == 3 ? 0.5 : 1.0) * modes[i][m];
                 group_energy += Number(0.5) * pull[m] * modes[i][m];
               }
-              spread_to_corners(scale * p[3 * i], scale * p[3 * i + 1], scale * p[3 * i + 2], pull, force[i]);
+              const Number px = scale * p[3 * i], py = scale * p[3 * i + 1], pz = scale * p[3 * i + 2];
+              if (share != nullptr) at_point.add_to_modes(px, py, pz, pull);
+              spread_to_corners(px, py, pz, pull, force[i]);
             }
             group_energy += volume * density;
           } else {
             const Number part = volume * Number(Scalar(arrays.weights[q]));
             const Number scale = part * to_gradient;
-            const double* gradients = arrays.gradients + 24 * q;
             for (int i = 0; i < 3; ++i)
               for (int c = 0; c < 8; ++c)
-                for (int j = 0; j < 3; ++j) force[i][c] += scale * p[3 * i + j] * Number(Scalar(gradients[8 * j + c]));
+                for (int j = 0; j < 3; ++j) force[i][c] += scale * p[3 * i + j] * gradients[8 * j + c];
             group_energy += part * density;
           }
         }
@@ -211,25 +223,26 @@ template <class Number, class Model, bool kOnePoint, bool kFibers>
       for (int i = 0; i < 3; ++i) s[i] = load<Number>(arrays.sigma + (point * 3 + i) * w);
       TangentHat<Number> t;
       Model::dpdf_hat(s, moduli, t);
-      make_definite(t, Number(Real(kDefiniteFloor)) * moduli.mu, how);
       const Number weight = kOnePoint ? volume : volume * Number(Real(arrays.weights[q]));
       Real* tangent = arrays.tangent + point * kTangentFields * w;
-      for (int i = 0; i < 6; ++i) store(weight * t.hessian[i], tangent + (kHessian + i) * w);
-      for (int k = 0; k < 3; ++k) {
-        store(Number(0.5) * weight * (t.stretch[k] + t.rotation[k]), tangent + (kSame + k) * w);
-        store(Number(0.5) * weight * (t.stretch[k] - t.rotation[k]), tangent + (kCross + k) * w);
-      }
       if constexpr (kFibers) {
         Number v[9];
         load_rotation(tangent, kV, v);
         const auto fiber = fiber_state(material, w, s, v);
-        auto response = fiber_response(fiber.i1, fiber.i4, load_fiber<Number>(material, w, arrays.active));
-        if (kHasMuscle && arrays.active) make_definite(response, fiber.i4, how);  // fibers alone are convex
+        auto response = fiber_response(fiber.i1, fiber.i4, fiber.j, load_fiber<Number>(material, w, arrays.active));
+        add_isotropic(response, s, t);
+        if (kHasMuscle && arrays.active) make_definite(response, fiber.i4, how);
         Real* stored = arrays.fiber_tangent + point * kFiberFields * w;
-        store(weight * response.isotropic, stored + kIsotropic * w);
         store(weight * response.along, stored + kAlong * w);
         store(weight * response.curvature, stored + kCurvature * w);
+        store(response.volume, stored + kVolumeSlope * w);
         store(weight * response.muscle_curvature, stored + kMuscleCurvature * w);
+      }
+      make_definite(t, Number(Real(kDefiniteFloor)) * moduli.mu, how);
+      for (int i = 0; i < 6; ++i) store(weight * t.hessian[i], tangent + (kHessian + i) * w);
+      for (int k = 0; k < 3; ++k) {
+        store(Number(0.5) * weight * (t.stretch[k] + t.rotation[k]), tangent + (kSame + k) * w);
+        store(Number(0.5) * weight * (t.stretch[k] - t.rotation[k]), tangent + (kCross + k) * w);
       }
     }
   }

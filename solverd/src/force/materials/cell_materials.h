@@ -1,8 +1,9 @@
-// Which material each cell of a lattice is made of: by the place on the skin above it and by its depth below the skin.
+// Which materials each cell of a lattice is made of: by the place on the skin above it and by its depth below the skin.
 //
-// Both are those of the cell's rest center, seen from the skin before any cut. So a place keeps its material whatever
-// is cut, and both copies of a cell at a wound have the same.
+// Both are seen from the skin before any cut, so a place keeps its material whatever is cut. A cell through which a
+// boundary passes holds a share of each material (cell_shares.h).
 #pragma once
+#include <array>
 #include <cstdint>
 #include <limits>
 #include <span>
@@ -20,11 +21,17 @@ struct MaterialRegion {
   std::vector<std::uint8_t> faces;                            // per triangle of the skin: whether the region lies below
 };
 
-// The material of a cell is that of the last region that holds the skin's triangle closest to the cell's center and
-// the distance to it; where none does, table[0]. Where a material has a direction (fibers, muscle, prestretch) each
-// cell gets the skin's normal at the closest point too, unless all of them are z. `skin` need not be closed; it may be
-// empty without regions. At most 256 materials.
+// What the points of the skin say of the tissue below them.
+struct SkinFields {
+  std::vector<Vec3> directions{};  // of fibers, muscle and prestretch; 0: no matter. Empty: the materials'
+  std::vector<std::array<double, 2>> stretch{};  // in vivo, along and across. Empty: the materials'
+};
+
+// A place is of the material of the last region that holds the skin's triangle closest to it and the distance to that;
+// where none does, of table[0]. Where a material has a direction (fibers, muscle, prestretch) each cell gets the skin's
+// normal at the point closest to its center too, unless all of them are z, and the direction and stretch there that
+// `fields` has. `skin` need not be closed; it may be empty without regions. At most 256 materials.
 CellMaterials assign_materials(const Lattice& lattice, std::vector<MaterialParameters> table, const Surface& skin,
-                               std::span<const MaterialRegion> regions);
+                               std::span<const MaterialRegion> regions, const SkinFields& fields = {});
 
 }  // namespace lappet

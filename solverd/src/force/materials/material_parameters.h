@@ -2,12 +2,15 @@
 // material_models.h.
 #pragma once
 #include <Eigen/Core>
+#include <algorithm>
 #include <array>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "force/materials/material_models.h"
+#include "math/index.h"
 
 namespace lappet {
 
@@ -21,6 +24,7 @@ struct MaterialParameters {
   Eigen::Vector3d fiber_direction = Eigen::Vector3d::UnitX();  // rest, unit
   double fiber_k1 = 0.0;                                       // kPa; 0: no fibers
   double fiber_k2 = 0.0, fiber_dispersion = 0.0;               // kappa in [0, 1/3]
+  double fiber_slack = 1.0;                                    // stretch from which the fibers bear load, at least 1
   double muscle_stress = 0.0;                                  // kPa, maximal isometric stress; 0: no muscle
   // In-vivo stretch along and across the fiber direction; the third is that of a free surface (prestretch.h).
   std::array<double, 2> prestretch{1.0, 1.0};
@@ -35,14 +39,41 @@ struct MaterialParameters {
   }
 };
 
+// The part of a cell's tissue that is of one material.
+struct MaterialShare {
+  Index cell;
+  std::uint8_t material;  // index into the table
+  float volume;           // of the cell's tissue; those of a cell add up to 1
+  // Where its quadrature points lie: the cell's, in [-1, 1], times scale plus center, the centroid of the part and its
+  // extent over the cell's.
+  Eigen::Vector3f center, scale;
+};
+
 // The materials of a lattice's cells.
 struct CellMaterials {
   std::vector<MaterialParameters> table;
-  std::vector<std::uint8_t> of_cell{};  // index into table per cell; empty: table[0] everywhere
+  std::vector<std::uint8_t> of_cell{};  // index into table per cell, of the largest share; empty: table[0] everywhere
   // The outward normal of the skin above each cell: the plane in which fibers run and prestretch acts. Empty: z.
   std::vector<Eigen::Vector3f> normal_of_cell{};
+  // The direction in each cell, in that plane, in place of its material's. Empty, or 0 in a cell: the material's.
+  std::vector<Eigen::Vector3f> direction_of_cell{};
+  // In-vivo stretch in each cell, in place of that of a material that has one. Empty: the material's.
+  std::vector<Eigen::Vector2f> stretch_of_cell{};
+  // By cell, of a cell the largest first: all of each cell that holds several materials, and of one that the tissue
+  // does not fill. Empty where nothing differs from cell to cell.
+  std::vector<MaterialShare> shares{};
 
   const MaterialParameters& of(std::size_t cell) const { return table[of_cell.empty() ? 0 : of_cell[cell]]; }
+  std::span<const MaterialShare> shares_of(std::size_t cell) const {
+    const auto found = std::ranges::equal_range(shares, to_index(cell), {}, &MaterialShare::cell);
+    return {found.begin(), found.end()};
+  }
+  double density(std::size_t cell) const {
+    const auto parts = shares_of(cell);
+    double sum = parts.empty() ? of(cell).density : 0.0;
+    for (const auto& part : parts) sum += double(part.volume) * table[part.material].density;
+    return sum;
+  }
 };
 
 }  // namespace lappet

@@ -14,6 +14,7 @@ namespace lappet {
 namespace {
 // Between these the third stretch is looked for: 1/4 to 4 keep the volume at prestretches of 2 and of 1/2.
 constexpr double kThinnest = 0.05, kThickest = 6.0;
+constexpr int kMaxSteps = 300;
 }  // namespace
 
 Eigen::Matrix3d prestretch_matrix(const MaterialParameters& parameters, const Eigen::Vector3d& normal, double third) {
@@ -36,13 +37,15 @@ double free_prestretch(const MaterialParameters& parameters) {
   if (!parameters.has_prestretch()) return 1.0;
   const auto [along, across] = parameters.prestretch;
   const Moduli<double> moduli{parameters.mu(), parameters.lambda(), parameters.mooney_ratio};
-  const FiberParameters<double> fibers{parameters.fiber_k1, parameters.fiber_k2, parameters.fiber_dispersion, 0.0};
+  const FiberParameters<double> fibers{parameters.fiber_k1, parameters.fiber_k2, parameters.fiber_dispersion,
+                                       parameters.fiber_slack * parameters.fiber_slack - 1.0, 0.0};
   const auto stress = [&](double third) {
     const double s[3] = {along, across, third};
     double p[3] = {0, 0, 0};
     MaterialModels::with(MaterialModels::index(parameters.model), [&]<class Model>() { Model::p_hat(s, moduli, p); });
     const double i4 = along * along, i1 = i4 + across * across + third * third;
-    return p[2] + fiber_response(i1, i4, fibers).isotropic * third;
+    const auto fiber = fiber_response(i1, i4, along * across * third, fibers);
+    return p[2] + fiber.shear * third + fiber.pressure * along * across;
   };
   double low = kThinnest, high = kThickest;
   if (!(stress(low) < 0.0 && stress(high) > 0.0))
@@ -52,11 +55,24 @@ double free_prestretch(const MaterialParameters& parameters) {
             "tissue of the model '{}' has no thickness at the prestretch ({:g}, {:g}) for which nothing presses "
             "on it; prestretch it less, or choose another model",
             parameters.model, along, across));
-  for (int k = 0; k < 100; ++k) {
-    const double middle = 0.5 * (low + high);
-    (stress(middle) < 0.0 ? low : high) = middle;
+  // Illinois: secants, where the end that stays twice in a row counts half.
+  double at_low = stress(low), at_high = stress(high), third = low;
+  for (int k = 0, kept = 0; k < kMaxSteps; ++k) {
+    const double last = third;
+    third = (low * at_high - high * at_low) / (at_high - at_low);
+    const double found = stress(third);
+    if (found == 0.0 || std::abs(third - last) < 1e-15) break;
+    if (found < 0.0) {
+      low = third, at_low = found;
+      if (kept > 0) at_high *= 0.5;
+      kept = 1;
+    } else {
+      high = third, at_high = found;
+      if (kept < 0) at_low *= 0.5;
+      kept = -1;
+    }
   }
-  return 0.5 * (low + high);
+  return third;
 }
 
 Eigen::Vector3d direction_in_plane(const MaterialParameters& parameters, const Eigen::Vector3d& normal) {

@@ -8,10 +8,16 @@ namespace {
 
 CellMaterials materials_of(const CellMaterials& whole, std::span<const std::int32_t> cells) {
   CellMaterials restricted{whole.table};
-  for (const std::int32_t cell : cells) {
-    const auto c = static_cast<std::size_t>(cell);
+  for (Index place = 0; place < std::ssize(cells); ++place) {
+    const auto c = static_cast<std::size_t>(cells[place]);
     if (!whole.of_cell.empty()) restricted.of_cell.push_back(whole.of_cell[c]);
     if (!whole.normal_of_cell.empty()) restricted.normal_of_cell.push_back(whole.normal_of_cell[c]);
+    if (!whole.direction_of_cell.empty()) restricted.direction_of_cell.push_back(whole.direction_of_cell[c]);
+    if (!whole.stretch_of_cell.empty()) restricted.stretch_of_cell.push_back(whole.stretch_of_cell[c]);
+    for (MaterialShare share : whole.shares_of(c)) {
+      share.cell = place;
+      restricted.shares.push_back(share);
+    }
   }
   return restricted;
 }

@@ -1,4 +1,4 @@
-"""The plan of a procedure: which frames it has, what their surfaces look like and under which keys they lie."""
+"""The manifest of a procedure: which frames it has, what their surfaces look like and under which keys they lie."""
 
 from __future__ import annotations
 
@@ -45,21 +45,21 @@ class EpochShape:
 
 
 @dataclass(frozen=True)
-class PlannedFrame:
-    """A frame of a plan.
+class ListedFrame:
+    """A frame of a manifest.
 
     Parameters
     ----------
     time
         Time code.
     epoch
-        Index of its epoch in `Plan.epochs`.
+        Index of its epoch in `Manifest.epochs`.
     key
         Its key in the store.
     hooks
-        Indices in `Plan.hooks` of those that pull, in the order of the frame's hook arrays.
+        Indices in `Manifest.hooks` of those that pull, in the order of the frame's hook arrays.
     sutures
-        Indices in `Plan.sutures` of those placed by now, in the order of the frame's suture arrays.
+        Indices in `Manifest.sutures` of those placed by now, in the order of the frame's suture arrays.
     """
 
     time: int
@@ -70,13 +70,13 @@ class PlannedFrame:
 
 
 @dataclass(frozen=True, eq=False)
-class Plan:
+class Manifest:
     """A compiled procedure without what only the solver needs: which frames there are and under which keys they lie.
 
     Parameters
     ----------
     key
-        Key of the procedure and the settings (`plan_key`).
+        Key of the procedure and the settings (`manifest_key`).
     epochs
         Surfaces of the epochs.
     frames
@@ -95,7 +95,7 @@ class Plan:
 
     key: str
     epochs: tuple[EpochShape, ...]
-    frames: tuple[PlannedFrame, ...]
+    frames: tuple[ListedFrame, ...]
     hooks: tuple[str, ...] = ()
     sutures: tuple[str, ...] = ()
     landmarks: tuple[str, ...] = ()

@@ -1,4 +1,4 @@
-"""Make the plan of a program: what an owner needs of it to show its frames."""
+"""Make the manifest of a program: what an owner needs of it to show its frames."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from lappet.background.plan import EpochShape, Plan, PlannedFrame
+from lappet.background.manifest import EpochShape, ListedFrame, Manifest
 from lappet.background.skin_shape import depth_below_skin, uv_scale
 from lappet.background.tissue_face import TissueFaces
 from lappet.core.digest import digest
@@ -19,15 +19,15 @@ from lappet.procedure import Tissue
 from lappet.program.program import Program
 
 
-def make_plan(
+def make_manifest(
     key: str, program: Program, frames: Sequence[str], shapes: Sequence[EpochShape], notes: Sequence[Problem] = ()
-) -> Plan:
-    """Make the plan of a program.
+) -> Manifest:
+    """Make the manifest of a program.
 
     Parameters
     ----------
     key
-        Key of the plan.
+        Key of the manifest.
     program
         The program.
     frames
@@ -39,15 +39,15 @@ def make_plan(
 
     Returns
     -------
-    Plan
-        The plan.
+    Manifest
+        The manifest.
     """
     position = {epoch.index: i for i, epoch in enumerate(program.epochs)}
-    return Plan(
+    return Manifest(
         key=key,
         epochs=tuple(shapes),
         frames=tuple(
-            PlannedFrame(
+            ListedFrame(
                 round(frame.time),
                 position[frame.epoch],
                 frames[i],

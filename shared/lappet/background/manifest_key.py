@@ -1,4 +1,4 @@
-"""The key of a plan: equal for equal procedures, settings and solvers, whoever computes it."""
+"""The key of a manifest: equal for equal procedures, settings and solvers, whoever computes it."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ from lappet.procedure import Bone, Procedure, Tissue
 from lappet.program.settings import SolverSettings, in_key
 
 
-def plan_key(procedure: Procedure, settings: SolverSettings, solver_identity: str) -> str:
-    """Compute the key of a plan: a hash of every value of the procedure and of what of the settings changes a frame.
+def manifest_key(procedure: Procedure, settings: SolverSettings, solver_identity: str) -> str:
+    """Compute the key of a manifest: a hash of all values of the procedure and of what of the settings changes a frame.
 
     The names of events, materials and subsets and the order of the events take part; numbers count by value (1 as 1.0,
     -0 as 0), and the threads, which change no frame, not at all. The tissue and the bones are hashed once per object.
@@ -31,4 +31,4 @@ def plan_key(procedure: Procedure, settings: SolverSettings, solver_identity: st
     """
     choice = {item.name: getattr(settings, item.name) for item in fields(settings) if in_key(item.name)}
     choice["spacing"] = settings.spacing or procedure.tissue.spacing
-    return digest("plan", solver_identity, choice, procedure, remember=(Tissue, Bone)).hex()
+    return digest("manifest", solver_identity, choice, procedure, remember=(Tissue, Bone)).hex()

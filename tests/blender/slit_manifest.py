@@ -1,4 +1,4 @@
-"""A plan whose frames are formulas: the slit patch of `synthetic_skin_cache`, shown without a solver.
+"""A manifest whose frames are formulas: the slit patch of `synthetic_skin_cache`, shown without a solver.
 
 Frames 1 to 12: whole (1-2), incised and lifted (3-7), sutured (8-12).
 """
@@ -19,7 +19,7 @@ import pytest
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
 import synthetic_skin_cache as slit
-from lappet.background.plan import EpochShape, Plan, PlannedFrame
+from lappet.background.manifest import EpochShape, ListedFrame, Manifest
 from lappet.daemon.solved_frame import SolvedFrame
 from lappet_blender.look.skin_fields import depth_below_skin
 from lappet_blender.solving import frames
@@ -70,49 +70,49 @@ def frame_at(shape: EpochShape, time: int, sutures: int, hooks: bool) -> SolvedF
     )
 
 
-def slit_plan(step: float, name: str = "slit", sutures: int = SUTURES) -> tuple[Plan, dict[int, SolvedFrame]]:
-    """A plan and its frames by time; name: makes its keys."""
+def slit_manifest(step: float, name: str = "slit", sutures: int = SUTURES) -> tuple[Manifest, dict[int, SolvedFrame]]:
+    """A manifest and its frames by time; name: makes its keys."""
     shapes = (epoch_shape(step, False), epoch_shape(step, True))
-    planned, solved = [], {}
+    listed, solved = [], {}
     for time in slit.FRAMES:
         epoch = int(time >= slit.INCISED)
         count = sutures if time > slit.LIFTED else 0
         hooks = slit.INCISED < time < slit.SUTURED
         key = hashlib.sha256(f"{name} {time}".encode()).hexdigest()
-        planned.append(PlannedFrame(time, epoch, key, (0, 1) if hooks else (), tuple(range(count))))
+        listed.append(ListedFrame(time, epoch, key, (0, 1) if hooks else (), tuple(range(count))))
         solved[time] = frame_at(shapes[epoch], time, count, hooks)
-    plan = Plan(
+    manifest = Manifest(
         key=hashlib.sha256(name.encode()).hexdigest(),
         epochs=shapes,
-        frames=tuple(planned),
+        frames=tuple(listed),
         hooks=("lower", "upper"),
         sutures=tuple(f"suture_{k + 1}" for k in range(sutures)),
         landmarks=("left apex", "right apex"),
         landmarks_at=((0, 1), (0, 1)),
     )
-    return plan, solved
+    return manifest, solved
 
 
 @dataclass
 class Solved:
     """Stands in for the solving side: what it knows of each scene, by the scene's name."""
 
-    plans: dict[str, tuple[Plan, dict[int, SolvedFrame]]] = field(default_factory=dict)
+    manifests: dict[str, tuple[Manifest, dict[int, SolvedFrame]]] = field(default_factory=dict)
     listeners: list[Callable[[bpy.types.Scene], None]] = field(default_factory=list)
 
     def shown_at(self, scene: bpy.types.Scene, time: float) -> Shown | None:
-        if scene.name not in self.plans:
+        if scene.name not in self.manifests:
             return None
-        plan, solved = self.plans[scene.name]
-        at = min(max(math.floor(time), plan.frames[0].time), plan.frames[-1].time)
-        own = next(f for f in plan.frames if f.time == at)
-        return Shown(plan, plan.epochs[own.epoch], at, solved.get(at), stale=False)
+        manifest, solved = self.manifests[scene.name]
+        at = min(max(math.floor(time), manifest.frames[0].time), manifest.frames[-1].time)
+        own = next(f for f in manifest.frames if f.time == at)
+        return Shown(manifest, manifest.epochs[own.epoch], at, solved.get(at), stale=False)
 
-    def plan_of(self, scene: bpy.types.Scene) -> Plan | None:
-        return self.plans[scene.name][0] if scene.name in self.plans else None
+    def manifest_of(self, scene: bpy.types.Scene) -> Manifest | None:
+        return self.manifests[scene.name][0] if scene.name in self.manifests else None
 
     def frame_state(self, scene: bpy.types.Scene, time: float) -> str:
-        return "solved" if scene.name in self.plans and time in self.plans[scene.name][1] else "missing"
+        return "solved" if scene.name in self.manifests and time in self.manifests[scene.name][1] else "missing"
 
     def progress_of(self, scene: bpy.types.Scene) -> Progress:
         return Progress(False, False, 0, 0, math.nan, 0, math.nan, math.nan, "", "")
@@ -122,7 +122,7 @@ class Solved:
 def solved(monkeypatch: pytest.MonkeyPatch) -> Solved:
     """The stand-in, in place of `solving.frames`."""
     made = Solved()
-    for name in ("shown_at", "plan_of", "frame_state", "progress_of"):
+    for name in ("shown_at", "manifest_of", "frame_state", "progress_of"):
         monkeypatch.setattr(frames, name, getattr(made, name))
     return made
 

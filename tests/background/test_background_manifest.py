@@ -1,4 +1,4 @@
-"""The plan of a procedure: the store keeps it, and its surfaces know where on the tissue they lie."""
+"""The manifest of a procedure: the store keeps it, and its surfaces know where on the tissue they lie."""
 
 from __future__ import annotations
 
@@ -7,13 +7,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from test_background_message import a_plan, same_bits
+from test_background_message import a_manifest, same_bits
 
 from lappet.background.compilation import Compilation
 from lappet.background.kept_frames import KeptFrames
-from lappet.background.make_plan import epoch_shapes
-from lappet.background.plan import EpochShape, Plan
-from lappet.background.plan_store import get_plan, put_plan
+from lappet.background.make_manifest import epoch_shapes
+from lappet.background.manifest import EpochShape, Manifest
+from lappet.background.manifest_store import get_manifest, put_manifest
 from lappet.background.skin_shape import depth_below_skin, uv_scale
 from lappet.background.tissue_face import TissueFaces
 from lappet.core.problem import RefusedError
@@ -42,27 +42,27 @@ def compilation(folder: Path) -> Compilation:
 
 
 @pytest.fixture(scope="module")
-def plan(tmp_path_factory: pytest.TempPathFactory) -> Plan:
-    return compilation(tmp_path_factory.mktemp("plan")).plan(small_procedure(), SETTINGS, silent)
+def manifest(tmp_path_factory: pytest.TempPathFactory) -> Manifest:
+    return compilation(tmp_path_factory.mktemp("manifest")).manifest(small_procedure(), SETTINGS, silent)
 
 
-def test_a_plan_has_the_frames_and_keys_of_the_program_that_lappet_solve_makes(plan: Plan) -> None:
+def test_a_manifest_has_the_frames_and_keys_of_the_program_that_lappet_solve_makes(manifest: Manifest) -> None:
     program = compile_program(small_procedure())
-    assert tuple(frame.key for frame in plan.frames) == frame_keys(program, "solver")
-    assert [frame.time for frame in plan.frames] == list(range(1, 9))
-    assert [frame.epoch for frame in plan.frames] == [0, 0, 1, 1, 1, 1, 1, 1]
-    assert [frame.hooks for frame in plan.frames] == [(), (), (), (0,), (0,), (0,), (), ()]
-    assert [frame.sutures for frame in plan.frames] == [()] * 4 + [(0,)] * 4
-    assert (plan.hooks, plan.sutures, plan.landmarks) == (("hook",), ("stitch",), ("corner",))
-    assert plan.landmarks_at == ((0,), (0,))
-    for shape, epoch in zip(plan.epochs, program.epochs, strict=True):
+    assert tuple(frame.key for frame in manifest.frames) == frame_keys(program, "solver")
+    assert [frame.time for frame in manifest.frames] == list(range(1, 9))
+    assert [frame.epoch for frame in manifest.frames] == [0, 0, 1, 1, 1, 1, 1, 1]
+    assert [frame.hooks for frame in manifest.frames] == [(), (), (), (0,), (0,), (0,), (), ()]
+    assert [frame.sutures for frame in manifest.frames] == [()] * 4 + [(0,)] * 4
+    assert (manifest.hooks, manifest.sutures, manifest.landmarks) == (("hook",), ("stitch",), ("corner",))
+    assert manifest.landmarks_at == ((0,), (0,))
+    for shape, epoch in zip(manifest.epochs, program.epochs, strict=True):
         np.testing.assert_array_equal(shape.rest, epoch.surface.points.astype(np.float32))
         np.testing.assert_array_equal(shape.triangles, epoch.surface.triangles)
         np.testing.assert_array_equal(shape.origin, epoch.surface.origin)
 
 
-def test_the_grid_of_the_skin_is_in_millimetres_along_it(plan: Plan) -> None:
-    for shape in plan.epochs:
+def test_the_grid_of_the_skin_is_in_millimetres_along_it(manifest: Manifest) -> None:
+    for shape in manifest.epochs:
         skin = shape.origin == FaceOrigin.SKIN
         along = shape.grid[skin][:, 1:] - shape.grid[skin][:, :1]
         corners = shape.rest[shape.triangles[skin]]
@@ -70,8 +70,8 @@ def test_the_grid_of_the_skin_is_in_millimetres_along_it(plan: Plan) -> None:
         np.testing.assert_allclose(np.linalg.norm(along, axis=2), length, atol=0.02)  # what tidying moves a vertex by
 
 
-def test_the_depth_of_a_wall_is_how_far_below_the_flat_skin_it_is(plan: Plan) -> None:
-    shape = plan.epochs[1]
+def test_the_depth_of_a_wall_is_how_far_below_the_flat_skin_it_is(manifest: Manifest) -> None:
+    shape = manifest.epochs[1]
     walls = np.unique(shape.triangles[shape.origin == FaceOrigin.WOUND_WALL])
     within = walls[np.abs(shape.rest[walls, 0]) < 4.0]  # away from where the slit ends
     assert shape.depth[within].max() > 0.9 * TOP
@@ -128,48 +128,48 @@ def test_the_nearest_face_is_found_as_the_slow_search_finds_it_near_and_far() ->
     np.testing.assert_allclose(distance, expected[2], atol=1e-9)
 
 
-def test_a_plan_comes_back_from_the_store_with_every_bit(plan: Plan, tmp_path: Path) -> None:
-    for each in (plan, a_plan()):
+def test_a_manifest_comes_back_from_the_store_with_every_bit(manifest: Manifest, tmp_path: Path) -> None:
+    for each in (manifest, a_manifest()):
         store = FrameStore(tmp_path / each.key[:4])
-        assert get_plan(store, each.key) is None
-        assert put_plan(store, each)
-        back = get_plan(FrameStore(store.folder), each.key)
+        assert get_manifest(store, each.key) is None
+        assert put_manifest(store, each)
+        back = get_manifest(FrameStore(store.folder), each.key)
         assert same_bits(back, each)
 
 
-def test_a_plan_whose_surface_was_pruned_is_not_there(plan: Plan, tmp_path: Path) -> None:
+def test_a_manifest_whose_surface_was_pruned_is_not_there(manifest: Manifest, tmp_path: Path) -> None:
     store = FrameStore(tmp_path)
-    put_plan(store, plan)
-    store.path(plan.epochs[1].key).unlink()
-    assert get_plan(store, plan.key) is None
-    put_plan(store, plan)
-    assert get_plan(store, plan.key) is not None
+    put_manifest(store, manifest)
+    store.path(manifest.epochs[1].key).unlink()
+    assert get_manifest(store, manifest.key) is None
+    put_manifest(store, manifest)
+    assert get_manifest(store, manifest.key) is not None
 
 
-def test_surfaces_that_the_owner_holds_are_not_read_again(plan: Plan, tmp_path: Path) -> None:
+def test_surfaces_that_the_owner_holds_are_not_read_again(manifest: Manifest, tmp_path: Path) -> None:
     store = FrameStore(tmp_path)
-    put_plan(store, plan)
+    put_manifest(store, manifest)
     held: dict[str, EpochShape] = {}
-    first = get_plan(store, plan.key, held)
-    for epoch in plan.epochs:
+    first = get_manifest(store, manifest.key, held)
+    for epoch in manifest.epochs:
         store.path(epoch.key).unlink()
-    again = get_plan(store, plan.key, held)
+    again = get_manifest(store, manifest.key, held)
     assert first is not None
     assert again is not None
     assert [a is b for a, b in zip(first.epochs, again.epochs, strict=True)] == [True, True]
 
 
-def test_frames_and_plans_are_not_taken_for_each_other(plan: Plan, tmp_path: Path) -> None:
+def test_frames_and_plans_are_not_taken_for_each_other(manifest: Manifest, tmp_path: Path) -> None:
     store = FrameStore(tmp_path)
-    put_plan(store, plan)
+    put_manifest(store, manifest)
     points = np.ones((2, 3), np.float32)
     store.put("ab" * 32, SolvedFrame(2.0, points))
     found = store.get("ab" * 32, SolvedFrame)
     assert found is not None
     np.testing.assert_array_equal(found.points, points)
-    assert get_plan(store, "ab" * 32) is None
-    assert store.get(plan.key, SolvedFrame) is None
-    assert store.get(plan.epochs[0].key, SolvedFrame) is None
+    assert get_manifest(store, "ab" * 32) is None
+    assert store.get(manifest.key, SolvedFrame) is None
+    assert store.get(manifest.epochs[0].key, SolvedFrame) is None
 
 
 def test_only_what_cuts_builds_epochs_again(tmp_path: Path) -> None:
@@ -178,7 +178,7 @@ def test_only_what_cuts_builds_epochs_again(tmp_path: Path) -> None:
     assert isinstance(hook, Hook)
     assert isinstance(slit, Incision)
     compiled = compilation(tmp_path)
-    first = compiled.plan(base, SETTINGS, silent)
+    first = compiled.manifest(base, SETTINGS, silent)
     moved = replace(hook, targets=((4.0, (0.0, 2.0, TOP)), (6.0, (0.0, 5.0, TOP))))
     second = Suture("second", ((-2.0, -1.0, TOP), (-2.0, 1.0, TOP)), 6.0)
     for other in (
@@ -187,25 +187,25 @@ def test_only_what_cuts_builds_epochs_again(tmp_path: Path) -> None:
         replace(base, events=(replace(slit, name="cut"), hook, stitch, mark)),
         replace(base, tissue=replace(base.tissue, gravity=3.7)),
     ):
-        plan = compiled.plan(other, SETTINGS, silent)
-        assert plan.key != first.key
-        assert [frame.key for frame in plan.frames] == list(frame_keys(compile_program(other), "solver"))
+        manifest = compiled.manifest(other, SETTINGS, silent)
+        assert manifest.key != first.key
+        assert [frame.key for frame in manifest.frames] == list(frame_keys(compile_program(other), "solver"))
         assert compiled.epochs_built == 1
     for other in (
         replace(base, events=(replace(slit, kerf=0.2), hook, stitch, mark)),
         replace(base, events=(replace(slit, time=4.0), hook, stitch, mark)),
     ):
-        compiled.plan(other, SETTINGS, silent)
-    compiled.plan(base, replace(SETTINGS, spacing=1.5), silent)
+        compiled.manifest(other, SETTINGS, silent)
+    compiled.manifest(base, replace(SETTINGS, spacing=1.5), silent)
     assert compiled.epochs_built == 4
 
 
 def test_edits_share_the_keys_of_the_frames_before_them(tmp_path: Path) -> None:
     base = small_procedure()
     compiled = compilation(tmp_path)
-    first = compiled.plan(base, SETTINGS, silent)
+    first = compiled.manifest(base, SETTINGS, silent)
     second = Suture("second", ((-2.0, -1.0, TOP), (-2.0, 1.0, TOP)), 6.0)
-    edited = compiled.plan(base.with_events(second), SETTINGS, silent)
+    edited = compiled.manifest(base.with_events(second), SETTINGS, silent)
     same = [a.key == b.key for a, b in zip(first.frames, edited.frames, strict=True)]
     assert same == [True] * 5 + [False] * 3
 
@@ -230,7 +230,7 @@ def test_what_cannot_be_solved_is_refused_with_the_path_and_its_sentence(
     change: dict[str, object], path: str, says: str, tmp_path: Path
 ) -> None:
     with pytest.raises(RefusedError) as refused:
-        compilation(tmp_path).plan(small_procedure(**change), SETTINGS, silent)
+        compilation(tmp_path).manifest(small_procedure(**change), SETTINGS, silent)
     assert path in [problem.prim for problem in refused.value.problems]
     assert says in str(refused.value)
 
@@ -240,7 +240,7 @@ def test_all_problems_are_told_at_once_errors_first(tmp_path: Path) -> None:
     hook = Hook("h", (0.0, 90.0, TOP), ((1.0, (0.0, 0.0, 9.0)),), 1.0, 3.0, stiffness=-1.0)
     broken = Procedure(replace(base.tissue, spacing=-1.0), events=(hook,), end_time=4.0)
     with pytest.raises(RefusedError) as refused:
-        compilation(tmp_path).plan(broken, SETTINGS, silent)
+        compilation(tmp_path).manifest(broken, SETTINGS, silent)
     problems = refused.value.problems
     assert {problem.prim for problem in problems} >= {"/Procedure/Tissue", "/Procedure/Timeline/h"}
     assert [problem.severity for problem in problems] == sorted(problem.severity for problem in problems)

@@ -1,4 +1,4 @@
-"""A plan and its frames as what the drawing of threads, hooks and marks asks for (`look/skin_source.py`)."""
+"""A manifest and its frames as what the drawing of threads, hooks and marks asks for (`look/skin_source.py`)."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from lappet.background.plan import EpochShape, Plan
+from lappet.background.manifest import EpochShape, Manifest
 from lappet.core.problem import RefusedError
 from lappet.daemon.solved_frame import SolvedFrame
 from lappet.geometry.curve import sample_curve
@@ -25,26 +25,26 @@ def _no_strands(count: int) -> Strands:
     return Strands(np.zeros((count, 2, 3), np.float32), np.zeros(count, bool))
 
 
-class PlanSource:
-    """The frames of a plan, known or not, with what the scene says of its events.
+class ManifestSource:
+    """The frames of a manifest, known or not, with what the scene says of its events.
 
     A frame that is not known shows its epoch at rest, without sutures and hooks.
     """
 
-    def __init__(self, plan: Plan, scene: bpy.types.Scene, lookup: Lookup) -> None:
+    def __init__(self, manifest: Manifest, scene: bpy.types.Scene, lookup: Lookup) -> None:
         """lookup: the solved frame of a time code, or None."""
-        self.plan = plan
+        self.manifest = manifest
         self._lookup = lookup
         times: dict[int, list[float]] = {}
-        for frame in plan.frames:
+        for frame in manifest.frames:
             times.setdefault(frame.epoch, []).append(float(frame.time))
-        self._shapes = plan.epochs
+        self._shapes = manifest.epochs
         self._epochs = tuple(
             SkinEpoch(f"{k} {s.key}", s.triangles, s.origin, s.grid, tuple(times.get(k, ())))
-            for k, s in enumerate(plan.epochs)
+            for k, s in enumerate(manifest.epochs)
         )
-        self._shape_of = {e.name: s for e, s in zip(self._epochs, plan.epochs, strict=True)}
-        self._planned = {float(frame.time): frame for frame in plan.frames}
+        self._shape_of = {e.name: s for e, s in zip(self._epochs, manifest.epochs, strict=True)}
+        self._listed = {float(frame.time): frame for frame in manifest.frames}
         self._now: tuple[float, SkinEpoch, SolvedFrame | None] | None = None
         self._last: dict[str, float | None] = {}
         self.read_events(scene)
@@ -63,21 +63,21 @@ class PlanSource:
         """From now on a time shows this epoch and frame, whatever the store holds (live frames, stand-ins)."""
         index = next((k for k, s in enumerate(self._shapes) if s is shape or s.key == shape.key), None)
         if index is None:
-            raise FigureError(f"The plan has no epoch {shape.key[:12]}; plan the procedure again.")
-        planned = self._planned.get(time)
-        if planned is not None and self._shapes[planned.epoch].key == shape.key:
-            index = planned.epoch
+            raise FigureError(f"The manifest has no epoch {shape.key[:12]}; solve the procedure again.")
+        listed = self._listed.get(time)
+        if listed is not None and self._shapes[listed.epoch].key == shape.key:
+            index = listed.epoch
         self._now = (time, self._epochs[index], fitting(frame, shape))
 
     @property
     def epochs(self) -> tuple[SkinEpoch, ...]:
-        """The epochs of the plan."""
+        """The epochs of the manifest."""
         return self._epochs
 
     @property
     def frames(self) -> tuple[float, ...]:
         """The time codes of all frames."""
-        return tuple(self._planned)
+        return tuple(self._listed)
 
     @property
     def events(self) -> tuple[StepEvent, ...]:
@@ -92,18 +92,18 @@ class PlanSource:
         """The solved frame of a time, or None."""
         if self._now is not None and self._now[0] == time:
             return self._now[2]
-        planned = self._planned.get(time)
-        if planned is None:
+        listed = self._listed.get(time)
+        if listed is None:
             return None
-        return fitting(self._lookup(planned.time), self._shapes[planned.epoch])
+        return fitting(self._lookup(listed.time), self._shapes[listed.epoch])
 
     def epoch_at(self, time: float) -> SkinEpoch:
-        """The epoch that is shown at a frame; FigureError where the plan has no such frame."""
+        """The epoch that is shown at a frame; FigureError where the manifest has no such frame."""
         if self._now is not None and self._now[0] == time:
             return self._now[1]
-        if time not in self._planned:
-            raise FigureError(f"Frame {time:g} is not in the plan; plan the procedure again.")
-        return self._epochs[self._planned[time].epoch]
+        if time not in self._listed:
+            raise FigureError(f"Frame {time:g} is not in the manifest; solve the procedure again.")
+        return self._epochs[self._listed[time].epoch]
 
     def positions(self, epoch: SkinEpoch, time: float) -> NDArray[np.float32]:
         """Vertex positions (n, 3), mm."""
@@ -116,20 +116,20 @@ class PlanSource:
         return None if frame is None else frame.scalar(name)
 
     def sutures(self, time: float) -> Strands:
-        """The sutures of the plan at a frame."""
-        frame, count = self.frame(time), len(self.plan.sutures)
+        """The sutures of the manifest at a frame."""
+        frame, count = self.frame(time), len(self.manifest.sutures)
         return _no_strands(count) if frame is None else _strands(frame.suture_points, frame.suture_index, count)
 
     def hooks(self, time: float) -> Strands:
-        """The hooks of the plan at a frame; both ends are on the tissue."""
-        frame, count = self.frame(time), len(self.plan.hooks)
+        """The hooks of the manifest at a frame; both ends are on the tissue."""
+        frame, count = self.frame(time), len(self.manifest.hooks)
         return _no_strands(count) if frame is None else _strands(frame.hook_points[:, None], frame.hook_index, count)
 
     def hook_courses(self) -> dict[int, NDArray[np.float64]]:
         """Where the hooks' ends go, (k, 3) mm by the hook's index, as far as a few known frames tell."""
         courses: dict[int, NDArray[np.float64]] = {}
-        for index in range(len(self.plan.hooks)):
-            times = [t for t, frame in self._planned.items() if index in frame.hooks]
+        for index in range(len(self.manifest.hooks)):
+            times = [t for t, frame in self._listed.items() if index in frame.hooks]
             if self._now is not None and self._now[0] in times:
                 times = [self._now[0], *times]
             ends = [
@@ -155,7 +155,7 @@ class PlanSource:
 
         At rest where the scene still has the event.
         """
-        anchors = self._anchors.get(self.plan.sutures[index])
+        anchors = self._anchors.get(self.manifest.sutures[index])
         if anchors is not None and len(anchors) == 2:
             return self.rest(epoch), anchors
         time = next(t for t in (*self._near(), *epoch.frames) if t in epoch.frames and self.sutures(t).active[index])
