@@ -48,6 +48,19 @@ def events(name: str) -> st.SearchStrategy[Event]:
         st.builds(Hook, named, points, _samples(points), numbers, numbers, numbers),
         st.builds(Retractor, named, st.sampled_from(["fixed", "handle"]), _samples(matrices), numbers, numbers),
         st.builds(Suture, named, st.tuples(points, points), numbers, numbers, numbers),
+        st.builds(
+            Suture,
+            named,
+            st.tuples(points, points),
+            numbers,
+            numbers,
+            numbers,
+            st.just("thread"),
+            st.sampled_from(["", "nylon 5-0"]),
+            numbers,
+            numbers,
+            numbers,
+        ),
         st.builds(Landmark, named, curves, labels),
     )
 

@@ -72,6 +72,13 @@ REPORT: dict[str, Any] = {
     "notes": [NOTE],
     "error_estimate": (dict, type(None)),
     "frames": [FRAME],
+    "sutures": [
+        {
+            "time_code": NUMBER, "total_mn": NUMBER, "greatest_mn": NUMBER, "greatest_suture": (str, type(None)),
+            "donor_share": (*NUMBER, type(None)), "unresolved": list, "closures": dict,
+        }
+    ],
+    "greatest_mean_tension": (dict, type(None)),
     "failed": (dict, type(None)),
     "frames_solved": int,
     "cache_hits": int,

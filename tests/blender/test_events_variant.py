@@ -168,7 +168,7 @@ def test_the_panel_lists_events_in_order_of_time_with_the_fields_of_the_active_o
     expected = {
         "incision_1": {"moment", "through", "depth", "kerf", "closed", "basis"},
         "hook_1": {"moment", "end", "target", "stiffness"},
-        "suture_1": {"moment", "duration", "stiffness"},
+        "suture_1": {"moment", "duration", "mode", "pull_through"},
         "landmark_1": {"label"},
     }
     for name, fields in expected.items():

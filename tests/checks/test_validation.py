@@ -10,6 +10,7 @@ import trimesh
 
 from lappet.checks.lattice_size import TissueMeasure
 from lappet.checks.validation import check
+from lappet.core.problem_code import ProblemCode
 from lappet.procedure import (
     MODELS,
     Excision,
@@ -47,6 +48,18 @@ def test_a_run_off_curve_and_a_seed_inside_the_tissue_are_fine() -> None:
         Incision("cut", 2.0, ((-40, 0, 40), (40, 0, 40))), Excision("half", 3.0, ((0, 10, 20),))
     )
     assert check(block) == []
+
+
+def test_a_thread_must_be_known_and_none_of_its_numbers_negative() -> None:
+    stitch = GOOD.events[4]
+    assert isinstance(stitch, Suture)
+    thread = replace(stitch, mode="thread", thread="silk 4-0", length=1.0, tension=200.0, pull_through=900.0)
+    assert check(replace(GOOD, events=(thread,))) == []
+    wrong = replace(thread, mode="glued", thread="hemp 4-0", length=-1.0, tension=float("nan"))  # type: ignore[arg-type]
+    found = check(replace(GOOD, events=(wrong,)))
+    codes = ProblemCode.SUTURE_MODE, ProblemCode.SUTURE_THREAD, ProblemCode.SUTURE_NUMBER, ProblemCode.SUTURE_NUMBER
+    assert tuple(each.code for each in found) == codes
+    assert all(each.prim == "/Procedure/Timeline/stitch" for each in found)
 
 
 def test_several_hooks_may_follow_each_other_on_one_point() -> None:

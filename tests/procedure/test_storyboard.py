@@ -9,6 +9,7 @@ from pathlib import Path
 
 from lappet.core.problem_code import ProblemCode
 from lappet.procedure import Bone, Hook, Incision, Landmark, Material, Procedure, Region, Retractor, Suture, Undermine
+from lappet.procedure.events import describe
 from lappet.procedure.scene_profile import measured_costs, profile_lines, scene_profile, scene_reasons
 from lappet.procedure.storyboard import inspection
 from lappet.tissue.patch import flat_patch
@@ -25,6 +26,14 @@ BOARD = Procedure(flat_patch((60, 40, 4), 4.0), end_time=20.0).with_events(
 )
 
 
+def test_a_thread_says_how_stiff_it_is_and_how_it_is_drawn() -> None:
+    ends = ((0, -3, 4), (0, 1, 4))
+    own = Suture("own", ends, 10.0, stiffness=250.0, mode="thread", length=0.5)
+    assert describe(own).endswith("4 mm apart at rest, 250 mN/mm, drawn to 0.5 mm")
+    nylon = Suture("nylon", ends, 10.0, mode="thread", thread="nylon 5-0", tension=300.0)
+    assert re.search(r"nylon 5-0, 767\d mN/mm, drawn to 0 mm with 300 mN at most$", describe(nylon))
+
+
 def test_the_storyboard_tells_the_events_in_time_order_with_their_units() -> None:
     lines = repr(BOARD).splitlines()
     assert lines[0] == "Procedure, time codes 1 to 20 at 24 per second, 20 frames"
@@ -32,7 +41,7 @@ def test_the_storyboard_tells_the_events_in_time_order_with_their_units() -> Non
         ["2", "incision", "cut", "1.5 mm deep, 10 mm through 3 points, kerf 0.05 mm"],
         ["4 – 9", "retractor", "pull", "moves 'fixed' by 5 mm and turns it by 90° over 2 samples"],
         ["5 – 10", "hook", "hook", "(0, 1, 4) drawn 5 mm to (0, 4, 8), 250 mN/mm"],
-        ["10 – 12", "suture", "stitch", "(0, -3, 4) to (0, 1, 4), 4 mm apart at rest, 1000 mN/mm"],
+        ["10 – 12", "suture", "stitch", "(0, -3, 4) to (0, 1, 4), 4 mm apart at rest, closed exactly"],
         ["always", "landmark", "tip", "'tip of the flap' at (0, 1, 4)"],
     ]
     assert "60 × 40 × 4 mm" in repr(BOARD)

@@ -86,6 +86,20 @@ def test_a_suture_closes_over_its_duration_and_stays(
     assert [frame.time for frame in placed] == [time for time in range(1, 9) if time >= start]
     assert [float(frame.suture_closure[0]) for frame in placed] == pytest.approx(closures)
     assert {float(frame.suture_stiffness[0]) for frame in placed} == {77.0}
+    assert all(not len(frame.suture_is_thread) for frame in frames)
+
+
+def test_threads_tell_their_stiffness_length_and_tension(program: Program) -> None:
+    ends = ((2.0, -2.0, TOP), (2.0, 2.0, TOP))
+    free = Suture("free", ends, 4.0, stiffness=77.0, mode="thread", length=0.5)
+    nylon = Suture("nylon", ends, 5.0, mode="thread", thread="nylon 5-0", length=1.0, tension=300.0)
+    exact = Suture("exact", ends, 6.0, thread="nylon 5-0")
+    last = compiled(program, free, nylon, exact).frames[-1]
+    assert last.suture_is_thread.tolist() == [1, 1, 0]
+    assert last.suture_length.tolist() == [0.5, 1.0, 0.0]
+    assert last.suture_tension.tolist() == [0.0, 300.0, 0.0]
+    # E A / length of 2500 MPa, 0.125 mm and 4 mm
+    assert last.suture_stiffness[:2].tolist() == pytest.approx([77.0, 2.5e6 * np.pi * 0.125**2 / 4.0 / 4.0])
 
 
 def test_an_anchor_lies_on_the_triangle_it_is_tied_to(program: Program) -> None:

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from lappet.commands.run_solve import told_lines
+from lappet.core.problem import problem
 from lappet.core.problem_code import ProblemCode
 from lappet.daemon.daemon_solver import connect_to
 from lappet.output.report import report
@@ -147,6 +148,16 @@ def test_summary_and_report_of_a_solve_hold_all_of_it(program: Program, frames: 
     assert sum(line.startswith("warning: ") for line in lines) == 2
     (besides,) = [line for line in lines if line.startswith("Besides: ")]
     assert "Frame 8" in besides
+
+
+def test_of_many_warnings_of_a_kind_the_summary_gives_three_and_their_number() -> None:
+    many = [problem(ProblemCode.SUTURE_AFTER_END, f"/m{i}", "9", end=8.0) for i in range(7)]
+    other = problem(ProblemCode.TISSUE_SMALL, "/t", "1", least=2.0)
+    lines = told_lines([*many[:4], other, *many[4:]])
+    assert [line.startswith("warning: /m") for line in lines] == [True, True, True, False, False]
+    assert "4 more" in lines[3]
+    assert "suture-after-end" in lines[3]
+    assert lines[4].startswith("warning: /t")
 
 
 def wedge(spacing: float) -> Tissue:

@@ -147,7 +147,10 @@ def test_a_region_that_has_no_subset_or_shares_one_cannot_be_written(tmp_path: P
 
 
 def test_usd_recognises_the_schemas_and_every_property_is_authored(tmp_path: Path) -> None:
-    write_procedure(_layered(), tmp_path / "p.usda")
+    ends = ((0, -1.3, 2), (0, 1.3, 2))
+    thread = Suture("stitch", ends, 6.0, 1.0, 50.0, "thread", "nylon 5-0", 1.5, 300.0, 900.0)
+    events = tuple(thread if event.name == "stitch" else event for event in _layered().events)
+    write_procedure(replace(_layered(), events=events), tmp_path / "p.usda")
     stage = pxr().Usd.Stage.Open(str(tmp_path / "p.usda"))
     registry = pxr().Usd.SchemaRegistry()
     expected = {"Tissue": "Tissue", "Timeline/cut": "Incision", "Timeline/hook": "Hook", "Timeline/pull": "Retractor"}

@@ -26,6 +26,11 @@ _COPIED = (
     "depth",
     "kerf",
     "stiffness",
+    "mode",
+    "thread",
+    "length",
+    "tension",
+    "pull_through",
     "grip",
     "label",
 )

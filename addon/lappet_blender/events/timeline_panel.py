@@ -149,7 +149,14 @@ def draw_fields(layout: Any, scene: bpy.types.Scene, event: Any) -> None:
             fields.prop(event, "grip")
         case "SUTURE":
             fields.prop(event, "duration")
-            fields.prop(event, "stiffness")
+            fields.prop(event, "mode")
+            if event.mode == "THREAD":
+                fields.prop(event, "thread")
+                if event.thread == "NONE":
+                    fields.prop(event, "stiffness")
+                fields.prop(event, "length")
+                fields.prop(event, "tension")
+            fields.prop(event, "pull_through")
         case "LANDMARK":
             fields.prop(event, "label")
     if event.kind in CUT_KINDS and event.kind != "EXCISION":

@@ -11,10 +11,10 @@ from bpy.props import (
     StringProperty,
 )
 
-from lappet.procedure import Hook, Incision
+from lappet.procedure import Hook, Incision, Suture
 
 from .changes import property_changed
-from .event_kinds import BASES, KINDS
+from .event_kinds import BASES, KINDS, SUTURE_MODES, THREAD_ITEMS
 from .event_list import move_event, rename_event
 from .tracked_properties import choice, flag, number, pointer, text, vector
 
@@ -71,6 +71,25 @@ class LappetEvent(bpy.types.PropertyGroup):
         default=Hook.stiffness,
         min=0.0,
         update=property_changed,
+    )
+    mode: choice(name="Hold", items=SUTURE_MODES, default="EXACT")
+    thread: choice(
+        name="Thread", description="A thread from the shelf, or the stiffness below", items=THREAD_ITEMS, default="NONE"
+    )
+    length: number(
+        name="Length", description="Length to which the thread is drawn, in mm", default=Suture.length, min=0.0
+    )
+    tension: number(
+        name="Tension",
+        description="Tension with which the thread is drawn at most, in mN; 0 for as much as it takes",
+        default=Suture.tension,
+        min=0.0,
+    )
+    pull_through: number(
+        name="Pull-through",
+        description="Tension at which the thread cuts through the tissue, in mN; 0 for that of the thread",
+        default=Suture.pull_through,
+        min=0.0,
     )
     target: pointer(
         name="Target",

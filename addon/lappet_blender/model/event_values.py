@@ -17,7 +17,7 @@ from lappet.procedure import Event, Excision, Hook, Incision, Landmark, Point, R
 
 from .changes import changed
 from .decimals import decimal
-from .event_kinds import BASIS_OF
+from .event_kinds import BASIS_OF, MODE_OF, THREAD_OF
 from .event_list import add_event, event_time, numbered_name, set_points, target_name, unique_name
 from .event_target import is_there, make_target, set_keyframes
 from .target_samples import hook_samples, motion_samples
@@ -55,7 +55,18 @@ def event_value(scene: bpy.types.Scene, event: Any) -> Event:
             return Retractor(name, str(event.grip), motion, time, release)
         case "SUTURE":
             first, second = _exactly(event, points, 2)
-            return Suture(name, (first, second), time, decimal(event.duration), decimal(event.stiffness))
+            return Suture(
+                name,
+                (first, second),
+                time,
+                decimal(event.duration),
+                decimal(event.stiffness),
+                MODE_OF[event.mode],
+                THREAD_OF[event.thread],
+                decimal(event.length),
+                decimal(event.tension),
+                decimal(event.pull_through),
+            )
         case _:
             return Landmark(name, points, str(event.label))
 
@@ -106,6 +117,9 @@ def set_event(scene: bpy.types.Scene, event: Any, value: Event) -> None:
             _set_motion(scene, _target(scene, event), value)
         case Suture():
             event.start, event.duration, event.stiffness = value.start, value.duration, value.stiffness
+            event.mode = next(name for name, mode in MODE_OF.items() if mode == value.mode)
+            event.thread = next((name for name, thread in THREAD_OF.items() if thread == value.thread), "NONE")
+            event.length, event.tension, event.pull_through = value.length, value.tension, value.pull_through
             set_points(event, value.anchors)
         case Landmark():
             event.start = scene.frame_start

@@ -1,4 +1,4 @@
-"""Manifests made in this session, by key, so that undo and redo find theirs at once, and what is known of frames."""
+"""Manifests made in this session, by key, for undo and redo, and what is known of their frames."""
 
 from __future__ import annotations
 

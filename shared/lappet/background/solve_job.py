@@ -35,6 +35,7 @@ from lappet.program.program import Bones, FrameConstraints, Landmarks, Program
 from lappet.program.settings import SolverSettings
 from lappet.solve.error_estimate import ErrorEstimate, estimate_errors
 from lappet.solve.fallbacks import fallbacks
+from lappet.solve.sensitive import several_notes, stability_notes
 from lappet.solve.solve_frames import FrameResult, Frames, SolveObserver, solve_program
 from lappet.solve.untrusted import untrusted
 
@@ -161,13 +162,13 @@ class SolveJobs:
         frames
             Its frames, at least one.
         """
-        notes, errors = fallbacks(program, frames), ErrorEstimate((), 0.0, 0.0, 0.0)
+        notes, errors = fallbacks(program, frames) + stability_notes(frames), ErrorEstimate((), 0.0, 0.0, 0.0)
         wanted = job.ask.settings.correction
         if wanted:
             connect, identity = stoppable(self.connect, job), self.compilation.identity
             errors = estimate_errors(program, frames, self.store, connect, identity, _Stopping(job))
             job.step()
-            notes += untrusted(program, frames, errors)
+            notes += untrusted(program, frames, errors) + several_notes(frames, errors.frames)
         found = Assessment(tuple(notes), errors.frames)
         self.store.put(assessment_key([frame.key for frame in frames], wanted), found)
         self.tell(Assessed(job.number, found))

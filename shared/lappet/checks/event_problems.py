@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from itertools import pairwise
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 
@@ -13,7 +13,20 @@ from lappet.core.problem import Place, Problem, RefusedError, problem
 from lappet.core.problem_code import ProblemCode
 from lappet.geometry.curve import sample_curve
 from lappet.geometry.rigid_motion import RigidMotion
-from lappet.procedure import Event, Excision, Hook, Incision, Landmark, Point, Procedure, Retractor, Suture, Undermine
+from lappet.procedure import (
+    Event,
+    Excision,
+    Hook,
+    Incision,
+    Landmark,
+    Point,
+    Procedure,
+    Retractor,
+    Suture,
+    SutureMode,
+    Undermine,
+)
+from lappet.procedure.threads import THREADS
 from lappet.tissue.rest_space import RestSpace
 
 # In lattice spacings: how far outside the tissue an anchor may be, and how far it is moved without a word (chosen).
@@ -204,11 +217,23 @@ class EventCheck:
                 drawn, end = event.start + event.duration, self.procedure.end_time
                 self._add(ProblemCode.SUTURE_AFTER_END, f"{drawn:g}", end=end)
         self._positive(ProblemCode.EVENT_STIFFNESS, event.stiffness, usual=f"{Suture.stiffness:g}")
+        self._thread(event)
         if self._points("anchor", event.anchors):
             self._anchors("anchor", event.anchors)
             apart, least = math.dist(*event.anchors), same_point(self.procedure)
             if apart <= least:
                 self._add(ProblemCode.SUTURE_OF_ONE_POINT, at(event.anchors[0]), Place.at(event.anchors[0]))
+
+    def _thread(self, event: Suture) -> None:
+        modes = get_args(SutureMode)
+        if event.mode not in modes:
+            self._add(ProblemCode.SUTURE_MODE, event.mode, known=", ".join(modes))
+        if event.thread and event.thread not in THREADS:
+            self._add(ProblemCode.SUTURE_THREAD, event.thread, known=", ".join(THREADS))
+        for name in ("length", "tension", "pull_through"):
+            value: float = getattr(event, name)
+            if not (math.isfinite(value) and value >= 0.0):
+                self._add(ProblemCode.SUTURE_NUMBER, f"{value:g}", name=name.replace("_", "-"))
 
 
 def _places(event: Event) -> Sequence[Point]:

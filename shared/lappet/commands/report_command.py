@@ -29,7 +29,7 @@ def _say(line: str) -> None:
 
 @click.group()
 def report() -> None:
-    """Measure error against run time, the estimate, stability and economy; show the presets of tissue."""
+    """Measure error against run time, the estimate, convergence, stability and economy; show the presets of tissue."""
 
 
 @report.command("error-time")
@@ -100,6 +100,26 @@ def stability(
             text, right, files = run_fuzz(folder, fuzz, _say, jobs)
         else:
             text, right, files = run_stability(folder, chosen_cases(only, quick), _say)
+        click.echo(text)
+        for path in files:
+            click.echo(path)
+        if not right:
+            context.exit(1)
+
+
+@report.command("convergence")
+@_output("convergence")
+@click.option("--quick", is_flag=True, help="Leave out the large patches and the moduli between.")
+@click.pass_context
+def convergence(context: click.Context, /, folder: Path, quick: bool) -> None:
+    """Compare flaps at the default settings with the same frames solved to 1e-8 in double precision.
+
+    The exit status is 1 if a frame is off by more than 0.05 mm, or 0.05 spacings of a coarser lattice.
+    """
+    with sentences(context):
+        from lappet.reports.convergence.run import run_convergence
+
+        text, right, files = run_convergence(folder, quick, say=_say)
         click.echo(text)
         for path in files:
             click.echo(path)

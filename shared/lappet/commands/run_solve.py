@@ -8,9 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from lappet.core.problem_code import ProblemCode
-
-FOUND_BY_SOLVING = {ProblemCode.ERROR_LARGE, ProblemCode.LATTICE_VOLUME}
+MOST_ALIKE = 3  # warnings of a kind that the summary gives in full
 
 if TYPE_CHECKING:
     from lappet.core.problem import Problem
@@ -87,6 +85,7 @@ def run_to_target(
         If the target is not reached.
     """
     from lappet.core.problem import refused
+    from lappet.core.problem_code import ProblemCode
     from lappet.daemon.daemon_solver import connect_to, solver_identity
     from lappet.solve.coarse_program import expected_order
     from lappet.solve.store import FrameStore
@@ -146,7 +145,7 @@ def summary(result: SolveResult) -> str:
 
 
 def told_lines(notes: Sequence[Problem]) -> list[str]:
-    """Say what is not to be trusted, what is suspicious, and what was done otherwise than it was told, a line each.
+    """Say what is suspicious or not to be trusted, a line each, and in one line what was done otherwise than told.
 
     Parameters
     ----------
@@ -159,11 +158,14 @@ def told_lines(notes: Sequence[Problem]) -> list[str]:
         Lines of text.
     """
     warnings = [each for each in notes if each.severity == "warning"]
-    lines = [f"warning: {each}" for each in warnings if each.code in FOUND_BY_SOLVING]
-    others = [each for each in warnings if each.code not in FOUND_BY_SOLVING]
-    if others:  # which were told before the first frame
-        named = ", ".join(f"{each.code} ({each.prim})" if each.prim else each.code for each in others)
-        lines.append(f"{len(others)} warning{'' if len(others) == 1 else 's'} about the procedure: {named}.")
+    lines = []
+    for code in dict.fromkeys(each.code for each in warnings):
+        alike = [each for each in warnings if each.code == code]
+        lines += [f"warning: {each}" for each in alike[:MOST_ALIKE]]
+        if len(alike) > MOST_ALIKE:
+            lines.append(
+                f"warning: {len(alike) - MOST_ALIKE} more of the kind {code}; lappet check and the report name all."
+            )
     told = [f"{each.prim}: {each.message}" if each.prim else each.message for each in notes if each.severity == "note"]
     if told:
         lines.append("Besides: " + " ".join(told))

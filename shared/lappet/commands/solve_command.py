@@ -17,6 +17,7 @@ from lappet.program.settings import SolverSettings
 @click.argument("procedure", type=FILE)
 @click.option("-o", "--output", type=FILE, help="The skin cache.  [default: PROCEDURE.cache.usdc]")
 @click.option("--report", "report_path", type=FILE, help="Write what the solve took as JSON.")
+@click.option("--suture-forces", "forces_path", type=FILE, help="Write the force on each suture as CSV.")
 @click.option("--frames", type=FrameRange(), help="Solve up to B and write A to B.")
 @click.option(
     "--target-error",
@@ -32,6 +33,7 @@ def solve(
     procedure: Path,
     output: Path | None,
     report_path: Path | None,
+    forces_path: Path | None,
     frames: tuple[int | None, int | None] | None,
     target_error: float | None,
     settings: SolverSettings,
@@ -53,6 +55,10 @@ def solve(
                 option = "--" + given[0].replace("_", "-")
                 raise click.UsageError(f"--target-error chooses {option} itself; leave {option} out.")
             result = run_to_target(procedure, cache, report_path, settings, target_error, **options)
+        if forces_path is not None:
+            from lappet.output.suture_forces import write_suture_forces
+
+            write_suture_forces(forces_path, result.suture_forces)
         click.echo(summary(result))
     if not result.complete:
         context.exit(1)

@@ -19,7 +19,9 @@ from lappet.core.machine import machine
 from lappet.core.problem import Place, Problem
 from lappet.core.version import version
 from lappet.cutting.epoch import Epoch
+from lappet.output.mean_tension import greatest_mean_tension
 from lappet.output.solve_to_cache import SolveResult
+from lappet.output.suture_forces import SutureForce, summary
 from lappet.procedure.scene_profile import scene_profile
 from lappet.program.program import Program
 from lappet.solve.error_estimate import FrameErrorEstimate
@@ -98,6 +100,7 @@ def report(result: SolveResult) -> dict[str, Any]:
             "code": None if result.errors.reason is None else result.errors.reason.code,
         },
         "frames": [_frame(program, frame, error) for frame, error in zip(result.frames, _errors(result), strict=True)],
+        **_forces(result),
         "failed": None if result.failed is None else _frame(program, result.failed),
         "frames_solved": result.solved,
         "cache_hits": result.looked_up,
@@ -179,6 +182,27 @@ def _frame(program: Program, frame: FrameResult, error: FrameErrorEstimate | Non
         "cache_hit": frame.looked_up,
         "key": frame.key,
     }
+
+
+def _forces(result: SolveResult) -> dict[str, Any]:
+    """The forces of each frame that has a suture, summed up, and the tension of the skin."""
+    rows: dict[float, list[SutureForce]] = {}
+    for row in result.suture_forces:
+        rows.setdefault(row.time, []).append(row)
+    sutures = [{"time_code": time, **summary(own)} for time, own in rows.items()]
+    return {"sutures": sutures, "greatest_mean_tension": _mean_tension(result)}
+
+
+def _mean_tension(result: SolveResult) -> dict[str, Any] | None:
+    """The greatest mean tension in the last frame."""
+    if not result.frames:
+        return None
+    last = result.frames[-1]
+    surface = result.program.epochs[last.constraints.epoch].surface
+    found = greatest_mean_tension(surface, last.solved.tension)
+    if found is None:
+        return None
+    return {"time_code": last.solved.time, "kpa": found.tension, "area_mm2": found.area, "place_mm": found.place}
 
 
 def _errors(result: SolveResult) -> tuple[FrameErrorEstimate | None, ...]:

@@ -186,7 +186,14 @@ def _write_sutures(stage: Any, procedure: Procedure, program: Program, frames: S
     first = {event.name: event.anchors[0] for event in procedure.events if isinstance(event, Suture)}
     held = np.array([[first[name]] * 2 for name in program.sutures], np.float64)
     curves = _curves(stage, "/Procedure/Skin/Sutures", program.sutures, _THREAD_MM, (0.08, 0.12, 0.35))
+    usd = pxr()
+    pull = usd.UsdGeom.PrimvarsAPI(curves).CreatePrimvar(
+        "force", usd.Sdf.ValueTypeNames.FloatArray, usd.UsdGeom.Tokens.uniform
+    )
     for frame in frames:
+        forces = np.zeros(len(program.sutures), np.float32)
+        forces[frame.suture_index] = frame.suture_forces
+        pull.Set(usd.Vt.FloatArray.FromNumpy(forces), frame.time)
         active = np.zeros(len(program.sutures), np.int32)
         active[frame.suture_index] = 1
         held[frame.suture_index] = frame.suture_points

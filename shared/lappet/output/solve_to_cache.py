@@ -14,6 +14,7 @@ from lappet.core.problem_code import ProblemCode
 from lappet.daemon.daemon_solver import connect_to, solver_identity
 from lappet.daemon.frame_solver import Connect, Iteration
 from lappet.output.skin_cache import write_skin_cache
+from lappet.output.suture_forces import SutureForce, suture_forces, suture_warnings
 from lappet.procedure import Procedure
 from lappet.procedure.prim_paths import ROOT
 from lappet.program.compile import DEFAULT, compile_program, frame_times
@@ -55,6 +56,8 @@ class SolveResult:
         Warnings and notes: what is suspicious in the procedure, and what was done otherwise than it was told.
     errors
         Estimate of the errors of `frames`, or None where none was wanted.
+    suture_forces
+        The force on each suture in each frame.
     """
 
     procedure: Procedure
@@ -67,6 +70,7 @@ class SolveResult:
     wall_seconds: float = 0.0
     notes: tuple[Problem, ...] = ()
     errors: ErrorEstimate | None = None
+    suture_forces: tuple[SutureForce, ...] = ()
 
     @property
     def complete(self) -> bool:
@@ -150,6 +154,7 @@ def solve_procedure(
         solver = solver or solver_identity(daemon)
     store = store or FrameStore()
     result = solve_program(program, store, connect, solver, watch)
+    forces = [row for frame in result.frames for row in suture_forces(procedure, program, frame.solved)]
     wanted = [frame for frame in result.frames if frame.constraints.time >= first]
     written = None
     if wanted:
@@ -158,7 +163,7 @@ def solve_procedure(
     elif result.reason is not None and result.failed is None:
         raise RefusedError([result.reason])
     errors = None
-    found = fallbacks(program, result.frames) + stability_notes(result.frames)
+    found = fallbacks(program, result.frames) + stability_notes(result.frames) + suture_warnings(procedure, forces)
     if error_estimate and result.frames and result.interrupted:
         found.append(problem(ProblemCode.ESTIMATE_SKIPPED, "", "the solve was stopped"))
     elif error_estimate and result.frames:
@@ -179,6 +184,7 @@ def solve_procedure(
         time.perf_counter() - started,
         (*watch.notes, *found),
         errors,
+        tuple(forces),
     )
 
 

@@ -13,6 +13,7 @@ from lappet.procedure.events import (
     Landmark,
     Retractor,
     Suture,
+    SutureMode,
     Undermine,
 )
 from lappet.procedure.exact_values import Point
@@ -41,6 +42,7 @@ __all__ = [
     "Retractor",
     "SkinLine",
     "Suture",
+    "SutureMode",
     "Tissue",
     "Undermine",
     "position_of",

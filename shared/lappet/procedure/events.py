@@ -21,8 +21,10 @@ from lappet.core.problem_code import ProblemCode
 from lappet.procedure.exact_values import Point, double_point, set_fields, single_points
 from lappet.procedure.plain_text import number, place
 from lappet.procedure.prim_paths import TIMELINE
+from lappet.procedure.threads import THREADS
 
 Basis = Literal["linear", "bspline", "catmullRom", "bezier"]
+SutureMode = Literal["exact", "thread"]
 
 
 @dataclass(frozen=True)
@@ -180,6 +182,9 @@ class Retractor:
 class Suture:
     """A stitch that draws two material points together and then holds them.
 
+    Closed exactly, its points meet, whatever force that takes. A thread pulls and never pushes: it becomes shorter over
+    the duration, from the distance of its points when it is placed to its length, and stretches under its tension.
+
     Parameters
     ----------
     name
@@ -191,7 +196,17 @@ class Suture:
     duration
         How many time codes it takes.
     stiffness
-        Stiffness in mN/mm.
+        Stiffness of a thread that is none from the shelf in mN/mm; a suture that closes exactly has none.
+    mode
+        "exact" or "thread".
+    thread
+        A thread of `lappet.procedure.threads.THREADS`, as "nylon 5-0", or "" for the stiffness above.
+    length
+        Length to which a thread is drawn in mm.
+    tension
+        Tension in mN with which a thread is drawn at most, or 0 for as much as it takes.
+    pull_through
+        Tension in mN at which the thread cuts through the tissue, which the report warns of; 0 for what the thread has.
     """
 
     kind: ClassVar[str] = "Suture"
@@ -200,10 +215,28 @@ class Suture:
     start: float
     duration: float = 1.0
     stiffness: float = 1000.0
+    mode: SutureMode = "exact"
+    thread: str = ""
+    length: float = 0.0
+    tension: float = 0.0
+    pull_through: float = 0.0
 
     def __post_init__(self) -> None:
         first, second = self.anchors
         set_fields(self, anchors=(double_point(first), double_point(second)))
+
+    @property
+    def axial_stiffness(self) -> float:
+        """Stiffness of the thread in mN/mm, that of a piece as long as its points are apart at rest."""
+        known = THREADS.get(self.thread)
+        return self.stiffness if known is None else known.stiffness(math.dist(*self.anchors))
+
+    @property
+    def pull_through_limit(self) -> float:
+        """Tension in mN at which it cuts through the tissue."""
+        if self.pull_through > 0.0:
+            return self.pull_through
+        return THREADS.get(self.thread, THREADS["nylon 5-0"]).pull_through
 
 
 @dataclass(frozen=True)
@@ -350,7 +383,7 @@ def describe(event: Event) -> str:
         case Suture():
             first, second = event.anchors
             gap = f"{number(math.dist(first, second))} mm apart at rest"
-            return f"{place(first)} to {place(second)}, {gap}, {number(event.stiffness)} mN/mm"
+            return f"{place(first)} to {place(second)}, {gap}, {_hold(event)}"
         case Landmark():
             return f"{event.label!r} at " + " and ".join(place(point) for point in event.points)
 
@@ -360,6 +393,15 @@ def _curve(points: Sequence[Point], basis: str, closed: bool) -> str:
     if basis == "linear":
         return f"{number(sum(math.dist(a, b) for a, b in pairwise(ring)))} mm through {len(points)} points"
     return f"a {basis} curve of {len(points)} points"
+
+
+def _hold(event: Suture) -> str:
+    """How a suture holds."""
+    if event.mode == "exact":
+        return "closed exactly"
+    thread = f"{event.thread}, " if event.thread else ""
+    most = f" with {number(event.tension)} mN at most" if event.tension > 0.0 else ""
+    return f"{thread}{number(event.axial_stiffness)} mN/mm, drawn to {number(event.length)} mm{most}"
 
 
 def _motion(event: Retractor) -> str:

@@ -15,6 +15,7 @@ from lappet.cutting.epoch import Epoch, Regions
 from lappet.program.program import Bones, FrameConstraints, Landmarks
 from lappet.program.settings import MaterialParameters, SolverSettings
 
+OPTIONAL = ("activation", "suture_is_thread", "suture_length", "suture_tension")  # of a frame
 ALWAYS_TOLD = frozenset({"model", "youngs_modulus", "poissons_ratio", "density"})
 
 
@@ -123,8 +124,9 @@ def solve_payload(frame: FrameConstraints) -> Payload:
         for item in fields(frame)
         if item.default_factory is not MISSING
     }
-    if not len(arrays["activation"]):
-        del arrays["activation"]
+    for name in OPTIONAL:
+        if not len(arrays[name]):
+            del arrays[name]
     return Payload({"time": float(frame.time)}, arrays)
 
 

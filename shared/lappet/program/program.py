@@ -59,7 +59,14 @@ class FrameConstraints:
     suture_closure
         Closure from 0 (as placed) to 1 (drawn together), shape (A,), float64.
     suture_stiffness
-        Stiffness in mN/mm, shape (A,), float64.
+        Stiffness of each as a thread in mN/mm, shape (A,), float64.
+    suture_is_thread
+        Whether each is a thread (1) or closes exactly (0), shape (A,), uint8; empty where none is a thread, as are the
+        next two.
+    suture_length
+        Length to which a thread is drawn in mm, shape (A,), float64.
+    suture_tension
+        Tension with which a thread is drawn at most in mN, 0 for as much as it takes, shape (A,), float64.
     retractor_index
         Index of each retractor in the procedure, shape (R,), int32.
     retractor_motion
@@ -81,6 +88,9 @@ class FrameConstraints:
     suture_triangles: NDArray[np.int32] = field(default_factory=lambda: no_entries((0, 2), np.int32))
     suture_closure: NDArray[np.float64] = field(default_factory=lambda: no_entries((0,), np.float64))
     suture_stiffness: NDArray[np.float64] = field(default_factory=lambda: no_entries((0,), np.float64))
+    suture_is_thread: NDArray[np.uint8] = field(default_factory=lambda: no_entries((0,), np.uint8))
+    suture_length: NDArray[np.float64] = field(default_factory=lambda: no_entries((0,), np.float64))
+    suture_tension: NDArray[np.float64] = field(default_factory=lambda: no_entries((0,), np.float64))
     retractor_index: NDArray[np.int32] = field(default_factory=lambda: no_entries((0,), np.int32))
     retractor_motion: NDArray[np.float64] = field(default_factory=lambda: no_entries((0, 4, 4), np.float64))
     activation: NDArray[np.float64] = field(default_factory=lambda: no_entries((0,), np.float64))

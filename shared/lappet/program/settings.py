@@ -119,7 +119,8 @@ class SolverSettings:
     spacing
         Edge of the lattice's cells in mm; 0 for the tissue's own, until a procedure is compiled.
     tolerance
-        Residual over force scale at which a frame has converged.
+        Residual over force scale at which a frame has converged; the displacement still to come is then 20 of it in
+        spacings at most.
     quadrature
         Quadrature points of a cell: 1, 4 or 8.
     precision
@@ -139,7 +140,7 @@ class SolverSettings:
     preconditioner
         The preconditioner; "chebyshev" leaves out the coarse space.
     correction
-        Whether frames carry the Newton step left over, from which the algebraic error is estimated.
+        Whether frames carry the displacement still to come, which is the algebraic error.
     strain
         Whether frames carry strain, stress and tension.
     stability

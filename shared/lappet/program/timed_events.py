@@ -169,13 +169,19 @@ class TimedEvents:
         ]
         if not placed:
             return {}
-        return {
+        arrays: dict[str, NDArray[Any]] = {
             "suture_index": np.array([number for number, _, _ in placed], np.int32),
             "suture_anchors": np.array([found.point for _, _, found in placed], np.float64),
             "suture_triangles": np.array([found.triangle for _, _, found in placed], np.int32),
             "suture_closure": np.array([_closure(suture, time) for _, suture, _ in placed], np.float64),
-            "suture_stiffness": np.array([suture.stiffness for _, suture, _ in placed], np.float64),
+            "suture_stiffness": np.array([suture.axial_stiffness for _, suture, _ in placed], np.float64),
         }
+        threads = [suture.mode == "thread" for _, suture, _ in placed]
+        if any(threads):
+            arrays["suture_is_thread"] = np.array(threads, np.uint8)
+            arrays["suture_length"] = np.array([suture.length for _, suture, _ in placed], np.float64)
+            arrays["suture_tension"] = np.array([suture.tension for _, suture, _ in placed], np.float64)
+        return arrays
 
     def _retractor_arrays(self, time: float) -> dict[str, NDArray[Any]]:
         held = [i for i, retractor in enumerate(self.retractors) if retractor.start <= time < retractor.release]

@@ -21,6 +21,10 @@ SENSITIVE = 0.05
 """Chosen: an equilibrium is sensitive where compression leaves a displacement less than this share of its stiffness."""
 
 
+UNSTABLE = -1e-3
+"""Chosen, as in the daemon: an equilibrium is unstable where less is left; more may be the rounding of float."""
+
+
 def is_sensitive(frame: SolvedFrame) -> bool:
     """Tell whether a small change of the procedure may move the tissue of a frame a long way.
 
@@ -52,8 +56,8 @@ def stability_notes(frames: Sequence[FrameResult]) -> list[Problem]:
         those that were found by leaving an unstable equilibrium.
     """
     solved = [frame.solved for frame in frames if frame.solved.converged]
-    unstable = [frame for frame in solved if frame.diagnostics.lowest_stiffness < 0.0]
-    sensitive = [frame for frame in solved if is_sensitive(frame) and not frame.diagnostics.lowest_stiffness < 0.0]
+    unstable = [frame for frame in solved if frame.diagnostics.lowest_stiffness < UNSTABLE]
+    sensitive = [frame for frame in solved if is_sensitive(frame) and not frame.diagnostics.lowest_stiffness < UNSTABLE]
     left = [frame for frame in solved if frame.diagnostics.saddles_left > 0]
     found = [_softest(code, of) for code, of in ((ProblemCode.FRAMES_UNSTABLE, unstable),
              (ProblemCode.FRAMES_SENSITIVE, sensitive)) if of]  # fmt: skip

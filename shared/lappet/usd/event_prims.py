@@ -22,6 +22,7 @@ from lappet.procedure import (
     Point,
     Retractor,
     Suture,
+    SutureMode,
     Undermine,
 )
 from lappet.procedure.prim_paths import TIMELINE, TISSUE
@@ -98,6 +99,14 @@ def write_event(stage: Any, usd: Any, event: Event) -> None:
             values.double("start", event.start)
             values.double("duration", event.duration)
             values.double("stiffness", event.stiffness)
+            if event.mode != Suture.mode:
+                values.author("mode", usd.Sdf.ValueTypeNames.Token, event.mode)
+            if event.thread:
+                values.author("thread", usd.Sdf.ValueTypeNames.Token, event.thread)
+            for name in ("length", "tension", "pullThrough"):
+                value = getattr(event, "pull_through" if name == "pullThrough" else name)
+                if value != 0.0:
+                    values.double(name, value)
         case Landmark():
             values.author("label", usd.Sdf.ValueTypeNames.String, event.label)
 
@@ -154,8 +163,18 @@ def read_event(reader: Reader, prim: Any, schema: str, tissues: list[Any]) -> Ev
                 reader.problem(ProblemCode.SUTURE_ANCHORS, prim.GetPath(), len(anchors))
                 anchors = ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
             duration = reader.number(prim, "lappet:duration", Suture.duration)
-            stiffness = reader.number(prim, "lappet:stiffness", Suture.stiffness)
-            return Suture(name, (anchors[0], anchors[1]), start, duration, stiffness)
+            return Suture(
+                name,
+                (anchors[0], anchors[1]),
+                start,
+                duration,
+                reader.number(prim, "lappet:stiffness", Suture.stiffness),
+                cast(SutureMode, reader.text(prim, "lappet:mode", Suture.mode)),
+                reader.text(prim, "lappet:thread", ""),
+                reader.number(prim, "lappet:length", Suture.length),
+                reader.number(prim, "lappet:tension", Suture.tension),
+                reader.number(prim, "lappet:pullThrough", Suture.pull_through),
+            )
         case _:
             return Landmark(name, _tuples(reader.points(prim)), reader.text(prim, "lappet:label", name))
 

@@ -173,6 +173,13 @@ std::vector<SutureState> decode_sutures(ArrayReader& arrays, const FrameLimits& 
   check_indices(suture_triangles, "suture_triangles", 0, limits.triangles, "triangles");
   const std::vector<double> closure = arrays.read_finite("suture_closure", {length(sutures)});
   const std::vector<double> suture_stiffness = arrays.read_finite("suture_stiffness", {length(sutures)});
+  std::vector<std::uint8_t> is_thread(sutures, 0);
+  std::vector<double> lengths(sutures, 0.0), tensions(sutures, 0.0);
+  if (arrays.has("suture_is_thread")) {
+    is_thread = arrays.read<std::uint8_t>("suture_is_thread", {length(sutures)});
+    lengths = arrays.read_finite("suture_length", {length(sutures)});
+    tensions = arrays.read_finite("suture_tension", {length(sutures)});
+  }
   std::vector<SutureState> result;
   for (std::size_t i = 0; i < sutures; ++i) {
     if (closure[i] < 0.0 || closure[i] > 1.0) {
@@ -183,7 +190,10 @@ std::vector<SutureState> decode_sutures(ArrayReader& arrays, const FrameLimits& 
                       {point_at(suture_anchors, 2 * i), suture_triangles[2 * i]},
                       {point_at(suture_anchors, 2 * i + 1), suture_triangles[2 * i + 1]},
                       closure[i],
-                      suture_stiffness[i]});
+                      suture_stiffness[i],
+                      is_thread[i] != 0,
+                      lengths[i],
+                      tensions[i]});
   }
   return result;
 }

@@ -144,6 +144,7 @@ std::vector<PartBytes> encode_frame(ReplyTo to, const FrameOutput& frame) {
   add_rows(writer, "suture_gaps", frame.suture_gaps, {});
   add_rows(writer, "suture_forces", frame.suture_forces, {});
   add_rows(writer, "suture_points", frame.suture_points, {2, 3});
+  add_rows(writer, "suture_shared", frame.suture_shared, {});
   add_rows(writer, "hook_index", frame.hook_indices, {});
   add_rows(writer, "hook_forces", frame.hook_forces, {3});
   add_rows(writer, "hook_points", frame.hook_points, {3});

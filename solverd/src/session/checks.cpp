@@ -249,6 +249,9 @@ void check_frame(const FrameInput& frame, const SessionSettings& settings, const
             suture.index, suture.closure, frame.time);
     require(std::isfinite(suture.stiffness) && suture.stiffness > 0,
             "the stiffness of suture {} is {} mN/mm; it must be positive", suture.index, suture.stiffness);
+    require(std::isfinite(suture.length) && suture.length >= 0 && std::isfinite(suture.tension) && suture.tension >= 0,
+            "suture {} is drawn to {} mm with {} mN; neither may be negative", suture.index, suture.length,
+            suture.tension);
   }
   for (const auto& retractor : frame.retractors) {
     require(retractor.index >= 0 && retractor.index < settings.retractors, "frame {:g} names retractor {} of {}",

@@ -8,10 +8,16 @@ namespace lappet {
 
 namespace {
 
-// A suture's penalty stays between these multiples of E h; its multiplier closes the gap whatever it is.
-constexpr double kMinSuturePenalty = 50.0, kMaxSuturePenalty = 500.0;
-// A hook stiffer than this multiple of E h, of the stiffest material, is held by a multiplier too.
-constexpr double kMaxHookPenalty = 1000.0;
+// The penalty of a suture that closes exactly, in E h; its multiplier closes the gap whatever it is.
+constexpr double kSuturePenalty = 50.0;
+// A hook or a thread stiffer than this multiple of E h, of the stiffest material, is held by a multiplier too.
+constexpr double kMaxPenalty = 1000.0;
+
+// How far a thread was drawn if it were as long as its ends are apart now.
+double closure_of(const SutureState& suture, double placed, double now) {
+  const double way = placed - suture.length;
+  return way != 0.0 ? (placed - now) / way : 1.0;
+}
 
 }  // namespace
 
@@ -50,10 +56,10 @@ FrameInput FrameConstraints<Real>::partway(const FrameInput& frame, double s, co
       suture.closure *= s;
       continue;
     }
-    const Vec3 placed(gap[0], gap[1], gap[2]);
-    const double now =
-        (where(suture.a, state.u) - where(suture.b, state.u)).dot(placed) / std::max(placed.squaredNorm(), 1e-300);
-    suture.closure = (1 - s) * std::clamp(1.0 - now, 0.0, 1.0) + s * suture.closure;
+    const Vec3 placed(gap[0], gap[1], gap[2]), apart = where(suture.a, state.u) - where(suture.b, state.u);
+    const double now = suture.is_thread ? closure_of(suture, placed.norm(), apart.norm())
+                                        : 1.0 - apart.dot(placed) / std::max(placed.squaredNorm(), 1e-300);
+    suture.closure = (1 - s) * std::clamp(now, 0.0, 1.0) + s * suture.closure;
   }
   for (auto& retractor : result.retractors)
     retractor.motion = system_.motion_towards(retractor.motion, s, retractor.index, state.u);
@@ -110,29 +116,40 @@ std::vector<PointConstraint> FrameConstraints<Real>::point_constraints(const Fra
   std::vector<PointConstraint> constraints;
   for (const auto& hook : frame.hooks) {
     const AnchorStencil& held_by = embed(hook.anchor);
-    constraints.push_back(make_hook(lattice_, held_by, hook.target, hook.stiffness, max_hook_penalty(held_by)));
+    constraints.push_back(make_hook(lattice_, held_by, hook.target, hook.stiffness, max_penalty(held_by.nodes)));
     constraints.back().id = id_of(hook);
   }
-  const double unit = settings_.materials[0].youngs_modulus * settings_.spacing;
   for (const auto& suture : frame.sutures) {
-    const AnchorStencil &a = embed(suture.a), &b = embed(suture.b);
-    const double* gap = &state.suture_gaps[3 * static_cast<std::size_t>(suture.index)];
-    constraints.push_back(
-        make_suture(lattice_, a, b, (1.0 - suture.closure) * Vec3(gap[0], gap[1], gap[2]),
-                    std::clamp(suture.stiffness, kMinSuturePenalty * unit, kMaxSuturePenalty * unit)));
+    constraints.push_back(suture_constraint(suture, &state.suture_gaps[3 * static_cast<std::size_t>(suture.index)]));
     constraints.back().id = id_of(suture);
   }
   return constraints;
 }
 
+// gap: how far apart its ends were when it was placed.
+template <class Real>
+PointConstraint FrameConstraints<Real>::suture_constraint(const SutureState& suture, const double* gap) const {
+  const AnchorStencil &a = embed(suture.a), &b = embed(suture.b);
+  const Vec3 placed(gap[0], gap[1], gap[2]);
+  if (!suture.is_thread) {
+    const double penalty = kSuturePenalty * settings_.materials[0].youngs_modulus * settings_.spacing;
+    return make_suture(lattice_, a, b, (1.0 - suture.closure) * placed, penalty);
+  }
+  Thread thread;
+  thread.length = (1.0 - suture.closure) * placed.norm() + suture.closure * suture.length;
+  if (suture.tension > 0.0) thread.most = suture.tension;
+  const double max_stiffness = std::max(max_penalty(a.nodes), max_penalty(b.nodes));
+  return make_thread(lattice_, a, b, thread, suture.stiffness, max_stiffness);
+}
+
 // No multiplier moves what is held in space: there the spring is plain.
 template <class Real>
-double FrameConstraints<Real>::max_hook_penalty(const AnchorStencil& anchor) const {
+double FrameConstraints<Real>::max_penalty(std::span<const Index> held) const {
   double stiffest = 0.0;
   for (const auto& material : settings_.materials) stiffest = std::max(stiffest, material.youngs_modulus);
   const bool moves =
-      std::ranges::any_of(anchor.nodes, [&](std::int32_t n) { return system_.is_free(static_cast<std::size_t>(n)); });
-  return moves ? kMaxHookPenalty * stiffest * settings_.spacing : std::numeric_limits<double>::infinity();
+      std::ranges::any_of(held, [&](std::int32_t n) { return system_.is_free(static_cast<std::size_t>(n)); });
+  return moves ? kMaxPenalty * stiffest * settings_.spacing : std::numeric_limits<double>::infinity();
 }
 
 template class FrameConstraints<float>;

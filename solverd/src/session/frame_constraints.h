@@ -35,6 +35,8 @@ class FrameConstraints {
   }
 
   Vec3 where(const Anchor& anchor, std::span<const Real> u) const { return position<Real>(lattice_, embed(anchor), u); }
+  // How much of what the ends of a suture hold is the same, 0 to 1.
+  double shared(const SutureState& suture) const { return shared_hold(embed(suture.a), embed(suture.b)); }
   // Corners of the box around the surface at rest.
   const Vec3& lowest() const { return lowest_; }
   const Vec3& highest() const { return highest_; }
@@ -43,7 +45,8 @@ class FrameConstraints {
   FrameInput partway(const FrameInput& frame, double s, const TissueState<Real>& state) const;
   std::vector<PointConstraint> point_constraints(const FrameInput& frame, const TissueState<Real>& state) const;
   const AnchorStencil& embed(const Anchor& anchor) const;
-  double max_hook_penalty(const AnchorStencil& anchor) const;
+  PointConstraint suture_constraint(const SutureState& suture, const double* gap) const;
+  double max_penalty(std::span<const Index> held) const;
 
   const SessionSettings& settings_;
   const Lattice& lattice_;

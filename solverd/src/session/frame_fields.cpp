@@ -25,8 +25,10 @@ void write_constraints(const EpochSystem<Real>& epoch, const FrameInput& frame, 
     const PointConstraint& constraint = epoch.system.point_constraint(id_of(suture));
     const Vec3 c = constraint.value<Real>(state.u);
     fields.suture_indices.push_back(suture.index);
-    fields.suture_gaps.push_back(c.norm());
-    fields.suture_forces.push_back(constraint.force(c, state.multipliers.of(constraint)).norm());
+    const Vec3 multiplier = state.multipliers.of(constraint);
+    fields.suture_gaps.push_back(constraint.thread && !constraint.exact ? 0.0 : constraint.gap(c, multiplier));
+    fields.suture_forces.push_back(constraint.force(c, multiplier).norm());
+    fields.suture_shared.push_back(epoch.constraints.shared(suture));
     append(fields.suture_points, epoch.constraints.where(suture.a, state.u));
     append(fields.suture_points, epoch.constraints.where(suture.b, state.u));
   }

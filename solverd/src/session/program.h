@@ -118,7 +118,11 @@ struct SutureState {
   std::int32_t index;  // in the procedure
   Anchor a, b;
   double closure;    // 0: as it was when the suture was placed; 1: drawn together
-  double stiffness;  // mN/mm; the penalty the multiplier method starts from
+  double stiffness;  // of a thread, mN/mm
+  // A thread pulls and never pushes; without, the ends are demanded to meet.
+  bool is_thread = false;
+  double length = 0.0;   // to which a thread is drawn, mm
+  double tension = 0.0;  // with which it is drawn at most, mN; 0: as much as it takes
   bool operator==(const SutureState&) const = default;
 };
 
@@ -161,6 +165,7 @@ struct FrameFields {
   std::vector<double> hook_forces;                         // 3 per hook, mN, on the tissue
   std::vector<double> hook_points;                         // 3 per hook: where the anchor is now, mm
   std::vector<double> suture_points;                       // 6 per active suture: both ends, mm
+  std::vector<double> suture_shared;                       // per active suture: shared_hold of its two ends
   std::vector<float> correction;            // 3 per surface vertex, mm: what is still to come; empty: not wanted
   std::vector<double> landmark_correction;  // 3 per landmark, mm
   // The share of its stiffness that compression leaves the softest displacement (solve/newton/lowest_mode.h); NaN where

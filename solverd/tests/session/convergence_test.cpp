@@ -67,14 +67,9 @@ TEST(Convergence, TheDisplacementToComeIsThatOfTheExactSolution) {
     const auto frame = [&](const SessionSettings& settings) {
       Session session(settings);
       session.set_epoch(strip(false));
-      FrameOutput last;
-      for (const double lift : {0.0, 2.0}) {
-        FrameInput input = pulled({Vec3(0, 0, lift)});
-        input.time = 1 + lift;
-        last = session.solve(input, {}, kNever);
-        EXPECT_TRUE(last.converged) << last.failure.message;
-      }
-      return last;
+      const FrameOutput out = session.solve(pulled({Vec3::Zero()}), {}, kNever);
+      EXPECT_TRUE(out.converged) << out.failure.message;
+      return out;
     };
     SessionSettings settings = strip_settings();
     settings.tolerance = tolerance;

@@ -13,7 +13,7 @@
 namespace lappet {
 namespace {
 
-constexpr double kLength = 12, kWidth = 3;  // mm
+constexpr double kLength = 12, kWidth = 2;  // mm
 
 // A bar along x with both ends held, in a state that is given node by node.
 template <class Real>
@@ -98,14 +98,18 @@ TEST(LowestMode, AFewStepsInFloatFindMostOfIt) {
     Bar<float> bar(pressed(share));
     const double expected = exact.lowest_dense(), found = bar.lowest({}).stiffness;
     EXPECT_GE(found, expected - 1e-3) << share;  // a Rayleigh quotient
-    EXPECT_LE(found, expected + 0.1 * (1.0 - expected)) << share;
+    EXPECT_LT(1.0 - expected, 5.0 * (1.0 - found)) << share;
+    // Near and beyond the buckling load it is asked for more exactly.
+    if (expected < 0.2) {
+      EXPECT_LE(found, expected + 0.1 * (1.0 - expected)) << share;
+    }
   }
 }
 
 TEST(LowestMode, IsNegativeBeyondTheBucklingLoadAndOnlyThere) {
-  // Clamped at both ends a column buckles at 4 pi^2 E I / L^2: at a strain of pi^2 / 3 (width / length)^2, 0.21 here,
+  // Clamped at both ends a column buckles at 4 pi^2 E I / L^2: at a strain of pi^2 / 3 (width / length)^2, 0.09 here,
   // and before it as shear makes it softer.
-  EXPECT_GT(Bar<double>(pressed(0.05)).lowest(thorough()).stiffness, 0.3);
+  EXPECT_GT(Bar<double>(pressed(0.03)).lowest(thorough()).stiffness, 0.3);
   EXPECT_LT(Bar<double>(pressed(0.3)).lowest(thorough()).stiffness, -0.3);
 }
 
@@ -132,7 +136,9 @@ TEST(LowestMode, HasTheQuotientOfItsShapeWhichHoldsStillWhatIsPrescribed) {
   double middle = 0.0, across = 0.0;
   for (std::size_t n = 0; n < bar.system.nodes(); ++n) {
     const Vec3 moved(found.shape[3 * n], found.shape[3 * n + 1], found.shape[3 * n + 2]);
-    if (!bar.system.is_free(n)) EXPECT_EQ(moved.norm(), 0.0);
+    if (!bar.system.is_free(n)) {
+      EXPECT_EQ(moved.norm(), 0.0);
+    }
     if (moved.norm() > 0.99) middle = bar.lattice.node_rest[n][0];
     across = std::max(across, std::hypot(moved[1], moved[2]));
   }

@@ -25,7 +25,7 @@ from lappet.daemon.solved_frame import LatticeCounts, SolvedFrame, SolverState
 from lappet.daemon.wire import WireError
 from lappet.program.program import Program
 from lappet.reports.stability.case import Case, Demand, Row, Scene, Solved, Start
-from lappet.solve.sensitive import is_sensitive
+from lappet.solve.sensitive import UNSTABLE, is_sensitive
 from lappet.solve.solve_frames import not_converged
 
 # A float state lies within its tolerance as float sees it; in double precision it may be this much worse.
@@ -203,7 +203,7 @@ def _disproved(frame: SolvedFrame, program: Program) -> str:
     deep = frame.diagnostics.largest_penetration
     if not deep <= DEEPEST * settings.spacing:
         return f"Frame {frame.time:g} is called converged with tissue {deep:.3g} mm deep in bone."
-    if frame.diagnostics.lowest_stiffness < 0.0:
+    if frame.diagnostics.lowest_stiffness < UNSTABLE:
         return f"Frame {frame.time:g} is unstable: its stiffness is {frame.diagnostics.lowest_stiffness:.2g}."
     if not math.isfinite(frame.diagnostics.energy):
         return f"Frame {frame.time:g} is called converged and its energy is not finite."

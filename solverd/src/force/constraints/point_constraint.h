@@ -1,14 +1,20 @@
-// Point constraints: hooks and sutures as linear functionals of the displacements, c(u) = sum_i w_i u_i + offset (mm).
+// Point constraints: hooks and sutures as functions of linear functionals of the displacements, c(u) = sum_i w_i u_i +
+// offset (mm).
 //
 // A hook is a spring, stiffness/2 |c|^2. A suture demands c = 0 and carries a multiplier lambda besides (augmented
 // Lagrangian, lambda . c + stiffness/2 |c|^2), so that its gap closes whatever the ratio of stiffnesses. A hook that is
 // much stiffer than tissue is such a constraint too, with a compliance s: it demands c = s lambda, where the penalty
 // and lambda = c/s together pull as the spring does, (stiffness + 1/s) c. Rounding of displacements is not blown up to
 // forces.
+//
+// A thread only pulls: of its length |c|, smoothed near zero, what is beyond its rest length takes the tension
+// T = stiffness (|c| - length) + lambda, between zero and the most it is drawn with. Its energy is convex in c, so its
+// tangent, along the thread and (T/|c|) across it, is never negative.
 #pragma once
 #include <compare>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -25,6 +31,11 @@ struct ConstraintId {
   auto operator<=>(const ConstraintId&) const = default;
 };
 
+struct Thread {
+  double length = 0.0;                                    // at rest, mm
+  double most = std::numeric_limits<double>::infinity();  // tension, mN
+};
+
 struct PointConstraint {
   ConstraintId id;
   std::vector<Index> nodes;  // distinct
@@ -33,6 +44,7 @@ struct PointConstraint {
   double stiffness = 0.0;   // mN/mm
   bool exact = false;       // a suture, a stiff hook
   double compliance = 0.0;  // mm/mN, of an exact point constraint: a suture has none
+  std::optional<Thread> thread;
 
   template <class Real>
   Vec3 value(std::span<const Real> u) const {
@@ -40,13 +52,20 @@ struct PointConstraint {
     for (std::size_t i = 0; i < nodes.size(); ++i) sum += weights[i] * NodeField(u)[nodes[i]];
     return sum;
   }
-  // The multiplier (mN) is zero unless the constraint is exact.
-  Vec3 force(const Vec3& c, const Vec3& multiplier) const { return stiffness * c + multiplier; }
+  // The multiplier (mN) is zero unless the constraint is exact; that of a thread is a tension and the first number.
+  Vec3 force(const Vec3& c, const Vec3& multiplier) const;
+  double energy(const Vec3& c, const Vec3& multiplier) const;
+  // R of the tangent stiffness R^T R.
+  Eigen::Matrix3d tangent_root(const Vec3& c, const Vec3& multiplier) const;
   // What an exact point constraint leaves open, mm, and the multiplier that closes it further.
-  double gap(const Vec3& c, const Vec3& multiplier) const { return (c - compliance * multiplier).norm(); }
+  double gap(const Vec3& c, const Vec3& multiplier) const;
   Vec3 next_multiplier(const Vec3& c, const Vec3& multiplier) const {
-    return force(c, multiplier) / (1.0 + compliance * stiffness);
+    const Vec3 pull = thread ? Vec3(tension(c, multiplier), 0.0, 0.0) : force(c, multiplier);
+    return pull / (1.0 + compliance * stiffness);
   }
+
+ private:
+  double tension(const Vec3& c, const Vec3& multiplier) const;
 };
 
 // From what a hook holds to a place in space. max_stiffness: up to which it is a plain spring, mN/mm.
@@ -55,6 +74,9 @@ PointConstraint make_hook(const Lattice& lattice, const AnchorStencil& anchor, c
 // Between what a suture holds at either end, a - b = separation.
 PointConstraint make_suture(const Lattice& lattice, const AnchorStencil& a, const AnchorStencil& b,
                             const Vec3& separation, double stiffness);
+// A thread between them. max_stiffness: up to which it is a plain spring, mN/mm.
+PointConstraint make_thread(const Lattice& lattice, const AnchorStencil& a, const AnchorStencil& b,
+                            const Thread& thread, double stiffness, double max_stiffness);
 // How far an embedded point has moved, and where it is.
 template <class Real>
 Vec3 displacement(const Lattice& lattice, const EmbeddedPoint& point, std::span<const Real> u) {

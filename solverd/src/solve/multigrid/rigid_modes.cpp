@@ -178,11 +178,13 @@ template <class Real>
 void RigidModes<Real>::assemble_constraints(const System<Real>& system) {
   auto& constraints = level_.constraints();
   constraints.clear();
-  for (const auto& constraint : system.point_constraints()) {
+  const std::vector<PointConstraint>& points = system.point_constraints();
+  for (std::size_t t = 0; t < points.size(); ++t) {
     ConstraintRows rows;
-    for (std::size_t i = 0; i < constraint.nodes.size(); ++i)
-      add_rows(constraint.nodes[i], constraint.weights[i], rows);
-    constraints.push_back(rows.constraint(constraint.stiffness));
+    for (std::size_t i = 0; i < points[t].nodes.size(); ++i) add_rows(points[t].nodes[i], points[t].weights[i], rows);
+    constraints.push_back(rows.constraint(points[t].stiffness));
+    const Eigen::Matrix3d root = system.point_roots()[t] / std::sqrt(points[t].stiffness);
+    for (auto& row : constraints.back().rows) row = (root * row).eval();
   }
   // Contact penalties couple nodes of one cell: they go into the matrix.
   auto& matrix = level_.matrix();

@@ -1,5 +1,7 @@
 #include "solve/multigrid/smoother.h"
 
+#include <cmath>
+
 namespace lappet {
 
 namespace {
@@ -38,10 +40,11 @@ void Smoother<Real>::update() {
     double stiffness;
   };
   std::vector<Rows> constraints;
-  for (const auto& constraint : system_.point_constraints()) {
-    constraints.push_back({constraint.nodes, {}, constraint.stiffness});
-    for (const double weight : constraint.weights)
-      constraints.back().rows.push_back(weight * Eigen::Matrix3d::Identity());
+  const std::vector<PointConstraint>& points = system_.point_constraints();
+  for (std::size_t t = 0; t < points.size(); ++t) {
+    constraints.push_back({points[t].nodes, {}, points[t].stiffness});
+    const Eigen::Matrix3d root = system_.point_roots()[t] / std::sqrt(points[t].stiffness);
+    for (const double weight : points[t].weights) constraints.back().rows.push_back(weight * root);
   }
   diagonal.set_constraints(constraints);
   chebyshev_.set_largest_eigenvalue(kMaxEigenvalue);

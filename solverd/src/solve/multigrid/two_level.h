@@ -21,12 +21,17 @@ class TwoLevel {
   // Takes the current tangent. The coarse operator is assembled anew only where the constraints changed or where the
   // last solve took many more iterations than the first with it.
   void update(std::span<const Real> u) {
+    stale_ = stale_ || slow_;
+    refresh(u);
+  }
+  // The same for few applications: the coarse operator stays, however slow, unless there is none for the constraints.
+  void refresh(std::span<const Real> u) {
     smoother_.update();
     if (smoother_only_) return;
     if (stale_ || system_.constraint_revision() != revision_) {
       modes_.assemble(system_, u);
       revision_ = system_.constraint_revision();
-      stale_ = false;
+      stale_ = slow_ = false;
       first_iterations_ = 0;
     }
   }
@@ -35,7 +40,7 @@ class TwoLevel {
     if (first_iterations_ == 0)
       first_iterations_ = std::max(iterations_per_digit, 2.0);
     else
-      stale_ = stale_ || iterations_per_digit > 1.6 * first_iterations_;
+      slow_ = slow_ || iterations_per_digit > 1.6 * first_iterations_;
   }
   // Starts afresh, so that what follows depends on the state alone and a resumed solve repeats it bit for bit.
   void restart() { stale_ = true; }
@@ -56,7 +61,7 @@ class TwoLevel {
   const System<Real>& system_;
   Smoother<Real> smoother_;
   RigidModes<Real> modes_;
-  bool stale_ = true, smoother_only_ = false;
+  bool stale_ = true, slow_ = false, smoother_only_ = false;
   double first_iterations_ = 0.0;
   std::uint64_t revision_ = 0;
 };

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "solve/subdomain/subdomain.h"
 
@@ -28,19 +29,21 @@ double length(std::span<const Real> v, std::size_t n) {
   return Vec3(double(v[3 * n]), double(v[3 * n + 1]), double(v[3 * n + 2])).norm();
 }
 
-// mm; 0 without an attached bed
+struct SheetOnBed {
+  double thickness = 0.0, decay = 0.0;  // mm; 0 without an attached bed
+};
 template <class Real>
-double decay_length(const System<Real>& system) {
+SheetOnBed sheet_on_bed(const System<Real>& system) {
   const Lattice& lattice = system.lattice();
   double area = 0.0, volume = 0.0, stiffest = 0.0;
   for (const FaceConstraint& face : system.attachments().face_constraints)
     area += face.group == kBedGroup ? face.area : 0.0;
-  if (!(area > 0.0) || !(system.bed().shear > 0.0)) return 0.0;
+  if (!(area > 0.0) || !(system.bed().shear > 0.0)) return {};
   for (const RestingFace& face : system.attachments().resting) area += face.area;
   for (const float fill : lattice.cell_fill) volume += double(fill) * std::pow(lattice.settings.spacing, 3);
   for (const auto& material : system.elastic().materials().table)
     stiffest = std::max(stiffest, material.youngs_modulus);
-  return std::sqrt(stiffest * volume / area / system.bed().shear);
+  return {volume / area, std::sqrt(stiffest * volume / area / system.bed().shear)};
 }
 
 // Per node: whether it belongs to the neighborhood whatever is around it.
@@ -70,7 +73,7 @@ template <class Real>
 std::vector<std::uint8_t> neighborhood(const System<Real>& system, const CoarseLattice& tiles, std::span<const Real> u,
                                        const Evaluation& now) {
   const auto& cell_nodes = system.lattice().cell_nodes;
-  const double decay = decay_length(system);
+  const double decay = sheet_on_bed(system).decay;
   if (!(decay > 0.0)) return {};
   std::vector<std::uint8_t> nodes = affected(system, u, now);
   const auto all_nodes = static_cast<double>(nodes.size()), all_cells = static_cast<double>(cell_nodes.size());
@@ -111,11 +114,11 @@ std::vector<std::uint8_t> neighborhood(const System<Real>& system, const CoarseL
 }  // namespace
 
 template <class Real>
-EquilibriumOutcome solve_change_neighborhood(const System<Real>& system, const CoarseLattice& tiles, std::span<Real> u,
-                                             Multipliers& multipliers, const Evaluation& now,
-                                             const EquilibriumOptions& options, const SolveObserver& observer) {
+NeighborhoodOutcome solve_change_neighborhood(const System<Real>& system, const CoarseLattice& tiles, std::span<Real> u,
+                                              Multipliers& multipliers, const Evaluation& now,
+                                              const EquilibriumOptions& options, const SolveObserver& observer) {
   if (system.contact()) return {};
-  const auto moving = neighborhood<Real>(system, tiles, u, now);
+  auto moving = neighborhood<Real>(system, tiles, u, now);
   if (moving.empty()) return {};
   Subdomain<Real> subdomain = restrict_to<Real>(moving, system, u, multipliers);
   TwoLevel<Real> preconditioner(*subdomain.system, kDegree);
@@ -124,18 +127,23 @@ EquilibriumOutcome solve_change_neighborhood(const System<Real>& system, const C
   own.max_newton = std::min(own.max_newton, kMaxNewton);
   own.neighborhood_first = own.keeps_step = false;
   own.known.reset();
-  EquilibriumOutcome outcome =
+  NeighborhoodOutcome outcome;
+  static_cast<EquilibriumOutcome&>(outcome) =
       find_equilibrium<Real>(*subdomain.system, preconditioner, subdomain.u, subdomain.multipliers, own, observer);
   outcome.active_cells = static_cast<std::int64_t>(subdomain.cells.size());
   if (outcome.converged) subdomain.write_back(u, multipliers);
+  outcome.moved = std::move(moving);
+  const auto [thickness, decay] = sheet_on_bed(system);
+  const double h = system.lattice().settings.spacing;
+  outcome.rim_compliance = (thickness / h + 1.0) / (2.0 * h * system.bed().shear * decay);
   return outcome;
 }
 
-template EquilibriumOutcome solve_change_neighborhood<float>(const System<float>&, const CoarseLattice&,
-                                                             std::span<float>, Multipliers&, const Evaluation&,
-                                                             const EquilibriumOptions&, const SolveObserver&);
-template EquilibriumOutcome solve_change_neighborhood<double>(const System<double>&, const CoarseLattice&,
-                                                              std::span<double>, Multipliers&, const Evaluation&,
+template NeighborhoodOutcome solve_change_neighborhood<float>(const System<float>&, const CoarseLattice&,
+                                                              std::span<float>, Multipliers&, const Evaluation&,
                                                               const EquilibriumOptions&, const SolveObserver&);
+template NeighborhoodOutcome solve_change_neighborhood<double>(const System<double>&, const CoarseLattice&,
+                                                               std::span<double>, Multipliers&, const Evaluation&,
+                                                               const EquilibriumOptions&, const SolveObserver&);
 
 }  // namespace lappet

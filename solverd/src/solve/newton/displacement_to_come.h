@@ -70,13 +70,8 @@ class DisplacementLimits {
 // those that are still to come are estimated as a geometric series.
 class SeriesEstimate {
  public:
-  // After an iteration: the size of the piece that it added, and of the sum.
-  void add(double piece, double sum) {
-    pieces_[static_cast<std::size_t>(count_++ % kHistory)] = piece;
-    sum_ = sum;
-  }
-  int count() const { return count_; }
-  double sum() const { return sum_; }
+  // After an iteration: the size of the piece that it added.
+  void add(double piece) { pieces_[static_cast<std::size_t>(count_++ % kHistory)] = piece; }
   // Size of the pieces that are still to come; infinite while too few are known.
   double left() const {
     if (count_ < 2) return std::numeric_limits<double>::infinity();
@@ -86,8 +81,6 @@ class SeriesEstimate {
     if (count_ == 2) return series(piece(0), rate);
     return series(piece(0), std::max(std::sqrt(piece(0) / piece(2)), rate));
   }
-  // The whole, with what is still to come.
-  double total() const { return sum_ + left(); }
 
  private:
   static constexpr int kHistory = 3;
@@ -99,7 +92,6 @@ class SeriesEstimate {
   }
 
   std::array<double, kHistory> pieces_{};
-  double sum_ = 0.0;
   int count_ = 0;
 };
 

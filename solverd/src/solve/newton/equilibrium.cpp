@@ -40,7 +40,10 @@ constexpr double kAtEnd = 0.8;
 // this share in so many steps.
 constexpr double kNearer = 0.7;
 constexpr int kMaxArrivals = 6;
-constexpr double kClose = 10.0;  // tolerances of the residual from which a Newton step tells of the next one
+// The neighborhood of a change ends at a stricter tolerance; of the limit of the whole it has this share left at most.
+constexpr double kShareOfNeighborhood = 0.5;
+constexpr double kNoForce = 1e-20;  // residual over force scale that cannot be told from none
+constexpr double kClose = 10.0;     // tolerances of the residual from which a Newton step tells of the next one
 
 class Stopwatch {
  public:
@@ -109,6 +112,7 @@ class EquilibriumSearch {
       if (observer_.stop()) return fail(FailureCode::kStopped, "stopped");
       if (!solved) return;
       ++outcome_.newton_iterations;
+      outcome_.active_cells = static_cast<std::int64_t>(system_.lattice().cells());
       if (!take_step(carries)) return;
       if (options_.accuracy != Accuracy::kRelaxation && !carries && !jumped_ && used_ != PsdProjection::kExact) relax();
     }
@@ -175,17 +179,17 @@ class EquilibriumSearch {
                        options_.known->residual == outcome_.residual;
     if (known) {
       outcome_.to_come = options_.known->to_come;
-    } else if (options_.accuracy == Accuracy::kFrame && !(now_.residual > 0.0)) {
+    } else if (options_.accuracy == Accuracy::kFrame && !(now_.residual > kNoForce * now_.force_scale)) {
       if (options_.keeps_step) outcome_.step.assign(u_.size(), 0.0f);
     } else if (options_.accuracy == Accuracy::kFrame) {
       bool near = last_step_ <= kAtEnd;
       outcome_.to_come = last_step_ * unit_;
       if (!near || options_.keeps_step) {
-        if (!solve_tangent(false, true)) return false;
-        near = near || clearly_near_ || to_come_.total() <= (outcome_.newton_iterations > 0 ? kAtEnd : 1.0);
-        outcome_.to_come = to_come_.total() * unit_;
+        if (!solve_tangent(false, true) || observer_.stop()) return false;
+        near = near || clearly_near_ || to_come_ <= (outcome_.newton_iterations > 0 ? kAtEnd : 1.0);
+        outcome_.to_come = to_come_ * unit_;
         spdlog::debug("  to come {:.3g} mm ({:.3g} of the limit), {} pcg to {:.1e}; the last step was {:.3g}",
-                      outcome_.to_come, to_come_.total(), linear_.iterations, linear_.reduction, last_step_);
+                      outcome_.to_come, to_come_, linear_.iterations, linear_.reduction, last_step_);
       }
       if (!near) return false;
       if (options_.keeps_step) outcome_.step.assign(step_.begin(), step_.end());
@@ -210,22 +214,23 @@ class EquilibriumSearch {
         kForcing * augmented_lagrangian_.strictness() * options_.tolerance / std::max(outcome_.residual, 1e-300);
     const double least = jumped_ ? kFarTolerance : kNearTolerance;
     const double target = carries ? kCarryTolerance : std::clamp(forcing, least, kMaxTolerance);
-    const bool tracks = options_.accuracy == Accuracy::kFrame && !carries;
+    // What comes of a step from afar says nothing of the next one.
+    const bool tracks = options_.accuracy == Accuracy::kFrame && !carries &&
+                        (arriving || outcome_.residual <= kClose * options_.tolerance);
     std::optional<DisplacementLimits<Real>> limits;
     if (tracks) limits.emplace(system_, u_, displacement_tolerance());
+    SeriesEstimate pieces;
     const auto enough = [&](double reduction, double alpha, std::span<const Real> p, std::span<const Real> x) {
-      if (tracks) to_come_.add(std::abs(alpha) * limits->share(p), limits->share(x));
-      if (arriving)
-        spdlog::trace("    pcg {}: {:.3e} sum {:.3e} left {:.3e} red {:.2e}", to_come_.count(),
-                      std::abs(alpha) * limits->share(p), to_come_.sum(), to_come_.left(), reduction);
+      if (tracks) pieces.add(std::abs(alpha) * limits->share(p));
       if (!arriving) return reduction <= target;
-      clearly_near_ = clearly_near_ || to_come_.total() <= kClearly;
-      return (clearly_near_ && !options_.keeps_step) || to_come_.left() <= kGoodEstimate * to_come_.sum() ||
-             reduction <= kCarryTolerance;
+      if (reduction > kMaxTolerance) return false;  // what is floppy is found late
+      const double sum = limits->share(x), left = pieces.left();
+      clearly_near_ = clearly_near_ || sum + left <= kClearly;
+      return (clearly_near_ && !options_.keeps_step) || left <= kGoodEstimate * sum || reduction <= kCarryTolerance;
     };
     used_ = tangent_.next();
     while (true) {
-      to_come_ = {};
+      pieces = {};
       clearly_near_ = false;
       system_.linearize(now_, used_);
       try {
@@ -258,8 +263,12 @@ class EquilibriumSearch {
       used_ = tangent_.replace_exact();
     }
     tangent_.iteration_done();
-    outcome_.active_cells = static_cast<std::int64_t>(system_.lattice().cells());
-    if (tracks) unit_ = DisplacementLimits<Real>::largest_length(step_) / std::max(to_come_.sum(), 1e-300);
+    to_come_ = std::numeric_limits<double>::infinity();
+    if (tracks) {
+      const double sum = limits->share(step_);
+      to_come_ = sum + pieces.left();
+      unit_ = DisplacementLimits<Real>::largest_length(step_) / std::max(sum, 1e-300);
+    }
     if (linear_.reduction < 1.0 && linear_.iterations > 0)
       preconditioner_.observe(linear_.iterations / std::max(-std::log10(linear_.reduction), 0.5));
     return true;
@@ -305,10 +314,8 @@ class EquilibriumSearch {
       }
       tangent_.agreed(taken.ratio, used_);
     }
-    // What a larger residual leaves of nonlinearity may be softer than what the step was for.
-    const bool was_close = outcome_.residual <= kClose * options_.tolerance;
     const bool whole = !carries && taken.alpha == 1.0 && used_ == PsdProjection::kExact;
-    last_step_ = whole && was_close ? to_come_.total() : std::numeric_limits<double>::infinity();
+    last_step_ = whole ? to_come_ : std::numeric_limits<double>::infinity();
     if (options_.accuracy == Accuracy::kRelaxation)
       return true;  // the many small searches of a relaxation are not logged
     spdlog::debug("newton {}: residual {:.2e} gap {:.2e} J {:.2f} | pcg {} to {:.1e} {} | alpha {:.3g} ratio {:.3g}",
@@ -320,7 +327,7 @@ class EquilibriumSearch {
   // What the changes reach goes to its equilibrium, before anything else is done; false where all is for the whole.
   bool neighborhood_goes_ahead() {
     neighborhood_tried_ = true;
-    const EquilibriumOutcome neighborhood = solve_change_neighborhood<Real>(
+    const NeighborhoodOutcome neighborhood = solve_change_neighborhood<Real>(
         system_, preconditioner_.modes().coarse_lattice(), u_, multipliers_, now_, options_, observer_);
     outcome_.newton_iterations += newton_in_neighborhood_ = neighborhood.newton_iterations;
     outcome_.pcg_iterations += neighborhood.pcg_iterations;
@@ -331,9 +338,22 @@ class EquilibriumSearch {
     if (!neighborhood.converged) return false;
     outcome_.active_cells = neighborhood.active_cells;
     evaluate();
+    last_step_ = with_rim(neighborhood);
     spdlog::debug("  {} cells went ahead: newton {} residual {:.2e}", neighborhood.active_cells,
                   neighborhood.newton_iterations, now_.relative_residual);
     return true;
+  }
+
+  // What is still to come after the neighborhood, of which little is: its own, and what its rim gives way by.
+  double with_rim(const NeighborhoodOutcome& neighborhood) {
+    const DisplacementLimits<Real> limits(system_, u_, displacement_tolerance());
+    for_each_index(system_.nodes(), [&](std::size_t n) {
+      for (std::size_t i = 3 * n; i < 3 * n + 3; ++i)
+        step_[i] = neighborhood.moved[n] ? Real(0) : static_cast<Real>(neighborhood.rim_compliance * now_.gradient[i]);
+    });
+    const double share = kShareOfNeighborhood + limits.share(step_);
+    unit_ = (neighborhood.to_come + DisplacementLimits<Real>::largest_length(step_)) / share;
+    return share;
   }
 
   // What a definite tangent is too stiff for is often a matter of a few nodes: they go ahead.
@@ -372,7 +392,7 @@ class EquilibriumSearch {
   int newton_in_neighborhood_ = 0;  // these leave those of the whole as many as ever
   PsdProjection used_ = PsdProjection::kExact;
   LinearOutcome linear_;
-  SeriesEstimate to_come_;  // of the last linear solve, as a share of the limits
+  double to_come_ = 0.0;  // of the last linear solve, as a share of the limits
   bool clearly_near_ = false;
   double unit_ = 0.0;                                           // mm of such a share
   double last_step_ = std::numeric_limits<double>::infinity();  // if it was a whole one with the exact tangent

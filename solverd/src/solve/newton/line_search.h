@@ -24,7 +24,13 @@ class LineSearch {
  public:
   // multipliers: stay as they are during a search. trial: 3 per node, for the search to write in.
   LineSearch(System<Real>& system, const Multipliers& multipliers, bool inverts, std::span<Real> trial)
-      : system_(system), multipliers_(multipliers), inverts_(inverts), trial_(trial) {}
+      : system_(system), multipliers_(multipliers), inverts_(inverts), trial_(trial) {
+    double stiffest = 0.0;
+    for (const auto& material : system.elastic().materials().table)
+      stiffest = std::max(stiffest, material.youngs_modulus);
+    energy_unit_ = stiffest * std::pow(system.lattice().settings.spacing, 3) *
+                   std::sqrt(static_cast<double>(system.lattice().cells()));
+  }
 
   // Moves u along the step of a definite or exact tangent. slope: gradient . step, negative; curvature: step . K step.
   // start: the evaluation at u, whose memory goes into those of the trials.
@@ -90,6 +96,7 @@ class LineSearch {
 
  private:
   static constexpr double kArmijo = 1e-4;
+  static constexpr double kRounding = 4.0 * std::numeric_limits<Real>::epsilon();
   static constexpr double kMinStep = 1e-5;
   static constexpr double kFlatter = 0.8;      // of the slope that may be left at the end of a step, either way
   static constexpr double kStepCap = 8.0;      // spacings a node may move in one iteration
@@ -104,8 +111,8 @@ class LineSearch {
   // decide (Hager and Zhang 2005, the approximate Wolfe conditions).
   bool falls_as_slopes_tell(const EvaluationSummary& before, const Evaluation& now, std::span<const Real> step,
                             double slope) const {
-    constexpr double kRounding = 4.0 * std::numeric_limits<Real>::epsilon();
-    if (!(now.energy <= before.energy + kRounding * std::abs(before.energy))) return false;
+    const double rounding = kRounding * (std::abs(before.energy) + energy_unit_);
+    if (!(now.energy <= before.energy + rounding)) return false;
     const double end = reduce<1>(step.size(), [g = now.gradient.data(), s = step.data()](std::size_t i, double* out) {
       out[0] = g[i] * static_cast<double>(s[i]);
     })[0];
@@ -135,6 +142,7 @@ class LineSearch {
   const Multipliers& multipliers_;
   bool inverts_;
   std::span<Real> trial_;
+  double energy_unit_ = 0.0;  // mN mm; a cell's energy is rounded as a strain of about one would be
 };
 
 }  // namespace lappet

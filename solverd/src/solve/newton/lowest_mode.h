@@ -31,8 +31,8 @@ struct LowestMode {
 struct LowestModeSearch {
   // The search ends where a step changes the share by less than the tolerance, and before that where further steps are
   // not expected to bring it below `soft`.
-  double soft = 0.2, tolerance = 0.02;
-  int max_steps = 4;
+  double soft = 0.2, tolerance = 0.01;
+  int max_steps = 8;
 
   // To the end, for a mode that is to be moved along.
   static LowestModeSearch thorough() { return {.soft = 1.0, .tolerance = 1e-3, .max_steps = 16}; }

@@ -122,10 +122,12 @@ void System<Real>::add_resting_faces(std::span<const Real> u, Evaluation& result
 template <class Real>
 void System<Real>::add_point_constraints(std::span<const Real> u, const Multipliers& multipliers,
                                          Evaluation& result) const {
+  result.point_roots.clear();
   for (const auto& constraint : point_constraints_) {
     const Vec3 c = constraint.value(u), multiplier = multipliers.of(constraint),
                force = constraint.force(c, multiplier);
-    result.energy += c.dot(0.5 * constraint.stiffness * c + multiplier);
+    result.energy += constraint.energy(c, multiplier);
+    result.point_roots.push_back(constraint.tangent_root(c, multiplier));
     for (std::size_t k = 0; k < constraint.nodes.size(); ++k)
       for (int i = 0; i < 3; ++i)
         result.gradient[3 * static_cast<std::size_t>(constraint.nodes[k]) + static_cast<std::size_t>(i)] +=

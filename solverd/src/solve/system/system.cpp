@@ -163,6 +163,7 @@ void System<Real>::set_point_constraints(std::vector<PointConstraint> constraint
     if (constraint.exact && !exact.insert(constraint.id).second)
       throw std::logic_error("two point constraints that hold exactly have the same id");
   has_sutures_ = !exact.empty();
+  point_roots_.assign(point_constraints_.size(), Eigen::Matrix3d::Zero());
   if (!same) ++revision_;
 }
 
@@ -193,6 +194,7 @@ void System<Real>::linearize(const Evaluation& at, PsdProjection how) {
   const Timed timed(work_.linearizations);
   elastic_.linearize(how);
   contact_penalties_ = at.contact_penalties;
+  point_roots_ = at.point_roots;
 }
 
 template <class Real>
@@ -208,11 +210,12 @@ void System<Real>::multiply(std::span<const Real> x, std::span<Real> y) const {
         y[3 * static_cast<std::size_t>(nodes[k]) + static_cast<std::size_t>(i)] +=
             static_cast<Real>(penalty.stiffness * along * penalty.weights[k] * penalty.direction[i]);
   }
-  for (const auto& constraint : point_constraints_) {
+  for (std::size_t t = 0; t < point_constraints_.size(); ++t) {
+    const PointConstraint& constraint = point_constraints_[t];
     Vec3 sum = Vec3::Zero();
     for (std::size_t k = 0; k < constraint.nodes.size(); ++k)
       sum += constraint.weights[k] * NodeField(x)[constraint.nodes[k]];
-    sum *= constraint.stiffness;
+    sum = (point_roots_[t].transpose() * (point_roots_[t] * sum)).eval();
     for (std::size_t k = 0; k < constraint.nodes.size(); ++k)
       for (int i = 0; i < 3; ++i)
         y[3 * static_cast<std::size_t>(constraint.nodes[k]) + static_cast<std::size_t>(i)] +=

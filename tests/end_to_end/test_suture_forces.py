@@ -1,0 +1,154 @@
+"""Suture forces against what they must be: the lattice's place does not matter, they converge, a strip has its own.
+
+The advancement is a flap of 10 x 18 mm that closes a defect of 10 x 8 mm in skin of 3 mm.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from lappet.daemon.daemon_solver import connect_to, solver_identity
+from lappet.daemon.solved_frame import SolvedFrame
+from lappet.procedure import Excision, Hook, Incision, Landmark, Material, Procedure, Suture, Undermine
+from lappet.program.compile import compile_program
+from lappet.program.program import Program
+from lappet.program.settings import SolverSettings
+from lappet.solve.solve_frames import SolveObserver, solve_program
+from lappet.solve.store import FrameStore
+from lappet.tissue.patch import flat_patch
+
+pytestmark = pytest.mark.slow
+
+TOP = 3.0
+
+
+def advancement(depth: float, **changes: Any) -> Procedure:
+    """Sutures in this depth, 0.6 mm beside the edges."""
+    corners = [(-14.0, -5.0, TOP), (-6.0, -5.0, TOP), (-6.0, 5.0, TOP), (-14.0, 5.0, TOP)]
+    around = [(-20.0, -12.0, TOP), (16.0, -12.0, TOP), (16.0, 12.0, TOP), (-20.0, 12.0, TOP)]
+    events: list[Any] = [
+        Incision("defect", 2, tuple(corners), closed=True),
+        *(Incision(f"limb_{k}", 2, ((-6.0, y, TOP), (12.0, y, TOP))) for k, y in enumerate((5.0, -5.0))),
+        Excision("excision", 2, ((-10.0, 0.0, TOP),)),
+        Undermine("undermining", 2, tuple(around)),
+    ]
+    z = TOP - depth
+    for k, y in enumerate((-4.0, -4.0 / 3.0, 4.0 / 3.0, 4.0)):
+        events.append(Suture(f"front_{k}", ((-5.4, y, z), (-14.6, y, z)), 2, 2, **changes))
+    for k, along in enumerate((3.0, 6.0, 9.0, 12.0, 15.0)):
+        for side, y in (("left", 1.0), ("right", -1.0)):
+            ends = ((-6.0 + along, 4.4 * y, z), (-14.0 + along * 26 / 18, 5.6 * y, z))
+            events.append(Suture(f"{side}_{k}", ends, 2, 2, **changes))
+    tissue = flat_patch((56.0, 40.0, TOP), resolution=2.0)
+    return Procedure(tissue, (Material("skin"),), events=tuple(events), start_time=2, end_time=4)
+
+
+def last_frame(program: Program, folder: Path, **settings: Any) -> SolvedFrame:
+    program = replace(program, settings=replace(program.settings, **settings))
+    found = solve_program(program, FrameStore(folder), connect_to(None), solver_identity(None), SolveObserver())
+    assert found.reason is None
+    return found.frames[-1].solved
+
+
+def sums(program: Program, folder: Path, lattices: Sequence[tuple[float, tuple[float, float, float]]]) -> list[float]:
+    """The sum of the forces (mN) for spacings and shifts of the lattice in cells."""
+    origin = np.array(program.settings.origin)
+    forces = []
+    for spacing, shift in lattices:
+        place = tuple((origin + spacing * np.array(shift)).tolist())
+        forces.append(float(last_frame(program, folder, spacing=spacing, origin=place).suture_forces.sum()))
+    return forces
+
+
+@pytest.mark.parametrize(
+    ("depth", "shifts"),
+    [
+        # Sutures of the skin bend it, and cells filled in part bend too stiffly: there the lattice is not moved
+        # across the sheet.
+        (0.0, [(0.5, 0.5, 0.0), (0.25, 0.7, 0.0)]),
+        (1.5, [(0.5, 0.5, 0.0), (0.0, 0.0, 0.5), (0.3, 0.1, 0.25)]),
+    ],
+)
+def test_the_sum_does_not_depend_on_where_the_lattice_lies(
+    tmp_path: Path, depth: float, shifts: list[tuple[float, float, float]]
+) -> None:
+    program = compile_program(advancement(depth), settings=SolverSettings(spacing=1.0))
+    first, *others = sums(program, tmp_path, [(1.0, (0.0, 0.0, 0.0)), *((1.0, shift) for shift in shifts)])
+    assert first > 300.0
+    for other in others:
+        assert other == pytest.approx(first, rel=0.05)
+
+
+def test_the_sum_falls_from_spacing_to_spacing(tmp_path: Path) -> None:
+    program = compile_program(advancement(1.5), settings=SolverSettings(spacing=1.0))
+    forces = sums(program, tmp_path, [(spacing, (0.0, 0.0, 0.0)) for spacing in (2.0, 1.5, 1.0)])
+    assert forces == sorted(forces, reverse=True)
+    assert forces[0] < 1.15 * forces[-1]
+
+
+def test_a_strip_that_is_sewn_pulls_with_the_force_of_its_stretch(tmp_path: Path) -> None:
+    """Uniaxial stretch of neo-Hookean skin between clamps 60 mm apart, 3 mm of it excised."""
+    side, edge, gap = 6.0, 1.5, 0.6
+    tissue = flat_patch((60.0, 2.0 * side, TOP), resolution=2.0, bed_stiffness=0.0)
+    ends = [i for i, face in enumerate(_middles(tissue)) if abs(abs(face[0]) - 30.0) < 1e-6]
+    tissue = replace(tissue, subsets={"fixed": np.array(ends, np.int32)})
+    cuts = [Incision(f"cut_{k}", 2, ((x, -side - 2, TOP), (x, side + 2, TOP))) for k, x in enumerate((-edge, edge))]
+    rows = [(y, z) for y in np.linspace(-side + 0.8, side - 0.8, 6) for z in (0.75, 2.25)]
+    sutures = [
+        Suture(f"row_{k}", ((-edge - gap, float(y), float(z)), (edge + gap, float(y), float(z))), 2, 1)
+        for k, (y, z) in enumerate(rows)
+    ]
+    events = (*cuts, Excision("piece", 2, ((0.0, 0.0, TOP),)), *sutures)
+    skin = Material("skin", youngs_modulus=50.0, poissons_ratio=0.45)
+    procedure = Procedure(tissue, (skin,), events=events, start_time=2, end_time=3)
+    program = compile_program(procedure, settings=SolverSettings(spacing=1.0))
+    total = float(last_frame(program, tmp_path).suture_forces.sum())
+    # What lies beyond the sutures is not stretched.
+    assert total == pytest.approx(_uniaxial(60.0 / (57.0 - 2.0 * gap), 50.0, 0.45) * 2.0 * side * TOP, rel=0.03)
+
+
+def test_a_thread_of_nylon_closes_a_wound_almost_as_exactly(tmp_path: Path) -> None:
+    exact, nylon = (
+        last_frame(compile_program(advancement(1.5, **changes), settings=SolverSettings(spacing=2.0)), tmp_path)
+        for changes in ({}, {"mode": "thread", "thread": "nylon 5-0"})
+    )
+    apart = np.linalg.norm(nylon.suture_points[:, 0] - nylon.suture_points[:, 1], axis=1)
+    assert nylon.suture_forces.sum() == pytest.approx(exact.suture_forces.sum(), rel=0.1)
+    assert 1e-3 < apart.max() < 0.2
+    assert np.linalg.norm(exact.suture_points[:, 0] - exact.suture_points[:, 1], axis=1).max() < 2.1e-3
+
+
+def test_a_hook_deep_in_the_tissue_that_is_not_pulled_does_not_press(tmp_path: Path) -> None:
+    tissue = flat_patch((24.0, 24.0, 10.0), resolution=4.0)
+    deep = (1.3, 0.4, 5.0)
+    events = (Hook("hook", deep, ((1.0, deep),), 1.0, 3.0), Landmark("probe", (deep,), "probe"))
+    procedure = Procedure(tissue, (Material("skin"),), events=events, start_time=1, end_time=1)
+    frame = last_frame(compile_program(procedure, settings=SolverSettings(spacing=2.0)), tmp_path)
+    assert np.abs(frame.hook_forces).max() < 1e-3
+    assert np.abs(frame.landmarks[0] - deep).max() < 1e-6
+
+
+def _middles(tissue: Any) -> list[np.ndarray]:
+    corners = np.split(tissue.face_vertex_indices, np.cumsum(tissue.face_vertex_counts)[:-1])
+    return [tissue.points[each].mean(axis=0) for each in corners]
+
+
+def _uniaxial(stretch: float, youngs_modulus: float, poissons_ratio: float) -> float:
+    """The nominal stress (kPa) of a compressible neo-Hookean bar, whose sides are free.
+
+    W = mu/2 (I1 - 3) - mu ln J + lambda/2 (ln J)^2.
+    """
+    mu = youngs_modulus / (2.0 * (1.0 + poissons_ratio))
+    first = youngs_modulus * poissons_ratio / ((1.0 + poissons_ratio) * (1.0 - 2.0 * poissons_ratio))
+    low, high = 0.5, 1.0
+    for _ in range(80):
+        across = 0.5 * (low + high)
+        side = mu * (across - 1.0 / across) + first * np.log(stretch * across**2) / across
+        low, high = (across, high) if side < 0.0 else (low, across)
+    return float(mu * (stretch - 1.0 / stretch) + first * np.log(stretch * across**2) / stretch)

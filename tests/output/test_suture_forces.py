@@ -1,0 +1,138 @@
+"""The table of suture forces: closures, sums, shares, warnings and the file."""
+
+from __future__ import annotations
+
+import csv
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from lappet.core.problem_code import ProblemCode
+from lappet.daemon.solved_frame import SolvedFrame
+from lappet.geometry.labeled_surface import FaceOrigin
+from lappet.output.mean_tension import greatest_mean_tension
+from lappet.output.suture_forces import (
+    SutureForce,
+    closure_of,
+    summary,
+    suture_forces,
+    suture_warnings,
+    write_suture_forces,
+)
+from lappet.procedure import Procedure, Suture
+from lappet.program.program import Program
+from lappet.program.settings import SolverSettings
+from lappet.tissue.patch import flat_patch
+from lappet.tissue.surface import tissue_surface
+from small_procedure import TOP, small_procedure
+
+# Two rows across the slit, placed in another order than they are numbered.
+SEWN = tuple(
+    Suture(f"{name}_{number}", ((x, -1.0, TOP), (x, 1.0, TOP)), 5.0)
+    for name, number, x in (
+        ("near", 2, 0.0),
+        ("near", 1, -3.0),
+        ("near", 10, 4.0),
+        ("donor", 1, 5.0),
+        ("donor", 2, 8.0),
+    )
+)
+FORCES = {"near_1": 10.0, "near_2": 20.0, "near_10": 50.0, "donor_1": 15.0, "donor_2": 5.0}
+
+
+def frame(shared: dict[str, float]) -> tuple[Procedure, Program, SolvedFrame]:
+    procedure = small_procedure(events=SEWN)
+    program = Program((), (), SolverSettings(), sutures=tuple(suture.name for suture in SEWN))
+    ends = np.array([suture.anchors for suture in SEWN])
+    ends[:, :, 1] *= 0.25
+    return (
+        procedure,
+        program,
+        SolvedFrame(
+            7.0,
+            np.zeros((0, 3), np.float32),
+            suture_index=np.arange(len(SEWN), dtype=np.int32),
+            suture_points=ends,
+            suture_forces=np.array([FORCES[suture.name] for suture in SEWN]),
+            suture_shared=np.array([shared.get(suture.name, 0.0) for suture in SEWN]),
+        ),
+    )
+
+
+@pytest.mark.parametrize(
+    ("name", "closure"), [("skin_near_12", "skin_near"), ("stitch", "stitch"), ("stitch 3", "stitch"), ("42", "42")]
+)
+def test_a_closure_is_a_name_without_its_number(name: str, closure: str) -> None:
+    assert closure_of(name) == closure
+
+
+def test_forces_lie_along_their_closures_in_the_order_of_their_numbers() -> None:
+    rows = suture_forces(*frame({}))
+    assert [row.suture for row in rows] == ["donor_1", "donor_2", "near_1", "near_2", "near_10"]
+    assert [row.along_mm for row in rows] == pytest.approx([0.0, 3.0, 0.0, 3.0, 7.0])
+    assert [row.force_mn for row in rows] == [15.0, 5.0, 10.0, 20.0, 50.0]
+    assert {row.apart_mm for row in rows} == {0.5}
+    assert sum(row.share for row in rows) == pytest.approx(1.0)
+
+
+def test_sums_shares_and_the_tension_of_a_closure() -> None:
+    found = summary(suture_forces(*frame({})))
+    assert (found["total_mn"], found["greatest_mn"], found["greatest_suture"]) == (100.0, 50.0, "near_10")
+    assert found["donor_share"] == pytest.approx(0.2)
+    near = found["closures"]["near"]
+    assert (near["total_mn"], near["greatest_mn"], near["share"]) == (80.0, 50.0, pytest.approx(0.8))
+    assert near["tension_n_per_mm"] == pytest.approx(0.08 / (7.0 * 3 / 2))
+    assert near["force_mn"] == [10.0, 20.0, 50.0]
+
+
+def test_a_suture_that_the_lattice_does_not_resolve_is_in_no_sum_and_said() -> None:
+    procedure, program, solved = frame({"near_10": 0.6, "donor_1": 0.05})
+    rows = suture_forces(procedure, program, solved)
+    found = summary(rows)
+    assert (found["total_mn"], found["greatest_mn"], found["unresolved"]) == (50.0, 20.0, ["near_10"])
+    (warning,) = suture_warnings(procedure, rows)
+    assert (warning.code, warning.prim) == (ProblemCode.SUTURE_UNRESOLVED, "/Procedure/Timeline/near_10")
+    assert warning.severity == "warning"
+    assert warning.place is not None
+
+
+def test_a_thread_that_may_cut_through_is_warned_of_once() -> None:
+    procedure, program, solved = frame({})
+    events = tuple(replace(suture, pull_through=30.0) for suture in SEWN)
+    procedure = replace(procedure, events=events)
+    rows = suture_forces(procedure, program, solved)
+    later = suture_forces(procedure, program, replace(solved, time=8.0, suture_forces=0.9 * solved.suture_forces))
+    (warning,) = suture_warnings(procedure, [*rows, *later])
+    assert warning.code == ProblemCode.SUTURE_PULLS_THROUGH
+    assert "50 mN at time 7" in warning.message
+    assert "30 mN" in warning.message
+
+
+def test_the_file_has_a_row_for_each_suture_and_frame(tmp_path: Path) -> None:
+    rows = suture_forces(*frame({"near_10": 0.6}))
+    write_suture_forces(tmp_path / "forces.csv", rows)
+    with (tmp_path / "forces.csv").open(newline="") as file:
+        table = list(csv.DictReader(file))
+    assert [row["suture"] for row in table] == [row.suture for row in rows]
+    assert [float(row["force_mn"]) for row in table] == [row.force_mn for row in rows]
+    assert [row["resolved"] for row in table] == ["True", "True", "True", "True", "False"]
+    assert list(table[0]) == list(SutureForce.__dataclass_fields__)
+
+
+def test_the_greatest_mean_tension_is_that_of_an_area() -> None:
+    """A ridge of 4 mm is a mean over more than itself; a peak of a single point hardly counts."""
+    surface = tissue_surface(flat_patch((60.0, 40.0, 4.0), resolution=0.5))
+    skin = surface.points[:, 2] == 4.0
+    x, y = surface.points[:, 0], surface.points[:, 1]
+    wide = np.where(skin & (np.hypot(x - 10.0, y) < 6.0), 20.0, 1.0)
+    peak = np.where(skin & (np.hypot(x + 10.0, y) < 0.1), 300.0, wide)
+    for tension in (wide, peak):
+        found = greatest_mean_tension(surface, tension)
+        assert found is not None
+        assert found.tension == pytest.approx(20.0)
+        assert found.area == pytest.approx(25.0, rel=0.05)
+        assert np.hypot(found.place[0] - 10.0, found.place[1]) < 4.0
+    assert (surface.origin == FaceOrigin.SKIN).any()
+    assert greatest_mean_tension(surface, np.zeros(0)) is None
