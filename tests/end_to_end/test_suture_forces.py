@@ -45,7 +45,7 @@ def advancement(depth: float, **changes: Any) -> Procedure:
         for side, y in (("left", 1.0), ("right", -1.0)):
             ends = ((-6.0 + along, 4.4 * y, z), (-14.0 + along * 26 / 18, 5.6 * y, z))
             events.append(Suture(f"{side}_{k}", ends, 2, 2, **changes))
-    tissue = flat_patch((56.0, 40.0, TOP), resolution=2.0)
+    tissue = flat_patch((56.0, 40.0, TOP), resolution=2.0, gravity=0.0, bed_stiffness=10.0, bed_shear=10.0)
     return Procedure(tissue, (Material("skin"),), events=tuple(events), start_time=2, end_time=4)
 
 
@@ -95,7 +95,7 @@ def test_the_sum_falls_from_spacing_to_spacing(tmp_path: Path) -> None:
 def test_a_strip_that_is_sewn_pulls_with_the_force_of_its_stretch(tmp_path: Path) -> None:
     """Uniaxial stretch of neo-Hookean skin between clamps 60 mm apart, 3 mm of it excised."""
     side, edge, gap = 6.0, 1.5, 0.6
-    tissue = flat_patch((60.0, 2.0 * side, TOP), resolution=2.0, bed_stiffness=0.0)
+    tissue = flat_patch((60.0, 2.0 * side, TOP), resolution=2.0, gravity=0.0, bed_stiffness=0.0, bed_shear=0.0)
     ends = [i for i, face in enumerate(_middles(tissue)) if abs(abs(face[0]) - 30.0) < 1e-6]
     tissue = replace(tissue, subsets={"fixed": np.array(ends, np.int32)})
     cuts = [Incision(f"cut_{k}", 2, ((x, -side - 2, TOP), (x, side + 2, TOP))) for k, x in enumerate((-edge, edge))]
@@ -125,7 +125,7 @@ def test_a_thread_of_nylon_closes_a_wound_almost_as_exactly(tmp_path: Path) -> N
 
 
 def test_a_hook_deep_in_the_tissue_that_is_not_pulled_does_not_press(tmp_path: Path) -> None:
-    tissue = flat_patch((24.0, 24.0, 10.0), resolution=4.0)
+    tissue = flat_patch((24.0, 24.0, 10.0), resolution=4.0, gravity=0.0)
     deep = (1.3, 0.4, 5.0)
     events = (Hook("hook", deep, ((1.0, deep),), 1.0, 3.0), Landmark("probe", (deep,), "probe"))
     procedure = Procedure(tissue, (Material("skin"),), events=events, start_time=1, end_time=1)
