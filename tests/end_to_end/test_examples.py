@@ -340,8 +340,8 @@ def test_a_cut_across_the_tension_lines_gapes_more_than_one_along_them_and_taut_
     frames = solved("prestretched_incision", 2.0, tmp_path)["frames"]
     assert all(frame["converged"] for frame in frames)
     assert min(frame["minimum_j"] for frame in frames) > 0.9
-    for frame in frames[: module.ALONG - 1]:  # intact taut skin is in balance
-        assert frame["newton_iterations"] == 0
+    for frame in frames[: module.ALONG - 1]:  # intact taut skin is in balance but for its weight
+        assert frame["newton_iterations"] <= 1
         assert gapes(frame) == pytest.approx([0.0, 0.0], abs=1e-3)
     opened = gapes(frames[module.ALONG - 1])
     assert opened[0] > 3.0
