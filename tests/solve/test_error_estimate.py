@@ -41,14 +41,13 @@ SETTINGS: tuple[dict[str, Any], ...] = (
     {"preconditioner": "chebyshev"},
     {"tolerance": 1e-4, "preconditioner": "chebyshev"},
 )
-# Spacings at which one point per cell happens to be much better than its coarse program foretells (the bar at 1.5 mm),
-# is as far off at twice the spacing (the cantilever), or where what stopping early costs undoes what the lattice costs
-# (the shelf), with others beside them.
+# Spacings at which no lattice happens to meet the truth almost exactly (as the bar does at 1.5 mm) and no two err alike
+# (as the cantilever's at 2 and 4 mm do). `lappet report error-estimate --fitting` has those too.
 SPACINGS = {
-    "bar": (2.0, 1.5, 1.0),
+    "bar": (2.0, 1.0),
     "block": (2.0, 1.0),
     "block-nu0": (2.0, 1.0),
-    "cantilever": (3.0, 2.0, 1.5, 1.0),
+    "cantilever": (3.0,),
     "cook": (2.0,),
     "shelf": (2.0,),
 }
