@@ -6,6 +6,7 @@ import bmesh
 import bpy
 import numpy as np
 import pytest
+from mathutils import Matrix
 
 from lappet.core.problem_code import ProblemCode
 from lappet.tissue.surface import tissue_surface
@@ -290,3 +291,15 @@ def test_the_cursor_goes_to_a_problem(scene: bpy.types.Scene) -> None:
     bpy.ops.lappet.tissue_show_problem(index=0)
     assert scene.cursor.location[:] == pytest.approx((0.001, 0.002, 0.03))
     assert refusal(lambda: bpy.ops.lappet.tissue_show_problem(index=7)).code is ProblemCode.PROBLEM_UNKNOWN
+
+
+def test_a_part_that_nothing_joins_is_shown_at_its_middle(scene: bpy.types.Scene) -> None:
+    add_box(scene, (0.0, 0.0, 0.0), (0.02, 0.02, 0.02))
+    bpy.ops.lappet.tissue_set(spacing=2.0)
+    held(scene)
+    away = Matrix.Translation((0.05, 0.01, 0.01))
+    edit(scene.lappet.tissue.object, lambda work: bmesh.ops.create_cube(work, size=0.01, matrix=away))
+    place = found(scene, ProblemCode.TISSUE_SEPARATE)
+    assert place.problem.severity == "warning"
+    assert place.points == pytest.approx(np.array([(50.0, 10.0, 10.0)]), abs=1e-3)
+    assert place.middle() == pytest.approx((50.0, 10.0, 10.0), abs=1e-3)

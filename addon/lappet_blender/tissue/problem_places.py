@@ -44,6 +44,12 @@ class ProblemPlace:
         return None
 
 
+def place_of(found: Problem) -> ProblemPlace:
+    """Return a problem with the points that it names itself."""
+    points = () if found.place is None else found.place.points
+    return ProblemPlace(found, points=np.array(points, np.float64).reshape(-1, 3))
+
+
 def mesh_places(mesh: MeshValues, name: str, thicken: bool) -> list[ProblemPlace]:
     """Return what is wrong with the mesh as it was modeled.
 

@@ -15,7 +15,7 @@ from ..model.decimals import decimal
 from ..model.mesh_values import MeshValues, mesh_values
 from ..model.object_problems import object_problems
 from ..model.scene_procedure import read_scene
-from .problem_places import ProblemPlace, mesh_places, thin_places
+from .problem_places import ProblemPlace, mesh_places, place_of, thin_places
 from .tissue_objects import tissue_object
 
 
@@ -62,7 +62,7 @@ def check_tissue(scene: bpy.types.Scene) -> TissueCheck:
         if ProblemCode.TISSUE_THIN in known:
             known.add(ProblemCode.LATTICE_TOO_COARSE)  # says the same without the places
         of_check = check(reading.procedure)
-        places += [ProblemPlace(each) for each in of_check if each.prim != TISSUE or each.code not in known]
+        places += [place_of(each) for each in of_check if each.prim != TISSUE or each.code not in known]
     found = TissueCheck(mesh, settings, tuple(places))
     _found[scene.session_uid] = found
     return found
