@@ -109,7 +109,7 @@ def test_each_edit_does_what_its_name_says() -> None:
     renamed = replace(stitch, name="thread")
     assert history.do(replace_event("stitch", renamed)).events == (renamed, TIP, CUT)
     assert history.undo_label == "Edit stitch"
-    assert history.do(set_material(Material("fat"))).materials == (Material(), Material("fat"))
+    assert history.do(set_material(Material("fat"))).materials == (*START.materials, Material("fat"))
     assert history.do(set_material(Material(youngs_modulus=9.0))).materials == (
         Material(youngs_modulus=9.0),
         Material("fat"),
