@@ -21,7 +21,8 @@ from numpy.typing import NDArray
 from lappet.designs import Row, Schedule, Technique, draped_on, dufourmentel, flap_operation
 from lappet.geometry.border_loops import border_loops
 from lappet.geometry.closest_point import ClosestPoint
-from lappet.procedure import Bone, Material, Procedure, Tissue
+from lappet.procedure import POSITIONS, Bone, Procedure, Tissue
+from lappet.tissue.presets import SKIN
 from lappet.tissue.skin_sheet import SkinSheet
 from lappet.tissue.tissue_from_mesh import new_tissue
 from lappet.usd.stage import write_procedure
@@ -86,13 +87,13 @@ def skull() -> Bone:
 
 def build() -> Procedure:
     """The whole procedure. Raises ImportError without MNE."""
-    tissue = sheet(REACH, THICKNESS)
+    tissue = replace(sheet(REACH, THICKNESS), gravity_direction=POSITIONS["left_lateral"])  # the defect is on the right
     skin = SkinSheet.of(tissue)
     middle, normal = (value[0] for value in skin.at(ABOVE))
     design = dufourmentel(middle, DIRECTION, SIDE, ANGLE, normal=normal, project=draped_on(skin, middle))
     return Procedure(
         tissue=tissue,
-        materials=(Material("skin", model="neoHookean", youngs_modulus=50.0, poissons_ratio=0.45),),
+        materials=(SKIN.material,),
         events=flap_operation(design, skin, WHEN, HOW),
         bones=(skull(),),
         start_time=1,

@@ -9,8 +9,9 @@ import sys
 from pathlib import Path
 
 from lappet.designs import Row, Schedule, Technique, dufourmentel, flap_operation
-from lappet.procedure import Material, Procedure
+from lappet.procedure import Procedure
 from lappet.tissue.dome import dome_bone, dome_scalp, draped
+from lappet.tissue.presets import SKIN
 from lappet.tissue.skin_sheet import SkinSheet
 from lappet.usd.stage import write_procedure
 
@@ -29,7 +30,7 @@ def build() -> Procedure:
     design = dufourmentel((0.0, 0.0, RADIUS), (1.0, 0.0, 0.0), SIDE, ANGLE, project=draped(RADIUS))
     return Procedure(
         tissue=tissue,
-        materials=(Material("skin", model="neoHookean", youngs_modulus=50.0, poissons_ratio=0.45),),
+        materials=(SKIN.material,),
         events=flap_operation(design, SkinSheet.of(tissue), WHEN, HOW),
         bones=(dome_bone(BONE, BONE_REACH),),
         start_time=1,

@@ -11,8 +11,9 @@ from pathlib import Path
 import numpy as np
 
 from lappet.designs import Fusiform, fusiform
-from lappet.procedure import Event, Excision, Hook, Incision, Landmark, Material, Point, Procedure, Suture, Undermine
+from lappet.procedure import Event, Excision, Hook, Incision, Landmark, Point, Procedure, Suture, Undermine
 from lappet.tissue.patch import flat_patch
+from lappet.tissue.presets import SKIN
 from lappet.usd.stage import write_procedure
 
 LENGTH, WIDTH, THICKNESS = 36.0, 12.0, 4.0  # mm
@@ -104,7 +105,7 @@ def build(spacing: float = SPACING) -> Procedure:
     ]
     return Procedure(
         tissue=flat_patch((100.0, 80.0, THICKNESS), resolution=2.0, spacing=spacing),
-        materials=(Material("skin", model="neoHookean", youngs_modulus=50.0, poissons_ratio=0.45),),
+        materials=(SKIN.material,),
         events=tuple(events),
         start_time=1,
         end_time=END,

@@ -29,6 +29,7 @@ TAUT = replace(
     fiber_k1=15.0,
     fiber_k2=1.0,
     fiber_dispersion=0.2,
+    fiber_slack=1.0,
     fiber_direction=(1.0, 0.0, 0.0),
     prestretch=(1.2, 1.08),
 )

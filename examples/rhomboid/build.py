@@ -9,8 +9,9 @@ import sys
 from pathlib import Path
 
 from lappet.designs import Schedule, flap_operation, limberg
-from lappet.procedure import Material, Procedure
+from lappet.procedure import Procedure
 from lappet.tissue.patch import flat_patch
+from lappet.tissue.presets import SKIN
 from lappet.tissue.skin_sheet import SkinSheet
 from lappet.usd.stage import write_procedure
 
@@ -25,7 +26,7 @@ def build() -> Procedure:
     design = limberg((0.0, 0.0, THICKNESS), (1.0, 0.0, 0.0), SIDE)
     return Procedure(
         tissue=tissue,
-        materials=(Material("skin", model="neoHookean", youngs_modulus=50.0, poissons_ratio=0.45),),
+        materials=(SKIN.material,),
         events=flap_operation(design, SkinSheet.of(tissue), WHEN),
         start_time=1,
         end_time=WHEN.end,

@@ -26,13 +26,13 @@ from lappet.procedure import (
     Hook,
     Incision,
     Landmark,
-    Material,
     Point,
     Procedure,
     Suture,
     Tissue,
     Undermine,
 )
+from lappet.tissue.presets import SKIN
 from lappet.tissue.tissue_from_mesh import new_tissue
 from lappet.usd.stage import write_procedure
 
@@ -195,7 +195,7 @@ def build(spacing: float = SPACING) -> Procedure:
     ]
     return Procedure(
         tissue=tissue,
-        materials=(Material("skin", model="neoHookean", youngs_modulus=50.0, poissons_ratio=0.45),),
+        materials=(SKIN.material,),
         events=tuple(events),
         start_time=1,
         end_time=END,

@@ -13,7 +13,7 @@ from mathutils import Matrix
 
 from lappet.core.problem_code import ProblemCode
 from lappet.geometry.surface_check import signed_volume
-from lappet.procedure import Material, Procedure, Region, Tissue
+from lappet.procedure import Material, Procedure, Region, SkinLine, Tissue
 from lappet.tissue.patch import flat_patch
 from lappet.tissue.surface import tissue_surface
 from lappet_blender.interface.problem_repairs import Repair, repair_of
@@ -57,6 +57,10 @@ def test_a_procedure_comes_back_from_the_scene_as_it_was_given_whatever_the_unit
         start_time=2.0,
         end_time=30.0,
         fps=25.0,
+        skin_lines=(
+            SkinLine("crease", ((-3.0, 0.5, 4.0), (0.0, 1.0, 4.0), (3.0, 0.5, 4.0)), (20.0, 7.5)),
+            SkinLine("fold", ((-3.0, -2.0, 4.0), (3.0, -2.5, 4.0))),
+        ),
     )
     assert fill_scene(scene, given, scene.collection) == []
     assert read(scene) == given

@@ -12,7 +12,7 @@ from lappet.reports.convergence.files import totals, write_convergence
 from lappet.reports.convergence.measurement import ConvergenceRow, compare, compare_twins
 from lappet.reports.convergence.scenes import BeamScene, FlapScene, Kind, scenes, twins
 
-SMALL, LARGE = (60.0, 40.0), (120.0, 90.0)
+SMALL, LARGE = (60.0, 40.0), (100.0, 80.0)
 
 
 def right(rows: list[ConvergenceRow]) -> None:

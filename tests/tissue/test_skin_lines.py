@@ -15,8 +15,10 @@ from lappet.procedure import DEFAULT_SKIN, Procedure, SkinLine
 from lappet.program.compile import compile_program
 from lappet.program.keys import frame_keys
 from lappet.tissue.dome import dome_scalp
+from lappet.tissue.face_lines import FaceLandmarks, face_lines
 from lappet.tissue.patch import flat_patch
 from lappet.tissue.skin_lines import skin_field
+from lappet.tissue.skin_sheet import SkinSheet
 from lappet.tissue.uniaxial import prestretch_for
 from lappet.usd.stage import read_procedure, write_procedure
 
@@ -127,3 +129,23 @@ def test_on_a_dome_the_field_lies_in_the_skin() -> None:
     outwards = regions.skin_points / np.linalg.norm(regions.skin_points, axis=1, keepdims=True)
     assert np.abs((regions.skin_directions * outwards).sum(axis=1)).max() < 0.1  # the rim's normals lean
     assert between(regions.skin_directions, np.array([1.0, 0.0, 0.0])).max() < 40.0
+
+
+def test_the_lines_of_a_face_run_as_the_atlas_has_them() -> None:
+    """On a flat face: across the forehead and chin, upright in the lip, downwards and outwards over the cheek."""
+    tissue = flat_patch((160.0, 200.0, 4.0), resolution=8.0, spacing=4.0)
+    skin = SkinSheet.of(tissue)
+    face = FaceLandmarks((0, 80, 4), (0, 25, 4), (0, -25, 4), (0, -75, 4), ((-45, 20, 4), (45, 20, 4)),
+                         ((-25, -45, 4), (25, -45, 4)))  # fmt: skip
+    lines = face_lines(face, skin)
+    points = np.array([(0.0, 55.0, 4.0), (0.0, -60.0, 4.0), (0.0, -35.0, 4.0), (45.0, -45.0, 4.0), (-45.0, -45.0, 4.0),
+                       (58.0, 20.0, 4.0)])  # fmt: skip
+    field = skin_field(lines, points, np.tile(UP, (len(points), 1)), DEFAULT_SKIN)
+    slant = np.array([1.0, -1.5, 0.0]) / np.hypot(1.0, 1.5)
+    mirrored = slant * (-1.0, 1.0, 1.0)
+    side, upright = np.array([1.0, 0.0, 0.0]), np.array([0.0, 1.0, 0.0])
+    wanted = np.array([side, side, upright, slant, mirrored, side])
+    assert between(field.directions, wanted).max() < 30.0
+    assert field.stretch[3, 0] > field.stretch[2, 0] > 1.0
+    assert {line.tension for line in lines} == {None, (7.0, 3.5), (53.0, 26.5)}
+    assert check(replace(lined(), skin_lines=lines)) == check(lined())

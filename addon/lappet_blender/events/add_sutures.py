@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from lappet.core.problem import refused
 from lappet.core.problem_code import ProblemCode
 from lappet.geometry.closest_point import ClosestPoint
+from lappet.geometry.triangles import area_normals, directions
 from lappet.procedure import Incision, Suture
 from lappet.tissue.fan_triangles import fan_triangles
 
@@ -116,7 +117,4 @@ def _skin(scene: bpy.types.Scene) -> tuple[ClosestPoint, NDArray[np.float64]]:
     """The tissue's surface at rest and the normals (m, 3) of its triangles."""
     tissue = tissue_of(scene)
     triangles, _ = fan_triangles(tissue)
-    corners = tissue.points[triangles]
-    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
-    return ClosestPoint(tissue.points, triangles), normals
+    return ClosestPoint(tissue.points, triangles), directions(area_normals(tissue.points[triangles]))

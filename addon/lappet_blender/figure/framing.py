@@ -8,6 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from lappet.geometry.triangles import area_normals
+
 from ..look.skin_fields import SKIN, WOUND_WALL
 from ..look.skin_source import SkinSource
 
@@ -88,7 +90,7 @@ def field_around(
     corners = points[skin]
     middle = corners.mean(axis=1)
     near = ((middle >= low) & (middle <= high)).all(axis=1)
-    face = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    face = area_normals(corners)
     normals = face[near].sum(axis=0) if near.any() else face.sum(axis=0)
     length = float(np.linalg.norm(normals))
     normal = normals / length if length > 1e-9 else np.array([0.0, 0.0, 1.0])

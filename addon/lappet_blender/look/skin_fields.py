@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lappet.background.skin_shape import depth_below_skin, uv_scale
+from lappet.geometry.triangles import area_normals
 
 from .skin_source import ORIGINS
 
@@ -58,8 +59,7 @@ class SkinNormals:
         owner = np.repeat(np.arange(len(vertices)), counts)
         inside = np.arange(len(owner)) - np.repeat(np.cumsum(counts) - counts, counts)
         t = self._triangles[self._faces[np.repeat(self._first[vertices], counts) + inside]]
-        p = positions[t].astype(np.float64)
-        face = np.cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0])
+        face = area_normals(positions[t].astype(np.float64))
         total = np.stack([np.bincount(owner, face[:, k], len(vertices)) for k in range(3)], axis=-1)
         return total / np.maximum(np.linalg.norm(total, axis=1, keepdims=True), 1e-12)
 

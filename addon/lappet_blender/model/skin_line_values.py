@@ -7,6 +7,9 @@ import bpy
 from lappet.procedure import SkinLine
 
 from .decimals import decimal, decimals
+from .event_kinds import BASIS_OF
+
+_BASIS_NAMES = {basis: name for name, basis in BASIS_OF.items()}
 
 
 def skin_line_values(scene: bpy.types.Scene) -> tuple[SkinLine, ...]:
@@ -16,7 +19,7 @@ def skin_line_values(scene: bpy.types.Scene) -> tuple[SkinLine, ...]:
             each.name,
             tuple(decimals(point.co) for point in each.points),  # type: ignore[misc]
             (decimal(each.tension[0]), decimal(each.tension[1])) if each.use_tension else None,
-            each.basis,
+            BASIS_OF[each.basis],
         )
         for each in scene.lappet.skin_lines
     )
@@ -24,7 +27,7 @@ def skin_line_values(scene: bpy.types.Scene) -> tuple[SkinLine, ...]:
 
 def set_skin_line(each: bpy.types.PropertyGroup, line: SkinLine) -> None:
     """Give an entry of `scene.lappet.skin_lines` the values of a line."""
-    each.name, each.basis, each.use_tension = line.name, line.basis, line.tension is not None
+    each.name, each.basis, each.use_tension = line.name, _BASIS_NAMES[line.basis], line.tension is not None
     if line.tension is not None:
         each.tension = line.tension
     each.points.clear()

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from lappet.geometry.mesh_faults import polygon_edges
 from lappet.geometry.surface_check import unique_edges
 
 from .mesh_values import MeshValues
@@ -12,10 +13,7 @@ from .mesh_values import MeshValues
 
 def directed_edges(mesh: MeshValues) -> NDArray[np.int64]:
     """The edges (k, 2) of the faces in their direction, one per corner."""
-    counts, indices = mesh.counts.astype(np.int64), mesh.indices.astype(np.int64)
-    starts = np.repeat(np.cumsum(counts) - counts, counts)
-    within = np.arange(len(indices)) - starts
-    return np.stack([indices, indices[starts + (within + 1) % np.repeat(counts, counts)]], axis=1)
+    return polygon_edges(mesh.counts.astype(np.int64), mesh.indices.astype(np.int64))
 
 
 def open_edge_count(mesh: MeshValues) -> int:

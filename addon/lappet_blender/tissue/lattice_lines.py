@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from lappet.geometry.triangles import areas
+
 MOST_LINES = 60_000
 _MOST_SAMPLES = 4_000_000
 
@@ -70,11 +72,7 @@ def box_lines(points: NDArray[np.float64], spacing: float) -> NDArray[np.float32
 
 def lattice_lines(points: NDArray[np.float64], triangles: NDArray[np.integer], spacing: float) -> NDArray[np.float32]:
     """The lines (k, 2, 3), mm, to draw: the cells at the surface, or the grid on the box where these are too many."""
-    area = 0.5 * np.linalg.norm(
-        np.cross(points[triangles[:, 1]] - points[triangles[:, 0]], points[triangles[:, 2]] - points[triangles[:, 0]]),
-        axis=1,
-    )
-    if 4.0 * float(area.sum()) / spacing**2 <= 2.0 * MOST_LINES:
+    if 4.0 * float(areas(points[triangles]).sum()) / spacing**2 <= 2.0 * MOST_LINES:
         cells = touched_cells(points, triangles, spacing)
         if len(cells):
             lines = cell_lines(cells, spacing)

@@ -13,6 +13,7 @@ from lappet.core.problem_code import ProblemCode
 from lappet.geometry.border_loops import border_loops, perimeter
 from lappet.geometry.mesh_faults import MODELLED, MeshFault, mesh_faults
 from lappet.geometry.surface_check import place, signed_volume
+from lappet.geometry.triangles import area_normals, directions
 from lappet.geometry.triangulation import triangulate
 from lappet.procedure import Tissue
 
@@ -91,8 +92,7 @@ def thin_places(tissue: Tissue, name: str, spacing: float) -> list[ProblemPlace]
     if signed_volume(tissue.points, triangles) < 0.0:
         triangles = triangles[:, ::-1]
     corners = tissue.points[triangles]
-    across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    inwards = -across / np.maximum(np.linalg.norm(across, axis=1, keepdims=True), 1e-300)
+    inwards = -directions(area_normals(corners))
     tree = BVHTree.FromPolygons(tissue.points.tolist(), triangles.tolist(), all_triangles=True)
     skip = 1e-4 * spacing
     starts = corners.mean(axis=1) + skip * inwards

@@ -19,11 +19,13 @@ from .tissue_operator import OnTissue, TissueOperator
 class _OnObject(TissueOperator):
     """An operator on a named object: by default the tissue."""
 
+    object: StringProperty(name="Object", description="Name of the object; empty = the tissue")
+
     def meant(self, context: bpy.types.Context) -> bpy.types.Object:
         """The object meant. Raises RefusedError where it is not there or no mesh."""
-        if not self.object:  # type: ignore[attr-defined]
+        name = self.object
+        if not name:
             return tissue_object(context.scene)
-        name = self.object  # type: ignore[attr-defined]
         procedure = context.scene.lappet
         own = [procedure.tissue.object, *(bone.object for bone in procedure.bones)]
         obj = next((each for each in own if each is not None and each.name == name), bpy.data.objects.get(name))
@@ -39,8 +41,6 @@ class LAPPET_OT_tissue_apply_scale(_OnObject, bpy.types.Operator):
 
     bl_label = "Apply Scale"
 
-    object: StringProperty(name="Object", description="Name of the object; empty = the tissue")
-
     def run(self, context: bpy.types.Context) -> None:
         repair_object.apply_scale(self.meant(context))
 
@@ -49,8 +49,6 @@ class LAPPET_OT_tissue_apply_modifiers(_OnObject, bpy.types.Operator):
     """Apply the modifiers and the current mix of shape keys to the mesh"""
 
     bl_label = "Apply Modifiers and Shape Keys"
-
-    object: StringProperty(name="Object", description="Name of the object; empty = the tissue")
 
     def run(self, context: bpy.types.Context) -> str:
         return repair_object.apply_shape(context, self.meant(context))
@@ -61,8 +59,6 @@ class LAPPET_OT_tissue_make_local(_OnObject, bpy.types.Operator):
 
     bl_label = "Make Local"
 
-    object: StringProperty(name="Object", description="Name of the object; empty = the tissue")
-
     def run(self, context: bpy.types.Context) -> None:
         repair_object.make_local(self.meant(context))
 
@@ -72,8 +68,6 @@ class LAPPET_OT_tissue_fix_place(_OnObject, bpy.types.Operator):
 
     bl_label = "Fix in Place"
 
-    object: StringProperty(name="Object", description="Name of the object; empty = the tissue")
-
     def run(self, context: bpy.types.Context) -> None:
         repair_object.fix_place(self.meant(context))
 
@@ -82,8 +76,6 @@ class LAPPET_OT_tissue_restore(_OnObject, bpy.types.Operator):
     """Link the object into the scene again"""
 
     bl_label = "Restore to Scene"
-
-    object: StringProperty(name="Object", description="Name of the object; empty = the tissue")
 
     def run(self, context: bpy.types.Context) -> None:
         repair_object.restore(context.scene, self.meant(context))

@@ -10,6 +10,7 @@ from lappet.core.problem_code import ProblemCode
 from lappet.geometry.flatten import flatten
 from lappet.geometry.mesh_faults import refuse_unreadable
 from lappet.geometry.surface_check import signed_volume
+from lappet.geometry.triangles import areas
 from lappet.geometry.triangulation import triangulate
 from lappet.tissue.patch import UV_SCALE
 from lappet.tissue.presets import PRESETS
@@ -76,9 +77,7 @@ def _triangles(mesh: MeshValues) -> np.ndarray:
 def _spacing(mesh: MeshValues, thickness: float) -> float:
     triangles = _triangles(mesh)
     if thickness > 0.0:
-        corners = mesh.points[triangles]
-        area = 0.5 * np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
-        volume = thickness * float(area.sum())
+        volume = thickness * float(areas(mesh.points[triangles]).sum())
     else:
         volume = abs(signed_volume(mesh.points, triangles))
     return chosen_spacing(volume, thickness) or 1.0

@@ -12,6 +12,8 @@ import numpy as np
 from gpu_extras.batch import batch_for_shader
 from numpy.typing import NDArray
 
+from lappet.geometry.triangles import area_normals, directions
+
 from .edit_tool import HeldHandle
 from .handles import handles_of
 from .plan_lines import (
@@ -107,9 +109,7 @@ def _draw_lines() -> None:
 def _draw_preview(surface: ShownSurface, preview: Preview) -> None:
     if preview.faces is not None and len(preview.faces):
         corners = preview.faces
-        normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-        normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-300)
-        lifted = corners + normal[:, None] * (0.15 / surface.mm)
+        lifted = corners + directions(area_normals(corners))[:, None] * (0.15 / surface.mm)
         shader = gpu.shader.from_builtin("UNIFORM_COLOR")
         shader.uniform_float("color", _TINT)
         batch_for_shader(shader, "TRIS", {"pos": lifted.reshape(-1, 3).astype(np.float32)}).draw(shader)

@@ -17,6 +17,7 @@ from mathutils.bvhtree import BVHTree
 from numpy.typing import NDArray
 
 from lappet.geometry.labeled_surface import FaceOrigin
+from lappet.geometry.triangles import area_normals, barycentric, directions
 from lappet.procedure import Tissue
 from lappet.tissue.surface import skin_faces
 
@@ -79,7 +80,7 @@ class RestShape:
 
     def normals(self, triangle: NDArray[np.int64]) -> NDArray[np.float64]:
         """Unit normals (k, 3) of triangles (k,) at rest."""
-        return _normals(self.points[self.triangles[triangle]])
+        return directions(area_normals(self.points[self.triangles[triangle]]))
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,12 +108,7 @@ class ShownSurface:
 
     def normals(self, triangle: NDArray[np.int64]) -> NDArray[np.float64]:
         """Unit normals (k, 3) of triangles (k,) in the world."""
-        return _normals(self.positions[self.rest.triangles[triangle]])
-
-
-def _normals(corners: NDArray[np.float64]) -> NDArray[np.float64]:
-    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    return normal / np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-300)
+        return directions(area_normals(self.positions[self.rest.triangles[triangle]]))
 
 
 _rests: dict[tuple[Any, ...], RestShape] = {}
@@ -171,19 +167,6 @@ def shown_surface(scene: bpy.types.Scene, viewport: bpy.types.SpaceView3D | None
     surface = ShownSurface(rest, positions, solved, key, mm)
     _shown[scene.name] = surface
     return surface
-
-
-def barycentric(points: NDArray[np.float64], corners: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Barycentric weights (k, 3) of points (k, 3) on triangles (k, 3, 3), clipped to the triangle."""
-    a = corners[:, 0]
-    u, v, w = corners[:, 1] - a, corners[:, 2] - a, points - a
-    uu, uv, vv = (np.einsum("ij,ij->i", p, q) for p, q in ((u, u), (u, v), (v, v)))
-    wu, wv = np.einsum("ij,ij->i", w, u), np.einsum("ij,ij->i", w, v)
-    det = uu * vv - uv * uv
-    safe = np.where(np.abs(det) > 1e-300, det, 1.0)
-    b, c = (vv * wu - uv * wv) / safe, (uu * wv - uv * wu) / safe
-    weights = np.clip(np.stack([1.0 - b - c, b, c], axis=1), 0.0, 1.0)
-    return weights / np.maximum(weights.sum(axis=1, keepdims=True), 1e-300)
 
 
 def _tree(points: NDArray[np.float64], triangles: NDArray[np.int32]) -> BVHTree:

@@ -9,15 +9,6 @@ from lappet.core.lazy_exports import lazy_exports
 if TYPE_CHECKING:
     from lappet.checks.validation import check, check_file
 
-__all__ = [
-    "check",
-    "check_file",
-]
+__all__ = ["check", "check_file"]
 
-__getattr__, __dir__ = lazy_exports(
-    __name__,
-    {
-        "check": "validation",
-        "check_file": "validation",
-    },
-)
+__getattr__, __dir__ = lazy_exports(__name__, {"validation": ("check", "check_file")})

@@ -21,6 +21,7 @@ from lappet.geometry.labeled_surface import FaceOrigin, Surface
 from lappet.geometry.solid import Label, LabeledSolid
 from lappet.geometry.split_edges import split_edges
 from lappet.geometry.surface_check import directed_edges, unique_edges
+from lappet.geometry.triangles import area_normals, areas
 from lappet.geometry.unique_rows import unique_rows
 from lappet.procedure import Undermine
 from lappet.tissue.rest_skin import RestSkin
@@ -149,8 +150,7 @@ class _Parts:
             inside.append(turns.surround(surface.points[surface.triangles[wall]]))
             if inside[-1]:
                 under = surface.points[surface.triangles[surface.origin == FaceOrigin.UNDERSIDE]]
-                area = 0.5 * np.linalg.norm(np.cross(under[:, 1] - under[:, 0], under[:, 2] - under[:, 0]), axis=1)
-                widths.append(float(area.sum()) / max(float(np.ptp(surface.points, axis=0).max()), 1e-300))
+                widths.append(float(areas(under).sum()) / max(float(np.ptp(surface.points, axis=0).max()), 1e-300))
             corners.append(surface.points[surface.triangles])
             owner.append(np.full(len(surface.triangles), k))
             known.append(surface.points)
@@ -214,7 +214,7 @@ class _Turns:
         """Whether the curve winds around the skin beside most of these wall triangles (k, 3, 3), by area."""
         if len(walls) == 0:
             return False
-        normal = np.cross(walls[:, 1] - walls[:, 0], walls[:, 2] - walls[:, 0])
+        normal = area_normals(walls)
         area = np.linalg.norm(normal, axis=1)
         largest = np.argsort(-area, kind="stable")[:64]
         behind = walls[largest].mean(axis=1) - self._kerf * normal[largest] / np.maximum(area[largest], 1e-300)[:, None]

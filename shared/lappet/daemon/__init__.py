@@ -10,17 +10,6 @@ if TYPE_CHECKING:
     from lappet.daemon.client import SolverClient
     from lappet.daemon.process import SolverDaemon, find_daemon
 
-__all__ = [
-    "SolverClient",
-    "SolverDaemon",
-    "find_daemon",
-]
+__all__ = ["SolverClient", "SolverDaemon", "find_daemon"]
 
-__getattr__, __dir__ = lazy_exports(
-    __name__,
-    {
-        "SolverClient": "client",
-        "SolverDaemon": "process",
-        "find_daemon": "process",
-    },
-)
+__getattr__, __dir__ = lazy_exports(__name__, {"client": ("SolverClient",), "process": ("SolverDaemon", "find_daemon")})

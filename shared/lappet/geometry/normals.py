@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from lappet.geometry.triangles import area_normals, directions
+
 _CREASE = np.cos(np.radians(60.0))
 
 
@@ -27,8 +29,7 @@ def corner_normals(points: NDArray[np.float64], triangles: NDArray[np.int64]) ->
         Unit normals, shape (m, 3, 3).
     """
     corners = points[triangles]
-    face = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    face /= np.maximum(np.linalg.norm(face, axis=1, keepdims=True), 1e-300)
+    face = directions(area_normals(corners))
     to_next = np.roll(corners, -1, axis=1) - corners
     to_last = np.roll(corners, 1, axis=1) - corners
     sine = np.linalg.norm(np.cross(to_next, to_last), axis=2)

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from lappet.geometry.labeled_surface import Surface
 from lappet.geometry.surface_check import directed_edges, unique_edges
+from lappet.geometry.triangles import area_normals
 from lappet.geometry.vectors import length
 
 
@@ -107,8 +108,7 @@ def _can_collapse(
     faces = triangles[sorted(mine - shared)]
     before = points[faces]
     after = np.where((faces == gone)[:, :, None], points[kept], before)
-    old = np.cross(before[:, 1] - before[:, 0], before[:, 2] - before[:, 0])
-    new = np.cross(after[:, 1] - after[:, 0], after[:, 2] - after[:, 0])
+    old, new = area_normals(before), area_normals(after)
     size_old, size_new = np.linalg.norm(old, axis=1), np.linalg.norm(new, axis=1)
     longest = np.linalg.norm(np.roll(before, -1, axis=1) - before, axis=2).max(axis=1)
     flat = size_old < shortest * longest

@@ -12,21 +12,14 @@ if TYPE_CHECKING:
     from lappet.output.skin_cache import write_skin_cache
     from lappet.output.solve_to_cache import SolveResult, solve_procedure
 
-__all__ = [
-    "SolveResult",
-    "render_cache",
-    "solve_procedure",
-    "write_report",
-    "write_skin_cache",
-]
+__all__ = ["SolveResult", "render_cache", "solve_procedure", "write_report", "write_skin_cache"]
 
 __getattr__, __dir__ = lazy_exports(
     __name__,
     {
-        "SolveResult": "solve_to_cache",
-        "render_cache": "render",
-        "solve_procedure": "solve_to_cache",
-        "write_report": "report",
-        "write_skin_cache": "skin_cache",
+        "render": ("render_cache",),
+        "report": ("write_report",),
+        "skin_cache": ("write_skin_cache",),
+        "solve_to_cache": ("SolveResult", "solve_procedure"),
     },
 )

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from lappet.procedure.events import Event
 from lappet.procedure.skin_line import SkinLine
 from lappet.procedure.storyboard import storyboard
-from lappet.procedure.tissue import Bone, Material, Tissue
+from lappet.procedure.tissue import DEFAULT_SKIN, Bone, Material, Tissue
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -53,7 +53,7 @@ class Procedure:
     """
 
     tissue: Tissue
-    materials: tuple[Material, ...] = (Material(),)
+    materials: tuple[Material, ...] = (DEFAULT_SKIN,)
     events: tuple[Event, ...] = ()
     bones: tuple[Bone, ...] = ()
     skin_lines: tuple[SkinLine, ...] = ()

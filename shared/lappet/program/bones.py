@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from lappet.geometry.closest_point import ClosestPoint
 from lappet.geometry.labeled_surface import Surface
 from lappet.geometry.solid import closed_solid, solid_surface
+from lappet.geometry.triangles import area_normals
 from lappet.geometry.triangulation import triangulate
 from lappet.procedure import Bone
 from lappet.procedure.prim_paths import BONE
@@ -67,16 +68,11 @@ def over_bone(surface: Surface, bones: Bones) -> NDArray[np.bool_]:
     corners = surface.points[surface.triangles[resting]]
     nearest, _, _ = ClosestPoint(bones.points, bones.triangles).query(corners.mean(axis=1), within=NEAR)
     near = nearest >= 0
-    across = _across(bones.points[bones.triangles[nearest[near]]])
-    facing = np.einsum("ij,ij->i", _across(corners[near]), across) < 0.0
+    across = area_normals(bones.points[bones.triangles[nearest[near]]])
+    facing = np.einsum("ij,ij->i", area_normals(corners[near]), across) < 0.0
     result = np.zeros(len(surface.triangles), bool)
     result[resting[near]] = facing
     return result
-
-
-def _across(corners: NDArray[np.float64]) -> NDArray[np.float64]:
-    """The normals of triangles (k, 3, 3), of any length."""
-    return np.asarray(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]))
 
 
 def _triangles(bone: Bone) -> tuple[NDArray[np.float64], NDArray[np.int64]]:

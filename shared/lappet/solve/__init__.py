@@ -12,21 +12,14 @@ if TYPE_CHECKING:
     from lappet.solve.store import FrameStore
     from lappet.solve.target_error import choose
 
-__all__ = [
-    "FrameStore",
-    "SolveObserver",
-    "choose",
-    "estimate_errors",
-    "solve_program",
-]
+__all__ = ["FrameStore", "SolveObserver", "choose", "estimate_errors", "solve_program"]
 
 __getattr__, __dir__ = lazy_exports(
     __name__,
     {
-        "FrameStore": "store",
-        "SolveObserver": "solve_frames",
-        "choose": "target_error",
-        "estimate_errors": "error_estimate",
-        "solve_program": "solve_frames",
+        "error_estimate": ("estimate_errors",),
+        "solve_frames": ("SolveObserver", "solve_program"),
+        "store": ("FrameStore",),
+        "target_error": ("choose",),
     },
 )

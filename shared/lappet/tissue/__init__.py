@@ -13,27 +13,15 @@ if TYPE_CHECKING:
     from lappet.tissue.skin_sheet import SkinSheet
     from lappet.tissue.tissue_from_mesh import new_tissue
 
-__all__ = [
-    "Place",
-    "SkinSheet",
-    "dome_bone",
-    "dome_scalp",
-    "draped",
-    "flat_patch",
-    "new_tissue",
-    "onto",
-]
+__all__ = ["Place", "SkinSheet", "dome_bone", "dome_scalp", "draped", "flat_patch", "new_tissue", "onto"]
 
 __getattr__, __dir__ = lazy_exports(
     __name__,
     {
-        "Place": "placement",
-        "SkinSheet": "skin_sheet",
-        "dome_bone": "dome",
-        "dome_scalp": "dome",
-        "draped": "dome",
-        "flat_patch": "patch",
-        "new_tissue": "tissue_from_mesh",
-        "onto": "placement",
+        "dome": ("dome_bone", "dome_scalp", "draped"),
+        "patch": ("flat_patch",),
+        "placement": ("Place", "onto"),
+        "skin_sheet": ("SkinSheet",),
+        "tissue_from_mesh": ("new_tissue",),
     },
 )

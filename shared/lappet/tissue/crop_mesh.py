@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from lappet.geometry.normals import corner_normals
 from lappet.geometry.surface_check import directed_edges, unique_edges
+from lappet.geometry.triangles import directions
 
 Level = Callable[[NDArray[np.float64]], NDArray[np.float64]]
 _SNAP = 0.2  # of an edge: a vertex nearer to the border than this is moved onto it
@@ -87,7 +88,7 @@ def refine_smoothly(
         corner = corner_normals(points, triangles)
         normals = np.zeros_like(points)
         np.add.at(normals, triangles.reshape(-1), corner.reshape(-1, 3))
-        normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
+        normals = directions(normals)
         na, nb = normals[edges[:, 0]], normals[edges[:, 1]]
         rise = np.einsum("ij,ij->i", b - a, na)[:, None] * na - np.einsum("ij,ij->i", b - a, nb)[:, None] * nb
         smooth = (counts == 2) & (np.einsum("ij,ij->i", na, nb) > 0.5)

@@ -15,6 +15,7 @@ from lappet.geometry.closest_point import ClosestPoint
 from lappet.geometry.labeled_surface import FaceOrigin, Surface
 from lappet.geometry.normals import corner_normals
 from lappet.geometry.surface_check import open_edges
+from lappet.geometry.triangles import barycentric
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,7 +79,7 @@ class RestSkin:
             The placed points.
         """
         index, closest, _ = self._closest.query(points)
-        weights = _barycentric(closest, self.points[self.triangles[index]])
+        weights = barycentric(closest, self.points[self.triangles[index]])
         normals = np.einsum("kc,kci->ki", weights, self._normals[index])
         normals /= np.linalg.norm(normals, axis=1, keepdims=True)
         offset = points - closest
@@ -145,16 +146,3 @@ class RestSkin:
             behind = [d for d in leaving if d > 4.0 * lift]
             depth[k] = behind[0] if behind else 0.0
         return depth
-
-
-def _barycentric(points: NDArray[np.float64], corners: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Barycentric weights (k, 3) of points on triangles (k, 3, 3), clipped to the triangle."""
-    a = corners[:, 0]
-    u, v, w = corners[:, 1] - a, corners[:, 2] - a, points - a
-    uu, uv, vv = (np.einsum("ij,ij->i", p, q) for p, q in ((u, u), (u, v), (v, v)))
-    wu, wv = np.einsum("ij,ij->i", w, u), np.einsum("ij,ij->i", w, v)
-    det = uu * vv - uv * uv
-    safe = np.where(np.abs(det) > 1e-300, det, 1.0)
-    b, c = (vv * wu - uv * wv) / safe, (uu * wv - uv * wu) / safe
-    weights = np.clip(np.stack([1.0 - b - c, b, c], axis=1), 0.0, 1.0)
-    return weights / np.maximum(weights.sum(axis=1, keepdims=True), 1e-300)

@@ -13,6 +13,7 @@ from lappet.core.problem_code import ProblemCode
 from lappet.geometry.border_loops import border_loops
 from lappet.geometry.normals import corner_normals
 from lappet.geometry.surface_check import directed_edges, first_intersection, place, unique_edges
+from lappet.geometry.triangles import area_normals, directions
 
 _ATTEMPTS = (4, 16, 64, 256)
 
@@ -107,7 +108,7 @@ def thicken(points: NDArray[np.float64], triangles: NDArray[np.int64], thickness
     corner = corner_normals(points, triangles)
     normals = np.zeros_like(points)
     np.add.at(normals, triangles.reshape(-1), corner.reshape(-1, 3))
-    normals = _unit(normals)
+    normals = directions(normals)
     degree = np.bincount(edges.reshape(-1), minlength=len(points))[:, None]
     done = 0
     where: NDArray[np.float64] | None = None
@@ -116,7 +117,7 @@ def thicken(points: NDArray[np.float64], triangles: NDArray[np.int64], thickness
             around = np.zeros_like(normals)
             np.add.at(around, edges[:, 0], normals[edges[:, 1]])
             np.add.at(around, edges[:, 1], normals[edges[:, 0]])
-            normals = _unit(normals + around / np.maximum(degree, 1))
+            normals = directions(normals + around / np.maximum(degree, 1))
         done = rounds
         sheet = _sheet(points, triangles, points - thickness * normals, rows, rounds)
         where = _fault(sheet, points, triangles)
@@ -124,10 +125,6 @@ def thicken(points: NDArray[np.float64], triangles: NDArray[np.int64], thickness
             return sheet
     assert where is not None
     raise refused(ProblemCode.SHEET_FOLDS, name, f"{thickness:g}", place=Place.at(where), where=place(where))
-
-
-def _unit(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
-    return np.asarray(vectors / np.maximum(np.linalg.norm(vectors, axis=1, keepdims=True), 1e-300))
 
 
 def _sheet(
@@ -171,9 +168,7 @@ def _fault(sheet: Sheet, points: NDArray[np.float64], triangles: NDArray[np.int6
     """Where the underside is turned over or the sheet passes through itself, or None."""
     n = len(points)
     corners, under = points[triangles], sheet.points[triangles + n]
-    up = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    low = np.cross(under[:, 1] - under[:, 0], under[:, 2] - under[:, 0])
-    turned = np.flatnonzero(np.einsum("ij,ij->i", up, low) <= 0.0)
+    turned = np.flatnonzero(np.einsum("ij,ij->i", area_normals(corners), area_normals(under)) <= 0.0)
     if len(turned):
         return np.asarray(corners[turned[0]].mean(axis=0))
     pair = first_intersection(sheet.points, sheet.triangles)

@@ -15,6 +15,7 @@ from lappet.geometry.connected_parts import parts_of
 from lappet.geometry.flatten import flatten
 from lappet.geometry.mesh_faults import EDGES, SOLID, refuse_faults
 from lappet.geometry.surface_check import open_edges, place, signed_volume
+from lappet.geometry.triangles import areas, directions
 from lappet.procedure import Tissue
 from lappet.tissue.crop_mesh import Level, box_levels, crop, near, refine_smoothly, sphere_level
 from lappet.tissue.mesh_file import Mesh, read_mesh
@@ -135,12 +136,10 @@ def _region(mesh: Mesh, levels: list[Level], edge: float, name: str, lines: list
 
 def _largest_part(mesh: Mesh, lines: list[str]) -> Mesh:
     part = parts_of(mesh.triangles, len(mesh.points))
-    corners = mesh.points[mesh.triangles]
-    area = 0.5 * np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
-    areas = np.bincount(part, area)
-    if len(areas) > 1:
-        lines.append(f"kept the largest of {len(areas)} separate parts, {areas.max():.4g} of {areas.sum():.4g} mm²")
-    used, compact = np.unique(mesh.triangles[part == areas.argmax()], return_inverse=True)
+    sizes = np.bincount(part, areas(mesh.points[mesh.triangles]))
+    if len(sizes) > 1:
+        lines.append(f"kept the largest of {len(sizes)} separate parts, {sizes.max():.4g} of {sizes.sum():.4g} mm²")
+    used, compact = np.unique(mesh.triangles[part == sizes.argmax()], return_inverse=True)
     return Mesh(mesh.points[used], compact.reshape(-1, 3))
 
 
@@ -214,7 +213,7 @@ def _sheet_uv(sheet: Sheet, mesh: Mesh, uv: NDArray[np.float64], thickness: floa
     for loop in border_loops(mesh.triangles):
         along = uv[np.roll(loop, -1)] - uv[np.roll(loop, 1)]
         aside = np.stack([along[:, 1], -along[:, 0]], axis=1)
-        outward[loop] = aside / np.maximum(np.linalg.norm(aside, axis=1, keepdims=True), 1e-300)
+        outward[loop] = directions(aside)
     flat = uv[sheet.top]
     rim = flat + thickness * sheet.rim_level[:, None] * outward[sheet.top]
     return np.where(sheet.rim[:, None, None], rim[sheet.triangles], flat[sheet.triangles])

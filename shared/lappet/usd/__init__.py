@@ -9,21 +9,8 @@ from lappet.core.lazy_exports import lazy_exports
 if TYPE_CHECKING:
     from lappet.usd.stage import open_stage, pxr, read_procedure, save_layer, write_procedure
 
-__all__ = [
-    "open_stage",
-    "pxr",
-    "read_procedure",
-    "save_layer",
-    "write_procedure",
-]
+__all__ = ["open_stage", "pxr", "read_procedure", "save_layer", "write_procedure"]
 
 __getattr__, __dir__ = lazy_exports(
-    __name__,
-    {
-        "open_stage": "stage",
-        "pxr": "stage",
-        "read_procedure": "stage",
-        "save_layer": "stage",
-        "write_procedure": "stage",
-    },
+    __name__, {"stage": ("open_stage", "pxr", "read_procedure", "save_layer", "write_procedure")}
 )

@@ -28,6 +28,8 @@ constexpr double kSameEnergy = 1e-6;
 constexpr double kSaddle = -1e-3;
 // Saddles that are left one after the other in a frame.
 constexpr int kMaxSaddles = 6;
+// The way down from a saddle is long: so many times the Newton iterations of a load step.
+constexpr int kRounds = 4;
 
 template <class Real>
 class FrameSearch {
@@ -210,7 +212,8 @@ class FrameSearch {
     return epoch_.surface.points[softest];
   }
 
-  // Goes on from the lower side of the saddle; false, and back at it, where that leads to no lower equilibrium.
+  // Goes on from the lower side of the saddle; false, and back at it, where that leads to no lower equilibrium. Where
+  // the energy falls to neither side the equilibrium is neutral, as far as the energy can tell.
   bool leave_saddle() {
     const auto amplitude = way_off_saddle<Real>(epoch_.system, found_.state.u, mode_, found_.state.multipliers,
                                                 found_.outcome.at, options_.inverts);
@@ -222,8 +225,11 @@ class FrameSearch {
       found_.outcome.at = std::move(reused);
       options_.neighborhood_first = false;
       options_.known.reset();
-      search_equilibrium(settings_.max_newton);
       const EquilibriumOutcome& outcome = found_.outcome;
+      for (int round = 0; round < kRounds; ++round) {
+        search_equilibrium(settings_.max_newton);
+        if (outcome.converged || outcome.failure.code != FailureCode::kIterations) break;
+      }
       if (outcome.converged && outcome.inverted <= at_saddle.inverted &&
           outcome.energy < at_saddle.energy - kSameEnergy * std::abs(at_saddle.energy)) {
         ++found_.effort.saddles_left;
@@ -235,6 +241,8 @@ class FrameSearch {
       at_saddle.at = std::move(found_.outcome.at);
       found_.outcome = std::move(at_saddle);
       found_.state = std::move(saddle);
+    } else {
+      lowest_ = std::max(lowest_, 0.0);
     }
     evaluate();
     return false;

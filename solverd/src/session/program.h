@@ -26,8 +26,8 @@ struct SessionSettings {
   double tolerance = 1e-3;          // residual / force scale
   double gap_tolerance = 1e-3;      // suture and grip gaps, fraction of spacing
   int max_newton = 100;             // per frame
-  double bed_stiffness = 19.0;      // kPa/mm, along the normal
-  double bed_shear = 0.375;         // kPa/mm, at most bed_stiffness
+  double bed_stiffness = 10.0;      // kPa/mm, along the normal
+  double bed_shear = 10.0;          // kPa/mm, at most bed_stiffness
   Vec3 gravity = Vec3::Zero();      // m/s^2
   double time_budget = 0.0;         // seconds per frame, 0: none
   std::size_t memory_budget = std::size_t{8} << 30;

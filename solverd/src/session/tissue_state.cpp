@@ -55,6 +55,9 @@ double digest(const FrameInput& frame) {
     digest.add(suture.b);
     digest.add(suture.closure);
     digest.add(suture.stiffness);
+    digest.add(suture.is_thread ? 1.0 : 0.0);
+    digest.add(suture.length);
+    digest.add(suture.tension);
   }
   for (const RetractorState& retractor : frame.retractors) {
     digest.add(static_cast<double>(retractor.index) + 0.25);

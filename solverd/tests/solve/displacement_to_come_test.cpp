@@ -40,7 +40,9 @@ CellMaterials of_kilopascals(double youngs_modulus) {
 }
 
 Attachments all_free(const Lattice& lattice) {
-  return {.node_group = std::vector<std::int32_t>(lattice.node_rest.size(), kFree)};
+  Attachments attachments;
+  attachments.node_group.assign(lattice.node_rest.size(), kFree);
+  return attachments;
 }
 
 TEST(DisplacementLimits, AreEachFragmentsOwn) {

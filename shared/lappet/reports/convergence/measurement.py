@@ -48,7 +48,9 @@ class ConvergenceRow:
     to_come_mm
         What the frame itself says is still to come.
     newton
-        Newton iterations, and those of the exact frame.
+        Newton iterations.
+    newton_exact
+        Newton iterations of the exact frame.
     seconds
         Time of the frame at the default settings.
     ok

@@ -169,7 +169,7 @@ def scenes(quick: bool) -> Iterator[ConvergenceScene]:
     Parameters
     ----------
     quick
-        Whether to leave out the large patches and the moduli between.
+        Whether to leave out the large patches, and the moduli between in the small ones too.
 
     Yields
     ------
@@ -178,8 +178,9 @@ def scenes(quick: bool) -> Iterator[ConvergenceScene]:
     """
     kinds: tuple[Kind, ...] = ("released", "hanging", "freed", "lifted")
     for size in SIZES[:2] if quick else SIZES:
+        extremes_alone = quick or size in SIZES[2:]
         for taut in (False, True):
-            for modulus in MODULI[::3] if quick else MODULI:
+            for modulus in MODULI[::3] if extremes_alone else MODULI:
                 for kind in kinds:
                     yield FlapScene(kind, size, taut, modulus)
     for spacing in (2.0, 1.5) if quick else (2.0, 1.5, 1.25, 1.0):
@@ -201,8 +202,8 @@ def twins(quick: bool) -> Iterator[tuple[FlapScene, FlapScene]]:
     """
     kinds: tuple[Kind, ...] = ("freed",) if quick else ("released", "freed", "lifted")
     for kind in kinds:
-        one = FlapScene(kind, (200.0, 60.0), True, 500.0, flaps=((-50.0, 0.0),))
-        yield one, replace(one, flaps=((-50.0, 0.0), (50.0, 0.0)))
+        one = FlapScene(kind, (160.0, 40.0), True, 500.0, flaps=((-40.0, 0.0),))
+        yield one, replace(one, flaps=((-40.0, 0.0), (40.0, 0.0)))
 
 
 def _flap(kind: Kind, number: int, middle: tuple[float, float], cut: float) -> list[Event]:

@@ -31,6 +31,7 @@ from lappet.reports.stability.scenes import (
 
 BLOCK: Vector = (12.0, 12.0, 6.0)
 MIDDLE: Vector = (6.0, 6.0, 6.0)
+GAP_LEFT = 1e-3  # mm that may be left open, as a share of the spacing of 1 mm
 GAP, OUT_OF_REACH = ProblemCode.FRAME_GAP, ProblemCode.FRAME_UNREACHABLE
 ENCLOSES_BONE, IN_BONE = ProblemCode.SOLVER_INVALID_INPUT, ProblemCode.FRAME_IN_BONE
 
@@ -79,10 +80,27 @@ def _ends_meet(solved: Solved) -> str:
     return "" if frame.suture_forces.min() > 1.0 else f"A suture pulls with {frame.suture_forces.min():.2g} mN only."
 
 
-def _slit(*events: Hook | Suture, gape: float = 3.0, end: float = 3.0) -> Program:
+def _thread_pulls(stiffness: float) -> Check:
+    """A check: threads drawn to no length pull with stiffness times length, and bring their points nearer."""
+
+    def check(solved: Solved) -> str:
+        frame = solved.frames[-1]
+        length = np.linalg.norm(frame.suture_points[:, 1] - frame.suture_points[:, 0], axis=1)
+        off = float(np.abs(frame.suture_forces - stiffness * length).max())
+        most = 0.02 * float(frame.suture_forces.max()) + stiffness * GAP_LEFT
+        if off > most:
+            pull = frame.suture_forces.max()
+            return f"Threads of {stiffness:g} mN/mm and {length.max():.3g} mm pull with {pull:.3g} mN."
+        return "" if length.max() < 3.2 else f"A thread has not drawn its points together: {length.max():.3g} mm."
+
+    return check
+
+
+def _slit(*events: Hook | Suture, gape: float = 3.0, end: float = 3.0, **suture: Any) -> Program:
     slit = Incision("slit", 1.0, ((-6.0, 0.0, 2.0), (6.0, 0.0, 2.0)), kerf=0.1)
     stitches = [
-        Suture(f"stitch_{k}", ((x, -gape / 2, 2.0), (x, gape / 2, 2.0)), 2.0, 1.0) for k, x in enumerate((-3.0, 3.0))
+        Suture(f"stitch_{k}", ((x, -gape / 2, 2.0), (x, gape / 2, 2.0)), 2.0, 1.0, **suture)
+        for k, x in enumerate((-3.0, 3.0))
     ]
     return compiled(procedure(patch(), slit, *stitches, *events, end=end))
 
@@ -92,6 +110,12 @@ def _stiffness() -> Iterator[Case]:
         stiffness = 10.0**power
         yield Case(
             f"hook of 10^{power} mN/mm", "stiffness", lambda k=stiffness: Scene(_pulled(k), check=_hook_holds(k))
+        )
+    for power in (-2, 0, 1, 2, 4, 6):
+        yield Case(
+            f"threads of 10^{power} mN/mm",
+            "stiffness",
+            lambda k=10.0**power: Scene(_slit(mode="thread", stiffness=k), check=_thread_pulls(k)),
         )
     for gape in (1.5, 3.0, 5.0, 7.0):
         yield Case(f"sutures across {gape:g} mm", "stiffness", lambda g=gape: Scene(_slit(gape=g), check=_ends_meet))

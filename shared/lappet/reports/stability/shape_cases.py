@@ -180,7 +180,12 @@ def scaled_patch(unit: float, stiffness: float = 20.0, **more: Any) -> Program:
         return (x, y, z)
 
     tissue = flat_patch(
-        at(24.0, 16.0, 2.0), resolution=2.0 * unit, spacing=unit, bed_stiffness=10.0 / unit, bed_shear=10.0 / unit
+        at(24.0, 16.0, 2.0),
+        resolution=2.0 * unit,
+        spacing=unit,
+        gravity=0.0,  # weight grows faster with the unit than what holds
+        bed_stiffness=10.0 / unit,
+        bed_shear=10.0 / unit,
     )
     events = (
         Incision("slit", 1.0, (at(-6, 0, 2), at(6, 0, 2)), kerf=0.1 * unit),

@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "math/parallel.h"
 #include "solve/system/system.h"
 
 namespace lappet {

@@ -245,16 +245,7 @@ class EquilibriumSearch {
         continue;
       }
       outcome_.seconds_setup += watch_.lap();
-      auto& rhs = linear_vectors_.r;
-      if (carries) {
-        system_.prescribed_increment(u_, increment());
-        system_.multiply(increment(), rhs);
-      } else {
-        set_zero<Real>(rhs);
-      }
-      for_each_index(rhs.size(), [&, gradient = now_.gradient.data()](std::size_t i) {
-        rhs[i] = static_cast<Real>(-gradient[i]) - rhs[i];
-      });
+      set_right_hand_side(carries);
       linear_ = conjugate_gradients_until<Real>(system_, preconditioner_, linear_vectors_, step_, enough,
                                                 kMaxLinearIterations, observer_.stop);
       outcome_.pcg_iterations += linear_.iterations;
@@ -272,6 +263,19 @@ class EquilibriumSearch {
     if (linear_.reduction < 1.0 && linear_.iterations > 0)
       preconditioner_.observe(linear_.iterations / std::max(-std::log10(linear_.reduction), 0.5));
     return true;
+  }
+
+  void set_right_hand_side(bool carries) {
+    auto& rhs = linear_vectors_.r;
+    if (carries) {
+      system_.prescribed_increment(u_, increment());
+      system_.multiply(increment(), rhs);
+    } else {
+      set_zero<Real>(rhs);
+    }
+    for_each_index(rhs.size(), [&, gradient = now_.gradient.data()](std::size_t i) {
+      rhs[i] = static_cast<Real>(-gradient[i]) - rhs[i];
+    });
   }
 
   bool take_step(bool carries) {
