@@ -143,7 +143,7 @@ TEST(LocalRelaxation, TheSubdomainsEnergyForcesAndTangentAreThoseOfTheWholeWhenO
 // An uncut sheet at rest in which some nodes are somewhere else.
 struct DentedSheet {
   CutSheet sheet = make_cut_sheet(90, 90, 4, 0, 0.0);
-  System<double> system{sheet.lattice, CellMaterials{{skin()}}, 1, sheet.attachments, 0, 0.0, Vec3::Zero()};
+  System<double> system{sheet.lattice, CellMaterials{{skin()}}, 1, sheet.attachments, 0, {}, Vec3::Zero()};
   std::vector<double> u = std::vector<double>(3 * system.nodes(), 0.0);
 
   void dent(const Vec3& where, double radius) {
@@ -194,7 +194,7 @@ TEST(LocalRelaxation, NothingMovesWhereTheResidualIsEverywhere) {
 // A sheet with a Z-shaped cut whose sutures join what lies slip / 2 mm apart along the central limb, from rest.
 EquilibriumOutcome sutured(bool relaxes, int slip, std::vector<double>& u) {
   CutSheet sheet = make_cut_sheet(40, 40, 5, slip, 100.0 * skin().youngs_modulus);
-  System<double> system(sheet.lattice, CellMaterials{{skin()}}, 1, sheet.attachments, 0, 0.0, Vec3::Zero());
+  System<double> system(sheet.lattice, CellMaterials{{skin()}}, 1, sheet.attachments, 0, {}, Vec3::Zero());
   system.set_point_constraints(sheet.constraints);
   TwoLevel<double> preconditioner(system, 4);
   u.assign(3 * system.nodes(), 0.0);
