@@ -22,6 +22,7 @@ from lappet.program.settings import SolverSettings
 from lappet.solve.solve_frames import SolveObserver, solve_program
 from lappet.solve.store import FrameStore
 from lappet.tissue.patch import flat_patch
+from lappet.tissue.presets import skin_over_fat
 
 pytestmark = pytest.mark.slow
 
@@ -45,7 +46,7 @@ def advancement(depth: float, **changes: Any) -> Procedure:
         for side, y in (("left", 1.0), ("right", -1.0)):
             ends = ((-6.0 + along, 4.4 * y, z), (-14.0 + along * 26 / 18, 5.6 * y, z))
             events.append(Suture(f"{side}_{k}", ends, 2, 2, **changes))
-    tissue = flat_patch((56.0, 40.0, TOP), resolution=2.0, gravity=0.0)
+    tissue = flat_patch((56.0, 40.0, TOP), resolution=2.0, gravity=0.0, bed_stiffness=10.0, bed_shear=10.0)
     return Procedure(tissue, (Material("skin"),), events=tuple(events), start_time=2, end_time=4)
 
 
@@ -83,6 +84,17 @@ def test_the_sum_does_not_depend_on_where_the_lattice_lies(
     assert first > 300.0
     for other in others:
         assert other == pytest.approx(first, rel=0.05)
+
+
+def test_layers_under_the_sutures_do_not_depend_on_where_the_lattice_lies(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(globals(), "TOP", 6.0)
+    fat = Material("fat", youngs_modulus=5.0)
+    layered = skin_over_fat(advancement(1.0), 2.0, Material("skin", youngs_modulus=100.0), fat)
+    program = compile_program(layered, settings=SolverSettings(spacing=2.0))
+    forces = sums(program, tmp_path, [(2.0, (0.0, 0.0, -shift)) for shift in (0.0, 0.25, 0.5, 0.75)])
+    assert max(forces) < 1.05 * min(forces)
 
 
 def test_the_sum_falls_from_spacing_to_spacing(tmp_path: Path) -> None:

@@ -36,6 +36,9 @@ constexpr double kGoodEstimate = 0.25, kClearly = 0.3;
 // Share of the limit at which a search ends. One that begins within the whole limit has nothing to do: a solve that is
 // resumed estimates with another preconditioner, and must come to the same end.
 constexpr double kAtEnd = 0.8;
+// Where the exact tangent has directions of negative curvature, as at a saddle, a definite one stands in, which is too
+// stiff for what is soft: there the search ends at this share.
+constexpr double kWithDefinite = 0.1;
 // A search that is within its tolerances of forces and gaps ends where the displacement still to come has not fallen to
 // this share in so many steps.
 constexpr double kNearer = 0.7;
@@ -186,7 +189,7 @@ class EquilibriumSearch {
       outcome_.to_come = last_step_ * unit_;
       if (!near || options_.keeps_step) {
         if (!solve_tangent(false, true) || observer_.stop()) return false;
-        near = near || clearly_near_ || to_come_ <= (outcome_.newton_iterations > 0 ? kAtEnd : 1.0);
+        near = near || clearly_near_ || to_come_ <= nearness();
         outcome_.to_come = to_come_ * unit_;
         spdlog::debug("  to come {:.3g} mm ({:.3g} of the limit), {} pcg to {:.1e}; the last step was {:.3g}",
                       outcome_.to_come, to_come_, linear_.iterations, linear_.reduction, last_step_);
@@ -202,6 +205,12 @@ class EquilibriumSearch {
     else
       outcome_.converged = true;
     return true;
+  }
+
+  // Share of the limit that the solution of the last linear solve may be where the search ends.
+  double nearness() const {
+    if (used_ != PsdProjection::kExact) return kWithDefinite;
+    return outcome_.newton_iterations > 0 ? kAtEnd : 1.0;
   }
 
   std::span<Real> increment() { return linear_vectors_.z; }
@@ -225,10 +234,11 @@ class EquilibriumSearch {
       if (!arriving) return reduction <= target;
       if (reduction > kMaxTolerance) return false;  // what is floppy is found late
       const double sum = limits->share(x), left = pieces.left();
-      clearly_near_ = clearly_near_ || sum + left <= kClearly;
+      clearly_near_ = clearly_near_ || sum + left <= (used_ == PsdProjection::kExact ? kClearly : kWithDefinite);
       return (clearly_near_ && !options_.keeps_step) || left <= kGoodEstimate * sum || reduction <= kCarryTolerance;
     };
-    used_ = tangent_.next();
+    // A definite tangent knows nothing of soft modes: only the exact one tells how far it is.
+    used_ = arriving && !exact_failed_ ? PsdProjection::kExact : tangent_.next();
     while (true) {
       pieces = {};
       clearly_near_ = false;
@@ -309,7 +319,8 @@ class EquilibriumSearch {
       system_.multiply(step_, product);
       taken = line_.descend(u_, step_, std::move(now_), slope, dot<Real>(step_, product));
       now_ = std::move(taken.reached);
-      if (!(taken.alpha > 0.0)) {
+      exact_failed_ = !(taken.alpha > 0.0);
+      if (exact_failed_) {
         if (tangent_.try_another(used_)) return true;
         fail(FailureCode::kNoDescent,
              fmt::format("no step lowers the energy at relative residual {:.2e}{}", outcome_.residual,
@@ -393,6 +404,7 @@ class EquilibriumSearch {
   bool jumped_ = false, neighborhood_tried_ = false;
   double nearest_ = std::numeric_limits<double>::infinity();
   int arrivals_ = 0;
+  bool exact_failed_ = false;       // no step along its direction lowered the energy
   int newton_in_neighborhood_ = 0;  // these leave those of the whole as many as ever
   PsdProjection used_ = PsdProjection::kExact;
   LinearOutcome linear_;
