@@ -47,8 +47,9 @@ struct EverythingActs {
       if (c[2] < 1e-9) bed[t] = below++ ? kAttachedToBed : kRestsOnBed;
       if (c[2] > 3.6 - 1e-9) grip[t] = 0;
     }
-    system = std::make_unique<System<double>>(lattice, CellMaterials{{skin()}}, 1,
-                                              attach(lattice, tissue, fixed, bed, grip), 1, 20.0, Vec3(0, 0, -9810));
+    system =
+        std::make_unique<System<double>>(lattice, CellMaterials{{skin()}}, 1, attach(lattice, tissue, fixed, bed, grip),
+                                         1, BedStiffness{20.0, 20.0}, Vec3(0, 0, -9810));
     const Surface bone = test::sphere({6, 4, -6}, 6.3, 60);
     auto contact = std::make_unique<Contact>(std::make_shared<const SignedDistance>(bone, 0.5, 3.0, 1 << 28), lattice,
                                              tissue, fixed, 500.0);
