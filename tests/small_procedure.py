@@ -13,7 +13,7 @@ from lappet.cutting.epoch import Epoch
 from lappet.daemon.frame_solver import Iteration, SolverDiedError
 from lappet.daemon.solved_frame import Diagnostics, LatticeCounts, SolvedFrame, SolverState, StageSeconds
 from lappet.geometry.surface_check import signed_volume
-from lappet.procedure import Excision, Hook, Incision, Landmark, Procedure, Suture
+from lappet.procedure import Excision, Hook, Incision, Landmark, Material, Procedure, Suture
 from lappet.program.program import Bones, FrameConstraints, Landmarks
 from lappet.program.settings import SolverSettings
 from lappet.tissue.patch import flat_patch
@@ -27,6 +27,7 @@ def small_procedure(**changes: Any) -> Procedure:
     """Frames 1 to 8: whole to 2, slit at 3, hook 4 to 7, suture `stitch` from 5 over 2."""
     values: dict[str, Any] = {
         "tissue": flat_patch((24.0, 16.0, TOP), resolution=2.0, spacing=1.0),
+        "materials": (Material(),),
         "events": (
             Incision("slit", 3.0, ((-6.0, 0.0, TOP), (6.0, 0.0, TOP)), kerf=0.1),
             Hook("hook", (0.0, 2.0, TOP), ((4.0, (0.0, 2.0, TOP)), (6.0, (0.0, 4.0, TOP + 2.0))), 4.0, 7.0),

@@ -10,13 +10,13 @@ import bpy
 import pytest
 
 from fake_worker import Script
-from lappet.background.assessment import Assessment
+from lappet.background.assessment import Assessment, assessment_key
 from lappet.core.problem import Place, Problem, RefusedError
 from lappet.core.problem_code import ProblemCode
 from lappet.solve.error_estimate import FrameErrorEstimate
 from lappet_blender.model.event_list import find_event
 from lappet_blender.model.units import to_mm
-from lappet_blender.solving import frames, reconcile, speed_estimate
+from lappet_blender.solving import controller, frames, reconcile, speed_estimate
 from lappet_blender.solving.solve_panel import LAPPET_PT_solve, LAPPET_PT_solve_settings
 from lappet_blender.solving.solve_timer import run_timer
 from solving_steps import QUIET, solve
@@ -198,6 +198,13 @@ def test_a_frame_that_is_not_to_be_trusted_says_so_and_what_was_done_otherwise_i
     assert "stimated error" not in draw(LAPPET_PT_solve)[0]
     bpy.ops.lappet.problem_show(index=0)
     assert tuple(to_mm(patch, patch.cursor.location)) == pytest.approx((3.0, 4.0, 5.0))
+    known = controller.controller_of(patch)
+    key = assessment_key([frame.key for frame in known.manifest.frames], True)
     find_event(patch, "hook_1").stiffness = 10.0
     run_timer(QUIET)
     assert frames.problems_of(patch) == (), "they were of the frames before the change"
+    known.store.put(key, script.assessment)
+    controller.manifests.assessments.clear()
+    find_event(patch, "hook_1").stiffness = 100.0
+    run_timer(QUIET)
+    assert frames.problems_of(patch) == (DOUBTED,), "found in the store, as after the file is opened again"

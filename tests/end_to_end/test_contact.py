@@ -32,7 +32,7 @@ def dome(lift: float = 0.0) -> Bone:
 
 def drawn_across(*bones: Bone) -> Procedure:
     """A patch held along x = -24, its free end drawn down and to the side by two hooks; frames 1 to 7."""
-    patch = flat_patch((48.0, 24.0, 3.0), resolution=1.5)
+    patch = flat_patch((48.0, 24.0, 3.0), resolution=1.5, gravity=0.0)
     middles = patch.points[patch.face_vertex_indices.reshape(-1, 4)].mean(axis=1)
     held = np.flatnonzero(middles[:, 0] < -24.0 + 1e-9).astype(np.int32)
     tissue = replace(patch, subsets={"fixed": held}, spacing=SPACING)

@@ -71,7 +71,7 @@ def gripped_faces(tissue: Tissue) -> NDArray[np.int32]:
 
 def operation(model: str = "neoHookean") -> Procedure:
     """Frames 1 to 10 on 32 x 20 x 2 mm with every kind of event: whole; cut at 3; freed at 4; a lesion out at 5."""
-    patch = flat_patch((32.0, 20.0, TOP), resolution=2.0, spacing=1.0)
+    patch = flat_patch((32.0, 20.0, TOP), resolution=2.0, spacing=1.0, gravity=0.0)
     tissue = replace(patch, subsets={**patch.subsets, "grip": gripped_faces(patch)})
     return Procedure(
         tissue,
@@ -335,6 +335,7 @@ def test_every_part_of_a_tissue_on_its_bed_sinks_by_its_own_weight(tmp_path: Pat
         subsets=subsets,
         gravity=9.81,
         bed_stiffness=2.0,
+        bed_shear=2.0,
         regions=(Region("deep", "heavy", 1.0), Region("right", "light")),
     )
     skin = Material("skin", "corotated", 50.0, 0.0, density=1000.0)

@@ -304,7 +304,7 @@ def check_border(procedure: Procedure, cache: Path, epoch: int, times: tuple[flo
     rim = np.unique(faces[np.array(subset.GetIndicesAttr().Get())])
     assert len(rim) > 100
     before, after = (np.array(mesh.GetPointsAttr().Get(time))[rim] for time in times)
-    assert np.abs(after - before).max() < 1e-3
+    assert np.abs(after - before).max() < 2e-3  # what the gap tolerance leaves at a spacing of 2 mm
     triangles, face_of = fan_triangles(procedure.tissue)
     sides = triangles[np.isin(face_of, procedure.tissue.subsets["fixed"])]
     assert ClosestPoint(procedure.tissue.points, sides).query(after)[2].max() < 0.02
@@ -340,8 +340,8 @@ def test_a_cut_across_the_tension_lines_gapes_more_than_one_along_them_and_taut_
     frames = solved("prestretched_incision", 2.0, tmp_path)["frames"]
     assert all(frame["converged"] for frame in frames)
     assert min(frame["minimum_j"] for frame in frames) > 0.9
-    for frame in frames[: module.ALONG - 1]:  # intact taut skin is in balance
-        assert frame["newton_iterations"] == 0
+    for frame in frames[: module.ALONG - 1]:  # intact taut skin is in balance but for its weight
+        assert frame["newton_iterations"] <= 1
         assert gapes(frame) == pytest.approx([0.0, 0.0], abs=1e-3)
     opened = gapes(frames[module.ALONG - 1])
     assert opened[0] > 3.0

@@ -11,7 +11,18 @@ from hypothesis import strategies as st
 
 from lappet.core.problem import RefusedError
 from lappet.core.problem_code import ProblemCode
-from lappet.procedure import Bone, Hook, Incision, Landmark, Material, Procedure, Region, Retractor, Suture
+from lappet.procedure import (
+    DEFAULT_SKIN,
+    Bone,
+    Hook,
+    Incision,
+    Landmark,
+    Material,
+    Procedure,
+    Region,
+    Retractor,
+    Suture,
+)
 from lappet.procedure.edits import (
     add_event,
     move_event,
@@ -109,7 +120,7 @@ def test_each_edit_does_what_its_name_says() -> None:
     renamed = replace(stitch, name="thread")
     assert history.do(replace_event("stitch", renamed)).events == (renamed, TIP, CUT)
     assert history.undo_label == "Edit stitch"
-    assert history.do(set_material(Material("fat"))).materials == (Material(), Material("fat"))
+    assert history.do(set_material(Material("fat"))).materials == (DEFAULT_SKIN, Material("fat"))
     assert history.do(set_material(Material(youngs_modulus=9.0))).materials == (
         Material(youngs_modulus=9.0),
         Material("fat"),
@@ -136,7 +147,7 @@ def test_a_region_is_set_replaced_and_removed_and_keeps_its_material() -> None:
     assert history.do(remove_region("bed")).tissue.regions == (Region("fixed", "skin"),)
     with refuses(ProblemCode.REGION_UNKNOWN, "/Procedure/Tissue/bed"):
         history.do(remove_region("bed"))
-    assert history.do(remove_material("fat")).materials == (Material(),)
+    assert history.do(remove_material("fat")).materials == (DEFAULT_SKIN,)
 
 
 def test_retiming_moves_every_sample() -> None:

@@ -17,7 +17,7 @@ from refusals import refuses
 
 STILL = (1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0)
 TURNED = (0.0, 1.0, 0.0, 0.0, -1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 3.0, 0.0, 4.0, 1.0)
-BOARD = Procedure(flat_patch((60, 40, 4), 4.0), end_time=20.0).with_events(
+BOARD = Procedure(flat_patch((60, 40, 4), 4.0), (Material(),), end_time=20.0).with_events(
     Suture("stitch", ((0, -3, 4), (0, 1, 4)), 10.0, 2.0),
     Landmark("tip", ((0, 1, 4),), "tip of the flap"),
     Hook("hook", (0, 1, 4), ((5.0, (0, 1, 4)), (9.0, (0, 4, 8))), 5.0, 10.0, 250.0),

@@ -74,7 +74,7 @@ class LappetEvent(bpy.types.PropertyGroup):
     )
     mode: choice(name="Hold", items=SUTURE_MODES, default="EXACT")
     thread: choice(
-        name="Thread", description="A thread from the shelf, or the stiffness below", items=THREAD_ITEMS, default="NONE"
+        name="Thread", description="A kind of thread, or the stiffness below", items=THREAD_ITEMS, default="NONE"
     )
     length: number(
         name="Length", description="Length to which the thread is drawn, in mm", default=Suture.length, min=0.0

@@ -14,6 +14,7 @@ from collections.abc import Iterator
 
 import bpy
 
+from lappet.background.assessment import Assessment, assessment_key
 from lappet.core.problem import Problem, RefusedError, problem
 from lappet.core.problem_code import ProblemCode
 from lappet.procedure import Procedure
@@ -180,6 +181,11 @@ def activate_manifest(controller: Controller) -> None:
     if controller.procedure is not None:
         controller.past_of = (controller.procedure, controller.settings)
     controller.recheck_frames(controller.manifest)
+    if controller.key not in manifests.assessments:
+        key = assessment_key([frame.key for frame in controller.manifest.frames], controller.settings.correction)
+        found = controller.store.get(key, Assessment)
+        if found is not None:
+            manifests.assessments[controller.key] = found
 
 
 def _retire(controller: Controller) -> None:

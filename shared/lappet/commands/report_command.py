@@ -61,7 +61,7 @@ def error_estimate(context: click.Context, /, scenes: tuple[str, ...], folder: P
     """Compare the estimated error with the true one, on SCENES that the estimate was not fitted on.
 
     SCENES: hanging-flap, rotation-flap, v-y, dome-flap, layered-closure, released-hook, taut-excision, stiff-fibers,
-    soft-fibers, muscle-bar, strip-over-bone, punch. All by default.
+    soft-fibers, muscle-bar, muscle-plate, strip-over-bone, punch. All by default.
     """
     with sentences(context):
         from lappet.reports.error_estimate.run import run_error_estimate

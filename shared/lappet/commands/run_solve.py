@@ -87,7 +87,6 @@ def run_to_target(
     from lappet.core.problem import refused
     from lappet.core.problem_code import ProblemCode
     from lappet.daemon.daemon_solver import connect_to, solver_identity
-    from lappet.solve.coarse_program import expected_order
     from lappet.solve.store import FrameStore
     from lappet.solve.target_error import TRIES, choose, finer, worst_rms
     from lappet.usd.stage import read_procedure
@@ -109,7 +108,7 @@ def run_to_target(
         if not result.complete or result.errors is None or worst_rms(result.errors) <= target:
             return result
         if attempt < TRIES:
-            choice = finer(choice, worst_rms(result.errors), target, expected_order(result.program))
+            choice = finer(choice, worst_rms(result.errors), target, result.errors.order)
     assert result.errors is not None
     reached, code = worst_rms(result.errors), ProblemCode.TARGET_ERROR_MISSED
     raise refused(code, cache, f"{target:g}", reached=reached, spacing=choice.settings.spacing)

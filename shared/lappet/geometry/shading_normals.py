@@ -82,7 +82,7 @@ def _smooth_groups(
     start, end = triangles.ravel(), np.roll(triangles, -1, axis=1).ravel()
     vertices = int(start.max(initial=0)) + 1
     key = 2 * (np.minimum(start, end) * vertices + np.maximum(start, end)) + (start > end)  # even ahead, odd back
-    order = np.argsort(key)
+    order = np.argsort(key, kind="stable")  # a third of the time: neighbors lie near each other
     twins = np.flatnonzero((np.diff(key[order]) == 1) & (start[order[:-1]] < end[order[:-1]]))
     a, b = order[twins], order[twins + 1]
     corners = triangle_corners(points, triangles)

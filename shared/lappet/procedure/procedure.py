@@ -32,15 +32,15 @@ class Procedure:
         The timeline, in the order of the prims.
     bones
         Rigid meshes that the tissue may not enter.
-    skin_lines
-        Lines along which the skin's fibers run; without any, `fiber_direction` and `prestretch` of the materials hold
-        everywhere.
     start_time
         First time code.
     end_time
         Last time code.
     fps
         Time codes per second.
+    skin_lines
+        Lines along which the skin's fibers run; without any, `fiber_direction` and `prestretch` of the materials hold
+        everywhere.
 
     Examples
     --------
@@ -56,10 +56,10 @@ class Procedure:
     materials: tuple[Material, ...] = (DEFAULT_SKIN,)
     events: tuple[Event, ...] = ()
     bones: tuple[Bone, ...] = ()
-    skin_lines: tuple[SkinLine, ...] = ()
     start_time: float = 1.0
     end_time: float = 1.0
     fps: float = 24.0
+    skin_lines: tuple[SkinLine, ...] = ()
 
     def with_events(self, *events: Event) -> Procedure:
         """Make the same procedure with events added at the end of the timeline.

@@ -199,7 +199,7 @@ def _pilot(
     if error == float("inf"):
         return errors.reason or problem(ProblemCode.ESTIMATE_OF_NO_FRAME)
     algebraic = max((each.algebraic_rms or 0.0 for each in errors.frames if each is not None), default=0.0)
-    order = expected_order(program)
+    order = expected_order(program, solved.frames[0].solved.lattice)
     needed = _round(CAUTION * spacing * (target / error) ** (1.0 / order)) if error > 0.0 else spacing
     needed = min(needed, 2.0 * spacing)
     seconds = sum(frame.solved.diagnostics.seconds.total for frame in solved.frames)

@@ -193,6 +193,14 @@ def _muscle_bar() -> EstimateScene:
     return EstimateScene("muscle-bar", what, box(scene, activation=1.0))
 
 
+def _muscle_plate() -> EstimateScene:
+    what = "a plate of 27 x 9.5 x 7 mm with one end held, its oblique muscle partly active"
+    direction = (0.8, 0.36, 0.48)
+    muscle = MaterialParameters(youngs_modulus=25.0, muscle_stress=40.0, fiber_direction=direction)
+    scene = BoxScene("muscle-plate", what, (27.0, 9.5, 7.0), (14, 5, 4), (0,), material=muscle)
+    return EstimateScene("muscle-plate", what, box(scene, activation=0.7))
+
+
 def _strip_over_bone() -> EstimateScene:
     what = "a strip 3.3 mm thick is drawn down on both sides of a ridge of bone"
     size = (32.0, 10.0, 3.3)
@@ -248,6 +256,7 @@ def hold_out_scenes() -> tuple[EstimateScene, ...]:
         _fiber_bar("stiff-fibers", "a bar with fibers of 100 kPa along it, drawn by 4 mm and lifted by 3 mm"),
         _fiber_bar("soft-fibers", "the bar with fibers of 10 kPa that stiffen", fiber_k1=10.0, fiber_k2=5.0),
         _muscle_bar(),
+        _muscle_plate(),
         _strip_over_bone(),
         _punch(),
     )

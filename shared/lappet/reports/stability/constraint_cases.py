@@ -31,7 +31,7 @@ from lappet.reports.stability.scenes import (
 
 BLOCK: Vector = (12.0, 12.0, 6.0)
 MIDDLE: Vector = (6.0, 6.0, 6.0)
-GAP_LEFT = 1e-3  # mm that may be left open, as a share of the spacing of 1 mm
+GAP_LEFT = 1.5e-3  # mm that may be left open: the gap tolerance at a spacing of 1 mm, and what anchors spread
 GAP, OUT_OF_REACH = ProblemCode.FRAME_GAP, ProblemCode.FRAME_UNREACHABLE
 ENCLOSES_BONE, IN_BONE = ProblemCode.SOLVER_INVALID_INPUT, ProblemCode.FRAME_IN_BONE
 

@@ -89,23 +89,11 @@ def _compression(model: str, skin: MaterialParameters) -> Iterator[Case]:
     yield Case(f"{model} slab to 50 % in 4", "compression", lambda: squeezed(0.5, 4, skin))
     for quadrature in (1, 8):
         for steps in (1, 8):
-            # With one point the cells of Mooney-Rivlin tissue give way to modes that only the stabilization resists:
-            # the energy falls by a third and the search wanders between many minima; three tenths of the thickness are
-            # reached.
-            wanders = (model, quadrature) == ("mooneyRivlin", 1)
-            length = 0.3 if wanders else 0.2
             yield Case(
-                f"{model} slab to {length:.0%} in {steps}, quadrature {quadrature}",
+                f"{model} slab to 20 % in {steps}, quadrature {quadrature}",
                 "compression",
-                lambda n=length, s=steps, q=quadrature: squeezed(n, s, skin, quadrature=q),
+                lambda s=steps, q=quadrature: squeezed(0.2, s, skin, quadrature=q),
             )
-            if wanders and steps > 1:
-                yield Case(
-                    f"{model} slab to 20% in {steps}, quadrature {quadrature}",
-                    "compression",
-                    lambda s=steps, q=quadrature: squeezed(0.2, s, skin, quadrature=q),
-                    demands=ProblemCode.FRAME_ITERATIONS,
-                )
     steps = 16 if model == "mooneyRivlin" else 8
     yield Case(
         f"{model} bar to 20 %, which buckles, in {steps}",
