@@ -201,7 +201,7 @@ EquilibriumOutcome sutured(bool relaxes, int slip, std::vector<double>& u) {
   u.assign(3 * system.nodes(), 0.0);
   EquilibriumOptions options;
   options.tolerance = 1e-4;
-  options.relaxes = relaxes;
+  options.accuracy = relaxes ? Accuracy::kLoadStep : Accuracy::kRelaxation;
   Multipliers multipliers;
   return find_equilibrium<double>(system, preconditioner, u, multipliers, options,
                                   {[](int, double, double) {}, [] { return false; }});
