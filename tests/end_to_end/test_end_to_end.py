@@ -31,7 +31,8 @@ from lappet.procedure import (
     Tissue,
     Undermine,
 )
-from lappet.procedure.history import History, ReplaceEvent
+from lappet.procedure.edits import replace_event
+from lappet.procedure.history import History
 from lappet.program.settings import SolverSettings
 from lappet.tissue.patch import flat_patch
 from lappet.tissue.surface import skin_faces
@@ -250,7 +251,7 @@ def test_an_edit_solves_from_its_frame_on_and_undoing_it_solves_nothing(solved: 
     assert isinstance(hook, Hook)
     higher = (*hook.targets[:-1], (7.0, (-4.0, 4.0, TOP + 3.0)))
     try:
-        history.do(ReplaceEvent("lift", replace(hook, targets=higher)))
+        history.do(replace_event("lift", replace(hook, targets=higher)))
         write_procedure(history.procedure, solved.folder / "p.usda")
         edited = solve(solved.folder)
         assert edited.status == 0

@@ -296,8 +296,9 @@ def test_an_anchor_beyond_a_wounds_edge_is_moved_onto_it_and_said(excised: Progr
     assert np.array_equal(held[0], (2.5, -2.0, TOP))
     assert np.linalg.norm(held[1] - suture(0.4).anchors[1]) == pytest.approx(0.4, abs=0.01)
     (note,) = made.notes
-    assert note.startswith("/Procedure/Timeline/s: ")
-    assert "0.4 mm beyond a wound's edge" in note
+    assert (note.code, note.prim) == (ProblemCode.PROGRAM_ANCHOR_MOVED, "/Procedure/Timeline/s")
+    assert note.place is not None
+    assert np.allclose(note.place.points, [suture(0.4).anchors[1]])
     with refuses(ProblemCode.PROGRAM_ANCHOR_EXCISED, "/Procedure/Timeline/s"):
         compile_program(small_procedure(events=(*EXCISED, suture(0.7))), excised.epochs)
 
