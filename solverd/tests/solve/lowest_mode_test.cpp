@@ -22,7 +22,7 @@ struct Bar {
       : lattice(build_lattice(surface, {})),
         epoch(make_epoch(surface, [](const Vec3& c) { return c[0] < 1e-9 || c[0] > kLength - 1e-9; })),
         system(lattice, CellMaterials{{material()}}, 1, attach(lattice, surface, epoch.fixed, epoch.bed, epoch.grip), 0,
-               0.0, Vec3::Zero()),
+               BedStiffness{}, Vec3::Zero()),
         preconditioner(system, 4),
         u(3 * system.nodes()) {
     for (std::size_t n = 0; n < system.nodes(); ++n) {

@@ -58,7 +58,9 @@ def buckling_cases() -> Iterator[Case]:
         yield Case(
             f"column of {share:g} times the height at which its weight bends it",
             "buckling",
-            lambda s=share: column(round(s * greatest_height(4.0))),
+            lambda s=share, d=demands: Scene(
+                column(round(s * greatest_height(4.0))), check=off_axis if d is Demand.BUCKLES else straight
+            ),
             demands,
         )
 
@@ -144,11 +146,12 @@ def energy_near(energy: float) -> Check:
 
 
 def _deflection(solved: Solved) -> float:
-    """How far the surface has moved across the long axis more than it widens, in mm."""
+    """How far the middle of the surface has moved across its long axis on the mean, in mm."""
     rest = solved.program.epochs[0].surface.points
     moved = np.asarray(solved.frames[-1].points, float) - rest
-    middle = np.abs(rest[:, 0] - rest[:, 0].mean()) < 0.1 * np.ptp(rest[:, 0])
-    return float(np.linalg.norm(moved[middle, 1:].mean(axis=0)))
+    along = int(np.argmax(np.ptp(rest, axis=0)))
+    middle = np.abs(rest[:, along] - rest[:, along].mean()) < 0.1 * np.ptp(rest[:, along])
+    return float(np.linalg.norm(np.delete(moved[middle].mean(axis=0), along)))
 
 
 def off_axis(solved: Solved) -> str:

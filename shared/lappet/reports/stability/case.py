@@ -80,8 +80,8 @@ class Case:
     scene
         Makes what is solved; may refuse.
     demands
-        The one outcome that is right: that it converges to a stable equilibrium, that it does so by leaving an unstable
-        one, that it converges close to buckling, or that it is refused with this code.
+        The one outcome that is right: that it converges to a stable equilibrium, that this is a buckled one by the
+        check of its scene, that it is close to buckling, or that it is refused with this code.
     budget
         Seconds that it may take.
     slow

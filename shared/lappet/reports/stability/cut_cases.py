@@ -215,12 +215,14 @@ def _many() -> Iterator[Case]:
         "many cuts",
         lambda: opened(*scattered(500, 3.0, wide, seed=1, depth=None), size=wide),
         budget=240.0,
+        slow=True,
     )
     yield Case(
         "500 random cuts of 3 mm, 1 mm deep",
         "many cuts",
         lambda: opened(*scattered(500, 3.0, wide, seed=2, depth=1.0), size=wide),
         budget=240.0,
+        slow=True,
     )
     yield Case(
         "60 random cuts that cross, in 3 frames",

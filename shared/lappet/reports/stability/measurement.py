@@ -129,13 +129,13 @@ def _solve(client: SolverClient, scene: Scene, case: Case, row: Row) -> Row:
         return replace(row, outcome="wrong", reason=wrong)
     if reason is not None:
         return replace(row, outcome="refuses", reason=str(reason), code=reason.code)
-    return replace(row, outcome=_demand_met(case.demands, frames))
+    return replace(row, outcome=_demand_met(case.demands, scene, frames))
 
 
-def _demand_met(demands: Demand | ProblemCode, frames: list[SolvedFrame]) -> Demand:
+def _demand_met(demands: Demand | ProblemCode, scene: Scene, frames: list[SolvedFrame]) -> Demand:
     """What became of frames that converged: what is demanded of them if they meet it, else that they converge."""
     met = {
-        Demand.BUCKLES: any(frame.diagnostics.saddles_left > 0 for frame in frames),
+        Demand.BUCKLES: scene.check is not None,  # it has passed, and looks at the shape
         Demand.IS_SENSITIVE: is_sensitive(frames[-1]),
     }
     return demands if isinstance(demands, Demand) and met.get(demands, False) else Demand.CONVERGES
