@@ -351,7 +351,8 @@ def test_a_cut_across_the_tension_lines_gapes_more_than_one_along_them_and_taut_
     assert 1.3 * along < across < 2.5 * along
     assert across < 0.5 * module.LENGTH
 
-    for prestretch, least, most in (((1.0, 1.0), -1e-3, 1e-3), ((1.1, 1.04), 0.3, 0.8)):
+    # Slack skin: its weight presses the lips together a little.
+    for prestretch, least, most in (((1.0, 1.0), -5e-3, 5e-3), ((1.1, 1.04), 0.3, 0.8)):
         procedure = module.build(spacing=2.0, prestretch=prestretch)
         result = solve_procedure(procedure, tmp_path / "less.usdc", store=FrameStore(tmp_path / "less"))
         assert result.complete, result.reason

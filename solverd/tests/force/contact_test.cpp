@@ -86,7 +86,7 @@ class ContactSystem {
       : epoch_(make_epoch(surface, fixed)), lattice_(build_lattice(surface, {})) {
     system_ = std::make_unique<System<double>>(lattice_, CellMaterials{{MaterialParameters{}}}, 1,
                                                attach(lattice_, surface, epoch_.fixed, epoch_.bed, epoch_.grip), 0,
-                                               10.0, gravity);
+                                               BedStiffness{10.0, 10.0}, gravity);
     system_->set_contact(
         std::make_unique<Contact>(std::make_shared<const SignedDistance>(bones, 0.5, 3.0, std::size_t{1} << 30),
                                   lattice_, surface, epoch_.fixed, penalty));

@@ -70,7 +70,7 @@ class ShellOnDome {
     const auto made = [&](double stiffness) {
       return std::make_unique<System<double>>(lattice_, CellMaterials{{MaterialParameters{}}}, 1,
                                               attach(lattice_, shell_.surface, fixed, shell_.rests, grip, ground), 0,
-                                              stiffness, Vec3::Zero());
+                                              BedStiffness{stiffness, stiffness}, Vec3::Zero());
     };
     system_ = made(kStiffness);
     without_ = made(0.0);

@@ -35,7 +35,7 @@ TEST(Thread, EnergyForceAndTangentBelongTogether) {
           const Vec3 lambda(multiplier, 0.0, 0.0), c = size * Vec3(draw(random), draw(random), draw(random));
           const Vec3 force = thread.force(c, lambda);
           slack += force.norm() == 0.0;
-          limited += std::abs(force.norm() - most) < 1e-6;
+          limited += std::abs(force.norm() - most) < 0.1;
           taut += force.norm() > 0.0 && force.norm() < most;
           const Eigen::Matrix3d root = thread.tangent_root(c, lambda), tangent = root.transpose() * root;
           const double step = 1e-6 * std::max(size, 1e-3);
@@ -67,10 +67,10 @@ TEST(Thread, ItsMultiplierClosesWhatAPenaltyLeavesOpen) {
   thread.compliance = 1.0 / 950.0;  // 1000 mN/mm in all
   const Vec3 c(1.2, 0, 0);
   Vec3 multiplier = Vec3::Zero();
-  for (int k = 0; k < 60; ++k) multiplier = thread.next_multiplier(c, multiplier);
+  for (int k = 0; k < 900; ++k) multiplier = thread.next_multiplier(c, multiplier);
   EXPECT_LT(thread.gap(c, multiplier), 1e-9);
-  EXPECT_NEAR(thread.force(c, multiplier).norm(), 1000.0 * 0.2, 0.01);
-  for (int k = 0; k < 60; ++k) multiplier = thread.next_multiplier(Vec3(0.5, 0, 0), multiplier);
+  EXPECT_NEAR(thread.force(c, multiplier).norm(), 1000.0 * 0.2, 1.1);  // 1e-3 mm is lost at the knot
+  for (int k = 0; k < 900; ++k) multiplier = thread.next_multiplier(Vec3(0.5, 0, 0), multiplier);
   EXPECT_NEAR(multiplier[0], 0.0, 1e-9);
 }
 

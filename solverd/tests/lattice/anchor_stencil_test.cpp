@@ -182,7 +182,7 @@ TEST(AnchorStencil, ItsForceIsTheGradientOfItsEnergy) {
   const Lattice lattice = build_lattice(s, spaced(0.5));
   Attachments loose;
   loose.node_group.assign(lattice.node_rest.size(), kFree);
-  System<double> system(lattice, CellMaterials{{MaterialParameters{}}}, 1, loose, 0, 0.0, Vec3::Zero());
+  System<double> system(lattice, CellMaterials{{MaterialParameters{}}}, 1, loose, 0, {}, Vec3::Zero());
   const AnchorStencil left = held_at(lattice, s, triangle_at(s, 6.0)), right = held_at(lattice, s, triangle_at(s, 7.0));
   EXPECT_GT(left.nodes.size(), 20u);
   PointConstraint suture = make_suture(lattice, left, right, Vec3(0.1, 0.2, 0.3), 5000.0);

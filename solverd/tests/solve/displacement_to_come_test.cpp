@@ -61,7 +61,7 @@ TEST(DisplacementLimits, AreEachFragmentsOwn) {
     lattice.cell_nodes.push_back(corners);
     lattice.cell_fill.push_back(1.0f);
   }
-  const System<double> system(lattice, of_kilopascals(50.0), 1, all_free(lattice), 0, 10.0, Vec3::Zero());
+  const System<double> system(lattice, of_kilopascals(50.0), 1, all_free(lattice), 0, {10.0, 10.0}, Vec3::Zero());
   std::vector<double> u(6 * nodes, 0.0), step(6 * nodes, 0.0);
   u[0] = 5.0;
   u[3 * nodes] = 0.5;

@@ -47,8 +47,9 @@ struct EverythingActs {
       if (c[2] < 1e-9) bed[t] = below++ ? kAttachedToBed : kRestsOnBed;
       if (c[2] > 3.6 - 1e-9) grip[t] = 0;
     }
-    system = std::make_unique<System<double>>(lattice, CellMaterials{{skin()}}, 1,
-                                              attach(lattice, tissue, fixed, bed, grip), 1, 20.0, Vec3(0, 0, -9810));
+    system =
+        std::make_unique<System<double>>(lattice, CellMaterials{{skin()}}, 1, attach(lattice, tissue, fixed, bed, grip),
+                                         1, BedStiffness{20.0, 20.0}, Vec3(0, 0, -9810));
     const Surface bone = test::sphere({6, 4, -6}, 6.3, 60);
     auto contact = std::make_unique<Contact>(std::make_shared<const SignedDistance>(bone, 0.5, 3.0, 1 << 28), lattice,
                                              tissue, fixed, 500.0);
@@ -143,7 +144,7 @@ TEST(LocalRelaxation, TheSubdomainsEnergyForcesAndTangentAreThoseOfTheWholeWhenO
 // An uncut sheet at rest in which some nodes are somewhere else.
 struct DentedSheet {
   CutSheet sheet = make_cut_sheet(90, 90, 4, 0, 0.0);
-  System<double> system{sheet.lattice, CellMaterials{{skin()}}, 1, sheet.attachments, 0, 0.0, Vec3::Zero()};
+  System<double> system{sheet.lattice, CellMaterials{{skin()}}, 1, sheet.attachments, 0, {}, Vec3::Zero()};
   std::vector<double> u = std::vector<double>(3 * system.nodes(), 0.0);
 
   void dent(const Vec3& where, double radius) {
@@ -194,13 +195,13 @@ TEST(LocalRelaxation, NothingMovesWhereTheResidualIsEverywhere) {
 // A sheet with a Z-shaped cut whose sutures join what lies slip / 2 mm apart along the central limb, from rest.
 EquilibriumOutcome sutured(bool relaxes, int slip, std::vector<double>& u) {
   CutSheet sheet = make_cut_sheet(40, 40, 5, slip, 100.0 * skin().youngs_modulus);
-  System<double> system(sheet.lattice, CellMaterials{{skin()}}, 1, sheet.attachments, 0, 0.0, Vec3::Zero());
+  System<double> system(sheet.lattice, CellMaterials{{skin()}}, 1, sheet.attachments, 0, {}, Vec3::Zero());
   system.set_point_constraints(sheet.constraints);
   TwoLevel<double> preconditioner(system, 4);
   u.assign(3 * system.nodes(), 0.0);
   EquilibriumOptions options;
   options.tolerance = 1e-4;
-  options.relaxes = relaxes;
+  options.accuracy = relaxes ? Accuracy::kLoadStep : Accuracy::kRelaxation;
   Multipliers multipliers;
   return find_equilibrium<double>(system, preconditioner, u, multipliers, options,
                                   {[](int, double, double) {}, [] { return false; }});

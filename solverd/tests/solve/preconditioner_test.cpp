@@ -44,7 +44,7 @@ struct Scene {
 
   Scene(int nx, int ny, int nz, int half_limb, double stiffness, double amplitude, int quadrature = 1)
       : sheet(make_cut_sheet(nx, ny, nz, half_limb, stiffness)),
-        system(sheet.lattice, CellMaterials{{material()}}, quadrature, sheet.attachments, 0, 0.0, Vec3::Zero()),
+        system(sheet.lattice, CellMaterials{{material()}}, quadrature, sheet.attachments, 0, {}, Vec3::Zero()),
         u(noise<Real>(3 * system.nodes(), 7, amplitude)) {
     for (std::size_t i = 0; i < u.size(); ++i)
       if (!system.is_free(i / 3)) u[i] = Real(0);
@@ -197,7 +197,7 @@ TEST(Preconditioner, TheCoarseOperatorIsTheGalerkinProductAlsoOnACutAndDeformedS
 TEST(Preconditioner, FramesAreRigid) {
   Scene<double> scene(14, 13, 3, 4, 10.0, 0.2);
   std::fill(scene.sheet.attachments.node_group.begin(), scene.sheet.attachments.node_group.end(), kFree);
-  System<double> system(scene.sheet.lattice, CellMaterials{{material()}}, 1, scene.sheet.attachments, 0, 0.0,
+  System<double> system(scene.sheet.lattice, CellMaterials{{material()}}, 1, scene.sheet.attachments, 0, {},
                         Vec3::Zero());
   system.linearize(system.evaluate(scene.u, {}), PsdProjection::kClamp);
   RigidModes<double> modes(scene.sheet.lattice);
@@ -379,7 +379,7 @@ TEST(Preconditioner, StaysPositiveDefiniteWhereOneCellIsMuchStifferThanAllOthers
   materials.of_cell.assign(sheet.lattice.cell_nodes.size(), 0);
   const std::size_t stiff = 20 * 40 * 5 + 20 * 5 + 2;
   materials.of_cell[stiff] = 1;
-  System<double> system(sheet.lattice, materials, 1, sheet.attachments, 0, 0.0, Vec3::Zero());
+  System<double> system(sheet.lattice, materials, 1, sheet.attachments, 0, {}, Vec3::Zero());
   std::vector<double> u(3 * system.nodes(), 0.0), r(u.size()), z(u.size());
   system.linearize(system.evaluate(u, {}), PsdProjection::kExact);
   TwoLevel<double> preconditioner(system, 4);

@@ -25,6 +25,8 @@ from lappet.tissue.skin_sheet import SkinSheet
 
 TOP = 3.0  # thickness of the patches in mm
 BESIDE = 0.1  # mm from a cut to an anchor
+# Operations of many frames, whose reference at 0.25 mm would take minutes.
+OPERATED_AT, OPERATED_REFERENCE = (2.0, 1.75, 1.5), (1.5, 0.75, 0.375)
 
 
 def _ring(radius: float, count: int = 24, center: tuple[float, float] = (0.0, 0.0)) -> tuple[Point, ...]:
@@ -85,6 +87,8 @@ def _rotation_flap() -> EstimateScene:
         "rotation-flap",
         "a rotation flap closes a wedge of 20° with four sutures",
         operation(flat_patch((36.0, 32.0, TOP)), *events, end=6.0),
+        spacings=OPERATED_AT,
+        reference=OPERATED_REFERENCE,
     )
 
 
@@ -105,6 +109,8 @@ def _v_y() -> EstimateScene:
         "v-y",
         "a V is advanced by 3 mm and sutured to a Y",
         operation(flat_patch((32.0, 26.0, TOP)), *events, end=7.0),
+        spacings=OPERATED_AT,
+        reference=OPERATED_REFERENCE,
     )
 
 
@@ -123,8 +129,8 @@ def _dome_flap() -> EstimateScene:
         operation(
             tissue, *flap_operation(design, SkinSheet.of(tissue), when, how), end=10.0, bones=(dome_bone(36.9, 24.0),)
         ),
-        spacings=(2.0, 1.75, 1.5),
-        reference=(1.5, 0.75, 0.375),
+        spacings=OPERATED_AT,
+        reference=OPERATED_REFERENCE,
     )
 
 
@@ -150,6 +156,8 @@ def _layered_closure() -> EstimateScene:
         "layered-closure",
         "a fusiform is excised from 1.4 mm of skin on fat, and closed",
         operation(layered.tissue, *events, end=6.0, materials=layered.materials),
+        spacings=OPERATED_AT,
+        reference=OPERATED_REFERENCE,
     )
 
 

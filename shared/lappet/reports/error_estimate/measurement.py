@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
@@ -115,15 +116,14 @@ def measure_scene(
     Returns
     -------
     list[EstimateRow]
-        The rows.
-
-    Raises
-    ------
-    RefusedError
-        If the reference cannot be solved.
+        The rows; without a reference, those that say why there is none.
     """
     skin = RestSkin.of(scene.program(scene.spacings[0]).epochs[-1])
-    reference = _reference(scene, skin, store, connect)
+    try:
+        reference = _reference(scene, skin, store, connect)
+    except RefusedError as error:
+        say(str(error))
+        return [_without_reference(scene, spacing, error.problems[0]) for spacing in scene.spacings]
     rows = []
     for spacing in scene.spacings:
         row = _row(scene, spacing, skin, reference, store, connect)
@@ -131,6 +131,11 @@ def measure_scene(
         said = row.reason or f"estimated {row.estimate_mm:.2g} mm, true {row.error_mm:.2g} mm"
         say(f"{scene.name} {spacing:.3g} mm: {said}")
     return rows
+
+
+def _without_reference(scene: EstimateScene, spacing: float, why: Problem) -> EstimateRow:
+    nothing = (None,) * 8
+    return EstimateRow(scene.name, spacing, 0, 0, *nothing, math.nan, math.nan, math.nan, reason=str(why))
 
 
 def _reference(scene: EstimateScene, skin: RestSkin, store: FrameStore, connect: Connect) -> Reference:

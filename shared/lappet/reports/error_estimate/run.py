@@ -42,7 +42,7 @@ def run_error_estimate(
     Raises
     ------
     RefusedError
-        If a name is no scene, or a reference cannot be solved.
+        If a name is no scene.
     """
     scenes = chosen_scenes(names, fitting)
     make_folder(folder)

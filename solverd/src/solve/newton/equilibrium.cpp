@@ -36,9 +36,12 @@ constexpr double kGoodEstimate = 0.25, kClearly = 0.3;
 // Share of the limit at which a search ends. One that begins within the whole limit has nothing to do: a solve that is
 // resumed estimates with another preconditioner, and must come to the same end.
 constexpr double kAtEnd = 0.8;
-// Where the exact tangent has directions of negative curvature, as at a saddle, a definite one stands in, which is too
-// stiff for what is soft: there the search ends at this share.
-constexpr double kWithDefinite = 0.1;
+// Where the linear estimate is in doubt the search ends at this share: where the exact tangent has directions of
+// negative curvature, as at a saddle, and a definite one stands in, which is too stiff for what is soft; where the
+// energy did not fall as predicted in the last step; and where the step to come is no smaller a part of the last one
+// than Newton-Raphson makes it near an equilibrium. The last two are the signs of a place that tissue passes slowly
+// before it moves on.
+constexpr double kUnsure = 0.1, kBent = 0.1, kContraction = 0.3;
 // A search that is within its tolerances of forces and gaps ends where the displacement still to come has not fallen to
 // this share in so many steps.
 constexpr double kNearer = 0.7;
@@ -185,7 +188,7 @@ class EquilibriumSearch {
     } else if (options_.accuracy == Accuracy::kFrame && !(now_.residual > kNoForce * now_.force_scale)) {
       if (options_.keeps_step) outcome_.step.assign(u_.size(), 0.0f);
     } else if (options_.accuracy == Accuracy::kFrame) {
-      bool near = last_step_ <= kAtEnd;
+      bool near = last_step_ <= kAtEnd && !bent_;
       outcome_.to_come = last_step_ * unit_;
       if (!near || options_.keeps_step) {
         if (!solve_tangent(false, true) || observer_.stop()) return false;
@@ -209,8 +212,8 @@ class EquilibriumSearch {
 
   // Share of the limit that the solution of the last linear solve may be where the search ends.
   double nearness() const {
-    if (used_ != PsdProjection::kExact) return kWithDefinite;
-    return outcome_.newton_iterations > 0 ? kAtEnd : 1.0;
+    if (used_ != PsdProjection::kExact || bent_) return kUnsure;
+    return std::min(outcome_.newton_iterations > 0 ? kAtEnd : 1.0, std::max(kContraction * last_step_, kUnsure));
   }
 
   std::span<Real> increment() { return linear_vectors_.z; }
@@ -234,7 +237,7 @@ class EquilibriumSearch {
       if (!arriving) return reduction <= target;
       if (reduction > kMaxTolerance) return false;  // what is floppy is found late
       const double sum = limits->share(x), left = pieces.left();
-      clearly_near_ = clearly_near_ || sum + left <= (used_ == PsdProjection::kExact ? kClearly : kWithDefinite);
+      clearly_near_ = clearly_near_ || sum + left <= std::min(kClearly, nearness());
       return (clearly_near_ && !options_.keeps_step) || left <= kGoodEstimate * sum || reduction <= kCarryTolerance;
     };
     // A definite tangent knows nothing of soft modes: only the exact one tells how far it is.
@@ -331,6 +334,7 @@ class EquilibriumSearch {
     }
     const bool whole = !carries && taken.alpha == 1.0 && used_ == PsdProjection::kExact;
     last_step_ = whole ? to_come_ : std::numeric_limits<double>::infinity();
+    bent_ = !carries && std::abs(taken.ratio - 1.0) > kBent;
     if (options_.accuracy == Accuracy::kRelaxation)
       return true;  // the many small searches of a relaxation are not logged
     spdlog::debug("newton {}: residual {:.2e} gap {:.2e} J {:.2f} | pcg {} to {:.1e} {} | alpha {:.3g} ratio {:.3g}",
@@ -404,6 +408,7 @@ class EquilibriumSearch {
   bool jumped_ = false, neighborhood_tried_ = false;
   double nearest_ = std::numeric_limits<double>::infinity();
   int arrivals_ = 0;
+  bool bent_ = false;               // the energy did not fall as predicted in the last step
   bool exact_failed_ = false;       // no step along its direction lowered the energy
   int newton_in_neighborhood_ = 0;  // these leave those of the whole as many as ever
   PsdProjection used_ = PsdProjection::kExact;
