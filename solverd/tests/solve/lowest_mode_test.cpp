@@ -74,10 +74,10 @@ struct Bar {
   Evaluation at;
 };
 
-// Pressed along x by this share, wider across as it keeps its volume.
+// Pressed along x by this share, and so much wider that its sides bear next to nothing.
 std::function<Vec3(const Vec3&)> pressed(double share) {
   return [share](const Vec3& x) {
-    const double across = 1.0 / std::sqrt(1.0 - share) - 1.0;
+    const double across = std::pow(1.0 - share, -0.44) - 1.0;
     return Vec3(-share * x[0], across * (x[1] - kWidth / 2), across * (x[2] - kWidth / 2));
   };
 }
