@@ -1,13 +1,11 @@
 """Suture threads: how stiff they are, and at what tension they cut through skin.
 
-| what | value | source |
-|---|---|---|
-| diameters by size | middle of the limits | USP 〈861〉 Sutures – Diameter |
-| nylon, polydioxanone: Young's modulus | 2500, 1500 MPa | *chosen* within what is usual of drawn monofilaments |
-| polypropylene | 4026 MPa | Nindhia et al. 2021, Int. J. Appl. Pharm. 13 (Y1025), monofilament |
-| silk | 8701 MPa | Naleway et al. 2015, J. Biomed. Mater. Res. B 103:735, initial modulus, size 3-0 |
-| pull-through, 3-0, 4-0, 5-0 | 4.04, 3.81, 3.44 N | Potter et al. 2025, Dermatol. Surg. 51:148, nylon in a skin model |
-| pull-through, 6-0, 7-0 | 3.1, 2.7 N | *chosen*, continuing that series |
+- Diameters by size: the middle of the limits of USP 〈861〉 Sutures – Diameter.
+- Young's modulus of nylon and polydioxanone, 2500 and 1500 MPa: *chosen* within what is usual of drawn monofilaments.
+- That of polypropylene, 4026 MPa: Nindhia et al. 2021, Int. J. Appl. Pharm. 13 (Y1025), monofilament.
+- That of silk, 8701 MPa: Naleway et al. 2015, J. Biomed. Mater. Res. B 103:735, initial modulus, size 3-0.
+- Pull-through at 3-0, 4-0 and 5-0, 4.04, 3.81 and 3.44 N: Potter et al. 2025, Dermatol. Surg. 51:148, nylon in a skin
+  model. At 6-0 and 7-0, 3.1 and 2.7 N: *chosen*, continuing that series.
 """
 
 from __future__ import annotations
