@@ -434,7 +434,7 @@ TEST(Fiber, DirectedTangentOfFibersAloneIsDefiniteAsItIs) {
 TEST(Fiber, IsotropicPartOfTheTangentJoinsThatOfTheMaterial) {
   int indefinite = 0;
   for (const auto& s : samples()) {
-    const Eigen::JacobiSVD<Matrix> svd(s.f, Eigen::ComputeFullU | Eigen::ComputeFullV);
+    const Eigen::JacobiSVD<Eigen::MatrixXd> svd(s.f, Eigen::ComputeFullU | Eigen::ComputeFullV);
     Matrix u = svd.matrixU(), v = svd.matrixV();
     Vector sigma = svd.singularValues();
     for (Matrix* r : {&u, &v})
