@@ -9,6 +9,7 @@
 #include <random>
 
 #include "box.h"
+#include "lattice/refused.h"
 #include "session/session.h"
 #include "solve/system/system.h"
 #include "test_surfaces.h"
@@ -122,6 +123,15 @@ TEST(Ground, TheBodyBelowASheetIsClosed) {
       sides[std::minmax(a, b)] += a < b ? 1 : -1;
     }
   for (const auto& [edge, sum] : sides) EXPECT_EQ(sum, 0);
+}
+
+TEST(Ground, FacesThatRestAreRefusedWithoutOne) {
+  const Shell resting = shell(0.25, 3.0, 4);
+  const Lattice lattice = build_lattice(resting.surface, {});
+  const std::vector<std::uint8_t> fixed(resting.rests.size(), 0), loose(fixed);
+  const std::vector<Index> grip(resting.rests.size(), -1);
+  EXPECT_THROW((void)attach(lattice, resting.surface, fixed, resting.rests, grip), RefusedError);
+  EXPECT_FALSE(attach(lattice, resting.surface, fixed, loose, grip).ground);
 }
 
 TEST(Ground, TissueThatSlidesOverADomeIsPushedNoMoreThanAtRest) {

@@ -41,15 +41,20 @@ struct EverythingActs {
     std::vector<std::uint8_t> fixed(triangles, 0), bed(triangles, 0);
     std::vector<std::int32_t> grip(triangles, -1);
     int below = 0;
+    Surface underside{tissue.points, {}};
     for (std::size_t t = 0; t < triangles; ++t) {
       const Vec3 c = center(tissue, t);
       fixed[t] = c[0] < 1e-9;
-      if (c[2] < 1e-9) bed[t] = below++ ? kAttachedToBed : kRestsOnBed;
+      if (c[2] < 1e-9) {
+        bed[t] = below++ ? kAttachedToBed : kRestsOnBed;
+        underside.triangles.push_back(tissue.triangles[t]);
+      }
       if (c[2] > 3.6 - 1e-9) grip[t] = 0;
     }
-    system =
-        std::make_unique<System<double>>(lattice, CellMaterials{{skin()}}, 1, attach(lattice, tissue, fixed, bed, grip),
-                                         1, BedStiffness{20.0, 20.0}, Vec3(0, 0, -9810));
+    const auto ground = std::make_shared<const Ground>(underside, settings.spacing, 1 << 28);
+    system = std::make_unique<System<double>>(lattice, CellMaterials{{skin()}}, 1,
+                                              attach(lattice, tissue, fixed, bed, grip, ground), 1,
+                                              BedStiffness{20.0, 20.0}, Vec3(0, 0, -9810));
     const Surface bone = test::sphere({6, 4, -6}, 6.3, 60);
     auto contact = std::make_unique<Contact>(std::make_shared<const SignedDistance>(bone, 0.5, 3.0, 1 << 28), lattice,
                                              tissue, fixed, 500.0);

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "lattice/embedding.h"
+#include "lattice/refused.h"
 
 namespace lappet {
 
@@ -174,6 +175,8 @@ void prescribe_side(const Lattice& lattice, Index cell, int side, Index group, s
 Attachments attach(const Lattice& lattice, const Surface& surface, std::span<const std::uint8_t> fixed,
                    std::span<const std::uint8_t> bed, std::span<const Index> grip,
                    std::shared_ptr<const Ground> ground) {
+  if (!ground && std::ranges::find(bed, kRestsOnBed) != bed.end())
+    throw RefusedError(ErrorCode::kInternal, "Faces of the tissue rest on the bed, but no ground was given for them.");
   const double h = lattice.settings.spacing;
   Buckets buckets;
   Samples samples(lattice, surface);

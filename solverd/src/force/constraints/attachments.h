@@ -71,7 +71,7 @@ struct Attachments {
 };
 
 // Per triangle: fixed, 0 or 1; bed, 0, kAttachedToBed or kRestsOnBed; grip, retractor index or -1. A face both fixed
-// and gripped is fixed. ground: needed where triangles rest.
+// and gripped is fixed. ground: needed where triangles rest. Throws RefusedError without it.
 Attachments attach(const Lattice& lattice, const Surface& surface, std::span<const std::uint8_t> fixed,
                    std::span<const std::uint8_t> bed, std::span<const Index> grip,
                    std::shared_ptr<const Ground> ground = nullptr);
