@@ -63,6 +63,11 @@ Vec3 Embedder::surface_point(Index index) const {
          fine_.box().ratio * Vec3(low[0], low[1], low[2]);
 }
 
+std::array<Vec3, 3> Embedder::corners_of(Index triangle) const {
+  const auto& corners = surface_.triangles[triangle];
+  return {surface_point(corners[0]), surface_point(corners[1]), surface_point(corners[2])};
+}
+
 const VoxelTree& Embedder::tree_of(Index triangle) {
   const auto [found, fresh] = trees_.try_emplace(triangle);
   if (fresh) found->second = VoxelTree(fine_.inner_voxels(triangle));
@@ -81,10 +86,6 @@ Voxel Embedder::inner_voxel(const Vec3& point, std::span<const Index> triangles)
   };
   double best = std::numeric_limits<double>::infinity();
   Voxel result{-1, -1, -1};
-  const auto corners_of = [&](Index triangle) {
-    const auto& corners = surface_.triangles[triangle];
-    return std::array<Vec3, 3>{surface_point(corners[0]), surface_point(corners[1]), surface_point(corners[2])};
-  };
   for (const Index t : triangles) {
     const auto [a, b, c] = corners_of(t);
     reach_later(distance_to_triangle(point, a, b, c), t);
@@ -192,14 +193,37 @@ EmbeddedPoint Embedder::embed(const Vec3& point, std::span<const Index> triangle
   return {cell, trilinear_weights(lattice_, cell, point)};
 }
 
+// The distance of a point from the surface around a triangle: that triangle and those reached from it over edges that
+// are no farther from the point than it.
+double Embedder::distance_to_surface(const Vec3& point, Index triangle) {
+  ++search_;
+  std::vector<Index> front{triangle};
+  seen_[triangle] = search_;
+  double nearest = std::numeric_limits<double>::infinity(), reach = nearest;
+  while (!front.empty()) {
+    const Index here = front.back();
+    front.pop_back();
+    const auto corners = corners_of(here);
+    nearest = std::min(nearest, distance_to_triangle(point, corners[0], corners[1], corners[2]));
+    if (here == triangle) reach = nearest;
+    const auto& neighbors = fine_.neighbors(here);
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Index next = neighbors[k];
+      if (next < 0 || seen_[next] == search_ || distance_to_segment(point, corners[k], corners[(k + 1) % 3]) > reach)
+        continue;
+      seen_[next] = search_;
+      front.push_back(next);
+    }
+  }
+  return nearest;
+}
+
 // Deep in the tissue the voxel that holds the point says which cell it belongs to: no surface parts it from its center.
 EmbeddedPoint Embedder::embed_near(const Vec3& point, Index triangle) {
   const auto& low = fine_.box().low;
   const Vec3 at =
       (point - lattice_.settings.origin) * voxels_per_mm_ - fine_.box().ratio * Vec3(low[0], low[1], low[2]);
-  const auto& corners = surface_.triangles[triangle];
-  if (distance_to_triangle(at, surface_point(corners[0]), surface_point(corners[1]), surface_point(corners[2])) >
-      kHalfDiagonal) {
+  if (distance_to_surface(at, triangle) > kHalfDiagonal) {
     const Vec3 down = at.array().floor();
     const Index cell = fine_.lattice_cell(Voxel{static_cast<std::int32_t>(down[0]), static_cast<std::int32_t>(down[1]),
                                                 static_cast<std::int32_t>(down[2])});

@@ -5,6 +5,7 @@
 // next to that crossing lies on the point's side. From there a walk over connected voxels finds the cell that holds the
 // point.
 #pragma once
+#include <array>
 #include <cstdint>
 #include <span>
 #include <unordered_map>
@@ -24,7 +25,7 @@ class Embedder {
 
   // `triangles`: those the point lies on or is a corner of.
   EmbeddedPoint embed(const Vec3& point, std::span<const Index> triangles);
-  // A point on the surface or inside the tissue; `triangle`: the nearest to it.
+  // A point on the surface or inside the tissue; `triangle`: the nearest to it, or one of the face nearest to it.
   EmbeddedPoint embed_near(const Vec3& point, Index triangle);
 
  private:
@@ -32,7 +33,10 @@ class Embedder {
   const VoxelTree& tree_of(Index triangle);
   Voxel nearest_of_all(const Vec3& point) const;
   Index walk_to_cell(const Vec3& point, const Voxel& start);
-  Vec3 surface_point(Index index) const;  // in voxels, relative to the box
+  double distance_to_surface(const Vec3& point, Index triangle);
+  // In voxels, relative to the box.
+  Vec3 surface_point(Index index) const;
+  std::array<Vec3, 3> corners_of(Index triangle) const;
 
   const Lattice& lattice_;
   const Surface& surface_;

@@ -152,7 +152,8 @@ TEST(Embedding, BesideASlotThatEndsInsideEachWallFollowsItsOwnSide) {
 }
 
 TEST(Embedding, AnAnchorTakesTheSideOfItsTriangle) {
-  // Any point of the two walls of a slit 0.01 mm wide: both walls are nearer to it than any voxel.
+  // Any point of the two walls of a slit 0.01 mm wide: both walls are nearer to it than any voxel. It may lie on the
+  // other triangle of its wall, far from the one that is named.
   const auto slab = test::cut_slab(12, 8, 3, {{6.2, 0}, {6.2, 8}}, 0.01);
   const Lattice lattice = build_lattice(slab.surface, settings(1.0, 4));
   int walls = 0;
