@@ -135,7 +135,8 @@ TEST(MuscleSession, AMuscleBetweenHeldEndsPullsByItsIsometricStressTimesActivati
 
 TEST(MuscleSession, AStretchedMuscleFollowsTheForceLengthCurve) {
   for (const double elongation : {-8.0, 8.0, 20.0}) {  // on the peak of the curve, and down its flank
-    const SessionSettings s = muscular(12);            // weak enough that its falling flank does not make the bar neck
+    SessionSettings s = muscular(12);                  // weak enough that its falling flank does not make the bar neck
+    s.stability = false;  // the curve is that of a straight bar, which buckles at the first of them
     const Bar bar;
     Session session(s);
     session.set_epoch(bar_epoch(bar));
@@ -145,6 +146,26 @@ TEST(MuscleSession, AStretchedMuscleFollowsTheForceLengthCurve) {
     const double force = piola_of(s, 0.8)(f)(0, 0);
     EXPECT_NEAR(pulling_force(session, elongation, 0.2, {0.8}) / bar.area(), force, 1e-2 * std::abs(force));
   }
+}
+
+// Where tissue and muscle together press by more than Euler's load the straight bar is a saddle of the energy: the
+// session finds the bent one, and keeps the straight one at a smaller load or when told not to look for saddles.
+TEST(MuscleSession, AMuscleShortenedBeyondItsSlackLengthBuckles) {
+  const Bar bar;
+  const auto shortened = [&](double elongation, bool stability) {
+    SessionSettings s = muscular(12);
+    s.stability = stability;
+    Session session(s);
+    session.set_epoch(bar_epoch(bar));
+    const FrameOutput out = pull(session, elongation, {0.8});
+    const Vec3 middle = 0.5 * (landmark(out, 4) + landmark(out, 5));  // at the height of the axis
+    return std::pair(out.energy, std::hypot(middle[1] - bar.width / 2, middle[2] - bar.height / 2));
+  };
+  EXPECT_LT(shortened(-6, true).second, 1e-3);  // mm
+  const auto straight = shortened(-8, false), bent = shortened(-8, true);
+  EXPECT_LT(straight.second, 1e-3);
+  EXPECT_GT(bent.second, 1.0);
+  EXPECT_LT(bent.first, straight.first - 1.0);  // mN mm
 }
 
 TEST(MuscleSession, AFreeMuscleShortensUntilItsTissueBearsItsStress) {
