@@ -36,7 +36,7 @@ TEST(Weight, ATissueOnABedSinksByItsWeightOverTheBedsStiffness) {
   s.materials[0].model = "corotated";
   s.materials[0].poissons_ratio = 0.0;  // no sideways swelling: the weight stays even
   s.gravity = Vec3(0, 0, -9.81);
-  s.bed_stiffness = 2.0;
+  s.bed_stiffness = s.bed_shear = 2.0;
   s.tolerance = 1e-6;
   s.precision = "double";
   Session session(s);
@@ -88,7 +88,7 @@ TEST(Weight, ARestingTissueSinksLikeAnAttachedOneButLiftsOffFreely) {
   SessionSettings s;
   s.materials[0].model = "corotated";
   s.materials[0].poissons_ratio = 0.0;
-  s.bed_stiffness = 2.0;
+  s.bed_stiffness = s.bed_shear = 2.0;
   s.tolerance = 1e-6;
   s.precision = "double";
   EpochInput epoch = make_epoch(box_surface({0, 0, 0}, {6, 6, 4}), {});
