@@ -16,6 +16,38 @@ constexpr double kThickness = 2.1;
 
 double depth_for(double spacing) { return std::max(kDepth * spacing, kMinDepth); }
 
+// The sheet with a rim of a width in its own plane, so that its edge is no edge of the ground.
+Surface widened(const Surface& sheet, double width) {
+  std::map<std::pair<Index, Index>, Vec3> sides;  // of each edge, in its direction: outwards
+  for (const auto& corners : sheet.triangles) {
+    const Vec3 a = sheet.points[corners[0]];
+    const Vec3 normal = (sheet.points[corners[1]] - a).cross(sheet.points[corners[2]] - a);
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Index from = corners[k], to = corners[(k + 1) % 3];
+      sides[{from, to}] = (sheet.points[to] - sheet.points[from]).cross(normal).normalized();
+    }
+  }
+  Surface result = sheet;
+  std::map<Index, std::pair<Vec3, Index>> rim;  // per point of the edge: outwards, and the rim's point
+  for (const auto& [edge, outwards] : sides)
+    if (!sides.contains({edge.second, edge.first}))
+      for (const Index p : {edge.first, edge.second})
+        rim.try_emplace(p, Vec3::Zero(), Index(-1)).first->second.first += outwards;
+  for (auto& [p, place] : rim) {
+    // Along the corner's middle, so far that both of its edges move by the width, up to twice that.
+    const double share = std::max(0.5 * place.first.norm(), 0.5);
+    place.second = to_index(result.points.size());
+    result.points.push_back(sheet.points[p] + width / share * place.first.normalized());
+  }
+  for (const auto& [edge, outwards] : sides) {
+    const auto& [from, to] = edge;
+    if (sides.contains({to, from})) continue;
+    result.triangles.push_back({to, from, rim.at(from).second});
+    result.triangles.push_back({to, rim.at(from).second, rim.at(to).second});
+  }
+  return result;
+}
+
 }  // namespace
 
 Surface body_below(const Surface& sheet, double thickness) {
@@ -48,6 +80,7 @@ Surface body_below(const Surface& sheet, double thickness) {
 }
 
 Ground::Ground(const Surface& sheet, double spacing, std::size_t memory_budget)
-    : distance_(body_below(sheet, kThickness * depth_for(spacing)), spacing, depth_for(spacing), memory_budget) {}
+    : distance_(body_below(widened(sheet, depth_for(spacing)), kThickness * depth_for(spacing)), spacing,
+                depth_for(spacing), memory_budget) {}
 
 }  // namespace lappet

@@ -8,6 +8,14 @@
 
 namespace lappet {
 
+namespace {
+
+// How deep a step may take what rests into the ground, in spacings: less than its field knows of.
+constexpr double kMaxStridesIntoGround = 2.0;
+constexpr int kMaxStrides = 64;  // of a step of what rests, in spacings
+
+}  // namespace
+
 // The forces of attached faces on the corners of their cells are found in parallel and added in order, a batch at a
 // time. Returns their energy.
 template <class Real>
@@ -120,6 +128,31 @@ void System<Real>::add_resting_faces(std::span<const Real> u, Evaluation& result
 }
 
 template <class Real>
+double System<Real>::largest_step(std::span<const Real> u, std::span<const Real> step, double most) const {
+  if (contact()) most = contact()->template largest_step<Real>(u, step, most);
+  const double stride = lattice().settings.spacing;
+  for (const auto& face : attachments_.resting) {
+    const auto& nodes = lattice().cell_nodes[static_cast<std::size_t>(face.cell)];
+    Vec3 from = face.rest, move = Vec3::Zero();
+    for (std::size_t k = 0; k < 8; ++k) {
+      from += face.weights[k] * NodeField(u)[nodes[k]];
+      move += face.weights[k] * NodeField(step)[nodes[k]];
+    }
+    const double length = move.norm();
+    if (!(most * length > stride)) continue;
+    const double lowest = std::min(-kMaxStridesIntoGround * stride, attachments_.ground->height(from).value);
+    double clear = stride / length;  // some way at least
+    for (int k = 1; clear < most && k <= kMaxStrides; ++k) {
+      const double part = std::min(most, k * stride / length);
+      if (attachments_.ground->height(from + part * move).value < lowest) break;
+      clear = part;
+    }
+    most = std::min(most, clear);
+  }
+  return most;
+}
+
+template <class Real>
 void System<Real>::add_point_constraints(std::span<const Real> u, const Multipliers& multipliers,
                                          Evaluation& result) const {
   result.point_roots.clear();
@@ -164,6 +197,7 @@ template void System<float>::evaluate_face_constraint(const FaceConstraint&, std
                                                       std::array<double, 25>&) const;
 template void System<float>::add_bed_faces(std::span<const float>, Evaluation&) const;
 template void System<float>::add_resting_faces(std::span<const float>, Evaluation&) const;
+template double System<float>::largest_step(std::span<const float>, std::span<const float>, double) const;
 template void System<float>::add_point_constraints(std::span<const float>, const Multipliers&, Evaluation&) const;
 template void System<float>::add_drift(std::span<const float>, Evaluation&) const;
 template void System<float>::measure_residual(Evaluation&);
@@ -174,6 +208,7 @@ template void System<double>::evaluate_face_constraint(const FaceConstraint&, st
                                                        const Multipliers&, std::array<double, 25>&) const;
 template void System<double>::add_bed_faces(std::span<const double>, Evaluation&) const;
 template void System<double>::add_resting_faces(std::span<const double>, Evaluation&) const;
+template double System<double>::largest_step(std::span<const double>, std::span<const double>, double) const;
 template void System<double>::add_point_constraints(std::span<const double>, const Multipliers&, Evaluation&) const;
 template void System<double>::add_drift(std::span<const double>, Evaluation&) const;
 template void System<double>::measure_residual(Evaluation&);

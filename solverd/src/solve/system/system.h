@@ -74,10 +74,8 @@ class System {
   Eigen::Matrix4d motion_towards(const Eigen::Matrix4d& motion, double fraction, std::int32_t retractor,
                                  std::span<const Real> u) const;
 
-  // The fraction of a step, `most` at most, that takes no tissue through a bone.
-  double largest_step(std::span<const Real> u, std::span<const Real> step, double most) const {
-    return contact() ? contact()->template largest_step<Real>(u, step, most) : most;
-  }
+  // The fraction of a step, `most` at most, that takes no tissue through a bone or the ground.
+  double largest_step(std::span<const Real> u, std::span<const Real> step, double most) const;
 
   // The largest violation of what must hold exactly, mm: sutures, held faces off the lattice planes (root mean square
   // over the face in a cell), and what is deeper in bone than a penalty may leave. at: the evaluation at u.
