@@ -364,17 +364,24 @@ TEST(Contact, ALongStepDoesNotTakeTissueThroughAThinBone) {
   Session session(s);
   const EpochInput epoch =
       make_epoch(sheet({0, 0, 0}, {10, 6, 2}, 1.0), {}, [](const Vec3& c) { return c[0] < 1e-9 ? 0 : -1; });
-  session.set_epoch(epoch);
   // A hook draws the free end far below the plate.
   std::int32_t triangle = 0;
   for (std::size_t t = 0; t < epoch.surface.triangles.size(); ++t)
     if ((center(epoch.surface, t) - Vec3(9.5, 3, 2)).norm() < 0.8) triangle = to_index(t);
-  FrameInput frame = pulled({Vec3::Zero()});
-  frame.hooks.push_back({{center(epoch.surface, triangle), triangle}, Vec3(9, 3, -12), 30.0});
-  const FrameOutput out = session.solve(frame, {}, kNever);
-  ASSERT_TRUE(out.converged) << out.failure.message;
-  for (std::size_t v = 0; v < epoch.surface.points.size(); ++v) EXPECT_GT(point(out, v)[2], -2.9) << v;
-  EXPECT_GT(out.contacts, 0);
+  // In steps of so many mm: short ones must not take it through little by little.
+  for (const double by : {14.0, 2.0, 0.25}) {
+    session.set_epoch(epoch);
+    FrameOutput out;
+    for (double down = by; down <= 14.0; down += by) {
+      FrameInput frame = pulled({Vec3::Zero()});
+      frame.time = down;
+      frame.hooks.push_back({{center(epoch.surface, triangle), triangle}, Vec3(9, 3, 2 - down), 30.0});
+      out = session.solve(frame, {}, kNever);
+      ASSERT_TRUE(out.converged) << by << " " << down << ": " << out.failure.message;
+    }
+    for (std::size_t v = 0; v < epoch.surface.points.size(); ++v) EXPECT_GT(point(out, v)[2], -2.9) << by << " " << v;
+    EXPECT_GT(out.contacts, 0);
+  }
 }
 
 }  // namespace

@@ -76,7 +76,9 @@ std::size_t nodes_at_rest(const FrameOutput& frame) {
 }
 
 TEST(ChangeNeighborhood, WhatAHookDoesNotReachStaysAtRestAndTheRestIsWhereAnExactSolveOfAllPutsIt) {
-  Session session(patch_settings("auto")), exact(exact_settings());
+  SessionSettings settings = patch_settings("auto");
+  settings.stability = false;  // a search for saddles is one of all of the tissue
+  Session session(settings), exact(exact_settings());
   session.set_epoch(patch());
   exact.set_epoch(patch());
   for (int k = 1; k <= 4; ++k) {
@@ -163,7 +165,8 @@ TEST(ChangeNeighborhood, APullThatReachesFurtherIsFinishedEverywhere) {
   bool outgrown = false;
   double apart = 0.0, usual = 0.0;
   for (int k = 1; k <= 4; ++k) {
-    const FrameInput frame = lifted(k, k == 1 ? 0.5 : 10.0 * k, 3000.0);
+    // Of 0.25 mm no more than the tolerance of the residual arrives at the rim; of 0.5 mm half more than that does.
+    const FrameInput frame = lifted(k, k == 1 ? 0.25 : 10.0 * k, 3000.0);
     const FrameOutput found = session.solve(frame, {}, kNever), all = exact.solve(frame, {}, kNever);
     ASSERT_TRUE(found.converged) << found.failure.message;
     ASSERT_TRUE(all.converged) << all.failure.message;

@@ -16,6 +16,38 @@ namespace {
 constexpr double kAllowedPenetration = 0.08;
 constexpr double kMaxEdge = 1.5;  // of a triangle without proxies inside, spacings
 constexpr double kMaxDepthOnTheWay = 2.0;
+// Near the middle of a thin bone the distance is rounded, and its gradient, which pushes back, fades before it turns.
+// A step ends where less of it than this is left, or less than half of what there was at its start.
+constexpr double kPushesBack = 0.5;
+constexpr int kBisections = 8;
+
+// A proxy on its way, told by the distances along it.
+class WayIntoBone {
+ public:
+  WayIntoBone(const SignedDistance::Sample& start, double deepest)
+      : side_(start.gradient.normalized()), floor_(std::max(deepest, -start.value)), inside_(start.value < 0.0) {
+    if (start.value < 0.0) pushes_back_ = std::min(kPushesBack, 0.5 * start.gradient.norm());
+  }
+
+  // False where it would be too deep or be pushed to another side than the one it comes from.
+  bool goes_on(const SignedDistance::Sample& at) {
+    const bool outside = at.value >= 0.0;
+    if (side_.isZero() && !outside) side_ = at.gradient.normalized();
+    const double back = at.gradient.dot(side_);
+    if (outside ? inside_ && back < 0.0 : -at.value > floor_ || back < pushes_back_) return false;
+    inside_ = !outside;
+    if (outside) {
+      side_ = at.gradient.normalized();
+      pushes_back_ = kPushesBack;
+    }
+    return true;
+  }
+
+ private:
+  Vec3 side_;  // where bone pushes to
+  double floor_, pushes_back_ = kPushesBack;
+  bool inside_;
+};
 
 }  // namespace
 
@@ -148,32 +180,28 @@ double Contact::largest_step(std::span<const Real> u, std::span<const Real> step
   const double deepest = kMaxDepthOnTheWay * lattice_.settings.spacing, stride = bones_->spacing();
   std::vector<double> part_of_chunk(found_.size(), max_part);
   for_each_chunk(proxies_.size(), [&](std::size_t chunk, std::size_t begin, std::size_t end) {
+    double& most = part_of_chunk[chunk];
     for (std::size_t p = begin; p < end; ++p) {
       const Vec3 move = displacement(lattice_, proxies_[p].point, step);
       const double length = move.norm();
-      if (!(max_part * length > stride)) continue;
       const Vec3 from = rest_[p] + displacement(lattice_, proxies_[p].point, u);
       const auto start = bones_->at(from);
-      const double floor = std::max(deepest, -start.value);
-      Vec3 entry = start.value < 0.0 ? start.gradient : Vec3::Zero();
-      const int strides = int(std::ceil(length * part_of_chunk[chunk] / stride));
-      double clear = stride / length;  // some way at least
-      for (int k = 1; k <= strides; ++k) {
-        const double part = std::min(max_part, k * stride / length);
-        const auto sample = bones_->at(from + part * move);
-        if (sample.value >= 0.0) {
-          if (!entry.isZero()) {
-            // Out again: on the side it came in, or through.
-            if (sample.gradient.dot(entry) < 0.0) break;
-            entry.setZero();
-          }
-        } else {
-          if (entry.isZero()) entry = sample.gradient;
-          if (-sample.value > floor || sample.gradient.dot(entry) < 0.0) break;
+      if (most * length <= std::min(start.value, stride)) continue;
+      WayIntoBone way(start, deepest);
+      double clear = 0.0;
+      while (clear < most) {
+        double part = std::min(most, clear + stride / length);
+        if (way.goes_on(bones_->at(from + part * move))) {
+          clear = part;
+          continue;
         }
-        clear = part;
+        for (int k = 0; k < kBisections; ++k) {
+          const double middle = 0.5 * (clear + part);
+          (way.goes_on(bones_->at(from + middle * move)) ? clear : part) = middle;
+        }
+        most = std::max(clear, part - clear);  // some way at least
+        break;
       }
-      if (clear < max_part) part_of_chunk[chunk] = std::min(part_of_chunk[chunk], clear);
     }
   });
   for (const double part : part_of_chunk) max_part = std::min(max_part, part);

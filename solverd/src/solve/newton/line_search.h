@@ -124,11 +124,12 @@ class LineSearch {
     for_each_index(u.size(), [&](std::size_t i) { trial_[i] = u[i] + static_cast<Real>(alpha) * step[i]; });
     evaluate(trial_, now);
   }
-  // Doubles the step that u has taken while the energy falls and no cell turns over.
+  // Doubles the step that u has taken while the energy falls, no cell turns over and none goes through bone.
   void go_further(std::span<Real> u, std::span<const Real> step, Evaluation& now, double& alpha) {
     EvaluationSummary reached = now;
     double more = 1.0;
     for (int k = 0; k < kMaxDoublings; ++k, more *= 2.0) {
+      if (system_.largest_step(u, step, more) < more) break;
       evaluate_at(u, step, more, now);
       if (!(now.energy < reached.energy) || now.inverted > reached.inverted) break;
       copy<Real>(trial_, u);
