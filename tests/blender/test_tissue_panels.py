@@ -8,6 +8,7 @@ from typing import Any
 import bpy
 import pytest
 
+from lappet.tissue.presets import PRESETS
 from lappet_blender.model.scene_procedure import read_scene
 from lappet_blender.tissue.material_panel import LAPPET_MT_presets, LAPPET_PT_materials
 from lappet_blender.tissue.tissue_check import check_tissue
@@ -169,5 +170,4 @@ def test_materials_show_what_they_have_and_where_a_presets_numbers_come_from(sce
     assert "fiber_k2" in drawn
     assert "activation" in drawn
     menu = draw(LAPPET_MT_presets, scene)
-    names = ("SKIN", "TAUT_SKIN", "DERMIS", "FAT")
-    assert [each.given for each in menu] == [{"name": "fat", "preset": preset} for preset in names]
+    assert [each.given for each in menu] == [{"name": "fat", "preset": name.upper()} for name in PRESETS]

@@ -360,9 +360,11 @@ def test_every_part_of_a_tissue_on_its_bed_sinks_by_its_own_weight(tmp_path: Pat
 
 
 def test_a_frame_that_cannot_converge_exits_with_1_naming_frame_and_reason(tmp_path: Path) -> None:
-    """Both ends of the suture lie on the rim that is fixed: nothing can draw them together."""
-    across_the_rim = Suture("rim", ((-12.0, -2.0, TOP), (-12.0, 2.0, TOP)), 4.0)
-    write_procedure(small_procedure().with_events(across_the_rim), tmp_path / "p.usda")
+    """All faces are fixed: nothing can draw the ends of the suture together."""
+    tissue = small_procedure().tissue
+    everywhere = np.arange(len(tissue.face_vertex_counts), dtype=np.int32)
+    held = replace(tissue, subsets={**tissue.subsets, "fixed": everywhere})
+    write_procedure(small_procedure(tissue=held), tmp_path / "p.usda")
     run = solve(tmp_path)
     assert run.status == 1
     assert "Frame 5: " in run.stderr

@@ -175,7 +175,7 @@ def test_the_report_of_economy_has_a_row_with_and_without_each_feature(tmp_path:
     fibers = rows["fibers", True], rows["fibers", False]
     assert fibers[0]["product_per_cell"] > 1.05 * fibers[1]["product_per_cell"]
     assert fibers[0]["bytes"] > fibers[1]["bytes"]
-    assert rows["region", True]["instructions"] < 0.7 * rows["region", False]["instructions"]
+    assert rows["region", True]["instructions"] < 0.9 * rows["region", False]["instructions"]
     # What is done once a frame is seen there, and not in the search.
     for name in ("landmarks", "strain"):
         with_it, without = rows[name, True], rows[name, False]
