@@ -27,19 +27,19 @@ PassOperations count_pass_operations() {
   using Double = Counted<double>;
   PassOperations result{};
   result.evaluate_float = counted(0.0f, [&] {
-    evaluate_groups<Float, float, 1, NeoHookean, true, false, false>(arrays, 0, groups, u.data(), gradient.data(),
-                                                                     magnitude.data(), sums);
+    evaluate_groups<Float, float, 1, NeoHookean, true, false, false, false>(arrays, 0, groups, u.data(),
+                                                                            gradient.data(), magnitude.data(), sums);
   });
   result.evaluate_double = counted(0.0, [&] {
-    evaluate_groups<Double, float, 1, NeoHookean, true, false, false>(arrays, 0, groups, u.data(), gradient.data(),
-                                                                      magnitude.data(), sums);
+    evaluate_groups<Double, float, 1, NeoHookean, true, false, false, false>(arrays, 0, groups, u.data(),
+                                                                             gradient.data(), magnitude.data(), sums);
   });
   result.stress_derivative = counted(
       0.0f, [&] { linearize_groups<Float, NeoHookean, true, false>(arrays, 0, groups, PsdProjection::kClamp); });
   result.product =
-      counted(0.0f, [&] { multiply_groups<Float, true, false, false>(arrays, 0, groups, u.data(), y.data()); });
+      counted(0.0f, [&] { multiply_groups<Float, true, false, false, false>(arrays, 0, groups, u.data(), y.data()); });
   result.diagonal =
-      counted(0.0f, [&] { diagonal_groups<Float, true, false, false>(arrays, 0, groups, blocks.data()); });
+      counted(0.0f, [&] { diagonal_groups<Float, true, false, false, false>(arrays, 0, groups, blocks.data()); });
   return result;
 }
 

@@ -88,12 +88,15 @@ def test_the_z_plasty_rests_in_one_way_on_every_lattice_and_its_error_is_estimat
         return frame.solved.points[skin].astype(float)
 
     truth = points(last(scene.program(0.8, **DEFAULT)))  # within 0.04 mm of what finer lattices tend to
-    for spacing, changed in ((2.0, {}), (2.0, {"quadrature": 4}), (2.0, {"tolerance": 1e-2}), (4.0 / 3.0, {})):
+    four = {"quadrature": 4}
+    for spacing, changed in ((2.0, {}), (2.0, four), (2.0, {"tolerance": 1e-2}), (4.0 / 3.0, {}), (4.0 / 3.0, four)):
         program = scene.program(spacing, **{**DEFAULT, **changed, "correction": True})
         frame = last(program)
         off = points(frame) - truth
-        # Slack skin rests 0.6 mm from the truth wherever it buckles the other way.
-        assert rms(off) < 0.1, (spacing, changed)
+        # Slack skin rests 0.6 mm from the truth wherever it buckles the other way. Four points lock in cells of 2 mm:
+        # they err by 0.125 mm there, by 0.039 at 4/3 mm, where one point errs by 0.078 and 0.031.
+        if not (spacing == 2.0 and changed == four):
+            assert rms(off) < 0.1, (spacing, changed)
         coarse = last(coarse_program(program)).solved
         rest = RestSkin.of(program.epochs[-1])
         estimate = frame_error(frame.solved, coarse, rest, expected_order(program), spacing)

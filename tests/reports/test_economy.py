@@ -190,7 +190,6 @@ LEFT_OUT = "contact;fibers;muscle;prestretch;heterogeneity;mesh_cells;landmarks;
 @pytest.mark.slow
 @pytest.mark.timeout(3000)
 @needs_valgrind
-@pytest.mark.xfail(strict=True, reason="shares of cells cost plain scenes: 10 % of the product, 2 % of the evaluation")
 def test_a_plain_scene_takes_the_instructions_of_a_daemon_built_without_any_feature() -> None:
     found = absence(plain(), "the plain bar", yardstick("plain", LEFT_OUT), LEFT_OUT)
     assert abs(found.share) <= AGREEMENT, found

@@ -32,6 +32,7 @@ SceneFeatures features_of(const CellMaterials& materials, int quadrature) {
     features.fibers = features.fibers || material.has_fibers() || material.has_muscle();
     features.prestretched = features.prestretched || material.has_prestretch();
   }
+  features.shares = !materials.shares.empty();
   return features;
 }
 

@@ -87,14 +87,25 @@ inline CellPoint<Number> share_point(const ElasticArrays<Real>& arrays, const Re
   return {at[0], at[1], at[2]};
 }
 
-// 4 h grad N of the corners at quadrature point q, [3][8].
-template <class Number, class Real>
-inline void point_gradients(const ElasticArrays<Real>& arrays, const Real* share, int q, int width, Number (&g)[24]) {
-  using Scalar = typename NumberTraits<Number>::Scalar;
-  if (share != nullptr)
-    share_point<Number>(arrays, share, q, width).gradients(g);
-  else
-    for (int i = 0; i < 24; ++i) g[i] = Number(Scalar(arrays.gradients[24 * q + i]));
-}
+// 4 h grad N of the corners at quadrature point q, [3][8] as one number. Of a whole cell they are read where they are
+// used: registers that hold them would be missed. share: as for share_point, where kShares.
+template <class Number, class Real, bool kOnePoint, bool kShares>
+class PointGradients {
+ public:
+  PointGradients(const ElasticArrays<Real>& arrays, const Real* share, int q, int width)
+      : whole_(arrays.gradients + 24 * q) {
+    if constexpr (kShares) share_point<Number>(arrays, share, q, width).gradients(own_);
+  }
+  Number operator[](int i) const {
+    using Scalar = typename NumberTraits<Number>::Scalar;
+    if constexpr (kShares) return own_[i];
+    if constexpr (kOnePoint) return Number((i % 8) >> (2 - i / 8) & 1 ? 1 : -1);
+    return Number(Scalar(whole_[i]));
+  }
+
+ private:
+  const double* whole_;
+  Number own_[kShares ? 24 : 1];
+};
 
 }  // namespace lappet

@@ -70,7 +70,7 @@ inline void add_corner_block(const typename NumberTraits<Number>::Scalar* tangen
 }
 
 // Adds the blocks of the groups begin..end to `blocks`, 6 per node.
-template <class Number, bool kOnePoint, bool kFibers, bool kPrestretched>
+template <class Number, bool kOnePoint, bool kFibers, bool kPrestretched, bool kShares>
 [[gnu::flatten]] void diagonal_groups(const ElasticArrays<typename NumberTraits<Number>::Scalar>& arrays,
                                       std::int64_t begin, std::int64_t end,
                                       typename NumberTraits<Number>::Scalar* blocks) {
@@ -83,7 +83,7 @@ template <class Number, bool kOnePoint, bool kFibers, bool kPrestretched>
       for (auto& row : node) store(Number(0), row);
     for (int place = 0; place < kBlockCells; ++place) {
       const std::int64_t cell = group * kBlockCells + place;
-      const Real *material = arrays.material_of(cell), *share = arrays.share_of(cell, w);
+      const Real *material = arrays.material_of(cell), *share = kShares ? arrays.share_of(cell, w) : nullptr;
       const auto add = [&](int corner, const Number(&block)[6]) {
         for (int k = 0; k < 6; ++k) {
           Real* to = sum[block_node(place, corner)][k];
@@ -99,13 +99,11 @@ template <class Number, bool kOnePoint, bool kFibers, bool kPrestretched>
         load_rotation(tangent, kU, u);
         load_rotation(tangent, kV, v);
         // At the center opposite corners have opposite gradients, and the same block.
-        const bool centered = kOnePoint && share == nullptr;
-        Number gradients[24];
-        if (!centered) point_gradients(arrays, share, q, w, gradients);
+        constexpr bool centered = kOnePoint && !kShares;
+        const PointGradients<Number, Real, kOnePoint, kShares> gradients(arrays, share, q, w);
         for (int corner = 0; corner < (centered ? 4 : 8); ++corner) {
           Number g[3], block[6];
-          for (int j = 0; j < 3; ++j)
-            g[j] = centered ? Number((corner >> (2 - j) & 1) ? 1 : -1) : gradients[8 * j + corner];
+          for (int j = 0; j < 3; ++j) g[j] = gradients[8 * j + corner];
           for (auto& value : block) value = Number(0);
           add_corner_block<kFibers, kPrestretched>(tangent, sigma, fiber, material, u, v, g, block);
           if constexpr (kOnePoint) {

@@ -91,9 +91,9 @@ struct ElasticArrays {
   [[gnu::always_inline]] const Real* material_of(std::int64_t place) const {
     return kHasHeterogeneity ? material + place * material_stride : material;
   }
-  // The record of where a place has its quadrature points, or null.
+  // The record of where a place has its quadrature points; only of a scene with shares.
   [[gnu::always_inline]] const Real* share_of(std::int64_t place, int lanes) const {
-    return kHasHeterogeneity && share != nullptr ? share + place * kShareFields * lanes : nullptr;
+    return share + place * kShareFields * lanes;
   }
 };
 

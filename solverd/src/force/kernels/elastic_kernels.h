@@ -1,5 +1,5 @@
 // The kernels of one instruction set, chosen for what a scene holds: a material model, one or more quadrature points,
-// fibers, prestretch. What is absent is not in the code that runs.
+// fibers, prestretch, shares of cells. What is absent is not in the code that runs.
 #pragma once
 #include <cstdint>
 
@@ -14,6 +14,7 @@ struct SceneFeatures {
   bool one_point = true;
   bool fibers = false;  // or muscle
   bool prestretched = false;
+  bool shares = false;  // some cell holds more than one material
 };
 
 struct StateSums;

@@ -14,10 +14,15 @@ namespace lappet {
 // Calls body with std::integral_constant<bool> for each flag.
 template <class Body>
 inline void with_flags(const SceneFeatures& f, const Body& body) {
+  const auto fourth = [&](auto one_point, auto fibers, auto prestretched) {
+    if constexpr (kHasHeterogeneity)
+      if (f.shares) return body(one_point, fibers, prestretched, std::true_type{});
+    body(one_point, fibers, prestretched, std::false_type{});
+  };
   const auto third = [&](auto one_point, auto fibers) {
     if constexpr (kHasPrestretch)
-      if (f.prestretched) return body(one_point, fibers, std::true_type{});
-    body(one_point, fibers, std::false_type{});
+      if (f.prestretched) return fourth(one_point, fibers, std::true_type{});
+    fourth(one_point, fibers, std::false_type{});
   };
   const auto second = [&](auto one_point) {
     if constexpr (kHasFibers || kHasMuscle)
@@ -35,13 +40,14 @@ template <class Narrow, class Wide, class Real>
 inline void fill_kernels(const SceneFeatures& features, ElasticKernels<Real>& kernels) {
   constexpr int width = kLanes<Narrow>;
   kernels.lanes = width;
-  with_flags(features, [&](auto one_point, auto fibers, auto prestretched) {
-    kernels.multiply = &multiply_groups<Narrow, one_point(), fibers(), prestretched()>;
-    kernels.diagonal = &diagonal_groups<Narrow, one_point(), fibers(), prestretched()>;
-    kernels.project = &project_cells<Narrow, one_point(), fibers(), prestretched()>;
+  with_flags(features, [&](auto one_point, auto fibers, auto prestretched, auto shares) {
+    kernels.multiply = &multiply_groups<Narrow, one_point(), fibers(), prestretched(), shares()>;
+    kernels.diagonal = &diagonal_groups<Narrow, one_point(), fibers(), prestretched(), shares()>;
+    kernels.project = &project_cells<Narrow, one_point(), fibers(), prestretched(), shares()>;
     MaterialModels::with(features.model, [&]<class Model>() {
-      kernels.evaluate = &evaluate_groups<Wide, Real, width, Model, one_point(), fibers(), prestretched()>;
-      kernels.evaluate_fast = &evaluate_groups<Narrow, Real, width, Model, one_point(), fibers(), prestretched()>;
+      kernels.evaluate = &evaluate_groups<Wide, Real, width, Model, one_point(), fibers(), prestretched(), shares()>;
+      kernels.evaluate_fast =
+          &evaluate_groups<Narrow, Real, width, Model, one_point(), fibers(), prestretched(), shares()>;
       kernels.linearize = &linearize_groups<Narrow, Model, one_point(), fibers()>;
     });
   });

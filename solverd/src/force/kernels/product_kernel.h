@@ -148,7 +148,7 @@ template <class Number, class Scalar>
 
 // y += K x of the groups begin..end; x and y hold 3 numbers per node. Flattened, here and in the other fused kernels:
 // a compiler whose budget for inlining is spent on so many instances leaves calls that pass matrices through memory.
-template <class Number, bool kOnePoint, bool kFibers, bool kPrestretched>
+template <class Number, bool kOnePoint, bool kFibers, bool kPrestretched, bool kShares>
 [[gnu::flatten]] void multiply_groups(const ElasticArrays<typename NumberTraits<Number>::Scalar>& arrays,
                                       std::int64_t begin, std::int64_t end,
                                       const typename NumberTraits<Number>::Scalar* x,
@@ -174,7 +174,7 @@ template <class Number, bool kOnePoint, bool kFibers, bool kPrestretched>
       for (int i = 0; i < 3; ++i) store(Number(0), sum[n][i]);
     for (int place = 0; place < kBlockCells; ++place) {
       const std::int64_t cell = group * kBlockCells + place;
-      const Scalar *material = arrays.material_of(cell), *share = arrays.share_of(cell, w);
+      const Scalar *material = arrays.material_of(cell), *share = kShares ? arrays.share_of(cell, w) : nullptr;
       fetch_nodes<Number>(next, place, x, y);
       Number corners[3][8], result[3][8], df[9];
       for (int i = 0; i < 3; ++i)
@@ -183,7 +183,7 @@ template <class Number, bool kOnePoint, bool kFibers, bool kPrestretched>
         tangents.fetch(place_lines);
         Number modes[3][4];
         for (int i = 0; i < 3; ++i) corner_sums(corners[i], df[3 * i], df[3 * i + 1], df[3 * i + 2], modes[i]);
-        if (share != nullptr) {
+        if constexpr (kShares) {
           const auto at_point = share_point<Number>(arrays, share, 0, w);
           for (int i = 0; i < 3; ++i) at_point.add_to_gradient(modes[i], df[3 * i], df[3 * i + 1], df[3 * i + 2]);
         }
@@ -196,7 +196,7 @@ template <class Number, bool kOnePoint, bool kFibers, bool kPrestretched>
           modes[i][1] *= stabilization;
           modes[i][2] *= stabilization;
           modes[i][3] *= half;
-          if (share != nullptr)
+          if constexpr (kShares)
             share_point<Number>(arrays, share, 0, w).add_to_modes(df[3 * i], df[3 * i + 1], df[3 * i + 2], modes[i]);
           spread_to_corners(df[3 * i], df[3 * i + 1], df[3 * i + 2], modes[i], result[i]);
         }
@@ -205,8 +205,7 @@ template <class Number, bool kOnePoint, bool kFibers, bool kPrestretched>
           for (auto& value : row) value = Number(0);
         for (int q = 0; q < points; ++q) {
           tangents.fetch(point_lines);
-          Number gradient[24];
-          point_gradients(arrays, share, q, w, gradient);
+          const PointGradients<Number, Scalar, false, kShares> gradient(arrays, share, q, w);
           const std::int64_t point = cell * points + q;
           for (int i = 0; i < 3; ++i)
             for (int j = 0; j < 3; ++j) {

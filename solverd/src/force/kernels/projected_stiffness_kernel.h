@@ -54,9 +54,9 @@ struct NoFibers {
 // The tangent at a quadrature point: u, v (9, row-major), hessian (6), same, cross (3), scaled by weight and volume;
 // gradient: 3x8 row-major dN_n/dX; weight [8 k + n]; arm [3 n + i]. With a prestretch A, v is A V. add_fibers(hat, dp)
 // adds what fibers give to dp.
-template <class Number, class Scalar, class AddFibers = NoFibers>
+template <class Number, class Gradient, class AddFibers = NoFibers>
 void add_projected_tangent(const Number* u, const Number* v, const Number* hessian, const Number* same,
-                           const Number* cross, const Scalar* gradient, const Number* weight, const Number* arm,
+                           const Number* cross, const Gradient& gradient, const Number* weight, const Number* arm,
                            Number* blocks, const AddFibers& add_fibers = {}) {
   constexpr int kPairs[3][2] = {{0, 1}, {0, 2}, {1, 2}};
   Number g[8][3], m[8][9];  // V^T g_k and M_k V
@@ -196,7 +196,7 @@ inline constexpr int kProjectionLanes = 16;
 
 // Adds P^T K P of up to kProjectionLanes cells: slots [lane] (the last one repeated where there are fewer), weights
 // [64][lane] (zero in lanes without a cell), arms [24][lane], blocks [kModePairSize][lane].
-template <class Number, bool kOnePoint, bool kFibers, bool kPrestretched>
+template <class Number, bool kOnePoint, bool kFibers, bool kPrestretched, bool kShares>
 void project_cells(const ElasticArrays<typename NumberTraits<Number>::Scalar>& arrays, const std::int32_t* slots,
                    const typename NumberTraits<Number>::Scalar* weights,
                    const typename NumberTraits<Number>::Scalar* arms, typename NumberTraits<Number>::Scalar* blocks) {
@@ -234,18 +234,14 @@ void project_cells(const ElasticArrays<typename NumberTraits<Number>::Scalar>& a
       } else {
         for (int i = 0; i < 9; ++i) v[i] = rotation[i];
       }
-      Number gradient[24];
-      if (kHasHeterogeneity && arrays.share != nullptr) {
-        alignas(64) Real share[kShareFields][w];
+      alignas(64) Real share[kShareFields][w];
+      if constexpr (kShares)
         for (int lane = 0; lane < w; ++lane) {
           const std::int32_t slot = slots[first + lane];
-          const Real* record = arrays.share + std::int64_t{slot / w} * kShareFields * w + slot % w;
+          const Real* record = arrays.share_of(slot / w, w) + slot % w;
           for (int k = 0; k < kShareFields; ++k) share[k][lane] = record[k * w];
         }
-        point_gradients(arrays, &share[0][0], q, w, gradient);
-      } else {
-        point_gradients(arrays, static_cast<const Real*>(nullptr), q, w, gradient);
-      }
+      const PointGradients<Number, Real, kOnePoint, kShares> gradient(arrays, &share[0][0], q, w);
       if constexpr (kFibers) {
         Number material[kPrestretch], sigma[3], response[kFiberFields];
         collect(arrays.material, arrays.material_stride, kPrestretch, material);

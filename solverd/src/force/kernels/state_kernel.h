@@ -56,7 +56,8 @@ inline FiberState<Number> fiber_state(const Real* material, int width, const Num
 
 // Adds the forces of the groups begin..end to `gradient` (3 per node) and the magnitudes of the cells' forces to
 // `magnitude` (1 per node), and remembers decompositions. Number: the arithmetic; Real and width: the layout.
-template <class Number, class Real, int width, class Model, bool kOnePoint, bool kFibers, bool kPrestretched>
+template <class Number, class Real, int width, class Model, bool kOnePoint, bool kFibers, bool kPrestretched,
+          bool kShares>
 [[gnu::flatten]] void evaluate_groups(const ElasticArrays<Real>& arrays, std::int64_t begin, std::int64_t end,
                                       const Real* u, double* gradient, double* magnitude, StateSums& sums) {
   using std::min;
@@ -89,7 +90,7 @@ template <class Number, class Real, int width, class Model, bool kOnePoint, bool
         const Moduli<Number> moduli = load_moduli<Number>(material, width);
         const Number volume = load<Number>(arrays.volume + cell * width + lane);
         const auto present = volume > Number(0);
-        const Real* share = arrays.share_of(cell, width);
+        const Real* share = kShares ? arrays.share_of(cell, width) + lane : nullptr;
         Number corners[3][8], force[3][8];
         for (int i = 0; i < 3; ++i)
           for (int c = 0; c < 8; ++c) {
@@ -98,16 +99,15 @@ template <class Number, class Real, int width, class Model, bool kOnePoint, bool
           }
         Number cell_j(std::numeric_limits<Scalar>::max());
         for (int q = 0; q < points; ++q) {
-          Number f[9], modes[3][4], gradients[24];
-          CellPoint<Number> at_point{};
+          Number f[9], modes[3][4];
+          const PointGradients<Number, Real, kOnePoint, kShares> gradients(arrays, share, q, width);
           if constexpr (kOnePoint) {
             for (int i = 0; i < 3; ++i) corner_sums(corners[i], f[3 * i], f[3 * i + 1], f[3 * i + 2], modes[i]);
-            if (share != nullptr) {
-              at_point = share_point<Number>(arrays, share + lane, q, width);
+            if constexpr (kShares) {
+              const auto at_point = share_point<Number>(arrays, share, q, width);
               for (int i = 0; i < 3; ++i) at_point.add_to_gradient(modes[i], f[3 * i], f[3 * i + 1], f[3 * i + 2]);
             }
           } else {
-            point_gradients(arrays, share == nullptr ? share : share + lane, q, width, gradients);
             for (int i = 0; i < 3; ++i)
               for (int j = 0; j < 3; ++j) {
                 Number total(0);
@@ -165,7 +165,7 @@ template <class Number, class Real, int width, class Model, bool kOnePoint, bool
                 group_energy += Number(0.5) * pull[m] * modes[i][m];
               }
               const Number px = scale * p[3 * i], py = scale * p[3 * i + 1], pz = scale * p[3 * i + 2];
-              if (share != nullptr) at_point.add_to_modes(px, py, pz, pull);
+              if constexpr (kShares) share_point<Number>(arrays, share, q, width).add_to_modes(px, py, pz, pull);
               spread_to_corners(px, py, pz, pull, force[i]);
             }
             group_energy += volume * density;
