@@ -87,7 +87,8 @@ def test_the_z_plasty_rests_in_one_way_on_every_lattice_and_its_error_is_estimat
     def points(frame: FrameResult) -> np.ndarray:
         return frame.solved.points[skin].astype(float)
 
-    truth = points(last(scene.program(0.8, **DEFAULT)))  # within 0.04 mm of what finer lattices tend to
+    # Of 0.8 mm, 0.02 mm from this one, it would be as uncertain as what is to be judged is wrong at 4/3 mm.
+    truth = points(last(scene.program(0.6, **DEFAULT)))
     four = {"quadrature": 4}
     for spacing, changed in ((2.0, {}), (2.0, four), (2.0, {"tolerance": 1e-2}), (4.0 / 3.0, {}), (4.0 / 3.0, four)):
         program = scene.program(spacing, **{**DEFAULT, **changed, "correction": True})
