@@ -42,8 +42,9 @@ constexpr double kAtEnd = 0.8;
 // than Newton-Raphson makes it near an equilibrium. The last two are the signs of a place that tissue passes slowly
 // before it moves on.
 constexpr double kUnsure = 0.1, kBent = 0.1, kContraction = 0.3;
-// A search that is within its tolerances of forces and gaps ends where the displacement still to come has not fallen to
-// this share in so many steps.
+// A search that is within its tolerances of forces and gaps ends where in so many steps neither the displacement still
+// to come has fallen to this share nor the energy by what its rounding leaves of it: along a curved valley, as of
+// fibers that are much stiffer than what is around them, a definite tangent makes many steps of about one size.
 constexpr double kNearer = 0.7;
 constexpr int kMaxArrivals = 6;
 // The neighborhood of a change ends at a stricter tolerance; of the limit of the whole it has this share left at most.
@@ -170,6 +171,10 @@ class EquilibriumSearch {
   bool comes_nearer() {
     if (outcome_.to_come < kNearer * nearest_) {
       nearest_ = outcome_.to_come;
+      arrivals_ = 0;
+    }
+    if (now_.energy < energy_at_arrival_ - line_.rounding(now_.energy)) {
+      energy_at_arrival_ = now_.energy;
       arrivals_ = 0;
     }
     return ++arrivals_ <= kMaxArrivals;
@@ -407,6 +412,7 @@ class EquilibriumSearch {
   Evaluation now_;
   bool jumped_ = false, neighborhood_tried_ = false;
   double nearest_ = std::numeric_limits<double>::infinity();
+  double energy_at_arrival_ = std::numeric_limits<double>::infinity();  // from which a fall is counted
   int arrivals_ = 0;
   bool bent_ = false;               // the energy did not fall as predicted in the last step
   bool exact_failed_ = false;       // no step along its direction lowered the energy
