@@ -4,17 +4,6 @@
 
 namespace lappet {
 
-namespace {
-
-// K is a sum of positive semidefinite cells (and contact penalties) that couple eight nodes each, and of constraints,
-// which D holds too: by Cauchy and Schwarz no eigenvalue of D^-1 K exceeds eight. Single cells come near it where they
-// are much stiffer than those around them, as at a suture's anchor, and an estimate from a few Lanczos steps misses
-// them, the more surely the more nodes there are: Chebyshev's polynomial then blows up on them and the preconditioner
-// is no longer definite.
-constexpr double kMaxEigenvalue = 8.0;
-
-}  // namespace
-
 template <class Real>
 void Smoother<Real>::update() {
   const std::size_t nodes = system_.nodes();
@@ -47,7 +36,7 @@ void Smoother<Real>::update() {
     for (const double weight : points[t].weights) constraints.back().rows.push_back(weight * root);
   }
   diagonal.set_constraints(constraints);
-  chebyshev_.set_largest_eigenvalue(kMaxEigenvalue);
+  chebyshev_.resize();
 }
 
 template class Smoother<float>;
