@@ -47,6 +47,7 @@ constexpr double kUnsure = 0.1, kBent = 0.1, kContraction = 0.3;
 // fibers that are much stiffer than what is around them, a definite tangent makes many steps of about one size.
 constexpr double kNearer = 0.7;
 constexpr int kMaxArrivals = 6;
+constexpr int kManyUpdates = 10;  // of the multipliers: a gap that they can close is closed after a few
 // The neighborhood of a change ends at a stricter tolerance; of the limit of the whole it has this share left at most.
 constexpr double kShareOfNeighborhood = 0.5;
 constexpr double kNoForce = 1e-20;  // residual over force scale that cannot be told from none
@@ -105,12 +106,7 @@ class EquilibriumSearch {
       }
       if (arriving && has_arrived()) return;
       if (options_.neighborhood_first && !arriving && !neighborhood_tried_ && neighborhood_goes_ahead()) continue;
-      if (outcome_.newton_iterations - newton_in_neighborhood_ >= options_.max_newton)
-        return fail(
-            FailureCode::kIterations,
-            fmt::format("no equilibrium after {} Newton iterations: relative residual {:.2e} (tolerance {:.1e}), gap "
-                        "{:.3g} mm",
-                        outcome_.newton_iterations, outcome_.residual, options_.tolerance, outcome_.gap));
+      if (outcome_.newton_iterations - newton_in_neighborhood_ >= options_.max_newton) return fail_late();
       if (observer_.stop()) return fail(FailureCode::kStopped, "stopped");
       if (arriving && !comes_nearer())
         return fail(FailureCode::kNoDescent,
@@ -137,6 +133,27 @@ class EquilibriumSearch {
   }
   void fail(FailureCode code, std::string message) { outcome_.failure = {code, std::move(message)}; }
 
+  void fail_open() {
+    fail(
+        FailureCode::kGap,
+        fmt::format("a suture, a held face or a stiff hook keeps a gap of {:.3g} mm (tolerance {:.3g} mm); its demands "
+                    "contradict others or need more force than the tissue bears",
+                    outcome_.gap, options_.gap_tolerance));
+  }
+  // A gap that many multipliers have not closed is why there is no equilibrium, also where each of them takes so many
+  // iterations that these run out first.
+  bool stays_open() const {
+    return outcome_.gap > options_.gap_tolerance && augmented_lagrangian_.updates() >= kManyUpdates &&
+           !(system_.contact() && now_.contact.excess > options_.gap_tolerance);
+  }
+  void fail_late() {
+    if (stays_open()) return fail_open();
+    fail(FailureCode::kIterations,
+         fmt::format("no equilibrium after {} Newton iterations: relative residual {:.2e} (tolerance {:.1e}), gap "
+                     "{:.3g} mm",
+                     outcome_.newton_iterations, outcome_.residual, options_.tolerance, outcome_.gap));
+  }
+
   // Moves the multipliers on while the residual allows. kConverged: forces and gaps are within their tolerances.
   AugmentedLagrangian::Action settle() {
     while (true) {
@@ -152,12 +169,7 @@ class EquilibriumSearch {
                              "bone: move it, or move the bone away",
                              now_.contact.largest_penetration));
           else
-            fail(
-                FailureCode::kGap,
-                fmt::format(
-                    "a suture, a held face or a stiff hook keeps a gap of {:.3g} mm (tolerance {:.3g} mm); its demands "
-                    "contradict others or need more force than the tissue bears",
-                    outcome_.gap, options_.gap_tolerance));
+            fail_open();
           return action;
         case AugmentedLagrangian::Action::kUpdate:
           system_.update(multipliers_, u_, now_);
