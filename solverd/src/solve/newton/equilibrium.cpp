@@ -117,7 +117,9 @@ class EquilibriumSearch {
       ++outcome_.newton_iterations;
       outcome_.active_cells = static_cast<std::int64_t>(system_.lattice().cells());
       if (!take_step(carries)) return;
-      if (options_.accuracy != Accuracy::kRelaxation && !carries && !jumped_ && used_ != PsdProjection::kExact) relax();
+      if (options_.accuracy != Accuracy::kRelaxation && !carries && !jumped_ &&
+          (used_ != PsdProjection::kExact || cut_))
+        relax();
     }
   }
 
@@ -351,6 +353,7 @@ class EquilibriumSearch {
     }
     const bool whole = !carries && taken.alpha == 1.0 && used_ == PsdProjection::kExact;
     last_step_ = whole ? to_come_ : std::numeric_limits<double>::infinity();
+    cut_ = !carries && taken.alpha < 1.0;
     bent_ = !carries && std::abs(taken.ratio - 1.0) > kBent;
     if (options_.accuracy == Accuracy::kRelaxation)
       return true;  // the many small searches of a relaxation are not logged
@@ -392,7 +395,8 @@ class EquilibriumSearch {
     return share;
   }
 
-  // What a definite tangent is too stiff for is often a matter of a few nodes: they go ahead.
+  // What a definite tangent is too stiff for, or what bends too much for a whole step, is often a matter of a few nodes:
+  // they go ahead.
   void relax() {
     if (now_.relative_residual <= options_.tolerance) return;
     const LocalRelaxation relaxed =
@@ -427,6 +431,7 @@ class EquilibriumSearch {
   double energy_at_arrival_ = std::numeric_limits<double>::infinity();  // from which a fall is counted
   int arrivals_ = 0;
   bool bent_ = false;               // the energy did not fall as predicted in the last step
+  bool cut_ = false;                // the line search made the last step shorter
   bool exact_failed_ = false;       // no step along its direction lowered the energy
   int newton_in_neighborhood_ = 0;  // these leave those of the whole as many as ever
   PsdProjection used_ = PsdProjection::kExact;
