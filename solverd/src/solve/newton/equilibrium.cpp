@@ -349,7 +349,7 @@ class EquilibriumSearch {
                          outcome_.residual < kRoundedResidual ? rounding() : ""));
         return false;
       }
-      tangent_.agreed(taken.ratio, used_);
+      tangent_.agreed(taken.alpha, taken.ratio, used_);
     }
     const bool whole = !carries && taken.alpha == 1.0 && used_ == PsdProjection::kExact;
     last_step_ = whole ? to_come_ : std::numeric_limits<double>::infinity();
@@ -395,8 +395,8 @@ class EquilibriumSearch {
     return share;
   }
 
-  // What a definite tangent is too stiff for, or what bends too much for a whole step, is often a matter of a few nodes:
-  // they go ahead.
+  // What a definite tangent is too stiff for, or what bends too much for a whole step, is often a matter of a few
+  // nodes: they go ahead.
   void relax() {
     if (now_.relative_residual <= options_.tolerance) return;
     const LocalRelaxation relaxed =
