@@ -200,11 +200,10 @@ def seam_lines(seams: Sequence[SeamMeasure]) -> list[str]:
     parts = [f"Scar: {scar:.0f} mm, {area:.1f} mm² still open"]
     steps = [row.step_off_mm for row in last if row.step_off_mm is not None]
     ears = [ear for row in last for ear in (row.start_dog_ear_mm, row.end_dog_ear_mm) if ear is not None]
-    pulls = [row.tension_n_per_mm for row in last if row.tension_n_per_mm is not None]
+    pull = sum(row.tension_n_per_mm * row.scar_length_mm for row in last if row.tension_n_per_mm is not None)
     parts += [f"step-off {max(steps):.1f} mm"] if steps else []
     parts += [f"dog-ear {max(ears):.1f} mm"] if ears else []
-    parts += [f"closing tension {max(pulls):.2g} N/mm"] if pulls else []
-    return [", ".join(parts) + " at most in the last frame."]
+    return [", ".join(parts) + f" at most, closing tension {pull / scar:.2g} N/mm in the mean, in the last frame."]
 
 
 def told_lines(notes: Sequence[Problem]) -> list[str]:

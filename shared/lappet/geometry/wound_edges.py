@@ -198,7 +198,7 @@ class WoundEdges:
             return None
         near = self.place_of(self.nearest[corners[best]])
         loop = self.loops[near.loop]
-        window = 0.5 * float(ways[best]) + 2.0 * float(np.median(np.diff(loop.along)))
+        window = float(ways[best]) + float(np.diff(loop.along).max())
         middles = 0.5 * (loop.along[:-1] + loop.along[1:])
         off = np.abs((middles - near.at + 0.5 * loop.length) % loop.length - 0.5 * loop.length)
         kept = np.flatnonzero(loop.wound & (off <= window + 0.5 * np.diff(loop.along)))

@@ -21,6 +21,7 @@ REACH = 10.0
 BESIDE = 5.0
 """Chosen: what is nearer to a wound's edge than this in mm is left out of the ring."""
 
+_MIN_FACING = 0.7  # of the ring's area must be seen along its mean normal
 _SECTORS, _MIN_SECTORS = 8, 6  # around the end; in so many of them there must be skin
 
 
@@ -82,7 +83,8 @@ def dog_ear_at(surface: Surface, edges: WoundEdges, end: NDArray[np.float64]) ->
     Returns
     -------
     DogEar | None
-        The skin, or None where less than three quarters of the way around are skin: near the rim of the tissue.
+        The skin, or None where the rim of the tissue is nearer than `REACH`, less than three quarters of the way around
+        are left of the ring, or its skin does not face one way.
     """
     skin = surface.triangles[surface.origin == FaceOrigin.SKIN].astype(np.int64)
     area = np.zeros(len(surface.points))
@@ -90,9 +92,13 @@ def dog_ear_at(surface: Surface, edges: WoundEdges, end: NDArray[np.float64]) ->
     far = np.linalg.norm(surface.points - end, axis=1)
     inner = np.flatnonzero((area > 0.0) & (far <= REACH))
     ring = np.flatnonzero((area > 0.0) & (far > REACH) & (far <= 2.0 * REACH) & (edges.distance > BESIDE))
-    if len(inner) == 0 or len(ring) < _SECTORS:
+    rim = np.unique(surface.triangles[surface.origin == FaceOrigin.RIM])
+    if len(inner) == 0 or len(ring) < _SECTORS or (far[rim] <= REACH).any():
         return None
     triangles = skin[np.isin(skin, ring).any(axis=1)]
+    normals = area_normals(surface.points[triangles])
+    if np.linalg.norm(normals.sum(axis=0)) < _MIN_FACING * np.linalg.norm(normals, axis=1).sum():
+        return None
     around, across, _ = _frame(surface.points, triangles)
     offsets = surface.points[ring] - end
     sectors = np.floor(np.arctan2(offsets @ across, offsets @ around) / (2.0 * np.pi) * _SECTORS).astype(int)

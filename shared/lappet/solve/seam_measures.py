@@ -47,6 +47,8 @@ class SeamMeasure:
         Lengths of its lips.
     first_edge_at_rest_mm, second_edge_at_rest_mm
         Their lengths at rest.
+    edge_difference_mm
+        The difference of these, which the sutures distribute along the seam.
     greatest_gap_mm
         The widest that the lips are apart; negative where they overlap everywhere.
     open_area_mm2
@@ -72,6 +74,7 @@ class SeamMeasure:
     second_edge_mm: float
     first_edge_at_rest_mm: float
     second_edge_at_rest_mm: float
+    edge_difference_mm: float
     greatest_gap_mm: float
     open_area_mm2: float
     closed_share: float
@@ -181,6 +184,7 @@ class _Gauge:
             _length(nodes[1]),
             self._at_rest[0],
             self._at_rest[1],
+            abs(self._at_rest[0] - self._at_rest[1]),
             float(gap.max()),
             _open_area(first, second, up),
             float(share[meet].sum() / max(share.sum(), 1e-300)),
