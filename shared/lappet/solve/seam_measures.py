@@ -132,6 +132,8 @@ def seam_states(
     list[SeamState]
         Each seam of each frame whose tissue is cut along it, in the order of the frames.
     """
+    if not program.sutures:
+        return []
     epochs = {each.time: each.epoch for each in program.frames}
     gauges: dict[int, list[_Gauge]] = {}
     found = []
@@ -206,7 +208,7 @@ class _Gauge:
             pull = sum(row.force_mn for row in own if row.resolved)
             lost = sum(not row.resolved for row in own)
             force += pull
-            if len(own) > lost:
+            if len(own) > lost and length > 0.0:
                 tension += pull / (length * (len(names) - lost) / len(names)) / 1000.0
                 known = True
         return force, tension if known else None
