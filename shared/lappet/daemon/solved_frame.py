@@ -283,6 +283,8 @@ class SolvedFrame:
         Distance from the separation asked for in mm, shape (A,), float64.
     suture_forces
         Their pull in mN, shape (A,), float64.
+    suture_force_vectors
+        Force on the tissue at their first ends in mN, shape (A, 3), float64; at the second ends the opposite one.
     suture_shared
         How much of what their two ends hold is the same tissue, 0 to 1, shape (A,), float64; (0,) where not known.
     correction
@@ -314,6 +316,7 @@ class SolvedFrame:
     suture_points: NDArray[np.float64] = field(default_factory=lambda: no_entries((0, 2, 3), np.float64))
     suture_gaps: NDArray[np.float64] = field(default_factory=lambda: no_entries((0,), np.float64))
     suture_forces: NDArray[np.float64] = field(default_factory=lambda: no_entries((0,), np.float64))
+    suture_force_vectors: NDArray[np.float64] = field(default_factory=lambda: no_entries((0, 3), np.float64))
     suture_shared: NDArray[np.float64] = field(default_factory=lambda: no_entries((0,), np.float64))
     correction: NDArray[np.float32] = field(default_factory=lambda: no_entries((0, 3), np.float32))
     landmark_correction: NDArray[np.float64] = field(default_factory=lambda: no_entries((0, 3), np.float64))

@@ -27,7 +27,9 @@ void write_constraints(const EpochSystem<Real>& epoch, const FrameInput& frame, 
     fields.suture_indices.push_back(suture.index);
     const Vec3 multiplier = state.multipliers.of(constraint);
     fields.suture_gaps.push_back(constraint.thread && !constraint.exact ? 0.0 : constraint.gap(c, multiplier));
-    fields.suture_forces.push_back(constraint.force(c, multiplier).norm());
+    const Vec3 force = constraint.force(c, multiplier);
+    fields.suture_forces.push_back(force.norm());
+    append(fields.suture_force_vectors, -force);
     fields.suture_shared.push_back(epoch.constraints.shared(suture));
     append(fields.suture_points, epoch.constraints.where(suture.a, state.u));
     append(fields.suture_points, epoch.constraints.where(suture.b, state.u));

@@ -154,13 +154,14 @@ struct SolverState {
 
 // What a frame says of the tissue: its surface, landmarks and constraints.
 struct FrameFields {
-  std::vector<float> points;          // 3 per surface vertex, mm
-  std::vector<float> strain;          // largest principal stretch - 1, per surface vertex
-  std::vector<float> stress;          // von Mises Cauchy, kPa
-  std::vector<float> tension;         // largest principal Cauchy stress, kPa
-  std::vector<double> landmarks;      // 3 per landmark, mm
-  std::vector<double> suture_gaps;    // per active suture: distance from its demanded separation, mm
-  std::vector<double> suture_forces;  // per active suture, mN
+  std::vector<float> points;                 // 3 per surface vertex, mm
+  std::vector<float> strain;                 // largest principal stretch - 1, per surface vertex
+  std::vector<float> stress;                 // von Mises Cauchy, kPa
+  std::vector<float> tension;                // largest principal Cauchy stress, kPa
+  std::vector<double> landmarks;             // 3 per landmark, mm
+  std::vector<double> suture_gaps;           // per active suture: distance from its demanded separation, mm
+  std::vector<double> suture_forces;         // per active suture, mN
+  std::vector<double> suture_force_vectors;  // 3 per active suture, mN, on the tissue at its first end
   std::vector<std::int32_t> suture_indices, hook_indices;  // which suture or hook each of these is of
   std::vector<double> hook_forces;                         // 3 per hook, mN, on the tissue
   std::vector<double> hook_points;                         // 3 per hook: where the anchor is now, mm

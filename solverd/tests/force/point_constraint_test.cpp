@@ -106,6 +106,9 @@ TEST_F(Sewn, StiffnessMattersAndTheForceIsThatOfTheStretch) {
   for (const double stiffness : {1.0, 30.0, 1000.0}) {
     const FrameOutput out = solve(stiffness, 0.2, 0.0);
     EXPECT_NEAR(out.suture_forces[0], stiffness * (apart(out) - 0.2), 2e-3 * stiffness + 1e-3);
+    const Vec3 along = Vec3::Map(out.suture_points.data() + 3) - Vec3::Map(out.suture_points.data());
+    const Vec3 force = Vec3::Map(out.suture_force_vectors.data());
+    EXPECT_LT((force - out.suture_forces[0] * along.normalized()).norm(), 0.02 * out.suture_forces[0]);
     EXPECT_GT(out.suture_forces[0], 1.2 * before);
     before = out.suture_forces[0];
   }

@@ -6,12 +6,9 @@ middles of their anchors at rest.
 
 from __future__ import annotations
 
-import csv
-import os
 import re
 from collections.abc import Sequence
-from dataclasses import astuple, dataclass, fields
-from pathlib import Path
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -44,6 +41,8 @@ class SutureForce:
         Where it is along the closure at rest in mm.
     force_mn
         Its pull in mN.
+    force_x_mn, force_y_mn, force_z_mn
+        The force on the tissue at its first end in mN; at the second end it is the opposite one.
     apart_mm
         Distance of its ends in mm.
     share
@@ -59,6 +58,9 @@ class SutureForce:
     closure: str
     along_mm: float
     force_mn: float
+    force_x_mn: float
+    force_y_mn: float
+    force_z_mn: float
     apart_mm: float
     share: float
     limit_mn: float
@@ -79,6 +81,23 @@ def closure_of(name: str) -> str:
         Name of the closure.
     """
     return re.sub(r"[_ -]*\d+$", "", name) or name
+
+
+def suture_number(name: str) -> int:
+    """Find the number of a suture in its closure.
+
+    Parameters
+    ----------
+    name
+        Name of the suture.
+
+    Returns
+    -------
+    int
+        The number that its name ends with, 0 where there is none.
+    """
+    digits = re.search(r"\d+$", name)
+    return int(digits.group()) if digits else 0
 
 
 def suture_forces(procedure: Procedure, program: Program, frame: SolvedFrame) -> list[SutureForce]:
@@ -105,6 +124,8 @@ def suture_forces(procedure: Procedure, program: Program, frame: SolvedFrame) ->
     resolved = shared <= MOST_SHARED
     total = float(frame.suture_forces[resolved].sum())
     apart = np.linalg.norm(frame.suture_points[:, 0] - frame.suture_points[:, 1], axis=1)
+    vectors = frame.suture_force_vectors
+    vectors = vectors if len(vectors) == len(names) else np.full((len(names), 3), np.nan)
     rows = [
         SutureForce(
             frame.time,
@@ -112,12 +133,15 @@ def suture_forces(procedure: Procedure, program: Program, frame: SolvedFrame) ->
             closure_of(name),
             along[name],
             float(force),
+            float(vector[0]),
+            float(vector[1]),
+            float(vector[2]),
             float(gap),
             float(force) / total if part and total > 0.0 else 0.0,
             events[name].pull_through_limit,
             bool(part),
         )
-        for name, force, gap, part in zip(names, frame.suture_forces, apart, resolved, strict=True)
+        for name, force, vector, gap, part in zip(names, frame.suture_forces, vectors, apart, resolved, strict=True)
     ]
     return sorted(rows, key=lambda row: (row.closure, row.along_mm))
 
@@ -198,42 +222,15 @@ def suture_warnings(procedure: Procedure, rows: Sequence[SutureForce]) -> list[P
     return found
 
 
-def write_suture_forces(path: str | os.PathLike[str], rows: Sequence[SutureForce]) -> None:
-    """Write the forces as CSV, a row for each suture and frame.
-
-    Parameters
-    ----------
-    path
-        The file.
-    rows
-        The rows of all frames.
-
-    Raises
-    ------
-    OSError
-        If the file system refuses.
-    """
-    with Path(path).open("w", encoding="utf-8", newline="") as file:
-        table = csv.writer(file)
-        table.writerow([item.name for item in fields(SutureForce)])
-        for row in rows:
-            table.writerow([f"{value:.6g}" if isinstance(value, float) else value for value in astuple(row)])
-
-
 def _along_closures(sutures: Sequence[Suture]) -> dict[str, float]:
     """Where each suture is along its closure in mm, in order of their numbers."""
     along: dict[str, float] = {}
     for closure in dict.fromkeys(closure_of(suture.name) for suture in sutures):
         own = sorted(
-            (each for each in sutures if closure_of(each.name) == closure), key=lambda each: _number(each.name)
+            (each for each in sutures if closure_of(each.name) == closure), key=lambda each: suture_number(each.name)
         )
         middles = np.array([np.mean(each.anchors, axis=0) for each in own])
         steps = np.linalg.norm(np.diff(middles, axis=0), axis=1)
         places: NDArray[np.float64] = np.concatenate([[0.0], np.cumsum(steps)])
         along.update({each.name: float(place) for each, place in zip(own, places, strict=True)})
     return along
-
-
-def _number(name: str) -> int:
-    digits = re.search(r"\d+$", name)
-    return int(digits.group()) if digits else 0
