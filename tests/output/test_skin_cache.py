@@ -180,16 +180,17 @@ def test_a_thread_with_several_bites_has_a_curve_through_all_of_them(program: Pr
     running = Suture("running", bites, 3.0, mode="thread")
     procedure = small_procedure().with_events(running)
     own = compile_program(procedure)
-    places = np.array(bites) + (0.0, 0.0, 1.0)
+    up = np.array([0.0, 0.0, 1.0])
+    places = np.array(bites) + up
     solved = [
         SolvedFrame(
             each.time,
             own.epochs[each.epoch].surface.points.astype(np.float32),
             suture_index=each.suture_index,
-            suture_points=each.suture_anchors + (0.0, 0.0, 1.0),
+            suture_points=each.suture_anchors + up,
             suture_forces=np.ones(len(each.suture_index)),
             suture_inner_bites=each.suture_inner_bites,
-            inner_bite_points=each.inner_bite_anchors + (0.0, 0.0, 1.0),
+            inner_bite_points=each.inner_bite_anchors + up,
         )
         for each in own.frames
     ]

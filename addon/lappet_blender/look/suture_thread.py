@@ -96,7 +96,9 @@ class SutureThread:
         straight = list(sliding.values())  # from bite to bite; the skin hides what runs in the tissue
         radii = [THREAD_RADIUS * self._scale] * len(straight)
         active = [
-            int(i) for i in np.flatnonzero(sutures.active) if int(i) not in (self._hidden or ()) and int(i) not in sliding
+            int(i)
+            for i in np.flatnonzero(sutures.active)
+            if int(i) not in (self._hidden or ()) and int(i) not in sliding
         ]
         if not active:
             return straight, radii

@@ -291,9 +291,7 @@ def running(stations: Sequence[Station], bite: float = BITE, depth: float = 0.0)
     Stitch
         The stitch, open at its ends.
     """
-    passes = [
-        _through(at, bite, depth) if depth > 0.0 else [at.bite(-1, bite), at.bite(1, bite)] for at in stations
-    ]
+    passes = [_through(at, bite, depth) if depth > 0.0 else [at.bite(-1, bite), at.bite(1, bite)] for at in stations]
     return _stitch([bite for each in passes for bite in each])
 
 
