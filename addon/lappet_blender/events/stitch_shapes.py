@@ -24,7 +24,7 @@ SHAPES = (
     ("FIGURE_OF_EIGHT", "Figure of Eight", "Two passes whose threads cross above the wound"),
 )
 DEPTH = 2.0  # mm, where none is given; chosen
-DRAWN = 0.85  # of the length at which the edges just meet: soft skin gives way at the bites
+DRAWN = 0.9  # of the length at which the edges just meet: soft skin gives way at the bites
 
 
 @dataclass(frozen=True)

@@ -2,9 +2,10 @@
 // being deformed, so that all follows from the springs and the thread.
 #include <gtest/gtest.h>
 
-#include <numeric>
+#include <optional>
 
 #include "box.h"
+#include "lattice/refused.h"
 #include "session/session.h"
 #include "test_surfaces.h"
 
@@ -47,6 +48,7 @@ class Blocks {
     for (std::size_t k = 1; k + 1 < through.size(); ++k) thread.inner.push_back(anchors_[through[k]]);
     frame_.sutures.push_back(thread);
   }
+  FrameInput& frame() { return frame_; }
   FrameOutput solve() {
     const FrameOutput out = session_->solve(frame_, {}, kNever);
     EXPECT_TRUE(out.converged) << out.failure.message;
@@ -156,7 +158,17 @@ TEST(SlidingThread, ALoopThatIsTiedDrawsItsCornersTogether) {
   EXPECT_NEAR((Blocks::at(out, 1) - Blocks::at(out, 0)).norm(), 7.0 + out.suture_forces[0] / 500.0 / 4.0, 5e-3);
 }
 
-TEST(SlidingThread, GoesOnBitForBitFromItsStateAndIsDrawnFromTheLengthThatItHadWhenItWasPlaced) {
+TEST(SlidingThread, IsRefusedWhereItIsToCloseExactlyOrHasTooManyBites) {
+  Blocks blocks({{0, 0, 0}, {7, 0, 0}, {14, 0, 0}});
+  blocks.add_thread({0, 1, 2}, 1000.0, 10.0);
+  blocks.frame().sutures[0].is_thread = false;
+  EXPECT_THROW(blocks.solve(), RefusedError);
+  blocks.frame().sutures[0].is_thread = true;
+  blocks.frame().sutures[0].inner.resize(255, blocks.frame().sutures[0].inner[0]);
+  EXPECT_THROW(blocks.solve(), RefusedError);
+}
+
+TEST(SlidingThread, RemembersTheLengthThatItHadWhenItWasPlaced) {
   Blocks blocks({{0, 0, 0}, {7, 0, 0}, {14, 0, 0}});
   blocks.add_thread({0, 1, 2}, 1e5, 12.0);
   const FrameOutput out = blocks.solve();
