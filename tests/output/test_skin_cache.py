@@ -17,7 +17,7 @@ from lappet.daemon.solved_frame import SolvedFrame
 from lappet.geometry.labeled_surface import FaceOrigin, Surface
 from lappet.geometry.shading_normals import ShadingNormals
 from lappet.output.skin_cache import write_skin_cache
-from lappet.procedure import Procedure
+from lappet.procedure import Procedure, Suture
 from lappet.program.compile import compile_program
 from lappet.program.program import Program
 from lappet.solve.seam_measures import SeamState, seam_states
@@ -221,6 +221,44 @@ def test_a_seam_is_a_curve_with_what_is_measured_at_its_places(
     assert primvars.GetPrimvar("tension").Get(5)[0] == pytest.approx(0.005 / states[5].measure.scar_length_mm)
     before = np.array(curves.GetPointsAttr().Get(2))
     assert np.ptp(before, axis=0).max() == 0.0
+
+
+def test_a_thread_with_several_bites_has_a_curve_through_all_of_them(program: Program, tmp_path: Path) -> None:
+    top = float(program.epochs[0].surface.points[:, 2].max())
+    bites = ((2.0, -2.0, top), (2.0, 2.0, top), (4.0, -2.0, top), (4.0, 2.0, top))
+    running = Suture("running", bites, 3.0, mode="thread")
+    procedure = small_procedure().with_events(running)
+    own = compile_program(procedure)
+    up = np.array([0.0, 0.0, 1.0])
+    places = np.array(bites) + up
+    solved = [
+        SolvedFrame(
+            each.time,
+            own.epochs[each.epoch].surface.points.astype(np.float32),
+            suture_index=each.suture_index,
+            suture_points=each.suture_anchors + up,
+            suture_forces=np.ones(len(each.suture_index)),
+            suture_inner_bites=each.suture_inner_bites,
+            inner_bite_points=each.inner_bite_anchors + up,
+        )
+        for each in own.frames
+    ]
+    write_procedure(procedure, tmp_path / "p.usda")
+    write_skin_cache(tmp_path / "c.usdc", tmp_path / "p.usda", procedure, own, solved, "key")
+    stage = Usd.Stage.Open(str(tmp_path / "c.usdc"))
+    threads = UsdGeom.BasisCurves(stage.GetPrimAtPath("/Procedure/Skin/Threads"))
+    assert list(threads.GetCurveVertexCountsAttr().Get()) == [4]
+    primvars = UsdGeom.PrimvarsAPI(threads)
+    assert list(primvars.GetPrimvar("label").Get()) == ["running"]
+    assert [primvars.GetPrimvar("active").Get(time)[0] for time in range(1, 9)] == [0, 0, 1, 1, 1, 1, 1, 1]
+    assert np.allclose(np.array(threads.GetPointsAttr().Get(2)), bites[0])
+    assert np.allclose(np.array(threads.GetPointsAttr().Get(8)), places)
+    both = UsdGeom.BasisCurves(stage.GetPrimAtPath("/Procedure/Skin/Sutures"))
+    assert list(both.GetCurveVertexCountsAttr().Get()) == [2, 2]
+
+
+def test_a_cache_without_such_a_thread_has_no_prim_of_them(cache: Path) -> None:
+    assert not Usd.Stage.Open(str(cache)).GetPrimAtPath("/Procedure/Skin/Threads")
 
 
 def test_a_cache_is_replaced_whole_also_while_it_is_open(

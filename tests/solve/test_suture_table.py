@@ -42,6 +42,28 @@ SEWN = tuple(
 FORCES = {"near_1": 10.0, "near_2": 20.0, "near_10": 50.0, "donor_1": 15.0, "donor_2": 5.0}
 
 
+def test_a_thread_that_turns_back_may_cut_through_with_half_the_tension() -> None:
+    bites = ((0.0, -1.0, TOP), (0.0, 1.0, TOP), (1.0, -1.0, TOP))
+    thread = Suture("running", bites, 5.0, mode="thread", pull_through=1500.0)
+    solved = SolvedFrame(
+        7.0,
+        np.zeros((0, 3), np.float32),
+        suture_index=np.zeros(1, np.int32),
+        suture_points=np.array([[bites[0], bites[2]]]),
+        suture_forces=np.array([900.0]),
+        suture_inner_bites=np.ones(1, np.int32),
+        inner_bite_points=np.array([bites[1]]),
+    )
+    program = Program((), (), SolverSettings(), sutures=("running",))
+    (row,) = suture_forces(small_procedure(events=(thread,)), program, solved)
+    assert row.force_mn == 900.0
+    assert row.apart_mm == pytest.approx(2.0 + np.sqrt(5.0))
+    turn = np.linalg.norm(np.array([0.0, -1.0]) + np.array([1.0, -2.0]) / np.sqrt(5.0))
+    assert row.bite_mn == pytest.approx(900.0 * turn, rel=1e-6)
+    (warning,) = suture_warnings(small_procedure(events=(thread,)), [row])
+    assert (warning.code, warning.value) == (ProblemCode.SUTURE_PULLS_THROUGH, f"{row.bite_mn:.4g}")
+
+
 def frame(shared: dict[str, float]) -> tuple[Procedure, Program, SolvedFrame]:
     procedure = small_procedure(events=SEWN)
     program = Program((), (), SolverSettings(), sutures=tuple(suture.name for suture in SEWN))

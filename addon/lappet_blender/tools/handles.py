@@ -126,11 +126,10 @@ def nearest_line(
     for event in scene.lappet.events:
         if event.kind not in kinds or len(event.points) < 2:
             continue
-        basis, closed = ("LINEAR", False) if event.kind == "SUTURE" else (event.basis, is_closed(event))
-        samples = rest_samples(event_points(event), basis, closed)
+        samples = event_points(event)
+        if event.kind != "SUTURE":
+            samples = rest_samples(samples, event.basis, is_closed(event))
         pixels = project(surface.carry(surface.rest.locate(samples)))
-        if event.kind == "SUTURE":
-            pixels = pixels[[0, -1]]
         a, way = pixels[:-1], np.diff(pixels, axis=0)
         square = np.maximum(np.einsum("ij,ij->i", way, way), 1e-12)
         t = np.clip(np.einsum("ij,ij->i", np.asarray(mouse)[:2] - a, way) / square, 0.0, 1.0)

@@ -72,8 +72,10 @@ def add_event_lines(line_set: LineSet, surface: ShownSurface, event: LappetEvent
             offsets = (0.5 * event.kerf + _LIP, -0.5 * event.kerf - _LIP)
         for offset in offsets:
             lines += _runs(surface, event_points(event), event.basis, is_closed(event), offset)
-    elif event.kind == "SUTURE" and len(event.points) == 2:
-        lines += thread_lines(surface, event_points(event))
+    elif event.kind == "SUTURE":
+        bites = event_points(event)
+        for k in range(len(bites) - 1):
+            lines += thread_lines(surface, bites[k : k + 2])
     elif event.kind == "HOOK" and len(event.points) and event.target is not None:
         anchor = surface.carry(surface.rest.locate(event_points(event)[:1], skin_only=False))[0]
         lines += arrow(anchor, np.array(event.target.matrix_world.translation, np.float64))

@@ -145,6 +145,8 @@ class ProblemCode(StrEnum):
     SUTURE_DURATION = auto()
     SUTURE_AFTER_END = auto()
     SUTURE_OF_ONE_POINT = auto()
+    SUTURE_EXACT_BITES = auto()
+    SUTURE_BITES = auto()
     LANDMARK_NO_LABEL = auto()
     HOOK_SAME_POINT = auto()
     GRIP_OF_FIXED = auto()

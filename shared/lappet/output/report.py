@@ -19,10 +19,12 @@ from lappet.core.machine import machine
 from lappet.core.problem import Place, Problem
 from lappet.core.version import version
 from lappet.cutting.epoch import Epoch
+from lappet.daemon.solved_frame import SolvedFrame
 from lappet.output.mean_tension import greatest_mean_tension
 from lappet.output.solve_to_cache import SolveResult
 from lappet.procedure.scene_profile import scene_profile
 from lappet.program.program import Program
+from lappet.solve.bite_forces import bite_forces
 from lappet.solve.error_estimate import FrameErrorEstimate
 from lappet.solve.fallbacks import volume_ratio
 from lappet.solve.sensitive import is_sensitive
@@ -177,12 +179,21 @@ def _frame(program: Program, frame: FrameResult, error: FrameErrorEstimate | Non
         "suture_gaps_mm": _named(sutures, solved.suture_gaps),
         "suture_forces_mn": _named(sutures, solved.suture_forces),
         "suture_force_vectors_mn": _named(sutures, solved.suture_force_vectors),
+        **_bite_forces(sutures, solved),
         "hook_forces_mn": _named(hooks, solved.hook_forces),
         "landmarks": _named(landmarks, solved.landmarks),
         "estimated_error_mm": _error(program, frame, error),
         "cache_hit": frame.looked_up,
         "key": frame.key,
     }
+
+
+def _bite_forces(sutures: list[str], solved: SolvedFrame) -> dict[str, Any]:
+    """The force on each bite of the threads that have more than two."""
+    if not len(solved.suture_inner_bites):
+        return {}
+    forces = zip(sutures, bite_forces(solved), strict=True)
+    return {"bite_forces_mn": {name: each.tolist() for name, each in forces if len(each) > 2}}
 
 
 def _forces(result: SolveResult) -> dict[str, Any]:

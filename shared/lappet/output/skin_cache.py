@@ -22,6 +22,7 @@ from lappet.geometry.shading_normals import ShadingNormals
 from lappet.output.seam_curves import write_seams
 from lappet.procedure import Hook, Landmark, Procedure, Suture
 from lappet.program.program import Program
+from lappet.solve.bite_forces import bite_points
 from lappet.solve.seam_measures import SeamState
 from lappet.usd.stage import pxr, save_layer
 
@@ -97,6 +98,7 @@ def _author(layer: Any, procedure: Procedure, program: Program, frames: Sequence
         if own:
             _write_epoch(stage, epoch, own, times, program.fps)
     _write_sutures(stage, procedure, program, frames)
+    _write_threads(stage, procedure, program, frames)
     _write_hooks(stage, procedure, program, frames)
     _write_landmarks(stage, procedure, program, frames)
 
@@ -209,6 +211,23 @@ def _write_sutures(stage: Any, procedure: Procedure, program: Program, frames: S
         active[frame.suture_index] = 1
         held[frame.suture_index] = frame.suture_points
         _set_curves(curves, held, active, frame.time)
+
+
+def _write_threads(stage: Any, procedure: Procedure, program: Program, frames: Sequence[SolvedFrame]) -> None:
+    """All bites of the threads that have more than two, in the order of each; on one spot until they are placed."""
+    events = {event.name: event for event in procedure.events if isinstance(event, Suture)}
+    names = [name for name in program.sutures if len(events[name].anchors) > 2]
+    if not names:
+        return
+    held = {name: np.array(events[name].anchors[:1] * len(events[name].anchors), np.float64) for name in names}
+    curves = _curves(stage, "/Procedure/Skin/Threads", names, _THREAD_MM, (0.08, 0.12, 0.35))
+    counts = np.array([len(held[name]) for name in names], np.int32)
+    curves.GetCurveVertexCountsAttr().Set(pxr().Vt.IntArray.FromNumpy(counts))
+    for frame in frames:
+        placed = {program.sutures[i]: at for i, at in zip(frame.suture_index, bite_points(frame), strict=True)}
+        held.update((name, placed[name]) for name in names if name in placed)
+        active = np.array([name in placed for name in names], np.int32)
+        _set_curves(curves, np.concatenate([held[name] for name in names]), active, frame.time)
 
 
 def _write_hooks(stage: Any, procedure: Procedure, program: Program, frames: Sequence[SolvedFrame]) -> None:

@@ -20,6 +20,7 @@ from lappet.daemon.solved_frame import SolvedFrame
 from lappet.procedure import Procedure, Suture
 from lappet.procedure.prim_paths import TIMELINE
 from lappet.program.program import Program
+from lappet.solve.bite_forces import bite_forces, bite_points
 
 # A suture whose two ends hold more of the same tissue than this is not parted by the lattice (chosen).
 MOST_SHARED = 0.1
@@ -40,17 +41,19 @@ class SutureForce:
     along_mm
         Where it is along the closure at rest in mm.
     force_mn
-        Its pull in mN.
+        Its pull in mN; the tension of a thread.
     force_x_mn, force_y_mn, force_z_mn
-        The force on the tissue at its first end in mN; at the second end it is the opposite one.
+        The force on the tissue at its first end in mN; of two ends the second has the opposite one.
     apart_mm
-        Distance of its ends in mm.
+        Distance of its ends in mm; of a thread with several bites, its length through them.
     share
         Its share of the forces of all sutures of the frame that the lattice resolves.
     limit_mn
         Tension at which it cuts through the tissue in mN.
     resolved
         Whether the lattice parts its two ends; the force is meaningless where it does not.
+    bite_mn
+        The greatest force on one of its bites in mN: where a thread turns back, twice its tension.
     """
 
     time: float
@@ -65,6 +68,7 @@ class SutureForce:
     share: float
     limit_mn: float
     resolved: bool
+    bite_mn: float
 
 
 def closure_of(name: str) -> str:
@@ -123,7 +127,7 @@ def suture_forces(procedure: Procedure, program: Program, frame: SolvedFrame) ->
     shared = frame.suture_shared if len(frame.suture_shared) == len(names) else np.zeros(len(names))
     resolved = shared <= MOST_SHARED
     total = float(frame.suture_forces[resolved].sum())
-    apart = np.linalg.norm(frame.suture_points[:, 0] - frame.suture_points[:, 1], axis=1)
+    apart = [np.linalg.norm(np.diff(points, axis=0), axis=1).sum() for points in bite_points(frame)]
     vectors = frame.suture_force_vectors
     vectors = vectors if len(vectors) == len(names) else np.full((len(names), 3), np.nan)
     rows = [
@@ -140,8 +144,11 @@ def suture_forces(procedure: Procedure, program: Program, frame: SolvedFrame) ->
             float(force) / total if part and total > 0.0 else 0.0,
             events[name].pull_through_limit,
             bool(part),
+            float(bites.max()),
         )
-        for name, force, vector, gap, part in zip(names, frame.suture_forces, vectors, apart, resolved, strict=True)
+        for name, force, vector, gap, part, bites in zip(
+            names, frame.suture_forces, vectors, apart, resolved, bite_forces(frame), strict=True
+        )
     ]
     return sorted(rows, key=lambda row: (row.closure, row.along_mm))
 
@@ -208,7 +215,7 @@ def suture_warnings(procedure: Procedure, rows: Sequence[SutureForce]) -> list[P
     events = {event.name: event for event in procedure.events if isinstance(event, Suture)}
     most: dict[str, SutureForce] = {}
     for row in rows:
-        if row.suture not in most or row.force_mn > most[row.suture].force_mn:
+        if row.suture not in most or row.bite_mn > most[row.suture].bite_mn:
             most[row.suture] = row
     found = []
     for name, row in most.items():
@@ -216,8 +223,8 @@ def suture_warnings(procedure: Procedure, rows: Sequence[SutureForce]) -> list[P
         if not row.resolved:
             code, force = ProblemCode.SUTURE_UNRESOLVED, f"{row.force_mn:.4g}"
             found.append(problem(code, prim, force, place=place, time=row.time))
-        elif row.force_mn > row.limit_mn:
-            code, force = ProblemCode.SUTURE_PULLS_THROUGH, f"{row.force_mn:.4g}"
+        elif row.bite_mn > row.limit_mn:
+            code, force = ProblemCode.SUTURE_PULLS_THROUGH, f"{row.bite_mn:.4g}"
             found.append(problem(code, prim, force, place=place, time=row.time, limit=row.limit_mn))
     return found
 
