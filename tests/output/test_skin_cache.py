@@ -20,10 +20,10 @@ from lappet.output.skin_cache import write_skin_cache
 from lappet.procedure import Procedure, Suture
 from lappet.program.compile import compile_program
 from lappet.program.program import Program
-from lappet.solve.seam_measures import SeamState, seam_states
+from lappet.solve.measures import FrameMeasures, Gauges
+from lappet.solve.seam_measures import SeamState
 from lappet.solve.solve_frames import FrameResult, SolveObserver, solve_program
 from lappet.solve.store import FrameStore
-from lappet.solve.suture_forces import suture_forces
 from lappet.usd.stage import write_procedure
 from small_procedure import FakeSolver, small_procedure
 
@@ -61,12 +61,16 @@ def cache(
 
 def write(output: Path, below: Path, procedure: Procedure, program: Program, frames: Sequence[FrameResult]) -> None:
     solved = [frame.solved for frame in frames]
-    write_skin_cache(output, below, procedure, program, solved, frames[-1].key, seams_at(procedure, program, solved))
+    write_skin_cache(output, below, procedure, program, solved, frames[-1].key, measured(procedure, program, solved))
+
+
+def measured(procedure: Procedure, program: Program, frames: Sequence[SolvedFrame]) -> list[FrameMeasures]:
+    gauges = Gauges(procedure, program)
+    return [gauges.measure(frame) for frame in frames]
 
 
 def seams_at(procedure: Procedure, program: Program, frames: Sequence[SolvedFrame]) -> list[SeamState]:
-    forces = [row for frame in frames for row in suture_forces(procedure, program, frame)]
-    return seam_states(procedure, program, frames, forces)
+    return [state for each in measured(procedure, program, frames) for state in each.seams]
 
 
 def mesh_at(stage: Usd.Stage, index: int) -> UsdGeom.Mesh:

@@ -12,15 +12,16 @@ import pytest
 from lappet.core.problem_code import ProblemCode
 from lappet.daemon.solved_frame import SolvedFrame
 from lappet.geometry.labeled_surface import FaceOrigin
-from lappet.output.mean_tension import greatest_mean_tension
 from lappet.output.tables import write_table
 from lappet.procedure import Procedure, Suture
 from lappet.program.program import Program
 from lappet.program.settings import SolverSettings
+from lappet.solve.force_sums import force_sums
+from lappet.solve.mean_tension import greatest_mean_tension
 from lappet.solve.suture_forces import (
     SutureForce,
+    closing_tension,
     closure_of,
-    summary,
     suture_forces,
     suture_warnings,
 )
@@ -103,21 +104,33 @@ def test_forces_lie_along_their_closures_in_the_order_of_their_numbers() -> None
     assert sum(row.share for row in rows) == pytest.approx(1.0)
 
 
-def test_sums_shares_and_the_tension_of_a_closure() -> None:
-    found = summary(suture_forces(*frame({})))
-    assert (found["total_mn"], found["greatest_mn"], found["greatest_suture"]) == (100.0, 50.0, "near_10")
-    assert found["donor_share"] == pytest.approx(0.2)
-    near = found["closures"]["near"]
-    assert (near["total_mn"], near["greatest_mn"], near["share"]) == (80.0, 50.0, pytest.approx(0.8))
-    assert near["tension_n_per_mm"] == pytest.approx(0.08 / (7.0 * 3 / 2))
-    assert near["force_mn"] == [10.0, 20.0, 50.0]
+def test_sums_and_shares_of_closures() -> None:
+    found = force_sums(suture_forces(*frame({})))
+    assert (found.total_mn, found.greatest_mn, found.greatest_suture) == (100.0, 50.0, "near_10")
+    assert found.donor_share == pytest.approx(0.2)
+    near = next(each for each in found.closures if each.closure == "near")
+    assert (near.total_mn, near.greatest_mn, near.share) == (80.0, 50.0, pytest.approx(0.8))
+    assert near.force_mn == (10.0, 20.0, 50.0)
+    assert near.tension_n_per_mm is None  # it belongs to no seam here
+
+
+def test_the_closing_tension_is_the_pull_per_length_of_scar_and_closures_over_each_other_add() -> None:
+    rows = suture_forces(*frame({}))
+    near, donor = ([row for row in rows if row.closure == name] for name in ("near", "donor"))
+    assert closing_tension(near, 8.0) == pytest.approx(0.08 / 8.0)
+    assert closing_tension(rows, 8.0) == pytest.approx(0.08 / 8.0 + 0.02 / 8.0)
+    # Two of three are resolved and stand for two thirds of the length.
+    lost = [replace(row, resolved=row.suture != "near_10") for row in near]
+    assert closing_tension(lost, 9.0) == pytest.approx(0.03 / 6.0)
+    assert closing_tension([replace(row, resolved=False) for row in rows], 8.0) is None
+    assert closing_tension([], 8.0) is closing_tension(donor, 0.0) is None
 
 
 def test_a_suture_that_the_lattice_does_not_resolve_is_in_no_sum_and_said() -> None:
     procedure, program, solved = frame({"near_10": 0.6, "donor_1": 0.05})
     rows = suture_forces(procedure, program, solved)
-    found = summary(rows)
-    assert (found["total_mn"], found["greatest_mn"], found["unresolved"]) == (50.0, 20.0, ["near_10"])
+    found = force_sums(rows)
+    assert (found.total_mn, found.greatest_mn, found.unresolved) == (50.0, 20.0, ("near_10",))
     (warning,) = suture_warnings(procedure, rows)
     assert (warning.code, warning.prim) == (ProblemCode.SUTURE_UNRESOLVED, "/Procedure/Timeline/near_10")
     assert warning.severity == "warning"

@@ -9,7 +9,6 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -54,6 +53,8 @@ class SutureForce:
         Whether the lattice parts its two ends; the force is meaningless where it does not.
     bite_mn
         The greatest force on one of its bites in mN: where a thread turns back, twice its tension.
+    force_error_mn
+        Estimated error of its pull in mN, or None without an estimate.
     """
 
     time: float
@@ -69,6 +70,7 @@ class SutureForce:
     limit_mn: float
     resolved: bool
     bite_mn: float
+    force_error_mn: float | None = None
 
 
 def closure_of(name: str) -> str:
@@ -153,48 +155,31 @@ def suture_forces(procedure: Procedure, program: Program, frame: SolvedFrame) ->
     return sorted(rows, key=lambda row: (row.closure, row.along_mm))
 
 
-def summary(rows: Sequence[SutureForce]) -> dict[str, Any]:
-    """Sum up the forces of a frame.
+def closing_tension(rows: Sequence[SutureForce], scar_length: float) -> float | None:
+    """Compute the closing tension of a seam or of one of its closures: the pull of its sutures per length of the scar.
+
+    A suture that the lattice does not resolve takes its share of its closure's length with it.
 
     Parameters
     ----------
     rows
-        Its rows.
+        The rows of its sutures that are placed, of one closure or of several that lie over each other.
+    scar_length
+        Length of the scar in mm.
 
     Returns
     -------
-    dict[str, Any]
-        `total_mn`, `greatest_mn` and its `greatest_suture`, `donor_share` (None where no closure is a donor site's),
-        `unresolved` sutures, which are left out of all sums, and `closures`: for each `total_mn`, `greatest_mn`,
-        `share`, `tension_n_per_mm` (over its length between first and last suture, None for a single one) and the
-        curve, `along_mm` and `force_mn`.
+    float | None
+        The tension in N/mm, or None while no suture that the lattice resolves is placed.
     """
-    kept = [row for row in rows if row.resolved]
-    total = sum(row.force_mn for row in kept)
-    closures: dict[str, dict[str, Any]] = {}
-    for name in dict.fromkeys(row.closure for row in kept):
-        own = [row for row in kept if row.closure == name]
-        forces, along = [row.force_mn for row in own], [row.along_mm for row in own]
-        length = along[-1] - along[0]
-        closures[name] = {
-            "total_mn": sum(forces),
-            "greatest_mn": max(forces),
-            "share": sum(forces) / total if total > 0.0 else 0.0,
-            # Each suture carries the piece half way to its neighbors; the ends have half a piece more outside.
-            "tension_n_per_mm": sum(forces) / (length * len(own) / (len(own) - 1)) / 1000.0 if length > 0.0 else None,
-            "along_mm": along,
-            "force_mn": forces,
-        }
-    donors = [values["share"] for name, values in closures.items() if "donor" in name.lower()]
-    greatest = max(kept, key=lambda row: row.force_mn, default=None)
-    return {
-        "total_mn": total,
-        "greatest_mn": greatest.force_mn if greatest else 0.0,
-        "greatest_suture": greatest.suture if greatest else None,
-        "donor_share": sum(donors) if donors else None,
-        "unresolved": [row.suture for row in rows if not row.resolved],
-        "closures": closures,
-    }
+    tension = None
+    for closure in dict.fromkeys(row.closure for row in rows):
+        own = [row for row in rows if row.closure == closure]
+        resolved = [row.force_mn for row in own if row.resolved]
+        if resolved and scar_length > 0.0:
+            part = sum(resolved) / (scar_length * len(resolved) / len(own)) / 1000.0
+            tension = part + (tension or 0.0)
+    return tension
 
 
 def suture_warnings(procedure: Procedure, rows: Sequence[SutureForce]) -> list[Problem]:
