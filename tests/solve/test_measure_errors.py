@@ -109,6 +109,13 @@ def test_sums_and_closures_have_the_relative_errors_of_what_both_lattices_resolv
     assert found.hooks[0].force_error_mn == pytest.approx(30.0 * share)
 
 
+def test_where_the_coarse_lattice_resolves_no_suture_the_displacements_tell() -> None:
+    found = with_errors(measures(1.0), measures(3.0, "top_1", "top_2", "deep_1"), Reckoning(ORDER, 0.1, 0.0, 0.0))
+    assert found.sums is not None
+    assert found.sums.total_error_mn == pytest.approx(20.0)
+    assert [row.force_error_mn for row in found.sutures] == pytest.approx([2.0, 8.0, 10.0])
+
+
 def test_a_seam_is_compared_place_by_place() -> None:
     reckoning = Reckoning(ORDER, 0.0, 0.0, 0.0)
     moved = seam(gap=0.2)

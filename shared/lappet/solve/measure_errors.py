@@ -8,7 +8,8 @@ by what the lattice costs:
   1 - exp(-|ln(F_2h / F_h)| / (2^p - 1)); and what is not known of the displacements, the root mean square of their
   estimated error over that of the displacements. Either is too small by chance here and there, the first too large
   where cells of the coarse program hold several sutures. Their geometric mean is taken, or the second where that is
-  larger.
+  larger. Where the coarse lattice resolves none of the sutures there is the second only, which is half of the error
+  in the median (fitted).
 - Gap, step-off, mismatch and open area are compared place by place along the seam: the greatest of a line need not be
   in the same place on both lattices. Lips between bites converge with order 1 (fitted, as that of the tension, on
   `lappet.reports.error_estimate.fitting_scenes`).
@@ -37,6 +38,10 @@ from lappet.solve.mean_tension import MeanTension
 from lappet.solve.measures import FrameMeasures, Gauges
 from lappet.solve.seam_measures import SeamMeasure, SeamState
 from lappet.solve.suture_forces import SutureForce
+
+
+ALONE = 2.0
+"""Error of a force over that of the displacements, where there is nothing else to tell it by (fitted)."""
 
 
 @dataclass(frozen=True)
@@ -104,19 +109,21 @@ class Reckoning:
             return coarse / (RATIO**self.order - 1.0)
         return force * self.of_ratio(coarse / force)
 
-    def of_ratio(self, ratio: float) -> float:
+    def of_ratio(self, ratio: float | None) -> float:
         """Estimate the relative error of a force.
 
         Parameters
         ----------
         ratio
-            The force in the coarse program over the force.
+            The force in the coarse program over the force; None where the coarse lattice does not resolve it.
 
         Returns
         -------
         float
             The error over the force, 0 to 1.
         """
+        if ratio is None:
+            return min(1.0, ALONE * self.relative)
         apart = abs(math.log(ratio)) if ratio > 0.0 else math.inf
         found = 1.0 - math.exp(-apart / (RATIO**self.order - 1.0))
         return math.sqrt(self.relative * max(self.relative, found))
@@ -216,8 +223,7 @@ def _of_suture(row: SutureForce, there: Mapping[str, float], ratios: _Ratios, re
         return None
     if row.suture in there:
         return reckoning.force(row.force_mn, there[row.suture])
-    ratio = ratios.of([row.closure])
-    return None if ratio is None else row.force_mn * reckoning.of_ratio(ratio)
+    return row.force_mn * reckoning.of_ratio(ratios.of([row.closure]))
 
 
 def _of_hook(row: HookForce, pulls: Mapping[str, float], reckoning: Reckoning) -> HookForce:
@@ -226,13 +232,8 @@ def _of_hook(row: HookForce, pulls: Mapping[str, float], reckoning: Reckoning) -
 
 def _of_sums(sums: ForceSums, seams: Sequence[SeamState], ratios: _Ratios, reckoning: Reckoning) -> ForceSums:
     scars = {closure: _relative_length(state.measure) for state in seams for closure in state.closures}
-    whole = ratios.of()
-    closures = []
-    for each in sums.closures:
-        ratio = ratios.of([each.closure])
-        closures.append(each if ratio is None else _of_closure(each, reckoning.of_ratio(ratio), scars))
-    total = None if whole is None else sums.total_mn * reckoning.of_ratio(whole)
-    return replace(sums, closures=tuple(closures), total_error_mn=total)
+    closures = (_of_closure(each, reckoning.of_ratio(ratios.of([each.closure])), scars) for each in sums.closures)
+    return replace(sums, closures=tuple(closures), total_error_mn=sums.total_mn * reckoning.of_ratio(ratios.of()))
 
 
 def _of_closure(closure: ClosureForces, relative: float, scars: Mapping[str, float]) -> ClosureForces:
@@ -255,10 +256,9 @@ def _of_seam(state: SeamState, coarse: SeamState, ratios: _Ratios, reckoning: Re
     shares = 0.5 * (np.concatenate([[0.0], steps]) + np.concatenate([steps, [0.0]]))
     line = float(np.linalg.norm(state.points - coarse.points, axis=1).max()) / (RATIO**reckoning.order - 1.0)
     scar = line + left
-    ratio = ratios.of(state.closures)
-    force = None if ratio is None else reckoning.of_ratio(ratio)
+    force = reckoning.of_ratio(ratios.of(state.closures))
     tension = None
-    if force is not None and here.tension_n_per_mm is not None:
+    if here.tension_n_per_mm is not None:
         tension = here.tension_n_per_mm * (force + scar / max(here.scar_length_mm, 1e-300))
     return replace(
         here,
@@ -269,7 +269,7 @@ def _of_seam(state: SeamState, coarse: SeamState, ratios: _Ratios, reckoning: Re
         step_off_error_mm=None if here.step_off_mm is None else float(step.max()) + left,
         start_dog_ear_error_mm=_of_dog_ear(here.start_dog_ear_mm, there.start_dog_ear_mm, reckoning),
         end_dog_ear_error_mm=_of_dog_ear(here.end_dog_ear_mm, there.end_dog_ear_mm, reckoning),
-        force_error_mn=None if force is None else here.force_mn * force,
+        force_error_mn=here.force_mn * force,
         tension_error_n_per_mm=tension,
     )
 
