@@ -13,7 +13,9 @@ from lappet.core.problem_code import ProblemCode
 from lappet.daemon.solved_frame import SolvedFrame
 from lappet.geometry.labeled_surface import FaceOrigin
 from lappet.output.tables import write_table
-from lappet.procedure import Procedure, Suture
+from lappet.procedure import Incision, Procedure, Suture
+from lappet.procedure.stitches import Station, simple
+from lappet.program.compile import compile_program
 from lappet.program.program import Program
 from lappet.program.settings import SolverSettings
 from lappet.solve.force_sums import force_sums
@@ -135,6 +137,35 @@ def test_a_suture_that_the_lattice_does_not_resolve_is_in_no_sum_and_said() -> N
     assert (warning.code, warning.prim) == (ProblemCode.SUTURE_UNRESOLVED, "/Procedure/Timeline/near_10")
     assert warning.severity == "warning"
     assert warning.place is not None
+
+
+def test_a_thread_counts_by_the_pieces_that_cross_the_wound_and_is_resolved_where_one_of_them_is() -> None:
+    """A loop: down beside the cut, across it, up on the other side and back over it."""
+    loop = simple(Station((0.0, 0.0, TOP), (0.0, 1.0, 0.0)), 1.0, 1.0).suture("loop", 5.0)
+    slit = Incision("slit", 3.0, ((-6.0, 0.0, TOP), (6.0, 0.0, TOP)), kerf=0.1)
+    procedure = small_procedure(events=(slit, loop))
+    program = compile_program(procedure)
+    constraints = program.frames[-1]
+    bites = np.array(loop.anchors)
+
+    def resolved(*shared: float) -> bool:
+        solved = SolvedFrame(
+            constraints.time,
+            np.zeros((0, 3), np.float32),
+            suture_index=np.zeros(1, np.int32),
+            suture_points=bites[None, [0, -1]],
+            suture_forces=np.array([30.0]),
+            suture_shared=np.array(shared),
+            suture_inner_bites=np.array([3], np.int32),
+            inner_bite_points=bites[1:-1],
+        )
+        (row,) = suture_forces(procedure, program, solved)
+        return row.resolved
+
+    assert resolved(0.0, 0.0, 0.0, 0.0)
+    assert resolved(0.5, 0.0, 0.5, 0.0)  # the pieces beside the cut may share what they hold
+    assert not resolved(0.0, 0.5, 0.0, 0.5)
+    assert resolved(0.0, 0.5, 0.0, 0.05)  # it slides: what one crossing draws together is drawn together
 
 
 def test_a_thread_that_may_cut_through_is_warned_of_once() -> None:

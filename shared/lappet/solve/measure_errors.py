@@ -39,7 +39,6 @@ from lappet.solve.measures import FrameMeasures, Gauges
 from lappet.solve.seam_measures import SeamMeasure, SeamState
 from lappet.solve.suture_forces import SutureForce
 
-
 ALONE = 2.0
 """Error of a force over that of the displacements, where there is nothing else to tell it by (fitted)."""
 

@@ -19,6 +19,7 @@ from lappet.daemon.solved_frame import SolvedFrame
 from lappet.procedure import Procedure, Suture
 from lappet.procedure.prim_paths import TIMELINE
 from lappet.program.program import Program
+from lappet.program.thread_pieces import bites_at_wounds, thread_pieces
 from lappet.solve.bite_forces import bite_forces, bite_points
 
 # A suture whose two ends hold more of the same tissue than this is not parted by the lattice (chosen).
@@ -126,8 +127,7 @@ def suture_forces(procedure: Procedure, program: Program, frame: SolvedFrame) ->
     events = {event.name: event for event in procedure.events if isinstance(event, Suture)}
     along = _along_closures(list(events.values()))
     names = [program.sutures[i] for i in frame.suture_index]
-    shared = frame.suture_shared if len(frame.suture_shared) == len(names) else np.zeros(len(names))
-    resolved = shared <= MOST_SHARED
+    resolved = resolved_sutures(program, frame)
     total = float(frame.suture_forces[resolved].sum())
     apart = [np.linalg.norm(np.diff(points, axis=0), axis=1).sum() for points in bite_points(frame)]
     vectors = frame.suture_force_vectors
@@ -153,6 +153,56 @@ def suture_forces(procedure: Procedure, program: Program, frame: SolvedFrame) ->
         )
     ]
     return sorted(rows, key=lambda row: (row.closure, row.along_mm))
+
+
+def resolved_sutures(program: Program, frame: SolvedFrame) -> NDArray[np.bool_]:
+    """Tell which sutures of a frame the lattice resolves.
+
+    Between two bites on either side of a cut's end the cell may not be cut: what they hold is then the same tissue in
+    part, and the force between them that cell's own. Of a thread with more bites the pieces count that cross a wound;
+    it is resolved where one of them is, since it slides.
+
+    Parameters
+    ----------
+    program
+        The program.
+    frame
+        A frame of it.
+
+    Returns
+    -------
+    NDArray[np.bool_]
+        Whether each is resolved, shape (A,); all where it is not known.
+    """
+    count = len(frame.suture_index)
+    inner = frame.suture_inner_bites if len(frame.suture_inner_bites) else np.zeros(count, np.int32)
+    pieces = inner + 1
+    if len(frame.suture_shared) != pieces.sum():
+        return np.ones(count, bool)
+    row = np.repeat(np.arange(count), pieces)
+    parted = frame.suture_shared <= MOST_SHARED
+    counts = np.ones(len(parted), bool)
+    of_threads = (inner > 0)[row]
+    if (of_threads & ~parted).any():
+        counts = ~of_threads | _across_wounds(program, frame.time, len(parted))
+        alone = ~np.isin(row, row[counts])  # a thread that crosses no wound is known by all its pieces
+        counts |= alone
+    found = np.zeros(count, bool)
+    found[row[parted & counts]] = True
+    return found
+
+
+def _across_wounds(program: Program, time: float, count: int) -> NDArray[np.bool_]:
+    """Which pieces of the threads of a frame cross a wound; all where there is none."""
+    constraints = next((each for each in program.frames if each.time == time), None)
+    if constraints is None:
+        return np.ones(count, bool)
+    surface = next(epoch.surface for epoch in program.epochs if epoch.index == constraints.epoch)
+    pieces = thread_pieces(constraints)
+    held = bites_at_wounds(
+        surface, pieces.points.reshape(-1, 3), pieces.triangles.reshape(-1), program.settings.spacing
+    )
+    return np.ones(count, bool) if held is None else held.parted()
 
 
 def closing_tension(rows: Sequence[SutureForce], scar_length: float) -> float | None:

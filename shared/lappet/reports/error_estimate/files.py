@@ -143,8 +143,8 @@ def _value_section(values: Sequence[ValueRow]) -> list[str]:
         "## Forces, tensions and seams\n",
         *(f"{line}\n" for line in value_totals(values)),
         "A group is the values of a quantity in a scene at a spacing, as the forces of all its sutures. The truth is "
-        "the finest solve of the scene; what differs from it by less than that does from the solve on twice its spacing "
-        "is left out. Every value is in error_estimate_values.csv.\n",
+        "the finest solve of the scene; what differs from it by less than that does from the solve on twice its "
+        "spacing is left out. Every value is in error_estimate_values.csv.\n",
         table,
         "The groups of forces and closing tensions outside:\n",
         outside,
