@@ -30,7 +30,7 @@ ERRORS = [item.name for item in fields(SeamMeasure) if "_error_" in item.name]
 
 def suture(name: str, force: float, *, resolved: bool = True) -> SutureForce:
     closure = name.rpartition("_")[0]
-    return SutureForce(1.0, name, closure, 0.0, force, 0.0, force, 0.0, 0.1, 0.5, 5000.0, resolved, force)
+    return SutureForce(1.0, name, closure, 0.0, force, 0.0, force, 0.0, 0.1, 0.5, 5000.0, resolved, force, force)
 
 
 def seam(*, gap: float = 0.2, shift: float = 0.0, length: float = 20.0, ear: float = 0.5) -> SeamState:

@@ -14,7 +14,7 @@ from lappet.daemon.solved_frame import SolvedFrame
 from lappet.geometry.labeled_surface import FaceOrigin
 from lappet.output.tables import write_table
 from lappet.procedure import Incision, Procedure, Suture
-from lappet.procedure.stitches import Station, simple
+from lappet.procedure.stitches import Station, running, simple
 from lappet.program.compile import compile_program
 from lappet.program.program import Program
 from lappet.program.settings import SolverSettings
@@ -166,6 +166,32 @@ def test_a_thread_counts_by_the_pieces_that_cross_the_wound_and_is_resolved_wher
     assert resolved(0.5, 0.0, 0.5, 0.0)  # the pieces beside the cut may share what they hold
     assert not resolved(0.0, 0.5, 0.0, 0.5)
     assert resolved(0.0, 0.5, 0.0, 0.05)  # it slides: what one crossing draws together is drawn together
+
+
+def test_a_loop_draws_the_edges_together_with_every_piece_across_the_wound() -> None:
+    """Twice its tension where it crosses straight; a running suture once for each pass and askew on its way back."""
+    stations = [Station((x, 0.0, TOP), (0.0, 1.0, 0.0), gap=0.1) for x in (-3.0, 0.0, 3.0)]
+    loop = simple(stations[1], 1.0, 1.0).suture("loop", 5.0)
+    run = running(stations, 1.0).suture("run", 5.0)
+    slit = Incision("slit", 3.0, ((-6.0, 0.0, TOP), (6.0, 0.0, TOP)), kerf=0.1)
+    procedure = small_procedure(events=(slit, loop, run))
+    program = compile_program(procedure)
+    threads = [next(each for each in (loop, run) if each.name == name) for name in program.sutures]
+    solved = SolvedFrame(
+        program.frames[-1].time,
+        np.zeros((0, 3), np.float32),
+        suture_index=np.arange(2, dtype=np.int32),
+        suture_points=np.array([(each.anchors[0], each.anchors[-1]) for each in threads]),
+        suture_forces=np.array([30.0, 30.0]),
+        suture_inner_bites=np.array([len(each.anchors) - 2 for each in threads], np.int32),
+        inner_bite_points=np.concatenate([each.anchors[1:-1] for each in threads]),
+    )
+    rows = {row.suture: row for row in suture_forces(procedure, program, solved)}
+    across = 2.0 + 0.1
+    askew = across / np.hypot(across, 3.0)
+    assert rows["loop"].pull_mn == pytest.approx(2.0 * 30.0, rel=1e-6)
+    assert rows["run"].pull_mn == pytest.approx((3.0 + 2.0 * askew) * 30.0, rel=1e-6)
+    assert [row.force_mn for row in rows.values()] == [30.0, 30.0]
 
 
 def test_a_thread_that_may_cut_through_is_warned_of_once() -> None:

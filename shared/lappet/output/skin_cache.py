@@ -78,13 +78,18 @@ def write_skin_cache(
     output.parent.mkdir(parents=True, exist_ok=True)
     layer = pxr().Sdf.Layer.CreateAnonymous(".usda")
     _author(layer, procedure, program, frames, last_key)
-    stage = pxr().Usd.Stage.Open(layer)
-    write_seams(stage, frames, [state for each in measures for state in each.seams])
-    write_force_errors(stage, program, frames, measures)
+    _add_measures(pxr().Usd.Stage.Open(layer), program, frames, measures)
     # Only now that no stage is open on it: the path means nothing to a layer in memory.
     below = os.path.relpath(Path(procedure_path).resolve(), output.resolve().parent)
     layer.subLayerPaths.append(below if below.startswith(".") else f"./{below}")
     save_layer(layer, output)
+
+
+def _add_measures(
+    stage: Any, program: Program, frames: Sequence[SolvedFrame], measures: Sequence[FrameMeasures]
+) -> None:
+    write_seams(stage, frames, [state for each in measures for state in each.seams])
+    write_force_errors(stage, program, frames, measures)
 
 
 def _author(layer: Any, procedure: Procedure, program: Program, frames: Sequence[SolvedFrame], last_key: str) -> None:

@@ -22,7 +22,7 @@ from lappet.geometry.labeled_surface import Surface
 from lappet.geometry.surface_check import place
 from lappet.procedure.prim_paths import TIMELINE
 from lappet.program.program import FrameConstraints
-from lappet.program.thread_pieces import ThreadPieces, bites_at_wounds, thread_pieces
+from lappet.program.thread_pieces import bites_at_wounds, thread_pieces
 
 REACH = 5.0  # lattice spacings from an anchor to the wound's edge that it holds, at most; chosen
 DEEP = 0.25  # of its depth, how far along the edge an anchor in a wall may be off; chosen
@@ -104,31 +104,17 @@ def _ends(surface: Surface, frame: FrameConstraints, spacing: float) -> _Ends | 
     if held is None:
         return None
     near = (held.distance.reshape(-1, 2) <= REACH * spacing).all(axis=1)
-    kept = np.flatnonzero(near & _passes(pieces, held.parted()))
+    kept = np.flatnonzero(near & pieces.passes(held.parted()))
     distance, in_wall = held.distance.reshape(-1, 2), held.in_wall.reshape(-1, 2)
     unsure = np.where(in_wall, DEEP * distance, distance).max(axis=1, initial=0.0)
     return _Ends(
-        pieces.suture[kept],
+        frame.suture_index[pieces.row[kept]],
         pieces.points[kept],
         held.loop.reshape(-1, 2)[kept],
         held.along.reshape(-1, 2)[kept],
         unsure[kept],
         held.length,
     )
-
-
-def _passes(pieces: ThreadPieces, parted: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """The pieces that draw edges together: of a thread with many bites every other one of those that cross a wound.
-
-    What lies between two passes comes back over the wound askew, or goes on along it.
-    """
-    kept = np.ones(len(parted), bool)
-    for row in np.unique(pieces.row):
-        own = np.flatnonzero(pieces.row == row)
-        if len(own) > 1:
-            kept[own] = False
-            kept[own[parted[own]][::2]] = True
-    return kept
 
 
 def _crossing_pairs(ends: _Ends, spacing: float) -> list[tuple[int, int]]:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,9 +21,7 @@ class ThreadPieces:
     Parameters
     ----------
     row
-        Row of each one's suture in the frame, shape (p,).
-    suture
-        Number of its suture in the procedure, shape (p,).
+        Number of each one's thread among those that were given, shape (p,).
     points
         Its ends at rest in mm, shape (p, 2, 3).
     triangles
@@ -29,9 +29,31 @@ class ThreadPieces:
     """
 
     row: NDArray[np.int64]
-    suture: NDArray[np.int32]
     points: NDArray[np.float64]
-    triangles: NDArray[np.int32]
+    triangles: NDArray[np.integer]
+
+    def passes(self, parted: NDArray[np.bool_]) -> NDArray[np.bool_]:
+        """Find the pieces that draw edges together: of a thread with many bites every other one that crosses a wound.
+
+        What lies between two passes comes back over the wound askew, or goes on along it.
+
+        Parameters
+        ----------
+        parted
+            Which pieces cross a wound, shape (p,).
+
+        Returns
+        -------
+        NDArray[np.bool_]
+            Which are passes, shape (p,); of a thread of two bites its only piece.
+        """
+        kept = np.ones(len(parted), bool)
+        for row in np.unique(self.row):
+            own = np.flatnonzero(self.row == row)
+            if len(own) > 1:
+                kept[own] = False
+                kept[own[parted[own]][::2]] = True
+        return kept
 
 
 def thread_pieces(frame: FrameConstraints) -> ThreadPieces:
@@ -49,20 +71,39 @@ def thread_pieces(frame: FrameConstraints) -> ThreadPieces:
     """
     counts = frame.suture_inner_bites if len(frame.suture_inner_bites) else np.zeros(len(frame.suture_index), np.int32)
     ends = np.concatenate([[0], np.cumsum(counts)]).astype(np.int64)
-    points, triangles, rows = [], [], []
+    bites, under = [], []
     for row, (anchors, faces) in enumerate(zip(frame.suture_anchors, frame.suture_triangles, strict=True)):
         inner = slice(ends[row], ends[row + 1])
-        bites = np.concatenate([anchors[:1], frame.inner_bite_anchors[inner], anchors[1:]])
-        under = np.concatenate([faces[:1], frame.inner_bite_triangles[inner], faces[1:]])
-        points.append(np.stack([bites[:-1], bites[1:]], axis=1))
-        triangles.append(np.stack([under[:-1], under[1:]], axis=1))
-        rows.append(np.full(len(bites) - 1, row, np.int64))
-    if not rows:
-        return ThreadPieces(
-            np.zeros(0, np.int64), np.zeros(0, np.int32), np.zeros((0, 2, 3)), np.zeros((0, 2), np.int32)
+        bites.append(np.concatenate([anchors[:1], frame.inner_bite_anchors[inner], anchors[1:]]))
+        under.append(np.concatenate([faces[:1], frame.inner_bite_triangles[inner], faces[1:]]))
+    return pieces_between(bites, under)
+
+
+def pieces_between(bites: Sequence[NDArray[np.float64]], triangles: Sequence[NDArray[np.integer]]) -> ThreadPieces:
+    """List the pieces of threads.
+
+    Parameters
+    ----------
+    bites
+        The bites of each at rest in mm, each of shape (n, 3).
+    triangles
+        Triangles under them, each of shape (n,).
+
+    Returns
+    -------
+    ThreadPieces
+        The pieces.
+    """
+    none = ThreadPieces(np.zeros(0, np.int64), np.zeros((0, 2, 3)), np.zeros((0, 2), np.int64))
+    return (
+        none
+        if not bites
+        else ThreadPieces(
+            np.repeat(np.arange(len(bites)), [len(each) - 1 for each in bites]),
+            np.concatenate([np.stack([each[:-1], each[1:]], axis=1) for each in bites]),
+            np.concatenate([np.stack([each[:-1], each[1:]], axis=1) for each in triangles]),
         )
-    of = np.concatenate(rows)
-    return ThreadPieces(of, frame.suture_index[of], np.concatenate(points), np.concatenate(triangles))
+    )
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,10 +145,30 @@ class BitesAtWounds:
         NDArray[np.bool_]
             Whether either of a pair lies beyond the wall of the other, shape (q / 2,).
         """
+        return self.across() > 0.0
+
+    def across(self) -> NDArray[np.float64]:
+        """Find how much of each piece between two bites that follow each other leads across the wound between them.
+
+        Returns
+        -------
+        NDArray[np.float64]
+            Cosine of its angle to the direction across, where either bite lies beyond the wall of the other; else 0.
+            Shape (q / 2,).
+        """
         known = np.isfinite(self.distance).reshape(-1, 2).all(axis=1)
         other = self.points.reshape(-1, 2, 3)[:, ::-1].reshape(-1, 3)
         beyond = np.einsum("qi,qi->q", self.outward, other - self.edge) > 0.0
-        return np.asarray(known & beyond.reshape(-1, 2).all(axis=1))
+        crossing = known & beyond.reshape(-1, 2).all(axis=1)
+        ways = np.diff(self.points.reshape(-1, 2, 3), axis=1)[:, 0]
+        out = self.outward.reshape(-1, 2, 3)
+        across = out[:, 0] - out[:, 1]
+        sizes = np.linalg.norm(ways, axis=1) * np.linalg.norm(across, axis=1)
+        cosine = np.einsum("pi,pi->p", ways, across) / np.maximum(sizes, 1e-300)
+        return np.where(crossing, np.maximum(cosine, 0.0), 0.0)
+
+
+_known: WeakKeyDictionary[Surface, _Edges | None] = WeakKeyDictionary()
 
 
 def bites_at_wounds(
@@ -131,7 +192,9 @@ def bites_at_wounds(
     BitesAtWounds | None
         The bites with their edges, or None where there is no wound.
     """
-    edges = _edges(surface)
+    if surface not in _known:
+        _known[surface] = _edges(surface)
+    edges = _known[surface]
     if edges is None:
         return None
     in_wall = surface.origin[triangles] == FaceOrigin.WOUND_WALL

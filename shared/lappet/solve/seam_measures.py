@@ -62,7 +62,8 @@ class SeamMeasure:
     start_dog_ear_mm, end_dog_ear_mm
         How far the skin at its ends stands above the surface around; None near the tissue's rim.
     force_mn
-        Pull of its sutures, all closures together, without those that the lattice does not resolve.
+        What its sutures draw its lips together with, all closures together, without those that the lattice does not
+        resolve.
     tension_n_per_mm
         That per length of the scar; None while no suture that the lattice resolves is placed.
     scar_length_error_mm, greatest_gap_error_mm, open_area_error_mm2, edge_mismatch_error_mm, step_off_error_mm
@@ -241,7 +242,7 @@ class _Gauge:
             _greatest(step, meet),
             ears[0],
             ears[1],
-            sum(row.force_mn for row in own if row.resolved),
+            sum(row.pull_mn for row in own if row.resolved),
             closing_tension(own, length),
         )
         return SeamState(measure, tuple(self._seam.sutures), middle, gap, step, mismatch)

@@ -54,8 +54,11 @@ class SutureForce:
         Whether the lattice parts its two ends; the force is meaningless where it does not.
     bite_mn
         The greatest force on one of its bites in mN: where a thread turns back, twice its tension.
+    pull_mn
+        What it draws the edges of the wound together with in mN: of a thread with several bites its tension times the
+        pieces that cross the wound, each by the cosine of its angle to the direction across at rest.
     force_error_mn
-        Estimated error of its pull in mN, or None without an estimate.
+        Estimated error of `force_mn` in mN, or None without an estimate.
     """
 
     time: float
@@ -71,6 +74,7 @@ class SutureForce:
     limit_mn: float
     resolved: bool
     bite_mn: float
+    pull_mn: float
     force_error_mn: float | None = None
 
 
@@ -127,7 +131,9 @@ def suture_forces(procedure: Procedure, program: Program, frame: SolvedFrame) ->
     events = {event.name: event for event in procedure.events if isinstance(event, Suture)}
     along = _along_closures(list(events.values()))
     names = [program.sutures[i] for i in frame.suture_index]
-    resolved = resolved_sutures(program, frame)
+    crossing = _Crossing.of(program, frame)
+    resolved = _resolved(frame, crossing)
+    pulls = frame.suture_forces * crossing.pulls()
     total = float(frame.suture_forces[resolved].sum())
     apart = [np.linalg.norm(np.diff(points, axis=0), axis=1).sum() for points in bite_points(frame)]
     vectors = frame.suture_force_vectors
@@ -147,62 +153,63 @@ def suture_forces(procedure: Procedure, program: Program, frame: SolvedFrame) ->
             events[name].pull_through_limit,
             bool(part),
             float(bites.max()),
+            float(pull),
         )
-        for name, force, vector, gap, part, bites in zip(
-            names, frame.suture_forces, vectors, apart, resolved, bite_forces(frame), strict=True
+        for name, force, vector, gap, part, bites, pull in zip(
+            names, frame.suture_forces, vectors, apart, resolved, bite_forces(frame), pulls, strict=True
         )
     ]
     return sorted(rows, key=lambda row: (row.closure, row.along_mm))
 
 
-def resolved_sutures(program: Program, frame: SolvedFrame) -> NDArray[np.bool_]:
-    """Tell which sutures of a frame the lattice resolves.
+@dataclass(frozen=True, eq=False)
+class _Crossing:
+    """How the pieces of the sutures of a frame cross wounds.
+
+    inner: number of bites of each suture between its ends (A,). row: suture of each piece (p,). across: cosine of the
+    angle of each to the direction across the wound, 0 where it crosses none (p,).
+    """
+
+    inner: NDArray[np.int32]
+    row: NDArray[np.int64]
+    across: NDArray[np.float64]
+
+    @classmethod
+    def of(cls, program: Program, frame: SolvedFrame) -> _Crossing:
+        count = len(frame.suture_index)
+        inner = frame.suture_inner_bites if len(frame.suture_inner_bites) else np.zeros(count, np.int32)
+        row = np.repeat(np.arange(count), inner + 1)
+        across = np.zeros(len(row))
+        constraints = next((each for each in program.frames if each.time == frame.time), None)
+        if constraints is not None and inner.any():
+            surface = next(epoch.surface for epoch in program.epochs if epoch.index == constraints.epoch)
+            pieces = thread_pieces(constraints)
+            points, triangles = pieces.points.reshape(-1, 3), pieces.triangles.reshape(-1)
+            held = bites_at_wounds(surface, points, triangles, program.settings.spacing)
+            across = across if held is None else held.across()
+        return cls(inner, row, across)
+
+    def pulls(self) -> NDArray[np.float64]:
+        """How many times its force each suture draws a wound's edges together with (A,); once where it crosses none."""
+        sums = np.bincount(self.row, self.across, len(self.inner))
+        return np.where((self.inner > 0) & (sums > 0.0), sums, 1.0)
+
+
+def _resolved(frame: SolvedFrame, crossing: _Crossing) -> NDArray[np.bool_]:
+    """Which sutures the lattice resolves (A,); all where it is not known.
 
     Between two bites on either side of a cut's end the cell may not be cut: what they hold is then the same tissue in
-    part, and the force between them that cell's own. Of a thread with more bites the pieces count that cross a wound;
-    it is resolved where one of them is, since it slides.
-
-    Parameters
-    ----------
-    program
-        The program.
-    frame
-        A frame of it.
-
-    Returns
-    -------
-    NDArray[np.bool_]
-        Whether each is resolved, shape (A,); all where it is not known.
+    part, and the force between them that cell's own. Of a thread with more bites the pieces count that cross a wound,
+    or all where none does; it is resolved where one of them is, since it slides.
     """
-    count = len(frame.suture_index)
-    inner = frame.suture_inner_bites if len(frame.suture_inner_bites) else np.zeros(count, np.int32)
-    pieces = inner + 1
-    if len(frame.suture_shared) != pieces.sum():
+    row, count = crossing.row, len(crossing.inner)
+    if len(frame.suture_shared) != len(row):
         return np.ones(count, bool)
-    row = np.repeat(np.arange(count), pieces)
-    parted = frame.suture_shared <= MOST_SHARED
-    counts = np.ones(len(parted), bool)
-    of_threads = (inner > 0)[row]
-    if (of_threads & ~parted).any():
-        counts = ~of_threads | _across_wounds(program, frame.time, len(parted))
-        alone = ~np.isin(row, row[counts])  # a thread that crosses no wound is known by all its pieces
-        counts |= alone
+    crosses = np.bincount(row, crossing.across, count) > 0.0
+    counts = ~crosses[row] | (crossing.across > 0.0)
     found = np.zeros(count, bool)
-    found[row[parted & counts]] = True
+    found[row[counts & (frame.suture_shared <= MOST_SHARED)]] = True
     return found
-
-
-def _across_wounds(program: Program, time: float, count: int) -> NDArray[np.bool_]:
-    """Which pieces of the threads of a frame cross a wound; all where there is none."""
-    constraints = next((each for each in program.frames if each.time == time), None)
-    if constraints is None:
-        return np.ones(count, bool)
-    surface = next(epoch.surface for epoch in program.epochs if epoch.index == constraints.epoch)
-    pieces = thread_pieces(constraints)
-    held = bites_at_wounds(
-        surface, pieces.points.reshape(-1, 3), pieces.triangles.reshape(-1), program.settings.spacing
-    )
-    return np.ones(count, bool) if held is None else held.parted()
 
 
 def closing_tension(rows: Sequence[SutureForce], scar_length: float) -> float | None:
@@ -225,7 +232,7 @@ def closing_tension(rows: Sequence[SutureForce], scar_length: float) -> float | 
     tension = None
     for closure in dict.fromkeys(row.closure for row in rows):
         own = [row for row in rows if row.closure == closure]
-        resolved = [row.force_mn for row in own if row.resolved]
+        resolved = [row.pull_mn for row in own if row.resolved]
         if resolved and scar_length > 0.0:
             part = sum(resolved) / (scar_length * len(resolved) / len(own)) / 1000.0
             tension = part + (tension or 0.0)
