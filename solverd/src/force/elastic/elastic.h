@@ -81,9 +81,8 @@ class Elastic {
  private:
   void fill_cells();
   void fill_shares(double laplacian);
-  // Volume and stabilization of a part of a cell; extent: of the part over the cell, mean square.
-  void fill_volume(std::size_t slot, std::size_t cell, std::size_t material, double laplacian, double part,
-                   double extent);
+  // Volume and stabilization of a part of a cell.
+  void fill_volume(std::size_t slot, std::size_t cell, std::size_t material, double laplacian, double part);
   // Writes what a cell is made of, field by field with `stride` between them.
   void fill_record(Real* record, std::size_t stride, std::size_t material, std::size_t cell) const;
   // The material as it is in a cell, and its prestretch normal to the skin.
