@@ -36,6 +36,11 @@ SceneFeatures features_of(const CellMaterials& materials, int quadrature) {
   return features;
 }
 
+SceneFeatures without_shares(SceneFeatures features) {
+  features.shares = false;
+  return features;
+}
+
 std::vector<Index> further_parts(const CellMaterials& materials) {
   std::vector<Index> cells;
   for (std::size_t k = 1; k < materials.shares.size(); ++k)
@@ -72,6 +77,7 @@ Elastic<Real>::Elastic(const Lattice& lattice, CellMaterials materials, int quad
       features_(features_of(materials_, quadrature)),
       set_(set),
       kernels_(elastic_kernels<Real>(set, features_)),
+      whole_kernels_(elastic_kernels<Real>(set, without_shares(features_))),
       part_cells_(further_parts(materials_)),
       layout_(lay_out_blocks(lattice, kernels_.lanes, still, part_cells_)),
       quadrature_(quadrature_points(quadrature)),
@@ -200,7 +206,9 @@ void Elastic<Real>::fill_shares(double laplacian) {
     for (std::size_t i = 0; i < 3; ++i) field(slot, kShareScale + i) = Real(1);
     for (std::size_t m = 0; m < 4; ++m) field(slot, kShareHourglass + m) = Real(m == 3 ? 0.5 : 1.0);
   }
+  group_has_shares_.assign(layout_.groups, 0);
   for_each_share([&](std::size_t slot, const MaterialShare& share, bool) {
+    group_has_shares_[slot / lanes / kBlockCells] = 1;
     for (Eigen::Index i = 0; i < 3; ++i) {
       field(slot, kShareCenter + i) = Real(share.center[i]);
       field(slot, kShareScale + i) = Real(share.scale[i]);
@@ -240,7 +248,9 @@ ElasticState Elastic<Real>::evaluate(std::span<const Real> u, std::span<double> 
   });
   std::vector<StateSums> sums(layout_.slabs());
   layout_.for_each_slab([&](std::size_t slab, std::int64_t begin, std::int64_t end) {
-    kernels_.evaluate(arrays_, begin, end, u.data(), gradient.data(), node_scale.data(), sums[slab]);
+    for_each_run(begin, end, [&](const auto& kernels, std::int64_t from, std::int64_t to) {
+      kernels.evaluate(arrays_, from, to, u.data(), gradient.data(), node_scale.data(), sums[slab]);
+    });
   });
   ElasticState state;
   state.minimum_j = std::numeric_limits<double>::infinity();
@@ -264,7 +274,9 @@ void Elastic<Real>::multiply(std::span<const Real> x, std::span<Real> y) const {
     std::fill(y.begin() + begin, y.begin() + end, Real(0));
   });
   layout_.for_each_slab([&](std::size_t, std::int64_t begin, std::int64_t end) {
-    kernels_.multiply(arrays_, begin, end, x.data(), y.data());
+    for_each_run(begin, end, [&](const auto& kernels, std::int64_t from, std::int64_t to) {
+      kernels.multiply(arrays_, from, to, x.data(), y.data());
+    });
   });
 }
 
@@ -298,7 +310,9 @@ template <class Real>
 void Elastic<Real>::diagonal_blocks(std::span<Real> blocks) const {
   for_each_index(blocks.size(), [&](std::size_t i) { blocks[i] = Real(0); });
   layout_.for_each_slab([&](std::size_t, std::int64_t begin, std::int64_t end) {
-    kernels_.diagonal(arrays_, begin, end, blocks.data());
+    for_each_run(begin, end, [&](const auto& kernels, std::int64_t from, std::int64_t to) {
+      kernels.diagonal(arrays_, from, to, blocks.data());
+    });
   });
 }
 
