@@ -51,7 +51,7 @@ def events(name: str) -> st.SearchStrategy[Event]:
         st.builds(
             Suture,
             named,
-            st.tuples(points, points),
+            st.lists(points, min_size=2, max_size=6).map(tuple),
             numbers,
             numbers,
             numbers,

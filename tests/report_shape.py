@@ -34,6 +34,7 @@ FRAME: dict[str, Any] = {
     "seconds": {"update": NUMBER, "linear": NUMBER, "setup": NUMBER, "total": NUMBER, "wall": NUMBER},
     "suture_gaps_mm": dict,
     "suture_forces_mn": dict,
+    "suture_force_vectors_mn": dict,
     "hook_forces_mn": dict,
     "landmarks": dict,
     "estimated_error_mm": (dict, type(None)),
@@ -78,6 +79,7 @@ REPORT: dict[str, Any] = {
             "donor_share": (*NUMBER, type(None)), "unresolved": list, "closures": dict,
         }
     ],
+    "seams": [{"time_code": NUMBER, "scar_length_mm": NUMBER, "open_area_mm2": NUMBER, "seams": dict}],
     "greatest_mean_tension": (dict, type(None)),
     "failed": (dict, type(None)),
     "frames_solved": int,

@@ -162,6 +162,7 @@ class FakeSession:
             suture_points=frame.suture_anchors.copy(),
             suture_gaps=np.zeros(placed),
             suture_forces=np.full(placed, 5.0),
+            suture_force_vectors=np.tile([0.0, 5.0, 0.0], (placed, 1)),
             diagnostics=said,
             lattice=self._lattice,
             state=SolverState(

@@ -8,7 +8,7 @@ from pathlib import Path
 from background_owner import SETTINGS, owner
 from lappet.background.worker_events import Assessed
 from lappet.core.problem_code import ProblemCode
-from lappet.procedure import Hook
+from lappet.procedure import Hook, Procedure, Suture
 from small_procedure import TOP, small_procedure
 
 ESTIMATED = replace(SETTINGS, correction=True)
@@ -44,3 +44,27 @@ def test_a_pull_that_the_lattice_does_not_resolve_is_a_warning_with_its_place(tm
     doubted = [each for each in told.assessment.notes if each.code == ProblemCode.ERROR_LARGE]
     assert [each.prim for each in doubted] == ["Frame 5"]
     assert doubted[0].place is not None
+
+
+def with_limit(pull_through: float) -> Procedure:
+    sewn = Suture("stitch", ((2.0, -1.0, TOP), (2.0, 1.0, TOP)), 5.0, 2.0, pull_through=pull_through)
+    return small_procedure(events=(*(e for e in small_procedure().events if not isinstance(e, Suture)), sewn))
+
+
+def test_a_suture_that_may_cut_through_is_warned_of_also_where_only_its_limit_has_changed(
+    tmp_path: Path, binary: Path
+) -> None:
+    """The frames' keys do not know the limit: what is kept with the frames must."""
+    with owner(tmp_path) as own:
+        codes = {}
+        for limit in (1e6, 1e-3, 1e6):
+            job = own.solver.solve(with_limit(limit), SETTINGS)
+            own.finished(job)
+            (told,) = own.of(Assessed, job)
+            codes.setdefault(limit, []).append([each.code for each in told.assessment.notes])
+            if limit == 1e-3:
+                (warning,) = (e for e in told.assessment.notes if e.code == ProblemCode.SUTURE_PULLS_THROUGH)
+                assert (warning.prim, warning.severity) == ("/Procedure/Timeline/stitch", "warning")
+                assert warning.place is not None
+        assert ProblemCode.SUTURE_PULLS_THROUGH in codes[1e-3][0]
+        assert all(ProblemCode.SUTURE_PULLS_THROUGH not in each for each in codes[1e6])

@@ -67,6 +67,7 @@ def scene(scene: bpy.types.Scene) -> bpy.types.Scene:
         Hook("still", (0.7, 0.0, TOP), ((4.0, (0.7, 0.3, 9.0)),), 4.0, 9.0),
         Suture("suture_1", ((0.2, 0.1, TOP), (0.2, -0.1, TOP)), 26.0, 10.0, 1000.0),
         Suture("nylon", ((0.2, 0.1, TOP), (0.2, -0.1, TOP)), 26.0, 9.0, 80.0, "thread", "nylon 5-0", 1.5, 300.0, 900.0),
+        Suture("running", ((0.2, 0.1, TOP), (0.2, -0.1, TOP), (2.2, 0.1, 1.5)), 26.0, 9.0, 80.0, "thread", length=4.5),
         Landmark("mark", ((1.0, 2.0, TOP), (2.0, 2.0, TOP)), "scar end"),
     ],
     ids=lambda value: getattr(value, "name", str(value)),

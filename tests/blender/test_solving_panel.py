@@ -11,8 +11,9 @@ import pytest
 
 from fake_worker import Script
 from lappet.background.assessment import Assessment, assessment_key
-from lappet.core.problem import Place, Problem, RefusedError
+from lappet.core.problem import Place, Problem, RefusedError, problem
 from lappet.core.problem_code import ProblemCode
+from lappet.procedure.prim_paths import TIMELINE
 from lappet.solve.error_estimate import FrameErrorEstimate
 from lappet_blender.model.event_list import find_event
 from lappet_blender.model.units import to_mm
@@ -199,7 +200,7 @@ def test_a_frame_that_is_not_to_be_trusted_says_so_and_what_was_done_otherwise_i
     bpy.ops.lappet.problem_show(index=0)
     assert tuple(to_mm(patch, patch.cursor.location)) == pytest.approx((3.0, 4.0, 5.0))
     known = controller.controller_of(patch)
-    key = assessment_key([frame.key for frame in known.manifest.frames], True)
+    key = assessment_key([frame.key for frame in known.manifest.frames], True, known.procedure)
     find_event(patch, "hook_1").stiffness = 10.0
     run_timer(QUIET)
     assert frames.problems_of(patch) == (), "they were of the frames before the change"
@@ -208,3 +209,19 @@ def test_a_frame_that_is_not_to_be_trusted_says_so_and_what_was_done_otherwise_i
     find_event(patch, "hook_1").stiffness = 100.0
     run_timer(QUIET)
     assert frames.problems_of(patch) == (DOUBTED,), "found in the store, as after the file is opened again"
+
+
+def test_a_suture_that_may_cut_through_is_shown_and_its_event_is_found(patch: bpy.types.Scene, script: Script) -> None:
+    prim = f"{TIMELINE}/suture_1"
+    place = Place.at((1.0, 2.0, 3.0))
+    torn = problem(ProblemCode.SUTURE_PULLS_THROUGH, prim, "7000", place=place, time=8.0, limit=6000.0)
+    script.assessment = Assessment((torn,))
+    run_timer(QUIET)
+    bpy.ops.lappet.solve()
+    run_timer(QUIET)
+    assert frames.problems_of(patch) == (torn,)
+    words, operators = draw(LAPPET_PT_solve)
+    assert torn.message in words
+    assert operators.count("lappet.problem_show") == 1
+    bpy.ops.lappet.problem_show(index=0)
+    assert tuple(to_mm(patch, patch.cursor.location)) == pytest.approx((1.0, 2.0, 3.0))

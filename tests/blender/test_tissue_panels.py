@@ -15,6 +15,7 @@ from lappet_blender.tissue.tissue_check import check_tissue
 from lappet_blender.tissue.tissue_panel import (
     LAPPET_PT_tissue,
     LAPPET_PT_tissue_faces,
+    LAPPET_PT_tissue_skin_lines,
     LAPPET_PT_tissue_surroundings,
 )
 from tissue_scenes import add_box, add_sheet, fill_with_patch
@@ -110,6 +111,19 @@ def test_the_panel_shows_groups_with_their_counts_cells_and_time(scene: bpy.type
     assert "cells; 10 frames: about" in said(drawn)
     assigned = [each.given for each in drawn if isinstance(each, Button) and each.name == "lappet.faces_assign"]
     assert {"group": "bed", "action": "REMOVE"} in assigned
+
+
+def test_skin_lines_are_listed_with_their_tension_and_can_be_removed(scene: bpy.types.Scene) -> None:
+    fill_with_patch(scene)
+    assert buttons(draw(LAPPET_PT_tissue_skin_lines, scene)) == ["lappet.skin_lines_add"]
+    for name in ("crease", "fold"):
+        scene.lappet.skin_lines.add().name = name
+    scene.lappet.skin_lines["fold"].use_tension = True
+    drawn = draw(LAPPET_PT_tissue_skin_lines, scene)
+    assert drawn.count("use_tension") == 2
+    assert drawn.count("tension") == 1
+    removes = [each.given for each in drawn if isinstance(each, Button) and each.name == "lappet.skin_line_remove"]
+    assert removes == [{"name": "crease"}, {"name": "fold"}]
 
 
 def test_a_problem_is_said_with_the_button_that_mends_it(scene: bpy.types.Scene) -> None:

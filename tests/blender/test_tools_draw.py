@@ -282,6 +282,45 @@ def test_every_tool_runs_from_python_and_is_one_event_of_the_timeline(scene: bpy
     assert (events[-1].kind, events[-1].start) == ("EXCISION", 12.0)
 
 
+@pytest.mark.parametrize(
+    ("shape", "bites"),
+    [
+        ("SIMPLE", 5),
+        ("VERTICAL_MATTRESS", 9),
+        ("HORIZONTAL_MATTRESS", 9),
+        ("HALF_BURIED", 7),
+        ("DEEP_DERMAL", 5),
+        ("FIGURE_OF_EIGHT", 9),
+    ],
+)
+def test_a_suture_gets_the_bites_of_its_shape(scene: bpy.types.Scene, shape: str, bites: int) -> None:
+    flat_tissue(scene)
+    bpy.ops.lappet.place_suture(
+        first=points((2, 0.5, 0)), second=points((2, -0.5, 0)), shape=shape, bite=3.0, depth=1.5, drawn=0.8
+    )
+    event = scene.lappet.events[-1]
+    places = np.array([point.co for point in event.points])
+    assert (event.mode, len(places)) == ("THREAD", bites)
+    assert np.allclose(places[0], places[-1])
+    assert np.isclose(np.abs(places[:, 1]), 3.5, atol=1e-5).sum() >= 4
+    assert places[:, 2].min() == pytest.approx(-1.5, abs=1e-5)
+    closed = places - 0.5 * np.sign(places) * (0.0, 1.0, 0.0)
+    length = np.linalg.norm(np.diff(closed, axis=0), axis=1).sum()
+    assert event.length == pytest.approx(0.8 * length, rel=1e-5)
+
+
+def test_a_running_suture_is_one_thread_through_all_places_of_a_run(scene: bpy.types.Scene) -> None:
+    flat_tissue(scene)
+    before = len(scene.lappet.events)
+    edges = {"first": points((-8, 0.5, 0), (8, 0.5, 0)), "second": points((8, -0.5, 0), (-8, -0.5, 0))}
+    bpy.ops.lappet.place_suture(**edges, count=3, shape="RUNNING")
+    assert len(scene.lappet.events) == before + 1
+    places = np.array([point.co for point in scene.lappet.events[-1].points])
+    assert len(places) == 3 * 4
+    assert np.allclose(np.abs(places[:, 1]), 4.5, atol=1e-5)
+    assert (np.diff(places[::4, 0]) > 4.0).all()
+
+
 def test_a_retractor_grips_the_faces_around_the_point(scene: bpy.types.Scene) -> None:
     tissue = flat_tissue(scene)
     bpy.ops.lappet.place_retractor(at=(5, 5, 0), way=(0, 0, 6), radius=2.2, frames=5)

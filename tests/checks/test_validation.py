@@ -62,6 +62,18 @@ def test_a_thread_must_be_known_and_none_of_its_numbers_negative() -> None:
     assert all(each.prim == "/Procedure/Timeline/stitch" for each in found)
 
 
+def test_a_thread_may_have_many_bites_and_end_where_it_begins() -> None:
+    stitch = next(event for event in GOOD.events if isinstance(event, Suture))
+    loop = ((-6, 0, 4), (-6, 0, 2), (6, 0, 2), (6, 0, 4), (-6, 0, 4))
+    assert check(replace(GOOD, events=(replace(stitch, anchors=loop, mode="thread"),))) == []
+    short = check(replace(GOOD, events=(replace(stitch, anchors=loop[:1]),)))
+    assert [each.code for each in short] == [ProblemCode.SUTURE_ANCHORS]
+    backwards = replace(stitch, name="again", anchors=loop[1::-1], mode="thread")
+    forwards = replace(stitch, anchors=loop[:2], mode="thread")
+    twice = check(replace(GOOD, events=(forwards, backwards)))
+    assert [each.code for each in twice] == [ProblemCode.SUTURE_TWICE]
+
+
 def test_several_hooks_may_follow_each_other_on_one_point() -> None:
     first = GOOD.events[3]
     assert isinstance(first, Hook)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import json
 import subprocess
 import sys
@@ -115,6 +116,36 @@ def test_solve_writes_the_cache_and_the_report_and_a_second_run_solves_nothing(
     assert "8 frames done: 0 solved, 8 looked up" in again.stdout, again.output
     assert solver.opened == 1
     assert json.loads(report.read_text())["cache_hits"] == 8
+
+
+def test_solve_writes_what_it_measures_as_tables_and_sums_up_the_seams(
+    procedure: Path, solver: FakeSolver, tmp_path: Path
+) -> None:
+    paths = {name: tmp_path / f"{name}.csv" for name in ("suture-forces", "hook-forces", "seams")}
+    report = tmp_path / "r.json"
+    options = [part for name, path in paths.items() for part in (f"--{name}", path)]
+    done = run("solve", procedure, "--report", report, *options)
+    assert done.exit_code == 0, done.output
+    assert "Scar: 12 mm" in done.stdout
+    tables = {}
+    for name, path in paths.items():
+        with path.open(newline="") as file:
+            tables[name] = list(csv.DictReader(file))
+    sutures, hooks, seams = tables.values()
+    assert [(row["suture"], float(row["force_y_mn"])) for row in sutures] == [("stitch", 5.0)] * 4
+    assert [(float(row["time"]), row["hook"], float(row["force_z_mn"])) for row in hooks] == [
+        (time, "hook", 2.0) for time in (4.0, 5.0, 6.0)
+    ]
+    assert [float(row["force_mn"]) for row in hooks] == pytest.approx([12.0**0.5] * 3, rel=1e-5)
+    assert [float(row["time"]) for row in seams] == [3.0, 4.0, 5.0, 6.0, 7.0, 8.0]
+    values = json.loads(report.read_text())["seams"]
+    assert [each["time_code"] for each in values] == [3.0, 4.0, 5.0, 6.0, 7.0, 8.0]
+    for row, each in zip(seams, values, strict=True):
+        own = each["seams"]["stitch"]
+        assert own.keys() == row.keys() - {"time", "seam"}
+        assert own["scar_length_mm"] == pytest.approx(float(row["scar_length_mm"]), rel=1e-5)
+        assert each["scar_length_mm"] == own["scar_length_mm"]
+    assert [row["tension_n_per_mm"] == "" for row in seams] == [True, True, False, False, False, False]
 
 
 def test_the_cache_lies_beside_the_procedure_unless_it_is_named(procedure: Path, solver: FakeSolver) -> None:

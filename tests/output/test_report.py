@@ -41,6 +41,7 @@ def test_the_values_are_those_of_the_solve(tmp_path: Path) -> None:
     assert frame["time_code"] == 6
     assert (frame["newton_iterations"], frame["pcg_iterations"], frame["residual"]) == (3, 40, 1e-4)
     assert frame["suture_forces_mn"] == {"stitch": 5.0}
+    assert frame["suture_force_vectors_mn"] == {"stitch": [0.0, 5.0, 0.0]}
     assert frame["hook_forces_mn"] == {"hook": [2.0, 2.0, 2.0]}
     assert frame["landmarks"].keys() == {"corner"}
     assert frame["landmarks"]["corner"][:2] == [-8.0, 4.0]

@@ -13,14 +13,17 @@ import numpy as np
 import pytest
 from pxr import Usd, UsdGeom, UsdValidation
 
+from lappet.daemon.solved_frame import SolvedFrame
 from lappet.geometry.labeled_surface import FaceOrigin, Surface
 from lappet.geometry.shading_normals import ShadingNormals
 from lappet.output.skin_cache import write_skin_cache
-from lappet.procedure import Procedure
+from lappet.procedure import Procedure, Suture
 from lappet.program.compile import compile_program
 from lappet.program.program import Program
+from lappet.solve.seam_measures import SeamState, seam_states
 from lappet.solve.solve_frames import FrameResult, SolveObserver, solve_program
 from lappet.solve.store import FrameStore
+from lappet.solve.suture_forces import suture_forces
 from lappet.usd.stage import write_procedure
 from small_procedure import FakeSolver, small_procedure
 
@@ -57,7 +60,13 @@ def cache(
 
 
 def write(output: Path, below: Path, procedure: Procedure, program: Program, frames: Sequence[FrameResult]) -> None:
-    write_skin_cache(output, below, procedure, program, [frame.solved for frame in frames], frames[-1].key)
+    solved = [frame.solved for frame in frames]
+    write_skin_cache(output, below, procedure, program, solved, frames[-1].key, seams_at(procedure, program, solved))
+
+
+def seams_at(procedure: Procedure, program: Program, frames: Sequence[SolvedFrame]) -> list[SeamState]:
+    forces = [row for frame in frames for row in suture_forces(procedure, program, frame)]
+    return seam_states(procedure, program, frames, forces)
 
 
 def mesh_at(stage: Usd.Stage, index: int) -> UsdGeom.Mesh:
@@ -171,6 +180,85 @@ def test_sutures_hooks_and_landmarks_follow_and_say_when_they_act(cache: Path) -
     assert np.array_equal(released[0], released[1])
     marks = UsdGeom.PrimvarsAPI(stage.GetPrimAtPath("/Procedure/Skin/Landmarks")).GetPrimvar("label")
     assert list(marks.Get()) == ["corner"]
+
+
+def test_forces_of_sutures_and_hooks_are_vectors_in_rows_of_their_own_and_zero_while_they_do_not_act(
+    cache: Path,
+) -> None:
+    stage = Usd.Stage.Open(str(cache))
+    pulls, nothing = {"Sutures": (0.0, 5.0, 0.0), "Hooks": (2.0, 2.0, 2.0)}, (0.0, 0.0, 0.0)
+    acting = [(name, 6, pull) for name, pull in pulls.items()]
+    for name, time, force in (*acting, ("Sutures", 4, nothing), ("Hooks", 7, nothing)):
+        primvar = UsdGeom.PrimvarsAPI(stage.GetPrimAtPath(f"/Procedure/Skin/{name}")).GetPrimvar("forceVector")
+        assert primvar.GetInterpolation() == "uniform"
+        assert [tuple(each) for each in primvar.Get(time)] == [force]
+
+
+def test_a_seam_is_a_curve_with_what_is_measured_at_its_places(
+    cache: Path, procedure: Procedure, program: Program, frames: tuple[FrameResult, ...]
+) -> None:
+    stage = Usd.Stage.Open(str(cache))
+    curves = UsdGeom.BasisCurves(stage.GetPrimAtPath("/Procedure/Skin/Seams"))
+    primvars = UsdGeom.PrimvarsAPI(curves)
+    assert list(primvars.GetPrimvar("label").Get()) == ["stitch"]
+    assert [list(primvars.GetPrimvar("active").Get(time)) for time in range(1, 9)] == [[0], [0], *([[1]] * 6)]
+    states = {state.measure.time: state for state in seams_at(procedure, program, [frame.solved for frame in frames])}
+    assert list(states) == [3, 4, 5, 6, 7, 8]
+    for time in (3, 8):
+        state = states[time]
+        points = np.array(curves.GetPointsAttr().Get(time))
+        assert list(curves.GetCurveVertexCountsAttr().Get()) == [len(points)]
+        assert np.allclose(points, state.points, atol=1e-5)
+        assert points[:, 0].min() < -5.9
+        assert points[:, 0].max() > 5.9
+        for name in ("gap", "step", "mismatch"):
+            primvar = primvars.GetPrimvar(name)
+            assert primvar.GetInterpolation() == "vertex"
+            assert np.allclose(np.array(primvar.Get(time)), getattr(state, name), atol=1e-6)
+        assert primvars.GetPrimvar("scarLength").Get(time)[0] == pytest.approx(state.measure.scar_length_mm)
+    assert np.array(primvars.GetPrimvar("gap").Get(5)).max() == pytest.approx(0.1, abs=1e-3)
+    assert np.isnan(primvars.GetPrimvar("tension").Get(4)[0])
+    assert primvars.GetPrimvar("tension").Get(5)[0] == pytest.approx(0.005 / states[5].measure.scar_length_mm)
+    before = np.array(curves.GetPointsAttr().Get(2))
+    assert np.ptp(before, axis=0).max() == 0.0
+
+
+def test_a_thread_with_several_bites_has_a_curve_through_all_of_them(program: Program, tmp_path: Path) -> None:
+    top = float(program.epochs[0].surface.points[:, 2].max())
+    bites = ((2.0, -2.0, top), (2.0, 2.0, top), (4.0, -2.0, top), (4.0, 2.0, top))
+    running = Suture("running", bites, 3.0, mode="thread")
+    procedure = small_procedure().with_events(running)
+    own = compile_program(procedure)
+    up = np.array([0.0, 0.0, 1.0])
+    places = np.array(bites) + up
+    solved = [
+        SolvedFrame(
+            each.time,
+            own.epochs[each.epoch].surface.points.astype(np.float32),
+            suture_index=each.suture_index,
+            suture_points=each.suture_anchors + up,
+            suture_forces=np.ones(len(each.suture_index)),
+            suture_inner_bites=each.suture_inner_bites,
+            inner_bite_points=each.inner_bite_anchors + up,
+        )
+        for each in own.frames
+    ]
+    write_procedure(procedure, tmp_path / "p.usda")
+    write_skin_cache(tmp_path / "c.usdc", tmp_path / "p.usda", procedure, own, solved, "key")
+    stage = Usd.Stage.Open(str(tmp_path / "c.usdc"))
+    threads = UsdGeom.BasisCurves(stage.GetPrimAtPath("/Procedure/Skin/Threads"))
+    assert list(threads.GetCurveVertexCountsAttr().Get()) == [4]
+    primvars = UsdGeom.PrimvarsAPI(threads)
+    assert list(primvars.GetPrimvar("label").Get()) == ["running"]
+    assert [primvars.GetPrimvar("active").Get(time)[0] for time in range(1, 9)] == [0, 0, 1, 1, 1, 1, 1, 1]
+    assert np.allclose(np.array(threads.GetPointsAttr().Get(2)), bites[0])
+    assert np.allclose(np.array(threads.GetPointsAttr().Get(8)), places)
+    both = UsdGeom.BasisCurves(stage.GetPrimAtPath("/Procedure/Skin/Sutures"))
+    assert list(both.GetCurveVertexCountsAttr().Get()) == [2, 2]
+
+
+def test_a_cache_without_such_a_thread_has_no_prim_of_them(cache: Path) -> None:
+    assert not Usd.Stage.Open(str(cache)).GetPrimAtPath("/Procedure/Skin/Threads")
 
 
 def test_a_cache_is_replaced_whole_also_while_it_is_open(

@@ -29,6 +29,7 @@ from lappet.procedure import (
 )
 from lappet.program.compile import compile_program, frame_times
 from lappet.program.keys import frame_keys
+from lappet.program.payloads import solve_payload
 from lappet.program.program import Program
 from lappet.program.settings import MaterialParameters, SolverSettings
 from lappet.tissue.patch import flat_patch
@@ -100,6 +101,32 @@ def test_threads_tell_their_stiffness_length_and_tension(program: Program) -> No
     assert last.suture_tension.tolist() == [0.0, 300.0, 0.0]
     # E A / length of 2500 MPa, 0.125 mm and 4 mm
     assert last.suture_stiffness[:2].tolist() == pytest.approx([77.0, 2.5e6 * np.pi * 0.125**2 / 4.0 / 4.0])
+
+
+def test_threads_tell_the_bites_between_their_ends_in_order(program: Program) -> None:
+    two = Suture("two", ((2.0, -2.0, TOP), (2.0, 2.0, TOP)), 4.0, mode="thread")
+    bites = ((-4.0, -2.0, TOP), (-4.0, -2.0, 1.0), (-4.0, 2.0, 1.0), (-4.0, 2.0, TOP), (-4.0, -2.0, TOP))
+    loop = Suture("loop", bites, 5.0, mode="thread", thread="nylon 5-0", length=10.0)
+    three = Suture("three", ((6.0, -2.0, TOP), (6.0, 2.0, TOP), (9.0, -2.0, TOP)), 6.0, mode="thread")
+    frames = compiled(program, two, loop, three).frames
+    assert all(not len(frame.suture_inner_bites) for frame in frames if frame.time < 5.0)
+    last = frames[-1]
+    assert last.suture_inner_bites.tolist() == [0, 3, 1]
+    assert last.suture_anchors[1].tolist() == [list(bites[0]), list(bites[-1])]
+    assert last.inner_bite_anchors.tolist() == [*map(list, bites[1:4]), [6.0, 2.0, TOP]]
+    assert last.inner_bite_triangles.shape == (4,)
+    # E A over all of it
+    assert last.suture_stiffness[1] == pytest.approx(2.5e6 * np.pi * 0.125**2 / 4.0 / (8.0 + 2.0 * (TOP - 1.0)))
+    told = solve_payload(last).arrays
+    assert told["suture_inner_bites"].tolist() == [0, 3, 1]
+    assert "inner_bite_anchors" not in solve_payload(frames[3]).arrays
+
+
+def test_bites_that_follow_each_other_on_one_spot_are_refused(program: Program) -> None:
+    ends, outside = ((2.0, -2.0, TOP), (2.0, 2.0, TOP)), ((6.0, 2.0, TOP + 0.1), (6.0, 2.0, TOP))
+    with refuses(ProblemCode.PROGRAM_ANCHORS_FALL_TOGETHER):
+        compiled(program, Suture("thread", (*ends, *outside), 6.0, mode="thread"))
+    compiled(program, Suture("thread", (*ends, outside[0], ends[0]), 6.0, mode="thread"))  # a loop that is tied
 
 
 def test_an_anchor_lies_on_the_triangle_it_is_tied_to(program: Program) -> None:

@@ -15,8 +15,9 @@ from lappet.daemon.daemon_solver import connect_to
 from lappet.reports.error_estimate.files import totals, write_error_estimate
 from lappet.reports.error_estimate.fitting_scenes import fitting_scenes
 from lappet.reports.error_estimate.hold_out_scenes import hold_out_scenes
-from lappet.reports.error_estimate.measurement import EstimateRow, measure_scene
+from lappet.reports.error_estimate.measurement import EXACT, EstimateRow, measure_scene
 from lappet.reports.error_estimate.run import chosen_scenes
+from lappet.solve.solve_frames import SolveObserver, solve_program
 from lappet.solve.store import FrameStore
 
 OPERATIONS = {"hanging-flap", "rotation-flap", "v-y", "dome-flap", "layered-closure", "released-hook"}
@@ -45,6 +46,17 @@ def test_the_surface_of_a_scene_is_the_same_at_every_spacing() -> None:
     assert coarse.epochs is fine.epochs
     assert (fine.settings.spacing, fine.settings.tolerance) == (0.5, 1e-5)
     assert fine.settings.gravity == coarse.settings.gravity == scene.gravity
+
+
+def test_the_finest_reference_of_an_operation_with_sutures_takes_the_iterations_of_any_frame(tmp_path: Path) -> None:
+    """Its preconditioner has three levels, and on the second a bound that was guessed left it indefinite."""
+    (scene,) = chosen_scenes(["rotation-flap"])
+    program = scene.program(scene.reference[-1], **EXACT)
+    program = replace(program, frames=program.frames[:4])
+    frames = solve_program(program, FrameStore(tmp_path), connect_to(None), "test", SolveObserver()).frames
+    assert [each.solved.converged for each in frames] == [True] * 4
+    assert frames[-1].solved.diagnostics.load_steps == 1
+    assert frames[-1].solved.diagnostics.newton <= 15
 
 
 @pytest.mark.slow

@@ -104,6 +104,24 @@ def solution(**changes: float) -> SolvedFrame:
     return SolvedFrame(1.0, np.zeros((2, 3), np.float32), diagnostics=Diagnostics(**said), state=state)  # type: ignore[arg-type]
 
 
+HARD = (
+    "bar of 200 x 1 x 1 cells, stretched to twice its length",
+    "bar one cell wide, pressed to 80 %",
+    "corotated bar pressed to 80 % in 1",
+    "corotated bar to 20 %, which buckles, in 8",
+    "excision of a wedge with a tip of 4°",
+    "suture between two held sides",
+    "suture between what retractors pull apart",
+)
+
+
+@pytest.mark.parametrize("name", HARD)
+def test_a_case_that_asks_much_of_the_solver_ends_as_physics_asks(name: str, binary: Path) -> None:
+    (case,) = (each for each in all_cases() if each.name == name)
+    row = run_case(case)
+    assert row.ok, row.reason
+
+
 def test_a_claim_of_convergence_is_held_against_its_own_numbers() -> None:
     program = stretched(1.2)
     assert disproved(solution(), program) == ""

@@ -13,6 +13,7 @@ from lappet.core.problem import RefusedError
 from lappet.daemon.solved_frame import SolvedFrame
 from lappet.geometry.curve import sample_curve
 from lappet.procedure.events import Basis
+from lappet.solve.bite_forces import bite_points
 
 from ..look.skin_source import FigureError, SkinEpoch, StepEvent, Strands
 from ..model.event_kinds import BASIS_OF
@@ -119,6 +120,14 @@ class ManifestSource:
         """The sutures of the manifest at a frame."""
         frame, count = self.frame(time), len(self.manifest.sutures)
         return _no_strands(count) if frame is None else _strands(frame.suture_points, frame.suture_index, count)
+
+    def threads(self, time: float) -> dict[int, NDArray[np.float64]]:
+        """The bites (k, 3), mm, of the sutures of a known frame that have more than two, by their index."""
+        frame = self.frame(time)
+        if frame is None or not len(frame.suture_inner_bites):
+            return {}
+        bites = zip(frame.suture_index, bite_points(frame), strict=True)
+        return {int(index): each for index, each in bites if len(each) > 2}
 
     def hooks(self, time: float) -> Strands:
         """The hooks of the manifest at a frame; both ends are on the tissue."""

@@ -20,6 +20,7 @@ from ..model.event_values import event_value, free_name
 from .add_events import Place, add_events, point_value
 from .event_check import tissue_of
 from .operator_values import named_event
+from .stitch_shapes import Shape, stations_between
 from .suture_pairs import BESIDE, across_incision, along, count_for, incision_line, length, shares_along
 
 Ends = tuple[NDArray[np.float64], NDArray[np.float64]]
@@ -58,6 +59,18 @@ def add_suture(
     """Add a suture between two points at rest, mm. depth: of both ends below the skin, mm."""
     ends = sunk(scene, np.array([first, second], np.float64), depth)
     _add(scene, (ends[:1], ends[1:]), times, [free_name(scene, "SUTURE", name)])
+
+
+def add_stitches(scene: bpy.types.Scene, ends: Ends, times: SutureTimes, shape: Shape, *, name: str = "") -> None:
+    """Add stitches of a shape between pairs of points (k, 3) of a wound's edges at rest, mm; threads all of them."""
+    skin, normals = _skin(scene)
+    outward = normals[skin.query(0.5 * (ends[0] + ends[1]))[0]]
+    sutures: list[Suture] = []
+    for stitch in shape.stitches(stations_between(*ends, outward)):
+        own = free_name(scene, "SUTURE", f"{name}_1" if name else "", [suture.name for suture in sutures])
+        values = {"duration": times.duration, "stiffness": times.stiffness}
+        sutures.append(stitch.suture(own, times.start, shape.drawn, **values))
+    add_events(scene, sutures)
 
 
 def add_suture_run(

@@ -140,6 +140,8 @@ def cache_frames(scene: bpy.types.Scene, procedure: Procedure, found: FoundFile)
             name: values for name in SCALARS if (values := cache.scalar(epoch, name, time)) is not None
         }
         hooks, sutures = np.array(listed.hooks, np.int32), np.array(listed.sutures, np.int32)
+        threads = cache.threads(time)
+        inner = [threads[i][1:-1] if i in threads else np.zeros((0, 3)) for i in listed.sutures]
         landmarks = np.array(manifest.landmarks_at[listed.epoch], np.int32)
         frames[listed.key] = SolvedFrame(
             float(time),
@@ -151,5 +153,7 @@ def cache_frames(scene: bpy.types.Scene, procedure: Procedure, found: FoundFile)
             hook_points=cache.hooks(time).ends[hooks, 0].astype(np.float64),
             suture_index=sutures,
             suture_points=cache.sutures(time).ends[sutures].astype(np.float64),
+            suture_inner_bites=np.array([len(each) for each in inner] if threads else [], np.int32),
+            inner_bite_points=np.concatenate([np.zeros((0, 3)), *inner]),
         )
     return CacheFrames(manifest, frames, exact)

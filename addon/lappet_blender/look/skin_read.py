@@ -75,6 +75,18 @@ class SkinCache:
         """The sutures of the procedure at a frame."""
         return self._strands("Sutures", time)
 
+    def threads(self, time: float) -> dict[int, NDArray[np.float64]]:
+        """The bites (k, 3), mm, of the sutures that have more than two and are active at a frame, by their index."""
+        prims = [self._stage.GetPrimAtPath(f"/Procedure/Skin/{name}") for name in ("Sutures", "Threads")]
+        if not all(prims):
+            return {}
+        sutures, threads = (list(prim.GetAttribute("primvars:label").Get() or ()) for prim in prims)
+        points = np.asarray(prims[1].GetAttribute("points").Get(time), np.float64).reshape(-1, 3) * self._mm
+        ends = np.cumsum(prims[1].GetAttribute("curveVertexCounts").Get())
+        active = prims[1].GetAttribute("primvars:active").Get(time)
+        bites = zip(threads, np.split(points, ends[:-1]), active, strict=True)
+        return {sutures.index(name): each for name, each, acts in bites if acts}
+
     def rest(self, epoch: SkinEpoch) -> NDArray[np.float32]:
         """Vertex positions (n, 3) of an epoch at rest, mm; at its first frame where the cache does not hold them."""
         if epoch.name not in self._rest:

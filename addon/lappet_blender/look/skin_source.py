@@ -80,6 +80,9 @@ class SkinSource(Protocol):
     def sutures(self, time: float) -> Strands:
         """The sutures of the procedure at a frame."""
 
+    def threads(self, time: float) -> dict[int, NDArray[np.float64]]:
+        """The bites (k, 3), mm, of the sutures that have more than two and are active at a frame, by their index."""
+
     def hooks(self, time: float) -> Strands:
         """The hooks of the procedure at a frame: the anchor on the tissue and the target."""
 

@@ -1,4 +1,7 @@
-"""Draw the active skin sutures of a frame as simple interrupted stitches that ride on the skin; buried ones hide."""
+"""Draw the active skin sutures of a frame as simple interrupted stitches that ride on the skin; buried ones hide.
+
+Threads with more than two bites run from each to the next.
+"""
 
 from __future__ import annotations
 
@@ -89,16 +92,22 @@ class SutureThread:
     def tubes(self, time: float) -> tuple[list[NDArray[np.float64]], list[float]]:
         """The thread and knots (k, 3) of a frame and their radii, mm."""
         self.unfinished = False
-        sutures = self._source.sutures(time)
-        active = [int(i) for i in np.flatnonzero(sutures.active) if int(i) not in (self._hidden or ())]
+        sutures, sliding = self._source.sutures(time), self._source.threads(time)
+        straight = list(sliding.values())  # from bite to bite; the skin hides what runs in the tissue
+        radii = [THREAD_RADIUS * self._scale] * len(straight)
+        active = [
+            int(i)
+            for i in np.flatnonzero(sutures.active)
+            if int(i) not in (self._hidden or ()) and int(i) not in sliding
+        ]
         if not active:
-            return [], []
+            return straight, radii
         epoch = self._source.epoch_at(time)
         until = np.inf if self.until is None else self.until
         self._fresh = False
         shown = self._apart({i: s for i in active if (s := self._find(epoch, i, until)) is not None})
         if not shown:
-            return [], []
+            return straight, radii
         points = self._source.positions(epoch, time)
         if epoch.name not in self._normals:
             self._normals[epoch.name] = SkinNormals(epoch.triangles, epoch.origin, SKIN, len(points))
@@ -108,7 +117,7 @@ class SutureThread:
         normals = self._normals[epoch.name].at(points, at.ravel()).reshape(-1, 3, 3)
         up = np.einsum("kc,kci->ki", np.array([bite.weights for bite in pairs]), normals)
         up /= np.maximum(np.linalg.norm(up, axis=1, keepdims=True), 1e-9)
-        lines: list[NDArray[np.float64]] = []
+        lines = straight
         for k, (index, stitch) in enumerate(shown.items()):
             ends = sutures.ends[index][:: -1 if stitch.turned else 1].astype(np.float64)
             tied = bool(np.linalg.norm(ends[1] - ends[0]) <= CLOSED_GAP)

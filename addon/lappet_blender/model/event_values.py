@@ -54,10 +54,11 @@ def event_value(scene: bpy.types.Scene, event: Any) -> Event:
             motion = motion_samples(scene, _followed(scene, event), time, release)
             return Retractor(name, str(event.grip), motion, time, release)
         case "SUTURE":
-            first, second = _exactly(event, points, 2)
+            if len(points) < 2:
+                raise refused(ProblemCode.EVENT_POINT_COUNT, event.name, len(points), need=2)
             return Suture(
                 name,
-                (first, second),
+                points,
                 time,
                 decimal(event.duration),
                 decimal(event.stiffness),

@@ -181,8 +181,9 @@ def activate_manifest(controller: Controller) -> None:
     if controller.procedure is not None:
         controller.past_of = (controller.procedure, controller.settings)
     controller.recheck_frames(controller.manifest)
-    if controller.key not in manifests.assessments:
-        key = assessment_key([frame.key for frame in controller.manifest.frames], controller.settings.correction)
+    if controller.procedure is not None and controller.key not in manifests.assessments:
+        keys = [frame.key for frame in controller.manifest.frames]
+        key = assessment_key(keys, controller.settings.correction, controller.procedure)
         found = controller.store.get(key, Assessment)
         if found is not None:
             manifests.assessments[controller.key] = found

@@ -93,6 +93,23 @@ class LAPPET_PT_tissue_surroundings(_Part, bpy.types.Panel):
                 column.prop(settings, "gravity_direction")
 
 
+class LAPPET_PT_tissue_skin_lines(_Part, bpy.types.Panel):
+    """Lines along which the fibers of the skin run and its tension is greatest"""
+
+    bl_label = "Skin Lines"
+
+    def draw(self, context: bpy.types.Context) -> None:
+        layout = with_fields(self.layout)
+        for line in context.scene.lappet.skin_lines:
+            column = layout.column(align=True)
+            row = column.row(align=True)
+            row.prop(line, "use_tension", text=line.name)
+            row.operator("lappet.skin_line_remove", text="", icon="X").name = line.name
+            if line.use_tension:
+                column.row(align=True).prop(line, "tension", text="")
+        layout.operator("lappet.skin_lines_add", icon="CURVE_DATA")
+
+
 def _groups(layout: bpy.types.UILayout, scene: bpy.types.Scene) -> None:
     obj = scene.lappet.tissue.object
     counts = dict(group_counts(obj))
@@ -169,4 +186,4 @@ def _problem(layout: bpy.types.UILayout, context: bpy.types.Context, problem: Pr
         row.operator("lappet.tissue_show_problem", text="", icon="ZOOM_SELECTED").index = index
 
 
-CLASSES = (LAPPET_PT_tissue, LAPPET_PT_tissue_faces, LAPPET_PT_tissue_surroundings)
+CLASSES = (LAPPET_PT_tissue, LAPPET_PT_tissue_faces, LAPPET_PT_tissue_surroundings, LAPPET_PT_tissue_skin_lines)

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from lappet.geometry.labeled_surface import FaceOrigin
 
 from ..model.event_properties import LappetEvent
+from ..model.procedure_properties import LappetSkinLine
 from ..model.units import to_mm
 from .rest_line import rest_samples
 from .shown_surface import ShownSurface, shown_surface
@@ -59,8 +60,8 @@ def handles_of(scene: bpy.types.Scene, time: float, viewport: bpy.types.SpaceVie
     return found
 
 
-def event_points(event: LappetEvent) -> NDArray[np.float64]:
-    """The points (n, 3) of an event at rest, mm."""
+def event_points(event: LappetEvent | LappetSkinLine) -> NDArray[np.float64]:
+    """The points (n, 3) of an event or of a line of the skin at rest, mm."""
     flat = np.empty(3 * len(event.points), np.float32)
     event.points.foreach_get("co", flat)
     return flat.reshape(-1, 3).astype(np.float64)
@@ -126,11 +127,10 @@ def nearest_line(
     for event in scene.lappet.events:
         if event.kind not in kinds or len(event.points) < 2:
             continue
-        basis, closed = ("LINEAR", False) if event.kind == "SUTURE" else (event.basis, is_closed(event))
-        samples = rest_samples(event_points(event), basis, closed)
+        samples = event_points(event)
+        if event.kind != "SUTURE":
+            samples = rest_samples(samples, event.basis, is_closed(event))
         pixels = project(surface.carry(surface.rest.locate(samples)))
-        if event.kind == "SUTURE":
-            pixels = pixels[[0, -1]]
         a, way = pixels[:-1], np.diff(pixels, axis=0)
         square = np.maximum(np.einsum("ij,ij->i", way, way), 1e-12)
         t = np.clip(np.einsum("ij,ij->i", np.asarray(mouse)[:2] - a, way) / square, 0.0, 1.0)

@@ -25,6 +25,7 @@ THREAD: Color = (0.10, 0.22, 0.60, 1.0)
 STEEL: Color = (0.25, 0.28, 0.33, 1.0)
 WARM: Color = (0.90, 0.30, 0.15, 1.0)
 GREEN: Color = (0.10, 0.50, 0.20, 1.0)
+OCHRE: Color = (0.72, 0.50, 0.10, 0.7)
 HALO: Color = (1.0, 0.72, 0.20, 0.9)
 EVENT_COLORS = {
     "INCISION": VIOLET,
@@ -72,8 +73,10 @@ def add_event_lines(line_set: LineSet, surface: ShownSurface, event: LappetEvent
             offsets = (0.5 * event.kerf + _LIP, -0.5 * event.kerf - _LIP)
         for offset in offsets:
             lines += _runs(surface, event_points(event), event.basis, is_closed(event), offset)
-    elif event.kind == "SUTURE" and len(event.points) == 2:
-        lines += thread_lines(surface, event_points(event))
+    elif event.kind == "SUTURE":
+        bites = event_points(event)
+        for k in range(len(bites) - 1):
+            lines += thread_lines(surface, bites[k : k + 2])
     elif event.kind == "HOOK" and len(event.points) and event.target is not None:
         anchor = surface.carry(surface.rest.locate(event_points(event)[:1], skin_only=False))[0]
         lines += arrow(anchor, np.array(event.target.matrix_world.translation, np.float64))
@@ -88,6 +91,13 @@ def add_event_lines(line_set: LineSet, surface: ShownSurface, event: LappetEvent
             line_set.line(line, HALO, _WIDTH + 3.5)
         for part in dashes(line * surface.mm) if dashed and len(line) > 1 else [line * surface.mm]:
             line_set.line(part / surface.mm, (*color[:3], 0.25 * color[3]) if over else color)
+
+
+def add_skin_lines(line_set: LineSet, surface: ShownSurface, scene: bpy.types.Scene) -> None:
+    """Add the lines of the skin, thin: they are there at every time."""
+    for line in scene.lappet.skin_lines:
+        for run in _runs(surface, event_points(line), line.basis, False):
+            line_set.line(run, OCHRE, 0.6 * _WIDTH)
 
 
 def add_preview_lines(line_set: LineSet, surface: ShownSurface, line: DrawnLine, color: Color = VIOLET) -> None:
@@ -190,4 +200,5 @@ def plan_key(scene: bpy.types.Scene) -> tuple[Any, ...]:
         target = tuple(e.target.matrix_world.translation) if e.target is not None else ()
         points = event_points(e).tobytes()
         rows.append((e.uid, e.enabled, e.start, e.end, e.basis, e.closed, e.kerf, e.grip, e.label, points, target))
-    return (scene.lappet.active_event, tuple(rows))
+    lines = tuple((line.basis, event_points(line).tobytes()) for line in scene.lappet.skin_lines)
+    return (scene.lappet.active_event, tuple(rows), lines)

@@ -25,6 +25,7 @@ from .plan_lines import (
     LineSet,
     add_event_lines,
     add_preview_lines,
+    add_skin_lines,
     arrow,
     event_color,
     plan_key,
@@ -67,6 +68,8 @@ def plan_lines(scene: bpy.types.Scene, surface: ShownSurface, hides: str = "", d
     if known is not None and known[0] == key:
         return known[1]
     line_set = LineSet()
+    if done:  # whoever only looks at a solved skin wants no plan over it
+        add_skin_lines(line_set, surface, scene)
     for index, event in enumerate(scene.lappet.events):
         active = index == scene.lappet.active_event
         seen = surface.solved and event.kind not in ("LANDMARK", "RETRACTOR") and event.start <= time

@@ -9,8 +9,17 @@ from lappet.core.problem import refused
 from lappet.core.problem_code import ProblemCode
 from lappet.procedure import Suture
 
-from ..events.add_sutures import Spacing, SutureTimes, add_suture, add_suture_run, ends_across, ends_between
+from ..events.add_sutures import (
+    Spacing,
+    SutureTimes,
+    add_stitches,
+    add_suture,
+    add_suture_run,
+    ends_across,
+    ends_between,
+)
 from ..events.operator_values import given, places
+from ..events.stitch_shapes import DRAWN, SHAPES, Shape
 from ..model.event_properties import LappetPoint
 from .drawing import DrawnLine, Point
 from .handles import nearest_line
@@ -56,11 +65,19 @@ class LAPPET_OT_place_suture(SkinModal, bpy.types.Operator):
     )
     bite: FloatProperty(
         name="Bite",
-        description="Distance from the middle of the incision to an anchor, in mm; 0 = at the wound edge",
+        description="Distance from the middle of the incision to an anchor, in mm; 0 = at the wound edge. Of a shape: "
+        "from the wound edge; 0 = as is usual",
         default=0.0,
         min=0.0,
     )
-
+    shape: EnumProperty(name="Shape", description="What the thread of each suture does", items=SHAPES)
+    drawn: FloatProperty(
+        name="Drawn",
+        description="Share of the length at which the wound's edges just meet to which the thread of a shape is drawn",
+        default=DRAWN,
+        min=0.05,
+        max=1.5,
+    )
     depth: FloatProperty(
         name="Depth",
         description="Depth of the anchors below the skin, in mm: a buried row holds the wound walls together",
@@ -170,15 +187,22 @@ class LAPPET_OT_place_suture(SkinModal, bpy.types.Operator):
         if not self.incision and not (self.first and self.second):
             raise refused(ProblemCode.SUTURE_NO_EDGES)
         times = SutureTimes(given(self, "time", scene.frame_current), self.duration, self.stiffness)
+        shape = Shape(self.shape, self.bite, self.depth, self.drawn)
         if len(self.first) == len(self.second) == 1:
+            if shape.is_loop:
+                add_stitches(scene, (np.array(places(self.first)), np.array(places(self.second))), times, shape)
+                return
             add_suture(scene, self.first[0].co, self.second[0].co, times, depth=self.depth)
             return
         spacing = Spacing(self.count, self.spacing)
         if self.incision:
-            ends = ends_across(scene, self.incision, self.bite, spacing)
+            ends = ends_across(scene, self.incision, 0.0 if shape.is_loop else self.bite, spacing)
         else:
             back = _runs_back(self.first, self.second)
             ends = ends_between(places(self.first), places(self.second), back, spacing)
+        if shape.is_loop:
+            add_stitches(scene, ends, times, shape)
+            return
         add_suture_run(scene, ends, times, depth=self.depth)
 
     def draw(self, _context: bpy.types.Context) -> None:
@@ -187,6 +211,10 @@ class LAPPET_OT_place_suture(SkinModal, bpy.types.Operator):
         if self.incision or len(self.first) > 1:
             self.layout.prop(self, "count")
             self.layout.prop(self, "spacing")
+        self.layout.prop(self, "shape")
+        if self.shape != "POINTS":
+            self.layout.prop(self, "bite")
+            self.layout.prop(self, "drawn")
         self.layout.prop(self, "depth")
         self.layout.prop(self, "duration")
         self.layout.prop(self, "stiffness")

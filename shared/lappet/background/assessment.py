@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from lappet.core.digest import digest
 from lappet.core.problem import Problem
+from lappet.procedure import Procedure, Suture
 from lappet.solve.error_estimate import FrameErrorEstimate
 
 
@@ -17,7 +18,7 @@ class Assessment:
     Parameters
     ----------
     notes
-        What was done otherwise than told, and which frames are not to be trusted.
+        What was done otherwise than told, which frames are not to be trusted, and which sutures may cut through.
     errors
         Estimated error of each frame, None where there is none; empty where none was wanted.
     """
@@ -26,7 +27,7 @@ class Assessment:
     errors: tuple[FrameErrorEstimate | None, ...] = ()
 
 
-def assessment_key(keys: Sequence[str], estimated: bool) -> str:
+def assessment_key(keys: Sequence[str], estimated: bool, procedure: Procedure) -> str:
     """Return the key of an assessment in the store.
 
     Parameters
@@ -35,10 +36,13 @@ def assessment_key(keys: Sequence[str], estimated: bool) -> str:
         Keys of the frames, at least one.
     estimated
         Whether errors were wanted.
+    procedure
+        Their procedure. The frames' keys do not tell what its sutures are called and hold at most.
 
     Returns
     -------
     str
         64 hexadecimal digits.
     """
-    return digest("assessment", keys[-1], len(keys), estimated).hex()
+    sutures = [event for event in procedure.events if isinstance(event, Suture)]
+    return digest("assessment", keys[-1], len(keys), estimated, sutures).hex()

@@ -37,6 +37,7 @@ from lappet.solve.error_estimate import ErrorEstimate, estimate_errors
 from lappet.solve.fallbacks import fallbacks
 from lappet.solve.sensitive import several_notes, stability_notes
 from lappet.solve.solve_frames import FrameResult, Frames, SolveObserver, solve_program
+from lappet.solve.suture_forces import suture_forces, suture_warnings
 from lappet.solve.untrusted import untrusted
 
 Tell = Callable[[WorkerEvent], None]
@@ -133,14 +134,13 @@ class SolveJobs:
         """
         wanted = [frame for frame in manifest.frames if until is None or frame.time <= until]
         if all(frame.key in self.store for frame in wanted):
-            key = assessment_key([frame.key for frame in wanted], job.ask.settings.correction)
+            key = assessment_key([frame.key for frame in wanted], job.ask.settings.correction, job.ask.procedure)
             known = self.store.get(key, Assessment)
-            if known is not None or not job.ask.settings.correction:
+            if known is not None:
                 for frame in wanted:
                     job.step()
                     self.tell(FrameReady(job.number, frame.time, frame.key, True, self._held(frame.key)))
-                if known is not None:
-                    self.tell(Assessed(job.number, known))
+                self.tell(Assessed(job.number, known))
                 return len(wanted)
         program = up_to(self.compilation.compiled(job.ask.procedure, job.ask.settings, job.step).program, until)
         frames = self.frames(job, program)
@@ -162,7 +162,9 @@ class SolveJobs:
         frames
             Its frames, at least one.
         """
-        notes, errors = fallbacks(program, frames) + stability_notes(frames), ErrorEstimate((), 0.0, 0.0, 0.0)
+        procedure, errors = job.ask.procedure, ErrorEstimate((), 0.0, 0.0, 0.0)
+        rows = [row for frame in frames for row in suture_forces(procedure, program, frame.solved)]
+        notes = fallbacks(program, frames) + stability_notes(frames) + suture_warnings(procedure, rows)
         wanted = job.ask.settings.correction
         if wanted:
             connect, identity = stoppable(self.connect, job), self.compilation.identity
@@ -170,7 +172,7 @@ class SolveJobs:
             job.step()
             notes += untrusted(program, frames, errors) + several_notes(frames, errors.frames)
         found = Assessment(tuple(notes), errors.frames)
-        self.store.put(assessment_key([frame.key for frame in frames], wanted), found)
+        self.store.put(assessment_key([frame.key for frame in frames], wanted, procedure), found)
         self.tell(Assessed(job.number, found))
 
     def frames(self, job: Job, program: Program) -> Frames:

@@ -136,4 +136,6 @@ def _together(first: Hook | Retractor, second: Hook | Retractor) -> bool:
 
 
 def _same_anchors(a: Sequence[Sequence[float]], b: Sequence[Sequence[float]], near: float) -> bool:
-    return any(math.dist(a[0], c) <= near and math.dist(a[1], d) <= near for c, d in ((b[0], b[1]), (b[1], b[0])))
+    if len(a) != len(b):
+        return False
+    return any(all(math.dist(p, q) <= near for p, q in zip(a, other, strict=True)) for other in (b, b[::-1]))

@@ -32,6 +32,9 @@ from lappet.tissue.rest_space import RestSpace
 # In lattice spacings: how far outside the tissue an anchor may be, and how far it is moved without a word (chosen).
 OFF_TISSUE, UNSAID = 0.5, 0.01
 
+# Bites of one thread that the daemon takes.
+MOST_BITES = 256
+
 
 class EventCheck:
     """A check of the events of one procedure, one by one.
@@ -220,9 +223,20 @@ class EventCheck:
         self._thread(event)
         if self._points("anchor", event.anchors):
             self._anchors("anchor", event.anchors)
-            apart, least = math.dist(*event.anchors), same_point(self.procedure)
-            if apart <= least:
-                self._add(ProblemCode.SUTURE_OF_ONE_POINT, at(event.anchors[0]), Place.at(event.anchors[0]))
+            least = same_point(self.procedure)
+            twice = next((a for a, b in pairwise(event.anchors) if math.dist(a, b) <= least), None)
+            if twice is not None:
+                self._add(ProblemCode.SUTURE_OF_ONE_POINT, at(twice), Place.at(twice))
+            self._bites(event)
+
+    def _bites(self, event: Suture) -> None:
+        bites, where = len(event.anchors), Place.at(*event.anchors)
+        if bites < 2:
+            self._add(ProblemCode.SUTURE_ANCHORS, bites, where)
+        elif bites > 2 and event.mode == "exact":
+            self._add(ProblemCode.SUTURE_EXACT_BITES, bites, where)
+        elif bites > MOST_BITES:
+            self._add(ProblemCode.SUTURE_BITES, bites, where, most=MOST_BITES)
 
     def _thread(self, event: Suture) -> None:
         modes = get_args(SutureMode)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 
 from lappet.checks.event_problems import at
 from lappet.checks.suspicious_cuts import CutCheck
@@ -53,9 +54,9 @@ def suspicious_events(
                 code = ProblemCode.HOOK_TARGET_FAR
                 found.append(problem(code, path, f"{away:.4g}", place=where, where=at(target), time=time, most=most))
         elif isinstance(event, Suture):
-            apart = math.dist(*event.anchors)
+            apart, *ends = max((math.dist(a, b), a, b) for a, b in pairwise(event.anchors))
             if apart > most:
                 code = ProblemCode.SUTURE_LONG
-                where, named = Place.at(*event.anchors), " and ".join(map(at, event.anchors))
+                where, named = Place.at(*ends), " and ".join(map(at, ends))
                 found.append(problem(code, path, f"{apart:.4g}", place=where, where=named, most=most))
     return found

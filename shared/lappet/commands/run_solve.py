@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from lappet.output.solve_to_cache import SolveResult
     from lappet.program.settings import SolverSettings
     from lappet.solve.error_estimate import ErrorEstimate
+    from lappet.solve.seam_measures import SeamMeasure
 
 
 def run_solve(
@@ -135,12 +136,74 @@ def summary(result: SolveResult) -> str:
     )
     if result.errors is not None:
         lines += error_lines(result.errors)
+    lines += seam_lines(result.seams)
     lines += told_lines(result.notes)
     if result.output is not None:
         lines.append(f"Skin cache: {result.output.resolve()}")
     if result.reason is not None:
         click.echo(str(result.reason), err=True)
     return "\n".join(lines)
+
+
+def write_tables(
+    result: SolveResult, *, sutures: Path | None = None, hooks: Path | None = None, seams: Path | None = None
+) -> None:
+    """Write the tables of a solve that are asked for as CSV.
+
+    Parameters
+    ----------
+    result
+        What the solve gave.
+    sutures
+        File for the force on each suture.
+    hooks
+        File for the force of each hook.
+    seams
+        File for what is measured at each seam.
+
+    Raises
+    ------
+    OSError
+        If the file system refuses.
+    """
+    from lappet.output.tables import write_table
+    from lappet.solve.hook_forces import HookForce
+    from lappet.solve.seam_measures import SeamMeasure
+    from lappet.solve.suture_forces import SutureForce
+
+    for path, kind, rows in (
+        (sutures, SutureForce, result.suture_forces),
+        (hooks, HookForce, result.hook_forces),
+        (seams, SeamMeasure, result.seams),
+    ):
+        if path is not None:
+            write_table(path, kind, rows)
+
+
+def seam_lines(seams: Sequence[SeamMeasure]) -> list[str]:
+    """Say what is measured at the seams in their last frame.
+
+    Parameters
+    ----------
+    seams
+        The measures of all frames.
+
+    Returns
+    -------
+    list[str]
+        A line of text, or none where nothing is sewn.
+    """
+    if not seams or all(row.tension_n_per_mm is None for row in seams):
+        return []
+    last = [row for row in seams if row.time == seams[-1].time]
+    scar, area = sum(row.scar_length_mm for row in last), sum(row.open_area_mm2 for row in last)
+    parts = [f"Scar: {scar:.0f} mm, {area:.1f} mm² still open"]
+    steps = [row.step_off_mm for row in last if row.step_off_mm is not None]
+    ears = [ear for row in last for ear in (row.start_dog_ear_mm, row.end_dog_ear_mm) if ear is not None]
+    pull = sum(row.tension_n_per_mm * row.scar_length_mm for row in last if row.tension_n_per_mm is not None)
+    parts += [f"step-off {max(steps):.1f} mm"] if steps else []
+    parts += [f"dog-ear {max(ears):.1f} mm"] if ears else []
+    return [", ".join(parts) + f" at most, closing tension {pull / scar:.2g} N/mm in the mean, in the last frame."]
 
 
 def told_lines(notes: Sequence[Problem]) -> list[str]:

@@ -18,6 +18,8 @@ from lappet.program.settings import SolverSettings
 @click.option("-o", "--output", type=FILE, help="The skin cache.  [default: PROCEDURE.cache.usdc]")
 @click.option("--report", "report_path", type=FILE, help="Write what the solve took as JSON.")
 @click.option("--suture-forces", "forces_path", type=FILE, help="Write the force on each suture as CSV.")
+@click.option("--hook-forces", "hooks_path", type=FILE, help="Write the force of each hook as CSV.")
+@click.option("--seams", "seams_path", type=FILE, help="Write what is measured at each seam of a wound as CSV.")
 @click.option("--frames", type=FrameRange(), help="Solve up to B and write A to B.")
 @click.option(
     "--target-error",
@@ -34,6 +36,8 @@ def solve(
     output: Path | None,
     report_path: Path | None,
     forces_path: Path | None,
+    hooks_path: Path | None,
+    seams_path: Path | None,
     frames: tuple[int | None, int | None] | None,
     target_error: float | None,
     settings: SolverSettings,
@@ -41,7 +45,7 @@ def solve(
 ) -> None:
     """Solve a procedure and write its skin cache."""
     with sentences(context):
-        from lappet.commands.run_solve import run_solve, run_to_target, summary
+        from lappet.commands.run_solve import run_solve, run_to_target, summary, write_tables
 
         cache = output or procedure.with_suffix(".cache.usdc")
         options["frames"] = frames or (None, None)
@@ -55,10 +59,7 @@ def solve(
                 option = "--" + given[0].replace("_", "-")
                 raise click.UsageError(f"--target-error chooses {option} itself; leave {option} out.")
             result = run_to_target(procedure, cache, report_path, settings, target_error, **options)
-        if forces_path is not None:
-            from lappet.output.suture_forces import write_suture_forces
-
-            write_suture_forces(forces_path, result.suture_forces)
+        write_tables(result, sutures=forces_path, hooks=hooks_path, seams=seams_path)
         click.echo(summary(result))
     if not result.complete:
         context.exit(1)

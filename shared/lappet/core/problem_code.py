@@ -18,6 +18,8 @@ class ProblemCode(StrEnum):
 
     # texts/blender.toml
     OBJECT_NOT_A_MESH = auto()
+    OBJECT_NOT_A_CURVE = auto()
+    CURVE_EMPTY = auto()
     OBJECT_NOT_IN_SCENE = auto()
     OBJECT_MIRRORED = auto()
     OBJECT_STRETCHED = auto()
@@ -58,6 +60,7 @@ class ProblemCode(StrEnum):
     MATERIAL_UNKNOWN = auto()
     REGION_OF_GROUP_UNKNOWN = auto()
     REGION_DEPTHS = auto()
+    SKIN_LINE_UNKNOWN = auto()
     EVENT_UNKNOWN = auto()
     EVENT_NONE_ACTIVE = auto()
     EVENT_UNREADABLE = auto()
@@ -145,6 +148,8 @@ class ProblemCode(StrEnum):
     SUTURE_DURATION = auto()
     SUTURE_AFTER_END = auto()
     SUTURE_OF_ONE_POINT = auto()
+    SUTURE_EXACT_BITES = auto()
+    SUTURE_BITES = auto()
     LANDMARK_NO_LABEL = auto()
     HOOK_SAME_POINT = auto()
     GRIP_OF_FIXED = auto()

@@ -52,6 +52,14 @@ def read_frame(
             "correction": read_array(message, "correction", "f4", points.shape),
             "landmark_correction": read_array(message, "landmark_correction", "f8", (marks, 3)),
         }
+    bites = {}
+    if len(constraints.suture_inner_bites):
+        bites = {
+            "suture_inner_bites": np.asarray(constraints.suture_inner_bites, np.int32),
+            "inner_bite_points": read_array(
+                message, "inner_bite_points", "f8", (len(constraints.inner_bite_triangles), 3)
+            ),
+        }
     time = message.fields.get("time")
     if time != constraints.time:
         raise WireError(f"The daemon answered frame {time!r:.60} where frame {constraints.time:g} was due.")
@@ -68,7 +76,9 @@ def read_frame(
         suture_points=read_array(message, "suture_points", "f8", (sutures, 2, 3)),
         suture_gaps=read_array(message, "suture_gaps", "f8", (sutures,)),
         suture_forces=read_array(message, "suture_forces", "f8", (sutures,)),
+        suture_force_vectors=read_array(message, "suture_force_vectors", "f8", (sutures, 3)),
         suture_shared=read_array(message, "suture_shared", "f8", (sutures,)),
+        **bites,
         **corrections,
         softest_point=read_array(message, "softest_point", "f8", (None, 3)),
         diagnostics=read_fields(Diagnostics, message.fields, "frame"),

@@ -283,8 +283,14 @@ class SolvedFrame:
         Distance from the separation asked for in mm, shape (A,), float64.
     suture_forces
         Their pull in mN, shape (A,), float64.
+    suture_force_vectors
+        Force on the tissue at their first ends in mN, shape (A, 3), float64; at the second ends the opposite one.
     suture_shared
         How much of what their two ends hold is the same tissue, 0 to 1, shape (A,), float64; (0,) where not known.
+    suture_inner_bites
+        Number of bites of each between its ends, shape (A,), int32; empty where none has any.
+    inner_bite_points
+        Where these are in mm, in the order of the sutures and of each thread, shape (I, 3), float64.
     correction
         Displacement still to come in mm, shape (n, 3), float32; (0, 3) where it was not asked for.
     landmark_correction
@@ -314,7 +320,10 @@ class SolvedFrame:
     suture_points: NDArray[np.float64] = field(default_factory=lambda: no_entries((0, 2, 3), np.float64))
     suture_gaps: NDArray[np.float64] = field(default_factory=lambda: no_entries((0,), np.float64))
     suture_forces: NDArray[np.float64] = field(default_factory=lambda: no_entries((0,), np.float64))
+    suture_force_vectors: NDArray[np.float64] = field(default_factory=lambda: no_entries((0, 3), np.float64))
     suture_shared: NDArray[np.float64] = field(default_factory=lambda: no_entries((0,), np.float64))
+    suture_inner_bites: NDArray[np.int32] = field(default_factory=lambda: no_entries((0,), np.int32))
+    inner_bite_points: NDArray[np.float64] = field(default_factory=lambda: no_entries((0, 3), np.float64))
     correction: NDArray[np.float32] = field(default_factory=lambda: no_entries((0, 3), np.float32))
     landmark_correction: NDArray[np.float64] = field(default_factory=lambda: no_entries((0, 3), np.float64))
     softest_point: NDArray[np.float64] = field(default_factory=lambda: no_entries((0, 3), np.float64))

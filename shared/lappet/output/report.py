@@ -19,15 +19,17 @@ from lappet.core.machine import machine
 from lappet.core.problem import Place, Problem
 from lappet.core.version import version
 from lappet.cutting.epoch import Epoch
+from lappet.daemon.solved_frame import SolvedFrame
 from lappet.output.mean_tension import greatest_mean_tension
 from lappet.output.solve_to_cache import SolveResult
-from lappet.output.suture_forces import SutureForce, summary
 from lappet.procedure.scene_profile import scene_profile
 from lappet.program.program import Program
+from lappet.solve.bite_forces import bite_forces
 from lappet.solve.error_estimate import FrameErrorEstimate
 from lappet.solve.fallbacks import volume_ratio
 from lappet.solve.sensitive import is_sensitive
 from lappet.solve.solve_frames import FrameResult, failure_code
+from lappet.solve.suture_forces import SutureForce, summary
 
 REPORT_VERSION = 2
 LATTICE_COUNTS = ("fine_voxels", "cells", "grid_cells", "mesh_cells", "nodes", "blocks")
@@ -176,6 +178,8 @@ def _frame(program: Program, frame: FrameResult, error: FrameErrorEstimate | Non
         "seconds": {**asdict(said.seconds), "wall": frame.wall_seconds},
         "suture_gaps_mm": _named(sutures, solved.suture_gaps),
         "suture_forces_mn": _named(sutures, solved.suture_forces),
+        "suture_force_vectors_mn": _named(sutures, solved.suture_force_vectors),
+        **_bite_forces(sutures, solved),
         "hook_forces_mn": _named(hooks, solved.hook_forces),
         "landmarks": _named(landmarks, solved.landmarks),
         "estimated_error_mm": _error(program, frame, error),
@@ -184,13 +188,38 @@ def _frame(program: Program, frame: FrameResult, error: FrameErrorEstimate | Non
     }
 
 
+def _bite_forces(sutures: list[str], solved: SolvedFrame) -> dict[str, Any]:
+    """The force on each bite of the threads that have more than two."""
+    if not len(solved.suture_inner_bites):
+        return {}
+    forces = zip(sutures, bite_forces(solved), strict=True)
+    return {"bite_forces_mn": {name: each.tolist() for name, each in forces if len(each) > 2}}
+
+
 def _forces(result: SolveResult) -> dict[str, Any]:
     """The forces of each frame that has a suture, summed up, and the tension of the skin."""
     rows: dict[float, list[SutureForce]] = {}
     for row in result.suture_forces:
         rows.setdefault(row.time, []).append(row)
     sutures = [{"time_code": time, **summary(own)} for time, own in rows.items()]
-    return {"sutures": sutures, "greatest_mean_tension": _mean_tension(result)}
+    return {"sutures": sutures, "seams": _seams(result), "greatest_mean_tension": _mean_tension(result)}
+
+
+def _seams(result: SolveResult) -> list[dict[str, Any]]:
+    """What is measured at the seams of each frame that has one, by their names."""
+    frames: dict[float, dict[str, Any]] = {}
+    for row in result.seams:
+        values = asdict(row)
+        frames.setdefault(values.pop("time"), {})[values.pop("seam")] = values
+    return [
+        {
+            "time_code": time,
+            "scar_length_mm": sum(each["scar_length_mm"] for each in own.values()),
+            "open_area_mm2": sum(each["open_area_mm2"] for each in own.values()),
+            "seams": own,
+        }
+        for time, own in frames.items()
+    ]
 
 
 def _mean_tension(result: SolveResult) -> dict[str, Any] | None:

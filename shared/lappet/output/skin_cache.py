@@ -19,8 +19,11 @@ from lappet.cutting.epoch import Epoch
 from lappet.daemon.solved_frame import SCALARS, SolvedFrame
 from lappet.geometry.labeled_surface import FaceOrigin
 from lappet.geometry.shading_normals import ShadingNormals
+from lappet.output.seam_curves import write_seams
 from lappet.procedure import Hook, Landmark, Procedure, Suture
 from lappet.program.program import Program
+from lappet.solve.bite_forces import bite_points
+from lappet.solve.seam_measures import SeamState
 from lappet.usd.stage import pxr, save_layer
 
 SUBSETS = {
@@ -42,6 +45,7 @@ def write_skin_cache(
     program: Program,
     frames: Sequence[SolvedFrame],
     last_key: str,
+    seams: Sequence[SeamState] = (),
 ) -> None:
     """Write the skin cache of consecutive frames, atomically.
 
@@ -59,6 +63,8 @@ def write_skin_cache(
         The solved frames, one after the other.
     last_key
         Key of the last one.
+    seams
+        The seams of the frames.
 
     Raises
     ------
@@ -71,6 +77,7 @@ def write_skin_cache(
     output.parent.mkdir(parents=True, exist_ok=True)
     layer = pxr().Sdf.Layer.CreateAnonymous(".usda")
     _author(layer, procedure, program, frames, last_key)
+    write_seams(pxr().Usd.Stage.Open(layer), frames, seams)
     # Only now that no stage is open on it: the path means nothing to a layer in memory.
     below = os.path.relpath(Path(procedure_path).resolve(), output.resolve().parent)
     layer.subLayerPaths.append(below if below.startswith(".") else f"./{below}")
@@ -91,6 +98,7 @@ def _author(layer: Any, procedure: Procedure, program: Program, frames: Sequence
         if own:
             _write_epoch(stage, epoch, own, times, program.fps)
     _write_sutures(stage, procedure, program, frames)
+    _write_threads(stage, procedure, program, frames)
     _write_hooks(stage, procedure, program, frames)
     _write_landmarks(stage, procedure, program, frames)
 
@@ -190,14 +198,36 @@ def _write_sutures(stage: Any, procedure: Procedure, program: Program, frames: S
     pull = usd.UsdGeom.PrimvarsAPI(curves).CreatePrimvar(
         "force", usd.Sdf.ValueTypeNames.FloatArray, usd.UsdGeom.Tokens.uniform
     )
+    vector = _force_vectors(curves)
     for frame in frames:
         forces = np.zeros(len(program.sutures), np.float32)
         forces[frame.suture_index] = frame.suture_forces
         pull.Set(usd.Vt.FloatArray.FromNumpy(forces), frame.time)
+        if len(frame.suture_force_vectors) == len(frame.suture_index):
+            vector.Set(
+                _vectors(_rows(len(program.sutures), frame.suture_index, frame.suture_force_vectors)), frame.time
+            )
         active = np.zeros(len(program.sutures), np.int32)
         active[frame.suture_index] = 1
         held[frame.suture_index] = frame.suture_points
         _set_curves(curves, held, active, frame.time)
+
+
+def _write_threads(stage: Any, procedure: Procedure, program: Program, frames: Sequence[SolvedFrame]) -> None:
+    """All bites of the threads that have more than two, in the order of each; on one spot until they are placed."""
+    events = {event.name: event for event in procedure.events if isinstance(event, Suture)}
+    names = [name for name in program.sutures if len(events[name].anchors) > 2]
+    if not names:
+        return
+    held = {name: np.array(events[name].anchors[:1] * len(events[name].anchors), np.float64) for name in names}
+    curves = _curves(stage, "/Procedure/Skin/Threads", names, _THREAD_MM, (0.08, 0.12, 0.35))
+    counts = np.array([len(held[name]) for name in names], np.int32)
+    curves.GetCurveVertexCountsAttr().Set(pxr().Vt.IntArray.FromNumpy(counts))
+    for frame in frames:
+        placed = {program.sutures[i]: at for i, at in zip(frame.suture_index, bite_points(frame), strict=True)}
+        held.update((name, placed[name]) for name in names if name in placed)
+        active = np.array([name in placed for name in names], np.int32)
+        _set_curves(curves, np.concatenate([held[name] for name in names]), active, frame.time)
 
 
 def _write_hooks(stage: Any, procedure: Procedure, program: Program, frames: Sequence[SolvedFrame]) -> None:
@@ -208,11 +238,14 @@ def _write_hooks(stage: Any, procedure: Procedure, program: Program, frames: Seq
     anchors = {event.name: event.anchor for event in procedure.events if isinstance(event, Hook)}
     held = np.array([[anchors[name]] * 2 for name in program.hooks], np.float64)
     curves = _curves(stage, "/Procedure/Skin/Hooks", program.hooks, _STEEL_MM, (0.55, 0.57, 0.6))
+    vector = _force_vectors(curves)
     for frame in frames:
         active = np.zeros(len(program.hooks), np.int32)
         active[frame.hook_index] = 1
         held[:, 1] = held[:, 0]
         held[frame.hook_index, 0] = frame.hook_points
+        if len(frame.hook_forces) == len(frame.hook_index):
+            vector.Set(_vectors(_rows(len(program.hooks), frame.hook_index, frame.hook_forces)), frame.time)
         pulled = constraints[frame.time]
         held[pulled.hook_index, 1] = pulled.hook_targets
         _set_curves(curves, held, active, frame.time)
@@ -256,6 +289,19 @@ def _curves(stage: Any, path: str, names: Sequence[str], width: float, color: tu
     primvars.CreatePrimvar("displayColor", types.Color3fArray, tokens.constant).Set([color])
     primvars.CreatePrimvar("active", types.IntArray, tokens.uniform)
     return curves
+
+
+def _force_vectors(curves: Any) -> Any:
+    usd = pxr()
+    kind = usd.Sdf.ValueTypeNames.Vector3fArray
+    return usd.UsdGeom.PrimvarsAPI(curves).CreatePrimvar("forceVector", kind, usd.UsdGeom.Tokens.uniform)
+
+
+def _rows(count: int, index: NDArray[np.int32], values: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The values in rows of their own numbers; zero in the others."""
+    rows = np.zeros((count, 3))
+    rows[index] = values
+    return rows
 
 
 def _set_curves(curves: Any, ends: NDArray[np.float64], active: NDArray[np.int32], time: float) -> None:

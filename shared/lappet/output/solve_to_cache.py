@@ -4,26 +4,30 @@ from __future__ import annotations
 
 import tempfile
 import time
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from lappet.checks.validation import check
 from lappet.core.problem import Problem, RefusedError, problem, refused
 from lappet.core.problem_code import ProblemCode
 from lappet.daemon.daemon_solver import connect_to, solver_identity
 from lappet.daemon.frame_solver import Connect, Iteration
+from lappet.daemon.solved_frame import SolvedFrame
 from lappet.output.skin_cache import write_skin_cache
-from lappet.output.suture_forces import SutureForce, suture_forces, suture_warnings
 from lappet.procedure import Procedure
 from lappet.procedure.prim_paths import ROOT
 from lappet.program.compile import DEFAULT, compile_program, frame_times
 from lappet.program.program import Program
 from lappet.program.settings import SolverSettings
 from lappet.solve.fallbacks import fallbacks
+from lappet.solve.hook_forces import HookForce, hook_forces
+from lappet.solve.seam_measures import SeamMeasure, SeamState, seam_states
 from lappet.solve.sensitive import several_notes, stability_notes
-from lappet.solve.solve_frames import FrameResult, SolveObserver, solve_program
+from lappet.solve.solve_frames import FrameResult, Frames, SolveObserver, solve_program
 from lappet.solve.store import FrameStore
+from lappet.solve.suture_forces import SutureForce, suture_forces, suture_warnings
 from lappet.usd.stage import SUFFIXES, read_procedure, write_procedure
 
 if TYPE_CHECKING:
@@ -58,6 +62,10 @@ class SolveResult:
         Estimate of the errors of `frames`, or None where none was wanted.
     suture_forces
         The force on each suture in each frame.
+    hook_forces
+        The force of each hook in each frame.
+    seams
+        What is measured at each seam in each frame.
     """
 
     procedure: Procedure
@@ -71,6 +79,8 @@ class SolveResult:
     notes: tuple[Problem, ...] = ()
     errors: ErrorEstimate | None = None
     suture_forces: tuple[SutureForce, ...] = ()
+    hook_forces: tuple[HookForce, ...] = ()
+    seams: tuple[SeamMeasure, ...] = ()
 
     @property
     def complete(self) -> bool:
@@ -154,25 +164,20 @@ def solve_procedure(
         solver = solver or solver_identity(daemon)
     store = store or FrameStore()
     result = solve_program(program, store, connect, solver, watch)
-    forces = [row for frame in result.frames for row in suture_forces(procedure, program, frame.solved)]
+    measured = _Measured.of(procedure, program, [frame.solved for frame in result.frames])
     wanted = [frame for frame in result.frames if frame.constraints.time >= first]
     written = None
     if wanted:
-        write_skin_cache(output, path, procedure, program, [frame.solved for frame in wanted], wanted[-1].key)
+        solved = [frame.solved for frame in wanted]
+        write_skin_cache(output, path, procedure, program, solved, wanted[-1].key, measured.seams)
         written = output
     elif result.reason is not None and result.failed is None:
         raise RefusedError([result.reason])
+    found = fallbacks(program, result.frames) + stability_notes(result.frames)
+    found += suture_warnings(procedure, measured.sutures)
     errors = None
-    found = fallbacks(program, result.frames) + stability_notes(result.frames) + suture_warnings(procedure, forces)
-    if error_estimate and result.frames and result.interrupted:
-        found.append(problem(ProblemCode.ESTIMATE_SKIPPED, "", "the solve was stopped"))
-    elif error_estimate and result.frames:
-        from lappet.solve.error_estimate import estimate_errors  # a solve without an estimate does not load it
-        from lappet.solve.untrusted import untrusted
-
-        errors = estimate_errors(program, result.frames, store, connect, solver)
-        found += untrusted(program, result.frames, errors)
-        found += several_notes(result.frames, errors.frames)
+    if error_estimate and result.frames:
+        errors = _estimate(program, result, store, connect, solver, found)
     return SolveResult(
         procedure,
         program,
@@ -184,8 +189,24 @@ def solve_procedure(
         time.perf_counter() - started,
         (*watch.notes, *found),
         errors,
-        tuple(forces),
+        tuple(measured.sutures),
+        tuple(measured.hooks),
+        tuple(each.measure for each in measured.seams),
     )
+
+
+class _Measured(NamedTuple):
+    """What is measured at sutures, hooks and seams in all frames."""
+
+    sutures: list[SutureForce]
+    hooks: list[HookForce]
+    seams: list[SeamState]
+
+    @classmethod
+    def of(cls, procedure: Procedure, program: Program, frames: Sequence[SolvedFrame]) -> _Measured:
+        sutures = [row for frame in frames for row in suture_forces(procedure, program, frame)]
+        hooks = [row for frame in frames for row in hook_forces(program, frame)]
+        return cls(sutures, hooks, seam_states(procedure, program, frames, sutures))
 
 
 def _refuse_output(output: Path) -> None:
@@ -222,6 +243,22 @@ def _check(procedure: Procedure, settings: SolverSettings) -> list[Problem]:
     if errors:
         raise RefusedError(errors)
     return problems
+
+
+def _estimate(
+    program: Program, result: Frames, store: FrameStore, connect: Connect, solver: str, notes: list[Problem]
+) -> ErrorEstimate | None:
+    """The errors of the frames, None where the solve was stopped; what is to be known of them is added to the notes."""
+    if result.interrupted:
+        notes.append(problem(ProblemCode.ESTIMATE_SKIPPED, "", "the solve was stopped"))
+        return None
+    from lappet.solve.error_estimate import estimate_errors  # a solve without an estimate does not load it
+    from lappet.solve.untrusted import untrusted
+
+    errors = estimate_errors(program, result.frames, store, connect, solver)
+    notes += untrusted(program, result.frames, errors)
+    notes += several_notes(result.frames, errors.frames)
+    return errors
 
 
 def _range(procedure: Procedure, frames: tuple[int | None, int | None]) -> tuple[int, int]:

@@ -180,17 +180,20 @@ class Retractor:
 
 @dataclass(frozen=True)
 class Suture:
-    """A stitch that draws two material points together and then holds them.
+    """A stitch that draws material points together and then holds them.
 
-    Closed exactly, its points meet, whatever force that takes. A thread pulls and never pushes: it becomes shorter over
-    the duration, from the distance of its points when it is placed to its length, and stretches under its tension.
+    Closed exactly, its two points meet, whatever force that takes. A thread pulls and never pushes: it becomes shorter
+    over the duration, from the distance of its points when it is placed to its length, and stretches under its tension.
+    It may go through more bites than two, and slides through them: one tension along all of it, its length the sum of
+    the distances from each to the next. A loop that is tied ends where it begins; `lappet.procedure.stitches` makes
+    the bites of the usual stitches.
 
     Parameters
     ----------
     name
         Name of the event, unique in the procedure.
     anchors
-        The two material points in mm.
+        The material points in mm, in the order of the thread, shape (n, 3): two, or more for a thread.
     start
         Time code at which drawing together begins.
     duration
@@ -211,7 +214,7 @@ class Suture:
 
     kind: ClassVar[str] = "Suture"
     name: str
-    anchors: tuple[Point, Point]
+    anchors: tuple[Point, ...]
     start: float
     duration: float = 1.0
     stiffness: float = 1000.0
@@ -222,14 +225,18 @@ class Suture:
     pull_through: float = 0.0
 
     def __post_init__(self) -> None:
-        first, second = self.anchors
-        set_fields(self, anchors=(double_point(first), double_point(second)))
+        set_fields(self, anchors=tuple(double_point(anchor) for anchor in self.anchors))
+
+    @property
+    def rest_length(self) -> float:
+        """The sum of the distances from each point to the next at rest in mm."""
+        return sum((math.dist(a, b) for a, b in pairwise(self.anchors)), 0.0)
 
     @property
     def axial_stiffness(self) -> float:
-        """Stiffness of the thread in mN/mm, that of a piece as long as its points are apart at rest."""
+        """Stiffness of the thread in mN/mm, that of a piece as long as it is through its points at rest."""
         known = THREADS.get(self.thread)
-        return self.stiffness if known is None else known.stiffness(math.dist(*self.anchors))
+        return self.stiffness if known is None else known.stiffness(self.rest_length)
 
     @property
     def pull_through_limit(self) -> float:
@@ -381,9 +388,11 @@ def describe(event: Event) -> str:
         case Retractor():
             return f"moves {event.grip!r}{_motion(event)}"
         case Suture():
-            first, second = event.anchors
-            gap = f"{number(math.dist(first, second))} mm apart at rest"
-            return f"{place(first)} to {place(second)}, {gap}, {_hold(event)}"
+            ends = f"{place(event.anchors[0])} to {place(event.anchors[-1])}"
+            if len(event.anchors) == 2:
+                return f"{ends}, {number(event.rest_length)} mm apart at rest, {_hold(event)}"
+            bites = f"through {len(event.anchors)} bites, {number(event.rest_length)} mm of thread at rest"
+            return f"{ends} {bites}, {_hold(event)}"
         case Landmark():
             return f"{event.label!r} at " + " and ".join(place(point) for point in event.points)
 

@@ -228,8 +228,8 @@ class _AnchorsInTissue:
             for row, hook in enumerate(self.events.hooks)
         ]
         sutures = [
-            self._placed(suture, slice(row, row + 2), suture.start, math.inf, own)
-            for row, suture in zip(self.events.suture_rows, self.events.sutures, strict=True)
+            self._placed(suture, rows, suture.start, math.inf, own)
+            for rows, suture in zip(self.events.suture_rows, self.events.sutures, strict=True)
         ]
         return EventAnchors(hooks, sutures)
 
@@ -247,8 +247,9 @@ class _AnchorsInTissue:
             at, hook = points[lost[0]], isinstance(event, Hook)
             code = ProblemCode.PROGRAM_HOOK_EXCISED if hook else ProblemCode.PROGRAM_ANCHOR_EXCISED
             raise refused(code, event_path(event), _mm(at), place=Place.at(at), time=acts[0])
-        if len(points) == 2 and float(np.linalg.norm(placed.point[0] - placed.point[1])) == 0.0:
-            at, code = placed.point[0], ProblemCode.PROGRAM_ANCHORS_FALL_TOGETHER
+        together = np.flatnonzero(np.linalg.norm(np.diff(placed.point, axis=0), axis=1) == 0.0)
+        if len(together):
+            at, code = placed.point[together[0]], ProblemCode.PROGRAM_ANCHORS_FALL_TOGETHER
             raise refused(code, event_path(event), _mm(at), place=Place.at(at))
         return placed
 

@@ -162,6 +162,8 @@ def _ends(surface: Surface, frame: FrameConstraints, spacing: float) -> _Ends | 
     nearest, share = distance[row, edge].reshape(-1, 2), along[row, edge]
     along_loop = edges.start[edge] + share * np.sqrt(squared[edge])
     kept = (nearest <= REACH * spacing).all(axis=1)
+    if len(frame.suture_inner_bites):  # what a thread with more bites pairs is not at its ends
+        kept &= frame.suture_inner_bites == 0
     unsure = np.where(in_wall.reshape(-1, 2), DEEP * nearest, nearest).max(axis=1, initial=0.0)
     return _Ends(
         frame.suture_index[kept],

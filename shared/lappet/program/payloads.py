@@ -15,7 +15,16 @@ from lappet.cutting.epoch import Epoch, Regions
 from lappet.program.program import Bones, FrameConstraints, Landmarks
 from lappet.program.settings import MaterialParameters, SolverSettings
 
-OPTIONAL = ("activation", "suture_is_thread", "suture_length", "suture_tension")  # of a frame
+# Of a frame.
+OPTIONAL = (
+    "activation",
+    "suture_is_thread",
+    "suture_length",
+    "suture_tension",
+    "suture_inner_bites",
+    "inner_bite_anchors",
+    "inner_bite_triangles",
+)
 ALWAYS_TOLD = frozenset({"model", "youngs_modulus", "poissons_ratio", "density"})
 
 

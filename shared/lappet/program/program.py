@@ -67,6 +67,13 @@ class FrameConstraints:
         Length to which a thread is drawn in mm, shape (A,), float64.
     suture_tension
         Tension with which a thread is drawn at most in mN, 0 for as much as it takes, shape (A,), float64.
+    suture_inner_bites
+        Number of bites of each thread between its ends, shape (A,), int32; empty where no thread has any, as are the
+        next two. I are they in all, in the order of the sutures and of each thread.
+    inner_bite_anchors
+        Rest points of these bites in mm, shape (I, 3), float64.
+    inner_bite_triangles
+        Triangles under them, shape (I,), int32.
     retractor_index
         Index of each retractor in the procedure, shape (R,), int32.
     retractor_motion
@@ -91,6 +98,9 @@ class FrameConstraints:
     suture_is_thread: NDArray[np.uint8] = field(default_factory=lambda: no_entries((0,), np.uint8))
     suture_length: NDArray[np.float64] = field(default_factory=lambda: no_entries((0,), np.float64))
     suture_tension: NDArray[np.float64] = field(default_factory=lambda: no_entries((0,), np.float64))
+    suture_inner_bites: NDArray[np.int32] = field(default_factory=lambda: no_entries((0,), np.int32))
+    inner_bite_anchors: NDArray[np.float64] = field(default_factory=lambda: no_entries((0, 3), np.float64))
+    inner_bite_triangles: NDArray[np.int32] = field(default_factory=lambda: no_entries((0,), np.int32))
     retractor_index: NDArray[np.int32] = field(default_factory=lambda: no_entries((0,), np.int32))
     retractor_motion: NDArray[np.float64] = field(default_factory=lambda: no_entries((0, 4, 4), np.float64))
     activation: NDArray[np.float64] = field(default_factory=lambda: no_entries((0,), np.float64))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -25,7 +26,7 @@ class EventAnchors(NamedTuple):
     hooks
         The anchor of each hook.
     sutures
-        The two anchors of each suture.
+        The anchors of each suture in the order of its thread.
     """
 
     hooks: Sequence[PlacedAnchors | None]
@@ -99,7 +100,7 @@ class TimedEvents:
         Returns
         -------
         NDArray[np.float64]
-            Those of hooks, two of each suture and the landmarks in mm, shape (q, 3).
+            Those of hooks, sutures and landmarks in mm, shape (q, 3).
         """
         anchors = [
             *(hook.anchor for hook in self.hooks),
@@ -109,14 +110,15 @@ class TimedEvents:
         return np.array(anchors, np.float64).reshape(-1, 3)
 
     @property
-    def suture_rows(self) -> range:
-        """Row in `anchors` of the first anchor of each suture."""
-        return range(len(self.hooks), len(self.hooks) + 2 * len(self.sutures), 2)
+    def suture_rows(self) -> list[slice]:
+        """Rows in `anchors` of each suture."""
+        ends = np.cumsum([len(self.hooks), *(len(suture.anchors) for suture in self.sutures)]).tolist()
+        return [slice(first, end) for first, end in pairwise(ends)]
 
     @property
     def mark_rows(self) -> slice:
         """Rows in `anchors` of the landmarks."""
-        return slice(self.suture_rows.stop, None)
+        return slice(len(self.hooks) + sum(len(suture.anchors) for suture in self.sutures), None)
 
     def arrays(self, time: float, anchors_of: EventAnchors) -> dict[str, NDArray[Any]]:
         """Collect what acts at a time.
@@ -171,8 +173,8 @@ class TimedEvents:
             return {}
         arrays: dict[str, NDArray[Any]] = {
             "suture_index": np.array([number for number, _, _ in placed], np.int32),
-            "suture_anchors": np.array([found.point for _, _, found in placed], np.float64),
-            "suture_triangles": np.array([found.triangle for _, _, found in placed], np.int32),
+            "suture_anchors": np.array([found.point[[0, -1]] for _, _, found in placed], np.float64),
+            "suture_triangles": np.array([found.triangle[[0, -1]] for _, _, found in placed], np.int32),
             "suture_closure": np.array([_closure(suture, time) for _, suture, _ in placed], np.float64),
             "suture_stiffness": np.array([suture.axial_stiffness for _, suture, _ in placed], np.float64),
         }
@@ -181,6 +183,11 @@ class TimedEvents:
             arrays["suture_is_thread"] = np.array(threads, np.uint8)
             arrays["suture_length"] = np.array([suture.length for _, suture, _ in placed], np.float64)
             arrays["suture_tension"] = np.array([suture.tension for _, suture, _ in placed], np.float64)
+        inner = [len(found.triangle) - 2 for _, _, found in placed]
+        if any(inner):
+            arrays["suture_inner_bites"] = np.array(inner, np.int32)
+            arrays["inner_bite_anchors"] = np.concatenate([found.point[1:-1] for _, _, found in placed])
+            arrays["inner_bite_triangles"] = np.concatenate([found.triangle[1:-1] for _, _, found in placed])
         return arrays
 
     def _retractor_arrays(self, time: float) -> dict[str, NDArray[Any]]:

@@ -159,13 +159,13 @@ def read_event(reader: Reader, prim: Any, schema: str, tissues: list[Any]) -> Ev
         case "LappetSutureAPI":
             start = reader.number(prim, "lappet:start")
             anchors = _tuples(reader.placed(reader.vectors(prim, "lappet:anchors"), prim.GetParent()))
-            if len(anchors) != 2:
+            if len(anchors) < 2:
                 reader.problem(ProblemCode.SUTURE_ANCHORS, prim.GetPath(), len(anchors))
                 anchors = ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
             duration = reader.number(prim, "lappet:duration", Suture.duration)
             return Suture(
                 name,
-                (anchors[0], anchors[1]),
+                anchors,
                 start,
                 duration,
                 reader.number(prim, "lappet:stiffness", Suture.stiffness),

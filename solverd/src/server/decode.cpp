@@ -163,6 +163,27 @@ std::vector<HookState> decode_hooks(ArrayReader& arrays, const FrameLimits& limi
   return result;
 }
 
+// Those that each suture has between its ends.
+std::vector<std::vector<Anchor>> decode_inner_bites(ArrayReader& arrays, std::size_t sutures, std::int32_t triangles) {
+  std::vector<std::vector<Anchor>> result(sutures);
+  if (!arrays.has("suture_inner_bites")) return result;
+  const auto counts = arrays.read<std::int32_t>("suture_inner_bites", {length(sutures)});
+  const auto of_bites = arrays.read<std::int32_t>("inner_bite_triangles", {kAny});
+  const std::vector<double> anchors = arrays.read_finite("inner_bite_anchors", {length(of_bites.size()), 3});
+  check_indices(of_bites, "inner_bite_triangles", 0, triangles, "triangles");
+  std::size_t next = 0;
+  for (std::size_t i = 0; i < sutures; ++i) {
+    if (counts[i] < 0 || static_cast<std::size_t>(counts[i]) > of_bites.size() - next)
+      invalid("The array 'suture_inner_bites' says " + std::to_string(counts[i]) + " in row " + std::to_string(i) +
+              ", where " + std::to_string(of_bites.size() - next) + " of 'inner_bite_triangles' are left.");
+    for (std::int32_t k = 0; k < counts[i]; ++k, ++next) result[i].push_back({point_at(anchors, next), of_bites[next]});
+  }
+  if (next != of_bites.size())
+    invalid("The array 'suture_inner_bites' adds up to " + std::to_string(next) + " but there are " +
+            std::to_string(of_bites.size()) + " of 'inner_bite_triangles'.");
+  return result;
+}
+
 std::vector<SutureState> decode_sutures(ArrayReader& arrays, const FrameLimits& limits) {
   const auto suture_index = arrays.read<std::int32_t>("suture_index", {kAny});
   const std::size_t sutures = suture_index.size();
@@ -180,6 +201,7 @@ std::vector<SutureState> decode_sutures(ArrayReader& arrays, const FrameLimits& 
     lengths = arrays.read_finite("suture_length", {length(sutures)});
     tensions = arrays.read_finite("suture_tension", {length(sutures)});
   }
+  std::vector<std::vector<Anchor>> inner = decode_inner_bites(arrays, sutures, limits.triangles);
   std::vector<SutureState> result;
   for (std::size_t i = 0; i < sutures; ++i) {
     if (closure[i] < 0.0 || closure[i] > 1.0) {
@@ -193,7 +215,8 @@ std::vector<SutureState> decode_sutures(ArrayReader& arrays, const FrameLimits& 
                       suture_stiffness[i],
                       is_thread[i] != 0,
                       lengths[i],
-                      tensions[i]});
+                      tensions[i],
+                      std::move(inner[i])});
   }
   return result;
 }

@@ -143,8 +143,10 @@ std::vector<PartBytes> encode_frame(ReplyTo to, const FrameOutput& frame) {
   add_rows(writer, "suture_index", frame.suture_indices, {});
   add_rows(writer, "suture_gaps", frame.suture_gaps, {});
   add_rows(writer, "suture_forces", frame.suture_forces, {});
+  add_rows(writer, "suture_force_vectors", frame.suture_force_vectors, {3});
   add_rows(writer, "suture_points", frame.suture_points, {2, 3});
   add_rows(writer, "suture_shared", frame.suture_shared, {});
+  if (!frame.inner_bite_points.empty()) add_rows(writer, "inner_bite_points", frame.inner_bite_points, {3});
   add_rows(writer, "hook_index", frame.hook_indices, {});
   add_rows(writer, "hook_forces", frame.hook_forces, {3});
   add_rows(writer, "hook_points", frame.hook_points, {3});

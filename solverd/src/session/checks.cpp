@@ -19,6 +19,8 @@ namespace {
 
 // A cell keeps the number of its material in one byte.
 constexpr std::size_t kMaxMaterials = 256;
+// A thread couples all that it holds with itself.
+constexpr std::size_t kMaxInnerBites = 254;
 constexpr double kMaxPoissonsRatio = 0.4999, kMaxDispersion = 1.0 / 3.0 + 1e-12;
 constexpr double kMaxFiberSlack = 4.0, kMinPrestretch = 0.5, kMaxPrestretch = 2.0;
 
@@ -245,6 +247,12 @@ void check_frame(const FrameInput& frame, const SessionSettings& settings, const
     before = 1;
     check_anchor(suture.a, surface, "suture");
     check_anchor(suture.b, surface, "suture");
+    for (const Anchor& bite : suture.inner) check_anchor(bite, surface, "suture");
+    require(suture.inner.empty() || suture.is_thread,
+            "suture {} has {} bites but is to close exactly; give it two, or make it a thread", suture.index,
+            suture.inner.size() + 2);
+    require(suture.inner.size() <= kMaxInnerBites, "suture {} has {} bites; give at most {}", suture.index,
+            suture.inner.size() + 2, kMaxInnerBites + 2);
     require(suture.closure >= 0 && suture.closure <= 1, "suture {} is closed by {} at frame {:g}; it must be 0 to 1",
             suture.index, suture.closure, frame.time);
     require(std::isfinite(suture.stiffness) && suture.stiffness > 0,

@@ -212,8 +212,9 @@ class FrameSearch {
     return epoch_.surface.points[softest];
   }
 
-  // Goes on from the lower side of the saddle; false, and back at it, where that leads to no lower equilibrium. Where
-  // the energy falls to neither side the equilibrium is neutral, as far as the energy can tell.
+  // Goes on from the lower side of the saddle; false, and back at it, where that leads to no lower equilibrium: lower
+  // by more than rounding, since what gives way may be a small part of the tissue and of its energy. Where the energy
+  // falls to neither side the equilibrium is neutral, as far as the energy can tell.
   bool leave_saddle() {
     const auto amplitude = way_off_saddle<Real>(epoch_.system, found_.state.u, mode_, found_.state.multipliers,
                                                 found_.outcome.at, options_.inverts);
@@ -231,7 +232,7 @@ class FrameSearch {
         if (outcome.converged || outcome.failure.code != FailureCode::kIterations) break;
       }
       if (outcome.converged && outcome.inverted <= at_saddle.inverted &&
-          outcome.energy < at_saddle.energy - kSameEnergy * std::abs(at_saddle.energy)) {
+          outcome.energy < at_saddle.energy - kEnergyRounding * std::abs(at_saddle.energy)) {
         ++found_.effort.saddles_left;
         spdlog::info("frame {:g} leaves a saddle: energy {:.6g} to {:.6g} mN mm", frame_.time, at_saddle.energy,
                      outcome.energy);

@@ -56,7 +56,7 @@ FrameInput FrameConstraints<Real>::partway(const FrameInput& frame, double s, co
       suture.closure *= s;
       continue;
     }
-    const Vec3 placed(gap[0], gap[1], gap[2]), apart = where(suture.a, state.u) - where(suture.b, state.u);
+    const Vec3 placed(gap[0], gap[1], gap[2]), apart = separation(suture, state.u);
     const double now = suture.is_thread ? closure_of(suture, placed.norm(), apart.norm())
                                         : 1.0 - apart.dot(placed) / std::max(placed.squaredNorm(), 1e-300);
     suture.closure = (1 - s) * std::clamp(now, 0.0, 1.0) + s * suture.closure;
@@ -87,7 +87,7 @@ void FrameConstraints<Real>::place_sutures(const FrameInput& frame, TissueState<
   for (const auto& suture : frame.sutures) {
     double* gap = &state.suture_gaps[3 * static_cast<std::size_t>(suture.index)];
     if (!std::isnan(gap[0])) continue;
-    const Vec3 now = where(suture.a, state.u) - where(suture.b, state.u);
+    const Vec3 now = separation(suture, state.u);
     for (int i = 0; i < 3; ++i) gap[i] = now[i];
   }
 }
@@ -129,17 +129,45 @@ std::vector<PointConstraint> FrameConstraints<Real>::point_constraints(const Fra
 // gap: how far apart its ends were when it was placed.
 template <class Real>
 PointConstraint FrameConstraints<Real>::suture_constraint(const SutureState& suture, const double* gap) const {
-  const AnchorStencil &a = embed(suture.a), &b = embed(suture.b);
   const Vec3 placed(gap[0], gap[1], gap[2]);
   if (!suture.is_thread) {
     const double penalty = kSuturePenalty * settings_.materials[0].youngs_modulus * settings_.spacing;
-    return make_suture(lattice_, a, b, (1.0 - suture.closure) * placed, penalty);
+    return make_suture(lattice_, embed(suture.a), embed(suture.b), (1.0 - suture.closure) * placed, penalty);
   }
   Thread thread;
   thread.length = (1.0 - suture.closure) * placed.norm() + suture.closure * suture.length;
   if (suture.tension > 0.0) thread.most = suture.tension;
-  const double max_stiffness = std::max(max_penalty(a.nodes), max_penalty(b.nodes));
-  return make_thread(lattice_, a, b, thread, suture.stiffness, max_stiffness);
+  const std::vector<const AnchorStencil*> bites = bites_of(suture);
+  double max_stiffness = 0.0;
+  for (const AnchorStencil* bite : bites) max_stiffness = std::max(max_stiffness, max_penalty(bite->nodes));
+  return make_thread(lattice_, bites, thread, suture.stiffness, max_stiffness);
+}
+
+template <class Real>
+std::vector<const AnchorStencil*> FrameConstraints<Real>::bites_of(const SutureState& suture) const {
+  std::vector<const AnchorStencil*> bites{&embed(suture.a)};
+  for (const Anchor& bite : suture.inner) bites.push_back(&embed(bite));
+  bites.push_back(&embed(suture.b));
+  return bites;
+}
+
+// As SolverState keeps it.
+template <class Real>
+Vec3 FrameConstraints<Real>::separation(const SutureState& suture, std::span<const Real> u) const {
+  if (suture.inner.empty()) return where(suture.a, u) - where(suture.b, u);
+  double length = 0.0;
+  const std::vector<const AnchorStencil*> bites = bites_of(suture);
+  for (std::size_t k = 0; k + 1 < bites.size(); ++k)
+    length += (position<Real>(lattice_, *bites[k], u) - position<Real>(lattice_, *bites[k + 1], u)).norm();
+  return {length, 0.0, 0.0};
+}
+
+template <class Real>
+double FrameConstraints<Real>::shared(const SutureState& suture) const {
+  double least = 1.0;
+  const std::vector<const AnchorStencil*> bites = bites_of(suture);
+  for (std::size_t k = 0; k + 1 < bites.size(); ++k) least = std::min(least, shared_hold(*bites[k], *bites[k + 1]));
+  return least;
 }
 
 // No multiplier moves what is held in space: there the spring is plain.

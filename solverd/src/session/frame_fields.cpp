@@ -16,21 +16,24 @@ void write_constraints(const EpochSystem<Real>& epoch, const FrameInput& frame, 
                        FrameFields& fields) {
   for (const HookState& hook : frame.hooks) {
     const PointConstraint& constraint = epoch.system.point_constraint(id_of(hook));
-    const Vec3 c = constraint.value<Real>(state.u);
+    const std::vector<Vec3> c = constraint.values<Real>(state.u);
     fields.hook_indices.push_back(hook.index);
-    append(fields.hook_forces, -constraint.force(c, state.multipliers.of(constraint)));
+    append(fields.hook_forces, -constraint.forces(c, state.multipliers.of(constraint)).front());
     append(fields.hook_points, epoch.constraints.where(hook.anchor, state.u));
   }
   for (const SutureState& suture : frame.sutures) {
     const PointConstraint& constraint = epoch.system.point_constraint(id_of(suture));
-    const Vec3 c = constraint.value<Real>(state.u);
+    const std::vector<Vec3> c = constraint.values<Real>(state.u);
     fields.suture_indices.push_back(suture.index);
     const Vec3 multiplier = state.multipliers.of(constraint);
     fields.suture_gaps.push_back(constraint.thread && !constraint.exact ? 0.0 : constraint.gap(c, multiplier));
-    fields.suture_forces.push_back(constraint.force(c, multiplier).norm());
+    const Vec3 force = constraint.forces(c, multiplier).front();
+    fields.suture_forces.push_back(constraint.slides() ? constraint.tension(c, multiplier) : force.norm());
+    append(fields.suture_force_vectors, -force);
     fields.suture_shared.push_back(epoch.constraints.shared(suture));
     append(fields.suture_points, epoch.constraints.where(suture.a, state.u));
     append(fields.suture_points, epoch.constraints.where(suture.b, state.u));
+    for (const Anchor& bite : suture.inner) append(fields.inner_bite_points, epoch.constraints.where(bite, state.u));
   }
 }
 

@@ -116,13 +116,14 @@ struct HookState {
 
 struct SutureState {
   std::int32_t index;  // in the procedure
-  Anchor a, b;
-  double closure;    // 0: as it was when the suture was placed; 1: drawn together
-  double stiffness;  // of a thread, mN/mm
+  Anchor a, b;         // its ends
+  double closure;      // 0: as it was when the suture was placed; 1: drawn together
+  double stiffness;    // of a thread, mN/mm
   // A thread pulls and never pushes; without, the ends are demanded to meet.
   bool is_thread = false;
-  double length = 0.0;   // to which a thread is drawn, mm
-  double tension = 0.0;  // with which it is drawn at most, mN; 0: as much as it takes
+  double length = 0.0;          // to which a thread is drawn, mm
+  double tension = 0.0;         // with which it is drawn at most, mN; 0: as much as it takes
+  std::vector<Anchor> inner{};  // the bites of a thread between its ends, in order; it slides through them
   bool operator==(const SutureState&) const = default;
 };
 
@@ -144,8 +145,9 @@ struct FrameInput {
 // Everything a later frame depends on: give it back with set_state and the solve goes on bit for bit.
 struct SolverState {
   bool is_double = false;
-  std::vector<double> nodes;               // 3 per node (float values when !is_double)
-  std::vector<double> suture_gaps;         // 3 per suture: separation when placed, NaN before
+  std::vector<double> nodes;  // 3 per node (float values when !is_double)
+  // 3 per suture: separation when placed, NaN before; of a thread with bites between its ends its length then, 0, 0.
+  std::vector<double> suture_gaps;
   std::vector<double> suture_multipliers;  // 3 per suture, mN
   std::vector<double> grip_multipliers;    // opaque
   std::vector<double> activation;          // per material, as the last frame had it
@@ -154,18 +156,20 @@ struct SolverState {
 
 // What a frame says of the tissue: its surface, landmarks and constraints.
 struct FrameFields {
-  std::vector<float> points;          // 3 per surface vertex, mm
-  std::vector<float> strain;          // largest principal stretch - 1, per surface vertex
-  std::vector<float> stress;          // von Mises Cauchy, kPa
-  std::vector<float> tension;         // largest principal Cauchy stress, kPa
-  std::vector<double> landmarks;      // 3 per landmark, mm
-  std::vector<double> suture_gaps;    // per active suture: distance from its demanded separation, mm
-  std::vector<double> suture_forces;  // per active suture, mN
+  std::vector<float> points;                 // 3 per surface vertex, mm
+  std::vector<float> strain;                 // largest principal stretch - 1, per surface vertex
+  std::vector<float> stress;                 // von Mises Cauchy, kPa
+  std::vector<float> tension;                // largest principal Cauchy stress, kPa
+  std::vector<double> landmarks;             // 3 per landmark, mm
+  std::vector<double> suture_gaps;           // per active suture: distance from its demanded separation, mm
+  std::vector<double> suture_forces;         // per active suture, mN
+  std::vector<double> suture_force_vectors;  // 3 per active suture, mN, on the tissue at its first end
   std::vector<std::int32_t> suture_indices, hook_indices;  // which suture or hook each of these is of
   std::vector<double> hook_forces;                         // 3 per hook, mN, on the tissue
   std::vector<double> hook_points;                         // 3 per hook: where the anchor is now, mm
   std::vector<double> suture_points;                       // 6 per active suture: both ends, mm
-  std::vector<double> suture_shared;                       // per active suture: shared_hold of its two ends
+  std::vector<double> inner_bite_points;    // 3 per bite between the ends of a suture, in their order, mm
+  std::vector<double> suture_shared;        // per active suture: shared_hold of its two ends
   std::vector<float> correction;            // 3 per surface vertex, mm: what is still to come; empty: not wanted
   std::vector<double> landmark_correction;  // 3 per landmark, mm
   // The share of its stiffness that compression leaves the softest displacement (solve/newton/lowest_mode.h); NaN where

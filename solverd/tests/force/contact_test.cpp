@@ -189,7 +189,7 @@ TEST(Contact, AStrapOverARollerHasTheSameTensionOnBothSides) {
   }
   Vec3 right = Vec3::Zero();
   for (const PointConstraint& constraint : constraints)
-    right -= constraint.stiffness * constraint.value<double>(scene.u);
+    right -= constraint.stiffness * constraint.pieces[0].value<double>(scene.u);
   const Vec3 left = -(right + contact.force);  // what the fixed end holds
   EXPECT_GT(right.norm(), 50.0);
   EXPECT_NEAR(left.norm() / right.norm(), 1.0, 0.03);

@@ -233,5 +233,54 @@ TEST(Decode, HooksAreToldApartByTheirIndexOrTheirPlace) {
   EXPECT_TRUE(says(refusal_of([&] { decode({7}); }), ErrorCode::kMalformed, "'hook_index'"));
 }
 
+TEST(Decode, BitesBetweenTheEndsOfSuturesAreCountedOut) {
+  const std::vector<double> ends(3 * 2 * 3, 0.0), ones(3, 1.0), zeros(3, 0.0);
+  const std::vector<double> inner{1, 2, 3, 4, 5, 6, 7, 8, 9};
+  const std::vector<std::int32_t> index{0, 1, 2}, triangles(6, 0);
+  const std::vector<std::uint8_t> threads(3, 1);
+  const std::span<const double> reals;
+  const std::span<const std::int32_t> wholes;
+  const auto decode = [&](const std::vector<std::int32_t>& counts, const std::vector<std::int32_t>& of_bites) {
+    MessageWriter writer("solve", 1);
+    writer.field("time", 1.0)
+        .array("hook_anchors", reals, {0, 3})
+        .array("hook_triangles", wholes, {0})
+        .array("hook_targets", reals, {0, 3})
+        .array("hook_stiffness", reals, {0})
+        .array("suture_index", std::span(index), {3})
+        .array("suture_anchors", std::span(ends), {3, 2, 3})
+        .array("suture_triangles", std::span(triangles), {3, 2})
+        .array("suture_closure", std::span(ones), {3})
+        .array("suture_stiffness", std::span(ones), {3})
+        .array("suture_is_thread", std::span(threads), {3})
+        .array("suture_length", std::span(zeros), {3})
+        .array("suture_tension", std::span(zeros), {3})
+        .array("retractor_index", wholes, {0})
+        .array("retractor_motion", reals, {0, 4, 4});
+    if (!counts.empty())
+      writer.array("suture_inner_bites", std::span(counts), {counts.size()})
+          .array("inner_bite_triangles", std::span(of_bites), {of_bites.size()})
+          .array("inner_bite_anchors", std::span(inner).first(3 * of_bites.size()), {of_bites.size(), 3});
+    const auto parts = writer.finish();
+    const Views views = array_views(parts);
+    return decode_solve(decode_header(parts[0]), views, {4, 3, 0, 1}).sutures;
+  };
+  for (const SutureState& suture : decode({}, {})) EXPECT_TRUE(suture.inner.empty());
+  const std::vector<SutureState> read = decode({1, 0, 2}, {3, 1, 2});
+  ASSERT_EQ(read[0].inner.size(), 1U);
+  EXPECT_TRUE(read[1].inner.empty());
+  ASSERT_EQ(read[2].inner.size(), 2U);
+  EXPECT_EQ(read[0].inner[0], (Anchor{Vec3(1, 2, 3), 3}));
+  EXPECT_EQ(read[2].inner[1], (Anchor{Vec3(7, 8, 9), 2}));
+  const auto refused = [&](std::vector<std::int32_t> counts, std::vector<std::int32_t> of_bites, const char* sentence) {
+    return says(refusal_of([&] { decode(counts, of_bites); }), ErrorCode::kInvalidInput, sentence);
+  };
+  EXPECT_TRUE(refused({1, 0, 1}, {3, 1, 2}, "adds up to 2"));
+  EXPECT_TRUE(refused({1, 0, 3}, {3, 1, 2}, "says 3 in row 2"));
+  EXPECT_TRUE(refused({-1, 2, 2}, {3, 1, 2}, "says -1 in row 0"));
+  EXPECT_TRUE(refused({1, 0, 2}, {3, 4, 2}, "'inner_bite_triangles'"));
+  EXPECT_TRUE(says(refusal_of([&] { decode({1, 2}, {3, 1, 2}); }), ErrorCode::kMalformed, "'suture_inner_bites'"));
+}
+
 }  // namespace
 }  // namespace lappet

@@ -106,6 +106,10 @@ TEST(Session, ASutureClosesItsGapWhateverItsStiffness) {
     ASSERT_TRUE(out.converged) << out.failure.message;
     EXPECT_LE(out.suture_gaps[0], 1e-3);
     EXPECT_GT(out.suture_forces[0], 1.0);
+    // The tissue at the first end, on the left, is pulled to the right.
+    const Vec3 force = Vec3::Map(out.suture_force_vectors.data());
+    EXPECT_NEAR(force.norm(), out.suture_forces[0], 1e-9 * out.suture_forces[0]);
+    EXPECT_GT(force[0], 0.99 * out.suture_forces[0]);
     // both halves stretch alike
     EXPECT_NEAR(out.suture_points[0], 10.0, 0.01);
     EXPECT_NEAR(out.suture_points[3], 10.0, 0.01);

@@ -83,15 +83,32 @@ inline CutSheet make_cut_sheet(int nx, int ny, int nz, int half_limb, double sti
     const std::int32_t left = lattice.cell_nodes[cell(cx - 1, j, nz - 1)][5],
                        right = lattice.cell_nodes[cell(cx, other, nz - 1)][1];
     PointConstraint constraint;
-    constraint.nodes = {left, right};
-    constraint.weights = {1.0, -1.0};
-    constraint.offset = lattice.node_rest[left] - lattice.node_rest[right];
+    constraint.pieces = {{{left, right}, {1.0, -1.0}, lattice.node_rest[left] - lattice.node_rest[right]}};
     constraint.stiffness = stiffness;
     constraint.exact = true;
     constraint.id = {ConstraintId::Kind::kSuture, static_cast<std::int32_t>(sheet.constraints.size())};
     sheet.constraints.push_back(constraint);
   }
   return sheet;
+}
+
+// A thread that slides back and forth through the nodes which the sutures of a sheet join, drawn to half its length.
+inline PointConstraint running_thread(const CutSheet& sheet, double stiffness) {
+  PointConstraint thread;
+  thread.id = {ConstraintId::Kind::kSuture, static_cast<std::int32_t>(sheet.constraints.size())};
+  thread.stiffness = stiffness;
+  thread.thread = Thread{};
+  Index before = -1;
+  for (const PointConstraint& suture : sheet.constraints)
+    for (const Index node : suture.pieces[0].nodes) {
+      if (before >= 0) {
+        const Vec3 apart = sheet.lattice.node_rest[before] - sheet.lattice.node_rest[node];
+        thread.pieces.push_back({{before, node}, {1.0, -1.0}, apart});
+        thread.thread->length += 0.5 * apart.norm();
+      }
+      before = node;
+    }
+  return thread;
 }
 
 }  // namespace lappet

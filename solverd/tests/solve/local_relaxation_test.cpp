@@ -63,17 +63,25 @@ struct EverythingActs {
     const std::int32_t gripped = 0;
     system->set_retractors({&gripped, 1}, {&motion, 1});
     PointConstraint suture;
-    suture.nodes = {node({4, 4, 2}), node({8, 4, 2})};
-    suture.weights = {1.0, -1.0};
-    suture.offset = Vec3(-1.0, 0.2, 0.0);
+    suture.pieces = {{{node({4, 4, 2}), node({8, 4, 2})}, {1.0, -1.0}, Vec3(-1.0, 0.2, 0.0)}};
     suture.stiffness = 400.0;
     suture.exact = true;
     PointConstraint hook = suture;
-    hook.nodes = {node({5, 5, 1}), node({6, 5, 1})};
-    hook.weights = {0.5, 0.5};
+    hook.pieces[0].nodes = {node({5, 5, 1}), node({6, 5, 1})};
+    hook.pieces[0].weights = {0.5, 0.5};
     hook.exact = false;
     hook.id.index = 1;
-    system->set_point_constraints({suture, hook});
+    PointConstraint thread;  // with bites in the subdomain of the test and outside it
+    const auto between = [&](const Vec3& a, const Vec3& b) {
+      return Piece{{node(a), node(b)}, {1.0, -1.0}, lattice.node_rest[node(a)] - lattice.node_rest[node(b)]};
+    };
+    thread.pieces = {between({3, 4, 1}, {5, 4, 2}), between({5, 4, 2}, {9, 5, 2}), between({9, 5, 2}, {10, 2, 1})};
+    thread.stiffness = 90.0;
+    thread.exact = true;
+    thread.compliance = 1e-3;
+    thread.thread = Thread{6.0};
+    thread.id.index = 2;
+    system->set_point_constraints({suture, hook, thread});
     std::mt19937 random(5);
     std::normal_distribution<double> normal;
     u.resize(3 * system->nodes());
@@ -102,7 +110,7 @@ TEST(LocalRelaxation, TheSubdomainsEnergyForcesAndTangentAreThoseOfTheWholeWhenO
   System<double>* local = subdomain.system.get();
   const auto& nodes = subdomain.nodes;
   const auto& moves = subdomain.moves;
-  EXPECT_EQ(local->point_constraints().size(), 2u);
+  EXPECT_EQ(local->point_constraints().size(), 3u);
   EXPECT_LT(local->nodes(), whole.nodes() / 2);
 
   const auto compare = [&](const std::vector<double>& u) {

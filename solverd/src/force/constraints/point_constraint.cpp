@@ -8,33 +8,43 @@ namespace lappet {
 
 namespace {
 
-void add(const Lattice& lattice, const AnchorStencil& stencil, double sign, PointConstraint& constraint) {
+void add(const Lattice& lattice, const AnchorStencil& stencil, double sign, Piece& piece) {
   for (std::size_t k = 0; k < stencil.nodes.size(); ++k) {
     const Index node = stencil.nodes[k];
-    constraint.offset += sign * stencil.weights[k] * lattice.node_rest[node];
-    constraint.nodes.push_back(node);
-    constraint.weights.push_back(sign * stencil.weights[k]);
+    piece.offset += sign * stencil.weights[k] * lattice.node_rest[node];
+    piece.nodes.push_back(node);
+    piece.weights.push_back(sign * stencil.weights[k]);
   }
 }
 
-// Both ends of a suture may hold a node.
-void merge(PointConstraint& constraint) {
-  std::vector<std::size_t> order(constraint.nodes.size());
+// Both ends of a piece may hold a node.
+void merge(Piece& piece) {
+  std::vector<std::size_t> order(piece.nodes.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-    return constraint.nodes[a] != constraint.nodes[b] ? constraint.nodes[a] < constraint.nodes[b] : a < b;
+    return piece.nodes[a] != piece.nodes[b] ? piece.nodes[a] < piece.nodes[b] : a < b;
   });
   std::vector<Index> nodes;
   std::vector<double> weights;
   for (const std::size_t k : order)
-    if (!nodes.empty() && nodes.back() == constraint.nodes[k]) {
-      weights.back() += constraint.weights[k];
+    if (!nodes.empty() && nodes.back() == piece.nodes[k]) {
+      weights.back() += piece.weights[k];
     } else {
-      nodes.push_back(constraint.nodes[k]);
-      weights.push_back(constraint.weights[k]);
+      nodes.push_back(piece.nodes[k]);
+      weights.push_back(piece.weights[k]);
     }
-  constraint.nodes = std::move(nodes);
-  constraint.weights = std::move(weights);
+  piece.nodes = std::move(nodes);
+  piece.weights = std::move(weights);
+}
+
+// a - b, beyond `offset`.
+Piece between(const Lattice& lattice, const AnchorStencil& a, const AnchorStencil& b, const Vec3& offset) {
+  Piece piece;
+  piece.offset = offset;
+  add(lattice, a, 1.0, piece);
+  add(lattice, b, -1.0, piece);
+  merge(piece);
+  return piece;
 }
 
 // A thread shorter than this has no direction: lengths are smoothed as sqrt(|c|^2 + kKnot^2) - kKnot.
@@ -52,50 +62,84 @@ void set_stiffness(double stiffness, double max_stiffness, PointConstraint& cons
 
 }  // namespace
 
-double PointConstraint::tension(const Vec3& c, const Vec3& multiplier) const {
-  const double pull = stiffness * (smoothed(c) - kKnot - thread->length) + multiplier[0];
-  return std::clamp(pull, 0.0, thread->most);
+namespace {
+
+// What a thread would pull with if nothing limited it.
+double unlimited(const PointConstraint& constraint, std::span<const Vec3> c, const Vec3& multiplier) {
+  double length = 0.0;
+  for (const Vec3& piece : c) length += smoothed(piece) - kKnot;
+  return constraint.stiffness * (length - constraint.thread->length) + multiplier[0];
 }
 
-Vec3 PointConstraint::force(const Vec3& c, const Vec3& multiplier) const {
-  if (!thread) return stiffness * c + multiplier;
-  return tension(c, multiplier) / smoothed(c) * c;
+// R of stiff along a unit direction and across it, where `along` is that direction, or shorter where it has none.
+Eigen::Matrix3d root_of(const Vec3& along, double across, double stiff) {
+  const double share = along.squaredNorm();
+  if (share < 1e-12) return std::sqrt(across) * Eigen::Matrix3d::Identity();
+  return std::sqrt(across) * Eigen::Matrix3d::Identity() +
+         (std::sqrt(stiff) - std::sqrt(across)) / share * along * along.transpose();
+}
+
+}  // namespace
+
+double PointConstraint::tension(std::span<const Vec3> c, const Vec3& multiplier) const {
+  return std::clamp(unlimited(*this, c, multiplier), 0.0, thread->most);
+}
+
+std::vector<Vec3> PointConstraint::forces(std::span<const Vec3> c, const Vec3& multiplier) const {
+  std::vector<Vec3> result;
+  result.reserve(c.size());
+  const double held = thread ? tension(c, multiplier) : 0.0;
+  for (const Vec3& piece : c)
+    result.push_back(thread ? Vec3(held / smoothed(piece) * piece) : Vec3(stiffness * piece + multiplier));
+  return result;
 }
 
 // The integral of the tension over the length; like that of a spring with a multiplier, zero where the length is the
 // rest length.
-double PointConstraint::energy(const Vec3& c, const Vec3& multiplier) const {
-  if (!thread) return c.dot(0.5 * stiffness * c + multiplier);
-  const double pull = stiffness * (smoothed(c) - kKnot - thread->length) + multiplier[0];
+double PointConstraint::energy(std::span<const Vec3> c, const Vec3& multiplier) const {
+  if (!thread) return c.front().dot(0.5 * stiffness * c.front() + multiplier);
+  const double pull = unlimited(*this, c, multiplier);
   const double held = std::clamp(pull, 0.0, thread->most);
   const double beyond = std::max(pull - thread->most, 0.0);
   return (0.5 * held * held + (beyond > 0.0 ? thread->most * beyond : 0.0) - 0.5 * multiplier[0] * multiplier[0]) /
          stiffness;
 }
 
-Eigen::Matrix3d PointConstraint::tangent_root(const Vec3& c, const Vec3& multiplier) const {
-  if (!thread) return std::sqrt(stiffness) * Eigen::Matrix3d::Identity();
-  const double length = smoothed(c), held = tension(c, multiplier);
+void PointConstraint::add_tangent(std::span<const Vec3> c, const Vec3& multiplier, PointTangent& tangent) const {
+  if (!thread) {
+    tangent.roots.emplace_back(std::sqrt(stiffness) * Eigen::Matrix3d::Identity());
+    return;
+  }
+  const double held = tension(c, multiplier);
   const bool stretches = held > 0.0 && held < thread->most;
-  const Vec3 along = c / length;  // shorter than one near zero
-  const double share = along.squaredNorm(), across = held / length;
-  if (share < 1e-12) return std::sqrt(across) * Eigen::Matrix3d::Identity();
-  const double stiff = across * (1.0 - share) + (stretches ? stiffness * share : 0.0);
-  return std::sqrt(across) * Eigen::Matrix3d::Identity() +
-         (std::sqrt(stiff) - std::sqrt(across)) / share * along * along.transpose();
+  for (const Vec3& piece : c) {
+    const double length = smoothed(piece), across = held / length;
+    const Vec3 along = piece / length;
+    const double share = along.squaredNorm();  // of one piece, the stiffness along it is in its own root
+    tangent.roots.push_back(
+        root_of(along, across, across * (1.0 - share) + (stretches && !slides() ? stiffness * share : 0.0)));
+    if (slides()) tangent.rows.emplace_back(stretches ? Vec3(std::sqrt(stiffness) * along) : Vec3(Vec3::Zero()));
+  }
 }
 
-double PointConstraint::gap(const Vec3& c, const Vec3& multiplier) const {
-  if (!thread) return (c - compliance * multiplier).norm();
+double PointConstraint::gap(std::span<const Vec3> c, const Vec3& multiplier) const {
+  if (!thread) return (c.front() - compliance * multiplier).norm();
   return std::abs(tension(c, multiplier) - (1.0 + compliance * stiffness) * multiplier[0]) / stiffness;
+}
+
+std::vector<Index> PointConstraint::nodes() const {
+  std::vector<Index> all;
+  for (const Piece& piece : pieces) all.insert(all.end(), piece.nodes.begin(), piece.nodes.end());
+  return all;
 }
 
 PointConstraint make_hook(const Lattice& lattice, const AnchorStencil& anchor, const Vec3& target, double stiffness,
                           double max_stiffness) {
   PointConstraint constraint;
   set_stiffness(stiffness, max_stiffness, constraint);
-  constraint.offset = -target;
-  add(lattice, anchor, 1.0, constraint);
+  Piece& piece = constraint.pieces.emplace_back();
+  piece.offset = -target;
+  add(lattice, anchor, 1.0, piece);
   return constraint;
 }
 
@@ -104,21 +148,17 @@ PointConstraint make_suture(const Lattice& lattice, const AnchorStencil& a, cons
   PointConstraint constraint;
   constraint.stiffness = stiffness;
   constraint.exact = true;
-  constraint.offset = -separation;
-  add(lattice, a, 1.0, constraint);
-  add(lattice, b, -1.0, constraint);
-  merge(constraint);
+  constraint.pieces.push_back(between(lattice, a, b, -separation));
   return constraint;
 }
 
-PointConstraint make_thread(const Lattice& lattice, const AnchorStencil& a, const AnchorStencil& b,
-                            const Thread& thread, double stiffness, double max_stiffness) {
+PointConstraint make_thread(const Lattice& lattice, std::span<const AnchorStencil* const> bites, const Thread& thread,
+                            double stiffness, double max_stiffness) {
   PointConstraint constraint;
   set_stiffness(stiffness, max_stiffness, constraint);
   constraint.thread = thread;
-  add(lattice, a, 1.0, constraint);
-  add(lattice, b, -1.0, constraint);
-  merge(constraint);
+  for (std::size_t k = 0; k + 1 < bites.size(); ++k)
+    constraint.pieces.push_back(between(lattice, *bites[k], *bites[k + 1], Vec3::Zero()));
   return constraint;
 }
 

@@ -7,9 +7,11 @@
 // and lambda = c/s together pull as the spring does, (stiffness + 1/s) c. Rounding of displacements is not blown up to
 // forces.
 //
-// A thread only pulls: of its length |c|, smoothed near zero, what is beyond its rest length takes the tension
-// T = stiffness (|c| - length) + lambda, between zero and the most it is drawn with. Its energy is convex in c, so its
-// tangent, along the thread and (T/|c|) across it, is never negative.
+// A thread only pulls. It slides through its bites, so it has one tension T: it goes by the sum L of the lengths |c_j|
+// of its pieces, each between a bite and the next and smoothed near zero, T = stiffness (L - length) + lambda, between
+// zero and the most it is drawn with. Its energy is convex in L, and L in all c_j, so its tangent is never negative.
+// That is T/|c_j| across each piece, and the stiffness along all of them at once: one row that couples every bite of
+// the thread.
 #pragma once
 #include <compare>
 #include <cstdint>
@@ -36,15 +38,12 @@ struct Thread {
   double most = std::numeric_limits<double>::infinity();  // tension, mN
 };
 
-struct PointConstraint {
-  ConstraintId id;
+// From one point to another: one functional.
+struct Piece {
   std::vector<Index> nodes;  // distinct
   std::vector<double> weights;
   Vec3 offset = Vec3::Zero();
-  double stiffness = 0.0;   // mN/mm
-  bool exact = false;       // a suture, a stiff hook
-  double compliance = 0.0;  // mm/mN, of an exact point constraint: a suture has none
-  std::optional<Thread> thread;
+  bool operator==(const Piece&) const = default;
 
   template <class Real>
   Vec3 value(std::span<const Real> u) const {
@@ -52,20 +51,51 @@ struct PointConstraint {
     for (std::size_t i = 0; i < nodes.size(); ++i) sum += weights[i] * NodeField(u)[nodes[i]];
     return sum;
   }
-  // The multiplier (mN) is zero unless the constraint is exact; that of a thread is a tension and the first number.
-  Vec3 force(const Vec3& c, const Vec3& multiplier) const;
-  double energy(const Vec3& c, const Vec3& multiplier) const;
-  // R of the tangent stiffness R^T R.
-  Eigen::Matrix3d tangent_root(const Vec3& c, const Vec3& multiplier) const;
+};
+
+// Of point constraints, one after the other: of each piece the root R of its own stiffness R^T R, and of each piece of
+// a thread that has several a row r_j besides. The energy is half the sum of all |R_j dc_j|^2 and, once for each such
+// thread, of (sum_j r_j . dc_j)^2.
+struct PointTangent {
+  std::vector<Eigen::Matrix3d> roots;
+  std::vector<Vec3> rows;
+  void clear() {
+    roots.clear();
+    rows.clear();
+  }
+};
+
+struct PointConstraint {
+  ConstraintId id;
+  std::vector<Piece> pieces;  // one, but of a thread one for each two bites that follow each other
+  double stiffness = 0.0;     // mN/mm
+  bool exact = false;         // a suture, a stiff hook
+  double compliance = 0.0;    // mm/mN, of an exact point constraint: a suture has none
+  std::optional<Thread> thread;
+
+  // c of each piece; what follows takes them. The multiplier (mN) is zero unless the constraint is exact; that of a
+  // thread is a tension and the first number.
+  template <class Real>
+  std::vector<Vec3> values(std::span<const Real> u) const {
+    std::vector<Vec3> c;
+    c.reserve(pieces.size());
+    for (const Piece& piece : pieces) c.push_back(piece.value(u));
+    return c;
+  }
+  double energy(std::span<const Vec3> c, const Vec3& multiplier) const;
+  // On each piece; that of a thread, which is the same in all of them, as a number.
+  std::vector<Vec3> forces(std::span<const Vec3> c, const Vec3& multiplier) const;
+  double tension(std::span<const Vec3> c, const Vec3& multiplier) const;
+  void add_tangent(std::span<const Vec3> c, const Vec3& multiplier, PointTangent& tangent) const;
+  bool slides() const { return pieces.size() > 1; }
   // What an exact point constraint leaves open, mm, and the multiplier that closes it further.
-  double gap(const Vec3& c, const Vec3& multiplier) const;
-  Vec3 next_multiplier(const Vec3& c, const Vec3& multiplier) const {
-    const Vec3 pull = thread ? Vec3(tension(c, multiplier), 0.0, 0.0) : force(c, multiplier);
+  double gap(std::span<const Vec3> c, const Vec3& multiplier) const;
+  Vec3 next_multiplier(std::span<const Vec3> c, const Vec3& multiplier) const {
+    const Vec3 pull = thread ? Vec3(tension(c, multiplier), 0.0, 0.0) : forces(c, multiplier).front();
     return pull / (1.0 + compliance * stiffness);
   }
-
- private:
-  double tension(const Vec3& c, const Vec3& multiplier) const;
+  // All that any piece holds; with repetitions where there are several.
+  std::vector<Index> nodes() const;
 };
 
 // From what a hook holds to a place in space. max_stiffness: up to which it is a plain spring, mN/mm.
@@ -74,9 +104,10 @@ PointConstraint make_hook(const Lattice& lattice, const AnchorStencil& anchor, c
 // Between what a suture holds at either end, a - b = separation.
 PointConstraint make_suture(const Lattice& lattice, const AnchorStencil& a, const AnchorStencil& b,
                             const Vec3& separation, double stiffness);
-// A thread between them. max_stiffness: up to which it is a plain spring, mN/mm.
-PointConstraint make_thread(const Lattice& lattice, const AnchorStencil& a, const AnchorStencil& b,
-                            const Thread& thread, double stiffness, double max_stiffness);
+// A thread through what it holds at its bites, two or more, in their order. max_stiffness: up to which it is a plain
+// spring, mN/mm.
+PointConstraint make_thread(const Lattice& lattice, std::span<const AnchorStencil* const> bites, const Thread& thread,
+                            double stiffness, double max_stiffness);
 // How far an embedded point has moved, and where it is.
 template <class Real>
 Vec3 displacement(const Lattice& lattice, const EmbeddedPoint& point, std::span<const Real> u) {

@@ -1,12 +1,15 @@
 // Chebyshev smoothing on a block-Jacobi splitting D, before and after a coarse correction: x = p(D^-1 K) D^-1 b, the
-// residual polynomial small on [largest / (kRange degree), largest].
+// residual polynomial small on [largest / (range degree), largest].
 //
 // A cycle of degree d takes 2 d products with K: d - 1 before, one for the residual that the coarse level sees, one for
 // what the correction changes, d - 1 after.
+//
+// On every level K is a sum of positive semidefinite cells (and contact penalties) that couple eight nodes each, and of
+// constraints, which D holds too: by Cauchy and Schwarz no eigenvalue of D^-1 K exceeds eight. Single cells come near
+// it where they are much stiffer than those around them, as at a suture's anchor, and an estimate from a few Lanczos
+// steps misses them, the more surely the more nodes there are: Chebyshev's polynomial then blows up on them and the
+// preconditioner is no longer definite.
 #pragma once
-#include <Eigen/Eigenvalues>
-#include <algorithm>
-#include <cmath>
 #include <vector>
 
 #include "solve/multigrid/block_jacobi.h"
@@ -17,58 +20,16 @@ namespace lappet {
 template <class Real, int Size>
 class Chebyshev {
  public:
-  explicit Chebyshev(int degree) : degree_(degree) {}
+  // Of D^-1 K: no eigenvalue exceeds it.
+  static constexpr double kMaxEigenvalue = 8.0;
+
+  Chebyshev(int degree, double range) : degree_(degree), range_(range) {}
 
   BlockJacobi<Real, Size>& diagonal() { return diagonal_; }
   int degree() const { return degree_; }
-  double largest_eigenvalue() const { return largest_; }
-  // A known bound on the eigenvalues of D^-1 K.
-  void set_largest_eigenvalue(double largest) {
-    resize();
-    largest_ = largest;
-  }
-
-  // Estimates the largest eigenvalue of D^-1 K by `steps` of the Lanczos process (conjugate gradients from a fixed
-  // start); is_free(node).
-  template <class Multiply, class IsFree>
-  void estimate(const Multiply& multiply, const IsFree& is_free, int steps, double margin, double max_eigenvalue) {
-    resize();
-    const std::size_t nodes = diagonal_.nodes();
-    for_each_index(nodes, [&](std::size_t n) {
-      for (std::size_t i = Size * n; i < Size * (n + 1); ++i) {
-        std::uint32_t hash = std::uint32_t(i) * 2654435761u;
-        hash = (hash ^ (hash >> 15)) * 2246822519u;
-        r_[i] = is_free(n) ? Real((hash ^ (hash >> 13)) >> 8) / Real(1u << 24) - Real(0.5) : Real(0);
-      }
-    });
-    std::vector<Real> z(r_.size());
-    diagonal_.divide(r_.data(), z.data());
-    copy<Real>(z, d_);
-    double rho = dot<Real>(r_, z), before = 0.0;  // before: beta / alpha of the last step
-    Eigen::VectorXd diagonal(steps), beside(steps);
-    Eigen::Index size = 0;
-    while (size < steps && rho > 0.0) {
-      multiply(d_, q_);
-      const double curvature = dot<Real>(d_, q_);
-      if (!(curvature > 0.0)) break;
-      const double alpha = rho / curvature;
-      add<Real>(Real(-alpha), q_, r_);
-      diagonal_.divide(r_.data(), z.data());
-      const double rho_next = dot<Real>(r_, z), beta = rho_next / rho;
-      diagonal[size] = 1.0 / alpha + before;
-      beside[size] = std::sqrt(std::max(beta, 0.0)) / alpha;
-      ++size;
-      before = beta / alpha;
-      combine<Real>(Real(beta), Real(1), z, d_);
-      rho = rho_next;
-    }
-    if (size == 0) {
-      largest_ = max_eigenvalue;
-      return;
-    }
-    Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver;
-    solver.computeFromTridiagonal(diagonal.head(size), beside.head(size - 1), Eigen::EigenvaluesOnly);
-    largest_ = std::min(margin * solver.eigenvalues().maxCoeff(), max_eigenvalue);
+  // After the diagonal is set.
+  void resize() {
+    for (auto* v : {&r_, &d_, &q_}) v->resize(Size * diagonal_.nodes());
   }
 
   // x = p(D^-1 K) D^-1 b; leaves b - K x = residual() - product().
@@ -93,10 +54,9 @@ class Chebyshev {
   std::size_t bytes() const { return diagonal_.bytes() + 3 * r_.size() * sizeof(Real); }
 
  private:
-  static constexpr double kRange = 4.0;
   struct Recurrence {
     explicit Recurrence(const Chebyshev& c) {
-      const double upper = c.largest_, lower = upper / (kRange * c.degree_);
+      const double upper = kMaxEigenvalue, lower = upper / (c.range_ * c.degree_);
       center = 0.5 * (upper + lower);
       half = 0.5 * (upper - lower);
       start = Real(1.0 / center);
@@ -104,9 +64,6 @@ class Chebyshev {
     double center, half;
     Real start;
   };
-  void resize() {
-    for (auto* v : {&r_, &d_, &q_}) v->resize(Size * diagonal_.nodes());
-  }
   template <class Multiply>
   void continue_(const Multiply& multiply, const Recurrence& c, std::span<Real> x) {
     const double sigma = c.center / c.half;
@@ -120,7 +77,7 @@ class Chebyshev {
   }
 
   int degree_;
-  double largest_ = 0.0;
+  double range_;
   BlockJacobi<Real, Size> diagonal_;
   std::vector<Real> r_, d_, q_;
 };

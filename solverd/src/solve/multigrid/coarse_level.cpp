@@ -11,8 +11,7 @@ namespace {
 
 constexpr int kRatio = 2;
 constexpr int kDegree = 4;
-constexpr int kLanczosSteps = 8;
-constexpr double kMargin = 1.1, kMaxEigenvalue = 27.0;
+constexpr double kRange = 5.0;  // chosen, of the smoothing: the fewest iterations
 // Relative shift of the diagonal. At rest turning all rigid modes alike moves nothing, sum_k w_k (x - x_k) = 0, and
 // rigid modes that move no free node are empty: the shift must be above the rounding of the blocks.
 template <class Real>
@@ -54,7 +53,7 @@ struct CornerCoupling {
 
 template <class Real>
 CoarseLevel<Real>::CoarseLevel(const CoarseLattice& lattice, std::size_t max_direct)
-    : lattice_(lattice), matrix_(lattice), chebyshev_(kDegree) {
+    : lattice_(lattice), matrix_(lattice), chebyshev_(kDegree, kRange) {
   if (6 * lattice.nodes > max_direct) {
     coarse_ =
         std::make_unique<CoarseLattice>(coarsen(lattice.cell_nodes, lattice.cell_position, lattice.nodes, kRatio));
@@ -267,8 +266,7 @@ void CoarseLevel<Real>::set_diagonal() {
     diagonal.set(n, block);
   });
   diagonal.set_constraints(constraints_);
-  chebyshev_.estimate([this](std::span<const Real> v, std::span<Real> y) { multiply(v, y); },
-                      [](std::size_t) { return true; }, kLanczosSteps, kMargin, kMaxEigenvalue);
+  chebyshev_.resize();
 }
 
 template <class Real>

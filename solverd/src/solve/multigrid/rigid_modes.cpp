@@ -179,12 +179,24 @@ void RigidModes<Real>::assemble_constraints(const System<Real>& system) {
   auto& constraints = level_.constraints();
   constraints.clear();
   const std::vector<PointConstraint>& points = system.point_constraints();
-  for (std::size_t t = 0; t < points.size(); ++t) {
-    ConstraintRows rows;
-    for (std::size_t i = 0; i < points[t].nodes.size(); ++i) add_rows(points[t].nodes[i], points[t].weights[i], rows);
-    constraints.push_back(rows.constraint(points[t].stiffness));
-    const Eigen::Matrix3d root = system.point_roots()[t] / std::sqrt(points[t].stiffness);
-    for (auto& row : constraints.back().rows) row = (root * row).eval();
+  const Eigen::Matrix3d* tangent = system.point_tangent().roots.data();
+  const Vec3* along = system.point_tangent().rows.data();
+  for (const PointConstraint& point : points) {
+    ConstraintRows of_thread;  // the row of a thread that slides, and two that are zero
+    for (const Piece& piece : point.pieces) {
+      ConstraintRows rows;
+      for (std::size_t i = 0; i < piece.nodes.size(); ++i) add_rows(piece.nodes[i], piece.weights[i], rows);
+      constraints.push_back(rows.constraint(point.stiffness));
+      CoarseConstraint& projected = constraints.back();
+      if (point.slides()) {
+        const Eigen::Matrix3d first = Vec3::UnitX() * (*along++ / std::sqrt(point.stiffness)).transpose();
+        for (std::size_t k = 0; k < projected.nodes.size(); ++k)
+          of_thread.add(projected.nodes[k], first * projected.rows[k]);
+      }
+      const Eigen::Matrix3d root = *tangent++ / std::sqrt(point.stiffness);
+      for (auto& row : projected.rows) row = (root * row).eval();
+    }
+    if (point.slides()) constraints.push_back(of_thread.constraint(point.stiffness));
   }
   // Contact penalties couple nodes of one cell: they go into the matrix.
   auto& matrix = level_.matrix();

@@ -1,19 +1,10 @@
 #include "solve/multigrid/smoother.h"
 
 #include <cmath>
+#include <list>
+#include <map>
 
 namespace lappet {
-
-namespace {
-
-// K is a sum of positive semidefinite cells (and contact penalties) that couple eight nodes each, and of constraints,
-// which D holds too: by Cauchy and Schwarz no eigenvalue of D^-1 K exceeds eight. Single cells come near it where they
-// are much stiffer than those around them, as at a suture's anchor, and an estimate from a few Lanczos steps misses
-// them, the more surely the more nodes there are: Chebyshev's polynomial then blows up on them and the preconditioner
-// is no longer definite.
-constexpr double kMaxEigenvalue = 8.0;
-
-}  // namespace
 
 template <class Real>
 void Smoother<Real>::update() {
@@ -41,13 +32,32 @@ void Smoother<Real>::update() {
   };
   std::vector<Rows> constraints;
   const std::vector<PointConstraint>& points = system_.point_constraints();
-  for (std::size_t t = 0; t < points.size(); ++t) {
-    constraints.push_back({points[t].nodes, {}, points[t].stiffness});
-    const Eigen::Matrix3d root = system_.point_roots()[t] / std::sqrt(points[t].stiffness);
-    for (const double weight : points[t].weights) constraints.back().rows.push_back(weight * root);
+  std::list<std::vector<Index>> nodes_of_threads;
+  const Eigen::Matrix3d* tangent = system_.point_tangent().roots.data();
+  const Vec3* row = system_.point_tangent().rows.data();
+  for (const PointConstraint& point : points) {
+    for (const Piece& piece : point.pieces) {
+      constraints.push_back({piece.nodes, {}, point.stiffness});
+      const Eigen::Matrix3d root = *tangent++ / std::sqrt(point.stiffness);
+      for (const double weight : piece.weights) constraints.back().rows.push_back(weight * root);
+    }
+    if (!point.slides()) continue;
+    std::map<Index, Eigen::Matrix3d> along;  // the row of the whole thread, and two that are zero
+    for (const Piece& piece : point.pieces) {
+      const Vec3 own = *row++ / std::sqrt(point.stiffness);
+      for (std::size_t k = 0; k < piece.nodes.size(); ++k)
+        along.try_emplace(piece.nodes[k], Eigen::Matrix3d::Zero()).first->second.row(0) += piece.weights[k] * own;
+    }
+    std::vector<Index>& held = nodes_of_threads.emplace_back();
+    std::vector<Eigen::Matrix3d> rows;
+    for (const auto& [node, of_node] : along) {
+      held.push_back(node);
+      rows.push_back(of_node);
+    }
+    constraints.push_back({held, std::move(rows), point.stiffness});
   }
   diagonal.set_constraints(constraints);
-  chebyshev_.set_largest_eigenvalue(kMaxEigenvalue);
+  chebyshev_.resize();
 }
 
 template class Smoother<float>;

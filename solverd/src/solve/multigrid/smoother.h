@@ -10,7 +10,7 @@ namespace lappet {
 template <class Real>
 class Smoother {
  public:
-  Smoother(const System<Real>& system, int degree) : system_(system), chebyshev_(degree) {}
+  Smoother(const System<Real>& system, int degree) : system_(system), chebyshev_(degree, kRange) {}
 
   // Takes the system's current tangent.
   void update();
@@ -22,10 +22,12 @@ class Smoother {
   std::span<Real> residual() { return chebyshev_.residual(); }
   std::span<Real> product() { return chebyshev_.product(); }
   std::span<Real> correction() { return chebyshev_.correction(); }
-  double largest_eigenvalue() const { return chebyshev_.largest_eigenvalue(); }
+  static constexpr double kMaxEigenvalue = Chebyshev<Real, 3>::kMaxEigenvalue;
   std::size_t bytes() const { return chebyshev_.bytes(); }
 
  private:
+  static constexpr double kRange = 4.0;
+
   const System<Real>& system_;
   Chebyshev<Real, 3> chebyshev_;
   struct Product {

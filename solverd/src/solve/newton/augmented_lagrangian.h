@@ -32,6 +32,7 @@ class AugmentedLagrangian {
     return Action::kUpdate;
   }
   double strictness() const { return strictness_; }
+  int updates() const { return updates_; }  // of the multipliers
 
  private:
   static constexpr int kMaxUpdates = 60;

@@ -62,7 +62,7 @@ std::vector<std::uint8_t> affected(const System<Real>& system, std::span<const R
   const auto add = [&](const auto& nodes) {
     for (const std::int32_t n : nodes) result[static_cast<std::size_t>(n)] = 1;
   };
-  for (const PointConstraint& constraint : system.point_constraints()) add(constraint.nodes);
+  for (const PointConstraint& constraint : system.point_constraints()) add(constraint.nodes());
   for (const RestingFace& face : system.attachments().resting)
     add(lattice.cell_nodes[static_cast<std::size_t>(face.cell)]);
   return result;

@@ -42,10 +42,12 @@ constexpr double kAtEnd = 0.8;
 // than Newton-Raphson makes it near an equilibrium. The last two are the signs of a place that tissue passes slowly
 // before it moves on.
 constexpr double kUnsure = 0.1, kBent = 0.1, kContraction = 0.3;
-// A search that is within its tolerances of forces and gaps ends where the displacement still to come has not fallen to
-// this share in so many steps.
+// A search that is within its tolerances of forces and gaps ends where in so many steps neither the displacement still
+// to come has fallen to this share nor the energy by what its rounding leaves of it: along a curved valley, as of
+// fibers that are much stiffer than what is around them, a definite tangent makes many steps of about one size.
 constexpr double kNearer = 0.7;
 constexpr int kMaxArrivals = 6;
+constexpr int kManyUpdates = 10;  // of the multipliers: a gap that they can close is closed after a few
 // The neighborhood of a change ends at a stricter tolerance; of the limit of the whole it has this share left at most.
 constexpr double kShareOfNeighborhood = 0.5;
 constexpr double kNoForce = 1e-20;  // residual over force scale that cannot be told from none
@@ -104,12 +106,7 @@ class EquilibriumSearch {
       }
       if (arriving && has_arrived()) return;
       if (options_.neighborhood_first && !arriving && !neighborhood_tried_ && neighborhood_goes_ahead()) continue;
-      if (outcome_.newton_iterations - newton_in_neighborhood_ >= options_.max_newton)
-        return fail(
-            FailureCode::kIterations,
-            fmt::format("no equilibrium after {} Newton iterations: relative residual {:.2e} (tolerance {:.1e}), gap "
-                        "{:.3g} mm",
-                        outcome_.newton_iterations, outcome_.residual, options_.tolerance, outcome_.gap));
+      if (outcome_.newton_iterations - newton_in_neighborhood_ >= options_.max_newton) return fail_late();
       if (observer_.stop()) return fail(FailureCode::kStopped, "stopped");
       if (arriving && !comes_nearer())
         return fail(FailureCode::kNoDescent,
@@ -120,7 +117,9 @@ class EquilibriumSearch {
       ++outcome_.newton_iterations;
       outcome_.active_cells = static_cast<std::int64_t>(system_.lattice().cells());
       if (!take_step(carries)) return;
-      if (options_.accuracy != Accuracy::kRelaxation && !carries && !jumped_ && used_ != PsdProjection::kExact) relax();
+      if (options_.accuracy != Accuracy::kRelaxation && !carries && !jumped_ &&
+          (used_ != PsdProjection::kExact || cut_))
+        relax();
     }
   }
 
@@ -135,6 +134,27 @@ class EquilibriumSearch {
     outcome_.gap = system_.largest_gap(u_, multipliers_, now_);
   }
   void fail(FailureCode code, std::string message) { outcome_.failure = {code, std::move(message)}; }
+
+  void fail_open() {
+    fail(
+        FailureCode::kGap,
+        fmt::format("a suture, a held face or a stiff hook keeps a gap of {:.3g} mm (tolerance {:.3g} mm); its demands "
+                    "contradict others or need more force than the tissue bears",
+                    outcome_.gap, options_.gap_tolerance));
+  }
+  // A gap that many multipliers have not closed is why there is no equilibrium, also where each of them takes so many
+  // iterations that these run out first.
+  bool stays_open() const {
+    return outcome_.gap > options_.gap_tolerance && augmented_lagrangian_.updates() >= kManyUpdates &&
+           !(system_.contact() && now_.contact.excess > options_.gap_tolerance);
+  }
+  void fail_late() {
+    if (stays_open()) return fail_open();
+    fail(FailureCode::kIterations,
+         fmt::format("no equilibrium after {} Newton iterations: relative residual {:.2e} (tolerance {:.1e}), gap "
+                     "{:.3g} mm",
+                     outcome_.newton_iterations, outcome_.residual, options_.tolerance, outcome_.gap));
+  }
 
   // Moves the multipliers on while the residual allows. kConverged: forces and gaps are within their tolerances.
   AugmentedLagrangian::Action settle() {
@@ -151,12 +171,7 @@ class EquilibriumSearch {
                              "bone: move it, or move the bone away",
                              now_.contact.largest_penetration));
           else
-            fail(
-                FailureCode::kGap,
-                fmt::format(
-                    "a suture, a held face or a stiff hook keeps a gap of {:.3g} mm (tolerance {:.3g} mm); its demands "
-                    "contradict others or need more force than the tissue bears",
-                    outcome_.gap, options_.gap_tolerance));
+            fail_open();
           return action;
         case AugmentedLagrangian::Action::kUpdate:
           system_.update(multipliers_, u_, now_);
@@ -170,6 +185,10 @@ class EquilibriumSearch {
   bool comes_nearer() {
     if (outcome_.to_come < kNearer * nearest_) {
       nearest_ = outcome_.to_come;
+      arrivals_ = 0;
+    }
+    if (now_.energy < energy_at_arrival_ - line_.rounding(now_.energy)) {
+      energy_at_arrival_ = now_.energy;
       arrivals_ = 0;
     }
     return ++arrivals_ <= kMaxArrivals;
@@ -330,10 +349,11 @@ class EquilibriumSearch {
                          outcome_.residual < kRoundedResidual ? rounding() : ""));
         return false;
       }
-      tangent_.agreed(taken.ratio, used_);
+      tangent_.agreed(taken.alpha, taken.ratio, used_);
     }
     const bool whole = !carries && taken.alpha == 1.0 && used_ == PsdProjection::kExact;
     last_step_ = whole ? to_come_ : std::numeric_limits<double>::infinity();
+    cut_ = !carries && taken.alpha < 1.0;
     bent_ = !carries && std::abs(taken.ratio - 1.0) > kBent;
     if (options_.accuracy == Accuracy::kRelaxation)
       return true;  // the many small searches of a relaxation are not logged
@@ -375,7 +395,8 @@ class EquilibriumSearch {
     return share;
   }
 
-  // What a definite tangent is too stiff for is often a matter of a few nodes: they go ahead.
+  // What a definite tangent is too stiff for, or what bends too much for a whole step, is often a matter of a few
+  // nodes: they go ahead.
   void relax() {
     if (now_.relative_residual <= options_.tolerance) return;
     const LocalRelaxation relaxed =
@@ -407,8 +428,10 @@ class EquilibriumSearch {
   Evaluation now_;
   bool jumped_ = false, neighborhood_tried_ = false;
   double nearest_ = std::numeric_limits<double>::infinity();
+  double energy_at_arrival_ = std::numeric_limits<double>::infinity();  // from which a fall is counted
   int arrivals_ = 0;
   bool bent_ = false;               // the energy did not fall as predicted in the last step
+  bool cut_ = false;                // the line search made the last step shorter
   bool exact_failed_ = false;       // no step along its direction lowered the energy
   int newton_in_neighborhood_ = 0;  // these leave those of the whole as many as ever
   PsdProjection used_ = PsdProjection::kExact;

@@ -9,7 +9,6 @@ namespace lappet {
 namespace {
 
 constexpr double kFirstStep = 0.01, kMaxStep = 8.0;  // spacings
-constexpr double kRounding = 1e-9;                   // of the energy: a fall by less is none
 
 }  // namespace
 
@@ -18,7 +17,7 @@ std::optional<double> way_off_saddle(System<Real>& system, std::span<const Real>
                                      const Multipliers& multipliers, const EvaluationSummary& at, bool inverts) {
   std::vector<Real> trial(u.size()), step(u.size());
   Evaluation now;
-  const double start = at.energy - kRounding * std::abs(at.energy);
+  const double start = at.energy - kEnergyRounding * std::abs(at.energy);
   double lowest = start;
   std::optional<double> best;
   const double spacing = system.lattice().settings.spacing;

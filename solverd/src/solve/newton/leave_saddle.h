@@ -7,6 +7,9 @@
 
 namespace lappet {
 
+// Of an energy: a fall by less is none.
+inline constexpr double kEnergyRounding = 1e-9;
+
 // The displacement along `mode` (3 per node, its largest component 1) with the lowest energy found on either side of u:
 // the amplitude in mm, signed; none where no step lowers the energy without turning cells over. Steps grow from a
 // fraction of the spacing while the energy falls. Multipliers stay as they are. at: the evaluation at u; the system's

@@ -69,6 +69,9 @@ class LineSearch {
     return taken;
   }
 
+  // What rounding may have changed an energy of this size by.
+  double rounding(double energy) const { return kRounding * (std::abs(energy) + energy_unit_); }
+
   // Moves u along a step that carries the prescribed nodes, by `increment` where it is taken whole. Their motion does
   // work: the step is only kept from turning cells over.
   StepTaken carry(std::span<Real> u, std::span<const Real> step, std::span<const Real> increment, Evaluation start) {
@@ -111,8 +114,7 @@ class LineSearch {
   // decide (Hager and Zhang 2005, the approximate Wolfe conditions).
   bool falls_as_slopes_tell(const EvaluationSummary& before, const Evaluation& now, std::span<const Real> step,
                             double slope) const {
-    const double rounding = kRounding * (std::abs(before.energy) + energy_unit_);
-    if (!(now.energy <= before.energy + rounding)) return false;
+    if (!(now.energy <= before.energy + rounding(before.energy))) return false;
     const double end = reduce<1>(step.size(), [g = now.gradient.data(), s = step.data()](std::size_t i, double* out) {
       out[0] = g[i] * static_cast<double>(s[i]);
     })[0];

@@ -47,7 +47,7 @@ std::vector<std::uint8_t> around_what_is_off(const System<Real>& system, const E
     };
     for (const auto& corners : system.lattice().cell_nodes) grow(corners);
     if (ring == 0)  // a suture moves both its ends
-      for (const PointConstraint& constraint : system.point_constraints()) grow(constraint.nodes);
+      for (const PointConstraint& constraint : system.point_constraints()) grow(constraint.nodes());
     moving = std::move(grown);
   }
   const auto count = static_cast<double>(std::ranges::count(moving, std::uint8_t{1}));
@@ -69,7 +69,7 @@ std::vector<std::int32_t> clusters(const System<Real>& system, std::span<const s
     }
   };
   for (const auto& corners : system.lattice().cell_nodes) join(corners);
-  for (const PointConstraint& constraint : system.point_constraints()) join(constraint.nodes);
+  for (const PointConstraint& constraint : system.point_constraints()) join(constraint.nodes());
   std::vector<std::int32_t> number(moving.size(), 0);
   count = 0;
   for (std::size_t n = 0; n < moving.size(); ++n) {

@@ -20,8 +20,10 @@ class TangentChoice {
   // After a jump the model is bad: clamped modes would take steps that the line search cuts to nothing.
   void jumped() { fallback_ = PsdProjection::kAbsolute; }
   void iteration_done() { exact_pause_ = std::max(0, exact_pause_ - 1); }
-  // ratio: actual to predicted decrease of the energy in a step with the tangent `used`.
-  void agreed(double ratio, PsdProjection used) {
+  // ratio: actual to predicted decrease of the energy in a step with the tangent `used`, of which the share `alpha` was
+  // taken. Where that is next to nothing the exact one is all but singular, and what it says is of no use.
+  void agreed(double alpha, double ratio, PsdProjection used) {
+    if (used == PsdProjection::kExact && alpha < kMinShare) exact_pause_ = kIndefinitePause;
     if (used != PsdProjection::kExact)
       fallback_ = std::abs(ratio - 1.0) > kModelAgreement ? PsdProjection::kAbsolute : PsdProjection::kClamp;
   }
@@ -34,6 +36,7 @@ class TangentChoice {
 
  private:
   static constexpr double kModelAgreement = 0.01;
+  static constexpr double kMinShare = 0.01;
   static constexpr int kIndefinitePause = 3;  // iterations before the exact tangent is tried again
 
   PsdProjection fallback_ = PsdProjection::kClamp;

@@ -71,17 +71,21 @@ std::vector<PointConstraint> System<Real>::restricted_point_constraints(const Pl
   std::vector<PointConstraint> restricted;
   for (const PointConstraint& constraint : point_constraints_) {
     PointConstraint local = constraint;
-    local.nodes.clear();
-    local.weights.clear();
     bool moving = false;
-    for (std::size_t k = 0; k < constraint.nodes.size(); ++k) {
-      const auto n = static_cast<std::size_t>(constraint.nodes[k]);
-      if (const std::int32_t at = place_of_node[n]; at >= 0) {
-        local.nodes.push_back(at);
-        local.weights.push_back(constraint.weights[k]);
-        moving = moving || place.moves[static_cast<std::size_t>(at)];
-      } else {
-        local.offset += constraint.weights[k] * Vec3(double(u[3 * n]), double(u[3 * n + 1]), double(u[3 * n + 2]));
+    for (std::size_t j = 0; j < local.pieces.size(); ++j) {
+      const Piece& piece = constraint.pieces[j];
+      Piece& own = local.pieces[j];
+      own.nodes.clear();
+      own.weights.clear();
+      for (std::size_t k = 0; k < piece.nodes.size(); ++k) {
+        const auto n = static_cast<std::size_t>(piece.nodes[k]);
+        if (const std::int32_t at = place_of_node[n]; at >= 0) {
+          own.nodes.push_back(at);
+          own.weights.push_back(piece.weights[k]);
+          moving = moving || place.moves[static_cast<std::size_t>(at)];
+        } else {
+          own.offset += piece.weights[k] * Vec3(double(u[3 * n]), double(u[3 * n + 1]), double(u[3 * n + 2]));
+        }
       }
     }
     if (moving) restricted.push_back(std::move(local));

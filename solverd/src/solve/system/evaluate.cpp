@@ -155,16 +155,20 @@ double System<Real>::largest_step(std::span<const Real> u, std::span<const Real>
 template <class Real>
 void System<Real>::add_point_constraints(std::span<const Real> u, const Multipliers& multipliers,
                                          Evaluation& result) const {
-  result.point_roots.clear();
+  result.point_tangent.clear();
   for (const auto& constraint : point_constraints_) {
-    const Vec3 c = constraint.value(u), multiplier = multipliers.of(constraint),
-               force = constraint.force(c, multiplier);
+    const std::vector<Vec3> c = constraint.values(u);
+    const Vec3 multiplier = multipliers.of(constraint);
+    const std::vector<Vec3> forces = constraint.forces(c, multiplier);
     result.energy += constraint.energy(c, multiplier);
-    result.point_roots.push_back(constraint.tangent_root(c, multiplier));
-    for (std::size_t k = 0; k < constraint.nodes.size(); ++k)
-      for (int i = 0; i < 3; ++i)
-        result.gradient[3 * static_cast<std::size_t>(constraint.nodes[k]) + static_cast<std::size_t>(i)] +=
-            constraint.weights[k] * force[i];
+    constraint.add_tangent(c, multiplier, result.point_tangent);
+    for (std::size_t j = 0; j < c.size(); ++j) {
+      const Piece& piece = constraint.pieces[j];
+      for (std::size_t k = 0; k < piece.nodes.size(); ++k)
+        for (int i = 0; i < 3; ++i)
+          result.gradient[3 * static_cast<std::size_t>(piece.nodes[k]) + static_cast<std::size_t>(i)] +=
+              piece.weights[k] * forces[j][i];
+    }
   }
 }
 

@@ -5,6 +5,7 @@
 
 #include "force/constraints/contact.h"
 #include "force/constraints/contact_penalty.h"
+#include "force/constraints/point_constraint.h"
 
 namespace lappet {
 
@@ -20,7 +21,7 @@ struct EvaluationSummary {
 struct Evaluation : EvaluationSummary {
   std::vector<double> gradient;                   // 3 per node; 0 where a node is not free
   std::vector<ContactPenalty> contact_penalties;  // what the bed and the bones push with
-  std::vector<Eigen::Matrix3d> point_roots;       // of the tangents of the point constraints
+  PointTangent point_tangent;                     // of the point constraints
   ContactState contact;                           // what the bones do
   std::uint64_t number = 0;                       // of the system's evaluations: see System::linearize
 };

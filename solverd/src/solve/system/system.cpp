@@ -153,17 +153,25 @@ void System<Real>::set_retractors(std::span<const std::int32_t> active, std::spa
 template <class Real>
 void System<Real>::set_point_constraints(std::vector<PointConstraint> constraints) {
   bool same = constraints.size() == point_constraints_.size();
+  const auto holds_the_same = [](const Piece& a, const Piece& b) {
+    return a.nodes == b.nodes && a.weights == b.weights;
+  };
   for (std::size_t i = 0; same && i < constraints.size(); ++i)
-    same = constraints[i].nodes == point_constraints_[i].nodes &&
-           constraints[i].stiffness == point_constraints_[i].stiffness &&
-           constraints[i].weights == point_constraints_[i].weights;
+    same = constraints[i].stiffness == point_constraints_[i].stiffness &&
+           std::ranges::equal(constraints[i].pieces, point_constraints_[i].pieces, holds_the_same);
   point_constraints_ = std::move(constraints);
   std::set<ConstraintId> exact;
   for (const auto& constraint : point_constraints_)
     if (constraint.exact && !exact.insert(constraint.id).second)
       throw std::logic_error("two point constraints that hold exactly have the same id");
   has_sutures_ = !exact.empty();
-  point_roots_.assign(point_constraints_.size(), Eigen::Matrix3d::Zero());
+  std::size_t pieces = 0, rows = 0;
+  for (const auto& constraint : point_constraints_) {
+    pieces += constraint.pieces.size();
+    rows += constraint.slides() ? constraint.pieces.size() : 0;
+  }
+  point_tangent_.roots.assign(pieces, Eigen::Matrix3d::Zero());
+  point_tangent_.rows.assign(rows, Vec3::Zero());
   if (!same) ++revision_;
 }
 
@@ -194,7 +202,7 @@ void System<Real>::linearize(const Evaluation& at, PsdProjection how) {
   const Timed timed(work_.linearizations);
   elastic_.linearize(how);
   contact_penalties_ = at.contact_penalties;
-  point_roots_ = at.point_roots;
+  point_tangent_ = at.point_tangent;
 }
 
 template <class Real>
@@ -210,19 +218,37 @@ void System<Real>::multiply(std::span<const Real> x, std::span<Real> y) const {
         y[3 * static_cast<std::size_t>(nodes[k]) + static_cast<std::size_t>(i)] +=
             static_cast<Real>(penalty.stiffness * along * penalty.weights[k] * penalty.direction[i]);
   }
-  for (std::size_t t = 0; t < point_constraints_.size(); ++t) {
-    const PointConstraint& constraint = point_constraints_[t];
-    Vec3 sum = Vec3::Zero();
-    for (std::size_t k = 0; k < constraint.nodes.size(); ++k)
-      sum += constraint.weights[k] * NodeField(x)[constraint.nodes[k]];
-    sum = (point_roots_[t].transpose() * (point_roots_[t] * sum)).eval();
-    for (std::size_t k = 0; k < constraint.nodes.size(); ++k)
-      for (int i = 0; i < 3; ++i)
-        y[3 * static_cast<std::size_t>(constraint.nodes[k]) + static_cast<std::size_t>(i)] +=
-            static_cast<Real>(constraint.weights[k] * sum[i]);
-  }
+  multiply_point_constraints(x, y);
   for (const std::int32_t node : prescribed_nodes_)
     for (std::size_t i = 0; i < 3; ++i) y[3 * static_cast<std::size_t>(node) + i] = Real(0);
+}
+
+template <class Real>
+void System<Real>::multiply_point_constraints(std::span<const Real> x, std::span<Real> y) const {
+  const auto moved = [&](const Piece& piece) {
+    Vec3 sum = Vec3::Zero();
+    for (std::size_t k = 0; k < piece.nodes.size(); ++k) sum += piece.weights[k] * NodeField(x)[piece.nodes[k]];
+    return sum;
+  };
+  const auto pull = [&](const Piece& piece, const Vec3& force) {
+    for (std::size_t k = 0; k < piece.nodes.size(); ++k)
+      for (int i = 0; i < 3; ++i)
+        y[3 * static_cast<std::size_t>(piece.nodes[k]) + static_cast<std::size_t>(i)] +=
+            static_cast<Real>(piece.weights[k] * force[i]);
+  };
+  const Eigen::Matrix3d* root = point_tangent_.roots.data();
+  const Vec3* row = point_tangent_.rows.data();
+  for (const PointConstraint& constraint : point_constraints_) {
+    double all = 0.0;  // of a thread that slides
+    if (constraint.slides())
+      for (std::size_t j = 0; j < constraint.pieces.size(); ++j) all += row[j].dot(moved(constraint.pieces[j]));
+    for (const Piece& piece : constraint.pieces) {
+      Vec3 force = (root->transpose() * (*root * moved(piece))).eval();
+      if (constraint.slides()) force += all * *row++;
+      pull(piece, force);
+      ++root;
+    }
+  }
 }
 
 template <class Real>
@@ -279,7 +305,7 @@ template <class Real>
 double System<Real>::largest_gap(std::span<const Real> u, const Multipliers& multipliers, const Evaluation& at) const {
   double gap = 0.0;
   for (const auto& constraint : point_constraints_)
-    if (constraint.exact) gap = std::max(gap, constraint.gap(constraint.value(u), multipliers.of(constraint)));
+    if (constraint.exact) gap = std::max(gap, constraint.gap(constraint.values(u), multipliers.of(constraint)));
   if (contact()) gap = std::max(gap, at.contact.excess);
   if (!has_held_faces_) return gap;
   for (const auto& face : attachments_.face_constraints) {
@@ -305,7 +331,7 @@ void System<Real>::update(Multipliers& multipliers, std::span<const Real> u, con
   for (const auto& constraint : point_constraints_)
     if (constraint.exact)
       multipliers.of_constraint[constraint.id] =
-          constraint.next_multiplier(constraint.value(u), multipliers.of(constraint));
+          constraint.next_multiplier(constraint.values(u), multipliers.of(constraint));
   if (contact()) contact()->update_pressures(at.contact, multipliers.of_contact_proxy);
   fit(multipliers);
   if (!has_held_faces_) return;

@@ -88,8 +88,8 @@ class System {
 
   // Of the tangent: what the bed and the bones push with.
   std::span<const ContactPenalty> contact_penalties() const { return contact_penalties_; }
-  // Of the tangent: R of the stiffness R^T R of each point constraint.
-  std::span<const Eigen::Matrix3d> point_roots() const { return point_roots_; }
+  // Of the tangent: what the point constraints add.
+  const PointTangent& point_tangent() const { return point_tangent_; }
   const Elastic<Real>& elastic() const { return elastic_; }
   // The same, with the decompositions of an evaluation, which must be the last one.
   const Elastic<Real>& elastic_at(const Evaluation& at) const;
@@ -117,6 +117,7 @@ class System {
   void add_bed_faces(std::span<const Real> u, Evaluation& result) const;
   void add_resting_faces(std::span<const Real> u, Evaluation& result) const;
   void add_point_constraints(std::span<const Real> u, const Multipliers& multipliers, Evaluation& result) const;
+  void multiply_point_constraints(std::span<const Real> x, std::span<Real> y) const;
   void add_drift(std::span<const Real> u, Evaluation& result) const;
   void measure_residual(Evaluation& result);
 
@@ -140,7 +141,7 @@ class System {
   std::vector<PointConstraint> point_constraints_;
   std::unique_ptr<Contact> contact_;
   std::vector<ContactPenalty> contact_penalties_;  // of the tangent
-  std::vector<Eigen::Matrix3d> point_roots_;       // likewise
+  PointTangent point_tangent_;                     // likewise
   std::vector<std::int32_t> fragment_of_node_;     // its lowest node; empty: all hang together
   std::vector<std::int32_t> floating_cells_;
   double drift_stiffness_ = 0.0;  // mN/mm on a corner of a floating cell

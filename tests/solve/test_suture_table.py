@@ -13,17 +13,17 @@ from lappet.core.problem_code import ProblemCode
 from lappet.daemon.solved_frame import SolvedFrame
 from lappet.geometry.labeled_surface import FaceOrigin
 from lappet.output.mean_tension import greatest_mean_tension
-from lappet.output.suture_forces import (
+from lappet.output.tables import write_table
+from lappet.procedure import Procedure, Suture
+from lappet.program.program import Program
+from lappet.program.settings import SolverSettings
+from lappet.solve.suture_forces import (
     SutureForce,
     closure_of,
     summary,
     suture_forces,
     suture_warnings,
-    write_suture_forces,
 )
-from lappet.procedure import Procedure, Suture
-from lappet.program.program import Program
-from lappet.program.settings import SolverSettings
 from lappet.tissue.patch import flat_patch
 from lappet.tissue.surface import tissue_surface
 from small_procedure import TOP, small_procedure
@@ -42,6 +42,28 @@ SEWN = tuple(
 FORCES = {"near_1": 10.0, "near_2": 20.0, "near_10": 50.0, "donor_1": 15.0, "donor_2": 5.0}
 
 
+def test_a_thread_that_turns_back_may_cut_through_with_half_the_tension() -> None:
+    bites = ((0.0, -1.0, TOP), (0.0, 1.0, TOP), (1.0, -1.0, TOP))
+    thread = Suture("running", bites, 5.0, mode="thread", pull_through=1500.0)
+    solved = SolvedFrame(
+        7.0,
+        np.zeros((0, 3), np.float32),
+        suture_index=np.zeros(1, np.int32),
+        suture_points=np.array([[bites[0], bites[2]]]),
+        suture_forces=np.array([900.0]),
+        suture_inner_bites=np.ones(1, np.int32),
+        inner_bite_points=np.array([bites[1]]),
+    )
+    program = Program((), (), SolverSettings(), sutures=("running",))
+    (row,) = suture_forces(small_procedure(events=(thread,)), program, solved)
+    assert row.force_mn == 900.0
+    assert row.apart_mm == pytest.approx(2.0 + np.sqrt(5.0))
+    turn = np.linalg.norm(np.array([0.0, -1.0]) + np.array([1.0, -2.0]) / np.sqrt(5.0))
+    assert row.bite_mn == pytest.approx(900.0 * turn, rel=1e-6)
+    (warning,) = suture_warnings(small_procedure(events=(thread,)), [row])
+    assert (warning.code, warning.value) == (ProblemCode.SUTURE_PULLS_THROUGH, f"{row.bite_mn:.4g}")
+
+
 def frame(shared: dict[str, float]) -> tuple[Procedure, Program, SolvedFrame]:
     procedure = small_procedure(events=SEWN)
     program = Program((), (), SolverSettings(), sutures=tuple(suture.name for suture in SEWN))
@@ -56,6 +78,7 @@ def frame(shared: dict[str, float]) -> tuple[Procedure, Program, SolvedFrame]:
             suture_index=np.arange(len(SEWN), dtype=np.int32),
             suture_points=ends,
             suture_forces=np.array([FORCES[suture.name] for suture in SEWN]),
+            suture_force_vectors=np.array([[0.6, -0.8, 0.0]]) * np.array([[FORCES[suture.name]] for suture in SEWN]),
             suture_shared=np.array([shared.get(suture.name, 0.0) for suture in SEWN]),
         ),
     )
@@ -73,6 +96,9 @@ def test_forces_lie_along_their_closures_in_the_order_of_their_numbers() -> None
     assert [row.suture for row in rows] == ["donor_1", "donor_2", "near_1", "near_2", "near_10"]
     assert [row.along_mm for row in rows] == pytest.approx([0.0, 3.0, 0.0, 3.0, 7.0])
     assert [row.force_mn for row in rows] == [15.0, 5.0, 10.0, 20.0, 50.0]
+    assert [row.force_x_mn for row in rows] == pytest.approx([9.0, 3.0, 6.0, 12.0, 30.0])
+    assert [row.force_y_mn for row in rows] == pytest.approx([-12.0, -4.0, -8.0, -16.0, -40.0])
+    assert {row.force_z_mn for row in rows} == {0.0}
     assert {row.apart_mm for row in rows} == {0.5}
     assert sum(row.share for row in rows) == pytest.approx(1.0)
 
@@ -112,7 +138,7 @@ def test_a_thread_that_may_cut_through_is_warned_of_once() -> None:
 
 def test_the_file_has_a_row_for_each_suture_and_frame(tmp_path: Path) -> None:
     rows = suture_forces(*frame({"near_10": 0.6}))
-    write_suture_forces(tmp_path / "forces.csv", rows)
+    write_table(tmp_path / "forces.csv", SutureForce, rows)
     with (tmp_path / "forces.csv").open(newline="") as file:
         table = list(csv.DictReader(file))
     assert [row["suture"] for row in table] == [row.suture for row in rows]

@@ -6,12 +6,9 @@ middles of their anchors at rest.
 
 from __future__ import annotations
 
-import csv
-import os
 import re
 from collections.abc import Sequence
-from dataclasses import astuple, dataclass, fields
-from pathlib import Path
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -23,6 +20,7 @@ from lappet.daemon.solved_frame import SolvedFrame
 from lappet.procedure import Procedure, Suture
 from lappet.procedure.prim_paths import TIMELINE
 from lappet.program.program import Program
+from lappet.solve.bite_forces import bite_forces, bite_points
 
 # A suture whose two ends hold more of the same tissue than this is not parted by the lattice (chosen).
 MOST_SHARED = 0.1
@@ -43,15 +41,19 @@ class SutureForce:
     along_mm
         Where it is along the closure at rest in mm.
     force_mn
-        Its pull in mN.
+        Its pull in mN; the tension of a thread.
+    force_x_mn, force_y_mn, force_z_mn
+        The force on the tissue at its first end in mN; of two ends the second has the opposite one.
     apart_mm
-        Distance of its ends in mm.
+        Distance of its ends in mm; of a thread with several bites, its length through them.
     share
         Its share of the forces of all sutures of the frame that the lattice resolves.
     limit_mn
         Tension at which it cuts through the tissue in mN.
     resolved
         Whether the lattice parts its two ends; the force is meaningless where it does not.
+    bite_mn
+        The greatest force on one of its bites in mN: where a thread turns back, twice its tension.
     """
 
     time: float
@@ -59,10 +61,14 @@ class SutureForce:
     closure: str
     along_mm: float
     force_mn: float
+    force_x_mn: float
+    force_y_mn: float
+    force_z_mn: float
     apart_mm: float
     share: float
     limit_mn: float
     resolved: bool
+    bite_mn: float
 
 
 def closure_of(name: str) -> str:
@@ -79,6 +85,23 @@ def closure_of(name: str) -> str:
         Name of the closure.
     """
     return re.sub(r"[_ -]*\d+$", "", name) or name
+
+
+def suture_number(name: str) -> int:
+    """Find the number of a suture in its closure.
+
+    Parameters
+    ----------
+    name
+        Name of the suture.
+
+    Returns
+    -------
+    int
+        The number that its name ends with, 0 where there is none.
+    """
+    digits = re.search(r"\d+$", name)
+    return int(digits.group()) if digits else 0
 
 
 def suture_forces(procedure: Procedure, program: Program, frame: SolvedFrame) -> list[SutureForce]:
@@ -104,7 +127,9 @@ def suture_forces(procedure: Procedure, program: Program, frame: SolvedFrame) ->
     shared = frame.suture_shared if len(frame.suture_shared) == len(names) else np.zeros(len(names))
     resolved = shared <= MOST_SHARED
     total = float(frame.suture_forces[resolved].sum())
-    apart = np.linalg.norm(frame.suture_points[:, 0] - frame.suture_points[:, 1], axis=1)
+    apart = [np.linalg.norm(np.diff(points, axis=0), axis=1).sum() for points in bite_points(frame)]
+    vectors = frame.suture_force_vectors
+    vectors = vectors if len(vectors) == len(names) else np.full((len(names), 3), np.nan)
     rows = [
         SutureForce(
             frame.time,
@@ -112,12 +137,18 @@ def suture_forces(procedure: Procedure, program: Program, frame: SolvedFrame) ->
             closure_of(name),
             along[name],
             float(force),
+            float(vector[0]),
+            float(vector[1]),
+            float(vector[2]),
             float(gap),
             float(force) / total if part and total > 0.0 else 0.0,
             events[name].pull_through_limit,
             bool(part),
+            float(bites.max()),
         )
-        for name, force, gap, part in zip(names, frame.suture_forces, apart, resolved, strict=True)
+        for name, force, vector, gap, part, bites in zip(
+            names, frame.suture_forces, vectors, apart, resolved, bite_forces(frame), strict=True
+        )
     ]
     return sorted(rows, key=lambda row: (row.closure, row.along_mm))
 
@@ -184,7 +215,7 @@ def suture_warnings(procedure: Procedure, rows: Sequence[SutureForce]) -> list[P
     events = {event.name: event for event in procedure.events if isinstance(event, Suture)}
     most: dict[str, SutureForce] = {}
     for row in rows:
-        if row.suture not in most or row.force_mn > most[row.suture].force_mn:
+        if row.suture not in most or row.bite_mn > most[row.suture].bite_mn:
             most[row.suture] = row
     found = []
     for name, row in most.items():
@@ -192,32 +223,10 @@ def suture_warnings(procedure: Procedure, rows: Sequence[SutureForce]) -> list[P
         if not row.resolved:
             code, force = ProblemCode.SUTURE_UNRESOLVED, f"{row.force_mn:.4g}"
             found.append(problem(code, prim, force, place=place, time=row.time))
-        elif row.force_mn > row.limit_mn:
-            code, force = ProblemCode.SUTURE_PULLS_THROUGH, f"{row.force_mn:.4g}"
+        elif row.bite_mn > row.limit_mn:
+            code, force = ProblemCode.SUTURE_PULLS_THROUGH, f"{row.bite_mn:.4g}"
             found.append(problem(code, prim, force, place=place, time=row.time, limit=row.limit_mn))
     return found
-
-
-def write_suture_forces(path: str | os.PathLike[str], rows: Sequence[SutureForce]) -> None:
-    """Write the forces as CSV, a row for each suture and frame.
-
-    Parameters
-    ----------
-    path
-        The file.
-    rows
-        The rows of all frames.
-
-    Raises
-    ------
-    OSError
-        If the file system refuses.
-    """
-    with Path(path).open("w", encoding="utf-8", newline="") as file:
-        table = csv.writer(file)
-        table.writerow([item.name for item in fields(SutureForce)])
-        for row in rows:
-            table.writerow([f"{value:.6g}" if isinstance(value, float) else value for value in astuple(row)])
 
 
 def _along_closures(sutures: Sequence[Suture]) -> dict[str, float]:
@@ -225,15 +234,10 @@ def _along_closures(sutures: Sequence[Suture]) -> dict[str, float]:
     along: dict[str, float] = {}
     for closure in dict.fromkeys(closure_of(suture.name) for suture in sutures):
         own = sorted(
-            (each for each in sutures if closure_of(each.name) == closure), key=lambda each: _number(each.name)
+            (each for each in sutures if closure_of(each.name) == closure), key=lambda each: suture_number(each.name)
         )
         middles = np.array([np.mean(each.anchors, axis=0) for each in own])
         steps = np.linalg.norm(np.diff(middles, axis=0), axis=1)
         places: NDArray[np.float64] = np.concatenate([[0.0], np.cumsum(steps)])
         along.update({each.name: float(place) for each, place in zip(own, places, strict=True)})
     return along
-
-
-def _number(name: str) -> int:
-    digits = re.search(r"\d+$", name)
-    return int(digits.group()) if digits else 0
