@@ -209,7 +209,7 @@ def area(outline: NDArray[np.float64]) -> float:
 
 
 # The file's own timeline at a coarse spacing, mm; and how far the skin may stand above or below its old level at the
-# seams, of its thickness: a standing cone at the pivot and the dip of a tight scar are the operation's own.
+# seams, of its thickness: a dog-ear at the pivot and the dip of a tight scar are the operation's own.
 FLAPS = [
     ("rhomboid", 2.0, 0.5),
     ("dufourmentel_mouly", 2.0, 0.6),

@@ -197,7 +197,9 @@ def test_before_the_cut_there_is_no_seam_and_before_the_sutures_there_is() -> No
 
 
 def row(suture: str, force: float, *, resolved: bool = True) -> SutureForce:
-    return SutureForce(8.0, suture, suture.rpartition("_")[0], 0.0, force, 0.0, force, 0.0, 0.0, 0.0, 5000.0, resolved)
+    return SutureForce(
+        8.0, suture, suture.rpartition("_")[0], 0.0, force, 0.0, force, 0.0, 0.0, 0.0, 5000.0, resolved, force
+    )
 
 
 def test_the_tension_of_a_seam_is_what_all_its_closures_pull_over_its_length() -> None:

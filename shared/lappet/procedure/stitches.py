@@ -151,9 +151,8 @@ def simple(at: Station, bite: float = BITE, depth: float = 0.0) -> Stitch:
     Stitch
         The stitch.
     """
-    if depth == 0.0:
-        return _stitch([at.bite(-1, bite), at.bite(1, bite)])
-    return _stitch(_tied([*_through(at, bite, depth)]))
+    crossing = _through(at, bite, depth)
+    return _stitch(_tied(crossing) if depth > 0.0 else crossing)
 
 
 def vertical_mattress(
@@ -291,13 +290,12 @@ def running(stations: Sequence[Station], bite: float = BITE, depth: float = 0.0)
     Stitch
         The stitch, open at its ends.
     """
-    passes = [_through(at, bite, depth) if depth > 0.0 else [at.bite(-1, bite), at.bite(1, bite)] for at in stations]
-    return _stitch([bite for each in passes for bite in each])
+    return _stitch([place for at in stations for place in _through(at, bite, depth)])
 
 
 def _through(at: Station, bite: float, depth: float, along: float = 0.0) -> list[_Bite]:
-    """A pass across the wound: in, down, across, up and out."""
-    corners = [(-1, 0.0), (-1, depth), (1, depth), (1, 0.0)]
+    """A pass across the wound: in, down, across, up and out; at no depth from one side to the other."""
+    corners = [(-1, 0.0), (-1, depth), (1, depth), (1, 0.0)] if depth > 0.0 else [(-1, 0.0), (1, 0.0)]
     return [at.bite(side, bite, below, along) for side, below in corners]
 
 

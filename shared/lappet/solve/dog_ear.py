@@ -99,7 +99,7 @@ def dog_ear_at(surface: Surface, edges: WoundEdges, end: NDArray[np.float64]) ->
     normals = area_normals(surface.points[triangles])
     if np.linalg.norm(normals.sum(axis=0)) < _MIN_FACING * np.linalg.norm(normals, axis=1).sum():
         return None
-    around, across, _ = _frame(surface.points, triangles)
+    around, across, _ = _axes(surface.points, triangles)
     offsets = surface.points[ring] - end
     sectors = np.floor(np.arctan2(offsets @ across, offsets @ around) / (2.0 * np.pi) * _SECTORS).astype(int)
     if len(np.unique(sectors % _SECTORS)) < _MIN_SECTORS:
@@ -136,7 +136,7 @@ def heights_above_quadric(
         Heights in mm, shape (k,).
     """
     points = np.asarray(points, np.float64)
-    axes = np.stack(_frame(points, triangles), axis=1)
+    axes = np.stack(_axes(points, triangles), axis=1)
     center = np.average(points[ring], axis=0, weights=weights)
     size = float(np.linalg.norm(points[ring] - center, axis=1).max())
     fitted, measured = (((points[index] - center) / size) @ axes for index in (ring, inner))
@@ -150,7 +150,7 @@ def _terms(local: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.stack([np.ones_like(x), x, y, x * x, x * y, y * y], axis=1)
 
 
-def _frame(
+def _axes(
     points: NDArray[np.floating], triangles: NDArray[np.int64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
     """Two directions along the skin and its mean normal."""

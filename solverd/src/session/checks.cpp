@@ -247,11 +247,11 @@ void check_frame(const FrameInput& frame, const SessionSettings& settings, const
     before = 1;
     check_anchor(suture.a, surface, "suture");
     check_anchor(suture.b, surface, "suture");
-    for (const Anchor& bite : suture.inner) check_anchor(bite, surface, "suture");
+    for (const Anchor& anchor : suture.inner) check_anchor(anchor, surface, "suture");
     require(suture.inner.empty() || suture.is_thread,
-            "suture {} has {} bites but is to close exactly; give it two, or make it a thread", suture.index,
+            "suture {} has {} anchors but is to close exactly; give it two, or make it a thread", suture.index,
             suture.inner.size() + 2);
-    require(suture.inner.size() <= kMaxInnerBites, "suture {} has {} bites; give at most {}", suture.index,
+    require(suture.inner.size() <= kMaxInnerBites, "suture {} has {} anchors; give at most {}", suture.index,
             suture.inner.size() + 2, kMaxInnerBites + 2);
     require(suture.closure >= 0 && suture.closure <= 1, "suture {} is closed by {} at frame {:g}; it must be 0 to 1",
             suture.index, suture.closure, frame.time);

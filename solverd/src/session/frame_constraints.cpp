@@ -137,18 +137,18 @@ PointConstraint FrameConstraints<Real>::suture_constraint(const SutureState& sut
   Thread thread;
   thread.length = (1.0 - suture.closure) * placed.norm() + suture.closure * suture.length;
   if (suture.tension > 0.0) thread.most = suture.tension;
-  const std::vector<const AnchorStencil*> bites = bites_of(suture);
+  const std::vector<const AnchorStencil*> stencils = stencils_of(suture);
   double max_stiffness = 0.0;
-  for (const AnchorStencil* bite : bites) max_stiffness = std::max(max_stiffness, max_penalty(bite->nodes));
-  return make_thread(lattice_, bites, thread, suture.stiffness, max_stiffness);
+  for (const AnchorStencil* stencil : stencils) max_stiffness = std::max(max_stiffness, max_penalty(stencil->nodes));
+  return make_thread(lattice_, stencils, thread, suture.stiffness, max_stiffness);
 }
 
 template <class Real>
-std::vector<const AnchorStencil*> FrameConstraints<Real>::bites_of(const SutureState& suture) const {
-  std::vector<const AnchorStencil*> bites{&embed(suture.a)};
-  for (const Anchor& bite : suture.inner) bites.push_back(&embed(bite));
-  bites.push_back(&embed(suture.b));
-  return bites;
+std::vector<const AnchorStencil*> FrameConstraints<Real>::stencils_of(const SutureState& suture) const {
+  std::vector<const AnchorStencil*> stencils{&embed(suture.a)};
+  for (const Anchor& anchor : suture.inner) stencils.push_back(&embed(anchor));
+  stencils.push_back(&embed(suture.b));
+  return stencils;
 }
 
 // As SolverState keeps it.
@@ -156,17 +156,18 @@ template <class Real>
 Vec3 FrameConstraints<Real>::separation(const SutureState& suture, std::span<const Real> u) const {
   if (suture.inner.empty()) return where(suture.a, u) - where(suture.b, u);
   double length = 0.0;
-  const std::vector<const AnchorStencil*> bites = bites_of(suture);
-  for (std::size_t k = 0; k + 1 < bites.size(); ++k)
-    length += (position<Real>(lattice_, *bites[k], u) - position<Real>(lattice_, *bites[k + 1], u)).norm();
+  const std::vector<const AnchorStencil*> stencils = stencils_of(suture);
+  for (std::size_t k = 0; k + 1 < stencils.size(); ++k)
+    length += (position<Real>(lattice_, *stencils[k], u) - position<Real>(lattice_, *stencils[k + 1], u)).norm();
   return {length, 0.0, 0.0};
 }
 
 template <class Real>
 double FrameConstraints<Real>::shared(const SutureState& suture) const {
   double least = 1.0;
-  const std::vector<const AnchorStencil*> bites = bites_of(suture);
-  for (std::size_t k = 0; k + 1 < bites.size(); ++k) least = std::min(least, shared_hold(*bites[k], *bites[k + 1]));
+  const std::vector<const AnchorStencil*> stencils = stencils_of(suture);
+  for (std::size_t k = 0; k + 1 < stencils.size(); ++k)
+    least = std::min(least, shared_hold(*stencils[k], *stencils[k + 1]));
   return least;
 }
 

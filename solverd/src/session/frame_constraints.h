@@ -25,7 +25,7 @@ class FrameConstraints {
   // Sets the system's constraints, places new sutures, and begins with the multipliers that a frame carries on from the
   // one before: those of sutures and held faces.
   void apply(const FrameInput& frame, TissueState<Real>& state);
-  // Remembers how far apart the ends of new sutures are, or how long they are where they have more bites.
+  // Remembers how far apart the ends of new sutures are, or how long they are where they have more anchors.
   void place_sutures(const FrameInput& frame, TissueState<Real>& state) const;
   // Frames on the way from where the constraints are in a state to a frame, which is the last.
   std::vector<FrameInput> path(const FrameInput& frame, int steps, const TissueState<Real>& state) const;
@@ -35,7 +35,7 @@ class FrameConstraints {
   }
 
   Vec3 where(const Anchor& anchor, std::span<const Real> u) const { return position<Real>(lattice_, embed(anchor), u); }
-  // How much of what the ends of a suture hold is the same, 0 to 1; of a thread with more bites, of those two that
+  // How much of what the ends of a suture hold is the same, 0 to 1; of a thread with more anchors, of those two that
   // follow each other and share least.
   double shared(const SutureState& suture) const;
   // Corners of the box around the surface at rest.
@@ -48,7 +48,7 @@ class FrameConstraints {
   const AnchorStencil& embed(const Anchor& anchor) const;
   PointConstraint suture_constraint(const SutureState& suture, const double* gap) const;
   // What a suture holds, end to end.
-  std::vector<const AnchorStencil*> bites_of(const SutureState& suture) const;
+  std::vector<const AnchorStencil*> stencils_of(const SutureState& suture) const;
   Vec3 separation(const SutureState& suture, std::span<const Real> u) const;
   double max_penalty(std::span<const Index> held) const;
 

@@ -33,7 +33,8 @@ void write_constraints(const EpochSystem<Real>& epoch, const FrameInput& frame, 
     fields.suture_shared.push_back(epoch.constraints.shared(suture));
     append(fields.suture_points, epoch.constraints.where(suture.a, state.u));
     append(fields.suture_points, epoch.constraints.where(suture.b, state.u));
-    for (const Anchor& bite : suture.inner) append(fields.inner_bite_points, epoch.constraints.where(bite, state.u));
+    for (const Anchor& anchor : suture.inner)
+      append(fields.inner_bite_points, epoch.constraints.where(anchor, state.u));
   }
 }
 

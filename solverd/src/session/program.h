@@ -123,7 +123,7 @@ struct SutureState {
   bool is_thread = false;
   double length = 0.0;          // to which a thread is drawn, mm
   double tension = 0.0;         // with which it is drawn at most, mN; 0: as much as it takes
-  std::vector<Anchor> inner{};  // the bites of a thread between its ends, in order; it slides through them
+  std::vector<Anchor> inner{};  // the anchors of a thread between its ends, in order; it slides through them
   bool operator==(const SutureState&) const = default;
 };
 
@@ -146,7 +146,7 @@ struct FrameInput {
 struct SolverState {
   bool is_double = false;
   std::vector<double> nodes;  // 3 per node (float values when !is_double)
-  // 3 per suture: separation when placed, NaN before; of a thread with bites between its ends its length then, 0, 0.
+  // 3 per suture: separation when placed, NaN before; of a thread with anchors between its ends its length then, 0, 0.
   std::vector<double> suture_gaps;
   std::vector<double> suture_multipliers;  // 3 per suture, mN
   std::vector<double> grip_multipliers;    // opaque
@@ -168,7 +168,7 @@ struct FrameFields {
   std::vector<double> hook_forces;                         // 3 per hook, mN, on the tissue
   std::vector<double> hook_points;                         // 3 per hook: where the anchor is now, mm
   std::vector<double> suture_points;                       // 6 per active suture: both ends, mm
-  std::vector<double> inner_bite_points;    // 3 per bite between the ends of a suture, in their order, mm
+  std::vector<double> inner_bite_points;    // 3 per anchor between the ends of a suture, in their order, mm
   std::vector<double> suture_shared;        // per active suture: shared_hold of its two ends
   std::vector<float> correction;            // 3 per surface vertex, mm: what is still to come; empty: not wanted
   std::vector<double> landmark_correction;  // 3 per landmark, mm

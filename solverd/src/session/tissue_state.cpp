@@ -58,7 +58,7 @@ double digest(const FrameInput& frame) {
     digest.add(suture.is_thread ? 1.0 : 0.0);
     digest.add(suture.length);
     digest.add(suture.tension);
-    for (const Anchor& bite : suture.inner) digest.add(bite);
+    for (const Anchor& anchor : suture.inner) digest.add(anchor);
   }
   for (const RetractorState& retractor : frame.retractors) {
     digest.add(static_cast<double>(retractor.index) + 0.25);

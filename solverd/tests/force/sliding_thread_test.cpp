@@ -1,5 +1,5 @@
-// Threads that slide through several bites, in blocks that springs hold at the bites themselves: a block moves without
-// being deformed, so that all follows from the springs and the thread.
+// Threads that slide through several anchors, in blocks that springs hold at the anchors themselves: a block moves
+// without being deformed, so that all follows from the springs and the thread.
 #include <gtest/gtest.h>
 
 #include <optional>

@@ -71,7 +71,7 @@ struct EverythingActs {
     hook.pieces[0].weights = {0.5, 0.5};
     hook.exact = false;
     hook.id.index = 1;
-    PointConstraint thread;  // with bites in the subdomain of the test and outside it
+    PointConstraint thread;  // with anchors in the subdomain of the test and outside it
     const auto between = [&](const Vec3& a, const Vec3& b) {
       return Piece{{node(a), node(b)}, {1.0, -1.0}, lattice.node_rest[node(a)] - lattice.node_rest[node(b)]};
     };

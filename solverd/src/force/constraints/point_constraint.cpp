@@ -152,13 +152,13 @@ PointConstraint make_suture(const Lattice& lattice, const AnchorStencil& a, cons
   return constraint;
 }
 
-PointConstraint make_thread(const Lattice& lattice, std::span<const AnchorStencil* const> bites, const Thread& thread,
+PointConstraint make_thread(const Lattice& lattice, std::span<const AnchorStencil* const> anchors, const Thread& thread,
                             double stiffness, double max_stiffness) {
   PointConstraint constraint;
   set_stiffness(stiffness, max_stiffness, constraint);
   constraint.thread = thread;
-  for (std::size_t k = 0; k + 1 < bites.size(); ++k)
-    constraint.pieces.push_back(between(lattice, *bites[k], *bites[k + 1], Vec3::Zero()));
+  for (std::size_t k = 0; k + 1 < anchors.size(); ++k)
+    constraint.pieces.push_back(between(lattice, *anchors[k], *anchors[k + 1], Vec3::Zero()));
   return constraint;
 }
 

@@ -7,11 +7,11 @@
 // and lambda = c/s together pull as the spring does, (stiffness + 1/s) c. Rounding of displacements is not blown up to
 // forces.
 //
-// A thread only pulls. It slides through its bites, so it has one tension T: it goes by the sum L of the lengths |c_j|
-// of its pieces, each between a bite and the next and smoothed near zero, T = stiffness (L - length) + lambda, between
-// zero and the most it is drawn with. Its energy is convex in L, and L in all c_j, so its tangent is never negative.
-// That is T/|c_j| across each piece, and the stiffness along all of them at once: one row that couples every bite of
-// the thread.
+// A thread only pulls. It slides through its anchors, so it has one tension T: it goes by the sum L of the lengths
+// |c_j| of its pieces, each between an anchor and the next and smoothed near zero, T = stiffness (L - length) + lambda,
+// between zero and the most it is drawn with. Its energy is convex in L, and L in all c_j, so its tangent is never
+// negative. That is T/|c_j| across each piece, and the stiffness along all of them at once: one row that couples every
+// anchor of the thread.
 #pragma once
 #include <compare>
 #include <cstdint>
@@ -67,7 +67,7 @@ struct PointTangent {
 
 struct PointConstraint {
   ConstraintId id;
-  std::vector<Piece> pieces;  // one, but of a thread one for each two bites that follow each other
+  std::vector<Piece> pieces;  // one, but of a thread one for each two anchors that follow each other
   double stiffness = 0.0;     // mN/mm
   bool exact = false;         // a suture, a stiff hook
   double compliance = 0.0;    // mm/mN, of an exact point constraint: a suture has none
@@ -104,9 +104,9 @@ PointConstraint make_hook(const Lattice& lattice, const AnchorStencil& anchor, c
 // Between what a suture holds at either end, a - b = separation.
 PointConstraint make_suture(const Lattice& lattice, const AnchorStencil& a, const AnchorStencil& b,
                             const Vec3& separation, double stiffness);
-// A thread through what it holds at its bites, two or more, in their order. max_stiffness: up to which it is a plain
+// A thread through what it holds at its anchors, two or more, in their order. max_stiffness: up to which it is a plain
 // spring, mN/mm.
-PointConstraint make_thread(const Lattice& lattice, std::span<const AnchorStencil* const> bites, const Thread& thread,
+PointConstraint make_thread(const Lattice& lattice, std::span<const AnchorStencil* const> anchors, const Thread& thread,
                             double stiffness, double max_stiffness);
 // How far an embedded point has moved, and where it is.
 template <class Real>
