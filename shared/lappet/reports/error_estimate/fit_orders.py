@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from lappet.reports.error_estimate.measurement import FACTOR, EstimateRow
 from lappet.solve.coarse_program import RATIO
 
-# What is tried: the limits of every order that the estimate reckons with, and a step that no row can tell from its half.
+# What is tried: beyond the limits of every order that the estimate reckons with, in steps of what rows can tell.
 LEAST, GREATEST, STEP = 0.5, 3.0, 0.05
 
 
