@@ -123,8 +123,8 @@ def markdown(head: Mapping[str, Any], scenes: Sequence[EstimateScene], rows: Seq
                 row.scene, f"{row.spacing_mm:.3g}", row.cells, _short(row.error_mm), _short(row.error_max_mm),
                 _short(row.estimate_mm), _short(row.estimate_max_mm), _short(row.ratio), _short(row.max_ratio),
                 _short(row.order), _ANSWERS[row.is_within if row.ratios or row.reason is not None else None],
-                _ANSWERS[row.is_trusted], _short(row.uncertainty_mm), _short(row.uncertainty_max_mm), f"{row.reference_order:.2f}",
-                row.reason or "",
+                _ANSWERS[row.is_trusted], _short(row.uncertainty_mm), _short(row.uncertainty_max_mm),
+                f"{row.reference_order:.2f}", row.reason or "",
             ]
             for row in rows
         ],
