@@ -116,8 +116,8 @@ TEST(Session, ASutureClosesItsGapWhateverItsStiffness) {
   }
 }
 
-// A suture holds the mean of the tissue around its anchor, which a held wall lets bulge by half a millimeter: walls that
-// are farther apart than that contradict it.
+// A suture holds the mean of the tissue around its anchor, which a held wall lets bulge by half a millimeter: walls
+// that are farther apart than that contradict it.
 TEST(Session, ASutureBetweenTwoHeldPlacesIsReportedAsUnconverged) {
   SessionSettings s;
   s.sutures = 1;
