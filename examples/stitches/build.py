@@ -62,9 +62,7 @@ def sutures() -> list[Event]:
     for k, x in enumerate(DERMAL):
         late = round(2 * abs(2 * k / (len(DERMAL) - 1) - 1))  # frames after the middle
         stitch = rounded(deep_dermal(station(x), depth=3.0, shallow=1.5, bite=2.5))
-        thread = stitch.suture(
-            f"dermal_{k + 1}", BURY + late, DERMAL_DRAWN, duration=DRAW, thread="polydioxanone 4-0"
-        )
+        thread = stitch.suture(f"dermal_{k + 1}", BURY + late, DERMAL_DRAWN, duration=DRAW, thread="polydioxanone 4-0")
         events.append(thread)
     for k, x in enumerate(MATTRESS):
         stitch = rounded(vertical_mattress(station(x), depth=2.5, far=5.0, near=1.5))

@@ -44,7 +44,7 @@ def test_a_thread_with_many_bites_lies_on_the_skin_outside_and_runs_straight_ins
 
 def test_a_thread_over_an_open_wound_runs_straight_from_edge_to_edge() -> None:
     points = np.array([(-6.0, -3.0, 0.0), (-1.0, -3.0, 0.0), (-1.0, 3.0, 0.0), (-6.0, 3.0, 0.0)])
-    points = np.concatenate([points, points + (7.0, 0.0, 0.0)])
+    points = np.concatenate([points, points + np.array([7.0, 0.0, 0.0])])
     triangles = np.array([(0, 1, 2), (0, 2, 3), (4, 5, 6), (4, 6, 7)])
     line = laid_on_skin(np.array([(-2.0, 0.0, 0.0), (2.0, 0.0, 0.0), (-2.0, 1.0, 0.0)]), points, triangles, 0.05)
     gap = np.abs(line[:, 0]) < 0.99

@@ -10,6 +10,7 @@ by what the lattice costs:
   where cells of the coarse program hold several sutures. Their geometric mean is taken, or the second where that is
   larger. Where the coarse lattice resolves none of the sutures there is the second only, which is half of the error
   in the median (fitted).
+  The order is fitted.
 - Gap, step-off, mismatch and open area are compared place by place along the seam: the greatest of a line need not be
   in the same place on both lattices. Lips between bites converge with order 1 (fitted, as that of the tension, on
   `lappet.reports.error_estimate.fitting_scenes`).
@@ -39,6 +40,9 @@ from lappet.solve.measures import FrameMeasures, Gauges
 from lappet.solve.seam_measures import SeamMeasure, SeamState
 from lappet.solve.suture_forces import SutureForce
 
+FORCE_ORDER = 1.25
+"""Order of convergence of forces (fitted)."""
+
 ALONE = 2.0
 """Error of a force over that of the displacements, where there is nothing else to tell it by (fitted)."""
 
@@ -52,7 +56,8 @@ class Reckoning:
     order
         Order of convergence of the displacements.
     relative
-        Root mean square error of the displacements over that of the displacements, at most 1.
+        Root mean square error of the displacements over that of the displacements, at most 1; that of the lattice
+        with the order of the forces.
     algebraic
         The part of it that stopping early has.
     left
@@ -87,7 +92,10 @@ class Reckoning:
         moved = np.asarray(frame.points, np.float64)[skin.vertices] - skin.points
         size = float(np.sqrt(np.mean(np.einsum("ij,ij->i", moved, moved)))) if len(moved) else 0.0
         left, left_rms = error.algebraic_greatest or 0.0, error.algebraic_rms or 0.0
-        return cls(order, _share(error.rms, size), _share(left_rms, size), left)
+        lattice = error.discretization_rms or 0.0
+        slower = (RATIO**order - 1.0) / (RATIO**FORCE_ORDER - 1.0)
+        relative = _share(error.rms + lattice * (slower - 1.0), size)
+        return cls(order, relative, _share(left_rms, size), left)
 
     def force(self, force: float, coarse: float) -> float:
         """Estimate the error of a force.
@@ -105,7 +113,7 @@ class Reckoning:
             The error in the force's unit, at most the force itself unless that is 0.
         """
         if force <= 0.0:
-            return coarse / (RATIO**self.order - 1.0)
+            return coarse / (RATIO**FORCE_ORDER - 1.0)
         return force * self.of_ratio(coarse / force)
 
     def of_ratio(self, ratio: float | None) -> float:
@@ -124,7 +132,7 @@ class Reckoning:
         if ratio is None:
             return min(1.0, ALONE * self.relative)
         apart = abs(math.log(ratio)) if ratio > 0.0 else math.inf
-        found = 1.0 - math.exp(-apart / (RATIO**self.order - 1.0))
+        found = 1.0 - math.exp(-apart / (RATIO**FORCE_ORDER - 1.0))
         return math.sqrt(self.relative * max(self.relative, found))
 
 
