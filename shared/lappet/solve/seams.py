@@ -155,8 +155,8 @@ def _rows(procedure: Procedure, surface: Surface, edges: WoundEdges) -> list[_Ro
     borders = np.cumsum([len(each) for each in bites])[:-1]
     skin = np.flatnonzero(surface.origin == FaceOrigin.SKIN)
     triangles = closest_points(every, surface.points, surface.triangles)[0]
-    above, _, depth = closest_points(every, surface.points, surface.triangles[skin])
-    depths = [_depth(each) for each in np.split(depth, borders)]
+    above, _, below_skin = closest_points(every, surface.points, surface.triangles[skin])
+    depths = [_depth(each) for each in np.split(below_skin, borders)]
     # From the underside the way to an edge leads around a wall; what is deep belongs to the edge that the skin above
     # it does.
     inner = np.repeat([len(each) > 2 for each in bites], [len(each) for each in bites])
