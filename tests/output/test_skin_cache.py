@@ -6,6 +6,7 @@ import json
 import subprocess
 import sys
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -225,6 +226,43 @@ def test_a_seam_is_a_curve_with_what_is_measured_at_its_places(
     assert primvars.GetPrimvar("tension").Get(5)[0] == pytest.approx(0.005 / states[5].measure.scar_length_mm)
     before = np.array(curves.GetPointsAttr().Get(2))
     assert np.ptp(before, axis=0).max() == 0.0
+
+
+def test_forces_and_seams_have_their_errors_beside_them_and_nan_where_there_is_none(tmp_path: Path) -> None:
+    procedure = small_procedure()
+    program = compile_program(procedure)
+    solver = FakeSolver()
+    frames = solve_program(program, FrameStore(tmp_path / "s"), solver.connect, "fake", SolveObserver()).frames
+    solved = [frame.solved for frame in frames]
+    known = [
+        replace(
+            each,
+            sutures=tuple(replace(row, force_error_mn=0.4) for row in each.sutures),
+            hooks=tuple(replace(row, force_error_mn=0.3) for row in each.hooks),
+            seams=tuple(
+                replace(state, measure=replace(state.measure, scar_length_error_mm=0.2)) for state in each.seams
+            ),
+        )
+        for each in measured(procedure, program, solved)
+    ]
+    write_procedure(procedure, tmp_path / "p.usda")
+    for name, measures in (("known", known), ("bare", measured(procedure, program, solved))):
+        path = tmp_path / f"{name}.usdc"
+        write_skin_cache(path, tmp_path / "p.usda", procedure, program, solved, "key", measures)
+    stages = {name: Usd.Stage.Open(str(tmp_path / f"{name}.usdc")) for name in ("known", "bare")}
+    primvars = {
+        (name, prim): UsdGeom.PrimvarsAPI(stage.GetPrimAtPath(f"/Procedure/Skin/{prim}"))
+        for name, stage in stages.items()
+        for prim in ("Sutures", "Hooks", "Seams")
+    }
+    for prim, error, active in (("Sutures", 0.4, 8.0), ("Hooks", 0.3, 5.0)):
+        values = primvars["known", prim].GetPrimvar("forceError")
+        assert values.Get(active)[0] == pytest.approx(error)
+        assert np.isnan(values.Get(1.0)[0])  # it does not pull yet
+        assert not primvars["bare", prim].GetPrimvar("forceError").HasValue()
+    lengths = {name: primvars[name, "Seams"].GetPrimvar("scarLengthError").Get(8.0)[0] for name in ("known", "bare")}
+    assert lengths["known"] == pytest.approx(0.2)
+    assert np.isnan(lengths["bare"])
 
 
 def test_a_thread_with_several_bites_has_a_curve_through_all_of_them(program: Program, tmp_path: Path) -> None:

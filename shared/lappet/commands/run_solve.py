@@ -206,16 +206,14 @@ def force_lines(measures: Sequence[FrameMeasures]) -> list[str]:
     last = measures[-1] if measures else None
     sums = None if last is None else last.sums
     if sums is not None and sums.greatest_suture is not None:
-        total, most = _with_error(sums.total_mn, sums.total_error_mn), sums.greatest_suture
-        line = (
-            f"Sutures: {total} mN in all, {_with_error(sums.greatest_mn, sums.greatest_error_mn)} mN at most ({most})"
-        )
+        total, most = with_error(sums.total_mn, sums.total_error_mn), sums.greatest_suture
+        line = f"Sutures: {total} mN in all, {with_error(sums.greatest_mn, sums.greatest_error_mn)} mN at most ({most})"
         if sums.unresolved:
             line += f"; without {', '.join(sums.unresolved)}, which the lattice does not resolve"
         lines.append(f"{line}, in the last frame.")
     hooks = [] if last is None else sorted(last.hooks, key=lambda row: -row.force_mn)
     if hooks:
-        pulls = [f"{row.hook} {_with_error(row.force_mn, row.force_error_mn)} mN" for row in hooks[:MOST_ALIKE]]
+        pulls = [f"{row.hook} {with_error(row.force_mn, row.force_error_mn)} mN" for row in hooks[:MOST_ALIKE]]
         more = f" and {len(hooks) - MOST_ALIKE} more" if len(hooks) > MOST_ALIKE else ""
         lines.append(f"Hooks: {', '.join(pulls)}{more}, in the last frame.")
     return lines
@@ -239,8 +237,8 @@ def seam_lines(seams: Sequence[SeamMeasure]) -> list[str]:
     last = [row for row in seams if row.time == seams[-1].time]
     scar = sum(row.scar_length_mm for row in last)
     parts = [
-        f"Scar: {_with_error(scar, _sum(row.scar_length_error_mm for row in last))} mm",
-        f"{_with_error(sum(row.open_area_mm2 for row in last), _sum(row.open_area_error_mm2 for row in last))} mm² "
+        f"Scar: {with_error(scar, _sum(row.scar_length_error_mm for row in last))} mm",
+        f"{with_error(sum(row.open_area_mm2 for row in last), _sum(row.open_area_error_mm2 for row in last))} mm² "
         "still open",
     ]
     steps = [(row.step_off_mm, row.step_off_error_mm) for row in last if row.step_off_mm is not None]
@@ -254,20 +252,33 @@ def seam_lines(seams: Sequence[SeamMeasure]) -> list[str]:
         if ear is not None
     ]
     for name, values in (("step-off", steps), ("dog-ear", ears)):
-        parts += [f"{name} {_with_error(*max(values, key=lambda pair: pair[0]))} mm"] if values else []
+        parts += [f"{name} {with_error(*max(values, key=lambda pair: pair[0]))} mm"] if values else []
     drawn = [row for row in last if row.tension_n_per_mm is not None]
     pull = sum((row.tension_n_per_mm or 0.0) * row.scar_length_mm for row in drawn) / scar
     errors = (_times(row.tension_error_n_per_mm, row.scar_length_mm / scar) for row in drawn)
-    mean = _with_error(pull, _sum(errors))
+    mean = with_error(pull, _sum(errors))
     return [", ".join(parts) + f" at most, closing tension {mean} N/mm in the mean, in the last frame."]
 
 
-def _with_error(value: float, error: float | None) -> str:
-    """A value as exactly as its error allows, with one digit of the error, or two where that is a 1; else three."""
+def with_error(value: float, error: float | None) -> str:
+    """Write a value as exactly as its error allows: the error with one digit, or two where the first is a 1.
+
+    Parameters
+    ----------
+    value
+        The value.
+    error
+        Its estimated error, or None.
+
+    Returns
+    -------
+    str
+        Value and error; the value alone with three digits where there is no error.
+    """
     if error is None or not error > 0.0:
         return f"{value:.3g}"
-    first = math.floor(math.log10(error))
-    digits = first - 1 if error / 10.0**first < 2.0 else first
+    first = math.floor(math.log10(float(f"{error:.1e}")))
+    digits = first - 1 if float(f"{error:.1e}") / 10.0**first < 1.95 else first
     shown = max(0, -digits)
     return f"{round(value, -digits):.{shown}f} ± {round(error, -digits):.{shown}f}"
 
