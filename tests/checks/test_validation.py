@@ -134,6 +134,7 @@ def test_no_number_may_be_infinite_or_nan(value: float) -> None:
             "fiber_k1",
             "fiber_k2",
             "fiber_slack",
+            "fiber_angle",
             "density",
             "muscle_stress",
         )
