@@ -1,9 +1,9 @@
 """Curves of a material: its own scalar solution of the daemon's law for a strip drawn along or across its fibers.
 
 Notation: s, the three principal stretches; axis 0 along the fibers, 1 across them in the skin, 2 through its thickness;
-J = s0 s1 s2. Two families of fibers at an angle to either side mirror each other: what one pulls aslant in the plane, the
-other pulls the other way. Energies W(s) in kPa are those that the heads of `solverd/src/force/materials/*.h` state; fiber.h has the
-fibers', with its volume measure v(J) and the smooth onset at their slack.
+J = s0 s1 s2. Two families of fibers at an angle to either side mirror each other: what one pulls aslant in the plane,
+the other pulls the other way. Energies W(s) in kPa are those that the heads of `solverd/src/force/materials/*.h` state;
+fiber.h has the fibers', with its volume measure v(J) and the smooth onset at their slack.
 """
 
 from __future__ import annotations
