@@ -2,9 +2,9 @@
 //
 // While gaps are open the residual need not be below the tolerance: this many tolerances at most, in proportion to the
 // gap. Where a gap does not shrink the residual hides it: solve more exactly. Where it still does not the penalty is
-// soft beside what holds the gap open, as where a coarse lattice can hardly tell neighboring sutures apart: a multiplier
-// closes the share k s / (1 + k s) of it at a time, k the penalty and s the compliance, and the penalty must grow
-// (Nocedal and Wright 2006, algorithm 17.4).
+// soft beside what holds the gap open, as where a coarse lattice can hardly tell neighboring sutures apart: a
+// multiplier closes the share k s / (1 + k s) of it at a time, k the penalty and s the compliance, and the penalty must
+// grow (Nocedal and Wright 2006, algorithm 17.4).
 #pragma once
 #include <algorithm>
 #include <limits>
