@@ -294,6 +294,10 @@ EpochInput decode_epoch(const Header& header, ArrayParts parts, std::int32_t ret
   if (reader.has("rest_nodes")) epoch.nodes = integer_field(reader, "rest_nodes", 0, 1) == 1;
   reader.finish();
   epoch.fixed = arrays.read<std::uint8_t>("fixed", {count});
+  if (arrays.has("fixed_parts")) {
+    epoch.fixed_parts = arrays.read<std::int32_t>("fixed_parts", {count});
+    check_indices(epoch.fixed_parts, "fixed_parts", -1, count, "triangles (-1: not fixed)");
+  }
   epoch.bed = arrays.read<std::uint8_t>("support", {count});
   epoch.grip = arrays.read<std::int32_t>("grip", {count});
   check_indices(epoch.grip, "grip", -1, retractors, "retractors (-1: not gripped)");

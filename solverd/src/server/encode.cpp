@@ -150,6 +150,8 @@ std::vector<PartBytes> encode_frame(ReplyTo to, const FrameOutput& frame) {
   add_rows(writer, "hook_index", frame.hook_indices, {});
   add_rows(writer, "hook_forces", frame.hook_forces, {3});
   add_rows(writer, "hook_points", frame.hook_points, {3});
+  add_rows(writer, "holders", frame.holders, {2});
+  add_rows(writer, "reactions", frame.reactions, {3});
   add_rows(writer, "correction", frame.correction, {3});
   add_rows(writer, "landmark_correction", frame.landmark_correction, {3});
   add_rows(writer, "softest_point", frame.softest_point, {3});

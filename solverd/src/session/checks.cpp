@@ -214,6 +214,13 @@ void check_epoch(const EpochInput& epoch, const SessionSettings& settings) {
   labels(epoch.fixed.size(), "fixed");
   labels(epoch.bed.size(), "bed");
   labels(epoch.grip.size(), "gripped");
+  if (!epoch.fixed_parts.empty()) {
+    labels(epoch.fixed_parts.size(), "parts of the fixed faces");
+    for (std::size_t t = 0; t < epoch.fixed.size(); ++t)
+      require((epoch.fixed_parts[t] >= 0) == (epoch.fixed[t] != 0),
+              "triangle {} of epoch {} is of part {} of the fixed faces; give a part to these and -1 to all others", t,
+              epoch.index, epoch.fixed_parts[t]);
+  }
   for (const std::uint8_t b : epoch.bed)
     require(b <= kRestsOnBed, "a triangle of epoch {} has the bed label {}; give 0, 1 (attached) or 2 (resting)",
             epoch.index, b);

@@ -27,7 +27,7 @@ EpochSystem<Real>::EpochSystem(const EpochInput& epoch, const SessionSettings& s
     : surface(epoch.surface),
       lattice(build_lattice(surface, lattice_settings(settings))),
       system(lattice, assign_materials(lattice, settings.materials, epoch.skin, epoch.regions, epoch.skin_fields),
-             settings.quadrature, attach(lattice, surface, epoch.fixed, epoch.bed, epoch.grip, std::move(ground)),
+             settings.quadrature, attach(lattice, surface, epoch.fixed, epoch.bed, epoch.grip, std::move(ground), epoch.fixed_parts),
              settings.retractors, BedStiffness{settings.bed_stiffness, settings.bed_shear}, settings.gravity),
       preconditioner(system, kChebyshevDegree),
       constraints(settings, lattice, surface, system) {

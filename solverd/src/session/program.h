@@ -77,6 +77,8 @@ struct EpochInput {
   std::vector<std::uint8_t> fixed;  // per triangle
   std::vector<std::uint8_t> bed;    // per triangle: 0, 1 attached to the bed, 2 resting on it (undermined)
   std::vector<std::int32_t> grip;   // per triangle: index of the retractor that grips it, or -1
+  // Per triangle: the part of the fixed faces that it belongs to, or -1 where it is not fixed; empty: they are one.
+  std::vector<std::int32_t> fixed_parts;
   std::vector<Vec3> landmarks;      // rest points
   std::vector<std::int32_t> landmark_triangles;
   // The outer skin before any cut: regions measure their depth from it, fibers and prestretch run along it. May be
@@ -170,6 +172,8 @@ struct FrameFields {
   std::vector<double> suture_points;                       // 6 per active suture: both ends, mm
   std::vector<double> inner_bite_points;    // 3 per anchor between the ends of a suture, in their order, mm
   std::vector<double> suture_shared;        // per active suture: shared_hold of its two ends
+  std::vector<std::int32_t> holders;        // 2 per reaction: Holder::Kind, index (solve/system/reaction.h)
+  std::vector<double> reactions;            // 3 per reaction, mN, on the tissue
   std::vector<float> correction;            // 3 per surface vertex, mm: what is still to come; empty: not wanted
   std::vector<double> landmark_correction;  // 3 per landmark, mm
   // The share of its stiffness that compression leaves the softest displacement (solve/newton/lowest_mode.h); NaN where

@@ -42,6 +42,7 @@ struct HeldFace {
   Index triangle = -1;
   std::array<std::int32_t, 2> groups{};
   int count = 0;
+  Index part = -1;  // of the fixed faces
   bool rests = false;
   double sample_area = 0.0;
   Vec3 normal = Vec3::Zero();
@@ -66,6 +67,7 @@ struct Buckets {
   std::map<std::tuple<std::int32_t, std::int32_t, int>, Bucket> held;  // by cell, group, side
   std::map<Index, RestingBucket> resting;                              // by cell
   std::map<Index, BedBucket> attached;                                 // by cell
+  std::map<std::pair<Index, int>, std::map<Index, double>> parts;      // areas of fixed parts by cell, side
 
   void add(const HeldFace& face, const Vec3& place, const EmbeddedPoint& point) {
     if (face.rests) {
@@ -81,6 +83,7 @@ struct Buckets {
       for (std::size_t p = 0; p < 8; ++p) bucket.weights[p] += face.sample_area * point.weights[p];
     }
     const int side = lattice_side(point, face.normal);
+    if (face.part >= 0) parts[{point.cell, side}][face.part] += face.sample_area;
     for (int g = 0; g < face.count; ++g) {
       auto& bucket = held[{point.cell, face.groups[g], side}];
       bucket.area += face.sample_area;
@@ -162,37 +165,53 @@ void sample(const Surface& surface, Index triangle, double spacing, HeldFace fac
     }
 }
 
-// Prescribes the four nodes on a side of a cell; those that are fixed stay so.
-void prescribe_side(const Lattice& lattice, Index cell, int side, Index group, std::vector<Index>& node_group) {
+// Prescribes the four nodes on a side of a cell; those that are fixed stay so, and of their part.
+void prescribe_side(const Lattice& lattice, Index cell, int side, Index group, Index part, Attachments& result) {
   const int axis = side / 2, value = side % 2;
   for (int c = 0; c < 8; ++c)
-    if ((c >> (2 - axis) & 1) == value)
-      if (Index& owner = node_group[lattice.cell_nodes[cell][c]]; owner != kFixedGroup) owner = group;
+    if ((c >> (2 - axis) & 1) == value) {
+      const Index node = lattice.cell_nodes[cell][c];
+      if (Index& owner = result.node_group[node]; owner != kFixedGroup) {
+        owner = group;
+        if (!result.part_of_node.empty()) result.part_of_node[node] = part;
+      }
+    }
+}
+
+// The part that most of the fixed face on a side of a cell is of; -1: none.
+Index largest_part(const Buckets& buckets, Index cell, int side) {
+  const auto areas = buckets.parts.find({cell, side});
+  if (areas == buckets.parts.end()) return -1;
+  return std::ranges::max_element(areas->second, {}, [](const auto& entry) { return entry.second; })->first;
 }
 
 }  // namespace
 
 Attachments attach(const Lattice& lattice, const Surface& surface, std::span<const std::uint8_t> fixed,
                    std::span<const std::uint8_t> bed, std::span<const Index> grip,
-                   std::shared_ptr<const Ground> ground) {
+                   std::shared_ptr<const Ground> ground, std::span<const Index> parts) {
   if (!ground && std::ranges::find(bed, kRestsOnBed) != bed.end())
     throw RefusedError(ErrorCode::kInternal, "Faces of the tissue rest on the bed, but no ground was given for them.");
   const double h = lattice.settings.spacing;
   Buckets buckets;
   Samples samples(lattice, surface);
   for (std::size_t t = 0; t < surface.triangles.size(); ++t)
-    if (const HeldFace face = held_face(fixed[t], bed[t], grip[t]); face.count > 0 || face.rests)
+    if (HeldFace face = held_face(fixed[t], bed[t], grip[t]); face.count > 0 || face.rests) {
+      if (fixed[t] && !parts.empty()) face.part = parts[t];
       sample(surface, to_index(t), h, face, samples, buckets);
+    }
   samples.flush(buckets);
 
   Attachments result;
   result.node_group.assign(lattice.node_rest.size(), kFree);
+  if (!parts.empty()) result.part_of_node.assign(lattice.node_rest.size(), -1);
   auto& held = buckets.held;
   for (; !held.empty(); held.erase(held.begin())) {  // what has become a form makes room
     const auto& [key, bucket] = *held.begin();
     const auto [cell, group, side] = key;
+    const Index part = group == kFixedGroup ? largest_part(buckets, cell, side) : -1;
     if (group != kBedGroup && side != kNoSide && bucket.area >= 0.5 * h * h) {
-      prescribe_side(lattice, cell, side, group, result.node_group);
+      prescribe_side(lattice, cell, side, group, part, result);
       continue;
     }
     FaceConstraint face{cell, group, bucket.area, bucket.gram};
@@ -202,6 +221,7 @@ Attachments attach(const Lattice& lattice, const Surface& surface, std::span<con
       face.area = h * h;
     }
     result.face_constraints.push_back(face);
+    if (!parts.empty()) result.part_of_face_constraint.push_back(part);
   }
   for (const auto& [cell, bucket] : buckets.resting) {
     const Vec3 rest = bucket.moment / bucket.area;

@@ -20,6 +20,7 @@ struct EvaluationSummary {
 
 struct Evaluation : EvaluationSummary {
   std::vector<double> gradient;                   // 3 per node; 0 where a node is not free
+  std::vector<double> holding;                    // 3 per prescribed node: the force that holds it there, mN
   std::vector<ContactPenalty> contact_penalties;  // what the bed and the bones push with
   PointTangent point_tangent;                     // of the point constraints
   ContactState contact;                           // what the bones do

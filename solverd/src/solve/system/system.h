@@ -11,6 +11,7 @@
 #include "math/features.h"
 #include "solve/system/evaluation.h"
 #include "solve/system/multipliers.h"
+#include "solve/system/reaction.h"
 #include "solve/system/residual_clusters.h"
 #include "solve/system/work.h"
 
@@ -85,6 +86,8 @@ class System {
   // Makes room for those of the faces that are held now; zero where they are new.
   void fit(Multipliers& multipliers) const;
   bool has_exact_constraints() const { return has_held_faces_ || has_sutures_; }
+  // What holds the tissue in the equilibrium at u, by what holds it, in order. at: the evaluation at u.
+  std::vector<Reaction> reactions(std::span<const Real> u, const Multipliers& multipliers, const Evaluation& at) const;
 
   // Of the tangent: what the bed and the bones push with.
   std::span<const ContactPenalty> contact_penalties() const { return contact_penalties_; }
