@@ -27,6 +27,7 @@ from lappet.program.program import Program
 from lappet.solve.bite_forces import bite_forces
 from lappet.solve.error_estimate import FrameErrorEstimate
 from lappet.solve.fallbacks import volume_ratio
+from lappet.solve.reactions import reactions
 from lappet.solve.sensitive import is_sensitive
 from lappet.solve.solve_frames import FrameResult, failure_code
 from lappet.solve.suture_forces import SutureForce, summary
@@ -181,11 +182,20 @@ def _frame(program: Program, frame: FrameResult, error: FrameErrorEstimate | Non
         "suture_force_vectors_mn": _named(sutures, solved.suture_force_vectors),
         **_bite_forces(sutures, solved),
         "hook_forces_mn": _named(hooks, solved.hook_forces),
+        "reactions_mn": _reactions(program, solved),
         "landmarks": _named(landmarks, solved.landmarks),
         "estimated_error_mm": _error(program, frame, error),
         "cache_hit": frame.looked_up,
         "key": frame.key,
     }
+
+
+def _reactions(program: Program, solved: SolvedFrame) -> dict[str, dict[str, Any]]:
+    """The force on the tissue of whatever holds or loads it, by what it is and by its name."""
+    found: dict[str, dict[str, Any]] = {}
+    for row in reactions(program, solved):
+        found.setdefault(row.holder, {})[row.name] = [row.force_x_mn, row.force_y_mn, row.force_z_mn]
+    return found
 
 
 def _bite_forces(sutures: list[str], solved: SolvedFrame) -> dict[str, Any]:
@@ -202,7 +212,13 @@ def _forces(result: SolveResult) -> dict[str, Any]:
     for row in result.suture_forces:
         rows.setdefault(row.time, []).append(row)
     sutures = [{"time_code": time, **summary(own)} for time, own in rows.items()]
-    return {"sutures": sutures, "seams": _seams(result), "greatest_mean_tension": _mean_tension(result)}
+    sections = [asdict(row) for row in result.sections]
+    return {
+        "sutures": sutures,
+        "seams": _seams(result),
+        "sections": sections,
+        "greatest_mean_tension": _mean_tension(result),
+    }
 
 
 def _seams(result: SolveResult) -> list[dict[str, Any]]:

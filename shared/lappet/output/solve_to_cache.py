@@ -23,7 +23,9 @@ from lappet.program.program import Program
 from lappet.program.settings import SolverSettings
 from lappet.solve.fallbacks import fallbacks
 from lappet.solve.hook_forces import HookForce, hook_forces
+from lappet.solve.reactions import Reaction, reactions
 from lappet.solve.seam_measures import SeamMeasure, SeamState, seam_states
+from lappet.solve.section_tension import SectionTension, section_tensions
 from lappet.solve.sensitive import several_notes, stability_notes
 from lappet.solve.solve_frames import FrameResult, Frames, SolveObserver, solve_program
 from lappet.solve.store import FrameStore
@@ -66,6 +68,10 @@ class SolveResult:
         The force of each hook in each frame.
     seams
         What is measured at each seam in each frame.
+    reactions
+        The force of whatever holds or loads the tissue in each frame.
+    sections
+        The force across each section in each frame.
     """
 
     procedure: Procedure
@@ -81,6 +87,8 @@ class SolveResult:
     suture_forces: tuple[SutureForce, ...] = ()
     hook_forces: tuple[HookForce, ...] = ()
     seams: tuple[SeamMeasure, ...] = ()
+    reactions: tuple[Reaction, ...] = ()
+    sections: tuple[SectionTension, ...] = ()
 
     @property
     def complete(self) -> bool:
@@ -192,6 +200,8 @@ def solve_procedure(
         tuple(measured.sutures),
         tuple(measured.hooks),
         tuple(each.measure for each in measured.seams),
+        tuple(row for frame in result.frames for row in reactions(program, frame.solved)),
+        tuple(section_tensions(program, [(each.constraints.epoch, each.solved) for each in result.frames])),
     )
 
 

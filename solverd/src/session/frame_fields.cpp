@@ -72,6 +72,8 @@ FrameFields frame_fields(const SessionSettings& settings, EpochSystem<Real>& epo
     write_surface_fields<Real>(epoch.system.elastic_at(found.outcome.at), found.state.u, fields);
   write_constraints(epoch, frame, found.state, fields);
   write_reactions(epoch, found, fields);
+  for (const Vec3& force : epoch.system.section_forces(epoch.sections, found.state.u))
+    append(fields.section_forces, force);
   const FrameStability& stability = found.state.stability;
   if (found.outcome.converged) fields.lowest_stiffness = stability.lowest_stiffness;
   if (found.outcome.converged && stability.softest_point) append(fields.softest_point, *stability.softest_point);

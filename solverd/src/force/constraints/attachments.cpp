@@ -4,13 +4,12 @@
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
 
-#include <Eigen/Geometry>
 #include <algorithm>
-#include <cmath>
 #include <map>
 #include <tuple>
 #include <vector>
 
+#include "force/constraints/face_samples.h"
 #include "lattice/embedding.h"
 #include "lattice/refused.h"
 
@@ -36,8 +35,6 @@ struct BedBucket {
   std::array<double, 8> weights{};
 };
 
-constexpr int kNoSide = 6;
-
 struct HeldFace {
   Index triangle = -1;
   std::array<std::int32_t, 2> groups{};
@@ -49,18 +46,6 @@ struct HeldFace {
 
   bool attached() const { return count > 0 && groups[static_cast<std::size_t>(count - 1)] == kBedGroup; }
 };
-
-int lattice_side(const EmbeddedPoint& point, const Vec3& normal) {
-  for (int axis = 0; axis < 3; ++axis) {
-    if (std::abs(normal[axis]) < 1 - 1e-6) continue;
-    double local = 0.0;
-    for (int c = 0; c < 8; ++c)
-      if (c >> (2 - axis) & 1) local += point.weights[c];
-    if (std::abs(local) < 1e-5) return 2 * axis;
-    if (std::abs(local - 1.0) < 1e-5) return 2 * axis + 1;
-  }
-  return kNoSide;
-}
 
 // Ordered: the result is deterministic.
 struct Buckets {
@@ -142,27 +127,14 @@ HeldFace held_face(std::uint8_t fixed, std::uint8_t bed, Index grip) {
   return face;
 }
 
-// Samples a face at the middles of small triangles of equal area.
 void sample(const Surface& surface, Index triangle, double spacing, HeldFace face, Samples& samples, Buckets& buckets) {
-  const auto& corners = surface.triangles[triangle];
-  const Vec3 a = surface.points[corners[0]];
-  const Vec3 ab = surface.points[corners[1]] - a;
-  const Vec3 ac = surface.points[corners[2]] - a;
-  const Vec3 cross = ab.cross(ac);
-  const double area = 0.5 * cross.norm();
-  if (area < 1e-12 * spacing * spacing) return;
+  const SampledFace sampled(surface, triangle, spacing);
+  if (!sampled.has_area()) return;
   face.triangle = triangle;
-  face.normal = cross.normalized();
-  const double longest = std::max({ab.norm(), ac.norm(), (ac - ab).norm()});
-  const int n = std::max(1, int(std::ceil(longest / (0.4 * spacing))));
-  face.sample_area = area / (n * n);
+  face.normal = sampled.normal();
+  face.sample_area = sampled.sample_area();
   samples.begin(face);
-  for (int i = 0; i < n; ++i)
-    for (int j = 0; j < 2 * (n - i) - 1; ++j) {  // the upright and inverted triangles of row i
-      const bool inverted = j % 2 == 1;
-      const double s = (j / 2 + (inverted ? 2.0 / 3 : 1.0 / 3)) / n, r = (i + (inverted ? 2.0 / 3 : 1.0 / 3)) / n;
-      samples.add(a + s * ab + r * ac, buckets);
-    }
+  sampled.for_each([&](const Vec3& point) { samples.add(point, buckets); });
 }
 
 // Prescribes the four nodes on a side of a cell; those that are fixed stay so, and of their part.

@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "force/constraints/ground.h"
+#include "force/constraints/rollers.h"
 #include "lattice/lattice.h"
 
 namespace lappet {
@@ -67,6 +68,7 @@ struct Attachments {
   std::vector<FaceConstraint> face_constraints;  // bed faces, and held faces off the lattice planes
   std::vector<RestingFace> resting;
   std::vector<BedFace> attached;
+  std::vector<RollerRow> rollers;
   std::shared_ptr<const Ground> ground;  // what they rest on; null where none does
   // Which part of the fixed faces holds a node or is a face constraint's, -1: none; empty where they are one part.
   std::vector<Index> part_of_node, part_of_face_constraint;

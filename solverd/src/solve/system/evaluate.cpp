@@ -81,7 +81,9 @@ Evaluation System<Real>::evaluate(std::span<const Real> u, const Multipliers& mu
     result.energy += result.contact.energy;
   }
   add_point_constraints(u, multipliers, result);
+  add_rollers(u, multipliers, result);
   add_drift(u, result);
+  add_loads(u, result);
   if (!gravity_force_.empty())
     result.energy -= reduce<1>(gravity_force_.size(), [&, g = result.gradient.data()](std::size_t i, double* out) {
       out[0] = gravity_force_[i] * static_cast<double>(u[i]);

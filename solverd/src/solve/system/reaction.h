@@ -1,5 +1,5 @@
-// The force of what holds the tissue from outside, as a whole: in equilibrium these, the hooks and the weight are in
-// balance. Tissue that is fixed all through is not computed: it passes no force from one part to another.
+// The force of what holds the tissue from outside or loads it, as a whole: in equilibrium these, the hooks and the weight
+// are in balance. Tissue that is fixed all through is not computed: it passes no force from one part to another.
 #pragma once
 #include <compare>
 #include <cstdint>
@@ -8,11 +8,11 @@
 
 namespace lappet {
 
-// What holds. kWeakBed: of fragments that no face holds (solve/system/system.h).
+// What holds, or loads. kWeakBed: of fragments that no face holds (solve/system/system.h). kLoad: tractions and pressure.
 struct Holder {
-  enum class Kind : std::uint8_t { kFixed, kRetractor, kBed, kBone, kWeakBed };
+  enum class Kind : std::uint8_t { kFixed, kRetractor, kBed, kBone, kWeakBed, kRoller, kLoad };
   Kind kind = Kind::kFixed;
-  std::int32_t index = 0;  // of the part of the fixed faces, or of the retractor; else 0
+  std::int32_t index = 0;  // of the part of the fixed faces, the retractor, the roller, the loaded faces; else 0
   auto operator<=>(const Holder&) const = default;
 };
 

@@ -51,6 +51,20 @@ std::vector<Reaction> System<Real>::reactions(std::span<const Real> u, const Mul
     add_drift(u, drift);
     on({Holder::Kind::kWeakBed, 0}) -= sum_of(drift.gradient);
   }
+  for (std::size_t r = 0; r < attachments_.rollers.size(); ++r) {
+    const RollerRow& row = attachments_.rollers[r];
+    const double push = multipliers.of_roller_row[r] + roller_stiffness() * off(row, u);
+    double whole = 0.0;
+    for (const double weight : row.weights) whole += weight;
+    Vec3& force = on({Holder::Kind::kRoller, row.roller});
+    if (acts(row)) force -= push * whole * row.normal;
+  }
+  std::size_t sample = 0;
+  for (const FaceLoad& load : loads_) {
+    const std::size_t count = load.pressure != 0.0 ? load.faces->samples().size() : 0;
+    on({Holder::Kind::kLoad, load.index}) += load_force(load, std::span(at.pressed).subspan(sample, count));
+    sample += count;
+  }
   std::vector<Reaction> result;
   for (const auto& [holder, force] : forces) result.push_back({holder, force});
   return result;
