@@ -16,6 +16,7 @@ import pytest
 from click.testing import CliRunner
 
 from lappet import (
+    Excision,
     Hook,
     Incision,
     Material,
@@ -32,11 +33,13 @@ from lappet import (
 )
 from lappet.checks.validation import check
 from lappet.commands.cli import cli
+from lappet.core.problem_code import ProblemCode
 from lappet.daemon.daemon_solver import connect_to
 from lappet.procedure import Event, Tissue
 from lappet.program.compile import compile_program
 from lappet.solve.store import FrameStore
 from lappet.tissue.patch import flat_patch
+from refusals import refuses
 
 SKIN = Material("skin", "corotated", 50.0, 0.0)
 AREA = 8.0 * 4.0
@@ -102,6 +105,14 @@ def test_a_load_that_begins_in_a_later_epoch_is_kept_over_a_cut(tmp_path: Path) 
     result = solved(tmp_path, STRETCH, cut)
     assert [len(epoch.boundary.loaded_index) for epoch in result.program.epochs] == [1, 1]
     assert forces(result, "fixed", "left")[3, 0] == pytest.approx(-320.0, rel=1e-3)
+
+
+def test_a_load_on_faces_that_are_excised_is_refused() -> None:
+    ring = ((3.0, -5.0, 4.0), (3.0, 5.0, 4.0))
+    events = (Incision("cut", 2.0, ring), Excision("end", 2.0, ((8.0, 0.0, 4.0),)), STRETCH)
+    procedure = Procedure(bar(), (SKIN,), events=events, start_time=1, end_time=5)
+    with refuses(ProblemCode.LOAD_EXCISED, "/Procedure/Timeline/stretch"):
+        compile_program(procedure, settings=SolverSettings(spacing=2.0))
 
 
 def test_a_solve_that_is_resumed_goes_on_bit_for_bit_under_loads_and_on_rollers(tmp_path: Path) -> None:

@@ -15,7 +15,7 @@ import pytest
 from hypothesis import HealthCheck, Phase, given, settings
 
 import lappet.usd.stage
-from lappet.core.problem import Problem
+from lappet.core.problem import Problem, RefusedError
 from lappet.core.problem_code import ProblemCode
 from lappet.procedure import (
     Hook,
@@ -278,6 +278,33 @@ def test_a_stage_in_centimetres_with_y_up_is_converted_and_says_so(tmp_path: Pat
                 assert found == pytest.approx(_flat(value), abs=1e-5), (mine.name, field.name)
             else:
                 assert getattr(other, field.name) == value
+
+
+def test_loads_and_rollers_on_what_is_no_face_subset_of_the_tissue_are_refused(tmp_path: Path) -> None:
+    write_procedure(_layered(), tmp_path / "p.usda")
+    stage = pxr().Usd.Stage.Open(str(tmp_path / "p.usda"))
+    stage.GetPrimAtPath("/Procedure/Timeline/push").GetRelationship("lappet:faces").SetTargets([])
+    stage.GetPrimAtPath("/Procedure/Timeline/air").GetRelationship("lappet:faces").SetTargets(["/Procedure/Materials"])
+    stage.GetPrimAtPath("/Procedure/Tissue/side").GetAttribute("familyName").Set("other")
+    stage.GetRootLayer().Export(str(tmp_path / "q.usda"))
+    with pytest.raises(RefusedError) as refusal:
+        read_procedure(tmp_path / "q.usda")
+    assert {(each.prim.rpartition("/")[2], each.code) for each in refusal.value.problems} == {
+        ("push", ProblemCode.LOAD_MISSING),
+        ("air", ProblemCode.LOAD_ELSEWHERE),
+        ("side", ProblemCode.ROLLER_NOT_A_SUBSET),
+    }
+
+
+def test_a_face_subset_with_a_roller_has_nothing_else(tmp_path: Path) -> None:
+    for rollers, code in [
+        ((Roller("nowhere"),), ProblemCode.ROLLER_FACES_UNKNOWN),
+        ((Roller("cheek"),), ProblemCode.ROLLER_SUBSET_TWICE),
+        ((Roller("side"), Roller("side")), ProblemCode.ROLLER_SUBSET_TWICE),
+    ]:
+        odd = replace(_layered(), tissue=replace(_layered().tissue, rollers=rollers))
+        with refuses(code, f"/Procedure/Tissue/{rollers[0].faces}"):
+            write_procedure(odd, tmp_path / "p.usda")
 
 
 def test_a_moved_parent_moves_the_geometry(tmp_path: Path) -> None:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +16,43 @@ from lappet.procedure import Tissue
 from lappet.procedure.prim_paths import TISSUE
 from lappet.program.fixed_parts import FixedParts
 from lappet.program.timed_events import TimedEvents, event_path
+
+
+def with_boundaries(
+    epochs: Sequence[Epoch],
+    tissue: Tissue,
+    parts: FixedParts,
+    events: TimedEvents,
+    own_times: Mapping[int, Sequence[float]],
+) -> list[Epoch]:
+    """Give epochs what their faces are.
+
+    Parameters
+    ----------
+    epochs
+        The epochs.
+    tissue
+        The tissue before any cut.
+    parts
+        The parts of its fixed faces.
+    events
+        The events.
+    own_times
+        Frames of each epoch by its index, time codes.
+
+    Returns
+    -------
+    list[Epoch]
+        The epochs with their boundaries.
+
+    Raises
+    ------
+    RefusedError
+        If a load or a roller names faces that are not there.
+    """
+    return [
+        replace(epoch, boundary=boundary_of(epoch, tissue, parts, events, own_times[epoch.index])) for epoch in epochs
+    ]
 
 
 def boundary_of(epoch: Epoch, tissue: Tissue, parts: FixedParts, events: TimedEvents, own: Sequence[float]) -> Boundary:

@@ -18,7 +18,7 @@ from lappet.procedure import Event, Hook, Landmark, Material, Point, Procedure, 
 from lappet.procedure.prim_paths import ROOT
 from lappet.program.anchors import AnchorSearch, PlacedAnchors, TissueLoss
 from lappet.program.bones import over_bone, united_bones
-from lappet.program.boundary import boundary_of
+from lappet.program.boundary import with_boundaries
 from lappet.program.crossed_sutures import crossed_sutures
 from lappet.program.fixed_parts import FixedParts
 from lappet.program.ground import on_ground
@@ -79,16 +79,12 @@ def compile_program(
     events = TimedEvents.of(procedure)
     own_times = {epoch.index: [time for time in times if _epoch_at(epochs, time) == epoch.index] for epoch in epochs}
     parts = FixedParts.of(procedure.tissue)
-    epochs = [
-        replace(epoch, boundary=boundary_of(epoch, procedure.tissue, parts, events, own_times[epoch.index]))
-        for epoch in epochs
-    ]
+    epochs = with_boundaries(epochs, procedure.tissue, parts, events, own_times)
     loss = TissueLoss(procedure)
     _refuse_off_tissue(procedure, loss)
     off = loss.distance(events.anchors())
     frames: list[FrameConstraints] = []
-    grips: list[NDArray[np.int32]] = []
-    landmarks: list[Landmarks] = []
+    grips, landmarks = list[NDArray[np.int32]](), list[Landmarks]()
     moved: dict[Problem, None] = {}
     for epoch in epochs:
         own = own_times[epoch.index]

@@ -102,27 +102,35 @@ def write_event(stage: Any, usd: Any, event: Event) -> None:
             for time, matrix in event.motion:
                 transform.Set(usd.Gf.Matrix4d(*matrix), time)
         case Suture():
-            anchors = usd.Vt.Vec3dArray([usd.Gf.Vec3d(*anchor) for anchor in event.anchors])
-            values.author("anchors", usd.Sdf.ValueTypeNames.Point3dArray, anchors)
-            values.double("start", event.start)
-            values.double("duration", event.duration)
-            values.double("stiffness", event.stiffness)
-            if event.mode != Suture.mode:
-                values.author("mode", usd.Sdf.ValueTypeNames.Token, event.mode)
-            if event.thread:
-                values.author("thread", usd.Sdf.ValueTypeNames.Token, event.thread)
-            for name in ("length", "tension", "pullThrough"):
-                value = getattr(event, "pull_through" if name == "pullThrough" else name)
-                if value != 0.0:
-                    values.double(name, value)
+            _write_suture(values, usd, event)
         case Traction() | Pressure():
             _write_load(values, event)
         case Landmark():
             values.author("label", usd.Sdf.ValueTypeNames.String, event.label)
         case Section():
-            values.author("label", usd.Sdf.ValueTypeNames.String, event.label)
-            values.author("point", usd.Sdf.ValueTypeNames.Point3d, usd.Gf.Vec3d(*event.point))
-            values.author("normal", usd.Sdf.ValueTypeNames.Double3, usd.Gf.Vec3d(*event.normal))
+            _write_section(values, usd, event)
+
+
+def _write_suture(values: Values, usd: Any, event: Suture) -> None:
+    anchors = usd.Vt.Vec3dArray([usd.Gf.Vec3d(*anchor) for anchor in event.anchors])
+    values.author("anchors", usd.Sdf.ValueTypeNames.Point3dArray, anchors)
+    values.double("start", event.start)
+    values.double("duration", event.duration)
+    values.double("stiffness", event.stiffness)
+    if event.mode != Suture.mode:
+        values.author("mode", usd.Sdf.ValueTypeNames.Token, event.mode)
+    if event.thread:
+        values.author("thread", usd.Sdf.ValueTypeNames.Token, event.thread)
+    for name in ("length", "tension", "pullThrough"):
+        value = getattr(event, "pull_through" if name == "pullThrough" else name)
+        if value != 0.0:
+            values.double(name, value)
+
+
+def _write_section(values: Values, usd: Any, event: Section) -> None:
+    values.author("label", usd.Sdf.ValueTypeNames.String, event.label)
+    values.author("point", usd.Sdf.ValueTypeNames.Point3d, usd.Gf.Vec3d(*event.point))
+    values.author("normal", usd.Sdf.ValueTypeNames.Double3, usd.Gf.Vec3d(*event.normal))
 
 
 def _write_load(values: Values, event: Traction | Pressure) -> None:

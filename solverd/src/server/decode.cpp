@@ -160,8 +160,7 @@ void decode_loads_and_rollers(ArrayReader& arrays, std::int32_t count, EpochInpu
   }
   if (arrays.has("section_points")) {
     epoch.section_points = to_points(arrays.read_finite("section_points", {kAny, 3}));
-    epoch.section_normals =
-        to_points(arrays.read_finite("section_normals", {length(epoch.section_points.size()), 3}));
+    epoch.section_normals = to_points(arrays.read_finite("section_normals", {length(epoch.section_points.size()), 3}));
   }
 }
 
@@ -351,8 +350,7 @@ SolverState decode_state(const Header& header, ArrayParts parts, std::int32_t su
   state.suture_gaps = arrays.read<double>("suture_separations", {sutures, 3});  // NaN: not placed yet
   state.suture_multipliers = arrays.read_finite("suture_multipliers", {sutures, 3});
   state.grip_multipliers = arrays.read_finite("grip_multipliers", {kAny});
-  if (arrays.has("roller_multipliers"))
-    state.roller_multipliers = arrays.read_finite("roller_multipliers", {kAny});
+  if (arrays.has("roller_multipliers")) state.roller_multipliers = arrays.read_finite("roller_multipliers", {kAny});
   if (arrays.has("loads")) {
     state.loads = arrays.read_finite("loads", {kAny, 5});
     for (std::size_t k = 0; k < state.loads.size(); k += 5)

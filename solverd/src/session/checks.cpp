@@ -124,8 +124,8 @@ void check_regions(const EpochInput& epoch, const SessionSettings& settings) {
 
 void check_loads_and_rollers(const EpochInput& epoch) {
   const std::size_t count = epoch.surface.triangles.size();
-  require(epoch.roller.empty() || epoch.roller.size() == count, "epoch {} says of {} triangles on which roller they are",
-          epoch.index, epoch.roller.size());
+  require(epoch.roller.empty() || epoch.roller.size() == count,
+          "epoch {} says of {} triangles on which roller they are", epoch.index, epoch.roller.size());
   for (const std::int32_t r : epoch.roller)
     require(r >= -1 && r < std::ssize(epoch.roller_normals), "a triangle of epoch {} is on roller {} of {}",
             epoch.index, r, epoch.roller_normals.size());

@@ -31,8 +31,8 @@ LoadedFacesByIndex loaded_faces(const EpochInput& epoch, const Lattice& lattice,
   LoadedFacesByIndex result;
   const std::size_t count = surface.triangles.size();
   for (std::size_t k = 0; k < epoch.loaded_index.size(); ++k)
-    result[epoch.loaded_index[k]] = std::make_shared<const LoadedFaces>(
-        lattice, surface, std::span(epoch.loaded_faces).subspan(k * count, count));
+    result[epoch.loaded_index[k]] =
+        std::make_shared<const LoadedFaces>(lattice, surface, std::span(epoch.loaded_faces).subspan(k * count, count));
   return result;
 }
 

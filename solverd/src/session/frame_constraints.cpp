@@ -40,8 +40,7 @@ std::vector<LoadState> between(const std::vector<LoadState>& from, const std::ve
 
 template <class Real>
 FrameConstraints<Real>::FrameConstraints(const SessionSettings& settings, const Lattice& lattice,
-                                         const Surface& surface, const LoadedFacesByIndex& loaded,
-                                         System<Real>& system)
+                                         const Surface& surface, const LoadedFacesByIndex& loaded, System<Real>& system)
     : settings_(settings),
       lattice_(lattice),
       surface_(surface),

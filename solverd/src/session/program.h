@@ -79,8 +79,8 @@ struct EpochInput {
   std::vector<std::int32_t> grip;   // per triangle: index of the retractor that grips it, or -1
   // Per triangle: the part of the fixed faces that it belongs to, or -1 where it is not fixed; empty: they are one.
   std::vector<std::int32_t> fixed_parts;
-  // Per triangle: the roller that it slides on, or -1; empty: none. Of each roller the direction that it holds, or zero:
-  // that of each face's normal at rest.
+  // Per triangle: the roller that it slides on, or -1; empty: none. Of each roller the direction that it holds, or
+  // zero: that of each face's normal at rest.
   std::vector<std::int32_t> roller;
   std::vector<Vec3> roller_normals;
   // Faces that loads act on: the number of each such set, and whether each triangle is one of it, set after set.
@@ -88,7 +88,7 @@ struct EpochInput {
   std::vector<std::uint8_t> loaded_faces;
   // Planes at rest, across which the force is wanted.
   std::vector<Vec3> section_points, section_normals;
-  std::vector<Vec3> landmarks;      // rest points
+  std::vector<Vec3> landmarks;  // rest points
   std::vector<std::int32_t> landmark_triangles;
   // The outer skin before any cut: regions measure their depth from it, fibers and prestretch run along it. May be
   // empty without regions; directions are then taken as they are, in tissue whose skin is upright to z.

@@ -190,7 +190,9 @@ TEST(Loads, APressureAllAroundChangesTheVolumeByTheBulkModulus) {
 // The border is held: all of the pressure has an energy.
 TEST(Loads, APressureUnderAHeldSheetIsInBalanceWithItsRim) {
   SessionSettings s = settings("neoHookean", 0.45);
-  EpochInput epoch = make_epoch(box_surface({0, 0, 0}, {16, 8, 2}), [](const Vec3& c) { return c[0] < 1e-9 || c[0] > 16 - 1e-9 || c[1] < 1e-9 || c[1] > 8 - 1e-9; });
+  EpochInput epoch = make_epoch(box_surface({0, 0, 0}, {16, 8, 2}), [](const Vec3& c) {
+    return c[0] < 1e-9 || c[0] > 16 - 1e-9 || c[1] < 1e-9 || c[1] > 8 - 1e-9;
+  });
   load(epoch, below(2));
   add_landmark(epoch, Vec3(8, 4, 2));
   Session session(s);
@@ -210,7 +212,8 @@ TEST(Loads, APressureOnAFreeEndTurnsWithIt) {
   s.gap_tolerance = 1e-5;
   EpochInput epoch = make_epoch(box_surface({0, 0, 0}, {20, 4, 4}), below(0));
   load(epoch, above(0, 20));
-  for (const Vec3& corner : {Vec3(20, 0, 0), Vec3(20, 4, 0), Vec3(20, 0, 4), Vec3(20, 4, 4)}) add_landmark(epoch, corner);
+  for (const Vec3& corner : {Vec3(20, 0, 0), Vec3(20, 4, 0), Vec3(20, 0, 4), Vec3(20, 4, 4)})
+    add_landmark(epoch, corner);
   Session session(s);
   session.set_epoch(epoch);
   const FrameOutput out = solve(session, Vec3::Zero(), -2.0);  // pulls
@@ -252,8 +255,8 @@ struct Shaken {
   std::vector<std::uint8_t> none = std::vector<std::uint8_t>(box.triangles.size(), 0);
   std::vector<Index> grip = std::vector<Index>(box.triangles.size(), -1);
   Lattice lattice = build_lattice(box, {});
-  System<double> system{lattice, CellMaterials{{MaterialParameters{}}}, 1, attach(lattice, box, none, none, grip), 0, {},
-                        Vec3::Zero()};
+  System<double> system{
+      lattice, CellMaterials{{MaterialParameters{}}}, 1, attach(lattice, box, none, none, grip), 0, {}, Vec3::Zero()};
   std::shared_ptr<const LoadedFaces> faces;
   std::vector<double> u, along;
   Multipliers multipliers;

@@ -96,7 +96,8 @@ TEST(Reactions, WeightHooksBedAndFixedFacesAreInBalance) {
       if (center(epoch.surface, t)[2] > 4 - 1e-9) frame.hooks[0].anchor.triangle = to_index(t);
     const FrameOutput out = session.solve(frame, {}, kNever);
     ASSERT_TRUE(out.converged) << out.failure.message;
-    const Vec3 weight = s.gravity * (s.materials[0].density * 1e-6 * 12 * 8 * 4), hook = Vec3::Map(out.hook_forces.data());
+    const Vec3 weight = s.gravity * (s.materials[0].density * 1e-6 * 12 * 8 * 4),
+               hook = Vec3::Map(out.hook_forces.data());
     EXPECT_GT(reaction(out, Kind::kBed).norm(), 1.0);
     EXPECT_LT((sum(out.reactions) + weight + hook).norm(), 1e-3 * hook.norm()) << undermined;
   }

@@ -160,8 +160,8 @@ Index largest_part(const Buckets& buckets, Index cell, int side) {
 }  // namespace
 
 Attachments attach(const Lattice& lattice, const Surface& surface, std::span<const std::uint8_t> fixed,
-                   std::span<const std::uint8_t> bed, std::span<const Index> grip,
-                   std::shared_ptr<const Ground> ground, std::span<const Index> parts) {
+                   std::span<const std::uint8_t> bed, std::span<const Index> grip, std::shared_ptr<const Ground> ground,
+                   std::span<const Index> parts) {
   if (!ground && std::ranges::find(bed, kRestsOnBed) != bed.end())
     throw RefusedError(ErrorCode::kInternal, "Faces of the tissue rest on the bed, but no ground was given for them.");
   const double h = lattice.settings.spacing;

@@ -93,8 +93,8 @@ void integrate(const Vec3& a, const Vec3& b, const Vec3& c, const Add& add) {
 std::array<double, 8> LoadedFaces::Sample::weights() const {
   std::array<double, 8> result{};
   for (int c = 0; c < 8; ++c)
-    result[static_cast<std::size_t>(c)] = (c & 4 ? place[0] : 1 - place[0]) * (c & 2 ? place[1] : 1 - place[1]) *
-                                          (c & 1 ? place[2] : 1 - place[2]);
+    result[static_cast<std::size_t>(c)] =
+        (c & 4 ? place[0] : 1 - place[0]) * (c & 2 ? place[1] : 1 - place[1]) * (c & 1 ? place[2] : 1 - place[2]);
   return result;
 }
 

@@ -10,8 +10,8 @@
 
 namespace lappet {
 
-// How a place of a face has moved, mm, and how two vectors in it that are 1 long, and whose product is its normal out of
-// the tissue, have changed.
+// How a place of a face has moved, mm, and how two vectors in it that are 1 long, and whose product is its normal out
+// of the tissue, have changed.
 struct FaceMotion {
   Vec3 middle = Vec3::Zero(), first = Vec3::Zero(), second = Vec3::Zero();
 
@@ -24,9 +24,9 @@ class LoadedFaces {
  public:
   struct Sample {
     Index cell;
-    Index face;    // whose directions it has
-    double area;   // at rest, mm^2
-    Vec3 place;    // in the cell, from 0 to 1
+    Index face;   // whose directions it has
+    double area;  // at rest, mm^2
+    Vec3 place;   // in the cell, from 0 to 1
     // Of its cell's nodes.
     std::array<double, 8> weights() const;
     // What a displacement of each node changes a vector along `direction` by, 1/mm.

@@ -31,7 +31,8 @@ FaceMotion motion_of(const Lattice& lattice, const LoadedFaces& faces, const Loa
   const auto second = sample.slopes(rest.second, lattice.settings.spacing);
   FaceMotion motion;
   for (std::size_t k = 0; k < 8; ++k) {
-    const Vec3 moved = NodeField(u)[static_cast<std::size_t>(lattice.cell_nodes[static_cast<std::size_t>(sample.cell)][k])];
+    const Vec3 moved =
+        NodeField(u)[static_cast<std::size_t>(lattice.cell_nodes[static_cast<std::size_t>(sample.cell)][k])];
     motion.middle += weights[k] * moved;
     motion.first += first[k] * moved;
     motion.second += second[k] * moved;
@@ -137,7 +138,8 @@ void System<Real>::multiply_pressure(std::span<const Real> x, std::span<Real> y)
       const LoadedFaces::Directions& rest = load.faces->directions(sample);
       const FaceMotion change = symmetric_change(moved(rest, pressed_from_[at]), motions[at]);
       const double push = load.pressure * sample.area;
-      const auto weights = sample.weights(), first = sample.slopes(rest.first, h), second = sample.slopes(rest.second, h);
+      const auto weights = sample.weights(), first = sample.slopes(rest.first, h),
+                 second = sample.slopes(rest.second, h);
       add_at<Real>(
           lattice().cell_nodes[static_cast<std::size_t>(sample.cell)],
           [&](std::size_t n) -> Vec3 {
@@ -182,10 +184,10 @@ bool System<Real>::pressures_have_energy(std::span<const Real> u) const {
       const FaceMotion even = symmetric_change(here, motions[at]);
       const Vec3 whole = here.first.cross(motions[at].second) + motions[at].first.cross(here.second);
       const double push = load.pressure * sample.area;
-      const auto weights = sample.weights(), first = sample.slopes(rest.first, h), second = sample.slopes(rest.second, h);
+      const auto weights = sample.weights(), first = sample.slopes(rest.first, h),
+                 second = sample.slopes(rest.second, h);
       const auto& nodes = lattice().cell_nodes[static_cast<std::size_t>(sample.cell)];
-      add_at<Real>(
-          nodes, [&](std::size_t n) -> Vec3 { return push * weights[n] * whole; }, std::span<Real>(all));
+      add_at<Real>(nodes, [&](std::size_t n) -> Vec3 { return push * weights[n] * whole; }, std::span<Real>(all));
       add_at<Real>(
           nodes,
           [&](std::size_t n) -> Vec3 {

@@ -1,5 +1,5 @@
-// The force of what holds the tissue from outside or loads it, as a whole: in equilibrium these, the hooks and the weight
-// are in balance. Tissue that is fixed all through is not computed: it passes no force from one part to another.
+// The force of what holds the tissue from outside or loads it, as a whole: in equilibrium these, the hooks and the
+// weight are in balance. Tissue that is fixed all through is not computed: it passes no force from one part to another.
 #pragma once
 #include <compare>
 #include <cstdint>
@@ -8,7 +8,8 @@
 
 namespace lappet {
 
-// What holds, or loads. kWeakBed: of fragments that no face holds (solve/system/system.h). kLoad: tractions and pressure.
+// What holds, or loads. kWeakBed: of fragments that no face holds (solve/system/system.h). kLoad: tractions and
+// pressure.
 struct Holder {
   enum class Kind : std::uint8_t { kFixed, kRetractor, kBed, kBone, kWeakBed, kRoller, kLoad };
   Kind kind = Kind::kFixed;

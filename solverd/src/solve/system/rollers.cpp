@@ -45,13 +45,15 @@ void System<Real>::add_rollers(std::span<const Real> u, const Multipliers& multi
   for (std::size_t r = 0; r < attachments_.rollers.size(); ++r) {
     const RollerRow& row = attachments_.rollers[r];
     if (!acts(row)) continue;
-    const double away = off(row, u), multiplier = multipliers.of_roller_row.empty() ? 0.0 : multipliers.of_roller_row[r];
+    const double away = off(row, u),
+                 multiplier = multipliers.of_roller_row.empty() ? 0.0 : multipliers.of_roller_row[r];
     const double push = multiplier + stiffness * away;
     result.contact_penalties.push_back({row.cell, row.weights, row.normal, stiffness});
     result.energy += (multiplier + 0.5 * stiffness * away) * away;
     for (std::size_t k = 0; k < 8; ++k)
       for (int i = 0; i < 3; ++i)
-        result.gradient[3 * static_cast<std::size_t>(lattice().cell_nodes[row.cell][k]) + static_cast<std::size_t>(i)] +=
+        result
+            .gradient[3 * static_cast<std::size_t>(lattice().cell_nodes[row.cell][k]) + static_cast<std::size_t>(i)] +=
             push * row.weights[k] * row.normal[i];
   }
 }
@@ -66,8 +68,8 @@ void System<Real>::mark_rolling_fragments(std::vector<std::uint8_t>& held) const
   std::map<std::size_t, Rolling> fragments;
   for (const RollerRow& row : attachments_.rollers) {
     if (!acts(row)) continue;
-    const auto k = static_cast<std::size_t>(std::ranges::max_element(row.weights, {}, [](double w) { return std::abs(w); }) -
-                                            row.weights.begin());
+    const auto k = static_cast<std::size_t>(
+        std::ranges::max_element(row.weights, {}, [](double w) { return std::abs(w); }) - row.weights.begin());
     const auto node = static_cast<std::size_t>(lattice().cell_nodes[row.cell][k]);
     Rolling& own = fragments[fragment(node)];
     const Vec3 at = lattice().node_rest[node];

@@ -103,9 +103,10 @@ class System {
   void update(Multipliers& multipliers, std::span<const Real> u, const Evaluation& at) const;
   // Makes room for those of the faces that are held now; zero where they are new.
   void fit(Multipliers& multipliers) const;
-  // The force that the tissue beyond each section, where its normal points, has on what lies before it, mN: the weighted
-  // sum of the cells' forces on their nodes, whose weight goes from 0 to 1 in a layer one spacing thick, the section in
-  // its middle. It is in balance with all that acts on the nodes by their weights. u: where it was evaluated last.
+  // The force that the tissue beyond each section, where its normal points, has on what lies before it, mN: the
+  // weighted sum of the cells' forces on their nodes, whose weight goes from 0 to 1 in a layer one spacing thick, the
+  // section in its middle. It is in balance with all that acts on the nodes by their weights. u: where it was evaluated
+  // last.
   std::vector<Vec3> section_forces(std::span<const Section> sections, std::span<const Real> u);
   // Whether the pressures at u have an energy, as far as the nodes can move: else no equilibrium is a minimum of it.
   bool pressures_have_energy(std::span<const Real> u) const;
