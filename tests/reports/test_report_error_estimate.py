@@ -12,7 +12,8 @@ from click.testing import CliRunner
 
 from lappet.commands.cli import cli
 from lappet.daemon.daemon_solver import connect_to
-from lappet.reports.error_estimate.files import totals, write_error_estimate
+from lappet.reports.error_estimate.files import fitted_totals, totals, write_error_estimate
+from lappet.reports.error_estimate.fit_orders import fit_orders
 from lappet.reports.error_estimate.fitting_scenes import fitting_scenes
 from lappet.reports.error_estimate.hold_out_scenes import hold_out_scenes
 from lappet.reports.error_estimate.measurement import EXACT, EstimateRow, measure_scene
@@ -23,7 +24,7 @@ from lappet.solve.store import FrameStore
 OPERATIONS = {"hanging-flap", "rotation-flap", "v-y", "dome-flap", "layered-closure", "released-hook"}
 TISSUES = {"stiff-fibers", "soft-fibers", "muscle-bar", "strip-over-bone", "punch"}
 ROW = EstimateRow(
-    "punch", 2.0, 300, 1, 0.1, 0.4, 0.2, 0.5, 2.0, 1.25, 1.0, is_trusted=True, uncertainty_mm=0.01,
+    "punch", 2.0, 300, 1, 0.1, 0.4, 0.2, 0.5, 2.0, 1.25, 1.0, 1.0, is_trusted=True, uncertainty_mm=0.01,
     uncertainty_max_mm=0.02, reference_order=1.2,
 )  # fmt: skip
 
@@ -87,6 +88,20 @@ def test_the_totals_count_rows_outside_and_name_them_and_a_row_without_an_estima
         "Outside: punch at 1.5 mm, 0.2 and 0.5 times the true error.",
         "Outside: punch at 0.5 mm, The daemon died.",
     ]
+
+
+def test_an_order_is_fitted_to_the_rows_that_were_reckoned_with_it() -> None:
+    """Estimates that are (2^2 - 1) / (2^1 - 1) = 3 times too large were reckoned with order 1 where 2 is right."""
+    rows = [replace(ROW, ratio=each, max_ratio=each) for each in (2.9, 3.0, 3.1)]
+    rows += [replace(ROW, order=1.5, ratio=1.0, max_ratio=1.0), replace(ROW, order=1.5, ratio=None, max_ratio=None)]
+    first, held = fit_orders(rows)
+    assert (first.order, first.rows, first.within, first.within_best) == (1.0, 3, 2, 3)
+    assert abs(first.best - 2.0) < 0.05
+    assert (held.order, held.rows, held.within, held.within_best) == (1.5, 1, 1, 1)
+    assert abs(held.best - 1.5) < 1e-9
+    assert fitted_totals(rows)[1] == (
+        "Order 1.5: 1 of 1 rows within, 0 below a third; with 1.5 most would be within: 1, 0 below a third."
+    )
 
 
 def test_the_files_hold_every_row(tmp_path: Path) -> None:

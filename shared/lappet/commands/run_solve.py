@@ -13,20 +13,21 @@ MOST_ALIKE = 3  # warnings of a kind that the summary gives in full
 if TYPE_CHECKING:
     from lappet.core.problem import Problem
     from lappet.output.solve_to_cache import SolveResult
+    from lappet.procedure import Procedure
     from lappet.program.settings import SolverSettings
     from lappet.solve.error_estimate import ErrorEstimate
     from lappet.solve.seam_measures import SeamMeasure
 
 
 def run_solve(
-    procedure: Path, cache: Path, report_path: Path | None, settings: SolverSettings, **options: Any
+    procedure: Path | Procedure, cache: Path, report_path: Path | None, settings: SolverSettings, **options: Any
 ) -> SolveResult:
     """Solve with progress on standard error, and write the report.
 
     Parameters
     ----------
     procedure
-        The procedure's file.
+        The procedure, or its file.
     cache
         The skin cache.
     report_path
@@ -56,14 +57,19 @@ def run_solve(
 
 
 def run_to_target(
-    procedure: Path, cache: Path, report_path: Path | None, settings: SolverSettings, target: float, **options: Any
+    procedure: Path | Procedure,
+    cache: Path,
+    report_path: Path | None,
+    settings: SolverSettings,
+    target: float,
+    **options: Any,
 ) -> SolveResult:
     """Solve with the settings that a target error needs, and say which.
 
     Parameters
     ----------
     procedure
-        The procedure's file.
+        The procedure, or its file.
     cache
         The skin cache.
     report_path
@@ -94,7 +100,7 @@ def run_to_target(
 
     daemon = options["daemon"]
     choice = choose(
-        read_procedure(procedure),
+        read_procedure(procedure) if isinstance(procedure, Path) else procedure,
         target,
         connect_to(daemon),
         solver_identity(daemon),

@@ -127,7 +127,7 @@ def solve_procedure(
     Parameters
     ----------
     source
-        A USD file, or a procedure, which is then written beside the cache as `<output>.procedure.usda`.
+        A USD file, or a procedure, which is then written beside the cache as `<its stem>.procedure.usda`.
     output
         The skin cache (.usdc, .usda or .usd).
     settings

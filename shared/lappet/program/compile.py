@@ -84,7 +84,8 @@ def compile_program(
     _refuse_off_tissue(procedure, loss)
     off = loss.distance(events.anchors())
     frames: list[FrameConstraints] = []
-    grips, landmarks = list[NDArray[np.int32]](), list[Landmarks]()
+    grips: list[NDArray[np.int32]] = []
+    landmarks: list[Landmarks] = []
     moved: dict[Problem, None] = {}
     for epoch in epochs:
         own = own_times[epoch.index]
@@ -93,15 +94,9 @@ def compile_program(
         landmarks.append(in_tissue.landmarks())
         anchors_of = in_tissue.event_anchors(own)
         moved.update((each, None) for each in in_tissue.moved(own))
-        frames += [
-            FrameConstraints(
-                time=float(time),
-                epoch=epoch.index,
-                **events.arrays(time, anchors_of),
-                activation=activation(materials, time),
-            )
-            for time in own
-        ]
+        for time in own:
+            acting = {**events.arrays(time, anchors_of), "activation": activation(materials, time)}
+            frames.append(FrameConstraints(float(time), epoch.index, **acting))
     sutures = tuple(suture.name for suture in events.sutures)
     return Program(
         epochs=tuple(epochs),

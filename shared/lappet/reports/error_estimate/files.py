@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from lappet.reports.error_estimate.fit_orders import fit_orders
 from lappet.reports.error_estimate.measurement import FACTOR, SHARE, EstimateRow
 from lappet.reports.error_estimate.scene import EstimateScene
 from lappet.reports.report_files import described, markdown_table, write_csv, write_json
@@ -71,6 +72,26 @@ def totals(rows: Sequence[EstimateRow]) -> list[str]:
     ]
 
 
+def fitted_totals(rows: Sequence[EstimateRow]) -> list[str]:
+    """Say which orders would have served the rows best.
+
+    Parameters
+    ----------
+    rows
+        The rows of the scenes that orders are fitted on.
+
+    Returns
+    -------
+    list[str]
+        Sentences.
+    """
+    return [
+        f"Order {each.order:.3g}: {each.within} of {each.rows} rows within, {each.too_small} below a third; with "
+        f"{each.best:.3g} most would be within: {each.within_best}, {each.too_small_best} below a third."
+        for each in fit_orders(rows)
+    ]
+
+
 def markdown(head: Mapping[str, Any], scenes: Sequence[EstimateScene], rows: Sequence[EstimateRow]) -> str:
     """Write the report for people.
 
@@ -95,15 +116,15 @@ def markdown(head: Mapping[str, Any], scenes: Sequence[EstimateScene], rows: Seq
     table = markdown_table(
         [
             "scene", "spacing mm", "cells", "error rms mm", "max", "estimate rms mm", "max", "estimate / error rms",
-            "max", f"within {FACTOR:g}", "trusted", "reference rms ±", "max ±", "its order", "",
+            "max", "order", f"within {FACTOR:g}", "trusted", "reference rms ±", "max ±", "its order", "",
         ],
         [
             [
                 row.scene, f"{row.spacing_mm:.3g}", row.cells, _short(row.error_mm), _short(row.error_max_mm),
                 _short(row.estimate_mm), _short(row.estimate_max_mm), _short(row.ratio), _short(row.max_ratio),
-                _ANSWERS[row.is_within if row.ratios or row.reason is not None else None], _ANSWERS[row.is_trusted],
-                _short(row.uncertainty_mm), _short(row.uncertainty_max_mm), f"{row.reference_order:.2f}",
-                row.reason or "",
+                _short(row.order), _ANSWERS[row.is_within if row.ratios or row.reason is not None else None],
+                _ANSWERS[row.is_trusted], _short(row.uncertainty_mm), _short(row.uncertainty_max_mm),
+                f"{row.reference_order:.2f}", row.reason or "",
             ]
             for row in rows
         ],

@@ -50,6 +50,8 @@ class EstimateRow:
         Root mean square estimate over error.
     max_ratio
         Greatest estimate over greatest error.
+    order
+        Order of convergence that the estimate reckoned with.
     largest_displacement_mm
         Largest displacement of the skin.
     is_trusted
@@ -74,6 +76,7 @@ class EstimateRow:
     estimate_max_mm: float | None
     ratio: float | None
     max_ratio: float | None
+    order: float | None
     largest_displacement_mm: float | None
     is_trusted: bool | None
     uncertainty_mm: float
@@ -134,7 +137,7 @@ def measure_scene(
 
 
 def _without_reference(scene: EstimateScene, spacing: float, why: Problem) -> EstimateRow:
-    nothing = (None,) * 8
+    nothing = (None,) * 9
     return EstimateRow(scene.name, spacing, 0, 0, *nothing, math.nan, math.nan, math.nan, reason=str(why))
 
 
@@ -164,6 +167,7 @@ def _row(
         estimate_max_mm=None,
         ratio=None,
         max_ratio=None,
+        order=None,
         largest_displacement_mm=None,
         is_trusted=None,
         uncertainty_mm=reference.uncertainty,
@@ -192,6 +196,7 @@ def _judged(row: EstimateRow, errors: ErrorEstimate) -> EstimateRow:
         estimate_max_mm=estimate.greatest,
         ratio=_ratio(estimate.rms, row.error_mm, row.uncertainty_mm),
         max_ratio=_ratio(estimate.greatest, row.error_max_mm, row.uncertainty_max_mm),
+        order=errors.order,
         largest_displacement_mm=estimate.largest_displacement,
         is_trusted=estimate.is_trusted,
     )

@@ -36,6 +36,11 @@ SceneFeatures features_of(const CellMaterials& materials, int quadrature) {
   return features;
 }
 
+SceneFeatures without_shares(SceneFeatures features) {
+  features.shares = false;
+  return features;
+}
+
 std::vector<Index> further_parts(const CellMaterials& materials) {
   std::vector<Index> cells;
   for (std::size_t k = 1; k < materials.shares.size(); ++k)
@@ -45,7 +50,22 @@ std::vector<Index> further_parts(const CellMaterials& materials) {
 
 // The hourglass modes of a small part of a cell keep at least this much of the stabilization of a whole one, chosen:
 // they alone hold the corners far from it.
-constexpr double kMinExtent = 0.5;
+constexpr double kMinHourglass = 0.25;
+
+// What of the stabilization the hourglass modes xy, xz, yz, xyz of a part of a cell have. The modes are what bends a
+// layer a cell thick: one of them, xz of the displacement along x, bends a part with the extents s along the axes like
+// a beam if it holds E s_z^2 = 2 mu (1 + nu) s_z^2, where the stabilization gives 2 mu laplacian. It serves the
+// displacement along z as well, so that the thinner of the two directions bends.
+std::array<double, 4> hourglass_of_part(const MaterialShare& share, const MaterialParameters& material,
+                                        double laplacian) {
+  const Vec3 s = share.scale.cast<double>();
+  const auto of_pair = [&](Eigen::Index a, Eigen::Index b) {
+    const double thin = std::min(s[a], s[b]);
+    return std::clamp((1.0 + material.poissons_ratio) / laplacian * thin * thin, kMinHourglass, 1.0);
+  };
+  const double xy = of_pair(0, 1), xz = of_pair(0, 2), yz = of_pair(1, 2);
+  return {xy, xz, yz, 0.5};
+}
 
 }  // namespace
 
@@ -57,6 +77,7 @@ Elastic<Real>::Elastic(const Lattice& lattice, CellMaterials materials, int quad
       features_(features_of(materials_, quadrature)),
       set_(set),
       kernels_(elastic_kernels<Real>(set, features_)),
+      whole_kernels_(elastic_kernels<Real>(set, without_shares(features_))),
       part_cells_(further_parts(materials_)),
       layout_(lay_out_blocks(lattice, kernels_.lanes, still, part_cells_)),
       quadrature_(quadrature_points(quadrature)),
@@ -65,7 +86,7 @@ Elastic<Real>::Elastic(const Lattice& lattice, CellMaterials materials, int quad
       record_fields_(features_.prestretched ? kMaterialFields
                      : features_.fibers     ? kPrestretch
                                             : kFiberK1) {
-  if (!kHasHeterogeneity && !uniform_)
+  if (!kHasHeterogeneity && (!uniform_ || features_.shares))
     throw RefusedError(ErrorCode::kInvalidInput,
                        "this daemon was built without heterogeneity, and the tissue's cells differ");
   for (const auto& point : quadrature_) {
@@ -149,19 +170,18 @@ void Elastic<Real>::fill_cells() {
     const std::size_t c = std::max(cell, 0);
     if (!uniform_)
       fill_record(&material_[slot / lanes * record_fields_ * lanes + slot % lanes], lanes, material_of(c), c);
-    if (cell >= 0) fill_volume(slot, c, material_of(c), laplacian, 1.0, 1.0);
+    if (cell >= 0) fill_volume(slot, c, material_of(c), laplacian, 1.0);
   });
   if (!materials_.shares.empty()) fill_shares(laplacian);
 }
 
 template <class Real>
-void Elastic<Real>::fill_volume(std::size_t slot, std::size_t cell, std::size_t material, double laplacian, double part,
-                                double extent) {
+void Elastic<Real>::fill_volume(std::size_t slot, std::size_t cell, std::size_t material, double laplacian,
+                                double part) {
   const double h = lattice_.settings.spacing, volume = h * h * h * double(lattice_.cell_fill[cell]) * part;
   volume_[slot] = Real(volume);
   if (features_.one_point)
-    stabilization_[slot] =
-        Real(laplacian * materials_.table[material].mu() * volume * kHourglass[0] * extent / (h * h));
+    stabilization_[slot] = Real(laplacian * materials_.table[material].mu() * volume * kHourglass[0] / (h * h));
 }
 
 template <class Real>
@@ -182,16 +202,22 @@ void Elastic<Real>::fill_shares(double laplacian) {
   const auto field = [&](std::size_t slot, std::size_t k) -> Real& {
     return share_[(slot / lanes * kShareFields + k) * lanes + slot % lanes];
   };
-  for (std::size_t slot = 0; slot < layout_.slots(); ++slot)
+  for (std::size_t slot = 0; slot < layout_.slots(); ++slot) {
     for (std::size_t i = 0; i < 3; ++i) field(slot, kShareScale + i) = Real(1);
+    for (std::size_t m = 0; m < 4; ++m) field(slot, kShareHourglass + m) = Real(m == 3 ? 0.5 : 1.0);
+  }
+  group_has_shares_.assign(layout_.groups, 0);
   for_each_share([&](std::size_t slot, const MaterialShare& share, bool) {
+    group_has_shares_[slot / lanes / kBlockCells] = 1;
     for (Eigen::Index i = 0; i < 3; ++i) {
       field(slot, kShareCenter + i) = Real(share.center[i]);
       field(slot, kShareScale + i) = Real(share.scale[i]);
     }
-    const double extent = std::max(double(share.scale.squaredNorm()) / 3.0, kMinExtent);
-    fill_record(&material_[slot / lanes * record_fields_ * lanes + slot % lanes], lanes, share.material, share.cell);
-    fill_volume(slot, share.cell, share.material, laplacian, double(share.volume), extent);
+    const auto hourglass = hourglass_of_part(share, materials_.table[share.material], laplacian);
+    for (std::size_t m = 0; m < 4; ++m) field(slot, kShareHourglass + m) = Real(hourglass[m]);
+    if (!uniform_)
+      fill_record(&material_[slot / lanes * record_fields_ * lanes + slot % lanes], lanes, share.material, share.cell);
+    fill_volume(slot, share.cell, share.material, laplacian, double(share.volume));
   });
 }
 
@@ -207,6 +233,7 @@ void Elastic<Real>::set_activation(std::span<const double> activation) {
     material_[(slot / lanes * record_fields_ + kMuscle) * lanes + slot % lanes] =
         Real(muscle(uniform_ ? 0 : material_of(cell)));
   }
+  if (uniform_) return;
   for_each_share([&](std::size_t slot, const MaterialShare& share, bool) {
     material_[(slot / lanes * record_fields_ + kMuscle) * lanes + slot % lanes] = Real(muscle(share.material));
   });
@@ -221,7 +248,9 @@ ElasticState Elastic<Real>::evaluate(std::span<const Real> u, std::span<double> 
   });
   std::vector<StateSums> sums(layout_.slabs());
   layout_.for_each_slab([&](std::size_t slab, std::int64_t begin, std::int64_t end) {
-    kernels_.evaluate(arrays_, begin, end, u.data(), gradient.data(), node_scale.data(), sums[slab]);
+    for_each_run(begin, end, [&](const auto& kernels, std::int64_t from, std::int64_t to) {
+      kernels.evaluate(arrays_, from, to, u.data(), gradient.data(), node_scale.data(), sums[slab]);
+    });
   });
   ElasticState state;
   state.minimum_j = std::numeric_limits<double>::infinity();
@@ -245,7 +274,9 @@ void Elastic<Real>::multiply(std::span<const Real> x, std::span<Real> y) const {
     std::fill(y.begin() + begin, y.begin() + end, Real(0));
   });
   layout_.for_each_slab([&](std::size_t, std::int64_t begin, std::int64_t end) {
-    kernels_.multiply(arrays_, begin, end, x.data(), y.data());
+    for_each_run(begin, end, [&](const auto& kernels, std::int64_t from, std::int64_t to) {
+      kernels.multiply(arrays_, from, to, x.data(), y.data());
+    });
   });
 }
 
@@ -279,7 +310,9 @@ template <class Real>
 void Elastic<Real>::diagonal_blocks(std::span<Real> blocks) const {
   for_each_index(blocks.size(), [&](std::size_t i) { blocks[i] = Real(0); });
   layout_.for_each_slab([&](std::size_t, std::int64_t begin, std::int64_t end) {
-    kernels_.diagonal(arrays_, begin, end, blocks.data());
+    for_each_run(begin, end, [&](const auto& kernels, std::int64_t from, std::int64_t to) {
+      kernels.diagonal(arrays_, from, to, blocks.data());
+    });
   });
 }
 

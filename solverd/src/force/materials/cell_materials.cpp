@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "force/materials/cell_fill.h"
 #include "force/materials/cell_shares.h"
 #include "force/materials/prestretch.h"
 #include "force/materials/skin_tree.h"
@@ -46,12 +47,24 @@ Vec3 in_plane(const Vec3& direction, const Vec3& normal) {
   return flat.norm() > 1e-3 ? flat.normalized() : Vec3(Vec3::Zero());
 }
 
+constexpr auto kPartlyFilled = [](float fill) { return fill < 1.0F; };
+
+// Of tissue of one material.
+std::vector<MaterialShare> shares_of_fills(const Lattice& lattice) {
+  std::vector<MaterialShare> shares;
+  for (std::size_t c = 0; c < lattice.cell_fill.size(); ++c)
+    if (kPartlyFilled(lattice.cell_fill[c]))
+      if (const auto share = share_of_fill(lattice, c, 0)) shares.push_back(*share);
+  return shares;
+}
+
 }  // namespace
 
 CellMaterials assign_materials(const Lattice& lattice, std::vector<MaterialParameters> table, const Surface& skin,
                                std::span<const MaterialRegion> regions, const SkinFields& fields) {
   CellMaterials result{std::move(table)};
   const bool directional = std::ranges::any_of(result.table, has_direction);
+  if (regions.empty() || skin.triangles.empty()) result.shares = shares_of_fills(lattice);
   if ((regions.empty() && !directional) || skin.triangles.empty()) return result;
   const SkinTree tree(skin);
   const CellShares cell_shares(lattice, tree, regions);
@@ -87,7 +100,7 @@ CellMaterials assign_materials(const Lattice& lattice, std::vector<MaterialParam
       const std::uint8_t material = cell_shares.material(closest.triangle, closest.distance);
       const bool mixed = cell_shares.may_be_mixed(c, closest);
       result.of_cell[c] = material;
-      if (mixed || lattice.cell_fill[c] < 1.0F)
+      if (mixed || kPartlyFilled(lattice.cell_fill[c]))
         result.of_cell[c] = cell_shares.append(c, mixed, material, chunks[chunk]);
     }
   });
