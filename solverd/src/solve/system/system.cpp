@@ -376,6 +376,8 @@ std::size_t System<Real>::bytes() const {
   return elastic_.bytes() + attachments_.face_constraints.size() * sizeof(FaceConstraint) +
          3 * free_.size() * 8 * (has_held_faces_ ? 2 : 1) + node_scale_.size() * 8 + gravity_force_.size() * 8 +
          free_.size() + clusters_.bytes() + (contact_ ? contact_->bytes() : 0) +
+         attachments_.rollers.size() * (sizeof(RollerRow) + 8) + traction_force_.size() * 8 +
+         pressed_from_.size() * 2 * sizeof(FaceMotion) +
          (attachments_.ground ? attachments_.ground->bytes() : 0);
 }
 
