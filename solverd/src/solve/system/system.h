@@ -108,6 +108,7 @@ class System {
   // section in its middle. It is in balance with all that acts on the nodes by their weights. u: where it was evaluated
   // last.
   std::vector<Vec3> section_forces(std::span<const Section> sections, std::span<const Real> u);
+  bool has_exact_constraints() const { return has_held_faces_ || has_sutures_; }
   // Whether the pressures at u have an energy, as far as the nodes can move: else no equilibrium is a minimum of it.
   bool pressures_have_energy(std::span<const Real> u) const;
   // What holds the tissue in the equilibrium at u, by what holds it, in order. at: the evaluation at u.
