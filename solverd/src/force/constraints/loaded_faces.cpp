@@ -136,11 +136,13 @@ LoadedFaces::LoadedFaces(const Lattice& lattice, const Surface& surface, std::sp
     }
     directions_.push_back({first, normal.cross(first)});
   }
+  find_cells();
 }
 
 LoadedFaces::LoadedFaces(const LoadedFaces& whole, std::span<const Index> place) : directions_(whole.directions_) {
   for (Sample sample : whole.samples_)
     if ((sample.cell = place[static_cast<std::size_t>(sample.cell)]) >= 0) samples_.push_back(sample);
+  find_cells();
 }
 
 double LoadedFaces::area() const {
@@ -159,9 +161,21 @@ double swept_volume(const LoadedFaces::Directions& before, const FaceMotion& way
   return way.middle.dot(e1.cross(e2) + 0.5 * (e1.cross(g2) + g1.cross(e2)) + g1.cross(g2) / 3.0);
 }
 
-FaceMotion symmetric_change(const LoadedFaces::Directions& now, const FaceMotion& motion) {
-  return {0.5 * (now.first.cross(motion.second) + motion.first.cross(now.second)),
-          0.5 * now.second.cross(motion.middle), 0.5 * motion.middle.cross(now.first)};
+void add_symmetric_change(const LoadedFaces::Sample& sample, const LoadedFaces::Directions& rest,
+                          const LoadedFaces::Directions& now, double spacing, NodePairs& pairs) {
+  const auto n = sample.weights(), s = sample.slopes(rest.first, spacing), t = sample.slopes(rest.second, spacing);
+  Vec3* pair = pairs.data();
+  for (std::size_t a = 0; a < 8; ++a)
+    for (std::size_t b = a + 1; b < 8; ++b)
+      *pair++ +=
+          0.5 * sample.area * ((n[a] * t[b] - t[a] * n[b]) * now.first - (n[a] * s[b] - s[a] * n[b]) * now.second);
+}
+
+void LoadedFaces::find_cells() {
+  std::ranges::stable_sort(samples_, {}, &Sample::cell);
+  for (std::size_t k = 0; k < samples_.size(); ++k)
+    if (k == 0 || samples_[k].cell != samples_[k - 1].cell) cell_begins_.push_back(k);
+  cell_begins_.push_back(samples_.size());
 }
 
 }  // namespace lappet

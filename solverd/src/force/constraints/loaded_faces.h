@@ -41,7 +41,10 @@ class LoadedFaces {
   // Those in some cells of a lattice, as those of another lattice; place: per cell, its index there or -1.
   LoadedFaces(const LoadedFaces& whole, std::span<const Index> place);
 
+  // In the order of their cells.
   const std::vector<Sample>& samples() const { return samples_; }
+  // Where those of each cell begin, and the end.
+  const std::vector<std::size_t>& cell_begins() const { return cell_begins_; }
   const Directions& directions(const Sample& sample) const { return directions_[sample.face]; }
   double area() const;  // at rest, mm^2
   // Along its normal, mm^2.
@@ -49,15 +52,20 @@ class LoadedFaces {
   std::size_t bytes() const { return samples_.size() * sizeof(Sample) + directions_.size() * sizeof(Directions); }
 
  private:
+  void find_cells();
+
   std::vector<Sample> samples_;
+  std::vector<std::size_t> cell_begins_;
   std::vector<Directions> directions_;
 };
 
 // The volume per area at rest that a place of a face sweeps, out of the tissue, on a straight way: how it is there
 // before, and how it moves on. Its vectors are those of FaceMotion.
 double swept_volume(const LoadedFaces::Directions& before, const FaceMotion& way);
-// The symmetric part of what an area vector, which pushes on the middle, changes by where the place moves: on the
-// middle, and on the two vectors.
-FaceMotion symmetric_change(const LoadedFaces::Directions& now, const FaceMotion& motion);
+// The symmetric part of the derivative of the area vector of a sample, which pushes on its nodes: a motion d of node b
+// changes the force on node a by c_ab x d per pressure, with c_ba = -c_ab. Of the 28 pairs a < b, in order.
+using NodePairs = std::array<Vec3, 28>;
+void add_symmetric_change(const LoadedFaces::Sample& sample, const LoadedFaces::Directions& rest,
+                          const LoadedFaces::Directions& now, double spacing, NodePairs& pairs);
 
 }  // namespace lappet

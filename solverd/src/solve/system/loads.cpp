@@ -69,7 +69,7 @@ void System<Real>::set_loads(std::vector<FaceLoad> loads, std::span<const Real> 
           [&, weights = sample.weights()](std::size_t k) -> Vec3 { return weights[k] * sample.area * load.traction; },
           traction_force_);
   }
-  has_pressure_tangent_ = false;
+  pressure_tangent_.clear();
   pressure_energy_from_ = 0.0;
   pressed_from_ = pressed_motions(u);
   std::size_t at = 0;
@@ -109,44 +109,85 @@ void System<Real>::add_loads(std::span<const Real> u, Evaluation& result) const 
 
 template <class Real>
 void System<Real>::add_pressures(std::span<const Real> u, Evaluation& result) const {
+  struct Found {
+    std::array<Vec3, 8> forces;
+    double work = 0.0;
+  };
   result.pressed = pressed_motions(u);
   result.pressure_energy = pressure_energy_from_;
   std::size_t at = 0;
-  for (const FaceLoad& load : loads_)
-    for (std::size_t k = 0; load.pressure != 0.0 && k < load.faces->samples().size(); ++k, ++at) {
-      const auto& sample = load.faces->samples()[k];
-      const LoadedFaces::Directions before = moved(load.faces->directions(sample), pressed_from_[at]);
-      result.pressure_energy +=
-          load.pressure * sample.area * swept_volume(before, result.pressed[at] - pressed_from_[at]);
-      const Vec3 push = load.pressure * load.faces->area_now(sample, result.pressed[at]);
+  for (const FaceLoad& load : loads_) {
+    if (load.pressure == 0.0) continue;
+    const auto& samples = load.faces->samples();
+    const auto& begins = load.faces->cell_begins();
+    std::vector<Found> found(begins.size() - 1);
+    for_each_row(found.size(), [&](std::size_t c) {
+      found[c].forces.fill(Vec3::Zero());
+      for (std::size_t k = begins[c]; k < begins[c + 1]; ++k) {
+        const FaceMotion &from = pressed_from_[at + k], &now = result.pressed[at + k];
+        found[c].work +=
+            load.pressure * samples[k].area * swept_volume(moved(load.faces->directions(samples[k]), from), now - from);
+        const Vec3 push = load.pressure * load.faces->area_now(samples[k], now);
+        const auto weights = samples[k].weights();
+        for (std::size_t n = 0; n < 8; ++n) found[c].forces[n] += weights[n] * push;
+      }
+    });
+    for (std::size_t c = 0; c < found.size(); ++c) {
+      result.pressure_energy += found[c].work;
+      const auto cell = static_cast<std::size_t>(samples[begins[c]].cell);
       add_at<double>(
-          lattice().cell_nodes[static_cast<std::size_t>(sample.cell)],
-          [&, weights = sample.weights()](std::size_t n) -> Vec3 { return weights[n] * push; },
+          lattice().cell_nodes[cell], [&](std::size_t n) -> const Vec3& { return found[c].forces[n]; },
           std::span<double>(result.gradient));
     }
+    at += samples.size();
+  }
   result.energy += result.pressure_energy;
 }
 
 template <class Real>
-void System<Real>::multiply_pressure(std::span<const Real> x, std::span<Real> y) const {
-  const std::vector<FaceMotion> motions = pressed_motions(x);
-  const double h = lattice().settings.spacing;
+void System<Real>::linearize_pressures() {
   std::size_t at = 0;
-  for (const FaceLoad& load : loads_)
-    for (std::size_t k = 0; load.pressure != 0.0 && k < load.faces->samples().size(); ++k, ++at) {
-      const auto& sample = load.faces->samples()[k];
-      const LoadedFaces::Directions& rest = load.faces->directions(sample);
-      const FaceMotion change = symmetric_change(moved(rest, pressed_from_[at]), motions[at]);
-      const double push = load.pressure * sample.area;
-      const auto weights = sample.weights(), first = sample.slopes(rest.first, h),
-                 second = sample.slopes(rest.second, h);
-      add_at<Real>(
-          lattice().cell_nodes[static_cast<std::size_t>(sample.cell)],
-          [&](std::size_t n) -> Vec3 {
-            return push * (weights[n] * change.middle + first[n] * change.first + second[n] * change.second);
-          },
-          y);
+  for (const FaceLoad& load : loads_) {
+    if (load.pressure == 0.0) continue;
+    const auto& samples = load.faces->samples();
+    const auto& begins = load.faces->cell_begins();
+    const std::size_t first = pressure_tangent_.size();
+    pressure_tangent_.resize(first + begins.size() - 1);
+    for_each_row(begins.size() - 1, [&](std::size_t c) {
+      NodePairs& pairs = pressure_tangent_[first + c];
+      pairs.fill(Vec3::Zero());
+      for (std::size_t k = begins[c]; k < begins[c + 1]; ++k) {
+        const LoadedFaces::Directions& rest = load.faces->directions(samples[k]);
+        add_symmetric_change(samples[k], rest, moved(rest, pressed_from_[at + k]), lattice().settings.spacing, pairs);
+      }
+      for (Vec3& pair : pairs) pair *= load.pressure;
+    });
+    at += samples.size();
+  }
+}
+
+template <class Real>
+void System<Real>::multiply_pressure(std::span<const Real> x, std::span<Real> y) const {
+  const NodePairs* pairs = pressure_tangent_.data();
+  for (const FaceLoad& load : loads_) {
+    if (load.pressure == 0.0) continue;
+    const auto& begins = load.faces->cell_begins();
+    for (std::size_t c = 0; c + 1 < begins.size(); ++c, ++pairs) {
+      const auto& nodes = lattice().cell_nodes[static_cast<std::size_t>(load.faces->samples()[begins[c]].cell)];
+      std::array<Vec3, 8> from, forces;
+      for (std::size_t k = 0; k < 8; ++k) {
+        from[k] = NodeField(x)[static_cast<std::size_t>(nodes[k])];
+        forces[k].setZero();
+      }
+      const Vec3* pair = pairs->data();
+      for (std::size_t a = 0; a < 8; ++a)
+        for (std::size_t b = a + 1; b < 8; ++b, ++pair) {
+          forces[a] += pair->cross(from[b]);
+          forces[b] -= pair->cross(from[a]);
+        }
+      add_at<Real>(nodes, [&](std::size_t k) -> const Vec3& { return forces[k]; }, y);
     }
+  }
 }
 
 // Takes off what is not free, or leaves the planes of rollers.
@@ -174,26 +215,29 @@ bool System<Real>::pressures_have_energy(std::span<const Real> u) const {
   for (std::size_t i = 0; i < noise.size(); ++i) noise[i] = static_cast<Real>(std::sin(12.9898 * double(i)));
   leave_on_rollers(noise);
   const std::vector<FaceMotion> motions = pressed_motions(noise), now = pressed_motions(u);
-  const double h = lattice().settings.spacing;
   std::size_t at = 0;
   for (const FaceLoad& load : loads_)
     for (std::size_t k = 0; load.pressure != 0.0 && k < load.faces->samples().size(); ++k, ++at) {
       const auto& sample = load.faces->samples()[k];
       const LoadedFaces::Directions& rest = load.faces->directions(sample);
       const LoadedFaces::Directions here = moved(rest, now[at]);
-      const FaceMotion even = symmetric_change(here, motions[at]);
-      const Vec3 whole = here.first.cross(motions[at].second) + motions[at].first.cross(here.second);
-      const double push = load.pressure * sample.area;
-      const auto weights = sample.weights(), first = sample.slopes(rest.first, h),
-                 second = sample.slopes(rest.second, h);
+      const Vec3 whole =
+          load.pressure * sample.area * (here.first.cross(motions[at].second) + motions[at].first.cross(here.second));
+      NodePairs even{};
+      even.fill(Vec3::Zero());
+      add_symmetric_change(sample, rest, here, lattice().settings.spacing, even);
       const auto& nodes = lattice().cell_nodes[static_cast<std::size_t>(sample.cell)];
-      add_at<Real>(nodes, [&](std::size_t n) -> Vec3 { return push * weights[n] * whole; }, std::span<Real>(all));
-      add_at<Real>(
-          nodes,
-          [&](std::size_t n) -> Vec3 {
-            return push * (weights[n] * (whole - even.middle) - first[n] * even.first - second[n] * even.second);
-          },
-          std::span<Real>(odd));
+      const auto weights = sample.weights();
+      std::array<Vec3, 8> apart;
+      for (std::size_t n = 0; n < 8; ++n) apart[n] = weights[n] * whole;
+      const Vec3* pair = even.data();
+      for (std::size_t a = 0; a < 8; ++a)
+        for (std::size_t b = a + 1; b < 8; ++b, ++pair) {
+          apart[a] -= load.pressure * pair->cross(NodeField<Real>(noise)[static_cast<std::size_t>(nodes[b])]);
+          apart[b] += load.pressure * pair->cross(NodeField<Real>(noise)[static_cast<std::size_t>(nodes[a])]);
+        }
+      add_at<Real>(nodes, [&](std::size_t n) -> Vec3 { return weights[n] * whole; }, std::span<Real>(all));
+      add_at<Real>(nodes, [&](std::size_t n) -> const Vec3& { return apart[n]; }, std::span<Real>(odd));
     }
   leave_on_rollers(odd);
   leave_on_rollers(all);
@@ -217,6 +261,8 @@ template void System<float>::set_loads(std::vector<FaceLoad>, std::span<const fl
 template std::vector<FaceMotion> System<float>::pressed_motions(std::span<const float>) const;
 template void System<float>::add_loads(std::span<const float>, Evaluation&) const;
 template void System<float>::add_pressures(std::span<const float>, Evaluation&) const;
+template void System<float>::linearize_pressures();
+template void System<double>::linearize_pressures();
 template void System<float>::multiply_pressure(std::span<const float>, std::span<float>) const;
 template Vec3 System<float>::load_force(const FaceLoad&, std::span<const FaceMotion>) const;
 template void System<double>::set_loads(std::vector<FaceLoad>, std::span<const double>);

@@ -207,7 +207,8 @@ void System<Real>::linearize(const Evaluation& at, PsdProjection how) {
   pressed_from_ = at.pressed;
   pressure_energy_from_ = at.pressure_energy;
   // A definite tangent knows nothing of what a pressure softens or stiffens.
-  has_pressure_tangent_ = how == PsdProjection::kExact && !at.pressed.empty();
+  pressure_tangent_.clear();
+  if (how == PsdProjection::kExact && !at.pressed.empty()) linearize_pressures();
 }
 
 template <class Real>
@@ -224,7 +225,7 @@ void System<Real>::multiply(std::span<const Real> x, std::span<Real> y) const {
             static_cast<Real>(penalty.stiffness * along * penalty.weights[k] * penalty.direction[i]);
   }
   multiply_point_constraints(x, y);
-  if (has_pressure_tangent_) multiply_pressure(x, y);
+  if (!pressure_tangent_.empty()) multiply_pressure(x, y);
   for (const std::int32_t node : prescribed_nodes_)
     for (std::size_t i = 0; i < 3; ++i) y[3 * static_cast<std::size_t>(node) + i] = Real(0);
 }
@@ -377,7 +378,7 @@ std::size_t System<Real>::bytes() const {
          3 * free_.size() * 8 * (has_held_faces_ ? 2 : 1) + node_scale_.size() * 8 + gravity_force_.size() * 8 +
          free_.size() + clusters_.bytes() + (contact_ ? contact_->bytes() : 0) +
          attachments_.rollers.size() * (sizeof(RollerRow) + 8) + traction_force_.size() * 8 +
-         pressed_from_.size() * 2 * sizeof(FaceMotion) +
+         pressed_from_.size() * 2 * sizeof(FaceMotion) + pressure_tangent_.size() * sizeof(NodePairs) +
          (attachments_.ground ? attachments_.ground->bytes() : 0);
 }
 

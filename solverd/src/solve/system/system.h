@@ -149,6 +149,7 @@ class System {
   void add_drift(std::span<const Real> u, Evaluation& result) const;
   void add_loads(std::span<const Real> u, Evaluation& result) const;
   void add_pressures(std::span<const Real> u, Evaluation& result) const;
+  void linearize_pressures();
   std::vector<FaceMotion> pressed_motions(std::span<const Real> u) const;
   void leave_on_rollers(std::span<Real> x) const;
   void multiply_pressure(std::span<const Real> x, std::span<Real> y) const;
@@ -180,7 +181,7 @@ class System {
   // Where the work of the pressures is counted from, as in Evaluation: the state of the tangent.
   std::vector<FaceMotion> pressed_from_;
   double pressure_energy_from_ = 0.0;
-  bool has_pressure_tangent_ = false;
+  std::vector<NodePairs> pressure_tangent_;  // of each cell of the faces under pressure; empty: it leaves them out
   std::vector<std::uint8_t> retractor_active_;
   std::vector<Eigen::Matrix4d> retractor_motion_;
   std::vector<PointConstraint> point_constraints_;
