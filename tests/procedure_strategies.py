@@ -14,17 +14,22 @@ from lappet.procedure import (
     Incision,
     Landmark,
     Material,
+    Pressure,
     Procedure,
     Region,
     Retractor,
+    Roller,
+    Section,
     Suture,
     Tissue,
+    Traction,
     Undermine,
 )
 from lappet.tissue.patch import flat_patch
 
 numbers = st.floats(allow_nan=False, allow_infinity=False, width=64, min_value=-1e9, max_value=1e9)
 points = st.tuples(numbers, numbers, numbers)
+directions = points.filter(any)
 curves = st.lists(points, min_size=1, max_size=5).map(tuple)
 bases = st.sampled_from(["linear", "bspline", "catmullRom", "bezier"])
 sample_times = st.lists(numbers, min_size=1, max_size=4, unique=True).map(sorted)
@@ -61,6 +66,9 @@ def events(name: str) -> st.SearchStrategy[Event]:
             numbers,
             numbers,
         ),
+        st.builds(Traction, named, st.sampled_from(["fixed", "handle"]), _samples(points), numbers, numbers),
+        st.builds(Pressure, named, st.sampled_from(["fixed", "handle"]), _samples(numbers), numbers, numbers),
+        st.builds(Section, named, points, points, labels),
         st.builds(Landmark, named, curves, labels),
     )
 
@@ -89,6 +97,7 @@ def tissues(draw: st.DrawFn) -> Tissue:
         counts = np.concatenate([[counts[0] + counts[1]], counts[2:]])
     faces = st.lists(st.integers(0, len(counts) - 1), max_size=6, unique=True)
     painted = draw(st.lists(st.sampled_from(["fixed", "bed", "handle"]), unique=True))
+    rolling = [name for name in ("fixed", "bed", "handle") if name not in painted and draw(st.booleans())]
     named = st.sampled_from(["skin", "fat", "scar_1"])
     return Tissue(
         patch.points + shake,
@@ -103,6 +112,7 @@ def tissues(draw: st.DrawFn) -> Tissue:
         draw(numbers),
         draw(numbers),
         tuple(Region(name, draw(named), draw(numbers), draw(depths)) for name in painted),
+        tuple(Roller(name, draw(st.none() | directions)) for name in rolling),
     )
 
 

@@ -38,6 +38,7 @@ FRAME: dict[str, Any] = {
     "hook_forces_mn": dict,
     "suture_force_errors_mn": dict,
     "hook_force_errors_mn": dict,
+    "reactions_mn": dict,
     "landmarks": dict,
     "estimated_error_mm": (dict, type(None)),
     "cache_hit": bool,
@@ -75,6 +76,7 @@ REPORT: dict[str, Any] = {
     "notes": [NOTE],
     "error_estimate": (dict, type(None)),
     "frames": [FRAME],
+    "sections": list,
     "sutures": [
         {
             "time_code": NUMBER, "total_mn": NUMBER, "greatest_mn": NUMBER, "greatest_suture": (str, type(None)),

@@ -6,6 +6,7 @@ import json
 import os
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import bpy
@@ -221,3 +222,33 @@ def test_without_pxr_import_and_export_say_so_and_everything_else_works(
         code = refusal(lambda act=act: act(filepath=str(tmp_path / "a.usda"))).code
         assert code is ProblemCode.USD_NOT_IN_BLENDER
     ops.incision_add(points=co([(-5, 5, TOP), (5, 5, TOP)]), time=2)
+
+
+def test_what_there_are_no_tools_for_is_kept_and_exported_again(scene: bpy.types.Scene, tmp_path: Path) -> None:
+    from lappet.procedure import Hook, Pressure, Procedure, Roller, Section, Traction
+    from lappet.tissue.patch import flat_patch
+    from lappet.usd.stage import read_procedure, write_procedure
+
+    tissue = flat_patch((12.0, 8.0, TOP), 2.0)
+    tissue = replace(tissue, subsets={**tissue.subsets, "plane": np.arange(3)}, rollers=(Roller("plane", (0, 1, 0)),))
+    events = (
+        Hook("hook", (0, 0, TOP), ((2.0, (0, 0, TOP)), (3.0, (0, 2, TOP))), 2.0, 5.0),
+        Traction("push", "bed", ((1.0, (0, 0, 0.1)), (4.0, (0, 1, 0))), 1.0, 6.0),
+        Pressure("air", "bed", ((1.0, 0.3),), 1.0, 6.0),
+        Section("neck", (0, 0, 0), (1, 0, 0), "neck"),
+    )
+    procedure = Procedure(tissue, events=events, end_time=6.0)
+    write_procedure(procedure, tmp_path / "told.usda")
+    ops.import_procedure(filepath=str(tmp_path / "told.usda"))
+    assert [event.name for event in scene.lappet.events] == ["hook"]
+    reading = read_scene(bpy.context.scene)
+    assert reading.procedure is not None
+    assert reading.procedure.tissue.rollers == tissue.rollers
+    assert reading.procedure.events[1:] == events[1:]
+    ops.export_procedure(filepath=str(tmp_path / "again.usda"))
+    back = read_procedure(tmp_path / "again.usda")
+    assert (back.events[1:], back.tissue.rollers) == (events[1:], tissue.rollers)
+    scene.lappet.kept = "damaged"
+    damaged = read_scene(bpy.context.scene).procedure
+    assert damaged is not None
+    assert len(damaged.events) == 1

@@ -6,6 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from test_examples import script
 
 from lappet.daemon.daemon_solver import connect_to, solver_identity
 from lappet.procedure import Material, Undermine
@@ -14,7 +15,6 @@ from lappet.program.settings import SolverSettings
 from lappet.solve.solve_frames import SolveObserver, solve_program
 from lappet.solve.store import FrameStore
 from lappet.tissue.presets.skin import FACE, SKIN
-from test_examples import script
 
 # Shares of the closing force: 13.6 % in piglets (Plast Reconstr Surg 107:1201, 2001) to about 30 %.
 LEAST, MOST = 0.136, 0.30

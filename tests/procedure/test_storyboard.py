@@ -8,7 +8,21 @@ from dataclasses import replace
 from pathlib import Path
 
 from lappet.core.problem_code import ProblemCode
-from lappet.procedure import Bone, Hook, Incision, Landmark, Material, Procedure, Region, Retractor, Suture, Undermine
+from lappet.procedure import (
+    Bone,
+    Hook,
+    Incision,
+    Landmark,
+    Material,
+    Pressure,
+    Procedure,
+    Region,
+    Retractor,
+    Section,
+    Suture,
+    Traction,
+    Undermine,
+)
 from lappet.procedure.events import describe
 from lappet.procedure.scene_profile import measured_costs, profile_lines, scene_profile, scene_reasons
 from lappet.procedure.storyboard import inspection
@@ -32,6 +46,13 @@ def test_a_thread_says_how_stiff_it_is_and_how_it_is_drawn() -> None:
     assert describe(own).endswith("4 mm apart at rest, 250 mN/mm, drawn to 0.5 mm")
     nylon = Suture("nylon", ends, 10.0, mode="thread", thread="nylon 5-0", tension=300.0)
     assert re.search(r"nylon 5-0, 767\d mN/mm, drawn to 0 mm with 300 mN at most$", describe(nylon))
+
+
+def test_loads_and_sections_say_where_they_act_and_how_much() -> None:
+    push = Traction("push", "flap", ((1.0, (0, 0, 0)), (3.0, (0, -2, 0)), (5.0, (0, -1, 0))), 1.0, 5.0)
+    assert describe(push) == "(0, -2, 0) kPa at most on 'flap'"
+    assert describe(Pressure("air", "flap", ((1.0, 0.5), (2.0, -3.0)), 1.0, 5.0)) == "-3 kPa at most on 'flap'"
+    assert describe(Section("neck", (1, 2, 3), (0, 1, 0), "neck")) == "'neck' through (1, 2, 3) across (0, 1, 0)"
 
 
 def test_the_storyboard_tells_the_events_in_time_order_with_their_units() -> None:

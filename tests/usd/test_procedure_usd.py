@@ -15,9 +15,23 @@ import pytest
 from hypothesis import HealthCheck, Phase, given, settings
 
 import lappet.usd.stage
-from lappet.core.problem import Problem
+from lappet.core.problem import Problem, RefusedError
 from lappet.core.problem_code import ProblemCode
-from lappet.procedure import Hook, Incision, Landmark, Material, Procedure, Region, Retractor, Suture, Tissue
+from lappet.procedure import (
+    Hook,
+    Incision,
+    Landmark,
+    Material,
+    Pressure,
+    Procedure,
+    Region,
+    Retractor,
+    Roller,
+    Section,
+    Suture,
+    Tissue,
+    Traction,
+)
 from lappet.tissue.patch import flat_patch
 from lappet.tissue.surface import skin_faces
 from lappet.usd.stage import SCHEMA, pxr, read_procedure, write_procedure
@@ -39,18 +53,21 @@ def _small() -> Procedure:
         Retractor("pull", "fixed", ((2.0, STILL), (4.0, TURN)), 2.0, 6.0),
         Suture("stitch", ((0, -1.3, 2), (0, 1.3, 2)), 6.0),
         Landmark("tip", ((0, 1, 2), (0, 2, 2)), "the tip, “A”"),
+        Traction("push", "bed", ((1.0, (0.0, 0.0, 0.0)), (3.0, (0.1, -2.0, 0.3))), 1.0, 8.0),
+        Pressure("air", "bed", ((1.0, 0.0), (4.0, 0.7)), 1.0, 8.0),
+        Section("across", (1.0, 0.0, 1.0), (2.0, 0.0, 0.5), "the neck"),
     )
 
 
 def _layered() -> Procedure:
     tissue = _small().tissue
     skin = np.flatnonzero(skin_faces(tissue))
-    subsets = {**tissue.subsets, "under": skin, "cheek": skin[:2]}
+    subsets = {**tissue.subsets, "under": skin, "cheek": skin[:2], "plane": skin[:1], "side": skin[1:2]}
     regions = (Region("cheek", "muscle", 0.5), Region("under", "fat", 1.0, 2.0))
     muscle = Material("muscle", muscle_stress=300.0, muscle_activation=((2.0, 0.0), (5.0, 0.8)))
     return replace(
         _small(),
-        tissue=replace(tissue, subsets=subsets, regions=regions),
+        tissue=replace(tissue, subsets=subsets, regions=regions, rollers=(Roller("plane", (0, 3, 4)), Roller("side"))),
         materials=(Material(), Material("fat"), muscle),
     )
 
@@ -93,6 +110,7 @@ def test_equality_sees_every_field_of_the_tissue() -> None:
         "bed_stiffness": 1.0,
         "bed_shear": 0.5,
         "regions": (Region("fixed", "fat"),),
+        "rollers": (Roller("fixed"),),
     }
     assert set(others) == {field.name for field in fields(Tissue)}
     assert replace(tissue) == tissue
@@ -155,7 +173,8 @@ def test_usd_recognises_the_schemas_and_every_property_is_authored(tmp_path: Pat
     registry = pxr().Usd.SchemaRegistry()
     expected = {"Tissue": "Tissue", "Timeline/cut": "Incision", "Timeline/hook": "Hook", "Timeline/pull": "Retractor"}
     expected |= {"Timeline/stitch": "Suture", "Timeline/tip": "Landmark", "Materials/skin": "Material"}
-    expected |= {"Tissue/cheek": "Region"}
+    expected |= {"Timeline/push": "Traction", "Timeline/air": "Pressure", "Timeline/across": "Section"}
+    expected |= {"Tissue/cheek": "Region", "Tissue/plane": "Roller"}
     unlike_0_1 = (
         "lappet:gravityDirection",
         "lappet:bedShear",
@@ -234,12 +253,12 @@ def test_a_stage_in_centimetres_with_y_up_is_converted_and_says_so(tmp_path: Pat
     geom.SetStageMetersPerUnit(stage, 0.01)
     geom.SetStageUpAxis(stage, "Y")
     for prim in stage.Traverse():
-        for name in ("points", "lappet:anchor", "lappet:anchors"):
+        for name in ("points", "lappet:anchor", "lappet:anchors", "lappet:point"):
             attribute = prim.GetAttribute(name)
             if attribute and attribute.HasAuthoredValue():
                 value = np.atleast_2d(np.array(attribute.Get(), np.float64)) @ to_cm[:3, :3]
                 vectors = [gf.Vec3d(*row) for row in value.tolist()]
-                attribute.Set(vectors[0] if name == "lappet:anchor" else vectors)
+                attribute.Set(vectors[0] if name in ("lappet:anchor", "lappet:point") else vectors)
     hook = stage.GetAttributeAtPath("/Procedure/Timeline/hook.xformOp:translate")
     for time in hook.GetTimeSamples():
         hook.Set(gf.Vec3d(*(np.array(hook.Get(time)) @ to_cm[:3, :3]).tolist()), time)
@@ -260,6 +279,33 @@ def test_a_stage_in_centimetres_with_y_up_is_converted_and_says_so(tmp_path: Pat
                 assert found == pytest.approx(_flat(value), abs=1e-5), (mine.name, field.name)
             else:
                 assert getattr(other, field.name) == value
+
+
+def test_loads_and_rollers_on_what_is_no_face_subset_of_the_tissue_are_refused(tmp_path: Path) -> None:
+    write_procedure(_layered(), tmp_path / "p.usda")
+    stage = pxr().Usd.Stage.Open(str(tmp_path / "p.usda"))
+    stage.GetPrimAtPath("/Procedure/Timeline/push").GetRelationship("lappet:faces").SetTargets([])
+    stage.GetPrimAtPath("/Procedure/Timeline/air").GetRelationship("lappet:faces").SetTargets(["/Procedure/Materials"])
+    stage.GetPrimAtPath("/Procedure/Tissue/side").GetAttribute("familyName").Set("other")
+    stage.GetRootLayer().Export(str(tmp_path / "q.usda"))
+    with pytest.raises(RefusedError) as refusal:
+        read_procedure(tmp_path / "q.usda")
+    assert {(each.prim.rpartition("/")[2], each.code) for each in refusal.value.problems} == {
+        ("push", ProblemCode.LOAD_MISSING),
+        ("air", ProblemCode.LOAD_ELSEWHERE),
+        ("side", ProblemCode.ROLLER_NOT_A_SUBSET),
+    }
+
+
+def test_a_face_subset_with_a_roller_has_nothing_else(tmp_path: Path) -> None:
+    for rollers, code in [
+        ((Roller("nowhere"),), ProblemCode.ROLLER_FACES_UNKNOWN),
+        ((Roller("cheek"),), ProblemCode.ROLLER_SUBSET_TWICE),
+        ((Roller("side"), Roller("side")), ProblemCode.ROLLER_SUBSET_TWICE),
+    ]:
+        odd = replace(_layered(), tissue=replace(_layered().tissue, rollers=rollers))
+        with refuses(code, f"/Procedure/Tissue/{rollers[0].faces}"):
+            write_procedure(odd, tmp_path / "p.usda")
 
 
 def test_a_moved_parent_moves_the_geometry(tmp_path: Path) -> None:

@@ -291,6 +291,7 @@ class LappetProcedure(bpy.types.PropertyGroup):
     active_region: IntProperty(default=0)
     events: CollectionProperty(type=LappetEvent)
     active_event: IntProperty(name="Event", default=-1)
+    kept: StringProperty(options={"HIDDEN"})  # what there are no tools for (kept_values.py)
     solving: PointerProperty(type=LappetSolving)
     look: PointerProperty(type=LappetLook)
     skin: PointerProperty(name="Skin", description="The object that shows the solved skin", type=bpy.types.Object)

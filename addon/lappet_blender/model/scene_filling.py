@@ -15,6 +15,7 @@ from lappet.procedure import Bone, Procedure, Tissue, position_of
 from .changes import changed
 from .event_list import add_event, remove_event
 from .event_values import set_event
+from .kept_values import KEPT_EVENTS, keep
 from .material_values import set_material, set_region
 from .mesh_objects import mesh_object
 from .procedure_properties import VERSION
@@ -51,6 +52,10 @@ def fill_scene(scene: bpy.types.Scene, procedure: Procedure, collection: bpy.typ
     for region in tissue.regions:
         set_region(scene.lappet.regions.add(), region)
     _events(scene, procedure)
+    kept = keep(scene, procedure)
+    names = [*(each.name for each in kept.events), *(each.faces for each in kept.rollers)]
+    if names:
+        notes.append(problem(ProblemCode.SCENE_KEPT, "", ", ".join(names)))
     scene.lappet.version = VERSION
     changed(scene)
     return notes
@@ -96,4 +101,6 @@ def _timeline(scene: bpy.types.Scene, procedure: Procedure) -> list[Problem]:
 
 def _events(scene: bpy.types.Scene, procedure: Procedure) -> None:
     for value in procedure.events:
+        if isinstance(value, KEPT_EVENTS):
+            continue
         set_event(scene, add_event(scene, value.kind.upper(), name=value.name), value)

@@ -12,6 +12,7 @@ from lappet.procedure import Event, Procedure
 
 from .decimals import decimal
 from .event_values import event_value
+from .kept_values import kept_values
 from .material_values import material_values
 from .scene_filling import fill_scene
 from .skin_line_values import skin_line_values
@@ -38,10 +39,11 @@ def read_scene(scene: bpy.types.Scene) -> SceneReading:
     events = _events(scene, problems)
     if tissue is None or any(each.severity == "error" for each in problems):
         return SceneReading(None, tuple(problems))
+    kept = kept_values(scene)
     procedure = Procedure(
-        tissue=tissue,
+        tissue=kept.rolling(tissue) if kept.rollers else tissue,
         materials=material_values(scene),
-        events=events,
+        events=(*events, *kept.events),
         bones=bones,
         skin_lines=skin_line_values(scene),
         start_time=float(scene.frame_start),

@@ -9,14 +9,14 @@ import math
 from collections import Counter
 from dataclasses import replace
 
-from lappet.procedure import CUTS, Event, Landmark, Procedure
+from lappet.procedure import CUTS, MEASURES, Event, Procedure
 
 
 def first_change(old: Procedure, new: Procedure) -> float:
     """The time code before which every frame stays as it is; inf where nothing that is solved differs.
 
-    Names, the rate of frames and the end of the timeline change no frame. Landmarks belong to every frame, and whatever
-    is no event acts from the first one: -inf.
+    Names, the rate of frames and the end of the timeline change no frame. Landmarks and sections belong to every frame,
+    and whatever is no event acts from the first one: -inf.
     """
     if old.start_time != new.start_time or old.bones != new.bones or old.materials_in_use() != new.materials_in_use():
         return -math.inf
@@ -27,6 +27,6 @@ def first_change(old: Procedure, new: Procedure) -> float:
 
 
 def _begins(event: Event) -> float:
-    if isinstance(event, Landmark):
+    if isinstance(event, MEASURES):
         return -math.inf
     return float(event.time if isinstance(event, CUTS) else event.start)

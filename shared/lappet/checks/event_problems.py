@@ -20,10 +20,13 @@ from lappet.procedure import (
     Incision,
     Landmark,
     Point,
+    Pressure,
     Procedure,
     Retractor,
+    Section,
     Suture,
     SutureMode,
+    Traction,
     Undermine,
 )
 from lappet.procedure.threads import THREADS
@@ -94,6 +97,10 @@ class EventCheck:
                 self._grip(event)
                 if self._samples("transform", [time for time, _ in event.motion]):
                     self._rigid(event)
+            case Traction() | Pressure():
+                self._load(event)
+            case Section():
+                self._section(event)
             case Suture():
                 self._suture(event)
             case Landmark():
@@ -124,7 +131,7 @@ class EventCheck:
         elif time < start:
             self._add(ProblemCode.EVENT_BEFORE_START, f"{time:g}", verb=verb, start=start)
 
-    def _hold(self, event: Hook | Retractor) -> None:
+    def _hold(self, event: Hook | Retractor | Traction | Pressure) -> None:
         self._time("set", event.start, "start")
         if self._finite("release", event.release) and event.release <= event.start:
             self._add(ProblemCode.EVENT_RELEASE, f"{event.release:g}", start=event.start)
@@ -201,6 +208,33 @@ class EventCheck:
         elif len(subsets[event.grip]) == 0:
             self._add(ProblemCode.GRIP_EMPTY, event.grip)
 
+    def _load(self, event: Traction | Pressure) -> None:
+        self._hold(event)
+        subsets, samples = self.procedure.tissue.subsets, _samples_of(event)
+        if event.faces not in subsets:
+            self._add(ProblemCode.LOAD_FACES_UNKNOWN, event.faces, known=", ".join(subsets) or "none")
+        elif len(subsets[event.faces]) == 0:
+            self._add(ProblemCode.LOAD_FACES_EMPTY, event.faces)
+        name = event.kind.lower()
+        if self._samples(name, [time for time, _ in samples]):
+            for time, value in samples:
+                if not np.isfinite(value).all():
+                    self._add(ProblemCode.LOAD_NOT_FINITE, at(value), name=name, time=time)
+                    return
+
+    def _section(self, event: Section) -> None:
+        if not event.label:
+            self._add(ProblemCode.LANDMARK_NO_LABEL, "no label")
+        length = math.hypot(*event.normal)
+        if not (np.isfinite(event.point).all() and math.isfinite(length) and length > 0.0):
+            self._add(ProblemCode.SECTION_NO_PLANE, at(event.point), normal=at(event.normal))
+        elif self.rest is not None:
+            points = np.asarray(self.procedure.tissue.points, np.float64)
+            heights = (points - event.point) @ np.asarray(event.normal) / length
+            off = max(float(heights.min()), -float(heights.max()))
+            if off >= 0.0:
+                self._add(ProblemCode.SECTION_OFF_TISSUE, at(event.point), Place.at(event.point), off=off)
+
     def _rigid(self, event: Retractor) -> None:
         wrong = [len(matrix) for _, matrix in event.motion if len(matrix) != 16]
         if wrong:
@@ -262,6 +296,13 @@ def _places(event: Event) -> Sequence[Point]:
         case Landmark():
             return event.points
     return ()
+
+
+def _samples_of(event: Traction | Pressure) -> list[tuple[float, tuple[float, ...]]]:
+    """The samples of a load, each value as numbers."""
+    if isinstance(event, Traction):
+        return [(time, value) for time, value in event.traction]
+    return [(time, (value,)) for time, value in event.pressure]
 
 
 def same_point(procedure: Procedure) -> float:

@@ -14,6 +14,7 @@ from lappet.checks.event_problems import EventCheck
 from lappet.checks.lattice_size import TissueMeasure
 from lappet.checks.material_problems import material_problems, region_problems
 from lappet.checks.mesh_problems import MeshReport, mesh_problems
+from lappet.checks.roller_problems import roller_problems
 from lappet.checks.skin_line_problems import skin_line_problems
 from lappet.checks.suspicious_events import suspicious_events
 from lappet.checks.suspicious_tissue import separate_parts, size_problems
@@ -74,7 +75,7 @@ def check(procedure: Procedure, memory_budget: float = MEMORY_BUDGET, spacing: f
         problems += separate_parts(procedure.tissue)
     for material in procedure.materials:
         problems += material_problems(material, f"{MATERIALS}/{material.name}")
-    problems += region_problems(procedure)
+    problems += [*region_problems(procedure), *roller_problems(procedure)]
     problems += skin_line_problems(procedure)
     for bone in procedure.bones:
         path = f"{BONE}/{bone.name}"
@@ -176,7 +177,7 @@ def _tissue(procedure: Procedure, spacing: float) -> list[Problem]:
             add(ProblemCode.TISSUE_UV_NOT_FINITE, "not finite")
     problems += _subsets(procedure)
     held = any(len(tissue.subsets.get(name, ())) for name in ("fixed", "bed"))
-    if not held and not any(isinstance(event, Retractor) for event in procedure.events):
+    if not held and not tissue.rollers and not any(isinstance(event, Retractor) for event in procedure.events):
         add(ProblemCode.TISSUE_NOT_HELD, "no fixed faces")
     return problems
 

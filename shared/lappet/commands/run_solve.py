@@ -155,7 +155,13 @@ def summary(result: SolveResult) -> str:
 
 
 def write_tables(
-    result: SolveResult, *, sutures: Path | None = None, hooks: Path | None = None, seams: Path | None = None
+    result: SolveResult,
+    *,
+    sutures: Path | None = None,
+    hooks: Path | None = None,
+    seams: Path | None = None,
+    reactions: Path | None = None,
+    sections: Path | None = None,
 ) -> None:
     """Write the tables of a solve that are asked for as CSV.
 
@@ -169,6 +175,10 @@ def write_tables(
         File for the force of each hook.
     seams
         File for what is measured at each seam.
+    reactions
+        File for the force of whatever holds or loads the tissue.
+    sections
+        File for the force across each section.
 
     Raises
     ------
@@ -177,13 +187,17 @@ def write_tables(
     """
     from lappet.output.tables import write_table
     from lappet.solve.hook_forces import HookForce
+    from lappet.solve.reactions import Reaction
     from lappet.solve.seam_measures import SeamMeasure
+    from lappet.solve.section_tension import SectionTension
     from lappet.solve.suture_forces import SutureForce
 
     for path, kind, rows in (
         (sutures, SutureForce, result.suture_forces),
         (hooks, HookForce, result.hook_forces),
         (seams, SeamMeasure, result.seams),
+        (reactions, Reaction, result.reactions),
+        (sections, SectionTension, result.sections),
     ):
         if path is not None:
             write_table(path, kind, rows)

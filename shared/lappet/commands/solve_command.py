@@ -25,6 +25,10 @@ if TYPE_CHECKING:
 @click.option("--suture-forces", "forces_path", type=FILE, help="Write the force on each suture as CSV.")
 @click.option("--hook-forces", "hooks_path", type=FILE, help="Write the force of each hook as CSV.")
 @click.option("--seams", "seams_path", type=FILE, help="Write what is measured at each seam of a wound as CSV.")
+@click.option(
+    "--reactions", "reactions_path", type=FILE, help="Write the force of what holds and loads the tissue as CSV."
+)
+@click.option("--sections", "sections_path", type=FILE, help="Write the force across each section as CSV.")
 @click.option("--frames", type=FrameRange(), help="Solve up to B and write A to B.")
 @click.option(
     "--target-error",
@@ -44,6 +48,8 @@ def solve(
     forces_path: Path | None,
     hooks_path: Path | None,
     seams_path: Path | None,
+    reactions_path: Path | None,
+    sections_path: Path | None,
     frames: tuple[int | None, int | None] | None,
     target_error: float | None,
     position: tuple[float, float, float] | None,
@@ -68,7 +74,14 @@ def solve(
                 option = "--" + given[0].replace("_", "-")
                 raise click.UsageError(f"--target-error chooses {option} itself; leave {option} out.")
             result = run_to_target(source, cache, report_path, settings, target_error, **options)
-        write_tables(result, sutures=forces_path, hooks=hooks_path, seams=seams_path)
+        write_tables(
+            result,
+            sutures=forces_path,
+            hooks=hooks_path,
+            seams=seams_path,
+            reactions=reactions_path,
+            sections=sections_path,
+        )
         click.echo(summary(result))
     if not result.complete:
         context.exit(1)

@@ -87,6 +87,37 @@ class Ground:
 
 
 @dataclass(frozen=True, eq=False)
+class Boundary:
+    """What the faces of an epoch are besides held and gripped, and the sections across it; without entries: nothing.
+
+    Parameters
+    ----------
+    fixed_parts
+        Part of the fixed faces that each triangle is of, -1 for none, shape (m,), int32; without entries: they are one.
+    rollers
+        Roller that each triangle slides on, -1 for none, shape (m,), int32.
+    roller_normals
+        Direction that each roller holds, zero for that of each face's normal, shape (K, 3), float64.
+    loaded_index
+        Numbers of the face subsets that loads act on (`Program.loads`), shape (L,), int32.
+    loaded_faces
+        Which triangles are of each, shape (L, m), bool.
+    section_points
+        A point of each section at rest in mm, shape (S, 3), float64.
+    section_normals
+        Its normal, of any length, shape (S, 3), float64.
+    """
+
+    fixed_parts: NDArray[np.int32] = field(default_factory=lambda: no_entries((0,), np.int32))
+    rollers: NDArray[np.int32] = field(default_factory=lambda: no_entries((0,), np.int32))
+    roller_normals: NDArray[np.float64] = field(default_factory=lambda: no_entries((0, 3), np.float64))
+    loaded_index: NDArray[np.int32] = field(default_factory=lambda: no_entries((0,), np.int32))
+    loaded_faces: NDArray[np.bool_] = field(default_factory=lambda: no_entries((0, 0), np.bool_))
+    section_points: NDArray[np.float64] = field(default_factory=lambda: no_entries((0, 3), np.float64))
+    section_normals: NDArray[np.float64] = field(default_factory=lambda: no_entries((0, 3), np.float64))
+
+
+@dataclass(frozen=True, eq=False)
 class Epoch:
     """A stretch of the timeline with constant topology and attachments.
 
@@ -106,6 +137,8 @@ class Epoch:
         Resting faces that contact with bone holds up, shape (m,), bool; without entries: none.
     ground
         What faces rest on; nothing where none does.
+    boundary
+        Parts of fixed faces, rollers, loaded faces and sections.
     """
 
     index: int
@@ -115,6 +148,7 @@ class Epoch:
     regions: Regions = field(default_factory=Regions)
     over_bone: NDArray[np.bool_] = field(default_factory=lambda: no_entries((0,), np.bool_))
     ground: Ground = field(default_factory=Ground)
+    boundary: Boundary = field(default_factory=Boundary)
 
     @property
     def support(self) -> NDArray[np.uint8]:

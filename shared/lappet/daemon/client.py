@@ -173,7 +173,7 @@ class SolverClient:
             grip = np.full(len(epoch.surface.triangles), -1, np.int32)
         told = epoch_payload(epoch, grip, marks)
         reply = expect(self._connection.request("epoch", {**told.fields, **fields}, told.arrays), "lattice")
-        self._epoch, self._landmarks = epoch.index, marks.index
+        self._epoch, self._landmarks, self._sections = epoch.index, marks.index, len(epoch.boundary.section_points)
         self._lattice = read_fields(LatticeCounts, reply.fields, "lattice")
         return reply
 
@@ -193,6 +193,9 @@ class SolverClient:
             "stability": np.asarray(state.stability, np.float64),
             "activation": np.asarray(state.activation, np.float64),
         }
+        for name in ("roller_multipliers", "loads"):
+            if len(getattr(state, name)):
+                arrays[name] = np.asarray(getattr(state, name), np.float64)
         expect(self._connection.request("state", {"precision": state.precision}, arrays), "accepted")
 
     def solve(self, frame: FrameConstraints, on_progress: Callable[[Iteration], None] | None = None) -> SolvedFrame:
@@ -230,7 +233,7 @@ class SolverClient:
                 on_progress(read_fields(Iteration, message.fields, "progress"))
 
         reply = expect(self._connection.request("solve", told.fields, told.arrays, progressed), "frame")
-        return read_frame(reply, frame, self._settings, self._landmarks, self._lattice)
+        return read_frame(reply, frame, self._settings, self._landmarks, self._lattice, self._sections)
 
     def cancel(self) -> None:
         """Cancel the solve that runs; from any thread."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from lappet.daemon.solved_frame import SCALARS, Diagnostics, LatticeCounts, SolvedFrame, SolverState
+from lappet.daemon.solved_frame import HOLDERS, SCALARS, Diagnostics, LatticeCounts, SolvedFrame, SolverState
 from lappet.daemon.wire import Message, WireError, read_array, read_fields
 from lappet.program.program import FrameConstraints
 from lappet.program.settings import SolverSettings
@@ -17,6 +17,7 @@ def read_frame(
     settings: SolverSettings,
     landmark_index: NDArray[np.int32],
     lattice: LatticeCounts | None,
+    sections: int = 0,
 ) -> SolvedFrame:
     """Read the message that answers the constraints of a frame.
 
@@ -32,6 +33,8 @@ def read_frame(
         Numbers of the landmarks of the epoch, shape (k,).
     lattice
         Counts of the epoch's lattice.
+    sections
+        Number of sections across the epoch's tissue.
 
     Returns
     -------
@@ -52,14 +55,19 @@ def read_frame(
             "correction": read_array(message, "correction", "f4", points.shape),
             "landmark_correction": read_array(message, "landmark_correction", "f8", (marks, 3)),
         }
-    bites = {}
+    optional = {}
     if len(constraints.suture_inner_bites):
-        bites = {
+        optional = {
             "suture_inner_bites": np.asarray(constraints.suture_inner_bites, np.int32),
             "inner_bite_points": read_array(
                 message, "inner_bite_points", "f8", (len(constraints.inner_bite_triangles), 3)
             ),
         }
+    if sections:
+        optional["section_forces"] = read_array(message, "section_forces", "f8", (sections, 3))
+    holders = read_array(message, "holders", "i4", (None, 2))
+    if len(holders) and not 0 <= holders[:, 0].min() <= holders[:, 0].max() < len(HOLDERS):
+        raise WireError("The array 'holders' of 'frame' has a kind that is not known.")
     time = message.fields.get("time")
     if time != constraints.time:
         raise WireError(f"The daemon answered frame {time!r:.60} where frame {constraints.time:g} was due.")
@@ -78,8 +86,10 @@ def read_frame(
         suture_forces=read_array(message, "suture_forces", "f8", (sutures,)),
         suture_force_vectors=read_array(message, "suture_force_vectors", "f8", (sutures, 3)),
         suture_shared=read_array(message, "suture_shared", "f8", (sutures + len(constraints.inner_bite_triangles),)),
-        **bites,
+        **optional,
         **corrections,
+        holders=holders,
+        reactions=read_array(message, "reactions", "f8", (len(holders), 3)),
         softest_point=read_array(message, "softest_point", "f8", (None, 3)),
         diagnostics=read_fields(Diagnostics, message.fields, "frame"),
         lattice=lattice,
@@ -99,4 +109,9 @@ def _read_state(message: Message) -> SolverState:
         read_array(message, "grip_multipliers", "f8", (None,)),
         read_array(message, "activation", "f8", (None,)),
         read_array(message, "stability", "f8", (None,)),
+        **{
+            name: read_array(message, name, "f8", shape)
+            for name, shape in (("roller_multipliers", (None,)), ("loads", (None, 5)))
+            if name in message.arrays
+        },
     )

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from lappet.cutting.epoch import no_entries
 
 SCALARS = ("strain", "stress", "tension")
+HOLDERS = ("fixed", "retractor", "bed", "bone", "weak bed", "roller", "load")  # as PROTOCOL.md numbers them
 
 
 @dataclass(frozen=True)
@@ -204,6 +205,10 @@ class SolverState:
         Activation of each material's muscle, shape (M,).
     stability
         How stable the frame is, which a frame that repeats it repeats, shape (0,), (2,) or (5,).
+    roller_multipliers
+        Multipliers of the rollers, shape (K,).
+    loads
+        The loads of the frame: number of their faces, traction and pressure in kPa, shape (D, 5).
     """
 
     precision: str
@@ -213,6 +218,8 @@ class SolverState:
     grip_multipliers: NDArray[np.float64]
     activation: NDArray[np.float64]
     stability: NDArray[np.float64] = field(default_factory=lambda: no_entries((0,), np.float64))
+    roller_multipliers: NDArray[np.float64] = field(default_factory=lambda: no_entries((0,), np.float64))
+    loads: NDArray[np.float64] = field(default_factory=lambda: no_entries((0, 5), np.float64))
 
     @property
     def nbytes(self) -> int:
@@ -292,6 +299,13 @@ class SolvedFrame:
         Number of bites of each between its ends, shape (A,), int32; empty where none has any.
     inner_bite_points
         Where these are in mm, in the order of the sutures and of each thread, shape (I, 3), float64.
+    holders
+        What holds or loads the tissue: its kind, a place in `HOLDERS`, and its number among those, shape (K, 2), int32.
+    reactions
+        Its force on the tissue in mN, shape (K, 3), float64.
+    section_forces
+        Force across each section of `Program.sections` in mN, of what lies beyond it on what lies before it, shape
+        (S, 3), float64.
     correction
         Displacement still to come in mm, shape (n, 3), float32; (0, 3) where it was not asked for.
     landmark_correction
@@ -325,6 +339,9 @@ class SolvedFrame:
     suture_shared: NDArray[np.float64] = field(default_factory=lambda: no_entries((0,), np.float64))
     suture_inner_bites: NDArray[np.int32] = field(default_factory=lambda: no_entries((0,), np.int32))
     inner_bite_points: NDArray[np.float64] = field(default_factory=lambda: no_entries((0, 3), np.float64))
+    holders: NDArray[np.int32] = field(default_factory=lambda: no_entries((0, 2), np.int32))
+    reactions: NDArray[np.float64] = field(default_factory=lambda: no_entries((0, 3), np.float64))
+    section_forces: NDArray[np.float64] = field(default_factory=lambda: no_entries((0, 3), np.float64))
     correction: NDArray[np.float32] = field(default_factory=lambda: no_entries((0, 3), np.float32))
     landmark_correction: NDArray[np.float64] = field(default_factory=lambda: no_entries((0, 3), np.float64))
     softest_point: NDArray[np.float64] = field(default_factory=lambda: no_entries((0, 3), np.float64))

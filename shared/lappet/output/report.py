@@ -28,6 +28,7 @@ from lappet.solve.error_estimate import FrameErrorEstimate
 from lappet.solve.fallbacks import volume_ratio
 from lappet.solve.force_sums import ForceSums
 from lappet.solve.measures import FrameMeasures
+from lappet.solve.reactions import reactions
 from lappet.solve.sensitive import is_sensitive
 from lappet.solve.solve_frames import FrameResult, failure_code
 
@@ -184,11 +185,20 @@ def _frame(
         "hook_forces_mn": _named(hooks, solved.hook_forces),
         "suture_force_errors_mn": {row.suture: row.force_error_mn for row in measures.sutures},
         "hook_force_errors_mn": {row.hook: row.force_error_mn for row in measures.hooks},
+        "reactions_mn": _reactions(program, solved),
         "landmarks": _named(landmarks, solved.landmarks),
         "estimated_error_mm": _error(program, frame, error),
         "cache_hit": frame.looked_up,
         "key": frame.key,
     }
+
+
+def _reactions(program: Program, solved: SolvedFrame) -> dict[str, dict[str, Any]]:
+    """The force on the tissue of whatever holds or loads it, by what it is and by its name."""
+    found: dict[str, dict[str, Any]] = {}
+    for row in reactions(program, solved):
+        found.setdefault(row.holder, {})[row.name] = [row.force_x_mn, row.force_y_mn, row.force_z_mn]
+    return found
 
 
 def _bite_forces(sutures: list[str], solved: SolvedFrame) -> dict[str, Any]:
@@ -203,7 +213,12 @@ def _forces(result: SolveResult) -> dict[str, Any]:
     """The forces of each frame that has a suture, summed up, and the tension of the skin."""
     measured = zip(result.frames, _measures(result), strict=True)
     sums = [{"time_code": frame.solved.time, **_sums(each.sums)} for frame, each in measured if each.sums is not None]
-    return {"sutures": sums, "seams": _seams(result), "greatest_mean_tension": _mean_tension(result)}
+    return {
+        "sutures": sums,
+        "seams": _seams(result),
+        "sections": [asdict(row) for row in result.sections],
+        "greatest_mean_tension": _mean_tension(result),
+    }
 
 
 def _sums(sums: ForceSums) -> dict[str, Any]:

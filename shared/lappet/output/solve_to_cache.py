@@ -23,7 +23,9 @@ from lappet.program.settings import SolverSettings
 from lappet.solve.fallbacks import fallbacks
 from lappet.solve.hook_forces import HookForce
 from lappet.solve.measures import FrameMeasures, Gauges
+from lappet.solve.reactions import Reaction, reactions
 from lappet.solve.seam_measures import SeamMeasure
+from lappet.solve.section_tension import SectionTension, section_tensions
 from lappet.solve.sensitive import several_notes, stability_notes
 from lappet.solve.solve_frames import FrameResult, Frames, SolveObserver, solve_program
 from lappet.solve.store import FrameStore
@@ -62,6 +64,10 @@ class SolveResult:
         Estimate of the errors of `frames`, or None where none was wanted.
     measures
         What is measured at each of `frames`, with its estimated errors where these are wanted.
+    reactions
+        The force of whatever holds or loads the tissue in each frame.
+    sections
+        The force across each section in each frame.
     """
 
     procedure: Procedure
@@ -75,6 +81,8 @@ class SolveResult:
     notes: tuple[Problem, ...] = ()
     errors: ErrorEstimate | None = None
     measures: tuple[FrameMeasures, ...] = ()
+    reactions: tuple[Reaction, ...] = ()
+    sections: tuple[SectionTension, ...] = ()
 
     @property
     def suture_forces(self) -> tuple[SutureForce, ...]:
@@ -203,6 +211,8 @@ def solve_procedure(
         (*watch.notes, *found),
         errors,
         tuple(measures),
+        tuple(row for frame in result.frames for row in reactions(program, frame.solved)),
+        tuple(section_tensions(program, [(each.constraints.epoch, each.solved) for each in result.frames])),
     )
 
 

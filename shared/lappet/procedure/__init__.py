@@ -5,27 +5,34 @@ from __future__ import annotations
 from lappet.procedure.events import (
     CUTS,
     HOLDS,
+    LOADS,
+    MEASURES,
     Basis,
     Event,
     Excision,
     Hook,
     Incision,
     Landmark,
+    Pressure,
     Retractor,
+    Section,
     Suture,
     SutureMode,
+    Traction,
     Undermine,
 )
 from lappet.procedure.exact_values import Point
 from lappet.procedure.position import POSITIONS, position_of
 from lappet.procedure.procedure import Procedure
 from lappet.procedure.skin_line import SkinLine
-from lappet.procedure.tissue import DEFAULT_SKIN, MODELS, Bone, Material, Region, Tissue
+from lappet.procedure.tissue import DEFAULT_SKIN, MODELS, Bone, Material, Region, Roller, Tissue
 
 __all__ = [
     "CUTS",
     "DEFAULT_SKIN",
     "HOLDS",
+    "LOADS",
+    "MEASURES",
     "MODELS",
     "POSITIONS",
     "Basis",
@@ -37,13 +44,17 @@ __all__ = [
     "Landmark",
     "Material",
     "Point",
+    "Pressure",
     "Procedure",
     "Region",
     "Retractor",
+    "Roller",
+    "Section",
     "SkinLine",
     "Suture",
     "SutureMode",
     "Tissue",
+    "Traction",
     "Undermine",
     "position_of",
 ]

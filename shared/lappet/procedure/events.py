@@ -1,4 +1,4 @@
-"""The surgical events of a timeline: what is cut, freed, pulled, gripped, sewn and followed.
+"""The surgical events of a timeline: what is cut, freed, pulled, gripped, loaded, sewn, followed and measured.
 
 Below the classes is what differs from event to event and belongs to none of the later stages: when an event begins, how
 it is shifted in time, and its line in the storyboard.
@@ -269,13 +269,105 @@ class Landmark:
         set_fields(self, points=single_points(self.points))
 
 
+@dataclass(frozen=True)
+class Traction:
+    """A force per area on faces of the tissue, in one direction whatever they do.
+
+    Parameters
+    ----------
+    name
+        Name of the event, unique in the procedure.
+    faces
+        Name of the tissue's face subset that it acts on.
+    traction
+        Samples (time code, force in kPa by the area of the faces at rest); linear between them, held before and after.
+    start
+        Time code at which it begins to act.
+    release
+        Time code at which it ends.
+    """
+
+    kind: ClassVar[str] = "Traction"
+    name: str
+    faces: str
+    traction: tuple[tuple[float, Point], ...]
+    start: float
+    release: float
+
+    def __post_init__(self) -> None:
+        samples = tuple((float(time) + 0.0, double_point(value)) for time, value in self.traction)
+        set_fields(self, traction=samples)
+
+
+@dataclass(frozen=True)
+class Pressure:
+    """A pressure on faces of the tissue, against their normal and by their area as they are now.
+
+    Parameters
+    ----------
+    name
+        Name of the event, unique in the procedure.
+    faces
+        Name of the tissue's face subset that it acts on.
+    pressure
+        Samples (time code, pressure in kPa, negative for suction); linear between them, held before and after.
+    start
+        Time code at which it begins to act.
+    release
+        Time code at which it ends.
+    """
+
+    kind: ClassVar[str] = "Pressure"
+    name: str
+    faces: str
+    pressure: tuple[tuple[float, float], ...]
+    start: float
+    release: float
+
+    def __post_init__(self) -> None:
+        samples = tuple((float(time) + 0.0, float(value) + 0.0) for time, value in self.pressure)
+        set_fields(self, pressure=samples)
+
+
+@dataclass(frozen=True)
+class Section:
+    """A plane across the tissue at rest, whose force is measured.
+
+    Parameters
+    ----------
+    name
+        Name of the event, unique in the procedure.
+    point
+        A material point in the plane in mm.
+    normal
+        Its normal, of any length: the force is that of what lies beyond on what lies before.
+    label
+        What reports call it.
+    """
+
+    kind: ClassVar[str] = "Section"
+    name: str
+    point: Point
+    normal: Point
+    label: str
+
+    def __post_init__(self) -> None:
+        set_fields(self, point=double_point(self.point), normal=double_point(self.normal))
+
+
 CUTS = (Incision, Excision, Undermine)  # these begin an epoch at their `time`
 
 
 HOLDS = (Hook, Retractor)  # these act from `start` to `release`
 
 
-Event = Incision | Excision | Undermine | Hook | Retractor | Suture | Landmark
+LOADS = (Traction, Pressure)  # these too
+
+
+MEASURES = (Landmark, Section)  # these have no time
+
+
+Event = Incision | Excision | Undermine | Hook | Retractor | Traction | Pressure | Suture | Landmark | Section
 
 
 def begins(event: Event) -> float:
@@ -289,12 +381,12 @@ def begins(event: Event) -> float:
     Returns
     -------
     float
-        Its time code; minus infinity for a landmark.
+        Its time code; minus infinity for what is only measured.
     """
     match event:
         case Incision() | Excision() | Undermine():
             return event.time
-        case Landmark():
+        case Landmark() | Section():
             return -math.inf
         case _:
             return event.start
@@ -318,7 +410,7 @@ def retimed(event: Event, shift: float) -> Event:
     Raises
     ------
     RefusedError
-        If the event is a landmark, which has no time.
+        If the event is a landmark or a section, which have no time.
     """
     match event:
         case Incision() | Excision() | Undermine():
@@ -329,10 +421,16 @@ def retimed(event: Event, shift: float) -> Event:
         case Retractor():
             motion = tuple((time + shift, matrix) for time, matrix in event.motion)
             return replace(event, start=event.start + shift, release=event.release + shift, motion=motion)
+        case Traction():
+            traction = tuple((time + shift, value) for time, value in event.traction)
+            return replace(event, start=event.start + shift, release=event.release + shift, traction=traction)
+        case Pressure():
+            pressure = tuple((time + shift, value) for time, value in event.pressure)
+            return replace(event, start=event.start + shift, release=event.release + shift, pressure=pressure)
         case Suture():
             return replace(event, start=event.start + shift)
-        case Landmark():
-            raise refused(ProblemCode.LANDMARK_RETIMED, f"{TIMELINE}/{event.name}", "landmark", name=event.name)
+        case Landmark() | Section():
+            raise refused(ProblemCode.LANDMARK_RETIMED, f"{TIMELINE}/{event.name}", event.kind.lower(), name=event.name)
 
 
 def duration_text(event: Event) -> str:
@@ -349,11 +447,11 @@ def duration_text(event: Event) -> str:
         A time code, two with a dash, or "always".
     """
     match event:
-        case Hook() | Retractor():
+        case Hook() | Retractor() | Traction() | Pressure():
             return f"{number(event.start)} – {number(event.release)}"
         case Suture():
             return f"{number(event.start)} – {number(event.start + event.duration)}"
-        case Landmark():
+        case Landmark() | Section():
             return "always"
         case _:
             return number(event.time)
@@ -393,8 +491,16 @@ def describe(event: Event) -> str:
                 return f"{ends}, {number(event.rest_length)} mm apart at rest, {_hold(event)}"
             bites = f"through {len(event.anchors)} bites, {number(event.rest_length)} mm of thread at rest"
             return f"{ends} {bites}, {_hold(event)}"
+        case Traction():
+            most = max((value for _, value in event.traction), key=lambda each: math.hypot(*each), default=(0.0,) * 3)
+            return f"{place(most)} kPa at most on {event.faces!r}"
+        case Pressure():
+            peak = max((value for _, value in event.pressure), key=abs, default=0.0)
+            return f"{number(peak)} kPa at most on {event.faces!r}"
         case Landmark():
             return f"{event.label!r} at " + " and ".join(place(point) for point in event.points)
+        case Section():
+            return f"{event.label!r} through {place(event.point)} across {place(event.normal)}"
 
 
 def _curve(points: Sequence[Point], basis: str, closed: bool) -> str:

@@ -45,4 +45,11 @@ def name_problems(procedure: Procedure) -> list[Problem]:
             problems.append(problem(ProblemCode.REGION_NO_SUBSET, prim, repr(name), known=known))
         elif times > 1:
             problems.append(problem(ProblemCode.REGION_SUBSET_TWICE, prim, repr(name), times=times))
+    regions = {region.faces for region in procedure.tissue.regions}
+    for name, times in Counter(roller.faces for roller in procedure.tissue.rollers).items():
+        prim = f"{TISSUE}/{name}"
+        if name not in procedure.tissue.subsets:
+            problems.append(problem(ProblemCode.ROLLER_FACES_UNKNOWN, prim, name, known=known))
+        elif times > 1 or name in regions:
+            problems.append(problem(ProblemCode.ROLLER_SUBSET_TWICE, prim, name))
     return problems

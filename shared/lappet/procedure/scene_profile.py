@@ -9,7 +9,19 @@ from typing import TYPE_CHECKING
 
 from lappet.core.problem import refused
 from lappet.core.problem_code import ProblemCode
-from lappet.procedure.events import Event, Excision, Hook, Incision, Landmark, Retractor, Suture, Undermine
+from lappet.procedure.events import (
+    Event,
+    Excision,
+    Hook,
+    Incision,
+    Landmark,
+    Pressure,
+    Retractor,
+    Section,
+    Suture,
+    Traction,
+    Undermine,
+)
 from lappet.procedure.tissue import Material
 
 if TYPE_CHECKING:
@@ -65,6 +77,10 @@ def scene_reasons(procedure: Procedure) -> dict[str, str]:
         "hooks": events(Hook),
         "retractors": events(Retractor),
         "sutures": events(Suture),
+        "tractions": events(Traction),
+        "pressures": events(Pressure),
+        "rollers": _named(f"/Procedure/Tissue/{roller.faces}" for roller in tissue.rollers),
+        "sections": events(Section),
         "landmarks": events(Landmark),
         "gravity": f"{tissue.gravity:g} m/s² on /Procedure/Tissue" if tissue.has_gravity else "",
         "contact": _named(f"/Procedure/Bone/{bone.name}" for bone in procedure.bones),

@@ -126,6 +126,26 @@ class Region:
     depth_to: float = math.inf
 
 
+@dataclass(frozen=True)
+class Roller:
+    """Faces that slide in their plane and do not leave it (`LappetRollerAPI` on a face subset).
+
+    Parameters
+    ----------
+    faces
+        Name of a face subset of the tissue.
+    normal
+        Direction in which they do not move, of any length: that of a plane of symmetry. None for that of each face's
+        normal at rest.
+    """
+
+    faces: str
+    normal: Point | None = None
+
+    def __post_init__(self) -> None:
+        set_fields(self, normal=None if self.normal is None else double_point(self.normal))
+
+
 @dataclass(frozen=True, eq=False)
 class Tissue:
     """A closed mesh of tissue at rest (`/Procedure/Tissue`).
@@ -142,7 +162,7 @@ class Tissue:
         Texture coordinates of each face corner, shape (k, 2), float32, or None.
     subsets
         Face indices by name: "fixed" (held in space), "bed" (attached to deep tissue), "rim", "underside", those that
-        retractors grip and those of regions.
+        retractors grip, those of regions and rollers, and those that loads act on.
     material
         Name of the material of what no region holds.
     spacing
@@ -159,6 +179,8 @@ class Tissue:
     regions
         Parts of other materials, one per subset, kept in the order of the subsets; where several hold a place, the last
         one does.
+    rollers
+        Faces that slide, one per subset, kept in the order of the subsets.
     """
 
     points: NDArray[np.float64]
@@ -173,6 +195,7 @@ class Tissue:
     bed_stiffness: float = 19.0
     bed_shear: float = 0.375
     regions: tuple[Region, ...] = ()
+    rollers: tuple[Roller, ...] = ()
 
     def __post_init__(self) -> None:
         uv = None if self.uv is None else frozen(self.uv, np.float32, 2)
@@ -180,8 +203,9 @@ class Tissue:
         _freeze_mesh(self)
         order = {name: i for i, name in enumerate(subsets)}  # as a stage has them: each on its subset's prim
         regions = tuple(sorted(self.regions, key=lambda region: order.get(region.faces, len(order))))
+        rollers = tuple(sorted(self.rollers, key=lambda roller: order.get(roller.faces, len(order))))
         down = double_point(self.gravity_direction)
-        set_fields(self, uv=uv, subsets=subsets, regions=regions, gravity_direction=down)
+        set_fields(self, uv=uv, subsets=subsets, regions=regions, rollers=rollers, gravity_direction=down)
 
     @property
     def has_gravity(self) -> bool:
@@ -212,7 +236,16 @@ class Tissue:
         return hash((self.points.shape, self.points.tobytes(), self.material, self.spacing))
 
 
-_PLAIN_FIELDS = ("material", "spacing", "gravity", "gravity_direction", "bed_stiffness", "bed_shear", "regions")
+_PLAIN_FIELDS = (
+    "material",
+    "spacing",
+    "gravity",
+    "gravity_direction",
+    "bed_stiffness",
+    "bed_shear",
+    "regions",
+    "rollers",
+)
 
 
 @dataclass(frozen=True, eq=False)

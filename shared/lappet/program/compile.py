@@ -14,11 +14,13 @@ from lappet.core.problem import Place, Problem, problem, refused
 from lappet.core.problem_code import ProblemCode
 from lappet.cutting.epoch import Epoch
 from lappet.cutting.epochs import build_epochs
-from lappet.procedure import Event, Hook, Landmark, Material, Point, Procedure, Retractor, Suture
+from lappet.procedure import Event, Hook, Landmark, Material, Point, Procedure, Retractor, Section, Suture
 from lappet.procedure.prim_paths import ROOT
 from lappet.program.anchors import AnchorSearch, PlacedAnchors, TissueLoss
 from lappet.program.bones import over_bone, united_bones
+from lappet.program.boundary import with_boundaries
 from lappet.program.crossed_sutures import crossed_sutures
+from lappet.program.fixed_parts import FixedParts
 from lappet.program.ground import on_ground
 from lappet.program.materials import activation, materials_in_use, parameters, region_program, with_line_tension
 from lappet.program.program import FrameConstraints, Landmarks, Program
@@ -75,6 +77,9 @@ def compile_program(
     epochs = on_ground(epochs, procedure.tissue)
     times = [time for time in frame_times(procedure) if until is None or time <= until]
     events = TimedEvents.of(procedure)
+    own_times = {epoch.index: [time for time in times if _epoch_at(epochs, time) == epoch.index] for epoch in epochs}
+    parts = FixedParts.of(procedure.tissue)
+    epochs = with_boundaries(epochs, procedure.tissue, parts, events, own_times)
     loss = TissueLoss(procedure)
     _refuse_off_tissue(procedure, loss)
     off = loss.distance(events.anchors())
@@ -83,21 +88,15 @@ def compile_program(
     landmarks: list[Landmarks] = []
     moved: dict[Problem, None] = {}
     for epoch in epochs:
-        own = [time for time in times if _epoch_at(epochs, time) == epoch.index]
+        own = own_times[epoch.index]
         grips.append(_grips(epoch, events.retractors, own))
         in_tissue = _AnchorsInTissue.of(epoch, events, loss, off)
         landmarks.append(in_tissue.landmarks())
         anchors_of = in_tissue.event_anchors(own)
         moved.update((each, None) for each in in_tissue.moved(own))
-        frames += [
-            FrameConstraints(
-                time=float(time),
-                epoch=epoch.index,
-                **events.arrays(time, anchors_of),
-                activation=activation(materials, time),
-            )
-            for time in own
-        ]
+        for time in own:
+            acting = {**events.arrays(time, anchors_of), "activation": activation(materials, time)}
+            frames.append(FrameConstraints(float(time), epoch.index, **acting))
     sutures = tuple(suture.name for suture in events.sutures)
     return Program(
         epochs=tuple(epochs),
@@ -108,6 +107,10 @@ def compile_program(
         sutures=sutures,
         retractors=tuple(retractor.name for retractor in events.retractors),
         landmarks=_labels(events.marks),
+        fixed_parts=parts.names,
+        rollers=tuple(roller.faces for roller in procedure.tissue.rollers),
+        loads=events.loaded,
+        sections=_section_labels(events.sections),
         grips=tuple(grips),
         landmarks_at=tuple(landmarks),
         bones=bones,
@@ -290,6 +293,13 @@ def _labels(marks: Sequence[tuple[Landmark, Point]]) -> tuple[str, ...]:
             label = f"{label} ({mark.name})"
         labels += [label] if len(mark.points) == 1 else [f"{label} {i + 1}" for i in range(len(mark.points))]
     return tuple(labels)
+
+
+def _section_labels(sections: Sequence[Section]) -> tuple[str, ...]:
+    """A label per section: no two alike."""
+    shared = Counter(section.label or section.name for section in sections)
+    labels = [(section.label or section.name, section.name) for section in sections]
+    return tuple(label if shared[label] == 1 else f"{label} ({name})" for label, name in labels)
 
 
 def _mm(point: Sequence[float] | NDArray[np.float64]) -> str:

@@ -11,13 +11,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from lappet.cutting.epoch import Epoch, Regions
+from lappet.cutting.epoch import Boundary, Epoch, Regions
 from lappet.program.program import Bones, FrameConstraints, Landmarks
 from lappet.program.settings import MaterialParameters, SolverSettings
 
 # Of a frame.
 OPTIONAL = (
     "activation",
+    "load_index",
+    "load_traction",
+    "load_pressure",
     "suture_is_thread",
     "suture_length",
     "suture_tension",
@@ -109,10 +112,27 @@ def epoch_payload(epoch: Epoch, grip: NDArray[np.int32], landmarks: Landmarks) -
     if len(epoch.ground.triangles):
         arrays["ground_points"] = np.asarray(epoch.ground.points, np.float64)
         arrays["ground_triangles"] = np.asarray(epoch.ground.triangles, np.int32)
+    arrays.update(_boundary(epoch.boundary))
     if len(regions):
         told["regions"] = _regions(regions)
         arrays["region_faces"] = np.asarray(regions.faces, np.uint8)
     return Payload(told, arrays)
+
+
+def _boundary(boundary: Boundary) -> dict[str, NDArray[Any]]:
+    arrays: dict[str, NDArray[Any]] = {}
+    if len(boundary.fixed_parts):
+        arrays["fixed_parts"] = np.asarray(boundary.fixed_parts, np.int32)
+    if len(boundary.rollers):
+        arrays["roller_faces"] = np.asarray(boundary.rollers, np.int32)
+        arrays["roller_normals"] = np.asarray(boundary.roller_normals, np.float64)
+    if len(boundary.loaded_index):
+        arrays["loaded_index"] = np.asarray(boundary.loaded_index, np.int32)
+        arrays["loaded_faces"] = np.asarray(boundary.loaded_faces, np.uint8)
+    if len(boundary.section_points):
+        arrays["section_points"] = np.asarray(boundary.section_points, np.float64)
+        arrays["section_normals"] = np.asarray(boundary.section_normals, np.float64)
+    return arrays
 
 
 def solve_payload(frame: FrameConstraints) -> Payload:

@@ -79,6 +79,13 @@ class FrameConstraints:
     retractor_motion
         Motion relative to the retractor's start, shape (R, 4, 4), float64, column-vector convention (the translation is
         the last column, mm).
+    load_index
+        Number of the faces of each of D loads in `Program.loads`, shape (D,), int32; empty where nothing is loaded, as
+        are the next two.
+    load_traction
+        Traction on them in kPa by their area at rest, shape (D, 3), float64.
+    load_pressure
+        Pressure on them in kPa, shape (D,), float64.
     activation
         Activation of each material's muscle from 0 to 1, shape (M,), float64; empty where no material has any.
     """
@@ -103,6 +110,9 @@ class FrameConstraints:
     inner_bite_triangles: NDArray[np.int32] = field(default_factory=lambda: no_entries((0,), np.int32))
     retractor_index: NDArray[np.int32] = field(default_factory=lambda: no_entries((0,), np.int32))
     retractor_motion: NDArray[np.float64] = field(default_factory=lambda: no_entries((0, 4, 4), np.float64))
+    load_index: NDArray[np.int32] = field(default_factory=lambda: no_entries((0,), np.int32))
+    load_traction: NDArray[np.float64] = field(default_factory=lambda: no_entries((0, 3), np.float64))
+    load_pressure: NDArray[np.float64] = field(default_factory=lambda: no_entries((0,), np.float64))
     activation: NDArray[np.float64] = field(default_factory=lambda: no_entries((0,), np.float64))
 
 
@@ -152,6 +162,14 @@ class Program:
         Names of the retractors.
     landmarks
         A label per landmark point.
+    fixed_parts
+        Names of the parts of the fixed faces.
+    rollers
+        Names of the face subsets that slide.
+    loads
+        Names of the face subsets that loads act on, in order of the first load on each.
+    sections
+        A label per section.
     grips
         For each epoch the retractor that grips each triangle, or -1, each of shape (m,), int32; only retractors that
         act in the epoch.
@@ -170,6 +188,10 @@ class Program:
     sutures: tuple[str, ...] = ()
     retractors: tuple[str, ...] = ()
     landmarks: tuple[str, ...] = ()
+    fixed_parts: tuple[str, ...] = ()
+    rollers: tuple[str, ...] = ()
+    loads: tuple[str, ...] = ()
+    sections: tuple[str, ...] = ()
     grips: tuple[NDArray[np.int32], ...] = ()
     landmarks_at: tuple[Landmarks, ...] = ()
     notes: tuple[Problem, ...] = ()

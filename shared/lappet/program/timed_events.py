@@ -13,7 +13,18 @@ from numpy.typing import NDArray
 from lappet.core.problem import refused
 from lappet.core.problem_code import ProblemCode
 from lappet.geometry.rigid_motion import RigidMotion
-from lappet.procedure import Event, Hook, Landmark, Point, Procedure, Retractor, Suture
+from lappet.procedure import (
+    Event,
+    Hook,
+    Landmark,
+    Point,
+    Pressure,
+    Procedure,
+    Retractor,
+    Section,
+    Suture,
+    Traction,
+)
 from lappet.procedure.prim_paths import TIMELINE
 from lappet.program.anchors import PlacedAnchors
 
@@ -51,6 +62,10 @@ class TimedEvents:
         Motion of each retractor.
     marks
         Every landmark point with its landmark.
+    loads
+        Tractions and pressures in order of their start.
+    sections
+        Sections in the procedure's order.
     """
 
     hooks: tuple[Hook, ...]
@@ -59,6 +74,8 @@ class TimedEvents:
     retractors: tuple[Retractor, ...]
     motions: tuple[RigidMotion, ...]
     marks: tuple[tuple[Landmark, Point], ...]
+    loads: tuple[Traction | Pressure, ...] = ()
+    sections: tuple[Section, ...] = ()
 
     @classmethod
     def of(cls, procedure: Procedure) -> TimedEvents:
@@ -92,7 +109,19 @@ class TimedEvents:
             marks=tuple(
                 (event, point) for event in procedure.events if isinstance(event, Landmark) for point in event.points
             ),
+            loads=tuple(
+                sorted(
+                    (event for event in procedure.events if isinstance(event, Traction | Pressure)),
+                    key=lambda event: event.start,
+                )
+            ),
+            sections=tuple(event for event in procedure.events if isinstance(event, Section)),
         )
+
+    @property
+    def loaded(self) -> tuple[str, ...]:
+        """The face subsets that loads act on, in order of the first load on each."""
+        return tuple(dict.fromkeys(load.faces for load in self.loads))
 
     def anchors(self) -> NDArray[np.float64]:
         """List all anchors.
@@ -144,6 +173,7 @@ class TimedEvents:
             **self._hook_arrays(time, anchors_of.hooks),
             **self._suture_arrays(time, anchors_of.sutures),
             **self._retractor_arrays(time),
+            **self._load_arrays(time),
         }
 
     def _hook_arrays(self, time: float, anchors_of: Sequence[PlacedAnchors | None]) -> dict[str, NDArray[Any]]:
@@ -199,6 +229,35 @@ class TimedEvents:
             "retractor_index": np.array(held, np.int32),
             "retractor_motion": np.array(motions, np.float64),
         }
+
+    def _load_arrays(self, time: float) -> dict[str, NDArray[Any]]:
+        faces = self.loaded
+        total: dict[int, NDArray[np.float64]] = {}
+        for load in self.loads:
+            if load.start <= time < load.release:
+                sums = total.setdefault(faces.index(load.faces), np.zeros(4))
+                sums += _load_at(load, time)
+        if not total:
+            return {}
+        index = sorted(total)
+        sums = np.array([total[k] for k in index], np.float64)
+        return {
+            "load_index": np.array(index, np.int32),
+            "load_traction": np.ascontiguousarray(sums[:, :3]),
+            "load_pressure": np.ascontiguousarray(sums[:, 3]),
+        }
+
+
+def _load_at(load: Traction | Pressure, time: float) -> NDArray[np.float64]:
+    """Traction (3) and pressure of a load in kPa, linear between its samples and held before and after."""
+    samples: Sequence[tuple[float, Any]] = load.traction if isinstance(load, Traction) else load.pressure
+    if not samples:
+        raise refused(ProblemCode.EVENT_NO_SAMPLES, event_path(load), "no samples", name=load.kind.lower())
+    ordered = sorted(samples)
+    when, values = [sample[0] for sample in ordered], np.array([sample[1] for sample in ordered], np.float64)
+    if isinstance(load, Pressure):
+        return np.array([0.0, 0.0, 0.0, np.interp(time, when, values)])
+    return np.array([*(np.interp(time, when, values[:, axis]) for axis in range(3)), 0.0])
 
 
 def event_path(event: Event) -> str:

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from lappet.procedure import Bone, Tissue
+from lappet.procedure import Bone, Point, Tissue
 
 LINE_WIDTH = 0.4  # mm, how thick other viewers draw curves and points
 
@@ -73,6 +73,22 @@ class Values:
             attribute = self._prim.CreateAttribute(f"lappet:{name}", kind, custom=False)
             for time, value in samples:
                 attribute.Set(float(value), float(time))
+
+    def vector_samples(self, name: str, samples: tuple[tuple[float, Point], ...]) -> None:
+        """Author a vector that changes in time, or nothing if there are no samples.
+
+        Parameters
+        ----------
+        name
+            Name of the attribute, without the namespace.
+        samples
+            Pairs of time code and vector.
+        """
+        if samples:
+            kind = self._usd.Sdf.ValueTypeNames.Double3
+            attribute = self._prim.CreateAttribute(f"lappet:{name}", kind, custom=False)
+            for time, value in samples:
+                attribute.Set(self._usd.Gf.Vec3d(*value), float(time))
 
     def relate(self, name: str, target: str) -> None:
         """Author a relationship.

@@ -20,9 +20,12 @@ from lappet.procedure import (
     Incision,
     Landmark,
     Point,
+    Pressure,
     Retractor,
+    Section,
     Suture,
     SutureMode,
+    Traction,
     Undermine,
 )
 from lappet.procedure.prim_paths import TIMELINE, TISSUE
@@ -36,8 +39,11 @@ EVENT_PRIMS = {
     "LappetUndermineAPI": "BasisCurves",
     "LappetHookAPI": "Xform",
     "LappetRetractorAPI": "Xform",
+    "LappetTractionAPI": "Scope",
+    "LappetPressureAPI": "Scope",
     "LappetSutureAPI": "BasisCurves",
     "LappetLandmarkAPI": "Points",
+    "LappetSectionAPI": "Scope",
 }
 
 
@@ -67,6 +73,8 @@ def write_event(stage: Any, usd: Any, event: Event) -> None:
             prim = points_prim(stage, usd, path, event.points)
         case Hook() | Retractor():
             prim = usd.UsdGeom.Xform.Define(stage, path).GetPrim()
+        case Traction() | Pressure() | Section():
+            prim = usd.UsdGeom.Scope.Define(stage, path).GetPrim()
     prim.AddAppliedSchema(f"Lappet{event.kind}API")
     values = Values(prim, usd)
     match event:
@@ -94,21 +102,46 @@ def write_event(stage: Any, usd: Any, event: Event) -> None:
             for time, matrix in event.motion:
                 transform.Set(usd.Gf.Matrix4d(*matrix), time)
         case Suture():
-            anchors = usd.Vt.Vec3dArray([usd.Gf.Vec3d(*anchor) for anchor in event.anchors])
-            values.author("anchors", usd.Sdf.ValueTypeNames.Point3dArray, anchors)
-            values.double("start", event.start)
-            values.double("duration", event.duration)
-            values.double("stiffness", event.stiffness)
-            if event.mode != Suture.mode:
-                values.author("mode", usd.Sdf.ValueTypeNames.Token, event.mode)
-            if event.thread:
-                values.author("thread", usd.Sdf.ValueTypeNames.Token, event.thread)
-            for name in ("length", "tension", "pullThrough"):
-                value = getattr(event, "pull_through" if name == "pullThrough" else name)
-                if value != 0.0:
-                    values.double(name, value)
+            _write_suture(values, usd, event)
+        case Traction() | Pressure():
+            _write_load(values, event)
         case Landmark():
             values.author("label", usd.Sdf.ValueTypeNames.String, event.label)
+        case Section():
+            _write_section(values, usd, event)
+
+
+def _write_suture(values: Values, usd: Any, event: Suture) -> None:
+    anchors = usd.Vt.Vec3dArray([usd.Gf.Vec3d(*anchor) for anchor in event.anchors])
+    values.author("anchors", usd.Sdf.ValueTypeNames.Point3dArray, anchors)
+    values.double("start", event.start)
+    values.double("duration", event.duration)
+    values.double("stiffness", event.stiffness)
+    if event.mode != Suture.mode:
+        values.author("mode", usd.Sdf.ValueTypeNames.Token, event.mode)
+    if event.thread:
+        values.author("thread", usd.Sdf.ValueTypeNames.Token, event.thread)
+    for name in ("length", "tension", "pullThrough"):
+        value = getattr(event, "pull_through" if name == "pullThrough" else name)
+        if value != 0.0:
+            values.double(name, value)
+
+
+def _write_section(values: Values, usd: Any, event: Section) -> None:
+    values.author("label", usd.Sdf.ValueTypeNames.String, event.label)
+    values.author("point", usd.Sdf.ValueTypeNames.Point3d, usd.Gf.Vec3d(*event.point))
+    values.author("normal", usd.Sdf.ValueTypeNames.Double3, usd.Gf.Vec3d(*event.normal))
+
+
+def _write_load(values: Values, event: Traction | Pressure) -> None:
+    if event.faces:
+        values.relate("faces", f"{TISSUE}/{event.faces}")
+    if isinstance(event, Traction):
+        values.vector_samples("traction", event.traction)
+    else:
+        values.samples("pressure", event.pressure)
+    values.double("start", event.start)
+    values.double("release", event.release)
 
 
 def read_event(reader: Reader, prim: Any, schema: str, tissues: list[Any]) -> Event:
@@ -155,7 +188,10 @@ def read_event(reader: Reader, prim: Any, schema: str, tissues: list[Any]) -> Ev
         case "LappetRetractorAPI":
             start, release = reader.number(prim, "lappet:start"), reader.number(prim, "lappet:release")
             motion = tuple((time, tuple(m.ravel())) for time, m in reader.motion(prim, start))
-            return Retractor(name, _grip(reader, prim, tissues), motion, start, release)
+            grip = _faces(reader, prim, "grip", tissues, (ProblemCode.GRIP_MISSING, ProblemCode.GRIP_ELSEWHERE))
+            return Retractor(name, grip, motion, start, release)
+        case "LappetTractionAPI" | "LappetPressureAPI" | "LappetSectionAPI":
+            return _read_load_or_section(reader, prim, schema, tissues)
         case "LappetSutureAPI":
             start = reader.number(prim, "lappet:start")
             anchors = _tuples(reader.placed(reader.vectors(prim, "lappet:anchors"), prim.GetParent()))
@@ -185,13 +221,30 @@ def _targets(reader: Reader, prim: Any, start: float) -> list[tuple[float, NDArr
     return motion if len(motion) > 1 or reader.usd.UsdGeom.Xformable(prim).GetOrderedXformOps() else []
 
 
-def _grip(reader: Reader, prim: Any, tissues: list[Any]) -> str:
-    target = reader.target(prim, "lappet:grip")
+def _read_load_or_section(reader: Reader, prim: Any, schema: str, tissues: list[Any]) -> Event:
+    name = prim.GetName()
+    if schema == "LappetSectionAPI":
+        (point,) = _tuples(reader.placed(np.array([reader.vector(prim, "lappet:point", 3)]), prim.GetParent()))
+        normal = cast(Point, reader.vector(prim, "lappet:normal", 3))
+        return Section(name, point, normal, reader.text(prim, "lappet:label", name))
+    start, release = reader.number(prim, "lappet:start"), reader.number(prim, "lappet:release")
+    faces = _faces(reader, prim, "faces", tissues, (ProblemCode.LOAD_MISSING, ProblemCode.LOAD_ELSEWHERE))
+    if schema == "LappetPressureAPI":
+        return Pressure(name, faces, reader.samples(prim, "lappet:pressure"), start, release)
+    return Traction(name, faces, reader.vector_samples(prim, "lappet:traction"), start, release)
+
+
+def _faces(
+    reader: Reader, prim: Any, relation: str, tissues: list[Any], missing_elsewhere: tuple[ProblemCode, ProblemCode]
+) -> str:
+    """The name of the face subset of the tissue that a relationship points to."""
+    target = reader.target(prim, f"lappet:{relation}")
+    missing, elsewhere = missing_elsewhere
     parent, _, name = target.rpartition("/")
     if not target:
-        reader.problem(ProblemCode.GRIP_MISSING, prim.GetPath(), "no grip")
+        reader.problem(missing, prim.GetPath(), f"no {relation}")
     elif tissues and parent != str(tissues[0].GetPath()):
-        reader.problem(ProblemCode.GRIP_ELSEWHERE, prim.GetPath(), target, tissue=tissues[0].GetPath())
+        reader.problem(elsewhere, prim.GetPath(), target, tissue=tissues[0].GetPath())
     return name
 
 

@@ -13,13 +13,14 @@ from numpy.typing import NDArray
 
 from lappet.core.problem import Problem, RefusedError, problem
 from lappet.core.problem_code import ProblemCode
-from lappet.procedure import Bone, Material, Point, Procedure, Region, SkinLine, Tissue
+from lappet.procedure import Bone, Material, Point, Procedure, Region, Roller, SkinLine, Tissue
 from lappet.usd.event_prims import EVENT_PRIMS, read_curve, read_event
 from lappet.usd.values import Reader
 
 PRIM_TYPES = {
     "LappetTissueAPI": "Mesh",
     "LappetRegionAPI": "GeomSubset",
+    "LappetRollerAPI": "GeomSubset",
     "LappetBoneAPI": "Mesh",
     "LappetMaterialAPI": None,
     "LappetSkinLineAPI": "BasisCurves",
@@ -79,7 +80,7 @@ def read_what_can_be(stage: Any, usd: Any, notes: list[Problem]) -> tuple[Proced
     if len(tissues) != 1:
         paths = ", ".join(str(prim.GetPath()) for prim in tissues) or "none"
         reader.problem(ProblemCode.STAGE_TISSUES, "/Procedure/Tissue", paths, count=len(tissues) or "no")
-    tissue = _tissue(reader, tissues[0], found["LappetRegionAPI"]) if tissues else None
+    tissue = _tissue(reader, tissues[0], found["LappetRegionAPI"], found["LappetRollerAPI"]) if tissues else None
     materials = tuple(_material(reader, prim) for prim in found["LappetMaterialAPI"])
     bones = tuple(_bone(reader, prim) for prim in found["LappetBoneAPI"])
     events = tuple(read_event(reader, prim, schema, tissues) for prim, schema in found["events"])
@@ -103,10 +104,10 @@ def read_what_can_be(stage: Any, usd: Any, notes: list[Problem]) -> tuple[Proced
 
 
 def _find(reader: Reader) -> dict[str, list[Any]]:
-    """The prims by schema; "events" holds (prim, schema) of all seven kinds in the order of the stage."""
+    """The prims by schema; "events" holds (prim, schema) of all kinds in the order of the stage."""
     found: dict[str, list[Any]] = {"LappetTissueAPI": [], "LappetMaterialAPI": [], "LappetBoneAPI": []}
     found["LappetSkinLineAPI"] = []
-    found |= {"LappetRegionAPI": [], "events": []}
+    found |= {"LappetRegionAPI": [], "LappetRollerAPI": [], "events": []}
     for prim in reader.stage.Traverse():
         schemas = [str(s) for s in prim.GetPrimTypeInfo().GetAppliedAPISchemas() if str(s).startswith("Lappet")]
         for schema in schemas:
@@ -129,7 +130,7 @@ def _find(reader: Reader) -> dict[str, list[Any]]:
     return found
 
 
-def _tissue(reader: Reader, prim: Any, regions: list[Any]) -> Tissue:
+def _tissue(reader: Reader, prim: Any, regions: list[Any], rollers: list[Any]) -> Tissue:
     points, counts, indices, corners = _mesh(reader, prim)
     subsets: dict[str, NDArray[np.int32]] = {}
     for subset in reader.usd.UsdGeom.Subset.GetGeomSubsets(reader.usd.UsdGeom.Imageable(prim), "", "lappet"):
@@ -156,7 +157,16 @@ def _tissue(reader: Reader, prim: Any, regions: list[Any]) -> Tissue:
         bed_stiffness=normal,
         bed_shear=reader.number(prim, "lappet:bedShear", min(Tissue.bed_shear, normal)),
         regions=tuple(_region(reader, region, prim, subsets) for region in regions),
+        rollers=tuple(_roller(reader, roller, prim, subsets) for roller in rollers),
     )
+
+
+def _roller(reader: Reader, prim: Any, tissue: Any, subsets: dict[str, NDArray[np.int32]]) -> Roller:
+    name = prim.GetName()
+    if prim.GetParent() != tissue or name not in subsets:
+        reader.problem(ProblemCode.ROLLER_NOT_A_SUBSET, prim.GetPath(), name, tissue=tissue.GetPath())
+    normal = reader.vector(prim, "lappet:normal", 3, (0.0, 0.0, 0.0))
+    return Roller(name, cast(Point, normal) if any(normal) else None)
 
 
 def _region(reader: Reader, prim: Any, tissue: Any, subsets: dict[str, NDArray[np.int32]]) -> Region:

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from lappet.core.problem import Problem, problem
 from lappet.core.problem_code import ProblemCode
+from lappet.procedure import Point
 
 
 class Reader:
@@ -106,6 +107,35 @@ class Reader:
                 self._wrong_type(prim, name, value, "a number")
                 return ()
             found.append((float(time), float(value)))
+        return tuple(found)
+
+    def vector_samples(self, prim: Any, name: str) -> tuple[tuple[float, Point], ...]:
+        """Read the samples of an animated vector of three numbers.
+
+        Parameters
+        ----------
+        prim
+            The prim.
+        name
+            Name of the attribute.
+
+        Returns
+        -------
+        tuple[tuple[float, Point], ...]
+            Samples (time code, vector); one at the start where it does not move, none where nothing is authored.
+        """
+        attribute = prim.GetAttribute(name)
+        if not (attribute and attribute.HasAuthoredValue()):
+            return ()
+        times = attribute.GetTimeSamples()
+        at = [self.usd.Usd.TimeCode(time) for time in times] or [self.usd.Usd.TimeCode.Default()]
+        found: list[tuple[float, Point]] = []
+        for time, code in zip(times or [float(self.stage.GetStartTimeCode())], at, strict=True):
+            value = _numbers(attribute.Get(code))
+            if value is None or value.shape != (3,):
+                self._wrong_type(prim, name, attribute.Get(code), "3 numbers")
+                return ()
+            found.append((float(time), (float(value[0]), float(value[1]), float(value[2]))))
         return tuple(found)
 
     def text(self, prim: Any, name: str, default: str | None = None) -> str:

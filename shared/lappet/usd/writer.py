@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from lappet.core.problem import RefusedError
-from lappet.procedure import Material, Procedure, Region, SkinLine, Tissue
+from lappet.procedure import Material, Procedure, Region, Roller, SkinLine, Tissue
 from lappet.procedure.prim_names import name_problems
 from lappet.procedure.prim_paths import BONE, MATERIALS, ROOT, SKIN_LINES, TIMELINE, TISSUE
 from lappet.usd.authoring import Values, curve_prim, mesh_prim
@@ -91,6 +91,7 @@ def _tissue(stage: Any, usd: Any, tissue: Tissue) -> None:
     if tissue.gravity_direction != Tissue.gravity_direction:
         values.author("gravityDirection", usd.Sdf.ValueTypeNames.Double3, usd.Gf.Vec3d(*tissue.gravity_direction))
     regions = {region.faces: region for region in tissue.regions}
+    rollers = {roller.faces: roller for roller in tissue.rollers}
     for name, faces in tissue.subsets.items():
         subset = usd.UsdGeom.Subset.Define(stage, f"{TISSUE}/{name}")
         subset.CreateElementTypeAttr(usd.UsdGeom.Tokens.face)
@@ -98,6 +99,8 @@ def _tissue(stage: Any, usd: Any, tissue: Tissue) -> None:
         subset.CreateIndicesAttr(usd.Vt.IntArray.FromNumpy(np.array(faces, np.int32)))
         if name in regions:
             _region(subset.GetPrim(), usd, regions[name])
+        if name in rollers:
+            _roller(subset.GetPrim(), usd, rollers[name])
     if tissue.subsets:
         imageable = usd.UsdGeom.Imageable(prim)
         usd.UsdGeom.Subset.SetFamilyType(imageable, FAMILY, usd.UsdGeom.Tokens.unrestricted)
@@ -110,6 +113,12 @@ def _region(prim: Any, usd: Any, region: Region) -> None:
         values.relate("material", f"{MATERIALS}/{region.material}")
     values.double("depthFrom", region.depth_from)
     values.double("depthTo", region.depth_to)
+
+
+def _roller(prim: Any, usd: Any, roller: Roller) -> None:
+    prim.AddAppliedSchema("LappetRollerAPI")
+    if roller.normal is not None:
+        Values(prim, usd).author("normal", usd.Sdf.ValueTypeNames.Double3, usd.Gf.Vec3d(*roller.normal))
 
 
 def _skin_line(stage: Any, usd: Any, line: SkinLine) -> None:

@@ -146,6 +146,25 @@ void decode_regions(FieldReader& reader, ArrayReader& arrays, std::int32_t mater
   }
 }
 
+// Of `count` triangles.
+void decode_loads_and_rollers(ArrayReader& arrays, std::int32_t count, EpochInput& epoch) {
+  if (arrays.has("roller_faces")) {
+    epoch.roller = arrays.read<std::int32_t>("roller_faces", {count});
+    epoch.roller_normals = to_points(arrays.read_finite("roller_normals", {kAny, 3}));
+    check_indices(epoch.roller, "roller_faces", -1, length(epoch.roller_normals.size()), "rollers (-1: on none)");
+  }
+  if (arrays.has("loaded_index")) {
+    epoch.loaded_index = arrays.read<std::int32_t>("loaded_index", {kAny});
+    check_indices(epoch.loaded_index, "loaded_index", 0, kMaxInt, "numbers");
+    check_distinct(epoch.loaded_index, "loaded_index");
+    epoch.loaded_faces = arrays.read<std::uint8_t>("loaded_faces", {length(epoch.loaded_index.size()), count});
+  }
+  if (arrays.has("section_points")) {
+    epoch.section_points = to_points(arrays.read_finite("section_points", {kAny, 3}));
+    epoch.section_normals = to_points(arrays.read_finite("section_normals", {length(epoch.section_points.size()), 3}));
+  }
+}
+
 std::vector<HookState> decode_hooks(ArrayReader& arrays, const FrameLimits& limits) {
   const std::vector<double> hook_anchors = arrays.read_finite("hook_anchors", {kAny, 3});
   const std::size_t hooks = hook_anchors.size() / 3;
@@ -295,9 +314,14 @@ EpochInput decode_epoch(const Header& header, ArrayParts parts, std::int32_t ret
   if (reader.has("rest_nodes")) epoch.nodes = integer_field(reader, "rest_nodes", 0, 1) == 1;
   reader.finish();
   epoch.fixed = arrays.read<std::uint8_t>("fixed", {count});
+  if (arrays.has("fixed_parts")) {
+    epoch.fixed_parts = arrays.read<std::int32_t>("fixed_parts", {count});
+    check_indices(epoch.fixed_parts, "fixed_parts", -1, count, "triangles (-1: not fixed)");
+  }
   epoch.bed = arrays.read<std::uint8_t>("support", {count});
   epoch.grip = arrays.read<std::int32_t>("grip", {count});
   check_indices(epoch.grip, "grip", -1, retractors, "retractors (-1: not gripped)");
+  decode_loads_and_rollers(arrays, count, epoch);
   epoch.landmarks = to_points(arrays.read_finite("landmarks", {kAny, 3}));
   epoch.landmark_triangles = arrays.read<std::int32_t>("landmark_triangles", {length(epoch.landmarks.size())});
   check_indices(epoch.landmark_triangles, "landmark_triangles", 0, count, "triangles");
@@ -327,6 +351,13 @@ SolverState decode_state(const Header& header, ArrayParts parts, std::int32_t su
   state.suture_gaps = arrays.read<double>("suture_separations", {sutures, 3});  // NaN: not placed yet
   state.suture_multipliers = arrays.read_finite("suture_multipliers", {sutures, 3});
   state.grip_multipliers = arrays.read_finite("grip_multipliers", {kAny});
+  if (arrays.has("roller_multipliers")) state.roller_multipliers = arrays.read_finite("roller_multipliers", {kAny});
+  if (arrays.has("loads")) {
+    state.loads = arrays.read_finite("loads", {kAny, 5});
+    for (std::size_t k = 0; k < state.loads.size(); k += 5)
+      if (!(std::abs(state.loads[k]) < static_cast<double>(kMaxInt)))
+        invalid("The array 'loads' of the state names faces by a number that is too large.");
+  }
   state.stability = arrays.read_finite("stability", {kAny});
   state.activation = arrays.read_finite("activation", {materials});
   arrays.finish();
@@ -342,6 +373,13 @@ FrameInput decode_solve(const Header& header, ArrayParts parts, const FrameLimit
   frame.hooks = decode_hooks(arrays, limits);
   frame.sutures = decode_sutures(arrays, limits);
   frame.retractors = decode_retractors(arrays, limits);
+  if (arrays.has("load_index")) {
+    const auto index = arrays.read<std::int32_t>("load_index", {kAny});
+    check_distinct(index, "load_index");
+    const std::vector<Vec3> tractions = to_points(arrays.read_finite("load_traction", {length(index.size()), 3}));
+    const std::vector<double> pressures = arrays.read_finite("load_pressure", {length(index.size())});
+    for (std::size_t i = 0; i < index.size(); ++i) frame.loads.push_back({index[i], tractions[i], pressures[i]});
+  }
   if (arrays.has("activation")) frame.activation = arrays.read_finite("activation", {limits.materials});
   arrays.finish();
   return frame;

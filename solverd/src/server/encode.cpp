@@ -55,6 +55,8 @@ void add_state(MessageWriter& writer, const SolverState& state) {
   add_rows(writer, "suture_separations", state.suture_gaps, {3});
   add_rows(writer, "suture_multipliers", state.suture_multipliers, {3});
   add_rows(writer, "grip_multipliers", state.grip_multipliers, {});
+  if (!state.roller_multipliers.empty()) add_rows(writer, "roller_multipliers", state.roller_multipliers, {});
+  if (!state.loads.empty()) add_rows(writer, "loads", state.loads, {5});
   add_rows(writer, "activation", state.activation, {});
   add_rows(writer, "stability", state.stability, {});
 }
@@ -150,6 +152,9 @@ std::vector<PartBytes> encode_frame(ReplyTo to, const FrameOutput& frame) {
   add_rows(writer, "hook_index", frame.hook_indices, {});
   add_rows(writer, "hook_forces", frame.hook_forces, {3});
   add_rows(writer, "hook_points", frame.hook_points, {3});
+  add_rows(writer, "holders", frame.holders, {2});
+  add_rows(writer, "reactions", frame.reactions, {3});
+  if (!frame.section_forces.empty()) add_rows(writer, "section_forces", frame.section_forces, {3});
   add_rows(writer, "correction", frame.correction, {3});
   add_rows(writer, "landmark_correction", frame.landmark_correction, {3});
   add_rows(writer, "softest_point", frame.softest_point, {3});

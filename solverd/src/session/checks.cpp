@@ -124,6 +124,27 @@ void check_regions(const EpochInput& epoch, const SessionSettings& settings) {
   }
 }
 
+void check_loads_and_rollers(const EpochInput& epoch) {
+  const std::size_t count = epoch.surface.triangles.size();
+  require(epoch.roller.empty() || epoch.roller.size() == count,
+          "epoch {} says of {} triangles on which roller they are", epoch.index, epoch.roller.size());
+  for (const std::int32_t r : epoch.roller)
+    require(r >= -1 && r < std::ssize(epoch.roller_normals), "a triangle of epoch {} is on roller {} of {}",
+            epoch.index, r, epoch.roller_normals.size());
+  for (const Vec3& normal : epoch.roller_normals)
+    require(finite(normal), "the direction of a roller of epoch {} is not finite", epoch.index);
+  require(epoch.loaded_faces.size() == count * epoch.loaded_index.size(),
+          "epoch {} has {} labels for {} sets of loaded faces", epoch.index, epoch.loaded_faces.size(),
+          epoch.loaded_index.size());
+  require(epoch.section_points.size() == epoch.section_normals.size(),
+          "epoch {} has {} points of sections but {} normals", epoch.index, epoch.section_points.size(),
+          epoch.section_normals.size());
+  for (std::size_t k = 0; k < epoch.section_points.size(); ++k)
+    require(finite(epoch.section_points[k]) && finite(epoch.section_normals[k]) &&
+                epoch.section_normals[k].squaredNorm() > 0.0,
+            "section {} of epoch {} is no plane; give a point and a normal that is not zero", k, epoch.index);
+}
+
 void check_activation(const std::vector<double>& activation, std::size_t materials, const char* what) {
   require(activation.size() == materials, "{} has {} activations; there are {} materials", what, activation.size(),
           materials);
@@ -216,6 +237,14 @@ void check_epoch(const EpochInput& epoch, const SessionSettings& settings) {
   labels(epoch.fixed.size(), "fixed");
   labels(epoch.bed.size(), "bed");
   labels(epoch.grip.size(), "gripped");
+  if (!epoch.fixed_parts.empty()) {
+    labels(epoch.fixed_parts.size(), "parts of the fixed faces");
+    for (std::size_t t = 0; t < epoch.fixed.size(); ++t)
+      require((epoch.fixed_parts[t] >= 0) == (epoch.fixed[t] != 0),
+              "triangle {} of epoch {} is of part {} of the fixed faces; give a part to these and -1 to all others", t,
+              epoch.index, epoch.fixed_parts[t]);
+  }
+  check_loads_and_rollers(epoch);
   for (const std::uint8_t b : epoch.bed)
     require(b <= kRestsOnBed, "a triangle of epoch {} has the bed label {}; give 0, 1 (attached) or 2 (resting)",
             epoch.index, b);
@@ -273,6 +302,11 @@ void check_frame(const FrameInput& frame, const SessionSettings& settings, const
             "the motion of retractor {} at frame {:g} is not rigid; give a rotation and a translation only",
             retractor.index, frame.time);
   }
+  std::set<std::int32_t> loads;
+  for (const auto& load : frame.loads) {
+    require(loads.insert(load.index).second, "frame {:g} loads the faces {} twice", frame.time, load.index);
+    require(finite(load.traction) && std::isfinite(load.pressure), "a load at frame {:g} is not finite", frame.time);
+  }
   if (!frame.activation.empty())
     check_activation(frame.activation, settings.materials.size(), fmt::format("frame {:g}", frame.time).c_str());
 }
@@ -289,6 +323,7 @@ void check_state(const SolverState& state, std::size_t node_values, std::size_t 
           "the state's stability has {} values; give none, 2 or 5", state.stability.size());
   require(state.grip_multipliers.empty() || state.grip_multipliers.size() == node_values,
           "the state's grip multipliers have {} values; give none or {}", state.grip_multipliers.size(), node_values);
+  require(state.loads.size() % 5 == 0, "the state's loads have {} values; give 5 for each", state.loads.size());
   for (const double value : state.nodes) require(std::isfinite(value), "the state holds a number that is not finite");
   check_activation(state.activation, materials, "the state");
 }

@@ -19,6 +19,30 @@ LatticeSettings lattice_settings(const SessionSettings& settings) {
   return result;
 }
 
+Attachments attachments_of(const EpochInput& epoch, const Lattice& lattice, const Surface& surface,
+                           std::shared_ptr<const Ground> ground) {
+  Attachments result =
+      attach(lattice, surface, epoch.fixed, epoch.bed, epoch.grip, std::move(ground), epoch.fixed_parts);
+  result.rollers = roller_rows(lattice, surface, epoch.roller, epoch.roller_normals);
+  return result;
+}
+
+LoadedFacesByIndex loaded_faces(const EpochInput& epoch, const Lattice& lattice, const Surface& surface) {
+  LoadedFacesByIndex result;
+  const std::size_t count = surface.triangles.size();
+  for (std::size_t k = 0; k < epoch.loaded_index.size(); ++k)
+    result[epoch.loaded_index[k]] =
+        std::make_shared<const LoadedFaces>(lattice, surface, std::span(epoch.loaded_faces).subspan(k * count, count));
+  return result;
+}
+
+std::vector<Section> sections_of(const EpochInput& epoch) {
+  std::vector<Section> result;
+  for (std::size_t k = 0; k < epoch.section_points.size(); ++k)
+    result.push_back({epoch.section_points[k], epoch.section_normals[k].normalized()});
+  return result;
+}
+
 }  // namespace
 
 template <class Real>
@@ -26,11 +50,13 @@ EpochSystem<Real>::EpochSystem(const EpochInput& epoch, const SessionSettings& s
                                std::shared_ptr<const SignedDistance> bones, std::shared_ptr<const Ground> ground)
     : surface(epoch.surface),
       lattice(build_lattice(surface, lattice_settings(settings))),
+      loaded(loaded_faces(epoch, lattice, surface)),
+      sections(sections_of(epoch)),
       system(lattice, assign_materials(lattice, settings.materials, epoch.skin, epoch.regions, epoch.skin_fields),
-             settings.quadrature, attach(lattice, surface, epoch.fixed, epoch.bed, epoch.grip, std::move(ground)),
-             settings.retractors, BedStiffness{settings.bed_stiffness, settings.bed_shear}, settings.gravity),
+             settings.quadrature, attachments_of(epoch, lattice, surface, std::move(ground)), settings.retractors,
+             BedStiffness{settings.bed_stiffness, settings.bed_shear}, settings.gravity),
       preconditioner(system, kChebyshevDegree),
-      constraints(settings, lattice, surface, system) {
+      constraints(settings, lattice, surface, loaded, system) {
   if (bones) system.set_contact(contact_with_bones(std::move(bones), lattice, epoch, settings));
   if (settings.preconditioner == "chebyshev") preconditioner.smoother_only();
   for (std::size_t k = 0; k < epoch.landmarks.size(); ++k)
@@ -50,6 +76,7 @@ EpochReport EpochSystem<Real>::report(bool with_nodes) const {
   report.fixed_nodes = static_cast<std::int32_t>(std::ranges::count(system.attachments().node_group, kFixedGroup));
   report.dropped_voxels = lattice.dropped_voxels;
   report.bytes = static_cast<double>(lattice.bytes() + system.bytes() + preconditioner.bytes());
+  for (const auto& [index, faces] : loaded) report.bytes += static_cast<double>(faces->bytes());
   if (with_nodes)
     for (const Vec3& rest : lattice.node_rest)
       report.nodes_at_rest.insert(report.nodes_at_rest.end(), rest.begin(), rest.end());

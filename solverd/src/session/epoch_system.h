@@ -24,6 +24,8 @@ struct EpochSystem {
 
   Surface surface;
   Lattice lattice;
+  LoadedFacesByIndex loaded;
+  std::vector<Section> sections;
   System<Real> system;
   TwoLevel<Real> preconditioner;
   FrameConstraints<Real> constraints;

@@ -152,7 +152,10 @@ class FrameSearch {
 
   bool search_load_step(const FrameInput& to, const RetrySchedule& schedule) {
     search_equilibrium(schedule.newton_left(found_.effort.newton_iterations));
-    if (found_.outcome.converged) found_.state.activation = epoch_.constraints.activation_of(to);
+    if (found_.outcome.converged) {
+      found_.state.activation = epoch_.constraints.activation_of(to);
+      found_.state.loads = to.loads;
+    }
     return found_.outcome.converged;
   }
 
@@ -194,6 +197,10 @@ class FrameSearch {
   // Tissue rests in a minimum of the energy. Moves on from a saddle until none is left or none can be left.
   void leave_saddles() {
     auto& stability = found_.state.stability;
+    if (!epoch_.system.pressures_have_energy(found_.state.u)) {
+      stability = {};
+      return;
+    }
     const double constraints = digest(frame_);
     if (stability.is_of(constraints) && std::ranges::equal(found_.state.u, before_.u)) return;
     descend_from_saddles(kEnergyRounding);

@@ -19,14 +19,32 @@ double closure_of(const SutureState& suture, double placed, double now) {
   return way != 0.0 ? (placed - now) / way : 1.0;
 }
 
+// A fraction of the way between the loads of two frames; what one of them lacks is zero there.
+std::vector<LoadState> between(const std::vector<LoadState>& from, const std::vector<LoadState>& to, double s) {
+  std::map<std::int32_t, LoadState> loads;
+  const auto add = [&](const std::vector<LoadState>& some, double share) {
+    for (const LoadState& load : some) {
+      LoadState& sum = loads.try_emplace(load.index, LoadState{load.index, Vec3::Zero(), 0.0}).first->second;
+      sum.traction += share * load.traction;
+      sum.pressure += share * load.pressure;
+    }
+  };
+  add(from, 1.0 - s);
+  add(to, s);
+  std::vector<LoadState> result;
+  for (const auto& [index, load] : loads) result.push_back(load);
+  return result;
+}
+
 }  // namespace
 
 template <class Real>
 FrameConstraints<Real>::FrameConstraints(const SessionSettings& settings, const Lattice& lattice,
-                                         const Surface& surface, System<Real>& system)
+                                         const Surface& surface, const LoadedFacesByIndex& loaded, System<Real>& system)
     : settings_(settings),
       lattice_(lattice),
       surface_(surface),
+      loaded_(loaded),
       system_(system),
       lowest_(surface.points.front()),
       highest_(lowest_) {
@@ -63,6 +81,7 @@ FrameInput FrameConstraints<Real>::partway(const FrameInput& frame, double s, co
   }
   for (auto& retractor : result.retractors)
     retractor.motion = system_.motion_towards(retractor.motion, s, retractor.index, state.u);
+  result.loads = between(state.loads, frame.loads, s);
   result.activation = activation_of(frame);
   for (std::size_t m = 0; m < state.activation.size(); ++m)
     result.activation[m] = (1 - s) * state.activation[m] + s * result.activation[m];
@@ -104,10 +123,21 @@ void FrameConstraints<Real>::apply(const FrameInput& frame, TissueState<Real>& s
   system_.set_activation(activation_of(frame));
   place_sutures(frame, state);
   system_.set_point_constraints(point_constraints(frame, state));
+  system_.set_loads(loads_of(frame), state.u);
   system_.fit(state.multipliers);
   state.multipliers.of_contact_proxy.clear();
   std::erase_if(state.multipliers.of_constraint,
                 [](const auto& entry) { return entry.first.kind == ConstraintId::Kind::kHook; });
+}
+
+// An epoch may have lost the faces that the load of the frame before it was on.
+template <class Real>
+std::vector<FaceLoad> FrameConstraints<Real>::loads_of(const FrameInput& frame) const {
+  std::vector<FaceLoad> loads;
+  for (const LoadState& load : frame.loads)
+    if (const auto faces = loaded_.find(load.index); faces != loaded_.end())
+      loads.push_back({load.index, faces->second, load.traction, load.pressure});
+  return loads;
 }
 
 template <class Real>

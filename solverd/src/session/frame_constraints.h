@@ -3,6 +3,7 @@
 #pragma once
 #include <array>
 #include <map>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -15,12 +16,15 @@ namespace lappet {
 inline ConstraintId id_of(const HookState& hook) { return {ConstraintId::Kind::kHook, hook.index}; }
 inline ConstraintId id_of(const SutureState& suture) { return {ConstraintId::Kind::kSuture, suture.index}; }
 
+// The faces that loads act on, by their number in the messages.
+using LoadedFacesByIndex = std::map<std::int32_t, std::shared_ptr<const LoadedFaces>>;
+
 // Of one epoch. Keeps references to everything.
 template <class Real>
 class FrameConstraints {
  public:
   FrameConstraints(const SessionSettings& settings, const Lattice& lattice, const Surface& surface,
-                   System<Real>& system);
+                   const LoadedFacesByIndex& loaded, System<Real>& system);
 
   // Sets the system's constraints, places new sutures, and begins with the multipliers that a frame carries on from the
   // one before: those of sutures and held faces.
@@ -43,6 +47,7 @@ class FrameConstraints {
 
  private:
   FrameInput partway(const FrameInput& frame, double s, const TissueState<Real>& state) const;
+  std::vector<FaceLoad> loads_of(const FrameInput& frame) const;
   std::vector<PointConstraint> point_constraints(const FrameInput& frame, const TissueState<Real>& state) const;
   const AnchorStencil& embed(const Anchor& anchor) const;
   PointConstraint suture_constraint(const SutureState& suture, const double* gap) const;
@@ -54,6 +59,7 @@ class FrameConstraints {
   const SessionSettings& settings_;
   const Lattice& lattice_;
   const Surface& surface_;
+  const LoadedFacesByIndex& loaded_;
   System<Real>& system_;
   Vec3 lowest_, highest_;
   mutable std::optional<AnchorStencils> stencil_maker_;

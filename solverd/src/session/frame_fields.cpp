@@ -38,6 +38,15 @@ void write_constraints(const EpochSystem<Real>& epoch, const FrameInput& frame, 
   }
 }
 
+template <class Real>
+void write_reactions(const EpochSystem<Real>& epoch, const FoundFrame<Real>& found, FrameFields& fields) {
+  const TissueState<Real>& state = found.state;
+  for (const auto& [holder, force] : epoch.system.reactions(state.u, state.multipliers, found.outcome.at)) {
+    fields.holders.insert(fields.holders.end(), {static_cast<std::int32_t>(holder.kind), holder.index});
+    append(fields.reactions, force);
+  }
+}
+
 // A frame that did not converge has none, nor one that is the same as the last, whose fields are taken instead.
 template <class Real>
 void write_correction(const EpochSystem<Real>& epoch, const FoundFrame<Real>& found, FrameFields& fields) {
@@ -62,6 +71,9 @@ FrameFields frame_fields(const SessionSettings& settings, EpochSystem<Real>& epo
   if (kHasStrain && settings.strain)
     write_surface_fields<Real>(epoch.system.elastic_at(found.outcome.at), found.state.u, fields);
   write_constraints(epoch, frame, found.state, fields);
+  write_reactions(epoch, found, fields);
+  for (const Vec3& force : epoch.system.section_forces(epoch.sections, found.state.u))
+    append(fields.section_forces, force);
   const FrameStability& stability = found.state.stability;
   if (found.outcome.converged) fields.lowest_stiffness = stability.lowest_stiffness;
   if (found.outcome.converged && stability.softest_point) append(fields.softest_point, *stability.softest_point);

@@ -77,7 +77,18 @@ struct EpochInput {
   std::vector<std::uint8_t> fixed;  // per triangle
   std::vector<std::uint8_t> bed;    // per triangle: 0, 1 attached to the bed, 2 resting on it (undermined)
   std::vector<std::int32_t> grip;   // per triangle: index of the retractor that grips it, or -1
-  std::vector<Vec3> landmarks;      // rest points
+  // Per triangle: the part of the fixed faces that it belongs to, or -1 where it is not fixed; empty: they are one.
+  std::vector<std::int32_t> fixed_parts;
+  // Per triangle: the roller that it slides on, or -1; empty: none. Of each roller the direction that it holds, or
+  // zero: that of each face's normal at rest.
+  std::vector<std::int32_t> roller;
+  std::vector<Vec3> roller_normals;
+  // Faces that loads act on: the number of each such set, and whether each triangle is one of it, set after set.
+  std::vector<std::int32_t> loaded_index;
+  std::vector<std::uint8_t> loaded_faces;
+  // Planes at rest, across which the force is wanted.
+  std::vector<Vec3> section_points, section_normals;
+  std::vector<Vec3> landmarks;  // rest points
   std::vector<std::int32_t> landmark_triangles;
   // The outer skin before any cut: regions measure their depth from it, fibers and prestretch run along it. May be
   // empty without regions; directions are then taken as they are, in tissue whose skin is upright to z.
@@ -133,11 +144,20 @@ struct RetractorState {
   bool operator==(const RetractorState&) const = default;
 };
 
+// On the faces of that number: a traction by the area at rest and a pressure by the area as it is, kPa.
+struct LoadState {
+  std::int32_t index;
+  Vec3 traction;
+  double pressure;
+  bool operator==(const LoadState&) const = default;
+};
+
 struct FrameInput {
   double time = 0.0;
   std::vector<HookState> hooks;
   std::vector<SutureState> sutures;
   std::vector<RetractorState> retractors;  // the active ones
+  std::vector<LoadState> loads{};          // likewise
   std::vector<double> activation;          // of the muscles, per material, in [0, 1]; empty: all 0
   bool operator==(const FrameInput&) const = default;
 };
@@ -150,6 +170,8 @@ struct SolverState {
   std::vector<double> suture_gaps;
   std::vector<double> suture_multipliers;  // 3 per suture, mN
   std::vector<double> grip_multipliers;    // opaque
+  std::vector<double> roller_multipliers;  // opaque
+  std::vector<double> loads;               // 5 per load of the last frame: index, traction, pressure
   std::vector<double> activation;          // per material, as the last frame had it
   std::vector<double> stability;           // opaque
 };
@@ -170,6 +192,9 @@ struct FrameFields {
   std::vector<double> suture_points;                       // 6 per active suture: both ends, mm
   std::vector<double> inner_bite_points;    // 3 per anchor between the ends of a suture, in their order, mm
   std::vector<double> suture_shared;        // per two anchors of a suture that follow each other: their shared_hold
+  std::vector<std::int32_t> holders;        // 2 per reaction: Holder::Kind, index (solve/system/reaction.h)
+  std::vector<double> reactions;            // 3 per reaction, mN, on the tissue
+  std::vector<double> section_forces;       // 3 per section, mN: what lies beyond it pulls with
   std::vector<float> correction;            // 3 per surface vertex, mm: what is still to come; empty: not wanted
   std::vector<double> landmark_correction;  // 3 per landmark, mm
   // The share of its stiffness that compression leaves the softest displacement (solve/newton/lowest_mode.h); NaN where

@@ -71,6 +71,9 @@ class TypedSession : public Session::Implementation {
                     const std::atomic<bool>& cancel) override {
     if (!epoch_) throw RefusedError(ErrorCode::kOutOfOrder, "a frame came before any epoch; send the epoch first");
     check_frame(frame, settings_, epoch_->surface);
+    for (const LoadState& load : frame.loads)
+      if (!epoch_->loaded.contains(load.index))
+        throw RefusedError(ErrorCode::kInvalidInput, "a load acts on faces that the epoch does not name");
     return arena_.execute([&] { return solve_frame(frame, progress, cancel); });
   }
 

@@ -64,6 +64,11 @@ double digest(const FrameInput& frame) {
     digest.add(static_cast<double>(retractor.index) + 0.25);
     for (const double entry : retractor.motion.reshaped()) digest.add(entry);
   }
+  for (const LoadState& load : frame.loads) {
+    digest.add(static_cast<double>(load.index) + 0.75);
+    digest.add(load.traction);
+    digest.add(load.pressure);
+  }
   for (const double activation : frame.activation) digest.add(activation);
   return digest.value();
 }
@@ -82,6 +87,7 @@ TissueState<Real> carry_over(const TissueState<Real>& state, const Lattice* from
   carried.suture_gaps = state.suture_gaps;
   carried.multipliers.of_constraint = state.multipliers.of_constraint;
   carried.activation = state.activation;
+  carried.loads = state.loads;
   carried.u.assign(3 * to.node_rest.size(), Real(0));
   if (!from) return carried;
   std::vector<Vec3> positions = rows(state.u);
@@ -107,6 +113,11 @@ SolverState exported(const TissueState<Real>& state) {
     if (id.kind == ConstraintId::Kind::kSuture)
       for (int i = 0; i < 3; ++i) result.suture_multipliers[static_cast<std::size_t>(3 * id.index + i)] = multiplier[i];
   result.grip_multipliers = state.multipliers.of_held_node;
+  result.roller_multipliers = state.multipliers.of_roller_row;
+  for (const LoadState& load : state.loads) {
+    const Vec3& t = load.traction;
+    result.loads.insert(result.loads.end(), {static_cast<double>(load.index), t[0], t[1], t[2], load.pressure});
+  }
   result.activation = state.activation;
   const FrameStability& stability = state.stability;
   if (stability.constraints != 0.0 && std::isfinite(stability.lowest_stiffness)) {
@@ -126,6 +137,10 @@ TissueState<Real> imported(const SolverState& state) {
   for (std::size_t k = 0; k < multipliers.size(); ++k)
     result.multipliers.of_constraint[{ConstraintId::Kind::kSuture, static_cast<std::int32_t>(k)}] = multipliers[k];
   result.multipliers.of_held_node = state.grip_multipliers;
+  result.multipliers.of_roller_row = state.roller_multipliers;
+  for (std::size_t k = 0; k + 4 < state.loads.size(); k += 5)
+    result.loads.push_back(
+        {static_cast<std::int32_t>(state.loads[k]), Vec3::Map(&state.loads[k + 1]), state.loads[k + 4]});
   result.activation = state.activation;
   if (state.stability.size() >= 2) {
     result.stability.constraints = state.stability[0];

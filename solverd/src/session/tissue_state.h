@@ -28,6 +28,7 @@ struct TissueState {
   std::vector<double> suture_gaps;  // as in SolverState
   Multipliers multipliers;
   std::vector<double> activation;  // of the muscles, per material
+  std::vector<LoadState> loads;    // of the last frame
   FrameStability stability;
 
   void return_to_rest() {

@@ -4,13 +4,12 @@
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
 
-#include <Eigen/Geometry>
 #include <algorithm>
-#include <cmath>
 #include <map>
 #include <tuple>
 #include <vector>
 
+#include "force/constraints/face_samples.h"
 #include "lattice/embedding.h"
 #include "lattice/refused.h"
 
@@ -36,12 +35,11 @@ struct BedBucket {
   std::array<double, 8> weights{};
 };
 
-constexpr int kNoSide = 6;
-
 struct HeldFace {
   Index triangle = -1;
   std::array<std::int32_t, 2> groups{};
   int count = 0;
+  Index part = -1;  // of the fixed faces
   bool rests = false;
   double sample_area = 0.0;
   Vec3 normal = Vec3::Zero();
@@ -49,23 +47,12 @@ struct HeldFace {
   bool attached() const { return count > 0 && groups[static_cast<std::size_t>(count - 1)] == kBedGroup; }
 };
 
-int lattice_side(const EmbeddedPoint& point, const Vec3& normal) {
-  for (int axis = 0; axis < 3; ++axis) {
-    if (std::abs(normal[axis]) < 1 - 1e-6) continue;
-    double local = 0.0;
-    for (int c = 0; c < 8; ++c)
-      if (c >> (2 - axis) & 1) local += point.weights[c];
-    if (std::abs(local) < 1e-5) return 2 * axis;
-    if (std::abs(local - 1.0) < 1e-5) return 2 * axis + 1;
-  }
-  return kNoSide;
-}
-
 // Ordered: the result is deterministic.
 struct Buckets {
   std::map<std::tuple<std::int32_t, std::int32_t, int>, Bucket> held;  // by cell, group, side
   std::map<Index, RestingBucket> resting;                              // by cell
   std::map<Index, BedBucket> attached;                                 // by cell
+  std::map<std::pair<Index, int>, std::map<Index, double>> parts;      // areas of fixed parts by cell, side
 
   void add(const HeldFace& face, const Vec3& place, const EmbeddedPoint& point) {
     if (face.rests) {
@@ -81,6 +68,7 @@ struct Buckets {
       for (std::size_t p = 0; p < 8; ++p) bucket.weights[p] += face.sample_area * point.weights[p];
     }
     const int side = lattice_side(point, face.normal);
+    if (face.part >= 0) parts[{point.cell, side}][face.part] += face.sample_area;
     for (int g = 0; g < face.count; ++g) {
       auto& bucket = held[{point.cell, face.groups[g], side}];
       bucket.area += face.sample_area;
@@ -139,60 +127,63 @@ HeldFace held_face(std::uint8_t fixed, std::uint8_t bed, Index grip) {
   return face;
 }
 
-// Samples a face at the middles of small triangles of equal area.
 void sample(const Surface& surface, Index triangle, double spacing, HeldFace face, Samples& samples, Buckets& buckets) {
-  const auto& corners = surface.triangles[triangle];
-  const Vec3 a = surface.points[corners[0]];
-  const Vec3 ab = surface.points[corners[1]] - a;
-  const Vec3 ac = surface.points[corners[2]] - a;
-  const Vec3 cross = ab.cross(ac);
-  const double area = 0.5 * cross.norm();
-  if (area < 1e-12 * spacing * spacing) return;
+  const SampledFace sampled(surface, triangle, spacing);
+  if (!sampled.has_area()) return;
   face.triangle = triangle;
-  face.normal = cross.normalized();
-  const double longest = std::max({ab.norm(), ac.norm(), (ac - ab).norm()});
-  const int n = std::max(1, int(std::ceil(longest / (0.4 * spacing))));
-  face.sample_area = area / (n * n);
+  face.normal = sampled.normal();
+  face.sample_area = sampled.sample_area();
   samples.begin(face);
-  for (int i = 0; i < n; ++i)
-    for (int j = 0; j < 2 * (n - i) - 1; ++j) {  // the upright and inverted triangles of row i
-      const bool inverted = j % 2 == 1;
-      const double s = (j / 2 + (inverted ? 2.0 / 3 : 1.0 / 3)) / n, r = (i + (inverted ? 2.0 / 3 : 1.0 / 3)) / n;
-      samples.add(a + s * ab + r * ac, buckets);
+  sampled.for_each([&](const Vec3& point) { samples.add(point, buckets); });
+}
+
+// Prescribes the four nodes on a side of a cell; those that are fixed stay so, and of their part.
+void prescribe_side(const Lattice& lattice, Index cell, int side, Index group, Index part, Attachments& result) {
+  const int axis = side / 2, value = side % 2;
+  for (int c = 0; c < 8; ++c)
+    if ((c >> (2 - axis) & 1) == value) {
+      const Index node = lattice.cell_nodes[cell][c];
+      if (Index& owner = result.node_group[node]; owner != kFixedGroup) {
+        owner = group;
+        if (!result.part_of_node.empty()) result.part_of_node[node] = part;
+      }
     }
 }
 
-// Prescribes the four nodes on a side of a cell; those that are fixed stay so.
-void prescribe_side(const Lattice& lattice, Index cell, int side, Index group, std::vector<Index>& node_group) {
-  const int axis = side / 2, value = side % 2;
-  for (int c = 0; c < 8; ++c)
-    if ((c >> (2 - axis) & 1) == value)
-      if (Index& owner = node_group[lattice.cell_nodes[cell][c]]; owner != kFixedGroup) owner = group;
+// The part that most of the fixed face on a side of a cell is of; -1: none.
+Index largest_part(const Buckets& buckets, Index cell, int side) {
+  const auto areas = buckets.parts.find({cell, side});
+  if (areas == buckets.parts.end()) return -1;
+  return std::ranges::max_element(areas->second, {}, [](const auto& entry) { return entry.second; })->first;
 }
 
 }  // namespace
 
 Attachments attach(const Lattice& lattice, const Surface& surface, std::span<const std::uint8_t> fixed,
-                   std::span<const std::uint8_t> bed, std::span<const Index> grip,
-                   std::shared_ptr<const Ground> ground) {
+                   std::span<const std::uint8_t> bed, std::span<const Index> grip, std::shared_ptr<const Ground> ground,
+                   std::span<const Index> parts) {
   if (!ground && std::ranges::find(bed, kRestsOnBed) != bed.end())
     throw RefusedError(ErrorCode::kInternal, "Faces of the tissue rest on the bed, but no ground was given for them.");
   const double h = lattice.settings.spacing;
   Buckets buckets;
   Samples samples(lattice, surface);
   for (std::size_t t = 0; t < surface.triangles.size(); ++t)
-    if (const HeldFace face = held_face(fixed[t], bed[t], grip[t]); face.count > 0 || face.rests)
+    if (HeldFace face = held_face(fixed[t], bed[t], grip[t]); face.count > 0 || face.rests) {
+      if (fixed[t] && !parts.empty()) face.part = parts[t];
       sample(surface, to_index(t), h, face, samples, buckets);
+    }
   samples.flush(buckets);
 
   Attachments result;
   result.node_group.assign(lattice.node_rest.size(), kFree);
+  if (!parts.empty()) result.part_of_node.assign(lattice.node_rest.size(), -1);
   auto& held = buckets.held;
   for (; !held.empty(); held.erase(held.begin())) {  // what has become a form makes room
     const auto& [key, bucket] = *held.begin();
     const auto [cell, group, side] = key;
+    const Index part = group == kFixedGroup ? largest_part(buckets, cell, side) : -1;
     if (group != kBedGroup && side != kNoSide && bucket.area >= 0.5 * h * h) {
-      prescribe_side(lattice, cell, side, group, result.node_group);
+      prescribe_side(lattice, cell, side, group, part, result);
       continue;
     }
     FaceConstraint face{cell, group, bucket.area, bucket.gram};
@@ -202,6 +193,7 @@ Attachments attach(const Lattice& lattice, const Surface& surface, std::span<con
       face.area = h * h;
     }
     result.face_constraints.push_back(face);
+    if (!parts.empty()) result.part_of_face_constraint.push_back(part);
   }
   for (const auto& [cell, bucket] : buckets.resting) {
     const Vec3 rest = bucket.moment / bucket.area;

@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "force/constraints/ground.h"
+#include "force/constraints/rollers.h"
 #include "lattice/lattice.h"
 
 namespace lappet {
@@ -67,13 +68,17 @@ struct Attachments {
   std::vector<FaceConstraint> face_constraints;  // bed faces, and held faces off the lattice planes
   std::vector<RestingFace> resting;
   std::vector<BedFace> attached;
+  std::vector<RollerRow> rollers;
   std::shared_ptr<const Ground> ground;  // what they rest on; null where none does
+  // Which part of the fixed faces holds a node or is a face constraint's, -1: none; empty where they are one part.
+  std::vector<Index> part_of_node, part_of_face_constraint;
 };
 
 // Per triangle: fixed, 0 or 1; bed, 0, kAttachedToBed or kRestsOnBed; grip, retractor index or -1. A face both fixed
-// and gripped is fixed. ground: needed where triangles rest. Throws RefusedError without it.
+// and gripped is fixed. ground: needed where triangles rest. Throws RefusedError without it. parts: per triangle, to
+// which part of the fixed faces it belongs; empty: they are one.
 Attachments attach(const Lattice& lattice, const Surface& surface, std::span<const std::uint8_t> fixed,
                    std::span<const std::uint8_t> bed, std::span<const Index> grip,
-                   std::shared_ptr<const Ground> ground = nullptr);
+                   std::shared_ptr<const Ground> ground = nullptr, std::span<const Index> parts = {});
 
 }  // namespace lappet

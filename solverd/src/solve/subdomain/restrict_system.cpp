@@ -59,6 +59,7 @@ Attachments System<Real>::restricted_attachments(const Place& place,
   take(attachments_.face_constraints, restricted.face_constraints);
   take(attachments_.attached, restricted.attached);
   take(attachments_.resting, restricted.resting);
+  take(attachments_.rollers, restricted.rollers);
   restricted.ground = attachments_.ground;
   return restricted;
 }
@@ -107,6 +108,16 @@ std::unique_ptr<System<Real>> System<Real>::restricted(const Lattice& subdomain,
   result->rebuild_constraints();
   result->elastic_.set_activation(elastic_.activation());
   result->gravity_force_ = of_nodes(gravity_force_, place.nodes);
+  std::vector<FaceLoad> pressures;
+  for (const FaceLoad& load : loads_)
+    if (load.pressure != 0.0)
+      pressures.push_back(
+          {load.index, std::make_shared<const LoadedFaces>(*load.faces, place_of_cell), Vec3::Zero(), load.pressure});
+  std::vector<Real> own_u;
+  for (const std::int32_t n : place.nodes)
+    for (std::size_t i = 0; i < 3; ++i) own_u.push_back(u[3 * static_cast<std::size_t>(n) + i]);
+  result->set_loads(std::move(pressures), own_u);
+  result->traction_force_ = of_nodes(traction_force_, place.nodes);
   if (contact()) result->contact_ = std::make_unique<Contact>(*contact(), subdomain, place_of_cell);
   result->set_point_constraints(restricted_point_constraints(place, u));
   return result;
@@ -115,12 +126,20 @@ std::unique_ptr<System<Real>> System<Real>::restricted(const Lattice& subdomain,
 template <class Real>
 Multipliers System<Real>::restricted(const Multipliers& multipliers, const System& subdomain,
                                      const Place& place) const {
-  Multipliers result{multipliers.of_constraint, {}, {}};
+  Multipliers result;
+  result.of_constraint = multipliers.of_constraint;
   if (subdomain.has_held_faces_) result.of_held_node = of_nodes(multipliers.of_held_node, place.nodes);
   subdomain.fit(result);
   if (contact())
     result.of_contact_proxy =
         contact()->restrict_pressures(multipliers.of_contact_proxy, inverse(place.cells, lattice().cell_nodes.size()));
+  if (attachments_.rollers.empty()) return result;
+  const auto place_of_cell = inverse(place.cells, lattice().cell_nodes.size());
+  result.of_roller_row.clear();
+  for (std::size_t r = 0; r < multipliers.of_roller_row.size(); ++r)
+    if (place_of_cell[static_cast<std::size_t>(attachments_.rollers[r].cell)] >= 0)
+      result.of_roller_row.push_back(multipliers.of_roller_row[r]);
+  subdomain.fit(result);
   return result;
 }
 

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "lattice/node_field.h"
 #include "math/parallel.h"
@@ -80,7 +81,9 @@ Evaluation System<Real>::evaluate(std::span<const Real> u, const Multipliers& mu
     result.energy += result.contact.energy;
   }
   add_point_constraints(u, multipliers, result);
+  add_rollers(u, multipliers, result);
   add_drift(u, result);
+  add_loads(u, result);
   if (!gravity_force_.empty())
     result.energy -= reduce<1>(gravity_force_.size(), [&, g = result.gradient.data()](std::size_t i, double* out) {
       out[0] = gravity_force_[i] * static_cast<double>(u[i]);
@@ -183,11 +186,13 @@ void System<Real>::add_drift(std::span<const Real> u, Evaluation& result) const 
     }
 }
 
-// The gradient of prescribed nodes is no residual: it is set to zero.
+// The gradient of prescribed nodes is no residual but what holds them: it is set to zero.
 template <class Real>
 void System<Real>::measure_residual(Evaluation& result) {
-  for_each_index(free_.size(), [&, g = result.gradient.data()](std::size_t n) {
-    if (!free_[n]) g[3 * n] = g[3 * n + 1] = g[3 * n + 2] = 0.0;
+  result.holding.resize(3 * prescribed_nodes_.size());
+  for_each_index(prescribed_nodes_.size(), [&, g = result.gradient.data()](std::size_t k) {
+    const std::size_t n = 3 * static_cast<std::size_t>(prescribed_nodes_[k]);
+    for (std::size_t i = 0; i < 3; ++i) result.holding[3 * k + i] = std::exchange(g[n + i], 0.0);
   });
   const ResidualNorms norms = clusters_.norms(result.gradient, node_scale_, free_);
   result.residual = norms.residual;

@@ -5,6 +5,7 @@
 
 #include "force/constraints/contact.h"
 #include "force/constraints/contact_penalty.h"
+#include "force/constraints/loaded_faces.h"
 #include "force/constraints/point_constraint.h"
 
 namespace lappet {
@@ -20,8 +21,11 @@ struct EvaluationSummary {
 
 struct Evaluation : EvaluationSummary {
   std::vector<double> gradient;                   // 3 per node; 0 where a node is not free
+  std::vector<double> holding;                    // 3 per prescribed node: the force that holds it there, mN
   std::vector<ContactPenalty> contact_penalties;  // what the bed and the bones push with
   PointTangent point_tangent;                     // of the point constraints
+  std::vector<FaceMotion> pressed;                // of the samples of faces under pressure
+  double pressure_energy = 0.0;                   // theirs, part of `energy` (solve/system/loads.cpp)
   ContactState contact;                           // what the bones do
   std::uint64_t number = 0;                       // of the system's evaluations: see System::linearize
 };

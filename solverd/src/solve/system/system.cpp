@@ -83,6 +83,7 @@ void System<Real>::find_floating_cells() {
     const std::int32_t node = lattice.cell_nodes[static_cast<std::size_t>(face.cell)][0];
     held[fragment(static_cast<std::size_t>(node))] = 1;
   }
+  if (!attachments_.rollers.empty()) mark_rolling_fragments(held);
   floating_cells_.clear();
   for (std::size_t c = 0; c < lattice.cell_nodes.size(); ++c)
     if (!held[fragment(static_cast<std::size_t>(lattice.cell_nodes[c][0]))])
@@ -203,6 +204,11 @@ void System<Real>::linearize(const Evaluation& at, PsdProjection how) {
   elastic_.linearize(how);
   contact_penalties_ = at.contact_penalties;
   point_tangent_ = at.point_tangent;
+  pressed_from_ = at.pressed;
+  pressure_energy_from_ = at.pressure_energy;
+  // A definite tangent knows nothing of what a pressure softens or stiffens.
+  pressure_tangent_.clear();
+  if (how == PsdProjection::kExact && !at.pressed.empty()) linearize_pressures();
 }
 
 template <class Real>
@@ -219,6 +225,7 @@ void System<Real>::multiply(std::span<const Real> x, std::span<Real> y) const {
             static_cast<Real>(penalty.stiffness * along * penalty.weights[k] * penalty.direction[i]);
   }
   multiply_point_constraints(x, y);
+  if (!pressure_tangent_.empty()) multiply_pressure(x, y);
   for (const std::int32_t node : prescribed_nodes_)
     for (std::size_t i = 0; i < 3; ++i) y[3 * static_cast<std::size_t>(node) + i] = Real(0);
 }
@@ -307,6 +314,8 @@ double System<Real>::largest_gap(std::span<const Real> u, const Multipliers& mul
   for (const auto& constraint : point_constraints_)
     if (constraint.exact) gap = std::max(gap, constraint.gap(constraint.values(u), multipliers.of(constraint)));
   if (contact()) gap = std::max(gap, at.contact.excess);
+  for (const RollerRow& row : attachments_.rollers)
+    if (acts(row)) gap = std::max(gap, std::abs(off(row, u)));
   if (!has_held_faces_) return gap;
   for (const auto& face : attachments_.face_constraints) {
     if (face.group == kBedGroup || !acts(face)) continue;
@@ -334,6 +343,9 @@ void System<Real>::update(Multipliers& multipliers, std::span<const Real> u, con
           constraint.next_multiplier(constraint.values(u), multipliers.of(constraint));
   if (contact()) contact()->update_pressures(at.contact, multipliers.of_contact_proxy);
   fit(multipliers);
+  for (std::size_t r = 0; r < attachments_.rollers.size(); ++r)
+    if (acts(attachments_.rollers[r]))
+      multipliers.of_roller_row[r] += roller_stiffness() * off(attachments_.rollers[r], u);
   if (!has_held_faces_) return;
   std::vector<std::uint8_t> done(free_.size(), 0);
   for (const auto& face : attachments_.face_constraints) {
@@ -358,6 +370,8 @@ void System<Real>::stiffen_sutures(double factor) {
 
 template <class Real>
 void System<Real>::fit(Multipliers& multipliers) const {
+  if (auto& rows = multipliers.of_roller_row; rows.size() != attachments_.rollers.size())
+    rows.assign(attachments_.rollers.size(), 0.0);
   auto& held = multipliers.of_held_node;
   if (!has_held_faces_)
     held.clear();
@@ -370,6 +384,8 @@ std::size_t System<Real>::bytes() const {
   return elastic_.bytes() + attachments_.face_constraints.size() * sizeof(FaceConstraint) +
          3 * free_.size() * 8 * (has_held_faces_ ? 2 : 1) + node_scale_.size() * 8 + gravity_force_.size() * 8 +
          free_.size() + clusters_.bytes() + (contact_ ? contact_->bytes() : 0) +
+         attachments_.rollers.size() * (sizeof(RollerRow) + 8) + traction_force_.size() * 8 +
+         pressed_from_.size() * 2 * sizeof(FaceMotion) + pressure_tangent_.size() * sizeof(NodePairs) +
          (attachments_.ground ? attachments_.ground->bytes() : 0);
 }
 

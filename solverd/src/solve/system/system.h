@@ -1,5 +1,5 @@
-// The whole energy of a frame: elastic cells, attachments, point constraints, gravity, the push of the bed on resting
-// faces and of bones on whatever meets them; its gradient and its tangent product.
+// The whole energy of a frame: elastic cells, attachments, point constraints, gravity, loads on faces, the push of the
+// bed on resting faces and of bones on whatever meets them; its gradient and its tangent product.
 //
 // Prescribed nodes (fixed, or gripped on a lattice plane) are not unknowns: products and residuals are zero there. A
 // fragment that no face holds is kept near its rest position by a very weak bed, so that the tangent is never singular.
@@ -7,10 +7,12 @@
 #include <memory>
 
 #include "force/constraints/attachments.h"
+#include "force/constraints/loaded_faces.h"
 #include "force/elastic/elastic.h"
 #include "math/features.h"
 #include "solve/system/evaluation.h"
 #include "solve/system/multipliers.h"
+#include "solve/system/reaction.h"
 #include "solve/system/residual_clusters.h"
 #include "solve/system/work.h"
 
@@ -20,6 +22,21 @@ namespace lappet {
 struct BedStiffness {
   double normal = 0.0;  // of attached faces both ways, of resting ones where they sink
   double shear = 0.0;   // of attached faces; at most `normal`
+};
+
+// What acts on some faces: a traction that keeps its direction and the area at rest that it is measured by (kPa), and a
+// pressure that pushes on the area as it is now, against its normal (kPa).
+struct FaceLoad {
+  std::int32_t index = 0;  // tells these faces from others
+  std::shared_ptr<const LoadedFaces> faces;
+  Vec3 traction = Vec3::Zero();
+  double pressure = 0.0;
+};
+
+// A plane across the tissue at rest.
+struct Section {
+  Vec3 point;   // mm
+  Vec3 normal;  // unit
 };
 
 template <class Real>
@@ -44,6 +61,8 @@ class System {
   void set_retractors(std::span<const std::int32_t> active, std::span<const Eigen::Matrix4d> motions);
   // Those that hold exactly have different ids.
   void set_point_constraints(std::vector<PointConstraint> constraints);
+  // Those of the frame, which starts at u.
+  void set_loads(std::vector<FaceLoad> loads, std::span<const Real> u);
   // How active the muscle of each material is, in [0, 1].
   void set_activation(std::span<const double> activation) { elastic_.set_activation(activation); }
   // Where there are bones; null: none.
@@ -86,7 +105,16 @@ class System {
   void stiffen_sutures(double factor);
   // Makes room for those of the faces that are held now; zero where they are new.
   void fit(Multipliers& multipliers) const;
+  // The force that the tissue beyond each section, where its normal points, has on what lies before it, mN: the
+  // weighted sum of the cells' forces on their nodes, whose weight goes from 0 to 1 in a layer one spacing thick, the
+  // section in its middle. It is in balance with all that acts on the nodes by their weights. u: where it was evaluated
+  // last.
+  std::vector<Vec3> section_forces(std::span<const Section> sections, std::span<const Real> u);
   bool has_exact_constraints() const { return has_held_faces_ || has_sutures_; }
+  // Whether the pressures at u have an energy, as far as the nodes can move: else no equilibrium is a minimum of it.
+  bool pressures_have_energy(std::span<const Real> u) const;
+  // What holds the tissue in the equilibrium at u, by what holds it, in order. at: the evaluation at u.
+  std::vector<Reaction> reactions(std::span<const Real> u, const Multipliers& multipliers, const Evaluation& at) const;
 
   // Of the tangent: what the bed and the bones push with.
   std::span<const ContactPenalty> contact_penalties() const { return contact_penalties_; }
@@ -121,6 +149,18 @@ class System {
   void add_point_constraints(std::span<const Real> u, const Multipliers& multipliers, Evaluation& result) const;
   void multiply_point_constraints(std::span<const Real> x, std::span<Real> y) const;
   void add_drift(std::span<const Real> u, Evaluation& result) const;
+  void add_loads(std::span<const Real> u, Evaluation& result) const;
+  void add_pressures(std::span<const Real> u, Evaluation& result) const;
+  void linearize_pressures();
+  std::vector<FaceMotion> pressed_motions(std::span<const Real> u) const;
+  void leave_on_rollers(std::span<Real> x) const;
+  void multiply_pressure(std::span<const Real> x, std::span<Real> y) const;
+  Vec3 load_force(const FaceLoad& load, std::span<const FaceMotion> motions) const;
+  double roller_stiffness() const;
+  bool acts(const RollerRow& row) const;
+  double off(const RollerRow& row, std::span<const Real> u) const;
+  void add_rollers(std::span<const Real> u, const Multipliers& multipliers, Evaluation& result) const;
+  void mark_rolling_fragments(std::vector<std::uint8_t>& held) const;
   void measure_residual(Evaluation& result);
 
   void find_fragments();
@@ -137,7 +177,13 @@ class System {
   Attachments attachments_;
   BedStiffness bed_;
   double held_stiffness_;
-  std::vector<double> gravity_force_;  // 3 per node or empty
+  std::vector<double> gravity_force_;   // 3 per node or empty
+  std::vector<double> traction_force_;  // likewise
+  std::vector<FaceLoad> loads_;
+  // Where the work of the pressures is counted from, as in Evaluation: the state of the tangent.
+  std::vector<FaceMotion> pressed_from_;
+  double pressure_energy_from_ = 0.0;
+  std::vector<NodePairs> pressure_tangent_;  // of each cell of the faces under pressure; empty: it leaves them out
   std::vector<std::uint8_t> retractor_active_;
   std::vector<Eigen::Matrix4d> retractor_motion_;
   std::vector<PointConstraint> point_constraints_;

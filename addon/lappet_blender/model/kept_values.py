@@ -1,0 +1,57 @@
+"""What a scene holds of a procedure without tools for it: loads, sections and rollers, kept as they were read."""
+
+from __future__ import annotations
+
+import base64
+import binascii
+from dataclasses import dataclass, replace
+
+import bpy
+
+from lappet.core.array_codec import CodecError
+from lappet.core.value_codec import pack, unpack
+from lappet.procedure import Event, Pressure, Procedure, Roller, Section, Tissue, Traction
+
+KEPT_EVENTS = (Traction, Pressure, Section)
+
+
+@dataclass(frozen=True)
+class KeptValues:
+    """The values, each kind in the order of the procedure."""
+
+    tractions: tuple[Traction, ...] = ()
+    pressures: tuple[Pressure, ...] = ()
+    sections: tuple[Section, ...] = ()
+    rollers: tuple[Roller, ...] = ()
+
+    @property
+    def events(self) -> tuple[Event, ...]:
+        """The events among them."""
+        return (*self.tractions, *self.pressures, *self.sections)
+
+    def rolling(self, tissue: Tissue) -> Tissue:
+        """The tissue with the rollers whose faces it still has."""
+        return replace(tissue, rollers=tuple(each for each in self.rollers if each.faces in tissue.subsets))
+
+
+def keep(scene: bpy.types.Scene, procedure: Procedure) -> KeptValues:
+    """Store in the scene what it has no tools for, in place of what it kept before, and return it."""
+    kept = KeptValues(
+        tuple(each for each in procedure.events if isinstance(each, Traction)),
+        tuple(each for each in procedure.events if isinstance(each, Pressure)),
+        tuple(each for each in procedure.events if isinstance(each, Section)),
+        procedure.tissue.rollers,
+    )
+    scene.lappet.kept = "" if kept == KeptValues() else base64.b64encode(pack(kept)).decode("ascii")
+    return kept
+
+
+def kept_values(scene: bpy.types.Scene) -> KeptValues:
+    """What the scene keeps; nothing where that cannot be read."""
+    text = str(scene.lappet.kept)
+    if not text:
+        return KeptValues()
+    try:
+        return unpack(base64.b64decode(text, validate=True), KeptValues)
+    except (CodecError, binascii.Error, ValueError):
+        return KeptValues()
