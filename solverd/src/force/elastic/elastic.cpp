@@ -59,6 +59,7 @@ constexpr double kMinHourglass = 0.25;
 std::array<double, 4> hourglass_of_part(const MaterialShare& share, const MaterialParameters& material,
                                         double laplacian) {
   const Vec3 s = share.scale.cast<double>();
+  if (s == Vec3::Ones()) return {1.0, 1.0, 1.0, 0.5};
   const auto of_pair = [&](Eigen::Index a, Eigen::Index b) {
     const double thin = std::min(s[a], s[b]);
     return std::clamp((1.0 + material.poissons_ratio) / laplacian * thin * thin, kMinHourglass, 1.0);
@@ -134,7 +135,8 @@ std::pair<MaterialParameters, double> Elastic<Real>::material_in(std::size_t mat
 }
 
 template <class Real>
-void Elastic<Real>::fill_record(Real* record, std::size_t stride, std::size_t material, std::size_t cell) const {
+void Elastic<Real>::fill_record(Real* record, std::size_t stride, std::size_t material, std::size_t cell,
+                                int family) const {
   const auto [m, third] = material_in(material, cell);
   const auto put = [&](int field, double value) { record[field * stride] = Real(value); };
   put(kMu, m.mu());
@@ -147,7 +149,8 @@ void Elastic<Real>::fill_record(Real* record, std::size_t stride, std::size_t ma
   put(kFiberThreshold, m.fiber_slack * m.fiber_slack - 1.0);
   put(kMuscle, muscle(material));
   const Vec3 direction = m.fiber_direction.normalized(), normal = normal_of(cell);
-  for (int i = 0; i < 3; ++i) put(kFiberDirection + i, direction[i]);
+  const Vec3 own = direction_of_family(m, normal, family);
+  for (int i = 0; i < 3; ++i) put(kFiberDirection + i, own[i]);
   if (!features_.prestretched) return;
   const bool upright = normal.cross(direction).norm() < 1e-3;
   const Eigen::Matrix3d a = prestretch_matrix(m, upright ? direction.unitOrthogonal() : normal, third);
@@ -216,7 +219,8 @@ void Elastic<Real>::fill_shares(double laplacian) {
     const auto hourglass = hourglass_of_part(share, materials_.table[share.material], laplacian);
     for (std::size_t m = 0; m < 4; ++m) field(slot, kShareHourglass + m) = Real(hourglass[m]);
     if (!uniform_)
-      fill_record(&material_[slot / lanes * record_fields_ * lanes + slot % lanes], lanes, share.material, share.cell);
+      fill_record(&material_[slot / lanes * record_fields_ * lanes + slot % lanes], lanes, share.material, share.cell,
+                  share.family);
     fill_volume(slot, share.cell, share.material, laplacian, double(share.volume));
   });
 }
@@ -380,12 +384,15 @@ CellMeasures Elastic<Real>::measures(Index cell, std::span<const Real> u) const 
   for (int i = 0; i < 3; ++i) principal[i] = sigma[i] * p_hat[i] / j;
   if (features_.fibers) {
     Eigen::Matrix3d stress = Eigen::Vector3d(principal[0], principal[1], principal[2]).asDiagonal();
-    const auto fiber = fiber_state(material, lanes, sigma, rotation_v);
-    const auto response =
-        fiber_response(fiber.i1, fiber.i4, fiber.j, load_fiber<double>(material, lanes, arrays_.active));
-    for (int i = 0; i < 3; ++i) {
-      stress(i, i) += (response.shear * sigma[i] + response.pressure * fiber.c[i]) * sigma[i] / j;
-      for (int k = 0; k < 3; ++k) stress(i, k) += response.along * fiber.fa[i] * fiber.fa[k] / j;
+    const auto shares = materials_.shares_of(cell);
+    if (shares.empty() || shares[0].family == 0) {
+      stress += fiber_stress(material, lanes, sigma, rotation_v);
+    } else {
+      for (const int family : {1, -1}) {
+        Real record[kMaterialFields] = {};
+        fill_record(record, 1, material_of(cell), cell, family);
+        stress += 0.5 * fiber_stress(record, 1, sigma, rotation_v);
+      }
     }
     const double packed[6] = {stress(0, 0), stress(0, 1), stress(0, 2), stress(1, 1), stress(1, 2), stress(2, 2)};
     double axes[9];
@@ -394,6 +401,20 @@ CellMeasures Elastic<Real>::measures(Index cell, std::span<const Real> u) const 
   const double d01 = principal[0] - principal[1], d12 = principal[1] - principal[2], d20 = principal[2] - principal[0];
   return {sigma[0], std::sqrt(0.5 * (d01 * d01 + d12 * d12 + d20 * d20)),
           std::max({principal[0], principal[1], principal[2]})};
+}
+
+template <class Real>
+Eigen::Matrix3d Elastic<Real>::fiber_stress(const Real* record, int lanes, const double (&sigma)[3],
+                                            const double (&rotation_v)[9]) const {
+  const double j = std::max(sigma[0] * sigma[1] * sigma[2], 1e-6);
+  const auto fiber = fiber_state(record, lanes, sigma, rotation_v);
+  const auto response = fiber_response(fiber.i1, fiber.i4, fiber.j, load_fiber<double>(record, lanes, arrays_.active));
+  Eigen::Matrix3d stress = Eigen::Matrix3d::Zero();
+  for (int i = 0; i < 3; ++i) {
+    stress(i, i) += (response.shear * sigma[i] + response.pressure * fiber.c[i]) * sigma[i] / j;
+    for (int k = 0; k < 3; ++k) stress(i, k) += response.along * fiber.fa[i] * fiber.fa[k] / j;
+  }
+  return stress;
 }
 
 template <class Real>

@@ -93,8 +93,11 @@ class Elastic {
   void fill_shares(double laplacian);
   // Volume and stabilization of a part of a cell.
   void fill_volume(std::size_t slot, std::size_t cell, std::size_t material, double laplacian, double part);
-  // Writes what a cell is made of, field by field with `stride` between them.
-  void fill_record(Real* record, std::size_t stride, std::size_t material, std::size_t cell) const;
+  // Writes what a cell is made of, field by field with `stride` between them. family: MaterialShare's.
+  void fill_record(Real* record, std::size_t stride, std::size_t material, std::size_t cell, int family = 0) const;
+  // What the fibers and muscle of a record add to the Cauchy stress, in the frame of the decomposition of F.
+  Eigen::Matrix3d fiber_stress(const Real* record, int lanes, const double (&sigma)[3],
+                               const double (&rotation_v)[9]) const;
   // The material as it is in a cell, and its prestretch normal to the skin.
   std::pair<MaterialParameters, double> material_in(std::size_t material, std::size_t cell) const;
   // Calls body(slot, share, further) for each share of a cell that is computed; further: it is not the largest.
