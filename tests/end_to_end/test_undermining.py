@@ -6,6 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from test_examples import script
 
 from lappet.daemon.daemon_solver import connect_to, solver_identity
 from lappet.procedure import Material, Undermine
@@ -14,7 +15,6 @@ from lappet.program.settings import SolverSettings
 from lappet.solve.solve_frames import SolveObserver, solve_program
 from lappet.solve.store import FrameStore
 from lappet.tissue.presets.skin import FACE, SKIN
-from test_examples import script
 
 # Shares of the closing force: 13.6 % in piglets (Plast Reconstr Surg 107:1201, 2001) to about 30 %.
 LEAST, MOST = 0.136, 0.30
@@ -34,7 +34,7 @@ def closing_force(skin: Material, undermined: bool, folder: Path) -> float:
 
 @pytest.mark.slow
 @pytest.mark.timeout(300)
-@pytest.mark.parametrize("skin", (SKIN.material, FACE.material), ids=lambda skin: skin.name)
+@pytest.mark.parametrize("skin", [SKIN.material, FACE.material], ids=lambda skin: skin.name)
 def test_undermining_takes_off_as_much_of_the_closing_force_as_was_measured(skin: Material, tmp_path: Path) -> None:
     held, freed = (closing_force(skin, undermined, tmp_path) for undermined in (False, True))
     assert LEAST <= 1.0 - freed / held <= MOST

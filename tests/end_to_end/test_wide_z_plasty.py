@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from test_examples import script
 
 from lappet.daemon.daemon_solver import connect_to, solver_identity
 from lappet.daemon.solved_frame import SolvedFrame
@@ -16,7 +17,6 @@ from lappet.program.settings import SolverSettings
 from lappet.solve.solve_frames import SolveObserver, solve_program
 from lappet.solve.store import FrameStore
 from lappet.tissue.presets.skin import FACE, SCALP, SKIN
-from test_examples import script
 
 SKINS = (SKIN.material, FACE.material, SCALP.material, Material("slack", youngs_modulus=50.0, poissons_ratio=0.45))
 SPACING = 2.0  # mm: its limbs of 90° lie along the lattice, which hardly tells their three rows of sutures apart
