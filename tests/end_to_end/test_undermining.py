@@ -34,7 +34,7 @@ def closing_force(skin: Material, undermined: bool, folder: Path) -> float:
 
 @pytest.mark.slow
 @pytest.mark.timeout(300)
-@pytest.mark.parametrize("skin", (SKIN.material, FACE.material), ids=lambda skin: skin.name)
+@pytest.mark.parametrize("skin", [SKIN.material, FACE.material], ids=lambda skin: skin.name)
 def test_undermining_takes_off_as_much_of_the_closing_force_as_was_measured(skin: Material, tmp_path: Path) -> None:
     held, freed = (closing_force(skin, undermined, tmp_path) for undermined in (False, True))
     assert LEAST <= 1.0 - freed / held <= MOST
