@@ -188,7 +188,7 @@ TEST(AnchorStencil, ItsForceIsTheGradientOfItsEnergy) {
   PointConstraint suture = make_suture(lattice, left, right, Vec3(0.1, 0.2, 0.3), 5000.0);
   suture.id.kind = ConstraintId::Kind::kSuture;
   system.set_point_constraints({suture, make_hook(lattice, left, Vec3(5, 5, 5), 300.0)});
-  const Multipliers multipliers{{{suture.id, Vec3(10, -20, 30)}}, {}, {}};
+  const Multipliers multipliers{{{suture.id, Vec3(10, -20, 30)}}, {}, {}, {}};
   std::mt19937 random(5);
   std::uniform_real_distribution<double> draw(-0.05, 0.05);
   std::vector<double> u(3 * system.nodes()), way(u.size()), trial(u.size());
