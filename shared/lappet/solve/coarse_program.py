@@ -88,6 +88,5 @@ def coarse_program(program: Program) -> Program:
             precision="float",
             tolerance=max(settings.tolerance, SUTURED_TOLERANCE if sutured else COARSE_TOLERANCE),
             gap_tolerance=max(settings.gap_tolerance, SUTURED_GAP if sutured else COARSE_GAP),
-            strain=False,
         ),
     )

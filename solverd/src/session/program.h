@@ -191,7 +191,7 @@ struct FrameFields {
   std::vector<double> hook_points;                         // 3 per hook: where the anchor is now, mm
   std::vector<double> suture_points;                       // 6 per active suture: both ends, mm
   std::vector<double> inner_bite_points;    // 3 per anchor between the ends of a suture, in their order, mm
-  std::vector<double> suture_shared;        // per active suture: shared_hold of its two ends
+  std::vector<double> suture_shared;        // per two anchors of a suture that follow each other: their shared_hold
   std::vector<std::int32_t> holders;        // 2 per reaction: Holder::Kind, index (solve/system/reaction.h)
   std::vector<double> reactions;            // 3 per reaction, mN, on the tissue
   std::vector<double> section_forces;       // 3 per section, mN: what lies beyond it pulls with

@@ -6,7 +6,8 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from lappet.reports.error_estimate.measurement import FACTOR, EstimateRow
+from lappet.reports.error_estimate.measured_values import FACTOR
+from lappet.reports.error_estimate.measurement import EstimateRow
 from lappet.solve.coarse_program import RATIO
 
 # What is tried: beyond the limits of every order that the estimate reckons with, in steps of what rows can tell.

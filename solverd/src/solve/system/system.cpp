@@ -362,6 +362,13 @@ void System<Real>::update(Multipliers& multipliers, std::span<const Real> u, con
 }
 
 template <class Real>
+void System<Real>::stiffen_sutures(double factor) {
+  for (PointConstraint& constraint : point_constraints_)
+    if (constraint.exact && constraint.compliance == 0.0) constraint.stiffness *= factor;
+  ++revision_;
+}
+
+template <class Real>
 void System<Real>::fit(Multipliers& multipliers) const {
   if (auto& rows = multipliers.of_roller_row; rows.size() != attachments_.rollers.size())
     rows.assign(attachments_.rollers.size(), 0.0);
