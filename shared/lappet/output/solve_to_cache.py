@@ -64,10 +64,6 @@ class SolveResult:
         Estimate of the errors of `frames`, or None where none was wanted.
     measures
         What is measured at each of `frames`, with its estimated errors where these are wanted.
-    reactions
-        The force of whatever holds or loads the tissue in each frame.
-    sections
-        The force across each section in each frame.
     """
 
     procedure: Procedure
@@ -81,8 +77,6 @@ class SolveResult:
     notes: tuple[Problem, ...] = ()
     errors: ErrorEstimate | None = None
     measures: tuple[FrameMeasures, ...] = ()
-    reactions: tuple[Reaction, ...] = ()
-    sections: tuple[SectionTension, ...] = ()
 
     @property
     def suture_forces(self) -> tuple[SutureForce, ...]:
@@ -98,6 +92,17 @@ class SolveResult:
     def seams(self) -> tuple[SeamMeasure, ...]:
         """What is measured at each seam in each frame."""
         return tuple(state.measure for each in self.measures for state in each.seams)
+
+    @property
+    def reactions(self) -> tuple[Reaction, ...]:
+        """The force of whatever holds or loads the tissue in each frame."""
+        return tuple(row for frame in self.frames for row in reactions(self.program, frame.solved))
+
+    @property
+    def sections(self) -> tuple[SectionTension, ...]:
+        """The force across each section in each frame."""
+        frames = [(frame.constraints.epoch, frame.solved) for frame in self.frames]
+        return tuple(section_tensions(self.program, frames))
 
     @property
     def complete(self) -> bool:
@@ -211,8 +216,6 @@ def solve_procedure(
         (*watch.notes, *found),
         errors,
         tuple(measures),
-        tuple(row for frame in result.frames for row in reactions(program, frame.solved)),
-        tuple(section_tensions(program, [(each.constraints.epoch, each.solved) for each in result.frames])),
     )
 
 
