@@ -189,7 +189,11 @@ EmbeddedPoint Embedder::embed(const Vec3& point, std::span<const Index> triangle
   const Vec3 at = r * (grid - Vec3(low[0], low[1], low[2]));
   Voxel voxel = inner_voxel(at, triangles);
   if (voxel[0] < 0) voxel = nearest_of_all(at);
-  const Index cell = walk_to_cell(at, voxel);
+  const Index cell = voxel[0] < 0 ? -1 : walk_to_cell(at, voxel);
+  if (cell < 0)
+    throw RefusedError(ErrorCode::kInvalidInput, "No cell of the lattice is near the point (" + shown(point.x()) +
+                                                     ", " + shown(point.y()) + ", " + shown(point.z()) +
+                                                     ") mm; points lie in the tissue or on its surface.");
   return {cell, trilinear_weights(lattice_, cell, point)};
 }
 
@@ -224,10 +228,8 @@ EmbeddedPoint Embedder::embed_near(const Vec3& point, Index triangle) {
   const Vec3 at =
       (point - lattice_.settings.origin) * voxels_per_mm_ - fine_.box().ratio * Vec3(low[0], low[1], low[2]);
   if (distance_to_surface(at, triangle) > kHalfDiagonal) {
-    const Vec3 down = at.array().floor();
-    const Index cell = fine_.lattice_cell(Voxel{static_cast<std::int32_t>(down[0]), static_cast<std::int32_t>(down[1]),
-                                                static_cast<std::int32_t>(down[2])});
-    if (cell >= 0) return {cell, trilinear_weights(lattice_, cell, point)};
+    if (const Index cell = fine_.lattice_cell(fine_.box().voxel_at(at)); cell >= 0)
+      return {cell, trilinear_weights(lattice_, cell, point)};
   }
   return embed(point, {&triangle, 1});
 }

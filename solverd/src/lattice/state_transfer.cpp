@@ -36,8 +36,8 @@ std::vector<Index> find_ancestors(const Lattice& from, const Lattice& to) {
       if (old_place < 0) continue;
       if (new_fine.is_whole(place) && old_fine.is_whole(old_place)) {
         const auto& old_at = old_fine.position(old_place);
-        ancestor[new_fine.lattice_cell({at[0] * r, at[1] * r, at[2] * r})] =
-            old_fine.lattice_cell({old_at[0] * r, old_at[1] * r, old_at[2] * r});
+        const Index cell = new_fine.lattice_cell({at[0] * r, at[1] * r, at[2] * r});
+        if (cell >= 0) ancestor[cell] = old_fine.lattice_cell({old_at[0] * r, old_at[1] * r, old_at[2] * r});
         continue;
       }
       overlaps.clear();

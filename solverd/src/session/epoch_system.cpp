@@ -25,6 +25,7 @@ template <class Real>
 EpochSystem<Real>::EpochSystem(const EpochInput& epoch, const SessionSettings& settings,
                                std::shared_ptr<const SignedDistance> bones, std::shared_ptr<const Ground> ground)
     : surface(epoch.surface),
+      box(box_around(surface)),
       lattice(build_lattice(surface, lattice_settings(settings))),
       system(lattice, assign_materials(lattice, settings.materials, epoch.skin, epoch.regions, epoch.skin_fields),
              settings.quadrature, attach(lattice, surface, epoch.fixed, epoch.bed, epoch.grip, std::move(ground)),

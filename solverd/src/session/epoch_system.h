@@ -3,6 +3,7 @@
 #include <memory>
 #include <vector>
 
+#include "lattice/surface_box.h"
 #include "session/frame_constraints.h"
 #include "solve/multigrid/two_level.h"
 
@@ -23,6 +24,7 @@ struct EpochSystem {
   EpochReport report(bool with_nodes) const;
 
   Surface surface;
+  Box3 box;  // around it
   Lattice lattice;
   System<Real> system;
   TwoLevel<Real> preconditioner;

@@ -70,7 +70,7 @@ class TypedSession : public Session::Implementation {
   FrameOutput solve(const FrameInput& frame, const ProgressCallback& progress,
                     const std::atomic<bool>& cancel) override {
     if (!epoch_) throw RefusedError(ErrorCode::kOutOfOrder, "a frame came before any epoch; send the epoch first");
-    check_frame(frame, settings_, epoch_->surface);
+    check_frame(frame, settings_, epoch_->surface, epoch_->box);
     return arena_.execute([&] { return solve_frame(frame, progress, cancel); });
   }
 

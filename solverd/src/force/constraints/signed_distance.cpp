@@ -272,6 +272,13 @@ SignedDistance::SignedDistance(const Surface& surface, double spacing, double de
                       "that the tissue cannot reach, or raise the budget",
                       bytes / 0x1p30, spacing, double(memory_budget) / 0x1p30));
   };
+  for (std::size_t a = 0; a < 3; ++a)
+    if (box.voxels(a) >= kMaxVoxelsPerAxis)
+      throw RefusedError(
+          ErrorCode::kMemoryBudget,
+          fmt::format("the distance field of the bones needs {} nodes along one side at a spacing of {:g} "
+                      "mm, {} at most; use a larger spacing or leave out bone that the tissue cannot reach",
+                      box.voxels(a), spacing, kMaxVoxelsPerAxis));
   double places = 1.0;
   for (std::size_t a = 0; a < 3; ++a) {
     blocks_[a] = (box.voxels(a) + 2 * kMargin + kBlock - 1) / kBlock;
