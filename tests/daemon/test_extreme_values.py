@@ -9,6 +9,7 @@ import pytest
 from numpy.typing import NDArray
 
 from box_scene import box, epoch_arrays, open_fields, pull
+from lappet.daemon.wire import Message
 from lappet.program.payloads import solve_payload
 from raw_peer import Raw
 
@@ -65,17 +66,18 @@ def with_number(array: NDArray[Any], number: float) -> NDArray[Any]:
     return changed
 
 
-def is_refused(raw: Raw, kind: str, fields: dict[str, Any], arrays: dict[str, Any]) -> None:
+def refusal(raw: Raw, kind: str, fields: dict[str, Any], arrays: dict[str, Any]) -> Message:
     reply = raw.ask(kind, fields, arrays)
     assert reply.type == "error", (kind, reply.type)
     assert reply.fields["code"] == "invalid_input", reply.fields
+    return reply
 
 
 @pytest.mark.parametrize("number", FAR)
 def test_coordinates_of_an_epoch_are_bounded(raw: Raw, number: float) -> None:
     assert raw.ask("open", open_fields(retractors=1)).type == "opened"
     for name in ("points", "landmarks", "ground_points", "skin_points", "skin_directions"):
-        is_refused(raw, "epoch", {"index": 0}, gripped(**{name: with_number(gripped()[name], number)}))
+        refusal(raw, "epoch", {"index": 0}, gripped(**{name: with_number(gripped()[name], number)}))
     assert raw.ask("epoch", {"index": 0}, gripped()).type == "lattice"
 
 
@@ -88,7 +90,7 @@ def test_coordinates_of_a_frame_and_of_a_state_are_bounded(raw: Raw, number: flo
     for name in (
         "hook_anchors", "hook_targets", "suture_anchors", "suture_length", "inner_bite_anchors", "retractor_motion"
     ):  # fmt: skip
-        is_refused(raw, "solve", {"time": 2.0}, solve_arrays(**{name: with_number(solve_arrays()[name], number)}))
+        refusal(raw, "solve", {"time": 2.0}, solve_arrays(**{name: with_number(solve_arrays()[name], number)}))
     state = {
         name: before.arrays[name]
         for name in (
@@ -96,7 +98,7 @@ def test_coordinates_of_a_frame_and_of_a_state_are_bounded(raw: Raw, number: flo
         )
     }  # fmt: skip
     for name in ("nodes", "suture_separations"):
-        is_refused(raw, "state", {"precision": "float"}, {**state, name: with_number(state[name], number)})
+        refusal(raw, "state", {"precision": "float"}, {**state, name: with_number(state[name], number)})
     after = raw.ask("solve", {"time": 1.0}, solve_arrays())
     assert after.fields["converged"]
     assert np.isfinite(after.arrays["points"]).all()
@@ -106,17 +108,17 @@ def test_coordinates_of_a_frame_and_of_a_state_are_bounded(raw: Raw, number: flo
 def test_coordinates_of_a_session_are_bounded(raw: Raw, number: float) -> None:
     surface = box()
     bones = {"bone_points": with_number(surface.points - [0.0, 0.0, 9.0], number), "bone_triangles": surface.triangles}
-    is_refused(raw, "open", open_fields(), bones)
-    is_refused(raw, "open", open_fields(spacing=abs(number)), {})
-    is_refused(raw, "open", open_fields(origin=[0.0, number, 0.0]), {})
+    refusal(raw, "open", open_fields(), bones)
+    refusal(raw, "open", open_fields(spacing=abs(number)), {})
+    refusal(raw, "open", open_fields(origin=[0.0, number, 0.0]), {})
     assert raw.ask("open", open_fields()).type == "opened"
 
 
 @pytest.mark.parametrize("away", [20.0, 1e4, 1e7])
-def test_an_anchor_that_no_tissue_is_near_is_refused(raw: Raw, away: float) -> None:
+def test_an_anchor_that_no_tissue_is_near_refusal(raw: Raw, away: float) -> None:
     """The box is 6 mm from corner to corner; its trilinear functions grow with the third power of the distance."""
     assert raw.ask("open", open_fields(retractors=1)).type == "opened"
-    is_refused(raw, "epoch", {"index": 0}, gripped(landmarks=np.array([[0.0, away, 0.0]])))
+    refusal(raw, "epoch", {"index": 0}, gripped(landmarks=np.array([[0.0, away, 0.0]])))
     assert raw.ask("epoch", {"index": 0}, gripped()).type == "lattice"
     for name in ("hook_anchors", "suture_anchors", "inner_bite_anchors"):
         reply = raw.ask("solve", {"time": 1.0}, solve_arrays(**{name: with_number(solve_arrays()[name], away)}))
