@@ -16,8 +16,8 @@ import numpy as np
 from box_scene import box, pull
 from lappet.cutting.epoch import Epoch
 from lappet.daemon.client import SolverClient
-from lappet.daemon.frame_solver import SolverState
 from lappet.daemon.process import SolverDaemon
+from lappet.daemon.solved_frame import SolverState
 from lappet.program.program import FrameConstraints
 from lappet.program.settings import SolverSettings
 
@@ -60,7 +60,9 @@ def begun(client: SolverClient) -> SolverState:
     """A session with its epoch, and the state that every run of frames begins with."""
     client.open(SolverSettings(spacing=1.0, threads=1, memory_budget=1 << 28))
     client.set_epoch(Epoch(0, 1.0, box(SIZE), 1))
-    return client.solve(FrameConstraints(0.5, 0)).state
+    state = client.solve(FrameConstraints(0.5, 0)).state
+    assert state is not None
+    return state
 
 
 def run_of_frames(client: SolverClient, start: SolverState) -> list[dict[str, bytes]]:
