@@ -247,7 +247,7 @@ std::array<double, 8> trilinear_weights(const Lattice& lattice, Index cell, cons
   return weights;
 }
 
-std::vector<EmbeddedPoint> embed_surface(const Lattice& lattice, const Surface& surface) {
+std::vector<EmbeddedPoint> embed_surface(const Lattice& lattice, const Surface& surface, const Interrupt& interrupt) {
   std::vector<Index> corners;
   corners.reserve(3 * surface.triangles.size());
   for (const auto& t : surface.triangles) corners.insert(corners.end(), t.begin(), t.end());
@@ -257,6 +257,7 @@ std::vector<EmbeddedPoint> embed_surface(const Lattice& lattice, const Surface& 
   std::vector<EmbeddedPoint> result(surface.points.size());
   tbb::enumerable_thread_specific<Embedder> embedder([&] { return Embedder(lattice, surface); });
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, surface.points.size(), 64), [&](const auto& range) {
+    interrupt.check();
     Embedder& local = embedder.local();
     for (std::size_t p = range.begin(); p != range.end(); ++p) result[p] = local.embed(surface.points[p], triangles[p]);
   });

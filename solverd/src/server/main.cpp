@@ -25,7 +25,9 @@ namespace {
 class SessionPort final : public SolverPort {
  public:
   explicit SessionPort(const SessionSettings& settings) : session_(settings) {}
-  EpochReport set_epoch(const EpochInput& epoch) override { return session_.set_epoch(epoch); }
+  EpochReport set_epoch(const EpochInput& epoch, const std::atomic<bool>& cancel) override {
+    return session_.set_epoch(epoch, cancel);
+  }
   void set_state(const SolverState& state) override { session_.set_state(state); }
   FrameOutput solve(const FrameInput& frame, const ProgressCallback& progress,
                     const std::atomic<bool>& cancel) override {

@@ -23,19 +23,24 @@ LatticeSettings lattice_settings(const SessionSettings& settings) {
 
 template <class Real>
 EpochSystem<Real>::EpochSystem(const EpochInput& epoch, const SessionSettings& settings,
-                               std::shared_ptr<const SignedDistance> bones, std::shared_ptr<const Ground> ground)
+                               std::shared_ptr<const SignedDistance> bones, std::shared_ptr<const Ground> ground,
+                               const Interrupt& interrupt)
     : surface(epoch.surface),
       box(box_around(surface)),
-      lattice(build_lattice(surface, lattice_settings(settings))),
-      system(lattice, assign_materials(lattice, settings.materials, epoch.skin, epoch.regions, epoch.skin_fields),
-             settings.quadrature, attach(lattice, surface, epoch.fixed, epoch.bed, epoch.grip, std::move(ground)),
+      lattice(build_lattice(surface, lattice_settings(settings), interrupt)),
+      system(lattice,
+             assign_materials(lattice, settings.materials, epoch.skin, epoch.regions, epoch.skin_fields, interrupt),
+             settings.quadrature,
+             attach(lattice, surface, epoch.fixed, epoch.bed, epoch.grip, std::move(ground), interrupt),
              settings.retractors, BedStiffness{settings.bed_stiffness, settings.bed_shear}, settings.gravity),
       preconditioner(system, kChebyshevDegree),
       constraints(settings, lattice, surface, system) {
-  if (bones) system.set_contact(contact_with_bones(std::move(bones), lattice, epoch, settings));
+  if (bones) system.set_contact(contact_with_bones(std::move(bones), lattice, epoch, settings, interrupt));
   if (settings.preconditioner == "chebyshev") preconditioner.smoother_only();
-  for (std::size_t k = 0; k < epoch.landmarks.size(); ++k)
+  for (std::size_t k = 0; k < epoch.landmarks.size(); ++k) {
+    interrupt.check();
     landmarks.push_back(embed_on_triangle(lattice, surface, epoch.landmarks[k], epoch.landmark_triangles[k]));
+  }
 }
 
 template <class Real>

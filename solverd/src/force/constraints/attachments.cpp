@@ -11,6 +11,7 @@
 #include <tuple>
 #include <vector>
 
+#include "force/constraints/face_pieces.h"
 #include "lattice/embedding.h"
 #include "lattice/refused.h"
 
@@ -37,6 +38,7 @@ struct BedBucket {
 };
 
 constexpr int kNoSide = 6;
+constexpr double kSampleEdge = 0.4;  // of the small triangles that sample a face, spacings
 
 struct HeldFace {
   Index triangle = -1;
@@ -94,8 +96,8 @@ struct Buckets {
 // Samples are embedded in parallel and added in order, a batch at a time.
 class Samples {
  public:
-  Samples(const Lattice& lattice, const Surface& surface)
-      : embedder_([&lattice, &surface] { return Embedder(lattice, surface); }) {}
+  Samples(const Lattice& lattice, const Surface& surface, const Interrupt& interrupt)
+      : interrupt_(interrupt), embedder_([&lattice, &surface] { return Embedder(lattice, surface); }) {}
 
   // The face that the next samples lie on.
   void begin(const HeldFace& face) { faces_.push_back(face); }
@@ -104,6 +106,7 @@ class Samples {
     if (samples_.size() == kBatch) flush(buckets);
   }
   void flush(Buckets& buckets) {
+    interrupt_.check();
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, samples_.size(), 64), [&](const auto& range) {
       Embedder& embedder = embedder_.local();
       for (std::size_t i = range.begin(); i != range.end(); ++i) {
@@ -123,6 +126,7 @@ class Samples {
     std::size_t face;
     EmbeddedPoint embedded;
   };
+  const Interrupt& interrupt_;
   tbb::enumerable_thread_specific<Embedder> embedder_;
   std::vector<HeldFace> faces_;
   std::vector<Sample> samples_;
@@ -150,16 +154,19 @@ void sample(const Surface& surface, Index triangle, double spacing, HeldFace fac
   if (area < 1e-12 * spacing * spacing) return;
   face.triangle = triangle;
   face.normal = cross.normalized();
-  const double longest = std::max({ab.norm(), ac.norm(), (ac - ab).norm()});
-  const int n = std::max(1, int(std::ceil(longest / (0.4 * spacing))));
-  face.sample_area = area / (n * n);
-  samples.begin(face);
-  for (int i = 0; i < n; ++i)
-    for (int j = 0; j < 2 * (n - i) - 1; ++j) {  // the upright and inverted triangles of row i
-      const bool inverted = j % 2 == 1;
-      const double s = (j / 2 + (inverted ? 2.0 / 3 : 1.0 / 3)) / n, r = (i + (inverted ? 2.0 / 3 : 1.0 / 3)) / n;
-      samples.add(a + s * ab + r * ac, buckets);
-    }
+  for_each_piece(
+      {a, surface.points[corners[1]], surface.points[corners[2]]}, kSampleEdge * spacing, [&](const FacePiece& piece) {
+        const int n = piece.n;
+        const Vec3 first = piece.at[0], along = piece.at[1] - first, across = piece.at[2] - first;
+        face.sample_area = piece.area() / (1.0 * n * n);
+        samples.begin(face);
+        for (int i = 0; i < n; ++i)
+          for (int j = 0; j < 2 * (n - i) - 1; ++j) {  // the upright and inverted triangles of row i
+            const bool inverted = j % 2 == 1;
+            const double s = (j / 2 + (inverted ? 2.0 / 3 : 1.0 / 3)) / n, r = (i + (inverted ? 2.0 / 3 : 1.0 / 3)) / n;
+            samples.add(first + s * along + r * across, buckets);
+          }
+      });
 }
 
 // Prescribes the four nodes on a side of a cell; those that are fixed stay so.
@@ -173,13 +180,13 @@ void prescribe_side(const Lattice& lattice, Index cell, int side, Index group, s
 }  // namespace
 
 Attachments attach(const Lattice& lattice, const Surface& surface, std::span<const std::uint8_t> fixed,
-                   std::span<const std::uint8_t> bed, std::span<const Index> grip,
-                   std::shared_ptr<const Ground> ground) {
+                   std::span<const std::uint8_t> bed, std::span<const Index> grip, std::shared_ptr<const Ground> ground,
+                   const Interrupt& interrupt) {
   if (!ground && std::ranges::find(bed, kRestsOnBed) != bed.end())
     throw RefusedError(ErrorCode::kInternal, "Faces of the tissue rest on the bed, but no ground was given for them.");
   const double h = lattice.settings.spacing;
   Buckets buckets;
-  Samples samples(lattice, surface);
+  Samples samples(lattice, surface, interrupt);
   for (std::size_t t = 0; t < surface.triangles.size(); ++t)
     if (const HeldFace face = held_face(fixed[t], bed[t], grip[t]); face.count > 0 || face.rests)
       sample(surface, to_index(t), h, face, samples, buckets);

@@ -74,6 +74,6 @@ struct Attachments {
 // and gripped is fixed. ground: needed where triangles rest. Throws RefusedError without it.
 Attachments attach(const Lattice& lattice, const Surface& surface, std::span<const std::uint8_t> fixed,
                    std::span<const std::uint8_t> bed, std::span<const Index> grip,
-                   std::shared_ptr<const Ground> ground = nullptr);
+                   std::shared_ptr<const Ground> ground = nullptr, const Interrupt& interrupt = {});
 
 }  // namespace lappet

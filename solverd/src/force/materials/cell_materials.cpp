@@ -49,7 +49,8 @@ Vec3 in_plane(const Vec3& direction, const Vec3& normal) {
 }  // namespace
 
 CellMaterials assign_materials(const Lattice& lattice, std::vector<MaterialParameters> table, const Surface& skin,
-                               std::span<const MaterialRegion> regions, const SkinFields& fields) {
+                               std::span<const MaterialRegion> regions, const SkinFields& fields,
+                               const Interrupt& interrupt) {
   CellMaterials result{std::move(table)};
   const bool directional = std::ranges::any_of(result.table, has_direction);
   if ((regions.empty() && !directional) || skin.triangles.empty()) return result;
@@ -67,6 +68,7 @@ CellMaterials assign_materials(const Lattice& lattice, std::vector<MaterialParam
   const double h = lattice.settings.spacing;
   std::vector<std::vector<MaterialShare>> chunks((count + kCellsPerChunk - 1) / kCellsPerChunk);
   tbb::parallel_for(std::size_t{0}, chunks.size(), [&](std::size_t chunk) {
+    interrupt.check();
     for (std::size_t c = chunk * kCellsPerChunk; c < std::min(count, (chunk + 1) * kCellsPerChunk); ++c) {
       const auto& [x, y, z] = lattice.cell_position(c);
       const SkinTree::Closest closest = tree.closest(lattice.settings.origin + h * Vec3(x + 0.5, y + 0.5, z + 0.5));
