@@ -187,7 +187,7 @@ void Server::dispatch(const std::string& identity, Header header, std::vector<zm
     retire(std::move(client));
     clients_.erase(found);
   } else {
-    end_reason_ = "'" + client.name + "' shut it down";
+    end_reason_ = in_quotes(client.name) + " shut it down";
   }
   send(identity, encode_accepted({header.id, 0}));
 }

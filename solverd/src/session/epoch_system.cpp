@@ -32,7 +32,8 @@ EpochSystem<Real>::EpochSystem(const EpochInput& epoch, const SessionSettings& s
              assign_materials(lattice, settings.materials, epoch.skin, epoch.regions, epoch.skin_fields, interrupt),
              settings.quadrature,
              attach(lattice, surface, epoch.fixed, epoch.bed, epoch.grip, std::move(ground), interrupt),
-             settings.retractors, BedStiffness{settings.bed_stiffness, settings.bed_shear}, settings.gravity),
+             settings.retractors, BedStiffness{settings.bed_stiffness, settings.bed_shear}, settings.gravity,
+             interrupt),
       preconditioner(system, kChebyshevDegree),
       constraints(settings, lattice, surface, system) {
   if (bones) system.set_contact(contact_with_bones(std::move(bones), lattice, epoch, settings, interrupt));
