@@ -20,6 +20,7 @@ from lappet.core.problem import RefusedError
 from lappet.core.problem_code import ProblemCode
 from lappet.core.version import version
 from lappet.daemon.frame_solver import SolverDiedError
+from lappet.daemon.wire import printable
 
 BINARY = "lappet-solverd"
 _STDERR_LINES = 40
@@ -279,4 +280,4 @@ def _read_stdout(pipe: IO[bytes], lines: queue.Queue[str | None]) -> None:
 
 def _read_stderr(pipe: IO[bytes], last: deque[str]) -> None:
     for line in pipe:
-        last.append(line.decode(errors="replace").rstrip())
+        last.append(printable(line.decode(errors="replace").rstrip()))

@@ -23,7 +23,9 @@ Sampled sampled(const std::array<Vec3, 3>& triangle, double edge) {
     result.moment += piece.area() * (piece.at[0] + piece.at[1] + piece.at[2]) / 3.0;
     result.longest = std::max(result.longest, piece.edge(piece.longest_edge()) / piece.n);
     for (std::size_t k = 0; k < 3; ++k)
-      if (piece.corner[k] >= 0) EXPECT_EQ(piece.at[k], triangle[std::size_t(piece.corner[k])]);
+      if (piece.corner[k] >= 0) {
+        EXPECT_EQ(piece.at[k], triangle[std::size_t(piece.corner[k])]);
+      }
   });
   return result;
 }
