@@ -69,7 +69,7 @@ materials = st.builds(
     Material,
     st.sampled_from(["skin", "fat", "scar_1"]),
     st.sampled_from(MODELS),
-    *([numbers] * 7),
+    *([numbers] * 8),
     points,
     st.tuples(numbers, numbers),
     numbers,

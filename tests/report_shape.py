@@ -36,6 +36,8 @@ FRAME: dict[str, Any] = {
     "suture_forces_mn": dict,
     "suture_force_vectors_mn": dict,
     "hook_forces_mn": dict,
+    "suture_force_errors_mn": dict,
+    "hook_force_errors_mn": dict,
     "landmarks": dict,
     "estimated_error_mm": (dict, type(None)),
     "cache_hit": bool,
@@ -77,6 +79,7 @@ REPORT: dict[str, Any] = {
         {
             "time_code": NUMBER, "total_mn": NUMBER, "greatest_mn": NUMBER, "greatest_suture": (str, type(None)),
             "donor_share": (*NUMBER, type(None)), "unresolved": list, "closures": dict,
+            "total_error_mn": (*NUMBER, type(None)), "greatest_error_mn": (*NUMBER, type(None)),
         }
     ],
     "seams": [{"time_code": NUMBER, "scar_length_mm": NUMBER, "open_area_mm2": NUMBER, "seams": dict}],

@@ -49,11 +49,15 @@ Eigen::Matrix<double, 8, 8> scalar_stiffness(const Elastic<Real>& elastic, Index
   const int lanes = elastic.layout().lanes;
   Eigen::Matrix<double, 8, 8> scalar = Eigen::Matrix<double, 8, 8>::Zero();
   if (elastic.features().one_point)
-    for (int m = 0; m < 4; ++m)
+    for (int m = 0; m < 4; ++m) {
+      const double of_mode =
+          arrays.share == nullptr
+              ? kHourglass[m] / kHourglass[0]
+              : double(arrays.share_of(slot / lanes, lanes)[(kShareHourglass + m) * lanes + slot % lanes]);
       for (int a = 0; a < 8; ++a)
         for (int b = 0; b < 8; ++b)
-          scalar(a, b) += double(arrays.stabilization[slot]) * kHourglass[m] / kHourglass[0] * kHourglassModes[m][a] *
-                          kHourglassModes[m][b];
+          scalar(a, b) += double(arrays.stabilization[slot]) * of_mode * kHourglassModes[m][a] * kHourglassModes[m][b];
+    }
   if (arrays.quadratic_of != nullptr && arrays.quadratic_of[slot / lanes] >= 0) {
     const Real* entry = arrays.quadratics + arrays.quadratic_of[slot / lanes] * 36 * lanes + slot % lanes;
     for (int a = 0; a < 8; ++a)

@@ -15,6 +15,7 @@ import pytest
 from event_patch import co, patch_scene
 from lappet.core.problem_code import ProblemCode
 from lappet.procedure import Hook, Incision, Suture
+from lappet.procedure.stitches import Station, deep_dermal, running, simple, vertical_mattress
 from lappet_blender.display.display_collection import ROLE
 from lappet_blender.model.event_list import find_event
 from lappet_blender.model.event_values import event_value
@@ -136,6 +137,36 @@ def test_a_buried_row_lies_as_deep_below_the_skin_as_it_is_told(patch: bpy.types
     assert [end[2] for end in value("deep_2").anchors] == pytest.approx([TOP - 1.5] * 2, abs=1e-5)
     assert [end[2] for end in value("one").anchors] == pytest.approx([TOP - 0.5] * 2, abs=1e-5)
     assert value("deep_1").anchors[0][:2] == pytest.approx((-4.5, 1.0), abs=1e-5)
+
+
+def test_a_suture_of_a_shape_is_the_stitch_of_that_name_between_the_edges(patch: bpy.types.Scene) -> None:
+    at_edge = Station((3.0, 0.0, TOP), (0.0, -1.0, 0.0), gap=2.0)
+    ops.suture_add(
+        first=(3, 1, TOP), second=(3, -1, TOP), start=9, shape="VERTICAL_MATTRESS", depth=1.5, drawn=0.8, name="loop"
+    )
+    wanted = vertical_mattress(at_edge, 1.5)
+    loop = value("loop")
+    assert loop.mode == "thread"
+    np.testing.assert_allclose(loop.anchors, wanted.bites, atol=1e-4)
+    assert loop.length == pytest.approx(0.8 * wanted.length, rel=1e-5)
+    ops.suture_add(first=(3, 1, TOP), second=(3, -1, TOP), start=9, shape="DEEP_DERMAL", bite=2.0, depth=1.5)
+    np.testing.assert_allclose(value("suture_1").anchors, deep_dermal(at_edge, 1.5, bite=2.0).bites, atol=1e-4)
+
+
+def test_a_run_of_a_shape_is_a_stitch_at_each_place_and_a_running_one_a_single_thread(patch: bpy.types.Scene) -> None:
+    first, second = at((-9, 1), (9, 1)), at((-9, -1), (9, -1))
+    places = [Station((x, 0.0, TOP), (0.0, -1.0, 0.0), gap=2.0) for x in (-6.0, 0.0, 6.0)]
+    ops.suture_run(first_edge=first, second_edge=second, count=3, start=9, shape="SIMPLE", bite=2.0, name="loop")
+    for k, place in enumerate(places):
+        np.testing.assert_allclose(value(f"loop_{k + 1}").anchors, simple(place, 2.0, 2.0).bites, atol=1e-4)
+    ops.suture_run(first_edge=first, second_edge=second, count=3, start=9, shape="RUNNING", bite=2.0, depth=1.0)
+    np.testing.assert_allclose(value("suture_1").anchors, running(places, 2.0, 1.0).bites, atol=1e-4)
+    assert len(patch.lappet.events) == 4
+    # Across an incision the bites are counted from its edges.
+    ops.incision_add(points=at((-9, 5), (9, 5)), time=3, kerf=0.2)
+    ops.suture_run(incision="incision_1", count=1, start=5, shape="FIGURE_OF_EIGHT", bite=3.0, name="eight")
+    across = np.ptp(np.array(value("eight_1").anchors)[:, 1])
+    assert across == pytest.approx(2 * (3.0 + 0.1 + 0.01), abs=1e-4)
 
 
 def test_the_spacing_gives_the_count_and_a_flipped_edge_is_met_from_its_end(patch: bpy.types.Scene) -> None:

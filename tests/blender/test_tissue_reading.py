@@ -50,7 +50,16 @@ def test_a_procedure_comes_back_from_the_scene_as_it_was_given_whatever_the_unit
             regions=(Region("grip", "muscle", 0.5, 2.2), Region("fat_below", "fat", 1.5)),
         ),
         materials=(
-            Material("dermis", "stableNeoHookean", 53.3, 0.49, fiber_k1=12.0, fiber_k2=0.1327, fiber_slack=1.2),
+            Material(
+                "dermis",
+                "stableNeoHookean",
+                53.3,
+                0.49,
+                fiber_k1=12.0,
+                fiber_k2=0.1327,
+                fiber_slack=1.2,
+                fiber_angle=35.0,
+            ),
             Material("fat", "stableNeoHookean", 1.58, 0.49, prestretch=(1.05, 0.98), density=920.0),
             Material("muscle", "stableNeoHookean", muscle_stress=300.0, muscle_activation=((2.0, 0.0), (8.0, 0.7))),
         ),

@@ -134,6 +134,7 @@ def test_no_number_may_be_infinite_or_nan(value: float) -> None:
             "fiber_k1",
             "fiber_k2",
             "fiber_slack",
+            "fiber_angle",
             "density",
             "muscle_stress",
         )
@@ -164,7 +165,7 @@ def test_no_number_may_be_infinite_or_nan(value: float) -> None:
                 events = [*GOOD.events]
                 events[i] = replace(event, **{name: ((first[0], value, first[2]), *others)})
                 broken.append(replace(GOOD, events=tuple(events)))
-    assert len(broken) == 8 + 5 + 3 + 3 + 3 + 1 + 1 + 3 + 3 + 5
+    assert len(broken) == 9 + 5 + 3 + 3 + 3 + 1 + 1 + 3 + 3 + 5
     for procedure in broken:
         problems = check(procedure)
         assert any(problem.severity == "error" for problem in problems), repr(procedure)

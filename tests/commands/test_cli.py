@@ -390,29 +390,6 @@ def test_new_makes_a_procedure_of_a_mesh(tmp_path: Path) -> None:
     assert np.allclose(np.ptp(tissue.points, axis=0), (40.0, 30.0, 4.0))
 
 
-@pytest.mark.parametrize(
-    ("given", "direction", "gravity"),
-    [
-        ((), (0.0, 0.0, -1.0), 9.81),
-        (("--position", "supine"), (0.0, -1.0, 0.0), 9.81),
-        (("--position", "0.5,0,-1", "--gravity", "1.62"), (0.5, 0.0, -1.0), 1.62),
-        (("--gravity", "0"), (0.0, 0.0, -1.0), 0.0),
-    ],
-)
-def test_new_lays_the_patient_down(
-    tmp_path: Path, given: tuple[str, ...], direction: tuple[float, float, float], gravity: float
-) -> None:
-    import trimesh
-
-    trimesh.creation.box((40.0, 30.0, 4.0)).export(tmp_path / "box.stl")
-    done = run("new", tmp_path / "box.stl", "-o", tmp_path / "p.usda", "--units", "mm", *given)
-    assert done.exit_code == 0, done.output
-    tissue = read_procedure(tmp_path / "p.usda").tissue
-    assert (tissue.gravity_direction, tissue.gravity) == (direction, gravity)
-    assert np.linalg.norm(tissue.gravity_vector) == pytest.approx(gravity)
-    assert np.cross(tissue.gravity_vector, direction) == pytest.approx(0.0)
-
-
 def test_new_of_something_else_is_a_sentence(tmp_path: Path) -> None:
     (tmp_path / "mesh.obj").write_text("no mesh at all")
     for name in ("mesh.obj", "missing.obj"):

@@ -40,6 +40,7 @@ FOLDERS = (
     "dufourmentel_mouly_head",
     "dual_s_plasty",
     "prestretched_incision",
+    "stitches",
 )
 
 
@@ -194,6 +195,29 @@ def test_an_excised_ellipse_closes_to_a_scar_as_long_as_its_arc(folder: str, spa
     # The skin sinks a little where it is stretched thin and stands up in cones at the tips; it does not fold.
     chord = scar[0] + np.linspace(0.0, 1.0, len(scar))[:, None] * (scar[-1] - scar[0])
     assert np.linalg.norm(scar - chord, axis=1).max() < 0.1 * module.LENGTH
+
+
+@pytest.mark.slow
+def test_three_layers_of_stitches_close_an_ellipse_flat_with_forces_that_are_known_to_a_fifth(tmp_path: Path) -> None:
+    module = script("stitches")
+    values = solved("stitches", 1.25, tmp_path)
+    frames = values["frames"]
+    assert all(frame["converged"] for frame in frames)
+    far, near = (chain(frames[-1], f"{name} edge") for name in ("far", "near"))
+    apart = (far - near)[:, 1] - 2 * module.EDGE
+    assert np.abs(apart).max() < 0.3  # of 5 mm
+    assert np.abs(0.5 * (far + near)[:, 2] - module.THICKNESS).max() < 0.3
+    sums = values["sutures"][-1]
+    assert sums["closures"].keys() == {"dermal", "mattress", "running"}
+    assert sums["unresolved"] == []
+    assert 0.0 < sums["total_error_mn"] < 0.2 * sums["total_mn"]
+    # One seam, whose tension is that of its three layers.
+    (seams,) = {tuple(each["seams"]) for each in values["seams"]}
+    assert seams == ("running",)
+    tension = values["seams"][-1]["seams"]["running"]["tension_n_per_mm"]
+    assert tension == pytest.approx(sum(each["tension_n_per_mm"] for each in sums["closures"].values()), rel=1e-9)
+    # Buried stitches carry most, as they should.
+    assert sums["closures"]["dermal"]["share"] > 0.5
 
 
 def heights(procedure: Procedure, points: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -14,6 +14,7 @@ import pytest
 from lappet.output.report import report, write_report
 from lappet.output.solve_to_cache import SolveResult
 from lappet.program.compile import compile_program
+from lappet.solve.measures import Gauges
 from lappet.solve.solve_frames import SolveObserver, solve_program
 from lappet.solve.store import FrameStore
 from report_shape import FRAME, REPORT, misfits
@@ -24,7 +25,11 @@ def result(folder: Path, solver: FakeSolver, procedure: Any = None) -> SolveResu
     procedure = procedure or small_procedure()
     program = compile_program(procedure)
     found = solve_program(program, FrameStore(folder), solver.connect, "fake", SolveObserver())
-    return SolveResult(procedure, program, found.frames, found.reason, found.interrupted, found.failed)
+    gauges = Gauges(procedure, program)
+    measures = tuple(gauges.measure(frame.solved, tension=True) for frame in found.frames)
+    return SolveResult(
+        procedure, program, found.frames, found.reason, found.interrupted, found.failed, measures=measures
+    )
 
 
 def test_the_report_has_every_key_and_kind(tmp_path: Path) -> None:
@@ -43,6 +48,10 @@ def test_the_values_are_those_of_the_solve(tmp_path: Path) -> None:
     assert frame["suture_forces_mn"] == {"stitch": 5.0}
     assert frame["suture_force_vectors_mn"] == {"stitch": [0.0, 5.0, 0.0]}
     assert frame["hook_forces_mn"] == {"hook": [2.0, 2.0, 2.0]}
+    # Nothing was estimated: an error is not known, which is not 0.
+    assert frame["suture_force_errors_mn"] == {"stitch": None}
+    assert frame["hook_force_errors_mn"] == {"hook": None}
+    assert [(each["total_mn"], each["total_error_mn"]) for each in values["sutures"]] == [(5.0, None)] * 4
     assert frame["landmarks"].keys() == {"corner"}
     assert frame["landmarks"]["corner"][:2] == [-8.0, 4.0]
     assert values["lattice"]["cells"] == 20

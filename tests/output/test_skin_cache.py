@@ -6,6 +6,7 @@ import json
 import subprocess
 import sys
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -20,10 +21,10 @@ from lappet.output.skin_cache import write_skin_cache
 from lappet.procedure import Procedure, Suture
 from lappet.program.compile import compile_program
 from lappet.program.program import Program
-from lappet.solve.seam_measures import SeamState, seam_states
+from lappet.solve.measures import FrameMeasures, Gauges
+from lappet.solve.seam_measures import SeamState
 from lappet.solve.solve_frames import FrameResult, SolveObserver, solve_program
 from lappet.solve.store import FrameStore
-from lappet.solve.suture_forces import suture_forces
 from lappet.usd.stage import write_procedure
 from small_procedure import FakeSolver, small_procedure
 
@@ -61,12 +62,16 @@ def cache(
 
 def write(output: Path, below: Path, procedure: Procedure, program: Program, frames: Sequence[FrameResult]) -> None:
     solved = [frame.solved for frame in frames]
-    write_skin_cache(output, below, procedure, program, solved, frames[-1].key, seams_at(procedure, program, solved))
+    write_skin_cache(output, below, procedure, program, solved, frames[-1].key, measured(procedure, program, solved))
+
+
+def measured(procedure: Procedure, program: Program, frames: Sequence[SolvedFrame]) -> list[FrameMeasures]:
+    gauges = Gauges(procedure, program)
+    return [gauges.measure(frame) for frame in frames]
 
 
 def seams_at(procedure: Procedure, program: Program, frames: Sequence[SolvedFrame]) -> list[SeamState]:
-    forces = [row for frame in frames for row in suture_forces(procedure, program, frame)]
-    return seam_states(procedure, program, frames, forces)
+    return [state for each in measured(procedure, program, frames) for state in each.seams]
 
 
 def mesh_at(stage: Usd.Stage, index: int) -> UsdGeom.Mesh:
@@ -221,6 +226,43 @@ def test_a_seam_is_a_curve_with_what_is_measured_at_its_places(
     assert primvars.GetPrimvar("tension").Get(5)[0] == pytest.approx(0.005 / states[5].measure.scar_length_mm)
     before = np.array(curves.GetPointsAttr().Get(2))
     assert np.ptp(before, axis=0).max() == 0.0
+
+
+def test_forces_and_seams_have_their_errors_beside_them_and_nan_where_there_is_none(tmp_path: Path) -> None:
+    procedure = small_procedure()
+    program = compile_program(procedure)
+    solver = FakeSolver()
+    frames = solve_program(program, FrameStore(tmp_path / "s"), solver.connect, "fake", SolveObserver()).frames
+    solved = [frame.solved for frame in frames]
+    known = [
+        replace(
+            each,
+            sutures=tuple(replace(row, force_error_mn=0.4) for row in each.sutures),
+            hooks=tuple(replace(row, force_error_mn=0.3) for row in each.hooks),
+            seams=tuple(
+                replace(state, measure=replace(state.measure, scar_length_error_mm=0.2)) for state in each.seams
+            ),
+        )
+        for each in measured(procedure, program, solved)
+    ]
+    write_procedure(procedure, tmp_path / "p.usda")
+    for name, measures in (("known", known), ("bare", measured(procedure, program, solved))):
+        path = tmp_path / f"{name}.usdc"
+        write_skin_cache(path, tmp_path / "p.usda", procedure, program, solved, "key", measures)
+    stages = {name: Usd.Stage.Open(str(tmp_path / f"{name}.usdc")) for name in ("known", "bare")}
+    primvars = {
+        (name, prim): UsdGeom.PrimvarsAPI(stage.GetPrimAtPath(f"/Procedure/Skin/{prim}"))
+        for name, stage in stages.items()
+        for prim in ("Sutures", "Hooks", "Seams")
+    }
+    for prim, error, active in (("Sutures", 0.4, 8.0), ("Hooks", 0.3, 5.0)):
+        values = primvars["known", prim].GetPrimvar("forceError")
+        assert values.Get(active)[0] == pytest.approx(error)
+        assert np.isnan(values.Get(1.0)[0])  # it does not pull yet
+        assert not primvars["bare", prim].GetPrimvar("forceError").HasValue()
+    lengths = {name: primvars[name, "Seams"].GetPrimvar("scarLengthError").Get(8.0)[0] for name in ("known", "bare")}
+    assert lengths["known"] == pytest.approx(0.2)
+    assert np.isnan(lengths["bare"])
 
 
 def test_a_thread_with_several_bites_has_a_curve_through_all_of_them(program: Program, tmp_path: Path) -> None:

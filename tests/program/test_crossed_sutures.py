@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -12,6 +13,16 @@ from lappet.core.problem_code import ProblemCode
 from lappet.cutting.epochs import build_epochs
 from lappet.designs import Row, Schedule, Technique, flap_operation, limberg
 from lappet.procedure import Excision, Hook, Incision, Procedure, Suture
+from lappet.procedure.stitches import (
+    Station,
+    deep_dermal,
+    figure_of_eight,
+    half_buried_mattress,
+    horizontal_mattress,
+    running,
+    simple,
+    vertical_mattress,
+)
 from lappet.program.compile import compile_program
 from lappet.tissue.dome import dome_scalp, draped
 from lappet.tissue.patch import flat_patch
@@ -61,6 +72,42 @@ def test_one_suture_that_crosses_all_others_is_the_one_that_is_told() -> None:
     (found,) = told([*row([0, 1, 2, 3, 4]), crossing], SLIT)
     assert found.prim.endswith("/astray")
     assert "and 2 more" in found.value
+
+
+def stations(places: Sequence[float]) -> list[Station]:
+    return [Station((x, 0.0, TOP), (0.0, 1.0, 0.0)) for x in places]
+
+
+def threads(depth: float) -> dict[str, Suture]:
+    """The usual stitches at x = 0, and a running suture along the slit."""
+    (at,) = stations([0.0])
+    made = {
+        "simple": simple(at, 2.0, depth),
+        "vertical": vertical_mattress(at, 2.0 * depth),
+        "horizontal": horizontal_mattress(at, depth),
+        "half": half_buried_mattress(at, depth),
+        "dermal": deep_dermal(at, 2.0 * depth),
+        "eight": figure_of_eight(at, depth),
+    }
+    return {name: stitch.suture(name, 3.0) for name, stitch in made.items()}
+
+
+@pytest.mark.parametrize("name", ["simple", "vertical", "horizontal", "half", "dermal", "eight"])
+def test_a_stitch_of_many_bites_between_others_in_order_is_not_told_and_one_that_crosses_them_is(name: str) -> None:
+    thread = threads(1.5)[name]
+    assert told([*row([0, 1, 2, 3, 4])[:2], thread, *row([0, 1, 2, 3, 4])[3:]], SLIT) == []
+    askew = [suture("one", (-16.0, 1.0), (16.0, -1.0)), suture("other", (18.5, 1.0), (18.5, -1.0))]
+    (found,) = told([*askew, thread], SLIT)
+    assert {found.prim.rpartition("/")[2], found.value} == {"one", name}
+
+
+@pytest.mark.parametrize("depth", [0.0, 1.5])
+def test_a_running_suture_is_not_told_with_others_between_its_passes_and_is_with_one_across_them(depth: float) -> None:
+    thread = running(stations(AT), 2.0, depth).suture("running", 3.0)
+    between = [suture(f"s{k}", (x, 1.0), (x, -1.0)) for k, x in enumerate((-9.0, 3.0))]
+    assert told([thread, *between], SLIT) == []
+    (found,) = told([thread, suture("astray", (-9.0, 1.0), (9.0, -1.0))], SLIT)
+    assert {found.prim.rpartition("/")[2], found.value} == {"running", "astray"}
 
 
 def test_a_cut_that_parts_the_patch_has_the_same_order() -> None:

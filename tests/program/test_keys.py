@@ -75,7 +75,7 @@ def test_names_notes_and_texture_are_in_no_key(program: Program) -> None:
             {"materials": (replace(MaterialParameters(), **{item.name: value}),)}
             for item, value in zip(
                 fields(MaterialParameters),
-                ("corotated", 51.0, 0.4, 1000.0, 0.1, (0.0, 1.0, 0.0), 1.0, 1.0, 0.1, 1.1, 300.0, (1.1, 1.0)),
+                ("corotated", 51.0, 0.4, 1000.0, 0.1, (0.0, 1.0, 0.0), 1.0, 1.0, 0.1, 1.1, 20.0, 300.0, (1.1, 1.0)),
                 strict=True,
             )
         ),

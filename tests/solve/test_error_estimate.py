@@ -230,7 +230,7 @@ def test_holding_lowers_the_order_that_is_reckoned_with_and_wounds_layers_and_bo
     smooth = BLOCK.program(4.0)
     whole = LatticeCounts(64 * smooth.settings.fine_ratio**3, 64, 64, 0, 125, 1, 8, 0, 0, 1000.0, 0.1)
     assert expected_order(SHELF.program(4.0), whole) == 2.0
-    assert expected_order(SHELF.program(4.0), replace(whole, fine_voxels=4000)) == 1.0
+    assert expected_order(SHELF.program(4.0), replace(whole, fine_voxels=4000)) == 1.5
     assert expected_order(smooth, whole) == expected_order(smooth) == 1.5
     assert expected_order(BLOCK_SLACK.program(4.0), whole) == 2.0
     epoch = smooth.epochs[0]
@@ -239,7 +239,7 @@ def test_holding_lowers_the_order_that_is_reckoned_with_and_wounds_layers_and_bo
     cut = replace(smooth, epochs=(replace(epoch, surface=replace(epoch.surface, origin=walls)),))
     assert expected_order(cut) < expected_order(smooth)
     assert expected_order(replace(smooth, hooks=("hook",))) < expected_order(smooth)
-    # Layers and bone, and surfaces that cut cells, are known to a cell only.
+    # Layers and bone are known to a cell only.
     surface = epoch.surface
     layer = Regions(surface.points, surface.triangles, np.ones((1, len(surface.triangles)), bool))
     layer = replace(layer, material=np.zeros(1, np.int32), depth_from=np.ones(1), depth_to=np.full(1, np.inf))

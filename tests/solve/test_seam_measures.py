@@ -16,6 +16,7 @@ from scipy.spatial.transform import Rotation
 from fusiform_scene import KERF, TOP, WIDTH, closed_fusiform
 from lappet.daemon.solved_frame import SolvedFrame
 from lappet.procedure import Excision, Incision, Procedure, Suture
+from lappet.procedure.stitches import Station, deep_dermal, running, vertical_mattress
 from lappet.program.compile import compile_program
 from lappet.program.program import Program
 from lappet.solve.seam_measures import SeamMeasure, SeamState, seam_states
@@ -150,6 +151,23 @@ def test_closures_over_each_other_are_one_seam_whatever_the_order_and_the_side_t
     assert state.measure.edge_mismatch_mm == pytest.approx(0.0, abs=0.06)
 
 
+def test_threads_of_many_bites_close_a_seam_with_all_their_passes() -> None:
+    """A running suture over buried stitches and two mattress stitches between its ends: one seam, all that it is of."""
+    places = (-4.0, -2.0, 0.0, 2.0, 4.0)
+    stations = [Station((x, 0.0, 2.0), (0.0, 1.0, 0.0), gap=0.1) for x in places]
+    threads = [
+        running(stations, 2.0, 1.0).suture("running", 5.0),
+        *(vertical_mattress(stations[k], 1.5, 3.0).suture(f"mattress_{k}", 5.0) for k in (1, 3)),
+        *(deep_dermal(stations[k], 1.5, 1.0, 1.5).suture(f"dermal_{k}", 5.0) for k in (0, 2, 4)),
+    ]
+    procedure = slit(*threads)
+    (state,) = states(procedure, lambda x: x)
+    assert state.measure.seam == "running"
+    assert set(state.closures) == {"running", "mattress", "dermal"}
+    assert state.measure.scar_length_mm == pytest.approx(12.0, abs=0.15)
+    assert state.measure.edge_mismatch_mm == pytest.approx(0.0, abs=0.06)
+
+
 def test_two_seams_of_one_cut_share_its_length_half_way_between_them() -> None:
     found = measures(
         slit(stitch("left_1", -5.0), stitch("left_2", -2.0), stitch("right_1", 1.0), stitch("right_2", 4.0))
@@ -198,7 +216,7 @@ def test_before_the_cut_there_is_no_seam_and_before_the_sutures_there_is() -> No
 
 def row(suture: str, force: float, *, resolved: bool = True) -> SutureForce:
     return SutureForce(
-        8.0, suture, suture.rpartition("_")[0], 0.0, force, 0.0, force, 0.0, 0.0, 0.0, 5000.0, resolved, force
+        8.0, suture, suture.rpartition("_")[0], 0.0, force, 0.0, force, 0.0, 0.0, 0.0, 5000.0, resolved, force, force
     )
 
 

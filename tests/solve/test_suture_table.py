@@ -12,15 +12,18 @@ import pytest
 from lappet.core.problem_code import ProblemCode
 from lappet.daemon.solved_frame import SolvedFrame
 from lappet.geometry.labeled_surface import FaceOrigin
-from lappet.output.mean_tension import greatest_mean_tension
 from lappet.output.tables import write_table
-from lappet.procedure import Procedure, Suture
+from lappet.procedure import Incision, Procedure, Suture
+from lappet.procedure.stitches import Station, running, simple
+from lappet.program.compile import compile_program
 from lappet.program.program import Program
 from lappet.program.settings import SolverSettings
+from lappet.solve.force_sums import force_sums
+from lappet.solve.mean_tension import greatest_mean_tension
 from lappet.solve.suture_forces import (
     SutureForce,
+    closing_tension,
     closure_of,
-    summary,
     suture_forces,
     suture_warnings,
 )
@@ -103,25 +106,92 @@ def test_forces_lie_along_their_closures_in_the_order_of_their_numbers() -> None
     assert sum(row.share for row in rows) == pytest.approx(1.0)
 
 
-def test_sums_shares_and_the_tension_of_a_closure() -> None:
-    found = summary(suture_forces(*frame({})))
-    assert (found["total_mn"], found["greatest_mn"], found["greatest_suture"]) == (100.0, 50.0, "near_10")
-    assert found["donor_share"] == pytest.approx(0.2)
-    near = found["closures"]["near"]
-    assert (near["total_mn"], near["greatest_mn"], near["share"]) == (80.0, 50.0, pytest.approx(0.8))
-    assert near["tension_n_per_mm"] == pytest.approx(0.08 / (7.0 * 3 / 2))
-    assert near["force_mn"] == [10.0, 20.0, 50.0]
+def test_sums_and_shares_of_closures() -> None:
+    found = force_sums(suture_forces(*frame({})))
+    assert (found.total_mn, found.greatest_mn, found.greatest_suture) == (100.0, 50.0, "near_10")
+    assert found.donor_share == pytest.approx(0.2)
+    near = next(each for each in found.closures if each.closure == "near")
+    assert (near.total_mn, near.greatest_mn, near.share) == (80.0, 50.0, pytest.approx(0.8))
+    assert near.force_mn == (10.0, 20.0, 50.0)
+    assert near.tension_n_per_mm is None  # it belongs to no seam here
+
+
+def test_the_closing_tension_is_the_pull_per_length_of_scar_and_closures_over_each_other_add() -> None:
+    rows = suture_forces(*frame({}))
+    near, donor = ([row for row in rows if row.closure == name] for name in ("near", "donor"))
+    assert closing_tension(near, 8.0) == pytest.approx(0.08 / 8.0)
+    assert closing_tension(rows, 8.0) == pytest.approx(0.08 / 8.0 + 0.02 / 8.0)
+    # Two of three are resolved and stand for two thirds of the length.
+    lost = [replace(row, resolved=row.suture != "near_10") for row in near]
+    assert closing_tension(lost, 9.0) == pytest.approx(0.03 / 6.0)
+    assert closing_tension([replace(row, resolved=False) for row in rows], 8.0) is None
+    assert closing_tension([], 8.0) is closing_tension(donor, 0.0) is None
 
 
 def test_a_suture_that_the_lattice_does_not_resolve_is_in_no_sum_and_said() -> None:
     procedure, program, solved = frame({"near_10": 0.6, "donor_1": 0.05})
     rows = suture_forces(procedure, program, solved)
-    found = summary(rows)
-    assert (found["total_mn"], found["greatest_mn"], found["unresolved"]) == (50.0, 20.0, ["near_10"])
+    found = force_sums(rows)
+    assert (found.total_mn, found.greatest_mn, found.unresolved) == (50.0, 20.0, ("near_10",))
     (warning,) = suture_warnings(procedure, rows)
     assert (warning.code, warning.prim) == (ProblemCode.SUTURE_UNRESOLVED, "/Procedure/Timeline/near_10")
     assert warning.severity == "warning"
     assert warning.place is not None
+
+
+def test_a_thread_counts_by_the_pieces_that_cross_the_wound_and_is_resolved_where_one_of_them_is() -> None:
+    """A loop: down beside the cut, across it, up on the other side and back over it."""
+    loop = simple(Station((0.0, 0.0, TOP), (0.0, 1.0, 0.0)), 1.0, 1.0).suture("loop", 5.0)
+    slit = Incision("slit", 3.0, ((-6.0, 0.0, TOP), (6.0, 0.0, TOP)), kerf=0.1)
+    procedure = small_procedure(events=(slit, loop))
+    program = compile_program(procedure)
+    constraints = program.frames[-1]
+    bites = np.array(loop.anchors)
+
+    def resolved(*shared: float) -> bool:
+        solved = SolvedFrame(
+            constraints.time,
+            np.zeros((0, 3), np.float32),
+            suture_index=np.zeros(1, np.int32),
+            suture_points=bites[None, [0, -1]],
+            suture_forces=np.array([30.0]),
+            suture_shared=np.array(shared),
+            suture_inner_bites=np.array([3], np.int32),
+            inner_bite_points=bites[1:-1],
+        )
+        (row,) = suture_forces(procedure, program, solved)
+        return row.resolved
+
+    assert resolved(0.0, 0.0, 0.0, 0.0)
+    assert resolved(0.5, 0.0, 0.5, 0.0)  # the pieces beside the cut may share what they hold
+    assert not resolved(0.0, 0.5, 0.0, 0.5)
+    assert resolved(0.0, 0.5, 0.0, 0.05)  # it slides: what one crossing draws together is drawn together
+
+
+def test_a_loop_draws_the_edges_together_with_every_piece_across_the_wound() -> None:
+    """Twice its tension where it crosses straight; a running suture once for each pass and askew on its way back."""
+    stations = [Station((x, 0.0, TOP), (0.0, 1.0, 0.0), gap=0.1) for x in (-3.0, 0.0, 3.0)]
+    loop = simple(stations[1], 1.0, 1.0).suture("loop", 5.0)
+    run = running(stations, 1.0).suture("run", 5.0)
+    slit = Incision("slit", 3.0, ((-6.0, 0.0, TOP), (6.0, 0.0, TOP)), kerf=0.1)
+    procedure = small_procedure(events=(slit, loop, run))
+    program = compile_program(procedure)
+    threads = [next(each for each in (loop, run) if each.name == name) for name in program.sutures]
+    solved = SolvedFrame(
+        program.frames[-1].time,
+        np.zeros((0, 3), np.float32),
+        suture_index=np.arange(2, dtype=np.int32),
+        suture_points=np.array([(each.anchors[0], each.anchors[-1]) for each in threads]),
+        suture_forces=np.array([30.0, 30.0]),
+        suture_inner_bites=np.array([len(each.anchors) - 2 for each in threads], np.int32),
+        inner_bite_points=np.concatenate([each.anchors[1:-1] for each in threads]),
+    )
+    rows = {row.suture: row for row in suture_forces(procedure, program, solved)}
+    across = 2.0 + 0.1
+    askew = across / np.hypot(across, 3.0)
+    assert rows["loop"].pull_mn == pytest.approx(2.0 * 30.0, rel=1e-6)
+    assert rows["run"].pull_mn == pytest.approx((3.0 + 2.0 * askew) * 30.0, rel=1e-6)
+    assert [row.force_mn for row in rows.values()] == [30.0, 30.0]
 
 
 def test_a_thread_that_may_cut_through_is_warned_of_once() -> None:

@@ -105,12 +105,29 @@ def test_the_default_skin_is_the_preset() -> None:
     assert {"old_skin", "edematous_skin", "scar", "fat", "galea", "muscle", "cartilage"} <= set(PRESETS)
 
 
-@pytest.mark.parametrize(("direction", "axis"), [((1.0, 0.0, 0.0), 0), ((0.0, 1.0, 0.0), 1)])
+def test_two_families_mirror_each_other_and_at_a_right_angle_are_one_across() -> None:
+    """What both pull aslant cancels: the curves along and across swap at 90° and agree at 45°."""
+    stretches = np.array([1.05, 1.2, 1.4])
+    one, crossed = DEFAULT_SKIN, replace(DEFAULT_SKIN, fiber_angle=90.0)
+    assert curve(crossed, stretches, 0) == pytest.approx(curve(one, stretches, 1), rel=1e-9)
+    assert curve(crossed, stretches, 1) == pytest.approx(curve(one, stretches, 0), rel=1e-9)
+    even = replace(DEFAULT_SKIN, fiber_angle=45.0)
+    assert curve(even, stretches, 0) == pytest.approx(curve(even, stretches, 1), rel=1e-9)
+    assert curve(one, stretches, 0)[-1] > 1.5 * curve(even, stretches, 0)[-1] > 1.5 * curve(one, stretches, 1)[-1]
+    slanted = replace(DEFAULT_SKIN, fiber_angle=35.0)
+    stretch = prestretch_for(slanted, 20.0, 10.0)
+    assert tension_of(replace(slanted, prestretch=stretch)) == pytest.approx((20.0, 10.0), rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("direction", "axis", "angle"),
+    [((1.0, 0.0, 0.0), 0, 0.0), ((0.0, 1.0, 0.0), 1, 0.0), ((1.0, 0.0, 0.0), 0, 35.0), ((0.0, 1.0, 0.0), 1, 35.0)],
+)
 def test_a_bar_that_the_daemon_draws_follows_the_curve(
-    tmp_path_factory: pytest.TempPathFactory, direction: tuple[float, float, float], axis: int
+    tmp_path_factory: pytest.TempPathFactory, direction: tuple[float, float, float], axis: int, angle: float
 ) -> None:
     """Stress and stretch in the middle of a bar of 48 x 4 x 4 mm drawn by 40 %, away from its clamped ends."""
-    material = replace(DEFAULT_SKIN, fiber_direction=direction)
+    material = replace(DEFAULT_SKIN, fiber_direction=direction, fiber_angle=angle)
     bar = BoxScene("bar", "", (48.0, 4.0, 4.0), (24, 2, 2), (0,), gripped=(1,), material=parameters(material))
     program = replace(bar, motion=stretched(0.4 * 48.0)).program(2.0, precision="double", tolerance=1e-8)
     store = FrameStore(tmp_path_factory.mktemp("store"))

@@ -160,6 +160,7 @@ def test_usd_recognises_the_schemas_and_every_property_is_authored(tmp_path: Pat
         "lappet:gravityDirection",
         "lappet:bedShear",
         "lappet:fiber:slack",
+        "lappet:fiber:angle",
     )  # authored where they are not the default
     may_be_left_out = ("lappet:muscleActivation", *unlike_0_1)
     for path, kind in expected.items():

@@ -61,13 +61,19 @@ def add_suture(
     _add(scene, (ends[:1], ends[1:]), times, [free_name(scene, "SUTURE", name)])
 
 
-def add_stitches(scene: bpy.types.Scene, ends: Ends, times: SutureTimes, shape: Shape, *, name: str = "") -> None:
-    """Add stitches of a shape between pairs of points (k, 3) of a wound's edges at rest, mm; threads all of them."""
+def add_stitches(
+    scene: bpy.types.Scene, ends: Ends, times: SutureTimes, shape: Shape, *, name: str = "", numbered: bool = True
+) -> None:
+    """Add stitches of a shape between pairs of points (k, 3) of a wound's edges at rest, mm; threads all of them.
+
+    name: of the first. numbered: whether it gets a number, from which the others are counted up.
+    """
     skin, normals = _skin(scene)
     outward = normals[skin.query(0.5 * (ends[0] + ends[1]))[0]]
     sutures: list[Suture] = []
     for stitch in shape.stitches(stations_between(*ends, outward)):
-        own = free_name(scene, "SUTURE", f"{name}_1" if name else "", [suture.name for suture in sutures])
+        first = f"{name}_1" if name and numbered else name
+        own = free_name(scene, "SUTURE", first, [suture.name for suture in sutures])
         values = {"duration": times.duration, "stiffness": times.stiffness}
         sutures.append(stitch.suture(own, times.start, shape.drawn, **values))
     add_events(scene, sutures)

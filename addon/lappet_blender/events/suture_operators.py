@@ -1,14 +1,17 @@
 """Operators that suture: two points, or a run of evenly spaced sutures."""
 
 import bpy
+import numpy as np
 from bpy.props import BoolProperty, CollectionProperty, FloatProperty, FloatVectorProperty, IntProperty, StringProperty
 
 from lappet.procedure import Suture
 
 from ..interface.operator_base import OperatorBase
 from ..model.event_properties import LappetPoint
-from .add_sutures import Spacing, SutureTimes, add_suture, add_suture_run, ends_across, ends_between
+from .add_sutures import Spacing, SutureTimes, add_stitches, add_suture, add_suture_run, ends_across, ends_between
 from .operator_values import given, places
+from .stitch_properties import drawn_property, shape_property
+from .stitch_shapes import Shape
 
 
 class LAPPET_OT_suture_add(OperatorBase, bpy.types.Operator):
@@ -23,11 +26,30 @@ class LAPPET_OT_suture_add(OperatorBase, bpy.types.Operator):
         name="Duration", description="Number of frames until it is closed", default=Suture.duration, min=0.0
     )
     stiffness: FloatProperty(name="Stiffness", description="mN/mm", default=Suture.stiffness, min=0.0)
-    depth: FloatProperty(name="Depth", description="Depth of both ends below the skin, in mm", default=0.0, min=0.0)
+    shape: shape_property()
+    bite: FloatProperty(
+        name="Bite",
+        description="Of a shape: distance of its bites from the points, which are the wound's edges, in mm; 0 = as is "
+        "usual",
+        default=0.0,
+        min=0.0,
+    )
+    drawn: drawn_property()
+    depth: FloatProperty(
+        name="Depth",
+        description="Depth of both ends, or of a shape's bites, below the skin, in mm",
+        default=0.0,
+        min=0.0,
+    )
     name: StringProperty(name="Name", description="If not given, suture and a number")
 
     def run(self, context: bpy.types.Context) -> None:
         times = SutureTimes(given(self, "start", context.scene.frame_current), self.duration, self.stiffness)
+        shape = Shape(self.shape, self.bite, self.depth, self.drawn)
+        if shape.is_loop:
+            ends = (np.array([self.first]), np.array([self.second]))
+            add_stitches(context.scene, ends, times, shape, name=self.name, numbered=False)
+            return
         add_suture(context.scene, self.first, self.second, times, depth=self.depth, name=self.name)
 
 
@@ -46,10 +68,13 @@ class LAPPET_OT_suture_run(OperatorBase, bpy.types.Operator):
     incision: StringProperty(name="Incision", description="Suture across this incision instead of between two edges")
     bite: FloatProperty(
         name="Bite",
-        description="Distance from the middle of the incision to an anchor, in mm; 0 = at the wound edge",
+        description="Distance from the middle of the incision to an anchor, in mm; 0 = at the wound edge. Of a shape: "
+        "from the wound edge; 0 = as is usual",
         default=0.0,
         min=0.0,
     )
+    shape: shape_property()
+    drawn: drawn_property()
     depth: FloatProperty(
         name="Depth",
         description="Depth of the anchors below the skin, in mm: a buried row holds the wound walls together",
@@ -84,10 +109,14 @@ class LAPPET_OT_suture_run(OperatorBase, bpy.types.Operator):
             for name in ("inset_start", "inset_end")
         )
         spacing = Spacing(self.count, self.spacing, *insets)
+        shape = Shape(self.shape, self.bite, self.depth, self.drawn)
         if self.incision:
-            ends = ends_across(context.scene, self.incision, self.bite, spacing)
+            ends = ends_across(context.scene, self.incision, 0.0 if shape.is_loop else self.bite, spacing)
         else:
             ends = ends_between(places(self.first_edge), places(self.second_edge), self.flip, spacing)
+        if shape.is_loop:
+            add_stitches(context.scene, ends, times, shape, name=self.name)
+            return
         add_suture_run(context.scene, ends, times, depth=self.depth, name=self.name)
 
 

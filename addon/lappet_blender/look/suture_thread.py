@@ -1,10 +1,11 @@
 """Draw the active skin sutures of a frame as simple interrupted stitches that ride on the skin; buried ones hide.
 
-Threads with more than two bites run from each to the next.
+Threads with more than two bites run from each to the next, over the skin where they are outside.
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from time import monotonic
 
@@ -24,6 +25,7 @@ from .suture_bites import (
     find_lip,
 )
 from .suture_path import THREAD_RADIUS, stitch_path
+from .thread_on_skin import laid_on_skin
 
 # Stitches stand no closer: two sutures that hold one corner are its one corner stitch, and a dense row is thinned.
 NEAREST = 1.7 * BITE
@@ -93,21 +95,21 @@ class SutureThread:
         """The thread and knots (k, 3) of a frame and their radii, mm."""
         self.unfinished = False
         sutures, sliding = self._source.sutures(time), self._source.threads(time)
-        straight = list(sliding.values())  # from bite to bite; the skin hides what runs in the tissue
-        radii = [THREAD_RADIUS * self._scale] * len(straight)
+        over = self._over_skin(time, sliding)  # the skin hides what runs in the tissue
+        radii = [THREAD_RADIUS * self._scale] * len(over)
         active = [
             int(i)
             for i in np.flatnonzero(sutures.active)
             if int(i) not in (self._hidden or ()) and int(i) not in sliding
         ]
         if not active:
-            return straight, radii
+            return over, radii
         epoch = self._source.epoch_at(time)
         until = np.inf if self.until is None else self.until
         self._fresh = False
         shown = self._apart({i: s for i in active if (s := self._find(epoch, i, until)) is not None})
         if not shown:
-            return straight, radii
+            return over, radii
         points = self._source.positions(epoch, time)
         if epoch.name not in self._normals:
             self._normals[epoch.name] = SkinNormals(epoch.triangles, epoch.origin, SKIN, len(points))
@@ -117,13 +119,22 @@ class SutureThread:
         normals = self._normals[epoch.name].at(points, at.ravel()).reshape(-1, 3, 3)
         up = np.einsum("kc,kci->ki", np.array([bite.weights for bite in pairs]), normals)
         up /= np.maximum(np.linalg.norm(up, axis=1, keepdims=True), 1e-9)
-        lines = straight
+        lines = over
         for k, (index, stitch) in enumerate(shown.items()):
             ends = sutures.ends[index][:: -1 if stitch.turned else 1].astype(np.float64)
             tied = bool(np.linalg.norm(ends[1] - ends[0]) <= CLOSED_GAP)
             path = stitch_path(bites[k], ends, up[2 * k : 2 * k + 2], tied, self._scale)
             lines += [path.thread, *path.knot]
         return lines, [THREAD_RADIUS * self._scale] * len(lines)
+
+    def _over_skin(self, time: float, sliding: Mapping[int, NDArray[np.float64]]) -> list[NDArray[np.float64]]:
+        """The threads with many bites of a frame."""
+        if not sliding:
+            return []
+        epoch = self._source.epoch_at(time)
+        points, skin = self._source.positions(epoch, time), epoch.triangles[epoch.origin == SKIN]
+        lift = 0.5 * THREAD_RADIUS * self._scale
+        return [laid_on_skin(bites, points, skin, lift) for bites in sliding.values()]
 
     def _apart(self, stitches: dict[int, Stitch]) -> dict[int, Stitch]:
         """Those that do not stand too close to one before them."""

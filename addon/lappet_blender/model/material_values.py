@@ -19,6 +19,7 @@ _NUMBERS = (
     "fiber_k2",
     "fiber_dispersion",
     "fiber_slack",
+    "fiber_angle",
     "density",
     "muscle_stress",
 )

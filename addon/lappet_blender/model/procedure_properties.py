@@ -81,6 +81,14 @@ class LappetMaterial(bpy.types.PropertyGroup):
         max=4.0,
         update=property_changed,
     )
+    fiber_angle: FloatProperty(
+        name="Angle",
+        description="Degrees: half of the fibers and muscle run at it to the direction, to either side; 0 = one family",
+        default=Material.fiber_angle,
+        min=0.0,
+        max=90.0,
+        update=property_changed,
+    )
     fiber_direction: FloatVectorProperty(
         name="Direction",
         description="Direction of fibers, muscle and prestretch: along the relaxed skin tension lines",

@@ -71,6 +71,8 @@ def _material(layout: bpy.types.UILayout, context: bpy.types.Context, material: 
         row = column.row()
         row.use_property_decorate = True
         row.prop(material, "activation", slider=True)
+    if material.fiber_k1 > 0.0 or material.muscle_stress > 0.0:
+        column.prop(material, "fiber_angle")
     column.prop(material, "prestretch")
     column.prop(material, "fiber_direction")
     preset = PRESETS.get(material.name)

@@ -19,7 +19,8 @@ from ..events.add_sutures import (
     ends_between,
 )
 from ..events.operator_values import given, places
-from ..events.stitch_shapes import DRAWN, SHAPES, Shape
+from ..events.stitch_properties import drawn_property, shape_property
+from ..events.stitch_shapes import Shape
 from ..model.event_properties import LappetPoint
 from .drawing import DrawnLine, Point
 from .handles import nearest_line
@@ -70,14 +71,8 @@ class LAPPET_OT_place_suture(SkinModal, bpy.types.Operator):
         default=0.0,
         min=0.0,
     )
-    shape: EnumProperty(name="Shape", description="What the thread of each suture does", items=SHAPES)
-    drawn: FloatProperty(
-        name="Drawn",
-        description="Share of the length at which the wound's edges just meet to which the thread of a shape is drawn",
-        default=DRAWN,
-        min=0.05,
-        max=1.5,
-    )
+    shape: shape_property()
+    drawn: drawn_property()
     depth: FloatProperty(
         name="Depth",
         description="Depth of the anchors below the skin, in mm: a buried row holds the wound walls together",

@@ -16,6 +16,7 @@ from lappet.tissue.surface import LABELS, skin_faces
 LEAST_PRESTRETCH, MOST_PRESTRETCH = 0.5, 2.0
 MOST_POISSONS_RATIO = 0.4999
 MOST_FIBER_SLACK = 4.0
+MOST_FIBER_ANGLE = 90.0  # degrees
 MOST_MATERIALS = MOST_REGIONS = 64  # the entries of a list in a message
 
 
@@ -59,6 +60,8 @@ def material_problems(material: Material, path: str) -> list[Problem]:
         add(ProblemCode.MATERIAL_FIBER_DISPERSION, material.fiber_dispersion)
     if not 1.0 <= material.fiber_slack <= MOST_FIBER_SLACK:
         add(ProblemCode.MATERIAL_FIBER_SLACK, material.fiber_slack, most=MOST_FIBER_SLACK)
+    if not 0.0 <= material.fiber_angle <= MOST_FIBER_ANGLE:
+        add(ProblemCode.MATERIAL_FIBER_ANGLE, material.fiber_angle, most=MOST_FIBER_ANGLE)
     direction, stretch = material.fiber_direction, material.prestretch
     length = math.hypot(*direction)
     if not (math.isfinite(length) and length > 0.0):

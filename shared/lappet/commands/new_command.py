@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import click
 
-from lappet.commands.parameters import FILE, Position
+from lappet.commands.gravity_options import gravity_options, with_gravity
+from lappet.commands.parameters import FILE
 from lappet.commands.refusals import sentences
 
 
@@ -18,12 +18,7 @@ from lappet.commands.refusals import sentences
 @click.option("--thickness", type=float, help="Thicken an open surface inwards by this many mm.")
 @click.option("--spacing", type=click.FloatRange(min=0, min_open=True), help="Lattice edge in mm.")
 @click.option("--units", help="The mesh's unit of length (mm, cm, m, inch); guessed if left out.")
-@click.option(
-    "--position",
-    type=Position(),
-    help="How the patient lies: upright, supine, prone, left_lateral, right_lateral, or gravity's direction X,Y,Z.",
-)
-@click.option("--gravity", type=float, help="Acceleration of gravity in m/s², 0 for none.  [default: 9.81]")
+@gravity_options("9.81")
 @click.option("--sphere", nargs=4, type=float, metavar="X Y Z R", help="Take the part inside a sphere, in mm.")
 @click.option("--box", nargs=6, type=float, metavar="X Y Z X Y Z", help="Take the part inside a box (two corners, mm).")
 @click.pass_context
@@ -50,11 +45,7 @@ def new(
             box=(box[:3], box[3:]) if box else None,
             **options,
         )
-        if position is not None:
-            tissue = replace(tissue, gravity_direction=position)
-        if gravity is not None:
-            tissue = replace(tissue, gravity=gravity)
-        write_procedure(Procedure(tissue), output)
+        write_procedure(Procedure(with_gravity(tissue, position, gravity)), output)
         for line in found:
             click.echo(line)
         click.echo(f"Written: {output}")

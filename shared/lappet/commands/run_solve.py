@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Sequence
+import math
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,20 +15,22 @@ MOST_ALIKE = 3  # warnings of a kind that the summary gives in full
 if TYPE_CHECKING:
     from lappet.core.problem import Problem
     from lappet.output.solve_to_cache import SolveResult
+    from lappet.procedure import Procedure
     from lappet.program.settings import SolverSettings
     from lappet.solve.error_estimate import ErrorEstimate
+    from lappet.solve.measures import FrameMeasures
     from lappet.solve.seam_measures import SeamMeasure
 
 
 def run_solve(
-    procedure: Path, cache: Path, report_path: Path | None, settings: SolverSettings, **options: Any
+    procedure: Path | Procedure, cache: Path, report_path: Path | None, settings: SolverSettings, **options: Any
 ) -> SolveResult:
     """Solve with progress on standard error, and write the report.
 
     Parameters
     ----------
     procedure
-        The procedure's file.
+        The procedure, or its file.
     cache
         The skin cache.
     report_path
@@ -57,14 +60,19 @@ def run_solve(
 
 
 def run_to_target(
-    procedure: Path, cache: Path, report_path: Path | None, settings: SolverSettings, target: float, **options: Any
+    procedure: Path | Procedure,
+    cache: Path,
+    report_path: Path | None,
+    settings: SolverSettings,
+    target: float,
+    **options: Any,
 ) -> SolveResult:
     """Solve with the settings that a target error needs, and say which.
 
     Parameters
     ----------
     procedure
-        The procedure's file.
+        The procedure, or its file.
     cache
         The skin cache.
     report_path
@@ -95,7 +103,7 @@ def run_to_target(
 
     daemon = options["daemon"]
     choice = choose(
-        read_procedure(procedure),
+        read_procedure(procedure) if isinstance(procedure, Path) else procedure,
         target,
         connect_to(daemon),
         solver_identity(daemon),
@@ -138,6 +146,7 @@ def summary(result: SolveResult) -> str:
     )
     if result.errors is not None:
         lines += error_lines(result.errors)
+    lines += force_lines(result.measures)
     lines += seam_lines(result.seams)
     lines += told_lines(result.notes)
     if result.output is not None:
@@ -182,8 +191,38 @@ def write_tables(
             write_table(path, kind, rows)
 
 
+def force_lines(measures: Sequence[FrameMeasures]) -> list[str]:
+    """Say what sutures and hooks pull in the last frame, each with its estimated error.
+
+    Parameters
+    ----------
+    measures
+        What is measured at each frame.
+
+    Returns
+    -------
+    list[str]
+        Lines of text; none where nothing pulls.
+    """
+    lines = []
+    last = measures[-1] if measures else None
+    sums = None if last is None else last.sums
+    if sums is not None and sums.greatest_suture is not None:
+        total, most = with_error(sums.total_mn, sums.total_error_mn), sums.greatest_suture
+        line = f"Sutures: {total} mN in all, {with_error(sums.greatest_mn, sums.greatest_error_mn)} mN at most ({most})"
+        if sums.unresolved:
+            line += f"; without {', '.join(sums.unresolved)}, which the lattice does not resolve"
+        lines.append(f"{line}, in the last frame.")
+    hooks = [] if last is None else sorted(last.hooks, key=lambda row: -row.force_mn)
+    if hooks:
+        pulls = [f"{row.hook} {with_error(row.force_mn, row.force_error_mn)} mN" for row in hooks[:MOST_ALIKE]]
+        more = f" and {len(hooks) - MOST_ALIKE} more" if len(hooks) > MOST_ALIKE else ""
+        lines.append(f"Hooks: {', '.join(pulls)}{more}, in the last frame.")
+    return lines
+
+
 def seam_lines(seams: Sequence[SeamMeasure]) -> list[str]:
-    """Say what is measured at the seams in their last frame.
+    """Say what is measured at the seams in their last frame, each value with its estimated error.
 
     Parameters
     ----------
@@ -198,14 +237,62 @@ def seam_lines(seams: Sequence[SeamMeasure]) -> list[str]:
     if not seams or all(row.tension_n_per_mm is None for row in seams):
         return []
     last = [row for row in seams if row.time == seams[-1].time]
-    scar, area = sum(row.scar_length_mm for row in last), sum(row.open_area_mm2 for row in last)
-    parts = [f"Scar: {scar:.0f} mm, {area:.1f} mm² still open"]
-    steps = [row.step_off_mm for row in last if row.step_off_mm is not None]
-    ears = [ear for row in last for ear in (row.start_dog_ear_mm, row.end_dog_ear_mm) if ear is not None]
-    pull = sum(row.tension_n_per_mm * row.scar_length_mm for row in last if row.tension_n_per_mm is not None)
-    parts += [f"step-off {max(steps):.1f} mm"] if steps else []
-    parts += [f"dog-ear {max(ears):.1f} mm"] if ears else []
-    return [", ".join(parts) + f" at most, closing tension {pull / scar:.2g} N/mm in the mean, in the last frame."]
+    scar = sum(row.scar_length_mm for row in last)
+    parts = [
+        f"Scar: {with_error(scar, _sum(row.scar_length_error_mm for row in last))} mm",
+        f"{with_error(sum(row.open_area_mm2 for row in last), _sum(row.open_area_error_mm2 for row in last))} mm² "
+        "still open",
+    ]
+    steps = [(row.step_off_mm, row.step_off_error_mm) for row in last if row.step_off_mm is not None]
+    ears = [
+        (ear, error)
+        for row in last
+        for ear, error in (
+            (row.start_dog_ear_mm, row.start_dog_ear_error_mm),
+            (row.end_dog_ear_mm, row.end_dog_ear_error_mm),
+        )
+        if ear is not None
+    ]
+    for name, values in (("step-off", steps), ("dog-ear", ears)):
+        parts += [f"{name} {with_error(*max(values, key=lambda pair: pair[0]))} mm"] if values else []
+    drawn = [row for row in last if row.tension_n_per_mm is not None]
+    pull = sum((row.tension_n_per_mm or 0.0) * row.scar_length_mm for row in drawn) / scar
+    errors = (_times(row.tension_error_n_per_mm, row.scar_length_mm / scar) for row in drawn)
+    mean = with_error(pull, _sum(errors))
+    return [", ".join(parts) + f" at most, closing tension {mean} N/mm in the mean, in the last frame."]
+
+
+def with_error(value: float, error: float | None) -> str:
+    """Write a value as exactly as its error allows: the error with one digit, or two where the first is a 1.
+
+    Parameters
+    ----------
+    value
+        The value.
+    error
+        Its estimated error, or None.
+
+    Returns
+    -------
+    str
+        Value and error; the value alone with three digits where there is no error.
+    """
+    if error is None or not error > 0.0:
+        return f"{value:.3g}"
+    first = math.floor(math.log10(float(f"{error:.1e}")))
+    digits = first - 1 if float(f"{error:.1e}") / 10.0**first < 1.95 else first
+    shown = max(0, -digits)
+    return f"{round(value, -digits):.{shown}f} ± {round(error, -digits):.{shown}f}"
+
+
+def _sum(errors: Iterable[float | None]) -> float | None:
+    """The sum of errors; None where one is not known."""
+    known = list(errors)
+    return None if any(each is None for each in known) else sum(each for each in known if each is not None)
+
+
+def _times(error: float | None, share: float) -> float | None:
+    return None if error is None else error * share
 
 
 def told_lines(notes: Sequence[Problem]) -> list[str]:

@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
+from lappet.commands.gravity_options import gravity_options, with_gravity
 from lappet.commands.parameters import FILE, FrameRange
 from lappet.commands.refusals import sentences
 from lappet.commands.solve_options import is_given, solve_options
 from lappet.program.settings import SolverSettings
+
+if TYPE_CHECKING:
+    from lappet.procedure import Procedure
 
 
 @click.command()
@@ -27,6 +32,7 @@ from lappet.program.settings import SolverSettings
     metavar="MM",
     help="Choose spacing, quadrature and tolerance for this root mean square displacement error of the skin.",
 )
+@gravity_options("the procedure's")
 @solve_options
 @click.pass_context
 def solve(
@@ -40,6 +46,8 @@ def solve(
     seams_path: Path | None,
     frames: tuple[int | None, int | None] | None,
     target_error: float | None,
+    position: tuple[float, float, float] | None,
+    gravity: float | None,
     settings: SolverSettings,
     **options: Any,
 ) -> None:
@@ -49,8 +57,9 @@ def solve(
 
         cache = output or procedure.with_suffix(".cache.usdc")
         options["frames"] = frames or (None, None)
+        source = procedure if position is None and gravity is None else _lying(procedure, position, gravity)
         if target_error is None:
-            result = run_solve(procedure, cache, report_path, settings, **options)
+            result = run_solve(source, cache, report_path, settings, **options)
         else:
             given = [
                 name for name in ("spacing", "quadrature", "tolerance", "error_estimate") if is_given(context, name)
@@ -58,8 +67,16 @@ def solve(
             if given:
                 option = "--" + given[0].replace("_", "-")
                 raise click.UsageError(f"--target-error chooses {option} itself; leave {option} out.")
-            result = run_to_target(procedure, cache, report_path, settings, target_error, **options)
+            result = run_to_target(source, cache, report_path, settings, target_error, **options)
         write_tables(result, sutures=forces_path, hooks=hooks_path, seams=seams_path)
         click.echo(summary(result))
     if not result.complete:
         context.exit(1)
+
+
+def _lying(path: Path, position: tuple[float, float, float] | None, gravity: float | None) -> Procedure:
+    """Read a procedure whose patient lies otherwise than it says."""
+    from lappet.usd.stage import read_procedure
+
+    procedure = read_procedure(path)
+    return replace(procedure, tissue=with_gravity(procedure.tissue, position, gravity))

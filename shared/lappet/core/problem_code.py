@@ -254,6 +254,7 @@ class ProblemCode(StrEnum):
     MATERIAL_BELOW_ZERO = auto()
     MATERIAL_FIBER_DISPERSION = auto()
     MATERIAL_FIBER_SLACK = auto()
+    MATERIAL_FIBER_ANGLE = auto()
     MATERIAL_FIBER_DIRECTION = auto()
     MATERIAL_PRESTRETCH = auto()
     MATERIAL_ACTIVATION = auto()

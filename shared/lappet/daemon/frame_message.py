@@ -77,7 +77,7 @@ def read_frame(
         suture_gaps=read_array(message, "suture_gaps", "f8", (sutures,)),
         suture_forces=read_array(message, "suture_forces", "f8", (sutures,)),
         suture_force_vectors=read_array(message, "suture_force_vectors", "f8", (sutures, 3)),
-        suture_shared=read_array(message, "suture_shared", "f8", (sutures,)),
+        suture_shared=read_array(message, "suture_shared", "f8", (sutures + len(constraints.inner_bite_triangles),)),
         **bites,
         **corrections,
         softest_point=read_array(message, "softest_point", "f8", (None, 3)),

@@ -286,7 +286,8 @@ class SolvedFrame:
     suture_force_vectors
         Force on the tissue at their first ends in mN, shape (A, 3), float64; at the second ends the opposite one.
     suture_shared
-        How much of what their two ends hold is the same tissue, 0 to 1, shape (A,), float64; (0,) where not known.
+        How much of what two bites of theirs that follow each other hold is the same tissue, 0 to 1, in the order of the
+        sutures and of each thread, shape (A + I,), float64; (0,) where not known.
     suture_inner_bites
         Number of bites of each between its ends, shape (A,), int32; empty where none has any.
     inner_bite_points

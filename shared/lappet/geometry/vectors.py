@@ -6,11 +6,15 @@ and strides.
 
 from __future__ import annotations
 
+from typing import Any, TypeVar
+
 import numpy as np
 from numpy.typing import NDArray
 
+Real = TypeVar("Real", bound=np.floating[Any])
 
-def cross(a: NDArray[np.float64], b: NDArray[np.float64]) -> NDArray[np.float64]:
+
+def cross(a: NDArray[Real], b: NDArray[Real]) -> NDArray[Real]:
     """Compute cross products.
 
     Parameters
@@ -26,7 +30,7 @@ def cross(a: NDArray[np.float64], b: NDArray[np.float64]) -> NDArray[np.float64]
     return np.stack([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])
 
 
-def dot(a: NDArray[np.float64], b: NDArray[np.float64]) -> NDArray[np.float64]:
+def dot(a: NDArray[Real], b: NDArray[Real]) -> NDArray[Real]:
     """Compute dot products, added in the order of `numpy.einsum`.
 
     Parameters
@@ -42,7 +46,7 @@ def dot(a: NDArray[np.float64], b: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.asarray((a[0] * b[0] + a[2] * b[2]) + a[1] * b[1])
 
 
-def length(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
+def length(vectors: NDArray[Real]) -> NDArray[Real]:
     """Compute the lengths of vectors, added in the order of `numpy.linalg.norm`.
 
     Parameters
@@ -61,7 +65,7 @@ def length(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.asarray(np.sqrt(total))
 
 
-def unit(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
+def unit(vectors: NDArray[Real]) -> NDArray[Real]:
     """Scale vectors to length 1; those of length 0 stay.
 
     Parameters

@@ -21,18 +21,19 @@ from lappet.core.problem import Place, Problem
 from lappet.core.version import version
 from lappet.cutting.epoch import Epoch
 from lappet.daemon.solved_frame import SolvedFrame
-from lappet.output.mean_tension import greatest_mean_tension
 from lappet.output.solve_to_cache import SolveResult
 from lappet.procedure.scene_profile import scene_profile
 from lappet.program.program import Program
 from lappet.solve.bite_forces import bite_forces
 from lappet.solve.error_estimate import FrameErrorEstimate
 from lappet.solve.fallbacks import volume_ratio
+from lappet.solve.force_sums import ForceSums
+from lappet.solve.measures import FrameMeasures
 from lappet.solve.sensitive import is_sensitive
 from lappet.solve.solve_frames import FrameResult, failure_code
-from lappet.solve.suture_forces import SutureForce, summary
 
 REPORT_VERSION = 2
+NO_MEASURES = FrameMeasures()
 LATTICE_COUNTS = ("fine_voxels", "cells", "grid_cells", "mesh_cells", "nodes", "blocks")
 
 
@@ -93,16 +94,11 @@ def report(result: SolveResult) -> dict[str, Any]:
         "reason": None if result.reason is None else str(result.reason),
         "code": None if result.reason is None else result.reason.code,
         "notes": [_note(each) for each in result.notes],
-        "error_estimate": None
-        if result.errors is None
-        else {
-            "companion_spacing_mm": result.errors.spacing,
-            "order": result.errors.order,
-            "seconds": result.errors.seconds,
-            "reason": None if result.errors.reason is None else str(result.errors.reason),
-            "code": None if result.errors.reason is None else result.errors.reason.code,
-        },
-        "frames": [_frame(program, frame, error) for frame, error in zip(result.frames, _errors(result), strict=True)],
+        "error_estimate": _estimate(result),
+        "frames": [
+            _frame(program, frame, error, measures)
+            for frame, error, measures in zip(result.frames, _errors(result), _measures(result), strict=True)
+        ],
         **_forces(result),
         "failed": None if result.failed is None else _frame(program, result.failed),
         "frames_solved": result.solved,
@@ -145,7 +141,12 @@ def write_report(result: SolveResult, path: Path | str) -> None:
         raise
 
 
-def _frame(program: Program, frame: FrameResult, error: FrameErrorEstimate | None = None) -> dict[str, Any]:
+def _frame(
+    program: Program,
+    frame: FrameResult,
+    error: FrameErrorEstimate | None = None,
+    measures: FrameMeasures = NO_MEASURES,
+) -> dict[str, Any]:
     solved, said = frame.solved, frame.solved.diagnostics
     hooks = [program.hooks[i] for i in solved.hook_index]
     sutures = [program.sutures[i] for i in solved.suture_index]
@@ -182,6 +183,8 @@ def _frame(program: Program, frame: FrameResult, error: FrameErrorEstimate | Non
         "suture_force_vectors_mn": _named(sutures, solved.suture_force_vectors),
         **_bite_forces(sutures, solved),
         "hook_forces_mn": _named(hooks, solved.hook_forces),
+        "suture_force_errors_mn": {row.suture: row.force_error_mn for row in measures.sutures},
+        "hook_force_errors_mn": {row.hook: row.force_error_mn for row in measures.hooks},
         "landmarks": _named(landmarks, solved.landmarks),
         "estimated_error_mm": _error(program, frame, error),
         "cache_hit": frame.looked_up,
@@ -199,11 +202,16 @@ def _bite_forces(sutures: list[str], solved: SolvedFrame) -> dict[str, Any]:
 
 def _forces(result: SolveResult) -> dict[str, Any]:
     """The forces of each frame that has a suture, summed up, and the tension of the skin."""
-    rows: dict[float, list[SutureForce]] = {}
-    for row in result.suture_forces:
-        rows.setdefault(row.time, []).append(row)
-    sutures = [{"time_code": time, **summary(own)} for time, own in rows.items()]
-    return {"sutures": sutures, "seams": _seams(result), "greatest_mean_tension": _mean_tension(result)}
+    measured = zip(result.frames, _measures(result), strict=True)
+    sums = [{"time_code": frame.solved.time, **_sums(each.sums)} for frame, each in measured if each.sums is not None]
+    return {"sutures": sums, "seams": _seams(result), "greatest_mean_tension": _mean_tension(result)}
+
+
+def _sums(sums: ForceSums) -> dict[str, Any]:
+    """The forces of a frame summed up, its closures by their names."""
+    values = asdict(sums)
+    values["closures"] = {each.pop("closure"): each for each in values["closures"]}
+    return values
 
 
 def _seams(result: SolveResult) -> list[dict[str, Any]]:
@@ -225,18 +233,36 @@ def _seams(result: SolveResult) -> list[dict[str, Any]]:
 
 def _mean_tension(result: SolveResult) -> dict[str, Any] | None:
     """The greatest mean tension in the last frame."""
-    if not result.frames:
+    if not result.measures or (found := result.measures[-1].mean_tension) is None:
         return None
-    last = result.frames[-1]
-    surface = result.program.epochs[last.constraints.epoch].surface
-    found = greatest_mean_tension(surface, last.solved.tension)
-    if found is None:
-        return None
-    return {"time_code": last.solved.time, "kpa": found.tension, "area_mm2": found.area, "place_mm": found.place}
+    return {
+        "time_code": result.frames[-1].solved.time,
+        "kpa": found.tension,
+        "error_kpa": found.error,
+        "area_mm2": found.area,
+        "place_mm": found.place,
+    }
 
 
 def _errors(result: SolveResult) -> tuple[FrameErrorEstimate | None, ...]:
     return (None,) * len(result.frames) if result.errors is None else result.errors.frames
+
+
+def _estimate(result: SolveResult) -> dict[str, Any] | None:
+    errors = result.errors
+    if errors is None:
+        return None
+    return {
+        "companion_spacing_mm": errors.spacing,
+        "order": errors.order,
+        "seconds": errors.seconds,
+        "reason": None if errors.reason is None else str(errors.reason),
+        "code": None if errors.reason is None else errors.reason.code,
+    }
+
+
+def _measures(result: SolveResult) -> tuple[FrameMeasures, ...]:
+    return result.measures or (NO_MEASURES,) * len(result.frames)
 
 
 def _error(program: Program, frame: FrameResult, error: FrameErrorEstimate | None) -> dict[str, Any] | None:

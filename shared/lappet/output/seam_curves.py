@@ -21,6 +21,14 @@ _WHOLE = {
     "openArea": "open_area_mm2",
     "startDogEar": "start_dog_ear_mm",
     "endDogEar": "end_dog_ear_mm",
+    "tensionError": "tension_error_n_per_mm",
+    "scarLengthError": "scar_length_error_mm",
+    "openAreaError": "open_area_error_mm2",
+    "gapError": "greatest_gap_error_mm",
+    "stepError": "step_off_error_mm",
+    "mismatchError": "edge_mismatch_error_mm",
+    "startDogEarError": "start_dog_ear_error_mm",
+    "endDogEarError": "end_dog_ear_error_mm",
 }
 
 

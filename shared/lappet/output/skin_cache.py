@@ -19,11 +19,12 @@ from lappet.cutting.epoch import Epoch
 from lappet.daemon.solved_frame import SCALARS, SolvedFrame
 from lappet.geometry.labeled_surface import FaceOrigin
 from lappet.geometry.shading_normals import ShadingNormals
+from lappet.output.force_errors import write_force_errors
 from lappet.output.seam_curves import write_seams
 from lappet.procedure import Hook, Landmark, Procedure, Suture
 from lappet.program.program import Program
 from lappet.solve.bite_forces import bite_points
-from lappet.solve.seam_measures import SeamState
+from lappet.solve.measures import FrameMeasures
 from lappet.usd.stage import pxr, save_layer
 
 SUBSETS = {
@@ -45,7 +46,7 @@ def write_skin_cache(
     program: Program,
     frames: Sequence[SolvedFrame],
     last_key: str,
-    seams: Sequence[SeamState] = (),
+    measures: Sequence[FrameMeasures] = (),
 ) -> None:
     """Write the skin cache of consecutive frames, atomically.
 
@@ -63,8 +64,8 @@ def write_skin_cache(
         The solved frames, one after the other.
     last_key
         Key of the last one.
-    seams
-        The seams of the frames.
+    measures
+        What is measured at each of the frames; nothing where none is given.
 
     Raises
     ------
@@ -77,11 +78,18 @@ def write_skin_cache(
     output.parent.mkdir(parents=True, exist_ok=True)
     layer = pxr().Sdf.Layer.CreateAnonymous(".usda")
     _author(layer, procedure, program, frames, last_key)
-    write_seams(pxr().Usd.Stage.Open(layer), frames, seams)
+    _add_measures(pxr().Usd.Stage.Open(layer), program, frames, measures)
     # Only now that no stage is open on it: the path means nothing to a layer in memory.
     below = os.path.relpath(Path(procedure_path).resolve(), output.resolve().parent)
     layer.subLayerPaths.append(below if below.startswith(".") else f"./{below}")
     save_layer(layer, output)
+
+
+def _add_measures(
+    stage: Any, program: Program, frames: Sequence[SolvedFrame], measures: Sequence[FrameMeasures]
+) -> None:
+    write_seams(stage, frames, [state for each in measures for state in each.seams])
+    write_force_errors(stage, program, frames, measures)
 
 
 def _author(layer: Any, procedure: Procedure, program: Program, frames: Sequence[SolvedFrame], last_key: str) -> None:

@@ -7,14 +7,13 @@ import time
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 from lappet.checks.validation import check
 from lappet.core.problem import Problem, RefusedError, problem, refused
 from lappet.core.problem_code import ProblemCode
 from lappet.daemon.daemon_solver import connect_to, solver_identity
 from lappet.daemon.frame_solver import Connect, Iteration
-from lappet.daemon.solved_frame import SolvedFrame
 from lappet.output.skin_cache import write_skin_cache
 from lappet.procedure import Procedure
 from lappet.procedure.prim_paths import ROOT
@@ -22,12 +21,13 @@ from lappet.program.compile import DEFAULT, compile_program, frame_times
 from lappet.program.program import Program
 from lappet.program.settings import SolverSettings
 from lappet.solve.fallbacks import fallbacks
-from lappet.solve.hook_forces import HookForce, hook_forces
-from lappet.solve.seam_measures import SeamMeasure, SeamState, seam_states
+from lappet.solve.hook_forces import HookForce
+from lappet.solve.measures import FrameMeasures, Gauges
+from lappet.solve.seam_measures import SeamMeasure
 from lappet.solve.sensitive import several_notes, stability_notes
 from lappet.solve.solve_frames import FrameResult, Frames, SolveObserver, solve_program
 from lappet.solve.store import FrameStore
-from lappet.solve.suture_forces import SutureForce, suture_forces, suture_warnings
+from lappet.solve.suture_forces import SutureForce, suture_warnings
 from lappet.usd.stage import SUFFIXES, read_procedure, write_procedure
 
 if TYPE_CHECKING:
@@ -60,12 +60,8 @@ class SolveResult:
         Warnings and notes: what is suspicious in the procedure, and what was done otherwise than it was told.
     errors
         Estimate of the errors of `frames`, or None where none was wanted.
-    suture_forces
-        The force on each suture in each frame.
-    hook_forces
-        The force of each hook in each frame.
-    seams
-        What is measured at each seam in each frame.
+    measures
+        What is measured at each of `frames`, with its estimated errors where these are wanted.
     """
 
     procedure: Procedure
@@ -78,9 +74,22 @@ class SolveResult:
     wall_seconds: float = 0.0
     notes: tuple[Problem, ...] = ()
     errors: ErrorEstimate | None = None
-    suture_forces: tuple[SutureForce, ...] = ()
-    hook_forces: tuple[HookForce, ...] = ()
-    seams: tuple[SeamMeasure, ...] = ()
+    measures: tuple[FrameMeasures, ...] = ()
+
+    @property
+    def suture_forces(self) -> tuple[SutureForce, ...]:
+        """The force on each suture in each frame."""
+        return tuple(row for each in self.measures for row in each.sutures)
+
+    @property
+    def hook_forces(self) -> tuple[HookForce, ...]:
+        """The force of each hook in each frame."""
+        return tuple(row for each in self.measures for row in each.hooks)
+
+    @property
+    def seams(self) -> tuple[SeamMeasure, ...]:
+        """What is measured at each seam in each frame."""
+        return tuple(state.measure for each in self.measures for state in each.seams)
 
     @property
     def complete(self) -> bool:
@@ -119,7 +128,7 @@ def solve_procedure(
     Parameters
     ----------
     source
-        A USD file, or a procedure, which is then written beside the cache as `<output>.procedure.usda`.
+        A USD file, or a procedure, which is then written beside the cache as `<its stem>.procedure.usda`.
     output
         The skin cache (.usdc, .usda or .usd).
     settings
@@ -164,20 +173,24 @@ def solve_procedure(
         solver = solver or solver_identity(daemon)
     store = store or FrameStore()
     result = solve_program(program, store, connect, solver, watch)
-    measured = _Measured.of(procedure, program, [frame.solved for frame in result.frames])
     wanted = [frame for frame in result.frames if frame.constraints.time >= first]
-    written = None
-    if wanted:
-        solved = [frame.solved for frame in wanted]
-        write_skin_cache(output, path, procedure, program, solved, wanted[-1].key, measured.seams)
-        written = output
-    elif result.reason is not None and result.failed is None:
+    if not wanted and result.reason is not None and result.failed is None:
         raise RefusedError([result.reason])
+    gauges = Gauges(procedure, program)
+    measures = [gauges.measure(each.solved, tension=each is result.frames[-1]) for each in result.frames]
     found = fallbacks(program, result.frames) + stability_notes(result.frames)
-    found += suture_warnings(procedure, measured.sutures)
+    found += suture_warnings(procedure, [row for each in measures for row in each.sutures])
     errors = None
     if error_estimate and result.frames:
         errors = _estimate(program, result, store, connect, solver, found)
+        measures, errors = _with_errors(program, gauges, result.frames, measures, errors)
+    written = None
+    if wanted:
+        kept = slice(len(result.frames) - len(wanted), None)
+        write_skin_cache(
+            output, path, procedure, program, [each.solved for each in wanted], wanted[-1].key, measures[kept]
+        )
+        written = output
     return SolveResult(
         procedure,
         program,
@@ -189,24 +202,24 @@ def solve_procedure(
         time.perf_counter() - started,
         (*watch.notes, *found),
         errors,
-        tuple(measured.sutures),
-        tuple(measured.hooks),
-        tuple(each.measure for each in measured.seams),
+        tuple(measures),
     )
 
 
-class _Measured(NamedTuple):
-    """What is measured at sutures, hooks and seams in all frames."""
+def _with_errors(
+    program: Program,
+    gauges: Gauges,
+    frames: Sequence[FrameResult],
+    measures: list[FrameMeasures],
+    errors: ErrorEstimate | None,
+) -> tuple[list[FrameMeasures], ErrorEstimate | None]:
+    """What is measured at each frame with its estimated errors; the estimate without what only these need."""
+    if errors is None:
+        return measures, None
+    from lappet.solve.measure_errors import errors_of_measures  # as the estimate
 
-    sutures: list[SutureForce]
-    hooks: list[HookForce]
-    seams: list[SeamState]
-
-    @classmethod
-    def of(cls, procedure: Procedure, program: Program, frames: Sequence[SolvedFrame]) -> _Measured:
-        sutures = [row for frame in frames for row in suture_forces(procedure, program, frame)]
-        hooks = [row for frame in frames for row in hook_forces(program, frame)]
-        return cls(sutures, hooks, seam_states(procedure, program, frames, sutures))
+    found = errors_of_measures(program, gauges, [frame.solved for frame in frames], measures, errors)
+    return found, replace(errors, coarse=())
 
 
 def _refuse_output(output: Path) -> None:

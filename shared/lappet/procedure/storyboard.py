@@ -131,7 +131,8 @@ def _material(material: Material) -> str:
     if material.fiber_k1:
         k1, k2 = number(material.fiber_k1), number(material.fiber_k2)
         slack = f" from a stretch of {number(material.fiber_slack)}" if material.fiber_slack != 1.0 else ""
-        text += f", fibers k₁ {k1} kPa, k₂ {k2}{slack} along {place(material.fiber_direction)}"
+        aside = f" at {number(material.fiber_angle)}° to either side" if material.fiber_angle else ""
+        text += f", fibers k₁ {k1} kPa, k₂ {k2}{slack}{aside} along {place(material.fiber_direction)}"
     if material.has_muscle:
         peak = max((value for _, value in material.muscle_activation), default=0.0)
         along = "" if material.has_fibers else f" along {place(material.fiber_direction)}"

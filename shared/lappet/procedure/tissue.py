@@ -38,6 +38,9 @@ class Material:
         Dispersion of the fibers, from 0 (aligned) to 1/3 (isotropic).
     fiber_slack
         Stretch from which the fibers bear load, at least 1: crimped fibers are straightened before.
+    fiber_angle
+        Angle in degrees, 0 to 90, at which half of the fibers and of the muscle run to the direction, to either side in
+        the plane of the skin; 0 for one family.
     fiber_direction
         Direction of fibers, muscle and prestretch at rest.
     prestretch
@@ -60,6 +63,7 @@ class Material:
     fiber_k2: float = 0.0
     fiber_dispersion: float = 0.0
     fiber_slack: float = 1.0
+    fiber_angle: float = 0.0
     fiber_direction: Point = (1.0, 0.0, 0.0)
     prestretch: tuple[float, float] = (1.0, 1.0)
     density: float = 1100.0

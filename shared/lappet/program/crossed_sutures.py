@@ -18,11 +18,11 @@ from numpy.typing import NDArray
 from lappet.core.problem import Place, Problem, problem
 from lappet.core.problem_code import ProblemCode
 from lappet.cutting.epoch import Epoch
-from lappet.geometry.border_loops import border_loops
-from lappet.geometry.labeled_surface import FaceOrigin, Surface
+from lappet.geometry.labeled_surface import Surface
 from lappet.geometry.surface_check import place
 from lappet.procedure.prim_paths import TIMELINE
 from lappet.program.program import FrameConstraints
+from lappet.program.thread_pieces import bites_at_wounds, thread_pieces
 
 REACH = 5.0  # lattice spacings from an anchor to the wound's edge that it holds, at most; chosen
 DEEP = 0.25  # of its depth, how far along the edge an anchor in a wall may be off; chosen
@@ -31,9 +31,9 @@ NAMED = 3  # of the sutures that one crosses
 
 @dataclass(frozen=True, eq=False)
 class _Ends:
-    """The ends of sutures on the wounds' edges.
+    """The ends of sutures, or of the passes of threads with more bites, on the wounds' edges.
 
-    index: numbers of the sutures (s,). points: their ends in mm (s, 2, 3). loop, along: the loop (s, 2) that each end
+    index: numbers of their sutures (s,). points: the ends in mm (s, 2, 3). loop, along: the loop (s, 2) that each end
     lies on, and how far along it in mm. unsure: by how much that may be off (s,). length: of each loop in mm.
     """
 
@@ -77,6 +77,7 @@ def crossed_sutures(
         else {
             frozenset((int(ends.index[a]), int(ends.index[b]))): np.concatenate([ends.points[a], ends.points[b]])
             for a, b in _crossing_pairs(ends, spacing)
+            if ends.index[a] != ends.index[b]
         }
     )
     found = []
@@ -96,82 +97,23 @@ def crossed_sutures(
     return found
 
 
-@dataclass(frozen=True, eq=False)
-class _Edges:
-    """The edges of the skin at wounds.
-
-    ends: their vertices in mm (e, 2, 3), in the direction of the skin. outwards: normals of the walls below them, out
-    of the tissue (e, 3). loop: of each. start: how far along it each begins, mm. length: of each loop, mm.
-    """
-
-    ends: NDArray[np.float64]
-    outwards: NDArray[np.float64]
-    loop: NDArray[np.int64]
-    start: NDArray[np.float64]
-    length: NDArray[np.float64]
-
-
-def _edges(surface: Surface) -> _Edges | None:
-    """The edges of the skin that are those of wound walls as well; None where there are none."""
-    loops = border_loops(surface.triangles[surface.origin == FaceOrigin.SKIN].astype(np.int64))
-    if not loops:
-        return None
-    edges = np.concatenate([np.stack([loop, np.roll(loop, -1)], axis=1) for loop in loops])
-    number = np.repeat(np.arange(len(loops)), [len(loop) for loop in loops])
-    lengths = np.linalg.norm(surface.points[edges[:, 1]] - surface.points[edges[:, 0]], axis=1)
-    length = np.bincount(number, lengths).astype(np.float64)
-    start = np.cumsum(lengths) - lengths - np.repeat(np.cumsum(length) - length, np.bincount(number))
-    walls = np.flatnonzero(surface.origin == FaceOrigin.WOUND_WALL)
-    size, triangles = len(surface.points), surface.triangles[walls].astype(np.int64)
-    sides = np.concatenate([triangles[:, k] * size + triangles[:, (k + 1) % 3] for k in range(3)])
-    order = np.argsort(sides)
-    wanted = edges[:, 1] * size + edges[:, 0]
-    at = np.minimum(np.searchsorted(sides[order], wanted), len(sides) - 1)
-    kept = np.flatnonzero(sides[order][at] == wanted) if len(sides) else np.zeros(0, np.int64)
-    if not len(kept):
-        return None
-    wall = walls[order[at[kept]] % len(walls)]
-    return _Edges(surface.points[edges[kept]], _normals(surface, wall), number[kept], start[kept], length)
-
-
-def _normals(surface: Surface, faces: NDArray[np.integer]) -> NDArray[np.float64]:
-    """The unit normals of faces (f,)."""
-    a, b, c = np.moveaxis(surface.points[surface.triangles[faces]], 1, 0)
-    normals = np.cross(b - a, c - a)
-    return np.asarray(normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300))
-
-
 def _ends(surface: Surface, frame: FrameConstraints, spacing: float) -> _Ends | None:
-    """The ends of the sutures both of which lie near a wound's edge; None where there is no wound."""
-    edges = _edges(surface)
-    if edges is None:
+    """The ends of the passes both of which lie near a wound's edge; None where there is no wound."""
+    pieces = thread_pieces(frame)
+    held = bites_at_wounds(surface, pieces.points.reshape(-1, 3), pieces.triangles.reshape(-1), spacing)
+    if held is None:
         return None
-    points, faces = frame.suture_anchors.reshape(-1, 3), frame.suture_triangles.reshape(-1)
-    in_wall = surface.origin[faces] == FaceOrigin.WOUND_WALL
-    first, chord = edges.ends[:, 0], edges.ends[:, 1] - edges.ends[:, 0]
-    squared = np.maximum(np.einsum("ei,ei->e", chord, chord), 1e-300)
-    along = np.clip(np.einsum("qei,ei->qe", points[:, None] - first, chord) / squared, 0.0, 1.0)
-    way = first + along[..., None] * chord - points[:, None]
-    distance = np.linalg.norm(way, axis=2)
-    # An anchor belongs to its own side of a wound, however narrow that is: in a wall to edges above walls that face as
-    # it does, elsewhere to edges that face away from it.
-    facing = np.where(in_wall[:, None], _normals(surface, faces) @ edges.outwards.T, 0.0)
-    away = np.where(in_wall[:, None], facing, np.einsum("qei,ei->qe", way, edges.outwards))
-    distance[away < -1e-3 * spacing] = np.inf
-    row, edge = np.arange(len(points)), distance.argmin(axis=1)
-    nearest, share = distance[row, edge].reshape(-1, 2), along[row, edge]
-    along_loop = edges.start[edge] + share * np.sqrt(squared[edge])
-    kept = (nearest <= REACH * spacing).all(axis=1)
-    if len(frame.suture_inner_bites):  # what a thread with more bites pairs is not at its ends
-        kept &= frame.suture_inner_bites == 0
-    unsure = np.where(in_wall.reshape(-1, 2), DEEP * nearest, nearest).max(axis=1, initial=0.0)
+    near = (held.distance.reshape(-1, 2) <= REACH * spacing).all(axis=1)
+    kept = np.flatnonzero(near & pieces.passes(held.parted()))
+    distance, in_wall = held.distance.reshape(-1, 2), held.in_wall.reshape(-1, 2)
+    unsure = np.where(in_wall, DEEP * distance, distance).max(axis=1, initial=0.0)
     return _Ends(
-        frame.suture_index[kept],
-        frame.suture_anchors[kept],
-        edges.loop[edge].reshape(-1, 2)[kept],
-        along_loop.reshape(-1, 2)[kept],
+        frame.suture_index[pieces.row[kept]],
+        pieces.points[kept],
+        held.loop.reshape(-1, 2)[kept],
+        held.along.reshape(-1, 2)[kept],
         unsure[kept],
-        edges.length,
+        held.length,
     )
 
 

@@ -77,6 +77,7 @@ def parameters(material: Material) -> MaterialParameters:
         fiber_k2=float(material.fiber_k2) if fibers else plain.fiber_k2,
         fiber_dispersion=float(material.fiber_dispersion) if fibers else plain.fiber_dispersion,
         fiber_slack=float(material.fiber_slack) if fibers else plain.fiber_slack,
+        fiber_angle=float(material.fiber_angle) if fibers or material.has_muscle else plain.fiber_angle,
         muscle_stress=float(material.muscle_stress),
         prestretch=material.prestretch,
     )

@@ -88,6 +88,9 @@ class MaterialParameters:
         Dispersion of the fibers, 0 to 1/3.
     fiber_slack
         Stretch from which the fibers bear load.
+    fiber_angle
+        Angle in degrees at which half of the fibers and of the muscle run to the direction, to either side; 0 for one
+        family.
     muscle_stress
         Greatest isometric stress of muscle in kPa; 0 for no muscle.
     prestretch
@@ -104,6 +107,7 @@ class MaterialParameters:
     fiber_k2: float = 0.0
     fiber_dispersion: float = 0.0
     fiber_slack: float = 1.0
+    fiber_angle: float = 0.0
     muscle_stress: float = 0.0
     prestretch: tuple[float, float] = (1.0, 1.0)
 

@@ -5,10 +5,10 @@ The order p of the displacements is known in limits only; what is reckoned with 
 
 - 2 where nothing lowers it: that of trilinear cells.
 - Where a held side meets a free one, displacements vary as r^a with the distance r (`lappet.reports.clamped_edge`): 2a,
-  1.24 at a Poisson's ratio of 0.45, in the limit, and up to 2 before. Fitted: 1.5.
-- At the end of a cut a is 1/2 (Williams 1957, J Appl Mech 24:109), which leaves 1 in the limit. Fitted: 1.25.
-- 1 where the lattice knows a surface to a cell only: in cells that the tissue does not fill, between layers, and where
-  it touches bone.
+  1.24 at a Poisson's ratio of 0.45, in the limit, and up to 2 before. Fitted: 1.5, in cells that the tissue does not
+  fill too.
+- At the end of a cut a is 1/2 (Williams 1957, J Appl Mech 24:109), which leaves 1 in the limit. Fitted: 1.4.
+- 1 where the lattice knows a surface to a cell only: between layers, and where it touches bone.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from lappet.geometry.labeled_surface import FaceOrigin
 from lappet.program.program import Program
 
 RATIO = 2.0  # of the spacings
-FULL_ORDER, HELD_ORDER, WOUNDED_ORDER, FIRST_ORDER = 2.0, 1.5, 1.25, 1.0
+FULL_ORDER, HELD_ORDER, WOUNDED_ORDER, FIRST_ORDER = 2.0, 1.5, 1.4, 1.0
 # The coarse program only has to be better than its own discretization. Sutures that are nearer to each other than its
 # cells contradict each other a little there: they get more room, and one point per cell, which bends where more would
 # lock.
@@ -53,15 +53,15 @@ def expected_order(program: Program, lattice: LatticeCounts | None = None) -> fl
     )
     if wounded:
         return WOUNDED_ORDER
+    if len(program.bones.points) or any(len(epoch.regions) for epoch in program.epochs):
+        return FIRST_ORDER
     settings = program.settings
     cut = lattice is not None and lattice.fine_voxels != lattice.cells * settings.fine_ratio**3
-    if cut or len(program.bones.points) or any(len(epoch.regions) for epoch in program.epochs):
-        return FIRST_ORDER
     surfaces = [epoch.surface for epoch in program.epochs]
     held = any(np.any(each.fixed) or np.any(each.resting) for each in surfaces) or bool(program.retractors)
     # What does not draw in when it is pulled does so at no held edge.
     draws_in = any(each.poissons_ratio > 0.0 or each.fiber_k1 > 0.0 for each in settings.materials)
-    return HELD_ORDER if lattice is None or (held and draws_in) else FULL_ORDER
+    return HELD_ORDER if lattice is None or cut or (held and draws_in) else FULL_ORDER
 
 
 def coarse_program(program: Program) -> Program:
@@ -88,6 +88,5 @@ def coarse_program(program: Program) -> Program:
             precision="float",
             tolerance=max(settings.tolerance, SUTURED_TOLERANCE if sutured else COARSE_TOLERANCE),
             gap_tolerance=max(settings.gap_tolerance, SUTURED_GAP if sutured else COARSE_GAP),
-            strain=False,
         ),
     )

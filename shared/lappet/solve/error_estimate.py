@@ -142,6 +142,8 @@ class ErrorEstimate:
         Time that the estimate took.
     reason
         Why frames lack the discretization part, or None.
+    coarse
+        The frame of the coarse program that each is compared with, on the frame's own branch; None where there is none.
     """
 
     frames: tuple[FrameErrorEstimate | None, ...]
@@ -149,6 +151,7 @@ class ErrorEstimate:
     order: float
     seconds: float
     reason: Problem | None = None
+    coarse: tuple[SolvedFrame | None, ...] = ()
 
 
 def estimate_errors(
@@ -191,14 +194,16 @@ def estimate_errors(
     order = expected_order(program, frames[0].solved.lattice if frames else None)
     skins = {epoch.index: RestSkin.of(epoch) for epoch in program.epochs}
     spacing = program.settings.spacing
+    compared = [_at(solved.frames, index) for index in range(len(frames))]
     errors = [
-        frame_error(frame.solved, _at(solved.frames, index), skins[frame.constraints.epoch], order, spacing)
+        frame_error(frame.solved, compared[index], skins[frame.constraints.epoch], order, spacing)
         for index, frame in enumerate(frames)
     ]
     # A coarse frame on another branch is no measure of the lattice: that on the frame's own branch is.
     doubted = {index: frames[index].solved for index, error in enumerate(errors) if error and not error.is_trusted}
     coarse = {index: kept for index in doubted if (kept := _with_state(solved.frames, index, store)) is not None}
     for index, branch in other_branches(partner, doubted, coarse, connect).items():
+        compared[index] = branch.frame
         skin = skins[frames[index].constraints.epoch]
         error = frame_error(doubted[index], branch.frame, skin, order, spacing)
         errors[index] = None if error is None else replace(error, other_branch=branch)
@@ -206,7 +211,8 @@ def estimate_errors(
     if len(solved.frames) < len(frames):
         at = partner.settings.spacing
         reason = problem(ProblemCode.ESTIMATE_MISSING, "", f"{at:g}", spacing=at, said=solved.reason)
-    return ErrorEstimate(tuple(errors), partner.settings.spacing, order, time.perf_counter() - begun, reason)
+    seconds = time.perf_counter() - begun
+    return ErrorEstimate(tuple(errors), partner.settings.spacing, order, seconds, reason, tuple(compared))
 
 
 def frame_error(

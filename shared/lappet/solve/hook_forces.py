@@ -24,6 +24,8 @@ class HookForce:
         Its pull in mN.
     force_x_mn, force_y_mn, force_z_mn
         Its force on the tissue in mN.
+    force_error_mn
+        Estimated error of its pull in mN, or None without an estimate.
     """
 
     time: float
@@ -32,6 +34,7 @@ class HookForce:
     force_x_mn: float
     force_y_mn: float
     force_z_mn: float
+    force_error_mn: float | None = None
 
 
 def hook_forces(program: Program, frame: SolvedFrame) -> list[HookForce]:

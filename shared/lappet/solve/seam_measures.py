@@ -20,7 +20,7 @@ from lappet.procedure import Procedure
 from lappet.program.program import Program
 from lappet.solve.dog_ear import DogEar, dog_ear_at
 from lappet.solve.seams import Lip, Seam, seams_of
-from lappet.solve.suture_forces import SutureForce
+from lappet.solve.suture_forces import SutureForce, closing_tension
 
 CLOSED = 0.5
 """Chosen: lips meet where no more than this is open between them in mm …"""
@@ -62,9 +62,14 @@ class SeamMeasure:
     start_dog_ear_mm, end_dog_ear_mm
         How far the skin at its ends stands above the surface around; None near the tissue's rim.
     force_mn
-        Pull of its sutures, all closures together, without those that the lattice does not resolve.
+        What its sutures draw its lips together with, all closures together, without those that the lattice does not
+        resolve.
     tension_n_per_mm
         That per length of the scar; None while no suture that the lattice resolves is placed.
+    scar_length_error_mm, greatest_gap_error_mm, open_area_error_mm2, edge_mismatch_error_mm, step_off_error_mm
+        Estimated errors of these; None without an estimate, or where there is no value.
+    start_dog_ear_error_mm, end_dog_ear_error_mm, force_error_mn, tension_error_n_per_mm
+        Likewise.
     """
 
     time: float
@@ -84,6 +89,15 @@ class SeamMeasure:
     end_dog_ear_mm: float | None
     force_mn: float
     tension_n_per_mm: float | None
+    scar_length_error_mm: float | None = None
+    greatest_gap_error_mm: float | None = None
+    open_area_error_mm2: float | None = None
+    edge_mismatch_error_mm: float | None = None
+    step_off_error_mm: float | None = None
+    start_dog_ear_error_mm: float | None = None
+    end_dog_ear_error_mm: float | None = None
+    force_error_mn: float | None = None
+    tension_error_n_per_mm: float | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,6 +108,8 @@ class SeamState:
     ----------
     measure
         What it comes to.
+    closures
+        Names of its closures, that of the leading one first.
     points
         The line midway between its lips in mm, shape (`lappet.solve.seams.SAMPLES`, 3).
     gap
@@ -105,6 +121,7 @@ class SeamState:
     """
 
     measure: SeamMeasure
+    closures: tuple[str, ...]
     points: NDArray[np.float64]
     gap: NDArray[np.float64]
     step: NDArray[np.float64]
@@ -132,23 +149,53 @@ def seam_states(
     list[SeamState]
         Each seam of each frame whose tissue is cut along it, in the order of the frames.
     """
-    if not program.sutures:
-        return []
-    epochs = {each.time: each.epoch for each in program.frames}
-    gauges: dict[int, list[_Gauge]] = {}
-    found = []
-    for frame in frames:
-        epoch = epochs[frame.time]
-        if epoch not in gauges:
-            gauges[epoch] = _gauges(procedure, program.epochs[epoch].surface)
-        own = [row for row in forces if row.time == frame.time]
-        found += [gauge.measure(frame, own) for gauge in gauges[epoch]]
-    return found
+    gauges = SeamGauges(procedure, program)
+    return [
+        state for frame in frames for state in gauges.measure(frame, [row for row in forces if row.time == frame.time])
+    ]
 
 
-def _gauges(procedure: Procedure, surface: Surface) -> list[_Gauge]:
-    edges = WoundEdges(surface)
-    return [_Gauge(surface, edges, seam) for seam in seams_of(procedure, surface, edges)]
+class SeamGauges:
+    """Measure seams, with what of an epoch that needs, which is found once.
+
+    Parameters
+    ----------
+    procedure
+        The procedure.
+    program
+        Its program.
+    """
+
+    def __init__(self, procedure: Procedure, program: Program) -> None:
+        self._procedure = procedure
+        self._surfaces = {epoch.index: epoch.surface for epoch in program.epochs} if program.sutures else {}
+        self._epochs = {each.time: each.epoch for each in program.frames}
+        self._gauges: dict[int, list[_Gauge]] = {}
+
+    def measure(self, frame: SolvedFrame, forces: Sequence[SutureForce]) -> list[SeamState]:
+        """Measure the seams of a frame.
+
+        Parameters
+        ----------
+        frame
+            The frame.
+        forces
+            The forces on its sutures.
+
+        Returns
+        -------
+        list[SeamState]
+            Each seam whose tissue is cut along it.
+        """
+        if not self._surfaces:
+            return []
+        epoch = self._epochs[frame.time]
+        if epoch not in self._gauges:
+            surface = self._surfaces[epoch]
+            edges = WoundEdges(surface)
+            found = seams_of(self._procedure, surface, edges)
+            self._gauges[epoch] = [_Gauge(surface, edges, seam) for seam in found]
+        return [gauge.measure(frame, forces) for gauge in self._gauges[epoch]]
 
 
 class _Gauge:
@@ -176,7 +223,8 @@ class _Gauge:
         share = np.concatenate([[0.0], steps]) + np.concatenate([steps, [0.0]])
         meet = (gap <= CLOSED) & (np.linalg.norm(apart, axis=1) <= NEAR)
         length = float(steps.sum())
-        force, tension = self._pull(forces, length)
+        sutures = {name for names in self._seam.sutures.values() for name in names}
+        own = [row for row in forces if row.suture in sutures]
         ears = [None if ear is None else ear.height(points) for ear in self._dog_ears]
         measure = SeamMeasure(
             frame.time,
@@ -194,24 +242,10 @@ class _Gauge:
             _greatest(step, meet),
             ears[0],
             ears[1],
-            force,
-            tension,
+            sum(row.pull_mn for row in own if row.resolved),
+            closing_tension(own, length),
         )
-        return SeamState(measure, middle, gap, step, mismatch)
-
-    def _pull(self, forces: Sequence[SutureForce], length: float) -> tuple[float, float | None]:
-        """Force in mN and tension in N/mm; a suture that is not resolved takes its share of the length with it."""
-        rows = {row.suture: row for row in forces}
-        force, tension, known = 0.0, 0.0, False
-        for names in self._seam.sutures.values():
-            own = [rows[name] for name in names if name in rows]
-            pull = sum(row.force_mn for row in own if row.resolved)
-            lost = sum(not row.resolved for row in own)
-            force += pull
-            if len(own) > lost and length > 0.0:
-                tension += pull / (length * (len(names) - lost) / len(names)) / 1000.0
-                known = True
-        return force, tension if known else None
+        return SeamState(measure, tuple(self._seam.sutures), middle, gap, step, mismatch)
 
 
 @dataclass(frozen=True, eq=False)

@@ -18,11 +18,13 @@ from lappet.geometry.closest_point import closest_points
 from lappet.geometry.labeled_surface import FaceOrigin, Surface
 from lappet.geometry.wound_edges import EdgeLoop, EdgePlace, WoundEdges
 from lappet.procedure import Procedure, Suture
+from lappet.program.thread_pieces import bites_at_wounds, pieces_between
 from lappet.solve.suture_forces import closure_of, suture_number
 
 SAMPLES = 65
 """Places along a seam at which its lips are compared."""
 
+_SPACING = 1.0  # mm of which an anchor may lie a thousandth beyond the wall that it holds
 _OVER = 1.0  # mm along an edge that sutures of closures that lie over each other may be apart beyond the others' ends
 
 
@@ -134,7 +136,7 @@ def seams_of(procedure: Procedure, surface: Surface, edges: WoundEdges) -> tuple
     """
     rows = [row for row in _rows(procedure, surface, edges) if row is not None]
     groups: list[list[_Row]] = []
-    for row in sorted(rows, key=lambda row: row.depth):
+    for row in sorted(rows, key=lambda row: (round(row.depth, 1), -_reach(edges, row))):
         over = next((group for group in groups if _over(edges, group[0], row)), None)
         if over is None:
             groups.append([row])
@@ -148,19 +150,51 @@ def _rows(procedure: Procedure, surface: Surface, edges: WoundEdges) -> list[_Ro
     sutures = [event for event in procedure.events if isinstance(event, Suture)]
     if not sutures or not edges.loops:
         return []
-    ends = np.array([suture.anchors for suture in sutures]).reshape(-1, 3)
-    triangles = closest_points(ends, surface.points, surface.triangles)[0]
-    skin = surface.triangles[surface.origin == FaceOrigin.SKIN]
-    depths = closest_points(ends, surface.points, skin)[2].reshape(-1, 2).mean(axis=1)
-    found = [edges.locate(end, int(triangle)) for end, triangle in zip(ends, triangles, strict=True)]
+    bites = [np.array(suture.anchors) for suture in sutures]
+    every = np.concatenate(bites)
+    borders = np.cumsum([len(each) for each in bites])[:-1]
+    skin = np.flatnonzero(surface.origin == FaceOrigin.SKIN)
+    triangles = closest_points(every, surface.points, surface.triangles)[0]
+    above, _, below_skin = closest_points(every, surface.points, surface.triangles[skin])
+    depths = [_depth(each) for each in np.split(below_skin, borders)]
+    # From the underside the way to an edge leads around a wall; what is deep belongs to the edge that the skin above
+    # it does.
+    inner = np.repeat([len(each) > 2 for each in bites], [len(each) for each in bites])
+    below = ~np.isin(surface.origin[triangles], (FaceOrigin.SKIN, FaceOrigin.WOUND_WALL))
+    triangles = np.where(inner & below, skin[above], triangles)
+    passes = _passes(surface, bites, np.split(triangles, borders))
     rows = []
     for name in dict.fromkeys(closure_of(suture.name) for suture in sutures):
         own = [k for k, suture in enumerate(sutures) if closure_of(suture.name) == name]
         own.sort(key=lambda k: suture_number(sutures[k].name))
-        pairs = [(first, second) for k in own if (first := found[2 * k]) and (second := found[2 * k + 1])]
-        if len(pairs) == len(own):
-            rows.append(_row(edges, name, [sutures[k].name for k in own], float(depths[own].mean()), pairs))
+        ends = [(edges.locate(first, a), edges.locate(second, b)) for k in own for first, a, second, b in passes[k]]
+        pairs = [(first, second) for first, second in ends if first and second]
+        if pairs and len(pairs) == len(ends) and all(passes[k] for k in own):
+            depth = float(np.mean([depths[k] for k in own]))
+            rows.append(_row(edges, name, [sutures[k].name for k in own], depth, pairs))
     return rows
+
+
+_Pass = tuple[NDArray[np.float64], int, NDArray[np.float64], int]
+
+
+def _passes(
+    surface: Surface, bites: Sequence[NDArray[np.float64]], triangles: Sequence[NDArray[np.integer]]
+) -> list[list[_Pass]]:
+    """For each suture what draws edges together: its two ends, or the passes of a thread across a wound."""
+    pieces = pieces_between(bites, triangles)
+    held = bites_at_wounds(surface, pieces.points.reshape(-1, 3), pieces.triangles.reshape(-1), _SPACING)
+    parted = np.zeros(len(pieces.row), bool) if held is None else held.parted()
+    found: list[list[_Pass]] = [[] for _ in bites]
+    for k in np.flatnonzero(pieces.passes(parted)):
+        (first, second), (a, b) = pieces.points[k], pieces.triangles[k]
+        found[pieces.row[k]].append((first, int(a), second, int(b)))
+    return found
+
+
+def _depth(depths: NDArray[np.float64]) -> float:
+    """How deep a suture lies in mm: in the mean of its two ends; a thread with more bites as its highest."""
+    return float(depths.mean() if len(depths) == 2 else depths.min())
 
 
 def _row(
@@ -208,6 +242,11 @@ def _in_order(edges: WoundEdges, places: Sequence[EdgePlace]) -> list[float] | N
         return None
     widest = broken.index(True) if any(broken) else int(np.argmax(gaps))
     return [*at[widest + 1 :], *at[: widest + 1]]
+
+
+def _reach(edges: WoundEdges, row: _Row) -> float:
+    """Length of the first lip from a closure's first suture to its last in mm."""
+    return edges.loops[row.loops[0]].ahead(row.places[0][0], row.places[0][-1], 1)
 
 
 def _over(edges: WoundEdges, leading: _Row, row: _Row) -> bool:

@@ -9,7 +9,6 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +19,7 @@ from lappet.daemon.solved_frame import SolvedFrame
 from lappet.procedure import Procedure, Suture
 from lappet.procedure.prim_paths import TIMELINE
 from lappet.program.program import Program
+from lappet.program.thread_pieces import bites_at_wounds, thread_pieces
 from lappet.solve.bite_forces import bite_forces, bite_points
 
 # A suture whose two ends hold more of the same tissue than this is not parted by the lattice (chosen).
@@ -54,6 +54,11 @@ class SutureForce:
         Whether the lattice parts its two ends; the force is meaningless where it does not.
     bite_mn
         The greatest force on one of its bites in mN: where a thread turns back, twice its tension.
+    pull_mn
+        What it draws the edges of the wound together with in mN: of a thread with several bites its tension times the
+        pieces that cross the wound, each by the cosine of its angle to the direction across at rest.
+    force_error_mn
+        Estimated error of `force_mn` in mN, or None without an estimate.
     """
 
     time: float
@@ -69,6 +74,8 @@ class SutureForce:
     limit_mn: float
     resolved: bool
     bite_mn: float
+    pull_mn: float
+    force_error_mn: float | None = None
 
 
 def closure_of(name: str) -> str:
@@ -124,8 +131,9 @@ def suture_forces(procedure: Procedure, program: Program, frame: SolvedFrame) ->
     events = {event.name: event for event in procedure.events if isinstance(event, Suture)}
     along = _along_closures(list(events.values()))
     names = [program.sutures[i] for i in frame.suture_index]
-    shared = frame.suture_shared if len(frame.suture_shared) == len(names) else np.zeros(len(names))
-    resolved = shared <= MOST_SHARED
+    crossing = _Crossing.of(program, frame)
+    resolved = _resolved(frame, crossing)
+    pulls = frame.suture_forces * crossing.pulls()
     total = float(frame.suture_forces[resolved].sum())
     apart = [np.linalg.norm(np.diff(points, axis=0), axis=1).sum() for points in bite_points(frame)]
     vectors = frame.suture_force_vectors
@@ -145,56 +153,90 @@ def suture_forces(procedure: Procedure, program: Program, frame: SolvedFrame) ->
             events[name].pull_through_limit,
             bool(part),
             float(bites.max()),
+            float(pull),
         )
-        for name, force, vector, gap, part, bites in zip(
-            names, frame.suture_forces, vectors, apart, resolved, bite_forces(frame), strict=True
+        for name, force, vector, gap, part, bites, pull in zip(
+            names, frame.suture_forces, vectors, apart, resolved, bite_forces(frame), pulls, strict=True
         )
     ]
     return sorted(rows, key=lambda row: (row.closure, row.along_mm))
 
 
-def summary(rows: Sequence[SutureForce]) -> dict[str, Any]:
-    """Sum up the forces of a frame.
+@dataclass(frozen=True, eq=False)
+class _Crossing:
+    """How the pieces of the sutures of a frame cross wounds.
+
+    inner: number of bites of each suture between its ends (A,). row: suture of each piece (p,). across: cosine of the
+    angle of each to the direction across the wound, 0 where it crosses none (p,).
+    """
+
+    inner: NDArray[np.int32]
+    row: NDArray[np.int64]
+    across: NDArray[np.float64]
+
+    @classmethod
+    def of(cls, program: Program, frame: SolvedFrame) -> _Crossing:
+        count = len(frame.suture_index)
+        inner = frame.suture_inner_bites if len(frame.suture_inner_bites) else np.zeros(count, np.int32)
+        row = np.repeat(np.arange(count), inner + 1)
+        across = np.zeros(len(row))
+        constraints = next((each for each in program.frames if each.time == frame.time), None)
+        if constraints is not None and inner.any():
+            surface = next(epoch.surface for epoch in program.epochs if epoch.index == constraints.epoch)
+            pieces = thread_pieces(constraints)
+            points, triangles = pieces.points.reshape(-1, 3), pieces.triangles.reshape(-1)
+            held = bites_at_wounds(surface, points, triangles, program.settings.spacing)
+            across = across if held is None else held.across()
+        return cls(inner, row, across)
+
+    def pulls(self) -> NDArray[np.float64]:
+        """How many times its force each suture draws a wound's edges together with (A,); once where it crosses none."""
+        sums = np.bincount(self.row, self.across, len(self.inner))
+        return np.where((self.inner > 0) & (sums > 0.0), sums, 1.0)
+
+
+def _resolved(frame: SolvedFrame, crossing: _Crossing) -> NDArray[np.bool_]:
+    """Which sutures the lattice resolves (A,); all where it is not known.
+
+    Between two bites on either side of a cut's end the cell may not be cut: what they hold is then the same tissue in
+    part, and the force between them that cell's own. Of a thread with more bites the pieces count that cross a wound,
+    or all where none does; it is resolved where one of them is, since it slides.
+    """
+    row, count = crossing.row, len(crossing.inner)
+    if len(frame.suture_shared) != len(row):
+        return np.ones(count, bool)
+    crosses = np.bincount(row, crossing.across, count) > 0.0
+    counts = ~crosses[row] | (crossing.across > 0.0)
+    found = np.zeros(count, bool)
+    found[row[counts & (frame.suture_shared <= MOST_SHARED)]] = True
+    return found
+
+
+def closing_tension(rows: Sequence[SutureForce], scar_length: float) -> float | None:
+    """Compute the closing tension of a seam or of one of its closures: the pull of its sutures per length of the scar.
+
+    A suture that the lattice does not resolve takes its share of its closure's length with it.
 
     Parameters
     ----------
     rows
-        Its rows.
+        The rows of its sutures that are placed, of one closure or of several that lie over each other.
+    scar_length
+        Length of the scar in mm.
 
     Returns
     -------
-    dict[str, Any]
-        `total_mn`, `greatest_mn` and its `greatest_suture`, `donor_share` (None where no closure is a donor site's),
-        `unresolved` sutures, which are left out of all sums, and `closures`: for each `total_mn`, `greatest_mn`,
-        `share`, `tension_n_per_mm` (over its length between first and last suture, None for a single one) and the
-        curve, `along_mm` and `force_mn`.
+    float | None
+        The tension in N/mm, or None while no suture that the lattice resolves is placed.
     """
-    kept = [row for row in rows if row.resolved]
-    total = sum(row.force_mn for row in kept)
-    closures: dict[str, dict[str, Any]] = {}
-    for name in dict.fromkeys(row.closure for row in kept):
-        own = [row for row in kept if row.closure == name]
-        forces, along = [row.force_mn for row in own], [row.along_mm for row in own]
-        length = along[-1] - along[0]
-        closures[name] = {
-            "total_mn": sum(forces),
-            "greatest_mn": max(forces),
-            "share": sum(forces) / total if total > 0.0 else 0.0,
-            # Each suture carries the piece half way to its neighbors; the ends have half a piece more outside.
-            "tension_n_per_mm": sum(forces) / (length * len(own) / (len(own) - 1)) / 1000.0 if length > 0.0 else None,
-            "along_mm": along,
-            "force_mn": forces,
-        }
-    donors = [values["share"] for name, values in closures.items() if "donor" in name.lower()]
-    greatest = max(kept, key=lambda row: row.force_mn, default=None)
-    return {
-        "total_mn": total,
-        "greatest_mn": greatest.force_mn if greatest else 0.0,
-        "greatest_suture": greatest.suture if greatest else None,
-        "donor_share": sum(donors) if donors else None,
-        "unresolved": [row.suture for row in rows if not row.resolved],
-        "closures": closures,
-    }
+    tension = None
+    for closure in dict.fromkeys(row.closure for row in rows):
+        own = [row for row in rows if row.closure == closure]
+        resolved = [row.pull_mn for row in own if row.resolved]
+        if resolved and scar_length > 0.0:
+            part = sum(resolved) / (scar_length * len(resolved) / len(own)) / 1000.0
+            tension = part + (tension or 0.0)
+    return tension
 
 
 def suture_warnings(procedure: Procedure, rows: Sequence[SutureForce]) -> list[Problem]:

@@ -1,8 +1,9 @@
 """Curves of a material: its own scalar solution of the daemon's law for a strip drawn along or across its fibers.
 
 Notation: s, the three principal stretches; axis 0 along the fibers, 1 across them in the skin, 2 through its thickness;
-J = s0 s1 s2. Energies W(s) in kPa are those that the heads of `solverd/src/force/materials/*.h` state; fiber.h has the
-fibers', with its volume measure v(J) and the smooth onset at their slack.
+J = s0 s1 s2. Two families of fibers at an angle to either side mirror each other: what one pulls aslant in the plane,
+the other pulls the other way. Energies W(s) in kPa are those that the heads of `solverd/src/force/materials/*.h` state;
+fiber.h has the fibers', with its volume measure v(J) and the smooth onset at their slack.
 """
 
 from __future__ import annotations
@@ -63,7 +64,9 @@ def _fiber_energy(material: Material, squares: NDArray[np.complex128], j: comple
     kappa, threshold = material.fiber_dispersion, material.fiber_slack**2 - 1.0
     x = j - 1.0
     volume = -2.0 * x + 2.0 * _VOLUME * _VOLUME_WIDTH**2 * (np.sqrt(1.0 + (x / _VOLUME_WIDTH) ** 2) - 1.0)
-    strain = kappa * (squares.sum() - 3.0 + volume) + (1.0 - 3.0 * kappa) * (squares[0] - 1.0) - threshold
+    aligned = math.cos(math.radians(material.fiber_angle)) ** 2
+    along = aligned * squares[0] + (1.0 - aligned) * squares[1]
+    strain = kappa * (squares.sum() - 3.0 + volume) + (1.0 - 3.0 * kappa) * (along - 1.0) - threshold
     width = _RECRUITMENT * threshold
     if strain.real <= -0.5 * width:
         return 0.0j

@@ -245,6 +245,7 @@ def _material(reader: Reader, prim: Any) -> Material:
         fiber_k2=number("fiber:k2", Material.fiber_k2),
         fiber_dispersion=number("fiber:dispersion", Material.fiber_dispersion),
         fiber_slack=number("fiber:slack", Material.fiber_slack),
+        fiber_angle=number("fiber:angle", Material.fiber_angle),
         fiber_direction=cast(Point, reader.vector(prim, "lappet:fiber:direction", 3, Material.fiber_direction)),
         prestretch=(along, across),
         density=number("density", Material.density),

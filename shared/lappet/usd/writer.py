@@ -132,6 +132,8 @@ def _material(stage: Any, usd: Any, material: Material) -> None:
     values.double("fiber:dispersion", material.fiber_dispersion)
     if material.fiber_slack != Material.fiber_slack:
         values.double("fiber:slack", material.fiber_slack)
+    if material.fiber_angle != Material.fiber_angle:
+        values.double("fiber:angle", material.fiber_angle)
     values.author("fiber:direction", usd.Sdf.ValueTypeNames.Double3, usd.Gf.Vec3d(*material.fiber_direction))
     values.author("prestretch", usd.Sdf.ValueTypeNames.Double2, usd.Gf.Vec2d(*material.prestretch))
     values.double("density", material.density)

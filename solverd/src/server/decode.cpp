@@ -106,6 +106,7 @@ MaterialParameters decode_material(FieldReader& reader) {
   material.fiber_k2 = reader.number("fiber_k2", material.fiber_k2);
   material.fiber_dispersion = reader.number("fiber_dispersion", material.fiber_dispersion);
   material.fiber_slack = reader.number("fiber_slack", material.fiber_slack);
+  material.fiber_angle = reader.number("fiber_angle", material.fiber_angle);
   material.muscle_stress = reader.number("muscle_stress", material.muscle_stress);
   if (reader.has("prestretch")) {
     const std::vector<double> prestretch = reader.numbers("prestretch", 2);

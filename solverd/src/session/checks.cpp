@@ -22,7 +22,7 @@ constexpr std::size_t kMaxMaterials = 256;
 // A thread couples all that it holds with itself.
 constexpr std::size_t kMaxInnerBites = 254;
 constexpr double kMaxPoissonsRatio = 0.4999, kMaxDispersion = 1.0 / 3.0 + 1e-12;
-constexpr double kMaxFiberSlack = 4.0, kMinPrestretch = 0.5, kMaxPrestretch = 2.0;
+constexpr double kMaxFiberSlack = 4.0, kMaxFiberAngle = 90.0, kMinPrestretch = 0.5, kMaxPrestretch = 2.0;
 
 template <class... Arguments>
 void require(bool condition, fmt::format_string<Arguments...> sentence, Arguments&&... arguments) {
@@ -74,6 +74,8 @@ void check_material(const MaterialParameters& m, std::size_t i) {
           m.fiber_dispersion);
   require(m.fiber_slack >= 1.0 && m.fiber_slack <= kMaxFiberSlack,
           "the fiber slack of material {} is {}; it must be a stretch of 1 to {}", i, m.fiber_slack, kMaxFiberSlack);
+  require(m.fiber_angle >= 0.0 && m.fiber_angle <= kMaxFiberAngle,
+          "the fiber angle of material {} is {} degrees; it must be 0 to {}", i, m.fiber_angle, kMaxFiberAngle);
   require(std::isfinite(m.muscle_stress) && m.muscle_stress >= 0,
           "the muscle stress of material {} is {} kPa; give 0 for no muscle", i, m.muscle_stress);
   for (const double stretch : m.prestretch)

@@ -28,6 +28,8 @@ constexpr double kSameEnergy = 1e-6;
 constexpr double kSaddle = -1e-3;
 // Saddles that are left one after the other in a frame.
 constexpr int kMaxSaddles = 6;
+// Tolerances of the residual within which a search that has run out of iterations is close to an equilibrium.
+constexpr double kNearly = 10.0;
 // The way down from a saddle is long: so many times the Newton iterations of a load step.
 constexpr int kRounds = 4;
 
@@ -96,13 +98,19 @@ class FrameSearch {
       } else if (outcome.converged || observer_.stop()) {
         return;
       } else {
-        schedule.failed(reached, outcome.residual, found_.effort.newton_iterations);
+        schedule.failed(reached, outcome.residual, found_.effort.newton_iterations, is_nearly_there(*attempt, reached));
       }
       if (schedule.next() && schedule.next()->from_rest && !attempt->from_rest) {
         found_.effort.restart = doubtful_ ? Restart::kInverted : Restart::kNoEquilibrium;
         spdlog::info("frame {:g} starts over from rest: {}", frame_.time, why);
       }
     }
+  }
+
+  bool is_nearly_there(const Attempt& attempt, int load_step) const {
+    const EquilibriumOutcome& outcome = found_.outcome;
+    return outcome.failure.code == FailureCode::kIterations && load_step + 1 == attempt.load_steps &&
+           outcome.residual <= kNearly * options_.tolerance && outcome.gap <= options_.gap_tolerance;
   }
 
   void set_aside() {
@@ -113,6 +121,10 @@ class FrameSearch {
 
   // Returns the load step that failed, or their number.
   int try_once(const Attempt& attempt, const RetrySchedule& schedule) {
+    if (attempt.goes_on) {
+      options_.neighborhood_first = false;
+      return search_load_step(frame_, schedule) ? attempt.load_steps : attempt.load_steps - 1;
+    }
     found_.state = before_;
     if (attempt.from_rest && moved_) {
       if (valid_) epoch_.constraints.place_sutures(frame_, found_.state);
@@ -132,6 +144,13 @@ class FrameSearch {
 
   bool take_load_step(const FrameInput& to, const RetrySchedule& schedule) {
     epoch_.constraints.apply(to, found_.state);
+    if (!search_load_step(to, schedule)) return false;
+    if (options_.accuracy == Accuracy::kLoadStep && settings_.stability)
+      descend_from_saddles(kSameEnergy);  // from a saddle the way to the next load step leads along a ridge
+    return true;
+  }
+
+  bool search_load_step(const FrameInput& to, const RetrySchedule& schedule) {
     search_equilibrium(schedule.newton_left(found_.effort.newton_iterations));
     if (found_.outcome.converged) found_.state.activation = epoch_.constraints.activation_of(to);
     return found_.outcome.converged;
@@ -177,12 +196,17 @@ class FrameSearch {
     auto& stability = found_.state.stability;
     const double constraints = digest(frame_);
     if (stability.is_of(constraints) && std::ranges::equal(found_.state.u, before_.u)) return;
-    find_mode({});
-    if (lowest_ < kSaddle) find_mode(LowestModeSearch::thorough());
-    while (lowest_ < kSaddle && found_.effort.saddles_left < kMaxSaddles && leave_saddle())
-      find_mode(LowestModeSearch::thorough());
+    descend_from_saddles(kEnergyRounding);
     stability = {.constraints = constraints, .lowest_stiffness = lowest_, .softest_point = {}};
     if (!mode_.empty()) stability.softest_point = softest_point();
+  }
+
+  // least: share of the energy by which it falls, or the saddle stays.
+  void descend_from_saddles(double least) {
+    find_mode({});
+    if (lowest_ < kSaddle) find_mode(LowestModeSearch::thorough());
+    for (int left = 0; lowest_ < kSaddle && left < kMaxSaddles && leave_saddle(least); ++left)
+      find_mode(LowestModeSearch::thorough());
   }
 
   void find_mode(const LowestModeSearch& search) {
@@ -215,7 +239,7 @@ class FrameSearch {
   // Goes on from the lower side of the saddle; false, and back at it, where that leads to no lower equilibrium: lower
   // by more than rounding, since what gives way may be a small part of the tissue and of its energy. Where the energy
   // falls to neither side the equilibrium is neutral, as far as the energy can tell.
-  bool leave_saddle() {
+  bool leave_saddle(double least) {
     const auto amplitude = way_off_saddle<Real>(epoch_.system, found_.state.u, mode_, found_.state.multipliers,
                                                 found_.outcome.at, options_.inverts);
     TissueState<Real> saddle = found_.state;
@@ -232,7 +256,7 @@ class FrameSearch {
         if (outcome.converged || outcome.failure.code != FailureCode::kIterations) break;
       }
       if (outcome.converged && outcome.inverted <= at_saddle.inverted &&
-          outcome.energy < at_saddle.energy - kEnergyRounding * std::abs(at_saddle.energy)) {
+          outcome.energy < at_saddle.energy - least * std::abs(at_saddle.energy)) {
         ++found_.effort.saddles_left;
         spdlog::info("frame {:g} leaves a saddle: energy {:.6g} to {:.6g} mN mm", frame_.time, at_saddle.energy,
                      outcome.energy);

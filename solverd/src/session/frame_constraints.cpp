@@ -163,12 +163,12 @@ Vec3 FrameConstraints<Real>::separation(const SutureState& suture, std::span<con
 }
 
 template <class Real>
-double FrameConstraints<Real>::shared(const SutureState& suture) const {
-  double least = 1.0;
+std::vector<double> FrameConstraints<Real>::shared(const SutureState& suture) const {
+  std::vector<double> found;
   const std::vector<const AnchorStencil*> stencils = stencils_of(suture);
   for (std::size_t k = 0; k + 1 < stencils.size(); ++k)
-    least = std::min(least, shared_hold(*stencils[k], *stencils[k + 1]));
-  return least;
+    found.push_back(shared_hold(*stencils[k], *stencils[k + 1]));
+  return found;
 }
 
 // No multiplier moves what is held in space: there the spring is plain.

@@ -35,9 +35,8 @@ class FrameConstraints {
   }
 
   Vec3 where(const Anchor& anchor, std::span<const Real> u) const { return position<Real>(lattice_, embed(anchor), u); }
-  // How much of what the ends of a suture hold is the same, 0 to 1; of a thread with more anchors, of those two that
-  // follow each other and share least.
-  double shared(const SutureState& suture) const;
+  // How much of what two anchors of a suture that follow each other hold is the same, 0 to 1, pair by pair.
+  std::vector<double> shared(const SutureState& suture) const;
   // Corners of the box around the surface at rest.
   const Vec3& lowest() const { return lowest_; }
   const Vec3& highest() const { return highest_; }

@@ -169,7 +169,7 @@ struct FrameFields {
   std::vector<double> hook_points;                         // 3 per hook: where the anchor is now, mm
   std::vector<double> suture_points;                       // 6 per active suture: both ends, mm
   std::vector<double> inner_bite_points;    // 3 per anchor between the ends of a suture, in their order, mm
-  std::vector<double> suture_shared;        // per active suture: shared_hold of its two ends
+  std::vector<double> suture_shared;        // per two anchors of a suture that follow each other: their shared_hold
   std::vector<float> correction;            // 3 per surface vertex, mm: what is still to come; empty: not wanted
   std::vector<double> landmark_correction;  // 3 per landmark, mm
   // The share of its stiffness that compression leaves the softest displacement (solve/newton/lowest_mode.h); NaN where

@@ -1,6 +1,8 @@
 // In which order a frame is tried: from the state before in one load step, in 2, 4, ... load steps, and at last from
 // rest in the same way. A state before that is not valid to start from is passed over. Halving the load stops where it
-// does not help, and all attempts together have a budget of iterations: a frame without an equilibrium ends soon.
+// does not help, and all attempts together have a budget of iterations: a frame without an equilibrium ends soon. An
+// attempt that gets further along the load than any before adds to the budget, and one that runs out of iterations
+// close to an equilibrium goes on.
 #pragma once
 #include <algorithm>
 #include <limits>
@@ -11,6 +13,7 @@ namespace lappet {
 struct Attempt {
   bool from_rest = false;
   int load_steps = 1;
+  bool goes_on = false;  // from where the last load step ran out of iterations
 };
 
 class RetrySchedule {
@@ -23,9 +26,16 @@ class RetrySchedule {
   // Newton iterations that a load step may take once the frame has taken `used`.
   int newton_left(int used) const { return std::min(max_newton_, budget_ - used); }
   // The attempt failed in this of its load steps (from 0), at this relative residual; the frame has taken `used`
-  // iterations.
-  void failed(int load_step, double residual, int used) {
+  // iterations. nearly: it ran out of iterations in its last load step, close to an equilibrium.
+  void failed(int load_step, double residual, int used, bool nearly = false) {
+    const double reached = static_cast<double>(load_step) / next_->load_steps;
+    if (next_->load_steps > 1 && reached > furthest_) {
+      budget_ += max_newton_;
+      furthest_ = reached;
+    }
     if (used >= budget_) return give_up(used);
+    next_->goes_on = nearly;
+    if (nearly) return;
     unimproved_ = load_step > 0 || residual < kHelp * residual_ ? 0 : unimproved_ + 1;
     residual_ = residual;
     if (unimproved_ < kMaxUnimproved && next_->load_steps < kMaxLoadSteps)
@@ -36,6 +46,7 @@ class RetrySchedule {
   void start_over(int used) {
     next_ = Attempt{true, 1};
     unimproved_ = 0;
+    furthest_ = 0.0;
     residual_ = std::numeric_limits<double>::infinity();
     budget_ = used + kNewtonBudget * max_newton_ / 2;
   }
@@ -59,6 +70,7 @@ class RetrySchedule {
   int max_newton_, budget_;
   std::optional<Attempt> next_;
   double residual_ = std::numeric_limits<double>::infinity();
+  double furthest_ = 0.0;  // share of the load
   int unimproved_ = 0;
 };
 

@@ -170,6 +170,7 @@ std::map<int, LayerMoments> moments_of(const Lattice& lattice, const CellMateria
       layers[material].second += part * volume * (at * at + variance);
     };
     const auto shares = materials.shares_of(c);
+    const std::uint8_t own = materials.of_cell.empty() ? std::uint8_t{0} : materials.of_cell[c];
     double sum = 0.0;
     for (const auto& share : shares) {
       add(share.material, double(share.volume), double(share.center[2]), double(share.scale[2]));
@@ -177,10 +178,10 @@ std::map<int, LayerMoments> moments_of(const Lattice& lattice, const CellMateria
       EXPECT_LE(share.center.cwiseAbs().maxCoeff(), 1.0F);
       EXPECT_LE(share.volume, shares[0].volume);
     }
-    if (shares.empty()) add(materials.of_cell[c], 1.0, 0.0, 1.0);
+    if (shares.empty()) add(own, 1.0, 0.0, 1.0);
     if (!shares.empty()) {
       EXPECT_NEAR(sum, 1.0, 1e-6);
-      EXPECT_EQ(materials.of_cell[c], shares[0].material);
+      EXPECT_EQ(own, shares[0].material);
     }
   }
   return layers;
@@ -205,6 +206,45 @@ TEST(CellMaterials, LayersKeepTheirVolumePlaceAndThicknessWhereverTheLatticeLies
         EXPECT_NEAR(found.second, 16 * (std::pow(high, 3) - std::pow(low, 3)), 5e-3) << material << " " << shift;
       }
     }
+}
+
+TEST(CellMaterials, TissueOfOneMaterialKeepsItsVolumePlaceAndThicknessWhereverTheLatticeLies) {
+  for (const double spacing : {1.0, 2.0})
+    for (const double shift : {0.25, 0.5, 0.75}) {
+      LatticeSettings settings;
+      settings.spacing = spacing;
+      settings.origin = Vec3(0, 0, -spacing * shift);  // by whole voxels
+      const Lattice lattice = build_lattice(test::box({0, 0, 0}, {8, 6, 5}), settings);
+      const CellMaterials materials = assign_materials(lattice, table(1), {}, {});
+      EXPECT_TRUE(materials.of_cell.empty());
+      for (std::size_t c = 0; c < lattice.cell_nodes.size(); ++c)
+        EXPECT_EQ(materials.shares_of(c).size(), lattice.cell_fill[c] < 1.0F ? 1U : 0U);
+      const LayerMoments found = moments_of(lattice, materials).at(0);
+      EXPECT_NEAR(found.volume, 48 * 5.0, 1e-4) << shift;
+      EXPECT_NEAR(found.first, 24 * 25.0, 1e-3) << shift;
+      EXPECT_NEAR(found.second, 16 * 125.0, 5e-3) << shift;
+    }
+}
+
+// A cut through the middle of a row of cells: each copy of a cell has its own half.
+TEST(CellMaterials, EachCopyOfACellAtAWoundHasItsOwnTissue) {
+  const Lattice lattice = lattice_of(test::cut_slab(8, 6, 4, {{5.0, 0}, {5.0, 6}}, 0.01).surface, 2.0);
+  ASSERT_EQ(lattice.fragments, 2);
+  const CellMaterials materials = assign_materials(lattice, table(1), {}, {});
+  std::map<std::array<std::int32_t, 3>, std::vector<float>> centers;
+  for (const MaterialShare& share : materials.shares) {
+    const auto cell = static_cast<std::size_t>(share.cell);
+    EXPECT_EQ(lattice.cell_position(cell)[0], 2);
+    EXPECT_NEAR(std::abs(share.center[0]), 0.5F, 1e-6F);
+    EXPECT_NEAR(share.scale[0], 0.5F, 1e-6F);
+    EXPECT_NEAR(share.scale[2], 1.0F, 1e-6F);
+    centers[lattice.cell_position(cell)].push_back(share.center[0]);
+  }
+  EXPECT_EQ(centers.size(), 6U);
+  for (const auto& [position, found] : centers) {
+    ASSERT_EQ(found.size(), 2U);
+    EXPECT_NEAR(found[0] + found[1], 0.0F, 1e-6F);
+  }
 }
 
 TEST(CellMaterials, ALayerOfABallHasItsVolumeOnALatticeAsCoarseAsItsThickness) {

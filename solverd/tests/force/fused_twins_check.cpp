@@ -109,6 +109,7 @@ Blocks make_blocks(const FusedScene& scene) {
         share[p * kShareFields + kShareCenter + k] = (unit(random) < 0.5 ? -1.0 : 1.0) * (1.0 - extent);
         share[p * kShareFields + kShareScale + k] = extent;
       }
+      for (std::size_t m = 0; m < 4; ++m) share[p * kShareFields + kShareHourglass + m] = unit(random);
       if (scene.mixed)
         describe_cell(&material[p * kMaterialFields]);
       else

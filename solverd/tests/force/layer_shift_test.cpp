@@ -19,7 +19,7 @@ constexpr double kDeep = std::numeric_limits<double>::infinity();
 constexpr double kShifts[] = {0.0, 0.25, 0.5, 0.75};
 
 struct Layers {
-  double skin, fat;                  // mm, from the top down
+  double skin, fat;                  // mm, from the top down; no fat: tissue of one material
   double skin_modulus, fat_modulus;  // kPa
 };
 
@@ -39,7 +39,8 @@ class LayeredBar {
     std::vector<MaterialParameters> table(2);
     table[0].youngs_modulus = layers.skin_modulus;
     table[1].youngs_modulus = layers.fat_modulus;
-    const std::vector<MaterialRegion> regions = {{1, layers.skin, kDeep, {1, 1}}};
+    std::vector<MaterialRegion> regions;
+    if (layers.fat > 0.0) regions.push_back({1, layers.skin, kDeep, {1, 1}});
     const CellMaterials materials = assign_materials(lattice_, table, skin, regions);
     Elastic<double> elastic(lattice_, materials, quadrature);
     std::vector<double> u(size()), gradient(size()), scale(size() / 3);
@@ -164,7 +165,35 @@ TEST(LayerShift, APullAtThePatchOfTheSkinMovesItAlike) {
   EXPECT_LT(spread(kSkinOverFat, 2.0, 1, pulled_along), 0.13);
 }
 
+// Cells filled in part hold their tissue's strain where it lies: a sheet that the lattice does not match is no stiffer.
+// Its bending stiffness lies between those of a beam and of a plate.
+TEST(LayerShift, TissueOfOneMaterialPullsAndBendsAlikeWhereverTheLatticeLies) {
+  struct {
+    double thickness, spacing, most;
+  } const sheets[] = {{3.0, 2.0, 0.11}, {4.0, 2.0, 0.04}, {2.0, 1.0, 0.04}, {3.0, 1.0, 0.01}, {4.0, 1.0, 0.005}};
+  for (const auto& [thickness, spacing, most] : sheets) {
+    const Layers sheet{thickness, 0.0, 50.0, 5.0};
+    const double poisson = MaterialParameters{}.poissons_ratio, length = 12.0 * thickness;
+    const double beam = composite_energy(sheet, length, 1.0);
+    double aligned = 0.0, tension = 0.0;
+    for (const double shift : kShifts) {
+      const LayeredBar bar(sheet, length, spacing, shift, 1);
+      const double found = bent(bar);
+      EXPECT_GT(found, 0.95 * beam) << thickness << " " << spacing << " " << shift;
+      EXPECT_LT(found, beam / (1 - poisson * poisson)) << thickness << " " << spacing << " " << shift;
+      if (shift == 0.0) aligned = found, tension = stretched(bar);
+      EXPECT_NEAR(found, aligned, most * aligned) << thickness << " " << spacing << " " << shift;
+      EXPECT_NEAR(stretched(bar), tension, 0.001 * tension) << thickness << " " << spacing << " " << shift;
+    }
+  }
+}
+
 TEST(LayerShift, SkinOverFatBendsAlikeWithEightPoints) { EXPECT_LT(spread(kSkinOverFat, 2.0, 8, bent), 0.07); }
+
+// On cells twice as fine as the skin is thick; see above for skin a cell thick.
+TEST(LayerShift, SkinOverFatBendsAlikeWithOnePointOnCellsFinerThanTheSkin) {
+  EXPECT_LT(spread(kSkinOverFat, 1.0, 1, bent), 0.08);
+}
 
 // A strip of 1 mm of skin on 1 mm of a softer layer, on a lattice of 1 mm: its bending stiffness lies between those of
 // the composite beam and the composite plate, and its tension is the same to 0.1 %, wherever the layers end in the

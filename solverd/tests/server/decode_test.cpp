@@ -76,6 +76,7 @@ TEST(Decode, EveryParameterOfAMaterialIsRead) {
   full["fiber_k2"] = 12.0;
   full["fiber_dispersion"] = 0.1;
   full["fiber_slack"] = 1.15;
+  full["fiber_angle"] = 35.0;
   full["muscle_stress"] = 300.0;
   full["prestretch"] = std::vector<Value>{1.2, 1.1};
   const SessionSettings read = decode(std::vector<Value>{material_fields(), full});
@@ -91,6 +92,8 @@ TEST(Decode, EveryParameterOfAMaterialIsRead) {
   EXPECT_EQ(all.fiber_dispersion, 0.1);
   EXPECT_EQ(all.fiber_slack, 1.15);
   EXPECT_EQ(plain.fiber_slack, 1.0);
+  EXPECT_EQ(all.fiber_angle, 35.0);
+  EXPECT_EQ(plain.fiber_angle, 0.0);
   EXPECT_EQ(all.muscle_stress, 300.0);
   EXPECT_EQ(all.prestretch, (std::array<double, 2>{1.2, 1.1}));
   Fields misspelt = material_fields();

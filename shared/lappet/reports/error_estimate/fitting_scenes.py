@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 
 from lappet.designs import Row, Schedule, Technique, flap_operation, limberg
-from lappet.procedure import Event, Excision, Hook, Incision, Material, Point, Procedure, Suture, Undermine
+from lappet.procedure import Event, Excision, Hook, Incision, Material, Point, Procedure, Suture, Tissue, Undermine
+from lappet.procedure.stitches import Station, running
 from lappet.program.program import Bones
 from lappet.program.settings import MaterialParameters
 from lappet.reports.box_scenes import BOXES, BoxScene, grid_box, stretched
@@ -135,6 +136,7 @@ def _operations() -> list[EstimateScene]:
         replace(SKIN, youngs_modulus=300.0),
         Material("fat", model="neoHookean", youngs_modulus=10.0, poissons_ratio=0.45),
     )
+    sewn, threaded, wide = _sewn_ovals()
     small = Technique(beyond=5.0, apart=2.5, margin=1.5, rows=(Row("skin", 0.0),), height=4.0, inside=1.5)
     when = Schedule(2, 2, 2, 2, 7, 7, 9, 8, 10, 10, 10)
     design = limberg((0.0, 0.0, TOP), (1.0, 0.0, 0.0), 6.0)
@@ -143,6 +145,8 @@ def _operations() -> list[EstimateScene]:
     return [
         EstimateScene("hooked-slit", "a slit drawn open", operation(patch, slit, pull, end=4.0)),
         EstimateScene("oval-closure", "an oval closed", operation(patch, oval, out, freed, *shut, end=6.0)),
+        EstimateScene("sewn-oval", "a wide oval sewn with bites of 2 mm", operation(wide, *sewn, end=6.0)),
+        EstimateScene("threaded-oval", "the same with a running thread", operation(wide, *threaded, end=6.0)),
         EstimateScene("advanced-flap", "a flap drawn on", operation(patch, *flap, advanced, end=4.0)),
         EstimateScene("taut-slit", "a slit in taut skin", operation(patch, slit, freed, end=2.0, materials=(taut,))),
         EstimateScene(
@@ -173,6 +177,24 @@ def _operations() -> list[EstimateScene]:
             ),
         ),
     ]
+
+
+def _sewn_ovals() -> tuple[list[Event], list[Event], Tissue]:
+    """An oval of 18 x 5 mm closed exactly at six places, and by one thread through bites there; and the tissue."""
+    cut: list[Event] = [
+        Incision("oval", 2.0, _oval(9.0, 2.5, count=32), closed=True),
+        Excision("out", 2.0, ((0.0, 0.0, TOP),)),
+        Undermine("freed", 2.0, _oval(15.0, 10.0)),
+    ]
+    bite, places = 2.0, (-6.5, -4.0, -1.5, 1.5, 4.0, 6.5)
+    widths = [2.5 * math.sqrt(1.0 - (x / 9.0) ** 2) for x in places]
+    sewn = [
+        Suture(f"stitch_{k}", ((x, y + bite, TOP), (x, -y - bite, TOP)), 3.0, 3.0, mode="thread", length=2.0 * bite)
+        for k, (x, y) in enumerate(zip(places, widths, strict=True))
+    ]
+    stations = [Station((x, 0.0, TOP), (0.0, 1.0, 0.0), gap=2.0 * y) for x, y in zip(places, widths, strict=True)]
+    thread = running(stations, bite).suture("thread", 3.0, 0.95, duration=3.0)
+    return [*cut, *sewn], [*cut, thread], flat_patch((42.0, 32.0, TOP))
 
 
 def _stitches(x: float, y: float, at: Sequence[float]) -> list[Event]:

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from lappet.designs import Row, Schedule, Technique, flap_operation, fusiform, limberg
 from lappet.procedure import Event, Excision, Hook, Incision, Material, Point, Procedure, Suture, Undermine
+from lappet.procedure.stitches import Station, running
 from lappet.program.program import Bones
 from lappet.program.settings import MaterialParameters
 from lappet.reports.box_scenes import BoxScene, grid_box, stretched
@@ -131,6 +132,41 @@ def _dome_flap() -> EstimateScene:
         ),
         spacings=OPERATED_AT,
         reference=OPERATED_REFERENCE,
+    )
+
+
+def _fusiform_closure(name: str, what: str, *, threaded: bool) -> EstimateScene:
+    """A fusiform of 20 x 5 mm, closed exactly beside its edges, or by one thread through bites 3 mm from them."""
+    whole = fusiform((1.0, 0.0, TOP), 20.0, 5.0, (1.0, 0.0, 0.0), sutures=6)
+    events: list[Event] = [
+        Incision("around", 2.0, whole.curve, closed=True),
+        Excision("excised", 2.0, (whole.seed,)),
+        Undermine("freed", 2.0, tuple((1.0 + 1.4 * x, y, z) for x, y, z in _ring(9.0))),
+    ]
+    pairs = [((x, y), (u, v)) for (x, y, _), (u, v, _) in whole.pairs]
+    if threaded:
+        stations = [
+            Station(((x + u) / 2.0, (y + v) / 2.0, TOP), (u - x, v - y, 0.0), gap=math.dist((x, y), (u, v)))
+            for (x, y), (u, v) in pairs
+        ]
+        events.append(running(stations, 3.0).suture("thread", 3.0, 0.9, duration=3.0, thread="nylon 5-0"))
+    else:
+        for k, ends in enumerate(pairs):
+            one, other = ((x, y + math.copysign(BESIDE, y), TOP) for x, y in ends)
+            events.append(Suture(f"stitch_{k}", (one, other), 3.0, 3.0))
+    return EstimateScene(name, what, operation(flat_patch((42.0, 30.0, TOP)), *events, end=6.0))
+
+
+def _held_flap() -> EstimateScene:
+    flap = ((8.0, -5.0, TOP), (-6.0, -4.0, TOP), (-6.0, 4.0, TOP), (8.0, 5.0, TOP))
+    tip = [(-4.5, y, TOP) for y in (-2.5, 2.5)]
+    events: list[Event] = [Incision("flap", 2.0, flap), Undermine("freed", 2.0, flap)]
+    for k, (x, y, z) in enumerate(tip):
+        events.append(Hook(f"hook_{k}", (x, y, z), ((2.0, (x, y, z)), (5.0, (x - 4.0, y, z + 2.0))), 2.0, 9.0, 300.0))
+    return EstimateScene(
+        "held-flap",
+        "two hooks draw a flap of 14 x 8 mm forward by 4 mm",
+        operation(flat_patch((34.0, 24.0, TOP)), *events, end=5.0),
     )
 
 
@@ -259,6 +295,11 @@ def hold_out_scenes() -> tuple[EstimateScene, ...]:
         _v_y(),
         _dome_flap(),
         _layered_closure(),
+        _fusiform_closure(
+            "fusiform-closure", "a fusiform of 20 x 5 mm is closed exactly at six places", threaded=False
+        ),
+        _fusiform_closure("running-closure", "the fusiform is closed by a running suture", threaded=True),
+        _held_flap(),
         _released_hook(),
         _taut_excision(),
         _fiber_bar("stiff-fibers", "a bar with fibers of 100 kPa along it, drawn by 4 mm and lifted by 3 mm"),

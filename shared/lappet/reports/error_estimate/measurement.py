@@ -5,18 +5,20 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 from lappet.core.problem import Problem, RefusedError
 from lappet.daemon.frame_solver import Connect
 from lappet.program.program import Program
+from lappet.reports.error_estimate.measured_values import FACTOR, ValueRow, value_rows
 from lappet.reports.error_estimate.scene import EstimateScene
 from lappet.reports.error_time.reference import Reference, greatest, richardson, rms
 from lappet.solve.error_estimate import ErrorEstimate, RestSkin, estimate_errors
+from lappet.solve.measure_errors import errors_of_measures
+from lappet.solve.measures import FrameMeasures, Gauges
 from lappet.solve.solve_frames import FrameResult, SolveObserver, solve_program
 from lappet.solve.store import FrameStore
 
-FACTOR = 3.0  # that estimates must be within
 SHARE = 0.95  # of the estimates
 EXACT: dict[str, Any] = {"tolerance": 1e-5, "precision": "double", "strain": False}
 
@@ -50,6 +52,8 @@ class EstimateRow:
         Root mean square estimate over error.
     max_ratio
         Greatest estimate over greatest error.
+    order
+        Order of convergence that the estimate reckoned with.
     largest_displacement_mm
         Largest displacement of the skin.
     is_trusted
@@ -74,6 +78,7 @@ class EstimateRow:
     estimate_max_mm: float | None
     ratio: float | None
     max_ratio: float | None
+    order: float | None
     largest_displacement_mm: float | None
     is_trusted: bool | None
     uncertainty_mm: float
@@ -97,9 +102,23 @@ class EstimateRow:
         return any(each < 1.0 / FACTOR for each in self.ratios)
 
 
+class SceneRows(NamedTuple):
+    """What is measured of a scene: the displacements' errors, and those of forces, tensions and seams."""
+
+    rows: list[EstimateRow]
+    values: list[ValueRow]
+
+
+class _Truth(NamedTuple):
+    """What a scene is held against: displacements, and what is measured on the finest lattice and the one before."""
+
+    displacements: Reference
+    measures: tuple[FrameMeasures, FrameMeasures] | None
+
+
 def measure_scene(
     scene: EstimateScene, store: FrameStore, connect: Connect, say: Callable[[str], None] = lambda _: None
-) -> list[EstimateRow]:
+) -> SceneRows:
     """Measure a scene at all its spacings.
 
     Parameters
@@ -115,44 +134,49 @@ def measure_scene(
 
     Returns
     -------
-    list[EstimateRow]
+    SceneRows
         The rows; without a reference, those that say why there is none.
     """
     skin = RestSkin.of(scene.program(scene.spacings[0]).epochs[-1])
     try:
-        reference = _reference(scene, skin, store, connect)
+        truth = _truth(scene, skin, store, connect)
     except RefusedError as error:
         say(str(error))
-        return [_without_reference(scene, spacing, error.problems[0]) for spacing in scene.spacings]
-    rows = []
+        return SceneRows([_without_reference(scene, spacing, error.problems[0]) for spacing in scene.spacings], [])
+    rows, values = [], []
     for spacing in scene.spacings:
-        row = _row(scene, spacing, skin, reference, store, connect)
+        row, own = _row(scene, spacing, skin, truth, store, connect)
         rows.append(row)
+        values += own
         said = row.reason or f"estimated {row.estimate_mm:.2g} mm, true {row.error_mm:.2g} mm"
         say(f"{scene.name} {spacing:.3g} mm: {said}")
-    return rows
+    return SceneRows(rows, values)
 
 
 def _without_reference(scene: EstimateScene, spacing: float, why: Problem) -> EstimateRow:
-    nothing = (None,) * 8
+    nothing = (None,) * 9
     return EstimateRow(scene.name, spacing, 0, 0, *nothing, math.nan, math.nan, math.nan, reason=str(why))
 
 
-def _reference(scene: EstimateScene, skin: RestSkin, store: FrameStore, connect: Connect) -> Reference:
-    positions = []
+def _truth(scene: EstimateScene, skin: RestSkin, store: FrameStore, connect: Connect) -> _Truth:
+    positions, measured = [], []
     for spacing in scene.reference:
-        frames, reason = _solve(scene.program(spacing, **EXACT), store, connect)
+        program = scene.program(spacing, **{**EXACT, "strain": scene.procedure is not None})
+        frames, reason = _solve(program, store, connect)
         if reason is not None:
             raise RefusedError([replace(reason, prim=f"{scene.name} at {spacing:.3g} mm")])
         positions.append(frames[-1].solved.points[skin.vertices].astype(float))
-    return richardson(*positions)
+        if scene.procedure is not None:
+            measured.append(Gauges(scene.procedure, program).measure(frames[-1].solved, tension=True))
+    return _Truth(richardson(*positions), (measured[-1], measured[-2]) if measured else None)
 
 
 def _row(
-    scene: EstimateScene, spacing: float, skin: RestSkin, reference: Reference, store: FrameStore, connect: Connect
-) -> EstimateRow:
+    scene: EstimateScene, spacing: float, skin: RestSkin, truth: _Truth, store: FrameStore, connect: Connect
+) -> tuple[EstimateRow, list[ValueRow]]:
     program = scene.program(spacing, correction=True)
     frames, reason = _solve(program, store, connect)
+    reference = truth.displacements
     row = EstimateRow(
         scene=scene.name,
         spacing_mm=spacing,
@@ -164,6 +188,7 @@ def _row(
         estimate_max_mm=None,
         ratio=None,
         max_ratio=None,
+        order=None,
         largest_displacement_mm=None,
         is_trusted=None,
         uncertainty_mm=reference.uncertainty,
@@ -172,11 +197,24 @@ def _row(
         reason=None if reason is None else str(reason),
     )
     if reason is not None:
-        return row
+        return row, []
     off = frames[-1].solved.points[skin.vertices] - reference.points
     row = replace(row, error_mm=rms(off), error_max_mm=greatest(off))
     errors = estimate_errors(program, frames, store, connect, "report")
-    return _judged(row, errors)
+    return _judged(row, errors), _values(scene, program, frames[-1], errors, truth)
+
+
+def _values(
+    scene: EstimateScene, program: Program, frame: FrameResult, errors: ErrorEstimate, truth: _Truth
+) -> list[ValueRow]:
+    """What is measured at the last frame, with estimated and true errors; of a box nothing."""
+    if scene.procedure is None or truth.measures is None:
+        return []
+    gauges = Gauges(scene.procedure, program)
+    own = gauges.measure(frame.solved, tension=True)
+    last = replace(errors, frames=errors.frames[-1:], coarse=errors.coarse[-1:])
+    (found,) = errors_of_measures(program, gauges, [frame.solved], [own], last)
+    return value_rows(scene.name, program.settings.spacing, found, truth.measures)
 
 
 def _judged(row: EstimateRow, errors: ErrorEstimate) -> EstimateRow:
@@ -192,6 +230,7 @@ def _judged(row: EstimateRow, errors: ErrorEstimate) -> EstimateRow:
         estimate_max_mm=estimate.greatest,
         ratio=_ratio(estimate.rms, row.error_mm, row.uncertainty_mm),
         max_ratio=_ratio(estimate.greatest, row.error_max_mm, row.uncertainty_max_mm),
+        order=errors.order,
         largest_displacement_mm=estimate.largest_displacement,
         is_trusted=estimate.is_trusted,
     )

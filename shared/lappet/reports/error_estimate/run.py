@@ -9,7 +9,7 @@ from pathlib import Path
 from lappet.core.problem import refused
 from lappet.core.problem_code import ProblemCode
 from lappet.daemon.daemon_solver import connect_to
-from lappet.reports.error_estimate.files import totals, write_error_estimate
+from lappet.reports.error_estimate.files import fitted_totals, totals, value_totals, write_error_estimate
 from lappet.reports.error_estimate.fitting_scenes import fitting_scenes
 from lappet.reports.error_estimate.hold_out_scenes import hold_out_scenes
 from lappet.reports.error_estimate.measurement import measure_scene
@@ -49,8 +49,11 @@ def run_error_estimate(
     circumstances = head()
     with tempfile.TemporaryDirectory() as kept:  # nothing is looked up but what two spacings share
         store = FrameStore(Path(kept))
-        rows = [row for scene in scenes for row in measure_scene(scene, store, connect_to(None), say)]
-    return "\n".join(totals(rows)), write_error_estimate(folder, circumstances, scenes, rows)
+        found = [measure_scene(scene, store, connect_to(None), say) for scene in scenes]
+    rows = [row for each in found for row in each.rows]
+    values = [row for each in found for row in each.values]
+    said = [*totals(rows), *(fitted_totals(rows) if fitting else []), *value_totals(values)]
+    return "\n".join(said), write_error_estimate(folder, circumstances, scenes, rows, values)
 
 
 def chosen_scenes(names: Sequence[str], fitting: bool = False) -> tuple[EstimateScene, ...]:

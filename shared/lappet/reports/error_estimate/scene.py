@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import functools
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from typing import Any
@@ -48,6 +47,11 @@ class EstimateScene:
     gravity: tuple[float, float, float] = (0.0, 0.0, 0.0)
     _made: dict[str, Program] = field(default_factory=dict, repr=False)
 
+    @property
+    def procedure(self) -> Procedure | None:
+        """The procedure of an operation; None for a box."""
+        return self.base.procedure if isinstance(self.base, Operation) else None
+
     def program(self, spacing: float, **settings: Any) -> Program:
         """Make the scene at a spacing.
 
@@ -67,6 +71,29 @@ class EstimateScene:
             self._made["base"] = self.base()
         base = self._made["base"]
         return replace(base, settings=replace(base.settings, gravity=self.gravity, spacing=spacing, **settings))
+
+
+@dataclass(frozen=True)
+class Operation:
+    """The base of an operation.
+
+    Parameters
+    ----------
+    procedure
+        The procedure.
+    """
+
+    procedure: Procedure
+
+    def __call__(self) -> Program:
+        """Compile it, the surface divided at 1 mm.
+
+        Returns
+        -------
+        Program
+            The program.
+        """
+        return compile_program(self.procedure, settings=SolverSettings(spacing=1.0))
 
 
 def operation(
@@ -89,13 +116,13 @@ def operation(
 
     Returns
     -------
-    Callable[[], Program]
-        Compiles it, the surface divided at 1 mm.
+    Operation
+        The base.
     """
     procedure = Procedure(
         tissue=tissue, materials=materials or (SKIN,), events=events, start_time=1, end_time=end, **more
     )
-    return functools.partial(compile_program, procedure, settings=SolverSettings(spacing=1.0))
+    return Operation(procedure)
 
 
 SKIN = Material("skin", model="neoHookean", youngs_modulus=50.0, poissons_ratio=0.45)

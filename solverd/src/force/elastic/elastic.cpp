@@ -36,6 +36,11 @@ SceneFeatures features_of(const CellMaterials& materials, int quadrature) {
   return features;
 }
 
+SceneFeatures without_shares(SceneFeatures features) {
+  features.shares = false;
+  return features;
+}
+
 std::vector<Index> further_parts(const CellMaterials& materials) {
   std::vector<Index> cells;
   for (std::size_t k = 1; k < materials.shares.size(); ++k)
@@ -45,7 +50,23 @@ std::vector<Index> further_parts(const CellMaterials& materials) {
 
 // The hourglass modes of a small part of a cell keep at least this much of the stabilization of a whole one, chosen:
 // they alone hold the corners far from it.
-constexpr double kMinExtent = 0.5;
+constexpr double kMinHourglass = 0.25;
+
+// What of the stabilization the hourglass modes xy, xz, yz, xyz of a part of a cell have. The modes are what bends a
+// layer a cell thick: one of them, xz of the displacement along x, bends a part with the extents s along the axes like
+// a beam if it holds E s_z^2 = 2 mu (1 + nu) s_z^2, where the stabilization gives 2 mu laplacian. It serves the
+// displacement along z as well, so that the thinner of the two directions bends.
+std::array<double, 4> hourglass_of_part(const MaterialShare& share, const MaterialParameters& material,
+                                        double laplacian) {
+  const Vec3 s = share.scale.cast<double>();
+  if (s == Vec3::Ones()) return {1.0, 1.0, 1.0, 0.5};
+  const auto of_pair = [&](Eigen::Index a, Eigen::Index b) {
+    const double thin = std::min(s[a], s[b]);
+    return std::clamp((1.0 + material.poissons_ratio) / laplacian * thin * thin, kMinHourglass, 1.0);
+  };
+  const double xy = of_pair(0, 1), xz = of_pair(0, 2), yz = of_pair(1, 2);
+  return {xy, xz, yz, 0.5};
+}
 
 }  // namespace
 
@@ -57,6 +78,7 @@ Elastic<Real>::Elastic(const Lattice& lattice, CellMaterials materials, int quad
       features_(features_of(materials_, quadrature)),
       set_(set),
       kernels_(elastic_kernels<Real>(set, features_)),
+      whole_kernels_(elastic_kernels<Real>(set, without_shares(features_))),
       part_cells_(further_parts(materials_)),
       layout_(lay_out_blocks(lattice, kernels_.lanes, still, part_cells_, interrupt)),
       quadrature_(quadrature_points(quadrature)),
@@ -65,7 +87,7 @@ Elastic<Real>::Elastic(const Lattice& lattice, CellMaterials materials, int quad
       record_fields_(features_.prestretched ? kMaterialFields
                      : features_.fibers     ? kPrestretch
                                             : kFiberK1) {
-  if (!kHasHeterogeneity && !uniform_)
+  if (!kHasHeterogeneity && (!uniform_ || features_.shares))
     throw RefusedError(ErrorCode::kInvalidInput,
                        "this daemon was built without heterogeneity, and the tissue's cells differ");
   for (const auto& point : quadrature_) {
@@ -115,7 +137,8 @@ std::pair<MaterialParameters, double> Elastic<Real>::material_in(std::size_t mat
 }
 
 template <class Real>
-void Elastic<Real>::fill_record(Real* record, std::size_t stride, std::size_t material, std::size_t cell) const {
+void Elastic<Real>::fill_record(Real* record, std::size_t stride, std::size_t material, std::size_t cell,
+                                int family) const {
   const auto [m, third] = material_in(material, cell);
   const auto put = [&](int field, double value) { record[field * stride] = Real(value); };
   put(kMu, m.mu());
@@ -128,7 +151,8 @@ void Elastic<Real>::fill_record(Real* record, std::size_t stride, std::size_t ma
   put(kFiberThreshold, m.fiber_slack * m.fiber_slack - 1.0);
   put(kMuscle, muscle(material));
   const Vec3 direction = m.fiber_direction.normalized(), normal = normal_of(cell);
-  for (int i = 0; i < 3; ++i) put(kFiberDirection + i, direction[i]);
+  const Vec3 own = direction_of_family(m, normal, family);
+  for (int i = 0; i < 3; ++i) put(kFiberDirection + i, own[i]);
   if (!features_.prestretched) return;
   const bool upright = normal.cross(direction).norm() < 1e-3;
   const Eigen::Matrix3d a = prestretch_matrix(m, upright ? direction.unitOrthogonal() : normal, third);
@@ -151,19 +175,18 @@ void Elastic<Real>::fill_cells() {
     const std::size_t c = std::max(cell, 0);
     if (!uniform_)
       fill_record(&material_[slot / lanes * record_fields_ * lanes + slot % lanes], lanes, material_of(c), c);
-    if (cell >= 0) fill_volume(slot, c, material_of(c), laplacian, 1.0, 1.0);
+    if (cell >= 0) fill_volume(slot, c, material_of(c), laplacian, 1.0);
   });
   if (!materials_.shares.empty()) fill_shares(laplacian);
 }
 
 template <class Real>
-void Elastic<Real>::fill_volume(std::size_t slot, std::size_t cell, std::size_t material, double laplacian, double part,
-                                double extent) {
+void Elastic<Real>::fill_volume(std::size_t slot, std::size_t cell, std::size_t material, double laplacian,
+                                double part) {
   const double h = lattice_.settings.spacing, volume = h * h * h * double(lattice_.cell_fill[cell]) * part;
   volume_[slot] = Real(volume);
   if (features_.one_point)
-    stabilization_[slot] =
-        Real(laplacian * materials_.table[material].mu() * volume * kHourglass[0] * extent / (h * h));
+    stabilization_[slot] = Real(laplacian * materials_.table[material].mu() * volume * kHourglass[0] / (h * h));
 }
 
 template <class Real>
@@ -184,16 +207,23 @@ void Elastic<Real>::fill_shares(double laplacian) {
   const auto field = [&](std::size_t slot, std::size_t k) -> Real& {
     return share_[(slot / lanes * kShareFields + k) * lanes + slot % lanes];
   };
-  for (std::size_t slot = 0; slot < layout_.slots(); ++slot)
+  for (std::size_t slot = 0; slot < layout_.slots(); ++slot) {
     for (std::size_t i = 0; i < 3; ++i) field(slot, kShareScale + i) = Real(1);
+    for (std::size_t m = 0; m < 4; ++m) field(slot, kShareHourglass + m) = Real(m == 3 ? 0.5 : 1.0);
+  }
+  group_has_shares_.assign(layout_.groups, 0);
   for_each_share([&](std::size_t slot, const MaterialShare& share, bool) {
+    group_has_shares_[slot / lanes / kBlockCells] = 1;
     for (Eigen::Index i = 0; i < 3; ++i) {
       field(slot, kShareCenter + i) = Real(share.center[i]);
       field(slot, kShareScale + i) = Real(share.scale[i]);
     }
-    const double extent = std::max(double(share.scale.squaredNorm()) / 3.0, kMinExtent);
-    fill_record(&material_[slot / lanes * record_fields_ * lanes + slot % lanes], lanes, share.material, share.cell);
-    fill_volume(slot, share.cell, share.material, laplacian, double(share.volume), extent);
+    const auto hourglass = hourglass_of_part(share, materials_.table[share.material], laplacian);
+    for (std::size_t m = 0; m < 4; ++m) field(slot, kShareHourglass + m) = Real(hourglass[m]);
+    if (!uniform_)
+      fill_record(&material_[slot / lanes * record_fields_ * lanes + slot % lanes], lanes, share.material, share.cell,
+                  share.family);
+    fill_volume(slot, share.cell, share.material, laplacian, double(share.volume));
   });
 }
 
@@ -209,6 +239,7 @@ void Elastic<Real>::set_activation(std::span<const double> activation) {
     material_[(slot / lanes * record_fields_ + kMuscle) * lanes + slot % lanes] =
         Real(muscle(uniform_ ? 0 : material_of(cell)));
   }
+  if (uniform_) return;
   for_each_share([&](std::size_t slot, const MaterialShare& share, bool) {
     material_[(slot / lanes * record_fields_ + kMuscle) * lanes + slot % lanes] = Real(muscle(share.material));
   });
@@ -223,7 +254,9 @@ ElasticState Elastic<Real>::evaluate(std::span<const Real> u, std::span<double> 
   });
   std::vector<StateSums> sums(layout_.slabs());
   layout_.for_each_slab([&](std::size_t slab, std::int64_t begin, std::int64_t end) {
-    kernels_.evaluate(arrays_, begin, end, u.data(), gradient.data(), node_scale.data(), sums[slab]);
+    for_each_run(begin, end, [&](const auto& kernels, std::int64_t from, std::int64_t to) {
+      kernels.evaluate(arrays_, from, to, u.data(), gradient.data(), node_scale.data(), sums[slab]);
+    });
   });
   ElasticState state;
   state.minimum_j = std::numeric_limits<double>::infinity();
@@ -247,7 +280,9 @@ void Elastic<Real>::multiply(std::span<const Real> x, std::span<Real> y) const {
     std::fill(y.begin() + begin, y.begin() + end, Real(0));
   });
   layout_.for_each_slab([&](std::size_t, std::int64_t begin, std::int64_t end) {
-    kernels_.multiply(arrays_, begin, end, x.data(), y.data());
+    for_each_run(begin, end, [&](const auto& kernels, std::int64_t from, std::int64_t to) {
+      kernels.multiply(arrays_, from, to, x.data(), y.data());
+    });
   });
 }
 
@@ -281,7 +316,9 @@ template <class Real>
 void Elastic<Real>::diagonal_blocks(std::span<Real> blocks) const {
   for_each_index(blocks.size(), [&](std::size_t i) { blocks[i] = Real(0); });
   layout_.for_each_slab([&](std::size_t, std::int64_t begin, std::int64_t end) {
-    kernels_.diagonal(arrays_, begin, end, blocks.data());
+    for_each_run(begin, end, [&](const auto& kernels, std::int64_t from, std::int64_t to) {
+      kernels.diagonal(arrays_, from, to, blocks.data());
+    });
   });
 }
 
@@ -349,12 +386,15 @@ CellMeasures Elastic<Real>::measures(Index cell, std::span<const Real> u) const 
   for (int i = 0; i < 3; ++i) principal[i] = sigma[i] * p_hat[i] / j;
   if (features_.fibers) {
     Eigen::Matrix3d stress = Eigen::Vector3d(principal[0], principal[1], principal[2]).asDiagonal();
-    const auto fiber = fiber_state(material, lanes, sigma, rotation_v);
-    const auto response =
-        fiber_response(fiber.i1, fiber.i4, fiber.j, load_fiber<double>(material, lanes, arrays_.active));
-    for (int i = 0; i < 3; ++i) {
-      stress(i, i) += (response.shear * sigma[i] + response.pressure * fiber.c[i]) * sigma[i] / j;
-      for (int k = 0; k < 3; ++k) stress(i, k) += response.along * fiber.fa[i] * fiber.fa[k] / j;
+    const auto shares = materials_.shares_of(cell);
+    if (shares.empty() || shares[0].family == 0) {
+      stress += fiber_stress(material, lanes, sigma, rotation_v);
+    } else {
+      for (const int family : {1, -1}) {
+        Real record[kMaterialFields] = {};
+        fill_record(record, 1, material_of(cell), cell, family);
+        stress += 0.5 * fiber_stress(record, 1, sigma, rotation_v);
+      }
     }
     const double packed[6] = {stress(0, 0), stress(0, 1), stress(0, 2), stress(1, 1), stress(1, 2), stress(2, 2)};
     double axes[9];
@@ -363,6 +403,20 @@ CellMeasures Elastic<Real>::measures(Index cell, std::span<const Real> u) const 
   const double d01 = principal[0] - principal[1], d12 = principal[1] - principal[2], d20 = principal[2] - principal[0];
   return {sigma[0], std::sqrt(0.5 * (d01 * d01 + d12 * d12 + d20 * d20)),
           std::max({principal[0], principal[1], principal[2]})};
+}
+
+template <class Real>
+Eigen::Matrix3d Elastic<Real>::fiber_stress(const Real* record, int lanes, const double (&sigma)[3],
+                                            const double (&rotation_v)[9]) const {
+  const double j = std::max(sigma[0] * sigma[1] * sigma[2], 1e-6);
+  const auto fiber = fiber_state(record, lanes, sigma, rotation_v);
+  const auto response = fiber_response(fiber.i1, fiber.i4, fiber.j, load_fiber<double>(record, lanes, arrays_.active));
+  Eigen::Matrix3d stress = Eigen::Matrix3d::Zero();
+  for (int i = 0; i < 3; ++i) {
+    stress(i, i) += (response.shear * sigma[i] + response.pressure * fiber.c[i]) * sigma[i] / j;
+    for (int k = 0; k < 3; ++k) stress(i, k) += response.along * fiber.fa[i] * fiber.fa[k] / j;
+  }
+  return stress;
 }
 
 template <class Real>

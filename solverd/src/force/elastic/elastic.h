@@ -80,13 +80,25 @@ class Elastic {
   InstructionSet instruction_set() const { return set_; }
 
  private:
+  // Calls body(kernels, begin, end) for runs of groups, those without shares with kernels that know none.
+  template <class Body>
+  void for_each_run(std::int64_t begin, std::int64_t end, const Body& body) const {
+    while (begin < end) {
+      std::int64_t stop = group_has_shares_.empty() ? end : begin + 1;
+      while (stop < end && group_has_shares_[stop] == group_has_shares_[begin]) ++stop;
+      body(group_has_shares_.empty() || group_has_shares_[begin] ? kernels_ : whole_kernels_, begin, stop);
+      begin = stop;
+    }
+  }
   void fill_cells();
   void fill_shares(double laplacian);
-  // Volume and stabilization of a part of a cell; extent: of the part over the cell, mean square.
-  void fill_volume(std::size_t slot, std::size_t cell, std::size_t material, double laplacian, double part,
-                   double extent);
-  // Writes what a cell is made of, field by field with `stride` between them.
-  void fill_record(Real* record, std::size_t stride, std::size_t material, std::size_t cell) const;
+  // Volume and stabilization of a part of a cell.
+  void fill_volume(std::size_t slot, std::size_t cell, std::size_t material, double laplacian, double part);
+  // Writes what a cell is made of, field by field with `stride` between them. family: MaterialShare's.
+  void fill_record(Real* record, std::size_t stride, std::size_t material, std::size_t cell, int family = 0) const;
+  // What the fibers and muscle of a record add to the Cauchy stress, in the frame of the decomposition of F.
+  Eigen::Matrix3d fiber_stress(const Real* record, int lanes, const double (&sigma)[3],
+                               const double (&rotation_v)[9]) const;
   // The material as it is in a cell, and its prestretch normal to the skin.
   std::pair<MaterialParameters, double> material_in(std::size_t material, std::size_t cell) const;
   // Calls body(slot, share, further) for each share of a cell that is computed; further: it is not the largest.
@@ -107,8 +119,9 @@ class Elastic {
   CellMaterials materials_;
   SceneFeatures features_;
   InstructionSet set_;
-  ElasticKernels<Real> kernels_;
-  std::vector<Index> part_cells_;  // the cell of each share but the largest, in their order
+  ElasticKernels<Real> kernels_, whole_kernels_;  // of the scene, and of groups of cells without shares
+  std::vector<std::uint8_t> group_has_shares_;    // empty where none has
+  std::vector<Index> part_cells_;                 // the cell of each share but the largest, in their order
   BlockLayout layout_;
   std::vector<QuadraturePoint> quadrature_;
   bool uniform_;                                       // one record of material for all cells

@@ -87,6 +87,18 @@ inline CellPoint<Number> share_point(const ElasticArrays<Real>& arrays, const Re
   return {at[0], at[1], at[2]};
 }
 
+// The stiffness of the hourglass modes xy, xz, yz, xyz; share: as for share_point, where kShares.
+template <class Number, bool kShares, class Real>
+inline void hourglass_stiffness(const Number& stabilization, const Real* share, int width, Number (&modes)[4]) {
+  using Scalar = typename NumberTraits<Number>::Scalar;
+  for (int m = 0; m < 4; ++m) {
+    if constexpr (kShares)
+      modes[m] = stabilization * load<Number>(share + (kShareHourglass + m) * width);
+    else
+      modes[m] = m == 3 ? Number(Scalar(0.5)) * stabilization : stabilization;
+  }
+}
+
 // 4 h grad N of the corners at quadrature point q, [3][8] as one number. Of a whole cell they are read where they are
 // used: registers that hold them would be missed. share: as for share_point, where kShares.
 template <class Number, class Real, bool kOnePoint, bool kShares>

@@ -107,8 +107,9 @@ template <class Number, bool kOnePoint, bool kFibers, bool kPrestretched, bool k
           for (auto& value : block) value = Number(0);
           add_corner_block<kFibers, kPrestretched>(tangent, sigma, fiber, material, u, v, g, block);
           if constexpr (kOnePoint) {
-            // each of the modes xy, xz, yz gives 1, xyz a half
-            const Number stabilization = Number(Real(3.5)) * load<Number>(arrays.stabilization + cell * w);
+            Number modes[4];
+            hourglass_stiffness<Number, kShares>(load<Number>(arrays.stabilization + cell * w), share, w, modes);
+            const Number stabilization = modes[0] + modes[1] + modes[2] + modes[3];
             block[0] += stabilization;
             block[3] += stabilization;
             block[5] += stabilization;

@@ -38,8 +38,9 @@ enum MaterialField {
   kMaterialFields = kPrestretch + 6
 };
 
-// Where the quadrature points of a part of a cell lie: the cell's own, in [-1, 1], times the scale, plus the center.
-enum ShareField { kShareCenter, kShareScale = 3, kShareFields = 6 };
+// Where the quadrature points of a part of a cell lie: the cell's own, in [-1, 1], times the scale, plus the center;
+// and what of the stabilization its hourglass modes have: 1 for xy, xz, yz and 0.5 for xyz where it fills the cell.
+enum ShareField { kShareCenter, kShareScale = 3, kShareHourglass = 6, kShareFields = 10 };
 
 inline constexpr int kBlockNodes = 27, kBlockCells = 8, kBlockColumns = 9;
 

@@ -14,7 +14,7 @@ struct SceneFeatures {
   bool one_point = true;
   bool fibers = false;  // or muscle
   bool prestretched = false;
-  bool shares = false;  // some cell holds more than one material
+  bool shares = false;  // some cell holds more than one material, or is filled in part
 };
 
 struct StateSums;

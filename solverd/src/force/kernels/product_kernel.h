@@ -189,13 +189,10 @@ template <class Number, bool kOnePoint, bool kFibers, bool kPrestretched, bool k
         }
         differential<kFibers, kPrestretched>(arrays.tangent + cell * kTangentFields * w, arrays.sigma + cell * 3 * w,
                                              arrays.fiber_tangent + cell * kFiberFields * w, material, df);
-        const Number stabilization = load<Number>(arrays.stabilization + cell * w);
-        const Number half = Number(0.5) * stabilization;
+        Number stiffness[4];
+        hourglass_stiffness<Number, kShares>(load<Number>(arrays.stabilization + cell * w), share, w, stiffness);
         for (int i = 0; i < 3; ++i) {
-          modes[i][0] *= stabilization;
-          modes[i][1] *= stabilization;
-          modes[i][2] *= stabilization;
-          modes[i][3] *= half;
+          for (int m = 0; m < 4; ++m) modes[i][m] *= stiffness[m];
           if constexpr (kShares)
             share_point<Number>(arrays, share, 0, w).add_to_modes(df[3 * i], df[3 * i + 1], df[3 * i + 2], modes[i]);
           spread_to_corners(df[3 * i], df[3 * i + 1], df[3 * i + 2], modes[i], result[i]);

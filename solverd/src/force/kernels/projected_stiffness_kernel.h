@@ -116,14 +116,12 @@ void add_projected_tangent(const Number* u, const Number* v, const Number* hessi
     }
 }
 
-// The stabilization of one-point quadrature: coefficient * sum_m kHourglass[m] |h_m . x|^2 / 2.
+// The stabilization of one-point quadrature: sum_m stiffness[m] |h_m . x|^2 / 2.
 template <class Number>
-void add_projected_hourglass(const Number& coefficient, const Number* weight, const Number* arm, Number* blocks) {
-  using Scalar = typename NumberTraits<Number>::Scalar;
-  Number w[4][8], a[4][8][3], scaled[4];
+void add_projected_hourglass(const Number (&stiffness)[4], const Number* weight, const Number* arm, Number* blocks) {
+  Number w[4][8], a[4][8][3];
   for (int mode = 0; mode < 4; ++mode) {
     const auto& signs = kHourglassModes[mode];
-    scaled[mode] = coefficient * Number(Scalar(kHourglass[mode]));
     for (int k = 0; k < 8; ++k) {
       w[mode][k] = weight[8 * k] - weight[8 * k];
       for (int i = 0; i < 3; ++i) a[mode][k][i] = w[mode][k];
@@ -140,8 +138,8 @@ void add_projected_hourglass(const Number& coefficient, const Number* weight, co
   for (int l = 0; l < 8; ++l) {
     Number cw[4], ca[4][3];
     for (int mode = 0; mode < 4; ++mode) {
-      cw[mode] = scaled[mode] * w[mode][l];
-      for (int i = 0; i < 3; ++i) ca[mode][i] = scaled[mode] * a[mode][l][i];
+      cw[mode] = stiffness[mode] * w[mode][l];
+      for (int i = 0; i < 3; ++i) ca[mode][i] = stiffness[mode] * a[mode][l][i];
     }
     for (int k = l; k < 8; ++k) {
       ModeMoments<Number> s;
@@ -218,6 +216,13 @@ void project_cells(const ElasticArrays<typename NumberTraits<Number>::Scalar>& a
       }
       for (int k = 0; k < fields; ++k) to[k] = load<Number>(buffer[k]);
     };
+    alignas(64) Real share[kShareFields][w];
+    if constexpr (kShares)
+      for (int lane = 0; lane < w; ++lane) {
+        const std::int32_t slot = slots[first + lane];
+        const Real* record = arrays.share_of(slot / w, w) + slot % w;
+        for (int k = 0; k < kShareFields; ++k) share[k][lane] = record[k * w];
+      }
     for (int q = 0; q < points; ++q) {
       Number tangent[kTangentFields], u[9], v[9], rotation[9];
       collect(arrays.tangent + q * kTangentFields * w, std::int64_t{points} * kTangentFields * w, kTangentFields,
@@ -234,13 +239,6 @@ void project_cells(const ElasticArrays<typename NumberTraits<Number>::Scalar>& a
       } else {
         for (int i = 0; i < 9; ++i) v[i] = rotation[i];
       }
-      alignas(64) Real share[kShareFields][w];
-      if constexpr (kShares)
-        for (int lane = 0; lane < w; ++lane) {
-          const std::int32_t slot = slots[first + lane];
-          const Real* record = arrays.share_of(slot / w, w) + slot % w;
-          for (int k = 0; k < kShareFields; ++k) share[k][lane] = record[k * w];
-        }
       const PointGradients<Number, Real, kOnePoint, kShares> gradient(arrays, &share[0][0], q, w);
       if constexpr (kFibers) {
         Number material[kPrestretch], sigma[3], response[kFiberFields];
@@ -256,9 +254,10 @@ void project_cells(const ElasticArrays<typename NumberTraits<Number>::Scalar>& a
       }
     }
     if constexpr (kOnePoint) {
-      Number stabilization;
+      Number stabilization, stiffness[4];
       collect(arrays.stabilization, w, 1, &stabilization);
-      add_projected_hourglass(stabilization * Number(Real(1.0 / kHourglass[0])), weight, arm, out);
+      hourglass_stiffness<Number, kShares>(stabilization, &share[0][0], w, stiffness);
+      add_projected_hourglass(stiffness, weight, arm, out);
     }
     bool attached = false;
     for (int lane = 0; lane < w && arrays.quadratic_of != nullptr; ++lane)

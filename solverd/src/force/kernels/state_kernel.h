@@ -157,11 +157,13 @@ template <class Number, class Real, int width, class Model, bool kOnePoint, bool
           for (int i = 0; i < 3; ++i) store(s[i], arrays.sigma + (point * 3 + i) * width + lane);
           if constexpr (kOnePoint) {
             const Number scale = volume * to_gradient;
-            const Number hourglass = load<Number>(arrays.stabilization + cell * width + lane);
+            Number hourglass[4];
+            hourglass_stiffness<Number, kShares>(load<Number>(arrays.stabilization + cell * width + lane), share, width,
+                                                 hourglass);
             for (int i = 0; i < 3; ++i) {
               Number pull[4];
               for (int m = 0; m < 4; ++m) {
-                pull[m] = hourglass * Number(m == 3 ? 0.5 : 1.0) * modes[i][m];
+                pull[m] = hourglass[m] * modes[i][m];
                 group_energy += Number(0.5) * pull[m] * modes[i][m];
               }
               const Number px = scale * p[3 * i], py = scale * p[3 * i + 1], pz = scale * p[3 * i + 2];

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "force/materials/cell_fill.h"
 #include "force/materials/cell_shares.h"
 #include "force/materials/prestretch.h"
 #include "force/materials/skin_tree.h"
@@ -46,6 +47,42 @@ Vec3 in_plane(const Vec3& direction, const Vec3& normal) {
   return flat.norm() > 1e-3 ? flat.normalized() : Vec3(Vec3::Zero());
 }
 
+constexpr auto kPartlyFilled = [](float fill) { return fill < 1.0F; };
+
+// Of tissue of one material.
+std::vector<MaterialShare> shares_of_fills(const Lattice& lattice) {
+  std::vector<MaterialShare> shares;
+  for (std::size_t c = 0; c < lattice.cell_fill.size(); ++c)
+    if (kPartlyFilled(lattice.cell_fill[c]))
+      if (const auto share = share_of_fill(lattice, c, 0)) shares.push_back(*share);
+  return shares;
+}
+
+// Makes two halves of every share whose material has two families of fibers, and of every cell that has no shares.
+void split_families(const Lattice& lattice, CellMaterials& materials) {
+  if (std::ranges::none_of(materials.table, &MaterialParameters::has_families)) return;
+  const std::size_t count = lattice.cell_nodes.size();
+  if (materials.of_cell.empty()) materials.of_cell.assign(count, 0);
+  std::vector<MaterialShare> split;
+  const auto add = [&](MaterialShare share) {
+    if (!materials.table[share.material].has_families()) return split.push_back(share);
+    share.volume *= 0.5F;
+    for (const int family : {1, -1}) {
+      share.family = std::int8_t(family);
+      split.push_back(share);
+    }
+  };
+  const Eigen::Vector3f whole = Eigen::Vector3f::Ones(), middle = Eigen::Vector3f::Zero();
+  auto known = materials.shares.begin();
+  for (std::size_t c = 0; c < count; ++c) {
+    if (known != materials.shares.end() && known->cell == to_index(c))
+      for (; known != materials.shares.end() && known->cell == to_index(c); ++known) add(*known);
+    else if (materials.table[materials.of_cell[c]].has_families())
+      add({to_index(c), materials.of_cell[c], 1.0F, middle, whole});
+  }
+  materials.shares = std::move(split);
+}
+
 }  // namespace
 
 CellMaterials assign_materials(const Lattice& lattice, std::vector<MaterialParameters> table, const Surface& skin,
@@ -53,7 +90,11 @@ CellMaterials assign_materials(const Lattice& lattice, std::vector<MaterialParam
                                const Interrupt& interrupt) {
   CellMaterials result{std::move(table)};
   const bool directional = std::ranges::any_of(result.table, has_direction);
-  if ((regions.empty() && !directional) || skin.triangles.empty()) return result;
+  if (regions.empty() || skin.triangles.empty()) result.shares = shares_of_fills(lattice);
+  if ((regions.empty() && !directional) || skin.triangles.empty()) {
+    split_families(lattice, result);
+    return result;
+  }
   const SkinTree tree(skin);
   const CellShares cell_shares(lattice, tree, regions);
   const std::size_t count = lattice.cell_nodes.size();
@@ -89,11 +130,12 @@ CellMaterials assign_materials(const Lattice& lattice, std::vector<MaterialParam
       const std::uint8_t material = cell_shares.material(closest.triangle, closest.distance);
       const bool mixed = cell_shares.may_be_mixed(c, closest);
       result.of_cell[c] = material;
-      if (mixed || lattice.cell_fill[c] < 1.0F)
+      if (mixed || kPartlyFilled(lattice.cell_fill[c]))
         result.of_cell[c] = cell_shares.append(c, mixed, material, chunks[chunk]);
     }
   });
   for (const auto& chunk : chunks) result.shares.insert(result.shares.end(), chunk.begin(), chunk.end());
+  split_families(lattice, result);
   if (result.direction_of_cell.empty() && flat(result)) result.normal_of_cell.clear();
   return result;
 }

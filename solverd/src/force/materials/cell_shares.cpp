@@ -4,7 +4,7 @@
 #include <cmath>
 #include <map>
 
-#include "lattice/voxelize.h"
+#include "force/materials/cell_fill.h"
 
 namespace lappet {
 
@@ -12,8 +12,6 @@ namespace {
 
 constexpr double kMinShare = 0.01;  // of a cell's tissue; less joins the others
 constexpr double kMargin = 1.1;     // for what a curved skin adds to the reach of a cell
-constexpr std::size_t kSamples = 8;
-constexpr double kFullVariance = 1.0 / 3.0;  // of a coordinate in [-1, 1]
 
 // Edges between triangles that differ in the regions they belong to.
 Surface border_of(const Surface& skin, std::span<const MaterialRegion> regions) {
@@ -33,12 +31,6 @@ Surface border_of(const Surface& skin, std::span<const MaterialRegion> regions) 
 }
 
 }  // namespace
-
-// The tissue of an eighth of a cell, as a box, in coordinates of the cell from -1 to 1.
-struct CellShares::Sample {
-  double volume = 0.0;                               // of the cell's
-  Vec3 center = Vec3::Zero(), edges = Vec3::Ones();  // a whole eighth has edges of 1
-};
 
 // Moments of the tissue of one material.
 struct CellShares::Sum {
@@ -80,49 +72,8 @@ std::uint8_t CellShares::material(Index triangle, double depth) const {
   return found;
 }
 
-// Fills the samples that hold tissue and returns how many there are.
-std::size_t CellShares::samples(std::size_t cell, Sample* found) const {
-  const FineVoxels& fine = *lattice_.fine;
-  const std::int32_t r = fine.box().ratio;
-  const GridPoint& position = lattice_.cell_position(cell);
-  Voxel at;
-  for (std::size_t a = 0; a < 3; ++a) at[a] = position[a] - fine.box().low[a];
-  const Index place = fine.occupied_at(at[0], at[1], at[2]);
-  if (r == 1 || place < 0 || fine.is_whole(place)) {
-    for (std::size_t k = 0; k < kSamples; ++k)
-      found[k] = {1.0 / kSamples, Vec3(k & 4 ? 0.5 : -0.5, k & 2 ? 0.5 : -0.5, k & 1 ? 0.5 : -0.5), Vec3::Ones()};
-    return kSamples;
-  }
-  struct Moments {
-    int count = 0;
-    Vec3 first = Vec3::Zero(), second = Vec3::Zero();
-  } moments[kSamples];
-  for (std::int32_t i = 0; i < r * r * r; ++i) {
-    const Voxel local{i / (r * r), i / r % r, i % r};
-    if (fine.lattice_cell({at[0] * r + local[0], at[1] * r + local[1], at[2] * r + local[2]}) != to_index(cell))
-      continue;
-    std::size_t eighth = 0;
-    Vec3 x;
-    for (std::size_t a = 0; a < 3; ++a) {
-      eighth = 2 * eighth + (2 * local[a] + 1 < r ? 0 : 1);
-      x[a] = (2.0 * local[a] + 1.0) / r - 1.0;
-    }
-    ++moments[eighth].count;
-    moments[eighth].first += x;
-    moments[eighth].second += x.cwiseAbs2();
-  }
-  std::size_t count = 0;
-  for (const Moments& m : moments) {
-    if (m.count == 0) continue;
-    const Vec3 center = m.first / m.count;
-    const Vec3 variance = m.second / m.count - center.cwiseAbs2() + Vec3::Constant(kFullVariance / (r * r));
-    found[count++] = {double(m.count) / (r * r * r), center, (12.0 * variance).cwiseMax(0.0).cwiseSqrt()};
-  }
-  return count;
-}
-
 // Cuts a sample where the layers below the closest triangle of the skin begin and end.
-void CellShares::add(const Vec3& middle, const Sample& sample, std::vector<Sum>& sums) const {
+void CellShares::add(const Vec3& middle, const TissueSample& sample, std::vector<Sum>& sums) const {
   const double half = 0.5 * lattice_.settings.spacing;
   const Vec3 point = middle + half * sample.center;
   const SkinTree::Closest closest = skin_.closest(point);
@@ -154,22 +105,19 @@ void CellShares::add(const Vec3& middle, const Sample& sample, std::vector<Sum>&
 
 std::uint8_t CellShares::append(std::size_t cell, bool mixed, std::uint8_t only,
                                 std::vector<MaterialShare>& shares) const {
-  Sample found[kSamples];
-  const std::size_t count = samples(cell, found);
+  if (!mixed) {
+    if (const auto share = share_of_fill(lattice_, cell, only)) shares.push_back(*share);
+    return only;
+  }
+  std::array<TissueSample, 8> found;
+  const std::size_t count = tissue_samples(lattice_, cell, found);
   const auto& [x, y, z] = lattice_.cell_position(cell);
   const Vec3 middle = lattice_.settings.origin + lattice_.settings.spacing * Vec3(x + 0.5, y + 0.5, z + 0.5);
   std::vector<Sum> sums;
-  if (!mixed) sums.push_back({only});
   double tissue = 0.0;
-  for (const Sample& sample : std::span(found, count)) {
+  for (const TissueSample& sample : std::span(found).first(count)) {
     tissue += sample.volume;
-    if (mixed) {
-      add(middle, sample, sums);
-      continue;
-    }
-    sums[0].volume += sample.volume;
-    sums[0].first += sample.volume * sample.center;
-    sums[0].second += sample.volume * (sample.center.cwiseAbs2() + sample.edges.cwiseAbs2() / 12.0);
+    add(middle, sample, sums);
   }
   if (!(tissue > 0.0)) return only;
   std::erase_if(sums, [&](const Sum& s) { return s.volume < kMinShare * tissue; });
@@ -180,12 +128,8 @@ std::uint8_t CellShares::append(std::size_t cell, bool mixed, std::uint8_t only,
   if (sums.size() == 1 && full) return sums[0].material;
   double kept = 0.0;
   for (const Sum& sum : sums) kept += sum.volume;
-  for (const Sum& sum : sums) {
-    const Vec3 center = sum.first / sum.volume;
-    const Vec3 variance = (sum.second / sum.volume - center.cwiseAbs2()).cwiseMax(0.0) / kFullVariance;
-    shares.push_back({to_index(cell), sum.material, float(sum.volume / kept), center.cast<float>(),
-                      variance.cwiseSqrt().cwiseMin(1.0).cast<float>()});
-  }
+  for (const Sum& sum : sums)
+    shares.push_back(share_of_moments(cell, sum.material, sum.volume / kept, sum.volume, sum.first, sum.second));
   return sums[0].material;
 }
 

@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "force/materials/cell_fill.h"
 #include "force/materials/cell_materials.h"
 #include "force/materials/skin_tree.h"
 
@@ -27,10 +28,8 @@ class CellShares {
   std::uint8_t append(std::size_t cell, bool mixed, std::uint8_t only, std::vector<MaterialShare>& shares) const;
 
  private:
-  struct Sample;
   struct Sum;
-  std::size_t samples(std::size_t cell, Sample* found) const;
-  void add(const Vec3& middle, const Sample& sample, std::vector<Sum>& sums) const;
+  void add(const Vec3& middle, const TissueSample& sample, std::vector<Sum>& sums) const;
 
   const Lattice& lattice_;
   const SkinTree& skin_;

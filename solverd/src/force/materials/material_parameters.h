@@ -25,12 +25,16 @@ struct MaterialParameters {
   double fiber_k1 = 0.0;                                       // kPa; 0: no fibers
   double fiber_k2 = 0.0, fiber_dispersion = 0.0;               // kappa in [0, 1/3]
   double fiber_slack = 1.0;                                    // stretch from which the fibers bear load, at least 1
-  double muscle_stress = 0.0;                                  // kPa, maximal isometric stress; 0: no muscle
+  // Degrees, 0 to 90: half of the fibers and of the muscle run at it to the direction, to either side, in the skin's
+  // plane. 0: one family.
+  double fiber_angle = 0.0;
+  double muscle_stress = 0.0;  // kPa, maximal isometric stress; 0: no muscle
   // In-vivo stretch along and across the fiber direction; the third is that of a free surface (prestretch.h).
   std::array<double, 2> prestretch{1.0, 1.0};
 
   bool has_fibers() const { return fiber_k1 > 0.0; }
   bool has_muscle() const { return muscle_stress > 0.0; }
+  bool has_families() const { return fiber_angle > 0.0 && (has_fibers() || has_muscle()); }
   bool has_prestretch() const { return prestretch[0] != 1.0 || prestretch[1] != 1.0; }
 
   double mu() const { return youngs_modulus / (2.0 * (1.0 + poissons_ratio)); }
@@ -39,7 +43,7 @@ struct MaterialParameters {
   }
 };
 
-// The part of a cell's tissue that is of one material.
+// The part of a cell's tissue that is of one material, or of one of its two families of fibers.
 struct MaterialShare {
   Index cell;
   std::uint8_t material;  // index into the table
@@ -47,6 +51,7 @@ struct MaterialShare {
   // Where its quadrature points lie: the cell's, in [-1, 1], times scale plus center, the centroid of the part and its
   // extent over the cell's.
   Eigen::Vector3f center, scale;
+  std::int8_t family = 0;  // 1 and -1: whose fibers are turned by the material's angle, and against it
 };
 
 // The materials of a lattice's cells.
@@ -59,8 +64,8 @@ struct CellMaterials {
   std::vector<Eigen::Vector3f> direction_of_cell{};
   // In-vivo stretch in each cell, in place of that of a material that has one. Empty: the material's.
   std::vector<Eigen::Vector2f> stretch_of_cell{};
-  // By cell, of a cell the largest first: all of each cell that holds several materials, and of one that the tissue
-  // does not fill. Empty where nothing differs from cell to cell.
+  // By cell, of a cell the largest first: all of each cell that holds several materials or two families of fibers, and
+  // of one that the tissue does not fill. Empty where nothing differs from cell to cell.
   std::vector<MaterialShare> shares{};
 
   const MaterialParameters& of(std::size_t cell) const { return table[of_cell.empty() ? 0 : of_cell[cell]]; }

@@ -4,6 +4,7 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
+#include <numbers>
 
 #include "force/materials/fiber.h"
 #include "force/materials/material_models.h"
@@ -15,6 +16,7 @@ namespace {
 // Between these the third stretch is looked for: 1/4 to 4 keep the volume at prestretches of 2 and of 1/2.
 constexpr double kThinnest = 0.05, kThickest = 6.0;
 constexpr int kMaxSteps = 300;
+constexpr double kDegree = std::numbers::pi / 180.0;
 }  // namespace
 
 Eigen::Matrix3d prestretch_matrix(const MaterialParameters& parameters, const Eigen::Vector3d& normal, double third) {
@@ -39,11 +41,14 @@ double free_prestretch(const MaterialParameters& parameters) {
   const Moduli<double> moduli{parameters.mu(), parameters.lambda(), parameters.mooney_ratio};
   const FiberParameters<double> fibers{parameters.fiber_k1, parameters.fiber_k2, parameters.fiber_dispersion,
                                        parameters.fiber_slack * parameters.fiber_slack - 1.0, 0.0};
+  const double aligned = std::pow(std::cos(parameters.fiber_angle * kDegree), 2);
   const auto stress = [&](double third) {
     const double s[3] = {along, across, third};
     double p[3] = {0, 0, 0};
     MaterialModels::with(MaterialModels::index(parameters.model), [&]<class Model>() { Model::p_hat(s, moduli, p); });
-    const double i4 = along * along, i1 = i4 + across * across + third * third;
+    // The families mirror each other: what one of them pulls in the plane aslant the other does too, the other way.
+    const double i4 = aligned * along * along + (1.0 - aligned) * across * across;
+    const double i1 = along * along + across * across + third * third;
     const auto fiber = fiber_response(i1, i4, along * across * third, fibers);
     return p[2] + fiber.shear * third + fiber.pressure * along * across;
   };
@@ -73,6 +78,13 @@ double free_prestretch(const MaterialParameters& parameters) {
     }
   }
   return third;
+}
+
+Eigen::Vector3d direction_of_family(const MaterialParameters& parameters, const Eigen::Vector3d& normal, int family) {
+  const Eigen::Vector3d d = parameters.fiber_direction.normalized();
+  const bool upright = normal.cross(d).norm() < 1e-3;
+  const Eigen::Vector3d axis = upright ? d.unitOrthogonal() : Eigen::Vector3d(normal.normalized());
+  return Eigen::AngleAxisd(family * parameters.fiber_angle * kDegree, axis) * d;
 }
 
 Eigen::Vector3d direction_in_plane(const MaterialParameters& parameters, const Eigen::Vector3d& normal) {

@@ -16,6 +16,10 @@ Eigen::Matrix3d prestretch_matrix(const MaterialParameters& parameters, const Ei
 // material has none (corotated tissue stretched so far that it would turn inside out).
 double free_prestretch(const MaterialParameters& parameters);
 
+// The direction of one of a material's families of fibers (MaterialShare::family), turned from that of both around the
+// skin's normal.
+Eigen::Vector3d direction_of_family(const MaterialParameters& parameters, const Eigen::Vector3d& normal, int family);
+
 // The fibers' direction turned into the plane of the skin; as it is where it stands upright on the skin.
 Eigen::Vector3d direction_in_plane(const MaterialParameters& parameters, const Eigen::Vector3d& normal);
 

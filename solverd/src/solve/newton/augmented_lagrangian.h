@@ -1,7 +1,10 @@
 // When the multipliers of what must hold exactly (solve/system/multipliers.h) move on.
 //
 // While gaps are open the residual need not be below the tolerance: this many tolerances at most, in proportion to the
-// gap. Where a gap does not shrink the residual hides it: solve more exactly.
+// gap. Where a gap does not shrink the residual hides it: solve more exactly. Where it still does not the penalty is
+// soft beside what holds the gap open, as where a coarse lattice can hardly tell neighboring sutures apart: a
+// multiplier closes the share k s / (1 + k s) of it at a time, k the penalty and s the compliance, and the penalty must
+// grow (Nocedal and Wright 2006, algorithm 17.4).
 #pragma once
 #include <algorithm>
 #include <limits>
@@ -26,10 +29,21 @@ class AugmentedLagrangian {
     }
     if (!open) return Action::kConverged;
     if (++updates_ > kMaxUpdates) return Action::kGiveUp;
-    if (gap > kGapProgress * previous_gap_) strictness_ = std::max(kStricter * strictness_, kStrictest);
+    slow_ = gap > kGapProgress * previous_gap_ ? slow_ + 1 : 0;
+    if (slow_ > 0) strictness_ = std::max(kStricter * strictness_, kStrictest);
+    rate_ = gap / previous_gap_;
     previous_gap_ = gap;
     previous_residual_ = std::numeric_limits<double>::infinity();
     return Action::kUpdate;
+  }
+  // After an update: by how much the penalty of the sutures is to grow, 1 where it is to stay.
+  double stiffening() {
+    if (slow_ < kSlowUpdates || previous_gap_ > kNearlyClosed * gap_tolerance_) return 1.0;
+    const double wanted = kWantedStiffness * rate_ / std::max(1.0 - rate_, 1e-6);
+    const double factor = std::max(std::min(wanted, kMaxStiffening / stiffened_), 1.0);
+    stiffened_ *= factor;
+    slow_ = 0;
+    return factor;
   }
   double strictness() const { return strictness_; }
   int updates() const { return updates_; }  // of the multipliers
@@ -37,11 +51,18 @@ class AugmentedLagrangian {
  private:
   static constexpr int kMaxUpdates = 60;
   static constexpr double kLooseTolerance = 10.0, kGapProgress = 0.7, kStricter = 0.3, kStrictest = 0.02, kStall = 0.5;
+  static constexpr int kSlowUpdates = 2;  // in a row
+  // Gap tolerances up to which the penalty grows; what stays open further asks for what the tissue cannot bear.
+  static constexpr double kNearlyClosed = 100.0;
+  // k s after the penalty has grown, so that a multiplier closes nine tenths of a gap; and how much it grows in all.
+  static constexpr double kWantedStiffness = 9.0, kMaxStiffening = 100.0;
 
   double tolerance_, gap_tolerance_;
   double strictness_ = 1.0;
   double previous_gap_ = std::numeric_limits<double>::infinity(), previous_residual_ = previous_gap_;
-  int updates_ = 0;
+  int updates_ = 0, slow_ = 0;  // in all; that closed little of the gap, in a row
+  double rate_ = 0.0;           // share of the gap that the last one left
+  double stiffened_ = 1.0;
 };
 
 }  // namespace lappet

@@ -11,6 +11,7 @@
 #include "solve/multigrid/conjugate_gradients.h"
 #include "solve/newton/augmented_lagrangian.h"
 #include "solve/newton/change_neighborhood.h"
+#include "solve/newton/curved_step.h"
 #include "solve/newton/displacement_to_come.h"
 #include "solve/newton/line_search.h"
 #include "solve/newton/local_relaxation.h"
@@ -47,7 +48,10 @@ constexpr double kUnsure = 0.1, kBent = 0.1, kContraction = 0.3;
 // fibers that are much stiffer than what is around them, a definite tangent makes many steps of about one size.
 constexpr double kNearer = 0.7;
 constexpr int kMaxArrivals = 6;
-constexpr int kManyUpdates = 10;  // of the multipliers: a gap that they can close is closed after a few
+// Share of a step: one of which less was taken may have left a valley that bends.
+constexpr double kCutShort = 0.5;
+constexpr int kStraightPause = 2;  // such steps that stay straight after one that was not to be bent
+constexpr int kManyUpdates = 10;   // of the multipliers: a gap that they can close is closed after a few
 // The neighborhood of a change ends at a stricter tolerance; of the limit of the whole it has this share left at most.
 constexpr double kShareOfNeighborhood = 0.5;
 constexpr double kNoForce = 1e-20;  // residual over force scale that cannot be told from none
@@ -175,6 +179,10 @@ class EquilibriumSearch {
           return action;
         case AugmentedLagrangian::Action::kUpdate:
           system_.update(multipliers_, u_, now_);
+          if (const double factor = augmented_lagrangian_.stiffening(); factor > 1.0) {
+            system_.stiffen_sutures(factor);
+            spdlog::debug("  the penalty of the sutures grows {:.3g} times", factor);
+          }
           evaluate();
           record();
       }
@@ -350,6 +358,7 @@ class EquilibriumSearch {
         return false;
       }
       tangent_.agreed(taken.alpha, taken.ratio, used_);
+      if (taken.alpha < kCutShort && used_ == PsdProjection::kExact) bend_step(taken.alpha, slope);
     }
     const bool whole = !carries && taken.alpha == 1.0 && used_ == PsdProjection::kExact;
     last_step_ = whole ? to_come_ : std::numeric_limits<double>::infinity();
@@ -361,6 +370,16 @@ class EquilibriumSearch {
                   outcome_.newton_iterations, outcome_.residual, outcome_.gap, minimum_j, linear_.iterations,
                   linear_.reduction, used_ == PsdProjection::kExact ? "exact" : "definite", taken.alpha, taken.ratio);
     return true;
+  }
+
+  // A step that was cut short may have left a valley that bends: it is followed. Not soon again where that was in vain.
+  void bend_step(double alpha, double slope) {
+    if (outcome_.residual <= options_.tolerance || --straight_ > 0) return;
+    const CurvedStepOutcome curved =
+        follow_curve<Real>(system_, preconditioner_, u_, multipliers_, {step_, alpha, slope, options_.inverts},
+                           linear_vectors_, now_, observer_.stop);
+    outcome_.pcg_iterations += curved.pcg_iterations;
+    if (!curved.taken) straight_ = kStraightPause;
   }
 
   // What the changes reach goes to its equilibrium, before anything else is done; false where all is for the whole.
@@ -433,6 +452,7 @@ class EquilibriumSearch {
   bool bent_ = false;               // the energy did not fall as predicted in the last step
   bool cut_ = false;                // the line search made the last step shorter
   bool exact_failed_ = false;       // no step along its direction lowered the energy
+  int straight_ = 0;                // steps that were cut and stay straight
   int newton_in_neighborhood_ = 0;  // these leave those of the whole as many as ever
   PsdProjection used_ = PsdProjection::kExact;
   LinearOutcome linear_;

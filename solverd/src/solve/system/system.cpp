@@ -354,6 +354,13 @@ void System<Real>::update(Multipliers& multipliers, std::span<const Real> u, con
 }
 
 template <class Real>
+void System<Real>::stiffen_sutures(double factor) {
+  for (PointConstraint& constraint : point_constraints_)
+    if (constraint.exact && constraint.compliance == 0.0) constraint.stiffness *= factor;
+  ++revision_;
+}
+
+template <class Real>
 void System<Real>::fit(Multipliers& multipliers) const {
   auto& held = multipliers.of_held_node;
   if (!has_held_faces_)

@@ -82,6 +82,8 @@ class System {
   double largest_gap(std::span<const Real> u, const Multipliers& multipliers, const Evaluation& at) const;
   // lambda += stiffness c, for sutures, held faces and tissue that is too deep in bone. at: the evaluation at u.
   void update(Multipliers& multipliers, std::span<const Real> u, const Evaluation& at) const;
+  // Raises the penalty of the sutures that close exactly; what was evaluated before does not hold any more.
+  void stiffen_sutures(double factor);
   // Makes room for those of the faces that are held now; zero where they are new.
   void fit(Multipliers& multipliers) const;
   bool has_exact_constraints() const { return has_held_faces_ || has_sutures_; }

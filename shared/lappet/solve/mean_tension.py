@@ -30,11 +30,14 @@ class MeanTension:
         Middle of the area, on the skin at rest in mm.
     area
         The area that the mean is over in mm²: less than asked for at the edge of the skin.
+    error
+        Estimated error of the tension in kPa, or None without an estimate.
     """
 
     tension: float
     place: tuple[float, float, float]
     area: float
+    error: float | None = None
 
 
 def greatest_mean_tension(surface: Surface, tension: NDArray[np.floating], area: float = AREA) -> MeanTension | None:

@@ -1,0 +1,23 @@
+"""The properties of operators that make stitches of a shape, alike in the tool and in scripts."""
+
+from typing import Any
+
+from bpy.props import EnumProperty, FloatProperty
+
+from .stitch_shapes import DRAWN, SHAPES
+
+
+def shape_property() -> Any:
+    """Return the property of the shape."""
+    return EnumProperty(name="Shape", description="What the thread of each suture does", items=SHAPES)
+
+
+def drawn_property() -> Any:
+    """Return the property of how far the thread of a shape is drawn."""
+    return FloatProperty(
+        name="Drawn",
+        description="Share of the length at which the wound's edges just meet to which the thread of a shape is drawn",
+        default=DRAWN,
+        min=0.05,
+        max=1.5,
+    )
