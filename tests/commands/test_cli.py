@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import csv
 import json
 import subprocess
@@ -20,6 +21,7 @@ from lappet.commands.cli import cli
 from lappet.core.problem_code import ProblemCode
 from lappet.daemon.frame_solver import FrameRefusedError
 from lappet.procedure import Hook
+from lappet.program.settings import SolverSettings
 from lappet.tissue.patch import flat_patch
 from lappet.usd.stage import read_procedure, write_procedure
 from small_procedure import EXCISED, TOP, FakeSolver, small_procedure
@@ -99,6 +101,26 @@ def test_the_version_is_that_of_the_package() -> None:
     from lappet import __version__
 
     assert run("--version").output == f"lappet {__version__}\n"
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="there is no device that is full")
+def test_a_solve_whose_progress_nobody_can_write_leaves_its_cache_and_report(
+    procedure: Path, solver: FakeSolver, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from lappet.commands.run_solve import run_solve
+
+    cache, report = tmp_path / "c.usdc", tmp_path / "r.json"
+    full = Path("/dev/full").open("w", buffering=1)  # noqa: SIM115
+    monkeypatch.setattr(sys, "stdout", full)
+    monkeypatch.setattr(sys, "stderr", full)
+    options: dict[str, Any] = {"frames": (None, None), "daemon": None, "store": None, "error_estimate": False}
+    result = run_solve(procedure, cache, report, SolverSettings(), **options)
+    monkeypatch.undo()
+    with contextlib.suppress(OSError):
+        full.close()
+    assert result.complete
+    assert cache.is_file()
+    assert report.is_file()
 
 
 def test_solve_writes_the_cache_and_the_report_and_a_second_run_solves_nothing(

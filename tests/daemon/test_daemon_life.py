@@ -6,6 +6,7 @@ import contextlib
 import os
 import signal
 import socket
+import stat
 import subprocess
 import sys
 import threading
@@ -191,11 +192,64 @@ def test_silence_ends_it_and_a_heartbeat_keeps_it(binary: Path, monkeypatch: pyt
 
 
 @pytest.mark.parametrize(
-    "address", ["tcp://0.0.0.0:*", "tcp://*:*", "tcp://192.0.2.1:5000", "ipc:///tmp/lappet", "tcp://127.0.0.1"]
+    "address",
+    [
+        "tcp://0.0.0.0:*",
+        "tcp://*:*",
+        "tcp://192.0.2.1:5000",
+        "ipc:///tmp/lappet",
+        "ipc://lappet",
+        "ipc://@lappet",
+        "tcp://127.0.0.1",
+    ],
 )
 def test_it_listens_on_loopback_only(binary: Path, address: str) -> None:
     with pytest.raises(DaemonDied, match=r"only loopback is served"):
         SolverDaemon(binary, arguments=("--address", address)).start()
+
+
+@pytest.mark.skipif(os.name != "posix", reason="sockets lie in no folder here")
+def test_only_the_user_reaches_a_daemon_of_their_own(binary: Path) -> None:
+    """Its socket lies in a folder that nobody else may enter, and both are gone afterwards."""
+    with SolverDaemon(binary) as daemon:
+        folder = Path(daemon.address.removeprefix("ipc://")).parent
+        status = folder.stat()
+        assert (stat.S_IMODE(status.st_mode), status.st_uid) == (0o700, os.geteuid())
+        assert stat.S_ISSOCK((folder / "socket").stat().st_mode)
+        if os.geteuid() == 0:  # then there is another user to try it as
+            code = f"import os, socket; os.setuid(65534); socket.socket(socket.AF_UNIX).connect('{folder}/socket')"
+            tried = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+            assert "PermissionError" in tried.stderr, tried
+    assert not folder.exists()
+
+
+@pytest.mark.skipif(os.name != "posix", reason="sockets lie in no folder here")
+def test_a_daemon_whose_client_was_killed_takes_its_folder_away(binary: Path) -> None:
+    code = (
+        "from lappet.daemon.process import SolverDaemon; import os, signal; "
+        f"daemon = SolverDaemon({str(binary)!r}).start(); print(daemon.address, flush=True); "
+        "os.kill(os.getpid(), signal.SIGKILL)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=30, check=False)
+    folder = Path(done.stdout.strip().removeprefix("ipc://")).parent
+    assert folder.name.startswith("lappet-"), done
+    end = time.monotonic() + 10.0
+    while folder.exists() and time.monotonic() < end:
+        time.sleep(0.05)
+    assert not folder.exists()
+
+
+@pytest.mark.skipif(os.name != "posix", reason="sockets lie in no folder here")
+@pytest.mark.parametrize("mode", [0o750, 0o705, 0o777])
+def test_a_socket_where_others_may_come_is_refused(binary: Path, tmp_path: Path, mode: int) -> None:
+    folder = tmp_path / "open"
+    folder.mkdir()
+    folder.chmod(mode)
+    with pytest.raises(DaemonDied, match=r"a folder of your own with mode 0700"):
+        SolverDaemon(binary, arguments=("--address", f"ipc://{folder}/socket")).start()
+    folder.chmod(0o700)
+    with SolverDaemon(binary, arguments=("--address", f"ipc://{folder}/socket")) as daemon:
+        assert daemon.alive()
 
 
 def test_it_does_not_start_without_a_token(binary: Path) -> None:

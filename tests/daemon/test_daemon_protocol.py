@@ -6,6 +6,7 @@ import contextlib
 import socket
 import time
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import msgpack
@@ -326,13 +327,36 @@ def test_what_comes_out_of_order_is_refused_and_the_session_goes_on(raw: Raw) ->
     assert raw.ask("open", open_fields()).type == "opened"
 
 
-def test_garbage_from_a_raw_socket_does_not_kill_it(daemon: SolverDaemon, raw: Raw) -> None:
-    host, port = daemon.address.removeprefix("tcp://").split(":")
+@pytest.mark.parametrize("listens", [(), ("--address", "tcp://127.0.0.1:*")], ids=["own", "tcp"])
+def test_garbage_from_a_raw_socket_does_not_kill_it(binary: Path, listens: tuple[str, ...]) -> None:
     rng = np.random.default_rng(7)
-    for start in (b"", b"GET / HTTP/1.1\r\n\r\n", b"\xff" + bytes(8) + b"\x7f\x03", b"\x01\x00"):
-        with socket.create_connection((host, int(port)), timeout=5) as connection, contextlib.suppress(OSError):
-            connection.sendall(start + rng.bytes(200_000))
-    assert raw.ask("ping").type == "pong"
+    with SolverDaemon(binary, arguments=listens) as daemon, contextlib.closing(Raw(daemon)) as raw:
+        for start in (b"", b"GET / HTTP/1.1\r\n\r\n", b"\xff" + bytes(8) + b"\x7f\x03", b"\x01\x00"):
+            with connected(daemon) as connection, contextlib.suppress(OSError):
+                connection.sendall(start + rng.bytes(200_000))
+        assert raw.ask("ping").type == "pong"
+
+
+@pytest.mark.parametrize("listens", [(), ("--address", "tcp://127.0.0.1:*")], ids=["own", "tcp"])
+def test_a_connection_that_does_not_greet_is_closed(binary: Path, listens: tuple[str, ...]) -> None:
+    with SolverDaemon(binary, arguments=listens) as daemon, connected(daemon) as silent:
+        silent.settimeout(10.0)
+        begun = time.monotonic()
+        while silent.recv(4096):  # the daemon's own greeting, then the end
+            pass
+        assert time.monotonic() - begun < 8.0
+
+
+def connected(daemon: SolverDaemon) -> socket.socket:
+    """A plain connection to the daemon."""
+    scheme, _, place = daemon.address.partition("://")
+    if scheme == "ipc":
+        connection = socket.socket(socket.AF_UNIX)
+        connection.settimeout(5.0)
+        connection.connect(place)
+        return connection
+    host, port = place.split(":")
+    return socket.create_connection((host, int(port)), timeout=5.0)
 
 
 def test_two_clients_have_sessions_of_their_own(daemon: SolverDaemon) -> None:

@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 import errno
+import hashlib
 import multiprocessing
 import os
+import shutil
+import stat
+import time
 from dataclasses import replace
 from pathlib import Path
 
@@ -150,6 +154,97 @@ def test_a_value_of_another_class_is_absent_and_stays(tmp_path: Path) -> None:
     store.put(KEY, frame())
     assert store.get(KEY, SolverState) is None
     assert store.get(KEY, SolvedFrame) is not None
+
+
+def test_what_another_wrote_is_no_frame(tmp_path: Path) -> None:
+    """Whoever does not know the secret of the folder cannot make an entry, not even from true ones."""
+    store, other, foreign = FrameStore(tmp_path / "own"), "cd" * 32, FrameStore(tmp_path / "foreign")
+    for each in (store, foreign):
+        each.put(KEY, frame(1))
+        each.put(other, frame(2))
+    packed = pack(frame(3))
+    forged = b"LAPPET FRAMES 3\n" + hashlib.blake2b(packed, digest_size=32).digest() + packed
+    for wrong in (forged, foreign.path(KEY).read_bytes(), store.path(other).read_bytes()):
+        store.path(KEY).write_bytes(wrong)
+        assert store.get(KEY, SolvedFrame) is None
+        assert not store.path(KEY).exists()
+    assert store.get(other, SolvedFrame) is not None
+    assert foreign.copy(KEY, store)
+    assert store.get(KEY, SolvedFrame) is not None
+
+
+posix = pytest.mark.skipif(os.name != "posix", reason="files have no owners and modes here")
+
+
+@posix
+def test_only_regular_files_of_the_users_own_are_read_and_the_rest_is_removed(tmp_path: Path) -> None:
+    store = FrameStore(tmp_path / "store")
+    store.put(KEY, frame())
+    path, aside = store.path(KEY), tmp_path / "aside"
+    path.replace(aside)
+
+    def is_absent() -> bool:
+        begun = time.monotonic()
+        absent = KEY not in store and store.get(KEY, SolvedFrame) is None and not os.path.lexists(path)
+        return absent and time.monotonic() - begun < 5.0
+
+    os.mkfifo(path)
+    assert is_absent(), "a pipe holds up whoever opens it"
+    path.symlink_to(aside)
+    assert is_absent()
+    assert aside.is_file()
+    shutil.copyfile(aside, path)
+    path.chmod(0o622)
+    assert is_absent(), "others could have written it"
+    assert store.put(KEY, frame())
+    assert stat.S_IMODE(path.stat().st_mode) == 0o600
+
+
+@posix
+def test_a_linked_folder_is_not_the_stores(tmp_path: Path) -> None:
+    """Pruning used to follow the link and remove what another program keeps there."""
+    elsewhere = tmp_path / "elsewhere"
+    elsewhere.mkdir()
+    precious = elsewhere / f"{KEY}.frame"
+    precious.write_bytes(bytes(50_000))
+    (elsewhere / ".writing-old").write_bytes(b"x")
+    os.utime(elsewhere / ".writing-old", (0.0, 0.0))
+    store = FrameStore(tmp_path / "store", limit=10_000)
+    assert store.put("cd" * 32, frame())
+    store.path(KEY).parent.symlink_to(elsewhere, target_is_directory=True)
+    for i in range(3):
+        assert store.put(f"{i:02x}" * 32, frame(i))
+    assert sorted(each.name for each in elsewhere.iterdir()) == [".writing-old", precious.name]
+    assert KEY not in store
+    assert store.put(KEY, frame())
+    assert not store.path(KEY).parent.is_symlink()
+    assert precious.stat().st_size == 50_000
+
+
+@posix
+def test_the_secret_is_the_users_alone(tmp_path: Path) -> None:
+    store = FrameStore(tmp_path)
+    tmp_path.chmod(0o777)
+    store.put(KEY, frame())
+    assert stat.S_IMODE(tmp_path.stat().st_mode) == 0o755, "others may write no longer"
+    secret = tmp_path / "secret"
+    assert stat.S_IMODE(secret.stat().st_mode) == 0o600
+    known = secret.read_bytes()
+    secret.chmod(0o644)
+    assert FrameStore(tmp_path).get(KEY, SolvedFrame) is None, "what others could read proves nothing"
+    assert secret.read_bytes() != known
+    assert stat.S_IMODE(secret.stat().st_mode) == 0o600
+
+
+@posix
+def test_a_folder_of_another_user_is_no_store(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    FrameStore(tmp_path).put(KEY, frame())
+    monkeypatch.setattr("lappet.solve.own_files.os.geteuid", lambda: os.getuid() + 1)
+    store = FrameStore(tmp_path)
+    assert store.get(KEY, SolvedFrame) is None
+    assert not store.put(KEY, frame())
+    assert store.trouble is not None
+    assert store.trouble.value == "the folder belongs to another user"
 
 
 def test_the_folder_is_the_users_unless_it_is_named(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:

@@ -11,6 +11,8 @@ import imbuf
 import numpy as np
 from numpy.typing import NDArray
 
+from .png_file import publish_png
+
 Picture = NDArray[np.float32]
 
 
@@ -39,7 +41,7 @@ def save_picture(picture: Picture, path: Path) -> None:
         draft = path.with_name(f".{path.stem}.part.png")
         image.filepath_raw, image.file_format = str(draft), "PNG"
         image.save()
-        draft.replace(path)
+        publish_png(draft, path)
     finally:
         bpy.data.images.remove(image)
 

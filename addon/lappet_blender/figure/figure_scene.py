@@ -11,8 +11,8 @@ from mathutils import Matrix
 from numpy.typing import NDArray
 
 from ..look.skin_import import SCALE
-from ..look.skin_source import FigureError
 from .framing import SurgicalField, Viewpoint
+from .png_file import publish_png
 
 LENS, SENSOR = 90.0, 36.0
 ENGINES = {"cycles": "CYCLES", "workbench": "BLENDER_WORKBENCH"}
@@ -166,6 +166,4 @@ def render_png(path: Path) -> None:
     scene.render.filepath = str(draft)
     scene.render.use_file_extension = False
     bpy.ops.render.render(write_still=True)
-    if not draft.is_file():
-        raise FigureError(f"Blender wrote no picture to {path}; see whether the folder is writable and has space.")
-    draft.replace(path)
+    publish_png(draft, path)

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import shutil
 import threading
 from collections.abc import Iterable
-from pathlib import Path
 
 from lappet.background.manifest import Manifest
 from lappet.core.problem import Problem, problem
@@ -25,8 +23,7 @@ class FrameCopy:
             each = (manifest.key, *(epoch.key for epoch in manifest.epochs), *(frame.key for frame in manifest.frames))
             keys.update(dict.fromkeys(each))
         self.problem: Problem | None = None
-        self._pairs = [(old.path(key), new.path(key)) for key in keys]
-        self._folder = new.folder
+        self._keys, self._old, self._new = list(keys), old, new
         self._thread = threading.Thread(target=self._copy_all, name="lappet copying", daemon=True)
         self._thread.start()
 
@@ -36,21 +33,7 @@ class FrameCopy:
         return not self._thread.is_alive()
 
     def _copy_all(self) -> None:
-        try:
-            for source, target in self._pairs:
-                if source.is_file() and not target.is_file():
-                    _copy(source, target)
-        except OSError as error:
-            self.problem = problem(ProblemCode.FRAMES_NOT_COPIED, self._folder, error.strerror or error)
-
-
-def _copy(source: Path, target: Path) -> None:
-    """A file appears whole or not at all."""
-    target.parent.mkdir(parents=True, exist_ok=True)
-    writing = target.with_name(f".writing-{target.name}")
-    try:
-        shutil.copyfile(source, writing)
-        writing.replace(target)
-    except OSError:
-        writing.unlink(missing_ok=True)
-        raise
+        for key in self._keys:
+            if key in self._old and key not in self._new and not self._old.copy(key, self._new) and self._new.trouble:
+                self.problem = problem(ProblemCode.FRAMES_NOT_COPIED, self._new.folder, self._new.trouble.value)
+                return

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
 from collections.abc import Iterable, Sequence
 from pathlib import Path
@@ -112,7 +113,8 @@ def run_to_target(
         say=lambda line: click.echo(line, err=True),
     )
     for attempt in range(1, TRIES + 1):
-        click.echo(choice.sentence)
+        with contextlib.suppress(OSError):  # a full disk or a closed pipe is no reason to lose the solve
+            click.echo(choice.sentence)
         result = run_solve(procedure, cache, report_path, choice.settings, **options)
         if not result.complete or result.errors is None or worst_rms(result.errors) <= target:
             return result

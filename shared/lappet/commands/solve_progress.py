@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import sys
 import time
 from types import TracebackType
@@ -39,10 +40,14 @@ class PlainProgress(SolveObserver):
 
     def frame(self, frame: FrameResult) -> None:
         self._done += 1
-        print(f"{describe(frame)} ({self._done}/{self._frames})", file=self._stream, flush=True)
+        self._say(f"{describe(frame)} ({self._done}/{self._frames})")
 
     def note(self, note: Problem) -> None:
-        print(f"{note.severity}: {note}", file=self._stream, flush=True)
+        self._say(f"{note.severity}: {note}")
+
+    def _say(self, line: str) -> None:
+        with contextlib.suppress(OSError, ValueError):  # a full disk or a closed pipe is no reason to lose the solve
+            print(line, file=self._stream, flush=True)
 
 
 class BarProgress(SolveObserver):
@@ -85,10 +90,12 @@ class BarProgress(SolveObserver):
         self._bar.update(self._task, state=state)
 
     def frame(self, frame: FrameResult) -> None:
-        self._bar.update(self._task, advance=1, state=describe(frame))
+        with contextlib.suppress(OSError):
+            self._bar.update(self._task, advance=1, state=describe(frame))
 
     def note(self, note: Problem) -> None:
-        self._bar.console.print(f"{note.severity}: {note}", markup=False, highlight=False)
+        with contextlib.suppress(OSError):
+            self._bar.console.print(f"{note.severity}: {note}", markup=False, highlight=False)
 
 
 def solve_progress(plain: bool = False) -> PlainProgress | BarProgress:

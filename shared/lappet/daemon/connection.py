@@ -37,6 +37,9 @@ ERROR_CODES = {
 """What an `error` of PROTOCOL.md is, by its code."""
 
 
+_WELCOME = {"version": str, "threads": int, "isa": str, "compiler": str, "max_message_bytes": int}
+
+
 class SolverRefused(FrameRefusedError):
     """An error that the daemon answered with."""
 
@@ -110,6 +113,8 @@ class DaemonConnection:
         ------
         DaemonMissing
             If the address is none, or there is no daemon to start.
+        WireError
+            If its greeting breaks PROTOCOL.md.
         """
         if self._socket is not None:
             return self
@@ -129,7 +134,12 @@ class DaemonConnection:
             token = self._token or os.environ.get("LAPPET_TOKEN", "")
             hello = self.request("hello", {"token": token, "client": self._name})
             self.welcome = expect(hello, "welcome").fields
-            self._max_message_bytes = int(self.welcome["max_message_bytes"])
+            for name, kind in _WELCOME.items():
+                if not isinstance(self.welcome.get(name), kind):
+                    raise WireError(
+                        f"The daemon's 'welcome' has no {kind.__name__} '{name}'; install one release of both."
+                    )
+            self._max_message_bytes = self.welcome["max_message_bytes"]
             self._heartbeat = threading.Thread(target=self._beat, name="lappet-heartbeat", daemon=True)
             self._heartbeat.start()
         except BaseException:

@@ -1,4 +1,4 @@
-"""The daemon's process: finds `lappet-solverd`, starts it on loopback with a one-time token and always ends it."""
+"""The daemon's process: finds `lappet-solverd`, starts it where only the user reaches it, with a one-time token."""
 
 from __future__ import annotations
 
@@ -7,8 +7,10 @@ import hashlib
 import os
 import queue
 import secrets
+import shutil
 import signal
 import subprocess
+import tempfile
 import threading
 from collections import deque
 from functools import lru_cache
@@ -20,8 +22,10 @@ from lappet.core.problem import RefusedError
 from lappet.core.problem_code import ProblemCode
 from lappet.core.version import version
 from lappet.daemon.frame_solver import SolverDiedError
+from lappet.daemon.wire import printable
 
 BINARY = "lappet-solverd"
+_LONGEST_ADDRESS = 100  # bytes; a socket's path has 104 to 108 at most
 _STDERR_LINES = 40
 
 
@@ -112,6 +116,7 @@ class SolverDaemon:
         self._process: subprocess.Popen[bytes] | None = None
         self._stderr: deque[str] = deque(maxlen=_STDERR_LINES)
         self._readers: list[threading.Thread] = []
+        self._folder: str | None = None
 
     def start(self) -> Self:
         """Start the daemon and wait until it listens.
@@ -131,7 +136,7 @@ class SolverDaemon:
         if self._process is not None:
             return self
         binary = Path(self._binary) if self._binary is not None else find_daemon()
-        command = [str(binary), "--parent", str(os.getpid()), *self._arguments]
+        command = [str(binary), "--parent", str(os.getpid()), *self._private_address(), *self._arguments]
         try:
             # A session of its own: Ctrl-C in the terminal is for us, and we cancel what the daemon does.
             self._process = subprocess.Popen(
@@ -143,6 +148,7 @@ class SolverDaemon:
                 start_new_session=True,
             )
         except OSError as error:
+            self._remove_folder()
             raise DaemonMissing.of(ProblemCode.DAEMON_NOT_STARTED, binary, error.strerror or error) from error
         assert self._process.stdout is not None
         assert self._process.stderr is not None
@@ -160,6 +166,22 @@ class SolverDaemon:
             raise
         return self
 
+    def _private_address(self) -> list[str]:
+        """Options for a socket in a folder that nobody else may enter; none where the caller names an address."""
+        if os.name != "posix" or "--address" in self._arguments:
+            return []
+        self._folder = tempfile.mkdtemp(prefix="lappet-")  # mode 0700
+        address = f"ipc://{self._folder}/socket"
+        if len(os.fsencode(address)) < _LONGEST_ADDRESS:
+            return ["--address", address]
+        self._remove_folder()
+        return []
+
+    def _remove_folder(self) -> None:
+        if self._folder is not None:
+            shutil.rmtree(self._folder, ignore_errors=True)
+            self._folder = None
+
     def _listening(self, binary: Path, lines: queue.Queue[str | None]) -> str:
         try:
             line = lines.get(timeout=self._start_timeout)
@@ -169,7 +191,7 @@ class SolverDaemon:
         if line is None:
             raise DaemonDied.of(ProblemCode.DAEMON_DIED_AT_START, binary, self.death())
         word, _, address = line.partition(" ")
-        if word != "listening" or not address.startswith("tcp://"):
+        if word != "listening" or not address.startswith(("tcp://", "ipc://")):
             raise DaemonMissing.of(ProblemCode.DAEMON_NOT_LAPPET, binary, line)
         return address
 
@@ -242,6 +264,7 @@ class SolverDaemon:
                 break
             except subprocess.TimeoutExpired:
                 continue
+        self._remove_folder()
         for reader, pipe in zip(self._readers, (process.stdout, process.stderr), strict=False):
             reader.join(timeout=1.0)
             if pipe is not None and not reader.is_alive():  # a child of a program that is no daemon may hold it open
@@ -279,4 +302,4 @@ def _read_stdout(pipe: IO[bytes], lines: queue.Queue[str | None]) -> None:
 
 def _read_stderr(pipe: IO[bytes], last: deque[str]) -> None:
     for line in pipe:
-        last.append(line.decode(errors="replace").rstrip())
+        last.append(printable(line.decode(errors="replace").rstrip()))

@@ -129,9 +129,28 @@ def decode(frames: Sequence[Bytes], max_message_bytes: int = DEFAULT_MAX_MESSAGE
     kind = header.get("type")
     if not isinstance(kind, str):
         raise WireError(f"The header field 'type' is {kind!r:.60}; it must be a text.")
-    return Message(
-        kind, identifier, session, {name: value for name, value in header.items() if name not in _OWN_FIELDS}, arrays
-    )
+    fields = {name: _shown(value) for name, value in header.items() if name not in _OWN_FIELDS}
+    return Message(kind, identifier, session, fields, arrays)
+
+
+def printable(text: str) -> str:
+    """Replace what a terminal or a log would obey instead of showing it.
+
+    Parameters
+    ----------
+    text
+        Text from another process.
+
+    Returns
+    -------
+    str
+        The text with a question mark for each such character; line ends stay.
+    """
+    return "".join(each if each.isprintable() or each == "\n" else "?" for each in text)
+
+
+def _shown(value: Any) -> Any:
+    return printable(value) if isinstance(value, str) else value
 
 
 def read_array(message: Message, name: str, dtype: str, shape: tuple[int | None, ...]) -> NDArray[Any]:

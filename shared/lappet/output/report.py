@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from lappet.core.durable import replace_durably
 from lappet.core.machine import machine
 from lappet.core.problem import Place, Problem
 from lappet.core.version import version
@@ -135,7 +136,7 @@ def write_report(result: SolveResult, path: Path | str) -> None:
             file.write(text)
         fresh = Path(name)
         fresh.chmod(0o644)
-        fresh.replace(path)
+        replace_durably(fresh, path)
     except BaseException:
         Path(name).unlink(missing_ok=True)
         raise

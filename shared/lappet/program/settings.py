@@ -136,7 +136,7 @@ class SolverSettings:
     fine_ratio
         Fine voxels per lattice edge.
     time_budget
-        Seconds per frame; 0 for no limit.
+        Seconds per frame, and ten times that per epoch; 0 for no limit.
     memory_budget
         Memory in bytes.
     threads

@@ -1,19 +1,22 @@
 """The frame store: solved frames, and what is shown besides, by content key, in files that are whole or not there.
 
-A file holds the magic, a checksum of the rest, and the value as `lappet.core.value_codec` writes it:
+A file holds the magic, a keyed hash of its own key and the value, and that as `lappet.core.value_codec` writes it:
 
-    magic (16) | BLAKE2b-256 of what follows (32) | value
+    magic (16) | BLAKE2b-256 (32) | value
 
-An entry that does not fit its checksum, or holds no such value, counts as absent. Several processes may use one store
-at once.
+The hash is keyed with a secret that the store's folder holds and only its owner can read, so what others wrote, or what
+belongs to another key, is no frame. An entry that does not fit its hash, that is no regular file of the user's own, or
+that a link leads to, counts as absent and is removed. Several processes may use one store at once.
 """
 
 from __future__ import annotations
 
 import contextlib
 import hashlib
+import hmac
 import os
 import re
+import stat
 import tempfile
 import time
 from pathlib import Path
@@ -23,10 +26,12 @@ from lappet.core.array_codec import Bytes, CodecError
 from lappet.core.problem import Problem, problem
 from lappet.core.problem_code import ProblemCode
 from lappet.core.value_codec import pack, unpack
+from lappet.solve.own_files import is_folder, is_own_file, own_folder, own_secret, own_subfolder, read_own, remove
 
 DEFAULT_LIMIT = 4 << 30
-_MAGIC = b"LAPPET FRAMES 2\n"  # with the checksum a multiple of 16: arrays are read in place
-_CHECKSUM = 32
+_MAGIC = b"LAPPET FRAMES 3\n"  # with the hash a multiple of 16: arrays are read in place
+_HASH = 32
+_SECRET = "secret"
 _KEY = re.compile(r"[0-9a-f]{16,128}")
 _SUFFIX = ".frame"
 _STALE_SECONDS = 3600.0
@@ -68,6 +73,7 @@ class FrameStore:
         self.limit = limit
         self.trouble: Problem | None = None
         self._bytes: int | None = None
+        self._known_secret: bytes | None = None
 
     def path(self, key: str) -> Path:
         """Find the file of a key.
@@ -92,12 +98,13 @@ class FrameStore:
         return self.folder / key[:2] / (key + _SUFFIX)
 
     def __contains__(self, key: str) -> bool:
-        return self.path(key).is_file()
+        path = self.path(key)
+        return is_folder(path.parent) and is_own_file(path)
 
     def get(self, key: str, kind: type[Value]) -> Value | None:
         """Look up a value.
 
-        A damaged file is removed.
+        A file that is damaged, or not the user's own, is removed.
 
         Parameters
         ----------
@@ -111,17 +118,7 @@ class FrameStore:
         Value | None
             The value, or None where it is absent, of another class, unreadable or damaged; its arrays are read-only.
         """
-        path = self.path(key)
-        try:
-            data = path.read_bytes()
-        except OSError:
-            return None
-        body = _checked(data)
-        with contextlib.suppress(OSError):
-            if body is None:
-                path.unlink()
-            else:
-                os.utime(path)
+        body = self._checked(key)
         return None if body is None else unpack_as(body, kind)
 
     def put(self, key: str, value: object) -> bool:
@@ -162,11 +159,11 @@ class FrameStore:
             Whether the disk took it.
         """
         path = self.path(key)
-        data = _MAGIC + hashlib.blake2b(packed, digest_size=_CHECKSUM).digest() + packed
         if self.trouble is not None:
             return False
         try:
-            path.parent.mkdir(parents=True, exist_ok=True)
+            data = _MAGIC + _hash(key, packed, self._secret()) + packed
+            own_subfolder(path.parent)
             before = _size(path)
             handle, name = tempfile.mkstemp(prefix=".writing-", dir=path.parent)
             try:
@@ -186,6 +183,55 @@ class FrameStore:
             self._prune(keep=path)
         return True
 
+    def copy(self, key: str, target: FrameStore) -> bool:
+        """Keep in another store what this one holds.
+
+        Parameters
+        ----------
+        key
+            Content key.
+        target
+            The other store.
+
+        Returns
+        -------
+        bool
+            Whether that took it; where its disk did not, its `trouble` says why.
+        """
+        body = self._checked(key)
+        return body is not None and target.put_packed(key, bytes(body))
+
+    def _secret(self) -> bytes:
+        """What the hashes are keyed with. Raises OSError where the folder is not the user's own."""
+        if self._known_secret is None:
+            own_folder(self.folder)
+            self._known_secret = own_secret(self.folder / _SECRET)
+        return self._known_secret
+
+    def _checked(self, key: str) -> memoryview | None:
+        """The value's bytes of a key, or None where there are none to be trusted; what is there instead is removed."""
+        path = self.path(key)
+        if not self.folder.is_dir():
+            return None
+        try:
+            secret = self._secret()
+        except OSError:
+            return None
+        if not is_folder(path.parent):
+            remove(path.parent)
+            return None
+        data = read_own(path)
+        if data is None:
+            return None
+        start = len(_MAGIC) + _HASH
+        body = memoryview(data)[start:]
+        if not data.startswith(_MAGIC) or not hmac.compare_digest(data[len(_MAGIC) : start], _hash(key, body, secret)):
+            remove(path)
+            return None
+        with contextlib.suppress(OSError):
+            os.utime(path)
+        return body
+
     def size(self) -> int:
         """Measure the store.
 
@@ -199,10 +245,21 @@ class FrameStore:
     def _entries(self) -> list[tuple[float, int, Path]]:
         """(time of last use, bytes, file) of every frame; files that vanish meanwhile are left out."""
         found = []
-        for path in self.folder.glob(f"??/*{_SUFFIX}"):
+        for path in self._files():
             with contextlib.suppress(OSError):
-                status = path.stat()
-                found.append((status.st_mtime, status.st_size, path))
+                status = path.lstat()
+                if path.suffix == _SUFFIX and stat.S_ISREG(status.st_mode):
+                    found.append((status.st_mtime, status.st_size, path))
+        return found
+
+    def _files(self) -> list[Path]:
+        """What lies in the folders of the frames; folders that a link leads to are not the store's."""
+        found: list[Path] = []
+        with contextlib.suppress(OSError):
+            for folder in self.folder.iterdir():
+                if len(folder.name) == 2 and is_folder(folder):
+                    with contextlib.suppress(OSError):  # another process takes it away
+                        found += folder.iterdir()
         return found
 
     def _prune(self, keep: Path) -> None:
@@ -219,26 +276,24 @@ class FrameStore:
                         total -= size
         self._bytes = total
         long_ago = time.time() - _STALE_SECONDS
-        for path in self.folder.glob("??/.writing-*"):
+        for path in self._files():
             with contextlib.suppress(OSError):
-                if path.stat().st_mtime < long_ago:
+                if path.name.startswith(".writing-") and path.lstat().st_mtime < long_ago:
                     path.unlink()
 
 
 def _size(path: Path) -> int:
     """Bytes; 0 for a file that is not there, or that another process takes away meanwhile."""
     try:
-        return path.stat().st_size
+        return path.lstat().st_size
     except FileNotFoundError:
         return 0
 
 
-def _checked(data: bytes) -> memoryview | None:
-    """Return the value's bytes in a file's, or None where they do not fit their checksum."""
-    start = len(_MAGIC) + _CHECKSUM
-    body = memoryview(data)[start:]
-    checksum = hashlib.blake2b(body, digest_size=_CHECKSUM).digest()
-    return body if data.startswith(_MAGIC) and data[len(_MAGIC) : start] == checksum else None
+def _hash(key: str, packed: Bytes, secret: bytes) -> bytes:
+    made = hashlib.blake2b(f"{key}\n".encode(), digest_size=_HASH, key=secret)
+    made.update(packed)
+    return made.digest()
 
 
 def unpack_as(packed: Bytes, kind: type[Value]) -> Value | None:

@@ -6,14 +6,19 @@ once, at the first use of its schema registry. `usd_reader` and `usd_writer` do 
 
 from __future__ import annotations
 
+import contextlib
 import os
 import re
+import signal
 import tempfile
+import threading
+from collections.abc import Iterator
 from functools import lru_cache
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
+from lappet.core.durable import replace_durably
 from lappet.core.problem import Problem, ProblemsError, RefusedError, problem, refused
 from lappet.core.problem_code import ProblemCode
 from lappet.procedure import Procedure
@@ -42,6 +47,24 @@ class UsdMissingError(ProblemsError, ModuleNotFoundError):
     """USD's Python modules cannot be imported."""
 
 
+@contextlib.contextmanager
+def _interrupts_wait() -> Iterator[None]:
+    """Let Ctrl-C wait: modules that USD's own loader imports would swallow it, and stay half loaded."""
+    arrived: list[int] = []
+    ours = threading.current_thread() is threading.main_thread()
+    before = signal.getsignal(signal.SIGINT) if ours else None
+    if before is not signal.default_int_handler:
+        yield
+        return
+    signal.signal(signal.SIGINT, lambda number, _: arrived.append(number))
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
+    if arrived:
+        raise KeyboardInterrupt
+
+
 @lru_cache(maxsize=1)
 def pxr() -> Pxr:
     """Load USD's Python modules and register Lappet's schemas.
@@ -57,7 +80,8 @@ def pxr() -> Pxr:
         If USD is missing; the message has the line that installs it.
     """
     try:
-        from pxr import Gf, Plug, Sdf, Tf, Usd, UsdGeom, UsdShade, UsdUtils, Vt
+        with _interrupts_wait():
+            from pxr import Gf, Plug, Sdf, Tf, Usd, UsdGeom, UsdShade, UsdUtils, Vt
     except ImportError as cause:
         raise UsdMissingError((problem(ProblemCode.USD_MISSING, "", cause),)) from cause
     Plug.Registry().RegisterPlugins(str(SCHEMA.resolve()))
@@ -142,7 +166,7 @@ def save_layer(layer: Any, path: str | os.PathLike[str]) -> None:
             del quiet
         if not written:
             raise refused(ProblemCode.FILE_NOT_WRITTEN, file, "USD gives no reason", folder=file.parent)
-        fresh.replace(file)
+        replace_durably(fresh, file)
     known = pxr().Sdf.Layer.Find(str(file))
     if known is not None:
         known.Reload(True)

@@ -137,8 +137,7 @@ Index AnchorStencils::cell_of(const Vec3& point, std::span<const Wall> walls) co
   const double h = lattice_.settings.spacing, edge = h / box.ratio;
   const Vec3 corner = lattice_.settings.origin + h * Vec3(box.low[0], box.low[1], box.low[2]);
   const Vec3 at = (point - corner) / edge;
-  const Voxel own{static_cast<std::int32_t>(std::floor(at[0])), static_cast<std::int32_t>(std::floor(at[1])),
-                  static_cast<std::int32_t>(std::floor(at[2]))};
+  const Voxel own = box.voxel_at(at);
   const auto center = [](const Voxel& voxel) { return Vec3(voxel[0] + 0.5, voxel[1] + 0.5, voxel[2] + 0.5); };
   const auto found = [&](const Voxel& voxel) {
     const Index cell = fine.lattice_cell(voxel);

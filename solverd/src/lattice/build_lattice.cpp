@@ -40,17 +40,19 @@ std::size_t Lattice::bytes() const {
          surface_points.size() * sizeof(EmbeddedPoint) + (fine ? fine->bytes() : 0);
 }
 
-Lattice build_lattice(const Surface& surface, const LatticeSettings& settings) {
+Lattice build_lattice(const Surface& surface, const LatticeSettings& settings, const Interrupt& interrupt) {
   Lattice lattice;
   lattice.settings = settings;
-  auto fine = std::make_shared<FineVoxels>(surface, settings);
-  const auto links = find_links(*fine);
+  auto fine = std::make_shared<FineVoxels>(surface, settings, interrupt);
+  const auto links = find_links(*fine, interrupt);
   Fragments fragments = find_fragments(*fine, links);
+  interrupt.check();
   lattice.dropped_voxels = drop_specks(*fine, fragments);
-  build_cells(*fine, links, fragments, lattice);
+  interrupt.check();
+  build_cells(*fine, links, fragments, lattice, interrupt);
   check_volume(surface, settings, lattice.fine_voxels);
   lattice.fine = std::move(fine);
-  lattice.surface_points = embed_surface(lattice, surface);
+  lattice.surface_points = embed_surface(lattice, surface, interrupt);
   return lattice;
 }
 

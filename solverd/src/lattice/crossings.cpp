@@ -9,6 +9,9 @@
 namespace lappet {
 namespace {
 
+// Of a triangle that many lines pass through.
+constexpr std::int64_t kLinesBetweenChecks = 16;
+
 __extension__ using Wide = __int128;
 
 std::int64_t floor_divide(std::int64_t a, std::int64_t b) {  // b > 0
@@ -106,9 +109,11 @@ std::array<std::int64_t, 3> area_vector(const StepPoint& a, const StepPoint& b, 
 }
 
 std::vector<std::int64_t> count_crossings(std::span<const StepPoint> points,
-                                          std::span<const std::array<Index, 3>> triangles, const VoxelBox& box) {
+                                          std::span<const std::array<Index, 3>> triangles, const VoxelBox& box,
+                                          const Interrupt& interrupt) {
   std::vector<std::int64_t> first(triangles.size() + 1, 0);
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, triangles.size(), 256), [&](const auto& range) {
+    interrupt.check();
     for (std::size_t t = range.begin(); t != range.end(); ++t) {
       const auto corner = corners_of(points, triangles[t]);
       const auto normal = area_vector(corner[0], corner[1], corner[2]);
@@ -124,7 +129,7 @@ std::vector<std::int64_t> count_crossings(std::span<const StepPoint> points,
 }
 
 Crossings find_crossings(std::span<const StepPoint> points, std::span<const std::array<Index, 3>> triangles,
-                         const VoxelBox& box, std::vector<std::int64_t> first) {
+                         const VoxelBox& box, std::vector<std::int64_t> first, const Interrupt& interrupt) {
   Crossings result;
   result.first = std::move(first);
   result.all.resize(result.first.back());
@@ -136,6 +141,7 @@ Crossings find_crossings(std::span<const StepPoint> points, std::span<const std:
       for (std::size_t axis = 0; axis < 3; ++axis) {
         const std::size_t u = (axis + 1) % 3, v = (axis + 2) % 3;
         scan_rows(corner, normal, axis, box, [&](std::int64_t line, std::int64_t first_u, std::int64_t last_u) {
+          if (line % kLinesBetweenChecks == 0) interrupt.check();
           for (std::int64_t i = first_u; i <= last_u; ++i) {
             const std::int64_t height = height_above_first_center(corner[0], normal, axis, center(i), center(line));
             Voxel lower;

@@ -11,6 +11,7 @@
 #include <span>
 #include <vector>
 
+#include "lattice/interrupt.h"
 #include "lattice/voxel_box.h"
 
 namespace lappet {
@@ -32,10 +33,11 @@ std::array<std::int64_t, 3> area_vector(const StepPoint& a, const StepPoint& b, 
 
 // How many crossings each triangle has, as offsets (`Crossings::first`); nothing else is allocated.
 std::vector<std::int64_t> count_crossings(std::span<const StepPoint> points,
-                                          std::span<const std::array<Index, 3>> triangles, const VoxelBox& box);
+                                          std::span<const std::array<Index, 3>> triangles, const VoxelBox& box,
+                                          const Interrupt& interrupt = {});
 
 // The crossings themselves, given those offsets. The order is by triangle, axis, line: the same for any thread count.
 Crossings find_crossings(std::span<const StepPoint> points, std::span<const std::array<Index, 3>> triangles,
-                         const VoxelBox& box, std::vector<std::int64_t> first);
+                         const VoxelBox& box, std::vector<std::int64_t> first, const Interrupt& interrupt = {});
 
 }  // namespace lappet

@@ -189,7 +189,11 @@ EmbeddedPoint Embedder::embed(const Vec3& point, std::span<const Index> triangle
   const Vec3 at = r * (grid - Vec3(low[0], low[1], low[2]));
   Voxel voxel = inner_voxel(at, triangles);
   if (voxel[0] < 0) voxel = nearest_of_all(at);
-  const Index cell = walk_to_cell(at, voxel);
+  const Index cell = voxel[0] < 0 ? -1 : walk_to_cell(at, voxel);
+  if (cell < 0)
+    throw RefusedError(ErrorCode::kInvalidInput, "No cell of the lattice is near the point (" + shown(point.x()) +
+                                                     ", " + shown(point.y()) + ", " + shown(point.z()) +
+                                                     ") mm; points lie in the tissue or on its surface.");
   return {cell, trilinear_weights(lattice_, cell, point)};
 }
 
@@ -224,10 +228,8 @@ EmbeddedPoint Embedder::embed_near(const Vec3& point, Index triangle) {
   const Vec3 at =
       (point - lattice_.settings.origin) * voxels_per_mm_ - fine_.box().ratio * Vec3(low[0], low[1], low[2]);
   if (distance_to_surface(at, triangle) > kHalfDiagonal) {
-    const Vec3 down = at.array().floor();
-    const Index cell = fine_.lattice_cell(Voxel{static_cast<std::int32_t>(down[0]), static_cast<std::int32_t>(down[1]),
-                                                static_cast<std::int32_t>(down[2])});
-    if (cell >= 0) return {cell, trilinear_weights(lattice_, cell, point)};
+    if (const Index cell = fine_.lattice_cell(fine_.box().voxel_at(at)); cell >= 0)
+      return {cell, trilinear_weights(lattice_, cell, point)};
   }
   return embed(point, {&triangle, 1});
 }
@@ -245,7 +247,7 @@ std::array<double, 8> trilinear_weights(const Lattice& lattice, Index cell, cons
   return weights;
 }
 
-std::vector<EmbeddedPoint> embed_surface(const Lattice& lattice, const Surface& surface) {
+std::vector<EmbeddedPoint> embed_surface(const Lattice& lattice, const Surface& surface, const Interrupt& interrupt) {
   std::vector<Index> corners;
   corners.reserve(3 * surface.triangles.size());
   for (const auto& t : surface.triangles) corners.insert(corners.end(), t.begin(), t.end());
@@ -255,6 +257,7 @@ std::vector<EmbeddedPoint> embed_surface(const Lattice& lattice, const Surface& 
   std::vector<EmbeddedPoint> result(surface.points.size());
   tbb::enumerable_thread_specific<Embedder> embedder([&] { return Embedder(lattice, surface); });
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, surface.points.size(), 64), [&](const auto& range) {
+    interrupt.check();
     Embedder& local = embedder.local();
     for (std::size_t p = range.begin(); p != range.end(); ++p) result[p] = local.embed(surface.points[p], triangles[p]);
   });

@@ -50,6 +50,7 @@ class Embedder {
 };
 
 // Every surface vertex, in order.
-std::vector<EmbeddedPoint> embed_surface(const Lattice& lattice, const Surface& surface);
+std::vector<EmbeddedPoint> embed_surface(const Lattice& lattice, const Surface& surface,
+                                         const Interrupt& interrupt = {});
 
 }  // namespace lappet

@@ -15,6 +15,7 @@ namespace lappet {
 
 struct FineVoxels::Builder {
   FineVoxels& out;
+  const Interrupt& interrupt;
   Crossings crossings = {};
 
   // Marks the cells at both ends of every crossed segment.

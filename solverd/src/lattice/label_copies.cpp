@@ -88,6 +88,7 @@ void FineVoxels::Builder::make_copies() {
   std::vector<Index> count(cells, 1);
   const auto each_touched = [&](const auto& body) {
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, cells, 256), [&](const auto& range) {
+      interrupt.check();
       Labels& local = scratch.local();
       for (std::size_t c = range.begin(); c != range.end(); ++c)
         if (out.block_[c] >= 0) body(c, out.block_[c], local);

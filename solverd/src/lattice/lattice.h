@@ -12,6 +12,7 @@
 #include <span>
 #include <vector>
 
+#include "lattice/interrupt.h"
 #include "lattice/rest_positions.h"
 #include "lattice/surface.h"
 
@@ -58,7 +59,7 @@ struct Lattice {
 
 // Builds the lattice of a closed surface, and embeds its vertices. Throws RefusedError (see refused.h) naming the
 // cause: no inside voxel (too thin for the spacing), memory budget, points that are not finite.
-Lattice build_lattice(const Surface& surface, const LatticeSettings& settings);
+Lattice build_lattice(const Surface& surface, const LatticeSettings& settings, const Interrupt& interrupt = {});
 
 // Of a rest point in a cell; they leave [0, 1] outside it.
 std::array<double, 8> trilinear_weights(const Lattice& lattice, Index cell, const Vec3& point);
@@ -70,6 +71,7 @@ EmbeddedPoint embed_on_triangle(const Lattice& lattice, const Surface& surface, 
 // Carries a nodal field (positions) from the lattice of the previous epoch to a new one by rest position: a new cell
 // inherits from the old cell whose fragment contains it (fine voxels decide). Where several old cells reach one new
 // node the result is their mean. Returns one position per new node.
-std::vector<Vec3> transfer_positions(const Lattice& from, std::span<const Vec3> positions, const Lattice& to);
+std::vector<Vec3> transfer_positions(const Lattice& from, std::span<const Vec3> positions, const Lattice& to,
+                                     const Interrupt& interrupt = {});
 
 }  // namespace lappet

@@ -50,12 +50,13 @@ void renumber(Fragments& fragments, std::span<const char> dropped) {
 
 }  // namespace
 
-std::vector<CopyLink> find_links(const FineVoxels& fine) {
+std::vector<CopyLink> find_links(const FineVoxels& fine, const Interrupt& interrupt) {
   constexpr std::int32_t kChunk = 1024;
   const std::int32_t r = fine.box().ratio, cells = fine.occupied_count();
   const auto copies_of = [&](Index cell) { return fine.first_copy(cell + 1) - fine.first_copy(cell); };
   std::vector<std::vector<CopyLink>> chunks((cells + kChunk - 1) / kChunk);
   tbb::parallel_for(std::size_t{0}, chunks.size(), [&](std::size_t chunk) {
+    interrupt.check();
     std::vector<CopyLink>& links = chunks[chunk];
     const Index first = to_index(chunk) * kChunk;
     for (Index cell = first; cell < std::min(cells, first + kChunk); ++cell) {
@@ -261,10 +262,14 @@ NumberedNodes number_nodes(const VoxelBox& box, const CollapsedCells& cells, Dis
 
 }  // namespace
 
-void build_cells(FineVoxels& fine, std::span<const CopyLink> links, const Fragments& fragments, Lattice& lattice) {
+void build_cells(FineVoxels& fine, std::span<const CopyLink> links, const Fragments& fragments, Lattice& lattice,
+                 const Interrupt& interrupt) {
   DisjointSets corners = glue_corners(links, fragments);
+  interrupt.check();
   CollapsedCells cells = collapse_copies(fine, fragments, corners);
+  interrupt.check();
   const NumberedNodes nodes = number_nodes(fine.box(), cells, corners);
+  interrupt.check();
 
   const double r = fine.box().ratio, cell_voxels = r * r * r;
   lattice.cell_nodes.resize(cells.size());

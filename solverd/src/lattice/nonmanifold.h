@@ -18,7 +18,7 @@ struct CopyLink {
 };
 
 // All links, each once, in a fixed order.
-std::vector<CopyLink> find_links(const FineVoxels& fine);
+std::vector<CopyLink> find_links(const FineVoxels& fine, const Interrupt& interrupt = {});
 
 // The connected components of the voxels, as a number per copy.
 struct Fragments {
@@ -35,6 +35,7 @@ std::int64_t drop_specks(const FineVoxels& fine, Fragments& fragments);
 
 // Makes cells and nodes of what is left, stores in `fine` which cell each copy became, and fills the counts of
 // `lattice`.
-void build_cells(FineVoxels& fine, std::span<const CopyLink> links, const Fragments& fragments, Lattice& lattice);
+void build_cells(FineVoxels& fine, std::span<const CopyLink> links, const Fragments& fragments, Lattice& lattice,
+                 const Interrupt& interrupt = {});
 
 }  // namespace lappet

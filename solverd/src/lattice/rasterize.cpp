@@ -19,6 +19,7 @@ constexpr std::int32_t kEmpty = -1, kTouched = -2, kWhole = -3;
 void FineVoxels::Builder::mark_touched() {
   out.occupied_.assign(out.box_.cell_count(), kEmpty);
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, crossings.all.size(), 65536), [&](const auto& range) {
+    interrupt.check();
     for (std::size_t i = range.begin(); i != range.end(); ++i) {
       Voxel voxel = crossings.all[i].lower;
       for (int end = 0; end < 2; ++end, ++voxel[crossings.all[i].axis])
@@ -31,6 +32,7 @@ void FineVoxels::Builder::mark_touched() {
 void FineVoxels::Builder::mark_whole(const CenterLines& z_lines) {
   const std::int32_t r = out.box_.ratio;
   tbb::parallel_for(tbb::blocked_range<std::int32_t>(0, out.box_.cells[0], 8), [&](const auto& range) {
+    interrupt.check();
     for (std::int32_t x = range.begin(); x != range.end(); ++x)
       for (std::int32_t y = 0; y < out.box_.cells[1]; ++y) {
         const std::size_t line = std::int64_t{x} * r * out.box_.voxels(1) + std::int64_t{y} * r;
@@ -112,6 +114,7 @@ bool FineVoxels::Builder::sweep(const CenterLines& lines, std::size_t axis, std:
   const std::int32_t length = out.box_.voxels(axis);
   std::atomic<std::size_t> open = lines.count();
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, lines.count(), 1024), [&](const auto& range) {
+    interrupt.check();
     for (std::size_t line = range.begin(); line != range.end(); ++line) {
       Voxel voxel;
       voxel[u] = std::int32_t(line / width);

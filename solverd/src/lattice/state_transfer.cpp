@@ -17,7 +17,7 @@ namespace lappet {
 namespace {
 
 // Per new cell: the old cell that holds most of its voxels, or -1. The smallest number wins a tie.
-std::vector<Index> find_ancestors(const Lattice& from, const Lattice& to) {
+std::vector<Index> find_ancestors(const Lattice& from, const Lattice& to, const Interrupt& interrupt) {
   const FineVoxels &old_fine = *from.fine, &new_fine = *to.fine;
   const std::int32_t r = new_fine.box().ratio;
   std::array<std::int32_t, 3> shift;  // from the new box to the old one, cells
@@ -25,6 +25,7 @@ std::vector<Index> find_ancestors(const Lattice& from, const Lattice& to) {
 
   std::vector<Index> ancestor(to.cell_nodes.size(), -1);
   tbb::parallel_for(tbb::blocked_range<Index>(0, new_fine.occupied_count(), 256), [&](const auto& range) {
+    interrupt.check();
     struct Overlap {
       Index new_cell, old_cell;
       std::int64_t voxels;
@@ -36,8 +37,8 @@ std::vector<Index> find_ancestors(const Lattice& from, const Lattice& to) {
       if (old_place < 0) continue;
       if (new_fine.is_whole(place) && old_fine.is_whole(old_place)) {
         const auto& old_at = old_fine.position(old_place);
-        ancestor[new_fine.lattice_cell({at[0] * r, at[1] * r, at[2] * r})] =
-            old_fine.lattice_cell({old_at[0] * r, old_at[1] * r, old_at[2] * r});
+        const Index cell = new_fine.lattice_cell({at[0] * r, at[1] * r, at[2] * r});
+        if (cell >= 0) ancestor[cell] = old_fine.lattice_cell({old_at[0] * r, old_at[1] * r, old_at[2] * r});
         continue;
       }
       overlaps.clear();
@@ -70,9 +71,10 @@ std::vector<Index> find_ancestors(const Lattice& from, const Lattice& to) {
 
 // Tissue that was not there before moves with its neighbors: nodes still without a value take, round by round, the
 // mean displacement of the known nodes of their cells, or stay at rest where a whole fragment is new.
-void spread(const Lattice& lattice, std::vector<char>& known, std::vector<Vec3>& position) {
+void spread(const Lattice& lattice, std::vector<char>& known, std::vector<Vec3>& position, const Interrupt& interrupt) {
   for (bool progress = true; progress;) {
     progress = false;
+    interrupt.check();
     std::vector<Vec3> sum(position.size(), Vec3::Zero());
     std::vector<int> count(position.size(), 0);
     for (const auto& nodes : lattice.cell_nodes) {
@@ -103,7 +105,8 @@ void spread(const Lattice& lattice, std::vector<char>& known, std::vector<Vec3>&
 
 }  // namespace
 
-std::vector<Vec3> transfer_positions(const Lattice& from, std::span<const Vec3> positions, const Lattice& to) {
+std::vector<Vec3> transfer_positions(const Lattice& from, std::span<const Vec3> positions, const Lattice& to,
+                                     const Interrupt& interrupt) {
   const LatticeSettings &a = from.settings, &b = to.settings;
   if (a.spacing != b.spacing || a.fine_ratio != b.fine_ratio || a.origin != b.origin)
     throw RefusedError(
@@ -114,7 +117,8 @@ std::vector<Vec3> transfer_positions(const Lattice& from, std::span<const Vec3> 
     throw RefusedError(ErrorCode::kInternal, "The state to carry over has " + std::to_string(positions.size()) +
                                                  " positions, but its lattice has " +
                                                  std::to_string(from.node_rest.size()) + " nodes.");
-  const auto ancestor = find_ancestors(from, to);
+  const auto ancestor = find_ancestors(from, to, interrupt);
+  interrupt.check();
   std::vector<Vec3> result(to.node_rest.size(), Vec3::Zero());
   std::vector<Index> only(result.size(), -1);  // the one old node that reaches a node; -2: several
   std::vector<int> count(result.size(), 0);
@@ -138,7 +142,7 @@ std::vector<Vec3> transfer_positions(const Lattice& from, std::span<const Vec3> 
     else if (count[node] > 0)
       result[node] /= count[node];
   }
-  if (!all) spread(to, known, result);
+  if (!all) spread(to, known, result, interrupt);
   return result;
 }
 

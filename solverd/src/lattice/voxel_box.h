@@ -3,7 +3,9 @@
 // Notation: h cell edge, r voxels per cell edge, voxel center i at (i + 1/2) h/r from the box corner. Points are
 // rounded to kSteps steps per voxel, so that every predicate downstream is exact in integers.
 #pragma once
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 
@@ -51,6 +53,14 @@ struct VoxelBox {
   Voxel cell_of(const Voxel& voxel) const { return {voxel[0] / ratio, voxel[1] / ratio, voxel[2] / ratio}; }
   Voxel place_in(const Voxel& cell, const Voxel& voxel) const {
     return {voxel[0] - cell[0] * ratio, voxel[1] - cell[1] * ratio, voxel[2] - cell[2] * ratio};
+  }
+  // The voxel that holds a point, given in voxels; of a point far outside the box one outside it.
+  template <class Point>
+  Voxel voxel_at(const Point& point) const {
+    Voxel voxel;
+    for (std::size_t a = 0; a < 3; ++a)
+      voxel[a] = std::int32_t(std::clamp(std::floor(double(point[a])), -2.0, voxels(a) + 1.0));
+    return voxel;
   }
   bool contains(const Voxel& voxel) const {
     for (std::size_t a = 0; a < 3; ++a)

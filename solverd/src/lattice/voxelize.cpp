@@ -28,7 +28,7 @@ namespace {
 
 }  // namespace
 
-FineVoxels::FineVoxels(const Surface& surface, const LatticeSettings& settings) {
+FineVoxels::FineVoxels(const Surface& surface, const LatticeSettings& settings, const Interrupt& interrupt) {
   check_input(surface, settings);
   const SurfaceMeasure size = measure(surface);
   check_memory(size, settings);
@@ -38,16 +38,18 @@ FineVoxels::FineVoxels(const Surface& surface, const LatticeSettings& settings) 
   Quantized quantized = quantize(surface, settings);
   box_ = quantized.box;
 
-  Builder builder{*this};
-  std::vector<std::int64_t> first = count_crossings(quantized.points, surface.triangles, box_);
+  Builder builder{*this, interrupt};
+  std::vector<std::int64_t> first = count_crossings(quantized.points, surface.triangles, box_, interrupt);
   if (first.back() >= std::numeric_limits<std::uint32_t>::max())
     throw RefusedError(ErrorCode::kMemoryBudget, "The surface crosses the fine grid " + shown(double(first.back())) +
                                                      " times; use a larger spacing or a smaller fine ratio.");
-  builder.crossings = find_crossings(quantized.points, surface.triangles, box_, std::move(first));
+  builder.crossings = find_crossings(quantized.points, surface.triangles, box_, std::move(first), interrupt);
   inner_.assign(builder.crossings.all.size(), PackedVoxel());
   builder.mark_touched();
   for (const std::size_t axis : {std::size_t{2}, std::size_t{1}, std::size_t{0}}) {
+    interrupt.check();
     const CenterLines lines(builder.crossings, axis, box_);
+    interrupt.check();
     if (axis == 2) {
       builder.mark_whole(lines);
       builder.number_cells();
@@ -57,7 +59,9 @@ FineVoxels::FineVoxels(const Surface& surface, const LatticeSettings& settings) 
   }
   inner_first_ = std::move(builder.crossings.first);
   builder.crossings.all = {};
+  interrupt.check();
   builder.make_copies();
+  interrupt.check();
 
   SurfaceComponents components = find_components(surface);
   neighbors_ = std::move(components.neighbors);

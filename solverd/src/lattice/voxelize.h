@@ -21,7 +21,7 @@ class FineVoxels {
  public:
   // Rasterizes. Throws RefusedError (refused.h): points that are not finite, triangles that name no point, a surface
   // that is open or turned inside out, a lattice over the memory budget (before it is allocated).
-  FineVoxels(const Surface& surface, const LatticeSettings& settings);
+  FineVoxels(const Surface& surface, const LatticeSettings& settings, const Interrupt& interrupt = {});
 
   const VoxelBox& box() const { return box_; }
 

@@ -119,7 +119,7 @@ MaterialParameters decode_material(FieldReader& reader) {
 Surface decode_surface(ArrayReader& arrays, std::string_view points, std::string_view triangles,
                        const std::string& of) {
   Surface surface;
-  surface.points = to_points(arrays.read_finite(points, {kAny, 3}));
+  surface.points = to_points(arrays.read_coordinates(points, {kAny, 3}));
   const std::int32_t count = checked_count(surface.points.size(), of);
   const std::vector<std::int32_t> corners = arrays.read<std::int32_t>(triangles, {kAny, 3});
   check_indices(corners, triangles, 0, count, of);
@@ -160,17 +160,17 @@ void decode_loads_and_rollers(ArrayReader& arrays, std::int32_t count, EpochInpu
     epoch.loaded_faces = arrays.read<std::uint8_t>("loaded_faces", {length(epoch.loaded_index.size()), count});
   }
   if (arrays.has("section_points")) {
-    epoch.section_points = to_points(arrays.read_finite("section_points", {kAny, 3}));
+    epoch.section_points = to_points(arrays.read_coordinates("section_points", {kAny, 3}));
     epoch.section_normals = to_points(arrays.read_finite("section_normals", {length(epoch.section_points.size()), 3}));
   }
 }
 
 std::vector<HookState> decode_hooks(ArrayReader& arrays, const FrameLimits& limits) {
-  const std::vector<double> hook_anchors = arrays.read_finite("hook_anchors", {kAny, 3});
+  const std::vector<double> hook_anchors = arrays.read_coordinates("hook_anchors", {kAny, 3});
   const std::size_t hooks = hook_anchors.size() / 3;
   const auto hook_triangles = arrays.read<std::int32_t>("hook_triangles", {length(hooks)});
   check_indices(hook_triangles, "hook_triangles", 0, limits.triangles, "triangles");
-  const std::vector<double> hook_targets = arrays.read_finite("hook_targets", {length(hooks), 3});
+  const std::vector<double> hook_targets = arrays.read_coordinates("hook_targets", {length(hooks), 3});
   const std::vector<double> hook_stiffness = arrays.read_finite("hook_stiffness", {length(hooks)});
   std::vector<std::int32_t> index(hooks);
   std::iota(index.begin(), index.end(), 0);
@@ -189,7 +189,7 @@ std::vector<std::vector<Anchor>> decode_inner_bites(ArrayReader& arrays, std::si
   if (!arrays.has("suture_inner_bites")) return result;
   const auto counts = arrays.read<std::int32_t>("suture_inner_bites", {length(sutures)});
   const auto of_bites = arrays.read<std::int32_t>("inner_bite_triangles", {kAny});
-  const std::vector<double> anchors = arrays.read_finite("inner_bite_anchors", {length(of_bites.size()), 3});
+  const std::vector<double> anchors = arrays.read_coordinates("inner_bite_anchors", {length(of_bites.size()), 3});
   check_indices(of_bites, "inner_bite_triangles", 0, triangles, "triangles");
   std::size_t next = 0;
   for (std::size_t i = 0; i < sutures; ++i) {
@@ -209,7 +209,7 @@ std::vector<SutureState> decode_sutures(ArrayReader& arrays, const FrameLimits& 
   const std::size_t sutures = suture_index.size();
   check_indices(suture_index, "suture_index", 0, limits.sutures, "sutures in the procedure");
   check_distinct(suture_index, "suture_index");
-  const std::vector<double> suture_anchors = arrays.read_finite("suture_anchors", {length(sutures), 2, 3});
+  const std::vector<double> suture_anchors = arrays.read_coordinates("suture_anchors", {length(sutures), 2, 3});
   const auto suture_triangles = arrays.read<std::int32_t>("suture_triangles", {length(sutures), 2});
   check_indices(suture_triangles, "suture_triangles", 0, limits.triangles, "triangles");
   const std::vector<double> closure = arrays.read_finite("suture_closure", {length(sutures)});
@@ -218,7 +218,7 @@ std::vector<SutureState> decode_sutures(ArrayReader& arrays, const FrameLimits& 
   std::vector<double> lengths(sutures, 0.0), tensions(sutures, 0.0);
   if (arrays.has("suture_is_thread")) {
     is_thread = arrays.read<std::uint8_t>("suture_is_thread", {length(sutures)});
-    lengths = arrays.read_finite("suture_length", {length(sutures)});
+    lengths = arrays.read_coordinates("suture_length", {length(sutures)});
     tensions = arrays.read_finite("suture_tension", {length(sutures)});
   }
   std::vector<std::vector<Anchor>> inner = decode_inner_bites(arrays, sutures, limits.triangles);
@@ -245,7 +245,8 @@ std::vector<RetractorState> decode_retractors(ArrayReader& arrays, const FrameLi
   const auto retractor_index = arrays.read<std::int32_t>("retractor_index", {kAny});
   check_indices(retractor_index, "retractor_index", 0, limits.retractors, "retractors in the procedure");
   check_distinct(retractor_index, "retractor_index");
-  const std::vector<double> motion = arrays.read_finite("retractor_motion", {length(retractor_index.size()), 4, 4});
+  const std::vector<double> motion =
+      arrays.read_coordinates("retractor_motion", {length(retractor_index.size()), 4, 4});
   std::vector<RetractorState> result;
   for (std::size_t i = 0; i < retractor_index.size(); ++i) {
     RetractorState retractor{retractor_index[i], Eigen::Matrix4d::Identity()};
@@ -280,7 +281,7 @@ SessionSettings decode_open(const Header& header, ArrayParts parts) {
   open.maps("materials", [&](FieldReader& material) { settings.materials.push_back(decode_material(material)); });
   open.finish();
   if (arrays.has("bone_points") || arrays.has("bone_triangles")) {
-    settings.bones.points = to_points(arrays.read_finite("bone_points", {kAny, 3}));
+    settings.bones.points = to_points(arrays.read_coordinates("bone_points", {kAny, 3}));
     const std::int32_t points = checked_count(settings.bones.points.size(), "points of bones");
     const std::vector<std::int32_t> triangles = arrays.read<std::int32_t>("bone_triangles", {kAny, 3});
     check_indices(triangles, "bone_triangles", 0, points, "points of bones");
@@ -302,7 +303,7 @@ EpochInput decode_epoch(const Header& header, ArrayParts parts, std::int32_t ret
     epoch.skin = decode_surface(arrays, "skin_points", "skin_triangles", "skin points");
   if (arrays.has("skin_directions"))
     epoch.skin_fields.directions =
-        to_points(arrays.read_finite("skin_directions", {length(epoch.skin.points.size()), 3}));
+        to_points(arrays.read_coordinates("skin_directions", {length(epoch.skin.points.size()), 3}));
   if (arrays.has("skin_stretch")) {
     const std::vector<double> stretch = arrays.read_finite("skin_stretch", {length(epoch.skin.points.size()), 2});
     for (std::size_t i = 0; i < stretch.size(); i += 2)
@@ -322,7 +323,7 @@ EpochInput decode_epoch(const Header& header, ArrayParts parts, std::int32_t ret
   epoch.grip = arrays.read<std::int32_t>("grip", {count});
   check_indices(epoch.grip, "grip", -1, retractors, "retractors (-1: not gripped)");
   decode_loads_and_rollers(arrays, count, epoch);
-  epoch.landmarks = to_points(arrays.read_finite("landmarks", {kAny, 3}));
+  epoch.landmarks = to_points(arrays.read_coordinates("landmarks", {kAny, 3}));
   epoch.landmark_triangles = arrays.read<std::int32_t>("landmark_triangles", {length(epoch.landmarks.size())});
   check_indices(epoch.landmark_triangles, "landmark_triangles", 0, count, "triangles");
   arrays.finish();
@@ -348,7 +349,9 @@ SolverState decode_state(const Header& header, ArrayParts parts, std::int32_t su
   if (!std::ranges::all_of(state.nodes, [](double x) { return std::isfinite(x); })) {
     invalid("The array 'nodes' of the state holds a value that is not finite.");
   }
+  check_coordinates(state.nodes, "nodes");
   state.suture_gaps = arrays.read<double>("suture_separations", {sutures, 3});  // NaN: not placed yet
+  check_coordinates(state.suture_gaps, "suture_separations");
   state.suture_multipliers = arrays.read_finite("suture_multipliers", {sutures, 3});
   state.grip_multipliers = arrays.read_finite("grip_multipliers", {kAny});
   if (arrays.has("roller_multipliers")) state.roller_multipliers = arrays.read_finite("roller_multipliers", {kAny});

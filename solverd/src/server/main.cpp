@@ -14,6 +14,7 @@
 #include <string>
 
 #include "math/instruction_set.h"
+#include "server/private_address.h"
 #include "server/server.h"
 #include "server/version.h"
 #include "session/process_memory.h"
@@ -25,7 +26,9 @@ namespace {
 class SessionPort final : public SolverPort {
  public:
   explicit SessionPort(const SessionSettings& settings) : session_(settings) {}
-  EpochReport set_epoch(const EpochInput& epoch) override { return session_.set_epoch(epoch); }
+  EpochReport set_epoch(const EpochInput& epoch, const std::atomic<bool>& cancel) override {
+    return session_.set_epoch(epoch, cancel);
+  }
   void set_state(const SolverState& state) override { session_.set_state(state); }
   FrameOutput solve(const FrameInput& frame, const ProgressCallback& progress,
                     const std::atomic<bool>& cancel) override {
@@ -47,8 +50,10 @@ int serve(ServerOptions options) {
   spdlog::warn("The daemon ends: {}.", reason);
   if (!server.stop_workers(std::chrono::seconds(2))) {
     spdlog::warn("A solve did not end within 2 s of being cancelled; the daemon ends without it.");
+    remove_socket(server.endpoint());
     std::_Exit(0);
   }
+  remove_socket(server.endpoint());
   return 0;
 }
 
@@ -62,7 +67,9 @@ int main(int argc, char** argv) {
   lappet::ServerOptions options;
   double silence = 60.0;
   bool verbose = false;
-  app.add_option("--address", options.address, "Loopback address to listen on")->capture_default_str();
+  app.add_option("--address", options.address,
+                 "Where to listen: loopback, or ipc://FOLDER/NAME in a folder of mode 0700, removed when empty")
+      ->capture_default_str();
   app.add_option("--parent", options.parent, "End when the process with this id ends")->check(CLI::NonNegativeNumber);
   app.add_option("--silence", silence, "End after hearing nothing for so many seconds")
       ->capture_default_str()

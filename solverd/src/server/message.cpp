@@ -10,6 +10,7 @@
 #include <msgpack.hpp>
 
 #include "lattice/refused.h"
+#include "lattice/surface_box.h"
 
 namespace lappet {
 namespace {
@@ -306,6 +307,20 @@ std::vector<double> ArrayReader::read_finite(std::string_view name, std::initial
                                                      "; every element must be finite.");
   }
   return elements;
+}
+
+std::vector<double> ArrayReader::read_coordinates(std::string_view name, std::initializer_list<std::int64_t> shape) {
+  std::vector<double> elements = read_finite(name, shape);
+  check_coordinates(elements, name);
+  return elements;
+}
+
+void check_coordinates(std::span<const double> elements, std::string_view array) {
+  const auto bad = std::ranges::find_if(elements, [](double element) { return std::abs(element) > kMaxCoordinate; });
+  if (bad == elements.end()) return;
+  throw RefusedError(ErrorCode::kInvalidInput, "'" + std::string(array) + "' holds " + shown(*bad) + " at element " +
+                                                   std::to_string(bad - elements.begin()) + "; at most " +
+                                                   shown(kMaxCoordinate) + " is taken.");
 }
 
 void ArrayReader::finish() const {

@@ -82,6 +82,8 @@ class ArrayReader {
   }
   // The same for floating-point arrays, refusing (kInvalidInput) what is not finite.
   std::vector<double> read_finite(std::string_view name, std::initializer_list<std::int64_t> shape);
+  // The same for coordinates in mm, refusing also those beyond kMaxCoordinate.
+  std::vector<double> read_coordinates(std::string_view name, std::initializer_list<std::int64_t> shape);
   // Refuses arrays that nobody read.
   void finish() const;
 
@@ -97,6 +99,9 @@ class ArrayReader {
   std::span<const std::span<const std::byte>> parts_;
   std::vector<bool> read_;
 };
+
+// Refuses (kInvalidInput) what lies beyond kMaxCoordinate (lattice/surface_box.h); NaN passes.
+void check_coordinates(std::span<const double> elements, std::string_view array);
 
 using PartBytes = std::vector<std::byte>;
 

@@ -12,7 +12,7 @@
 
 #include "server/decode.h"
 #include "server/encode.h"
-#include "server/loopback.h"
+#include "server/private_address.h"
 
 namespace lappet {
 namespace {
@@ -20,6 +20,8 @@ namespace {
 constexpr std::chrono::milliseconds kTick{250};
 constexpr int kMessagesPerTurn = 64;  // then replies get their turn
 constexpr std::chrono::milliseconds kLinger{500};
+// A connection that has not greeted as ZeroMQ does by then, or no longer answers, is closed.
+constexpr std::chrono::milliseconds kHandshake{2000}, kHeartbeat{10000};
 constexpr std::uint64_t kBytesBeforeHello = kMaxHeaderBytes;
 constexpr std::array<std::string_view, 5> kWork = {"open", "epoch", "state", "solve", "close"};
 
@@ -45,7 +47,7 @@ Server::Server(ServerOptions options, SolverFactory factory)
       replies_(context_, zmq::socket_type::pull),
       replies_endpoint_("inproc://replies"),
       heard_(Clock::now()) {
-  require_loopback(options_.address);
+  require_private(options_.address);
   if (options_.token.empty()) {
     throw RefusedError(
         ErrorCode::kInvalidInput,
@@ -55,6 +57,9 @@ Server::Server(ServerOptions options, SolverFactory factory)
   replies_.bind(replies_endpoint_);
   router_.set(zmq::sockopt::linger, static_cast<int>(kLinger.count()));
   router_.set(zmq::sockopt::maxmsgsize, static_cast<std::int64_t>(options_.max_message_bytes));
+  router_.set(zmq::sockopt::handshake_ivl, static_cast<int>(kHandshake.count()));
+  router_.set(zmq::sockopt::heartbeat_ivl, static_cast<int>(kHeartbeat.count()));
+  router_.set(zmq::sockopt::heartbeat_timeout, static_cast<int>(3 * kHeartbeat.count()));
   router_.set(zmq::sockopt::ipv6, options_.address.find('[') != std::string::npos);
   try {
     router_.bind(options_.address);
@@ -187,7 +192,7 @@ void Server::dispatch(const std::string& identity, Header header, std::vector<zm
     retire(std::move(client));
     clients_.erase(found);
   } else {
-    end_reason_ = "'" + client.name + "' shut it down";
+    end_reason_ = in_quotes(client.name) + " shut it down";
   }
   send(identity, encode_accepted({header.id, 0}));
 }

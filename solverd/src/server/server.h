@@ -18,7 +18,7 @@
 namespace lappet {
 
 struct ServerOptions {
-  std::string address = "tcp://127.0.0.1:*";  // loopback only
+  std::string address = "tcp://127.0.0.1:*";  // loopback, or a socket in a private folder
   std::string token;                          // what `hello` must bring; not empty
   std::uint64_t max_message_bytes = kDefaultMaxMessageBytes;
   std::size_t max_clients = 8;

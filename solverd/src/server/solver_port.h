@@ -11,7 +11,7 @@ namespace lappet {
 class SolverPort {
  public:
   virtual ~SolverPort() = default;
-  virtual EpochReport set_epoch(const EpochInput& epoch) = 0;
+  virtual EpochReport set_epoch(const EpochInput& epoch, const std::atomic<bool>& cancel) = 0;
   virtual void set_state(const SolverState& state) = 0;
   virtual FrameOutput solve(const FrameInput& frame, const ProgressCallback& progress,
                             const std::atomic<bool>& cancel) = 0;

@@ -15,6 +15,11 @@ namespace {
 
 constexpr std::chrono::milliseconds kProgressInterval{40};
 
+void refuse_if_cancelled(const Request& request) {
+  if (request.cancelled->load())
+    throw RefusedError(ErrorCode::kCancelled, "The " + request.header.type + " was cancelled before it began.");
+}
+
 std::uint64_t bytes_of(const Request& request) {
   std::uint64_t total = 0;
   for (const zmq::message_t& array : request.arrays) total += array.size();
@@ -135,7 +140,8 @@ std::vector<PartBytes> Worker::answer(const Request& request, zmq::socket_t& rep
   const ReplyTo to{header.id, session_number_};
   if (header.type == "epoch") {
     const EpochInput epoch = decode_epoch(header, arrays, settings_.retractors, materials);
-    const EpochReport report = session.set_epoch(epoch);  // where it throws the epoch before stays
+    refuse_if_cancelled(request);
+    const EpochReport report = session.set_epoch(epoch, *request.cancelled);  // where it throws the epoch before stays
     epoch_triangles_ = static_cast<std::int32_t>(epoch.surface.triangles.size());
     return encode_lattice(to, report);
   }
@@ -160,9 +166,7 @@ FrameOutput Worker::solve(const Request& request, std::span<const std::span<cons
   const FrameInput frame = decode_solve(request.header, arrays,
                                         {*epoch_triangles_, settings_.sutures, settings_.retractors,
                                          static_cast<std::int32_t>(settings_.materials.size())});
-  if (request.cancelled->load()) {
-    throw RefusedError(ErrorCode::kCancelled, "The solve was cancelled before it began.");
-  }
+  refuse_if_cancelled(request);
   std::chrono::steady_clock::time_point last{};
   const auto report = [&](const Progress& progress) {
     const auto now = std::chrono::steady_clock::now();

@@ -40,7 +40,7 @@ class Worker {
 
   // Queues a request. Throws RefusedError(kOutOfOrder) when too many, or too large ones, wait already.
   void submit(Request request);
-  // Cancels the solves that came before, the running one and those that wait.
+  // Cancels the epochs and solves that came before, the running one and those that wait.
   void cancel();
   // Cancels, drops what waits and lets the thread end after what it does now.
   void stop();

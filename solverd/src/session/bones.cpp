@@ -16,19 +16,21 @@ constexpr double kMaxRestPenetration = 0.5;  // in spacings
 
 }  // namespace
 
-std::shared_ptr<const SignedDistance> distance_to_bones(const SessionSettings& settings) {
+std::shared_ptr<const SignedDistance> distance_to_bones(const SessionSettings& settings, const Interrupt& interrupt) {
   if (settings.bones.triangles.empty()) return nullptr;
   return std::make_shared<const SignedDistance>(settings.bones, kBoneSpacing * settings.spacing,
-                                                kBoneDepth * settings.spacing, settings.memory_budget);
+                                                kBoneDepth * settings.spacing, settings.memory_budget, interrupt);
 }
 
 std::unique_ptr<Contact> contact_with_bones(std::shared_ptr<const SignedDistance> bones, const Lattice& lattice,
-                                            const EpochInput& epoch, const SessionSettings& settings) {
+                                            const EpochInput& epoch, const SessionSettings& settings,
+                                            const Interrupt& interrupt) {
   const double stiffness = kContactPenalty * settings.materials[0].youngs_modulus / settings.spacing;
-  auto contact = std::make_unique<Contact>(bones, lattice, epoch.surface, epoch.fixed, stiffness);
+  auto contact = std::make_unique<Contact>(bones, lattice, epoch.surface, epoch.fixed, stiffness, interrupt);
   auto [depth, where] = contact->deepest_at_rest();
   // Bone that tissue encloses touches none of its surface. The middles of full cells are tissue.
   for (std::size_t c = 0; c < lattice.cell_nodes.size(); ++c) {
+    if (c % 4096 == 0) interrupt.check();
     if (lattice.cell_fill[c] < 1.0F) continue;
     const Vec3 middle =
         lattice.node_rest[static_cast<std::size_t>(lattice.cell_nodes[c][0])] + Vec3::Constant(0.5 * settings.spacing);

@@ -8,10 +8,11 @@
 namespace lappet {
 
 // Null without bones.
-std::shared_ptr<const SignedDistance> distance_to_bones(const SessionSettings& settings);
+std::shared_ptr<const SignedDistance> distance_to_bones(const SessionSettings& settings, const Interrupt& interrupt);
 
 // Throws RefusedError where tissue lies deeper in bone at rest than half the spacing; what is less deep is pushed out.
 std::unique_ptr<Contact> contact_with_bones(std::shared_ptr<const SignedDistance> bones, const Lattice& lattice,
-                                            const EpochInput& epoch, const SessionSettings& settings);
+                                            const EpochInput& epoch, const SessionSettings& settings,
+                                            const Interrupt& interrupt);
 
 }  // namespace lappet

@@ -38,8 +38,13 @@ void require_held(bool held, bool wanted, const char* what) {
           what);
 }
 
-void check_anchor(const Anchor& anchor, const Surface& surface, const char* what) {
+void check_anchor(const Anchor& anchor, const Surface& surface, const Box3& box, const char* what) {
   require(finite(anchor.point), "the anchor of a {} is not finite; give three numbers", what);
+  require(
+      box.exteriorDistance(anchor.point) <= box.diagonal().norm(),
+      "the anchor of a {} at ({:g}, {:g}, {:g}) mm is farther from the tissue than the tissue is large; anchors lie "
+      "in the tissue or on its surface",
+      what, anchor.point[0], anchor.point[1], anchor.point[2]);
   require(anchor.triangle >= 0 && static_cast<std::size_t>(anchor.triangle) < surface.triangles.size(),
           "the anchor of a {} names triangle {} of {}; give one of this epoch's surface", what, anchor.triangle,
           surface.triangles.size());
@@ -178,9 +183,12 @@ void check_bones(const Surface& bones) {
 }  // namespace
 
 void check_settings(const SessionSettings& s) {
-  require(std::isfinite(s.spacing) && s.spacing > 0, "the spacing is {} mm; it must be positive", s.spacing);
+  require(s.spacing > 0 && s.spacing <= kMaxCoordinate, "the spacing is {} mm; it must be positive, at most {:g} mm",
+          s.spacing, kMaxCoordinate);
   require(s.fine_ratio >= 1 && s.fine_ratio <= 32, "the fine ratio is {}; it must be 1 to 32", s.fine_ratio);
-  require(finite(s.origin), "the lattice origin is not finite; give three numbers");
+  require(finite(s.origin) && s.origin.cwiseAbs().maxCoeff() <= kMaxCoordinate,
+          "the lattice origin is ({:g}, {:g}, {:g}) mm; give three numbers of at most {:g} mm", s.origin[0],
+          s.origin[1], s.origin[2], kMaxCoordinate);
   require(s.quadrature == 1 || s.quadrature == 4 || s.quadrature == 8, "the quadrature has {} points; give 1, 4 or 8",
           s.quadrature);
   require(s.precision == "float" || s.precision == "double", "the precision is '{}'; give 'float' or 'double'",
@@ -254,17 +262,18 @@ void check_epoch(const EpochInput& epoch, const SessionSettings& settings) {
   require(epoch.landmarks.size() == epoch.landmark_triangles.size(),
           "epoch {} has {} landmarks but {} triangles for them", epoch.index, epoch.landmarks.size(),
           epoch.landmark_triangles.size());
+  const Box3 box = epoch.landmarks.empty() ? Box3() : box_around(surface);
   for (std::size_t k = 0; k < epoch.landmarks.size(); ++k)
-    check_anchor({epoch.landmarks[k], epoch.landmark_triangles[k]}, surface, "landmark");
+    check_anchor({epoch.landmarks[k], epoch.landmark_triangles[k]}, surface, box, "landmark");
   check_regions(epoch, settings);
 }
 
-void check_frame(const FrameInput& frame, const SessionSettings& settings, const Surface& surface) {
+void check_frame(const FrameInput& frame, const SessionSettings& settings, const Surface& surface, const Box3& box) {
   require(std::isfinite(frame.time), "the time of a frame is not finite");
   std::set<std::int32_t> hooks;
   for (const auto& hook : frame.hooks) {
     require(hooks.insert(hook.index).second, "frame {:g} names hook {} twice", frame.time, hook.index);
-    check_anchor(hook.anchor, surface, "hook");
+    check_anchor(hook.anchor, surface, box, "hook");
     require(finite(hook.target), "the target of a hook at frame {:g} is not finite", frame.time);
     require(std::isfinite(hook.stiffness) && hook.stiffness > 0,
             "the stiffness of a hook at frame {:g} is {} mN/mm; it must be positive", frame.time, hook.stiffness);
@@ -276,9 +285,9 @@ void check_frame(const FrameInput& frame, const SessionSettings& settings, const
     auto& before = seen[static_cast<std::size_t>(suture.index)];
     require(!before, "frame {:g} names suture {} twice", frame.time, suture.index);
     before = 1;
-    check_anchor(suture.a, surface, "suture");
-    check_anchor(suture.b, surface, "suture");
-    for (const Anchor& anchor : suture.inner) check_anchor(anchor, surface, "suture");
+    check_anchor(suture.a, surface, box, "suture");
+    check_anchor(suture.b, surface, box, "suture");
+    for (const Anchor& anchor : suture.inner) check_anchor(anchor, surface, box, "suture");
     require(suture.inner.empty() || suture.is_thread,
             "suture {} has {} anchors but is to close exactly; give it two, or make it a thread", suture.index,
             suture.inner.size() + 2);

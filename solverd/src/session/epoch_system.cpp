@@ -20,19 +20,20 @@ LatticeSettings lattice_settings(const SessionSettings& settings) {
 }
 
 Attachments attachments_of(const EpochInput& epoch, const Lattice& lattice, const Surface& surface,
-                           std::shared_ptr<const Ground> ground) {
+                           std::shared_ptr<const Ground> ground, const Interrupt& interrupt) {
   Attachments result =
-      attach(lattice, surface, epoch.fixed, epoch.bed, epoch.grip, std::move(ground), epoch.fixed_parts);
-  result.rollers = roller_rows(lattice, surface, epoch.roller, epoch.roller_normals);
+      attach(lattice, surface, epoch.fixed, epoch.bed, epoch.grip, std::move(ground), epoch.fixed_parts, interrupt);
+  result.rollers = roller_rows(lattice, surface, epoch.roller, epoch.roller_normals, interrupt);
   return result;
 }
 
-LoadedFacesByIndex loaded_faces(const EpochInput& epoch, const Lattice& lattice, const Surface& surface) {
+LoadedFacesByIndex loaded_faces(const EpochInput& epoch, const Lattice& lattice, const Surface& surface,
+                                const Interrupt& interrupt) {
   LoadedFacesByIndex result;
   const std::size_t count = surface.triangles.size();
   for (std::size_t k = 0; k < epoch.loaded_index.size(); ++k)
-    result[epoch.loaded_index[k]] =
-        std::make_shared<const LoadedFaces>(lattice, surface, std::span(epoch.loaded_faces).subspan(k * count, count));
+    result[epoch.loaded_index[k]] = std::make_shared<const LoadedFaces>(
+        lattice, surface, std::span(epoch.loaded_faces).subspan(k * count, count), interrupt);
   return result;
 }
 
@@ -47,20 +48,26 @@ std::vector<Section> sections_of(const EpochInput& epoch) {
 
 template <class Real>
 EpochSystem<Real>::EpochSystem(const EpochInput& epoch, const SessionSettings& settings,
-                               std::shared_ptr<const SignedDistance> bones, std::shared_ptr<const Ground> ground)
+                               std::shared_ptr<const SignedDistance> bones, std::shared_ptr<const Ground> ground,
+                               const Interrupt& interrupt)
     : surface(epoch.surface),
-      lattice(build_lattice(surface, lattice_settings(settings))),
-      loaded(loaded_faces(epoch, lattice, surface)),
+      box(box_around(surface)),
+      lattice(build_lattice(surface, lattice_settings(settings), interrupt)),
+      loaded(loaded_faces(epoch, lattice, surface, interrupt)),
       sections(sections_of(epoch)),
-      system(lattice, assign_materials(lattice, settings.materials, epoch.skin, epoch.regions, epoch.skin_fields),
-             settings.quadrature, attachments_of(epoch, lattice, surface, std::move(ground)), settings.retractors,
-             BedStiffness{settings.bed_stiffness, settings.bed_shear}, settings.gravity),
+      system(lattice,
+             assign_materials(lattice, settings.materials, epoch.skin, epoch.regions, epoch.skin_fields, interrupt),
+             settings.quadrature, attachments_of(epoch, lattice, surface, std::move(ground), interrupt),
+             settings.retractors, BedStiffness{settings.bed_stiffness, settings.bed_shear}, settings.gravity,
+             interrupt),
       preconditioner(system, kChebyshevDegree),
       constraints(settings, lattice, surface, loaded, system) {
-  if (bones) system.set_contact(contact_with_bones(std::move(bones), lattice, epoch, settings));
+  if (bones) system.set_contact(contact_with_bones(std::move(bones), lattice, epoch, settings, interrupt));
   if (settings.preconditioner == "chebyshev") preconditioner.smoother_only();
-  for (std::size_t k = 0; k < epoch.landmarks.size(); ++k)
+  for (std::size_t k = 0; k < epoch.landmarks.size(); ++k) {
+    interrupt.check();
     landmarks.push_back(embed_on_triangle(lattice, surface, epoch.landmarks[k], epoch.landmark_triangles[k]));
+  }
 }
 
 template <class Real>

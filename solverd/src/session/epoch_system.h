@@ -3,6 +3,7 @@
 #include <memory>
 #include <vector>
 
+#include "lattice/surface_box.h"
 #include "session/frame_constraints.h"
 #include "solve/multigrid/two_level.h"
 
@@ -15,7 +16,7 @@ template <class Real>
 struct EpochSystem {
   // bones, ground: null without any. Refuses what bones and budgets do not allow.
   EpochSystem(const EpochInput& epoch, const SessionSettings& settings, std::shared_ptr<const SignedDistance> bones,
-              std::shared_ptr<const Ground> ground);
+              std::shared_ptr<const Ground> ground, const Interrupt& interrupt);
   EpochSystem(const EpochSystem&) = delete;
   EpochSystem& operator=(const EpochSystem&) = delete;
 
@@ -23,6 +24,7 @@ struct EpochSystem {
   EpochReport report(bool with_nodes) const;
 
   Surface surface;
+  Box3 box;  // around it
   Lattice lattice;
   LoadedFacesByIndex loaded;
   std::vector<Section> sections;

@@ -196,8 +196,7 @@ template <class Real>
 std::vector<double> FrameConstraints<Real>::shared(const SutureState& suture) const {
   std::vector<double> found;
   const std::vector<const AnchorStencil*> stencils = stencils_of(suture);
-  for (std::size_t k = 0; k + 1 < stencils.size(); ++k)
-    found.push_back(shared_hold(*stencils[k], *stencils[k + 1]));
+  for (std::size_t k = 0; k + 1 < stencils.size(); ++k) found.push_back(shared_hold(*stencils[k], *stencils[k + 1]));
   return found;
 }
 

@@ -18,11 +18,12 @@ Surface supported_faces(const EpochInput& epoch) {
 
 }  // namespace
 
-std::shared_ptr<const Ground> GroundOfSession::of(const EpochInput& epoch, const SessionSettings& settings) {
+std::shared_ptr<const Ground> GroundOfSession::of(const EpochInput& epoch, const SessionSettings& settings,
+                                                  const Interrupt& interrupt) {
   if (std::ranges::find(epoch.bed, kRestsOnBed) == epoch.bed.end()) return nullptr;
   Surface sheet = epoch.ground.triangles.empty() ? supported_faces(epoch) : epoch.ground;
   if (!ground_ || sheet.points != sheet_.points || sheet.triangles != sheet_.triangles) {
-    ground_ = std::make_shared<const Ground>(sheet, settings.spacing, settings.memory_budget);
+    ground_ = std::make_shared<const Ground>(sheet, settings.spacing, settings.memory_budget, interrupt);
     sheet_ = std::move(sheet);
   }
   return ground_;

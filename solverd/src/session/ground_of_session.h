@@ -10,7 +10,8 @@ namespace lappet {
 class GroundOfSession {
  public:
   // Null where nothing rests. Throws RefusedError where its field needs more memory than the budget.
-  std::shared_ptr<const Ground> of(const EpochInput& epoch, const SessionSettings& settings);
+  std::shared_ptr<const Ground> of(const EpochInput& epoch, const SessionSettings& settings,
+                                   const Interrupt& interrupt);
 
  private:
   Surface sheet_;

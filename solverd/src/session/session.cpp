@@ -19,13 +19,16 @@ namespace lappet {
 class Session::Implementation {
  public:
   virtual ~Implementation() = default;
-  virtual EpochReport set_epoch(const EpochInput& epoch) = 0;
+  virtual EpochReport set_epoch(const EpochInput& epoch, const std::atomic<bool>& cancel) = 0;
   virtual void set_state(const SolverState& state) = 0;
   virtual FrameOutput solve(const FrameInput& frame, const ProgressCallback& progress,
                             const std::atomic<bool>& cancel) = 0;
 };
 
 namespace {
+
+// An epoch may take so many times the time budget of a frame: it is paid for once.
+constexpr double kFramesOfEpoch = 10.0;
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -51,12 +54,10 @@ class TypedSession : public Session::Implementation {
   explicit TypedSession(const SessionSettings& settings)
       : settings_(settings),
         arena_(settings.threads > 0 ? settings.threads : tbb::task_arena::automatic),
-        state_(initial_state<Real>(settings)) {
-    if (!settings.bones.triangles.empty()) arena_.execute([&] { bones_ = distance_to_bones(settings); });
-  }
+        state_(initial_state<Real>(settings)) {}
 
-  EpochReport set_epoch(const EpochInput& epoch) override {
-    return arena_.execute([&] { return replace_epoch(epoch); });
+  EpochReport set_epoch(const EpochInput& epoch, const std::atomic<bool>& cancel) override {
+    return arena_.execute([&] { return replace_epoch(epoch, {cancel, kFramesOfEpoch * settings_.time_budget}); });
   }
 
   void set_state(const SolverState& state) override {
@@ -70,7 +71,7 @@ class TypedSession : public Session::Implementation {
   FrameOutput solve(const FrameInput& frame, const ProgressCallback& progress,
                     const std::atomic<bool>& cancel) override {
     if (!epoch_) throw RefusedError(ErrorCode::kOutOfOrder, "a frame came before any epoch; send the epoch first");
-    check_frame(frame, settings_, epoch_->surface);
+    check_frame(frame, settings_, epoch_->surface, epoch_->box);
     for (const LoadState& load : frame.loads)
       if (!epoch_->loaded.contains(load.index))
         throw RefusedError(ErrorCode::kInvalidInput, "a load acts on faces that the epoch does not name");
@@ -78,11 +79,13 @@ class TypedSession : public Session::Implementation {
   }
 
  private:
-  EpochReport replace_epoch(const EpochInput& input) {
+  EpochReport replace_epoch(const EpochInput& input, const Interrupt& interrupt) {
     const auto start = std::chrono::steady_clock::now();
     check_epoch(input, settings_);
-    auto epoch = std::make_unique<EpochSystem<Real>>(input, settings_, bones_, ground_.of(input, settings_));
-    TissueState<Real> state = carry_over(state_, epoch_ ? &epoch_->lattice : nullptr, epoch->lattice);
+    if (!bones_) bones_ = distance_to_bones(settings_, interrupt);
+    auto epoch = std::make_unique<EpochSystem<Real>>(input, settings_, bones_, ground_.of(input, settings_, interrupt),
+                                                     interrupt);
+    TissueState<Real> state = carry_over(state_, epoch_ ? &epoch_->lattice : nullptr, epoch->lattice, interrupt);
     EpochReport report = epoch->report(input.nodes);
     report.bytes += static_cast<double>(state.u.size() * sizeof(Real) + (bones_ ? bones_->bytes() : 0));
     epoch_ = std::move(epoch);  // nothing fails from here on
@@ -119,7 +122,7 @@ class TypedSession : public Session::Implementation {
 
   SessionSettings settings_;
   tbb::task_arena arena_;
-  std::shared_ptr<const SignedDistance> bones_;  // null: none
+  std::shared_ptr<const SignedDistance> bones_;  // null: none, or no epoch yet
   GroundOfSession ground_;
   std::unique_ptr<EpochSystem<Real>> epoch_;  // null before the first
   TissueState<Real> state_;                   // fits the epoch
@@ -139,7 +142,9 @@ Session::Session(const SessionSettings& settings) {
 Session::~Session() = default;
 Session::Session(Session&&) noexcept = default;
 
-EpochReport Session::set_epoch(const EpochInput& epoch) { return implementation_->set_epoch(epoch); }
+EpochReport Session::set_epoch(const EpochInput& epoch, const std::atomic<bool>& cancel) {
+  return implementation_->set_epoch(epoch, cancel);
+}
 void Session::set_state(const SolverState& state) { implementation_->set_state(state); }
 FrameOutput Session::solve(const FrameInput& frame, const ProgressCallback& progress, const std::atomic<bool>& cancel) {
   return implementation_->solve(frame, progress, cancel);

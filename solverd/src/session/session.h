@@ -8,6 +8,8 @@
 
 namespace lappet {
 
+inline const std::atomic<bool> kNotCancelled{false};
+
 class Session {
  public:
   class Implementation;  // by precision, see session.cpp
@@ -18,8 +20,8 @@ class Session {
   Session(Session&&) noexcept;
 
   // Installs an epoch. If there was one before, its state is carried over by rest position. Where it throws the epoch
-  // before and its state stay.
-  EpochReport set_epoch(const EpochInput& epoch);
+  // before and its state stay; also RefusedError(kCancelled) and, after ten time budgets, (kTimeBudget).
+  EpochReport set_epoch(const EpochInput& epoch, const std::atomic<bool>& cancel = kNotCancelled);
   // Replaces the state of the current epoch by one that an earlier solve returned. Throws if its sizes do not fit.
   void set_state(const SolverState& state);
   // Finds the equilibrium. Throws RefusedError(kCancelled) or (kTimeBudget) and keeps the state before; an unconverged

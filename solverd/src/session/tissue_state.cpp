@@ -82,7 +82,8 @@ TissueState<Real> initial_state(const SessionSettings& settings) {
 }
 
 template <class Real>
-TissueState<Real> carry_over(const TissueState<Real>& state, const Lattice* from, const Lattice& to) {
+TissueState<Real> carry_over(const TissueState<Real>& state, const Lattice* from, const Lattice& to,
+                             const Interrupt& interrupt) {
   TissueState<Real> carried;
   carried.suture_gaps = state.suture_gaps;
   carried.multipliers.of_constraint = state.multipliers.of_constraint;
@@ -92,12 +93,12 @@ TissueState<Real> carry_over(const TissueState<Real>& state, const Lattice* from
   if (!from) return carried;
   std::vector<Vec3> positions = rows(state.u);
   for (std::size_t n = 0; n < positions.size(); ++n) positions[n] = from->node_rest[n] + positions[n];
-  const auto moved = transfer_positions(*from, positions, to);
+  const auto moved = transfer_positions(*from, positions, to, interrupt);
   for (std::size_t n = 0; n < moved.size(); ++n)
     for (int i = 0; i < 3; ++i)
       carried.u[3 * n + static_cast<std::size_t>(i)] = static_cast<Real>(moved[n][i] - to.node_rest[n][i]);
   if (!state.multipliers.of_held_node.empty())
-    for (const Vec3& y : transfer_positions(*from, rows(state.multipliers.of_held_node), to))
+    for (const Vec3& y : transfer_positions(*from, rows(state.multipliers.of_held_node), to, interrupt))
       carried.multipliers.of_held_node.insert(carried.multipliers.of_held_node.end(), {y[0], y[1], y[2]});
   return carried;
 }
@@ -152,8 +153,10 @@ TissueState<Real> imported(const SolverState& state) {
 
 template TissueState<float> initial_state<float>(const SessionSettings&);
 template TissueState<double> initial_state<double>(const SessionSettings&);
-template TissueState<float> carry_over<float>(const TissueState<float>&, const Lattice*, const Lattice&);
-template TissueState<double> carry_over<double>(const TissueState<double>&, const Lattice*, const Lattice&);
+template TissueState<float> carry_over<float>(const TissueState<float>&, const Lattice*, const Lattice&,
+                                              const Interrupt&);
+template TissueState<double> carry_over<double>(const TissueState<double>&, const Lattice*, const Lattice&,
+                                                const Interrupt&);
 template SolverState exported<float>(const TissueState<float>&);
 template SolverState exported<double>(const TissueState<double>&);
 template TissueState<float> imported<float>(const SolverState&);

@@ -44,7 +44,8 @@ TissueState<Real> initial_state(const SessionSettings& settings);
 
 // The state of an epoch, carried by rest position from the lattice before it (null: there is none, it is at rest).
 template <class Real>
-TissueState<Real> carry_over(const TissueState<Real>& state, const Lattice* from, const Lattice& to);
+TissueState<Real> carry_over(const TissueState<Real>& state, const Lattice* from, const Lattice& to,
+                             const Interrupt& interrupt);
 
 template <class Real>
 SolverState exported(const TissueState<Real>& state);

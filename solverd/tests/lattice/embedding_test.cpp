@@ -51,6 +51,18 @@ TEST(Embedding, PointsOfALatticeAlignedFaceAreHeldByTheNodesOfThatFaceAlone) {
   }
 }
 
+TEST(Embedding, APointWhoseDistanceIsNoNumberIsRefused) {
+  const Surface ball = test::sphere(Vec3(5, 5, 5), 4.0, 30);
+  const Lattice lattice = build_lattice(ball, settings(1.0, 4));
+  for (const double far : {1e155, -1e200, 1e308})
+    for (int axis = 0; axis < 3; ++axis) {
+      Vec3 point = ball.points[0];
+      point[axis] = far;
+      EXPECT_THROW(embed_on_triangle(lattice, ball, point, 0), RefusedError) << far;
+    }
+  EXPECT_GE(embed_on_triangle(lattice, ball, ball.points[0] + Vec3(1e7, 0, 0), 0).cell, 0);  // only far
+}
+
 // Slabs with a narrow slot that ends inside: which side of the slot a surface point is on is known from its
 // construction.
 struct Slot {

@@ -9,8 +9,8 @@
 #include <random>
 
 #include "lattice/refused.h"
-#include "server/loopback.h"
 #include "server/message_refusals.h"
+#include "server/private_address.h"
 
 namespace lappet {
 namespace {
@@ -214,13 +214,13 @@ TEST(Message, RandomBytesAreRefusedAndNothingElseHappens) {
 TEST(Loopback, OnlyLoopbackAddressesAreServed) {
   for (const char* address :
        {"tcp://127.0.0.1:*", "tcp://127.0.0.1:0", "tcp://127.255.3.4:65535", "tcp://[::1]:5555"}) {
-    EXPECT_NO_THROW(require_loopback(address)) << address;
+    EXPECT_NO_THROW(require_private(address)) << address;
   }
   for (const char* address :
        {"tcp://0.0.0.0:*", "tcp://*:5555", "tcp://192.168.1.5:80", "tcp://eth0:5555", "tcp://localhost:5555",
         "tcp://127.0.0.1.evil.org:1", "tcp://127.0.0.1", "tcp://127.0.0.1:", "tcp://127.0.0.1:99999", "tcp://[::]:5555",
         "ipc:///tmp/x", "inproc://x", "tcp://127.0.0.1:1;0.0.0.0:2", "", "tcp://:5", "tcp://128.0.0.1:5"}) {
-    EXPECT_TRUE(says(refusal_of([&] { require_loopback(address); }), ErrorCode::kInvalidInput, "only loopback"))
+    EXPECT_TRUE(says(refusal_of([&] { require_private(address); }), ErrorCode::kInvalidInput, "only loopback"))
         << address;
   }
 }

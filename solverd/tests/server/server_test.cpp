@@ -22,7 +22,7 @@ using Clock = std::chrono::steady_clock;
 // Solves by waiting until it is cancelled, when the frame's time is negative; fails in the ways that its time says.
 class IdlePort final : public SolverPort {
  public:
-  EpochReport set_epoch(const EpochInput& epoch) override {
+  EpochReport set_epoch(const EpochInput& epoch, const std::atomic<bool>&) override {
     EpochReport report;
     report.cells = static_cast<std::int32_t>(epoch.surface.triangles.size());
     return report;

@@ -82,8 +82,8 @@ struct Buckets {
 // Samples are embedded in parallel and added in order, a batch at a time.
 class Samples {
  public:
-  Samples(const Lattice& lattice, const Surface& surface)
-      : embedder_([&lattice, &surface] { return Embedder(lattice, surface); }) {}
+  Samples(const Lattice& lattice, const Surface& surface, const Interrupt& interrupt)
+      : interrupt_(interrupt), embedder_([&lattice, &surface] { return Embedder(lattice, surface); }) {}
 
   // The face that the next samples lie on.
   void begin(const HeldFace& face) { faces_.push_back(face); }
@@ -92,6 +92,7 @@ class Samples {
     if (samples_.size() == kBatch) flush(buckets);
   }
   void flush(Buckets& buckets) {
+    interrupt_.check();
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, samples_.size(), 64), [&](const auto& range) {
       Embedder& embedder = embedder_.local();
       for (std::size_t i = range.begin(); i != range.end(); ++i) {
@@ -111,6 +112,7 @@ class Samples {
     std::size_t face;
     EmbeddedPoint embedded;
   };
+  const Interrupt& interrupt_;
   tbb::enumerable_thread_specific<Embedder> embedder_;
   std::vector<HeldFace> faces_;
   std::vector<Sample> samples_;
@@ -132,9 +134,12 @@ void sample(const Surface& surface, Index triangle, double spacing, HeldFace fac
   if (!sampled.has_area()) return;
   face.triangle = triangle;
   face.normal = sampled.normal();
-  face.sample_area = sampled.sample_area();
-  samples.begin(face);
-  sampled.for_each([&](const Vec3& point) { samples.add(point, buckets); });
+  sampled.for_each(
+      [&](double area) {
+        face.sample_area = area;
+        samples.begin(face);
+      },
+      [&](const Vec3& point) { samples.add(point, buckets); });
 }
 
 // Prescribes the four nodes on a side of a cell; those that are fixed stay so, and of their part.
@@ -161,12 +166,12 @@ Index largest_part(const Buckets& buckets, Index cell, int side) {
 
 Attachments attach(const Lattice& lattice, const Surface& surface, std::span<const std::uint8_t> fixed,
                    std::span<const std::uint8_t> bed, std::span<const Index> grip, std::shared_ptr<const Ground> ground,
-                   std::span<const Index> parts) {
+                   std::span<const Index> parts, const Interrupt& interrupt) {
   if (!ground && std::ranges::find(bed, kRestsOnBed) != bed.end())
     throw RefusedError(ErrorCode::kInternal, "Faces of the tissue rest on the bed, but no ground was given for them.");
   const double h = lattice.settings.spacing;
   Buckets buckets;
-  Samples samples(lattice, surface);
+  Samples samples(lattice, surface, interrupt);
   for (std::size_t t = 0; t < surface.triangles.size(); ++t)
     if (HeldFace face = held_face(fixed[t], bed[t], grip[t]); face.count > 0 || face.rests) {
       if (fixed[t] && !parts.empty()) face.part = parts[t];

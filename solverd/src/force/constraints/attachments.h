@@ -79,6 +79,7 @@ struct Attachments {
 // which part of the fixed faces it belongs; empty: they are one.
 Attachments attach(const Lattice& lattice, const Surface& surface, std::span<const std::uint8_t> fixed,
                    std::span<const std::uint8_t> bed, std::span<const Index> grip,
-                   std::shared_ptr<const Ground> ground = nullptr, std::span<const Index> parts = {});
+                   std::shared_ptr<const Ground> ground = nullptr, std::span<const Index> parts = {},
+                   const Interrupt& interrupt = {});
 
 }  // namespace lappet

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "force/constraints/face_pieces.h"
 #include "force/constraints/point_constraint.h"
 #include "lattice/embedding.h"
 #include "math/parallel.h"
@@ -52,7 +53,7 @@ class WayIntoBone {
 }  // namespace
 
 Contact::Contact(std::shared_ptr<const SignedDistance> bones, const Lattice& lattice, const Surface& surface,
-                 std::span<const std::uint8_t> fixed, double stiffness)
+                 std::span<const std::uint8_t> fixed, double stiffness, const Interrupt& interrupt)
     : bones_(std::move(bones)), lattice_(lattice), stiffness_(stiffness) {
   Embedder embedder(lattice, surface);
   std::vector<double> area_of_vertex(surface.points.size(), 0.0);
@@ -65,26 +66,31 @@ Contact::Contact(std::shared_ptr<const SignedDistance> bones, const Lattice& lat
       for (const Index p : corners) held[p] = 1;
       continue;
     }
-    const Vec3 a = surface.points[corners[0]];
-    const Vec3 ab = surface.points[corners[1]] - a;
-    const Vec3 ac = surface.points[corners[2]] - a;
-    const double longest = std::max({ab.norm(), ac.norm(), (ac - ab).norm()});
-    const int n = std::max(1, int(std::ceil(longest / (kMaxEdge * lattice.settings.spacing))));
-    const double third = 0.5 * ab.cross(ac).norm() / (3.0 * n * n);
-    // n^2 small triangles; each gives a third of its area to its corners.
-    for (int i = 0; i <= n; ++i)
-      for (int j = 0; j <= n - i; ++j) {
-        const int k = n - i - j;
-        const int at_end = (i == 0) + (j == 0) + (k == 0);
-        if (at_end == 2) {
-          area_of_vertex[corners[k == n ? 0 : i == n ? 1 : 2]] += third;
-          continue;
+    const std::array whole{surface.points[corners[0]], surface.points[corners[1]], surface.points[corners[2]]};
+    for_each_piece(whole, kMaxEdge * lattice.settings.spacing, [&](const FacePiece& piece) {
+      const int n = piece.n;
+      const Vec3 a = piece.at[0], ab = piece.at[1] - a, ac = piece.at[2] - a;
+      const double third = 0.5 * ab.cross(ac).norm() / (3.0 * n * n);
+      // n^2 small triangles; each gives a third of its area to its corners.
+      for (int i = 0; i <= n; ++i) {
+        interrupt.check();
+        for (int j = 0; j <= n - i; ++j) {
+          const int k = n - i - j;
+          const int at_end = (i == 0) + (j == 0) + (k == 0);
+          if (const int corner = at_end == 2 ? piece.corner[k == n ? 0 : i == n ? 1 : 2] : -1; corner >= 0) {
+            area_of_vertex[corners[corner]] += third;
+            continue;
+          }
+          const Vec3 point = a + (i * ab + j * ac) / n;
+          const Index triangle = to_index(t);
+          inner.push_back({embedder.embed(point, {&triangle, 1}), (at_end == 2   ? 1.0
+                                                                   : at_end == 1 ? 3.0
+                                                                                 : 6.0) *
+                                                                      third});
+          inner_rest.push_back(point);
         }
-        const Vec3 point = a + (i * ab + j * ac) / n;
-        const Index triangle = to_index(t);
-        inner.push_back({embedder.embed(point, {&triangle, 1}), (at_end == 1 ? 3.0 : 6.0) * third});
-        inner_rest.push_back(point);
       }
+    });
   }
   for (std::size_t p = 0; p < surface.points.size(); ++p)
     if (!held[p] && area_of_vertex[p] > 0.0) {

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 
+#include "force/constraints/face_pieces.h"
 #include "lattice/lattice.h"
 
 namespace lappet {
@@ -24,40 +25,39 @@ inline int lattice_side(const EmbeddedPoint& point, const Vec3& normal) {
   return kNoSide;
 }
 
-// A triangle of the surface, with samples 0.4 spacings apart.
+// A triangle of the surface, with samples at most 0.4 spacings apart.
 class SampledFace {
  public:
-  SampledFace(const Surface& surface, Index triangle, double spacing)
-      : a_(surface.points[surface.triangles[triangle][0]]),
-        ab_(surface.points[surface.triangles[triangle][1]] - a_),
-        ac_(surface.points[surface.triangles[triangle][2]] - a_) {
-    const double longest = std::max({ab_.norm(), ac_.norm(), (ac_ - ab_).norm()});
-    rows_ = std::max(1, int(std::ceil(longest / (0.4 * spacing))));
-    const double area = 0.5 * ab_.cross(ac_).norm();
-    has_area_ = area >= 1e-12 * spacing * spacing;
-    sample_area_ = area / (rows_ * rows_);
+  SampledFace(const Surface& surface, Index triangle, double spacing) : edge_(kSampleEdge * spacing) {
+    for (std::size_t k = 0; k < 3; ++k) at_[k] = surface.points[surface.triangles[triangle][k]];
+    cross_ = (at_[1] - at_[0]).cross(at_[2] - at_[0]);
+    has_area_ = 0.5 * cross_.norm() >= 1e-12 * spacing * spacing;
   }
 
   bool has_area() const { return has_area_; }
-  double sample_area() const { return sample_area_; }  // mm^2
-  Vec3 normal() const { return ab_.cross(ac_).normalized(); }
-  // Calls add(point) for each sample.
-  template <class Add>
-  void for_each(const Add& add) const {
-    for (int i = 0; i < rows_; ++i)
-      for (int j = 0; j < 2 * (rows_ - i) - 1; ++j) {  // the upright and inverted triangles of row i
-        const bool inverted = j % 2 == 1;
-        const double s = (j / 2 + (inverted ? 2.0 / 3 : 1.0 / 3)) / rows_;
-        const double r = (i + (inverted ? 2.0 / 3 : 1.0 / 3)) / rows_;
-        add(a_ + s * ab_ + r * ac_);
-      }
+  Vec3 normal() const { return cross_.normalized(); }
+  // Calls begin(area) for each piece of the face, mm^2 of each of its samples, and then add(point) for these.
+  template <class Begin, class Add>
+  void for_each(const Begin& begin, const Add& add) const {
+    for_each_piece(at_, edge_, [&](const FacePiece& piece) {
+      const int n = piece.n;
+      const Vec3 first = piece.at[0], along = piece.at[1] - first, across = piece.at[2] - first;
+      begin(piece.area() / (1.0 * n * n));
+      for (int i = 0; i < n; ++i)
+        for (int j = 0; j < 2 * (n - i) - 1; ++j) {  // the upright and inverted triangles of row i
+          const bool inverted = j % 2 == 1;
+          const double s = (j / 2 + (inverted ? 2.0 / 3 : 1.0 / 3)) / n, r = (i + (inverted ? 2.0 / 3 : 1.0 / 3)) / n;
+          add(first + s * along + r * across);
+        }
+    });
   }
 
  private:
-  Vec3 a_, ab_, ac_;
-  int rows_ = 1;
+  static constexpr double kSampleEdge = 0.4;  // spacings
+  std::array<Vec3, 3> at_;
+  Vec3 cross_;
+  double edge_;
   bool has_area_ = false;
-  double sample_area_ = 0.0;
 };
 
 }  // namespace lappet

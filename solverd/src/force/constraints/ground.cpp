@@ -79,8 +79,8 @@ Surface body_below(const Surface& sheet, double thickness) {
   return body;
 }
 
-Ground::Ground(const Surface& sheet, double spacing, std::size_t memory_budget)
+Ground::Ground(const Surface& sheet, double spacing, std::size_t memory_budget, const Interrupt& interrupt)
     : distance_(body_below(widened(sheet, depth_for(spacing)), kThickness * depth_for(spacing)), spacing,
-                depth_for(spacing), memory_budget) {}
+                depth_for(spacing), memory_budget, interrupt) {}
 
 }  // namespace lappet

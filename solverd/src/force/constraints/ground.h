@@ -12,7 +12,7 @@ class Ground {
  public:
   // sheet: triangles whose normals point out of the tissue, into the ground. spacing: of the lattice, mm. Throws
   // RefusedError like SignedDistance.
-  Ground(const Surface& sheet, double spacing, std::size_t memory_budget);
+  Ground(const Surface& sheet, double spacing, std::size_t memory_budget, const Interrupt& interrupt = {});
 
   // The height of a point above the ground, mm, and its gradient; zero gradient where the ground is out of reach.
   SignedDistance::Sample height(const Vec3& point) const { return distance_.at(point); }

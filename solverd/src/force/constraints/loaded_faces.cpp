@@ -109,7 +109,8 @@ std::array<double, 8> LoadedFaces::Sample::slopes(const Vec3& direction, double 
   return result;
 }
 
-LoadedFaces::LoadedFaces(const Lattice& lattice, const Surface& surface, std::span<const std::uint8_t> chosen) {
+LoadedFaces::LoadedFaces(const Lattice& lattice, const Surface& surface, std::span<const std::uint8_t> chosen,
+                         const Interrupt& interrupt) {
   const double h = lattice.settings.spacing;
   Embedder embedder(lattice, surface);
   for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
@@ -121,6 +122,7 @@ LoadedFaces::LoadedFaces(const Lattice& lattice, const Surface& surface, std::sp
     const Vec3 normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalized();
     const Vec3 first = (corners[1] - corners[0]).normalized();
     for (const Polygon& polygon : by_cells(corners)) {
+      interrupt.check();
       if (polygon.size() < 3 || !(area_of(polygon).norm() > kOnPlane)) continue;
       const Vec3 middle = lattice.settings.origin + h * centroid(polygon);
       const Index cell = embedder.embed(middle, {&triangle, 1}).cell;

@@ -37,7 +37,8 @@ class LoadedFaces {
   };
 
   // chosen: per triangle of the surface, whether it is one of the faces.
-  LoadedFaces(const Lattice& lattice, const Surface& surface, std::span<const std::uint8_t> chosen);
+  LoadedFaces(const Lattice& lattice, const Surface& surface, std::span<const std::uint8_t> chosen,
+              const Interrupt& interrupt = {});
   // Those in some cells of a lattice, as those of another lattice; place: per cell, its index there or -1.
   LoadedFaces(const LoadedFaces& whole, std::span<const Index> place);
 

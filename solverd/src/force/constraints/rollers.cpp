@@ -26,24 +26,27 @@ struct Bucket {
 }  // namespace
 
 std::vector<RollerRow> roller_rows(const Lattice& lattice, const Surface& surface, std::span<const Index> roller,
-                                   std::span<const Vec3> normals) {
+                                   std::span<const Vec3> normals, const Interrupt& interrupt) {
   const double h = lattice.settings.spacing;
   Embedder embedder(lattice, surface);
   std::map<std::tuple<Index, Index, int>, Bucket> buckets;  // by cell, roller, side
   for (std::size_t t = 0; t < roller.size(); ++t) {
     if (roller[t] < 0) continue;
+    interrupt.check();
     const Index triangle = to_index(t);
     const SampledFace face(surface, triangle, h);
     if (!face.has_area()) continue;
     const Vec3 normal = face.normal();
-    face.for_each([&](const Vec3& at) {
-      const EmbeddedPoint point = embedder.embed(at, {&triangle, 1});
-      Bucket& bucket = buckets[{point.cell, roller[t], lattice_side(point, normal)}];
-      bucket.area += face.sample_area();
-      bucket.outward += face.sample_area() * normal;
-      const auto w = Eigen::Map<const Eigen::Matrix<double, 8, 1>>(point.weights.data());
-      bucket.gram += face.sample_area() * w * w.transpose();
-    });
+    double area = 0.0;
+    face.for_each([&](double sample_area) { area = sample_area; },
+                  [&](const Vec3& at) {
+                    const EmbeddedPoint point = embedder.embed(at, {&triangle, 1});
+                    Bucket& bucket = buckets[{point.cell, roller[t], lattice_side(point, normal)}];
+                    bucket.area += area;
+                    bucket.outward += area * normal;
+                    const auto w = Eigen::Map<const Eigen::Matrix<double, 8, 1>>(point.weights.data());
+                    bucket.gram += area * w * w.transpose();
+                  });
   }
   std::vector<RollerRow> rows;
   std::set<std::pair<Index, Index>> done;  // roller, node

@@ -21,6 +21,6 @@ struct RollerRow {
 
 // Per triangle: the roller that it rolls on, or -1. normals: of each roller; zero: that of each face of it.
 std::vector<RollerRow> roller_rows(const Lattice& lattice, const Surface& surface, std::span<const Index> roller,
-                                   std::span<const Vec3> normals);
+                                   std::span<const Vec3> normals, const Interrupt& interrupt = {});
 
 }  // namespace lappet

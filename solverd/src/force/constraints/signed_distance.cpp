@@ -178,9 +178,9 @@ std::vector<Corners> outer_triangles(const Surface& surface, const std::vector<S
 // Which nodes lie inside: the crossings of the surface with the lines of nodes along z.
 class Inside {
  public:
-  Inside(const Surface& surface, const Quantized& quantized) : box_(quantized.box) {
-    auto first = count_crossings(quantized.points, surface.triangles, box_);
-    const Crossings crossings = find_crossings(quantized.points, surface.triangles, box_, std::move(first));
+  Inside(const Surface& surface, const Quantized& quantized, const Interrupt& interrupt) : box_(quantized.box) {
+    auto first = count_crossings(quantized.points, surface.triangles, box_, interrupt);
+    const Crossings crossings = find_crossings(quantized.points, surface.triangles, box_, std::move(first), interrupt);
     start_.assign(std::int64_t{box_.voxels(0)} * box_.voxels(1) + 1, 0);
     for (const Crossing& c : crossings.all)
       if (c.axis == 2) ++start_[line(c.lower[0], c.lower[1]) + 1];
@@ -254,7 +254,8 @@ struct Source {
 
 }  // namespace
 
-SignedDistance::SignedDistance(const Surface& surface, double spacing, double depth, std::size_t memory_budget)
+SignedDistance::SignedDistance(const Surface& surface, double spacing, double depth, std::size_t memory_budget,
+                               const Interrupt& interrupt)
     : spacing_(spacing), depth_(depth), reach_(2.0 * spacing) {
   LatticeSettings grid;
   grid.spacing = spacing;
@@ -272,6 +273,13 @@ SignedDistance::SignedDistance(const Surface& surface, double spacing, double de
                       "that the tissue cannot reach, or raise the budget",
                       bytes / 0x1p30, spacing, double(memory_budget) / 0x1p30));
   };
+  for (std::size_t a = 0; a < 3; ++a)
+    if (box.voxels(a) >= kMaxVoxelsPerAxis)
+      throw RefusedError(
+          ErrorCode::kMemoryBudget,
+          fmt::format("the distance field of the bones needs {} nodes along one side at a spacing of {:g} "
+                      "mm, {} at most; use a larger spacing or leave out bone that the tissue cannot reach",
+                      box.voxels(a), spacing, kMaxVoxelsPerAxis));
   double places = 1.0;
   for (std::size_t a = 0; a < 3; ++a) {
     blocks_[a] = (box.voxels(a) + 2 * kMargin + kBlock - 1) / kBlock;
@@ -286,10 +294,13 @@ SignedDistance::SignedDistance(const Surface& surface, double spacing, double de
                       blocks_,
                       depth_,
                       reach_,
-                      Inside(surface, quantized),
+                      Inside(surface, quantized, interrupt),
                       Distance(outer_triangles(surface, quantized.points))};
   block_.assign(std::size_t(places), kFar);
-  tbb::parallel_for(std::size_t{0}, block_.size(), [&](std::size_t place) { block_[place] = source.kind_of(place); });
+  tbb::parallel_for(std::size_t{0}, block_.size(), [&](std::size_t place) {
+    interrupt.check();
+    block_[place] = source.kind_of(place);
+  });
   std::vector<std::size_t> used;
   for (std::size_t place = 0; place < block_.size(); ++place)
     if (block_[place] == 0) {
@@ -298,8 +309,10 @@ SignedDistance::SignedDistance(const Surface& surface, double spacing, double de
     }
   check_budget(4.0 * kNodes * double(used.size()));
   values_.resize(kNodes * used.size());
-  tbb::parallel_for(std::size_t{0}, used.size(),
-                    [&](std::size_t block) { source.fill(used[block], &values_[kNodes * block]); });
+  tbb::parallel_for(std::size_t{0}, used.size(), [&](std::size_t block) {
+    interrupt.check();
+    source.fill(used[block], &values_[kNodes * block]);
+  });
 }
 
 SignedDistance::Sample SignedDistance::at(const Vec3& point) const {

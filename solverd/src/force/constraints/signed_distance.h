@@ -13,6 +13,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "lattice/interrupt.h"
 #include "lattice/surface.h"
 
 namespace lappet {
@@ -26,7 +27,8 @@ class SignedDistance {
 
   // spacing: of the nodes, mm. depth: values are cut off at -depth, mm. Throws RefusedError(kMemoryBudget) where the
   // grid would need more bytes than allowed, and (kInvalidInput) for a surface that no integers of this spacing hold.
-  SignedDistance(const Surface& surface, double spacing, double depth, std::size_t memory_budget);
+  SignedDistance(const Surface& surface, double spacing, double depth, std::size_t memory_budget,
+                 const Interrupt& interrupt = {});
 
   Sample at(const Vec3& point) const;
   double depth() const { return depth_; }

@@ -18,7 +18,9 @@ namespace {
 constexpr std::int64_t kMinGroups = 8;
 constexpr std::int64_t kMaxSlabs = 64;
 
+// 0 of no blocks.
 int longest_axis(const std::vector<Block>& blocks) {
+  if (blocks.empty()) return 0;
   std::array<std::int32_t, 3> low{}, high{};
   low.fill(std::numeric_limits<std::int32_t>::max());
   high.fill(std::numeric_limits<std::int32_t>::min());
@@ -124,8 +126,9 @@ void append_parts(const Lattice& lattice, std::span<const Block> blocks, bool gr
 }  // namespace
 
 BlockLayout lay_out_blocks(const Lattice& lattice, int lanes, std::span<const std::uint8_t> still,
-                           std::span<const Index> parts) {
+                           std::span<const Index> parts, const Interrupt& interrupt) {
   auto blocks = build_blocks(lattice);
+  interrupt.check();
   const auto moves = [&](const Block& block) {
     return std::ranges::any_of(nodes_of(lattice, block), [&](Index n) { return n >= 0 && !still[n]; });
   };
@@ -147,6 +150,7 @@ BlockLayout lay_out_blocks(const Lattice& lattice, int lanes, std::span<const st
   layout.slot_of_part.assign(parts.size(), -1);
   std::int64_t begin = 0;
   while (begin < count) {
+    interrupt.check();
     // whole planes of blocks, until there are enough; what is too little for a slab joins the last
     std::int64_t end = std::min(begin + min_blocks, count);
     const auto plane = [&](std::int64_t b) { return blocks[b].position[axis]; };

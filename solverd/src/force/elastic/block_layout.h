@@ -47,6 +47,6 @@ struct BlockLayout {
 // still: per node, 1 where it never moves; empty: all may. Blocks that no node of theirs moves are left out. parts: the
 // cell of each further part of a cell, ascending.
 BlockLayout lay_out_blocks(const Lattice& lattice, int lanes, std::span<const std::uint8_t> still = {},
-                           std::span<const Index> parts = {});
+                           std::span<const Index> parts = {}, const Interrupt& interrupt = {});
 
 }  // namespace lappet

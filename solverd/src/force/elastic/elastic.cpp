@@ -72,7 +72,7 @@ std::array<double, 4> hourglass_of_part(const MaterialShare& share, const Materi
 
 template <class Real>
 Elastic<Real>::Elastic(const Lattice& lattice, CellMaterials materials, int quadrature, InstructionSet set,
-                       std::span<const std::uint8_t> still)
+                       std::span<const std::uint8_t> still, const Interrupt& interrupt)
     : lattice_(lattice),
       materials_(std::move(materials)),
       features_(features_of(materials_, quadrature)),
@@ -80,7 +80,7 @@ Elastic<Real>::Elastic(const Lattice& lattice, CellMaterials materials, int quad
       kernels_(elastic_kernels<Real>(set, features_)),
       whole_kernels_(elastic_kernels<Real>(set, without_shares(features_))),
       part_cells_(further_parts(materials_)),
-      layout_(lay_out_blocks(lattice, kernels_.lanes, still, part_cells_)),
+      layout_(lay_out_blocks(lattice, kernels_.lanes, still, part_cells_, interrupt)),
       quadrature_(quadrature_points(quadrature)),
       uniform_(materials_.of_cell.empty() && materials_.normal_of_cell.empty() &&
                materials_.direction_of_cell.empty() && materials_.stretch_of_cell.empty()),
@@ -96,11 +96,13 @@ Elastic<Real>::Elastic(const Lattice& lattice, CellMaterials materials, int quad
     weights_.push_back(point.weight);
   }
   const std::size_t slots = layout_.slots(), points = quadrature_.size();
+  interrupt.check();
   volume_.assign(slots, Real(0));
   if (features_.one_point) stabilization_.assign(slots, Real(0));
   tangent_.assign(slots * points * kTangentFields, Real(0));
   sigma_.assign(slots * points * 3, Real(1));
   if (features_.fibers) fiber_tangent_.assign(slots * points * kFiberFields, Real(0));
+  interrupt.check();
   fill_cells();
   arrays_.points = int(points);
   arrays_.spacing = lattice.settings.spacing;

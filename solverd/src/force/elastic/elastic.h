@@ -39,7 +39,8 @@ class Elastic {
   // Keeps a reference to the lattice. still: per node, 1 where it stays at rest; blocks without any other have no
   // forces on what moves, and are not computed. Empty: none.
   Elastic(const Lattice& lattice, CellMaterials materials, int quadrature,
-          InstructionSet set = choose_instruction_set(), std::span<const std::uint8_t> still = {});
+          InstructionSet set = choose_instruction_set(), std::span<const std::uint8_t> still = {},
+          const Interrupt& interrupt = {});
   Elastic(const Lattice& lattice, const MaterialParameters& material, int quadrature)
       : Elastic(lattice, CellMaterials{{material}}, quadrature) {}
   Elastic(const Elastic&) = delete;

@@ -86,7 +86,8 @@ void split_families(const Lattice& lattice, CellMaterials& materials) {
 }  // namespace
 
 CellMaterials assign_materials(const Lattice& lattice, std::vector<MaterialParameters> table, const Surface& skin,
-                               std::span<const MaterialRegion> regions, const SkinFields& fields) {
+                               std::span<const MaterialRegion> regions, const SkinFields& fields,
+                               const Interrupt& interrupt) {
   CellMaterials result{std::move(table)};
   const bool directional = std::ranges::any_of(result.table, has_direction);
   if (regions.empty() || skin.triangles.empty()) result.shares = shares_of_fills(lattice);
@@ -108,6 +109,7 @@ CellMaterials assign_materials(const Lattice& lattice, std::vector<MaterialParam
   const double h = lattice.settings.spacing;
   std::vector<std::vector<MaterialShare>> chunks((count + kCellsPerChunk - 1) / kCellsPerChunk);
   tbb::parallel_for(std::size_t{0}, chunks.size(), [&](std::size_t chunk) {
+    interrupt.check();
     for (std::size_t c = chunk * kCellsPerChunk; c < std::min(count, (chunk + 1) * kCellsPerChunk); ++c) {
       const auto& [x, y, z] = lattice.cell_position(c);
       const SkinTree::Closest closest = tree.closest(lattice.settings.origin + h * Vec3(x + 0.5, y + 0.5, z + 0.5));

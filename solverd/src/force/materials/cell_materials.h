@@ -32,6 +32,7 @@ struct SkinFields {
 // normal at the point closest to its center too, unless all of them are z, and the direction and stretch there that
 // `fields` has. `skin` need not be closed; it may be empty without regions. At most 256 materials.
 CellMaterials assign_materials(const Lattice& lattice, std::vector<MaterialParameters> table, const Surface& skin,
-                               std::span<const MaterialRegion> regions, const SkinFields& fields = {});
+                               std::span<const MaterialRegion> regions, const SkinFields& fields = {},
+                               const Interrupt& interrupt = {});
 
 }  // namespace lappet

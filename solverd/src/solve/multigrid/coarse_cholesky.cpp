@@ -1,25 +1,12 @@
 #include "solve/multigrid/coarse_cholesky.h"
 
-#if __has_include(<dlfcn.h>)
-#include <dlfcn.h>
-#endif
-
 #include <algorithm>
+
+#include "solve/multigrid/serial_blas.h"
 
 namespace lappet {
 
 namespace {
-
-// CHOLMOD's supernodal routines open OpenMP regions of four threads for loops of microseconds, whatever
-// OMP_NUM_THREADS says; on a busy machine each waits spinning for threads that do not run, and a factorization takes a
-// hundred times as long. No other code here uses OpenMP: its regions get one thread. Looked up, as it is CHOLMOD that
-// may or may not bring an OpenMP along.
-void keep_openmp_serial() {
-#if __has_include(<dlfcn.h>)
-  static const auto set_levels = reinterpret_cast<void (*)(int)>(dlsym(RTLD_DEFAULT, "omp_set_max_active_levels"));
-  if (set_levels) set_levels(0);
-#endif
-}
 
 constexpr double kMaxShift = 1e-1, kNextShift = 1e-5, kShiftFactor = 100.0;
 
@@ -27,7 +14,7 @@ constexpr double kMaxShift = 1e-1, kNextShift = 1e-5, kShiftFactor = 100.0;
 
 CoarseCholesky::CoarseCholesky()
     : matrix_(nullptr, Free{&common_}), factor_(nullptr, Free{&common_}), b_(nullptr, Free{&common_}) {
-  keep_openmp_serial();
+  keep_blas_serial();
   cholmod_start(&common_);
   common_.print = 0;
   common_.supernodal = CHOLMOD_SUPERNODAL;

@@ -31,8 +31,9 @@ std::vector<std::uint8_t> fixed_nodes(const Attachments& attachments) {
 
 template <class Real>
 System<Real>::System(const Lattice& lattice, CellMaterials materials, int quadrature, Attachments attachments,
-                     std::int32_t retractors, BedStiffness bed, const Vec3& gravity)
-    : elastic_(lattice, std::move(materials), quadrature, choose_instruction_set(), fixed_nodes(attachments)),
+                     std::int32_t retractors, BedStiffness bed, const Vec3& gravity, const Interrupt& interrupt)
+    : elastic_(lattice, std::move(materials), quadrature, choose_instruction_set(), fixed_nodes(attachments),
+               interrupt),
       attachments_(std::move(attachments)),
       bed_(bed),
       held_stiffness_(kHeldStiffness * elastic_.materials().table[0].youngs_modulus / lattice.settings.spacing),
@@ -40,6 +41,7 @@ System<Real>::System(const Lattice& lattice, CellMaterials materials, int quadra
       retractor_motion_(static_cast<std::size_t>(retractors), Eigen::Matrix4d::Identity()),
       free_(lattice.node_rest.size(), 1),
       node_scale_(lattice.node_rest.size()) {
+  interrupt.check();
   if (gravity.squaredNorm() > 0) {
     // kg/m^3 * m/s^2 = N/m^3 = 1e-6 mN/mm^3
     gravity_force_.assign(3 * lattice.node_rest.size(), 0.0);
@@ -53,7 +55,9 @@ System<Real>::System(const Lattice& lattice, CellMaterials materials, int quadra
     }
   }
   find_fragments();
+  interrupt.check();
   clusters_ = ResidualClusters(lattice, elastic_.materials(), fragment_of_node_);
+  interrupt.check();
   rebuild_constraints();
 }
 

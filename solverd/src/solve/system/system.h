@@ -43,7 +43,7 @@ template <class Real>
 class System {
  public:
   System(const Lattice& lattice, CellMaterials materials, int quadrature, Attachments attachments,
-         std::int32_t retractors, BedStiffness bed, const Vec3& gravity);
+         std::int32_t retractors, BedStiffness bed, const Vec3& gravity, const Interrupt& interrupt = {});
 
   // Where a subdomain lies in this whole (solve/subdomain/subdomain.h). cells, nodes: their indices here; moves: per
   // node of the subdomain, only of those that are free.

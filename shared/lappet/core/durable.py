@@ -1,0 +1,34 @@
+"""Files that are whole after a power failure: the content reaches the disk before the name does."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+from pathlib import Path
+
+
+def replace_durably(fresh: Path, target: Path) -> None:
+    """Give a file that is written another's name, once the disk holds its content.
+
+    Parameters
+    ----------
+    fresh
+        The file, closed; in the same file system.
+    target
+        Its name from now on.
+
+    Raises
+    ------
+    OSError
+        If the file system refuses.
+    """
+    with fresh.open("rb+") as file:
+        os.fsync(file.fileno())
+    fresh.replace(target)
+    if os.name == "posix":
+        folder = os.open(target.parent, os.O_RDONLY)
+        try:
+            with contextlib.suppress(OSError):  # some file systems sync no folders; the file itself is safe
+                os.fsync(folder)
+        finally:
+            os.close(folder)
