@@ -1,4 +1,4 @@
-// Attempts at a frame that add to their budget, or go on instead of starting afresh.
+// A schedule of retries that add to their budget, or go on instead of starting afresh.
 #include "session/retry_schedule.h"
 
 #include <gtest/gtest.h>
