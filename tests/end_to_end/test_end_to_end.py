@@ -360,12 +360,17 @@ def test_every_part_of_a_tissue_on_its_bed_sinks_by_its_own_weight(tmp_path: Pat
 
 
 def test_a_frame_that_cannot_converge_exits_with_1_naming_frame_and_reason(tmp_path: Path) -> None:
-    """All faces are fixed: nothing can draw the ends of the suture all the way together, which is told at frame 6."""
-    tissue = small_procedure().tissue
-    everywhere = np.arange(len(tissue.face_vertex_counts), dtype=np.int32)
-    held = replace(tissue, subsets={**tissue.subsets, "fixed": everywhere})
-    write_procedure(small_procedure(tissue=held), tmp_path / "p.usda")
-    run = solve(tmp_path)
+    """All faces are fixed: nothing can draw the ends of the suture together, 8 mm apart, which is told at frame 6.
+
+    Eight points per cell see what the tissue within would have to bear; one lets it shear on to 250 N.
+    """
+    small = small_procedure()
+    everywhere = np.arange(len(small.tissue.face_vertex_counts), dtype=np.int32)
+    held = replace(small.tissue, subsets={**small.tissue.subsets, "fixed": everywhere})
+    slit, hook, _, mark = small.events
+    stitch = Suture("stitch", ((2.0, -4.0, TOP), (2.0, 4.0, TOP)), 5.0, 2.0)
+    write_procedure(small_procedure(tissue=held, events=(slit, hook, stitch, mark)), tmp_path / "p.usda")
+    run = solve(tmp_path, "--quadrature", "8")
     assert run.status == 1
     assert "Frame 6: " in run.stderr
     assert run.report["failed"]["time_code"] == 6

@@ -266,12 +266,14 @@ def test_the_zip_names_the_licence_of_every_library_in_it(zip_file: Path, tmp_pa
     assert re.search(r"-py3-none-manylinux_2_\d+_(x86_64|aarch64)\.whl$", ours)
     licensed = {Path(name).stem for name in names if "/licenses/libraries/" in name}
     said = (ROOT / "packaging/licenses.md").read_text(encoding="utf-8")
-    # libblas and liblapack are OpenBLAS's; a package of Debian is named after its library and the library's version.
+    # A package of Debian is named after its library and the library's version; libblas, liblapack and libopenblasp (the
+    # build with threads) are all OpenBLAS's.
+    projects = dict.fromkeys(("libblas", "liblapack", "libopenblasp"), "libopenblas") | {"libzmq": "zeromq"}
     held = {Path(name).name for name in names if name.startswith("lappet.libs/") and ".so" in name}
     assert len(held) > 10
     for library in held:
         plain = re.sub(r"-.*|\.so.*", "", library)
-        project = {"libblas": "libopenblas", "liblapack": "libopenblas", "libzmq": "zeromq"}.get(plain, plain)
+        project = projects.get(plain, plain)
         assert any(name.startswith(project) or f"lib{name}" == project for name in licensed), library
         assert project.removeprefix("lib") in said.lower(), f"packaging/licenses.md does not name {library}"
     assert "GPL-2" in licensed, "CHOLMOD's licence refers to it"

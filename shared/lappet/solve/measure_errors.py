@@ -4,8 +4,8 @@ The coarse program (`lappet.solve.error_estimate`) has the same sutures, hooks a
 by what the lattice costs:
 
 - A force is the product of a stiffness and a displacement, so its error is relative. There are two indicators of it:
-  where forces converge geometrically, F_h = F_0 exp(c h^p), the difference of the two is
-  1 - exp(-|ln(F_2h / F_h)| / (2^p - 1)); and what is not known of the displacements, the root mean square of their
+  where forces converge geometrically, ``F_h = F_0 exp(c h^p)``, the difference of the two is
+  ``1 - exp(-|ln(F_2h / F_h)| / (2^p - 1))``; and what is not known of the displacements, the root mean square of their
   estimated error over that of the displacements. Either is too small by chance here and there, the first too large
   where cells of the coarse program hold several sutures. Their geometric mean is taken, or the second where that is
   larger. Where the coarse lattice resolves none of the sutures there is the second only, which is half of the error
