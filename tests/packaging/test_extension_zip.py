@@ -18,7 +18,6 @@ import numpy as np
 import pytest
 
 import extension
-import lappet_wheel
 import locked
 import pypi_wheels
 from box_scene import box, pull
@@ -68,7 +67,9 @@ def small_wheel(folder: Path, tag: str, **more: str) -> Path:
 
 def test_a_wheel_built_elsewhere_becomes_the_zip_of_its_platform(tmp_path: Path) -> None:
     other = tmp_path / "pyzmq-27.3.0-cp312-abi3-win_amd64.whl"
-    other.write_bytes(b"")
+    with zipfile.ZipFile(other, "w") as archive:
+        headers = "Metadata-Version: 2.4\nName: pyzmq\nVersion: 27.3.0\nLicense-Expression: BSD-3-Clause\n"
+        archive.writestr("pyzmq-27.3.0.dist-info/METADATA", headers)
     made = assemble("windows-x64", small_wheel(tmp_path, "win_amd64"), tmp_path / "dist", others=[other])
     assert made.name == f"lappet_blender-{extension.project_version()}-windows-x64.zip"
     with zipfile.ZipFile(made) as archive:
@@ -80,7 +81,7 @@ def test_a_wheel_built_elsewhere_becomes_the_zip_of_its_platform(tmp_path: Path)
             metadata = wheel.read(next(name for name in held if name.endswith("METADATA"))).decode()
     assert manifest["platforms"] == ["windows-x64"]
     assert sorted(manifest["wheels"]) == sorted(f"./{name}" for name in names if name.startswith("wheels/"))
-    assert {"__init__.py", "LICENSE", "wheels/" + other.name} <= set(names)
+    assert {"__init__.py", "LICENSE", "sbom.cdx.json", "wheels/" + other.name} <= set(names)
     assert not [name for name in names if "__pycache__" in name or name.startswith("tests/")]
     assert "lappet/bin/lappet-solverd.exe" in held
     assert not [name for name in held if name.startswith("lappet_blender")]
@@ -162,14 +163,6 @@ def test_a_daemon_that_was_unpacked_without_its_modes_is_made_executable(
 
 
 # --- the whole -----------------------------------------------------------------------------------------------------
-
-
-@pytest.fixture(scope="module")
-def zip_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The zip for this machine."""
-    wheel = lappet_wheel.portable(lappet_wheel.built())
-    platform = lappet_wheel.this_platform()
-    return assemble(platform, wheel, tmp_path_factory.mktemp("dist"), others=pypi_wheels.bundled(platform))
 
 
 def lonely_blender(folder: Path) -> Path:
