@@ -35,7 +35,7 @@ test:  ## run every test: the daemon's (ctest), then Python's (pytest)
 test-gui: setup  ## drive a real Blender window (makes a Debian sid with one first: root, 1.5 GB)
 	@$(PYTHON) tests/gui/run.py
 
-lint:  ## check style, types, import directions, docstrings and documents
+lint:  ## check style, types, import directions, docstrings, documents and known vulnerabilities
 	@bash packaging/lint.sh
 
 format:  ## rewrite sources in the house style

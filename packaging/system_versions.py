@@ -19,7 +19,8 @@ FOLDER = Path(__file__).resolve().parent
 NAMED = FOLDER / "system_packages.txt"
 RECORDED = FOLDER / "system_versions.txt"
 HEAD = """\
-# The Debian packages that CI last ran with: those of system_packages.txt and all that they depend on.
+# The Debian packages that CI last ran with: those of system_packages.txt and all that they depend on. Each line has
+# the package, its version, its source package and the version of that.
 # Written by packaging/system_versions.py --write, on Debian {release}, {architecture}.
 """
 _FIELDS = (
@@ -91,17 +92,18 @@ def with_dependencies(names: list[str], there: dict[str, DebianPackage]) -> dict
     return dict(sorted(found.items()))
 
 
-def recorded(path: Path | None = None) -> dict[str, str]:
-    """The version of each package in the file (system_versions.txt where none is named)."""
-    lines = (path or RECORDED).read_text(encoding="utf-8").splitlines()
-    return dict(line.split() for line in lines if line and not line.startswith("#"))  # type: ignore[misc]
+def recorded() -> dict[str, DebianPackage]:
+    """The packages of the file by name: versions and sources, without what they provide and depend on."""
+    lines = [line for line in RECORDED.read_text(encoding="utf-8").splitlines() if line and not line.startswith("#")]
+    found = (DebianPackage(*line.split(), architecture="") for line in lines)  # type: ignore[misc]
+    return {one.name: one for one in found}
 
 
-def differences(before: dict[str, str], now: dict[str, DebianPackage]) -> list[str]:
+def differences(before: dict[str, DebianPackage], now: dict[str, DebianPackage]) -> list[str]:
     """One line for each package whose version, or presence, is not as recorded."""
     lines: list[str] = []
     for name in sorted(before.keys() | now.keys()):
-        old, new = before.get(name), now[name].version if name in now else None
+        old, new = (there[name].version if name in there else None for there in (before, now))
         if old != new:
             lines.append(f"{name}: CI had {old or 'none'}, here is {new or 'none'}")
     return lines
@@ -136,7 +138,8 @@ def main(arguments: list[str] | None = None) -> int:
     now = with_dependencies(named(), there)
     if given.write:
         head = HEAD.format(release=_release(), architecture=there["dpkg"].architecture)
-        RECORDED.write_text(head + "".join(f"{one.name} {one.version}\n" for one in now.values()), encoding="utf-8")
+        lines = (f"{one.name} {one.version} {one.source} {one.source_version}\n" for one in now.values())
+        RECORDED.write_text(head + "".join(lines), encoding="utf-8")
         return 0
     for line in differences(recorded(), now):
         print(line)
