@@ -21,6 +21,7 @@ from pathlib import Path
 
 import lappet_wheel
 import sbom
+import system_versions
 from lappet_wheel import edited, metadata_folder
 from pypi_wheels import CACHE, PLATFORMS, ROOT, bundled
 
@@ -128,6 +129,19 @@ def assemble(platform: str, lappet: Path, output: Path, *, others: list[Path], a
     return made
 
 
+def outdated() -> list[str]:
+    """A sentence for each library of Debian in the wheel that Debian has replaced, as far as apt knows."""
+    try:
+        there = system_versions.installed()
+        newer = system_versions.updates([name for name in sbom.LICENSES if name in there])
+    except FileNotFoundError:
+        return []
+    return [
+        f"the zip carries {name} {there[name].version}, and Debian has {version}: upgrade that package, build again."
+        for name, version in newer.items()
+    ]
+
+
 def _blender_tool(tool: Path, *arguments: str) -> None:
     done = subprocess.run([sys.executable, str(tool), *arguments], capture_output=True, text=True, check=False)
     if done.returncode:
@@ -156,6 +170,8 @@ def main(arguments: list[str] | None = None) -> int:
     except subprocess.CalledProcessError as error:
         print(f"extension: {Path(error.cmd[1]).name} failed; its message is above.", file=sys.stderr)
         return 1
+    for line in outdated() if given.lappet_wheel is None else ():
+        print(f"extension: warning: {line}", file=sys.stderr)
     print(f"{made} ({made.stat().st_size / 1e6:.0f} MB)")
     return 0
 

@@ -20,6 +20,7 @@ import pytest
 import extension
 import locked
 import pypi_wheels
+import system_versions
 from box_scene import box, pull
 from extension import assemble, with_wheels
 from lappet.cutting.epoch import Epoch
@@ -110,6 +111,21 @@ def test_a_platform_whose_daemon_cannot_be_compiled_here_asks_for_the_wheel(
 ) -> None:
     assert extension.main(["--platform", "windows-x64"]) == 1
     assert "windows-x64 cannot be compiled here" in capsys.readouterr().err
+
+
+def test_a_library_that_debian_has_replaced_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of the packages that the wheel carries, not of others."""
+    asked: list[str] = []
+
+    def updates(names: list[str]) -> dict[str, str]:
+        asked.extend(names)
+        return {"libcholmod3": "99"}
+
+    monkeypatch.setattr(system_versions, "updates", updates)
+    (line,) = extension.outdated()
+    assert re.search(r"carries libcholmod3 1:5\.\d+\S*, and Debian has 99: upgrade that package", line)
+    assert {"libtbb12", "libeigen3-dev"} <= set(asked)
+    assert "cmake" not in asked
 
 
 def test_the_manifest_states_what_the_project_does_and_every_key_stays() -> None:
