@@ -63,7 +63,7 @@ def entries(packages: Iterable[Locked]) -> str:
     """A file of requirements for pip with these packages, hashes and all."""
     listed = list(packages)
     head = options(one.name for one in listed if one.from_source)
-    return "\n".join([*head, *(one.entry for one in listed), ""])
+    return "\n".join([*head, "", *(one.entry for one in listed), ""])
 
 
 def options(from_source: Iterable[str]) -> list[str]:
