@@ -146,6 +146,12 @@ def test_every_package_of_the_lock_has_hashes_of_its_files_and_one_is_built_from
         assert len(packages[name].hashes) >= platforms, name
 
 
+def test_the_older_blender_of_the_tests_has_hashes_too() -> None:
+    (blender,) = locked.read(locked.LOCK.with_name("blender_4_5.txt")).values()
+    assert (blender.name, blender.version.rpartition(".")[0]) == ("bpy", "4.5")
+    assert blender.hashes
+
+
 def test_what_builds_the_wheel_has_one_version_only() -> None:
     project = tomllib.loads(PYPROJECT.read_text(encoding="utf-8"))
     for one in project["build-system"]["requires"]:
