@@ -9,6 +9,7 @@ import click
 
 from lappet.commands.gravity_options import gravity_options, with_gravity
 from lappet.commands.parameters import FILE
+from lappet.commands.reading_options import reading_options
 from lappet.commands.refusals import sentences
 
 
@@ -21,6 +22,7 @@ from lappet.commands.refusals import sentences
 @gravity_options("9.81")
 @click.option("--sphere", nargs=4, type=float, metavar="X Y Z R", help="Take the part inside a sphere, in mm.")
 @click.option("--box", nargs=6, type=float, metavar="X Y Z X Y Z", help="Take the part inside a box (two corners, mm).")
+@reading_options
 @click.pass_context
 def new(
     context: click.Context,

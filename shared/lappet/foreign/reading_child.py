@@ -1,0 +1,117 @@
+"""The process that reads a file for another: `python -m MODULE READER LIMITS OPTION FILE`, started by `ReadingProcess`.
+
+It limits itself, reads, and writes one block of `lappet.core.value_codec` to its standard output: the value, or a
+`ReadRefusal`. What it cannot tell in this way its exit status says.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import errno
+import json
+import os
+import signal
+import sys
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from enum import IntEnum
+from pathlib import Path
+from typing import Any, Never
+
+from lappet.core.problem import Problem, ProblemsError, problem
+from lappet.core.problem_code import ProblemCode
+from lappet.core.value_codec import pack
+from lappet.foreign.limits import ReadLimits
+
+FileReader = Callable[[Path, ReadLimits, str], Any]
+
+
+class Ending(IntEnum):
+    """What the exit status of the process says."""
+
+    DONE = 0
+    MEMORY = 71
+    SIZE = 72
+
+
+@dataclass(frozen=True)
+class ReadRefusal:
+    """Why the file is not read.
+
+    Parameters
+    ----------
+    problems
+        Every reason.
+    """
+
+    problems: tuple[Problem, ...]
+
+
+def serve(readers: Mapping[str, FileReader], arguments: list[str]) -> Never:
+    """Read the file that the arguments name, hand over what is read, and end the process.
+
+    Parameters
+    ----------
+    readers
+        Functions of the file, the limits and the option, by the name that the arguments have for them.
+    arguments
+        Arguments of the process.
+    """
+    name, told, option, file = arguments
+    limits = ReadLimits(**json.loads(told))
+    handle = os.dup(1)
+    os.dup2(2, 1)  # what a library prints is no part of the value
+    limit_process(limits)
+    os._exit(_hand_over(handle, readers[name], Path(file), limits, option))
+
+
+def limit_process(limits: ReadLimits) -> None:
+    """Limit this process's memory, time and size of files, as far as its system does that.
+
+    Parameters
+    ----------
+    limits
+        The limits.
+    """
+    if sys.platform == "win32":
+        return
+    import resource
+
+    for kind, wanted in (
+        (resource.RLIMIT_AS, limits.memory),
+        (resource.RLIMIT_CPU, limits.seconds),
+        (resource.RLIMIT_FSIZE, limits.size),
+        (resource.RLIMIT_CORE, 0),
+    ):
+        _, hard = resource.getrlimit(kind)
+        most = wanted if hard == resource.RLIM_INFINITY else min(wanted, hard)
+        with contextlib.suppress(ValueError, OSError):  # macOS does not limit the address space
+            resource.setrlimit(kind, (most, hard))  # what reaches a hard limit of time is killed without a reason
+    signal.alarm(limits.wall_seconds)  # also where its parent is gone
+
+
+def _hand_over(handle: int, read: FileReader, file: Path, limits: ReadLimits, option: str) -> Ending:
+    try:
+        data = pack(_value(read, file, limits, option))
+        if len(data) > limits.size:
+            return Ending.SIZE
+        with os.fdopen(handle, "wb") as out:
+            out.write(data)
+    except MemoryError:
+        return Ending.MEMORY
+    except OSError as error:
+        if error.errno == errno.EFBIG:
+            return Ending.SIZE
+        raise
+    return Ending.DONE
+
+
+def _value(read: FileReader, file: Path, limits: ReadLimits, option: str) -> Any:
+    try:
+        return read(file, limits, option)
+    except ProblemsError as error:
+        return ReadRefusal(error.problems)
+    except MemoryError:
+        raise
+    except Exception as error:  # to be told by who wanted the file
+        return ReadRefusal((problem(ProblemCode.INTERNAL, "", f"{type(error).__name__}: {error}".splitlines()[0]),))
