@@ -1,11 +1,14 @@
 """Operators, menu entries and the drop of files that import and export procedures and skin caches."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import bpy
 from bpy.props import BoolProperty, StringProperty
 from bpy_extras.io_utils import ExportHelper, ImportHelper
+
+from lappet.foreign.limits import DEFAULT_LIMITS
 
 from ..interface.operator_base import NO_UNDO, OperatorBase
 from ..interface.problem_sentence import problem_sentence
@@ -61,6 +64,12 @@ class LAPPET_OT_import_procedure(OperatorBase, bpy.types.Operator, ImportHelper)
         description="Import into a new scene; if not given, only if this scene already has a tissue or events",
         default=False,
     )
+    allow_external: BoolProperty(
+        name="Allow External",
+        description="Follow references to files outside the folder of the file. Only for files that you trust",
+        default=False,
+        options={"SKIP_SAVE"},
+    )
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         if self.properties.is_property_set("filepath") and self.filepath:  # dropped on the window
@@ -71,10 +80,11 @@ class LAPPET_OT_import_procedure(OperatorBase, bpy.types.Operator, ImportHelper)
         path, scene = _path(self), context.scene
         taken = scene.lappet.tissue.object is not None or len(scene.lappet.events) > 0
         apart = self.new_scene if self.properties.is_property_set("new_scene") else taken
-        look_into(path)  # refuses what is no USD before a scene is made for it
+        # Refuses what is no USD before a scene is made for it.
+        found = look_into(path, replace(DEFAULT_LIMITS, allow_external=self.allow_external))
         target = _fresh_scene(scene, path.stem) if apart else scene
         try:
-            notes = read_into(target, path)
+            notes = read_into(target, found)
         except BaseException:
             if apart:
                 bpy.data.scenes.remove(target)
