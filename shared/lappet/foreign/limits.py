@@ -14,7 +14,7 @@ class ReadLimits:
     Parameters
     ----------
     memory
-        Bytes of address space of the process that reads. Only Linux keeps it.
+        Bytes of memory of the process that reads. Only Linux keeps it.
     seconds
         Seconds of a processor; by the clock it may take twice as long.
     size

@@ -23,6 +23,10 @@ from lappet.core.problem_code import ProblemCode
 from lappet.core.value_codec import pack
 from lappet.foreign.limits import ReadLimits
 
+_RESERVED = 2 << 30  # bytes: libraries, and addresses that they set aside and may never use
+
+_SPENT = 0.9  # of the memory: then whatever fails fails for lack of it
+
 FileReader = Callable[[Path, ReadLimits, str], Any]
 
 
@@ -78,7 +82,8 @@ def limit_process(limits: ReadLimits) -> None:
     import resource
 
     for kind, wanted in (
-        (resource.RLIMIT_AS, limits.memory),
+        (resource.RLIMIT_DATA, limits.memory),
+        (resource.RLIMIT_AS, limits.memory + limits.size + _RESERVED),
         (resource.RLIMIT_CPU, limits.seconds),
         (resource.RLIMIT_FSIZE, limits.size),
         (resource.RLIMIT_CORE, 0),
@@ -92,7 +97,10 @@ def limit_process(limits: ReadLimits) -> None:
 
 def _hand_over(handle: int, read: FileReader, file: Path, limits: ReadLimits, option: str) -> Ending:
     try:
-        data = pack(_value(read, file, limits, option))
+        value = _value(read, file, limits, option)
+        if isinstance(value, ReadRefusal) and _memory_is_spent(limits):
+            return Ending.MEMORY  # a library that gets no memory says that the file is damaged
+        data = pack(value)
         if len(data) > limits.size:
             return Ending.SIZE
         with os.fdopen(handle, "wb") as out:
@@ -104,6 +112,14 @@ def _hand_over(handle: int, read: FileReader, file: Path, limits: ReadLimits, op
             return Ending.SIZE
         raise
     return Ending.DONE
+
+
+def _memory_is_spent(limits: ReadLimits) -> bool:
+    if sys.platform != "linux":
+        return False
+    import resource
+
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024 > _SPENT * limits.memory
 
 
 def _value(read: FileReader, file: Path, limits: ReadLimits, option: str) -> Any:

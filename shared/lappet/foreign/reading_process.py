@@ -59,7 +59,7 @@ class ReadingProcess:
     ) -> None:
         self._file, self._limits = file, limits
         python = find_python()
-        command = [python, "-s", "-P", "-m", module, reader, json.dumps(asdict(limits)), option, file]
+        command = [str(python), "-s", "-P", "-m", module, reader, json.dumps(asdict(limits)), option, str(file)]
         self._said = tempfile.TemporaryFile()  # noqa: SIM115
         try:
             self._process = subprocess.Popen(
@@ -84,6 +84,11 @@ class ReadingProcess:
 
     def __exit__(self, *_: object) -> None:
         self.close()
+
+    @property
+    def pid(self) -> int:
+        """The process id."""
+        return self._process.pid
 
     def close(self) -> None:
         """End the process, whatever it does."""

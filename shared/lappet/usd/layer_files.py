@@ -96,7 +96,7 @@ class LayerFiles:
 
     def _paths(self, layer: Any) -> Iterator[str]:
         """The files that a layer composes with, each after a look at it; clips are looked at and not opened."""
-        for named in layer.GetCompositionAssetDependencies():
+        for named in filter(None, layer.GetCompositionAssetDependencies()):  # "": another prim of the same layer
             path = self._path(layer, named)
             if self._look(Path(self._outer(path)), named):
                 yield path

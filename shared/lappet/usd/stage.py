@@ -234,11 +234,14 @@ def read_here(path: str | os.PathLike[str], limits: ReadLimits = DEFAULT_LIMITS)
     Raises
     ------
     RefusedError
-        If the file cannot be opened.
+        If the file cannot be opened, or is damaged.
     """
     notes: list[Problem] = []
     stage = open_stage(path, limits)
-    procedure, problems = usd_reader.read_what_can_be(stage, pxr(), notes)
+    try:
+        procedure, problems = usd_reader.read_what_can_be(stage, pxr(), notes)
+    except pxr().Tf.ErrorException as cause:
+        raise refused(ProblemCode.USD_UNREADABLE, path, Path(path).suffix, reason=_reason(cause)) from cause
     return StageProcedure(procedure, tuple(problems), tuple(notes))
 
 

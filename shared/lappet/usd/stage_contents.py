@@ -1,4 +1,4 @@
-"""What a USD file holds, a procedure or a skin cache over one, and a look at all of its values before others read it."""
+"""What a USD file holds, a procedure or a skin cache, and a look at all of its values before others read them."""
 
 from __future__ import annotations
 
