@@ -79,6 +79,23 @@ def unfolding_crate(folder: Path, subsets: int) -> Path:
     return file
 
 
+def unfolding_cache(folder: Path, frames: int) -> Path:
+    """Write a skin cache whose counts are one array of 12 MB at every frame, in few bytes."""
+    usd = pxr()
+    procedure(folder)
+    layer = usd.Sdf.Layer.CreateAnonymous(".usda")
+    stage = usd.Usd.Stage.Open(layer)
+    mesh = usd.UsdGeom.Mesh.Define(stage, "/Procedure/Skin/epoch_00")
+    same = usd.Vt.IntArray.FromNumpy(np.zeros(3 << 20, np.int32))
+    mesh.CreateFaceVertexCountsAttr(same)
+    for frame in range(frames):
+        mesh.GetFaceVertexCountsAttr().Set(same, float(frame))
+    layer.subLayerPaths.append("./sound.usda")
+    file = folder / "skin.usdc"
+    layer.Export(str(file))
+    return file
+
+
 def slow_crate(folder: Path, samples: int, depth: int) -> Path:
     """Write a .usdc whose hook moves at many times, each below many prims that move at as many."""
     usd = pxr()

@@ -16,6 +16,7 @@ import pytest
 from lappet.core.problem import Problem, RefusedError
 from lappet.core.problem_code import ProblemCode
 from lappet.foreign.limits import GIB, ReadLimits
+from lappet.output.render import render_cache
 from lappet.tissue.mesh_file import read_mesh
 from lappet.usd.stage import read_procedure
 
@@ -48,6 +49,15 @@ def test_a_crate_that_unfolds_is_refused(tmp_path: Path) -> None:
     problem = refusal(lambda: read_procedure(bomb, limits=LIMITS))
     assert (problem.code, problem.prim, problem.value) == (ProblemCode.READ_MEMORY, str(bomb), "1 GiB")
     assert "--read-memory" in problem.remedy
+
+
+def test_a_skin_cache_whose_frames_unfold_is_not_drawn(tmp_path: Path) -> None:
+    """No single value is large; Blender would hold them all."""
+    bomb = bombs.unfolding_cache(tmp_path, 100)
+    assert bomb.stat().st_size < 60_000
+    problem = refusal(lambda: render_cache(bomb, tmp_path / "pictures", limits=LIMITS))
+    assert (problem.code, problem.value) == (ProblemCode.READ_MEMORY, "1 GiB")
+    assert not (tmp_path / "pictures").exists()
 
 
 @POSIX
