@@ -17,6 +17,7 @@ from lappet.core.problem import Problem, RefusedError
 from lappet.core.problem_code import ProblemCode
 from lappet.foreign.limits import GIB, ReadLimits
 from lappet.output.render import render_cache
+from lappet.procedure.scene_profile import measured_costs
 from lappet.tissue.mesh_file import read_mesh
 from lappet.usd.stage import read_procedure
 
@@ -219,6 +220,14 @@ def test_a_pipe_that_a_layer_refers_to_is_not_opened(tmp_path: Path, arc: str) -
     os.mkfifo(tmp_path / "pipe.usda")
     over = bombs.with_prims(tmp_path, f'def "a" (\n    {arc} = @./pipe.usda@\n)\n{{\n}}\n')
     assert refusal(lambda: read_procedure(over, limits=LIMITS)).code is ProblemCode.READ_NOT_REGULAR
+
+
+@POSIX
+def test_a_pipe_is_no_table_of_costs(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "economy.json")
+    assert refusal(lambda: measured_costs(tmp_path / "economy.json")).code is ProblemCode.ECONOMY_FILE
+    (tmp_path / "deep.json").write_text("[" * 100_000)
+    assert refusal(lambda: measured_costs(tmp_path / "deep.json")).code is ProblemCode.ECONOMY_FILE
 
 
 @POSIX

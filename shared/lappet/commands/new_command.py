@@ -35,7 +35,7 @@ def new(
     gravity: float | None,
     **options: Any,
 ) -> None:
-    """Make a procedure whose tissue is a mesh (OBJ, STL, PLY, glTF, USD)."""
+    """Make a procedure whose tissue is a mesh (OBJ, STL, PLY, OFF, glTF, USD)."""
     with sentences(context):
         from lappet.procedure import Procedure
         from lappet.tissue.tissue_from_mesh import new_tissue
