@@ -223,6 +223,13 @@ def test_a_pipe_that_a_layer_refers_to_is_not_opened(tmp_path: Path, arc: str) -
 
 
 @POSIX
+def test_a_pipe_that_a_template_of_clips_names_is_not_opened(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "clip.7.usda")
+    over = bombs.clips(tmp_path, "double templateStride = 1")
+    assert refusal(lambda: read_procedure(over, limits=LIMITS)).code is ProblemCode.READ_NOT_REGULAR
+
+
+@POSIX
 def test_a_pipe_is_no_table_of_costs(tmp_path: Path) -> None:
     os.mkfifo(tmp_path / "economy.json")
     assert refusal(lambda: measured_costs(tmp_path / "economy.json")).code is ProblemCode.ECONOMY_FILE

@@ -127,6 +127,21 @@ def test_a_link_inside_that_leads_outside_is_refused(inside: Path, name: str) ->
     assert refusal(over(inside, "reference", "./round.usda"))[0] is ProblemCode.READ_OUTSIDE
 
 
+@pytest.mark.skipif(os.name != "posix", reason="links are not everybody's here")
+def test_clips_of_a_template_that_are_links_outside_are_refused(inside: Path) -> None:
+    (inside / "clip.7.usda").symlink_to("../outside.usda")
+    assert refusal(bombs.clips(inside, "double templateStride = 1"))[0] is ProblemCode.READ_OUTSIDE
+    assert refusal(bombs.clips(inside, "double templateStride = 1", "../#.usda"))[0] is ProblemCode.READ_OUTSIDE
+
+
+def test_a_terminal_obeys_nothing_that_a_file_says(inside: Path) -> None:
+    file = bombs.gltf(inside, buffers=[{"uri": "../\x1b]0;title\x07.bin", "byteLength": 36}])
+    with pytest.raises(RefusedError) as error:
+        read_mesh(file)
+    assert str(error.value).isprintable()
+    assert "?]0;title?" in str(error.value)
+
+
 def test_pictures_that_materials_name_are_left_alone(inside: Path) -> None:
     """Lappet opens none, so a scene with pictures elsewhere is read as ever."""
     file = bombs.with_prims(inside, 'def "a"\n{\n    asset picture = @/elsewhere/skin.png@\n}\n')

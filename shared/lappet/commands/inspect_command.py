@@ -34,11 +34,10 @@ def inspect(
 ) -> None:
     """Print a procedure's storyboard, epochs, scene profile and lattice counts."""
     with sentences(context):
+        from lappet.core.printable import printable
         from lappet.output.inspect_procedure import inspect_procedure
 
-        lattice = not no_lattice
-        click.echo(
-            inspect_procedure(
-                procedure, spacing=spacing, lattice=lattice, daemon=daemon, economy=economy, limits=limits
-            )
+        told = inspect_procedure(
+            procedure, spacing=spacing, lattice=not no_lattice, daemon=daemon, economy=economy, limits=limits
         )
+        click.echo(printable(told))

@@ -37,6 +37,7 @@ def new(
 ) -> None:
     """Make a procedure whose tissue is a mesh (OBJ, STL, PLY, OFF, glTF, USD)."""
     with sentences(context):
+        from lappet.core.printable import printable
         from lappet.procedure import Procedure
         from lappet.tissue.tissue_from_mesh import new_tissue
         from lappet.usd.stage import write_procedure
@@ -49,5 +50,5 @@ def new(
         )
         write_procedure(Procedure(with_gravity(tissue, position, gravity)), output)
         for line in found:
-            click.echo(line)
+            click.echo(printable(line))
         click.echo(f"Written: {output}")

@@ -5,7 +5,9 @@
 
 from __future__ import annotations
 
+import glob
 import math
+import re
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -102,7 +104,10 @@ class LayerFiles:
                 yield path
         for clips in _clip_sets(layer):
             for named in self._clip_files(clips):
-                self._look(Path(self._outer(self._path(layer, named))), named)
+                clip = Path(self._outer(self._path(layer, named)))
+                self._look(clip, named)
+                for found in _of_template(clip):
+                    self._look(found, named)
 
     def _path(self, layer: Any, named: str) -> str:
         if named.startswith("`"):  # an expression, which may name anything
@@ -144,6 +149,13 @@ class LayerFiles:
         stride = float(clips.get("templateStride", 1.0))
         if "templateStride" in clips and not (stride > 0.0 and math.isfinite(span) and span / stride < MAX_CLIPS):
             raise refused(ProblemCode.USD_CLIPS, self._file, f"{stride:g}", span=f"{span:g}", most=MAX_CLIPS)
+
+
+def _of_template(path: Path) -> Iterator[Path]:
+    """The files of a folder that a template of clips names; `path` may be looked up."""
+    if "#" in path.name:
+        name = "*".join(map(glob.escape, re.split("#+", path.name)))
+        yield from path.parent.glob(name)
 
 
 def _clip_sets(layer: Any) -> Iterator[Any]:
