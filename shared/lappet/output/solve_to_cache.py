@@ -32,7 +32,7 @@ from lappet.solve.solve_frames import FrameResult, Frames, SolveObserver, solve_
 from lappet.solve.store import FrameStore
 from lappet.solve.suture_forces import SutureForce, suture_warnings
 from lappet.usd.procedure_file import ProcedureFile
-from lappet.usd.stage import SUFFIXES, read_procedure, write_procedure
+from lappet.usd.stage import SUFFIXES, pxr, write_procedure
 
 if TYPE_CHECKING:
     from lappet.solve.error_estimate import ErrorEstimate
@@ -267,9 +267,9 @@ def _read(
     if path.resolve() == output.resolve():
         raise refused(ProblemCode.CACHE_IS_PROCEDURE, output)
     notes: list[Problem] = []
-    if isinstance(source, ProcedureFile):
-        return source.procedure(notes), path, notes
-    return read_procedure(path, notes, limits), path, notes
+    with source if isinstance(source, ProcedureFile) else ProcedureFile(path, limits) as file:
+        pxr()  # loaded while the child reads; the skin cache needs it
+        return file.procedure(notes), path, notes
 
 
 def _check(procedure: Procedure, settings: SolverSettings) -> list[Problem]:
