@@ -83,6 +83,8 @@ def test_what_takes_too_much_is_ended_and_the_limit_is_named(reader: str, option
 
 def test_what_a_child_says_is_no_value_until_it_is_checked(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
+    code, _, value = ending("no such reader")
+    assert (code, value) == (ProblemCode.READ_DIED, "status 1 (KeyError: 'no such reader')")
     assert ending("garbage")[0] is ProblemCode.READ_DIED
     assert ending("other_value")[0] is ProblemCode.READ_DIED
     assert list(tmp_path.iterdir()) == [], "nothing was executed"

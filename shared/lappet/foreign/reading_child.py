@@ -88,8 +88,8 @@ def limit_process(limits: ReadLimits) -> None:
         (resource.RLIMIT_FSIZE, limits.size),
         (resource.RLIMIT_CORE, 0),
     ):
-        _, hard = resource.getrlimit(kind)
-        most = wanted if hard == resource.RLIM_INFINITY else min(wanted, hard)
+        soft, hard = resource.getrlimit(kind)
+        most = min([wanted, *(each for each in (soft, hard) if each != resource.RLIM_INFINITY)])
         with contextlib.suppress(ValueError, OSError):  # macOS does not limit the address space
             resource.setrlimit(kind, (most, hard))  # what reaches a hard limit of time is killed without a reason
     signal.alarm(limits.wall_seconds)  # also where its parent is gone

@@ -29,6 +29,7 @@ _ENVIRONMENT = {
     "PXR_WORK_THREAD_LIMIT": "1",
     "MALLOC_ARENA_MAX": "2",
 }
+_LAST_BYTES = 200
 _SEARCH_PATH = "PXR_AR_DEFAULT_SEARCH_PATH"  # folders in which USD would look besides
 
 
@@ -60,19 +61,19 @@ class ReadingProcess:
         self._file, self._limits = file, limits
         python = find_python()
         command = [str(python), "-s", "-P", "-m", module, reader, json.dumps(asdict(limits)), option, str(file)]
-        self._said = tempfile.TemporaryFile()  # noqa: SIM115
+        self._said, self._chatter = tempfile.TemporaryFile(), tempfile.TemporaryFile()  # noqa: SIM115
         try:
             self._process = subprocess.Popen(
                 command,
                 stdin=subprocess.DEVNULL,
                 stdout=self._said,
-                stderr=subprocess.DEVNULL,
+                stderr=self._chatter,
                 env=_environment(limits),
                 start_new_session=True,  # Ctrl-C in the terminal is for this process, which ends the child
                 creationflags=getattr(subprocess, "CREATE_NO_WINDOW", 0),
             )
         except OSError as error:
-            self._said.close()
+            self._close_files()
             raise refused(ProblemCode.READ_NOT_STARTED, file, error.strerror or error) from error
         self._late = threading.Event()
         self._timer = threading.Timer(limits.wall_seconds, self._end_late)
@@ -96,7 +97,7 @@ class ReadingProcess:
         with contextlib.suppress(OSError):
             self._process.kill()
         self._process.wait()
-        self._said.close()
+        self._close_files()
 
     def result(self, kind: Any) -> Any:
         """Wait for what is read; ends the process. To be called once.
@@ -153,8 +154,19 @@ class ReadingProcess:
             return refused(ProblemCode.READ_MEMORY, self._file, self._gib())
         if status == Ending.SIZE:
             return self._size_refusal()
-        how = f"signal {-status}" if status < 0 else f"status {status}"
+        how = f"signal {-status}" if status < 0 else f"status {status} ({self._last_words()})"
         return refused(ProblemCode.READ_DIED, self._file, how, memory=self._gib())
+
+    def _last_words(self) -> str:
+        """Return the end of the last line that the process printed: what Python says of an error."""
+        size = os.fstat(self._chatter.fileno()).st_size
+        self._chatter.seek(max(0, size - _LAST_BYTES))
+        lines = self._chatter.read(_LAST_BYTES).decode(errors="replace").split("\n")
+        return next((line.strip() for line in reversed(lines) if line.strip()), "it said nothing")
+
+    def _close_files(self) -> None:
+        self._said.close()
+        self._chatter.close()
 
     def _size_refusal(self) -> RefusedError:
         return refused(ProblemCode.READ_RESULT_SIZE, self._file, f"{self._limits.size / 2**20:g} MiB")

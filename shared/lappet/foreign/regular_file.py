@@ -51,4 +51,4 @@ def refuse_irregular(file: Path, limits: ReadLimits) -> None:
     if not stat.S_ISREG(found.st_mode):
         raise refused(ProblemCode.READ_NOT_REGULAR, file, stat.filemode(found.st_mode)[0])
     if found.st_size > limits.size:
-        raise refused(ProblemCode.READ_SIZE, file, f"{found.st_size / 2**20:.1f}", limit=limits.size / 2**20)
+        raise refused(ProblemCode.READ_SIZE, file, f"{found.st_size / 2**20:.1f}", limit=f"{limits.size / 2**20:g}")
