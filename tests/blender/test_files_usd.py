@@ -227,6 +227,17 @@ def test_a_procedure_that_refers_outside_its_folder_is_imported_only_where_that_
     assert refusal(lambda: ops.import_procedure(filepath=str(path))).code is ProblemCode.READ_OUTSIDE, "asked each time"
 
 
+def test_an_import_reads_as_much_as_its_properties_say(slit: bpy.types.Scene, tmp_path: Path) -> None:
+    path = tmp_path / "slit.usda"
+    ops.export_procedure(filepath=str(path))
+    with path.open("a") as file:
+        file.write("\n" * (3 << 20))
+    refused = refusal(lambda: ops.import_procedure(filepath=str(path), read_size=2 / 1024))
+    assert (refused.code, refused.value) == (ProblemCode.READ_SIZE, "3.0")
+    ops.import_procedure(filepath=str(path))
+    assert len(bpy.data.scenes) == 2
+
+
 @pytest.mark.skipif(os.name != "posix", reason="no pipes here")
 def test_a_pipe_is_not_imported(scene: bpy.types.Scene, tmp_path: Path) -> None:
     os.mkfifo(tmp_path / "pipe.usda")
