@@ -23,7 +23,7 @@ class Folder:
 
     def __init__(self, file: Path, limits: ReadLimits) -> None:
         self._file, self._open = file, limits.allow_external
-        self._folder = file.resolve().parent
+        self._folder = Path(os.path.realpath(file)).parent
 
     def refuse_outside(self, path: Path, named: str) -> None:
         """Refuse a path outside the folder, with the same words whether there is a file or not.
@@ -47,7 +47,4 @@ class Folder:
         """Whether the path lies inside: links are looked up only where it does as it is written."""
         if not Path(os.path.normpath(self._folder / path)).is_relative_to(self._folder):
             return False
-        try:
-            return (self._folder / path).resolve().is_relative_to(self._folder)
-        except (OSError, RuntimeError):  # links in a circle
-            return False
+        return Path(os.path.realpath(self._folder / path)).is_relative_to(self._folder)
