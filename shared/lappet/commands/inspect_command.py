@@ -7,7 +7,9 @@ from pathlib import Path
 import click
 
 from lappet.commands.parameters import FILE
+from lappet.commands.reading_options import reading_options
 from lappet.commands.refusals import sentences
+from lappet.foreign.limits import ReadLimits
 
 
 @click.command()
@@ -18,6 +20,7 @@ from lappet.commands.refusals import sentences
 @click.option(
     "--economy", type=FILE, metavar="FILE", help="Add the costs from this economy.json of `lappet report economy`."
 )
+@reading_options
 @click.pass_context
 def inspect(
     context: click.Context,
@@ -27,11 +30,14 @@ def inspect(
     no_lattice: bool,
     daemon: str | None,
     economy: Path | None,
+    limits: ReadLimits,
 ) -> None:
     """Print a procedure's storyboard, epochs, scene profile and lattice counts."""
     with sentences(context):
+        from lappet.core.printable import printable
         from lappet.output.inspect_procedure import inspect_procedure
 
-        click.echo(
-            inspect_procedure(procedure, spacing=spacing, lattice=not no_lattice, daemon=daemon, economy=economy)
+        told = inspect_procedure(
+            procedure, spacing=spacing, lattice=not no_lattice, daemon=daemon, economy=economy, limits=limits
         )
+        click.echo(printable(told))

@@ -438,3 +438,17 @@ class ProblemCode(StrEnum):
     ROLLER_NOT_A_SUBSET = auto()
     CURVE_SEVERAL = auto()
     CURVE_COUNT = auto()
+
+    # texts/foreign.toml
+    READ_KIND = auto()
+    READ_NOT_REGULAR = auto()
+    READ_SIZE = auto()
+    READ_RESULT_SIZE = auto()
+    READ_OUTSIDE = auto()
+    READ_NOT_STARTED = auto()
+    READ_TIME = auto()
+    READ_MEMORY = auto()
+    READ_DIED = auto()
+    MESH_SIZES = auto()
+    MESH_NODES = auto()
+    USD_CLIPS = auto()

@@ -8,6 +8,7 @@ from lappet.core.problem import Problem, RefusedError
 from lappet.cutting.epoch import Epoch
 from lappet.daemon.daemon_solver import connect_to
 from lappet.daemon.frame_solver import Connect
+from lappet.foreign.limits import DEFAULT_LIMITS, ReadLimits
 from lappet.geometry.labeled_surface import FaceOrigin
 from lappet.procedure.scene_profile import measured_costs
 from lappet.procedure.storyboard import inspection
@@ -25,6 +26,7 @@ def inspect_procedure(
     daemon: str | None = None,
     connect: Connect | None = None,
     economy: Path | None = None,
+    limits: ReadLimits = DEFAULT_LIMITS,
 ) -> str:
     """Compose the text of `lappet inspect`.
 
@@ -42,6 +44,8 @@ def inspect_procedure(
         Makes the solver; the daemon when None.
     economy
         File of `lappet report economy` that costs are taken from.
+    limits
+        What reading the procedure may take.
 
     Returns
     -------
@@ -54,7 +58,7 @@ def inspect_procedure(
         If the procedure cannot be read or compiled, or the file of costs is no such report.
     """
     notes: list[Problem] = []
-    procedure = read_procedure(path, notes)
+    procedure = read_procedure(path, notes, limits)
     program = compile_program(procedure, settings=SolverSettings(spacing=spacing or 0.0))
     notes += program.notes
     lines = [str(note) for note in notes]
