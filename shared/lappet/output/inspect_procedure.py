@@ -8,6 +8,7 @@ from lappet.core.problem import Problem, RefusedError
 from lappet.cutting.epoch import Epoch
 from lappet.daemon.daemon_solver import connect_to
 from lappet.daemon.frame_solver import Connect
+from lappet.daemon.running_daemon import RunningDaemon
 from lappet.geometry.labeled_surface import FaceOrigin
 from lappet.procedure.scene_profile import measured_costs
 from lappet.procedure.storyboard import inspection
@@ -22,7 +23,7 @@ def inspect_procedure(
     *,
     spacing: float | None = None,
     lattice: bool = True,
-    daemon: str | None = None,
+    daemon: RunningDaemon | None = None,
     connect: Connect | None = None,
     economy: Path | None = None,
 ) -> str:
@@ -37,7 +38,7 @@ def inspect_procedure(
     lattice
         Whether to ask the daemon for the counts of every epoch's lattice; where they cannot be had a note says why.
     daemon
-        Address of a running daemon; None starts one.
+        A running daemon; None starts one.
     connect
         Makes the solver; the daemon when None.
     economy
@@ -83,7 +84,7 @@ def _epoch_line(epoch: Epoch, program: Program) -> str:
     )
 
 
-def _lattice_lines(program: Program, daemon: str | None, connect: Connect | None) -> list[str]:
+def _lattice_lines(program: Program, daemon: RunningDaemon | None, connect: Connect | None) -> list[str]:
     if connect is None:
         connect = connect_to(daemon)
     solver = connect(program.settings, program.bones)
