@@ -323,6 +323,7 @@ class ProblemCode(StrEnum):
 
     # texts/keys.toml
     DAEMON_NEEDS_KEYS = auto()
+    DAEMON_ASKED = auto()
     DAEMON_KEY_MISSING = auto()
     DAEMON_OF_ANOTHER = auto()
     DAEMON_KEY_UNKNOWN = auto()

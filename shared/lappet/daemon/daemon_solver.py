@@ -174,13 +174,15 @@ def connect_to(daemon: RunningDaemon | None) -> Connect:
     return lambda settings, bones: DaemonSolver(settings, bones, daemon.address, keys=daemon.keys())
 
 
-def solver_identity(daemon: RunningDaemon | None) -> str:
+def solver_identity(daemon: RunningDaemon | None, silence: float = 20.0) -> str:
     """Find what tells this solver from another in the keys of frames.
 
     Parameters
     ----------
     daemon
         A running daemon, which is told by the version that it greets with; None for the installed one.
+    silence
+        Seconds without an answer after which the daemon counts as dead.
 
     Returns
     -------
@@ -195,5 +197,5 @@ def solver_identity(daemon: RunningDaemon | None) -> str:
     if daemon is None:
         return daemon_identity()
 
-    with SolverClient(daemon.address, keys=daemon.keys()) as client:
+    with SolverClient(daemon.address, keys=daemon.keys(), silence=silence) as client:
         return f"{version()} {client.welcome['version']}"

@@ -14,9 +14,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
-import platformdirs
-import zmq
-
 from lappet.core.durable import sync_folder
 from lappet.core.problem import refused
 from lappet.core.problem_code import ProblemCode
@@ -55,6 +52,8 @@ def new_pair() -> KeyPair:
     KeyPair
         The pair.
     """
+    import zmq
+
     public, secret = zmq.curve_keypair()
     return KeyPair(public.decode("ascii"), secret.decode("ascii"))
 
@@ -91,6 +90,8 @@ def default_folder() -> Path:
     Path
         The folder; it need not be there.
     """
+    import platformdirs
+
     return platformdirs.user_config_path("lappet", appauthor=False)
 
 
@@ -234,6 +235,8 @@ def read_pair(path: Path, *, links: bool = True) -> KeyPair:
     OSError
         If it cannot be read.
     """
+    import zmq
+
     entries = read_entries(path, ("public", "secret"), secret=True, links=links)
     pair = KeyPair(key_in(entries, "public", path), key_in(entries, "secret", path))
     if zmq.curve_public(pair.secret.encode("ascii")).decode("ascii") != pair.public:
