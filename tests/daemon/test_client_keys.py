@@ -58,7 +58,7 @@ def test_a_known_user_is_greeted_and_no_token_is_sent(
             assert client.ping() < 2.0
         hello = server.messages[0]
     assert (hello.type, hello.fields["client"]) == ("hello", "lappet")
-    assert not hello.fields.get("token")
+    assert "token" not in hello.fields
 
 
 def test_a_daemon_with_another_key_is_refused_before_anything_is_sent(folder: KeysFolder, server_pair: KeyPair) -> None:
@@ -100,15 +100,19 @@ def test_what_a_role_does_not_permit_comes_back_as_a_problem(folder: KeysFolder,
     own = allowed(folder)
     with CurveServer(server_pair, folder) as server:
         server.replies["open"] = Message(
-            "error", 0, None, {"code": "forbidden", "message": "A follower may not send 'open'."}, {}
+            "error",
+            0,
+            None,
+            {"code": "unauthorized", "message": "'open' needs the role author; anna is a follower."},
+            {},
         )
         with (
             SolverClient(server.address, keys=ClientKeys(server_pair.public, own)) as client,
             pytest.raises(SolverRefused) as error,
         ):
             client.open(SolverSettings(spacing=1.0))
-    assert error.value.code == "forbidden"
-    assert error.value.problems[0].code == ProblemCode.SOLVER_FORBIDDEN
+    assert error.value.problems[0].code == ProblemCode.SOLVER_UNAUTHORIZED
+    assert "needs the role author" in str(error.value)
 
 
 def test_a_connection_that_was_lost_and_is_refused_says_so_at_once(folder: KeysFolder, server_pair: KeyPair) -> None:

@@ -372,7 +372,6 @@ class ProblemCode(StrEnum):
     SOLVER_MALFORMED = auto()
     SOLVER_OUT_OF_ORDER = auto()
     SOLVER_UNAUTHORIZED = auto()
-    SOLVER_FORBIDDEN = auto()
     SOLVER_INVALID_INPUT = auto()
     SOLVER_MEMORY_BUDGET = auto()
     SOLVER_TIME_BUDGET = auto()

@@ -30,7 +30,6 @@ ERROR_CODES = {
     "malformed": ProblemCode.SOLVER_MALFORMED,
     "out_of_order": ProblemCode.SOLVER_OUT_OF_ORDER,
     "unauthorized": ProblemCode.SOLVER_UNAUTHORIZED,
-    "forbidden": ProblemCode.SOLVER_FORBIDDEN,
     "invalid_input": ProblemCode.SOLVER_INVALID_INPUT,
     "memory_budget": ProblemCode.SOLVER_MEMORY_BUDGET,
     "time_budget": ProblemCode.SOLVER_TIME_BUDGET,
@@ -136,9 +135,10 @@ class DaemonConnection:
             self._socket = self._context.socket(zmq.DEALER)
             self._open(self._socket, str(self._address))
             self._pinged = time.monotonic()
-            token = "" if self._keys is not None else self._token or os.environ.get("LAPPET_TOKEN", "")
-            hello = self.request("hello", {"token": token, "client": self._name})
-            self.welcome = expect(hello, "welcome").fields
+            hello = {"client": self._name}
+            if self._keys is None:
+                hello["token"] = self._token or os.environ.get("LAPPET_TOKEN", "")
+            self.welcome = expect(self.request("hello", hello), "welcome").fields
             for name, kind in _WELCOME.items():
                 if not isinstance(self.welcome.get(name), kind):
                     raise WireError(

@@ -23,13 +23,14 @@ from lappet.core.problem_code import ProblemCode
 from lappet.core.version import version
 from lappet.daemon.frame_solver import SolverDiedError
 from lappet.daemon.key_files import new_pair
-from lappet.daemon.keys_folder import KeysFolder, Role, User
+from lappet.daemon.keys_folder import KeysFolder, Quotas, Role, User
 from lappet.daemon.running_daemon import ClientKeys
 from lappet.daemon.wire import printable
 
 BINARY = "lappet-solverd"
 _LONGEST_ADDRESS = 100  # bytes; a socket's path has 104 to 108 at most
 _STDERR_LINES = 40
+_UNBOUNDED = Quotas(memory_gib=65536.0, sessions=64, seconds=1e6)  # the settings of its client count, as without keys
 
 
 class DaemonMissing(RefusedError):
@@ -192,7 +193,7 @@ class SolverDaemon:
             return ["--address", address]
         folder, own = KeysFolder(Path(self._folder) / "keys"), new_pair()
         self.keys = ClientKeys(folder.make_server("a daemon of one client").public, own)
-        folder.allow(User("owner", own.public, Role.ADMIN))
+        folder.allow(User("owner", own.public, Role.ADMIN, _UNBOUNDED))
         return ["--listen", self._listen or "tcp://127.0.0.1:0", "--keys", str(folder.path)]
 
     def _remove_folder(self) -> None:
