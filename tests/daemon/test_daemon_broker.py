@@ -192,6 +192,64 @@ def _with_session(peer: KeyedPeer, session: int | None) -> list[bytes]:
     return [bytes(part) for part in encode(Message("solve", next(peer.ids), session, told.fields, told.arrays))]
 
 
+# --- following -----------------------------------------------------------------------------------------------------
+
+
+def follow(peer: KeyedPeer, session: int | None) -> Message:
+    peer.socket.send_multipart(encode(Message("follow", 77, session, {}, {})))
+    return peer.receive()
+
+
+def test_a_follower_sees_the_frames_of_a_session_that_is_shared(keyed: KeyedDaemon) -> None:
+    with keyed.peer("anna") as anna, keyed.peer("fred") as fred:
+        session = anna.ask("open", open_fields()).session
+        for number in (session, 12345):
+            reply = follow(fred, number)
+            assert reply.fields["code"] == "out_of_order"  # hers is hers, and does not differ from none
+            assert f"no session {number} that fred may follow" in reply.fields["message"]
+        assert anna.ask("share").type == "accepted"
+        assert follow(fred, session).type == "accepted"
+        assert anna.ask("epoch", {"index": 0}, epoch_arrays()).type == "lattice"
+        shown = fred.receive()
+        assert (shown.type, shown.id, shown.session) == ("lattice", 77, session)
+        solved = solve(anna)
+        shown = fred.receive()
+        assert (shown.type, shown.id, shown.session) == ("frame", 77, session)
+        assert shown.fields == solved.fields
+        assert shown.arrays.keys() == solved.arrays.keys()
+        for name, array in solved.arrays.items():
+            np.testing.assert_array_equal(shown.arrays[name], array, err_msg=name)
+        assert fred.code("solve", frame().fields, frame().arrays) == "unauthorized"
+        anna.close()
+        over = fred.receive()
+        assert (over.id, over.fields["code"], over.fields["message"]) == (77, "cancelled", f"Session {session} is over.")
+
+
+def test_a_user_follows_their_own_session_from_another_place(keyed: KeyedDaemon) -> None:
+    with keyed.peer("anna") as anna, keyed.peer("anna") as again, keyed.peer("bert") as bert:
+        session = anna.ask("open", open_fields()).session
+        assert follow(again, session).type == "accepted"
+        assert follow(bert, session).fields["code"] == "out_of_order"
+        assert anna.ask("epoch", {"index": 0}, epoch_arrays()).type == "lattice"
+        assert again.receive().type == "lattice"
+        assert not bert.socket.poll(200)
+        assert again.code("close") == "out_of_order"  # followed, not held
+
+
+def test_a_follower_who_does_not_read_is_closed_and_holds_up_nobody(binary: Path, tmp_path: Path) -> None:
+    daemon = KeyedDaemon(binary, tmp_path, "--max-unread-bytes", str(4 * MIB))
+    with daemon, daemon.peer("anna") as anna, daemon.peer("fred", waiting=2) as fred:
+        session = anna.ask("open", open_fields()).session
+        assert anna.ask("share").type == "accepted"
+        assert follow(fred, session).type == "accepted"
+        assert anna.ask("epoch", {"index": 0}, fine_sheet()).type == "lattice"
+        before = daemon.memory()
+        for time_code in range(1, 30):
+            assert solve(anna, time_code / 10).type == "frame"
+        assert daemon.memory() - before < 32 * MIB
+        assert "it does not read what it is sent" in daemon.log.read_text()
+
+
 # --- quotas --------------------------------------------------------------------------------------------------------
 
 

@@ -102,6 +102,19 @@ def test_1013_idle_peers_shut_no_user_out_and_cost_little(keyed: KeyedDaemon) ->
         assert keyed.memory() - before < PLACES * COST
 
 
+def test_a_daemon_with_few_descriptors_has_places_for_its_users(binary: Path, tmp_path: Path) -> None:
+    daemon = KeyedDaemon(binary, tmp_path)
+    few = ["/bin/sh", "-c", 'ulimit -n 160; exec "$0" "$@"', *daemon.command()]
+    daemon.command = lambda: few  # type: ignore[method-assign]
+    with daemon, contextlib.ExitStack() as stack:
+        crowd(daemon, 300, stack)
+        asked = time.monotonic()
+        for name in ("anna", "bert", "root"):
+            with daemon.peer(name) as peer:
+                assert peer.ask("ping").type == "pong"
+        assert time.monotonic() - asked < 2.0
+
+
 def test_peers_that_keep_coming_shut_no_user_out(keyed: KeyedDaemon) -> None:
     with contextlib.ExitStack() as stack:
         for _ in range(10):

@@ -20,7 +20,7 @@ pytestmark = [
 ]
 
 LEAST = {
-    "hello": "follower", "ping": "follower", "bye": "follower", "open": "author", "epoch": "author",
+    "hello": "follower", "ping": "follower", "bye": "follower", "follow": "follower", "share": "author", "open": "author", "epoch": "author",
     "state": "author", "solve": "author", "close": "author", "cancel": "author", "shutdown": "admin",
 }  # fmt: skip
 ORDER = ("follower", "author", "admin")

@@ -135,11 +135,16 @@ void Broker::answer(Number number, BrokerPeer& peer, const User& user, const Hea
     send(number, peer, encode_pong({header.id, 0}));
     return;
   }
-  if (header.type == "cancel") {
+  if (header.type == "follow") {
+    follow(peer, header);
+  } else if (header.type == "share") {
+    share(peer);
+  } else if (header.type == "cancel") {
     if (peer.session) peer.session->cancel();
   } else if (header.type == "bye") {
     end_session(peer);
     peer.greeted = false;
+    peer.following.reset();
     gate_.allow(number, kBytesBeforeHello + kEnvelopeBytes);
   } else {
     end_reason_ = user.name + " shut it down";
