@@ -192,6 +192,7 @@ void Broker::serve_session(Number number, BrokerPeer& peer) {
   try {
     const bool ended = !session.process().lives() && session.process().reaped();  // then nothing more will come
     while (std::optional<BrokeredSession::Reply> reply = session.receive()) {
+      if (reply->shown && session.number()) show(*session.number(), *reply);
       if (reply->progress && peer.has_unsent()) continue;
       if (peer.send(std::move(reply->parts), options_.max_unread_bytes)) continue;
       to_drop_.push_back(number);
@@ -212,8 +213,10 @@ void Broker::serve_session(Number number, BrokerPeer& peer) {
 
 void Broker::end_session(BrokerPeer& peer) {
   if (!peer.session) return;
+  const std::optional<std::uint64_t> number = peer.session->number();
   peer.session->process().kill();
   ending_.push_back(std::move(peer.session));
+  if (number) tell_the_end(*number);
 }
 
 // Says so to whoever waits for an answer.

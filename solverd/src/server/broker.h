@@ -77,6 +77,12 @@ class Broker {
   void end_session(BrokerPeer& peer);
   void end_session(Number number, BrokerPeer& peer, ErrorCode code, const std::string& sentence);
 
+  // Following (broker_followers.cpp).
+  void follow(BrokerPeer& peer, const Header& header);
+  void share(BrokerPeer& peer);
+  void show(std::uint64_t session, const BrokeredSession::Reply& reply);
+  void tell_the_end(std::uint64_t session);
+
   // Messages (broker_messages.cpp).
   void handle(Number number, BrokerPeer& peer, BrokerPeer::Incoming message);
   void dispatch(Number number, BrokerPeer& peer, BrokerPeer::Incoming message);

@@ -15,6 +15,7 @@ namespace lappet {
 namespace {
 
 constexpr double kGiB = 1024.0 * 1024.0 * 1024.0;
+constexpr std::size_t kEndingForEach = 2;  // processes that are killed but not gone yet, for each session
 
 std::span<const std::byte> bytes_of(const zmq::message_t& part) {
   return {static_cast<const std::byte*>(part.data()), part.size()};
@@ -109,7 +110,7 @@ void Broker::start_session(BrokerPeer& peer, const User& user) {
     throw RefusedError(ErrorCode::kOutOfOrder, "There are " + std::to_string(theirs) + " sessions of " + user.name +
                                                    " already, as many as they may have; close one.");
   }
-  if (all >= options_.max_sessions || ending_.size() >= options_.max_sessions) {
+  if (all >= options_.max_sessions || ending_.size() >= kEndingForEach * options_.max_sessions) {
     throw RefusedError(ErrorCode::kOutOfOrder, "The daemon has " + std::to_string(all) +
                                                    " sessions already, as many as it may; try again later.");
   }
@@ -134,11 +135,16 @@ void Broker::answer(Number number, BrokerPeer& peer, const User& user, const Hea
     send(number, peer, encode_pong({header.id, 0}));
     return;
   }
-  if (header.type == "cancel") {
+  if (header.type == "follow") {
+    follow(peer, header);
+  } else if (header.type == "share") {
+    share(peer);
+  } else if (header.type == "cancel") {
     if (peer.session) peer.session->cancel();
   } else if (header.type == "bye") {
     end_session(peer);
     peer.greeted = false;
+    peer.following.reset();
     gate_.allow(number, kBytesBeforeHello + kEnvelopeBytes);
   } else {
     end_reason_ = user.name + " shut it down";

@@ -46,6 +46,12 @@ class BrokerPeer {
   std::optional<Clock::time_point> refused;  // its user is none any more
   std::unique_ptr<BrokeredSession> session;
 
+  struct Following {
+    std::uint64_t session;  // its number
+    std::uint64_t id;       // of the message `follow`
+  };
+  std::optional<Following> following;
+
  private:
   zmq::socket_t socket_;
   std::deque<Parts> unsent_;

@@ -66,29 +66,29 @@ std::optional<BrokeredSession::Reply> BrokeredSession::receive() {
       parts.push_back(std::move(part));
     }
     const zmq::message_t& first = parts.front();
-    const Header header = [&] {
+    Header header = [&] {
       try {
         return decode_header({first.data<std::byte>(), first.size()}, kMaxReplyBytes);
       } catch (const RefusedError& error) {
         throw RefusedError(ErrorCode::kInternal, std::string("The solver's reply cannot be read: ") + error.what());
       }
     }();
-    if (std::optional<Reply> reply = read(header, std::move(parts))) return reply;
+    if (std::optional<Reply> reply = read(std::move(header), std::move(parts))) return reply;
   }
 }
 
 // What the client gets of a reply, if anything.
-std::optional<BrokeredSession::Reply> BrokeredSession::read(const Header& header, Parts parts) {
+std::optional<BrokeredSession::Reply> BrokeredSession::read(Header header, Parts parts) {
   if (!greeted_ && header.type == "welcome") {
     greeted_ = true;
     return std::nullopt;
   }
-  if (header.type == "progress") return Reply{std::move(parts), true};
+  if (header.type == "progress") return Reply{std::move(parts), true, std::move(header)};
   if (header.id == kOwnCancel) return std::nullopt;
   const auto found = std::ranges::find(waiting_, header.id, &Waiting::id);
   if (found != waiting_.end()) {
-    if (header.type == "opened") open_ = true;
-    if (header.type == "accepted" && found->type == "close") open_ = false;
+    if (header.type == "opened") number_ = header.session;
+    if (header.type == "accepted" && found->type == "close") number_.reset();
     if (found == waiting_.begin()) {
       busy_since_ = Clock::now();
       cancelled_.reset();
@@ -101,13 +101,15 @@ std::optional<BrokeredSession::Reply> BrokeredSession::read(const Header& header
       header.fields.at("code") == Value(std::string(error_name(ErrorCode::kCancelled)))) {
     return out_of_time(header);
   }
-  return Reply{std::move(parts), false};
+  if (header.type == "frame" || header.type == "lattice") return Reply{std::move(parts), false, std::move(header)};
+  return Reply{std::move(parts), false, std::nullopt};
 }
 
 BrokeredSession::Reply BrokeredSession::out_of_time(const Header& header) const {
   const std::string sentence = "It took longer than the " + shown(limits_.seconds) +
                                " s that this daemon gives a frame or an epoch of " + user_ + "'s.";
-  return {messages_of(encode_error({header.id, header.session.value_or(0)}, ErrorCode::kTimeBudget, sentence)), false};
+  return {messages_of(encode_error({header.id, header.session.value_or(0)}, ErrorCode::kTimeBudget, sentence)), false,
+          std::nullopt};
 }
 
 std::vector<std::uint64_t> BrokeredSession::unanswered() const {

@@ -23,12 +23,17 @@ class BrokeredSession {
   struct Reply {
     Parts parts;
     bool progress = false;
+    std::optional<Header> shown;  // the header of what those who follow the session see too
   };
 
   BrokeredSession(zmq::context_t& context, const SolverProcessOptions& options, std::string user);
 
   const std::string& user() const { return user_; }
   SolverProcess& process() { return process_; }
+  // The number that `opened` gave; nothing before and after.
+  std::optional<std::uint64_t> number() const { return number_; }
+  // Whether every user may follow it.
+  bool shared = false;
 
   // Hands a message on. Throws RefusedError(kOutOfOrder) when too many, or too large ones, wait already.
   void forward(const Header& header, Parts message);
@@ -37,7 +42,7 @@ class BrokeredSession {
   // The next reply for the client, if there is one. Throws RefusedError(kInternal) for what is no reply.
   std::optional<Reply> receive();
   // The process holds no session and has nothing to do: it may end.
-  bool over() const { return !open_ && waiting_.empty(); }
+  bool over() const { return !number_ && waiting_.empty(); }
   // The ids of the messages that were not answered.
   std::vector<std::uint64_t> unanswered() const;
 
@@ -53,7 +58,7 @@ class BrokeredSession {
     std::uint64_t bytes;
   };
 
-  std::optional<Reply> read(const Header& header, Parts parts);
+  std::optional<Reply> read(Header header, Parts parts);
   Reply out_of_time(const Header& header) const;
 
   const std::string user_;
@@ -62,7 +67,8 @@ class BrokeredSession {
   SolverProcess process_;
   std::deque<Waiting> waiting_;
   std::uint64_t waiting_bytes_ = 0;
-  bool greeted_ = false, open_ = false;
+  bool greeted_ = false;
+  std::optional<std::uint64_t> number_;
   Clock::time_point busy_since_;                // the first that waits began then
   std::optional<Clock::time_point> cancelled_;  // it was cancelled then, because it took too long
   std::set<std::uint64_t> out_of_time_;         // what was cancelled then

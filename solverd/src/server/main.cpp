@@ -105,13 +105,19 @@ int catch_signals() {
   return signal_pipe[0];
 }
 
-// As many descriptors as connections can take.
-void allow_descriptors() {
-  constexpr rlim_t kWanted = 8192;
+// As many descriptors as the connections can take, and no more connections than there are descriptors for: a third of
+// them for peers that are not known.
+void share_descriptors(GateLimits& gate) {
+  constexpr rlim_t kWanted = 8192, kOwn = 64, kOfConnection = 6;  // and of its session
   rlimit limit{};
-  if (::getrlimit(RLIMIT_NOFILE, &limit) != 0 || limit.rlim_cur >= kWanted) return;
-  limit.rlim_cur = std::min(kWanted, limit.rlim_max);
-  ::setrlimit(RLIMIT_NOFILE, &limit);
+  if (::getrlimit(RLIMIT_NOFILE, &limit) != 0) return;
+  if (limit.rlim_cur < kWanted) {
+    limit.rlim_cur = std::min(kWanted, limit.rlim_max);
+    ::setrlimit(RLIMIT_NOFILE, &limit);
+  }
+  const rlim_t connections = std::max<rlim_t>(limit.rlim_cur, 2 * kOwn) / kOfConnection - kOwn / kOfConnection;
+  gate.unknown = std::min<rlim_t>(gate.unknown, connections / 3);
+  gate.known = std::min<rlim_t>(gate.known, connections - gate.unknown);
 }
 
 int broke(Options& options) {
@@ -127,7 +133,7 @@ int broke(Options& options) {
   broker.input = STDIN_FILENO;
   broker.signals = catch_signals();
   broker.verbose = options.verbose;
-  allow_descriptors();
+  share_descriptors(broker.gate);
   Broker daemon(broker);
   say_where(daemon.endpoint());
   spdlog::warn("The daemon ends: {}.", daemon.run());

@@ -19,16 +19,18 @@ struct MessageRule {
 };
 
 // Every message type that a client may send.
-inline constexpr std::array<MessageRule, 10> kMessageRules = {{
+inline constexpr std::array<MessageRule, 12> kMessageRules = {{
     {"hello", Role::kFollower, false},
     {"ping", Role::kFollower, false},
     {"bye", Role::kFollower, false},
+    {"follow", Role::kFollower, false},
     {"open", Role::kAuthor, true},
     {"epoch", Role::kAuthor, true},
     {"state", Role::kAuthor, true},
     {"solve", Role::kAuthor, true},
     {"close", Role::kAuthor, true},
     {"cancel", Role::kAuthor, false},
+    {"share", Role::kAuthor, false},
     {"shutdown", Role::kAdmin, false},
 }};
 

@@ -189,8 +189,10 @@ void Server::dispatch(const std::string& identity, Header header, std::vector<zm
   } else if (header.type == "bye") {
     retire(std::move(client));
     clients_.erase(found);
-  } else {
+  } else if (header.type == "shutdown") {
     end_reason_ = in_quotes(client.name) + " shut it down";
+  } else {
+    throw RefusedError(ErrorCode::kOutOfOrder, "'" + header.type + "' needs a daemon that knows its users (--keys).");
   }
   send(identity, encode_accepted({header.id, 0}));
 }
