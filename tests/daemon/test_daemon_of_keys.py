@@ -124,15 +124,18 @@ def shared(binary: Path, tmp_path: Path) -> Iterator[Shared]:
     command = [str(binary), "--listen", "tcp://127.0.0.1:0", "--keys", str(folder)]
     environment = {name: value for name, value in os.environ.items() if name != "LAPPET_TOKEN"}
     with subprocess.Popen(
-        command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, env=environment, text=True
+        command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, env=environment, text=True
     ) as process:
-        assert process.stdout is not None
-        word, _, address = process.stdout.readline().strip().partition(" ")
-        assert word == "listening"
-        yield Shared(folder, address)
-        assert process.poll() is None, "the daemon did not live through the test"
-        process.terminate()
-        assert process.wait(10.0) == 0
+        try:
+            assert process.stdout is not None
+            word, _, address = process.stdout.readline().strip().partition(" ")
+            assert word == "listening"
+            yield Shared(folder, address)
+            assert process.poll() is None, "the daemon did not live through the test"
+            process.terminate()
+            assert process.wait(10.0) == 0
+        finally:
+            process.kill()
 
 
 def client_of(daemon: RunningDaemon) -> SolverClient:
