@@ -20,9 +20,10 @@ pytestmark = [
 ]
 
 LEAST = {
-    "hello": "follower", "ping": "follower", "bye": "follower", "follow": "follower", "share": "author", "open": "author", "epoch": "author",
-    "state": "author", "solve": "author", "close": "author", "cancel": "author", "shutdown": "admin",
-}  # fmt: skip
+    **dict.fromkeys(("hello", "ping", "bye", "follow"), "follower"),
+    **dict.fromkeys(("open", "epoch", "state", "solve", "close", "cancel", "share"), "author"),
+    "shutdown": "admin",
+}
 ORDER = ("follower", "author", "admin")
 
 
@@ -143,10 +144,7 @@ def test_a_file_that_is_wrong_later_is_no_user_and_harms_no_other(keyed: KeyedDa
         (lambda d: (d.users / "anna.pub").chmod(0o666), "chmod 644"),
         (lambda d: (d.keys / "server.key").unlink(), "cannot be read"),
         (lambda d: write(d.keys / "server.key", "public = x\nsecret = y\n", 0o600), "line 1: 'public' is no key"),
-        (
-            lambda d: write(d.keys / "server.key", f"public = {d.pairs['anna'][0]}\nsecret = {d.server_secret}\n", 0o600),
-            "do not belong together",
-        ),
+        (lambda d: d.write_server_key(d.pairs["anna"][0]), "do not belong together"),
         (lambda d: write(d.users / "anna.pub", f"# hers\npublic: {'x' * 40}\n", 0o644), "anna.pub', line 2"),
         (lambda d: d.allow("anna", "king"), "'king' is not known"),
         (lambda d: d.allow("anna", "author", threads=0), "line 3: 'threads' is '0'"),
@@ -192,10 +190,7 @@ def test_without_keys_only_this_computer_is_served(binary: Path) -> None:
 
 @pytest.mark.parametrize("address", ["tcp://0.0.0.0:0", "tcp://*:*", "tcp://localhost:0"])
 def test_with_keys_it_listens_where_it_is_told(keyed: KeyedDaemon, address: str) -> None:
-    keyed.arguments = ("--listen", address)
-    command = keyed.command()
-    del command[1:3]
-    keyed.command = lambda: command  # type: ignore[method-assign]
+    keyed.listen = address
     with keyed as daemon:
         daemon.address = f"tcp://127.0.0.1:{daemon.host_and_port()[1]}"
         with daemon.peer("anna") as anna:
@@ -204,7 +199,5 @@ def test_with_keys_it_listens_where_it_is_told(keyed: KeyedDaemon, address: str)
 
 @pytest.mark.parametrize("address", ["tcp://nowhere", "tcp://256.0.0.1:0", "udp://127.0.0.1:0", "tcp://127.0.0.1:x"])
 def test_an_address_that_makes_no_sense_is_refused(keyed: KeyedDaemon, address: str) -> None:
-    command = keyed.command()
-    command[2] = address
-    keyed.command = lambda: command  # type: ignore[method-assign]
+    keyed.listen = address
     assert "cannot listen on" in refused_to_start(keyed)
