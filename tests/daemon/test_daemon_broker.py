@@ -285,6 +285,8 @@ def test_a_client_cannot_give_itself_more_memory(binary: Path, tmp_path: Path) -
         limits = Path(f"/proc/{pid}/limits").read_text()
         (data,) = [int(line.split()[3]) for line in limits.splitlines() if line.startswith("Max data size")]
         assert 128 * MIB < data < 128 * MIB + 1500 * MIB
+        ends_first, ends_last = (int(Path(f"/proc/{each}/oom_score_adj").read_text()) for each in (pid, daemon.pid))
+        assert ends_first > ends_last
         assert anna.code("epoch", {"index": 0}, arrays) == "memory_budget"
         assert memory_of(pid) < 256 * MIB
         assert anna.ask("epoch", {"index": 0}, epoch_arrays()).type == "lattice"

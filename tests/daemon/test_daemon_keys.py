@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import os
+import shutil
 import subprocess
+import sys
+import tempfile
 import time
 from pathlib import Path
 
@@ -165,6 +168,29 @@ def test_a_folder_of_keys_that_is_wrong_is_refused_with_its_place(
     sentence = refused_to_start(keyed)
     assert says in sentence
     assert keyed.server_secret not in sentence
+
+
+@pytest.mark.skipif(os.name != "posix" or os.geteuid() != 0, reason="only root can be another user")
+def test_files_are_the_daemons_users_own_or_roots(binary: Path) -> None:
+    nobody = 65534
+    with tempfile.TemporaryDirectory() as place:
+        folder = Path(place)
+        folder.chmod(0o755)
+        program = folder / "lappet-solverd"
+        shutil.copy(binary, program)
+        daemon = KeyedDaemon(program, folder)
+        become = f"import os, sys; os.setgid({nobody}); os.setuid({nobody}); os.execv(sys.argv[1], sys.argv[1:])"
+        daemon.launcher = [sys.executable, "-c", become]
+        for path in (daemon.keys, daemon.users, daemon.keys / "server.key"):
+            os.chown(path, nobody, nobody)
+        with daemon, daemon.peer("anna") as anna:  # her file is root's
+            assert anna.ask("ping").type == "pong"
+        os.chown(daemon.users / "anna.pub", 1234, 1234)
+        assert "belongs to another user" in refused_to_start(daemon)
+        os.chown(daemon.users / "anna.pub", nobody, nobody)
+        os.chown(daemon.keys, 1234, 1234)
+        daemon.keys.chmod(0o777)
+        assert "must belong to the daemon's user" in refused_to_start(daemon)
 
 
 def test_a_comment_and_a_key_may_hold_any_character_of_a_key(keyed: KeyedDaemon) -> None:
