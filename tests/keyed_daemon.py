@@ -129,6 +129,7 @@ class KeyedPeer(Raw):
         if waiting:  # so many messages, and little more in the system, wait here to be read
             self.socket.setsockopt(zmq.RCVHWM, waiting)
             self.socket.setsockopt(zmq.RCVBUF, 65536)
+        self.socket.setsockopt(zmq.IPV6, "[" in daemon.address)
         self.socket.connect(daemon.address)
         self.ids = iter(range(1, 1_000_000))
         if greet:

@@ -214,11 +214,13 @@ def test_without_keys_only_this_computer_is_served(binary: Path) -> None:
         assert "only loopback is served" in done.stderr
 
 
-@pytest.mark.parametrize("address", ["tcp://0.0.0.0:0", "tcp://*:*", "tcp://localhost:0"])
+@pytest.mark.parametrize("address", ["tcp://0.0.0.0:0", "tcp://*:*", "tcp://[::1]:0"])
 def test_with_keys_it_listens_where_it_is_told(keyed: KeyedDaemon, address: str) -> None:
     keyed.listen = address
     with keyed as daemon:
-        daemon.address = f"tcp://127.0.0.1:{daemon.host_and_port()[1]}"
+        host = "[::1]" if "[" in address else "127.0.0.1"
+        assert daemon.address.startswith(f"tcp://{address[6:-2].replace('*', '0.0.0.0')}:")
+        daemon.address = f"tcp://{host}:{daemon.host_and_port()[1]}"
         with daemon.peer("anna") as anna:
             assert anna.ask("ping").type == "pong"
 
