@@ -26,13 +26,15 @@ class KeyedDaemon:
         self.binary = binary
         self.keys = folder / "keys"
         self.arguments = arguments
+        self.listen = "tcp://127.0.0.1:*"
+        self.launcher: list[str] = []  # what starts the command
         self.log = folder / "log.txt"
         self.server_public, self.server_secret = (key.decode() for key in zmq.curve_keypair())
         self.pairs: dict[str, tuple[str, str]] = {}
         self.users = self.keys / "users"
         self.users.mkdir(parents=True)
         self.keys.chmod(0o700)
-        write(self.keys / "server.key", f"public = {self.server_public}\nsecret = {self.server_secret}\n", 0o600)
+        self.write_server_key(self.server_public)
         for name, role in (ROLES if roles is None else roles).items():
             self.allow(name, role)
         self.address = ""
@@ -46,11 +48,15 @@ class KeyedDaemon:
         lines = [f"public = {self.pairs[name][0]}", f"role = {role}", *(f"{key} = {x}" for key, x in quotas.items())]
         write(self.users / f"{name}.pub", "\n".join(lines) + "\n", 0o644)
 
+    def write_server_key(self, public: str) -> None:
+        write(self.keys / "server.key", f"public = {public}\nsecret = {self.server_secret}\n", 0o600)
+
     def revoke(self, name: str) -> None:
         (self.users / f"{name}.pub").unlink()
 
     def command(self) -> list[str]:
-        return [str(self.binary), "--listen", "tcp://127.0.0.1:*", "--keys", str(self.keys), *self.arguments]
+        options = ["--listen", self.listen, "--keys", str(self.keys), *self.arguments]
+        return [*self.launcher, str(self.binary), *options]
 
     def __enter__(self) -> Self:
         with self.log.open("w") as log:
@@ -123,6 +129,7 @@ class KeyedPeer(Raw):
         if waiting:  # so many messages, and little more in the system, wait here to be read
             self.socket.setsockopt(zmq.RCVHWM, waiting)
             self.socket.setsockopt(zmq.RCVBUF, 65536)
+        self.socket.setsockopt(zmq.IPV6, "[" in daemon.address)
         self.socket.connect(daemon.address)
         self.ids = iter(range(1, 1_000_000))
         if greet:

@@ -6,6 +6,7 @@ Each test sends bytes as no client of ours would, through plain sockets where Ze
 from __future__ import annotations
 
 import contextlib
+import random
 import resource
 import socket
 import struct
@@ -104,8 +105,7 @@ def test_1013_idle_peers_shut_no_user_out_and_cost_little(keyed: KeyedDaemon) ->
 
 def test_a_daemon_with_few_descriptors_has_places_for_its_users(binary: Path, tmp_path: Path) -> None:
     daemon = KeyedDaemon(binary, tmp_path)
-    few = ["/bin/sh", "-c", 'ulimit -n 160; exec "$0" "$@"', *daemon.command()]
-    daemon.command = lambda: few  # type: ignore[method-assign]
+    daemon.launcher = ["/bin/sh", "-c", 'ulimit -n 160; exec "$0" "$@"']
     with daemon, contextlib.ExitStack() as stack:
         crowd(daemon, 300, stack)
         asked = time.monotonic()
@@ -185,6 +185,23 @@ def test_a_stranger_who_goes_on_slowly_is_closed_as_soon(keyed: KeyedDaemon) -> 
                 connection.sendall(b"\xff")
                 time.sleep(0.1)
         assert time.monotonic() - begun < 3.5
+
+
+def test_bytes_that_make_no_sense_end_nothing(keyed: KeyedDaemon) -> None:
+    """Beginnings of handshakes with bytes changed, left out or put in at random, the same ones in each run."""
+    source = random.Random(14)
+    whole = greeting(b"CURVE") + b"\x04\xc8\x05HELLO\x01" + bytes(72) + source.randbytes(120)
+    with contextlib.ExitStack() as stack:
+        for _ in range(400):
+            told = bytearray(whole)
+            for _ in range(source.randrange(1, 6)):
+                place = source.randrange(len(told))
+                told[place : place + source.randrange(3)] = source.randbytes(source.randrange(4))
+            connection = stack.enter_context(connect(keyed))
+            connection.sendall(bytes(told[: source.randrange(1, len(told) + 1)]))
+            time.sleep(0.005)
+        with keyed.peer("anna") as anna:
+            assert anna.ask("ping").type == "pong"
 
 
 def test_handshakes_from_one_address_are_counted(binary: Path, tmp_path: Path) -> None:

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import os
+import shutil
 import subprocess
+import sys
+import tempfile
 import time
 from pathlib import Path
 
@@ -20,9 +23,10 @@ pytestmark = [
 ]
 
 LEAST = {
-    "hello": "follower", "ping": "follower", "bye": "follower", "follow": "follower", "share": "author", "open": "author", "epoch": "author",
-    "state": "author", "solve": "author", "close": "author", "cancel": "author", "shutdown": "admin",
-}  # fmt: skip
+    **dict.fromkeys(("hello", "ping", "bye", "follow"), "follower"),
+    **dict.fromkeys(("open", "epoch", "state", "solve", "close", "cancel", "share"), "author"),
+    "shutdown": "admin",
+}
 ORDER = ("follower", "author", "admin")
 
 
@@ -143,10 +147,7 @@ def test_a_file_that_is_wrong_later_is_no_user_and_harms_no_other(keyed: KeyedDa
         (lambda d: (d.users / "anna.pub").chmod(0o666), "chmod 644"),
         (lambda d: (d.keys / "server.key").unlink(), "cannot be read"),
         (lambda d: write(d.keys / "server.key", "public = x\nsecret = y\n", 0o600), "line 1: 'public' is no key"),
-        (
-            lambda d: write(d.keys / "server.key", f"public = {d.pairs['anna'][0]}\nsecret = {d.server_secret}\n", 0o600),
-            "do not belong together",
-        ),
+        (lambda d: d.write_server_key(d.pairs["anna"][0]), "do not belong together"),
         (lambda d: write(d.users / "anna.pub", f"# hers\npublic: {'x' * 40}\n", 0o644), "anna.pub', line 2"),
         (lambda d: d.allow("anna", "king"), "'king' is not known"),
         (lambda d: d.allow("anna", "author", threads=0), "line 3: 'threads' is '0'"),
@@ -167,6 +168,29 @@ def test_a_folder_of_keys_that_is_wrong_is_refused_with_its_place(
     sentence = refused_to_start(keyed)
     assert says in sentence
     assert keyed.server_secret not in sentence
+
+
+@pytest.mark.skipif(os.name != "posix" or os.geteuid() != 0, reason="only root can be another user")
+def test_files_are_the_daemons_users_own_or_roots(binary: Path) -> None:
+    nobody = 65534
+    with tempfile.TemporaryDirectory() as place:
+        folder = Path(place)
+        folder.chmod(0o755)
+        program = folder / "lappet-solverd"
+        shutil.copy(binary, program)
+        daemon = KeyedDaemon(program, folder)
+        become = f"import os, sys; os.setgid({nobody}); os.setuid({nobody}); os.execv(sys.argv[1], sys.argv[1:])"
+        daemon.launcher = [sys.executable, "-c", become]
+        for path in (daemon.keys, daemon.users, daemon.keys / "server.key"):
+            os.chown(path, nobody, nobody)
+        with daemon, daemon.peer("anna") as anna:  # her file is root's
+            assert anna.ask("ping").type == "pong"
+        os.chown(daemon.users / "anna.pub", 1234, 1234)
+        assert "belongs to another user" in refused_to_start(daemon)
+        os.chown(daemon.users / "anna.pub", nobody, nobody)
+        os.chown(daemon.keys, 1234, 1234)
+        daemon.keys.chmod(0o777)
+        assert "must belong to the daemon's user" in refused_to_start(daemon)
 
 
 def test_a_comment_and_a_key_may_hold_any_character_of_a_key(keyed: KeyedDaemon) -> None:
@@ -190,21 +214,18 @@ def test_without_keys_only_this_computer_is_served(binary: Path) -> None:
         assert "only loopback is served" in done.stderr
 
 
-@pytest.mark.parametrize("address", ["tcp://0.0.0.0:0", "tcp://*:*", "tcp://localhost:0"])
+@pytest.mark.parametrize("address", ["tcp://0.0.0.0:0", "tcp://*:*", "tcp://[::1]:0"])
 def test_with_keys_it_listens_where_it_is_told(keyed: KeyedDaemon, address: str) -> None:
-    keyed.arguments = ("--listen", address)
-    command = keyed.command()
-    del command[1:3]
-    keyed.command = lambda: command  # type: ignore[method-assign]
+    keyed.listen = address
     with keyed as daemon:
-        daemon.address = f"tcp://127.0.0.1:{daemon.host_and_port()[1]}"
+        host = "[::1]" if "[" in address else "127.0.0.1"
+        assert daemon.address.startswith(f"tcp://{address[6:-2].replace('*', '0.0.0.0')}:")
+        daemon.address = f"tcp://{host}:{daemon.host_and_port()[1]}"
         with daemon.peer("anna") as anna:
             assert anna.ask("ping").type == "pong"
 
 
 @pytest.mark.parametrize("address", ["tcp://nowhere", "tcp://256.0.0.1:0", "udp://127.0.0.1:0", "tcp://127.0.0.1:x"])
 def test_an_address_that_makes_no_sense_is_refused(keyed: KeyedDaemon, address: str) -> None:
-    command = keyed.command()
-    command[2] = address
-    keyed.command = lambda: command  # type: ignore[method-assign]
+    keyed.listen = address
     assert "cannot listen on" in refused_to_start(keyed)

@@ -113,7 +113,7 @@ std::optional<std::string> Broker::decide(const std::string& domain, const std::
   std::from_chars(domain.data(), domain.data() + domain.size(), number);
   const auto peer = peers_.find(number);
   if (peer == peers_.end() || !end_reason_.empty()) return std::nullopt;
-  keys_.refresh();
+  refresh_users();
   const User* const user = keys_.with_key(public_key);
   if (user == nullptr) {
     spdlog::info("a peer with an unknown key is refused");
@@ -227,11 +227,14 @@ void Broker::end_session(Number number, BrokerPeer& peer, ErrorCode code, const 
   end_session(peer);
 }
 
-void Broker::look_after_users() {
-  const auto now = Clock::now();
-  if (now - refreshed_ < kRefresh) return;
-  refreshed_ = now;
+void Broker::refresh_users() {
   keys_.refresh();
+  refreshed_ = Clock::now();
+}
+
+void Broker::look_after_users() {
+  if (Clock::now() - refreshed_ < kRefresh) return;
+  refresh_users();
   for (auto& [number, peer] : peers_) {
     if (peer->user.empty() || peer->refused) continue;
     try {

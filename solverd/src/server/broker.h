@@ -70,6 +70,7 @@ class Broker {
   void serve_sessions();
   void serve_session(Number number, BrokerPeer& peer);
   void look_after_peers();
+  void refresh_users();
   void look_after_users();
   void look_after_itself();
   void reap();

@@ -14,6 +14,7 @@
 namespace lappet {
 namespace {
 
+constexpr std::chrono::milliseconds kBetweenHellos{50};  // a folder of many users takes some milliseconds to read
 constexpr double kGiB = 1024.0 * 1024.0 * 1024.0;
 constexpr std::size_t kEndingForEach = 2;  // processes that are killed but not gone yet, for each session
 
@@ -37,6 +38,8 @@ void Broker::handle(Number number, BrokerPeer& peer, BrokerPeer::Incoming messag
     refuse_it(ErrorCode::kMemoryBudget, "The machine's memory is spent.");
   } catch (const zmq::error_t& error) {
     refuse_it(ErrorCode::kInternal, std::string("The daemon has no place left: ") + error.what() + ".");
+  } catch (const std::exception& error) {
+    refuse_it(ErrorCode::kInternal, std::string("A fault of the daemon: ") + error.what() + ".");
   }
 }
 
@@ -45,7 +48,7 @@ void Broker::dispatch(Number number, BrokerPeer& peer, BrokerPeer::Incoming mess
   if (!message.fault.empty() || message.parts.empty()) throw RefusedError(ErrorCode::kMalformed, message.fault);
   const Header header = decode_header(bytes_of(message.parts.front()), message_bytes(peer));
   const MessageRule& rule = rule_of(header.type);
-  if (header.type == "hello") keys_.refresh();
+  if (header.type == "hello" && Clock::now() - refreshed_ > kBetweenHellos) refresh_users();
   const User& user = user_of(peer);
   peer.heard = heard_ = Clock::now();
   if (header.type == "hello") {

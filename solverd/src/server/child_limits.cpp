@@ -6,6 +6,7 @@
 #include <sys/prctl.h>
 
 #include <csignal>
+#include <fstream>
 #endif
 
 #include "lattice/refused.h"
@@ -20,7 +21,8 @@ constexpr std::uint64_t kProcess = 1024 * kMiB, kThread = 80 * kMiB;  // a stack
 
 void become_child_of(int parent, std::uint64_t bytes) {
 #ifdef __linux__
-  ::prctl(PR_SET_PDEATHSIG, SIGKILL);     // elsewhere the end of standard input does it
+  ::prctl(PR_SET_PDEATHSIG, SIGKILL);                  // elsewhere the end of standard input does it
+  std::ofstream("/proc/self/oom_score_adj") << "500";  // where the machine's memory is spent, a session ends, no broker
   constexpr int kResource = RLIMIT_DATA;  // private memory that can be written, with stacks; not what is reserved only
 #else
   constexpr int kResource = RLIMIT_AS;

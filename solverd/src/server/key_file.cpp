@@ -23,7 +23,9 @@ std::string text_of(int folder, const std::string& name, const std::string& path
   if (!file.open()) refuse("'" + path + "' cannot be read: " + std::strerror(errno) + ".");
   struct stat found{};
   if (::fstat(file.get(), &found) != 0 || !S_ISREG(found.st_mode)) refuse("'" + path + "' is not a regular file.");
-  if (found.st_uid != ::geteuid()) refuse("'" + path + "' belongs to another user; give it to the daemon's.");
+  if (found.st_uid != ::geteuid() && found.st_uid != 0) {  // who keeps the users may be root
+    refuse("'" + path + "' belongs to another user; give it to the daemon's.");
+  }
   if ((found.st_mode & forbidden) != 0) {
     refuse("Others may " + std::string((forbidden & S_IROTH) != 0 ? "read" : "change") + " '" + path +
            "'; close it to them with chmod " + ((forbidden & S_IROTH) != 0 ? "600." : "644."));

@@ -24,8 +24,9 @@ using KeyEntries = std::map<std::string, KeyEntry, std::less<>>;
 std::string place_of(const std::string& path, int line);
 
 // Reads `name` in the folder open as `folder`; `path` is what sentences call it. Throws RefusedError(kInvalidInput)
-// where it is not a regular file of this user's without the mode bits `forbidden`, is larger than kMaxKeyFileBytes, is
-// not text, or has a line that is no `name = value` or names something else than `known`, or twice.
+// where it is not a regular file of this user's or root's without the mode bits `forbidden`, is larger than
+// kMaxKeyFileBytes, is not text, or has a line that is no `name = value` or names something else than `known`, or
+// twice.
 KeyEntries read_key_file(int folder, const std::string& name, const std::string& path, mode_t forbidden,
                          std::span<const std::string_view> known);
 

@@ -32,6 +32,13 @@ void set_option(int socket, int level, int option) {
   ::setsockopt(socket, level, option, &on, sizeof on);
 }
 
+// Of an IPv6 address: whoever has one has the other 2^64 of its network too.
+void keep_network(in6_addr& address) {
+  constexpr std::size_t kNetworkBytes = 8;
+  if (IN6_IS_ADDR_V4MAPPED(&address)) return;
+  std::memset(address.s6_addr + kNetworkBytes, 0, sizeof address.s6_addr - kNetworkBytes);
+}
+
 std::string numeric(const sockaddr_storage& address, socklen_t length, std::string* port) {
   std::array<char, NI_MAXHOST> host{};
   std::array<char, NI_MAXSERV> service{};
@@ -94,6 +101,7 @@ Accepted accept_from(const Descriptor& listener) {
   prepare(accepted.socket.get());
   set_option(accepted.socket.get(), IPPROTO_TCP, TCP_NODELAY);
   set_option(accepted.socket.get(), SOL_SOCKET, SO_KEEPALIVE);
+  if (peer.ss_family == AF_INET6) keep_network(reinterpret_cast<sockaddr_in6&>(peer).sin6_addr);
   accepted.source = numeric(peer, length, nullptr);
   return accepted;
 }

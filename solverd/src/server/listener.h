@@ -17,7 +17,7 @@ Listener listen_on(const std::string& address);
 
 struct Accepted {
   Descriptor socket;   // not open: nobody waits
-  std::string source;  // the peer's address without its port
+  std::string source;  // the peer's address without its port; of IPv6 the network, /64
   bool full = false;   // this process, or the machine, has no descriptor left
 };
 Accepted accept_from(const Descriptor& listener);
