@@ -15,7 +15,8 @@ import fake_worker
 from curve_server import CurveServer
 from fake_worker import Script
 from lappet.core.problem_code import ProblemCode
-from lappet.daemon.key_files import KeyPair, new_own, new_pair, read_pair
+from lappet.daemon.key_files import KeyPair, new_pair, read_pair
+from lappet.daemon.key_writing import new_own
 from lappet.daemon.keys_folder import KeysFolder, Role, User
 from lappet.daemon.running_daemon import RunningDaemon
 from lappet_blender.solving import chosen_daemon, frames, reconcile

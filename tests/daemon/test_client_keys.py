@@ -13,7 +13,8 @@ from curve_server import CurveServer
 from lappet.core.problem import RefusedError
 from lappet.core.problem_code import ProblemCode
 from lappet.daemon.client import DaemonRefuses, SolverClient, SolverRefused
-from lappet.daemon.key_files import KeyPair, new_own, new_pair, read_pair
+from lappet.daemon.key_files import KeyPair, new_pair, read_pair
+from lappet.daemon.key_writing import new_own
 from lappet.daemon.keys_folder import KeysFolder, Role, User
 from lappet.daemon.running_daemon import ClientKeys, RunningDaemon
 from lappet.daemon.wire import Message

@@ -11,7 +11,8 @@ import zmq
 
 from lappet.core.problem import RefusedError
 from lappet.core.problem_code import ProblemCode
-from lappet.daemon.key_files import KeyPair, is_key, new_own, new_pair, read_pair, read_public
+from lappet.daemon.key_files import KeyPair, is_key, new_pair, read_pair, read_public
+from lappet.daemon.key_writing import new_own
 from lappet.daemon.keys_folder import KeysFolder, Quotas, Role, User
 
 # From the reference implementation's tests of Z85 (https://rfc.zeromq.org/spec/32), and the same one too large.

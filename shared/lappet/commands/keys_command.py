@@ -33,7 +33,7 @@ def new(context: click.Context, /, name: str | None, server: bool, folder: Path 
     if not server and name is None:
         raise click.UsageError("The keys need a name; give yours, like anna, or --server for those of a daemon.")
     with sentences(context):
-        from lappet.daemon.key_files import default_folder, new_own
+        from lappet.daemon.key_writing import default_folder, new_own
 
         if server:
             assert folder is not None

@@ -19,21 +19,8 @@ from typing import Any
 from lappet.core.durable import sync_folder
 from lappet.core.problem import Problem, RefusedError, file_problem, refused
 from lappet.core.problem_code import ProblemCode
-from lappet.daemon.key_files import (
-    OPEN,
-    SECRET,
-    KeyPair,
-    key_in,
-    new_pair,
-    pair_text,
-    private_folder,
-    public_text,
-    read_entries,
-    read_pair,
-    require_name,
-    write_new,
-    write_over,
-)
+from lappet.daemon.key_files import KeyPair, key_in, new_pair, read_entries, read_pair, require_name
+from lappet.daemon.key_writing import OPEN, SECRET, pair_text, private_folder, public_text, write_new, write_over
 
 _ENDING = ".pub"
 
