@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import signal
+import subprocess
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -165,6 +166,13 @@ def test_no_process_outlives_the_broker(keyed: KeyedDaemon, how: signal.Signals)
         assert status == 0
         assert not set(Path("/tmp").glob("lappet-*/s*")) - sockets
     keyed.__enter__()  # the fixture's end wants one that lives
+
+
+def test_a_process_whose_broker_has_gone_does_not_begin(binary: Path) -> None:
+    options = ["--process-memory", str(4 << 30), "--parent", "1"]
+    done = subprocess.run([binary, *options], input="", capture_output=True, text=True, timeout=10, check=False)
+    assert done.returncode == 1
+    assert "has ended" in done.stderr
 
 
 def test_another_routing_id_is_no_way_to_a_session(keyed: KeyedDaemon) -> None:

@@ -49,6 +49,10 @@ def keyed(binary: Path, tmp_path: Path) -> Iterator[KeyedDaemon]:
     with KeyedDaemon(binary, tmp_path) as daemon:
         with daemon.peer("anna") as anna:  # whatever is made once for all is made now
             assert anna.ask("ping").type == "pong"
+        for _ in range(3):
+            with connect(daemon) as stranger:
+                stranger.sendall(greeting(b"CURVE") + 3000 * b"x")
+                stranger.recv(64)
         yield daemon
 
 

@@ -14,6 +14,11 @@
 namespace lappet {
 namespace {
 
+#if defined(__SANITIZE_ADDRESS__)
+constexpr bool kSanitized = true;  // the sanitizer takes more than any limit
+#else
+constexpr bool kSanitized = false;
+#endif
 constexpr std::uint64_t kMiB = std::uint64_t{1} << 20;
 constexpr std::uint64_t kProcess = 1024 * kMiB, kThread = 80 * kMiB;  // a stack, and what malloc keeps for it
 
@@ -31,7 +36,7 @@ void become_child_of(int parent, std::uint64_t bytes) {
     throw RefusedError(ErrorCode::kInternal, "The broker that started this daemon has ended.");
   }
   rlimit limit{};
-  if (bytes == 0 || ::getrlimit(kResource, &limit) != 0) return;
+  if (bytes == 0 || kSanitized || ::getrlimit(kResource, &limit) != 0) return;
   if (limit.rlim_max == RLIM_INFINITY || limit.rlim_max > bytes) limit.rlim_max = bytes;
   limit.rlim_cur = limit.rlim_max;
   ::setrlimit(kResource, &limit);

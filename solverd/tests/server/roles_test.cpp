@@ -6,7 +6,6 @@
 #include <chrono>
 
 #include "lattice/refused.h"
-#include "server/child_limits.h"
 #include "server/session_limits.h"
 #include "server/token_bucket.h"
 
@@ -60,11 +59,6 @@ TEST(SessionLimits, TheClientGetsWhatItAsksForAndNoMore) {
   given = within(settings, {});
   EXPECT_EQ(given.memory_budget, 5U);
   EXPECT_EQ(given.threads, 2);
-}
-
-TEST(ChildLimits, AChildWhoseBrokerHasEndedDoesNotStart) {
-  EXPECT_THROW(become_child_of(1 << 29, 0), RefusedError);
-  EXPECT_GT(process_memory(8, 1, 1), 8U + 2U);
 }
 
 }  // namespace
