@@ -58,15 +58,26 @@ def test_a_daemon_of_one_s_own_over_tcp_has_fresh_keys_and_no_token(binary: Path
     assert not daemon.alive()
 
 
-def test_where_there_is_no_room_for_a_socket_keys_take_its_place(
+def test_where_no_socket_is_possible_keys_take_its_place(binary: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("lappet.daemon.process._LONGEST_ADDRESS", 1)
+    with SolverDaemon(binary) as daemon, SolverClient(daemon=daemon) as client:
+        assert daemon.address.startswith("tcp://127.0.0.1:")
+        assert daemon.keys is not None
+        assert client.ping() < 1.0
+
+
+@pytest.mark.skipif(os.name != "posix", reason="sockets lie in no folder here")
+def test_a_folder_of_the_user_s_with_a_long_name_is_no_hindrance(
     binary: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     deep = tmp_path / ("deep" * 25)
     deep.mkdir()
-    monkeypatch.setattr("tempfile.tempdir", str(deep))
+    monkeypatch.setenv("TMPDIR", str(deep))
+    monkeypatch.setattr("tempfile.tempdir", None)
     with SolverDaemon(binary) as daemon, SolverClient(daemon=daemon) as client:
-        assert daemon.keys is not None
+        assert daemon.address.startswith("ipc:///tmp/lappet-")
         assert client.ping() < 1.0
+    assert list(deep.iterdir()) == []
 
 
 def test_others_on_this_computer_do_not_reach_a_daemon_of_one_s_own_over_tcp(binary: Path) -> None:

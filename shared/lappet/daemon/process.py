@@ -187,13 +187,16 @@ class SolverDaemon:
         """Options for a place where nobody else comes in; none where the caller names one with `--address`."""
         if "--address" in self._arguments:
             return []
-        self._folder = tempfile.mkdtemp(prefix="lappet-")  # mode 0700
-        address = f"ipc://{self._folder}/socket"
-        if self._listen is None and os.name == "posix" and len(os.fsencode(address)) < _LONGEST_ADDRESS:
-            return ["--address", address]
-        folder, own = KeysFolder(Path(self._folder) / "keys"), new_pair()
-        self.keys = ClientKeys(folder.make_server("a daemon of one client").public, own)
-        folder.allow(User("owner", own.public, Role.ADMIN, _UNBOUNDED))
+        sockets, own = self._listen is None and os.name == "posix", ""
+        for place in (None, "/tmp") if sockets else (None,):  # TMPDIR may have too long a name for a socket
+            self._remove_folder()
+            own = self._folder = tempfile.mkdtemp(prefix="lappet-", dir=place)  # mode 0700
+            address = f"ipc://{own}/socket"
+            if sockets and len(os.fsencode(address)) < _LONGEST_ADDRESS:
+                return ["--address", address]
+        folder, pair = KeysFolder(Path(own) / "keys"), new_pair()
+        self.keys = ClientKeys(folder.make_server("a daemon of one client").public, pair)
+        folder.allow(User("owner", pair.public, Role.ADMIN, _UNBOUNDED))
         return ["--listen", self._listen or "tcp://127.0.0.1:0", "--keys", str(folder.path)]
 
     def _remove_folder(self) -> None:
