@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import signal
 import subprocess
@@ -136,6 +137,25 @@ def test_a_crash_is_one_sessions(keyed: KeyedDaemon, how: signal.Signals, code: 
         assert solve(bert).type == "frame"
         prepare(anna)
         assert solve(anna).type == "frame"
+
+
+def open_files(pid: int) -> set[str]:
+    files = set()
+    for entry in Path(f"/proc/{pid}/fd").iterdir():
+        with contextlib.suppress(OSError):
+            files.add(str(entry.readlink()))
+    return files
+
+
+def test_a_process_has_no_connection_of_another(keyed: KeyedDaemon) -> None:
+    with keyed.peer("anna") as anna, keyed.peer("bert") as bert:
+        first, second = solver_of(keyed, anna), solver_of(keyed, bert)
+        kinds = ("socket:", "pipe:")
+        ends = [{name for name in open_files(pid) if name.startswith(kinds)} for pid in (first, second, keyed.pid)]
+        sockets = {name for name in ends[2] if name.startswith("socket:")}
+        assert len(sockets) >= 5  # the door, and two ends of each connection
+        assert not ends[0] & ends[1]
+        assert not (ends[0] | ends[1]) & sockets
 
 
 def test_a_process_that_hangs_holds_up_nobody(keyed: KeyedDaemon) -> None:

@@ -91,9 +91,10 @@ void Gate::add_items(std::vector<zmq::pollitem_t>& items) {
     const bool joined = connection.inner.open();
     items.push_back(
         {nullptr, connection.outer.get(), events(begins || (joined && reads), !connection.outward.empty()), 0});
-    // An entry without a descriptor is not waited for.
-    items.push_back({nullptr, joined && !connection.inner_ended ? connection.inner.get() : -1,
-                     events(connection.outward.empty(), !connection.inward.empty()), 0});
+    // An entry without a descriptor is not waited for, also not for its end.
+    const short wanted = events(connection.outward.empty(), !connection.inward.empty());
+    const bool waits_for = joined && !connection.inner_ended && wanted != 0;
+    items.push_back({nullptr, waits_for ? connection.inner.get() : -1, wanted, 0});
   }
 }
 
