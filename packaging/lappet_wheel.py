@@ -1,5 +1,7 @@
 """Build Lappet's wheel and give it the libraries that its daemon links, so that it runs without Debian packages.
 
+    python packaging/lappet_wheel.py FOLDER    puts the wheel there, for pip and for packaging/Containerfile
+
 `built` compiles; `portable` copies every library but those of the C and C++ run time into the wheel with auditwheel,
 which also finds the honest manylinux tag, and adds their licences and a bill of materials. Both keep what they made
 under `build/extension` by the digest of what it was made from: a second call takes no time. Linux only.
@@ -212,3 +214,25 @@ def _alone(cache: Path) -> Iterator[None]:
     with (cache / "lock").open("w") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)
         yield
+
+
+def main(arguments: list[str]) -> int:
+    """The command. Returns the exit status."""
+    if len(arguments) != 1:
+        print("usage: lappet_wheel.py FOLDER", file=sys.stderr)
+        return 2
+    try:
+        wheel = portable(built())
+    except subprocess.CalledProcessError as error:
+        print(f"lappet_wheel: {Path(error.cmd[0]).name} failed; its message is above.", file=sys.stderr)
+        return 1
+    folder = Path(arguments[0])
+    folder.mkdir(parents=True, exist_ok=True)
+    for old in folder.glob("lappet-*.whl"):
+        old.unlink()
+    print(shutil.copy2(wheel, folder))
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

@@ -8,6 +8,7 @@ from lappet.core.problem import Problem, RefusedError
 from lappet.cutting.epoch import Epoch
 from lappet.daemon.daemon_solver import connect_to
 from lappet.daemon.frame_solver import Connect
+from lappet.daemon.running_daemon import RunningDaemon
 from lappet.foreign.limits import DEFAULT_LIMITS, ReadLimits
 from lappet.geometry.labeled_surface import FaceOrigin
 from lappet.procedure.scene_profile import measured_costs
@@ -23,7 +24,7 @@ def inspect_procedure(
     *,
     spacing: float | None = None,
     lattice: bool = True,
-    daemon: str | None = None,
+    daemon: RunningDaemon | None = None,
     connect: Connect | None = None,
     economy: Path | None = None,
     limits: ReadLimits = DEFAULT_LIMITS,
@@ -39,7 +40,7 @@ def inspect_procedure(
     lattice
         Whether to ask the daemon for the counts of every epoch's lattice; where they cannot be had a note says why.
     daemon
-        Address of a running daemon; None starts one.
+        A running daemon; None starts one.
     connect
         Makes the solver; the daemon when None.
     economy
@@ -87,7 +88,7 @@ def _epoch_line(epoch: Epoch, program: Program) -> str:
     )
 
 
-def _lattice_lines(program: Program, daemon: str | None, connect: Connect | None) -> list[str]:
+def _lattice_lines(program: Program, daemon: RunningDaemon | None, connect: Connect | None) -> list[str]:
     if connect is None:
         connect = connect_to(daemon)
     solver = connect(program.settings, program.bones)

@@ -14,6 +14,7 @@ from lappet.core.problem import Problem, RefusedError, problem, refused
 from lappet.core.problem_code import ProblemCode
 from lappet.daemon.daemon_solver import connect_to, solver_identity
 from lappet.daemon.frame_solver import Connect, Iteration
+from lappet.daemon.running_daemon import RunningDaemon
 from lappet.foreign.limits import DEFAULT_LIMITS, ReadLimits
 from lappet.output.skin_cache import write_skin_cache
 from lappet.procedure import Procedure
@@ -128,7 +129,7 @@ def solve_procedure(
     settings: SolverSettings = DEFAULT,
     *,
     frames: tuple[int | None, int | None] = (None, None),
-    daemon: str | None = None,
+    daemon: RunningDaemon | None = None,
     store: FrameStore | None = None,
     observer: SolveObserver | None = None,
     connect: Connect | None = None,
@@ -153,7 +154,7 @@ def solve_procedure(
     frames
         First and last time code to write, None for the procedure's; everything up to the last one is solved.
     daemon
-        Address of a running daemon; None starts one.
+        A running daemon; None starts one.
     store
         Where frames are kept; the user's store when None.
     observer
