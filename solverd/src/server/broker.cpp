@@ -8,11 +8,9 @@
 #include <cerrno>
 #include <charconv>
 #include <csignal>
-#include <cstdlib>
 #include <utility>
 
 #include "server/encode.h"
-#include "server/private_address.h"
 
 namespace lappet {
 namespace {
@@ -26,21 +24,11 @@ constexpr milliseconds kFarewell{200};    // for replies on their way when the d
 constexpr int kMessagesPerTurn = 16;
 constexpr int kIoThreads = 1, kMaxSockets = 4096;
 
-std::string make_private_folder() {
-  const char* const place = std::getenv("TMPDIR");
-  std::string folder = std::string(place != nullptr && *place != '\0' ? place : "/tmp") + "/lappet-XXXXXX";
-  constexpr std::size_t kLongest = 60;  // a socket's path has 104 bytes at most
-  if (folder.size() > kLongest) refuse("The folder TMPDIR has too long a name; set another one.");
-  if (::mkdtemp(folder.data()) == nullptr) refuse("No folder for sockets can be made at '" + folder + "'.");
-  return folder;
-}
-
 }  // namespace
 
 Broker::Broker(BrokerOptions options)
     : options_(std::move(options)),
       keys_(options_.keys),
-      folder_(make_private_folder()),
       context_(kIoThreads, kMaxSockets),
       zap_(context_, [this](const std::string& domain, const std::string& key) { return decide(domain, key); }),
       gate_(options_.address, options_.gate),
@@ -51,7 +39,6 @@ Broker::~Broker() {
   for (auto& [number, peer] : peers_) end_session(*peer);
   peers_.clear();
   ending_.clear();  // waits for the processes
-  ::rmdir(folder_.c_str());
 }
 
 std::string Broker::run() {
@@ -134,7 +121,7 @@ std::optional<std::string> Broker::decide(const std::string& domain, const std::
 
 void Broker::welcome_arrived() {
   for (const Number number : gate_.take_arrived()) {
-    const std::string path = folder_ + "/c" + std::to_string(number);
+    const std::string path = folder_.path() + "/c" + std::to_string(number);
     try {
       auto peer = std::make_unique<BrokerPeer>(context_, path, keys_.secret_key(), std::to_string(number),
                                                options_.max_message_bytes);

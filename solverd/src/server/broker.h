@@ -14,6 +14,7 @@
 #include "server/broker_peer.h"
 #include "server/gate.h"
 #include "server/keys_folder.h"
+#include "server/private_folder.h"
 #include "server/session_limits.h"
 #include "server/token_bucket.h"
 #include "server/zap.h"
@@ -100,7 +101,7 @@ class Broker {
 
   const BrokerOptions options_;
   KeysFolder keys_;
-  std::string folder_;  // of the sockets; mode 0700
+  PrivateFolder folder_;  // of the sockets
   zmq::context_t context_;
   ZapHandler zap_;
   Gate gate_;

@@ -119,7 +119,7 @@ void Broker::start_session(BrokerPeer& peer, const User& user) {
   }
   const std::uint64_t session = next_session_++;
   SolverProcessOptions process;
-  process.folder = folder_ + "/s" + std::to_string(session);
+  process.folder = folder_.path() + "/s" + std::to_string(session);
   process.limits = limits_of(user);
   process.max_message_bytes = message_bytes(peer);
   process.session = session;
