@@ -18,6 +18,9 @@ import pytest
 import zmq
 
 from keyed_daemon import KeyedDaemon
+from lappet.daemon.client import SolverClient
+from lappet.daemon.key_files import KeyPair
+from lappet.daemon.running_daemon import ClientKeys
 
 pytestmark = [
     pytest.mark.slow,
@@ -104,6 +107,9 @@ def test_1013_idle_peers_shut_no_user_out_and_cost_little(keyed: KeyedDaemon) ->
             assert time.monotonic() - asked < 1.0
             assert anna.ask("ping").type == "pong"
             assert asked - begun < 2.0, "the idle peers were closed for their age before anybody asked"
+        keys = ClientKeys(keyed.server_public, KeyPair(*keyed.pairs["anna"]))
+        with SolverClient(keyed.address, keys=keys) as client:
+            assert client.ping() < 1.0
         assert keyed.memory() - before < PLACES * COST
 
 

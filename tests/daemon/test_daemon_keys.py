@@ -15,6 +15,7 @@ import zmq
 
 from box_scene import epoch_arrays, open_fields
 from keyed_daemon import KeyedDaemon, KeyedPeer, until, write
+from lappet.daemon.keys_folder import Role
 
 pytestmark = [
     pytest.mark.slow,
@@ -27,7 +28,7 @@ LEAST = {
     **dict.fromkeys(("open", "epoch", "state", "solve", "close", "cancel", "share"), "author"),
     "shutdown": "admin",
 }
-ORDER = ("follower", "author", "admin")
+ORDER = tuple(Role)
 
 
 @pytest.fixture
@@ -77,7 +78,7 @@ def test_every_message_has_a_least_role(keyed: KeyedDaemon) -> None:
                 with daemon.peer(name) as peer:
                     reply = peer.ask(kind, {"client": "x"} if kind == "hello" else {})
                     refused = reply.type == "error" and reply.fields["code"] == "unauthorized"
-                    assert refused == (ORDER.index(role) < ORDER.index(least)), (name, kind, reply)
+                    assert refused == (ORDER.index(Role(role)) < ORDER.index(Role(least))), (name, kind, reply)
                     if refused:
                         assert f"needs the role {least}" in reply.fields["message"]
         with daemon.peer("root") as root:
