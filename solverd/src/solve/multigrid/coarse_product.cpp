@@ -15,12 +15,14 @@ CoarseProduct<Real> coarse_product(InstructionSet set) {
     case InstructionSet::kSse42:
       fill_coarse_product_sse42(product);
       return product;
+#if !defined(LAPPET_BASELINE_KERNELS)
     case InstructionSet::kAvx2:
       fill_coarse_product_avx2(product);
       return product;
     case InstructionSet::kAvx512:
       fill_coarse_product_avx512(product);
       return product;
+#endif
 #elif defined(__aarch64__)
     case InstructionSet::kNeon:
       fill_coarse_product_neon(product);
