@@ -22,6 +22,7 @@ from lappet.core.problem import RefusedError
 from lappet.core.problem_code import ProblemCode
 from lappet.core.version import version
 from lappet.daemon.frame_solver import SolverDiedError
+from lappet.daemon.stale_sockets import PREFIX, SOCKET, remove_stale_folders
 from lappet.daemon.wire import printable
 
 BINARY = "lappet-solverd"
@@ -170,8 +171,9 @@ class SolverDaemon:
         """Options for a socket in a folder that nobody else may enter; none where the caller names an address."""
         if os.name != "posix" or "--address" in self._arguments:
             return []
-        self._folder = tempfile.mkdtemp(prefix="lappet-")  # mode 0700
-        address = f"ipc://{self._folder}/socket"
+        remove_stale_folders()
+        self._folder = tempfile.mkdtemp(prefix=PREFIX)  # mode 0700
+        address = f"ipc://{self._folder}/{SOCKET}"
         if len(os.fsencode(address)) < _LONGEST_ADDRESS:
             return ["--address", address]
         self._remove_folder()

@@ -15,14 +15,12 @@ KernelTwins<Real> kernel_twins(InstructionSet set) {
     case InstructionSet::kSse42:
       fill_kernel_twins_sse42(twins);
       return twins;
-#if !defined(LAPPET_BASELINE_KERNELS)
     case InstructionSet::kAvx2:
       fill_kernel_twins_avx2(twins);
       return twins;
     case InstructionSet::kAvx512:
       fill_kernel_twins_avx512(twins);
       return twins;
-#endif
 #elif defined(__aarch64__)
     case InstructionSet::kNeon:
       fill_kernel_twins_neon(twins);

@@ -11,18 +11,17 @@ ElasticKernels<Real> elastic_kernels(InstructionSet set, const SceneFeatures& fe
     case InstructionSet::kScalar:
       fill_elastic_kernels_scalar(features, kernels);
       return kernels;
-#if defined(__x86_64__)
+#if defined(LAPPET_SCALAR_KERNELS)  // sanitizers (solverd/cmake/Sanitize.cmake)
+#elif defined(__x86_64__)
     case InstructionSet::kSse42:
       fill_elastic_kernels_sse42(features, kernels);
       return kernels;
-#if !defined(LAPPET_BASELINE_KERNELS)
     case InstructionSet::kAvx2:
       fill_elastic_kernels_avx2(features, kernels);
       return kernels;
     case InstructionSet::kAvx512:
       fill_elastic_kernels_avx512(features, kernels);
       return kernels;
-#endif
 #elif defined(__aarch64__)
     case InstructionSet::kNeon:
       fill_elastic_kernels_neon(features, kernels);

@@ -11,18 +11,17 @@ CoarseProduct<Real> coarse_product(InstructionSet set) {
     case InstructionSet::kScalar:
       fill_coarse_product_scalar(product);
       return product;
-#if defined(__x86_64__)
+#if defined(LAPPET_SCALAR_KERNELS)  // sanitizers (solverd/cmake/Sanitize.cmake)
+#elif defined(__x86_64__)
     case InstructionSet::kSse42:
       fill_coarse_product_sse42(product);
       return product;
-#if !defined(LAPPET_BASELINE_KERNELS)
     case InstructionSet::kAvx2:
       fill_coarse_product_avx2(product);
       return product;
     case InstructionSet::kAvx512:
       fill_coarse_product_avx512(product);
       return product;
-#endif
 #elif defined(__aarch64__)
     case InstructionSet::kNeon:
       fill_coarse_product_neon(product);
