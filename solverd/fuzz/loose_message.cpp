@@ -9,6 +9,8 @@
 namespace lappet {
 namespace {
 
+constexpr std::size_t kMaxEntries = 1024;
+
 Value to_value(const msgpack::object& object) {
   switch (object.type) {
     case msgpack::type::BOOLEAN:
@@ -92,7 +94,9 @@ std::optional<LooseMessage> read_loosely(const RawMessage& message) {
   if (message.empty()) return std::nullopt;
   try {
     const PartBytes& header = message.front();
-    const auto handle = msgpack::unpack(reinterpret_cast<const char*>(header.data()), header.size());
+    const msgpack::unpack_limit limit(kMaxEntries, kMaxEntries, kMaxHeaderBytes, kMaxHeaderBytes, kMaxHeaderBytes, 32);
+    const auto handle = msgpack::unpack(reinterpret_cast<const char*>(header.data()), header.size(), nullptr, nullptr,
+                                        limit);
     Value value = to_value(handle.get());
     auto* fields = std::get_if<Fields>(&value);
     if (fields == nullptr) return std::nullopt;

@@ -20,6 +20,9 @@
 #include "campaign.h"
 #include "replay.h"
 
+// Of the address sanitizer, where there is one: what is too large to allocate throws, as it does without.
+extern "C" const char* __asan_default_options() { return "allocator_may_return_null=1"; }
+
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);
 
 namespace lappet {
