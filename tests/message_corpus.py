@@ -45,24 +45,17 @@ def file_of(messages: list[RawMessage]) -> bytes:
 
 def messages_of(data: bytes) -> list[RawMessage]:
     """Read a conversation from a file."""
-    numbers = iter_numbers = 0
+    at = 0
+
+    def take(length: int) -> bytes:
+        nonlocal at
+        at += length
+        return data[at - length : at]
 
     def number() -> int:
-        nonlocal numbers
-        (value,) = struct.unpack_from("<I", data, numbers)
-        numbers += 4
-        return int(value)
+        return int.from_bytes(take(4), "little")
 
-    messages = []
-    for iter_numbers in range(number()):
-        parts = []
-        for _ in range(number()):
-            length = number()
-            parts.append(data[numbers : numbers + length])
-            numbers += length
-        messages.append(parts)
-    assert iter_numbers == max(len(messages) - 1, 0)
-    return messages
+    return [[take(number()) for _ in range(number())] for _ in range(number())]
 
 
 def message(
@@ -84,7 +77,12 @@ def changed(arrays: dict[str, NDArray[Any]], name: str, number: float, at: int =
     return {**arrays, name: array}
 
 
-OPEN = message("open", open_fields(retractors=1))
+def session_fields(**changes: Any) -> dict[str, Any]:
+    """The fields of an `open` whose frames take at most half a second."""
+    return open_fields(**{"time_budget": 0.5, **changes})
+
+
+OPEN = message("open", session_fields(retractors=1))
 EPOCH = message("epoch", {"index": 0}, epoch_arrays())
 SOLVE = message("solve", {"time": 1.0}, solve_payload(pull()).arrays)
 
@@ -98,7 +96,7 @@ def everything_open(**changes: Any) -> RawMessage:
         "fiber_slack": 1.1, "fiber_angle": 35.0, "muscle_stress": 30.0, "prestretch": [1.1, 1.05],
     }  # fmt: skip
     plain = {"model": "mooneyRivlin", "youngs_modulus": 20.0, "poissons_ratio": 0.4, "density": 900.0}
-    settings = open_fields(
+    settings = session_fields(
         retractors=1, gravity=[0.0, 0.0, -9.81], quadrature=4, precision="double", correction=1, region="whole",
         preconditioner="twoLevel", strain=1, stability=1, **changes,
     )  # fmt: skip
@@ -214,7 +212,7 @@ def everything() -> list[RawMessage]:
 @conversation
 def whole_tissue() -> list[RawMessage]:
     """Float, Chebyshev, another model and eight points in a cell; a second epoch takes the state over."""
-    fields = open_fields(preconditioner="chebyshev", quadrature=8, region="auto", stability=0, strain=0)
+    fields = session_fields(preconditioner="chebyshev", quadrature=8, region="auto", stability=0, strain=0)
     fields["materials"][0]["model"] = "stableNeoHookean"
     taller = message("epoch", {"index": 1}, epoch_arrays(points=box((4.0, 4.0, 3.0)).points))
     return [message("open", fields), EPOCH, SOLVE, taller, SOLVE]
@@ -241,7 +239,7 @@ def far_anchors() -> list[RawMessage]:
 def spent_epochs() -> list[RawMessage]:
     """An epoch that fails when its memory is spent, then a smaller one, which once ended the daemon."""
     large = message("epoch", {"index": 0}, epoch_arrays(points=box((400.0, 400.0, 60.0)).points))
-    opened = message("open", open_fields(memory_budget=40 << 20))
+    opened = message("open", session_fields(memory_budget=40 << 20))
     return [opened, large, EPOCH, SOLVE, large, SOLVE]
 
 
@@ -253,7 +251,7 @@ def long_box() -> list[RawMessage]:
     grip[10:] = 0
     bones = {"bone_points": surface.points - [0.0, 0.0, 8.0], "bone_triangles": surface.triangles}
     return [
-        message("open", open_fields(retractors=1), bones),
+        message("open", session_fields(retractors=1), bones),
         message("epoch", {"index": 0}, epoch_arrays(points=surface.points, grip=grip)),
     ]
 
@@ -263,7 +261,7 @@ def no_blocks() -> list[RawMessage]:
     """A tissue that is fixed all through: no cell is computed."""
     arrays = epoch_arrays(points=box((2.0, 2.0, 1.0)).points, fixed=np.ones(12, np.uint8))
     return [
-        message("open", open_fields(spacing=2.0)),
+        message("open", session_fields(spacing=2.0)),
         message("epoch", {"index": 0}, arrays),
         message("solve", {"time": 1.0}, {**solve_payload(pull()).arrays, "hook_anchors": np.array([[1.0, 1.0, 1.0]])}),
     ]
@@ -273,7 +271,7 @@ def no_blocks() -> list[RawMessage]:
 def taken_session() -> list[RawMessage]:
     """A session's number that is another's, a budget of 2^50 bytes, and settings at the ends of what is taken."""
     return [
-        message("open", open_fields(memory_budget=1 << 50, sutures=1000)),
+        message("open", session_fields(memory_budget=1 << 50, sutures=1000)),
         message("epoch", {"index": 2147483647}, epoch_arrays(), session=2**64 - 1),
         message("epoch", {"index": 2147483647}, epoch_arrays(), session=1),
         message("close", session=77),
@@ -368,9 +366,9 @@ def odd_settings() -> list[RawMessage]:
     ]  # fmt: skip
     found = []
     for change in settings:
-        found += [message("open", open_fields(**change)), EPOCH, SOLVE, message("close")]
+        found += [message("open", session_fields(**change)), EPOCH, SOLVE, message("close")]
     for field, number in (("youngs_modulus", 1e308), ("youngs_modulus", 1e-308), ("density", 1e308), ("mooney_ratio", 1e300)):
-        fields = open_fields()
+        fields = session_fields()
         fields["materials"][0][field] = number
         found += [message("open", fields), EPOCH, SOLVE, message("close")]
     return found
