@@ -1,8 +1,8 @@
 """Chaos: a procedure is solved again and again while it is killed, stopped, interrupted, filled, cut and pruned.
 
 `python tests/chaos.py --seed 1 --seconds 120` says what each seed did and which promise was broken. After every
-disturbed solve no partial file has a final name, nothing of it runs on and nothing of it lies among the temporary files;
-an undisturbed solve then gives, bit for bit, the cache of a solve that was never disturbed.
+disturbed solve no partial file has a final name, nothing of it runs on and none of its temporary files is left; an
+undisturbed solve then gives, bit for bit, the cache of a solve that was never disturbed.
 """
 
 from __future__ import annotations
@@ -301,7 +301,9 @@ def main() -> int:
     given = parser.parse_args()
     with tempfile.TemporaryDirectory(prefix="chaos-") as folder:
         found = chaos(Path(folder), given.seed, given.seconds)
-    print(f"{found.done.total()} disturbed solves of seed {given.seed}: {dict(found.done)}; statuses {dict(found.statuses)}")
+    print(
+        f"{found.done.total()} disturbed solves of seed {given.seed}: {dict(found.done)}; statuses {dict(found.statuses)}"
+    )
     for line in found.broken:
         print(f"  {line}")
     print(f"{len(found.broken)} promises broken")

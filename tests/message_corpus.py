@@ -1,7 +1,7 @@
 """The corpus of messages: what a client may say, once each, and what was found to harm a daemon.
 
-`python tests/message_corpus.py` writes `tests/corpus/*.messages`, which `solverd_fuzz` and `test_message_corpus` play. A
-file holds what one client sends, in order, as `solverd/fuzz/conversation.h` says. The name of a conversation is that of
+`python tests/message_corpus.py` writes `tests/corpus/*.messages`, which `solverd_fuzz` and `test_message_corpus` play.
+A file holds what one client sends, in order, as `solverd/fuzz/conversation.h` says. The name of a conversation is that of
 its function here, whose docstring says what it is for. Findings of campaigns are files `found_*.messages` beside them,
 with a line each in `tests/corpus/README.md`.
 """
@@ -64,7 +64,8 @@ def message(
     """Write a message as a client does, without its checks."""
     held = {name: np.ascontiguousarray(array) for name, array in (arrays or {}).items()}
     listed = [
-        {"name": name, "dtype": array.dtype.str.lstrip("<|"), "shape": list(array.shape)} for name, array in held.items()
+        {"name": name, "dtype": array.dtype.str.lstrip("<|"), "shape": list(array.shape)}
+        for name, array in held.items()
     ]
     whole = {"v": 1, "type": kind, "id": 1, "arrays": listed, **(fields or {}), **header}
     return [msgpack.packb(whole), *(array.tobytes() for array in held.values())]
@@ -281,7 +282,19 @@ def taken_session() -> list[RawMessage]:
 @conversation
 def wrong_order() -> list[RawMessage]:
     """Every message when it is not its time."""
-    return [SOLVE, EPOCH, state(), message("close"), OPEN, SOLVE, state(), OPEN, message("close"), message("close"), EPOCH]
+    return [
+        SOLVE,
+        EPOCH,
+        state(),
+        message("close"),
+        OPEN,
+        SOLVE,
+        state(),
+        OPEN,
+        message("close"),
+        message("close"),
+        EPOCH,
+    ]
 
 
 @conversation
@@ -324,7 +337,7 @@ def odd_surfaces() -> list[RawMessage]:
     """Surfaces that are empty, flat, open, inside out, tiny, or all in one point."""
     surface = box()
     flat, inside_out = surface.points * [1.0, 1.0, 0.0], surface.triangles[:, ::-1].copy()
-    crossing = np.vstack([surface.points, surface.points + [1.3, 0.7, 0.4]])
+    crossing = np.vstack([surface.points, surface.points + np.array([1.3, 0.7, 0.4])])
     labels = {"fixed": np.zeros(24, np.uint8), "support": np.zeros(24, np.uint8), "grip": np.full(24, -1, np.int32)}
     empty = {"points": np.zeros((0, 3)), "triangles": np.zeros((0, 3), np.int32)}
     none = {name: array[:0] for name, array in labels.items()}
@@ -367,7 +380,12 @@ def odd_settings() -> list[RawMessage]:
     found = []
     for change in settings:
         found += [message("open", session_fields(**change)), EPOCH, SOLVE, message("close")]
-    for field, number in (("youngs_modulus", 1e308), ("youngs_modulus", 1e-308), ("density", 1e308), ("mooney_ratio", 1e300)):
+    for field, number in (
+        ("youngs_modulus", 1e308),
+        ("youngs_modulus", 1e-308),
+        ("density", 1e308),
+        ("mooney_ratio", 1e300),
+    ):
         fields = session_fields()
         fields["materials"][0][field] = number
         found += [message("open", fields), EPOCH, SOLVE, message("close")]
@@ -382,7 +400,12 @@ def odd_headers() -> list[RawMessage]:
         deep = [deep]
     shapes = ([2**63], [2**40, 2**40], [2**32, 2**32], [-1], [1.5], [1] * 5, [2**64 - 1, 2**64 - 1], "n", [0, 2**41])
     shaped = [
-        [msgpack.packb({"v": 1, "type": "epoch", "id": 1, "arrays": [{"name": "points", "dtype": "f8", "shape": shape}]}), b""]
+        [
+            msgpack.packb(
+                {"v": 1, "type": "epoch", "id": 1, "arrays": [{"name": "points", "dtype": "f8", "shape": shape}]}
+            ),
+            b"",
+        ]
         for shape in shapes
     ]
     twice = b"\x84\xa1v\x01\xa2id\x01\xa2id\x02\xa4type\xa4ping"

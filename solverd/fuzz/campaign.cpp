@@ -45,7 +45,8 @@ void require_same(const Replies& before, const Replies& after) {
   for (std::size_t i = 0; i < before.size(); ++i) {
     const std::string was = decode_header(before[i].front()).type, is = decode_header(after[i].front()).type;
     if (was != is)
-      throw Finding("message " + std::to_string(i) + " was answered by '" + was + "', in a new session by '" + is + "'");
+      throw Finding("message " + std::to_string(i) + " was answered by '" + was + "', in a new session by '" + is +
+                    "'");
     for (std::size_t k = 1; k < before[i].size(); ++k)
       if (before[i][k] != after[i][k])
         throw Finding("message " + std::to_string(i) + " was answered with other numbers in a new session");

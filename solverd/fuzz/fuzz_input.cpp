@@ -1,4 +1,5 @@
-// The entry that libFuzzer and AFL++ call: bytes as a file of the corpus holds them. The driver in main.cpp calls it too.
+// The entry that libFuzzer and AFL++ call: bytes as a file of the corpus holds them. The driver in main.cpp calls it
+// too.
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>

@@ -83,7 +83,8 @@ void measure(LooseArray& array) {
     in_row *= *length;
   }
   const auto* rows = array.shape->empty() ? nullptr : std::get_if<std::uint64_t>(&array.shape->front());
-  if (rows == nullptr || in_row == 0 || array.part->size() % in_row != 0 || array.part->size() / in_row != *rows) return;
+  if (rows == nullptr || in_row == 0 || array.part->size() % in_row != 0 || array.part->size() / in_row != *rows)
+    return;
   array.rows = *rows;
   array.row_bytes = in_row;
 }
@@ -95,8 +96,8 @@ std::optional<LooseMessage> read_loosely(const RawMessage& message) {
   try {
     const PartBytes& header = message.front();
     const msgpack::unpack_limit limit(kMaxEntries, kMaxEntries, kMaxHeaderBytes, kMaxHeaderBytes, kMaxHeaderBytes, 32);
-    const auto handle = msgpack::unpack(reinterpret_cast<const char*>(header.data()), header.size(), nullptr, nullptr,
-                                        limit);
+    const auto handle =
+        msgpack::unpack(reinterpret_cast<const char*>(header.data()), header.size(), nullptr, nullptr, limit);
     Value value = to_value(handle.get());
     auto* fields = std::get_if<Fields>(&value);
     if (fields == nullptr) return std::nullopt;

@@ -1,5 +1,5 @@
-// solverd_fuzz: plays the corpus, then mutated messages, in child processes, so that one that ends is seen, kept as a file
-// and followed by the next block.
+// solverd_fuzz: plays the corpus, then mutated messages, in child processes, so that one that ends is seen, kept as a
+// file and followed by the next block.
 #include <spdlog/spdlog.h>
 #include <sys/mman.h>
 #include <sys/time.h>
@@ -162,8 +162,7 @@ class Campaign {
   }
   void keep(const Record& record, int status) {
     std::filesystem::create_directories(findings_);
-    const auto file =
-        findings_ / ("found-" + std::to_string(seed_) + "-" + std::to_string(record.block) + ".messages");
+    const auto file = findings_ / ("found-" + std::to_string(seed_) + "-" + std::to_string(record.block) + ".messages");
     save(file, record.file());
     ++found_;
     std::fprintf(stderr, "block %llu ended (%s %d); its messages are in %s\n",

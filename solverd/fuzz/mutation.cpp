@@ -59,8 +59,9 @@ constexpr std::array<std::int64_t, 24> kWholes = {0,
                                                   std::int64_t{1} << 40,
                                                   std::numeric_limits<std::int64_t>::max(),
                                                   std::numeric_limits<std::int64_t>::min()};
-constexpr std::array<const char*, 12> kTexts = {"",      "float",      "double", "neoHookean",  "corotated", "twoLevel",
-                                                "whole", "chebyshev", "f8",     "i4", "\x1b[2J\x00\xff", "solve"};
+constexpr std::array<const char*, 12> kTexts = {"",          "float",    "double",          "neoHookean",
+                                                "corotated", "twoLevel", "whole",           "chebyshev",
+                                                "f8",        "i4",       "\x1b[2J\x00\xff", "solve"};
 
 Value whole_value(std::int64_t whole) {
   if (whole < 0) return whole;
@@ -82,7 +83,8 @@ void repeat_row(const LooseArray& array, std::size_t row) {
 
 void swap_rows(const LooseArray& array, std::size_t a, std::size_t b) {
   std::byte* bytes = array.part->data();
-  if (a != b) std::swap_ranges(bytes + a * array.row_bytes, bytes + (a + 1) * array.row_bytes, bytes + b * array.row_bytes);
+  if (a != b)
+    std::swap_ranges(bytes + a * array.row_bytes, bytes + (a + 1) * array.row_bytes, bytes + b * array.row_bytes);
 }
 
 // Calls change(element by reference) with the type of the array's elements.

@@ -1,5 +1,6 @@
-// What the daemon does with the messages of one client, without sockets and threads: every message is decoded, answered by
-// a session, and its reply written. It must be a reply of PROTOCOL.md that a client can read: what is not is a `Finding`.
+// What the daemon does with the messages of one client, without sockets and threads: every message is decoded, answered
+// by a session, and its reply written. It must be a reply of PROTOCOL.md that a client can read: what is not is a
+// `Finding`.
 #pragma once
 #include <memory>
 #include <optional>

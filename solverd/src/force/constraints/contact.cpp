@@ -21,7 +21,8 @@ constexpr double kMaxDepthOnTheWay = 2.0;
 // A step ends where less of it than this is left, or less than half of what there was at its start.
 constexpr double kPushesBack = 0.5;
 constexpr int kBisections = 8;
-// A step that takes a proxy farther than so many spacings of the bones' grid is cut there: violent loads ask for 1e30 mm.
+// A step that takes a proxy farther than so many spacings of the bones' grid is cut there: violent loads ask for 1e30
+// mm.
 constexpr int kMaxStrides = 4096;
 
 // A proxy on its way, told by the distances along it.
