@@ -41,7 +41,7 @@ sanitize:  ## run the daemon's tests, 100 000 mutated messages and several clien
 fuzz:  ## play MESSAGES (1 000 000) mutated messages of a SEED (1) under sanitizers; what fails goes to build/findings
 	@bash packaging/sanitize.sh --messages $(or $(MESSAGES),1000000)
 
-lint:  ## check style, types, import directions, docstrings and documents
+lint:  ## check style, types, import directions, docstrings, documents and known vulnerabilities
 	@bash packaging/lint.sh
 
 format:  ## rewrite sources in the house style

@@ -38,6 +38,7 @@ PXR_MODULE = Path("shared/lappet/usd/stage.py")
 # The folders of `shared/lappet` in the order in which data passes through them.
 FOLDERS = (
     "core",
+    "foreign",
     "procedure",
     "geometry",
     "usd",

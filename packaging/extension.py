@@ -1,7 +1,8 @@
 """Make the zip that Blender installs: `extension.py [--platform P] [--lappet-wheel FILE] [--output DIR]`.
 
-The add-on's sources, its manifest with the list of wheels filled in, and the wheels: Lappet with its daemon, and what
-it imports. Blender's own tool builds and checks it. Without `--lappet-wheel` the daemon is compiled here, for Linux.
+The add-on's sources, its manifest with the list of wheels filled in, the wheels (Lappet with its daemon, and what it
+imports) and a bill of materials. Blender's own tool builds and checks it. Without `--lappet-wheel` the daemon is
+compiled here, for Linux.
 """
 
 from __future__ import annotations
@@ -19,6 +20,8 @@ import tomllib
 from pathlib import Path
 
 import lappet_wheel
+import sbom
+import system_versions
 from lappet_wheel import edited, metadata_folder
 from pypi_wheels import CACHE, PLATFORMS, ROOT, bundled
 
@@ -67,6 +70,9 @@ def for_extension(wheel: Path, into: Path) -> Path:
         text = (metadata / "METADATA").read_text(encoding="utf-8")
         text = re.sub(r"^Version: .*$", f"Version: {told}", text, count=1, flags=re.MULTILINE)
         (metadata / "METADATA").write_text(text, encoding="utf-8")
+        if (bill := metadata / "sboms" / sbom.NAME).is_file():
+            of_told = sbom.of_version(json.loads(bill.read_text(encoding="utf-8")), told)
+            bill.write_text(sbom.text(of_told), encoding="utf-8")
         metadata.rename(folder / f"lappet-{told}.dist-info")
 
     return edited(wheel, into, strip)
@@ -95,8 +101,8 @@ def assemble(platform: str, lappet: Path, output: Path, *, others: list[Path], a
     """Make, build and validate the zip of a platform, and return its path in the folder `output`.
 
     platform: Blender's name, a key of PLATFORMS. lappet: the wheel of Lappet for it. others: the wheels of other
-    projects. addon: the add-on's folder. Raises ValueError for a wheel of another platform, CalledProcessError, after
-    Blender's tool has printed why, where that refuses the extension.
+    projects. addon: the add-on's folder. Raises ValueError for a wheel of another platform, LookupError for one of
+    unknown license, CalledProcessError, after Blender's tool has printed why, where that refuses the extension.
     """
     tag = lappet.stem.split("-")[-1]
     runs_on = re.compile({"linux": "manylinux_", "macos": "macosx_", "windows": "win_"}[platform.partition("-")[0]])
@@ -116,9 +122,24 @@ def assemble(platform: str, lappet: Path, output: Path, *, others: list[Path], a
         names = sorted([ours.name, *(wheel.name for wheel in others)])
         text = (staged / MANIFEST).read_text(encoding="utf-8")
         (staged / MANIFEST).write_text(with_wheels(text, names, platform), encoding="utf-8")
+        bill = sbom.of_extension(staged, project_version())
+        (staged / sbom.NAME).write_text(sbom.text(bill), encoding="utf-8")
         _blender_tool(tool, "build", f"--source-dir={staged}", f"--output-filepath={made}")
     _blender_tool(tool, "validate", str(made))
     return made
+
+
+def outdated() -> list[str]:
+    """A sentence for each library of Debian in the wheel that Debian has replaced, as far as apt knows."""
+    try:
+        there = system_versions.installed()
+        newer = system_versions.updates([name for name in sbom.LICENSES if name in there])
+    except FileNotFoundError:
+        return []
+    return [
+        f"the zip carries {name} {there[name].version}, and Debian has {version}: upgrade that package, build again."
+        for name, version in newer.items()
+    ]
 
 
 def _blender_tool(tool: Path, *arguments: str) -> None:
@@ -149,6 +170,8 @@ def main(arguments: list[str] | None = None) -> int:
     except subprocess.CalledProcessError as error:
         print(f"extension: {Path(error.cmd[1]).name} failed; its message is above.", file=sys.stderr)
         return 1
+    for line in outdated() if given.lappet_wheel is None else ():
+        print(f"extension: warning: {line}", file=sys.stderr)
     print(f"{made} ({made.stat().st_size / 1e6:.0f} MB)")
     return 0
 

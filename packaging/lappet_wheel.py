@@ -1,8 +1,10 @@
 """Build Lappet's wheel and give it the libraries that its daemon links, so that it runs without Debian packages.
 
+    python packaging/lappet_wheel.py FOLDER    puts the wheel there, for pip and for packaging/Containerfile
+
 `built` compiles; `portable` copies every library but those of the C and C++ run time into the wheel with auditwheel,
-which also finds the honest manylinux tag, and adds their licences. Both keep what they made under `build/extension`
-by the digest of what it was made from: a second call takes no time. Linux only.
+which also finds the honest manylinux tag, and adds their licences and a bill of materials. Both keep what they made
+under `build/extension` by the digest of what it was made from: a second call takes no time. Linux only.
 """
 
 from __future__ import annotations
@@ -23,6 +25,9 @@ from contextlib import contextmanager
 from pathlib import Path
 from urllib.parse import unquote
 
+import carried_libraries
+import sbom
+from locked import locked
 from pypi_wheels import CACHE, ROOT, download
 
 FILES = ("pyproject.toml", "CMakeLists.txt", "README.md", "LICENSE")
@@ -60,7 +65,8 @@ def portable(wheel: Path, cache: Path = CACHE) -> Path:
     Kerberos. Raises CalledProcessError where auditwheel finds no tag or no library; it has printed why.
     """
     with _alone(cache):
-        kept = cache / "wheels" / f"portable-{_digest([wheel.parent, wheel, Path(__file__)])}"
+        makers = [Path(module.__file__ or "") for module in (sys.modules[__name__], carried_libraries, sbom)]
+        kept = cache / "wheels" / f"portable-{_digest([wheel.parent, wheel, *makers])}"
         if found := sorted(kept.glob("lappet-*.whl")):
             return found[0]
         (pyzmq,) = download("pyzmq", [f"{sys.version_info.major}.{sys.version_info.minor}"], this_platform())
@@ -77,7 +83,12 @@ def portable(wheel: Path, cache: Path = CACHE) -> Path:
                 sys.stderr.write(done.stderr)
                 done.check_returncode()
             (with_libraries,) = repaired.glob("*.whl")
-            edited(with_libraries, made, lambda folder: _add_licenses(folder, pyzmq))
+
+            def describe(folder: Path) -> None:
+                _add_licenses(folder, pyzmq)
+                _add_bill(folder, wheel, libraries)
+
+            edited(with_libraries, made, describe)
             return _keep(made, kept)
 
 
@@ -142,6 +153,18 @@ def _add_licenses(folder: Path, pyzmq: Path) -> None:
                 (licenses / Path(name).name.removeprefix("LICENSE.")).write_bytes(archive.read(name))
 
 
+def _add_bill(folder: Path, built: Path, libraries: Path) -> None:
+    """Write the bill of materials beside auditwheel's.
+
+    built: the wheel before auditwheel. libraries: the folder of those of pyzmq.
+    """
+    with tempfile.TemporaryDirectory() as work, zipfile.ZipFile(built) as archive:
+        daemon = Path(archive.extract("lappet/bin/lappet-solverd", work))
+        pyzmq = f"pyzmq=={locked('pyzmq').version}"
+        bill = sbom.of_wheel(folder, carried_libraries.carried(folder, daemon, libraries, pyzmq))
+    (metadata_folder(folder) / "sboms" / sbom.NAME).write_text(sbom.text(bill), encoding="utf-8")
+
+
 def _sources(root: Path) -> Iterator[Path]:
     yield from (root / name for name in FILES)
     for folder in FOLDERS:
@@ -191,3 +214,25 @@ def _alone(cache: Path) -> Iterator[None]:
     with (cache / "lock").open("w") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)
         yield
+
+
+def main(arguments: list[str]) -> int:
+    """The command. Returns the exit status."""
+    if len(arguments) != 1:
+        print("usage: lappet_wheel.py FOLDER", file=sys.stderr)
+        return 2
+    try:
+        wheel = portable(built())
+    except subprocess.CalledProcessError as error:
+        print(f"lappet_wheel: {Path(error.cmd[0]).name} failed; its message is above.", file=sys.stderr)
+        return 1
+    folder = Path(arguments[0])
+    folder.mkdir(parents=True, exist_ok=True)
+    for old in folder.glob("lappet-*.whl"):
+        old.unlink()
+    print(shutil.copy2(wheel, folder))
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Every check that needs no run of the program: style, types, import directions, docstrings, lengths of functions,
-# documents. Runs them all, then fails if one of them failed. After packaging/setup.sh.
+# documents, known vulnerabilities. Runs them all, then fails if one of them failed. After packaging/setup.sh.
 set -uo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 python=.venv/bin/python
@@ -24,6 +24,8 @@ check "import directions" "$python" packaging/check_imports.py
 check "docstrings" "$python" packaging/check_docstrings.py
 check "lengths of functions" "$python" packaging/check_lengths.py
 check "documents" "$python" packaging/documents.py --check
+check "known vulnerabilities" "$python" packaging/vulnerabilities.py
+check "Debian packages" "$python" packaging/system_versions.py   # tells differences, refuses none
 
 if [ "${#failed[@]}" -gt 0 ]; then
     printf 'lint: failed: %s\n' "$(IFS=,; echo "${failed[*]}")" >&2

@@ -1,15 +1,18 @@
-"""Print the requirements of pyproject.toml, one per line: `requirements.py [EXTRA ...]`.
-
-For packaging/setup.sh, which installs them before the package itself. Needs nothing but Python 3.11.
-"""
+"""The requirements of pyproject.toml, as packaging/lock.py resolves them. Needs nothing but Python 3.11."""
 
 from __future__ import annotations
 
-import sys
 import tomllib
 from pathlib import Path
 
 PYPROJECT = Path(__file__).resolve().parent.parent / "pyproject.toml"
+# What installs and builds the others: it is locked as they are.
+INSTALLERS = ("pip", "setuptools", "wheel")
+
+
+def extras(pyproject: Path = PYPROJECT) -> list[str]:
+    """The names of the project's extras, sorted."""
+    return sorted(tomllib.loads(pyproject.read_text(encoding="utf-8"))["project"]["optional-dependencies"])
 
 
 def requirements(extras: list[str], pyproject: Path = PYPROJECT) -> list[str]:
@@ -27,8 +30,7 @@ def requirements(extras: list[str], pyproject: Path = PYPROJECT) -> list[str]:
     return found
 
 
-if __name__ == "__main__":
-    try:
-        print("\n".join(requirements(sys.argv[1:])))
-    except ValueError as error:
-        sys.exit(str(error))
+def everything(pyproject: Path = PYPROJECT) -> list[str]:
+    """Requirement specifiers of the project, of all its extras, of its build, and what installs them."""
+    build: list[str] = tomllib.loads(pyproject.read_text(encoding="utf-8"))["build-system"]["requires"]
+    return [*requirements(extras(pyproject), pyproject), *build, *INSTALLERS]

@@ -13,7 +13,7 @@ root="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)"
 cd "$root"
 venv="$root/.venv"
 build="$root/build"
-extras=(render report examples test docs dev)
+installers=(pip setuptools wheel)
 
 say() { printf 'setup: %s\n' "$*"; }
 refuse() {
@@ -82,8 +82,12 @@ find_python() {
 }
 
 requirements_stamp() {
-    { cat pyproject.toml packaging/constraints.txt packaging/setup.sh; echo "$root"; "$venv/bin/python" --version; } |
+    { cat pyproject.toml packaging/lock.txt packaging/setup.sh; echo "$root"; "$venv/bin/python" --version; } |
         sha256sum | cut -d' ' -f1
+}
+
+without_chatter() {
+    grep --line-buffered -vE '^(Requirement already|Collecting|Looking in|Installing collected)' || true
 }
 
 install_python() {
@@ -99,11 +103,14 @@ install_python() {
         return
     fi
     say "installing the Python packages into .venv (the first time 600 MB, most of it Blender's module)"
+    # Exactly the files of the lock, by their hashes: pip resolves nothing, and what it builds from sources (what has
+    # no wheel) it builds with the locked setuptools.
     local pip=("$venv/bin/python" -m pip --disable-pip-version-check --no-input)
-    "$venv/bin/python" packaging/requirements.py "${extras[@]}" >"$venv/lappet-requirements.txt"
-    "${pip[@]}" install --progress-bar off --constraint packaging/constraints.txt \
-        --requirement "$venv/lappet-requirements.txt" |
-        { grep --line-buffered -vE '^(Requirement already|Collecting|Looking in|Installing collected)' || true; } ||
+    local install=("${pip[@]}" install --no-deps --no-build-isolation --progress-bar off --requirement)
+    "$venv/bin/python" packaging/locked.py "${installers[@]}" >"$venv/lappet-installers.txt"
+    "${install[@]}" "$venv/lappet-installers.txt" | without_chatter ||
+        refuse "pip could not install pip, setuptools and wheel; see its message above."
+    "${install[@]}" packaging/lock.txt | without_chatter ||
         refuse "pip could not install the Python packages; see its message above."
     # Editable, without the daemon: that one is built below, where a change of a source file rebuilds it.
     "${pip[@]}" install --quiet --no-build-isolation --no-deps --force-reinstall --editable . \

@@ -9,8 +9,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from lappet.checks.validation import check_file
+from lappet.checks.validation import check_read
 from lappet.core.problem import Problem, RefusedError
+from lappet.usd.stage import read_here
 
 CORPUS = Path(__file__).with_name("checks") / "broken_inputs"
 CASES = sorted(CORPUS.glob("*.expected"))
@@ -37,7 +38,7 @@ def expected_problems(expected: Path) -> list[dict[str, str]]:
 def found_problems(file: Path) -> list[Problem]:
     """Return what is found in a file, opened or not."""
     try:
-        return check_file(file)
+        return check_read(read_here(file))
     except RefusedError as error:
         return list(error.problems)
 

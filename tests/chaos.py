@@ -301,9 +301,8 @@ def main() -> int:
     given = parser.parse_args()
     with tempfile.TemporaryDirectory(prefix="chaos-") as folder:
         found = chaos(Path(folder), given.seed, given.seconds)
-    print(
-        f"{found.done.total()} disturbed solves of seed {given.seed}: {dict(found.done)}; statuses {dict(found.statuses)}"
-    )
+    print(f"{found.done.total()} disturbed solves of seed {given.seed}: {dict(found.done)}")
+    print(f"their statuses: {dict(found.statuses)}")
     for line in found.broken:
         print(f"  {line}")
     print(f"{len(found.broken)} promises broken")

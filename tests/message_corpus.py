@@ -1,8 +1,8 @@
 """The corpus of messages: what a client may say, once each, and what was found to harm a daemon.
 
 `python tests/message_corpus.py` writes `tests/corpus/*.messages`, which `solverd_fuzz` and `test_message_corpus` play.
-A file holds what one client sends, in order, as `solverd/fuzz/conversation.h` says. The name of a conversation is that of
-its function here, whose docstring says what it is for. Findings of campaigns are files `found_*.messages` beside them,
+A file holds what one client sends, in order, as `solverd/fuzz/conversation.h` says. Its name is
+that of its function here, whose docstring says what it is for. Findings of campaigns are files `found_*.messages` beside them,
 with a line each in `tests/corpus/README.md`.
 """
 

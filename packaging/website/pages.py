@@ -28,6 +28,7 @@ CONTENTS = (
         (
             "docs/command_line.md",
             "docs/python_scripting.md",
+            "docs/sharing_a_daemon.md",
             "examples/README.md",
             "docs/materials.md",
             "docs/tissues.md",

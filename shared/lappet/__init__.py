@@ -13,6 +13,7 @@ from lappet.core.version import version
 if TYPE_CHECKING:
     from lappet.checks.validation import check
     from lappet.core.problem import Problem, RefusedError
+    from lappet.foreign.limits import ReadLimits
     from lappet.output.solve_to_cache import SolveResult, solve_procedure
     from lappet.procedure import (
         Bone,
@@ -40,6 +41,7 @@ if TYPE_CHECKING:
 _HOMES = {
     "checks.validation": ("check",),
     "core.problem": ("Problem", "RefusedError"),
+    "foreign.limits": ("ReadLimits",),
     "output.solve_to_cache": ("SolveResult", "solve_procedure"),
     "procedure": (
         "Bone",
@@ -77,6 +79,7 @@ __all__ = [
     "Pressure",
     "Problem",
     "Procedure",
+    "ReadLimits",
     "RefusedError",
     "Region",
     "Retractor",

@@ -391,11 +391,11 @@ def test_the_worker_imports_neither_usd_nor_blender_nor_the_command_line(binary:
         "import lappet.daemon.daemon_solver\n"
         "print(*sorted({name.partition('.')[0] for name in sys.modules} & {'bpy', 'pxr', 'click', 'rich', 'trimesh'}))"
     )
-    from lappet.background.interpreter import worker_environment
+    from lappet.core.interpreter import child_environment
 
     done = subprocess.run(
         [sys.executable, "-s", "-P", "-c", program],
-        env=worker_environment({}, [], None),
+        env=child_environment({}, [], None),
         capture_output=True,
         text=True,
         check=True,

@@ -30,6 +30,7 @@ from lappet.background.worker_events import (
 )
 from lappet.core.problem import Problem
 from lappet.core.problem_code import ProblemCode
+from lappet.daemon.running_daemon import RunningDaemon
 from lappet.daemon.solved_frame import Diagnostics, LatticeCounts, SolvedFrame, StageSeconds
 from lappet.procedure import CUTS, Event, Hook, Landmark, Procedure
 from lappet.program.settings import SolverSettings
@@ -52,9 +53,10 @@ class Script:
     workers: list[FakeWorker] = field(default_factory=list)
     points: int = 4
 
-    def create(self, store: Path) -> FakeWorker:
+    def create(self, store: Path, daemon: RunningDaemon | None = None) -> FakeWorker:
         """In place of `lappet_blender.solving.workers.create`."""
         worker = FakeWorker(self, FrameStore(store))
+        worker.daemon = daemon
         self.workers.append(worker)
         return worker
 
@@ -70,6 +72,7 @@ class FakeWorker:
         self.script = script
         self.store = store
         self.closed = False
+        self.daemon: RunningDaemon | None = None
         self.targets: list[tuple[float, float, float]] = []
         self.cancelled: set[int] = set()
         self._number = 0

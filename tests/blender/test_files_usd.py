@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 
 from event_patch import co, patch_scene
+from lappet.core.interpreter import child_environment
 from lappet.core.problem_code import ProblemCode
 from lappet.daemon.client import DaemonMissing
 from lappet.daemon.process import find_daemon
@@ -209,6 +210,55 @@ def test_files_that_cannot_be_read_or_written_are_refused_in_a_sentence(slit: bp
     assert refusal(lambda: export(filepath=str(tmp_path / "no" / "a.usda"))).code is ProblemCode.FILE_NO_FOLDER
     slit.lappet.tissue.object = None
     assert refusal(lambda: export(filepath=str(tmp_path / "a.usda"))).code is ProblemCode.TISSUE_NONE
+
+
+def test_a_procedure_that_refers_outside_its_folder_is_imported_only_where_that_is_allowed(
+    slit: bpy.types.Scene, tmp_path: Path
+) -> None:
+    path = tmp_path / "inside" / "slit.usda"
+    path.parent.mkdir()
+    ops.export_procedure(filepath=str(tmp_path / "outside.usda"))
+    times = '    startTimeCode = 1\n    endTimeCode = 6\n    metersPerUnit = 0.001\n    upAxis = "Z"\n'
+    path.write_text(f"#usda 1.0\n(\n{times}    subLayers = [@../outside.usda@]\n)\n")
+    assert refusal(lambda: ops.import_procedure(filepath=str(path))).code is ProblemCode.READ_OUTSIDE
+    assert len(bpy.data.scenes) == 1
+    ops.import_procedure(filepath=str(path), allow_external=True)
+    assert len(bpy.data.scenes["slit"].lappet.events) == len(slit.lappet.events)
+    assert refusal(lambda: ops.import_procedure(filepath=str(path))).code is ProblemCode.READ_OUTSIDE, "asked each time"
+
+
+def test_an_import_reads_as_much_as_its_properties_say(slit: bpy.types.Scene, tmp_path: Path) -> None:
+    path = tmp_path / "slit.usda"
+    ops.export_procedure(filepath=str(path))
+    with path.open("a") as file:
+        file.write("\n" * (3 << 20))
+    refused = refusal(lambda: ops.import_procedure(filepath=str(path), read_size=2 / 1024))
+    assert (refused.code, refused.value) == (ProblemCode.READ_SIZE, "3.0")
+    ops.import_procedure(filepath=str(path))
+    assert len(bpy.data.scenes) == 2
+
+
+@pytest.mark.skipif(os.name != "posix", reason="no pipes here")
+def test_a_pipe_is_not_imported(scene: bpy.types.Scene, tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "pipe.usda")
+    assert refusal(lambda: ops.import_procedure(filepath=str(tmp_path / "pipe.usda"))).code is (
+        ProblemCode.READ_NOT_REGULAR
+    )
+
+
+def test_the_child_that_reads_has_blenders_own_pxr(scene: bpy.types.Scene) -> None:
+    """Blender comes with no other."""
+    usd = bundled_pxr()
+    folder = str(Path(usd.Usd.__file__).parents[2])
+    code = "import lappet.usd.stage; print(lappet.usd.stage.pxr().Usd.__file__)"
+    found = subprocess.run(
+        [sys.executable, "-s", "-P", "-c", code],
+        capture_output=True,
+        text=True,
+        check=True,
+        env=child_environment(os.environ, [folder, *sys.path], None),
+    )
+    assert Path(found.stdout.strip()) == Path(usd.Usd.__file__)
 
 
 def test_without_pxr_import_and_export_say_so_and_everything_else_works(

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from pathlib import Path
 
 import bpy
 import numpy as np
@@ -382,7 +381,7 @@ def test_listeners_are_told_when_what_is_shown_changes_and_not_otherwise(
 def test_the_worker_that_cannot_be_started_is_a_sentence_not_a_traceback(
     patch: bpy.types.Scene, script: Script, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def fail(store: Path) -> object:
+    def fail(*_: object) -> object:
         raise OSError("no more processes")
 
     monkeypatch.setattr(workers, "create", fail)

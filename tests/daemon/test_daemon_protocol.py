@@ -99,6 +99,19 @@ def test_bones_come_with_open_and_are_checked(raw: Raw) -> None:
     assert raw.ask("epoch", {"index": 0}, epoch_arrays()).type == "lattice"
 
 
+def test_a_daemon_gives_no_client_more_than_it_was_told(binary: Path) -> None:
+    with (
+        SolverDaemon(binary, arguments=("--memory-gib", "0.125", "--seconds", "0.02", "--threads", "1")) as running,
+        contextlib.closing(Raw(running)) as peer,
+    ):
+        assert peer.ask("open", open_fields(memory_budget=1 << 50, time_budget=1e6)).type == "opened"
+        large = epoch_arrays(points=box((240.0, 240.0, 20.0)).points)
+        assert peer.ask("epoch", {"index": 0}, large).fields["code"] in {"memory_budget", "time_budget"}
+        assert peer.ask("epoch", {"index": 0}, epoch_arrays()).type == "lattice"
+        for kind in ("follow", "share"):
+            assert peer.ask(kind).fields["code"] == "out_of_order"
+
+
 def test_large_messages_are_not_read_before_hello(daemon: SolverDaemon) -> None:
     with contextlib.closing(Raw(daemon, greet=False)) as peer:
         reply = peer.ask("epoch", {"index": 0}, {"points": np.zeros((40_000, 3))})

@@ -9,8 +9,9 @@ from typing import Any
 import pytest
 import zmq
 
+from lappet.core.printable import printable
 from lappet.daemon.client import SolverClient, SolverRefused
-from lappet.daemon.wire import Message, WireError, decode, encode, printable
+from lappet.daemon.wire import Message, WireError, decode, encode
 
 WELCOME = {"version": "1.0", "threads": 2, "isa": "avx2", "compiler": "GNU", "max_message_bytes": 1 << 20}
 Serve = Callable[[str, dict[str, Any]], str]

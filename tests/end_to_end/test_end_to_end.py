@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from lappet.core.problem_code import ProblemCode
 from lappet.cutting.epochs import build_epochs
 from lappet.daemon.client import SolverClient, SolverRefused
+from lappet.daemon.key_writing import SECRET, pair_text, write_new
 from lappet.daemon.process import SolverDaemon
 from lappet.procedure import (
     Excision,
@@ -293,6 +294,19 @@ def test_a_daemon_that_runs_elsewhere_gives_the_same_frames(
     np.testing.assert_array_equal(skin(there, 3), skin(solved, 3))
     assert refused.status == 1
     assert "token" in refused.stderr
+
+
+def test_a_daemon_with_keys_gives_the_same_frames_to_whom_it_knows(solved: Solved, tmp_path: Path) -> None:
+    write_procedure(solved.procedure, tmp_path / "p.usda")
+    with SolverDaemon(listen="tcp://127.0.0.1:0") as daemon:
+        assert daemon.keys is not None
+        own = tmp_path / "own.key"
+        write_new(own, pair_text(daemon.keys.own, "The key of this test."), SECRET)
+        keys = ("--daemon", daemon.address, "--server-key", daemon.keys.server, "--key", own)
+        part = solve(tmp_path, *keys, "--frames", ":3")
+        assert daemon.alive()
+    assert part.status == 0
+    np.testing.assert_array_equal(skin(Solved(solved.procedure, tmp_path, part), 3), skin(solved, 3))
 
 
 def test_check_and_inspect_know_what_the_solve_will_find(solved: Solved) -> None:

@@ -174,7 +174,7 @@ def test_strain_is_drawn_with_a_key_from_above(cache: Path, tmp_path: Path) -> N
 @pytest.mark.slow
 def test_a_file_that_is_no_cache_is_refused_with_its_name(tmp_path: Path) -> None:
     (tmp_path / "noise.usdc").write_bytes(b"nothing of use")
-    with refuses(ProblemCode.RENDER_REFUSED, str(tmp_path / "noise.usdc")):
+    with refuses(ProblemCode.USD_UNREADABLE, str(tmp_path / "noise.usdc")):
         render_cache(tmp_path / "noise.usdc", tmp_path / "out")
 
 

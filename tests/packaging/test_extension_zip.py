@@ -18,8 +18,9 @@ import numpy as np
 import pytest
 
 import extension
-import lappet_wheel
+import locked
 import pypi_wheels
+import system_versions
 from box_scene import box, pull
 from extension import assemble, with_wheels
 from lappet.cutting.epoch import Epoch
@@ -67,7 +68,9 @@ def small_wheel(folder: Path, tag: str, **more: str) -> Path:
 
 def test_a_wheel_built_elsewhere_becomes_the_zip_of_its_platform(tmp_path: Path) -> None:
     other = tmp_path / "pyzmq-27.3.0-cp312-abi3-win_amd64.whl"
-    other.write_bytes(b"")
+    with zipfile.ZipFile(other, "w") as archive:
+        headers = "Metadata-Version: 2.4\nName: pyzmq\nVersion: 27.3.0\nLicense-Expression: BSD-3-Clause\n"
+        archive.writestr("pyzmq-27.3.0.dist-info/METADATA", headers)
     made = assemble("windows-x64", small_wheel(tmp_path, "win_amd64"), tmp_path / "dist", others=[other])
     assert made.name == f"lappet_blender-{extension.project_version()}-windows-x64.zip"
     with zipfile.ZipFile(made) as archive:
@@ -79,7 +82,7 @@ def test_a_wheel_built_elsewhere_becomes_the_zip_of_its_platform(tmp_path: Path)
             metadata = wheel.read(next(name for name in held if name.endswith("METADATA"))).decode()
     assert manifest["platforms"] == ["windows-x64"]
     assert sorted(manifest["wheels"]) == sorted(f"./{name}" for name in names if name.startswith("wheels/"))
-    assert {"__init__.py", "LICENSE", "wheels/" + other.name} <= set(names)
+    assert {"__init__.py", "LICENSE", "sbom.cdx.json", "wheels/" + other.name} <= set(names)
     assert not [name for name in names if "__pycache__" in name or name.startswith("tests/")]
     assert "lappet/bin/lappet-solverd.exe" in held
     assert not [name for name in held if name.startswith("lappet_blender")]
@@ -110,6 +113,21 @@ def test_a_platform_whose_daemon_cannot_be_compiled_here_asks_for_the_wheel(
     assert "windows-x64 cannot be compiled here" in capsys.readouterr().err
 
 
+def test_a_library_that_debian_has_replaced_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of the packages that the wheel carries, not of others."""
+    asked: list[str] = []
+
+    def updates(names: list[str]) -> dict[str, str]:
+        asked.extend(names)
+        return {"libcholmod3": "99"}
+
+    monkeypatch.setattr(system_versions, "updates", updates)
+    (line,) = extension.outdated()
+    assert re.search(r"carries libcholmod3 1:5\.\d+\S*, and Debian has 99: upgrade that package", line)
+    assert {"libtbb12", "libeigen3-dev"} <= set(asked)
+    assert "cmake" not in asked
+
+
 def test_the_manifest_states_what_the_project_does_and_every_key_stays() -> None:
     text = (extension.ADDON / extension.MANIFEST).read_text(encoding="utf-8")
     manifest = tomllib.loads(text)
@@ -134,11 +152,9 @@ def test_a_manifest_that_disagrees_with_the_project_is_refused(old: str, new: st
         with_wheels(text.replace(old, new), [], "linux-x64")
 
 
-def test_every_bundled_package_is_pinned_and_none_is_blenders_own() -> None:
-    assert [pypi_wheels.pinned(name) for name in pypi_wheels.BUNDLED]
+def test_every_bundled_package_is_locked_and_none_is_blenders_own() -> None:
+    assert set(pypi_wheels.BUNDLED) <= locked.read().keys()
     assert not {"numpy", "usd-core", "usd_core", "scipy", "bpy"} & set(pypi_wheels.BUNDLED)
-    with pytest.raises(LookupError, match="pins no version of leftpad; add a line"):
-        pypi_wheels.pinned("leftpad")
 
 
 def test_the_add_on_never_names_itself_for_an_extension_has_another_name() -> None:
@@ -163,14 +179,6 @@ def test_a_daemon_that_was_unpacked_without_its_modes_is_made_executable(
 
 
 # --- the whole -----------------------------------------------------------------------------------------------------
-
-
-@pytest.fixture(scope="module")
-def zip_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The zip for this machine."""
-    wheel = lappet_wheel.portable(lappet_wheel.built())
-    platform = lappet_wheel.this_platform()
-    return assemble(platform, wheel, tmp_path_factory.mktemp("dist"), others=pypi_wheels.bundled(platform))
 
 
 def lonely_blender(folder: Path) -> Path:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import math
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -16,9 +17,13 @@ from lappet.background.manifest_store import put_manifest
 from lappet.core.problem import Problem, RefusedError, problem, refused
 from lappet.core.problem_code import ProblemCode
 from lappet.daemon.solved_frame import SolvedFrame
+from lappet.foreign.limits import DEFAULT_LIMITS, ReadLimits
+from lappet.foreign.reading_process import ReadingProcess
 from lappet.procedure import Procedure
 from lappet.program.keys import frame_keys
-from lappet.usd.stage import open_stage, read_procedure
+from lappet.usd.procedure_file import CHILD
+from lappet.usd.stage_contents import StageContents
+from lappet.usd.stage_procedure import StageProcedure
 
 from ..look.skin_read import SkinCache
 from ..look.skin_source import SCALARS, FigureError
@@ -29,11 +34,12 @@ from .bundled_pxr import bundled_pxr
 from .export_usd import compiled
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class FoundFile:
-    """A USD file: the procedure's own, and the skin cache over it if that is what was given."""
+    """A USD file as a child process read it: the procedure, and the skin cache over it if that is what was given."""
 
-    procedure: Path
+    path: Path
+    read: StageProcedure
     cache: Path | None = None
     spacing: float | None = None
     last_key: str = ""
@@ -48,28 +54,31 @@ class CacheFrames:
     exact: bool
 
 
-def look_into(path: Path) -> FoundFile:
-    """What a USD file holds. Raises RefusedError where it cannot be opened."""
-    bundled_pxr()
-    stage = open_stage(path)
-    if not stage.GetPrimAtPath("/Procedure/Skin"):
-        return FoundFile(path)
-    layer = stage.GetRootLayer()
-    below = [layer.ComputeAbsolutePath(each) for each in layer.subLayerPaths]
-    told = dict(layer.customLayerData).get("lappet", {})
-    return FoundFile(Path(below[0]) if below else path, path, told.get("spacing"), str(told.get("lastKey", "")))
+def look_into(path: Path, limits: ReadLimits = DEFAULT_LIMITS) -> FoundFile:
+    """What a USD file holds. Raises RefusedError where it cannot be opened, or takes more than it may.
+
+    A child process reads it, and all values of a skin cache too; only then Blender's own process opens the cache.
+    """
+    bundled_pxr()  # so that the child finds it where this process does
+    with ReadingProcess(CHILD, "contents", path, limits) as process:
+        contents: StageContents = process.result(StageContents)
+    if contents.skin is None:
+        return FoundFile(path, contents.read)
+    spacing = contents.skin.spacing
+    return FoundFile(path, contents.read, path, spacing if math.isfinite(spacing) else None, contents.skin.last_key)
 
 
-def read_into(scene: bpy.types.Scene, path: Path) -> list[Problem]:
+def read_into(scene: bpy.types.Scene, found: FoundFile) -> list[Problem]:
     """Put the procedure of a USD file into a scene in place of what it had; of a skin cache the frames as well.
 
     Returns a note of everything that was converted or left aside. Raises RefusedError, with the
     scene as it was.
     """
-    found = look_into(path)
-    notes: list[Problem] = []
-    procedure = read_procedure(found.procedure, notes)
-    notes += fill_scene(scene, procedure, _collection(scene, path.stem))
+    procedure = found.read.procedure
+    if procedure is None or found.read.problems:
+        raise RefusedError(found.read.problems)
+    notes = list(found.read.notes)
+    notes += fill_scene(scene, procedure, _collection(scene, found.path.stem))
     if found.cache is not None:
         notes.append(_show(scene, procedure, found))
     return notes

@@ -4,8 +4,10 @@ from pathlib import Path
 from typing import Any
 
 import bpy
-from bpy.props import BoolProperty, StringProperty
+from bpy.props import BoolProperty, FloatProperty, IntProperty, StringProperty
 from bpy_extras.io_utils import ExportHelper, ImportHelper
+
+from lappet.foreign.limits import DEFAULT_LIMITS, GIB, ReadLimits
 
 from ..interface.operator_base import NO_UNDO, OperatorBase
 from ..interface.problem_sentence import problem_sentence
@@ -61,20 +63,53 @@ class LAPPET_OT_import_procedure(OperatorBase, bpy.types.Operator, ImportHelper)
         description="Import into a new scene; if not given, only if this scene already has a tissue or events",
         default=False,
     )
+    allow_external: BoolProperty(
+        name="Allow External",
+        description="Follow references to files outside the folder of the file. Only for files that you trust",
+        default=False,
+        options={"SKIP_SAVE"},
+    )
+    read_memory: FloatProperty(
+        name="Memory",
+        description="Memory that reading the file may take, in GiB",
+        default=DEFAULT_LIMITS.memory / GIB,
+        min=0.5,
+        options={"SKIP_SAVE"},
+    )
+    read_seconds: IntProperty(
+        name="Seconds",
+        description="Seconds of a processor that reading the file may take",
+        default=DEFAULT_LIMITS.seconds,
+        min=1,
+        options={"SKIP_SAVE"},
+    )
+    read_size: FloatProperty(
+        name="Size",
+        description="Size that the file, and what is read of it, may have, in GiB",
+        default=DEFAULT_LIMITS.size / GIB,
+        min=0.001,
+        options={"SKIP_SAVE"},
+    )
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         if self.properties.is_property_set("filepath") and self.filepath:  # dropped on the window
             return self.execute(context)
         return set(ImportHelper.invoke(self, context, event))
 
+    def limits(self) -> ReadLimits:
+        """What reading the file may take, as the properties say."""
+        memory, size = round(self.read_memory * GIB), round(self.read_size * GIB)
+        return ReadLimits(memory, self.read_seconds, size, self.allow_external)
+
     def run(self, context: bpy.types.Context) -> str:
         path, scene = _path(self), context.scene
         taken = scene.lappet.tissue.object is not None or len(scene.lappet.events) > 0
         apart = self.new_scene if self.properties.is_property_set("new_scene") else taken
-        look_into(path)  # refuses what is no USD before a scene is made for it
+        # Refuses what is no USD before a scene is made for it.
+        found = look_into(path, self.limits())
         target = _fresh_scene(scene, path.stem) if apart else scene
         try:
-            notes = read_into(target, path)
+            notes = read_into(target, found)
         except BaseException:
             if apart:
                 bpy.data.scenes.remove(target)

@@ -16,12 +16,14 @@ import bpy
 
 from lappet.background.manifest import ListedFrame, Manifest
 from lappet.core.problem import Problem
+from lappet.daemon.running_daemon import RunningDaemon
 from lappet.daemon.solved_frame import SolvedFrame
 from lappet.procedure import Point, Procedure
 from lappet.program.settings import SolverSettings
 from lappet.solve.store import FrameStore
 
 from . import workers
+from .chosen_daemon import chosen_daemon
 from .frame_cache import FrameCache
 from .frame_copy import FrameCopy
 from .manifest_memory import ManifestMemory
@@ -86,14 +88,16 @@ class Failure:
 class Controller:
     """One scene's solving.
 
-    uid: the scene's. procedure, settings, key: as last read; None and "" where it cannot be solved. manifest: that of
-    `key`, None until it is known. past: earlier manifests, newest first; past_procedure: what past[0] was made of.
-    changed_from: while `manifest` is None, the time before which past[0] still holds. dirty_since, changed_at, read_at:
-    monotonic seconds of the first change not yet read, the last one, and the last reading.
+    uid: the scene's. daemon: the one that solves, where it runs already. procedure, settings, key: as last read;
+    None and "" where it cannot be solved. manifest: that of `key`, None until it is known. past: earlier manifests,
+    newest first; past_procedure: what past[0] was made of. changed_from: while `manifest` is None, the time before
+    which past[0] still holds. dirty_since, changed_at, read_at: monotonic seconds of the first change not yet read,
+    the last one, and the last reading.
     """
 
     uid: int
     store: FrameStore
+    daemon: RunningDaemon | None = None
     client: BackgroundSolver | None = None
     procedure: Procedure | None = None
     settings: SolverSettings = field(default_factory=SolverSettings)
@@ -135,7 +139,7 @@ class Controller:
     def solver(self) -> BackgroundSolver:
         """The worker of this scene, started when it is first needed."""
         if self.client is None:
-            self.client = workers.borrow(self.store.folder)
+            self.client = workers.borrow(self.store.folder, self.daemon)
         return self.client
 
     def holds(self, key: str) -> bool:
@@ -188,7 +192,7 @@ def controller_of(scene: bpy.types.Scene) -> Controller:
     """The controller of a scene, made where there is none yet."""
     found = _controllers.get(scene.session_uid)
     if found is None:
-        found = Controller(scene.session_uid, frame_store(scene), settings=solve_settings(scene))
+        found = Controller(scene.session_uid, frame_store(scene), chosen_daemon(), settings=solve_settings(scene))
         _controllers[found.uid] = found
     return found
 

@@ -23,6 +23,7 @@ from lappet.solve.store import FrameStore
 
 from ..model.migrate import from_newer_version
 from ..model.scene_procedure import read_scene
+from .chosen_daemon import chosen_daemon, identity_of
 from .controller import PAST_MANIFESTS, Controller, Job, manifests
 from .first_change import first_change
 from .frame_copy import FrameCopy
@@ -53,6 +54,10 @@ def reconcile(scene: bpy.types.Scene, controller: Controller, *, ask: bool = Tru
     store = frame_store(scene)
     if store is not controller.store:
         _move(controller, store)
+    daemon = chosen_daemon()
+    if daemon != controller.daemon:  # a worker is bound to its daemon, as it is to its folder
+        controller.release()
+        controller.daemon, controller.key = daemon, ""
     _take(controller, reading.procedure, settings, (*reading.problems, *_newer(scene)))
     if ask:
         request_manifest(controller)
@@ -93,8 +98,13 @@ def reporting(controller: Controller) -> Iterator[None]:
 
 def identity() -> str:
     """What identifies the solver in keys; raises RefusedError or OSError where there is none that can be read."""
-    if _warming is not None and _warming is not threading.current_thread():
+    if _warming is not None:
         _warming.join()
+    daemon = chosen_daemon()
+    return _own_identity() if daemon is None else identity_of(daemon)
+
+
+def _own_identity() -> str:
     from lappet.daemon.process import daemon_identity
 
     return daemon_identity()
@@ -110,7 +120,7 @@ def warm_up() -> None:
             import lappet.background.manifest_store
             import lappet.background.solver  # noqa: F401
 
-            identity()
+            _own_identity()
 
     _warming = threading.Thread(target=import_all, name="lappet imports", daemon=True)
     _warming.start()

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from . import controller, live_operator, reconcile, scene_watch, solve_operators, solve_panel, solve_timer
+from . import controller, live_operator, preferences, reconcile, scene_watch, solve_operators, solve_panel, solve_timer
 
-CLASSES = (*solve_operators.CLASSES, *live_operator.CLASSES, *solve_panel.CLASSES)
+CLASSES = (*preferences.CLASSES, *solve_operators.CLASSES, *live_operator.CLASSES, *solve_panel.CLASSES)
 
 
 def register() -> None:

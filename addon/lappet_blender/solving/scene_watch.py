@@ -15,6 +15,7 @@ from bpy.app.handlers import persistent
 from ..model import changes, target_samples
 from ..model.migrate import migrate
 from . import workers
+from .chosen_daemon import answer_state
 from .controller import Controller, controller_of, controllers, drop_all, find_controller, manifests, scene_of
 from .frames import notify_listeners
 from .live_hook import stop_live
@@ -61,6 +62,7 @@ def check_polled_state(scene: bpy.types.Scene, controller: Controller) -> None:
         len(scene.lappet.materials),
         len(scene.lappet.regions),
         frame_folder(scene),
+        *answer_state(),
     )
     if polled_state != controller.polled_state:
         controller.polled_state = polled_state

@@ -9,6 +9,7 @@ import bpy
 from lappet.core.problem import Problem, RefusedError, problem, refused
 from lappet.core.problem_code import ProblemCode
 
+from .chosen_daemon import ask_again
 from .controller import Job, controller_of, controllers, frame_cache, manifests
 from .frames import problems_of
 from .reconcile import reconcile, request_manifest
@@ -19,6 +20,7 @@ def start_solve(scene: bpy.types.Scene, until: int | None = None) -> Job:
     controller = controller_of(scene)
     if controller.job is not None and not controller.job.cancelled:
         raise refused(ProblemCode.SOLVE_LIVE if controller.job.kind == "live" else ProblemCode.SOLVE_RUNNING)
+    ask_again()
     reconcile(scene, controller, ask=False)
     refuse_problems(controller.problems)
     procedure = controller.procedure
@@ -64,6 +66,7 @@ def start_manifest(scene: bpy.types.Scene) -> None:
     controller = controller_of(scene)
     if controller.key and controller.refused:
         manifests.drop(controller.key)
+    ask_again()
     reconcile(scene, controller, ask=False)
     refuse_problems(controller.problems)
     if controller.procedure is None or not controller.key:

@@ -29,7 +29,9 @@ from lappet.background.worker_requests import Aim, Ask, Cancel, JobKind
 from lappet.core.array_codec import CodecError
 from lappet.core.problem import Problem, RefusedError, file_problem, problem
 from lappet.core.problem_code import ProblemCode
+from lappet.daemon.daemon_solver import solver_identity
 from lappet.daemon.process import daemon_identity
+from lappet.daemon.running_daemon import RunningDaemon
 from lappet.procedure import Point, Procedure
 from lappet.program.settings import SolverSettings
 
@@ -66,12 +68,21 @@ class BackgroundSolver:
         The daemon's program; None to find it.
     path
         What the worker's `sys.path` needs besides its interpreter's own folders.
+    daemon
+        A daemon that runs already; None to start one where it is needed.
     """
 
-    def __init__(self, store: Path | None = None, solverd: Path | None = None, path: Sequence[str] = ()) -> None:
+    def __init__(
+        self,
+        store: Path | None = None,
+        solverd: Path | None = None,
+        path: Sequence[str] = (),
+        daemon: RunningDaemon | None = None,
+    ) -> None:
         self._store = None if store is None else Path(store)
         self._solverd = None if solverd is None else Path(solverd)
         self._path = tuple(path)
+        self._daemon = daemon
         self._numbers = itertools.count(1)
         self._lock = threading.Lock()
         self._events: list[WorkerEvent] = []
@@ -220,8 +231,8 @@ class BackgroundSolver:
 
     @property
     def identity(self) -> str:
-        """What tells this solver from another (`manifest_key`); the daemon's program is read once."""
-        return daemon_identity(self._solverd)
+        """What tells this solver from another (`manifest_key`); a daemon that runs already is asked."""
+        return daemon_identity(self._solverd) if self._daemon is None else solver_identity(self._daemon)
 
     def key(self, procedure: Procedure, settings: SolverSettings) -> str:
         """Compute the key of the manifest that this solver makes of a procedure.
@@ -294,11 +305,12 @@ class BackgroundSolver:
 
     def _begin(self, process: WorkerProcess, job: _Job) -> None:
         identity = None
-        with suppress(RefusedError, OSError):  # the worker says what is wrong
-            identity = self.identity
+        if self._daemon is None:  # else the worker asks it, which may take long
+            with suppress(RefusedError, OSError):  # the worker says what is wrong
+                identity = self.identity
         with self._lock:
             job.sent = True
-        process.send(replace(job.ask, identity=identity))
+        process.send(replace(job.ask, identity=identity, daemon=self._daemon))
         if job.target is not None:
             self._aim(process, job)
         if job.cancelled:

@@ -103,7 +103,7 @@ class Worker:
     def _run(self, job: Job) -> None:
         job.running = True
         try:
-            solves, lives = self._serve(job.ask.identity)
+            solves, lives = self._serve(job.ask)
             (lives if job.kind == "live" else solves).run(job)
         except _Gone:
             pass
@@ -117,7 +117,7 @@ class Worker:
             with self._guard:
                 self._jobs.pop(job.number, None)
 
-    def _serve(self, identity: str | None) -> tuple[Any, Any]:
+    def _serve(self, ask: Ask) -> tuple[Any, Any]:
         """What runs jobs, loaded at the first one: the process answers at once and imports meanwhile."""
         with self._serving:
             if self._services is None:
@@ -128,8 +128,8 @@ class Worker:
                 from lappet.daemon.daemon_solver import connect_to, solver_identity
 
                 store = KeptFrames(self._folder)
-                compilation = Compilation(identity or solver_identity(None), store)
-                parts = compilation, store, connect_to(None), self.tell
+                compilation = Compilation(ask.identity or solver_identity(ask.daemon), store)
+                parts = compilation, store, connect_to(ask.daemon), self.tell
                 self._services = SolveJobs(*parts), LiveJobs(*parts)
             return self._services
 

@@ -12,11 +12,11 @@ from collections import deque
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from lappet.background.interpreter import find_python, worker_environment
 from lappet.background.pipes import MAX_BYTES, WorkerPipes
 from lappet.background.worker_events import WorkerEvent
 from lappet.background.worker_requests import WorkerRequest
 from lappet.core.array_codec import CodecError
+from lappet.core.interpreter import child_environment, find_python
 from lappet.core.problem import refused
 from lappet.core.problem_code import ProblemCode
 from lappet.core.value_codec import pack, unpack
@@ -62,7 +62,7 @@ class WorkerProcess:
                 stdin=subprocess.DEVNULL,
                 stdout=subprocess.PIPE,
                 stderr=subprocess.STDOUT,
-                env=worker_environment(os.environ, path, solverd),
+                env=child_environment(os.environ, path, solverd),
                 start_new_session=True,  # Ctrl-C in the terminal is for its owner
                 creationflags=getattr(subprocess, "CREATE_NO_WINDOW", 0),
                 **pipes.inherit,

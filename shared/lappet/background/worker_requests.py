@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
+from lappet.daemon.running_daemon import RunningDaemon
 from lappet.procedure import Point, Procedure
 from lappet.program.settings import SolverSettings
 
@@ -33,6 +34,8 @@ class Ask:
         Hook of live mode.
     identity
         What identifies the solver, where the owner knows it.
+    daemon
+        The daemon that solves, where it runs already.
     """
 
     job: int
@@ -43,6 +46,7 @@ class Ask:
     time: int = 0
     hook: str = ""
     identity: str | None = None
+    daemon: RunningDaemon | None = None
 
 
 @dataclass(frozen=True)

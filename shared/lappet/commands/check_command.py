@@ -8,7 +8,9 @@ from typing import TYPE_CHECKING
 import click
 
 from lappet.commands.parameters import FILE
+from lappet.commands.reading_options import reading_options
 from lappet.commands.refusals import sentences
+from lappet.foreign.limits import ReadLimits
 
 if TYPE_CHECKING:
     from lappet.core.problem import Problem
@@ -16,14 +18,15 @@ if TYPE_CHECKING:
 
 @click.command()
 @click.argument("procedure", type=FILE)
+@reading_options
 @click.pass_context
-def check(context: click.Context, /, procedure: Path) -> None:
+def check(context: click.Context, /, procedure: Path, limits: ReadLimits) -> None:
     """Validate a procedure: every problem, each with its remedy."""
     with sentences(context):
         from lappet.program.full_check import full_check
 
         notes: list[Problem] = []
-        problems = full_check(procedure, notes)
+        problems = full_check(procedure, notes, limits)
         for note in notes:
             click.echo(f"{note.severity}: {note}")
         for problem in problems:

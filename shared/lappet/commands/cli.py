@@ -12,6 +12,7 @@ import click
 from lappet.commands.check_command import check
 from lappet.commands.demo_command import demo
 from lappet.commands.inspect_command import inspect
+from lappet.commands.keys_command import keys
 from lappet.commands.new_command import new
 from lappet.commands.render_command import render
 from lappet.commands.report_command import report
@@ -48,5 +49,5 @@ def main() -> None:
     cli.main(prog_name="lappet")
 
 
-for _command in (solve, demo, check, inspect, render, new, report):
+for _command in (solve, demo, check, inspect, render, new, report, keys):
     cli.add_command(_command)

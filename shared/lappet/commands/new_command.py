@@ -9,6 +9,7 @@ import click
 
 from lappet.commands.gravity_options import gravity_options, with_gravity
 from lappet.commands.parameters import FILE
+from lappet.commands.reading_options import reading_options
 from lappet.commands.refusals import sentences
 
 
@@ -21,6 +22,7 @@ from lappet.commands.refusals import sentences
 @gravity_options("9.81")
 @click.option("--sphere", nargs=4, type=float, metavar="X Y Z R", help="Take the part inside a sphere, in mm.")
 @click.option("--box", nargs=6, type=float, metavar="X Y Z X Y Z", help="Take the part inside a box (two corners, mm).")
+@reading_options
 @click.pass_context
 def new(
     context: click.Context,
@@ -33,8 +35,9 @@ def new(
     gravity: float | None,
     **options: Any,
 ) -> None:
-    """Make a procedure whose tissue is a mesh (OBJ, STL, PLY, glTF, USD)."""
+    """Make a procedure whose tissue is a mesh (OBJ, STL, PLY, OFF, glTF, USD)."""
     with sentences(context):
+        from lappet.core.printable import printable
         from lappet.procedure import Procedure
         from lappet.tissue.tissue_from_mesh import new_tissue
         from lappet.usd.stage import write_procedure
@@ -47,5 +50,5 @@ def new(
         )
         write_procedure(Procedure(with_gravity(tissue, position, gravity)), output)
         for line in found:
-            click.echo(line)
+            click.echo(printable(line))
         click.echo(f"Written: {output}")

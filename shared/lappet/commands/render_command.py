@@ -8,6 +8,7 @@ from typing import Any
 import click
 
 from lappet.commands.parameters import FILE, FrameList, Size
+from lappet.commands.reading_options import reading_options
 from lappet.commands.refusals import sentences
 
 
@@ -26,6 +27,7 @@ from lappet.commands.refusals import sentences
 @click.option("--view", help="Where the camera stands.  [default: oblique]")
 @click.option("--color", help="What the skin shows.  [default: grid]")
 @click.option("--engine", help="Blender's renderer.  [default: cycles]")
+@reading_options
 @click.pass_context
 def render(context: click.Context, /, cache: Path, folder: Path, **options: Any) -> None:
     """Render stills, a filmstrip and an animation of a skin cache with Blender (bpy)."""

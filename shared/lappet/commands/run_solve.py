@@ -20,17 +20,22 @@ if TYPE_CHECKING:
     from lappet.solve.error_estimate import ErrorEstimate
     from lappet.solve.measures import FrameMeasures
     from lappet.solve.seam_measures import SeamMeasure
+    from lappet.usd.procedure_file import ProcedureFile
 
 
 def run_solve(
-    procedure: Path | Procedure, cache: Path, report_path: Path | None, settings: SolverSettings, **options: Any
+    procedure: Path | Procedure | ProcedureFile,
+    cache: Path,
+    report_path: Path | None,
+    settings: SolverSettings,
+    **options: Any,
 ) -> SolveResult:
     """Solve with progress on standard error, and write the report.
 
     Parameters
     ----------
     procedure
-        The procedure, or its file.
+        The procedure, its file, or its file that is being read.
     cache
         The skin cache.
     report_path
@@ -60,7 +65,7 @@ def run_solve(
 
 
 def run_to_target(
-    procedure: Path | Procedure,
+    procedure: Procedure | ProcedureFile,
     cache: Path,
     report_path: Path | None,
     settings: SolverSettings,
@@ -72,7 +77,7 @@ def run_to_target(
     Parameters
     ----------
     procedure
-        The procedure, or its file.
+        The procedure, or its file that is being read.
     cache
         The skin cache.
     report_path
@@ -99,11 +104,11 @@ def run_to_target(
     from lappet.daemon.daemon_solver import connect_to, solver_identity
     from lappet.solve.store import FrameStore
     from lappet.solve.target_error import TRIES, choose, finer, worst_rms
-    from lappet.usd.stage import read_procedure
+    from lappet.usd.procedure_file import ProcedureFile
 
     daemon = options["daemon"]
     choice = choose(
-        read_procedure(procedure) if isinstance(procedure, Path) else procedure,
+        procedure.procedure() if isinstance(procedure, ProcedureFile) else procedure,
         target,
         connect_to(daemon),
         solver_identity(daemon),

@@ -10,9 +10,12 @@ import click
 
 from lappet.commands.gravity_options import gravity_options, with_gravity
 from lappet.commands.parameters import FILE, FrameRange
+from lappet.commands.reading_options import reading_options
 from lappet.commands.refusals import sentences
 from lappet.commands.solve_options import is_given, solve_options
+from lappet.foreign.limits import ReadLimits
 from lappet.program.settings import SolverSettings
+from lappet.usd.procedure_file import ProcedureFile
 
 if TYPE_CHECKING:
     from lappet.procedure import Procedure
@@ -38,6 +41,7 @@ if TYPE_CHECKING:
 )
 @gravity_options("the procedure's")
 @solve_options
+@reading_options
 @click.pass_context
 def solve(
     context: click.Context,
@@ -55,15 +59,17 @@ def solve(
     position: tuple[float, float, float] | None,
     gravity: float | None,
     settings: SolverSettings,
+    limits: ReadLimits,
     **options: Any,
 ) -> None:
     """Solve a procedure and write its skin cache."""
     with sentences(context):
+        reading = context.with_resource(ProcedureFile(procedure, limits))  # it runs while the rest is loaded
         from lappet.commands.run_solve import run_solve, run_to_target, summary, write_tables
 
         cache = output or procedure.with_suffix(".cache.usdc")
         options["frames"] = frames or (None, None)
-        source = procedure if position is None and gravity is None else _lying(procedure, position, gravity)
+        source = reading if position is None and gravity is None else _lying(reading, position, gravity)
         if target_error is None:
             result = run_solve(source, cache, report_path, settings, **options)
         else:
@@ -87,9 +93,7 @@ def solve(
         context.exit(1)
 
 
-def _lying(path: Path, position: tuple[float, float, float] | None, gravity: float | None) -> Procedure:
+def _lying(file: ProcedureFile, position: tuple[float, float, float] | None, gravity: float | None) -> Procedure:
     """Read a procedure whose patient lies otherwise than it says."""
-    from lappet.usd.stage import read_procedure
-
-    procedure = read_procedure(path)
+    procedure = file.procedure()
     return replace(procedure, tissue=with_gravity(procedure.tissue, position, gravity))

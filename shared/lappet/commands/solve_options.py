@@ -9,6 +9,7 @@ from typing import Any
 
 import click
 
+from lappet.commands.daemon_options import daemon_options
 from lappet.commands.parameters import FILE
 from lappet.program.settings import Option, SolverSettings, options
 
@@ -36,12 +37,12 @@ def solve_options(command: Callable[..., Any]) -> Callable[..., Any]:
         }
         return command(*arguments, settings=SolverSettings(**chosen), **given)
 
-    added = [
+    added: list[Callable[[Callable[..., Any]], Callable[..., Any]]] = [
         *(_setting_option(item, option) for item, option in options()),
         click.option(
             "--store", type=FILE, help="Folder for solved frames.  [default: LAPPET_STORE or the user's cache]"
         ),
-        click.option("--daemon", metavar="ADDR", help="Address of a running daemon, like tcp://127.0.0.1:5555."),
+        daemon_options,
         click.option(
             "--error-estimate/--no-error-estimate",
             default=True,

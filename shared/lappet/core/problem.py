@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import ClassVar, Self
 
 from lappet.core import problem_text
+from lappet.core.printable import printable
 from lappet.core.problem_code import ProblemCode
 from lappet.core.problem_text import Severity as Severity
 
@@ -79,7 +80,7 @@ class Problem:
 
     def __str__(self) -> str:
         said = f"{self.message} {self.remedy}".strip()
-        return f"{self.prim}: {said}" if self.prim else said
+        return f"{printable(self.prim)}: {said}" if self.prim else said
 
 
 class ProblemsError(Exception):
@@ -179,7 +180,7 @@ def problem(
     """
     text = problem_text.text_of(code)
     known = {"prim": prim, "value": value, **fields}
-    message, remedy = text.message.format(**known), text.remedy.format(**known)
+    message, remedy = (printable(each.format(**known)) for each in (text.message, text.remedy))
     return Problem(code, str(prim), str(value), message, remedy, text.severity, place)
 
 

@@ -14,7 +14,9 @@ from lappet.cutting.epoch import Epoch
 from lappet.daemon.connection import DaemonConnection, SolveCancelled, SolverRefused, expect
 from lappet.daemon.frame_message import read_frame
 from lappet.daemon.frame_solver import Iteration
+from lappet.daemon.handshake import DaemonRefuses
 from lappet.daemon.process import DaemonDied, DaemonMissing, SolverDaemon
+from lappet.daemon.running_daemon import ClientKeys
 from lappet.daemon.solved_frame import LatticeCounts, SolvedFrame, SolverState
 from lappet.daemon.wire import Message, read_array, read_fields
 from lappet.program.payloads import epoch_payload, open_payload, solve_payload
@@ -24,6 +26,7 @@ from lappet.program.settings import SolverSettings
 __all__ = [
     "DaemonDied",
     "DaemonMissing",
+    "DaemonRefuses",
     "SolveCancelled",
     "SolverClient",
     "SolverRefused",
@@ -34,15 +37,17 @@ class SolverClient:
     """One session with a daemon: a context manager.
 
     One thread at a time may make requests; `cancel` may be called from any. Every request raises DaemonDied when the
-    daemon is gone, SolverRefused with its sentence when it refuses, and WireError when it answers something else than
-    PROTOCOL.md says.
+    daemon is gone, DaemonRefuses when it lets the user in no longer, SolverRefused with its sentence when it refuses,
+    and WireError when it answers something else than PROTOCOL.md says.
 
     Parameters
     ----------
     address
         Address of a running daemon; without one a daemon is started here and ended with the client.
     token
-        Token of the running daemon; None for the environment's `LAPPET_TOKEN`.
+        Token of a running daemon without keys; None for the environment's `LAPPET_TOKEN`.
+    keys
+        The running daemon's key and the user's own, where it has keys; then no token is sent.
     daemon
         A daemon of the caller's; it is started where it does not run, and not ended here.
     name
@@ -56,11 +61,12 @@ class SolverClient:
         address: str | None = None,
         token: str | None = None,
         *,
+        keys: ClientKeys | None = None,
         daemon: SolverDaemon | None = None,
         name: str = "lappet",
         silence: float = 20.0,
     ) -> None:
-        self._connection = DaemonConnection(address, token, daemon=daemon, name=name, silence=silence)
+        self._connection = DaemonConnection(address, token, keys=keys, daemon=daemon, name=name, silence=silence)
         self._settings = SolverSettings()
         self._epoch: int | None = None
         self._lattice: LatticeCounts | None = None

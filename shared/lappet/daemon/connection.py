@@ -15,7 +15,9 @@ from numpy.typing import NDArray
 
 from lappet.core.problem_code import ProblemCode
 from lappet.daemon.frame_solver import FrameRefusedError
+from lappet.daemon.handshake import DaemonRefuses, Handshake
 from lappet.daemon.process import DaemonDied, DaemonMissing, SolverDaemon
+from lappet.daemon.running_daemon import ClientKeys, require_no_stranger
 from lappet.daemon.wire import DEFAULT_MAX_MESSAGE_BYTES, Message, WireError, decode, encode
 
 _POLL_MS = 50
@@ -64,7 +66,9 @@ class DaemonConnection:
     address
         Address of a running daemon; without one a daemon is started here and ended with the connection.
     token
-        Token of the running daemon; None for the environment's `LAPPET_TOKEN`.
+        Token of a running daemon without keys; None for the environment's `LAPPET_TOKEN`.
+    keys
+        The running daemon's key and the user's own, where it has keys; then no token is sent.
     daemon
         A daemon of the caller's; it is started where it does not run, and not ended here.
     name
@@ -78,6 +82,7 @@ class DaemonConnection:
         address: str | None = None,
         token: str | None = None,
         *,
+        keys: ClientKeys | None = None,
         daemon: SolverDaemon | None = None,
         name: str = "lappet",
         silence: float = 20.0,
@@ -86,12 +91,14 @@ class DaemonConnection:
         self._owns_daemon = daemon is None and address is None
         self._address = address
         self._token = token
+        self._keys = keys
         self._name = name
         self._silence = silence
         self._lock = threading.RLock()
         self._ids = itertools.count(1)
         self._context: zmq.Context[Any] | None = None
         self._socket: zmq.Socket[Any] | None = None
+        self._handshake: Handshake | None = None
         self._stop = threading.Event()
         self._cancel_wanted = threading.Event()
         self._heartbeat: threading.Thread | None = None
@@ -113,6 +120,8 @@ class DaemonConnection:
         ------
         DaemonMissing
             If the address is none, or there is no daemon to start.
+        DaemonRefuses
+            If the daemon does not know the user's key, or does not have the key that it should have.
         WireError
             If its greeting breaks PROTOCOL.md.
         """
@@ -121,19 +130,15 @@ class DaemonConnection:
         try:
             if self._daemon is not None:
                 self._daemon.start()
-                self._address = self._daemon.address
-                self._token = self._daemon.token
+                self._address, self._token, self._keys = self._daemon.address, self._daemon.token, self._daemon.keys
             self._context = zmq.Context()
             self._socket = self._context.socket(zmq.DEALER)
-            self._socket.setsockopt(zmq.LINGER, 0)
-            try:
-                self._socket.connect(str(self._address))
-            except zmq.ZMQError as error:
-                raise DaemonMissing.of(ProblemCode.DAEMON_ADDRESS, "", self._address, reason=error) from error
+            self._open(self._socket, str(self._address))
             self._pinged = time.monotonic()
-            token = self._token or os.environ.get("LAPPET_TOKEN", "")
-            hello = self.request("hello", {"token": token, "client": self._name})
-            self.welcome = expect(hello, "welcome").fields
+            hello = {"client": self._name}
+            if self._keys is None:
+                hello["token"] = self._token or os.environ.get("LAPPET_TOKEN", "")
+            self.welcome = expect(self.request("hello", hello), "welcome").fields
             for name, kind in _WELCOME.items():
                 if not isinstance(self.welcome.get(name), kind):
                     raise WireError(
@@ -147,6 +152,26 @@ class DaemonConnection:
             raise
         return self
 
+    def _open(self, socket: zmq.Socket[Any], address: str) -> None:
+        """Connect the socket, and wait until both sides have proved themselves: before that nothing is sent."""
+        socket.setsockopt(zmq.LINGER, 0)
+        socket.setsockopt(zmq.IPV6, int("[" in address))
+        if self._keys is None:
+            require_no_stranger(address)
+        else:
+            socket.setsockopt_string(zmq.CURVE_SERVERKEY, self._keys.server)
+            socket.setsockopt_string(zmq.CURVE_PUBLICKEY, self._keys.own.public)
+            socket.setsockopt_string(zmq.CURVE_SECRETKEY, self._keys.own.secret)
+        self._handshake = Handshake(socket, address, self._keys is not None)
+        try:
+            socket.connect(address)
+        except zmq.ZMQError as error:
+            raise DaemonMissing.of(ProblemCode.DAEMON_ADDRESS, "", address, reason=error) from error
+        self._unanswered_since = time.monotonic()
+        while not self._handshake.succeeded(_POLL_MS):
+            self._check_alive()
+        self._unanswered_since = None
+
     def close(self) -> None:
         """Take leave, and end the daemon that was started here; may be called twice."""
         self._stop.set()
@@ -159,6 +184,9 @@ class DaemonConnection:
                     self._socket.setsockopt(zmq.LINGER, 200)
                     with contextlib.suppress(DaemonDied, zmq.ZMQError):
                         self._send("bye", next(self._ids))
+                if self._handshake is not None:
+                    self._handshake.close()
+                    self._handshake = None
                 self._socket.close()
                 self._socket = None
             if self._context is not None:
@@ -202,6 +230,8 @@ class DaemonConnection:
         ------
         DaemonDied
             If the daemon is gone or fell silent.
+        DaemonRefuses
+            If it lets the user in no longer.
         SolverRefused
             If the daemon answers with an error.
         SolveCancelled
@@ -217,7 +247,7 @@ class DaemonConnection:
             try:
                 self._send(kind, identifier, fields, arrays)
                 reply = self._wait(identifier, on_progress)
-            except (DaemonDied, WireError):
+            except (DaemonDied, DaemonRefuses, WireError):
                 raise
             except BaseException:
                 self._give_up(identifier)
@@ -251,6 +281,8 @@ class DaemonConnection:
             message = self._receive(_POLL_MS)
             if message is None:
                 self._check_alive()
+                if self._handshake is not None:
+                    self._handshake.succeeded()  # or it says why not: a connection that was lost is made again
             elif message.id == identifier or (message.type == "error" and message.id == 0):
                 if message.type != "progress":
                     return message
@@ -292,7 +324,7 @@ class DaemonConnection:
                     self._check_alive()
                 elif message.id == identifier and message.type != "progress":
                     return
-        except (DaemonDied, WireError, zmq.ZMQError):
+        except (DaemonDied, DaemonRefuses, WireError, zmq.ZMQError):
             return
 
     def _beat(self) -> None:
@@ -306,7 +338,9 @@ class DaemonConnection:
                 self._ping_if_due(_PING_SECONDS)
                 while self._receive(0) is not None:
                     pass
-            except (DaemonDied, WireError, zmq.ZMQError):
+                if self._handshake is not None:
+                    self._handshake.succeeded()
+            except (DaemonDied, DaemonRefuses, WireError, zmq.ZMQError):
                 continue  # the next request says so
             finally:
                 self._lock.release()

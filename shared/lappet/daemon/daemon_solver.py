@@ -12,6 +12,7 @@ from lappet.cutting.epoch import Epoch
 from lappet.daemon.client import SolverClient
 from lappet.daemon.frame_solver import Connect, FrameRefusedError, Iteration
 from lappet.daemon.process import daemon_identity
+from lappet.daemon.running_daemon import ClientKeys, RunningDaemon
 from lappet.daemon.solved_frame import LatticeCounts, SolvedFrame, SolverState
 from lappet.daemon.wire import WireError
 from lappet.program.program import Bones, FrameConstraints, Landmarks
@@ -30,13 +31,20 @@ class DaemonSolver:
     address
         Address of a running daemon; None starts one.
     token
-        Token of the running daemon.
+        Token of a running daemon without keys.
+    keys
+        The running daemon's key and the user's own, where it has keys.
     """
 
     def __init__(
-        self, settings: SolverSettings, bones: Bones, address: str | None = None, token: str | None = None
+        self,
+        settings: SolverSettings,
+        bones: Bones,
+        address: str | None = None,
+        token: str | None = None,
+        keys: ClientKeys | None = None,
     ) -> None:
-        self._client = SolverClient(address, token)
+        self._client = SolverClient(address, token, keys=keys)
         self._client.connect()
         try:
             self._client.open(settings, bones)
@@ -148,29 +156,33 @@ class DaemonSolver:
         self._client.close()
 
 
-def connect_to(address: str | None) -> Connect:
+def connect_to(daemon: RunningDaemon | None) -> Connect:
     """Make what opens sessions with a daemon.
 
     Parameters
     ----------
-    address
-        Address of a running daemon; with None each session starts one for itself.
+    daemon
+        A running daemon; with None each session starts one for itself.
 
     Returns
     -------
     Connect
         The function that opens a session.
     """
-    return lambda settings, bones: DaemonSolver(settings, bones, address)
+    if daemon is None:
+        return DaemonSolver
+    return lambda settings, bones: DaemonSolver(settings, bones, daemon.address, keys=daemon.keys())
 
 
-def solver_identity(address: str | None) -> str:
+def solver_identity(daemon: RunningDaemon | None, silence: float = 20.0) -> str:
     """Find what tells this solver from another in the keys of frames.
 
     Parameters
     ----------
-    address
-        Address of a running daemon, which is told by the version that it greets with; None for the installed one.
+    daemon
+        A running daemon, which is told by the version that it greets with; None for the installed one.
+    silence
+        Seconds without an answer after which the daemon counts as dead.
 
     Returns
     -------
@@ -180,10 +192,10 @@ def solver_identity(address: str | None) -> str:
     Raises
     ------
     RefusedError
-        If there is no daemon.
+        If there is no daemon, or it refuses this client.
     """
-    if address is None:
+    if daemon is None:
         return daemon_identity()
 
-    with SolverClient(address) as client:
+    with SolverClient(daemon.address, keys=daemon.keys(), silence=silence) as client:
         return f"{version()} {client.welcome['version']}"

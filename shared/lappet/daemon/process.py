@@ -1,4 +1,4 @@
-"""The daemon's process: finds `lappet-solverd`, starts it where only the user reaches it, with a one-time token."""
+"""The daemon's process: finds `lappet-solverd`, starts it where only the user reaches it, with one-time secrets."""
 
 from __future__ import annotations
 
@@ -18,16 +18,20 @@ from pathlib import Path
 from types import TracebackType
 from typing import IO, Self
 
+from lappet.core.printable import printable
 from lappet.core.problem import RefusedError
 from lappet.core.problem_code import ProblemCode
 from lappet.core.version import version
 from lappet.daemon.frame_solver import SolverDiedError
+from lappet.daemon.key_files import new_pair
+from lappet.daemon.keys_folder import KeysFolder, Quotas, Role, User
+from lappet.daemon.running_daemon import ClientKeys
 from lappet.daemon.stale_sockets import PREFIX, SOCKET, remove_stale_folders
-from lappet.daemon.wire import printable
 
 BINARY = "lappet-solverd"
 _LONGEST_ADDRESS = 100  # bytes; a socket's path has 104 to 108 at most
 _STDERR_LINES = 40
+_UNBOUNDED = Quotas(memory_gib=65536.0, sessions=64, seconds=1e6)  # the settings of its client count, as without keys
 
 
 class DaemonMissing(RefusedError):
@@ -94,24 +98,34 @@ def daemon_identity(binary: Path | None = None) -> str:
 class SolverDaemon:
     """A daemon of our own: a context manager that starts it and ends it.
 
-    Once it is started, `address` and `token` are what a client needs.
+    It listens on a socket in a folder of mode 0700, where the system has such; elsewhere on TCP, with a fresh pair of
+    keys for itself and one for its client. Once it is started, `address`, `token` and `keys` are what a client needs.
 
     Parameters
     ----------
     binary
         The program; found when None.
+    listen
+        Address on TCP to listen on with keys; None for the socket.
     arguments
-        Further options of `lappet-solverd`.
+        Further options of `lappet-solverd`; where they say `--address`, the daemon has its token alone.
     start_timeout
         Seconds until it must listen.
     """
 
     def __init__(
-        self, binary: Path | str | None = None, *, arguments: tuple[str, ...] = (), start_timeout: float = 20.0
+        self,
+        binary: Path | str | None = None,
+        *,
+        listen: str | None = None,
+        arguments: tuple[str, ...] = (),
+        start_timeout: float = 20.0,
     ) -> None:
         self.address = ""
         self.token = secrets.token_hex(16)
+        self.keys: ClientKeys | None = None
         self._binary = binary
+        self._listen = listen
         self._arguments = arguments
         self._start_timeout = start_timeout
         self._process: subprocess.Popen[bytes] | None = None
@@ -138,6 +152,9 @@ class SolverDaemon:
             return self
         binary = Path(self._binary) if self._binary is not None else find_daemon()
         command = [str(binary), "--parent", str(os.getpid()), *self._private_address(), *self._arguments]
+        environment = {name: value for name, value in os.environ.items() if name != "LAPPET_TOKEN"}
+        if self.keys is None:
+            environment["LAPPET_TOKEN"] = self.token
         try:
             # A session of its own: Ctrl-C in the terminal is for us, and we cancel what the daemon does.
             self._process = subprocess.Popen(
@@ -145,7 +162,7 @@ class SolverDaemon:
                 stdin=subprocess.PIPE,
                 stdout=subprocess.PIPE,
                 stderr=subprocess.PIPE,
-                env={**os.environ, "LAPPET_TOKEN": self.token},
+                env=environment,
                 start_new_session=True,
             )
         except OSError as error:
@@ -168,16 +185,21 @@ class SolverDaemon:
         return self
 
     def _private_address(self) -> list[str]:
-        """Options for a socket in a folder that nobody else may enter; none where the caller names an address."""
-        if os.name != "posix" or "--address" in self._arguments:
+        """Options for a place where nobody else comes in; none where the caller names one with `--address`."""
+        if "--address" in self._arguments:
             return []
         remove_stale_folders()
-        self._folder = tempfile.mkdtemp(prefix=PREFIX)  # mode 0700
-        address = f"ipc://{self._folder}/{SOCKET}"
-        if len(os.fsencode(address)) < _LONGEST_ADDRESS:
-            return ["--address", address]
-        self._remove_folder()
-        return []
+        sockets, own = self._listen is None and os.name == "posix", ""
+        for place in (None, "/tmp") if sockets else (None,):  # TMPDIR may have too long a name for a socket
+            self._remove_folder()
+            own = self._folder = tempfile.mkdtemp(prefix=PREFIX, dir=place)  # mode 0700
+            address = f"ipc://{own}/{SOCKET}"
+            if sockets and len(os.fsencode(address)) < _LONGEST_ADDRESS:
+                return ["--address", address]
+        folder, pair = KeysFolder(Path(own) / "keys"), new_pair()
+        self.keys = ClientKeys(folder.make_server("a daemon of one client").public, pair)
+        folder.allow(User("owner", pair.public, Role.ADMIN, _UNBOUNDED))
+        return ["--listen", self._listen or "tcp://127.0.0.1:0", "--keys", str(folder.path)]
 
     def _remove_folder(self) -> None:
         if self._folder is not None:

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from lappet.core import array_codec
 from lappet.core.array_codec import DTYPES, Bytes, CodecError, Limits
+from lappet.core.printable import printable
 from lappet.core.problem_code import ProblemCode
 
 VERSION = 1
@@ -131,22 +132,6 @@ def decode(frames: Sequence[Bytes], max_message_bytes: int = DEFAULT_MAX_MESSAGE
         raise WireError(f"The header field 'type' is {kind!r:.60}; it must be a text.")
     fields = {name: _shown(value) for name, value in header.items() if name not in _OWN_FIELDS}
     return Message(kind, identifier, session, fields, arrays)
-
-
-def printable(text: str) -> str:
-    """Replace what a terminal or a log would obey instead of showing it.
-
-    Parameters
-    ----------
-    text
-        Text from another process.
-
-    Returns
-    -------
-    str
-        The text with a question mark for each such character; line ends stay.
-    """
-    return "".join(each if each.isprintable() or each == "\n" else "?" for each in text)
 
 
 def _shown(value: Any) -> Any:

@@ -8,6 +8,8 @@ from lappet.core.problem import Problem, RefusedError
 from lappet.cutting.epoch import Epoch
 from lappet.daemon.daemon_solver import connect_to
 from lappet.daemon.frame_solver import Connect
+from lappet.daemon.running_daemon import RunningDaemon
+from lappet.foreign.limits import DEFAULT_LIMITS, ReadLimits
 from lappet.geometry.labeled_surface import FaceOrigin
 from lappet.procedure.scene_profile import measured_costs
 from lappet.procedure.storyboard import inspection
@@ -22,9 +24,10 @@ def inspect_procedure(
     *,
     spacing: float | None = None,
     lattice: bool = True,
-    daemon: str | None = None,
+    daemon: RunningDaemon | None = None,
     connect: Connect | None = None,
     economy: Path | None = None,
+    limits: ReadLimits = DEFAULT_LIMITS,
 ) -> str:
     """Compose the text of `lappet inspect`.
 
@@ -37,11 +40,13 @@ def inspect_procedure(
     lattice
         Whether to ask the daemon for the counts of every epoch's lattice; where they cannot be had a note says why.
     daemon
-        Address of a running daemon; None starts one.
+        A running daemon; None starts one.
     connect
         Makes the solver; the daemon when None.
     economy
         File of `lappet report economy` that costs are taken from.
+    limits
+        What reading the procedure may take.
 
     Returns
     -------
@@ -54,7 +59,7 @@ def inspect_procedure(
         If the procedure cannot be read or compiled, or the file of costs is no such report.
     """
     notes: list[Problem] = []
-    procedure = read_procedure(path, notes)
+    procedure = read_procedure(path, notes, limits)
     program = compile_program(procedure, settings=SolverSettings(spacing=spacing or 0.0))
     notes += program.notes
     lines = [str(note) for note in notes]
@@ -83,7 +88,7 @@ def _epoch_line(epoch: Epoch, program: Program) -> str:
     )
 
 
-def _lattice_lines(program: Program, daemon: str | None, connect: Connect | None) -> list[str]:
+def _lattice_lines(program: Program, daemon: RunningDaemon | None, connect: Connect | None) -> list[str]:
     if connect is None:
         connect = connect_to(daemon)
     solver = connect(program.settings, program.bones)

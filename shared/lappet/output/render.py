@@ -17,6 +17,10 @@ from typing import IO
 
 from lappet.core.problem import Problem, RefusedError, problem, refused
 from lappet.core.problem_code import ProblemCode
+from lappet.foreign.limits import DEFAULT_LIMITS, ReadLimits
+from lappet.foreign.reading_process import ReadingProcess
+from lappet.usd.procedure_file import CHILD
+from lappet.usd.stage_contents import ValueSizes
 
 PYTHON_VARIABLE = "LAPPET_BLENDER_PYTHON"
 ANIMATIONS = ("none", "png", "mp4")
@@ -168,6 +172,7 @@ def render_cache(
     movie_size: tuple[int, int] | None = None,
     movie_samples: int = MOVIE_SAMPLES,
     progress: Progress | None = None,
+    limits: ReadLimits = DEFAULT_LIMITS,
 ) -> list[Path]:
     """Draw a skin cache as pictures in one Blender process.
 
@@ -206,6 +211,8 @@ def render_cache(
         Cycles samples per pixel of an animation, which is denoised.
     progress
         Called with a line of text for every file, and with how long an animation will take.
+    limits
+        What reading the cache may take: a child process reads all of it before Blender does.
 
     Returns
     -------
@@ -236,6 +243,8 @@ def render_cache(
         movie_size,
         movie_samples,
     )
+    with ReadingProcess(CHILD, "values", cache, limits) as look:
+        look.result(ValueSizes)
     return _draw(command, cache, progress or (lambda line: None))
 
 

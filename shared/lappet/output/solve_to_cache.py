@@ -14,6 +14,8 @@ from lappet.core.problem import Problem, RefusedError, problem, refused
 from lappet.core.problem_code import ProblemCode
 from lappet.daemon.daemon_solver import connect_to, solver_identity
 from lappet.daemon.frame_solver import Connect, Iteration
+from lappet.daemon.running_daemon import RunningDaemon
+from lappet.foreign.limits import DEFAULT_LIMITS, ReadLimits
 from lappet.output.skin_cache import write_skin_cache
 from lappet.procedure import Procedure
 from lappet.procedure.prim_paths import ROOT
@@ -30,7 +32,8 @@ from lappet.solve.sensitive import several_notes, stability_notes
 from lappet.solve.solve_frames import FrameResult, Frames, SolveObserver, solve_program
 from lappet.solve.store import FrameStore
 from lappet.solve.suture_forces import SutureForce, suture_warnings
-from lappet.usd.stage import SUFFIXES, read_procedure, write_procedure
+from lappet.usd.procedure_file import ProcedureFile
+from lappet.usd.stage import SUFFIXES, pxr, write_procedure
 
 if TYPE_CHECKING:
     from lappet.solve.error_estimate import ErrorEstimate
@@ -121,17 +124,18 @@ class SolveResult:
 
 
 def solve_procedure(
-    source: Path | str | Procedure,
+    source: Path | str | Procedure | ProcedureFile,
     output: Path | str,
     settings: SolverSettings = DEFAULT,
     *,
     frames: tuple[int | None, int | None] = (None, None),
-    daemon: str | None = None,
+    daemon: RunningDaemon | None = None,
     store: FrameStore | None = None,
     observer: SolveObserver | None = None,
     connect: Connect | None = None,
     solver: str | None = None,
     error_estimate: bool = True,
+    limits: ReadLimits = DEFAULT_LIMITS,
 ) -> SolveResult:
     """Solve a procedure and write its skin cache.
 
@@ -141,7 +145,8 @@ def solve_procedure(
     Parameters
     ----------
     source
-        A USD file, or a procedure, which is then written beside the cache as `<its stem>.procedure.usda`.
+        A USD file, or one that is being read, or a procedure, which is then written beside the cache as `<its
+        stem>.procedure.usda`.
     output
         The skin cache (.usdc, .usda or .usd).
     settings
@@ -149,7 +154,7 @@ def solve_procedure(
     frames
         First and last time code to write, None for the procedure's; everything up to the last one is solved.
     daemon
-        Address of a running daemon; None starts one.
+        A running daemon; None starts one.
     store
         Where frames are kept; the user's store when None.
     observer
@@ -160,6 +165,8 @@ def solve_procedure(
         What identifies the solver in the frames' keys; that of the installed daemon when None.
     error_estimate
         Whether to solve on a coarser lattice too, to estimate the error (`lappet.solve.error_estimate`).
+    limits
+        What reading the file may take.
 
     Returns
     -------
@@ -175,7 +182,7 @@ def solve_procedure(
     watch = _Noting(observer or SolveObserver())
     output = Path(output)
     _refuse_output(output)
-    procedure, path, notes = _read(source, output)
+    procedure, path, notes = _read(source, output, limits)
     notes += _check(procedure, settings)
     first, last = _range(procedure, frames)
     program = compile_program(procedure, settings=replace(settings, correction=error_estimate), until=last)
@@ -249,17 +256,21 @@ def _refuse_output(output: Path) -> None:
         raise refused(ProblemCode.CACHE_NOT_WRITABLE, output, error.strerror or error) from error
 
 
-def _read(source: Path | str | Procedure, output: Path) -> tuple[Procedure, Path, list[Problem]]:
+def _read(
+    source: Path | str | Procedure | ProcedureFile, output: Path, limits: ReadLimits
+) -> tuple[Procedure, Path, list[Problem]]:
     """The procedure, the file that the skin cache goes over, and notes of what was converted while reading."""
     if isinstance(source, Procedure):
         path = output.with_suffix(".procedure.usda")
         write_procedure(source, path)
         return source, path, []
-    path = Path(source)
+    path = source.path if isinstance(source, ProcedureFile) else Path(source)
     if path.resolve() == output.resolve():
         raise refused(ProblemCode.CACHE_IS_PROCEDURE, output)
     notes: list[Problem] = []
-    return read_procedure(path, notes), path, notes
+    with source if isinstance(source, ProcedureFile) else ProcedureFile(path, limits) as file:
+        pxr()  # loaded while the child reads; the skin cache needs it
+        return file.procedure(notes), path, notes
 
 
 def _check(procedure: Procedure, settings: SolverSettings) -> list[Problem]:

@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING
 
 from lappet.core.problem import refused
 from lappet.core.problem_code import ProblemCode
+from lappet.foreign.limits import DEFAULT_LIMITS
+from lappet.foreign.regular_file import refuse_irregular
 from lappet.procedure.events import (
     Event,
     Excision,
@@ -154,6 +156,7 @@ def measured_costs(path: Path) -> dict[str, str]:
         If the file is no such report.
     """
     try:
+        refuse_irregular(path, DEFAULT_LIMITS)
         rows = json.loads(path.read_text(encoding="utf-8"))["rows"]
         found = {(str(row["feature"]), bool(row["present"])): row for row in rows}
         costs = {}
@@ -166,7 +169,7 @@ def measured_costs(path: Path) -> dict[str, str]:
             scene = "patch" if feature in _ON_A_PATCH else "bar"
             costs[name] = f"{share:+.0f} % {unit} in the {scene} of `lappet report economy`"
         return costs
-    except (OSError, ValueError, KeyError, TypeError, ZeroDivisionError) as error:
+    except (OSError, ValueError, KeyError, TypeError, ZeroDivisionError, RecursionError) as error:
         raise refused(ProblemCode.ECONOMY_FILE, path, type(error).__name__) from error
 
 

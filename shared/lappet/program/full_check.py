@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import os
 
-from lappet.checks.validation import check_file
+from lappet.checks.validation import check_read
 from lappet.core.problem import Problem, RefusedError
+from lappet.foreign.limits import DEFAULT_LIMITS, ReadLimits
 from lappet.program.compile import compile_program
-from lappet.usd.stage import read_procedure
+from lappet.usd.procedure_file import ProcedureFile
 
 
-def full_check(path: str | os.PathLike[str], notes: list[Problem] | None = None) -> list[Problem]:
+def full_check(
+    path: str | os.PathLike[str], notes: list[Problem] | None = None, limits: ReadLimits = DEFAULT_LIMITS
+) -> list[Problem]:
     """Find everything that is wrong or suspicious; without errors the cuts are made and compiled too.
 
     Parameters
@@ -19,6 +22,8 @@ def full_check(path: str | os.PathLike[str], notes: list[Problem] | None = None)
         The procedure's file.
     notes
         Gets the notes: what was converted while reading, and what is done otherwise than the procedure says.
+    limits
+        What reading may take.
 
     Returns
     -------
@@ -28,15 +33,17 @@ def full_check(path: str | os.PathLike[str], notes: list[Problem] | None = None)
     Raises
     ------
     RefusedError
-        If the file cannot be opened as USD.
+        If the file cannot be opened as USD, or takes more than it may.
     ValueError
         If an error arises that is no refusal.
     """
     told: list[Problem] = []
-    told += check_file(path, told)
-    if not any(each.severity == "error" for each in told):
+    with ProcedureFile(path, limits) as file:
+        read = file.what_can_be(told)
+    told += check_read(read)
+    if read.procedure is not None and not any(each.severity == "error" for each in told):
         try:
-            told += compile_program(read_procedure(path)).notes
+            told += compile_program(read.procedure).notes
         except RefusedError as error:
             told += error.problems
     if notes is not None:

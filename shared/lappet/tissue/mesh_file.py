@@ -1,20 +1,29 @@
-"""Read a triangle mesh from any file that trimesh or USD reads, in mm with Z up."""
+"""Read a triangle mesh from a file of one of `KINDS`, in mm with Z up; trimesh and USD read them."""
 
 from __future__ import annotations
 
+import errno
+import os
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from lappet.core.problem import refused
+from lappet.core.problem import RefusedError, refused
 from lappet.core.problem_code import ProblemCode
+from lappet.foreign.limits import DEFAULT_LIMITS, ReadLimits
+from lappet.foreign.reading_process import ReadingProcess
+from lappet.foreign.regular_file import refuse_irregular, refuse_kind
 from lappet.geometry.triangulation import triangulate
+from lappet.tissue.gltf_file import GltfFile
+from lappet.tissue.ply_sizes import refuse_ply_sizes
 from lappet.usd.stage import open_stage, pxr
 
 UNITS = {"m": 1000.0, "cm": 10.0, "mm": 1.0, "in": 25.4}
+_GLTF = (".glb", ".gltf")
 _USD = (".usd", ".usda", ".usdc", ".usdz")
+KINDS = (".obj", ".stl", ".ply", ".off", *_GLTF, *_USD)
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,17 +45,38 @@ class Mesh:
     uv: NDArray[np.float64] | None = None
 
 
-def read_mesh(path: str | Path, units: str | None = None) -> tuple[Mesh, list[str]]:
+@dataclass(frozen=True, eq=False)
+class MeshRead:
+    """A mesh, and what was found while it was read.
+
+    Parameters
+    ----------
+    mesh
+        The mesh, in mm with Z up.
+    lines
+        What was found, for people.
+    """
+
+    mesh: Mesh
+    lines: tuple[str, ...]
+
+
+def read_mesh(
+    path: str | Path, units: str | None = None, limits: ReadLimits = DEFAULT_LIMITS
+) -> tuple[Mesh, list[str]]:
     """Read the mesh of a file, in mm with Z up.
 
-    Several meshes in one file become one. What states that Y is up (glTF, USD) is turned.
+    A child process reads it, with limits on memory, time and size. Several meshes in one file become one. What states
+    that Y is up (glTF, USD) is turned. Materials and pictures are not read.
 
     Parameters
     ----------
     path
-        A file of any kind that trimesh or USD reads.
+        A file of one of `KINDS`.
     units
         "m", "cm", "mm" or "in"; None for those that the file states (USD, glTF), or else a guess from its size.
+    limits
+        What reading may take.
 
     Returns
     -------
@@ -56,20 +86,48 @@ def read_mesh(path: str | Path, units: str | None = None) -> tuple[Mesh, list[st
     Raises
     ------
     RefusedError
-        If the file is missing or unreadable, holds no triangles or points that are not finite, or the units are
-        unknown.
+        If the file is missing, unreadable or of another kind, takes more than it may, holds no triangles or points that
+        are not finite, or the units are unknown.
     """
-    path = Path(path)
+    with ReadingProcess("lappet.tissue.mesh_child", "mesh", Path(path), limits, units or "") as process:
+        read: MeshRead = process.result(MeshRead)
+    return read.mesh, list(read.lines)
+
+
+def read_mesh_here(path: Path, limits: ReadLimits, units: str | None = None) -> MeshRead:
+    """Read the mesh of a file in this process, which is a child: memory and time are not limited here.
+
+    Parameters
+    ----------
+    path
+        As of `read_mesh`.
+    limits
+        How large files may be, and whether those outside the file's folder are followed.
+    units
+        As of `read_mesh`.
+
+    Returns
+    -------
+    MeshRead
+        The mesh and what was found.
+
+    Raises
+    ------
+    RefusedError
+        As `read_mesh` does.
+    """
     if units is not None and units not in UNITS:
         raise refused(ProblemCode.FILE_UNKNOWN_UNITS, path, units, known=", ".join(UNITS))
-    if not path.is_file():
+    refuse_kind(path, KINDS)
+    if not path.exists() or path.is_dir():
         raise refused(ProblemCode.FILE_MISSING, path, what="a mesh")
+    refuse_irregular(path, limits)
     if path.suffix.lower() in _USD:
-        mesh, scale, turn = _read_usd(path)
+        mesh, scale, turn = _read_usd(path, limits)
         stated = f"the stage says {scale / 1000.0:g} m per unit"
     else:
-        mesh = _read_trimesh(path)
-        turn = path.suffix.lower() in (".glb", ".gltf")
+        mesh = _read_trimesh(path, limits)
+        turn = path.suffix.lower() in _GLTF
         scale, stated = (1000.0, "glTF is in metres") if turn else (0.0, "")
     if len(mesh.triangles) == 0:
         raise refused(ProblemCode.FILE_NO_TRIANGLES, path)
@@ -92,15 +150,36 @@ def read_mesh(path: str | Path, units: str | None = None) -> tuple[Mesh, list[st
     ]
     if turn:
         lines.append("turned from Y up to Z up: (x, y, z) is now (x, -z, y)")
-    return Mesh(points, mesh.triangles, mesh.uv), lines
+    return MeshRead(Mesh(points, mesh.triangles, mesh.uv), tuple(lines))
 
 
-def _read_trimesh(path: Path) -> Mesh:
+class _NoFiles:
+    """What trimesh opens files through that a mesh names, materials and pictures: none are."""
+
+    def get(self, name: str) -> bytes:
+        """Open none."""
+        raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT), name)
+
+    __getitem__ = get
+
+
+def _read_trimesh(path: Path, limits: ReadLimits) -> Mesh:
     import trimesh
 
     try:
-        scene = trimesh.load_scene(path, process=False)
+        if path.suffix.lower() in _GLTF:
+            file = GltfFile(path, limits)
+            scene = trimesh.load_scene(file.stream(), file_type="gltf", resolver=file, process=False)
+        else:
+            with path.open("rb") as stream:
+                if path.suffix.lower() == ".ply":
+                    refuse_ply_sizes(path, stream)
+                kind = path.suffix[1:].lower()
+                options = {"skip_materials": True} if kind in ("obj", "ply") else {}
+                scene = trimesh.load_scene(stream, file_type=kind, resolver=_NoFiles(), process=False, **options)
         geometry = scene.to_mesh()
+    except (RefusedError, MemoryError):
+        raise
     except Exception as error:  # trimesh's readers raise anything on broken files
         raise refused(ProblemCode.FILE_NO_MESH, path, error) from error
     triangles = np.asarray(geometry.faces, np.int64).reshape(-1, 3)
@@ -109,10 +188,10 @@ def _read_trimesh(path: Path) -> Mesh:
     return Mesh(np.asarray(geometry.vertices, np.float64).reshape(-1, 3), triangles, corner_uv)
 
 
-def _read_usd(path: Path) -> tuple[Mesh, float, bool]:
+def _read_usd(path: Path, limits: ReadLimits) -> tuple[Mesh, float, bool]:
     """The meshes of a stage at its default time, mm per unit, and whether Y is up."""
     usd = pxr()
-    stage = open_stage(path)
+    stage = open_stage(path, limits)
     cache = usd.UsdGeom.XformCache()
     points, triangles, count = [], [], 0
     for prim in stage.Traverse():

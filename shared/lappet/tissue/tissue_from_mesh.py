@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from lappet.core.problem import Place, refused
 from lappet.core.problem_code import ProblemCode
+from lappet.foreign.limits import DEFAULT_LIMITS, ReadLimits
 from lappet.geometry.border_loops import border_loops, perimeter
 from lappet.geometry.connected_parts import parts_of
 from lappet.geometry.flatten import flatten
@@ -35,6 +36,7 @@ def new_tissue(
     spacing: float | None = None,
     units: str | None = None,
     resolution: float | None = None,
+    limits: ReadLimits = DEFAULT_LIMITS,
 ) -> tuple[Tissue, list[str]]:
     """Make tissue from a mesh file.
 
@@ -59,6 +61,8 @@ def new_tissue(
         Units of the file, see `read_mesh`.
     resolution
         Length in mm down to which the edges of a region are divided; the thickness when None.
+    limits
+        What reading the file may take.
 
     Returns
     -------
@@ -78,7 +82,7 @@ def new_tissue(
             raise refused(ProblemCode.LENGTH_NOT_POSITIVE, name, f"{value:g}", name=what)
     if sphere is not None and box is not None:
         raise refused(ProblemCode.REGION_TWICE, name)
-    mesh, lines = read_mesh(path, units)
+    mesh, lines = read_mesh(path, units, limits)
     for repair in (weld, orient):
         mesh, done = repair(mesh)
         lines += [f"repaired: {line}" for line in done]

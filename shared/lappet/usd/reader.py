@@ -11,7 +11,7 @@ from typing import Any, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from lappet.core.problem import Problem, RefusedError, problem
+from lappet.core.problem import Problem, problem
 from lappet.core.problem_code import ProblemCode
 from lappet.procedure import Bone, Material, Point, Procedure, Region, Roller, SkinLine, Tissue
 from lappet.usd.event_prims import EVENT_PRIMS, read_curve, read_event
@@ -26,34 +26,6 @@ PRIM_TYPES = {
     "LappetSkinLineAPI": "BasisCurves",
     **EVENT_PRIMS,
 }
-
-
-def read(stage: Any, usd: Any, notes: list[Problem]) -> Procedure:
-    """Read the procedure on an open stage.
-
-    Parameters
-    ----------
-    stage
-        The stage.
-    usd
-        USD's modules, as `lappet.usd.stage.pxr` gives them.
-    notes
-        Gets a note of what was converted or left aside.
-
-    Returns
-    -------
-    Procedure
-        The procedure.
-
-    Raises
-    ------
-    RefusedError
-        If something could not be read; holds every such problem.
-    """
-    procedure, problems = read_what_can_be(stage, usd, notes)
-    if procedure is None or problems:
-        raise RefusedError(problems)
-    return procedure
 
 
 def read_what_can_be(stage: Any, usd: Any, notes: list[Problem]) -> tuple[Procedure | None, list[Problem]]:

@@ -21,9 +21,14 @@ from typing import Any
 from lappet.core.durable import replace_durably
 from lappet.core.problem import Problem, ProblemsError, RefusedError, problem, refused
 from lappet.core.problem_code import ProblemCode
+from lappet.foreign.limits import DEFAULT_LIMITS, ReadLimits
+from lappet.foreign.regular_file import refuse_irregular
 from lappet.procedure import Procedure
 from lappet.usd import reader as usd_reader
 from lappet.usd import writer as usd_writer
+from lappet.usd.layer_files import LayerFiles
+from lappet.usd.procedure_file import ProcedureFile
+from lappet.usd.stage_procedure import StageProcedure
 
 SCHEMA = Path(__file__).with_name("schema")
 SUFFIXES = (".usda", ".usdc", ".usd")
@@ -88,13 +93,16 @@ def pxr() -> Pxr:
     return Pxr(Gf=Gf, Plug=Plug, Sdf=Sdf, Tf=Tf, Usd=Usd, UsdGeom=UsdGeom, UsdShade=UsdShade, UsdUtils=UsdUtils, Vt=Vt)
 
 
-def open_stage(path: str | os.PathLike[str]) -> Any:
-    """Open the stage in a file, as it is on disk now.
+def open_stage(path: str | os.PathLike[str], limits: ReadLimits = DEFAULT_LIMITS) -> Any:
+    """Open the stage in a file, as it is on disk now, in this process: for files that are trusted, or by a child.
 
     Parameters
     ----------
     path
-        A .usda, .usdc or .usd file.
+        A .usda, .usdc, .usd or .usdz file.
+    limits
+        How large files may be, and whether those outside the file's folder are followed. Memory and time are not
+        limited here.
 
     Returns
     -------
@@ -104,14 +112,17 @@ def open_stage(path: str | os.PathLike[str]) -> Any:
     Raises
     ------
     RefusedError
-        If the file is missing, cannot be read as USD, or refers to files that are missing.
+        If the file is missing, is no regular file, cannot be read as USD, or refers to files that are missing or may
+        not be read.
     """
     file = Path(path)
     if not file.exists():
         raise refused(ProblemCode.USD_NO_FILE, file, "no such file")
     if file.is_dir():
         raise refused(ProblemCode.USD_IS_FOLDER, file, "a folder")
+    refuse_irregular(file, limits)
     usd = pxr()
+    files = LayerFiles(usd, file.resolve(), limits)
     # What USD would print while it opens the stage is collected, and dropped: it comes back below as errors.
     quiet = usd.UsdUtils.CoalescingDiagnosticDelegate()
     try:
@@ -119,7 +130,9 @@ def open_stage(path: str | os.PathLike[str]) -> Any:
         if known is not None and not known.dirty:
             known.Reload()
         layer = usd.Sdf.Layer.FindOrOpen(str(file.resolve()))
+        held = files.open_all(layer) if layer else []
         stage = usd.Usd.Stage.Open(layer) if layer else None
+        del held
     except usd.Tf.ErrorException as cause:
         raise refused(ProblemCode.USD_UNREADABLE, file, file.suffix, reason=_reason(cause)) from cause
     finally:
@@ -130,6 +143,7 @@ def open_stage(path: str | os.PathLike[str]) -> Any:
     if errors:
         code = ProblemCode.USD_COMPOSITION
         raise RefusedError([problem(code, file, "composition", reason=_one_line(error)) for error in errors])
+    files.refuse_used(stage)
     return stage
 
 
@@ -172,8 +186,12 @@ def save_layer(layer: Any, path: str | os.PathLike[str]) -> None:
         known.Reload(True)
 
 
-def read_procedure(path: str | os.PathLike[str], notes: list[Problem] | None = None) -> Procedure:
+def read_procedure(
+    path: str | os.PathLike[str], notes: list[Problem] | None = None, limits: ReadLimits = DEFAULT_LIMITS
+) -> Procedure:
     """Read the procedure in a USD file, in mm and Z up whatever the stage's own units and axes.
+
+    A child process reads it, with limits on memory, time and size.
 
     Parameters
     ----------
@@ -181,6 +199,8 @@ def read_procedure(path: str | os.PathLike[str], notes: list[Problem] | None = N
         A .usda, .usdc or .usd file.
     notes
         Gets a note of everything that was converted or left aside.
+    limits
+        What reading may take.
 
     Returns
     -------
@@ -192,34 +212,37 @@ def read_procedure(path: str | os.PathLike[str], notes: list[Problem] | None = N
     RefusedError
         If something kept the file from being read; holds every such problem.
     """
-    stage = open_stage(path)
-    return usd_reader.read(stage, pxr(), notes if notes is not None else [])
+    with ProcedureFile(path, limits) as file:
+        return file.procedure(notes)
 
 
-def read_what_can_be(
-    path: str | os.PathLike[str], notes: list[Problem] | None = None
-) -> tuple[Procedure | None, list[Problem]]:
-    """Read a USD file as far as possible, so that `lappet check` can name every problem at once.
+def read_here(path: str | os.PathLike[str], limits: ReadLimits = DEFAULT_LIMITS) -> StageProcedure:
+    """Read a USD file as far as possible in this process: for files that are trusted, or by a child.
 
     Parameters
     ----------
     path
         A .usda, .usdc or .usd file.
-    notes
-        Gets a note of everything that was converted or left aside.
+    limits
+        What `open_stage` may take.
 
     Returns
     -------
-    tuple[Procedure | None, list[Problem]]
-        The procedure, or None without a tissue, and every problem that kept something from being read.
+    StageProcedure
+        What was read.
 
     Raises
     ------
     RefusedError
-        If the file cannot be opened.
+        If the file cannot be opened, or is damaged.
     """
-    stage = open_stage(path)
-    return usd_reader.read_what_can_be(stage, pxr(), notes if notes is not None else [])
+    notes: list[Problem] = []
+    stage = open_stage(path, limits)
+    try:
+        procedure, problems = usd_reader.read_what_can_be(stage, pxr(), notes)
+    except pxr().Tf.ErrorException as cause:
+        raise refused(ProblemCode.USD_UNREADABLE, path, Path(path).suffix, reason=_reason(cause)) from cause
+    return StageProcedure(procedure, tuple(problems), tuple(notes))
 
 
 def write_procedure(procedure: Procedure, path: str | os.PathLike[str]) -> None:

@@ -265,7 +265,7 @@ std::vector<RetractorState> decode_retractors(ArrayReader& arrays, const FrameLi
 Hello decode_hello(const Header& header, ArrayParts parts) {
   ArrayReader(header, parts).finish();
   FieldReader reader(header.fields, header.type);
-  Hello hello{reader.text("token"), reader.text("client")};
+  Hello hello{reader.has("token") ? reader.text("token") : std::string(), reader.text("client")};
   reader.finish();
   return hello;
 }

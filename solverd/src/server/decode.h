@@ -20,7 +20,7 @@ struct FrameLimits {
 };
 
 struct Hello {
-  std::string token;
+  std::string token;  // empty where it has none: users have keys
   std::string client;
 };
 

@@ -1,10 +1,15 @@
-// lappet-solverd: the daemon. Options, logging and the exit status; everything else is in server.h.
+// lappet-solverd: the daemon. Options, logging and the exit status. Without keys it serves its own user (server.h),
+// with keys several (broker.h).
+#include <fcntl.h>
 #include <spdlog/cfg/env.h>
 #include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <array>
 #include <chrono>
 #include <csignal>
 #include <cstdio>
@@ -14,14 +19,31 @@
 #include <string>
 
 #include "math/instruction_set.h"
+#include "server/broker.h"
+#include "server/child_limits.h"
 #include "server/private_address.h"
 #include "server/server.h"
+#include "server/session_limits.h"
 #include "server/version.h"
 #include "session/process_memory.h"
 #include "session/session.h"
 
 namespace lappet {
 namespace {
+
+constexpr double kGiB = 1024.0 * 1024.0 * 1024.0;
+
+struct Options {
+  ServerOptions server;
+  BrokerOptions broker;
+  double silence = 60.0;
+  double memory_gib = 0.0;
+  std::uint64_t memory_bytes = 0;    // the same for a session's process, to the byte
+  std::uint64_t process_memory = 0;  // not 0: a broker started this process
+  int threads = 0;
+  double seconds = 0.0;
+  bool verbose = false;
+};
 
 class SessionPort final : public SolverPort {
  public:
@@ -39,15 +61,19 @@ class SessionPort final : public SolverPort {
   Session session_;
 };
 
-int serve(ServerOptions options) {
-  choose_instruction_set();  // a wrong LAPPET_ISA is refused before anybody waits
-  Server server(std::move(options), [](const SessionSettings& settings) -> std::unique_ptr<SolverPort> {
-    return std::make_unique<SessionPort>(settings);
-  });
-  std::printf("listening %s\n", server.endpoint().c_str());
+void say_where(const std::string& endpoint) {
+  std::printf("listening %s\n", endpoint.c_str());
   std::fflush(stdout);
+}
+
+int serve(const Options& options) {
+  const SessionLimits limits{options.memory_bytes, options.threads, options.seconds};
+  Server server(options.server, [limits](const SessionSettings& settings) -> std::unique_ptr<SolverPort> {
+    return std::make_unique<SessionPort>(within(settings, limits));
+  });
+  say_where(server.endpoint());
   const std::string reason = server.run();
-  spdlog::warn("The daemon ends: {}.", reason);
+  if (options.process_memory == 0) spdlog::warn("The daemon ends: {}.", reason);
   if (!server.stop_workers(std::chrono::seconds(2))) {
     spdlog::warn("A solve did not end within 2 s of being cancelled; the daemon ends without it.");
     remove_socket(server.endpoint());
@@ -57,34 +83,144 @@ int serve(ServerOptions options) {
   return 0;
 }
 
+std::array<int, 2> signal_pipe = {-1, -1};
+
+void on_signal(int) {
+  const int error = errno;
+  const char byte = 0;
+  static_cast<void>(!::write(signal_pipe[1], &byte, 1));
+  errno = error;
+}
+
+// A descriptor that can be read when somebody wants the program to end.
+int catch_signals() {
+  if (::pipe(signal_pipe.data()) != 0) return -1;
+  for (const int end : signal_pipe) {
+    ::fcntl(end, F_SETFD, FD_CLOEXEC);
+    ::fcntl(end, F_SETFL, O_NONBLOCK);
+  }
+  struct sigaction action{};
+  action.sa_handler = on_signal;
+  for (const int signal : {SIGTERM, SIGINT, SIGHUP}) ::sigaction(signal, &action, nullptr);
+  return signal_pipe[0];
+}
+
+// As many descriptors as the connections can take, and no more connections than there are descriptors for: a third of
+// them for peers that are not known.
+void share_descriptors(GateLimits& gate) {
+  constexpr rlim_t kWanted = 8192, kOwn = 64, kOfConnection = 6;  // and of its session
+  rlimit limit{};
+  if (::getrlimit(RLIMIT_NOFILE, &limit) != 0) return;
+  if (limit.rlim_cur < kWanted) {
+    limit.rlim_cur = std::min(kWanted, limit.rlim_max);
+    ::setrlimit(RLIMIT_NOFILE, &limit);
+  }
+  const rlim_t connections = std::max<rlim_t>(limit.rlim_cur, 2 * kOwn) / kOfConnection - kOwn / kOfConnection;
+  gate.unknown = std::min<rlim_t>(gate.unknown, connections / 3);
+  gate.known = std::min<rlim_t>(gate.known, connections - gate.unknown);
+}
+
+int broke(Options& options) {
+  BrokerOptions& broker = options.broker;
+  broker.address = options.server.address;
+  if (options.memory_gib > 0.0) broker.limits.memory = options.memory_bytes;
+  if (options.threads > 0) broker.limits.threads = options.threads;
+  if (options.seconds > 0.0) broker.limits.seconds = options.seconds;
+  broker.max_message_bytes = options.server.max_message_bytes;
+  broker.silence = options.server.silence;
+  broker.parent = options.server.parent;
+  broker.serves_one = broker.parent != 0;
+  broker.input = STDIN_FILENO;
+  broker.signals = catch_signals();
+  broker.verbose = options.verbose;
+  share_descriptors(broker.gate);
+  Broker daemon(broker);
+  say_where(daemon.endpoint());
+  spdlog::warn("The daemon ends: {}.", daemon.run());
+  return 0;
+}
+
+void add_limits(CLI::App& app, Options& options) {
+  app.add_option("--memory-gib", options.memory_gib, "Most memory of a session (with --keys 8, unless given)")
+      ->check(CLI::Range(0.01, 65536.0));
+  app.add_option("--threads", options.threads, "Most threads of a session (0: all)")->check(CLI::Range(0, 1024));
+  app.add_option("--seconds", options.seconds,
+                 "Most seconds of a frame; with --keys also of an epoch, and 600 unless given")
+      ->check(CLI::Range(0.0, 1e6));
+  // What a broker gives the processes that it starts.
+  app.add_option("--memory-bytes", options.memory_bytes)->group("");
+  app.add_option("--process-memory", options.process_memory)->group("");
+  app.add_option("--first-session", options.server.first_session)->group("");
+}
+
+void add_broker_options(CLI::App& app, BrokerOptions& broker) {
+  const std::string group = "With --keys";
+  app.add_option("--keys", broker.keys, "The folder of the daemon's keys and its users'")->group(group);
+  app.add_option("--max-sessions", broker.max_sessions, "Sessions at a time")
+      ->capture_default_str()
+      ->group(group)
+      ->check(CLI::Range(std::size_t{1}, std::size_t{256}));
+  app.add_option("--sessions", broker.sessions_per_user, "Sessions of one user at a time")
+      ->capture_default_str()
+      ->group(group)
+      ->check(CLI::Range(std::size_t{0}, std::size_t{256}));
+  app.add_option("--max-unread-bytes", broker.max_unread_bytes, "Unread replies of a client, beyond one")
+      ->capture_default_str()
+      ->group(group)
+      ->check(CLI::Range(std::uint64_t{1} << 16, std::uint64_t{1} << 40));
+  app.add_option("--messages-per-second", broker.messages_per_second, "Messages of one user that are read")
+      ->capture_default_str()
+      ->group(group)
+      ->check(CLI::Range(1.0, 1e6));
+  app.add_option("--handshakes-per-second", broker.gate.handshakes_per_second, "Handshakes with one address")
+      ->capture_default_str()
+      ->group(group)
+      ->check(CLI::Range(1.0, 1e6));
+}
+
+void add_options(CLI::App& app, Options& options) {
+  app.add_option("--address,--listen", options.server.address,
+                 "Where to listen: loopback, or ipc://FOLDER/NAME in a folder of mode 0700, removed when empty; with "
+                 "--keys tcp://HOST:PORT")
+      ->capture_default_str();
+  app.add_option("--parent", options.server.parent, "End when the process with this id ends")
+      ->check(CLI::NonNegativeNumber);
+  app.add_option("--silence", options.silence, "End after hearing nothing for so many seconds")
+      ->capture_default_str()
+      ->check(CLI::Range(0.1, 1e6));
+  app.add_option("--max-message-bytes", options.server.max_message_bytes, "Largest message that is read")
+      ->capture_default_str()
+      ->check(CLI::Range(std::uint64_t{1} << 16, std::uint64_t{1} << 40));
+  app.add_option("--max-clients", options.server.max_clients, "Clients served at a time")
+      ->capture_default_str()
+      ->check(CLI::Range(std::size_t{1}, std::size_t{64}));
+  add_limits(app, options);
+  add_broker_options(app, options.broker);
+  app.add_flag("--verbose", options.verbose, "Log every refused message");
+  app.set_version_flag("--version", std::string(kVersion));
+  app.footer(
+      "Without --keys the token that clients must send is read from the environment variable LAPPET_TOKEN, and the\n"
+      "daemon ends when its standard input closes; with --keys only where it has a --parent. Exit status: 0 done, 1\n"
+      "refused to start or failed, 2 usage.");
+}
+
+void start_log(bool verbose) {
+  spdlog::set_default_logger(
+      std::make_shared<spdlog::logger>("lappet-solverd", std::make_shared<spdlog::sinks::stderr_sink_mt>()));
+  spdlog::set_pattern("%n: %l: %v");
+  spdlog::set_level(verbose ? spdlog::level::info : spdlog::level::warn);
+  spdlog::cfg::load_env_levels();  // SPDLOG_LEVEL=debug traces every Newton iteration
+  spdlog::flush_on(spdlog::level::info);
+}
+
 }  // namespace
 }  // namespace lappet
 
 int main(int argc, char** argv) {
   lappet::return_large_blocks();
-  CLI::App app("Solves the tissue mechanics of Lappet procedures for clients on this machine (PROTOCOL.md).",
-               "lappet-solverd");
-  lappet::ServerOptions options;
-  double silence = 60.0;
-  bool verbose = false;
-  app.add_option("--address", options.address,
-                 "Where to listen: loopback, or ipc://FOLDER/NAME in a folder of mode 0700, removed when empty")
-      ->capture_default_str();
-  app.add_option("--parent", options.parent, "End when the process with this id ends")->check(CLI::NonNegativeNumber);
-  app.add_option("--silence", silence, "End after hearing nothing for so many seconds")
-      ->capture_default_str()
-      ->check(CLI::Range(0.1, 1e6));
-  app.add_option("--max-message-bytes", options.max_message_bytes, "Largest message that is read")
-      ->capture_default_str()
-      ->check(CLI::Range(std::uint64_t{1} << 16, std::uint64_t{1} << 40));
-  app.add_option("--max-clients", options.max_clients, "Clients served at a time")
-      ->capture_default_str()
-      ->check(CLI::Range(std::size_t{1}, std::size_t{64}));
-  app.add_flag("--verbose", verbose, "Log every refused message");
-  app.set_version_flag("--version", std::string(lappet::kVersion));
-  app.footer(
-      "The token that clients must send is read from the environment variable LAPPET_TOKEN. The daemon ends when\n"
-      "its standard input closes. Exit status: 0 done, 1 refused to start or failed, 2 usage.");
+  CLI::App app("Solves the tissue mechanics of Lappet procedures for clients (PROTOCOL.md).", "lappet-solverd");
+  lappet::Options options;
+  lappet::add_options(app, options);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -92,19 +228,17 @@ int main(int argc, char** argv) {
   }
 
   std::signal(SIGPIPE, SIG_IGN);  // a client that ends with our log pipe is seen on standard input
-  spdlog::set_default_logger(
-      std::make_shared<spdlog::logger>("lappet-solverd", std::make_shared<spdlog::sinks::stderr_sink_mt>()));
-  spdlog::set_pattern("%n: %l: %v");
-  spdlog::set_level(verbose ? spdlog::level::info : spdlog::level::warn);
-  spdlog::cfg::load_env_levels();  // SPDLOG_LEVEL=debug traces every Newton iteration
-  spdlog::flush_on(spdlog::level::info);
-
+  lappet::start_log(options.verbose);
   try {
-    if (const char* token = std::getenv("LAPPET_TOKEN")) options.token = token;
+    lappet::ServerOptions& server = options.server;
+    if (const char* token = std::getenv("LAPPET_TOKEN")) server.token = token;
     ::unsetenv("LAPPET_TOKEN");
-    options.input = STDIN_FILENO;
-    options.silence = std::chrono::milliseconds(static_cast<std::int64_t>(silence * 1000.0));
-    return lappet::serve(std::move(options));
+    server.input = STDIN_FILENO;
+    server.silence = std::chrono::milliseconds(static_cast<std::int64_t>(options.silence * 1000.0));
+    if (options.memory_gib > 0.0) options.memory_bytes = static_cast<std::uint64_t>(options.memory_gib * lappet::kGiB);
+    if (options.process_memory != 0) lappet::become_child_of(server.parent, options.process_memory);
+    lappet::choose_instruction_set();  // a wrong LAPPET_ISA is refused before anybody waits
+    return options.broker.keys.empty() ? lappet::serve(options) : lappet::broke(options);
   } catch (const std::exception& error) {
     spdlog::critical("{}", error.what());
   }

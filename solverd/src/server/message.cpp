@@ -359,29 +359,33 @@ void MessageWriter::add_array(std::string name, ElementType type, std::span<cons
   parts_.emplace_back(bytes.begin(), bytes.end());
 }
 
-std::vector<PartBytes> MessageWriter::finish() {
+PartBytes encode_header(const Header& header) {
   msgpack::sbuffer buffer;
   msgpack::packer<msgpack::sbuffer> packer(buffer);
-  packer.pack_map(static_cast<std::uint32_t>(4 + (header_.session ? 1 : 0) + header_.fields.size()));
+  packer.pack_map(static_cast<std::uint32_t>(4 + (header.session ? 1 : 0) + header.fields.size()));
   packer.pack("v").pack(kProtocolVersion);
-  packer.pack("type").pack(header_.type);
-  packer.pack("id").pack(header_.id);
-  if (header_.session) packer.pack("session").pack(*header_.session);
-  packer.pack("arrays").pack_array(static_cast<std::uint32_t>(header_.arrays.size()));
-  for (const ArrayDescription& array : header_.arrays) {
+  packer.pack("type").pack(header.type);
+  packer.pack("id").pack(header.id);
+  if (header.session) packer.pack("session").pack(*header.session);
+  packer.pack("arrays").pack_array(static_cast<std::uint32_t>(header.arrays.size()));
+  for (const ArrayDescription& array : header.arrays) {
     packer.pack_map(3);
     packer.pack("name").pack(array.name);
     packer.pack("dtype").pack(std::string(element_name(array.type)));
     packer.pack("shape").pack(array.shape);
   }
-  for (const auto& [name, value] : header_.fields) {
+  for (const auto& [name, value] : header.fields) {
     packer.pack(name);
     pack(packer, buffer, value);
   }
+  const auto bytes = std::as_bytes(std::span(buffer.data(), buffer.size()));
+  return {bytes.begin(), bytes.end()};
+}
+
+std::vector<PartBytes> MessageWriter::finish() {
   std::vector<PartBytes> parts;
   parts.reserve(1 + parts_.size());
-  const auto header = std::as_bytes(std::span(buffer.data(), buffer.size()));
-  parts.emplace_back(header.begin(), header.end());
+  parts.push_back(encode_header(header_));
   std::ranges::move(parts_, std::back_inserter(parts));
   return parts;
 }

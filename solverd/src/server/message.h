@@ -105,6 +105,9 @@ void check_coordinates(std::span<const double> elements, std::string_view array)
 
 using PartBytes = std::vector<std::byte>;
 
+// A header's part, as `decode_header` reads it.
+PartBytes encode_header(const Header& header);
+
 // Builds a message: header fields and arrays in any order, then `finish` for its parts, the header first.
 class MessageWriter {
  public:

@@ -13,6 +13,7 @@
 #include "server/decode.h"
 #include "server/encode.h"
 #include "server/private_address.h"
+#include "server/roles.h"
 
 namespace lappet {
 namespace {
@@ -23,7 +24,6 @@ constexpr std::chrono::milliseconds kLinger{500};
 // A connection that has not greeted as ZeroMQ does by then, or no longer answers, is closed.
 constexpr std::chrono::milliseconds kHandshake{2000}, kHeartbeat{10000};
 constexpr std::uint64_t kBytesBeforeHello = kMaxHeaderBytes;
-constexpr std::array<std::string_view, 5> kWork = {"open", "epoch", "state", "solve", "close"};
 
 std::span<const std::byte> bytes_of(const zmq::message_t& part) {
   return {static_cast<const std::byte*>(part.data()), part.size()};
@@ -46,6 +46,7 @@ Server::Server(ServerOptions options, SolverFactory factory)
       router_(context_, zmq::socket_type::router),
       replies_(context_, zmq::socket_type::pull),
       replies_endpoint_("inproc://replies"),
+      next_session_(options_.first_session),
       heard_(Clock::now()) {
   require_private(options_.address);
   if (options_.token.empty()) {
@@ -154,7 +155,7 @@ void Server::handle(Incoming message) {
 }
 
 void Server::dispatch(const std::string& identity, Header header, std::vector<zmq::message_t> arrays) {
-  const bool work = std::ranges::find(kWork, header.type) != kWork.end();
+  const bool work = rule_of(header.type).work;
   if (header.type == "hello") {
     std::vector<std::span<const std::byte>> parts;
     for (const zmq::message_t& array : arrays) parts.push_back(bytes_of(array));
@@ -162,9 +163,6 @@ void Server::dispatch(const std::string& identity, Header header, std::vector<zm
     send(identity, encode_welcome({header.id, 0}, static_cast<int>(std::thread::hardware_concurrency()),
                                   options_.max_message_bytes));
     return;
-  }
-  if (!work && header.type != "ping" && header.type != "cancel" && header.type != "shutdown" && header.type != "bye") {
-    throw RefusedError(ErrorCode::kMalformed, "The message type " + in_quotes(header.type) + " is not known.");
   }
   const auto found = clients_.find(identity);
   if (found == clients_.end()) {
@@ -191,8 +189,10 @@ void Server::dispatch(const std::string& identity, Header header, std::vector<zm
   } else if (header.type == "bye") {
     retire(std::move(client));
     clients_.erase(found);
-  } else {
+  } else if (header.type == "shutdown") {
     end_reason_ = in_quotes(client.name) + " shut it down";
+  } else {
+    throw RefusedError(ErrorCode::kOutOfOrder, "'" + header.type + "' needs a daemon that knows its users (--keys).");
   }
   send(identity, encode_accepted({header.id, 0}));
 }

@@ -22,6 +22,7 @@ struct ServerOptions {
   std::string token;                          // what `hello` must bring; not empty
   std::uint64_t max_message_bytes = kDefaultMaxMessageBytes;
   std::size_t max_clients = 8;
+  std::uint64_t first_session = 1;            // the number of the first session
   std::chrono::milliseconds silence{60'000};  // a client, and the daemon, ends after hearing nothing for so long
   int input = -1;                             // a file descriptor whose end of file ends the daemon, or -1
   int parent = 0;                             // a process whose end ends the daemon, or 0
@@ -74,7 +75,7 @@ class Server {
   std::string endpoint_;
   std::map<std::string, Client> clients_;
   std::vector<std::unique_ptr<Worker>> retired_;  // ending; joined when they have finished
-  std::uint64_t next_session_ = 1;
+  std::uint64_t next_session_;
   Clock::time_point heard_;
   std::string end_reason_;  // not empty: the loop ends
 };

@@ -1,4 +1,4 @@
-"""The Python that runs the worker: this process's own, or the one that comes with the program that embeds it."""
+"""The Python that runs child processes: this process's own, or the one that comes with the program that embeds it."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from lappet.core.problem_code import ProblemCode
 
 
 def find_python() -> Path:
-    """Find the Python interpreter that runs the worker.
+    """Find the Python interpreter that runs child processes.
 
     Returns
     -------
@@ -37,8 +37,8 @@ def find_python() -> Path:
     raise refused(ProblemCode.BACKGROUND_NO_PYTHON, sys.prefix, version, prefix=sys.prefix)
 
 
-def worker_environment(environment: Mapping[str, str], path: Sequence[str], solverd: Path | None) -> dict[str, str]:
-    """Make the variables of the worker's process: none that change Python but the search path.
+def child_environment(environment: Mapping[str, str], path: Sequence[str], solverd: Path | None) -> dict[str, str]:
+    """Make the variables of a child process: none that change Python but the search path.
 
     Parameters
     ----------

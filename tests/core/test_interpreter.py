@@ -1,4 +1,4 @@
-"""The worker's Python: this process's own, or the one beside the program that embeds it, with clean variables."""
+"""The Python of child processes: this one's own, or the one beside the program that embeds it, with clean variables."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 import lappet
-from lappet.background.interpreter import find_python, worker_environment
+from lappet.core.interpreter import child_environment, find_python
 from lappet.core.problem import RefusedError
 
 VERSION = f"python{sys.version_info.major}.{sys.version_info.minor}"
@@ -50,7 +50,7 @@ def test_where_there_is_no_interpreter_the_refusal_says_where_it_looked(
 
 def test_no_variable_of_the_owner_changes_the_workers_python() -> None:
     mine = {"PYTHONHOME": "/elsewhere", "PYTHONPATH": "/elsewhere", "PYTHONSTARTUP": "x.py", "HOME": "/home/me"}
-    got = worker_environment(mine, ["/wheels", "/wheels"], Path("/opt/solverd"))
+    got = child_environment(mine, ["/wheels", "/wheels"], Path("/opt/solverd"))
     assert got == {
         "HOME": "/home/me",
         "PYTHONPATH": os.pathsep.join(["/wheels", str(Path(lappet.__file__).parent.parent)]),

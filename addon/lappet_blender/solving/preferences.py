@@ -1,0 +1,44 @@
+"""The preferences of the extension: which daemon solves."""
+
+from __future__ import annotations
+
+import bpy
+from bpy.props import StringProperty
+
+from ..interface.sentence_lines import draw_sentence
+from ..interface.sidebar_panel import with_fields
+from .chosen_daemon import ADDON, said
+
+
+class LappetPreferences(bpy.types.AddonPreferences):
+    """Which daemon solves"""
+
+    bl_idname = ADDON
+
+    daemon: StringProperty(
+        name="Daemon",
+        description="Address of a daemon that runs already, like tcp://solver.example.org:5570; empty to start one on "
+        "this computer",
+    )
+    server_key: StringProperty(
+        name="Server's Key",
+        description="Public key of that daemon, or the file server.pub that holds it",
+        subtype="FILE_PATH",
+    )
+    key: StringProperty(
+        name="Your Key",
+        description="File of your own key for that daemon, which lappet keys new writes",
+        subtype="FILE_PATH",
+    )
+
+    def draw(self, context: bpy.types.Context) -> None:
+        layout = with_fields(self.layout)
+        layout.prop(self, "daemon", placeholder="none: one is started here")
+        column = layout.column()
+        column.enabled = bool(self.daemon.strip())
+        column.prop(self, "server_key")
+        column.prop(self, "key")
+        draw_sentence(layout, context, said(), "INFO")
+
+
+CLASSES = (LappetPreferences,)
