@@ -1,9 +1,9 @@
 """The corpus of messages: what a client may say, once each, and what was found to harm a daemon.
 
 `python tests/message_corpus.py` writes `tests/corpus/*.messages`, which `solverd_fuzz` and `test_message_corpus` play.
-A file holds what one client sends, in order, as `solverd/fuzz/conversation.h` says. Its name is
-that of its function here, whose docstring says what it is for. Findings of campaigns are files `found_*.messages` beside them,
-with a line each in `tests/corpus/README.md`.
+A file holds what one client sends, in order, as `solverd/fuzz/conversation.h` says. Its name is that of its function
+here, whose docstring says what it is for. Findings of campaigns are files `found_*.messages` beside them, with a line
+each in `tests/corpus/README.md`.
 """
 
 from __future__ import annotations
@@ -398,7 +398,17 @@ def odd_headers() -> list[RawMessage]:
     deep: Any = 1
     for _ in range(12):
         deep = [deep]
-    shapes = ([2**63], [2**40, 2**40], [2**32, 2**32], [-1], [1.5], [1] * 5, [2**64 - 1, 2**64 - 1], "n", [0, 2**41])
+    shapes: tuple[Any, ...] = (
+        [2**63],
+        [2**40, 2**40],
+        [2**32, 2**32],
+        [-1],
+        [1.5],
+        [1] * 5,
+        [2**64 - 1, 2**64 - 1],
+        "n",
+        [0, 2**41],
+    )
     shaped = [
         [
             msgpack.packb(
