@@ -338,7 +338,11 @@ def odd_surfaces() -> list[RawMessage]:
     surface = box()
     flat, inside_out = surface.points * [1.0, 1.0, 0.0], surface.triangles[:, ::-1].copy()
     crossing = np.vstack([surface.points, surface.points + np.array([1.3, 0.7, 0.4])])
-    labels = {"fixed": np.zeros(24, np.uint8), "support": np.zeros(24, np.uint8), "grip": np.full(24, -1, np.int32)}
+    labels: dict[str, NDArray[Any]] = {
+        "fixed": np.zeros(24, np.uint8),
+        "support": np.zeros(24, np.uint8),
+        "grip": np.full(24, -1, np.int32),
+    }
     empty = {"points": np.zeros((0, 3)), "triangles": np.zeros((0, 3), np.int32)}
     none = {name: array[:0] for name, array in labels.items()}
     changes: list[dict[str, Any]] = [
