@@ -24,7 +24,7 @@ build() {
     cmake --build --preset "$preset" --parallel "$jobs" --target "$@"
 }
 play() {
-    build/sanitize/solverd/solverd_fuzz tests/corpus --messages "$messages" --seed "${SEED:-1}" --jobs "$jobs" \
+    build/sanitize/solverd/solverd_fuzz tests/daemon/corpus --messages "$messages" --seed "${SEED:-1}" --jobs "$jobs" \
         --findings build/findings
 }
 

@@ -1,9 +1,9 @@
 """The corpus of messages: what a client may say, once each, and what was found to harm a daemon.
 
-`python tests/message_corpus.py` writes `tests/corpus/*.messages`, which `solverd_fuzz` and `test_message_corpus` play.
+`python tests/message_corpus.py` writes `tests/daemon/corpus/*.messages`, which `solverd_fuzz` and `test_message_corpus` play.
 A file holds what one client sends, in order, as `solverd/fuzz/conversation.h` says. Its name is that of its function
 here, whose docstring says what it is for. Findings of campaigns are files `found_*.messages` beside them, with a line
-each in `tests/corpus/README.md`.
+each in `tests/daemon/corpus/README.md`.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from box_scene import box, epoch_arrays, open_fields, pull
 from lappet.program.payloads import solve_payload
 
-FOLDER = Path(__file__).parent / "corpus"
+FOLDER = Path(__file__).parent / "daemon" / "corpus"
 NODES = 75  # of the box of 4 x 4 x 2 cells
 
 RawMessage = list[bytes]  # header, arrays

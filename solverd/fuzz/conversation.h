@@ -1,5 +1,5 @@
-// The messages that one client sends, in order, as they lie in a file of tests/corpus: the number of messages; of each
-// the number of its parts; of each the number of its bytes and these. Numbers have 4 bytes, little-endian.
+// The messages that one client sends, in order, as they lie in a file of tests/daemon/corpus: the number of messages;
+// of each the number of its parts; of each the number of its bytes and these. Numbers have 4 bytes, little-endian.
 #pragma once
 #include <cstddef>
 #include <filesystem>
