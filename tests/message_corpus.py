@@ -1,6 +1,7 @@
 """The corpus of messages: what a client may say, once each, and what was found to harm a daemon.
 
-`python tests/message_corpus.py` writes `tests/daemon/corpus/*.messages`, which `solverd_fuzz` and `test_message_corpus` play.
+`python tests/message_corpus.py` writes `tests/daemon/corpus/*.messages`; `solverd_fuzz` and
+`test_message_corpus` play them.
 A file holds what one client sends, in order, as `solverd/fuzz/conversation.h` says. Its name is that of its function
 here, whose docstring says what it is for. Findings of campaigns are files `found_*.messages` beside them, with a line
 each in `tests/daemon/corpus/README.md`.
