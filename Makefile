@@ -3,7 +3,7 @@ SHELL := /bin/bash
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: help setup daemon demo extension test test-gui lint format docs site bench clean
+.PHONY: help setup daemon demo extension test test-gui sanitize fuzz lint format docs site bench clean
 
 PYTHON := .venv/bin/python
 JOBS ?= $(shell nproc)
@@ -34,6 +34,12 @@ test:  ## run every test: the daemon's (ctest), then Python's (pytest)
 
 test-gui: setup  ## drive a real Blender window (makes a Debian sid with one first: root, 1.5 GB)
 	@$(PYTHON) tests/gui/run.py
+
+sanitize:  ## run the daemon's tests, 100 000 mutated messages and several clients under sanitizers
+	@bash packaging/sanitize.sh
+
+fuzz:  ## play MESSAGES (1 000 000) mutated messages of a SEED (1) under sanitizers; what fails goes to build/findings
+	@bash packaging/sanitize.sh --messages $(or $(MESSAGES),1000000)
 
 lint:  ## check style, types, import directions, docstrings, documents and known vulnerabilities
 	@bash packaging/lint.sh

@@ -113,7 +113,7 @@ def test_a_hole_in_the_store_is_filled_and_what_follows_is_looked_up(program: Pr
         store.path(whole.frames[i].key).unlink()
     solver = FakeSolver()
     again = run(program, store, solver)
-    assert solver.times() == [2, 6]
+    assert solver.times() == [1, 2, 6]  # 2 asks for the same as 1, so it has the numbers of that one
     assert solver.opened == 1
     assert same_points(whole, again)
 

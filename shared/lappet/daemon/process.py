@@ -26,6 +26,7 @@ from lappet.daemon.frame_solver import SolverDiedError
 from lappet.daemon.key_files import new_pair
 from lappet.daemon.keys_folder import KeysFolder, Quotas, Role, User
 from lappet.daemon.running_daemon import ClientKeys
+from lappet.daemon.stale_sockets import PREFIX, SOCKET, remove_stale_folders
 
 BINARY = "lappet-solverd"
 _LONGEST_ADDRESS = 100  # bytes; a socket's path has 104 to 108 at most
@@ -187,11 +188,12 @@ class SolverDaemon:
         """Options for a place where nobody else comes in; none where the caller names one with `--address`."""
         if "--address" in self._arguments:
             return []
+        remove_stale_folders()
         sockets, own = self._listen is None and os.name == "posix", ""
         for place in (None, "/tmp") if sockets else (None,):  # TMPDIR may have too long a name for a socket
             self._remove_folder()
-            own = self._folder = tempfile.mkdtemp(prefix="lappet-", dir=place)  # mode 0700
-            address = f"ipc://{own}/socket"
+            own = self._folder = tempfile.mkdtemp(prefix=PREFIX, dir=place)  # mode 0700
+            address = f"ipc://{own}/{SOCKET}"
             if sockets and len(os.fsencode(address)) < _LONGEST_ADDRESS:
                 return ["--address", address]
         folder, pair = KeysFolder(Path(own) / "keys"), new_pair()

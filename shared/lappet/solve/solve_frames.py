@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from dataclasses import dataclass, replace
 
+from lappet.core.digest import digest
 from lappet.core.problem import Problem, ProblemsError, RefusedError, problem
 from lappet.core.problem_code import ProblemCode
 from lappet.daemon.frame_solver import Connect, FrameSolver, Iteration, SolverDiedError
@@ -258,6 +259,7 @@ class _Session:
         self._at: int | None = None  # the frame whose state the solver holds
         self._epoch: int | None = None  # the epoch that the solver holds
         self._last: tuple[int, SolvedFrame] | None = None
+        self._before_hold: tuple[int, SolvedFrame] | None = None  # what came before the frames that ask for the same
 
     def __enter__(self) -> _Session:
         return self
@@ -267,7 +269,14 @@ class _Session:
 
     def remember(self, index: int, frame: SolvedFrame) -> None:
         """Keep the last frame: the state to go on from."""
+        if not self._holds(index):
+            self._before_hold = self._last
         self._last = (index, frame)
+
+    def _holds(self, index: int) -> bool:
+        """Whether a frame asks for the same as the one before: the solver then gives it that one's numbers."""
+        frames = self.program.frames
+        return index > 0 and digest(replace(frames[index], time=0.0)) == digest(replace(frames[index - 1], time=0.0))
 
     def solve(self, index: int, watch: SolveObserver) -> SolvedFrame:
         """Solve a frame whose predecessor has been remembered."""
@@ -292,18 +301,42 @@ class _Session:
 
     def _prepare(self, index: int) -> FrameSolver:
         """A solver that holds the state of the frame before `index` in the epoch of `index`."""
-        if self._solver is None:
-            self._solver = self._connect(self.program.settings, self.program.bones)
         previous = index - 1 if index > 0 else None
         if previous is not None and self._at != previous:
             if self._last is None or self._last[0] != previous:
                 raise AssertionError(f"frame {index} is wanted before frame {previous}")
-            self._set_epoch(self._solver, self.program.frames[previous].epoch)
-            state = self._last[1].state
-            assert state is not None
-            self._solver.set_state(state.fitted(self.program.settings.sutures))
-        self._set_epoch(self._solver, self.program.frames[index].epoch)
+            if self._holds(index):
+                self._solve_hold_until(index)
+            else:
+                self._go_back(self._connected(), self._last)
+        solver = self._connected()
+        self._set_epoch(solver, self.program.frames[index].epoch)
+        return solver
+
+    def _connected(self) -> FrameSolver:
+        if self._solver is None:
+            self._solver = self._connect(self.program.settings, self.program.bones)
         return self._solver
+
+    def _solve_hold_until(self, index: int) -> None:
+        """Solve again, from what came before, the frames that ask for the same as this one.
+
+        A state does not hold the numbers that the solver gives to the next frame that asks for the same.
+        """
+        if self._before_hold is None:
+            self._abandon()  # what came before is a new session
+        else:
+            self._go_back(self._connected(), self._before_hold)
+        for held in self.program.frames[0 if self._before_hold is None else self._before_hold[0] + 1 : index]:
+            self._set_epoch(self._connected(), held.epoch)
+            self._connected().solve(held, lambda iteration: None)
+
+    def _go_back(self, solver: FrameSolver, to: tuple[int, SolvedFrame]) -> None:
+        """Give the solver the state after a frame."""
+        self._set_epoch(solver, self.program.frames[to[0]].epoch)
+        state = to[1].state
+        assert state is not None
+        solver.set_state(state.fitted(self.program.settings.sutures))
 
     def _set_epoch(self, solver: FrameSolver, epoch: int) -> None:
         if self._epoch == epoch:

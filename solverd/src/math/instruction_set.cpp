@@ -24,7 +24,8 @@ std::string_view name(InstructionSet set) {
 
 std::vector<InstructionSet> available_instruction_sets() {
   std::vector<InstructionSet> sets{InstructionSet::kScalar};
-#if defined(__x86_64__)
+#if defined(LAPPET_SCALAR_KERNELS)  // sanitizers (solverd/cmake/Sanitize.cmake)
+#elif defined(__x86_64__)
   __builtin_cpu_init();
   if (__builtin_cpu_supports("sse4.2")) sets.push_back(InstructionSet::kSse42);
   if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) sets.push_back(InstructionSet::kAvx2);

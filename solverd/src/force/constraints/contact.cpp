@@ -21,6 +21,9 @@ constexpr double kMaxDepthOnTheWay = 2.0;
 // A step ends where less of it than this is left, or less than half of what there was at its start.
 constexpr double kPushesBack = 0.5;
 constexpr int kBisections = 8;
+// A step that takes a proxy farther than so many spacings of the bones' grid is cut there: violent loads ask for 1e30
+// mm.
+constexpr int kMaxStrides = 4096;
 
 // A proxy on its way, told by the distances along it.
 class WayIntoBone {
@@ -195,7 +198,11 @@ double Contact::largest_step(std::span<const Real> u, std::span<const Real> step
       if (most * length <= std::min(start.value, stride)) continue;
       WayIntoBone way(start, deepest);
       double clear = 0.0;
-      while (clear < most) {
+      for (int strides = 0; clear < most; ++strides) {
+        if (strides == kMaxStrides) {
+          most = clear;
+          break;
+        }
         double part = std::min(most, clear + stride / length);
         if (way.goes_on(bones_->at(from + part * move))) {
           clear = part;

@@ -11,7 +11,8 @@ ElasticKernels<Real> elastic_kernels(InstructionSet set, const SceneFeatures& fe
     case InstructionSet::kScalar:
       fill_elastic_kernels_scalar(features, kernels);
       return kernels;
-#if defined(__x86_64__)
+#if defined(LAPPET_SCALAR_KERNELS)  // sanitizers (solverd/cmake/Sanitize.cmake)
+#elif defined(__x86_64__)
     case InstructionSet::kSse42:
       fill_elastic_kernels_sse42(features, kernels);
       return kernels;

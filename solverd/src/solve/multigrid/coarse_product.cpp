@@ -11,7 +11,8 @@ CoarseProduct<Real> coarse_product(InstructionSet set) {
     case InstructionSet::kScalar:
       fill_coarse_product_scalar(product);
       return product;
-#if defined(__x86_64__)
+#if defined(LAPPET_SCALAR_KERNELS)  // sanitizers (solverd/cmake/Sanitize.cmake)
+#elif defined(__x86_64__)
     case InstructionSet::kSse42:
       fill_coarse_product_sse42(product);
       return product;

@@ -1,0 +1,228 @@
+// solverd_fuzz: plays the corpus, then mutated messages, in child processes, so that one that ends is seen, kept as a
+// file and followed by the next block.
+#include <spdlog/spdlog.h>
+#include <sys/mman.h>
+#include <sys/time.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <cstdint>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "campaign.h"
+#include "replay.h"
+
+// Of the address sanitizer, where there is one: what is too large to allocate throws, as it does without.
+extern "C" const char* __asan_default_options() { return "allocator_may_return_null=1"; }
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);
+
+namespace lappet {
+namespace {
+
+// Processor time of one message; a child that takes longer is ended by the timer.
+constexpr int kMaxSeconds = 30;
+constexpr std::size_t kMaxRecord = std::size_t{16} << 20;
+constexpr std::size_t kMaxFindings = 20;
+
+// What a child plays, in memory that outlives it.
+struct Record {
+  std::uint64_t block = 0;
+  std::uint64_t blocks_done = 0;
+  std::uint32_t messages = 0;
+  std::uint64_t used = 0;
+  std::byte bytes[kMaxRecord];
+
+  void begin(std::uint64_t number) {
+    block = number;
+    messages = 0;
+    used = 0;
+  }
+  void add(const RawMessage& message) {
+    const std::vector<std::byte> written = write_conversation({message});
+    const std::span<const std::byte> body = std::span(written).subspan(sizeof messages);
+    if (used + body.size() > kMaxRecord) return;
+    std::memcpy(bytes + used, body.data(), body.size());
+    used += body.size();
+    ++messages;
+  }
+  std::vector<std::byte> file() const {
+    std::vector<std::byte> result(sizeof messages + used);
+    std::memcpy(result.data(), &messages, sizeof messages);
+    std::memcpy(result.data() + sizeof messages, bytes, used);
+    return result;
+  }
+};
+
+void start_timer() {
+  const itimerval limit{{0, 0}, {kMaxSeconds, 0}};
+  ::setitimer(ITIMER_PROF, &limit, nullptr);
+}
+
+// Runs body in a child process; its id.
+template <class Body>
+pid_t in_child(const Body& body) {
+  std::fflush(nullptr);
+  const pid_t child = ::fork();
+  if (child != 0) return child;
+  try {
+    body();
+    std::fflush(nullptr);
+    std::_Exit(0);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+  }
+  std::_Exit(1);
+}
+
+bool ends_well(pid_t child) {
+  int status = 0;
+  while (::waitpid(child, &status, 0) < 0) {
+  }
+  if (WIFSIGNALED(status)) std::fprintf(stderr, "ended by the signal %s\n", ::strsignal(WTERMSIG(status)));
+  return WIFEXITED(status) && WEXITSTATUS(status) == 0;
+}
+
+bool plays_well(const Conversation& conversation) {
+  return ends_well(in_child([&] {
+    start_timer();
+    const std::vector<std::byte> bytes = write_conversation(conversation);
+    LLVMFuzzerTestOneInput(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size());
+  }));
+}
+
+// Leaves out messages for as long as what is left still fails.
+Conversation smaller(Conversation failing) {
+  for (std::size_t i = failing.size(); i-- > 0;) {
+    Conversation without = failing;
+    without.erase(without.begin() + static_cast<std::ptrdiff_t>(i));
+    if (!plays_well(without)) failing = std::move(without);
+  }
+  return failing;
+}
+
+class Campaign {
+ public:
+  Campaign(std::vector<NamedConversation> corpus, std::uint64_t seed, std::uint64_t blocks, std::size_t jobs,
+           std::filesystem::path findings)
+      : corpus_(std::move(corpus)), seed_(seed), blocks_(blocks), jobs_(jobs), findings_(std::move(findings)) {}
+
+  // How many findings there were.
+  std::size_t run() {
+    for (std::size_t k = 0; k < jobs_; ++k) {
+      void* memory =
+          ::mmap(nullptr, sizeof(Record), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+      if (memory == MAP_FAILED) throw std::runtime_error("no memory for the records");
+      records_.push_back(new (memory) Record);
+      children_.push_back(start(k, k));
+    }
+    std::size_t running = jobs_;
+    while (running > 0) {
+      int status = 0;
+      const pid_t ended = ::wait(&status);
+      const auto child = std::ranges::find(children_, ended);
+      if (child == children_.end()) continue;
+      --running;
+      if (WIFEXITED(status) && WEXITSTATUS(status) == 0) continue;
+      const auto k = static_cast<std::size_t>(child - children_.begin());
+      keep(*records_[k], status);
+      if (found_ >= kMaxFindings) continue;
+      *child = start(k, records_[k]->block + jobs_);
+      ++running;
+    }
+    return found_;
+  }
+  std::uint64_t messages() const {
+    std::uint64_t blocks = 0;
+    for (const Record* record : records_) blocks += record->blocks_done;
+    return blocks * kBlock;
+  }
+
+ private:
+  pid_t start(std::size_t k, std::uint64_t first) {
+    return in_child([&] {
+      Record& record = *records_[k];
+      for (std::uint64_t block = first; block < blocks_; block += jobs_) {
+        record.begin(block);
+        play_block(corpus_, seed_, block, [&](const RawMessage& message) {
+          record.add(message);
+          start_timer();
+        });
+        ++record.blocks_done;
+      }
+    });
+  }
+  void keep(const Record& record, int status) {
+    std::filesystem::create_directories(findings_);
+    const auto file = findings_ / ("found-" + std::to_string(seed_) + "-" + std::to_string(record.block) + ".messages");
+    save(file, record.file());
+    ++found_;
+    std::fprintf(stderr, "block %llu ended (%s %d); its messages are in %s\n",
+                 static_cast<unsigned long long>(record.block), WIFSIGNALED(status) ? "signal" : "status",
+                 WIFSIGNALED(status) ? WTERMSIG(status) : WEXITSTATUS(status), file.c_str());
+  }
+
+  std::vector<NamedConversation> corpus_;
+  std::uint64_t seed_, blocks_;
+  std::size_t jobs_;
+  std::filesystem::path findings_;
+  std::vector<Record*> records_;
+  std::vector<pid_t> children_;
+  std::size_t found_ = 0;
+};
+
+int play_files(const std::vector<NamedConversation>& corpus) {
+  int failed = 0;
+  for (const NamedConversation& conversation : corpus) {
+    if (plays_well(conversation.messages)) continue;
+    std::printf("%s: failed\n", conversation.name.c_str());
+    ++failed;
+  }
+  std::printf("%zu conversations of the corpus, %d failed\n", corpus.size(), failed);
+  return failed;
+}
+
+}  // namespace
+}  // namespace lappet
+
+int main(int argc, char** argv) {
+  CLI::App app("Plays recorded and mutated messages against the daemon's decoding and sessions.", "solverd_fuzz");
+  std::string place, findings = "findings", reduced;
+  std::uint64_t messages = 0, seed = 1;
+  std::size_t jobs = 1;
+  app.add_option("corpus", place, "A .messages file, or a folder of such")->required();
+  app.add_option("--messages", messages, "Mutated messages to play after the corpus")->capture_default_str();
+  app.add_option("--seed", seed, "What they depend on")->capture_default_str();
+  app.add_option("--jobs", jobs, "Processes")->capture_default_str()->check(CLI::Range(1, 256));
+  app.add_option("--findings", findings, "Where messages that fail are written")->capture_default_str();
+  app.add_option("--reduce", reduced, "Write the smallest part of the file that still fails here");
+  CLI11_PARSE(app, argc, argv);
+  spdlog::set_level(spdlog::level::critical);
+  try {
+    const auto begin = std::chrono::steady_clock::now();
+    const auto corpus = lappet::load_corpus(place);
+    if (!reduced.empty()) {
+      lappet::save(reduced, lappet::write_conversation(lappet::smaller(corpus.front().messages)));
+      return 0;
+    }
+    if (lappet::play_files(corpus) > 0) return 1;
+    lappet::Campaign campaign(corpus, seed, (messages + lappet::kBlock - 1) / lappet::kBlock, jobs, findings);
+    const std::size_t found = messages == 0 ? 0 : campaign.run();
+    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    std::printf("%llu mutated messages with the seed %llu in %.0f s: %zu findings\n",
+                static_cast<unsigned long long>(campaign.messages()), static_cast<unsigned long long>(seed), seconds,
+                found);
+    return found > 0 ? 1 : 0;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "solverd_fuzz: %s\n", error.what());
+    return 2;
+  }
+}
