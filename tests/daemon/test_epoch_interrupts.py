@@ -80,3 +80,9 @@ def test_an_epoch_ends_after_ten_time_budgets_and_the_next_is_taken(peer: Raw) -
     assert "longer than 0.3 s" in reply.fields["message"]
     assert time.monotonic() - start < 0.3 + 5.0 * MOMENT
     assert peer.ask("epoch", {"index": 0}, told((4.0, 4.0, 2.0))).type == "lattice"
+
+
+@pytest.mark.parametrize("seconds", [1e10, 1e308])
+def test_a_budget_that_no_clock_counts_ends_no_epoch(peer: Raw, seconds: float) -> None:
+    assert peer.ask("open", open_fields(time_budget=seconds)).type == "opened"
+    assert peer.ask("epoch", {"index": 0}, epoch_arrays()).type == "lattice"

@@ -6,6 +6,10 @@ namespace lappet {
 namespace {
 
 constexpr int kHandshake = 2000, kHeartbeat = 10000;  // ms
+// A closed socket of ZeroMQ's keeps what it has not sent until the connection has ended, which the gate does at once.
+// At 0 it may throw away the rest of a message of which it has sent a part, and then aborts the process
+// (session_base.cpp, clean_pipes).
+constexpr int kLinger = 30000;  // ms
 
 std::uint64_t bytes_of(const BrokerPeer::Parts& parts) {
   std::uint64_t bytes = 0;
@@ -18,7 +22,7 @@ std::uint64_t bytes_of(const BrokerPeer::Parts& parts) {
 BrokerPeer::BrokerPeer(zmq::context_t& context, const std::string& path, const std::string& secret_key,
                        const std::string& domain, std::uint64_t max_message_bytes)
     : socket_(context, zmq::socket_type::dealer) {
-  socket_.set(zmq::sockopt::linger, 0);
+  socket_.set(zmq::sockopt::linger, kLinger);
   socket_.set(zmq::sockopt::rcvhwm,
               2);  // ZeroMQ 4.3.4 delivers nothing at 1; what waits is counted in bytes by the gate
   socket_.set(zmq::sockopt::sndhwm, 1);

@@ -27,6 +27,7 @@ namespace lappet {
 namespace {
 
 constexpr int kReconnect = 5;  // ms, until its socket is there
+constexpr int kLinger = 1000;  // ms
 
 [[noreturn]] void fail(const std::string& what) {
   throw RefusedError(ErrorCode::kInternal,
@@ -117,7 +118,7 @@ SolverProcess::SolverProcess(zmq::context_t& context, const SolverProcessOptions
     : folder_(options.folder), socket_(context, zmq::socket_type::dealer) {
   if (::mkdir(folder_.c_str(), S_IRWXU) != 0) fail("its folder");
   const std::string token = random_token();
-  socket_.set(zmq::sockopt::linger, 0);
+  socket_.set(zmq::sockopt::linger, kLinger);  // not 0, as in broker_peer.cpp
   socket_.set(zmq::sockopt::reconnect_ivl, kReconnect);
   socket_.set(zmq::sockopt::maxmsgsize, std::int64_t{-1});  // it is our own
   start(options, token);

@@ -2,6 +2,7 @@
 
 #include <tbb/task_arena.h>
 
+#include <algorithm>
 #include <chrono>
 #include <optional>
 
@@ -29,6 +30,8 @@ namespace {
 
 // An epoch may take so many times the time budget of a frame: it is paid for once.
 constexpr double kFramesOfEpoch = 10.0;
+// A clock counts no more nanoseconds than some 9e9 s; a budget beyond this is none that anybody waits for.
+constexpr double kLongest = 1e9;  // s
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -57,7 +60,8 @@ class TypedSession : public Session::Implementation {
         state_(initial_state<Real>(settings)) {}
 
   EpochReport set_epoch(const EpochInput& epoch, const std::atomic<bool>& cancel) override {
-    return arena_.execute([&] { return replace_epoch(epoch, {cancel, kFramesOfEpoch * settings_.time_budget}); });
+    return arena_.execute(
+        [&] { return replace_epoch(epoch, {cancel, std::min(kFramesOfEpoch * settings_.time_budget, kLongest)}); });
   }
 
   void set_state(const SolverState& state) override {
