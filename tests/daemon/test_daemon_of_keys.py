@@ -66,6 +66,14 @@ def test_where_no_socket_is_possible_keys_take_its_place(binary: Path, monkeypat
         assert client.ping() < 1.0
 
 
+def test_where_a_daemon_knows_no_keys_it_asks_for_the_token(binary: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("lappet.daemon.process._HAS_BROKER", False)
+    with SolverDaemon(binary) as daemon, SolverClient(daemon=daemon) as client:
+        assert daemon.address.startswith("tcp://127.0.0.1:")
+        assert daemon.keys is None
+        assert client.ping() < 1.0
+
+
 @pytest.mark.skipif(os.name != "posix", reason="sockets lie in no folder here")
 def test_a_folder_of_the_user_s_with_a_long_name_is_no_hindrance(
     binary: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch

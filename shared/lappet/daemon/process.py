@@ -31,6 +31,7 @@ from lappet.daemon.stale_sockets import PREFIX, SOCKET, remove_stale_folders
 BINARY = "lappet-solverd"
 _LONGEST_ADDRESS = 100  # bytes; a socket's path has 104 to 108 at most
 _STDERR_LINES = 40
+_HAS_BROKER = os.name == "posix"  # a daemon with keys has one
 _UNBOUNDED = Quotas(memory_gib=65536.0, sessions=64, seconds=1e6)  # the settings of its client count, as without keys
 
 
@@ -186,10 +187,10 @@ class SolverDaemon:
 
     def _private_address(self) -> list[str]:
         """Options for a place where nobody else comes in; none where the caller names one with `--address`."""
-        if "--address" in self._arguments:
-            return []
+        if "--address" in self._arguments or (self._listen is None and not _HAS_BROKER):
+            return []  # it listens on this computer and asks for the token
         remove_stale_folders()
-        sockets, own = self._listen is None and os.name == "posix", ""
+        sockets, own = self._listen is None, ""
         for place in (None, "/tmp") if sockets else (None,):  # TMPDIR may have too long a name for a socket
             self._remove_folder()
             own = self._folder = tempfile.mkdtemp(prefix=PREFIX, dir=place)  # mode 0700
