@@ -61,6 +61,12 @@ def test_the_problems_of_a_reader_come_back_as_values() -> None:
     assert (code, value) == (ProblemCode.INTERNAL, 'KeyError: "a key of Lappet\'s own"')
 
 
+def test_what_its_parent_holds_is_not_what_a_reader_takes() -> None:
+    held = b"\1" * (600 << 20)  # more than the reader may
+    assert ending("refuse")[0] == ProblemCode.FILE_NO_TRIANGLES
+    assert held
+
+
 @POSIX
 @pytest.mark.parametrize(
     ("reader", "option", "code"),
