@@ -6,9 +6,9 @@
 
 namespace lappet {
 
-// Of every coordinate that a session is given, mm: ten thousand times the length from which a tissue is called
-// suspiciously large, while squares, cubes and their products are still numbers.
-inline constexpr double kMaxCoordinate = 1e7;
+// Of every coordinate that a session is given, mm: a hundred kilometers, far beyond any tissue, while squares, cubes
+// and their products are still numbers.
+inline constexpr double kMaxCoordinate = 1e8;
 
 using Box3 = Eigen::AlignedBox3d;
 
