@@ -15,7 +15,7 @@ from raw_peer import Raw
 
 pytestmark = [pytest.mark.slow, pytest.mark.timeout(120)]
 
-FAR = (2e7, -1e20, 1e155, -1e300)
+FAR = (2e8, -1e20, 1e155, -1e300)
 CLOSING = 0.5
 
 
