@@ -100,8 +100,8 @@ class SolverDaemon:
     """A daemon of our own: a context manager that starts it and ends it.
 
     It listens on a socket in a folder of mode 0700. Where no folder has a name short enough for a socket it listens on
-    TCP, with a fresh pair of keys for itself and one for its client; on Windows on TCP, with its token alone. Once it is
-    started, `address`, `token` and `keys` are what a client needs.
+    TCP, with a fresh pair of keys for itself and one for its client; on Windows on TCP, with its token alone. Once it
+    is started, `address`, `token` and `keys` are what a client needs.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Where the folders of daemons' sockets are made; those whose daemon was killed with its client a later start removes."""
+"""The folders of daemons' sockets: where they are made; what a daemon killed with its client left is removed later."""
 
 from __future__ import annotations
 
