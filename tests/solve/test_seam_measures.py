@@ -236,7 +236,6 @@ def test_the_tension_of_a_seam_is_what_all_its_closures_pull_over_its_length() -
     assert found.tension_n_per_mm == pytest.approx((0.060 + 2 * 0.060) / found.scar_length_mm)
     none = [replace(each, resolved=False) for each in pulls]
     assert measures(procedure, forces=none)["top"].tension_n_per_mm is None
-    assert measures(procedure, forces=[replace(each, time=7.0) for each in pulls])["top"].force_mn == 0.0
 
 
 def cone(height: float, wide: float, x: float) -> Callable[[Points], Points]:
