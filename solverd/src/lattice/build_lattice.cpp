@@ -9,6 +9,7 @@
 #include "lattice/memory_estimate.h"
 #include "lattice/nonmanifold.h"
 #include "lattice/refused.h"
+#include "lattice/tissue_samples.h"
 #include "lattice/voxelize.h"
 
 namespace lappet {
@@ -52,6 +53,7 @@ Lattice build_lattice(const Surface& surface, const LatticeSettings& settings, c
   build_cells(*fine, links, fragments, lattice, interrupt);
   check_volume(surface, settings, lattice.fine_voxels);
   lattice.fine = std::move(fine);
+  measure_fill(lattice, interrupt);
   lattice.surface_points = embed_surface(lattice, surface, interrupt);
   return lattice;
 }

@@ -37,7 +37,9 @@ class FineVoxels;  // the rasterization behind a lattice, see voxelize.h
 struct Lattice {
   LatticeSettings settings;
   std::vector<std::array<Index, 8>> cell_nodes;
-  std::vector<float> cell_fill;  // volume fraction, in [fill_floor, 1]
+  // Volume fraction, at least fill_floor; 1 where the tissue fills the cell. More where the surface lies beyond its last
+  // voxels, at most by half a voxel, where no other cell begins.
+  std::vector<float> cell_fill;
   RestPositions node_rest;       // mm
 
   std::int64_t fine_voxels = 0;     // inside voxels
