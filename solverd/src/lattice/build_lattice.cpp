@@ -36,6 +36,12 @@ std::vector<GridPoint> Lattice::cell_positions() const {
   return positions;
 }
 
+double Lattice::volume() const {
+  double cells = 0.0;
+  for (const float fill : cell_fill) cells += double(fill);
+  return cells * std::pow(settings.spacing, 3);
+}
+
 std::size_t Lattice::bytes() const {
   return cells() * (sizeof(cell_nodes[0]) + sizeof(cell_fill[0])) + node_rest.size() * sizeof(GridPoint) +
          surface_points.size() * sizeof(EmbeddedPoint) + (fine ? fine->bytes() : 0);

@@ -37,10 +37,10 @@ class FineVoxels;  // the rasterization behind a lattice, see voxelize.h
 struct Lattice {
   LatticeSettings settings;
   std::vector<std::array<Index, 8>> cell_nodes;
-  // Volume fraction, at least fill_floor; 1 where the tissue fills the cell. More where the surface lies beyond its last
-  // voxels, at most by half a voxel, where no other cell begins.
+  // Volume fraction, at least fill_floor; 1 where the tissue fills the cell. More where the surface lies beyond its
+  // last voxels, by half a voxel at most, and no other cell begins there.
   std::vector<float> cell_fill;
-  RestPositions node_rest;       // mm
+  RestPositions node_rest;  // mm
 
   std::int64_t fine_voxels = 0;     // inside voxels
   std::int64_t dropped_voxels = 0;  // specks at sharp tips that the voxels do not hold together; the tissue around
@@ -56,6 +56,7 @@ struct Lattice {
   // The grid point of a cell's corner 0.
   const GridPoint& cell_position(std::size_t cell) const { return node_rest.grid_point(cell_nodes[cell][0]); }
   std::vector<GridPoint> cell_positions() const;
+  double volume() const;  // mm^3 of tissue in the cells
   std::size_t bytes() const;
 };
 

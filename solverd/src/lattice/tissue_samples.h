@@ -6,8 +6,8 @@
 
 namespace lappet {
 
-// The tissue of an eighth of a cell, as a box, in coordinates of the cell from -1 to 1. That of the last voxel below the
-// surface may reach out of the cell by half a voxel, where the lattice has no other cell for it.
+// The tissue of an eighth of a cell, as a box, in coordinates of the cell from -1 to 1. That of the last voxel below
+// the surface may reach out of the cell by half a voxel, where the lattice has no other cell for it.
 struct TissueSample {
   double volume = 0.0;                               // of the cell's
   Vec3 center = Vec3::Zero(), edges = Vec3::Ones();  // a whole eighth has edges of 1

@@ -18,8 +18,8 @@
 namespace lappet {
 
 // How far the tissue of an inside voxel reaches beyond a face of it: to where the surface crosses the line to the next
-// center, which is exact where the surface is parallel to the face. Where it is not, the lines of two or three axes tell
-// of the same surface, and each counts with the square of the cosine between the axis and the surface's normal.
+// center, which is exact where the surface is parallel to the face. Where it is not, the lines of two or three axes
+// tell of the same surface, and each counts with the square of the cosine between the axis and the surface's normal.
 struct VoxelReach {
   std::uint32_t face;  // 6 * voxel in its cell + 2 * axis + 1 for the upper one
   float beyond;        // voxels, -1/2 to 1/2
@@ -73,8 +73,8 @@ class FineVoxels {
     return copy < 0 ? -1 : lattice_cell_[copy];
   }
 
-  // --- the faces of a coarse cell's inside voxels that the surface lies beyond or short of, in order; at a face that is
-  // not listed it lies on it, or there is none
+  // --- the faces of a coarse cell's inside voxels that the surface lies beyond or short of, in order; at others it
+  // lies on the face, or there is none
   std::span<const VoxelReach> reaches(Index cell) const {
     const Index block = block_[cell];
     if (block < 0 || reach_.empty()) return {};
@@ -116,7 +116,7 @@ class FineVoxels {
   std::vector<Index> lattice_cell_;                // per copy
   std::vector<std::int64_t> reach_first_;          // per block, and one past the last
   std::vector<VoxelReach> reach_;
-  std::vector<std::int64_t> inner_first_;          // per triangle
+  std::vector<std::int64_t> inner_first_;  // per triangle
   std::vector<PackedVoxel> inner_;
   std::vector<std::array<Index, 3>> neighbors_;
   std::vector<Index> component_;
