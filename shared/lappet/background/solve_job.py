@@ -37,6 +37,7 @@ from lappet.solve.error_estimate import ErrorEstimate, estimate_errors
 from lappet.solve.fallbacks import fallbacks
 from lappet.solve.measure_errors import errors_of_measures
 from lappet.solve.measures import Gauges
+from lappet.solve.overlaps import overlap_notes
 from lappet.solve.sensitive import several_notes, stability_notes
 from lappet.solve.solve_frames import FrameResult, Frames, SolveObserver, solve_program
 from lappet.solve.suture_forces import suture_warnings
@@ -168,7 +169,8 @@ class SolveJobs:
         gauges, solved = Gauges(procedure, program), [frame.solved for frame in frames]
         measures = [gauges.measure(each) for each in solved]
         rows = [row for each in measures for row in each.sutures]
-        notes = fallbacks(program, frames) + stability_notes(frames) + suture_warnings(procedure, rows)
+        notes = fallbacks(program, frames) + stability_notes(frames) + overlap_notes(program, frames)
+        notes += suture_warnings(procedure, rows)
         wanted = job.ask.settings.correction
         if wanted:
             connect, identity = stoppable(self.connect, job), self.compilation.identity
