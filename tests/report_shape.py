@@ -63,8 +63,8 @@ REPORT: dict[str, Any] = {
         {
             "index": int, "start_time": NUMBER, "fragments": int, "surface_points": int, "triangles": int,
             "lattice": {
-                **COUNTS, "fragments": int, "fixed_nodes": int, "dropped_voxels": int, "bytes": NUMBER,
-                "seconds": NUMBER,
+                **COUNTS, "fragments": int, "fixed_nodes": int, "dropped_voxels": int, "volume": NUMBER,
+                "bytes": NUMBER, "seconds": NUMBER,
             },
             "lattice_volume_ratio": NUMBER,
         }

@@ -95,6 +95,7 @@ class FakeSession:
             fragments=epoch.fragments,
             fixed_nodes=0,
             dropped_voxels=0,
+            volume=volume,
             bytes=1000.0,
             seconds=0.01,
         )

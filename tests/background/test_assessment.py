@@ -32,6 +32,24 @@ def test_errors_are_estimated_where_that_is_wanted_and_told_again_from_the_store
         assert known.assessment == told.assessment
 
 
+def test_what_hooks_and_sutures_pull_with_is_told_frame_by_frame_with_its_error(tmp_path: Path, binary: Path) -> None:
+    with owner(tmp_path) as own:
+        job = own.solver.solve(small_procedure(), ESTIMATED)
+        own.finished(job)
+        (told,) = own.of(Assessed, job)
+        plain = own.solver.solve(small_procedure(), SETTINGS)
+        own.finished(plain)
+        (bare,) = own.of(Assessed, plain)
+    acting = [{each.event for each in pulls} for pulls in told.assessment.pulls]
+    assert acting == [set(), set(), set(), {"hook"}, *([{"hook", "stitch"}] * 2), *([{"stitch"}] * 2)]
+    pulls = told.assessment.pulls[5]
+    assert all(each.error_mn is not None and 0.0 < each.error_mn <= each.force_mn for each in pulls)
+    assert [[(each.event, each.force_mn) for each in own] for own in bare.assessment.pulls] == [
+        [(each.event, each.force_mn) for each in own] for own in told.assessment.pulls
+    ]
+    assert {each.error_mn for own in bare.assessment.pulls for each in own} == {None}
+
+
 def test_a_pull_that_the_lattice_does_not_resolve_is_a_warning_with_its_place(tmp_path: Path, binary: Path) -> None:
     pull = Hook("hook", (0.0, 2.0, TOP), ((4.0, (0.0, 2.0, TOP)), (5.0, (0.0, 2.0, 24.0))), 4.0, 7.0)
     events = (*(event for event in small_procedure().events if not isinstance(event, Hook)), pull)

@@ -104,7 +104,7 @@ def test_plans_and_events_come_back_with_every_bit() -> None:
         hook_index=np.array([2], np.int32),
         hook_points=np.full((1, 3), np.nan),
         diagnostics=Diagnostics(converged=False, reason="why", newton=3, residual=1e-300),
-        lattice=LatticeCounts(64, 1, 1, 0, 8, 1, 1, 0, 3, 1000.0, 0.1),
+        lattice=LatticeCounts(64, 1, 1, 0, 8, 1, 1, 0, 3, 1.0, 1000.0, 0.1),
     )
     for value in (
         Listed(1, a_manifest(), (True, False)),

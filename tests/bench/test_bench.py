@@ -28,7 +28,7 @@ WORK = PassCounts(
 )
 
 
-LATTICE = LatticeCounts(6400, 100, 90, 10, 150, 1, 20, 0, 0, 1000.0, 0.1)
+LATTICE = LatticeCounts(6400, 100, 90, 10, 150, 1, 20, 0, 0, 100.0, 1000.0, 0.1)
 
 
 def solved(lattice: LatticeCounts = LATTICE, **changes: Any) -> SolvedFrame:
@@ -54,7 +54,7 @@ def row(frames: list[SolvedFrame]) -> SceneMeasure:
 
 
 def test_a_row_sums_work_and_takes_the_worst_of_the_frames() -> None:
-    cut = LatticeCounts(6300, 120, 80, 40, 190, 2, 26, 0, 0, 1000.0, 0.1)
+    cut = LatticeCounts(6300, 120, 80, 40, 190, 2, 26, 0, 0, 98.0, 1000.0, 0.1)
     found = row(
         [
             solved(),

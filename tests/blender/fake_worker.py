@@ -187,7 +187,7 @@ def solved(manifest: Manifest, index: int, events: int) -> SolvedFrame:
     """The frame that the fake solver finds."""
     rest = manifest.epochs[manifest.frames[index].epoch].rest
     said = Diagnostics(converged=True, newton=2, seconds=StageSeconds(total=0.6))
-    lattice = LatticeCounts(64_000, 1000, 1000, 0, 1331, 1, 125, 0, 0, 1e6, 0.1)
+    lattice = LatticeCounts(64_000, 1000, 1000, 0, 1331, 1, 125, 0, 0, 1000.0, 1e6, 0.1)
     points = rest + np.float32((0.0, 0.0, index + events))
     return SolvedFrame(float(manifest.frames[index].time), points, diagnostics=said, lattice=lattice)
 

@@ -10,12 +10,13 @@ import bpy
 import pytest
 
 from fake_worker import Script
-from lappet.background.assessment import Assessment, assessment_key
+from lappet.background.assessment import Assessment, Pull, assessment_key
 from lappet.core.problem import Place, Problem, RefusedError, problem
 from lappet.core.problem_code import ProblemCode
 from lappet.procedure.prim_paths import TIMELINE
 from lappet.solve.error_estimate import FrameErrorEstimate
-from lappet_blender.model.event_list import find_event
+from lappet_blender.events.timeline_panel import draw_fields
+from lappet_blender.model.event_list import add_event, find_event
 from lappet_blender.model.units import to_mm
 from lappet_blender.solving import controller, frames, reconcile, speed_estimate
 from lappet_blender.solving.solve_panel import LAPPET_PT_solve, LAPPET_PT_solve_settings
@@ -225,3 +226,29 @@ def test_a_suture_that_may_cut_through_is_shown_and_its_event_is_found(patch: bp
     assert operators.count("lappet.problem_show") == 1
     bpy.ops.lappet.problem_show(index=0)
     assert tuple(to_mm(patch, patch.cursor.location)) == pytest.approx((1.0, 2.0, 3.0))
+
+
+def test_a_suture_and_a_hook_say_what_they_pull_with_in_the_frame_that_is_shown(
+    patch: bpy.types.Scene, script: Script
+) -> None:
+    ends = Pull("suture_1", 351.0, None, resolved=False), Pull("suture_1", 238.6, 41.3)
+    script.assessment = Assessment(pulls=((), (), (), (), (ends[0], Pull("hook_1", 12.34, None)), (ends[1],)))
+    add_event(patch, "SUTURE", start=5, duration=1, points=[(2, -1, 2.0), (2, 1, 2.0)])
+    run_timer(QUIET)
+    bpy.ops.lappet.solve()
+    run_timer(QUIET)
+
+    def said(name: str, time: int) -> list[str]:
+        patch.frame_set(time)
+        drawn: list[tuple[str, str]] = []
+        draw_fields(Layout(drawn), patch, find_event(patch, name))
+        return [text for kind, text in drawn if kind == "label"]
+
+    assert said("suture_1", 4) == []
+    assert said("suture_1", 5) == ["The lattice does not part its ends: no force"]
+    assert said("suture_1", 6) == ["Pulls with 240 ± 40 mN in this frame"]
+    assert said("hook_1", 5) == ["Pulls with 12.3 mN in this frame"]
+    assert said("hook_1", 6) == []
+    find_event(patch, "hook_1").stiffness = 10.0
+    run_timer(QUIET)
+    assert said("suture_1", 6) == [], "it was of the frames before the change"

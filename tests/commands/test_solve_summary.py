@@ -6,7 +6,8 @@ from dataclasses import replace
 
 import pytest
 
-from lappet.commands.run_solve import force_lines, seam_lines, with_error
+from lappet.commands.run_solve import force_lines, seam_lines
+from lappet.core.value_with_error import with_error
 from lappet.solve.force_sums import ForceSums
 from lappet.solve.hook_forces import HookForce
 from lappet.solve.measures import FrameMeasures

@@ -228,7 +228,7 @@ def test_coarse_frames_that_are_doubted_are_looked_into_with_their_states(
 
 def test_holding_lowers_the_order_that_is_reckoned_with_and_wounds_layers_and_bone_more() -> None:
     smooth = BLOCK.program(4.0)
-    whole = LatticeCounts(64 * smooth.settings.fine_ratio**3, 64, 64, 0, 125, 1, 8, 0, 0, 1000.0, 0.1)
+    whole = LatticeCounts(64 * smooth.settings.fine_ratio**3, 64, 64, 0, 125, 1, 8, 0, 0, 64.0, 1000.0, 0.1)
     assert expected_order(SHELF.program(4.0), whole) == 2.0
     assert expected_order(SHELF.program(4.0), replace(whole, fine_voxels=4000)) == 1.5
     assert expected_order(smooth, whole) == expected_order(smooth) == 1.5

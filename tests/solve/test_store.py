@@ -31,7 +31,7 @@ def frame(seed: int = 0, size: int = 100) -> SolvedFrame:
         rng.random((size, 3)).astype(np.float32),
         suture_index=np.arange(3, dtype=np.int32),
         suture_gaps=np.array([1.0, np.nan, -0.0]),
-        lattice=LatticeCounts(64, 1, 1, 0, 8, 1, 1, 0, 0, 1000.0, 0.1),
+        lattice=LatticeCounts(64, 1, 1, 0, 8, 1, 1, 0, 0, 1.0, 1000.0, 0.1),
         state=SolverState("float", np.zeros((8, 3), np.float32), *(np.zeros((0, 3)),) * 2, *(np.zeros(0),) * 2),
     )
 

@@ -7,11 +7,13 @@ from typing import Any
 
 import bpy
 
+from lappet.core.value_with_error import with_error
+
 from ..interface.sidebar_panel import SidebarPanel, with_fields
 from ..model.event_kinds import CUT_KINDS, HOLD_KINDS, KINDS
 from ..model.event_list import event_end, event_time, sorted_events
 from ..model.event_target import is_there
-from ..solving.frames import frame_state
+from ..solving.frames import frame_state, pull_of
 
 ICONS = {kind[0]: kind[3] for kind in KINDS}
 STATES = {"solved": "CHECKMARK", "stale": "FILE_REFRESH", "failed": "ERROR", "missing": "BLANK1"}
@@ -162,6 +164,19 @@ def draw_fields(layout: Any, scene: bpy.types.Scene, event: Any) -> None:
     if event.kind in CUT_KINDS and event.kind != "EXCISION":
         fields.prop(event, "basis")
         fields.label(text=f"{len(event.points)} point{'s' * (len(event.points) != 1)}")
+    if event.kind in ("HOOK", "SUTURE"):
+        _draw_pull(layout, scene, event)
+
+
+def _draw_pull(layout: Any, scene: bpy.types.Scene, event: Any) -> None:
+    """What a hook or a suture pulls with in the frame that is shown, with its estimated error."""
+    pull = pull_of(scene, scene.frame_current, event.name)
+    if pull is None:
+        return
+    if pull.resolved:
+        layout.label(text=f"Pulls with {with_error(pull.force_mn, pull.error_mn)} mN in this frame")
+    else:
+        layout.label(text="The lattice does not part its ends: no force", icon="ERROR")
 
 
 CLASSES = (LAPPET_UL_events, LAPPET_MT_event_add, LAPPET_PT_timeline)

@@ -7,6 +7,7 @@ from collections.abc import Callable
 
 import bpy
 
+from lappet.background.assessment import Assessment, Pull
 from lappet.background.manifest import Manifest
 from lappet.core.problem import Problem
 from lappet.solve.error_estimate import FrameErrorEstimate
@@ -76,12 +77,26 @@ def notes_of(scene: bpy.types.Scene) -> tuple[Problem, ...]:
 
 def error_of(scene: bpy.types.Scene, time: float) -> FrameErrorEstimate | None:
     """The estimated error of the frame at a time; None where it was not estimated."""
+    assessment, index = _assessed(scene, time)
+    errors = () if assessment is None else assessment.errors
+    return errors[index] if index < len(errors) else None
+
+
+def pull_of(scene: bpy.types.Scene, time: float, event: str) -> Pull | None:
+    """What a suture or hook pulls with in the frame at a time; None where it does not, or where that is not known."""
+    assessment, index = _assessed(scene, time)
+    pulls = () if assessment is None else assessment.pulls
+    own = pulls[index] if index < len(pulls) else ()
+    return next((each for each in own if each.event == event), None)
+
+
+def _assessed(scene: bpy.types.Scene, time: float) -> tuple[Assessment | None, int]:
+    """What is known of the frames, and the place among them of the one at a time; None where it is not listed."""
     controller = controller_of(scene)
     assessment, manifest = manifests.assessments.get(controller.key), controller.manifest
     if assessment is None or manifest is None or frame_at(manifest, time) is None:
-        return None
-    index = math.floor(time + 1e-6) - manifest.frames[0].time
-    return assessment.errors[index] if index < len(assessment.errors) else None
+        return None, 0
+    return assessment, math.floor(time + 1e-6) - manifest.frames[0].time
 
 
 def _told(controller: Controller) -> tuple[Problem, ...]:

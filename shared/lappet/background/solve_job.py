@@ -9,7 +9,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from lappet.background.assessment import Assessment, assessment_key
+from lappet.background.assessment import Assessment, assessment_key, pulls_of
 from lappet.background.compilation import Compilation, up_to
 from lappet.background.job import CancelledError, Job
 from lappet.background.kept_frames import KeptFrames
@@ -35,10 +35,12 @@ from lappet.program.program import Bones, FrameConstraints, Landmarks, Program
 from lappet.program.settings import SolverSettings
 from lappet.solve.error_estimate import ErrorEstimate, estimate_errors
 from lappet.solve.fallbacks import fallbacks
+from lappet.solve.measure_errors import errors_of_measures
+from lappet.solve.measures import Gauges
 from lappet.solve.overlaps import overlap_notes
 from lappet.solve.sensitive import several_notes, stability_notes
 from lappet.solve.solve_frames import FrameResult, Frames, SolveObserver, solve_program
-from lappet.solve.suture_forces import suture_forces, suture_warnings
+from lappet.solve.suture_forces import suture_warnings
 from lappet.solve.untrusted import untrusted
 
 Tell = Callable[[WorkerEvent], None]
@@ -164,7 +166,9 @@ class SolveJobs:
             Its frames, at least one.
         """
         procedure, errors = job.ask.procedure, ErrorEstimate((), 0.0, 0.0, 0.0)
-        rows = [row for frame in frames for row in suture_forces(procedure, program, frame.solved)]
+        gauges, solved = Gauges(procedure, program), [frame.solved for frame in frames]
+        measures = [gauges.measure(each) for each in solved]
+        rows = [row for each in measures for row in each.sutures]
         notes = fallbacks(program, frames) + stability_notes(frames) + overlap_notes(program, frames)
         notes += suture_warnings(procedure, rows)
         wanted = job.ask.settings.correction
@@ -173,7 +177,8 @@ class SolveJobs:
             errors = estimate_errors(program, frames, self.store, connect, identity, _Stopping(job))
             job.step()
             notes += untrusted(program, frames, errors) + several_notes(frames, errors.frames)
-        found = Assessment(tuple(notes), errors.frames)
+            measures = errors_of_measures(program, gauges, solved, measures, errors)
+        found = Assessment(tuple(notes), errors.frames, tuple(pulls_of(each) for each in measures))
         self.store.put(assessment_key([frame.key for frame in frames], wanted, procedure), found)
         self.tell(Assessed(job.number, found))
 

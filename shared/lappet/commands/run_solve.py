@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import contextlib
-import math
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
+
+from lappet.core.value_with_error import with_error
 
 MOST_ALIKE = 3  # warnings of a kind that the summary gives in full
 
@@ -279,29 +280,6 @@ def seam_lines(seams: Sequence[SeamMeasure]) -> list[str]:
     errors = (_times(row.tension_error_n_per_mm, row.scar_length_mm / scar) for row in drawn)
     mean = with_error(pull, _sum(errors))
     return [", ".join(parts) + f" at most, closing tension {mean} N/mm in the mean, in the last frame."]
-
-
-def with_error(value: float, error: float | None) -> str:
-    """Write a value as exactly as its error allows: the error with one digit, or two where the first is a 1.
-
-    Parameters
-    ----------
-    value
-        The value.
-    error
-        Its estimated error, or None.
-
-    Returns
-    -------
-    str
-        Value and error; the value alone with three digits where there is no error.
-    """
-    if error is None or not error > 0.0:
-        return f"{value:.3g}"
-    first = math.floor(math.log10(float(f"{error:.1e}")))
-    digits = first - 1 if float(f"{error:.1e}") / 10.0**first < 1.95 else first
-    shown = max(0, -digits)
-    return f"{round(value, -digits):.{shown}f} ± {round(error, -digits):.{shown}f}"
 
 
 def _sum(errors: Iterable[float | None]) -> float | None:

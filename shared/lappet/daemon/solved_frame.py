@@ -39,6 +39,8 @@ class LatticeCounts:
         Nodes that do not move.
     dropped_voxels
         Voxels at sharp tips that nothing holds; they are not among the fine voxels.
+    volume
+        Volume of the tissue in the cells in mm³.
     bytes
         Memory of the session in bytes.
     seconds
@@ -54,6 +56,7 @@ class LatticeCounts:
     blocks: int
     fixed_nodes: int
     dropped_voxels: int
+    volume: float
     bytes: float
     seconds: float
 

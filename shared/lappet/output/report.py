@@ -303,7 +303,7 @@ def _error(program: Program, frame: FrameResult, error: FrameErrorEstimate | Non
 def _volume_ratio(result: SolveResult, epoch: Epoch) -> float | None:
     own = (frame.solved.lattice for frame in result.frames if frame.constraints.epoch == epoch.index)
     counts = next(own, None)
-    return None if counts is None else volume_ratio(epoch, counts, result.program.settings)
+    return None if counts is None else volume_ratio(epoch, counts)
 
 
 def _note(note: Problem) -> dict[str, Any]:

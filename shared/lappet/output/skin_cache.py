@@ -19,6 +19,7 @@ from lappet.cutting.epoch import Epoch
 from lappet.daemon.solved_frame import SCALARS, SolvedFrame
 from lappet.geometry.labeled_surface import FaceOrigin
 from lappet.geometry.shading_normals import ShadingNormals
+from lappet.output.boundary_forces import write_boundary_forces
 from lappet.output.force_errors import write_force_errors
 from lappet.output.seam_curves import write_seams
 from lappet.procedure import Hook, Landmark, Procedure, Suture
@@ -90,6 +91,7 @@ def _add_measures(
 ) -> None:
     write_seams(stage, frames, [state for each in measures for state in each.seams])
     write_force_errors(stage, program, frames, measures)
+    write_boundary_forces(stage, program, frames)
 
 
 def _author(layer: Any, procedure: Procedure, program: Program, frames: Sequence[SolvedFrame], last_key: str) -> None:

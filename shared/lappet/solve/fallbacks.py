@@ -48,13 +48,13 @@ def fallbacks(program: Program, frames: Sequence[FrameResult]) -> list[Problem]:
     found = _from_rest(frames)
     lattices = {frame.constraints.epoch: frame.solved.lattice for frame in frames}
     known = [(epoch, own) for epoch in program.epochs if (own := lattices.get(epoch.index)) is not None]
-    found += [*_dropped(known, program.settings), *_volume_off(known, program.settings)]
+    found += [*_dropped(known, program.settings), *_volume_off(known)]
     if frames and program.settings.region == "auto":
         found += _neighborhood(program)
     return found
 
 
-def volume_ratio(epoch: Epoch, lattice: LatticeCounts, settings: SolverSettings) -> float:
+def volume_ratio(epoch: Epoch, lattice: LatticeCounts) -> float:
     """Compare the volume of a lattice with that of its tissue.
 
     Parameters
@@ -63,16 +63,14 @@ def volume_ratio(epoch: Epoch, lattice: LatticeCounts, settings: SolverSettings)
         The epoch with the surface of the tissue.
     lattice
         Counts of its lattice.
-    settings
-        Settings with the spacing.
 
     Returns
     -------
     float
-        Volume of the voxels over that inside the surface; NaN where that is 0.
+        Volume of the tissue in the cells over that inside the surface; NaN where that is 0.
     """
     tissue = signed_volume(epoch.surface.points, epoch.surface.triangles)
-    return _volume(lattice.fine_voxels, settings) / tissue if tissue > 0.0 else float("nan")
+    return lattice.volume / tissue if tissue > 0.0 else float("nan")
 
 
 def _from_rest(frames: Sequence[FrameResult]) -> list[Problem]:
@@ -96,13 +94,13 @@ def _dropped(known: Sequence[tuple[Epoch, LatticeCounts]], settings: SolverSetti
     return [problem(ProblemCode.LATTICE_DROPPED, TISSUE, f"{dropped:.3g}", time=epoch.start_time, percent=percent)]
 
 
-def _volume_off(known: Sequence[tuple[Epoch, LatticeCounts]], settings: SolverSettings) -> list[Problem]:
+def _volume_off(known: Sequence[tuple[Epoch, LatticeCounts]]) -> list[Problem]:
     """The epoch whose lattice differs most."""
-    off = [(abs(volume_ratio(*each, settings) - 1.0), *each) for each in known]
+    off = [(abs(volume_ratio(*each) - 1.0), *each) for each in known]
     most, epoch, lattice = max(off, key=lambda each: each[0], default=(0.0, None, None))
     if epoch is None or lattice is None or not most > MOST_OFF:
         return []
-    held, tissue = _volume(lattice.fine_voxels, settings), signed_volume(epoch.surface.points, epoch.surface.triangles)
+    held, tissue = lattice.volume, signed_volume(epoch.surface.points, epoch.surface.triangles)
     time, percent, code = epoch.start_time, f"{100.0 * held / tissue:.1f}", ProblemCode.LATTICE_VOLUME
     return [problem(code, TISSUE, percent, time=time, lattice=held, tissue=tissue, most=MOST_OFF)]
 

@@ -9,6 +9,7 @@
 #include "lattice/memory_estimate.h"
 #include "lattice/nonmanifold.h"
 #include "lattice/refused.h"
+#include "lattice/tissue_samples.h"
 #include "lattice/voxelize.h"
 
 namespace lappet {
@@ -35,6 +36,12 @@ std::vector<GridPoint> Lattice::cell_positions() const {
   return positions;
 }
 
+double Lattice::volume() const {
+  double cells = 0.0;
+  for (const float fill : cell_fill) cells += double(fill);
+  return cells * std::pow(settings.spacing, 3);
+}
+
 std::size_t Lattice::bytes() const {
   return cells() * (sizeof(cell_nodes[0]) + sizeof(cell_fill[0])) + node_rest.size() * sizeof(GridPoint) +
          surface_points.size() * sizeof(EmbeddedPoint) + (fine ? fine->bytes() : 0);
@@ -52,6 +59,7 @@ Lattice build_lattice(const Surface& surface, const LatticeSettings& settings, c
   build_cells(*fine, links, fragments, lattice, interrupt);
   check_volume(surface, settings, lattice.fine_voxels);
   lattice.fine = std::move(fine);
+  measure_fill(lattice, interrupt);
   lattice.surface_points = embed_surface(lattice, surface, interrupt);
   return lattice;
 }

@@ -1,5 +1,6 @@
-// Fills a FineVoxels stage by stage: which cells there are and what their masks hold (rasterize.cpp), then the
-// connected components of each cell's voxels (label_copies.cpp).
+// Fills a FineVoxels stage by stage: which cells there are and what their masks hold (rasterize.cpp), how far
+// the tissue of the voxels along the surface reaches (voxel_reach.cpp), then the connected components of each cell's
+// voxels (label_copies.cpp).
 #pragma once
 #include <array>
 #include <cstddef>
@@ -26,6 +27,8 @@ struct FineVoxels::Builder {
   // Walks the lines of one axis: cut links, inner voxels, and (for z) the inside voxels. Returns false where the
   // surface is open, with the first line that shows it.
   bool sweep(const CenterLines& lines, std::size_t axis, std::size_t& open_line);
+  // How far the tissue of the voxels along the surface reaches (voxel_reach.cpp).
+  void measure_reaches(std::span<const StepPoint> points, std::span<const std::array<Index, 3>> triangles);
   void make_copies();
 
   // --- steps of these

@@ -37,8 +37,10 @@ class FineVoxels;  // the rasterization behind a lattice, see voxelize.h
 struct Lattice {
   LatticeSettings settings;
   std::vector<std::array<Index, 8>> cell_nodes;
-  std::vector<float> cell_fill;  // volume fraction, in [fill_floor, 1]
-  RestPositions node_rest;       // mm
+  // Volume fraction, at least fill_floor; 1 where the tissue fills the cell. More where the surface lies beyond its
+  // last voxels, by half a voxel at most, and no other cell begins there.
+  std::vector<float> cell_fill;
+  RestPositions node_rest;  // mm
 
   std::int64_t fine_voxels = 0;     // inside voxels
   std::int64_t dropped_voxels = 0;  // specks at sharp tips that the voxels do not hold together; the tissue around
@@ -54,6 +56,7 @@ struct Lattice {
   // The grid point of a cell's corner 0.
   const GridPoint& cell_position(std::size_t cell) const { return node_rest.grid_point(cell_nodes[cell][0]); }
   std::vector<GridPoint> cell_positions() const;
+  double volume() const;  // mm^3 of tissue in the cells
   std::size_t bytes() const;
 };
 

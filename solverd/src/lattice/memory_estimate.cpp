@@ -66,8 +66,8 @@ double estimate_bytes(const SurfaceMeasure& measure, double spacing, int fine_ra
   // A plane meets (sum of its projected areas) / h^2 cells; a crossing may touch a neighbor, too.
   const double touched = std::min(box, 1.3 * measure.projected_area.sum() / (spacing * spacing));
   const double occupied = std::min(box, std::abs(measure.volume) / std::pow(spacing, 3) + touched);
-  const double per_crossing = 16.0 + 6.0 + 4.0;                 // crossing, inner voxel, order on its line
-  const double per_touched = 4.0 * r * r * r / 8.0 + 64.0;      // four bit masks
+  const double per_crossing = 16.0 + 6.0 + 4.0 + 8.0;           // crossing, inner voxel, order on its line, its reach
+  const double per_touched = 4.0 * r * r * r / 8.0 + 72.0;      // four bit masks
   const double per_occupied = 2.0 * 32.0 + 16.0 + 48.0 + 96.0;  // corner equivalence, cell, and its share of nodes
   return 4.0 * box + 8.0 * lines + per_crossing * crossings + per_touched * touched + per_occupied * occupied;
 }

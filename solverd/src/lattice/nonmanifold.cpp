@@ -271,7 +271,6 @@ void build_cells(FineVoxels& fine, std::span<const CopyLink> links, const Fragme
   const NumberedNodes nodes = number_nodes(fine.box(), cells, corners);
   interrupt.check();
 
-  const double r = fine.box().ratio, cell_voxels = r * r * r;
   lattice.cell_nodes.resize(cells.size());
   lattice.cell_fill.resize(cells.size());
   lattice.node_rest = RestPositions(lattice.settings.origin, lattice.settings.spacing);
@@ -285,8 +284,6 @@ void build_cells(FineVoxels& fine, std::span<const CopyLink> links, const Fragme
       on_grid = on_grid && !nodes.has_duplicate[node];
     }
     ++(on_grid ? lattice.grid_cells : lattice.mesh_cells);
-    const double fill = std::max(double(cells.voxels[cell]) / cell_voxels, lattice.settings.fill_floor);
-    lattice.cell_fill[cell] = float(std::min(fill, 1.0));
     lattice.fine_voxels += cells.voxels[cell];
   }
   lattice.fragments = to_index(fragments.voxels.size());

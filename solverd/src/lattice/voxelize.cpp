@@ -57,6 +57,7 @@ FineVoxels::FineVoxels(const Surface& surface, const LatticeSettings& settings, 
     std::size_t open = 0;
     if (!builder.sweep(lines, axis, open)) refuse_open(box_, settings, axis, open);
   }
+  builder.measure_reaches(quantized.points, surface.triangles);
   inner_first_ = std::move(builder.crossings.first);
   builder.crossings.all = {};
   interrupt.check();
@@ -112,7 +113,8 @@ std::size_t FineVoxels::bytes() const {
   const auto size = [](const auto& v) { return v.capacity() * sizeof(v[0]); };
   return size(occupied_) + size(position_) + size(block_) + size(inside_) + size(cut_[0]) + size(cut_[1]) +
          size(cut_[2]) + size(copy_first_) + size(copy_voxels_) + size(label_first_) + size(labels_) +
-         size(lattice_cell_) + size(inner_first_) + size(inner_) + size(neighbors_) + size(component_);
+         size(lattice_cell_) + size(reach_first_) + size(reach_) + size(inner_first_) + size(inner_) +
+         size(neighbors_) + size(component_);
 }
 
 }  // namespace lappet

@@ -17,6 +17,18 @@
 
 namespace lappet {
 
+// How far the tissue of an inside voxel reaches beyond a face of it: to where the surface crosses the line to the next
+// center, which is exact where the surface is parallel to the face. Where it is not, the lines of two or three axes
+// tell of the same surface, and each counts with the square of the cosine between the axis and the surface's normal.
+struct VoxelReach {
+  std::uint32_t face;  // 6 * voxel in its cell + 2 * axis + 1 for the upper one
+  float beyond;        // voxels, -1/2 to 1/2
+
+  std::int32_t voxel() const { return std::int32_t(face / 6); }
+  std::int32_t axis() const { return std::int32_t(face % 6 / 2); }
+  bool is_upper() const { return face % 2 == 1; }
+};
+
 class FineVoxels {
  public:
   // Rasterizes. Throws RefusedError (refused.h): points that are not finite, triangles that name no point, a surface
@@ -61,6 +73,14 @@ class FineVoxels {
     return copy < 0 ? -1 : lattice_cell_[copy];
   }
 
+  // --- the faces of a coarse cell's inside voxels that the surface lies beyond or short of, in order; at others it
+  // lies on the face, or there is none
+  std::span<const VoxelReach> reaches(Index cell) const {
+    const Index block = block_[cell];
+    if (block < 0 || reach_.empty()) return {};
+    return std::span(reach_).subspan(reach_first_[block], reach_first_[block + 1] - reach_first_[block]);
+  }
+
   // --- the tissue's side of the surface: for each crossing of a triangle with a line of centers, the inside voxel next
   // to it on the inner side. Voxel {-1, -1, -1}: none (a sheet thinner than a voxel).
   std::span<const PackedVoxel> inner_voxels(Index triangle) const {
@@ -94,7 +114,9 @@ class FineVoxels {
   std::vector<std::int64_t> label_first_;          // per block: labels of a cell with several copies, or -1
   std::vector<std::uint16_t> labels_;              // r^3 per such cell
   std::vector<Index> lattice_cell_;                // per copy
-  std::vector<std::int64_t> inner_first_;          // per triangle
+  std::vector<std::int64_t> reach_first_;          // per block, and one past the last
+  std::vector<VoxelReach> reach_;
+  std::vector<std::int64_t> inner_first_;  // per triangle
   std::vector<PackedVoxel> inner_;
   std::vector<std::array<Index, 3>> neighbors_;
   std::vector<Index> component_;

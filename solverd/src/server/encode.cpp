@@ -88,6 +88,7 @@ std::vector<PartBytes> encode_lattice(ReplyTo to, const EpochReport& report) {
       .field("blocks", std::int64_t{report.blocks})
       .field("fixed_nodes", std::int64_t{report.fixed_nodes})
       .field("dropped_voxels", report.dropped_voxels)
+      .field("volume", report.volume)
       .field("bytes", report.bytes)
       .field("seconds", report.seconds);
   if (!report.nodes_at_rest.empty()) add_rows(writer, "rest_nodes", report.nodes_at_rest, {3});

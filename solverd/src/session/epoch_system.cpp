@@ -82,6 +82,7 @@ EpochReport EpochSystem<Real>::report(bool with_nodes) const {
   report.blocks = static_cast<std::int32_t>(system.elastic().layout().blocks);
   report.fixed_nodes = static_cast<std::int32_t>(std::ranges::count(system.attachments().node_group, kFixedGroup));
   report.dropped_voxels = lattice.dropped_voxels;
+  report.volume = lattice.volume();
   report.bytes = static_cast<double>(lattice.bytes() + system.bytes() + preconditioner.bytes());
   for (const auto& [index, faces] : loaded) report.bytes += static_cast<double>(faces->bytes());
   if (with_nodes)

@@ -106,6 +106,7 @@ struct EpochReport {
   std::int32_t cells = 0, grid_cells = 0, mesh_cells = 0, nodes = 0, fragments = 0, blocks = 0;
   std::int32_t fixed_nodes = 0;
   std::int64_t dropped_voxels = 0;    // specks at sharp tips that nothing holds; not among fine_voxels
+  double volume = 0.0;                // mm^3 of tissue in the cells
   double bytes = 0.0;                 // what the session holds now
   double seconds = 0.0;               // to build it
   std::vector<double> nodes_at_rest;  // 3 per node, mm; empty: not wanted

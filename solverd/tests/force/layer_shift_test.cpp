@@ -16,7 +16,7 @@ namespace lappet {
 namespace {
 
 constexpr double kDeep = std::numeric_limits<double>::infinity();
-constexpr double kShifts[] = {0.0, 0.25, 0.5, 0.75};
+constexpr double kShifts[] = {0.0, 0.25, 0.37, 0.5, 0.75};  // not only whole voxels
 
 struct Layers {
   double skin, fat;                  // mm, from the top down; no fat: tissue of one material

@@ -72,7 +72,8 @@ void expect_sound(const Lattice& lattice) {
     ++(on_grid ? grid : mesh);
     EXPECT_TRUE(distinct.insert(lattice.cell_nodes[cell]).second) << "two cells with the same nodes";
     EXPECT_GE(lattice.cell_fill[cell], float(lattice.settings.fill_floor));
-    EXPECT_LE(lattice.cell_fill[cell], 1.0F);
+    // Half a voxel of tissue may lie beyond each face of a cell that is the last one.
+    EXPECT_LE(lattice.cell_fill[cell], float(std::pow(1.0 + 1.0 / lattice.settings.fine_ratio, 3)));
   }
   EXPECT_EQ(grid, lattice.grid_cells);
   EXPECT_EQ(mesh, lattice.mesh_cells);
@@ -111,7 +112,7 @@ TEST(Nonmanifold, TheVolumeOfABallByFillConverges) {
     expect_sound(lattice);
     double volume = 0.0;
     for (const float fill : lattice.cell_fill) volume += fill * std::pow(spacing, 3);
-    EXPECT_NEAR(volume / exact, 1.0, 0.02 * spacing) << spacing;
+    EXPECT_NEAR(volume / exact, 1.0, 0.005 * spacing) << spacing;
     EXPECT_EQ(lattice.fragments, 1);
   }
 }
@@ -265,7 +266,7 @@ TEST(Nonmanifold, CopiesWithTheSameNodesCollapseAndAddTheirFill) {
   expect_sound(lattice);
   EXPECT_EQ(lattice.cell_nodes.size(), 27U);
   EXPECT_EQ(lattice.mesh_cells, 0);
-  EXPECT_EQ(lattice.cell_fill[13], 1.0F);
+  EXPECT_NEAR(lattice.cell_fill[13], 1.0 - 0.02, 1e-4);  // all lines through the cell along z cross the disc
 }
 
 TEST(Nonmanifold, FragmentsEqualTheConnectedComponentsOfTheVoxels) {

@@ -47,7 +47,7 @@ Vec3 in_plane(const Vec3& direction, const Vec3& normal) {
   return flat.norm() > 1e-3 ? flat.normalized() : Vec3(Vec3::Zero());
 }
 
-constexpr auto kPartlyFilled = [](float fill) { return fill < 1.0F; };
+constexpr auto kPartlyFilled = [](float fill) { return fill != 1.0F; };
 
 // Of tissue of one material.
 std::vector<MaterialShare> shares_of_fills(const Lattice& lattice) {

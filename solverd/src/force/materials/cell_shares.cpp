@@ -124,7 +124,7 @@ std::uint8_t CellShares::append(std::size_t cell, bool mixed, std::uint8_t only,
   std::ranges::sort(sums, [](const Sum& a, const Sum& b) {
     return a.volume != b.volume ? a.volume > b.volume : a.material < b.material;
   });
-  const bool full = tissue > 1.0 - 1e-9;
+  const bool full = lattice_.cell_fill[cell] == 1.0F;
   if (sums.size() == 1 && full) return sums[0].material;
   double kept = 0.0;
   for (const Sum& sum : sums) kept += sum.volume;

@@ -7,6 +7,7 @@
 #include "force/materials/cell_fill.h"
 #include "force/materials/cell_materials.h"
 #include "force/materials/skin_tree.h"
+#include "lattice/tissue_samples.h"
 
 namespace lappet {
 
