@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import re
+import subprocess
+import sys
 import threading
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
-from click.testing import CliRunner, Result
+from click.testing import CliRunner
 
 from keyed_daemon import until
 from lappet.commands.cli import cli
@@ -165,24 +167,22 @@ def test_a_session_of_another_procedure_is_refused(shared: SharedDaemon, procedu
 
 def test_the_command_line_shares_and_follows(shared: SharedDaemon, procedure: Path) -> None:
     anna, fred = shared.user("anna", "author"), shared.user("fred", "follower")
-    told: list[Result] = []
-
-    def solve() -> None:
-        options = ["--no-error-estimate", "--share", "3", "--store", str(procedure.with_name("store"))]
-        told.append(run("solve", str(procedure), "-o", str(procedure.with_name("a.usdc")), *options, daemon=anna))
-
-    author = threading.Thread(target=solve)
-    author.start()
-    assert until(lambda: re.search(r"session (\d+) of anna", shared.log.read_text()) is not None, 60.0)
-    session = re.search(r"session (\d+) of anna", shared.log.read_text())
-    assert session is not None
-    followed = run("follow", str(procedure), session[1], "-o", str(procedure.with_name("f.usdc")), daemon=fred)
-    author.join(120.0)
-    assert told[0].exit_code == 0, told[0].output
-    assert f"session {session[1]} is shared: lappet follow PROCEDURE {session[1]}" in told[0].output
-    assert followed.exit_code == 0, followed.output
-    assert "8 frames followed" in followed.output
-    assert procedure.with_name("f.usdc").read_bytes() == procedure.with_name("a.usdc").read_bytes()
+    mine, theirs = procedure.with_name("a.usdc"), procedure.with_name("f.usdc")
+    options = ["--no-error-estimate", "--share", "5", "--store", procedure.with_name("store")]
+    with command("solve", procedure, "-o", mine, *options, daemon=anna) as author:
+        assert author.stderr is not None
+        lines = []
+        while "is shared" not in "".join(lines):
+            lines.append(author.stderr.readline())
+            assert lines[-1], lines
+        told = re.fullmatch(r"session (\d+) is shared: lappet follow PROCEDURE \1\n", lines[-1])
+        assert told is not None, lines
+        with command("follow", procedure, told[1], "-o", theirs, daemon=fred) as follower:
+            said, errors = follower.communicate(timeout=120.0)
+        assert author.communicate(timeout=120.0)[0].startswith("8 frames done")
+    assert (author.returncode, follower.returncode) == (0, 0), errors
+    assert said.startswith("8 frames followed")
+    assert theirs.read_bytes() == mine.read_bytes()
 
 
 def test_sharing_and_following_need_somebody_s_daemon(procedure: Path) -> None:
@@ -192,9 +192,15 @@ def test_sharing_and_following_need_somebody_s_daemon(procedure: Path) -> None:
         assert "--daemon" in done.output
 
 
-def run(*arguments: str, daemon: RunningDaemon) -> Result:
+def command(*arguments: object, daemon: RunningDaemon) -> subprocess.Popen[str]:
     options = ["--daemon", daemon.address, "--server-key", daemon.server_key, "--key", daemon.key]
-    return CliRunner().invoke(cli, [*arguments, *options])
+    return subprocess.Popen(
+        [sys.executable, "-m", "lappet", *map(str, arguments), *options],
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
 
 
 def store_beside(procedure: Path) -> FrameStore:

@@ -24,6 +24,9 @@ _POLL_MS = 50
 _PING_SECONDS = 2.0
 _CANCEL_SECONDS = 3.0
 _HEARTBEAT_SECONDS = 5.0
+# What is not sent when the socket is closed waits so long. At 0 libzmq may throw away the rest of a message of which it
+# has sent a part, and aborts the process when the connection is cut just then (session_base.cpp, clean_pipes).
+_LINGER_MS = 200
 
 
 ERROR_CODES = {
@@ -154,7 +157,7 @@ class DaemonConnection:
 
     def _open(self, socket: zmq.Socket[Any], address: str) -> None:
         """Connect the socket, and wait until both sides have proved themselves: before that nothing is sent."""
-        socket.setsockopt(zmq.LINGER, 0)
+        socket.setsockopt(zmq.LINGER, _LINGER_MS)
         socket.setsockopt(zmq.IPV6, int("[" in address))
         if self._keys is None:
             require_no_stranger(address)
@@ -181,7 +184,6 @@ class DaemonConnection:
         with self._lock:
             if self._socket is not None:
                 if not self._owns_daemon and self.welcome:
-                    self._socket.setsockopt(zmq.LINGER, 200)
                     with contextlib.suppress(DaemonDied, zmq.ZMQError):
                         self._send("bye", next(self._ids))
                 if self._handshake is not None:
