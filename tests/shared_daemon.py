@@ -20,7 +20,7 @@ class SharedDaemon:
         self.folder, self.log = folder / "keys", folder / "log.txt"
         self.address = ""
         assert CliRunner().invoke(cli, ["keys", "new", "--server", "--keys", str(self.folder)]).exit_code == 0
-        self._command = [str(binary), "--listen", "tcp://127.0.0.1:0", "--keys", str(self.folder)]
+        self._command = [str(binary), "--listen", "tcp://127.0.0.1:0", "--keys", str(self.folder), "--verbose"]
         self._process: subprocess.Popen[str] | None = None
 
     def __enter__(self) -> Self:

@@ -27,7 +27,6 @@ def solve_options(command: Callable[..., Any]) -> Callable[..., Any]:
     Callable[..., Any]
         The function with the options.
     """
-
     added: list[Callable[[Callable[..., Any]], Callable[..., Any]]] = [
         setting_options,
         click.option(

@@ -85,8 +85,8 @@ class _Reader:
             raise refused(ProblemCode.FOLLOWED_OTHER, "", f"{time!r:.40}")
         position = self._position[constraints.epoch]
         epoch, landmarks = self._program.epochs[position], self._program.landmarks_at[position]
-        measured = "strain" in message.arrays and len(message.arrays["strain"]) > 0
-        settings = replace(self._program.settings, strain=measured, correction="correction" in message.arrays)
+        filled = {name for name, array in message.arrays.items() if len(array)}  # what an author left out is empty
+        settings = replace(self._program.settings, strain="strain" in filled, correction="correction" in filled)
         sections = len(epoch.boundary.section_points)
         try:
             frame = read_frame(message, constraints, settings, landmarks.index, self._lattice, sections)

@@ -157,8 +157,7 @@ def solve_procedure(
     daemon
         A running daemon; None starts one.
     share
-        Let every user of the daemon follow the session, and wait so many seconds for them before the first frame; None
-        lets nobody. The coarse solve of the error estimate is not shared.
+        Seconds to wait for whoever wants to follow the session before its first frame; None lets nobody follow.
     store
         Where frames are kept; the user's store when None.
     observer
@@ -183,8 +182,7 @@ def solve_procedure(
         If the procedure has errors, cannot be solved at all, or the output cannot be written.
     """
     started = time.perf_counter()
-    watch = _Noting(observer or SolveObserver())
-    output = Path(output)
+    watch, output = _Noting(observer or SolveObserver()), Path(output)
     refuse_output(output)
     procedure, path, notes = read_source(source, output, limits)
     notes += check_source(procedure, settings)
@@ -209,13 +207,12 @@ def solve_procedure(
     if error_estimate and result.frames:
         errors = _estimate(program, result, store, connect, solver, found)
         measures, errors = _with_errors(program, gauges, result.frames, measures, errors)
-    written = None
+    written = output if wanted else None
     if wanted:
         kept = slice(len(result.frames) - len(wanted), None)
         write_skin_cache(
             output, path, procedure, program, [each.solved for each in wanted], wanted[-1].key, measures[kept]
         )
-        written = output
     return SolveResult(
         procedure,
         program,
