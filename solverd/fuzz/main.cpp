@@ -119,15 +119,22 @@ Conversation smaller(Conversation failing) {
   return failing;
 }
 
+struct Wanted {
+  std::uint64_t messages = 0, seed = 1, session_every = 4;
+  std::size_t jobs = 1;
+};
+
 class Campaign {
  public:
-  Campaign(std::vector<NamedConversation> corpus, std::uint64_t seed, std::uint64_t blocks, std::size_t jobs,
-           std::filesystem::path findings)
-      : corpus_(std::move(corpus)), seed_(seed), blocks_(blocks), jobs_(jobs), findings_(std::move(findings)) {}
+  Campaign(std::vector<NamedConversation> corpus, const Wanted& wanted, std::filesystem::path findings)
+      : corpus_(std::move(corpus)),
+        wanted_(wanted),
+        blocks_((wanted.messages + kBlock - 1) / kBlock),
+        findings_(std::move(findings)) {}
 
   // Plays every block, unless SIGINT or SIGTERM comes; calls `told` now and then.
   void run(const std::function<void()>& told) {
-    for (std::size_t k = 0; k < jobs_; ++k) {
+    for (std::size_t k = 0; k < wanted_.jobs; ++k) {
       void* memory =
           ::mmap(nullptr, sizeof(Record), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
       if (memory == MAP_FAILED) throw std::runtime_error("no memory for the records");
@@ -158,9 +165,9 @@ class Campaign {
   pid_t start(std::size_t k, std::uint64_t first) {
     return in_child([&] {
       Record& record = *records_[k];
-      for (std::uint64_t block = first; block < blocks_; block += jobs_) {
+      for (std::uint64_t block = first; block < blocks_; block += wanted_.jobs) {
         record.begin(block);
-        play_block(corpus_, seed_, block, [&](const RawMessage& message) {
+        play_block(corpus_, wanted_.seed, block, wanted_.session_every, [&](const RawMessage& message) {
           record.add(message);
           start_timer();
         });
@@ -178,12 +185,13 @@ class Campaign {
     if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return true;
     const auto k = static_cast<std::size_t>(child - children_.begin());
     keep(*records_[k], status);
-    if (found_ < kMaxFindings) *child = start(k, records_[k]->block + jobs_);
+    if (found_ < kMaxFindings) *child = start(k, records_[k]->block + wanted_.jobs);
     return true;
   }
   void keep(const Record& record, int status) {
     std::filesystem::create_directories(findings_);
-    const auto file = findings_ / ("found-" + std::to_string(seed_) + "-" + std::to_string(record.block) + ".messages");
+    const auto file =
+        findings_ / ("found-" + std::to_string(wanted_.seed) + "-" + std::to_string(record.block) + ".messages");
     save(file, record.file());
     ++found_;
     std::fprintf(stderr, "block %llu ended (%s %d); its messages are in %s\n",
@@ -192,8 +200,8 @@ class Campaign {
   }
 
   std::vector<NamedConversation> corpus_;
-  std::uint64_t seed_, blocks_;
-  std::size_t jobs_;
+  Wanted wanted_;
+  std::uint64_t blocks_;
   std::filesystem::path findings_;
   std::vector<Record*> records_;
   std::vector<pid_t> children_;
@@ -211,16 +219,11 @@ int play_files(const std::vector<NamedConversation>& corpus) {
   return failed;
 }
 
-struct Wanted {
-  std::uint64_t messages, seed;
-  std::size_t jobs;
-};
-
 // The exit status.
 int play_campaign(const std::vector<NamedConversation>& corpus, const Wanted& wanted, const std::string& findings,
                   const std::string& result_file) {
   const auto begin = std::chrono::steady_clock::now();
-  Campaign campaign(corpus, wanted.seed, (wanted.messages + kBlock - 1) / kBlock, wanted.jobs, findings);
+  Campaign campaign(corpus, wanted, findings);
   const auto result = [&] {
     const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - begin;
     return CampaignResult{wanted.messages, campaign.messages(), wanted.seed, campaign.findings(), seconds.count()};
@@ -242,12 +245,14 @@ int play_campaign(const std::vector<NamedConversation>& corpus, const Wanted& wa
 int main(int argc, char** argv) {
   CLI::App app("Plays recorded and mutated messages against the daemon's decoding and sessions.", "solverd_fuzz");
   std::string place, findings = "findings", reduced, result_file;
-  std::uint64_t messages = 0, seed = 1;
-  std::size_t jobs = 1;
+  lappet::Wanted wanted;
   app.add_option("corpus", place, "A .messages file, or a folder of such")->required();
-  app.add_option("--messages", messages, "Mutated messages to play after the corpus")->capture_default_str();
-  app.add_option("--seed", seed, "What they depend on")->capture_default_str();
-  app.add_option("--jobs", jobs, "Processes")->capture_default_str()->check(CLI::Range(1, 256));
+  app.add_option("--messages", wanted.messages, "Mutated messages to play after the corpus")->capture_default_str();
+  app.add_option("--seed", wanted.seed, "What they depend on")->capture_default_str();
+  app.add_option("--session-every", wanted.session_every, "Of so many blocks of 64 messages one goes to a session")
+      ->capture_default_str()
+      ->check(CLI::PositiveNumber);
+  app.add_option("--jobs", wanted.jobs, "Processes")->capture_default_str()->check(CLI::Range(1, 256));
   app.add_option("--findings", findings, "Where messages that fail are written")->capture_default_str();
   app.add_option("--result", result_file, "Write there what was played");
   app.add_option("--reduce", reduced, "Write the smallest part of the file that still fails here");
@@ -260,7 +265,7 @@ int main(int argc, char** argv) {
       return 0;
     }
     if (lappet::play_files(corpus) > 0) return 1;
-    return lappet::play_campaign(corpus, {messages, seed, jobs}, findings, result_file);
+    return lappet::play_campaign(corpus, wanted, findings, result_file);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "solverd_fuzz: %s\n", error.what());
     return 2;

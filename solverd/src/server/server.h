@@ -25,8 +25,8 @@ struct ServerOptions {
   std::uint64_t first_session = 1;            // the number of the first session
   std::chrono::milliseconds silence{60'000};  // a client, and the daemon, ends after hearing nothing for so long
   std::chrono::milliseconds silence_where_full{15'000};  // a client, when another wants its place: three pings
-  int input = -1;                             // a file descriptor whose end of file ends the daemon, or -1
-  int parent = 0;                             // a process whose end ends the daemon, or 0
+  int input = -1;                                        // a file descriptor whose end of file ends the daemon, or -1
+  int parent = 0;                                        // a process whose end ends the daemon, or 0
 };
 
 class Server {
