@@ -1,4 +1,4 @@
-"""Writes docs/robustness.md: how daemon and frames are attacked, with the last results of `make fuzz` and `make chaos`."""
+"""Writes docs/robustness.md: how daemon and frames are attacked, with the last results of two campaigns."""
 
 from __future__ import annotations
 
@@ -17,36 +17,37 @@ TEXT = """# How daemon and frames are attacked
 
 ## Messages
 
-[The corpus](../tests/daemon/corpus/README.md) holds every message type and every attack that was found, one file each. The
-program `solverd_fuzz` plays it without sockets, message for message, against the decoding and the sessions of the daemon.
-Then it mutates its messages: header fields, shapes, counts, numbers, lengths, order. The same seed gives the same messages.
-Every fourth block of 64 goes to a session whose epochs and frames are built and solved; after it the conversation that it
-came from is played again in a new session and must be answered bit for bit as before. What ends the program, takes more
-than 30 s of a processor or breaks the protocol is a finding: its messages are written to `build/findings`, and become a file
-of the corpus when it is mended.
+[The corpus](../tests/daemon/corpus/README.md) holds every message type and every attack that was found, one file
+each. The program `solverd_fuzz` plays it without sockets, message for message, against the decoding and the sessions
+of the daemon. Then it mutates its messages: header fields, shapes, counts, numbers, lengths, order. The same seed
+gives the same messages. One block of 64 messages in sixteen goes to a session whose epochs and frames are built and solved;
+after it the conversation that it came from is played again in a new session and must be answered bit for bit as
+before. What ends the program, takes more than 30 s of a processor or breaks the protocol is a finding: its messages
+are written to `build/findings`, and become a file of the corpus when it is mended.
 
-`make fuzz` plays a million messages under the address and the undefined-behavior sanitizer, `MESSAGES` and `SEED` choose
-others. The last campaign ([as JSON](robustness_fuzz.json)):
+`make fuzz` plays a million messages under the address and the undefined-behavior sanitizer, `MESSAGES` and `SEED`
+choose others. The last campaign ([as JSON](robustness_fuzz.json)):
 
 {fuzz}
 
-`make sanitize`, which CI runs, plays 100 000 messages after the daemon's unit tests, both under the same sanitizers, the
-corpus against a daemon, and four clients of one daemon under the thread sanitizer.
+`make sanitize`, which CI runs, plays 100 000 messages after the daemon's unit tests, both under the same sanitizers,
+the corpus against a daemon, and four clients of one daemon under the thread sanitizer.
 
 ## Solves that are disturbed
 
-`make chaos` solves a procedure again and again for two minutes while something happens to it, at random with a seed (`SEED`):
-daemon or client or both are killed, the daemon or the client is stopped for a while, Ctrl-C comes once or several times, the
-disk is full from some byte on, stored frames are cut, or vanish. After each no partial file has a final name, nothing of the
-solve runs on and none of its temporary files is left; the next solve gives the cache of a solve that was never disturbed, bit
-for bit. The tests do the same for some seconds. The last two minutes ([as JSON](robustness_chaos.json)):
+`make chaos` solves a procedure again and again for two minutes while something happens to it, at random with a seed
+(`SEED`): daemon or client or both are killed, the daemon or the client is stopped for a while, Ctrl-C comes once or
+several times, the disk is full from some byte on, stored frames are cut, or vanish. After each no partial file has a
+final name, nothing of the solve runs on and none of its temporary files is left; the next solve gives the cache of a
+solve that was never disturbed, bit for bit. The tests do the same for some seconds. The last two minutes ([as
+JSON](robustness_chaos.json)):
 
 {chaos}
 
 ## Clients of one daemon
 
-`python tests/several_clients.py` has eight clients solve 10 000 frames in one daemon and compares every bit with what a lone
-client gets; the tests do it with 800, the thread sanitizer with 40.
+`python tests/several_clients.py` has eight clients solve 10 000 frames in one daemon and compares every bit with what
+a lone client gets; the tests do it with 800, the thread sanitizer with 40.
 """
 
 

@@ -1,9 +1,9 @@
 """Chaos: a procedure is solved again and again while it is killed, stopped, interrupted, filled, cut and pruned.
 
 `make chaos` does so for two minutes and keeps the result (`docs/robustness.md`). `python tests/chaos.py --seed 1
---seconds 120` says what a seed did and which promise was broken. After every disturbed solve no partial file has a final
-name, nothing of it runs on and none of its temporary files is left; an undisturbed solve then gives, bit for bit, the
-cache of a solve that was never disturbed.
+--seconds 120` says what a seed did and which promise was broken. After every disturbed solve no partial file has a
+final name, nothing of it runs on and none of its temporary files is left; an undisturbed solve then gives, bit for
+bit, the cache of a solve that was never disturbed.
 """
 
 from __future__ import annotations

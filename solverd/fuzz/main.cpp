@@ -120,7 +120,7 @@ Conversation smaller(Conversation failing) {
 }
 
 struct Wanted {
-  std::uint64_t messages = 0, seed = 1, session_every = 4;
+  std::uint64_t messages = 0, seed = 1, session_every = 16;
   std::size_t jobs = 1;
 };
 
