@@ -1,6 +1,9 @@
 # Builds with sanitizers (LAPPET_SANITIZE: address,undefined or thread): every finding ends the program. Assertions of the
 # standard library and of Eigen are on. They are built in CI from nothing, where minutes count:
 # - Of the kernels only the scalar ones are built; the others come from the same source and take minutes each.
+# - Of the unit tests those are left out that test numbers, and whose code others run as well: formulas of one matrix or one
+#   cell, and series of large solves (kTestsOfNumbers below). Nothing is left out of what reads messages, files and surfaces,
+#   of lattices, epochs, constraints, sessions and the broker.
 # - What most files include is compiled once.
 # - Of the undefined-behavior sanitizer those checks are left out that the address sanitizer makes too (a pointer that is
 #   null, overflows or leads beyond its object ends there as well) and that of alignment, which the processors of the daemon
@@ -42,6 +45,21 @@ function(lappet_precompiled target)
             <Eigen/Dense> <tbb/blocked_range.h> <tbb/parallel_for.h> <tbb/task_arena.h>
             <spdlog/spdlog.h> <zmq.hpp> <gtest/gtest.h>)
   target_precompile_headers(${target} REUSE_FROM lappet_precompiled_headers)
+endfunction()
+
+set(kTestsOfNumbers
+    # formulas of one matrix, or of one cell
+    svd3 material material_states fiber fiber_families augmented_lagrangian displacement_to_come
+    # series of large solves, which take minutes here
+    material_robustness material_session layer_shift preconditioner lowest_mode sheet convergence buckling)
+
+# Removes the tests of numbers from a list of sources.
+function(lappet_tests_of_memory_only sources_variable)
+  set(sources ${${sources_variable}})
+  foreach(name IN LISTS kTestsOfNumbers)
+    list(FILTER sources EXCLUDE REGEX "/${name}_test\\.cpp$")
+  endforeach()
+  set(${sources_variable} ${sources} PARENT_SCOPE)
 endfunction()
 
 # Removes the sources of the other instruction sets from a list, and of the tests that compare sets. Memory is what can go
