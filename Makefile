@@ -42,7 +42,8 @@ fuzz:  ## play MESSAGES (1 000 000) mutated messages of a SEED (1) under sanitiz
 	@SEED=$(or $(SEED),1) bash packaging/sanitize.sh --messages $(or $(MESSAGES),1000000)
 
 chaos:  ## solve for two minutes while it is killed, stopped, interrupted, filled, cut and pruned, at random by SEED (1)
-	@$(PYTHON) tests/chaos.py --seconds 120 --seed $(or $(SEED),1) --result docs/robustness_chaos.json
+	@status=0; $(PYTHON) tests/chaos.py --seconds 120 --seed $(or $(SEED),1) --result docs/robustness_chaos.json || status=$$?; \
+	$(PYTHON) packaging/documents.py --write >/dev/null; exit $$status  # docs/robustness.md shows it
 
 lint:  ## check style, types, import directions, docstrings, documents and known vulnerabilities
 	@bash packaging/lint.sh

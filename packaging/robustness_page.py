@@ -20,10 +20,10 @@ TEXT = """# How daemon and frames are attacked
 [The corpus](../tests/daemon/corpus/README.md) holds every message type and every attack that was found, one file
 each. The program `solverd_fuzz` plays it without sockets, message for message, against the decoding and the sessions
 of the daemon. Then it mutates its messages: header fields, shapes, counts, numbers, lengths, order. The same seed
-gives the same messages. One block of 64 messages in sixteen goes to a session whose epochs and frames are built and solved;
-after it the conversation that it came from is played again in a new session and must be answered bit for bit as
-before. What ends the program, takes more than 30 s of a processor or breaks the protocol is a finding: its messages
-are written to `build/findings`, and become a file of the corpus when it is mended.
+gives the same messages. One block of 64 messages in sixteen goes to a session whose epochs and frames are built and
+solved; after it the conversation that it came from is played again in a new session and must be answered bit for bit
+as before. What ends the program, takes more than 30 s of a processor or breaks the protocol is a finding: its
+messages are written to `build/findings`, and become a file of the corpus when it is corrected.
 
 `make fuzz` plays a million messages under the address and the undefined-behavior sanitizer, `MESSAGES` and `SEED`
 choose others. The last campaign ([as JSON](robustness_fuzz.json)):
