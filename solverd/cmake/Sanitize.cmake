@@ -49,9 +49,10 @@ endfunction()
 
 set(kTestsOfNumbers
     # formulas of one matrix, or of one cell
-    svd3 material material_states fiber fiber_families augmented_lagrangian displacement_to_come
-    # series of large solves, which take minutes here
-    material_robustness material_session layer_shift preconditioner lowest_mode sheet convergence buckling)
+    svd3 material material_states elastic fiber fiber_families prestretch augmented_lagrangian displacement_to_come
+    # balances and series of solves, which take minutes here
+    material_robustness material_session fiber_session layers_session prestretch_session reactions layer_shift
+    preconditioner lowest_mode sheet convergence buckling)
 
 # Removes the tests of numbers from a list of sources.
 function(lappet_tests_of_memory_only sources_variable)
