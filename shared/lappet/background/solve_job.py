@@ -35,6 +35,7 @@ from lappet.program.program import Bones, FrameConstraints, Landmarks, Program
 from lappet.program.settings import SolverSettings
 from lappet.solve.error_estimate import ErrorEstimate, estimate_errors
 from lappet.solve.fallbacks import fallbacks
+from lappet.solve.overlaps import overlap_notes
 from lappet.solve.sensitive import several_notes, stability_notes
 from lappet.solve.solve_frames import FrameResult, Frames, SolveObserver, solve_program
 from lappet.solve.suture_forces import suture_forces, suture_warnings
@@ -164,7 +165,8 @@ class SolveJobs:
         """
         procedure, errors = job.ask.procedure, ErrorEstimate((), 0.0, 0.0, 0.0)
         rows = [row for frame in frames for row in suture_forces(procedure, program, frame.solved)]
-        notes = fallbacks(program, frames) + stability_notes(frames) + suture_warnings(procedure, rows)
+        notes = fallbacks(program, frames) + stability_notes(frames) + overlap_notes(program, frames)
+        notes += suture_warnings(procedure, rows)
         wanted = job.ask.settings.correction
         if wanted:
             connect, identity = stoppable(self.connect, job), self.compilation.identity

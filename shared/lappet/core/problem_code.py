@@ -178,6 +178,7 @@ class ProblemCode(StrEnum):
     ERROR_LARGE = auto()
     FRAMES_UNSTABLE = auto()
     FRAMES_ONE_OF_SEVERAL = auto()
+    TISSUE_IN_TISSUE = auto()
 
     # texts/notes.toml
     STAGE_CONVERTED = auto()

@@ -16,6 +16,7 @@ from lappet.program.settings import SolverSettings
 from lappet.solve.fallbacks import fallbacks
 from lappet.solve.follow_frames import follow_program
 from lappet.solve.measures import Gauges
+from lappet.solve.overlaps import overlap_notes
 from lappet.solve.sensitive import stability_notes
 from lappet.solve.solve_frames import SolveObserver
 from lappet.solve.suture_forces import suture_warnings
@@ -81,7 +82,7 @@ def follow_procedure(
         raise RefusedError([result.reason])
     gauges = Gauges(procedure, program)
     measures = [gauges.measure(each.solved, tension=each is result.frames[-1]) for each in result.frames]
-    found = fallbacks(program, result.frames) + stability_notes(result.frames)
+    found = fallbacks(program, result.frames) + stability_notes(result.frames) + overlap_notes(program, result.frames)
     found += suture_warnings(procedure, [row for each in measures for row in each.sutures])
     written = None
     if result.frames:

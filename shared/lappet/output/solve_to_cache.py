@@ -25,6 +25,7 @@ from lappet.program.settings import SolverSettings
 from lappet.solve.fallbacks import fallbacks
 from lappet.solve.hook_forces import HookForce
 from lappet.solve.measures import FrameMeasures, Gauges
+from lappet.solve.overlaps import overlap_notes
 from lappet.solve.reactions import Reaction, reactions
 from lappet.solve.seam_measures import SeamMeasure
 from lappet.solve.section_tension import SectionTension, section_tensions
@@ -201,7 +202,7 @@ def solve_procedure(
         raise RefusedError([result.reason])
     gauges = Gauges(procedure, program)
     measures = [gauges.measure(each.solved, tension=each is result.frames[-1]) for each in result.frames]
-    found = fallbacks(program, result.frames) + stability_notes(result.frames)
+    found = fallbacks(program, result.frames) + stability_notes(result.frames) + overlap_notes(program, result.frames)
     found += suture_warnings(procedure, [row for each in measures for row in each.sutures])
     errors = None
     if error_estimate and result.frames:

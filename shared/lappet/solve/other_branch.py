@@ -151,12 +151,18 @@ class Neighbors:
         """
         kept = np.arange(0, len(points), max(1, -(-len(points) // MOST_VERTICES)))
         count = min(NEIGHBORS, len(kept))
-        found, distance = np.zeros((len(nodes), count), np.intp), np.zeros((len(nodes), count))
+        found = np.zeros((len(nodes), count), np.intp)
+        distance = np.zeros((len(nodes), count))
+        # |a - b|^2 = |a|^2 - 2 a.b + |b|^2, of which |a|^2 does not change which b are near
+        center = points[kept].mean(axis=0)
+        around = points[kept] - center
+        squares = np.sum(around**2, axis=1)
         for first in range(0, len(nodes), CHUNK):
             some = slice(first, first + CHUNK)
-            apart = np.linalg.norm(nodes[some, None, :] - points[kept], axis=2)
-            nearest = np.argpartition(apart, count - 1, axis=1)[:, :count]
-            found[some], distance[some] = kept[nearest], np.take_along_axis(apart, nearest, axis=1)
+            apart = squares - 2.0 * (nodes[some] - center) @ around.T
+            nearest = kept[np.argpartition(apart, count - 1, axis=1)[:, :count]]
+            found[some] = nearest
+            distance[some] = np.linalg.norm(nodes[some, None, :] - points[nearest], axis=2)
         return cls(found, distance)
 
 

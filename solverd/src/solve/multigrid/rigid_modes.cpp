@@ -1,5 +1,7 @@
 #include "solve/multigrid/rigid_modes.h"
 
+#include <Eigen/Geometry>
+
 #include "force/kernels/projected_stiffness_kernel.h"
 #include "lattice/node_field.h"
 
@@ -13,6 +15,17 @@ constexpr std::size_t kBatch = 256;
 
 template <class Real>
 using Block = Eigen::Matrix<Real, 6, 6, Eigen::RowMajor>;
+
+// The penalties on the cells of each coarse cell.
+Groups by_coarse_cell(const CoarseLattice& coarse, std::span<const ContactPenalty> penalties) {
+  std::vector<Index> coarse_of(coarse.cells.items.size());
+  for (std::size_t c = 0; c < coarse.cell_nodes.size(); ++c)
+    for (const Index cell : coarse.cells[c]) coarse_of[cell] = to_index(c);
+  std::vector<Index> keys;
+  keys.reserve(penalties.size());
+  for (const ContactPenalty& penalty : penalties) keys.push_back(coarse_of[penalty.cell]);
+  return group_by(keys, coarse.cell_nodes.size());
+}
 
 template <class Real>
 Vec3 now(const Lattice& lattice, std::span<const Real> u, std::size_t n) {
@@ -118,6 +131,30 @@ void RigidModes<Real>::project_cells(const System<Real>& system, std::span<const
   }
 }
 
+// A contact penalty couples nodes of one cell, so that it goes where the cell does; blocks: [kModePairSize], added to.
+template <class Real>
+void RigidModes<Real>::project_penalty(const System<Real>& system, std::span<const Real> u, std::size_t coarse,
+                                       const ContactPenalty& penalty, Real* blocks) const {
+  using Vector6 = Eigen::Matrix<double, 6, 1>;
+  const double inverse = 1.0 / (kCoarsening * lattice_.settings.spacing);
+  Vector6 rows[8];
+  for (auto& row : rows) row.setZero();
+  for (int corner = 0; corner < 8; ++corner) {
+    const Index n = lattice_.cell_nodes[penalty.cell][corner];
+    if (penalty.weights[corner] == 0.0 || !system.is_free(n)) continue;
+    const auto place = coarse_.corner_place(lattice_.cell_position(penalty.cell), coarse, corner);
+    const auto& weight = weights_[coarse_.weight_index(place)];
+    const Vec3 arm = inverse * (now(lattice_, u, n) - center_[coarse]);
+    Vector6 push;
+    push << penalty.direction, arm.cross(penalty.direction);
+    for (int k = 0; k < 8; ++k) rows[k] += penalty.weights[corner] * double(weight[k]) * push;
+  }
+  for (int k = 0; k < 8; ++k)
+    for (int l = 0; l <= k; ++l)
+      Eigen::Map<Block<Real>>(blocks + 36 * pair_of(k, l)) +=
+          (penalty.stiffness * rows[k] * rows[l].transpose()).template cast<Real>();
+}
+
 // Moves the blocks of a coarse cell from rigid modes about its center to those about the places of its corners.
 template <class Real>
 void RigidModes<Real>::shift_to_corners(std::size_t coarse, Real* blocks) const {
@@ -139,6 +176,8 @@ void RigidModes<Real>::assemble_cells(const System<Real>& system, std::span<cons
   constexpr std::size_t kLanes = Elastic<Real>::kProjectionLanes;
   const std::size_t coarse_cells = coarse_.cell_nodes.size();
   std::vector<Real> pairs(kModePairSize * std::min(kBatch, coarse_cells));
+  const std::span<const ContactPenalty> penalties = system.contact_penalties();
+  const Groups penalties_of = by_coarse_cell(coarse_, penalties);
   const auto project = [&](std::size_t coarse, Real* out) {
     alignas(64) Real blocks[kModePairSize * kLanes] = {};
     project_cells(system, u, coarse, blocks);
@@ -147,6 +186,7 @@ void RigidModes<Real>::assemble_cells(const System<Real>& system, std::span<cons
       for (std::size_t lane = 0; lane < kLanes; ++lane) sum += blocks[kLanes * i + lane];
       out[i] = sum;
     }
+    for (const Index p : penalties_of[coarse]) project_penalty(system, u, coarse, penalties[p], out);
     shift_to_corners(coarse, out);
   };
   auto& matrix = level_.matrix();
@@ -197,20 +237,6 @@ void RigidModes<Real>::assemble_constraints(const System<Real>& system) {
       for (auto& row : projected.rows) row = (root * row).eval();
     }
     if (point.slides()) constraints.push_back(of_thread.constraint(point.stiffness));
-  }
-  // Contact penalties couple nodes of one cell: they go into the matrix.
-  auto& matrix = level_.matrix();
-  for (const ContactPenalty& penalty : system.contact_penalties()) {
-    ConstraintRows rows;
-    for (std::size_t k = 0; k < 8; ++k) add_rows(lattice_.cell_nodes[penalty.cell][k], penalty.weights[k], rows);
-    const CoarseConstraint projected = rows.constraint(penalty.stiffness);
-    for (std::size_t a = 0; a < projected.nodes.size(); ++a)
-      for (std::size_t b = a; b < projected.nodes.size(); ++b) {  // ascending
-        const Eigen::Matrix<double, 6, 1> left = projected.rows[a].transpose() * penalty.direction,
-                                          right = projected.rows[b].transpose() * penalty.direction;
-        Eigen::Map<Block<Real>>(matrix.block(matrix.slot(projected.nodes[a], projected.nodes[b]))) +=
-            (penalty.stiffness * left * right.transpose()).template cast<Real>();
-      }
   }
 }
 

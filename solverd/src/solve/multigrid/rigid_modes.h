@@ -46,6 +46,8 @@ class RigidModes {
   void place_modes(const System<Real>& system, std::span<const Real> u);
   void assemble_cells(const System<Real>& system, std::span<const Real> u);
   void project_cells(const System<Real>& system, std::span<const Real> u, std::size_t coarse, Real* blocks) const;
+  void project_penalty(const System<Real>& system, std::span<const Real> u, std::size_t coarse,
+                       const ContactPenalty& penalty, Real* blocks) const;
   void shift_to_corners(std::size_t coarse, Real* blocks) const;
   void assemble_constraints(const System<Real>& system);
   void add_rows(Index node, double weight, ConstraintRows& rows) const;

@@ -207,6 +207,7 @@ void System<Real>::linearize(const Evaluation& at, PsdProjection how) {
   const Timed timed(work_.linearizations);
   elastic_.linearize(how);
   contact_penalties_ = at.contact_penalties;
+  penalty_rows_.set(contact_penalties_, lattice());
   point_tangent_ = at.point_tangent;
   pressed_from_ = at.pressed;
   pressure_energy_from_ = at.pressure_energy;
@@ -219,15 +220,7 @@ template <class Real>
 void System<Real>::multiply(std::span<const Real> x, std::span<Real> y) const {
   const Timed timed(work_.products);
   elastic_.multiply(x, y);
-  for (const ContactPenalty& penalty : contact_penalties_) {
-    const auto& nodes = elastic_.lattice().cell_nodes[static_cast<std::size_t>(penalty.cell)];
-    double along = 0.0;
-    for (std::size_t k = 0; k < 8; ++k) along += penalty.weights[k] * penalty.direction.dot(NodeField(x)[nodes[k]]);
-    for (std::size_t k = 0; k < 8; ++k)
-      for (int i = 0; i < 3; ++i)
-        y[3 * static_cast<std::size_t>(nodes[k]) + static_cast<std::size_t>(i)] +=
-            static_cast<Real>(penalty.stiffness * along * penalty.weights[k] * penalty.direction[i]);
-  }
+  penalty_rows_.add_product(x, y);
   multiply_point_constraints(x, y);
   if (!pressure_tangent_.empty()) multiply_pressure(x, y);
   for (const std::int32_t node : prescribed_nodes_)
@@ -387,7 +380,7 @@ template <class Real>
 std::size_t System<Real>::bytes() const {
   return elastic_.bytes() + attachments_.face_constraints.size() * sizeof(FaceConstraint) +
          3 * free_.size() * 8 * (has_held_faces_ ? 2 : 1) + node_scale_.size() * 8 + gravity_force_.size() * 8 +
-         free_.size() + clusters_.bytes() + (contact_ ? contact_->bytes() : 0) +
+         free_.size() + clusters_.bytes() + penalty_rows_.bytes() + (contact_ ? contact_->bytes() : 0) +
          attachments_.rollers.size() * (sizeof(RollerRow) + 8) + traction_force_.size() * 8 +
          pressed_from_.size() * 2 * sizeof(FaceMotion) + pressure_tangent_.size() * sizeof(NodePairs) +
          (attachments_.ground ? attachments_.ground->bytes() : 0);

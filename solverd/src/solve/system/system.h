@@ -12,6 +12,7 @@
 #include "math/features.h"
 #include "solve/system/evaluation.h"
 #include "solve/system/multipliers.h"
+#include "solve/system/penalty_rows.h"
 #include "solve/system/reaction.h"
 #include "solve/system/residual_clusters.h"
 #include "solve/system/work.h"
@@ -189,6 +190,7 @@ class System {
   std::vector<PointConstraint> point_constraints_;
   std::unique_ptr<Contact> contact_;
   std::vector<ContactPenalty> contact_penalties_;  // of the tangent
+  PenaltyRows<Real> penalty_rows_;                 // the same
   PointTangent point_tangent_;                     // likewise
   std::vector<std::int32_t> fragment_of_node_;     // its lowest node; empty: all hang together
   std::vector<std::int32_t> floating_cells_;

@@ -1,0 +1,43 @@
+// The contact penalties of a tangent, sum_p (c_p . du)^2 / 2, as sparse rows c_p over the nodes: every cell that lies
+// on the bed has one, and every product of the tangent takes them all.
+//
+// A product goes over the rows, each its own number c_p . x, and then over the nodes that they touch, each its own sum:
+// both in parallel, the same for any number of threads.
+#pragma once
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "force/constraints/contact_penalty.h"
+#include "lattice/lattice.h"
+
+namespace lappet {
+
+template <class Real>
+class PenaltyRows {
+ public:
+  // Penalties on cells of the lattice.
+  void set(std::span<const ContactPenalty> penalties, const Lattice& lattice);
+  // y += sum_p c_p (c_p . x)
+  void add_product(std::span<const Real> x, std::span<Real> y) const;
+  std::size_t bytes() const;
+
+ private:
+  struct Entry {
+    std::uint32_t other;  // of a row: the node; of a node: the row
+    std::array<Real, 3> factor;
+  };
+
+  std::vector<std::uint32_t> row_start_;  // into the entries of the rows, and the end
+  std::vector<Entry> of_row_;
+  std::vector<std::uint32_t> nodes_;  // that rows touch, ascending
+  std::vector<std::uint32_t> node_start_;
+  std::vector<Entry> of_node_;
+  mutable std::vector<Real> along_;  // c_p . x
+};
+
+extern template class PenaltyRows<float>;
+extern template class PenaltyRows<double>;
+
+}  // namespace lappet
