@@ -3,7 +3,7 @@ SHELL := /bin/bash
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: help setup daemon demo extension test test-gui sanitize fuzz lint format docs site bench clean
+.PHONY: help setup daemon demo extension test test-gui sanitize fuzz chaos lint format docs site bench clean
 
 PYTHON := .venv/bin/python
 JOBS ?= $(shell nproc)
@@ -39,7 +39,11 @@ sanitize:  ## run the daemon's tests, 100 000 mutated messages and several clien
 	@bash packaging/sanitize.sh
 
 fuzz:  ## play MESSAGES (1 000 000) mutated messages of a SEED (1) under sanitizers; what fails goes to build/findings
-	@bash packaging/sanitize.sh --messages $(or $(MESSAGES),1000000)
+	@SEED=$(or $(SEED),1) bash packaging/sanitize.sh --messages $(or $(MESSAGES),1000000)
+
+chaos:  ## solve for two minutes while it is killed, stopped, interrupted, filled, cut and pruned, at random by SEED (1)
+	@status=0; $(PYTHON) tests/chaos.py --seconds 120 --seed $(or $(SEED),1) --result docs/robustness_chaos.json || status=$$?; \
+	$(PYTHON) packaging/documents.py --write >/dev/null; exit $$status  # docs/robustness.md shows it
 
 lint:  ## check style, types, import directions, docstrings, documents and known vulnerabilities
 	@bash packaging/lint.sh

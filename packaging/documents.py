@@ -1,9 +1,9 @@
 """Keep the documents true: `documents.py --write` or `documents.py --check`.
 
-`--write` writes `docs/command_line.md` from the command line itself, `docs/problems.md` from the catalogue of problems
-and `docs/tissues.md` from the presets of tissue. Both check that every relative link and picture of every Markdown file
-of the repository leads to a file, and every anchor to a heading. `--check` changes nothing. The exit status is 1 if a
-page is out of date or a link leads nowhere.
+`--write` writes `docs/command_line.md` from the command line itself, `docs/problems.md` from the catalogue of
+problems, `docs/tissues.md` from the presets of tissue and `docs/robustness.md` from its last results. Both check that
+every relative link and picture of every Markdown file of the repository leads to a file, and every anchor to a
+heading. `--check` changes nothing. The exit status is 1 if a page is out of date or a link leads nowhere.
 """
 
 from __future__ import annotations
@@ -18,6 +18,7 @@ from urllib.parse import unquote
 import click
 
 import problem_page
+import robustness_page
 
 ROOT = Path(__file__).resolve().parent.parent
 PAGE = "docs/command_line.md"
@@ -94,7 +95,12 @@ def main(arguments: list[str]) -> int:
     from lappet.reports.tissues.page import tissue_page
 
     problems = []
-    pages = {PAGE: command_line_page(cli), problem_page.PAGE: problem_page.problem_page(), TISSUES: tissue_page()}
+    pages = {
+        PAGE: command_line_page(cli),
+        problem_page.PAGE: problem_page.problem_page(),
+        robustness_page.PAGE: robustness_page.robustness_page(),
+        TISSUES: tissue_page(),
+    }
     for name, text in pages.items():
         page = ROOT / name
         if arguments == ["--write"]:

@@ -1,8 +1,9 @@
 """Chaos: a procedure is solved again and again while it is killed, stopped, interrupted, filled, cut and pruned.
 
-`python tests/chaos.py --seed 1 --seconds 120` says what each seed did and which promise was broken. After every
-disturbed solve no partial file has a final name, nothing of it runs on and none of its temporary files is left; an
-undisturbed solve then gives, bit for bit, the cache of a solve that was never disturbed.
+`make chaos` does so for two minutes and keeps the result (`docs/robustness.md`). `python tests/chaos.py --seed 1
+--seconds 120` says what a seed did and which promise was broken. After every disturbed solve no partial file has a
+final name, nothing of it runs on and none of its temporary files is left; an undisturbed solve then gives, bit for
+bit, the cache of a solve that was never disturbed.
 """
 
 from __future__ import annotations
@@ -23,6 +24,7 @@ import uuid
 from collections import Counter
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
+from datetime import UTC, datetime
 from pathlib import Path
 
 from lappet.usd.stage import write_procedure
@@ -298,6 +300,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--seconds", type=float, default=120.0)
+    parser.add_argument("--result", type=Path, help="write there, as JSON, what was done and what was broken")
     given = parser.parse_args()
     with tempfile.TemporaryDirectory(prefix="chaos-") as folder:
         found = chaos(Path(folder), given.seed, given.seconds)
@@ -306,6 +309,16 @@ def main() -> int:
     for line in found.broken:
         print(f"  {line}")
     print(f"{len(found.broken)} promises broken")
+    if given.result is not None:
+        kept = {
+            "date": datetime.now(UTC).date().isoformat(),
+            "seed": given.seed,
+            "seconds": round(given.seconds),
+            "solves": found.done.total(),
+            "disturbances": dict(sorted(found.done.items())),
+            "broken": found.broken,
+        }
+        given.result.write_text(json.dumps(kept, indent=2) + "\n", encoding="utf-8")
     return 1 if found.broken else 0
 
 

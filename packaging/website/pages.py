@@ -43,6 +43,7 @@ CONTENTS = (
             "ARCHITECTURE.md",
             "GLOSSARY.md",
             "docs/solver.md",
+            "docs/robustness.md",
             "docs/background.md",
             "docs/skin_cache.md",
             "PROTOCOL.md",

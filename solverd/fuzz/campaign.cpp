@@ -11,8 +11,6 @@
 namespace lappet {
 namespace {
 
-constexpr std::uint64_t kSessionEvery = 4;
-
 using Replies = std::vector<std::vector<PartBytes>>;
 
 const RawMessage& any_message(const std::vector<NamedConversation>& corpus, Mutation& mutation) {
@@ -73,11 +71,11 @@ void play_session(const std::vector<NamedConversation>& corpus, Mutation& mutati
 }  // namespace
 
 void play_block(const std::vector<NamedConversation>& corpus, std::uint64_t seed, std::uint64_t block,
-                const Recorder& record) {
+                std::uint64_t session_every, const Recorder& record) {
   std::seed_seq mixed{seed, seed >> 32, block, block >> 32};
   std::mt19937_64 start(mixed);
   Mutation mutation(start());
-  if (block % kSessionEvery == 0) return play_session(corpus, mutation, record);
+  if (block % session_every == 0) return play_session(corpus, mutation, record);
   for (std::size_t i = 0; i < kBlock; ++i) {
     const RawMessage spoilt = mutation(any_message(corpus, mutation), any_message(corpus, mutation));
     record(spoilt);

@@ -13,9 +13,10 @@ inline constexpr std::size_t kBlock = 64;  // mutated messages in a block
 // What a block has played until now; called before each message, so that what ends the program is known.
 using Recorder = std::function<void(const RawMessage&)>;
 
-// Every fourth block is a session: a conversation of the corpus, mutated messages, and the conversation again, which
-// must be answered as before, bit for bit. The others decode mutated messages without solving. Throws Finding.
+// One block in `session_every` is a session: a conversation of the corpus, mutated messages, and the conversation
+// again, which must be answered as before, bit for bit. The others decode mutated messages without solving, which costs
+// a hundredth of it. Throws Finding.
 void play_block(const std::vector<NamedConversation>& corpus, std::uint64_t seed, std::uint64_t block,
-                const Recorder& record);
+                std::uint64_t session_every, const Recorder& record);
 
 }  // namespace lappet

@@ -21,7 +21,7 @@ constexpr std::uint64_t kSession = 1;
 // What a message may cost here, whatever it asks for.
 constexpr double kSeconds = 0.2;
 constexpr std::size_t kMemory = std::size_t{64} << 20;
-constexpr int kNewton = 20;
+constexpr int kNewton = 20, kManyNewton = 100'000;
 constexpr std::int32_t kConstraints = 1000;
 
 Views views_of(const RawMessage& message) {
@@ -32,7 +32,7 @@ Views views_of(const RawMessage& message) {
 void bound(SessionSettings& settings) {
   if (settings.time_budget == 0.0 || settings.time_budget > kSeconds) settings.time_budget = kSeconds;
   settings.memory_budget = std::min(settings.memory_budget, kMemory);
-  settings.max_newton = std::min(settings.max_newton, kNewton);
+  if (settings.max_newton < kManyNewton) settings.max_newton = std::min(settings.max_newton, kNewton);
   settings.sutures = std::min(settings.sutures, kConstraints);
   settings.retractors = std::min(settings.retractors, kConstraints);
   if (settings.threads == 0 || settings.threads > 1) settings.threads = 1;

@@ -4,17 +4,14 @@ from __future__ import annotations
 
 import os
 import stat
-import subprocess
 import time
 from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 import pytest
-from click.testing import CliRunner, Result
 
 from box_scene import box, pull
-from lappet.commands.cli import cli
 from lappet.core.problem_code import ProblemCode
 from lappet.cutting.epoch import Epoch
 from lappet.daemon.client import DaemonRefuses, SolverClient, SolverRefused
@@ -23,6 +20,7 @@ from lappet.daemon.process import SolverDaemon
 from lappet.daemon.running_daemon import ClientKeys, RunningDaemon
 from lappet.daemon.solved_frame import SolvedFrame
 from lappet.program.settings import SolverSettings
+from shared_daemon import SharedDaemon
 
 pytestmark = [pytest.mark.slow, pytest.mark.timeout(120)]
 SETTINGS = SolverSettings(spacing=1.0, threads=1)
@@ -117,51 +115,17 @@ def _argument(daemon: SolverDaemon, name: str) -> str:
 # --- one that several share, as docs/sharing_a_daemon.md says --------------------------------------------------------
 
 
-class Shared:
-    """A daemon of other people's: `address`, its folder of keys, and what its administrator does."""
-
-    def __init__(self, folder: Path, address: str) -> None:
-        self.folder, self.address = folder, address
-
-    def administer(self, *arguments: str) -> Result:
-        done = CliRunner().invoke(cli, ["keys", *arguments, "--keys", str(self.folder)])
-        assert done.exit_code == 0, done.output
-        return done
-
-    def user(self, name: str, role: str, *quotas: str) -> RunningDaemon:
-        """Somebody who made keys and was let in."""
-        own = self.folder.parent / "own"
-        assert CliRunner().invoke(cli, ["keys", "new", name, "--keys", str(own)]).exit_code == 0
-        self.administer("allow", name, "--key", str(own / f"{name}.pub"), "--role", role, *quotas)
-        return RunningDaemon(self.address, str(self.folder / "server.pub"), str(own / f"{name}.key"))
-
-
 @pytest.fixture
-def shared(binary: Path, tmp_path: Path) -> Iterator[Shared]:
-    folder = tmp_path / "keys"
-    assert CliRunner().invoke(cli, ["keys", "new", "--server", "--keys", str(folder)]).exit_code == 0
-    command = [str(binary), "--listen", "tcp://127.0.0.1:0", "--keys", str(folder)]
-    environment = {name: value for name, value in os.environ.items() if name != "LAPPET_TOKEN"}
-    with subprocess.Popen(
-        command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, env=environment, text=True
-    ) as process:
-        try:
-            assert process.stdout is not None
-            word, _, address = process.stdout.readline().strip().partition(" ")
-            assert word == "listening"
-            yield Shared(folder, address)
-            assert process.poll() is None, "the daemon did not live through the test"
-            process.terminate()
-            assert process.wait(10.0) == 0
-        finally:
-            process.kill()
+def shared(binary: Path, tmp_path: Path) -> Iterator[SharedDaemon]:
+    with SharedDaemon(binary, tmp_path) as daemon:
+        yield daemon
 
 
 def client_of(daemon: RunningDaemon) -> SolverClient:
     return SolverClient(daemon.address, keys=daemon.keys())
 
 
-def test_an_author_solves_until_revoked_and_is_then_refused_within_a_second(shared: Shared) -> None:
+def test_an_author_solves_until_revoked_and_is_then_refused_within_a_second(shared: SharedDaemon) -> None:
     anna = shared.user("anna", "author")
     with client_of(anna) as client:
         assert solved(client).converged
@@ -175,7 +139,7 @@ def test_an_author_solves_until_revoked_and_is_then_refused_within_a_second(shar
     assert refused.value.problems[0].code == ProblemCode.DAEMON_KEY_UNKNOWN
 
 
-def test_what_a_role_does_not_permit_is_a_problem_and_another_role_permits_it_at_once(shared: Shared) -> None:
+def test_what_a_role_does_not_permit_is_a_problem_and_another_role_permits_it_at_once(shared: SharedDaemon) -> None:
     ben = shared.user("ben", "follower")
     with client_of(ben) as client:
         assert client.ping() < 1.0
@@ -190,7 +154,7 @@ def test_what_a_role_does_not_permit_is_a_problem_and_another_role_permits_it_at
         assert solved(client).converged
 
 
-def test_the_daemon_keeps_the_quotas_that_the_command_line_wrote(shared: Shared) -> None:
+def test_the_daemon_keeps_the_quotas_that_the_command_line_wrote(shared: SharedDaemon) -> None:
     anna = shared.user("anna", "author", "--sessions", "1", "--threads", "1", "--memory-gib", "0.5", "--seconds", "30")
     with client_of(anna) as first, client_of(anna) as second:
         assert first.welcome["threads"] == 1

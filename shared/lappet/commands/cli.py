@@ -11,6 +11,7 @@ import click
 
 from lappet.commands.check_command import check
 from lappet.commands.demo_command import demo
+from lappet.commands.follow_command import follow
 from lappet.commands.inspect_command import inspect
 from lappet.commands.keys_command import keys
 from lappet.commands.new_command import new
@@ -49,5 +50,5 @@ def main() -> None:
     cli.main(prog_name="lappet")
 
 
-for _command in (solve, demo, check, inspect, render, new, report, keys):
+for _command in (solve, follow, demo, check, inspect, render, new, report, keys):
     cli.add_command(_command)

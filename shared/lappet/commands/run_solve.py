@@ -144,12 +144,30 @@ def summary(result: SolveResult) -> str:
     str
         The text.
     """
-    lines = []
     total = len(result.frames)
-    lines.append(
+    return result_lines(
         f"{total} frame{'' if total == 1 else 's'} done: {result.solved} solved, {result.looked_up} looked up, "
-        f"{result.wall_seconds:.1f} s."
+        f"{result.wall_seconds:.1f} s.",
+        result,
     )
+
+
+def result_lines(first: str, result: SolveResult) -> str:
+    """Say what was found, and where it is; why there is no more is said on standard error.
+
+    Parameters
+    ----------
+    first
+        The first line.
+    result
+        What was found.
+
+    Returns
+    -------
+    str
+        The text.
+    """
+    lines = [first]
     if result.errors is not None:
         lines += error_lines(result.errors)
     lines += force_lines(result.measures)

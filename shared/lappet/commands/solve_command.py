@@ -39,6 +39,12 @@ if TYPE_CHECKING:
     metavar="MM",
     help="Choose spacing, quadrature and tolerance for this root mean square displacement error of the skin.",
 )
+@click.option(
+    "--share",
+    type=click.FloatRange(min=0),
+    metavar="SECONDS",
+    help="Let every user of the daemon follow (lappet follow), and wait so long for them before the first frame.",
+)
 @gravity_options("the procedure's")
 @solve_options
 @reading_options
@@ -56,6 +62,7 @@ def solve(
     sections_path: Path | None,
     frames: tuple[int | None, int | None] | None,
     target_error: float | None,
+    share: float | None,
     position: tuple[float, float, float] | None,
     gravity: float | None,
     settings: SolverSettings,
@@ -63,12 +70,14 @@ def solve(
     **options: Any,
 ) -> None:
     """Solve a procedure and write its skin cache."""
+    if share is not None and options["daemon"] is None:
+        raise click.UsageError("--share is of no use without --daemon: nobody else reaches a daemon of your own.")
     with sentences(context):
         reading = context.with_resource(ProcedureFile(procedure, limits))  # it runs while the rest is loaded
         from lappet.commands.run_solve import run_solve, run_to_target, summary, write_tables
 
         cache = output or procedure.with_suffix(".cache.usdc")
-        options["frames"] = frames or (None, None)
+        options.update(frames=frames or (None, None), share=share)
         source = reading if position is None and gravity is None else _lying(reading, position, gravity)
         if target_error is None:
             result = run_solve(source, cache, report_path, settings, **options)

@@ -27,18 +27,8 @@ def solve_options(command: Callable[..., Any]) -> Callable[..., Any]:
     Callable[..., Any]
         The function with the options.
     """
-
-    @functools.wraps(command)
-    def with_settings(*arguments: Any, **given: Any) -> Any:
-        chosen = {
-            item.name: _setting(item, option, value)
-            for item, option in options()
-            if (value := given.pop(item.name)) is not None
-        }
-        return command(*arguments, settings=SolverSettings(**chosen), **given)
-
     added: list[Callable[[Callable[..., Any]], Callable[..., Any]]] = [
-        *(_setting_option(item, option) for item, option in options()),
+        setting_options,
         click.option(
             "--store", type=FILE, help="Folder for solved frames.  [default: LAPPET_STORE or the user's cache]"
         ),
@@ -51,7 +41,35 @@ def solve_options(command: Callable[..., Any]) -> Callable[..., Any]:
         ),
     ]
     for option in reversed(added):
-        with_settings = option(with_settings)
+        command = option(command)
+    return command
+
+
+def setting_options(command: Callable[..., Any]) -> Callable[..., Any]:
+    """Add the options of the solver's settings, which the command takes as one `SolverSettings`.
+
+    Parameters
+    ----------
+    command
+        The command's function, with a parameter `settings`.
+
+    Returns
+    -------
+    Callable[..., Any]
+        The function with the options.
+    """
+
+    @functools.wraps(command)
+    def with_settings(*arguments: Any, **given: Any) -> Any:
+        chosen = {
+            item.name: _setting(item, option, value)
+            for item, option in options()
+            if (value := given.pop(item.name)) is not None
+        }
+        return command(*arguments, settings=SolverSettings(**chosen), **given)
+
+    for item, option in reversed(list(options())):
+        with_settings = _setting_option(item, option)(with_settings)
     return with_settings
 
 

@@ -38,6 +38,9 @@ class PlainProgress(SolveObserver):
     def begin(self, frames: int) -> None:
         self._frames = frames
 
+    def shared(self, session: int) -> None:
+        self._say(shared_line(session))
+
     def frame(self, frame: FrameResult) -> None:
         self._done += 1
         self._say(f"{describe(frame)} ({self._done}/{self._frames})")
@@ -81,6 +84,10 @@ class BarProgress(SolveObserver):
     def begin(self, frames: int) -> None:
         self._task = self._bar.add_task("frames", total=frames, state="")
 
+    def shared(self, session: int) -> None:
+        with contextlib.suppress(OSError):
+            self._bar.console.print(shared_line(session), markup=False, highlight=False)
+
     def iteration(self, iteration: Iteration) -> None:
         if time.monotonic() - self._shown < 0.1 or self._task is None:
             return
@@ -114,6 +121,22 @@ def solve_progress(plain: bool = False) -> PlainProgress | BarProgress:
         The observer.
     """
     return PlainProgress() if plain or not sys.stderr.isatty() else BarProgress()
+
+
+def shared_line(session: int) -> str:
+    """Say that a session is shared, and how others follow it.
+
+    Parameters
+    ----------
+    session
+        Number of the session.
+
+    Returns
+    -------
+    str
+        The line.
+    """
+    return f"session {session} is shared: lappet follow PROCEDURE {session}"
 
 
 def describe(frame: FrameResult) -> str:

@@ -241,6 +241,10 @@ class SolverClient:
         reply = expect(self._connection.request("solve", told.fields, told.arrays, progressed), "frame")
         return read_frame(reply, frame, self._settings, self._landmarks, self._lattice, self._sections)
 
+    def share(self) -> None:
+        """Let every user of the daemon follow the session (`lappet.daemon.follower`); the daemon must have keys."""
+        expect(self._connection.request("share"), "accepted")
+
     def cancel(self) -> None:
         """Cancel the solve that runs; from any thread."""
         self._connection.cancel()

@@ -24,6 +24,9 @@ _POLL_MS = 50
 _PING_SECONDS = 2.0
 _CANCEL_SECONDS = 3.0
 _HEARTBEAT_SECONDS = 5.0
+# What is not sent when the socket is closed waits so long. At 0 libzmq may throw away the rest of a message of which it
+# has sent a part, and aborts the process when the connection is cut just then (session_base.cpp, clean_pipes).
+_LINGER_MS = 200
 
 
 ERROR_CODES = {
@@ -154,7 +157,7 @@ class DaemonConnection:
 
     def _open(self, socket: zmq.Socket[Any], address: str) -> None:
         """Connect the socket, and wait until both sides have proved themselves: before that nothing is sent."""
-        socket.setsockopt(zmq.LINGER, 0)
+        socket.setsockopt(zmq.LINGER, _LINGER_MS)
         socket.setsockopt(zmq.IPV6, int("[" in address))
         if self._keys is None:
             require_no_stranger(address)
@@ -181,7 +184,6 @@ class DaemonConnection:
         with self._lock:
             if self._socket is not None:
                 if not self._owns_daemon and self.welcome:
-                    self._socket.setsockopt(zmq.LINGER, 200)
                     with contextlib.suppress(DaemonDied, zmq.ZMQError):
                         self._send("bye", next(self._ids))
                 if self._handshake is not None:
@@ -252,11 +254,40 @@ class DaemonConnection:
             except BaseException:
                 self._give_up(identifier)
                 raise
-        if reply.type == "error":
-            code = ERROR_CODES.get(str(reply.fields.get("code")), ProblemCode.SOLVER_INTERNAL)
-            error = SolveCancelled if code is ProblemCode.SOLVER_CANCELLED else SolverRefused
-            raise error.of(code, "", str(reply.fields.get("message", "The daemon gave no reason.")))
-        return reply
+        return _without_error(reply)
+
+    def follow(self, session: int, on_message: Callable[[Message], None]) -> None:
+        """Follow a session of another connection until it is over; this connection is of no other use after that.
+
+        What `on_message` raises, and Ctrl-C, ends it too.
+
+        Parameters
+        ----------
+        session
+            Number of the session.
+        on_message
+            Called with every `lattice`, `progress` and `frame` that the session's own client is answered with.
+
+        Raises
+        ------
+        DaemonDied
+            If the daemon is gone or fell silent.
+        DaemonRefuses
+            If it lets the user in no longer.
+        SolverRefused
+            If there is no such session that the user may follow, or the daemon has no keys.
+        WireError
+            If a message breaks PROTOCOL.md.
+        """
+        with self._lock:  # else the heartbeat would read what comes
+            self.session = session
+            identifier = expect(self.request("follow"), "accepted").id
+            while True:
+                message = self._wait(identifier, on_message)
+                try:
+                    on_message(_without_error(message))
+                except SolveCancelled:
+                    return
 
     def _send(
         self,
@@ -299,7 +330,8 @@ class DaemonConnection:
             return None
         frames = self._socket.recv_multipart(zmq.DONTWAIT)
         self._unanswered_since = None
-        return decode(frames, self._max_message_bytes)
+        # A follower may send little, and is sent whole frames.
+        return decode(frames, max(self._max_message_bytes, DEFAULT_MAX_MESSAGE_BYTES))
 
     def _check_alive(self) -> None:
         if self._daemon is not None and not self._daemon.alive():
@@ -344,6 +376,15 @@ class DaemonConnection:
                 continue  # the next request says so
             finally:
                 self._lock.release()
+
+
+def _without_error(message: Message) -> Message:
+    """The message, unless it is an error."""
+    if message.type != "error":
+        return message
+    code = ERROR_CODES.get(str(message.fields.get("code")), ProblemCode.SOLVER_INTERNAL)
+    error = SolveCancelled if code is ProblemCode.SOLVER_CANCELLED else SolverRefused
+    raise error.of(code, "", str(message.fields.get("message", "The daemon gave no reason.")))
 
 
 def expect(message: Message, kind: str) -> Message:

@@ -34,6 +34,8 @@ class DaemonSolver:
         Token of a running daemon without keys.
     keys
         The running daemon's key and the user's own, where it has keys.
+    shared
+        Called with the number of the session once every user may follow it; nobody else may where it is left out.
     """
 
     def __init__(
@@ -43,11 +45,15 @@ class DaemonSolver:
         address: str | None = None,
         token: str | None = None,
         keys: ClientKeys | None = None,
+        shared: Callable[[int], None] | None = None,
     ) -> None:
         self._client = SolverClient(address, token, keys=keys)
         self._client.connect()
         try:
-            self._client.open(settings, bones)
+            session = self._client.open(settings, bones)
+            if shared is not None:
+                self._client.share()
+                shared(session)
         except BaseException:
             self._client.close()
             raise
@@ -156,13 +162,15 @@ class DaemonSolver:
         self._client.close()
 
 
-def connect_to(daemon: RunningDaemon | None) -> Connect:
+def connect_to(daemon: RunningDaemon | None, shared: Callable[[int], None] | None = None) -> Connect:
     """Make what opens sessions with a daemon.
 
     Parameters
     ----------
     daemon
         A running daemon; with None each session starts one for itself.
+    shared
+        Called with the number of each session once every user of a running daemon may follow it.
 
     Returns
     -------
@@ -171,7 +179,7 @@ def connect_to(daemon: RunningDaemon | None) -> Connect:
     """
     if daemon is None:
         return DaemonSolver
-    return lambda settings, bones: DaemonSolver(settings, bones, daemon.address, keys=daemon.keys())
+    return lambda settings, bones: DaemonSolver(settings, bones, daemon.address, keys=daemon.keys(), shared=shared)
 
 
 def solver_identity(daemon: RunningDaemon | None, silence: float = 20.0) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import tempfile
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -131,6 +131,7 @@ def solve_procedure(
     *,
     frames: tuple[int | None, int | None] = (None, None),
     daemon: RunningDaemon | None = None,
+    share: float | None = None,
     store: FrameStore | None = None,
     observer: SolveObserver | None = None,
     connect: Connect | None = None,
@@ -156,6 +157,8 @@ def solve_procedure(
         First and last time code to write, None for the procedure's; everything up to the last one is solved.
     daemon
         A running daemon; None starts one.
+    share
+        Seconds to wait for whoever wants to follow the session before its first frame; None lets nobody follow.
     store
         Where frames are kept; the user's store when None.
     observer
@@ -180,11 +183,10 @@ def solve_procedure(
         If the procedure has errors, cannot be solved at all, or the output cannot be written.
     """
     started = time.perf_counter()
-    watch = _Noting(observer or SolveObserver())
-    output = Path(output)
-    _refuse_output(output)
-    procedure, path, notes = _read(source, output, limits)
-    notes += _check(procedure, settings)
+    watch, output = _Noting(observer or SolveObserver()), Path(output)
+    refuse_output(output)
+    procedure, path, notes = read_source(source, output, limits)
+    notes += check_source(procedure, settings)
     first, last = _range(procedure, frames)
     program = compile_program(procedure, settings=replace(settings, correction=error_estimate), until=last)
     for note in (*notes, *program.notes):
@@ -193,7 +195,8 @@ def solve_procedure(
         connect = connect or connect_to(daemon)
         solver = solver or solver_identity(daemon)
     store = store or FrameStore()
-    result = solve_program(program, store, connect, solver, watch)
+    sharing = connect if share is None else connect_to(daemon, _shared(watch, share))
+    result = solve_program(program, store, sharing, solver, watch)
     wanted = [frame for frame in result.frames if frame.constraints.time >= first]
     if not wanted and result.reason is not None and result.failed is None:
         raise RefusedError([result.reason])
@@ -205,13 +208,12 @@ def solve_procedure(
     if error_estimate and result.frames:
         errors = _estimate(program, result, store, connect, solver, found)
         measures, errors = _with_errors(program, gauges, result.frames, measures, errors)
-    written = None
+    written = output if wanted else None
     if wanted:
         kept = slice(len(result.frames) - len(wanted), None)
         write_skin_cache(
             output, path, procedure, program, [each.solved for each in wanted], wanted[-1].key, measures[kept]
         )
-        written = output
     return SolveResult(
         procedure,
         program,
@@ -243,8 +245,29 @@ def _with_errors(
     return found, replace(errors, coarse=())
 
 
-def _refuse_output(output: Path) -> None:
-    """Refuse, before anything is solved, a file that the skin cache could not be written to."""
+def _shared(watch: SolveObserver, seconds: float) -> Callable[[int], None]:
+    """Say which session is shared, and wait for those who follow."""
+
+    def wait(session: int) -> None:
+        watch.shared(session)
+        time.sleep(seconds)
+
+    return wait
+
+
+def refuse_output(output: Path) -> None:
+    """Refuse, before anything is solved, a file that the skin cache could not be written to.
+
+    Parameters
+    ----------
+    output
+        The skin cache.
+
+    Raises
+    ------
+    RefusedError
+        If it has another suffix, or the file system refuses.
+    """
     if output.suffix not in SUFFIXES:
         raise refused(ProblemCode.CACHE_SUFFIX, output, output.suffix)
     if output.is_dir():
@@ -257,10 +280,30 @@ def _refuse_output(output: Path) -> None:
         raise refused(ProblemCode.CACHE_NOT_WRITABLE, output, error.strerror or error) from error
 
 
-def _read(
+def read_source(
     source: Path | str | Procedure | ProcedureFile, output: Path, limits: ReadLimits
 ) -> tuple[Procedure, Path, list[Problem]]:
-    """The procedure, the file that the skin cache goes over, and notes of what was converted while reading."""
+    """Read a procedure; one that is no file is written beside the cache.
+
+    Parameters
+    ----------
+    source
+        A USD file, or one that is being read, or a procedure.
+    output
+        The skin cache.
+    limits
+        What reading the file may take.
+
+    Returns
+    -------
+    tuple[Procedure, Path, list[Problem]]
+        The procedure, the file that the skin cache goes over, and notes of what was converted while reading.
+
+    Raises
+    ------
+    RefusedError
+        If it is no procedure, or the cache would take its place.
+    """
     if isinstance(source, Procedure):
         path = output.with_suffix(".procedure.usda")
         write_procedure(source, path)
@@ -274,8 +317,26 @@ def _read(
         return file.procedure(notes), path, notes
 
 
-def _check(procedure: Procedure, settings: SolverSettings) -> list[Problem]:
-    """The warnings and notes; errors are refused."""
+def check_source(procedure: Procedure, settings: SolverSettings) -> list[Problem]:
+    """Check a procedure before it is solved.
+
+    Parameters
+    ----------
+    procedure
+        The procedure.
+    settings
+        How it is solved.
+
+    Returns
+    -------
+    list[Problem]
+        The warnings and notes.
+
+    Raises
+    ------
+    RefusedError
+        If it has errors.
+    """
     problems = check(procedure, spacing=settings.spacing or None)
     errors = [each for each in problems if each.severity == "error"]
     if errors:
@@ -317,6 +378,9 @@ class _Noting(SolveObserver):
 
     def begin(self, frames: int) -> None:
         self._watcher.begin(frames)
+
+    def shared(self, session: int) -> None:
+        self._watcher.shared(session)
 
     def iteration(self, iteration: Iteration) -> None:
         self._watcher.iteration(iteration)

@@ -42,6 +42,15 @@ class SolveObserver:
             Number of frames.
         """
 
+    def shared(self, session: int) -> None:
+        """Hear that every user of the daemon may follow the session from now on.
+
+        Parameters
+        ----------
+        session
+            Number of the session.
+        """
+
     def iteration(self, iteration: Iteration) -> None:
         """Hear of a Newton iteration.
 

@@ -207,7 +207,7 @@ void Server::greet(const std::string& identity, const Hello& hello) {
     found->second.heard = heard_;
     return;
   }
-  if (clients_.size() + retired_.size() >= options_.max_clients) {
+  if (clients_.size() + retired_.size() >= options_.max_clients && !make_room()) {
     throw RefusedError(ErrorCode::kOutOfOrder, "The daemon serves " + std::to_string(options_.max_clients) +
                                                    " clients already; close one, or start another daemon.");
   }
@@ -264,6 +264,16 @@ void Server::drop_idle_clients() {
   } else if (options_.parent != 0 && ::kill(options_.parent, 0) != 0 && errno == ESRCH) {
     end_reason_ = "its parent process " + std::to_string(options_.parent) + " ended";
   }
+}
+
+// Drops the client that was silent longest, if that is longer than one that lives is.
+bool Server::make_room() {
+  const auto longest = std::ranges::min_element(clients_, {}, [](const auto& client) { return client.second.heard; });
+  if (longest == clients_.end() || Clock::now() - longest->second.heard <= options_.silence_where_full) return false;
+  spdlog::warn("{} was silent for too long and makes room", in_quotes(longest->second.name));
+  retire(std::move(longest->second));
+  clients_.erase(longest);
+  return true;
 }
 
 void Server::retire(Client client) {

@@ -24,8 +24,9 @@ struct ServerOptions {
   std::size_t max_clients = 8;
   std::uint64_t first_session = 1;            // the number of the first session
   std::chrono::milliseconds silence{60'000};  // a client, and the daemon, ends after hearing nothing for so long
-  int input = -1;                             // a file descriptor whose end of file ends the daemon, or -1
-  int parent = 0;                             // a process whose end ends the daemon, or 0
+  std::chrono::milliseconds silence_where_full{15'000};  // a client, when another wants its place: three pings
+  int input = -1;                                        // a file descriptor whose end of file ends the daemon, or -1
+  int parent = 0;                                        // a process whose end ends the daemon, or 0
 };
 
 class Server {
@@ -64,6 +65,7 @@ class Server {
   void forward_replies();
   void read_input();
   void drop_idle_clients();
+  bool make_room();
   void retire(Client client);
 
   const ServerOptions options_;

@@ -20,7 +20,9 @@ class RetrySchedule {
  public:
   // before: the state before differs from rest and is valid to start from. max_newton: iterations of one load step.
   RetrySchedule(bool before, int max_newton)
-      : max_newton_(max_newton), budget_(kNewtonBudget * max_newton), next_{Attempt{!before, 1}} {}
+      : max_newton_(std::min(max_newton, kMaxNewton)),
+        budget_(kNewtonBudget * max_newton_),
+        next_{Attempt{!before, 1}} {}
 
   const std::optional<Attempt>& next() const { return next_; }
   // Newton iterations that a load step may take once the frame has taken `used`.
@@ -53,6 +55,7 @@ class RetrySchedule {
 
  private:
   static constexpr int kMaxLoadSteps = 16;
+  static constexpr int kMaxNewton = 1'000'000;  // as good as no limit, and its sums are far from an int's end
   // A halved first load step that fails at a residual not this much lower did not help; so often in a row.
   static constexpr double kHelp = 0.5;
   static constexpr int kMaxUnimproved = 2;

@@ -316,6 +316,27 @@ TEST_F(ServerTest, OneClientDoesNotWaitForAnotherAndTheirNumberIsBounded) {
   EXPECT_EQ(first.ask("bye").type, "accepted");
 }
 
+TEST_F(ServerTest, WhereThereIsNoOtherPlaceThatOfAClientThatVanishedIsGivenAway) {
+  ServerOptions options;
+  options.max_clients = 2;
+  options.silence_where_full = milliseconds(600);
+  serve(options);
+  Peer lives(*this);
+  Peer vanished(*this);
+  Peer waiting(*this);
+  EXPECT_EQ(lives.greet().type, "welcome");
+  EXPECT_EQ(vanished.greet().type, "welcome");
+  EXPECT_EQ(waiting.greet().code, "out_of_order");
+  for (int i = 0; i < 10; ++i) {
+    std::this_thread::sleep_for(milliseconds(100));
+    EXPECT_EQ(lives.ask("ping").type, "pong");
+  }
+  EXPECT_EQ(waiting.greet().type, "welcome");
+  EXPECT_EQ(vanished.ask("ping").code, "out_of_order");
+  EXPECT_EQ(vanished.greet().code, "out_of_order") << "who is heard keeps their place";
+  EXPECT_EQ(lives.ask("ping").type, "pong");
+}
+
 TEST_F(ServerTest, BrokenMessagesGetAnErrorWithTheirIdAndNothingElse) {
   serve();
   Peer peer(*this);

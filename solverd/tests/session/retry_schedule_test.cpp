@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
+
 namespace lappet {
 namespace {
 
@@ -40,6 +42,16 @@ TEST(RetrySchedule, OneThatGoesOnAndGetsLostIsTriedInLoadSteps) {
   ASSERT_TRUE(schedule.next());
   EXPECT_FALSE(schedule.next()->goes_on);
   EXPECT_EQ(schedule.next()->load_steps, 2);
+}
+
+TEST(RetrySchedule, AnyNumberOfIterationsMayBeAllowed) {
+  RetrySchedule schedule(true, std::numeric_limits<int>::max());
+  for (int used = 0; schedule.next() && !schedule.next()->from_rest; used += 1'000'000) {
+    EXPECT_GE(schedule.newton_left(used), 1'000'000);
+    schedule.failed(0, 3e-3, used + 1'000'000, true);
+  }
+  ASSERT_TRUE(schedule.next());
+  EXPECT_GE(schedule.newton_left(4'000'000), 1'000'000);
 }
 
 }  // namespace
