@@ -6,13 +6,19 @@ import contextlib
 import os
 import time
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import TypeVar
 
 from lappet.background.solver import BackgroundSolver
 from lappet.background.worker_events import Finished, FrameReady, Listed, Note, WorkerEvent
 from lappet.core.problem import Problem
+from lappet.core.value_codec import pack
+from lappet.daemon.solved_frame import Diagnostics, SolvedFrame
+from lappet.procedure import Hook, Incision, Procedure
 from lappet.program.settings import SolverSettings
+from lappet.solve.store import FrameStore
+from small_procedure import TOP, small_procedure
 
 Kind = TypeVar("Kind")
 SETTINGS = SolverSettings()
@@ -125,3 +131,27 @@ def kill(process: int) -> None:
     """kill -9."""
     with contextlib.suppress(ProcessLookupError):
         os.kill(process, 9)
+
+
+def long_procedure(frames: int = 24) -> Procedure:
+    """A slit pulled open by a hook that moves in every frame."""
+    samples = tuple((float(t), (0.3 * t * (-1) ** t, 2.0 + 0.1 * t, TOP + 0.1 * t)) for t in range(2, frames + 1))
+    return small_procedure(
+        events=(
+            Incision("slit", 1.0, ((-6.0, 0.0, TOP), (6.0, 0.0, TOP)), kerf=0.1),
+            Hook("hook", (0.0, 2.0, TOP), samples, 2.0, 1e6),
+        ),
+        end_time=float(frames),
+    )
+
+
+def is_frame(time: int) -> Callable[[WorkerEvent], bool]:
+    return lambda each: isinstance(each, FrameReady) and each.time == time
+
+
+def contents(store: Path, keys: list[str]) -> list[bytes]:
+    """The frames in a store with their states, but for the times that they took."""
+    frames = [FrameStore(store).get(key, SolvedFrame) for key in keys]
+    assert all(frame is not None and frame.state is not None for frame in frames)
+    plain = Diagnostics(converged=True)
+    return [pack(replace(frame, diagnostics=plain, lattice=None)) for frame in frames if frame is not None]

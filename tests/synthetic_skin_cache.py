@@ -89,6 +89,13 @@ def deform(rest: NDArray[np.float64], time: float, slit: bool) -> NDArray[np.flo
     return moved.astype(np.float32)
 
 
+def lips_apart(rest: NDArray[np.float64], gape: float) -> NDArray[np.float32]:
+    """The slit patch with its two lips `gape` mm apart."""
+    moved = rest.copy()
+    moved[:, 1] += np.where(rest[:, 1] > 0, gape / 2, -gape / 2)
+    return moved.astype(np.float32)
+
+
 def _normals(points: NDArray[np.float32], triangles: NDArray[np.int32]) -> NDArray[np.float32]:
     a, b, c = (points[triangles[:, k]] for k in range(3))
     face = np.cross(b - a, c - a)

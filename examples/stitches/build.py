@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from lappet.designs import fusiform
+from lappet.designs import fusiform, oval
 from lappet.procedure import Event, Excision, Incision, Landmark, Point, Procedure, Undermine
 from lappet.procedure.stitches import Station, Stitch, deep_dermal, running, vertical_mattress
 from lappet.tissue.patch import flat_patch
@@ -86,13 +86,11 @@ def landmarks() -> list[Event]:
 def build(spacing: float = SPACING) -> Procedure:
     """The whole procedure; spacing: of the lattice, mm."""
     whole = fusiform((0.0, 0.0, THICKNESS), LENGTH, WIDTH, (1.0, 0.0, 0.0))
-    turn = np.linspace(0.0, 2 * np.pi, 48, endpoint=False)
-    ends, sides = LENGTH / 2 + BEYOND, WIDTH / 2 + BEYOND
-    area = [point(np.array([ends * np.cos(t), sides * np.sin(t), THICKNESS])) for t in turn]
+    area = oval((0.0, 0.0, THICKNESS), LENGTH + 2 * BEYOND, WIDTH + 2 * BEYOND, (1.0, 0.0, 0.0))
     events: list[Event] = [
         Incision("incision", INCISE, whole.curve, kerf=KERF, closed=True),
         Excision("excision", EXCISE, (whole.seed,)),
-        Undermine("undermining", UNDERMINE, tuple(area)),
+        Undermine("undermining", UNDERMINE, tuple(point(np.array(p)) for p in area)),
         *sutures(),
         *landmarks(),
     ]

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from lappet.designs import ZPlasty, z_plasty
+from lappet.designs import ZPlasty, oval, z_plasty
 from lappet.procedure import Event, Hook, Incision, Landmark, Point, Procedure, Suture, Undermine
 from lappet.tissue.patch import flat_patch
 from lappet.tissue.presets import TAUT_SKIN
@@ -80,11 +80,9 @@ def build() -> Procedure:
     """The whole procedure."""
     design = z_plasty((0.0, 0.0, THICKNESS), (1.0, 0.0, 0.0), LIMB, ANGLE)
     a, b, c, d = (np.array(p) for p in design.curve)
-    turn = np.linspace(0.0, 2 * np.pi, 48, endpoint=False)
-    area = [(float(15 * np.cos(t)), float(24 * np.sin(t)), THICKNESS) for t in turn]
     events: list[Event] = [
         Incision("incision", INCISE, design.curve, kerf=KERF),
-        Undermine("undermining", UNDERMINE, tuple(area)),
+        Undermine("undermining", UNDERMINE, oval((0.0, 0.0, THICKNESS), 30.0, 48.0, (1.0, 0.0, 0.0))),
         hook("hook_1", b, (a + c) / 2, d, 9.0),
         hook("hook_2", c, (b + d) / 2, a, 14.0),
         *sutures(design),

@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-import json
 import subprocess
 import sys
 import time
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from background_owner import SETTINGS, Owner, alive, daemon_of, kill, owner, wait_gone
+from background_owner import SETTINGS, contents, is_frame, long_procedure, owner
 from lappet.background.manifest_store import get_manifest, put_manifest
 from lappet.background.solver import BackgroundSolver
 from lappet.background.worker_events import (
@@ -22,59 +20,20 @@ from lappet.background.worker_events import (
     FrameReady,
     IterationDone,
     Listed,
-    Refused,
-    WorkerEvent,
 )
 from lappet.core.problem import problem
 from lappet.core.problem_code import ProblemCode
 from lappet.core.value_codec import pack
-from lappet.daemon.solved_frame import Diagnostics, SolvedFrame
 from lappet.output.solve_to_cache import solve_procedure
-from lappet.procedure import Hook, Incision, Procedure, Suture
+from lappet.procedure import Suture
 from lappet.program.settings import SolverSettings
 from lappet.solve.store import FrameStore
 from small_procedure import TOP, small_procedure
 
 pytestmark = pytest.mark.slow
 
-MISSING = Path("no such folder")
 
 TOLD = problem(ProblemCode.CURVE_PINNED, "/Procedure/Timeline/slit", "from the store")
-
-
-def long_procedure(frames: int = 24) -> Procedure:
-    """A slit pulled open by a hook that moves in every frame."""
-    samples = tuple((float(t), (0.3 * t * (-1) ** t, 2.0 + 0.1 * t, TOP + 0.1 * t)) for t in range(2, frames + 1))
-    return small_procedure(
-        events=(
-            Incision("slit", 1.0, ((-6.0, 0.0, TOP), (6.0, 0.0, TOP)), kerf=0.1),
-            Hook("hook", (0.0, 2.0, TOP), samples, 2.0, 1e6),
-        ),
-        end_time=float(frames),
-    )
-
-
-def is_frame(time: int) -> Callable[[WorkerEvent], bool]:
-    return lambda each: isinstance(each, FrameReady) and each.time == time
-
-
-def contents(store: Path, keys: list[str]) -> list[bytes]:
-    """The frames in a store with their states, but for the times that they took."""
-    frames = [FrameStore(store).get(key, SolvedFrame) for key in keys]
-    assert all(frame is not None and frame.state is not None for frame in frames)
-    plain = Diagnostics(converged=True)
-    return [pack(replace(frame, diagnostics=plain, lattice=None)) for frame in frames if frame is not None]
-
-
-@pytest.fixture(scope="module")
-def foreground(tmp_path_factory: pytest.TempPathFactory, binary: Path) -> Path:
-    """The store of `lappet solve` for the long procedure."""
-    folder = tmp_path_factory.mktemp("foreground")
-    result = solve_procedure(
-        long_procedure(), folder / "c.usdc", store=FrameStore(folder / "store"), error_estimate=False
-    )
-    assert result.complete
-    return folder / "store"
 
 
 def test_a_background_solve_has_the_keys_and_the_bits_of_lappet_solve(tmp_path: Path, binary: Path) -> None:
@@ -168,57 +127,6 @@ def test_a_solve_ends_at_the_frame_that_is_asked_for(tmp_path: Path, binary: Pat
         assert own.finished(own.solver.solve(small_procedure(), SETTINGS, until=0)).frames == 0
 
 
-def test_a_killed_worker_is_started_again_and_nothing_is_lost(foreground: Path, tmp_path: Path, binary: Path) -> None:
-    with owner(tmp_path) as own:
-        job = own.solver.solve(long_procedure(), SETTINGS)
-        own.until(is_frame(4))
-        worker = own.solver.worker
-        assert worker is not None
-        daemon = daemon_of(worker)
-        kill(worker)
-        assert own.finished(job).frames == 24
-        wait_gone(daemon)
-        assert own.solver.worker != worker
-        (note,) = own.notes(job)
-        assert (note.code, note.severity) == (ProblemCode.BACKGROUND_RESTARTED, "note")
-        assert "SIGKILL" in note.value
-        frames = own.frames(job)
-        assert own.manifest(job).manifest.frames[3].key == frames[4].key
-        keys = [frame.key for frame in frames.values()]
-    assert len(keys) == 24
-    assert contents(tmp_path, keys) == contents(foreground, keys)
-
-
-def test_a_killed_daemon_costs_one_note_and_no_frame(foreground: Path, tmp_path: Path, binary: Path) -> None:
-    with owner(tmp_path) as own:
-        job = own.solver.solve(long_procedure(), SETTINGS)
-        own.until(is_frame(4))
-        worker = own.solver.worker
-        assert worker is not None
-        kill(daemon_of(worker))
-        assert own.finished(job).frames == 24
-        assert own.solver.worker == worker
-        (note,) = own.notes(job)
-        assert note.code == ProblemCode.DAEMON_RESTARTED
-        assert "SIGKILL" in note.message
-        keys = [frame.key for frame in own.frames(job).values()]
-    assert contents(tmp_path, keys) == contents(foreground, keys)
-
-
-def test_a_worker_that_dies_three_times_in_a_row_ends_its_jobs_with_a_sentence(tmp_path: Path, binary: Path) -> None:
-    (tmp_path / "msgpack.py").write_text("import sys; sys.exit('this is no Lappet')")
-    solver = BackgroundSolver(store=tmp_path / "store", path=[str(tmp_path)])
-    own = Owner(solver)
-    job = solver.manifest(small_procedure(), SETTINGS)
-    assert not own.finished(job).cancelled
-    (refused,) = own.of(Refused, job)
-    assert "3 times in a row" in refused.problems[0].message
-    assert "this is no Lappet" in refused.problems[0].message
-    assert len(own.notes(job)) == 2
-    assert solver.running == ()
-    solver.close(wait=5.0)
-
-
 def test_a_manifest_is_found_in_the_store_after_a_restart_without_compiling(tmp_path: Path, binary: Path) -> None:
     with owner(tmp_path) as own:
         job = own.solver.manifest(small_procedure(), SETTINGS)
@@ -234,62 +142,6 @@ def test_a_manifest_is_found_in_the_store_after_a_restart_without_compiling(tmp_
         own.finished(job)
         assert own.manifest(job).manifest.notes == (TOLD,)
         assert own.manifest(job).manifest.frames == first.frames
-
-
-def test_a_procedure_that_cannot_be_solved_is_refused_with_its_sentences(tmp_path: Path, binary: Path) -> None:
-    hook = Hook("hook", (0.0, 90.0, TOP), ((1.0, (0.0, 0.0, 9.0)),), 1.0, 3.0)
-    excised = small_procedure(events=(Incision("slit", 2.0, ((50.0, 0.0, TOP), (60.0, 0.0, TOP))),))
-    with owner(tmp_path) as own:
-        for procedure, path in ((small_procedure(events=(hook,)), "hook"), (excised, "slit")):
-            job = own.solver.solve(procedure, SETTINGS)
-            assert own.finished(job).frames == 0
-            (refused,) = own.of(Refused, job)
-            assert f"/Procedure/Timeline/{path}" in [problem.prim for problem in refused.problems]
-            assert all(problem.message for problem in refused.problems)
-            assert not own.of(Listed, job)
-        job = own.solver.solve(small_procedure(), SolverSettings(spacing=-1.0))
-        own.finished(job)
-        (refused,) = own.of(Refused, job)
-        assert "-1" in refused.problems[0].message
-        assert own.finished(own.solver.solve(small_procedure(), SETTINGS)).frames == 8
-
-
-def test_a_frame_that_cannot_converge_fails_with_its_reason(tmp_path: Path, binary: Path) -> None:
-    far = Hook("hook", (0.0, 2.0, TOP), ((3.0, (0.0, 2.0, TOP)), (4.0, (0.0, 2.0, 1e6))), 3.0, 7.0)
-    with owner(tmp_path) as own:
-        job = own.solver.solve(small_procedure(events=(far,)), SETTINGS)
-        assert own.finished(job).frames == 3
-        (failed,) = own.of(FrameFailed, job)
-        assert failed.time == 4
-        assert "Frame 4" in str(failed.problem)
-
-
-def test_without_a_daemon_the_refusal_says_so(tmp_path: Path) -> None:
-    with owner(tmp_path, MISSING) as own:
-        job = own.solver.manifest(small_procedure(), SETTINGS)
-        own.finished(job)
-        (refused,) = own.of(Refused, job)
-        assert str(MISSING) in refused.problems[0].message
-
-
-def test_a_store_that_cannot_be_written_costs_a_note_and_no_frame(tmp_path: Path, binary: Path) -> None:
-    (tmp_path / "file").write_text("no folder")
-    with owner(tmp_path / "file" / "store") as own:
-        job = own.solver.solve(small_procedure(), SETTINGS)
-        assert own.finished(job).frames == 8
-        (note,) = own.notes(job)
-        assert (note.code, note.severity) == (ProblemCode.STORE_NOT_WRITABLE, "warning")
-        assert all(frame.frame is not None for frame in own.frames(job).values())
-        # What is not on the disk the worker remembers, and tells it whole.
-        again = own.solver.solve(small_procedure(), SETTINGS)
-        own.finished(again)
-        frames = own.frames(again)
-        assert all(frame.looked_up and frame.frame is not None for frame in frames.values())
-        for time_code, frame in own.frames(job).items():
-            told = frames[time_code].frame
-            assert frame.frame is not None
-            assert told is not None
-            assert told.points.tobytes() == frame.frame.points.tobytes()
 
 
 def test_two_owners_solve_into_one_store_at_once(foreground: Path, tmp_path: Path, binary: Path) -> None:
@@ -321,51 +173,6 @@ def test_a_manifest_does_not_wait_for_a_solve_and_a_newer_manifest_replaces_thos
         assert sum(end.cancelled for manifest in manifests for end in own.of(Finished, manifest)) >= 2
         own.solver.cancel(solve)
         assert own.finished(solve).cancelled
-
-
-OWNER = """
-import json, sys, time
-sys.path[:0] = json.loads(sys.argv[1])
-from pathlib import Path
-from lappet.background.worker_events import FrameReady
-from lappet.background.solver import BackgroundSolver
-from background_owner import SETTINGS, daemon_of
-from test_background_solver import long_procedure
-solver = BackgroundSolver(store=Path(sys.argv[2]))
-job = solver.solve(long_procedure(400), SETTINGS)
-while not any(isinstance(each, FrameReady) for each in solver.poll()):
-    time.sleep(0.005)
-print(solver.worker, daemon_of(solver.worker), flush=True)
-time.sleep(60)
-"""
-
-
-def test_worker_and_daemon_end_with_their_owner(tmp_path: Path, binary: Path) -> None:
-    folders = json.dumps([folder for folder in sys.path if folder])
-    with subprocess.Popen(
-        [sys.executable, "-c", OWNER, folders, str(tmp_path)], stdout=subprocess.PIPE, text=True
-    ) as process:
-        assert process.stdout is not None
-        worker, daemon = map(int, process.stdout.readline().split())
-        assert alive(worker)
-        assert alive(daemon)
-        process.kill()
-    wait_gone(worker)
-    wait_gone(daemon)
-
-
-def test_closing_ends_worker_and_daemon_in_the_middle_of_a_solve(tmp_path: Path, binary: Path) -> None:
-    with owner(tmp_path) as own:
-        own.solver.solve(long_procedure(400), SETTINGS)
-        own.until(is_frame(2))
-        worker = own.solver.worker
-        assert worker is not None
-        daemon = daemon_of(worker)
-        begun = time.perf_counter()
-        own.solver.close()
-        assert time.perf_counter() - begun < 0.05
-        wait_gone(worker)
-        wait_gone(daemon)
 
 
 def test_asking_costs_the_window_next_to_nothing_at_twenty_thousand_vertices(tmp_path: Path, binary: Path) -> None:
@@ -401,18 +208,6 @@ def test_the_worker_imports_neither_usd_nor_blender_nor_the_command_line(binary:
         check=True,
     )
     assert done.stdout.strip() == ""
-
-
-def test_an_error_of_our_own_ends_the_job_and_not_the_worker(tmp_path: Path, binary: Path) -> None:
-    broken = replace(small_procedure(), events=("no event",))
-    with owner(tmp_path) as own:
-        job = own.solver.manifest(broken, SETTINGS)
-        own.finished(job)
-        (refused,) = own.of(Refused, job)
-        assert "error of Lappet's own" in refused.problems[0].message
-        worker = own.solver.worker
-        assert own.finished(own.solver.solve(small_procedure(), SETTINGS)).frames == 8
-        assert own.solver.worker == worker
 
 
 def test_what_happened_in_a_closed_or_unknown_job_is_nothing(tmp_path: Path) -> None:

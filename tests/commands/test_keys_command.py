@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from pathlib import Path
 
 import pytest
@@ -51,6 +52,12 @@ def test_keys_are_made_allowed_listed_and_revoked(home: Path, tmp_path: Path) ->
     assert run("revoke", "anna", "--keys", folder.path).exit_code == 0
     assert folder.users() == ([], [])
     assert "Nobody" in run("list", "--keys", folder.path).stdout
+
+
+def test_the_command_that_starts_the_daemon_can_be_copied_whatever_the_folders_name(tmp_path: Path) -> None:
+    folder = tmp_path / "keys of the clinic"
+    (line,) = [line for line in run("new", "--server", "--keys", folder).stdout.splitlines() if "--listen" in line]
+    assert shlex.split(line.partition(": ")[2])[1:] == ["--listen", "tcp://0.0.0.0:5570", "--keys", str(folder)]
 
 
 def test_a_key_is_taken_from_the_command_line_too(home: Path, tmp_path: Path) -> None:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from lappet.core.problem_code import ProblemCode
-from lappet.designs import fusiform, z_plasty
+from lappet.designs import fusiform, oval, z_plasty
 from lappet.tissue.placement import onto
 from refusals import refuses
 from surface_measures import spherical_cap
@@ -65,6 +65,17 @@ def test_a_fusiform_has_the_published_tip_angle_and_arc(ratio, tip, arc):
     assert design.seed == (1.0, 2.0, 4.0)
 
 
+def test_an_oval_has_its_axes_and_lies_around_the_fusiform_that_it_is_for():
+    axes = np.array([[1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]]) / np.sqrt(2.0)
+    around = np.array(oval((1.0, 2.0, 4.0), 30.0 + 2 * 8.0, 10.0 + 2 * 8.0, (1.0, 1.0, 0.0))) - (1.0, 2.0, 4.0)
+    along, across = axes @ around.T
+    assert (along / 23.0) ** 2 + (across / 13.0) ** 2 == pytest.approx(1.0)
+    assert around[:, 2] == pytest.approx(0.0)
+    assert (np.cross(around, np.roll(around, -1, axis=0))[:, 2] > 0.0).all()  # counter-clockwise
+    tips = np.array(fusiform((1.0, 2.0, 4.0), 30.0, 10.0, (1.0, 1.0, 0.0)).tips) - (1.0, 2.0, 4.0)
+    assert np.linalg.norm(around[[24, 0]] - tips, axis=1) == pytest.approx(8.0)
+
+
 def test_designs_lie_on_a_curved_skin():
     tissue = spherical_cap(rings=32)
     counts = tissue.face_vertex_counts
@@ -74,8 +85,9 @@ def test_designs_lie_on_a_curved_skin():
     triangles = np.array([t for f in faces for t in ([f[:3]] if len(f) == 3 else [f[[0, 1, 2]], f[[0, 2, 3]]])])
     place = onto(tissue.points, triangles)
     z = z_plasty((0.0, 0.0, 60.0), (1.0, 0.0, 0.0), 20.0, project=place)
-    oval = fusiform((0.0, 0.0, 60.0), 30.0, 10.0, (1.0, 0.0, 0.0), project=place)
-    for points in (z.curve, oval.curve):
+    ellipse = fusiform((0.0, 0.0, 60.0), 30.0, 10.0, (1.0, 0.0, 0.0), project=place)
+    around = oval((0.0, 0.0, 60.0), 46.0, 26.0, (1.0, 0.0, 0.0), project=place)
+    for points in (z.curve, ellipse.curve, around):
         assert np.linalg.norm(np.array(points), axis=1) == pytest.approx(60.0, abs=0.15)
 
 
@@ -88,6 +100,9 @@ def test_designs_lie_on_a_curved_skin():
         (lambda: fusiform((0, 0, 0), 10.0, 20.0, (1, 0, 0)), ProblemCode.DESIGN_OVAL),
         (lambda: fusiform((0, 0, 0), float("nan"), 20.0, (1, 0, 0)), ProblemCode.DESIGN_OVAL),
         (lambda: fusiform((0, 0, 0), 30.0, 10.0, (1, 0, 0), samples=1), ProblemCode.DESIGN_SAMPLES),
+        (lambda: oval((0, 0, 0), 30.0, 0.0, (1, 0, 0)), ProblemCode.LENGTH_NOT_POSITIVE),
+        (lambda: oval((0, 0, 0), float("nan"), 10.0, (1, 0, 0)), ProblemCode.LENGTH_NOT_POSITIVE),
+        (lambda: oval((0, 0, 0), 30.0, 10.0, (0, 0, 1)), ProblemCode.DESIGN_DIRECTION),
     ],
 )
 def test_designs_that_cannot_be_drawn_are_refused(draw, code):

@@ -5,12 +5,12 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
 import pytest
 from test_examples import script
 
 from lappet.daemon.daemon_solver import connect_to, solver_identity
 from lappet.daemon.solved_frame import SolvedFrame
+from lappet.designs import oval
 from lappet.procedure import Material, Procedure, Undermine
 from lappet.program.compile import compile_program
 from lappet.program.settings import SolverSettings
@@ -20,7 +20,7 @@ from lappet.tissue.presets.skin import FACE, SCALP, SKIN
 
 SKINS = (SKIN.material, FACE.material, SCALP.material, Material("slack", youngs_modulus=50.0, poissons_ratio=0.45))
 SPACING = 2.0  # mm: its limbs of 90° lie along the lattice, which hardly tells their three rows of sutures apart
-BEYOND = (20.0, 28.0, 4.0)  # mm, half the area that is undermined, and its height
+BEYOND = (40.0, 56.0)  # mm, length and width of the area that is undermined
 
 
 def z_plasty(angle: float, skin: Material) -> Procedure:
@@ -28,9 +28,8 @@ def z_plasty(angle: float, skin: Material) -> Procedure:
     example = script("z_plasty")
     example.ANGLE = angle
     made: Procedure = example.build()
-    turn = np.linspace(0.0, 2.0 * np.pi, 48, endpoint=False)
-    area = np.stack([BEYOND[0] * np.cos(turn), BEYOND[1] * np.sin(turn), np.full(48, BEYOND[2])], axis=1)
-    freed = Undermine("undermining", example.UNDERMINE, tuple(map(tuple, area.tolist())))
+    area = oval((0.0, 0.0, example.THICKNESS), *BEYOND, (1.0, 0.0, 0.0))
+    freed = Undermine("undermining", example.UNDERMINE, area)
     events = tuple(freed if isinstance(event, Undermine) else event for event in made.events)
     return replace(made, tissue=replace(made.tissue, material=skin.name), materials=(skin,), events=events)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import signal
 import sys
@@ -73,13 +74,18 @@ def fault(file: Path, limits: ReadLimits, option: str) -> Any:
     raise KeyError("a key of Lappet's own")
 
 
+def lose(file: Path, limits: ReadLimits, option: str) -> Any:
+    """Meet what the file system says."""
+    raise OSError(errno.ENAMETOOLONG, os.strerror(errno.ENAMETOOLONG), str(file))
+
+
 def refuse(file: Path, limits: ReadLimits, option: str) -> Any:
     """Refuse the file."""
     raise refused(ProblemCode.FILE_NO_TRIANGLES, file)
 
 
 READERS = {each.__name__: each for each in (numbers, garbage, other_value, memory, spin, sleep, hold, crash)}
-READERS |= {each.__name__: each for each in (fault, refuse)}
+READERS |= {each.__name__: each for each in (fault, lose, refuse)}
 
 if __name__ == "__main__":
     serve(READERS, sys.argv[1:])

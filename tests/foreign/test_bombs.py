@@ -173,8 +173,9 @@ def test_a_gltf_that_is_none_is_refused(tmp_path: Path, text: str) -> None:
 
 def test_a_ply_and_an_stl_that_promise_more_than_they_hold_are_refused(tmp_path: Path) -> None:
     properties = "".join(f"property float {axis}\n" for axis in "xyz")
-    for kind in ("ascii", "binary_little_endian"):
-        ply = f"ply\nformat {kind} 1.0\nelement vertex 4000000000\n{properties}end_header\n"
+    remarks = "comment of somebody who has much to say\n" * 3000
+    for kind, before in (("ascii", ""), ("binary_little_endian", ""), ("ascii", remarks)):
+        ply = f"ply\nformat {kind} 1.0\n{before}element vertex 4000000000\n{properties}end_header\n"
         (tmp_path / "mesh.ply").write_text(ply)
         problem = refusal(lambda: read_mesh(tmp_path / "mesh.ply", limits=LIMITS))
         assert (problem.code, problem.value) == (ProblemCode.MESH_SIZES, "4000000000 elements")

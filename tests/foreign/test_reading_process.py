@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import errno
 import os
 import signal
 import subprocess
@@ -17,6 +18,7 @@ from odd_values import Numbers
 
 from lappet.core.problem import RefusedError
 from lappet.core.problem_code import ProblemCode
+from lappet.foreign import reading_child
 from lappet.foreign.limits import GIB, ReadLimits
 from lappet.foreign.reading_process import ReadingProcess
 
@@ -59,6 +61,18 @@ def test_the_problems_of_a_reader_come_back_as_values() -> None:
     assert ending("refuse")[:2] == (ProblemCode.FILE_NO_TRIANGLES, "a file")
     code, _, value = ending("fault")
     assert (code, value) == (ProblemCode.INTERNAL, 'KeyError: "a key of Lappet\'s own"')
+
+
+def test_what_the_file_system_says_is_said_of_the_file_and_no_fault_of_lappet() -> None:
+    code, place, value = ending("lose")
+    assert (code, place, value) == (ProblemCode.FILE_ERROR, "a file", os.strerror(errno.ENAMETOOLONG))
+
+
+def test_a_system_that_does_not_tell_the_memory_of_a_process_hides_no_refusal(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(Path, "read_text", lambda *_, **__: "Name:\tpython\nVmRSS:\t100 kB\n")
+    assert not reading_child._memory_is_spent(SMALL)
+    monkeypatch.setattr(Path, "read_text", lambda *_, **__: f"VmHWM:\t{GIB >> 10} kB\n")
+    assert reading_child._memory_is_spent(SMALL)
 
 
 def test_what_its_parent_holds_is_not_what_a_reader_takes() -> None:

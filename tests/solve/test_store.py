@@ -201,6 +201,18 @@ def test_only_regular_files_of_the_users_own_are_read_and_the_rest_is_removed(tm
 
 
 @posix
+@pytest.mark.skipif(not Path("/proc/self/fd").is_dir(), reason="nothing lists the open files here")
+def test_a_folder_in_the_place_of_a_frame_is_none_and_leaves_nothing_open(tmp_path: Path) -> None:
+    store = FrameStore(tmp_path)
+    store.put(KEY, frame())
+    store.path(KEY).unlink()
+    store.path(KEY).mkdir()
+    before = len(list(Path("/proc/self/fd").iterdir()))
+    assert [store.get(KEY, SolvedFrame) for _ in range(3)] == [None] * 3
+    assert len(list(Path("/proc/self/fd").iterdir())) == before
+
+
+@posix
 def test_a_linked_folder_is_not_the_stores(tmp_path: Path) -> None:
     """Pruning used to follow the link and remove what another program keeps there."""
     elsewhere = tmp_path / "elsewhere"

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 from lappet.core.lazy_exports import lazy_exports
 
 if TYPE_CHECKING:
-    from lappet.checks.validation import check, check_file
+    from lappet.checks.validation import check, check_read
 
-__all__ = ["check", "check_file"]
+__all__ = ["check", "check_read"]
 
-__getattr__, __dir__ = lazy_exports(__name__, {"validation": ("check", "check_file")})
+__getattr__, __dir__ = lazy_exports(__name__, {"validation": ("check", "check_read")})

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import os
 from typing import Any
 
 import numpy as np
@@ -20,13 +19,11 @@ from lappet.checks.suspicious_events import suspicious_events
 from lappet.checks.suspicious_tissue import separate_parts, size_problems
 from lappet.core.problem import Problem, problem
 from lappet.core.problem_code import ProblemCode
-from lappet.foreign.limits import DEFAULT_LIMITS, ReadLimits
 from lappet.procedure import Procedure, Retractor
 from lappet.procedure.prim_names import name_problems
 from lappet.procedure.prim_paths import BONE, MATERIALS, ROOT, TIMELINE, TISSUE
 from lappet.tissue.fan_triangles import fan_triangles
 from lappet.tissue.rest_space import RestSpace
-from lappet.usd.procedure_file import ProcedureFile
 from lappet.usd.stage_procedure import StageProcedure
 
 MEMORY_BUDGET = 8 << 30  # bytes, as `SolverSettings.memory_budget`
@@ -95,40 +92,7 @@ def check(procedure: Procedure, memory_budget: float = MEMORY_BUDGET, spacing: f
     return problems
 
 
-def check_file(
-    path: str | os.PathLike[str],
-    notes: list[Problem] | None = None,
-    memory_budget: float = MEMORY_BUDGET,
-    limits: ReadLimits = DEFAULT_LIMITS,
-) -> list[Problem]:
-    """Find every problem of a procedure's file: those of reading it and those of `check`.
-
-    Parameters
-    ----------
-    path
-        The file.
-    notes
-        Gets a note of everything that was converted or left aside while reading.
-    memory_budget
-        Memory in bytes that the solver may take.
-    limits
-        What reading may take.
-
-    Returns
-    -------
-    list[Problem]
-        The problems.
-
-    Raises
-    ------
-    RefusedError
-        If the file cannot be opened as USD, or takes more than it may.
-    """
-    with ProcedureFile(path, limits) as file:
-        return check_read(file.what_can_be(notes), memory_budget)
-
-
-def check_read(read: StageProcedure, memory_budget: float = MEMORY_BUDGET) -> list[Problem]:
+def check_read(read: StageProcedure) -> list[Problem]:
     """Find every problem of a procedure that was read: those of reading it and those of `check`.
 
     A prim that could not be read is not judged a second time.
@@ -137,8 +101,6 @@ def check_read(read: StageProcedure, memory_budget: float = MEMORY_BUDGET) -> li
     ----------
     read
         What was read.
-    memory_budget
-        Memory in bytes that the solver may take.
 
     Returns
     -------
@@ -149,7 +111,7 @@ def check_read(read: StageProcedure, memory_budget: float = MEMORY_BUDGET) -> li
     if read.procedure is None:
         return unread
     known = {each.prim for each in unread}
-    return unread + [each for each in check(read.procedure, memory_budget) if each.prim not in known]
+    return unread + [each for each in check(read.procedure) if each.prim not in known]
 
 
 def _is_solid(report: MeshReport) -> bool:

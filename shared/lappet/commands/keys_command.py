@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -59,7 +60,8 @@ def _new_server(folder: Path, name: str | None) -> None:
     click.echo(f"The daemon's secret key: {made.server_key.resolve()} (give it to nobody)")
     click.echo(f"The daemon's public key: {made.server_public.resolve()} (send it to every user)")
     click.echo(f"or in 40 characters: {pair.public}")
-    click.echo(f"Start it with: {program} --listen tcp://0.0.0.0:5570 --keys {folder.resolve()}")
+    command = [program, "--listen", "tcp://0.0.0.0:5570", "--keys", str(folder.resolve())]
+    click.echo(f"Start it with: {shlex.join(command)}")
 
 
 @keys.command()

@@ -75,7 +75,8 @@ class BarProgress(SolveObserver):
     def __exit__(
         self, kind: type[BaseException] | None, value: BaseException | None, trace: TracebackType | None
     ) -> None:
-        self._bar.stop()
+        with contextlib.suppress(OSError):  # as of lines
+            self._bar.stop()
 
     def begin(self, frames: int) -> None:
         self._task = self._bar.add_task("frames", total=frames, state="")
@@ -87,7 +88,8 @@ class BarProgress(SolveObserver):
         state = f"frame {iteration.time:g}: iteration {iteration.newton}, residual {iteration.residual:.1e}"
         if iteration.gap > 0.0:
             state += f", gap {iteration.gap:.2g} mm"
-        self._bar.update(self._task, state=state)
+        with contextlib.suppress(OSError):
+            self._bar.update(self._task, state=state)
 
     def frame(self, frame: FrameResult) -> None:
         with contextlib.suppress(OSError):

@@ -230,13 +230,16 @@ def read_public(key: str) -> str:
 
 def _text(path: Path, secret: bool, links: bool) -> str:
     handle = os.open(path, _READ if links else _READ | getattr(os, "O_NOFOLLOW", 0))
-    with os.fdopen(handle, "rb") as file:
+    try:
         found = os.fstat(handle)
         if not stat.S_ISREG(found.st_mode):
             raise refused(ProblemCode.KEY_FILE_KIND, path)
         if secret and os.name == "posix" and found.st_mode & _OTHERS:
             raise refused(ProblemCode.KEY_FILE_OPEN, path, f"{stat.S_IMODE(found.st_mode):04o}")
-        data = file.read(MAX_BYTES + 1)
+        with os.fdopen(handle, "rb", closefd=False) as file:
+            data = file.read(MAX_BYTES + 1)
+    finally:
+        os.close(handle)
     if len(data) > MAX_BYTES:
         raise refused(ProblemCode.KEY_FILE_LARGE, path, MAX_BYTES)
     try:

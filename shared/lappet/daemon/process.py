@@ -19,14 +19,14 @@ from types import TracebackType
 from typing import IO, Self
 
 from lappet.core.printable import printable
-from lappet.core.problem import RefusedError
+from lappet.core.problem import RefusedError, file_problem
 from lappet.core.problem_code import ProblemCode
 from lappet.core.version import version
 from lappet.daemon.frame_solver import SolverDiedError
 from lappet.daemon.key_files import new_pair
 from lappet.daemon.keys_folder import KeysFolder, Quotas, Role, User
 from lappet.daemon.running_daemon import ClientKeys
-from lappet.daemon.stale_sockets import PREFIX, SOCKET, remove_stale_folders
+from lappet.daemon.stale_sockets import PREFIX, SOCKET, remove_stale_folders, socket_places
 
 BINARY = "lappet-solverd"
 _LONGEST_ADDRESS = 100  # bytes; a socket's path has 104 to 108 at most
@@ -99,8 +99,9 @@ def daemon_identity(binary: Path | None = None) -> str:
 class SolverDaemon:
     """A daemon of our own: a context manager that starts it and ends it.
 
-    It listens on a socket in a folder of mode 0700, where the system has such; elsewhere on TCP, with a fresh pair of
-    keys for itself and one for its client. Once it is started, `address`, `token` and `keys` are what a client needs.
+    It listens on a socket in a folder of mode 0700. Where no folder has a name short enough for a socket it listens on
+    TCP, with a fresh pair of keys for itself and one for its client; on Windows on TCP, with its token alone. Once it
+    is started, `address`, `token` and `keys` are what a client needs.
 
     Parameters
     ----------
@@ -145,14 +146,19 @@ class SolverDaemon:
         Raises
         ------
         DaemonMissing
-            If there is no program to start.
+            If there is no program to start, or no folder can be made for its socket.
         DaemonDied
             If it ends before it listens; the message has its last words.
         """
         if self._process is not None:
             return self
         binary = Path(self._binary) if self._binary is not None else find_daemon()
-        command = [str(binary), "--parent", str(os.getpid()), *self._private_address(), *self._arguments]
+        try:
+            place = self._private_address()
+        except OSError as error:  # a full disk
+            self._remove_folder()
+            raise DaemonMissing([file_problem(error)]) from error
+        command = [str(binary), "--parent", str(os.getpid()), *place, *self._arguments]
         environment = {name: value for name, value in os.environ.items() if name != "LAPPET_TOKEN"}
         if self.keys is None:
             environment["LAPPET_TOKEN"] = self.token
@@ -191,7 +197,7 @@ class SolverDaemon:
             return []  # it listens on this computer and asks for the token
         remove_stale_folders()
         sockets, own = self._listen is None, ""
-        for place in (None, "/tmp") if sockets else (None,):  # TMPDIR may have too long a name for a socket
+        for place in socket_places()[: None if sockets else 1]:
             self._remove_folder()
             own = self._folder = tempfile.mkdtemp(prefix=PREFIX, dir=place)  # mode 0700
             address = f"ipc://{own}/{SOCKET}"

@@ -12,7 +12,8 @@ from lappet.core.problem import refused
 from lappet.core.problem_code import ProblemCode
 from lappet.daemon.key_files import KeyPair, read_pair, read_public
 
-_LOOPBACK = re.compile(r"tcp://(127\.\d{1,3}\.\d{1,3}\.\d{1,3}|\[::1\]|localhost):\S+")
+# A port is digits: "tcp://127.0.0.1:0;elsewhere:5570" is ZeroMQ's way to name another computer.
+_LOOPBACK = re.compile(r"tcp://(127\.\d{1,3}\.\d{1,3}\.\d{1,3}|\[::1\]|localhost):\d{1,5}")
 _SOCKET = "ipc://"
 
 

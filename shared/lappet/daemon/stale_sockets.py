@@ -1,4 +1,4 @@
-"""The socket folders of daemons that were killed together with their client: a later start removes them."""
+"""The folders of daemons' sockets: where they are made; what a daemon killed with its client left is removed later."""
 
 from __future__ import annotations
 
@@ -14,18 +14,31 @@ from pathlib import Path
 
 PREFIX = "lappet-"
 SOCKET = "socket"
+SHORT = "/tmp"  # where the folder for temporary files has too long a name for a socket
 _SECONDS = 60.0  # a younger one may be about to listen
+
+
+def socket_places() -> tuple[str, ...]:
+    """Find the folders in which those of sockets are made.
+
+    Returns
+    -------
+    tuple[str, ...]
+        The folder for temporary files first, then one with a short name.
+    """
+    return tuple(dict.fromkeys((tempfile.gettempdir(), SHORT)))
 
 
 def remove_stale_folders() -> None:
     """Remove the user's own folders for sockets at which nobody listens any more; does nothing on Windows."""
     if os.name != "posix":
         return
-    with contextlib.suppress(OSError):
-        for folder in Path(tempfile.gettempdir()).glob(f"{PREFIX}*"):
-            with contextlib.suppress(OSError):
-                if _is_stale(folder):
-                    shutil.rmtree(folder, ignore_errors=True)
+    for place in socket_places():
+        with contextlib.suppress(OSError):
+            for folder in Path(place).glob(f"{PREFIX}*"):
+                with contextlib.suppress(OSError):
+                    if _is_stale(folder):
+                        shutil.rmtree(folder, ignore_errors=True)
 
 
 def _is_stale(folder: Path) -> bool:

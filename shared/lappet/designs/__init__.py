@@ -5,6 +5,7 @@ from __future__ import annotations
 from lappet.designs.flap_design import Carry, Edge, FlapDesign
 from lappet.designs.fusiform_design import Fusiform, fusiform
 from lappet.designs.geodesic_drape import draped_on
+from lappet.designs.oval_outline import oval
 from lappet.designs.rhombic_flap import dufourmentel, limberg
 from lappet.designs.s_plasty import dual_s_plasty
 from lappet.designs.transposition import Row, Schedule, Technique, flap_operation
@@ -25,5 +26,6 @@ __all__ = [
     "flap_operation",
     "fusiform",
     "limberg",
+    "oval",
     "z_plasty",
 ]

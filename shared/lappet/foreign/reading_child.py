@@ -18,7 +18,7 @@ from enum import IntEnum
 from pathlib import Path
 from typing import Any, Never
 
-from lappet.core.problem import Problem, ProblemsError, problem
+from lappet.core.problem import Problem, ProblemsError, file_problem, problem
 from lappet.core.problem_code import ProblemCode
 from lappet.core.value_codec import pack
 from lappet.foreign.limits import ReadLimits
@@ -119,8 +119,8 @@ def _memory_is_spent(limits: ReadLimits) -> bool:
         said = Path("/proc/self/status").read_text(encoding="utf-8")
     except OSError:  # not Linux
         return False
-    (kib,) = (line.split()[1] for line in said.splitlines() if line.startswith("VmHWM:"))
-    return int(kib) * 1024 > _SPENT * limits.memory
+    kib = sum(int(line.split()[1]) for line in said.splitlines() if line.startswith("VmHWM:"))  # not everywhere
+    return kib * 1024 > _SPENT * limits.memory
 
 
 def _value(read: FileReader, file: Path, limits: ReadLimits, option: str) -> Any:
@@ -130,5 +130,7 @@ def _value(read: FileReader, file: Path, limits: ReadLimits, option: str) -> Any
         return ReadRefusal(error.problems)
     except MemoryError:
         raise
+    except OSError as error:
+        return ReadRefusal((file_problem(error, file),))
     except Exception as error:  # to be told by who wanted the file
         return ReadRefusal((problem(ProblemCode.INTERNAL, "", f"{type(error).__name__}: {error}".splitlines()[0]),))

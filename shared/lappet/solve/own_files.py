@@ -129,10 +129,13 @@ def read_own(path: Path, *, forbidden: int = _OTHERS_WRITE) -> bytes | None:
         if error.errno in _LINK:
             remove(path)
         return None
-    with contextlib.suppress(OSError), io.FileIO(handle) as file:
-        if _is_own(os.fstat(handle), forbidden):
-            return file.readall()
-        remove(path)
+    try:
+        with contextlib.suppress(OSError):
+            if _is_own(os.fstat(handle), forbidden):
+                return io.FileIO(handle, closefd=False).readall()
+            remove(path)
+    finally:
+        os.close(handle)
     return None
 
 

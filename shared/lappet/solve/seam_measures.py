@@ -128,33 +128,6 @@ class SeamState:
     mismatch: NDArray[np.float64]
 
 
-def seam_states(
-    procedure: Procedure, program: Program, frames: Sequence[SolvedFrame], forces: Sequence[SutureForce]
-) -> list[SeamState]:
-    """Measure the seams of frames.
-
-    Parameters
-    ----------
-    procedure
-        The procedure.
-    program
-        Its program.
-    frames
-        Frames of it.
-    forces
-        The forces on their sutures.
-
-    Returns
-    -------
-    list[SeamState]
-        Each seam of each frame whose tissue is cut along it, in the order of the frames.
-    """
-    gauges = SeamGauges(procedure, program)
-    return [
-        state for frame in frames for state in gauges.measure(frame, [row for row in forces if row.time == frame.time])
-    ]
-
-
 class SeamGauges:
     """Measure seams, with what of an epoch that needs, which is found once.
 

@@ -8,8 +8,6 @@ from typing import IO
 from lappet.core.problem import refused
 from lappet.core.problem_code import ProblemCode
 
-_MAX_HEADER = 1 << 16  # bytes
-
 
 def refuse_ply_sizes(path: Path, stream: IO[bytes]) -> None:
     """Refuse a PLY file whose header counts more elements than the file has bytes.
@@ -27,12 +25,13 @@ def refuse_ply_sizes(path: Path, stream: IO[bytes]) -> None:
         If it does.
     """
     size = path.stat().st_size
-    header = stream.read(_MAX_HEADER).partition(b"end_header")[0]
-    stream.seek(0)
-    for line in header.splitlines():
+    for line in stream:
         words = line.split()
+        if b"end_header" in words:
+            break
         if len(words) >= 3 and words[0] == b"element":
             count = int(words[2]) if words[2].isdigit() else -1
             if not 0 <= count <= size:
                 name, value = words[1].decode(errors="replace"), words[2].decode(errors="replace")
                 raise refused(ProblemCode.MESH_SIZES, path, f"{value:.20} elements", what=f"{name:.20}", room=size)
+    stream.seek(0)

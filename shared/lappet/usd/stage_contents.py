@@ -40,15 +40,12 @@ class StageContents:
 
     Parameters
     ----------
-    procedure_file
-        The file of the procedure: the file itself, or the one below a skin cache.
     read
-        Its procedure, as far as it could be read.
+        The procedure of the file itself, or of the one below a skin cache, as far as it could be read.
     skin
         What a skin cache says about itself, or None for a procedure.
     """
 
-    procedure_file: str
     read: StageProcedure
     skin: SkinCacheNote | None = None
 
@@ -88,7 +85,7 @@ def contents_of(file: Path, limits: ReadLimits) -> StageContents:
     """
     stage = open_stage(file, limits)
     if not stage.GetPrimAtPath(SKIN):
-        return StageContents(str(file), read_here(file, limits))
+        return StageContents(read_here(file, limits))
     _look_at_values(stage, limits)
     layer = stage.GetRootLayer()
     below = [layer.ComputeAbsolutePath(each) for each in layer.subLayerPaths]
@@ -96,7 +93,7 @@ def contents_of(file: Path, limits: ReadLimits) -> StageContents:
     told = dict(layer.customLayerData).get("lappet", {})
     spacing, key = told.get("spacing"), told.get("lastKey", "")
     note = SkinCacheNote(float(spacing) if isinstance(spacing, (int, float)) else float("nan"), str(key))
-    return StageContents(str(procedure), read_here(procedure, limits), note)
+    return StageContents(read_here(procedure, limits), note)
 
 
 def value_sizes(file: Path, limits: ReadLimits) -> ValueSizes:

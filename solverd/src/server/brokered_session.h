@@ -28,7 +28,6 @@ class BrokeredSession {
 
   BrokeredSession(zmq::context_t& context, const SolverProcessOptions& options, std::string user);
 
-  const std::string& user() const { return user_; }
   SolverProcess& process() { return process_; }
   // The number that `opened` gave; nothing before and after.
   std::optional<std::uint64_t> number() const { return number_; }

@@ -89,9 +89,9 @@ KeysFolder::KeysFolder(std::string path) : path_(std::move(path)) {
 void KeysFolder::read_server_keys(int folder) {
   const std::string path = path_ + "/server.key";
   const KeyEntries entries = read_key_file(folder, "server.key", path, S_IRWXG | S_IRWXO, kServerNames);
-  public_key_ = key_in(entries, "public", path);
+  const std::string public_key = key_in(entries, "public", path);
   secret_key_ = key_in(entries, "secret", path);
-  if (public_key_of(secret_key_) != public_key_) refuse("The two keys in '" + path + "' do not belong together.");
+  if (public_key_of(secret_key_) != public_key) refuse("The two keys in '" + path + "' do not belong together.");
 }
 
 void KeysFolder::refresh() {
@@ -180,13 +180,6 @@ void KeysFolder::index_users(bool strict) {
 const User* KeysFolder::with_key(const std::string& public_key) const {
   const auto found = users_.find(public_key);
   return found == users_.end() ? nullptr : found->second;
-}
-
-const User* KeysFolder::named(const std::string& name) const {
-  const auto found = entries_.find(name + std::string(kUserEnding));
-  if (found == entries_.end() || !found->second.user) return nullptr;
-  const User* user = &*found->second.user;
-  return with_key(user->public_key) == user ? user : nullptr;
 }
 
 }  // namespace lappet

@@ -38,14 +38,11 @@ class KeysFolder {
   // others may enter, keys that do not belong together, or one key of two users.
   explicit KeysFolder(std::string path);
 
-  const std::string& public_key() const { return public_key_; }
   const std::string& secret_key() const { return secret_key_; }
 
   // Reads the users' files that changed since. A file that is wrong, or gone, is no user any more, and the log says so.
   void refresh();
   const User* with_key(const std::string& public_key) const;
-  const User* named(const std::string& name) const;
-  std::size_t size() const { return users_.size(); }
 
  private:
   struct Stamp {
@@ -65,7 +62,7 @@ class KeysFolder {
   void index_users(bool strict);
 
   std::string path_;
-  std::string public_key_, secret_key_;
+  std::string secret_key_;
   std::map<std::string, Entry> entries_;      // by the file's name
   std::map<std::string, const User*> users_;  // by public key: those that no other user has
 };

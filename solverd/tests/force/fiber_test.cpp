@@ -7,80 +7,12 @@
 #include <random>
 #include <vector>
 
+#include "force/fiber_response_samples.h"
+
 namespace lappet {
 namespace {
 
-using Matrix = Eigen::Matrix3d;
-using Vector = Eigen::Vector3d;
-using Parameters = FiberParameters<double>;
-
-// dJ/dF and its derivative in the direction d.
-Matrix cofactor(const Matrix& f) {
-  Matrix c;
-  for (int i = 0; i < 3; ++i) c.col(i) = f.col((i + 1) % 3).cross(f.col((i + 2) % 3));
-  return c;
-}
-Matrix cofactor_change(const Matrix& f, const Matrix& d) { return cofactor(f + d) - cofactor(f) - cofactor(d); }
-
-FiberResponse<double> response(const Matrix& f, const Vector& a, const Parameters& p) {
-  return fiber_response(f.squaredNorm(), (f * a).squaredNorm(), f.determinant(), p);
-}
-Matrix stress(const Matrix& f, const Vector& a, const FiberResponse<double>& r) {
-  return r.shear * f + r.pressure * cofactor(f) + r.along * (f * a) * a.transpose();
-}
-Matrix stress(const Matrix& f, const Vector& a, const Parameters& p) { return stress(f, a, response(f, a, p)); }
-// dP as fiber.h states it: the terms that fibers have alone, and those that join the isotropic material's
-Matrix directed_tangent(const Matrix& f, const Vector& a, double dispersion, const FiberResponse<double>& r,
-                        const Matrix& d) {
-  const Vector y = f * a, dy = d * a;
-  const Matrix b = dispersion * (f + r.volume * cofactor(f)) + (1 - 3 * dispersion) * y * a.transpose();
-  return r.along * dy * a.transpose() + r.curvature * b.cwiseProduct(d).sum() * b +
-         r.muscle_curvature * y.dot(dy) * y * a.transpose();
-}
-Matrix isotropic_tangent(const Matrix& f, const FiberResponse<double>& r, const Matrix& d) {
-  return r.shear * d + r.pressure * cofactor_change(f, d) + r.bulk * cofactor(f).cwiseProduct(d).sum() * cofactor(f);
-}
-Eigen::Matrix<double, 9, 9> assembled(const Matrix& f, const Vector& a, double dispersion,
-                                      const FiberResponse<double>& r) {
-  Eigen::Matrix<double, 9, 9> k;
-  for (int c = 0; c < 9; ++c) {
-    Matrix d = Matrix::Zero();
-    d.data()[c] = 1;
-    k.col(c) = directed_tangent(f, a, dispersion, r, d).reshaped();
-  }
-  return k;
-}
-double lowest_eigenvalue(const Eigen::Matrix<double, 9, 9>& k) {
-  return Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 9, 9>>(k).eigenvalues()[0];
-}
-
-struct Sample {
-  Matrix f;
-  Vector a;
-  Parameters p;
-};
-
-// Random F about I, a fifth of them inverted, a fifth flattened and a fifth stretched so far that the exponent is
-// capped.
-std::vector<Sample> samples() {
-  std::mt19937 random(7);
-  std::uniform_real_distribution<double> unit(0.0, 1.0), sign(-1.0, 1.0);
-  std::vector<Sample> all;
-  for (int k = 0; k < 400; ++k) {
-    Sample s;
-    for (double& x : s.f.reshaped()) x = 0.5 * sign(random);
-    s.f += Matrix::Identity();
-    if (k % 5 == 1) s.f.col(k % 3) *= -1;
-    if (k % 5 == 2) s.f.row(k % 3) *= 1e-6;
-    if (k % 5 == 3) s.f *= 4;
-    s.a = Vector(sign(random), sign(random), sign(random)).normalized();
-    const double slack = k % 7 < 3 ? 1.0 : 1.0 + 0.5 * unit(random);
-    s.p = {5 * unit(random), k % 4 == 0 ? 0.0 : 20 * unit(random), k % 6 == 0 ? 0.0 : unit(random) / 3,
-           slack * slack - 1, k % 3 == 0 ? 0.0 : 40 * unit(random)};
-    all.push_back(s);
-  }
-  return all;
-}
+using namespace fiber_samples;
 
 // E, and whether it is close to where the second derivative of the energy steps.
 double strain(const Sample& s) {
@@ -355,67 +287,6 @@ TEST(Fiber, FloatStaysFiniteFarFromAnyTissueAndAgreesWithDoubleInIt) {
     }
 }
 
-// Table 1 of Blemker, Pinsky, Delp 2005 at an optimal stretch of 1.
-double published_curve(double l) {
-  if (l <= 0.4 || l >= 1.6) return 0.0;
-  if (l <= 0.6) return 9 * (l - 0.4) * (l - 0.4);
-  if (l >= 1.4) return 9 * (l - 1.6) * (l - 1.6);
-  return 1 - 4 * (1 - l) * (1 - l);
-}
-
-TEST(Muscle, IsometricStressFollowsThePublishedForceLengthCurve) {
-  const double greatest = 280.0;
-  for (double l = 0.0; l < 2.2; l += 0.05) {
-    const Matrix f = Vector(l, 1.1, 0.9).asDiagonal();
-    const Matrix p = stress(f, Vector::UnitX(), Parameters{0.0, 0.0, 0.0, 0.0, greatest});
-    EXPECT_NEAR(p(0, 0), greatest * published_curve(l), 1e-11 * greatest) << l;
-    EXPECT_NEAR(p.norm(), std::abs(p(0, 0)), 1e-12);
-  }
-}
-
-TEST(Muscle, PullsWithItsWholeStressAtTheOptimalLengthAndNotAtAllBeyondItsEnds) {
-  const Parameters p{0.0, 0.0, 0.0, 0.0, 280.0};
-  const auto optimal = fiber_response(3.0, 1.0, 1.0, p);
-  EXPECT_DOUBLE_EQ(optimal.along, 280.0);
-  EXPECT_DOUBLE_EQ(optimal.along + optimal.muscle_curvature, 0.0);  // the top of the curve is flat
-  EXPECT_EQ(optimal.energy, 0.0);
-  for (const double l : {0.0, 1e-12, 0.2, 0.399, 1.601, 3.0}) {
-    const auto r = fiber_response(3.0, l * l, 1.0, p);
-    EXPECT_NEAR(r.along, 0.0, 1e-12) << l;
-    EXPECT_NEAR(r.muscle_curvature, 0.0, 1e-12) << l;
-  }
-}
-
-TEST(Muscle, EnergyIsTheWorkOfThePublishedCurve) {
-  const Parameters p{0.0, 0.0, 0.0, 0.0, 1.0};
-  for (double l = 0.05; l < 2.0; l += 0.05) {
-    const int steps = 20000;
-    double work = 0.0;  // midpoint rule from 1 to l
-    for (int k = 0; k < steps; ++k) work += published_curve(1 + (l - 1) * (k + 0.5) / steps) * (l - 1) / steps;
-    EXPECT_NEAR(fiber_response(3.0, l * l, 1.0, p).energy, work, 1e-8) << l;
-  }
-}
-
-TEST(Muscle, ThatPullsNothingIsPassedOverWithTheSameBits) {
-  for (Sample s : samples()) {
-    s.p.muscle = 0.0;
-    const double i1 = s.f.squaredNorm(), i4 = (s.f * s.a).squaredNorm();
-    const double j = s.f.determinant();
-    auto whole = fiber_response(i1, i4, j, s.p);
-    make_definite(whole, i4, PsdProjection::kClamp);
-    s.p.active = false;
-    const auto passed_over = fiber_response(i1, i4, j, s.p);
-    EXPECT_EQ(passed_over.energy, whole.energy);
-    EXPECT_EQ(passed_over.shear, whole.shear);
-    EXPECT_EQ(passed_over.pressure, whole.pressure);
-    EXPECT_EQ(passed_over.bulk, whole.bulk);
-    EXPECT_EQ(passed_over.volume, whole.volume);
-    EXPECT_EQ(passed_over.along, whole.along);
-    EXPECT_EQ(passed_over.curvature, whole.curvature);
-    EXPECT_EQ(passed_over.muscle_curvature, whole.muscle_curvature);
-  }
-}
-
 TEST(Fiber, DirectedTangentOfFibersAloneIsDefiniteAsItIs) {
   for (auto s : samples()) {
     s.p.muscle = 0.0;
@@ -465,41 +336,6 @@ TEST(Fiber, IsotropicPartOfTheTangentJoinsThatOfTheMaterial) {
     indefinite += lowest_eigenvalue(expected) < -1e-9 * expected.norm();
   }
   EXPECT_GT(indefinite, 20);  // the pressure: this is why it is projected together with the material's tangent
-}
-
-TEST(Muscle, TangentBeyondTheOptimalLengthIsMadeDefiniteAndOthersAreLeft) {
-  int indefinite = 0, kept = 0;
-  for (const auto& s : samples()) {
-    const double i4 = (s.f * s.a).squaredNorm();
-    const auto exact = response(s.f, s.a, s.p);
-    const auto before = assembled(s.f, s.a, s.p.dispersion, exact);
-    const bool is_indefinite = exact.along + exact.muscle_curvature * i4 < -1e-12;
-    for (const auto how : {PsdProjection::kClamp, PsdProjection::kAbsolute}) {
-      auto r = exact;
-      make_definite(r, i4, how);
-      const auto k = assembled(s.f, s.a, s.p.dispersion, r);
-      EXPECT_LE((k - k.transpose()).norm(), 1e-13 * k.norm());
-      EXPECT_GE(lowest_eigenvalue(k), -1e-13 * (before.norm() + k.norm()));
-      const double value = exact.along + exact.muscle_curvature * i4;
-      const double definite = how == PsdProjection::kAbsolute ? std::abs(value) : std::max(value, 0.0);
-      EXPECT_NEAR(r.along + r.muscle_curvature * i4, definite, 1e-12 * (1 + std::abs(exact.along)));
-      if (!is_indefinite) {
-        EXPECT_LE((k - before).norm(), 1e-12 * (1 + before.norm()));
-      }
-      (is_indefinite ? indefinite : kept) += 1;
-    }
-    auto untouched = exact;
-    make_definite(untouched, i4, PsdProjection::kExact);
-    EXPECT_EQ(untouched.muscle_curvature, exact.muscle_curvature);
-  }
-  EXPECT_GT(indefinite, 20);
-  EXPECT_GT(kept, 20);
-  // a muscle alone on the falling side of its curve has a negative eigenvalue that is gone afterwards
-  const Matrix f = Vector(1.3, 1, 1).asDiagonal();
-  auto r = response(f, Vector::UnitX(), Parameters{0.0, 0.0, 0.0, 0.0, 10.0});
-  EXPECT_NEAR(lowest_eigenvalue(assembled(f, Vector::UnitX(), 0.0, r)), -10 * 8 * 0.3, 1e-10);
-  make_definite(r, 1.69, PsdProjection::kAbsolute);
-  EXPECT_NEAR(r.along + 1.69 * r.muscle_curvature, 24.0, 1e-10);
 }
 
 }  // namespace

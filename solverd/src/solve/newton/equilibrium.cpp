@@ -39,9 +39,10 @@ constexpr double kGoodEstimate = 0.25, kClearly = 0.3;
 constexpr double kAtEnd = 0.8;
 // Where the linear estimate is in doubt the search ends at this share: where the exact tangent has directions of
 // negative curvature, as at a saddle, and a definite one stands in, which is too stiff for what is soft; where the
-// energy did not fall as predicted in the last step; and where the step to come is no smaller a part of the last one
-// than Newton-Raphson makes it near an equilibrium. The last two are the signs of a place that tissue passes slowly
-// before it moves on.
+// last step was not a whole one with the exact tangent, so that nothing shows yet whether Newton-Raphson converges;
+// where the energy did not fall as predicted in it; and where the step to come is no smaller a part of it than
+// Newton-Raphson makes it near an equilibrium. The last three are the signs of a place that tissue passes slowly before
+// it moves on.
 constexpr double kUnsure = 0.1, kBent = 0.1, kContraction = 0.3;
 // A search that is within its tolerances of forces and gaps ends where in so many steps neither the displacement still
 // to come has fallen to this share nor the energy by what its rounding leaves of it: along a curved valley, as of
@@ -206,7 +207,8 @@ class EquilibriumSearch {
   }
 
   // Forces and gaps are within their tolerances: whether the displacement still to come is too, which ends the search.
-  // It is no larger than the last Newton step, if that was a whole one; else the next one is found and not taken.
+  // It is no larger than the last Newton step, if that was a whole one whose size is well known; else the next one is
+  // found and not taken.
   bool has_arrived() {
     const bool known = options_.known && outcome_.newton_iterations == 0 && options_.known->energy == now_.energy &&
                        options_.known->residual == outcome_.residual;
@@ -215,7 +217,7 @@ class EquilibriumSearch {
     } else if (options_.accuracy == Accuracy::kFrame && !(now_.residual > kNoForce * now_.force_scale)) {
       if (options_.keeps_step) outcome_.step.assign(u_.size(), 0.0f);
     } else if (options_.accuracy == Accuracy::kFrame) {
-      bool near = last_step_ <= kAtEnd && !bent_;
+      bool near = last_step_ <= kAtEnd && good_ && !bent_;
       outcome_.to_come = last_step_ * unit_;
       if (!near || options_.keeps_step) {
         if (!solve_tangent(false, true) || observer_.stop()) return false;
@@ -239,7 +241,7 @@ class EquilibriumSearch {
 
   // Share of the limit that the solution of the last linear solve may be where the search ends.
   double nearness() const {
-    if (used_ != PsdProjection::kExact || bent_) return kUnsure;
+    if (used_ != PsdProjection::kExact || bent_ || !whole_) return kUnsure;
     return std::min(outcome_.newton_iterations > 0 ? kAtEnd : 1.0, std::max(kContraction * last_step_, kUnsure));
   }
 
@@ -298,6 +300,7 @@ class EquilibriumSearch {
     if (tracks) {
       const double sum = limits->share(step_);
       to_come_ = sum + pieces.left();
+      good_ = pieces.left() <= kGoodEstimate * sum;
       unit_ = DisplacementLimits<Real>::largest_length(step_) / std::max(sum, 1e-300);
     }
     if (linear_.reduction < 1.0 && linear_.iterations > 0)
@@ -360,8 +363,8 @@ class EquilibriumSearch {
       tangent_.agreed(taken.alpha, taken.ratio, used_);
       if (taken.alpha < kCutShort && used_ == PsdProjection::kExact) bend_step(taken.alpha, slope);
     }
-    const bool whole = !carries && taken.alpha == 1.0 && used_ == PsdProjection::kExact;
-    last_step_ = whole ? to_come_ : std::numeric_limits<double>::infinity();
+    whole_ = !carries && taken.alpha == 1.0 && used_ == PsdProjection::kExact;
+    last_step_ = whole_ ? to_come_ : std::numeric_limits<double>::infinity();
     cut_ = !carries && taken.alpha < 1.0;
     bent_ = !carries && std::abs(taken.ratio - 1.0) > kBent;
     if (options_.accuracy == Accuracy::kRelaxation)
@@ -397,6 +400,7 @@ class EquilibriumSearch {
     outcome_.active_cells = neighborhood.active_cells;
     evaluate();
     last_step_ = with_rim(neighborhood);
+    good_ = true;
     spdlog::debug("  {} cells went ahead: newton {} residual {:.2e}", neighborhood.active_cells,
                   neighborhood.newton_iterations, now_.relative_residual);
     return true;
@@ -449,6 +453,7 @@ class EquilibriumSearch {
   double nearest_ = std::numeric_limits<double>::infinity();
   double energy_at_arrival_ = std::numeric_limits<double>::infinity();  // from which a fall is counted
   int arrivals_ = 0;
+  bool whole_ = true;               // the last step was a whole one with the exact tangent, or none was made
   bool bent_ = false;               // the energy did not fall as predicted in the last step
   bool cut_ = false;                // the line search made the last step shorter
   bool exact_failed_ = false;       // no step along its direction lowered the energy
@@ -457,6 +462,7 @@ class EquilibriumSearch {
   PsdProjection used_ = PsdProjection::kExact;
   LinearOutcome linear_;
   double to_come_ = 0.0;  // of the last linear solve, as a share of the limits
+  bool good_ = false;     // and whether the iterations told it well
   bool clearly_near_ = false;
   double unit_ = 0.0;                                           // mm of such a share
   double last_step_ = std::numeric_limits<double>::infinity();  // if it was a whole one with the exact tangent
