@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +20,7 @@ from lappet.cutting.epoch import Epoch
 from lappet.daemon.solved_frame import SCALARS, SolvedFrame
 from lappet.geometry.labeled_surface import FaceOrigin
 from lappet.geometry.shading_normals import ShadingNormals
+from lappet.geometry.vectors import bounds
 from lappet.output.boundary_forces import write_boundary_forces
 from lappet.output.force_errors import write_force_errors
 from lappet.output.seam_curves import write_seams
@@ -103,10 +105,12 @@ def _author(layer: Any, procedure: Procedure, program: Program, frames: Sequence
     usd.UsdGeom.Xform.Define(stage, "/Procedure/Skin")
     times = [frame.time for frame in frames]
     epochs = {constraints.time: constraints.epoch for constraints in program.frames}
-    for epoch in program.epochs:
-        own = [frame for frame in frames if epochs[frame.time] == epoch.index]
-        if own:
-            _write_epoch(stage, epoch, own, times, program.fps)
+    shown = [epoch for epoch in program.epochs if epoch.index in {epochs[time] for time in times}]
+    with ThreadPoolExecutor() as pool:  # what numpy computes, it computes in several threads at once
+        shaded = pool.map(lambda epoch: ShadingNormals(epoch.surface), shown)
+        for epoch, shading in zip(shown, shaded, strict=True):
+            own = [frame for frame in frames if epochs[frame.time] == epoch.index]
+            _write_epoch(stage, epoch, shading, own, times, program.fps, pool)
     _write_sutures(stage, procedure, program, frames)
     _write_threads(stage, procedure, program, frames)
     _write_hooks(stage, procedure, program, frames)
@@ -127,7 +131,15 @@ def _metadata(stage: Any, procedure: Procedure, program: Program, frames: Sequen
     layer.customLayerData = {"lappet": {"version": version(), "spacing": program.settings.spacing, "lastKey": last_key}}
 
 
-def _write_epoch(stage: Any, epoch: Epoch, frames: Sequence[SolvedFrame], times: Sequence[float], fps: float) -> None:
+def _write_epoch(
+    stage: Any,
+    epoch: Epoch,
+    shading: ShadingNormals,
+    frames: Sequence[SolvedFrame],
+    times: Sequence[float],
+    fps: float,
+    pool: ThreadPoolExecutor,
+) -> None:
     usd = pxr()
     surface = epoch.surface
     types, tokens = usd.Sdf.ValueTypeNames, usd.UsdGeom.Tokens
@@ -154,7 +166,6 @@ def _write_epoch(stage: Any, epoch: Epoch, frames: Sequence[SolvedFrame], times:
     color = primvars.CreatePrimvar("displayColor", types.Color3fArray, tokens.uniform)
     color.Set(_vectors(_COLORS))
     color.SetIndices(usd.Vt.IntArray.FromNumpy(surface.origin.astype(np.int32)))
-    shading = ShadingNormals(surface)
     normals = primvars.CreatePrimvar("normals", types.Normal3fArray, tokens.faceVarying)
     normals.SetIndices(usd.Vt.IntArray.FromNumpy(shading.indices))
     measured = [
@@ -164,12 +175,14 @@ def _write_epoch(stage: Any, epoch: Epoch, frames: Sequence[SolvedFrame], times:
     points, velocities, extent = mesh.CreatePointsAttr(), mesh.CreateVelocitiesAttr(), mesh.CreateExtentAttr()
     points.Set(_vectors(surface.points))  # at no time: at rest, which taut tissue leaves as soon as it is cut
     moved = [np.asarray(frame.points, np.float32) for frame in frames]
-    for i, frame in enumerate(frames):
+    shaded = pool.map(shading.at, moved)
+    speeds = pool.map(lambda i: _velocity(moved, i, fps), range(len(moved)))
+    for frame, place, normal, velocity in zip(frames, moved, shaded, speeds, strict=True):
         time = frame.time
-        points.Set(_vectors(moved[i]), time)
-        normals.Set(_vectors(shading.at(moved[i])), time)
-        velocities.Set(_vectors(_velocity(moved, i, fps)), time)
-        extent.Set(_vectors(np.stack([moved[i].min(axis=0), moved[i].max(axis=0)])), time)
+        points.Set(_vectors(place), time)
+        normals.Set(_vectors(normal), time)
+        velocities.Set(_vectors(velocity), time)
+        extent.Set(_vectors(bounds(place)), time)
         for name, primvar in scalars.items():
             primvar.Set(usd.Vt.FloatArray.FromNumpy(np.require(frame.scalar(name), np.float32, ["C", "A"])), time)
     own = {frame.time for frame in frames}
