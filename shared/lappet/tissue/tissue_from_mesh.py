@@ -21,6 +21,7 @@ from lappet.procedure import Tissue
 from lappet.tissue.crop_mesh import Level, box_levels, crop, near, refine_smoothly, sphere_level
 from lappet.tissue.mesh_file import Mesh, read_mesh
 from lappet.tissue.mesh_repair import fill, orient, weld
+from lappet.tissue.outer_part import outer_part
 from lappet.tissue.patch import UV_SCALE
 from lappet.tissue.thicken import Sheet, rim_rows, thicken
 
@@ -94,7 +95,8 @@ def new_tissue(
     if levels is not None:
         if thickness is None:
             raise refused(ProblemCode.REGION_NEEDS_THICKNESS, name)
-        mesh = _region(mesh, levels, resolution or thickness, name, lines)
+        middle = np.asarray(sphere[0] if sphere else np.mean(box, axis=0), np.float64)
+        mesh = _region(mesh, levels, middle, resolution or thickness, name, lines)
     if thickness is None:
         tissue = _closed_tissue(mesh, spacing, name, lines)
     else:
@@ -122,8 +124,10 @@ def chosen_spacing(volume: float, thickness: float = 0.0) -> float:
     return float(f"{max(thickness / 4.0, (volume / _CELLS) ** (1.0 / 3.0)):.2g}")
 
 
-def _region(mesh: Mesh, levels: list[Level], edge: float, name: str, lines: list[str]) -> Mesh:
-    """The largest connected part of the surface inside the region, refined to edges of `edge` mm and cut cleanly."""
+def _region(
+    mesh: Mesh, levels: list[Level], middle: NDArray[np.float64], edge: float, name: str, lines: list[str]
+) -> Mesh:
+    """One connected part of the surface inside the region, refined to edges of `edge` mm and cut cleanly."""
     low, high = place(mesh.points.min(axis=0)), place(mesh.points.max(axis=0))
     triangles = near(mesh.points, mesh.triangles, levels)
     if len(triangles) == 0:
@@ -135,7 +139,9 @@ def _region(mesh: Mesh, levels: list[Level], edge: float, name: str, lines: list
     points, triangles = crop(points, triangles, levels)
     if len(triangles) == 0:
         raise refused(ProblemCode.REGION_EMPTY, name, low=low, high=high)
-    return _largest_part(Mesh(points, triangles), lines)
+    part, line = outer_part(mesh, Mesh(points, triangles), middle)
+    lines += [] if line is None else [line]
+    return part
 
 
 def _largest_part(mesh: Mesh, lines: list[str]) -> Mesh:
